@@ -21,7 +21,7 @@ mod direction;
 mod drive;
 mod error;
 mod errors;
-mod gear;
+pub(crate) mod gear;
 mod latch;
 mod master;
 mod math;

@@ -236,6 +236,14 @@ fn a_ramp_and_what_it_takes() {
         assert!(text.contains(key), "{text}");
     }
     desk.twin(&[&tune[..], &["--within", "1"]].concat()).ended(1, "not within 1 s");
+    // 1 mm/s³: 1 s longer, each ramp takes 2/1 + 1/1 s on 3 mm.
+    let parabolic = [&tune[..], &["--ramp", "parabolic"]].concat();
+    let done = desk.twin(&[&parabolic[..], &["--max-jerk", "1", "--format", "json"]].concat());
+    done.ended(0, "");
+    let found = object(&done.stdout);
+    let duration = found["ramp"]["duration_s"].as_f64().expect("a duration");
+    assert!((duration - 8.0).abs() < 1e-5, "{duration}");
+    desk.twin(&parabolic).ended(1, "a ramp needs a limit of the slave's jerk");
 }
 
 /// What is asked for in vain, and a sample that a sensor spoilt, are said so that it is clear what to do.

@@ -7,7 +7,7 @@ use crate::cam::StartMode;
 /// position, velocity and acceleration that there is to none, with the axis's ramps. Nothing steps, and beside the cam's
 /// own jerk there is never more than the axis's.
 #[derive(Clone, Debug)]
-pub(super) struct Approach {
+pub(crate) struct Approach {
     profile: Profile,
     /// From the slave to its cam at the beginning, u.
     distance: f64,
@@ -15,16 +15,16 @@ pub(super) struct Approach {
 
 /// Where an approach begins, and which way it may go.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Gap {
+pub(crate) struct Gap {
     /// From the slave to its cam, u.
-    pub(super) distance: f64,
+    pub(crate) distance: f64,
     /// The slave's velocity beside the cam's, u/s.
-    pub(super) velocity: f64,
+    pub(crate) velocity: f64,
     /// The slave's acceleration beside the cam's, u/s².
-    pub(super) acceleration: f64,
+    pub(crate) acceleration: f64,
     /// Of a rotary slave, u.
-    pub(super) period: Option<f64>,
-    pub(super) mode: StartMode,
+    pub(crate) period: Option<f64>,
+    pub(crate) mode: StartMode,
 }
 
 impl Approach {
@@ -34,7 +34,7 @@ impl Approach {
     /// # Errors
     ///
     /// As [`Profile::to_position`].
-    pub(super) fn new(
+    pub(crate) fn new(
         gap: Gap,
         limits: AxisLimits,
         ramp: RampType,
@@ -57,8 +57,13 @@ impl Approach {
         Ok((Self { profile, distance }, turned))
     }
 
+    /// The motion on top of the cam's.
+    pub(crate) fn profile(&self) -> &Profile {
+        &self.profile
+    }
+
     /// How a slave moves `time` s after the beginning whose cam moves like this; none once it is there.
-    pub(super) fn at(&self, time: f64, cam: State) -> Option<State> {
+    pub(crate) fn at(&self, time: f64, cam: State) -> Option<State> {
         (time < self.profile.duration()).then(|| {
             let State { position, velocity, acceleration } = self.profile.at(time);
             State {

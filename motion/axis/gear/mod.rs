@@ -8,6 +8,7 @@ mod phasing;
 mod switch;
 mod velocity;
 
+pub(crate) use approach::{Approach, Gap};
 pub use cam::{CamIn, CamRun};
 pub use in_pos::{GearInPos, GearInPosRun};
 pub use phasing::Phasing;

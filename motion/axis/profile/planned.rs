@@ -113,6 +113,19 @@ impl Profile {
         self.end
     }
 
+    /// The stretches of constant jerk: how long each takes, s, its acceleration at the beginning, u/s², and its jerk, u/s³.
+    /// None of a profile with sigmoid ramps, whose acceleration swings.
+    pub(crate) fn stretches(&self) -> Option<impl Iterator<Item = [f64; 3]> + '_> {
+        let segments = self.track.segments();
+        let ends = segments.iter().skip(1).map(|next| next.start).chain([self.track.duration]);
+        let straight = segments.iter().all(|segment| segment.angular == 0.0);
+        straight.then(|| {
+            segments.iter().zip(ends).map(|(segment, end)| {
+                [end - segment.start, segment.state.acceleration, segment.jerk]
+            })
+        })
+    }
+
     /// State `time` s after the start, for times before that the start itself. After the end the motion goes on with
     /// the velocity it has there. Where the acceleration steps, it is that after the step.
     pub fn at(&self, time: f64) -> State {

@@ -2,20 +2,21 @@
 //! and 5.4): so that the slave is on its cam soonest, or comes onto it in a given time as gently as can be.
 //!
 //! The ramp is added to the cam, which goes on meanwhile, so both together have to keep the limits of the axis. While the
-//! master moves evenly the cam's velocity and acceleration are polynomials of time and those of the ramp straight lines
-//! piece by piece: what both together reach is found exactly.
+//! master moves evenly the cam's velocity and acceleration are polynomials of time and those of the ramp lines or, with
+//! limited jerk, parabolas piece by piece: what both together reach is found exactly.
 //!
 //! First the ramp gets what the cam leaves over on the way the master makes meanwhile. The quicker the ramp, the shorter
 //! that way and the more is left over, so this is repeated. From the best of these each of the three values is changed as
 //! long as that is better; whether it is, and keeps the limits, is always found exactly.
 
-use super::super::bridge::Bridge;
 use super::super::coupling::CamCoupling;
 use super::super::curve::{Curve, CurveExtremes, Range};
 use super::super::polynomial::{Coefficients, Extremes, extremes, value};
 use super::super::selection::{CamInput, StartMode};
 use super::along::{along, extremes_along};
 pub use super::ramp_wish::{RampError, RampGoal, RampIn, RampWish};
+use crate::axis::gear::{Approach, Gap};
+use crate::axis::profile::{AxisLimits, RampType};
 use crate::cam::SlaveLimits;
 
 /// Rounds in which the way of the master gets shorter.
@@ -40,6 +41,14 @@ pub fn ramp_in(wish: &RampWish) -> Result<RampIn, RampError> {
         if !(value.is_finite() && value > 0.0) {
             return Err(RampError::NoLimit { what, value });
         }
+    }
+    let jerk = wish.limits.jerk;
+    match wish.ramp {
+        RampType::Sigmoid => return Err(RampError::Sigmoid),
+        RampType::Parabolic if !(jerk.is_finite() && jerk > 0.0) => {
+            return Err(RampError::NoLimit { what: "jerk", value: jerk });
+        }
+        RampType::Parabolic | RampType::Trapezoid => {}
     }
     let problem = Problem { wish };
     let mut best = problem.soonest()?;
@@ -75,6 +84,17 @@ fn values(ramp: &RampIn) -> [f64; 3] {
 
 struct Problem<'a> {
     wish: &'a RampWish,
+}
+
+/// The motion of a ramp.
+#[derive(Debug)]
+struct Way {
+    /// Where the master is on the scale of the cam when it begins.
+    place: f64,
+    /// The slave's velocity beside the cam's, u/s.
+    velocity: f64,
+    /// How long each stretch takes, s, its acceleration at the beginning, u/s², and its jerk, u/s³.
+    pieces: Vec<[f64; 3]>,
 }
 
 impl Problem<'_> {
@@ -121,7 +141,8 @@ impl Problem<'_> {
         }
         // Steps as large as the jerk allows, and so slow that between them is a cycle or more.
         let pull = acceleration.min(self.wish.limits.jerk * self.wish.cycle_s);
-        let slower = if self.wish.limits.jerk.is_finite() { 48 } else { 0 };
+        let steps = self.wish.ramp == RampType::Trapezoid && self.wish.limits.jerk.is_finite();
+        let slower = if steps { 48 } else { 0 };
         for halvings in 0..slower {
             let part = 0.5_f64.powf(f64::from(halvings) / 2.0);
             take(&mut best, self.ramp([velocity * part, pull, pull])?);
@@ -138,8 +159,8 @@ impl Problem<'_> {
                 RampError::Beyond { what: "position", reached: least, limit: low }
             } else if v < velocity && a < acceleration && greatest > high {
                 RampError::Beyond { what: "position", reached: greatest, limit: high }
-            } else if v < velocity && a < acceleration && gentlest.peak_jerk > jerk {
-                RampError::Beyond { what: "jerk", reached: gentlest.peak_jerk, limit: jerk }
+            } else if v < velocity && a < acceleration && self.jerk(&gentlest) > jerk {
+                RampError::Beyond { what: "jerk", reached: self.jerk(&gentlest), limit: jerk }
             } else if v >= velocity {
                 RampError::NoRoom { what: "velocity", peak: v, limit: velocity }
             } else {
@@ -173,51 +194,82 @@ impl Problem<'_> {
     }
 
     /// A ramp of these values, and exactly what comes of it.
-    fn ramp(&self, [velocity, up, down]: [f64; 3]) -> Result<RampIn, RampError> {
-        let RampWish { table, input, master, slave, .. } = self.wish;
-        let start_mode = match input.start_mode {
-            StartMode::Absolute | StartMode::Relative => StartMode::RampIn,
-            directed => directed,
-        };
-        let input = CamInput {
-            start_mode,
-            velocity_difference: velocity,
-            acceleration: up,
-            deceleration: down,
-            ..*input
-        };
-        let coupling = CamCoupling::start(table.clone(), input, master, slave, 0)?;
+    fn ramp(&self, values: [f64; 3]) -> Result<RampIn, RampError> {
+        let [velocity_difference, acceleration, deceleration] = values;
+        let slave = self.wish.slave;
         let mut found = RampIn {
-            velocity_difference: velocity,
-            acceleration: up,
-            deceleration: down,
+            velocity_difference,
+            acceleration,
+            deceleration,
             duration_s: 0.0,
             peak_velocity: slave.velocity.abs(),
             peak_acceleration: 0.0,
             peak_jerk: 0.0,
+            peak_cam_jerk: 0.0,
             positions: [slave.position; 2],
         };
-        if let Some(bridge) = coupling.bridge() {
-            self.follow(bridge, coupling.place(), &mut found);
+        if let Some(way) = self.way(values)? {
+            self.follow(&way, &mut found);
         }
         Ok(found)
     }
 
+    /// The motion of a ramp of these values, on top of the cam's; none if there is nothing to go.
+    fn way(
+        &self,
+        [velocity, acceleration, deceleration]: [f64; 3],
+    ) -> Result<Option<Way>, RampError> {
+        let RampWish { table, input, master, slave, limits, ramp, .. } = self.wish;
+        let mode = match input.start_mode {
+            StartMode::Absolute | StartMode::Relative => StartMode::RampIn,
+            directed => directed,
+        };
+        if *ramp == RampType::Trapezoid {
+            let input = CamInput {
+                start_mode: mode,
+                velocity_difference: velocity,
+                acceleration,
+                deceleration,
+                ..*input
+            };
+            let coupling = CamCoupling::start(table.clone(), input, master, slave, 0)?;
+            return Ok(coupling.bridge().map(|bridge| Way {
+                place: coupling.place(),
+                velocity: bridge.velocity(),
+                pieces: bridge.pieces().map(|(duration, pull)| [duration, pull, 0.0]).to_vec(),
+            }));
+        }
+        let input = CamInput { start_mode: StartMode::Absolute, ..*input };
+        let coupling = CamCoupling::start(table.clone(), input, master, slave, 0)?;
+        let on_cam = coupling.output().slave;
+        let gap = Gap {
+            distance: on_cam.position - slave.position,
+            velocity: slave.velocity - on_cam.velocity,
+            acceleration: slave.acceleration - on_cam.acceleration,
+            period: table.slave_period,
+            mode,
+        };
+        let limits = AxisLimits { velocity, acceleration, deceleration, jerk: limits.jerk };
+        let (approach, _) = Approach::new(gap, limits, *ramp)?;
+        let pieces = approach.profile().stretches().map(Iterator::collect);
+        Ok(pieces.map(|pieces| Way { place: coupling.place(), velocity: gap.velocity, pieces }))
+    }
+
     /// What ramp and cam reach together.
-    fn follow(&self, bridge: &Bridge, place: f64, found: &mut RampIn) {
+    fn follow(&self, way: &Way, found: &mut RampIn) {
         let speed = self.speed();
         let factor = self.wish.input.slave_scaling;
-        let mut velocity = bridge.velocity();
+        let Way { mut velocity, place, .. } = *way;
         let mut from = place;
         let mut position = self.wish.slave.position;
-        let mut jerk = 0.0_f64;
+        let mut jerks = [Extremes::NONE; 2];
         // The slave comes without acceleration, and the cam has its own from the start on.
         let table = &self.wish.table;
         let here = self.curve();
         let here = if table.periodic { here.repeated(place) } else { here.at(place) };
         let mut changes = vec![(0.0, -here.acceleration * speed * speed * factor)];
-        for (duration, pull) in bridge.pieces() {
-            let way = speed * duration;
+        for [duration, pull, jerk] in way.pieces.iter().copied() {
+            let distance = speed * duration;
             if duration > 0.0 {
                 changes.push((found.duration_s, pull));
             }
@@ -226,38 +278,42 @@ impl Problem<'_> {
             along(
                 self.curve(),
                 from,
-                way,
+                distance,
                 self.wish.table.periodic,
                 &mut |[y, first, second, third], width, gone| {
                     // Time is the way over the speed; a master that stands takes the whole duration at one place.
-                    let (per_way, at_once) =
-                        if speed == 0.0 { (0.0, duration) } else { (1.0 / speed.abs(), 0.0) };
-                    let begin = velocity + pull * gone * per_way;
-                    let mut sum: Coefficients = first.map(|c| c * speed * factor);
-                    sum[0] += begin;
-                    sum[1] += pull * per_way;
-                    both[0].join(&extremes(&sum, width), 0.0);
-                    both[0].include(0.0, sum[0] + pull * at_once);
-                    let mut sum = second.map(|c| c * speed * speed * factor);
-                    sum[0] += pull;
-                    both[1].join(&extremes(&sum, width), 0.0);
-                    let own = extremes(&third, width);
-                    let own = own.min.abs().max(own.max.abs());
-                    jerk = jerk.max((own * speed.powi(3) * factor).abs());
-                    // From where the stretch begins on, over the way; over the time of a master that stands.
-                    let mut sum = y.map(|c| c * factor);
-                    sum[0] = position;
-                    let over = if speed == 0.0 {
-                        sum = [0.0; 7];
-                        sum[0] = position;
-                        (1.0, duration)
-                    } else {
-                        (per_way, width)
+                    let stands = speed == 0.0;
+                    let (rate, width) =
+                        if stands { (1.0, duration) } else { (1.0 / speed.abs(), width) };
+                    let since = if stands { 0.0 } else { gone * rate };
+                    // What the cam does over the way, or at its place over the time.
+                    let of_cam = |c: Coefficients, by: f64| {
+                        let c = c.map(|c| c * by);
+                        if stands { [c[0], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] } else { c }
                     };
-                    sum[1] += begin * over.0;
-                    sum[2] += pull / 2.0 * over.0 * over.0;
-                    reached.join(&extremes(&sum, over.1), 0.0);
-                    position = value(&sum, over.1);
+                    let pulled = pull + jerk * since;
+                    let begin = velocity + since * (pull + jerk * since / 2.0);
+                    let mut sum = of_cam(first, speed * factor);
+                    sum[0] += begin;
+                    sum[1] += pulled * rate;
+                    sum[2] += jerk / 2.0 * rate * rate;
+                    both[0].join(&extremes(&sum, width), 0.0);
+                    let mut sum = of_cam(second, speed * speed * factor);
+                    sum[0] += pulled;
+                    sum[1] += jerk * rate;
+                    both[1].join(&extremes(&sum, width), 0.0);
+                    let mut sum = of_cam(third, speed.powi(3) * factor);
+                    jerks[0].join(&extremes(&sum, width), 0.0);
+                    sum[0] += jerk;
+                    jerks[1].join(&extremes(&sum, width), 0.0);
+                    // From where the stretch begins on.
+                    let mut sum = of_cam(y, factor);
+                    sum[0] = position;
+                    sum[1] += begin * rate;
+                    sum[2] += pulled / 2.0 * rate * rate;
+                    sum[3] += jerk / 6.0 * rate.powi(3);
+                    reached.join(&extremes(&sum, width), 0.0);
+                    position = value(&sum, width);
                 },
             );
             if duration > 0.0 {
@@ -268,11 +324,19 @@ impl Problem<'_> {
                 (*least, *greatest) = (least.min(reached.min), greatest.max(reached.max));
             }
             found.duration_s += duration;
-            velocity += pull * duration;
-            from += way;
+            velocity += duration * (pull + jerk * duration / 2.0);
+            from += distance;
+        }
+        if way.pieces.is_empty() {
+            return;
         }
         changes.push((found.duration_s, 0.0));
-        found.peak_jerk = self.step(&changes) / self.wish.cycle_s + jerk;
+        let [of_cam, of_both] = jerks.map(|extremes| Range::from(extremes).magnitude());
+        found.peak_cam_jerk = of_cam;
+        found.peak_jerk = match self.wish.ramp {
+            RampType::Trapezoid => self.step(&changes) / self.wish.cycle_s + of_cam,
+            RampType::Sigmoid | RampType::Parabolic => of_both,
+        };
     }
 
     /// The largest change of the ramp's acceleration within a cycle, of its times and values from then on.
@@ -289,6 +353,11 @@ impl Problem<'_> {
         largest
     }
 
+    /// The jerk that is held against the limit. A parabolic ramp has that of the limit itself.
+    fn jerk(&self, ramp: &RampIn) -> f64 {
+        if self.wish.ramp == RampType::Parabolic { ramp.peak_cam_jerk } else { ramp.peak_jerk }
+    }
+
     fn keeps(&self, ramp: &RampIn) -> bool {
         let SlaveLimits { velocity, acceleration, .. } = self.wish.limits;
         // What the slave moves at from before is not the ramp's doing.
@@ -298,7 +367,7 @@ impl Problem<'_> {
         let room = ROUNDING * least.abs().max(greatest.abs());
         least >= low - room
             && greatest <= high + room
-            && ramp.peak_jerk <= self.wish.limits.jerk * (1.0 + ROUNDING)
+            && self.jerk(ramp) <= self.wish.limits.jerk * (1.0 + ROUNDING)
             && ramp.peak_velocity <= velocity * (1.0 + ROUNDING)
             && ramp.peak_acceleration <= acceleration * (1.0 + ROUNDING)
     }

@@ -2,6 +2,7 @@
 
 use super::super::coupling::{AxisState, CouplingError};
 use super::super::selection::{CamInput, CamTable};
+use crate::axis::profile::{ProfileError, RampType};
 use crate::cam::SlaveLimits;
 use crate::short::Short;
 
@@ -28,8 +29,12 @@ pub struct RampWish {
     pub master: AxisState,
     /// Where the slave is at the start, and its velocity.
     pub slave: AxisState,
-    /// What the slave may do; velocity and acceleration finite. Ramps have steps of acceleration, which are a jerk of the
-    /// step by the time of a cycle.
+    /// The ramps of the slave's axis: [`RampType::Trapezoid`], whose acceleration steps, which is a jerk of the step by the
+    /// time of a cycle, or [`RampType::Parabolic`] with the jerk of the limits. Sigmoid ramps are refused: what they reach
+    /// together with a cam has no closed form.
+    pub ramp: RampType,
+    /// What the slave may do; velocity and acceleration finite, with parabolic ramps the jerk as well. `MC_CamIn` has no
+    /// input for the jerk of a ramp: with parabolic ones that of the cam comes beside it, and the limit holds for each.
     pub limits: SlaveLimits,
     /// Least and greatest position of the slave, u; infinite where there is no limit.
     pub position: [f64; 2],
@@ -54,9 +59,11 @@ pub struct RampIn {
     pub peak_velocity: f64,
     /// The largest acceleration of the slave until then, exact, u/s².
     pub peak_acceleration: f64,
-    /// The largest jerk of the slave until then, u/s³: the largest step of the ramp's acceleration by the time of a cycle,
-    /// and the largest jerk of the cam beside it.
+    /// The largest jerk of the slave until then, u/s³. With trapezoid ramps the largest step of the ramp's acceleration by
+    /// the time of a cycle, and the largest jerk of the cam beside it; with parabolic ones exact, of both together.
     pub peak_jerk: f64,
+    /// The largest jerk of the cam alone until then, exact, u/s³.
+    pub peak_cam_jerk: f64,
     /// Least and greatest position of the slave until then, exact, u.
     pub positions: [f64; 2],
 }
@@ -67,11 +74,17 @@ pub enum RampError {
     /// The coupling does not start.
     #[error(transparent)]
     Coupling(#[from] CouplingError),
+    /// The ramp cannot be reckoned.
+    #[error(transparent)]
+    Profile(#[from] ProfileError),
+    /// Sigmoid ramps.
+    #[error("ramps onto a cam are found for trapezoid and parabolic ramps, not for sigmoid ones")]
+    Sigmoid,
     /// A ramp needs a limit of this.
     #[error("a ramp needs a limit of the slave's {what} that is greater than 0; {}",
         if .value.is_infinite() { "none is given".to_owned() } else { format!("it is {value}") })]
     NoLimit {
-        /// Velocity or acceleration.
+        /// Velocity, acceleration or jerk.
         what: &'static str,
         /// What it is.
         value: f64,

@@ -5,6 +5,7 @@ use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::sample::{MOST, Sampling, reach, write};
 use crate::cam::tune::ramp;
 use crate::finding::{Rule, Severity};
+use twin_motion::axis::profile::RampType;
 use twin_motion::cam::tune::RampGoal;
 use twin_motion::cam::{AxisState, MasterMotion, SlaveLimits};
 
@@ -139,7 +140,8 @@ fn a_ramp_goes_round_by_the_shorter_way() {
     {
         let use_it = using(&file, 0.1, AxisLimits { motion, period, ..AxisLimits::NONE });
         let slave = AxisState { position: 350.0, ..AxisState::default() };
-        let found = ramp(&file, &use_it, 0.0, slave, RampGoal::Soonest).expect("a ramp");
+        let found = ramp(&file, &use_it, 0.0, slave, (RampType::Trapezoid, RampGoal::Soonest))
+            .expect("a ramp");
         assert!((found.duration_s - expected).abs() < 1e-4, "{found:?}");
         for (found, expected) in found.positions.into_iter().zip(ends) {
             assert!((found - expected).abs() < 1e-3, "{found} {expected}");

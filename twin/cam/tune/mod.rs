@@ -13,6 +13,7 @@ use super::edit::Change;
 use super::{CamFile, WANTED};
 use crate::number::significant;
 use std::sync::Arc;
+use twin_motion::axis::profile::RampType;
 use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{
     FitError, Free, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
@@ -118,7 +119,7 @@ fn lines(outliers: &[(u64, f64)]) -> String {
 /// Time from one set-point to the next, s.
 const CYCLE_S: f64 = 1e-3;
 
-/// Finds a ramp for a start.
+/// Finds a ramp for a start, of an axis with such ramps.
 ///
 /// # Errors
 /// [`TuneError::Ramp`] if there is none within the limits.
@@ -127,7 +128,7 @@ pub fn ramp(
     using: &CamUse,
     master: f64,
     slave: AxisState,
-    goal: RampGoal,
+    (ramp, goal): (RampType, RampGoal),
 ) -> Result<RampIn, TuneError> {
     let mut table = CamTable::new(Arc::new(file.cam.clone()));
     table.periodic = using.repeated;
@@ -141,7 +142,8 @@ pub fn ramp(
     let velocity = using.master.velocity;
     let master = AxisState { position: master, velocity, acceleration: 0.0 };
     let (limits, position) = (using.limits.motion, using.limits.position);
-    let wish = RampWish { table, input, master, slave, limits, position, cycle_s: CYCLE_S, goal };
+    let wish =
+        RampWish { table, input, master, slave, limits, position, ramp, cycle_s: CYCLE_S, goal };
     Ok(ramp_in(&wish)?)
 }
 

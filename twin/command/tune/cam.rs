@@ -18,6 +18,7 @@ use crate::finding;
 use clap::ValueEnum;
 use std::io;
 use std::path::PathBuf;
+use twin_motion::axis::profile::RampType;
 use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{Free, RampGoal, Tolerance};
 use twin_motion::cam::{AxisState, Quantity, StartMode};
@@ -66,9 +67,20 @@ pub(super) struct Arguments {
     goal: Goal,
 
     /// Find `VelocityDiff`, Acceleration and Deceleration for a start from here: master, slave, and the slave's velocity.
-    /// Within the limits of velocity, acceleration, position and jerk; a step of acceleration is a jerk of the step by 1 ms
+    /// Within the limits of velocity, acceleration, position and jerk
     #[arg(long, value_name = "MASTER,SLAVE[,VELOCITY]", allow_hyphen_values = true, value_parser = start)]
     ramp_in: Option<[f64; 3]>,
+
+    /// Ramps of the slave's axis, as `ramp` of a job says: with trapezoid ones its acceleration steps, which is a jerk of the
+    /// step by 1 ms; with parabolic ones it changes by the limit of the jerk, beside the cam's
+    #[arg(
+        long,
+        value_name = "TYPE",
+        value_enum,
+        default_value = "trapezoid",
+        requires = "ramp_in"
+    )]
+    ramp: Ramp,
 
     /// The ramp takes so long at most, s, and is as gentle as can be; else it is as short as the limits allow
     #[arg(long, value_name = "S", requires = "ramp_in", value_parser = positive)]
@@ -126,6 +138,21 @@ enum Find {
 enum SlaveColumn {
     Measured,
     Wanted,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Ramp {
+    Trapezoid,
+    Parabolic,
+}
+
+impl From<Ramp> for RampType {
+    fn from(ramp: Ramp) -> Self {
+        match ramp {
+            Ramp::Trapezoid => Self::Trapezoid,
+            Ramp::Parabolic => Self::Parabolic,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -336,7 +363,7 @@ fn tuned(
             Some(Some(moved)) => moved,
             _ => file,
         };
-        let found = ramp(cam, &report.after, master, slave, goal)?;
+        let found = ramp(cam, &report.after, master, slave, (arguments.ramp.into(), goal))?;
         let input = &mut report.after.coupling.input;
         input.velocity_difference = clean(found.velocity_difference);
         input.acceleration = clean(found.acceleration);
@@ -344,7 +371,7 @@ fn tuned(
         if matches!(input.start_mode, StartMode::Absolute | StartMode::Relative) {
             input.start_mode = StartMode::RampIn;
         }
-        report.ramp = Some(found);
+        report.ramp = Some((arguments.ramp.into(), found));
     }
     Ok(())
 }

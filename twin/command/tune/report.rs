@@ -9,6 +9,7 @@ use crate::command::show::table;
 use crate::number::significant;
 use serde_json::{Value, json};
 use std::io::{self, Write};
+use twin_motion::axis::profile::RampType;
 use twin_motion::cam::Quantity;
 use twin_motion::cam::tune::{DeadTime, Estimate, Fit, RampIn};
 
@@ -39,7 +40,7 @@ pub(super) struct Report<'a> {
     pub(super) within: bool,
     pub(super) shaped: Option<Shaped>,
     pub(super) goal: Option<ShapeGoal>,
-    pub(super) ramp: Option<RampIn>,
+    pub(super) ramp: Option<(RampType, RampIn)>,
     pub(super) changes: Vec<Change>,
     /// Why not everything was found.
     pub(super) refused: Option<String>,
@@ -99,7 +100,7 @@ impl<'a> Report<'a> {
                 ),
             });
         }
-        if let Some(ramp) = &self.ramp {
+        if let Some((_, ramp)) = &self.ramp {
             parts.push(format!("on the cam after {} s", short(ramp.duration_s)));
         }
         if parts.is_empty() { "within the limits".to_owned() } else { parts.join("; ") }
@@ -172,15 +173,20 @@ impl<'a> Report<'a> {
         if let Some(shaped) = &self.shaped {
             self.tell_shape(out, shaped)?;
         }
-        if let Some(ramp) = &self.ramp {
+        if let Some((kind, ramp)) = &self.ramp {
+            let jerk = match kind {
+                RampType::Trapezoid => "as its acceleration steps within a millisecond, ",
+                _ => "with the cam's own jerk, ",
+            };
             writeln!(
                 out,
-                "ramp: on the cam after {} s; the slave reaches {} {slave}/s, {} {slave}/s² and, as its acceleration steps within a \
-                 millisecond, {} {slave}/s³, and goes from {} to {} {slave}",
+                "ramp: on the cam after {} s; the slave reaches {} {slave}/s, {} {slave}/s² and, {jerk}{} {slave}/s³ (the cam \
+                 alone {}), and goes from {} to {} {slave}",
                 short(ramp.duration_s),
                 short(ramp.peak_velocity),
                 short(ramp.peak_acceleration),
                 short(ramp.peak_jerk),
+                short(ramp.peak_cam_jerk),
                 short(ramp.positions[0]),
                 short(ramp.positions[1]),
             )?;
@@ -326,12 +332,13 @@ impl<'a> Report<'a> {
                 }).collect::<Vec<_>>(),
             })
         });
-        let ramp = self.ramp.as_ref().map(|ramp| {
+        let ramp = self.ramp.as_ref().map(|(kind, ramp)| {
+            let kind = if *kind == RampType::Trapezoid { "trapezoid" } else { "parabolic" };
             json!({
                 "velocity_difference": ramp.velocity_difference, "acceleration": ramp.acceleration,
                 "deceleration": ramp.deceleration, "duration_s": ramp.duration_s,
                 "peak_velocity": ramp.peak_velocity, "peak_acceleration": ramp.peak_acceleration,
-                "peak_jerk": ramp.peak_jerk, "position_min": ramp.positions[0], "position_max": ramp.positions[1],
+                "peak_jerk": ramp.peak_jerk, "peak_cam_jerk": ramp.peak_cam_jerk, "ramp": kind, "position_min": ramp.positions[0], "position_max": ramp.positions[1],
             })
         });
         let (file, block) = self.lines();

@@ -1,6 +1,8 @@
 //! Ramps: as soon as can be where that is known in closed form, and held against the coupling itself.
 
 use super::Random;
+use crate::axis::gear::{Approach, Gap};
+use crate::axis::profile::{AxisLimits, RampType, State};
 use crate::cam::tune::{RampError, RampGoal, RampIn, RampWish, ramp_in};
 use crate::cam::{
     AxisState, Cam, CamCoupling, CamInput, CamTable, Knot, Shape, SlaveLimits, StartMode,
@@ -23,6 +25,7 @@ fn wish(knots: &[Knot], master: AxisState, slave: AxisState, limits: SlaveLimits
         input: CamInput { start_mode: StartMode::RampIn, ..CamInput::default() },
         master,
         slave,
+        ramp: RampType::Trapezoid,
         limits,
         position: [f64::NEG_INFINITY, f64::INFINITY],
         cycle_s: 1e-3,
@@ -237,5 +240,106 @@ fn random_ramps_are_what_the_coupling_does_and_none_is_sooner() {
                 assert!(seconds > found.duration_s * 0.98 - 1e-3, "{seed}: {other:?} {found:?}");
             }
         }
+    }
+}
+
+/// 10 u from rest to rest with 10 u/s² and 100 u/s³: the peak v has v²/10 + v/10 = 10, and the way takes 2·(v/10 + 0.1) s. No
+/// motion is gentler in 4 s than one that is at its least acceleration for as long as the jerk allows.
+#[test]
+fn a_dwell_is_reached_within_the_jerk() {
+    let limits = SlaveLimits { velocity: 100.0, acceleration: 10.0, jerk: 100.0 };
+    let wish = wish(&dwell(), moving(5.0, 3.0), moving(0.0, 0.0), limits);
+    let wish = RampWish { ramp: RampType::Parabolic, ..wish };
+    let found = ramp_in(&wish).expect("a ramp");
+    let v = (-0.1 + (0.01_f64 + 4.0).sqrt()) * 5.0;
+    assert!((found.duration_s - 2.0 * (v / 10.0 + 0.1)).abs() < 1e-6, "{found:?}");
+    assert!((found.peak_velocity - v).abs() < 1e-5, "{found:?} {v}");
+    assert!((found.peak_jerk - 100.0).abs() < 1e-6 && found.peak_cam_jerk == 0.0, "{found:?}");
+    // In T s over d, up, at once down again: with acceleration a, (T/2 − a/j)·a·T/2 = d.
+    let gentle = ramp_in(&RampWish { goal: RampGoal::Gentlest { within_s: 4.0 }, ..wish.clone() });
+    let gentle = gentle.expect("a ramp");
+    let a = 50.0 * (2.0 - (4.0 - 4.0 * 5.0 / 100.0_f64).sqrt());
+    assert!((gentle.peak_acceleration - a).abs() < 1e-4 * a, "{gentle:?} {a}");
+
+    let refused = |wish: &RampWish| ramp_in(wish).expect_err("no ramp");
+    let endless = SlaveLimits { jerk: f64::INFINITY, ..limits };
+    let none = refused(&RampWish { limits: endless, ..wish.clone() });
+    assert_eq!(none, RampError::NoLimit { what: "jerk", value: f64::INFINITY });
+    assert_eq!(refused(&RampWish { ramp: RampType::Sigmoid, ..wish }), RampError::Sigmoid);
+}
+
+/// What is told of a ramp with limited jerk is what its motion and the cam's make together, cycle by cycle; its acceleration
+/// begins with that of the slave and ends with that of the cam.
+#[test]
+fn what_ramps_with_limited_jerk_reach_is_what_they_do() {
+    const CYCLE_S: f64 = 1e-4;
+    for seed in 0..40 {
+        let mut random = Random(seed + 700);
+        let sign = if seed % 3 == 0 { -1.0 } else { 1.0 };
+        let master = moving(random.between(0.0, 360.0), sign * random.between(20.0, 300.0));
+        let slave = moving(random.between(-50.0, 150.0), random.between(-20.0, 20.0));
+        let limits = SlaveLimits { velocity: 400.0, acceleration: 4000.0, jerk: 200_000.0 };
+        let wish = RampWish { ramp: RampType::Parabolic, ..wish(&lift(), master, slave, limits) };
+        let found = ramp_in(&wish).unwrap_or_else(|error| panic!("{seed}: {error}"));
+
+        let curve = wish.table.cam.curve();
+        let on_cam = |time: f64| {
+            let at = curve.repeated(master.position + master.velocity * time);
+            let v = master.velocity;
+            State {
+                position: at.position,
+                velocity: at.velocity * v,
+                acceleration: at.acceleration * v * v,
+            }
+        };
+        let from = on_cam(0.0);
+        let gap = Gap {
+            distance: from.position - slave.position,
+            velocity: slave.velocity - from.velocity,
+            acceleration: -from.acceleration,
+            period: None,
+            mode: StartMode::RampIn,
+        };
+        let with = AxisLimits {
+            velocity: found.velocity_difference,
+            acceleration: found.acceleration,
+            deceleration: found.deceleration,
+            jerk: limits.jerk,
+        };
+        let (approach, _) = Approach::new(gap, with, RampType::Parabolic).expect("a way");
+        let (mut peaks, mut reached, mut before) = ([0.0_f64; 3], [slave.position; 2], 0.0);
+        for cycle in 0..1_000_000 {
+            let time = f64::from(cycle) * CYCLE_S;
+            let Some(state) = approach.at(time, on_cam(time)) else {
+                assert!(
+                    (time - found.duration_s).abs() <= 1.1 * CYCLE_S,
+                    "{seed}: {time} {found:?}"
+                );
+                break;
+            };
+            let jerk = (state.acceleration - before) / CYCLE_S;
+            let now = [state.velocity, state.acceleration, jerk].map(f64::abs);
+            for (peak, now) in peaks.iter_mut().zip(now) {
+                *peak = peak.max(now);
+            }
+            reached = [reached[0].min(state.position), reached[1].max(state.position)];
+            before = state.acceleration;
+        }
+        let told = [found.peak_velocity, found.peak_acceleration, found.peak_jerk];
+        for (peak, told) in peaks.into_iter().zip(told) {
+            assert!(
+                peak <= told * (1.0 + 1e-6) && peak >= 0.95 * told,
+                "{seed}: {peaks:?} {found:?}"
+            );
+        }
+        for (reached, told) in reached.into_iter().zip(found.positions) {
+            assert!((reached - told).abs() < 0.05, "{seed}: {reached} {found:?}");
+        }
+        assert!(
+            told[0] <= 400.0 * (1.0 + 1e-9) && told[1] <= 4000.0 * (1.0 + 1e-9),
+            "{seed}: {found:?}"
+        );
+        // The ramp's own jerk and the cam's.
+        assert!(told[2] <= 200_000.0 + found.peak_cam_jerk * (1.0 + 1e-9), "{seed}: {found:?}");
     }
 }
