@@ -2,6 +2,9 @@
 //!
 //! This library is what the `twin` command is made of; ARCHITECTURE.md says how it hangs together.
 
+#[macro_use]
+mod tell;
+
 pub mod cam;
 pub mod check;
 pub mod clock;

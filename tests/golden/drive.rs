@@ -38,6 +38,12 @@ impl Hand {
         self.desk.twin(&self.arguments(&words))
     }
 
+    /// The command itself, to be started.
+    pub(crate) fn command(&self, action: &str) -> std::process::Command {
+        let words: Vec<_> = action.split(' ').collect();
+        self.desk.command(&self.arguments(&words))
+    }
+
     /// It is done.
     #[track_caller]
     pub(crate) fn does(&self, action: &str) -> Done {

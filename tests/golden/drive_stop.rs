@@ -1,9 +1,11 @@
 //! `twin drive … stop` goes out first, whatever else is wrong.
 
-use crate::drive::{Hand, a_bus, a_module};
+use crate::drive::{Hand, a_board, a_bus, a_module};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 use twin_drives::bim2ax::emulator::{EmulatedModule, Event};
 use twin_drives::bim2ax::{Bim2AxDrive, Bim2AxDriveOptions, MemoryFile, ModuleAxis};
+use twin_drives::interpcnc::{BoardAxis, emulator as board};
 use twin_drives::smartdrive::emulator as bus;
 use twin_drives::{Drive, MAX_DRIVE_AXES};
 
@@ -108,4 +110,56 @@ fn a_stop_of_a_bim2ax_whose_master_waits_is_no_end() {
     master.move_to(&target, &speed).expect("it moves again");
     assert!((0..1000).any(|round| !rests(round)), "it stands");
     master.soft_stop().unwrap_or_default();
+}
+
+/// Waits until X of a board moves.
+fn under_way_on(running: &board::EmulatedBoard) {
+    let moves = (0..1000).any(|_| {
+        std::thread::sleep(Duration::from_millis(10));
+        running.look().expect("it runs").velocity(BoardAxis::X) != 0.0
+    });
+    assert!(moves, "X does not move");
+}
+
+fn send(signal: &str, process: u32) {
+    let sent = Command::new("kill").args([signal, &process.to_string()]).status();
+    assert!(sent.expect("kill is there").success());
+}
+
+/// The window in which it was started is closed, or what has read its words has gone: the axes stop all the same.
+#[test]
+fn a_stop_needs_nobody_who_listens() {
+    for signal in ["-HUP", "-INT"] {
+        let (running, hand) = a_board(1);
+        hand.does("unlock");
+        let mut jog = hand.command("move X 1000000 --speed 2000 --yes");
+        let mut child =
+            jog.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("a process");
+        under_way_on(&running);
+        // Whatever it says from now on fails.
+        drop((child.stdout.take(), child.stderr.take()));
+        send(signal, child.id());
+        let ended = child.wait().expect("it ends");
+        assert_eq!(ended.code(), Some(2), "{signal}");
+        let board = running.stop().expect("it runs");
+        assert!(board.status().moving().is_empty(), "{signal}");
+        let stands = board.counters()[0];
+        assert!((1..1_000_000).contains(&stands), "{signal}: {stands}");
+    }
+}
+
+/// Who starts it with `nohup` wants it to go on when the terminal is closed.
+#[test]
+fn what_is_to_outlive_its_terminal_does() {
+    let (running, hand) = a_board(1);
+    hand.does("unlock");
+    let moved = hand.command("move X 6000 --speed 2000 --yes");
+    let mut shell = Command::new("sh");
+    shell.args(["-c", "trap '' HUP; exec \"$@\"", "sh"]).arg(moved.get_program());
+    shell.args(moved.get_args()).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut child = shell.spawn().expect("a process");
+    under_way_on(&running);
+    send("-HUP", child.id());
+    assert_eq!(child.wait().expect("it ends").code(), Some(0));
+    assert_eq!(running.stop().expect("it runs").counters()[0], 6000);
 }

@@ -235,23 +235,23 @@ impl Failure {
         match self {
             Self::Machine(error) => {
                 for report in error.reports() {
-                    eprintln!("{report:?}");
+                    tell!("{report:?}");
                 }
             }
             Self::Cam(error) => match *error {
                 CamFileError::Toml(error) => {
                     for report in error.reports() {
-                        eprintln!("{report:?}");
+                        tell!("{report:?}");
                     }
                 }
-                other => eprintln!("{:?}", miette::Report::msg(other.to_string())),
+                other => tell!("{:?}", miette::Report::msg(other.to_string())),
             },
             // Whoever reads our output has gone: not worth a message.
             Self::Stdio(error) if error.kind() == std::io::ErrorKind::BrokenPipe => {}
             other => {
                 let mut diagnostic = MietteDiagnostic::new(other.to_string());
                 diagnostic.help = other.advice().map(str::to_owned);
-                eprintln!("{:?}", miette::Report::new(diagnostic));
+                tell!("{:?}", miette::Report::new(diagnostic));
             }
         }
     }

@@ -21,8 +21,8 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let interrupt = run::Interrupt::catch()?;
     let viewer = twin_viz::view_recording(&arguments.recording, arguments.serve)?;
-    eprintln!("{} is shown at {}", arguments.recording.display(), viewer.url());
-    eprintln!("Ctrl-C ends it.");
+    tell!("{} is shown at {}", arguments.recording.display(), viewer.url());
+    tell!("Ctrl-C ends it.");
     interrupt.wait();
     Ok(Status::Fit)
 }

@@ -98,7 +98,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     }
     if let Some(tolerance) = arguments.tolerance {
         let (cam, before) = reduced(&file, tolerance, arguments)?;
-        eprintln!("{before} points became {}", cam.shape().len());
+        tell!("{before} points became {}", cam.shape().len());
         file.cam = cam;
         file.source = None;
     }
@@ -115,7 +115,7 @@ fn tell(file: &CamFile, whole: &Curve, arguments: &Arguments) -> Result<(), Fail
     let again = CamFile::load(&arguments.to, arguments.interpolation.into()).map_err(Box::new)?;
     let Peak { value: far, master: at } = whole.largest_distance(again.cam.curve());
     for line in lost(file, &again) {
-        eprintln!("{}: lost: {line}", arguments.to.display());
+        tell!("{}: lost: {line}", arguments.to.display());
     }
     let unit = file.slave.unit();
     // Rounding of decimals that were cleaned moves nothing.
@@ -129,7 +129,7 @@ fn tell(file: &CamFile, whole: &Curve, arguments: &Arguments) -> Result<(), Fail
             significant(at, 6)
         )
     };
-    eprintln!("{}: {} points; {difference}", arguments.to.display(), again.cam.shape().len());
+    tell!("{}: {} points; {difference}", arguments.to.display(), again.cam.shape().len());
     Ok(())
 }
 

@@ -83,7 +83,7 @@ impl Session {
             Ok(Ok(value)) => return Ok(value),
             Ok(Err(error)) => Ok(error),
             Err(name) => {
-                eprintln!("{name}: stopping");
+                beside(format!("{name}: stopping"));
                 Err(name)
             }
         };
@@ -119,7 +119,7 @@ impl Session {
             }
         });
         let Err(why) = soft else { return Ok("the axes are at rest") };
-        eprintln!("{why}: stopping at once");
+        beside(format!("{why}: stopping at once"));
         match self.runtime.block_on(drive.hard_stop()) {
             Ok(()) => Ok("the axes were stopped at once"),
             Err(hard) => Err(format!(
@@ -129,13 +129,20 @@ impl Session {
     }
 }
 
+/// Says something while the axes are being stopped. A terminal may be held (Ctrl-S) and take no words for as long as it likes:
+/// no stop waits for that.
+fn beside(words: String) {
+    let thread = std::thread::Builder::new().name("words".to_owned());
+    drop(thread.spawn(move || tell!("{words}")));
+}
+
 /// Returns on the next Ctrl-C, or what is like it, with its name.
 async fn pressed(interrupt: &Interrupt) -> &'static str {
     let before = interrupt.count();
     while interrupt.count() == before {
         tokio::time::sleep(LOOK).await;
     }
-    interrupt.name()
+    interrupt.latest()
 }
 
 #[cfg(test)]

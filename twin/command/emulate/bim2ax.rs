@@ -80,11 +80,11 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     for what in afterwards {
         running.control(what);
     }
-    eprintln!("BIM2AX-BOCM, memory file {}", running.path().display());
+    tell!("BIM2AX-BOCM, memory file {}", running.path().display());
     serve(console, &mut running)?;
     let module = running.stop()?;
     let positions = ModuleAxis::ALL.map(|axis| module.position(axis));
-    eprintln!("{} interrupts served; positions {positions:?}", module.served());
+    tell!("{} interrupts served; positions {positions:?}", module.served());
     Ok(Status::Fit)
 }
 

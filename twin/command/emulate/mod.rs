@@ -155,7 +155,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 /// Serves until Ctrl-C, obeying the control socket.
 fn serve(mut console: Option<Console>, device: &mut dyn Obeys) -> Result<(), Failure> {
     let interrupt = run::Interrupt::catch()?;
-    eprintln!("Ctrl-C ends it.");
+    tell!("Ctrl-C ends it.");
     while interrupt.count() == 0 {
         if let Some(console) = &mut console {
             console.serve(device);

@@ -85,7 +85,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     let bus = EmulatedBus::start(&emulator, move || clock.now_ns())
         .map_err(|error| options.common.named(error))?;
     afterwards.into_iter().try_for_each(|what| bus.control(what))?;
-    eprintln!(
+    tell!(
         "SmartDRIVE, addresses {:?}, on {} ({})",
         options.address,
         link.display(),
@@ -95,7 +95,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     serve(console, &mut bus)?;
     let devices = bus.bus.stop()?;
     for (device, address) in devices.iter().zip(&options.address) {
-        eprintln!(
+        tell!(
             "address {address}: {} frames, position {}",
             device.frames_handled(),
             device.counter()

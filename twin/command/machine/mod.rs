@@ -145,8 +145,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     .map_err(Failure::Stdio)?;
     if let Some(viewer) = viewer {
         let interrupt = run::Interrupt::catch()?;
-        eprintln!("the workspace is shown at {}", viewer.url());
-        eprintln!("Ctrl-C ends it.");
+        tell!("the workspace is shown at {}", viewer.url());
+        tell!("Ctrl-C ends it.");
         interrupt.wait();
     }
     Ok(Status::Fit)

@@ -180,9 +180,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         (vec![(drawing::name(source), program)], Vec::new())
     };
     let dialect = programs.first().map_or("dxf", |(_, program)| program.dialect().name());
-    eprintln!("{} is read as {dialect}", source.display());
+    tell!("{} is read as {dialect}", source.display());
     for note in &notes {
-        eprintln!("{}: {note}", source.display());
+        tell!("{}: {note}", source.display());
     }
     if arguments.output.as_deref().is_some_and(|output| whole::is_same(output, source)) {
         let message = format!("{} would be replaced by what is made of it", source.display());
@@ -221,23 +221,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         if kept || target.is_stdout() {
             file.finish()?;
         } else {
-            eprintln!("{name} is not written: the program has errors");
+            tell!("{name} is not written: the program has errors");
         }
         finding::sort(&mut job.findings);
         show::findings(program, &job.findings);
         if job.left_out > 0 {
-            eprintln!("… and {} more that are not kept", job.left_out);
+            tell!("… and {} more that are not kept", job.left_out);
         }
         if unfit {
             status = Status::Unfit;
         }
         if job.elements == 0 && !unfit {
-            eprintln!("{} has nothing in it that is a path", source.display());
+            tell!("{} has nothing in it that is a path", source.display());
             status = Status::Unfit;
         }
     }
     if programs.is_empty() {
-        eprintln!("{} has nothing in it that is a path", source.display());
+        tell!("{} has nothing in it that is a path", source.display());
         status = Status::Unfit;
     }
     Ok(status)

@@ -4,7 +4,7 @@ use crate::command::Failure;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 use std::time::Duration;
-use tokio::signal::unix::{SignalKind, signal};
+use tokio::signal::unix::{Signal, SignalKind, signal};
 
 /// What people call what asks for an end.
 const NAMES: [&str; 3] = ["Ctrl-C", "SIGTERM", "SIGHUP"];
@@ -13,8 +13,9 @@ const NAMES: [&str; 3] = ["Ctrl-C", "SIGTERM", "SIGHUP"];
 #[derive(Clone, Debug)]
 pub(in crate::command) struct Interrupt {
     count: Arc<AtomicU32>,
-    /// Place among [`NAMES`] of the first that came.
+    /// Places among [`NAMES`] of the first that came, and of the last.
     first: Arc<AtomicU8>,
+    last: Arc<AtomicU8>,
 }
 
 /// None has come yet.
@@ -22,16 +23,19 @@ const NONE: u8 = u8::MAX;
 
 impl Interrupt {
     pub(in crate::command) fn catch() -> Result<Self, Failure> {
-        let caught =
-            Self { count: Arc::new(AtomicU32::new(0)), first: Arc::new(AtomicU8::new(NONE)) };
+        let none = || Arc::new(AtomicU8::new(NONE));
+        let caught = Self { count: Arc::new(AtomicU32::new(0)), first: none(), last: none() };
         let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build();
         let runtime = runtime.map_err(Failure::Interrupt)?;
         let kinds = [SignalKind::interrupt(), SignalKind::terminate(), SignalKind::hangup()];
+        let ignored = ignored();
         let mut signals = Vec::with_capacity(kinds.len());
         for kind in kinds {
             let _inside = runtime.enter();
+            // Whoever starts a program with nohup wants it to go on when the terminal is closed.
+            let minded = ignored >> (kind.as_raw_value() - 1) & 1 == 0;
             // From here on they end nothing by themselves.
-            signals.push(signal(kind).map_err(Failure::Interrupt)?);
+            signals.push(minded.then(|| signal(kind)).transpose().map_err(Failure::Interrupt)?);
         }
         let counter = caught.clone();
         let listen = move || {
@@ -39,10 +43,9 @@ impl Interrupt {
                 let [one, two, three] = &mut *signals else { return };
                 loop {
                     let place = tokio::select! {
-                        Some(()) = one.recv() => 0,
-                        Some(()) = two.recv() => 1,
-                        Some(()) = three.recv() => 2,
-                        else => return,
+                        () = come(one) => 0,
+                        () = come(two) => 1,
+                        () = come(three) => 2,
                     };
                     counter.came(place);
                 }
@@ -56,17 +59,22 @@ impl Interrupt {
     fn came(&self, place: u8) {
         // The first one is what the program ends for; nobody has to read it when there is one already.
         self.first.compare_exchange(NONE, place, Ordering::Relaxed, Ordering::Relaxed).ok();
-        self.count.fetch_add(1, Ordering::Relaxed);
+        self.last.store(place, Ordering::Relaxed);
+        self.count.fetch_add(1, Ordering::Release);
     }
 
     pub(in crate::command) fn count(&self) -> u32 {
-        self.count.load(Ordering::Relaxed)
+        self.count.load(Ordering::Acquire)
     }
 
-    /// What has asked for the end, as people call it.
+    /// What has asked for the end first, as people call it.
     pub(in crate::command) fn name(&self) -> &'static str {
-        let first = usize::from(self.first.load(Ordering::Relaxed));
-        NAMES.get(first).copied().unwrap_or("Ctrl-C")
+        called(&self.first)
+    }
+
+    /// What has asked for the end last.
+    pub(in crate::command) fn latest(&self) -> &'static str {
+        called(&self.last)
     }
 
     /// What ends the run, where that is nobody at the keyboard.
@@ -81,4 +89,27 @@ impl Interrupt {
             std::thread::sleep(Duration::from_millis(50));
         }
     }
+}
+
+fn called(place: &AtomicU8) -> &'static str {
+    let place = usize::from(place.load(Ordering::Relaxed));
+    NAMES.get(place).copied().unwrap_or("Ctrl-C")
+}
+
+/// Waits for a signal; for ever for one that is not minded.
+async fn come(signal: &mut Option<Signal>) {
+    if let Some(signal) = signal
+        && signal.recv().await.is_some()
+    {
+        return;
+    }
+    std::future::pending().await
+}
+
+/// The signals that the program was started to ignore, bit by bit (the first is bit 0), as the system tells it; none where it
+/// does not.
+fn ignored() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
 }

@@ -134,7 +134,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         startup::expect_real(&mut machine);
     }
     let program = arguments.read.program(&arguments.program, machine.conditions.rs274.units)?;
-    eprintln!("{} is read as {}", program.path().display(), program.dialect().name());
+    tell!("{} is read as {}", program.path().display(), program.dialect().name());
     program.size().map_err(|source| unreadable(program.path(), source))?;
     if !program.is_repeatable() {
         return Err(Failure::Usage(format!(
@@ -171,7 +171,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     };
 
     if let Some(predicted) = &outcome.following {
-        eprintln!("{}", following::predicted(&machine, predicted));
+        tell!("{}", following::predicted(&machine, predicted));
     }
     let (done, interrupt) = match perform(arguments, &report, &start) {
         Ok(done) => done,
@@ -200,32 +200,30 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
     summary(&mut out, &machine, &done).map_err(Failure::Stdio)?;
     if let Some(reason) = &reason {
-        eprintln!("{reason}");
+        tell!("{reason}");
     }
     if let (Some(Stopped::Interrupted(_)), Some(signal)) =
         (&done.ending.stopped, interrupt.signal())
     {
-        eprintln!("what asked for it was {signal}, nobody at the keyboard");
+        tell!("what asked for it was {signal}, nobody at the keyboard");
     }
     if let Some(rest) = &done.ending.rest {
-        eprintln!("{}", rest.told(&machine));
+        tell!("{}", rest.told(&machine));
     }
     if let Some(Stopped::Drives { source, .. }) = &done.ending.stopped
         && let Some(advice) = of_hardware(source)
     {
-        eprintln!("help: {advice}");
+        tell!("help: {advice}");
     }
     tell_not_stopped(&done.ending.not_stopped);
     for output in &done.ending.left_on {
-        eprintln!(
-            "output {output} of the drives could not be switched off: it is perhaps still on"
-        );
+        tell!("output {output} of the drives could not be switched off: it is perhaps still on");
     }
     done.shown?;
     let unfit = if finding::unfit(&outcome.findings) { Status::Unfit } else { Status::Fit };
     let status = judge(arguments, &done.ending).max(unfit);
     if let Some(url) = done.picture.url().filter(|_| interrupt.count() == 0) {
-        eprintln!("the view stays at {url} until Ctrl-C");
+        tell!("the view stays at {url} until Ctrl-C");
         interrupt.wait();
     }
     Ok(status)
@@ -267,7 +265,7 @@ impl Arguments {
 /// Nothing is worse than an axis that nobody can stop.
 fn tell_not_stopped(devices: &[String]) {
     for device in devices {
-        eprintln!("{device}: it has not confirmed that it stops; use the emergency stop");
+        tell!("{device}: it has not confirmed that it stops; use the emergency stop");
     }
 }
 
@@ -280,7 +278,7 @@ fn judge(arguments: &Arguments, ending: &Ending) -> Status {
         let Some((error, place)) = statistics.maximum() else { continue };
         let error = error * 1e3;
         if error > tolerance {
-            eprintln!(
+            tell!(
                 "the tool of the {who} is {error:.4} mm off at {place}; the tolerance is {tolerance} mm"
             );
             status = status.max(Status::Unfit);

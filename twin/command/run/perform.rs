@@ -63,11 +63,11 @@ pub(super) fn perform<'m>(
     };
     let mut picture = Picture::open(&scene, machine, program, start, named.as_deref())?;
     if let Some(url) = picture.url() {
-        eprintln!("live view: {url}");
+        tell!("live view: {url}");
     }
     let interrupt = Interrupt::catch()?;
     if arguments.drives == Drives::Emulated && !emulated {
-        eprintln!("{} names no drives; the simulated machine runs alone", machine.path.display());
+        tell!("{} names no drives; the simulated machine runs alone", machine.path.display());
     }
     let scenario = arguments.simulation.scenario(machine)?;
     let twin = Simulated::new(machine, start)?.in_scenario(&scenario);

@@ -79,7 +79,7 @@ pub(super) struct Ready {
 pub(super) fn expect_real(machine: &mut Machine) {
     for device in &mut machine.drives {
         if !device.expect_real() {
-            eprintln!(
+            tell!(
                 "note: device `{}` is reckoned to answer after {} ms; `turnaround_ms` in the machine file says what it takes",
                 device.name,
                 f64::from(device.reckoned_us()) * 1e-3
@@ -114,7 +114,7 @@ pub(super) fn real(
         }
         let Looked { checks: found, position } = match real::open(machine, (index, entry)) {
             Ok(drive) => {
-                eprintln!("device `{}`: {}", entry.name, drive.describe());
+                tell!("device `{}`: {}", entry.name, drive.describe());
                 let mut attached = Attached { device: index, drive };
                 let looked = startup::look(machine, &mut attached, &needs);
                 drives.push(attached);
@@ -126,7 +126,7 @@ pub(super) fn real(
             }
         };
         for check in &found {
-            eprintln!("  {check}");
+            tell!("  {check}");
         }
         positions.push((index, position));
         checks.extend(found);
@@ -138,10 +138,10 @@ pub(super) fn real(
     }
     let homing = homing_speeds(machine, &mut drives, &to_home);
     let asked = Asked { outcome, start, approach, homing };
-    eprintln!("{}", moves(machine, &positions, &to_home, &asked));
-    eprintln!("{}", allowance());
+    tell!("{}", moves(machine, &positions, &to_home, &asked));
+    tell!("{}", allowance());
     for note in lost_answers(machine, outcome) {
-        eprintln!("{note}");
+        tell!("{note}");
     }
     let what = if to_home.is_empty() {
         "move these axes to the start of the program, and run it"
@@ -177,7 +177,7 @@ fn emulated(
     let needs = needs(outcome, |_| Homed::Emulated);
     let looked = startup::look(machine, attached, &needs);
     for check in looked.checks.iter().filter(|check| check.has_failed()) {
-        eprintln!("  {check}");
+        tell!("  {check}");
     }
     refuse_failed(&looked.checks)?;
     let passed = |check: &&Check| check.verdict == Verdict::Passed;
@@ -200,7 +200,7 @@ impl Ready {
             let homed = startup::home(machine, &mut drives, &[index], &|| interrupt.count() > 0);
             bar.finish_and_clear();
             homed?;
-            eprintln!("axis {} is home", axis.name);
+            tell!("axis {} is home", axis.name);
         }
         Ok(drives)
     }
@@ -217,7 +217,7 @@ pub(super) fn connect(
     for (emulator, attached) in &mut connected {
         let (described, place) = (attached.drive.describe(), emulator.place());
         let count = emulated(machine, attached, outcome)?;
-        eprintln!("emulated {described} on {place}: {count} start-up checks passed");
+        tell!("emulated {described} on {place}: {count} start-up checks passed");
     }
     let (emulators, drives) = connected.into_iter().unzip();
     let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?
@@ -241,7 +241,7 @@ pub(super) fn start_real(
 
 fn ask_for_priority() {
     if crate::priority::real_time().is_err() {
-        eprintln!(
+        tell!(
             "note: this user may not run the drives with real-time priority; on a busy computer they lag behind"
         );
     }

@@ -30,12 +30,12 @@ pub(super) fn open_keys(program: &ProgramFile) -> Option<Keys> {
     match Keys::open(program.settings().inputs.override_factor.factor()) {
         Ok(keys) => {
             if keys.is_some() {
-                eprintln!("{}", keys::HELP);
+                tell!("{}", keys::HELP);
             }
             keys
         }
         Err(error) => {
-            eprintln!("note: the terminal gives no single keys ({error}): the override stays");
+            tell!("note: the terminal gives no single keys ({error}): the override stays");
             None
         }
     }
@@ -63,11 +63,11 @@ impl Observer for Watcher<'_, '_> {
     fn m_function(&mut self, call: &MCall, asked: bool) {
         let MCall { number, place, .. } = call;
         if asked {
-            self.bar.suspend(|| eprintln!("M{number} at {place}: press Enter when it is done"));
+            self.bar.suspend(|| tell!("M{number} at {place}: press Enter when it is done"));
             if let Some(keys) = &mut self.keys {
                 keys.ask();
             } else if let Err(error) = self.prompt.ask() {
-                self.bar.suspend(|| eprintln!("standard input cannot be read: {error}"));
+                self.bar.suspend(|| tell!("standard input cannot be read: {error}"));
             }
         }
         self.bar.set_message(format!("{place}  M{number}"));
@@ -87,7 +87,7 @@ impl Observer for Watcher<'_, '_> {
         } else {
             "the path is held".to_owned()
         };
-        self.bar.suspend(|| eprintln!("{text}"));
+        self.bar.suspend(|| tell!("{text}"));
         Some(factor)
     }
 

@@ -272,7 +272,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             report
                 .write(arguments.format, arguments.write.is_some(), &mut io::stdout().lock())
                 .map_err(Failure::Stdio)?;
-            eprintln!("{:?}", miette::Report::msg(error.to_string()));
+            tell!("{:?}", miette::Report::msg(error.to_string()));
             return Ok(Status::Unfit);
         }
     }
@@ -295,7 +295,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         .write(arguments.format, target.is_some(), &mut io::stdout().lock())
         .map_err(Failure::Stdio)?;
     if arguments.write.is_some() && report.doubtful {
-        eprintln!("nothing is written: the data contradict what was found");
+        tell!("nothing is written: the data contradict what was found");
     }
     show_findings(&check.findings);
     let unfit = finding::unfit(&check.findings) || report.doubtful;

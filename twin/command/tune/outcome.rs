@@ -98,6 +98,6 @@ pub(super) fn apply(
         return Err(wrong("the file cannot be changed so that it says what was found".to_owned()));
     }
     whole::write(target, text.as_bytes())?;
-    eprintln!("written to {}", target.display());
+    tell!("written to {}", target.display());
     Ok(())
 }

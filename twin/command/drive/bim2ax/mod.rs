@@ -254,7 +254,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         if !driven {
             return Ok(Status::Fit);
         }
-        eprintln!(
+        tell!(
             "another program drives this module and may move it again, for one that waits sees no stop: end it, or use the \
              emergency stop"
         );
@@ -312,7 +312,7 @@ fn restarted(session: &Session, module: &mut Module) -> Result<Status, Failure> 
 
 fn stop(session: &Session, module: &mut Module, now: bool) -> Result<(), Failure> {
     if session.ask(module.stop_for_good(now))? {
-        eprintln!("the module writes its numbers in the other byte order: see --little-endian");
+        tell!("the module writes its numbers in the other byte order: see --little-endian");
     }
     let (seen, _) = session.ask(module.driver.positions(&no_clock))?;
     let [one, two] = seen.positions;

@@ -37,13 +37,13 @@ pub(super) fn scan(
             }
             // Something is there that speaks otherwise, or at another speed.
             Err(Failure::Drive(error @ DriveError::Protocol { .. })) => {
-                eprintln!("{error}");
+                tell!("{error}");
             }
             Err(other) => return Err(other),
         }
     }
     if found == 0 {
-        eprintln!("no address answers: {}", advice::NOBODY);
+        tell!("no address answers: {}", advice::NOBODY);
         return Ok(Status::Unfit);
     }
     say!("{table}");

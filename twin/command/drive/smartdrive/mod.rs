@@ -265,7 +265,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
                 );
             }
             if found.is_empty() && garbled.is_empty() {
-                eprintln!("no address answers: {}", advice::NOBODY);
+                tell!("no address answers: {}", advice::NOBODY);
                 return Ok(Status::Unfit);
             }
             let found = found.into_iter().map(|(address, state)| (address, state, None));
