@@ -49,6 +49,10 @@ fn a_device_that_dies_stops_all_others() {
     // The others are at rest on the path before its driver has given it up, unless this computer is busy.
     done.ended(2, "device `bus` has not answered for");
     done.ended(2, "; then: bus, address 1: ");
+    // What is not known is not told.
+    done.ended(2, "device `bus` was last heard of at ");
+    done.ended(2, " mm; where it stands since is not known");
+    done.ended(2, "device `module` was last heard of at ");
     let [x, y, _, u] = shop.at_rest();
     let [x, y, u] = [x, y, u].map(|found| found.expect("it is there"));
     assert!(x > 1.0 && x < 200.0 && y > 0.0 && u > 0.0, "{x} {y} {u}");

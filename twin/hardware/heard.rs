@@ -37,6 +37,19 @@ impl Heard {
     }
 }
 
+/// Where the axes of a device were when it was last heard of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LastHeard {
+    /// Its name.
+    pub device: String,
+    /// When, ns.
+    pub time_ns: i64,
+    /// Its axes in machine-file order, and where they were, m or rad.
+    pub axes: Vec<(usize, f64)>,
+    /// It has failed since: where its axes are now is not known.
+    pub lost: bool,
+}
+
 #[cfg(test)]
 mod tests {
     use super::Heard;

@@ -30,6 +30,8 @@ pub(super) struct Track {
     told: usize,
     /// There will be no more: it stays where it was last.
     pub(super) ended: bool,
+    /// The device has failed: nobody knows where its axes have been since.
+    pub(super) lost: bool,
 }
 
 impl Track {
@@ -49,6 +51,7 @@ impl Track {
     fn at(&self, time_ns: i64) -> Known<'_> {
         let after = self.samples.iter().position(|sample| sample.time_ns >= time_ns);
         match after {
+            None if self.lost => Known::Never,
             None if self.ended => match self.samples.back() {
                 Some(last) => Known::Between(last, last),
                 None => Known::Never,
@@ -78,7 +81,7 @@ impl Track {
 enum Known<'a> {
     /// It has not come so far.
     NotYet,
-    /// It was not there yet.
+    /// It was not there yet, or is lost.
     Never,
     /// It has measured before and after, or just then.
     Between(&'a Measured, &'a Measured),
@@ -192,5 +195,18 @@ mod tests {
             drain(&mut tracks),
             [(10, vec![0.5, 0.1]), (10, vec![0.5, 0.1]), (20, vec![0.5, 0.2])]
         );
+    }
+
+    /// Nothing is told of where its axes might be: also of the others no more than while all were known.
+    #[test]
+    fn a_device_that_is_lost_is_nowhere() {
+        let mut tracks = [Track::default(), Track::default()];
+        tracks[0].push(off(10, 0.5));
+        tracks[0].push(off(15, 0.7));
+        tracks[1].push(off(10, 0.1));
+        tracks[1].push(off(20, 0.2));
+        tracks[0].lost = true;
+        let told = drain(&mut tracks);
+        assert_eq!(told, [(10, vec![0.5, 0.1]), (10, vec![0.5, 0.1]), (15, vec![0.7, 0.15])]);
     }
 }

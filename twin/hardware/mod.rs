@@ -16,8 +16,8 @@ use crate::plant::{AxisFeedback, Plant};
 use crate::setpoint::AxisSetpoint;
 pub use error::HardwareError;
 pub use guard::Guarded;
-pub use heard::Heard;
-use merge::{Measured, Track};
+pub use heard::{Heard, LastHeard};
+use merge::{Measured, Positions, Track};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -82,6 +82,8 @@ pub struct Hardware {
     clock: Option<Clock>,
     /// How often each has been heard of since.
     heard: Vec<Heard>,
+    /// When each was heard of last, and where its axes were.
+    last: Vec<Option<(i64, Positions)>>,
 }
 
 /// An output to be switched.
@@ -133,6 +135,7 @@ impl Hardware {
         let mut hardware = Self {
             tracks: drives.iter().map(|_| Track::default()).collect(),
             heard: vec![Heard::default(); drives.len()],
+            last: vec![None; drives.len()],
             units: Vec::with_capacity(drives.len()),
             switching_unit: boards.unwrap_or(0),
             axes: machine.axes.len(),
@@ -241,6 +244,17 @@ impl Hardware {
         units.map(|(unit, heard)| (unit.device.clone(), *heard)).collect()
     }
 
+    /// Where the axes of each device were when it was last heard of, of those that have been since the program began.
+    pub fn last_heard(&self) -> Vec<LastHeard> {
+        let units = self.units.iter().zip(&self.tracks).zip(&self.last);
+        let heard = units.filter_map(|((unit, track), last)| {
+            let (time_ns, positions) = (*last)?;
+            let axes = unit.axes.iter().map(|place| place.axis).zip(positions).collect();
+            Some(LastHeard { device: unit.device.clone(), time_ns, axes, lost: track.lost })
+        });
+        heard.collect()
+    }
+
     /// Devices that were found restarted after they had failed, in words: the cause of the failure.
     pub fn restarted(&self) -> &[String] {
         &self.restarted
@@ -273,14 +287,16 @@ impl Hardware {
 
     /// Takes what the devices have said.
     fn listen(&mut self) {
-        let tracks = self.tracks.iter_mut().zip(&mut self.heard);
-        for (unit, (track, of_unit)) in self.units.iter_mut().zip(tracks) {
+        let heard = self.heard.iter_mut().zip(&mut self.last);
+        let tracks = self.tracks.iter_mut().zip(heard);
+        for (unit, (track, (of_unit, last))) in self.units.iter_mut().zip(tracks) {
             loop {
                 match unit.event() {
                     Ok(Some(Event::Sample(sample))) => {
                         let measured = measured(unit, &sample);
                         if self.clock.is_some() {
                             of_unit.include(sample.time_ns);
+                            *last = Some((measured.time_ns, measured.position));
                         }
                         let heard = (sample.time_ns, sample.moving);
                         self.failures.extend(unit.guard.heard(heard, &measured.deviation));
@@ -307,7 +323,7 @@ impl Hardware {
                     }
                     Ok(None) => break,
                     Err(error) => {
-                        track.ended = true;
+                        track.lost = true;
                         // Whether it could be stopped comes after that.
                         self.failures.push_back(error);
                     }

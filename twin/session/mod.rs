@@ -12,7 +12,7 @@ mod run;
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
 use crate::coupled::AxesError;
-use crate::hardware::{Hardware, HardwareError, Heard};
+use crate::hardware::{Hardware, HardwareError, Heard, LastHeard};
 use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledge, Acknowledgement, MCall};
 use crate::machine::{Machine, SimulationError};
@@ -25,7 +25,7 @@ pub use overrides::{
     LEAST_OVERRIDE, MOST_OVERRIDE, OverrideAt, OverrideAtError, OverrideChange, override_factor,
 };
 pub use punctuality::Punctuality;
-pub use rest::Rest;
+pub use rest::{Rest, whereabouts};
 use run::Run;
 use std::time::Duration;
 use twin_motion::Place;
@@ -116,6 +116,8 @@ pub struct Ending {
     pub punctuality: Option<Punctuality>,
     /// How often each device, by its name, was heard of.
     pub heard: Vec<(String, Heard)>,
+    /// Where the axes of each device were when it was last heard of.
+    pub last_heard: Vec<LastHeard>,
     /// Outputs of the drives that are perhaps still on although the run has ended early.
     pub left_on: Vec<u8>,
     /// Devices that did not confirm that they stop, and why: whether their axes move is not known.
@@ -141,6 +143,7 @@ impl Ending {
             late_plans: 0,
             punctuality: None,
             heard: Vec::new(),
+            last_heard: Vec::new(),
             left_on: Vec::new(),
             not_stopped: Vec::new(),
             restarted: Vec::new(),

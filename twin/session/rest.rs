@@ -1,6 +1,7 @@
 //! Where the axes of a run came to rest that was stopped.
 
 use crate::compare::Measured;
+use crate::hardware::LastHeard;
 use crate::machine::Machine;
 use crate::report::seconds;
 use crate::setpoint::AxisSetpoint;
@@ -46,6 +47,24 @@ impl Rest {
         }
         told
     }
+}
+
+/// Where the axes of each device were when it was last heard of, a line each; nothing unless one of them has failed.
+pub fn whereabouts(machine: &Machine, heard: &[LastHeard]) -> Vec<String> {
+    if !heard.iter().any(|one| one.lost) {
+        return Vec::new();
+    }
+    let line = |one: &LastHeard| {
+        let axes = one.axes.iter().filter_map(|(index, position)| {
+            let axis = machine.axes.get(*index)?;
+            Some(format!("{} {:.4} {}", axis.name, axis.from_si(*position), axis.unit()))
+        });
+        let at = axes.collect::<Vec<_>>().join(", ");
+        let unknown = if one.lost { "; where it stands since is not known" } else { "" };
+        let time = seconds(one.time_ns);
+        format!("device `{}` was last heard of at {time:.3} s: {at}{unknown}", one.device)
+    };
+    heard.iter().map(line).collect()
 }
 
 /// Of axes and tool, in words.

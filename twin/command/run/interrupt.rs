@@ -103,7 +103,7 @@ async fn come(signal: &mut Option<Signal>) {
     {
         return;
     }
-    std::future::pending().await
+    std::future::pending::<()>().await;
 }
 
 /// The signals that the program was started to ignore, bit by bit (the first is bit 0), as the system tells it; none where it

@@ -22,7 +22,7 @@ use crate::finding;
 use crate::limit::Limits;
 use crate::machine::Machine;
 use crate::program::{Dialect, ProgramFile};
-use crate::session::{Ending, OverrideAt, Stopped};
+use crate::session::{Ending, OverrideAt, Stopped, whereabouts};
 use axis_watch::AxisWatchOptions;
 pub(super) use interrupt::Interrupt;
 use perform::{Done, perform};
@@ -209,6 +209,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     }
     if let Some(rest) = &done.ending.rest {
         tell!("{}", rest.told(&machine));
+    }
+    for line in whereabouts(&machine, &done.ending.last_heard) {
+        tell!("{line}");
     }
     if let Some(Stopped::Drives { source, .. }) = &done.ending.stopped
         && let Some(advice) = of_hardware(source)

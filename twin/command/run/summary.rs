@@ -33,7 +33,9 @@ fn samples_report(all: Heard, devices: &[(String, Heard)]) -> DriveSamplesReport
     }
 }
 
-/// Drives are heard of some thirty times a second; a gap of several times that is the computer's.
+/// A cycle that is so late shows a busy computer, µs.
+const BUSY_US: u64 = 20_000;
+/// Drives are heard of some thirty times a second; a gap of several times that is told.
 const LONGEST_USUAL_GAP_NS: i64 = 120_000_000;
 
 /// A few lines and a table for people.
@@ -69,8 +71,12 @@ pub(super) fn summary(out: &mut impl Write, machine: &Machine, done: &Done<'_>) 
             ending.late_plans
         )?;
     }
+    let mut busy = String::new();
     if let Some(punctuality) = &ending.punctuality {
         let LatenessReport { p50_us, p99_us, max_us, .. } = LatenessReport::new(punctuality);
+        if max_us > BUSY_US {
+            busy = format!(", or this computer was busy (a cycle was {} ms late)", max_us / 1000);
+        }
         writeln!(
             out,
             "cycles: half of them at most {p50_us} µs late, 99 % at most {p99_us} µs, the latest {max_us} µs"
@@ -89,8 +95,8 @@ pub(super) fn summary(out: &mut impl Write, machine: &Machine, done: &Done<'_>) 
             if heard.longest_gap_ns > LONGEST_USUAL_GAP_NS {
                 writeln!(
                     out,
-                    "note: for {:.0} ms nobody corrected the axes of device `{device}`; this computer was busy, and their errors are \
-                     partly its doing",
+                    "note: for {:.0} ms nothing was heard of device `{device}`, and nobody corrected its axes: an answer was lost or \
+                     came late{busy}, and their errors are partly due to that",
                     heard.longest_gap_ms()
                 )?;
             }

@@ -166,6 +166,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         let not_stopped = told.map(|told| told.not_stopped().to_vec()).unwrap_or_default();
         let restarted = told.map(|told| told.restarted().to_vec()).unwrap_or_default();
         let heard = told.map(Hardware::heard).unwrap_or_default();
+        let last_heard = told.map(Hardware::last_heard).unwrap_or_default();
         let left_on = told.map(|told| told.left_on().to_vec()).unwrap_or_default();
         let stopping = hardware.filter(Hardware::is_running);
         let overrides = overrides.into_changes();
@@ -180,6 +181,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             late_plans,
             punctuality,
             heard,
+            last_heard,
             left_on,
             not_stopped,
             restarted,
