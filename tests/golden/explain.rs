@@ -22,6 +22,19 @@ fn an_error_in_the_language_asked_for() {
     assert!(german.contains("was zu tun ist: RatioDenominator auf einen"), "{german}");
     let french = said(&["675", "--language", "fr"]);
     assert!(french.contains("que faire: donner à RatioDenominator"), "{french}");
+    // Names of blocks stay, the words around them do not.
+    assert!(german.contains("gemeldet von: MC_GearIn"), "{german}");
+    assert!(french.contains("signalée par: MC_GearIn"), "{french}");
+    for (language, words, table) in [
+        ("de", "gemeldet von: Bewegungsbausteinen", "gemeldet von"),
+        ("fr", "signalée par: les blocs de mouvement", "signalée par"),
+    ] {
+        let one = said(&["20", "--language", language]);
+        assert!(one.contains(words) && !one.contains("raised by"), "{one}");
+        let list = said(&["--list", "--language", language]);
+        assert!(list.contains(table) && !list.contains("raised by"), "{list}");
+        assert!(!list.contains("every block") && !list.contains("drive interface"), "{list}");
+    }
     let all = said(&["775", "1003", "--language", "all"]);
     for part in [
         "775 SMC_GIP_MASTER_DIRECTION_CHANGE",

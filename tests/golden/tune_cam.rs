@@ -206,6 +206,42 @@ fn a_shape_lets_the_master_go_faster() {
     desk.twin(&["tune", "cam", "lift.toml"]).ended(2, "nothing is to be found");
 }
 
+/// The jerk of the master counts for a shape as it does for the check: both velocities are the check's, and what no velocity
+/// is slow enough for is refused in its words. 70 mm over 120 deg, from rest to rest, have their greatest y′ half way: 1.875 ·
+/// 70/120.
+#[test]
+fn a_shape_counts_the_jerk_of_the_master() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    let limits =
+        |jerk| ["--max-jerk", "60000", "--master-acceleration", "500", "--master-jerk", jerk];
+    let reshape = |jerk, more: &[&str]| {
+        let tune = ["tune", "cam", "lift.toml", "--reshape", "120:2,1,0.05"];
+        desk.twin(&[&tune[..], &limits(jerk), more].concat())
+    };
+    let check = |name, jerk| {
+        desk.twin(&[&["cam", "check", name, "--format", "json"], &limits(jerk)[..]].concat())
+    };
+    let done = reshape("30000", &["--write", "faster.toml", "--format", "json"]);
+    done.ended(0, "written to faster.toml");
+    let found = object(&done.stdout);
+    for (name, key) in [("lift.toml", "before"), ("faster.toml", "after")] {
+        let told = found["shape"][key].as_f64().expect("a velocity");
+        let checked = object(&check(name, "30000").stdout);
+        let velocity = checked["largest_master"]["velocity"].as_f64().expect("a velocity");
+        assert!((velocity / told - 1.0).abs() < 1e-12, "{velocity} {told}");
+    }
+    let [before, after] = ["before", "after"].map(|key| found["shape"][key].as_f64());
+    assert!(after > before, "{before:?} {after:?}");
+    let checked = object(&check("lift.toml", "200000").stdout);
+    let reason = checked["largest_master"]["reason"].as_str().expect("a reason");
+    assert!(reason.starts_with("the slave's jerk reaches 218750 at master 60"), "{reason}");
+    let said = format!("no velocity of the master is slow enough: {reason}");
+    reshape("200000", &[]).ended(1, &said);
+    // At any speed: in the units of the axes, with a scaling as well.
+    reshape("200000", &["--slave-scaling", "2"]).ended(1, "the slave's jerk reaches 437500");
+}
+
 /// Onto a cam that rests at 10 mm, from 0: 10/2 + 2/1 s with 2 mm/s and 1 mm/s².
 #[test]
 fn a_ramp_and_what_it_takes() {

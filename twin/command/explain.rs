@@ -183,7 +183,10 @@ fn tell(out: &mut impl Write, topic: Topic, texts: Texts, behind: bool) -> io::R
             for language in texts.languages() {
                 writeln!(out, "  {}{}", name(*language), error.text(*language))?;
             }
-            writeln!(out, "  raised by: {}", error.raised_by())?;
+            for language in texts.languages() {
+                let by = error.raised_by_in(*language);
+                writeln!(out, "  {}: {by}", raised_by(*language))?;
+            }
             texts.languages().iter().try_for_each(|language| {
                 writeln!(out, "  {}: {}", to_do(*language), error.remedy(*language))
             })
@@ -193,6 +196,14 @@ fn tell(out: &mut impl Write, topic: Topic, texts: Texts, behind: bool) -> io::R
             writeln!(out, "{} (rule of twin)", rule.name())?;
             writeln!(out, "  {meaning}\n  what to do: {remedy}")
         }
+    }
+}
+
+fn raised_by(language: Language) -> &'static str {
+    match language {
+        Language::English => "raised by",
+        Language::German => "gemeldet von",
+        Language::French => "signalée par",
     }
 }
 
@@ -244,7 +255,17 @@ fn list(out: &mut impl Write, texts: Texts, format: Format) -> io::Result<()> {
     }
     let mut errors = table();
     let languages = texts.languages();
-    let header = ["no.", "name", "raised by"].into_iter().map(str::to_owned);
+    // The blocks stand there once: in English beside several languages.
+    let language = match languages {
+        [only] => *only,
+        _ => Language::English,
+    };
+    let [number, name] = match language {
+        Language::English => ["no.", "name"],
+        Language::German => ["Nr.", "Name"],
+        Language::French => ["n°", "nom"],
+    };
+    let header = [number, name, raised_by(language)].into_iter().map(str::to_owned);
     let texts = languages.iter().map(|language| match language {
         Language::English => "text".to_owned(),
         Language::German => "Text".to_owned(),
@@ -252,8 +273,8 @@ fn list(out: &mut impl Write, texts: Texts, format: Format) -> io::Result<()> {
     });
     errors.set_header(header.chain(texts));
     for error in SmcError::ALL {
-        let row =
-            [error.number().to_string(), error.name().to_owned(), error.raised_by().to_owned()];
+        let by = error.raised_by_in(language).to_owned();
+        let row = [error.number().to_string(), error.name().to_owned(), by];
         let texts = languages.iter().map(|language| error.text(*language).to_owned());
         errors.add_row(row.into_iter().chain(texts));
     }

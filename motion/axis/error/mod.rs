@@ -38,6 +38,35 @@ pub enum Language {
     French,
 }
 
+impl SmcError {
+    /// Which blocks raise it: names of blocks as they are, the words for several of them in this language.
+    #[must_use]
+    pub fn raised_by_in(self, language: Language) -> &'static str {
+        let english = self.raised_by();
+        let [german, french] = match english {
+            "every block" => ["jedem Baustein", "tous les blocs"],
+            "motion blocks" => ["Bewegungsbausteinen", "les blocs de mouvement"],
+            "drive interface" => ["der Antriebsschnittstelle", "l'interface d'entraînement"],
+            "blocks that take a cam" => {
+                ["Bausteinen, die eine Kurvenscheibe bekommen", "les blocs qui reçoivent une came"]
+            }
+            "blocks that take a CNC program" => [
+                "Bausteinen, die ein CNC-Programm bekommen",
+                "les blocs qui reçoivent un programme CNC",
+            ],
+            "blocks that take a queue" => {
+                ["Bausteinen, die eine Warteschlange bekommen", "les blocs qui reçoivent une queue"]
+            }
+            name => [name; 2],
+        };
+        match language {
+            Language::English => english,
+            Language::German => german,
+            Language::French => french,
+        }
+    }
+}
+
 impl fmt::Display for SmcError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {}: {}", self.number(), self.name(), self.text(Language::English))

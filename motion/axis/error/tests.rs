@@ -50,6 +50,21 @@ fn names_are_the_manuals() {
     }
 }
 
+/// What is no name of a block has words of its own in every language.
+#[test]
+fn raisers_are_told_in_three_languages() {
+    for error in SmcError::ALL {
+        let english = error.raised_by();
+        let [german, french] = [Language::German, Language::French].map(|l| error.raised_by_in(l));
+        assert_eq!(error.raised_by_in(Language::English), english);
+        if english.starts_with("SMC_") || english.starts_with("MC_") {
+            assert_eq!([german, french], [english; 2], "{error}");
+        } else {
+            assert!(german != english && french != english && german != french, "{error}");
+        }
+    }
+}
+
 #[test]
 fn every_error_has_a_text_in_three_languages() {
     for error in SmcError::ALL {

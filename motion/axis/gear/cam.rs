@@ -160,7 +160,6 @@ impl Motion for CamIn {
         let moved = axis.values.moved_in_this_cycle;
         let (state, lead) =
             if moved { (axis.total_after_cycle(), 0.0) } else { (start.state, start.lead) };
-        let State { position, velocity, acceleration } = state;
         let mut from = now(master);
         if self.ramps() {
             // A bridge begins where the slave was a cycle ago, and so at where the master was.
@@ -171,7 +170,8 @@ impl Motion for CamIn {
         let limits = self.limited(axis).map_err(number)?;
         let start_mode = if limits.is_some() { StartMode::Absolute } else { self.input.start_mode };
         let input = CamInput { start_mode, ..self.input };
-        let begin = |master: &cam::AxisState, position: f64, lead: f64| {
+        let begin = |master: &cam::AxisState, slave: State, lead: f64| {
+            let State { position, velocity, acceleration } = slave;
             let inside = axis.in_program(position);
             let slave = cam::AxisState { position: inside, velocity, acceleration };
             let coupling = CamCoupling::start(table.clone(), input, master, &slave, 0)?;
@@ -189,9 +189,16 @@ impl Motion for CamIn {
             let seconds = lead - axis.cycle();
             Ok::<_, Refused>(CamRun { coupling, shift, seconds, restarted: true, zero, approach })
         };
-        // A master that has come onto the cam in this very cycle is on it; the slave goes on until then.
-        begin(&from, position, lead)
-            .or_else(|_beside| begin(&now(master), position + velocity * lead, 0.0))
+        // A master that has come onto the cam in this very cycle is on it; until then the slave goes on as it was, with the
+        // acceleration it had.
+        let State { position, velocity, acceleration } = state;
+        let later = State {
+            position: position + (velocity + 0.5 * acceleration * lead) * lead,
+            velocity: velocity + acceleration * lead,
+            acceleration,
+        };
+        begin(&from, state, lead)
+            .or_else(|_beside| begin(&now(master), later, 0.0))
             .map_err(SmcError::from)
     }
 

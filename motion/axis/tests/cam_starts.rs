@@ -3,7 +3,8 @@
 use super::blocks::endless;
 use super::framework::to;
 use super::rig::{CYCLE, Rig, linear, rotary};
-use crate::axis::{Block, CamIn};
+use crate::axis::profile::RampType;
+use crate::axis::{Axis, AxisConfig, Block, CamIn};
 use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
 use std::sync::Arc;
 
@@ -84,6 +85,47 @@ fn every_start_mode_with_every_choice_of_the_table() {
                 assert!((all - way).abs() < 1e-9, "{about}, {mode:?}: {all}");
             }
         }
+    }
+}
+
+/// A master comes onto its cam in the very cycle in which the block begins: until then the slave has gone on with the
+/// acceleration it had, p + v·T + a·T²/2, and its velocity is v + a·T; with every kind of ramp.
+#[test]
+fn a_slave_that_accelerates_waits_for_its_master() {
+    for ramp in [RampType::Trapezoid, RampType::Sigmoid, RampType::Parabolic] {
+        let config = AxisConfig { ramp, jerk: 500.0, ..AxisConfig::default() };
+        let mut master = at(linear, -2.0);
+        let mut slave = Rig::new(config);
+        let [mut lead, mut faster] = [30.0, 90.0].map(endless);
+        let table = CamTable { periodic: false, ..straight(100.0, 0.5) };
+        let input = CamInput {
+            start_mode: StartMode::RampIn,
+            velocity_difference: 100.0,
+            acceleration: 50.0,
+            deceleration: 50.0,
+            ..CamInput::default()
+        };
+        let mut block = Block::new(CamIn { table: Some(table), input });
+        let state =
+            |axis: &Axis| [axis.set_position(), axis.set_velocity(), axis.set_acceleration()];
+        let mut before = state(&slave.axis);
+        loop {
+            master.cycle(|axis| lead.call(true, axis));
+            if master.axis.set_position() >= 0.0 {
+                break;
+            }
+            slave.cycle(|axis| faster.call(true, axis));
+            before = state(&slave.axis);
+        }
+        let [position, velocity, acceleration] = before;
+        assert!(velocity > 1.0 && acceleration > 5.0, "{ramp:?}: {before:?}");
+        let shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
+        assert!(shown.busy && shown.error.is_none(), "{ramp:?}: {shown:?}");
+        let [now, fast, _] = state(&slave.axis);
+        let expected = position + (velocity + 0.5 * acceleration * CYCLE) * CYCLE;
+        assert!((now - expected).abs() < 1e-9, "{ramp:?}: {now} {expected}");
+        let expected = velocity + acceleration * CYCLE;
+        assert!((fast - expected).abs() < 1e-9, "{ramp:?}: {fast} {expected}");
     }
 }
 

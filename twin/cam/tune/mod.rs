@@ -18,7 +18,9 @@ use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{
     FitError, Free, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
 };
-use twin_motion::cam::{AxisState, CamTable, Element, Knot, Quantity, Shape, StartMode};
+use twin_motion::cam::{
+    AxisState, CamTable, Element, Knot, LimitError, Quantity, Shape, StartMode,
+};
 
 /// Why something is not tuned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -90,6 +92,9 @@ pub enum TuneError {
     /// The shape.
     #[error("shape: {0}")]
     Reshape(#[from] ReshapeError),
+    /// The cam cannot be followed at any velocity.
+    #[error("shape: no velocity of the master is slow enough: {0}")]
+    TooFast(#[source] LimitError),
     /// The ramp.
     #[error("ramp: {0}")]
     Ramp(#[from] RampError),

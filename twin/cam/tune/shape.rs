@@ -4,8 +4,8 @@ use super::super::CamFile;
 use super::super::check::CamUse;
 use super::{TuneError, same};
 use twin_motion::cam::file::clean;
-use twin_motion::cam::tune::{Tolerance, Wish, reshape, soften};
-use twin_motion::cam::{Element, Knot, Quantity, Shape, SlaveLimits, Source};
+use twin_motion::cam::tune::{ReshapeError, Tolerance, Wish, reshape, soften};
+use twin_motion::cam::{Element, Knot, Peak, Quantity, Shape, SlaveLimits, Source};
 
 /// A shape before and after, with what it was made for.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,10 +66,21 @@ pub fn shape(
         },
         position: positions(file, using),
         master_acceleration: using.master.acceleration * fast,
+        master_jerk: using.master.jerk * fast,
         repeated: using.repeated,
     };
     match goal {
         ShapeGoal::Speed => {
+            // What the check refuses is refused in the same numbers: those of the axes.
+            file.cam
+                .curve()
+                .largest_master_velocity(
+                    &using.limits.motion,
+                    &using.master,
+                    factors,
+                    using.repeated,
+                )
+                .map_err(TuneError::TooFast)?;
             let found = reshape(knots, &wish)?;
             Ok(Shaped {
                 knots: cleaned(found.knots),
@@ -83,7 +94,8 @@ pub fn shape(
             })
         }
         ShapeGoal::Peak(quantity) => {
-            let found = soften(knots, &wish, quantity, using.master.velocity * fast)?;
+            let found = soften(knots, &wish, quantity, using.master.velocity * fast)
+                .map_err(|error| of_axes(error, far))?;
             Ok(Shaped {
                 knots: cleaned(found.knots),
                 before: found.before.value * far,
@@ -92,6 +104,18 @@ pub fn shape(
                 programs: found.programs,
             })
         }
+    }
+}
+
+/// What is told of the slave, in its own unit.
+fn of_axes(error: ReshapeError, far: f64) -> ReshapeError {
+    match error {
+        ReshapeError::Exceeded { quantity, peak, limit } => ReshapeError::Exceeded {
+            quantity,
+            peak: Peak { value: peak.value * far, ..peak },
+            limit: limit * far,
+        },
+        other => other,
     }
 }
 

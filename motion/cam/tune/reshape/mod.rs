@@ -47,8 +47,18 @@ pub struct Wish {
     pub position: [f64; 2],
     /// The master's acceleration that counts beside its velocity, u/s².
     pub master_acceleration: f64,
+    /// The master's jerk that counts beside them, u/s³; for the jerk of the slave only.
+    pub master_jerk: f64,
     /// Whether the cam is put end to end: what is changed at its begin is changed at its end.
     pub repeated: bool,
+}
+
+impl Wish {
+    /// What the master does at most, at a velocity, u/s.
+    fn master(&self, velocity: f64) -> MasterMotion {
+        let (acceleration, jerk) = (self.master_acceleration, self.master_jerk);
+        MasterMotion { velocity, acceleration, jerk }
+    }
 }
 
 /// A cam that lets its master go faster.
@@ -194,21 +204,13 @@ pub fn soften(
     velocity: f64,
 ) -> Result<Softened, ReshapeError> {
     check(knots, wish)?;
-    let master = MasterMotion {
-        velocity,
-        acceleration: wish.master_acceleration,
-        ..MasterMotion::default()
-    };
+    let master = wish.master(velocity);
     if !(velocity.is_finite() && velocity > 0.0) {
         let name = "the master's velocity";
         return Err(LimitError::NoMagnitude { name, value: velocity }.into());
     }
     let peak = |knots: &[Knot]| -> Result<Peak, CamError> {
-        Ok(Curve::polynomial(knots)?.peak(
-            quantity,
-            &MasterMotion { jerk: 0.0, ..master },
-            Factors::default(),
-        ))
+        Ok(Curve::polynomial(knots)?.peak(quantity, &master, Factors::default()))
     };
     let before = peak(knots)?;
     let mut best = Softened { knots: knots.to_vec(), before, after: before, programs: 0 };
@@ -227,7 +229,7 @@ pub fn soften(
     let curve = Curve::polynomial(&moved)?;
     for other in Quantity::ALL.into_iter().filter(|other| *other != quantity) {
         let limit = wish.limits.of(other);
-        let reached = curve.peak(other, &MasterMotion { jerk: 0.0, ..master }, Factors::default());
+        let reached = curve.peak(other, &master, Factors::default());
         if reached.value > limit * (1.0 + KEPT) {
             return Err(ReshapeError::Exceeded { quantity: other, peak: reached, limit });
         }
@@ -237,8 +239,7 @@ pub fn soften(
     let kept = |knots: &[Knot]| -> Result<bool, CamError> {
         let curve = Curve::polynomial(knots)?;
         Ok(Quantity::ALL.into_iter().filter(|other| *other != quantity).all(|other| {
-            let reached =
-                curve.peak(other, &MasterMotion { jerk: 0.0, ..master }, Factors::default());
+            let reached = curve.peak(other, &master, Factors::default());
             reached.value <= wish.limits.of(other) * (1.0 + KEPT)
         }))
     };
@@ -261,6 +262,14 @@ fn check(knots: &[Knot], wish: &Wish) -> Result<(), ReshapeError> {
             }
         }
     }
+    for (name, value) in [
+        ("the master's acceleration", wish.master_acceleration),
+        ("the master's jerk", wish.master_jerk),
+    ] {
+        if !value.is_finite() || value < 0.0 {
+            return Err(LimitError::NoMagnitude { name, value }.into());
+        }
+    }
     Ok(())
 }
 
@@ -273,6 +282,10 @@ fn keeps_position(knots: &[Knot], wish: &Wish) -> Result<bool, CamError> {
 }
 
 fn largest(curve: &Curve, wish: &Wish) -> Result<Largest, LimitError> {
-    let master = MasterMotion { acceleration: wish.master_acceleration, ..MasterMotion::default() };
-    curve.largest_master_velocity(&wish.limits, &master, Factors::default(), wish.repeated)
+    curve.largest_master_velocity(
+        &wish.limits,
+        &wish.master(0.0),
+        Factors::default(),
+        wish.repeated,
+    )
 }

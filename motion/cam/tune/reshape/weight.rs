@@ -52,22 +52,32 @@ fn add(
     if !limit.is_finite() {
         return;
     }
-    let pull = wish.master_acceleration;
+    let (pull, jolt) = (wish.master_acceleration, wish.master_jerk);
     let square = velocity * velocity;
-    // What the master's acceleration adds comes with both signs.
-    let [alone, pulled] = match quantity {
-        Quantity::Velocity => [[velocity, 0.0, 0.0], [0.0; 3]],
-        Quantity::Acceleration => [[0.0, square, 0.0], [pull, 0.0, 0.0]],
-        Quantity::Jerk => [[0.0, 0.0, square * velocity], [0.0, 3.0 * velocity * pull, 0.0]],
-    };
-    for sign in [1.0, -1.0] {
-        let mut factors = [0.0; 3];
-        for ((factor, alone), pulled) in factors.iter_mut().zip(alone).zip(pulled) {
-            *factor = (alone + sign * pulled) / limit;
+    // What the master's acceleration and jerk add comes with both signs, each for itself.
+    let [alone, pulled, jolted] = match quantity {
+        Quantity::Velocity => [[velocity, 0.0, 0.0], [0.0; 3], [0.0; 3]],
+        Quantity::Acceleration => [[0.0, square, 0.0], [pull, 0.0, 0.0], [0.0; 3]],
+        Quantity::Jerk => {
+            [[0.0, 0.0, square * velocity], [0.0, 3.0 * velocity * pull, 0.0], [jolt, 0.0, 0.0]]
         }
-        rows.push(Weight { factors, counts });
-        if pull == 0.0 || quantity == Quantity::Velocity {
-            break;
+    };
+    let pulls = pull != 0.0 && quantity != Quantity::Velocity;
+    let jolts = jolt != 0.0 && quantity == Quantity::Jerk;
+    for of_pull in signs(pulls) {
+        for of_jolt in signs(jolts) {
+            let mut factors = [0.0; 3];
+            for (((factor, alone), pulled), jolted) in
+                factors.iter_mut().zip(alone).zip(pulled).zip(jolted)
+            {
+                *factor = (alone + of_pull * pulled + of_jolt * jolted) / limit;
+            }
+            rows.push(Weight { factors, counts });
         }
     }
+}
+
+/// Both signs, or one where there is nothing to have them.
+fn signs(both: bool) -> impl Iterator<Item = f64> {
+    [1.0, -1.0].into_iter().take(if both { 2 } else { 1 })
 }

@@ -2,7 +2,7 @@
 
 use super::Random;
 use crate::cam::tune::{ReshapeError, Tolerance, Wish, reshape, soften};
-use crate::cam::{Curve, Factors, Knot, MasterMotion, Quantity, SlaveLimits};
+use crate::cam::{Curve, Factors, Knot, LimitError, MasterMotion, Quantity, SlaveLimits};
 
 fn wish(tolerances: Vec<Tolerance>, limits: SlaveLimits) -> Wish {
     Wish {
@@ -11,6 +11,7 @@ fn wish(tolerances: Vec<Tolerance>, limits: SlaveLimits) -> Wish {
         limits,
         position: [f64::NEG_INFINITY, f64::INFINITY],
         master_acceleration: 0.0,
+        master_jerk: 0.0,
         repeated: false,
     }
 }
@@ -75,9 +76,11 @@ fn random_cams_get_faster_within_their_tolerances() {
         };
         let held = vec![100.0, 215.5];
         let pull = if seed % 3 == 0 { 5.0 } else { 0.0 };
+        let jolt = if seed % 5 < 2 { 2000.0 } else { 0.0 };
         let wish = Wish {
             held: held.clone(),
             master_acceleration: pull,
+            master_jerk: jolt,
             repeated: true,
             ..wish(tolerances.clone(), limits)
         };
@@ -102,7 +105,7 @@ fn random_cams_get_faster_within_their_tolerances() {
         let jumps = new.jumps(true);
         assert!(jumps.velocity.by.abs() < 1e-9 && jumps.acceleration.by.abs() < 1e-9, "C2");
         assert!((new.rise()).abs() < 1e-9);
-        let master = MasterMotion { velocity: found.after.value, acceleration: pull, jerk: 0.0 };
+        let master = MasterMotion { velocity: found.after.value, acceleration: pull, jerk: jolt };
         for (quantity, limit) in
             Quantity::ALL.into_iter().zip([limits.velocity, limits.acceleration, limits.jerk])
         {
@@ -148,6 +151,92 @@ fn positions_are_kept() {
     // A point that stays at 58 does not keep 50.
     let none = Wish { position: [-1.0, 30.0], ..loose };
     assert_eq!(reshape(&knots, &none), Err(ReshapeError::NoShape));
+}
+
+/// The master's acceleration and jerk count as the check has them: what was and what is are its largest velocities, the slave
+/// keeps its jerk at every place with every sign of both, and trying the velocities of the middle point one by one finds
+/// nothing faster.
+#[test]
+fn the_jerk_of_the_master_counts() {
+    let knots = [Knot::at_rest(0.0, 0.0), Knot::at_rest(90.0, 50.0), Knot::at_rest(180.0, 100.0)];
+    let free = Tolerance { slave: 0.0, velocity: 10.0, acceleration: 0.0 };
+    let none = Tolerance::default();
+    let limits = SlaveLimits { jerk: 60_000.0, ..SlaveLimits::NONE };
+    // The greatest y′ of the cam is 1.875 · 50/90: with the last of them 57,292 of the limit are the master's jerk alone.
+    for (pull, jolt) in [(0.0, 0.0), (0.0, 20_000.0), (500.0, 0.0), (500.0, 55_000.0)] {
+        let wish = Wish {
+            master_acceleration: pull,
+            master_jerk: jolt,
+            ..wish(vec![none, free, none], limits)
+        };
+        let found = reshape(&knots, &wish).expect("a shape");
+        let master = MasterMotion { velocity: 0.0, acceleration: pull, jerk: jolt };
+        let speed = |knots: &[Knot]| {
+            let curve = Curve::polynomial(knots).expect("a curve");
+            curve.largest_master_velocity(&limits, &master, Factors::default(), false)
+        };
+        assert_eq!(Ok(found.before), speed(&knots), "{pull} {jolt}");
+        assert_eq!(Ok(found.after), speed(&found.knots), "{pull} {jolt}");
+        let try_one = |velocity: f64| {
+            let mut moved = knots;
+            moved[1].velocity = velocity;
+            speed(&moved).map_or(0.0, |found| found.value)
+        };
+        // The best is where two peaks meet, so that a coarse grid misses it: a fine one follows.
+        let mut best = (0.0, 0.0);
+        for (step, count) in [(1e-3, 2000_i32), (1e-6, 1000)] {
+            let middle = if count == 2000 { 1.0 } else { best.1 };
+            for i in -count..=count {
+                let at = middle + f64::from(i) * step;
+                let reached = try_one(at);
+                if reached > best.0 {
+                    best = (reached, at);
+                }
+            }
+        }
+        let (before, after) = (found.before.value, found.after.value);
+        assert!(after > before, "{pull} {jolt}: {before} {after}");
+        assert!((after / best.0 - 1.0).abs() < 1e-5, "{pull} {jolt}: {after} {best:?}");
+        let curve = Curve::polynomial(&found.knots).expect("a curve");
+        for place in 0..=18_000_i32 {
+            let d = curve.at(f64::from(place) * 0.01);
+            for (a, j) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+                let pulled = a * 3.0 * d.acceleration * after * pull + j * d.velocity * jolt;
+                let reached = (d.jerk * after.powi(3) + pulled).abs();
+                assert!(reached <= 60_000.0 * (1.0 + 1e-9), "{place}: {reached}");
+            }
+        }
+        // At that velocity the gentlest jerk is the limit that was reached: the peak counts all three as well.
+        let soft = soften(&knots, &wish, Quantity::Jerk, after).expect("a shape");
+        assert!((soft.after.value / 60_000.0 - 1.0).abs() < 1e-5, "{pull} {jolt}: {soft:?}");
+        let all = MasterMotion { velocity: after, ..master };
+        let peak = |knots: &[Knot]| {
+            let curve = Curve::polynomial(knots).expect("a curve");
+            curve.peak(Quantity::Jerk, &all, Factors::default())
+        };
+        assert_eq!((soft.before, soft.after), (peak(&knots), peak(&soft.knots)));
+    }
+    // 1.875 · 50/90 · 200,000: more than the slave's jerk may be, however slow the master is.
+    let wish = Wish { master_jerk: 200_000.0, ..wish(vec![none, free, none], limits) };
+    let Err(ReshapeError::Limit(LimitError::TooMuch { quantity, peak, limit })) =
+        reshape(&knots, &wish)
+    else {
+        panic!("it is too much")
+    };
+    assert_eq!((quantity, limit), (Quantity::Jerk, 60_000.0));
+    assert!((peak.value / (1.875 * 50.0 / 90.0 * 200_000.0) - 1.0).abs() < 1e-12, "{peak:?}");
+    let soft = soften(&knots, &wish, Quantity::Acceleration, 1.0);
+    assert_eq!(soft, Err(ReshapeError::NoShape));
+    for master_jerk in [-1.0, f64::NAN, f64::INFINITY] {
+        let wish = Wish { master_jerk, ..wish.clone() };
+        for error in [
+            reshape(&knots, &wish).expect_err("no magnitude"),
+            soften(&knots, &wish, Quantity::Jerk, 1.0).expect_err("no magnitude"),
+        ] {
+            let said = format!("the master's jerk is {master_jerk}, which is no magnitude");
+            assert_eq!(error.to_string(), said);
+        }
+    }
 }
 
 #[test]
