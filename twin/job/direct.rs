@@ -4,7 +4,7 @@
 //! where positions come with their velocities, on cubics through both.
 
 use super::block::{Called, With};
-use twin_motion::axis::{Axis, Block, ControlAxisBy, Follow, Outputs};
+use twin_motion::axis::{Axis, Block, ControlAxisBy, Follow, Outputs, Watched};
 
 /// A point: time after the one before it, s, with what the block is told there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,9 +35,52 @@ struct Direct {
     from: Option<[f64; 2]>,
     /// Since then, s; it stands while a jump is bridged.
     time: f64,
+    /// How fast that time goes by: 0 while it stands, and then up to 1, so that the set-points come to speed within the
+    /// acceleration of the axis, as those of an interpolator do that has waited.
+    rate: f64,
 }
 
+/// Least part of the axis's acceleration that brings set-points to speed where they need the rest themselves.
+const LEAST_ROOM: f64 = 0.1;
+
 impl Direct {
+    /// Whether the set-points wait: a jump is being bridged.
+    fn waits(&self) -> bool {
+        let Kind::Watched(block) = &self.kind else { return false };
+        block.running().is_some_and(Watched::stop_ipo)
+    }
+
+    /// Lets the time of the set-points go on by a cycle, or stand.
+    fn go_on(&mut self, from: [f64; 2], axis: &Axis) {
+        let cycle = axis.cycle();
+        let before = self.rate;
+        self.rate = match (self.waits(), before < 1.0) {
+            (true, _) => 0.0,
+            (false, false) => 1.0,
+            (false, true) => (before + cycle * self.growth(from, axis)).min(1.0),
+        };
+        if !self.waits() {
+            self.time += f64::midpoint(before, self.rate) * cycle;
+        }
+    }
+
+    /// How fast the rate may grow for the axis to keep its acceleration, 1/s.
+    fn growth(&self, from: [f64; 2], axis: &Axis) -> f64 {
+        let cycle = axis.cycle();
+        let position = |time: f64| match self.asked(from, time)?.0 {
+            Follow::Position(position) | Follow::PositionVelocity(position, _) => Some(position),
+            // Velocities are bridged as velocities: nothing has to come to speed.
+            Follow::Velocity(_) => None,
+        };
+        let places = [0.0, 1.0, 2.0].map(|ahead| position(self.time + ahead * cycle));
+        let [Some(first), Some(second), Some(third)] = places else { return f64::INFINITY };
+        let speed = (second - first).abs().max((third - second).abs()) / cycle;
+        let own = (third - 2.0 * second + first).abs() / (cycle * cycle);
+        // fSWMaxAcceleration.
+        let most = axis.read_parameter(1123).unwrap_or(f64::INFINITY);
+        (most - self.rate * self.rate * own).max(LEAST_ROOM * most) / speed
+    }
+
     /// What is asked for at `time`, and whether that is the end.
     fn asked(&self, [position, velocity]: [f64; 2], time: f64) -> Option<(Follow, bool)> {
         let (mut begin, mut before) = (0.0, [position, velocity]);
@@ -73,27 +116,29 @@ impl Direct {
 
 impl Called for Direct {
     fn call(&mut self, execute: bool, axis: &mut Axis, _with: With<'_>) -> Outputs {
-        let waits = matches!(&self.kind, Kind::Watched(block) if block.running() == Some(&true));
         let from = *self.from.get_or_insert([axis.set_position(), axis.set_velocity()]);
-        if !waits {
-            self.time += axis.cycle();
-        }
+        self.go_on(from, axis);
         // A cycle that rounds to just before a point is the point.
         let time = self.time + 1e-9 * axis.cycle();
         let Some((setpoint, ended)) = self.asked(from, time) else { return Outputs::default() };
-        let (shown, bridging) = match &mut self.kind {
+        let setpoint = match setpoint {
+            Follow::PositionVelocity(position, velocity) => {
+                Follow::PositionVelocity(position, self.rate * velocity)
+            }
+            other => other,
+        };
+        let shown = match &mut self.kind {
             Kind::Followed(block) => {
                 block.inputs = setpoint;
-                (block.call(execute, axis), false)
+                block.call(execute, axis)
             }
             Kind::Watched(block) => {
                 block.inputs.setpoint = setpoint;
-                let shown = block.call(execute, axis);
-                (shown, block.running() == Some(&true))
+                block.call(execute, axis)
             }
         };
         // The block itself has no end: the job goes on where its points do.
-        Outputs { done: shown.busy && ended && !bridging, ..shown }
+        Outputs { done: shown.busy && ended && !self.waits(), ..shown }
     }
 }
 
@@ -112,5 +157,5 @@ pub(super) fn direct(points: Vec<Point>, gaps: Option<Gaps>) -> Option<Box<dyn C
             }))
         }
     };
-    Some(Box::new(Direct { kind, points, from: None, time: 0.0 }))
+    Some(Box::new(Direct { kind, points, from: None, time: 0.0, rate: 1.0 }))
 }

@@ -221,6 +221,16 @@ impl Kind {
 /// A cam with everything that the block is told.
 fn cam_in(of: &Values<'_>, path: &Path) -> Option<CamIn> {
     let selection = read_cam(of.section, path, of.known.as_cam(), of.master?.as_cam())?;
-    let CamSelection { table, input } = selection;
+    let CamSelection { table, mut input } = selection;
+    // What neither the block nor its cam's file says is that of every block.
+    let unsaid = |name: &str, value: f64| {
+        value == 0.0 && !of.section.has(&format!("{}_per_s2", of.key(name)))
+    };
+    if unsaid("acceleration", input.acceleration) {
+        input.acceleration = of.known.max_acceleration.unwrap_or(0.0);
+    }
+    if unsaid("deceleration", input.deceleration) {
+        input.deceleration = input.acceleration;
+    }
     Some(CamIn { table: Some(table), input })
 }

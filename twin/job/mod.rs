@@ -32,6 +32,8 @@ mod block_tests;
 mod direct;
 #[cfg(test)]
 mod direct_tests;
+#[cfg(test)]
+mod end_tests;
 mod engine;
 #[cfg(test)]
 mod guide_tests;

@@ -83,8 +83,15 @@ impl Motion for Follow {
 /// A set-point that is watched: a jump is bridged (`SMC_ControlAxisByPos`, `SMC_ControlAxisByPosVel`,
 /// `SMC_ControlAxisByVel`, manual 2.2.5).
 ///
-/// With `avoid_gaps`, a set-point that asks for more than `fSWMaxVelocity`, `fSWMaxAcceleration` or `fSWMaxDeceleration`
-/// is a jump: [`ControlOutputs::stop_ipo`] holds the interpolator while the axis goes to the set-point with the gap values.
+/// With `avoid_gaps`, a set-point that takes more than `fSWMaxVelocity` to be reached within the cycle is a jump, and so is
+/// a place that does not fit its velocity: [`ControlOutputs::stop_ipo`] holds the interpolator while the axis goes to the
+/// set-point with the gap values. A set-point that moves on meanwhile is met with its velocity.
+///
+/// A step of the velocity below that is no jump for positions, as in the manual: the axis takes it, whatever acceleration
+/// that is ([`Axis::exceeds_limits`] tells). Only the first set-point, where another block has left the axis, must not take
+/// more than `fSWMaxAcceleration` or `fSWMaxDeceleration` either. Of velocities alone there is nothing else to watch: one that takes more than
+/// these is a jump.
+///
 /// Gap values that are not positive are replaced by the axis's own.
 #[doc(alias = "SMC_ControlAxisByPos")]
 #[doc(alias = "SMC_ControlAxisByPosVel")]
@@ -115,53 +122,141 @@ impl ControlAxisBy {
         }
     }
 
-    /// One cycle of the bridge; whether it ends with it.
-    fn bridge(&self, wanted: State, axis: &Axis) -> Option<(State, bool)> {
-        let (from, limits, ramp) = (axis.saved_base, self.gap_limits(axis), axis.ramp());
-        let profile = match self.setpoint {
-            Follow::Velocity(velocity) => Profile::to_velocity(from, velocity, limits, ramp),
-            _ => Profile::to_position(from, wanted.position, 0.0, limits, ramp),
+    /// What the bridge keeps to relative to a set-point that moves with `velocity`, so that the axis keeps to its own.
+    fn beside(&self, velocity: f64, axis: &Axis) -> Option<AxisLimits> {
+        let limits = self.gap_limits(axis);
+        let room = axis.implicit_limits().velocity - velocity.abs();
+        // What grows for the set-point may fall for the axis.
+        let rate = limits.acceleration.min(limits.deceleration);
+        (room > 0.0).then_some(AxisLimits {
+            velocity: limits.velocity.min(room),
+            acceleration: rate,
+            deceleration: rate,
+            ..limits
+        })
+    }
+
+    /// One cycle of the bridge to a set-point that moves with `velocity`; whether it ends with it.
+    fn bridge(&self, wanted: State, velocity: f64, axis: &Axis) -> Option<(State, bool)> {
+        let (from, ramp, cycle) = (axis.saved_base, axis.ramp(), axis.cycle());
+        let limits = self.gap_limits(axis);
+        let beside = self.beside(velocity, axis).filter(|_| velocity != 0.0);
+        let (profile, origin, moving) = match (self.setpoint, beside) {
+            (Follow::Velocity(velocity), _) => {
+                (Profile::to_velocity(from, velocity, limits, ramp), 0.0, 0.0)
+            }
+            // As seen from the set-point, which has been a cycle's way behind.
+            (_, Some(limits)) => {
+                let origin = wanted.position - velocity * cycle;
+                let from = State {
+                    position: from.position - origin,
+                    velocity: from.velocity - velocity,
+                    ..from
+                };
+                (Profile::to_position(from, 0.0, 0.0, limits, ramp), wanted.position, velocity)
+            }
+            // At rest, or faster than the axis may be.
+            (_, None) => (Profile::to_position(from, wanted.position, 0.0, limits, ramp), 0.0, 0.0),
         };
         let profile = profile.ok()?;
-        let cycle = axis.cycle();
         let ends = profile.duration() <= cycle * (1.0 + 1e-9);
         // With a velocity the axis goes on for the rest of the cycle.
-        Some((profile.at(cycle), ends))
+        let State { position, velocity, acceleration } = profile.at(cycle);
+        let state =
+            State { position: origin + position, velocity: moving + velocity, acceleration };
+        Some((state, ends))
+    }
+
+    /// Whether a set-point is a jump for an axis that has moved as `before`.
+    fn jumps(&self, wanted: State, before: State, axis: &Axis) -> bool {
+        let mean = (wanted.position - before.position) / axis.cycle();
+        match self.setpoint {
+            Follow::Velocity(_) => exceeds(wanted, before, axis, true, true),
+            Follow::Position(_) => exceeds(wanted, before, axis, true, false),
+            Follow::PositionVelocity(..) => {
+                // The way fits the velocities, if its mean one is between them; beside that the axis would have to come
+                // to speed and back within the cycle.
+                let (low, high) =
+                    (before.velocity.min(wanted.velocity), before.velocity.max(wanted.velocity));
+                let excess = mean - mean.clamp(low, high);
+                let beside = State { acceleration: 2.0 * excess / axis.cycle(), ..wanted };
+                let whole = State { velocity: mean, ..wanted };
+                exceeds(wanted, before, axis, true, false)
+                    || exceeds(whole, before, axis, true, false)
+                    || exceeds(
+                        State { velocity: 0.0, ..beside },
+                        State::default(),
+                        axis,
+                        false,
+                        true,
+                    )
+            }
+        }
+    }
+}
+
+/// A watched set-point on its way.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Watched {
+    bridging: bool,
+    /// The last set-point, u; none before the first one.
+    last: Option<f64>,
+}
+
+impl Watched {
+    /// `bStopIpo`: a jump is being bridged.
+    #[must_use]
+    pub fn stop_ipo(&self) -> bool {
+        self.bridging
     }
 }
 
 impl Motion for ControlAxisBy {
     type With = ();
-    /// Whether a jump is being bridged.
-    type Run = bool;
+    type Run = Watched;
     const STATE: AxisState = AxisState::SynchronizedMotion;
     const LIVE: bool = true;
 
-    fn plan(&self, _start: Start, _axis: &Axis, (): ()) -> Result<bool, SmcError> {
-        Ok(false)
+    fn plan(&self, _start: Start, _axis: &Axis, (): ()) -> Result<Watched, SmcError> {
+        Ok(Watched::default())
     }
 
-    fn step(&self, bridging: &mut bool, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+    fn step(&self, run: &mut Watched, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
         if !self.setpoint.is_finite() {
             return without_setpoint(axis);
         }
         let (wanted, before) = (self.setpoint.wanted(axis), axis.saved_base);
-        // A position may jump that comes with a velocity of its own: its way is not that of the velocities then.
-        let mean = 0.5 * (before.velocity + wanted.velocity);
-        let excess = (wanted.position - before.position) / axis.cycle() - mean;
-        let beside = State { velocity: 0.0, acceleration: 2.0 * excess / axis.cycle(), ..wanted };
-        let jumps = exceeds(wanted, before, axis, true, true)
-            || exceeds(beside, State::resting(0.0), axis, false, true);
-        *bridging |= self.avoid_gaps && jumps;
-        let setpoint = if *bridging {
+        // Where the block takes the axis over, that need not be where the set-points begin, nor move as they do.
+        let begins = run.last.is_none() && exceeds(wanted, before, axis, true, true);
+        run.bridging |= self.avoid_gaps && (begins || self.jumps(wanted, before, axis));
+        let setpoint = if run.bridging {
+            let moves = self.moves(run.last, wanted, axis);
             // The manual has no error of its own for limits with which there is no way.
-            let bridge = self.bridge(wanted, axis).ok_or(SmcError::MaInvalidVelaccValues)?;
-            *bridging = !bridge.1;
+            let bridge = self.bridge(wanted, moves, axis).ok_or(SmcError::MaInvalidVelaccValues)?;
+            run.bridging = !bridge.1;
             bridge.0
         } else {
             wanted
         };
+        run.last = Some(wanted.position);
         Ok(Progress { setpoint, stage: Stage::Busy })
+    }
+}
+
+impl ControlAxisBy {
+    /// How fast the set-point itself moves, u/s: as it says, or as it has since the `last` one, if that is no jump either.
+    fn moves(&self, last: Option<f64>, wanted: State, axis: &Axis) -> f64 {
+        let State { velocity, .. } = wanted;
+        match self.setpoint {
+            Follow::Velocity(_) | Follow::PositionVelocity(..) => velocity,
+            Follow::Position(_) => {
+                let way = last.map_or(0.0, |last| wanted.position - last);
+                let way = axis.period().map_or(way, |it| way - it * (way / it).round());
+                let velocity = way / axis.cycle();
+                let fits = velocity.abs() < axis.implicit_limits().velocity;
+                if fits { velocity } else { 0.0 }
+            }
+        }
     }
 }
 
@@ -208,7 +303,7 @@ impl ControlAxis {
             return ControlOutputs::default();
         }
         let shown = self.block.call(true, axis);
-        let stop_ipo = self.block.running().is_some_and(|bridging| *bridging);
+        let stop_ipo = self.block.running().is_some_and(Watched::stop_ipo);
         ControlOutputs { command_aborted: shown.command_aborted, error: shown.error, stop_ipo }
     }
 }

@@ -18,7 +18,7 @@ mod velocity;
 
 pub use continuous::{MoveContinuousAbsolute, MoveContinuousRelative};
 pub(crate) use direct::exceeds;
-pub use direct::{ControlAxis, ControlAxisBy, ControlOutputs, Follow};
+pub use direct::{ControlAxis, ControlAxisBy, ControlOutputs, Follow, Watched};
 pub use home::Home;
 pub use homing::{HomingBySwitch, HomingMode};
 pub use mode::SetControllerMode;

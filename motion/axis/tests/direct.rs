@@ -130,6 +130,75 @@ fn jumps_of_velocity_and_of_position_with_velocity_are_bridged() {
     }
 }
 
+/// A line of 10 u/s from rest is a step of 1000 u/s², ten times what the axis may, but no jump: the manual watches the velocity.
+#[test]
+fn a_step_of_the_velocity_is_no_jump_of_positions() {
+    let mut rig = linear();
+    let mut block = control_by_position(50.0);
+    assert!(!rig.cycle(|axis| block.call(true, axis)).stop_ipo);
+    for index in 1..=50_u8 {
+        let place = 10.0 * CYCLE * f64::from(index);
+        block.inputs().setpoint = Follow::Position(place);
+        assert!(!rig.cycle(|axis| block.call(true, axis)).stop_ipo);
+        assert!((rig.axis.set_position() - place).abs() < 1e-9, "not behind");
+        // The step is told: in the first cycle alone.
+        assert_eq!(rig.axis.exceeds_limits(false, true), index == 1);
+    }
+    // 1 u in a cycle of 10 ms is what the axis may, a little more is a jump.
+    let place = 10.0 * CYCLE * 50.0;
+    block.inputs().setpoint = Follow::Position(place + 1.0);
+    assert!(!rig.cycle(|axis| block.call(true, axis)).stop_ipo);
+    block.inputs().setpoint = Follow::Position(place + 2.001);
+    assert!(rig.cycle(|axis| block.call(true, axis)).stop_ipo);
+}
+
+fn control_by_position(gap_velocity: f64) -> ControlAxis {
+    ControlAxis::new(ControlAxisBy {
+        setpoint: Follow::Position(0.0),
+        avoid_gaps: true,
+        gap_velocity,
+        gap_acceleration: 80.0,
+        gap_deceleration: 80.0,
+    })
+}
+
+/// A set-point that jumps by 20 u and goes on with 30 u/s, more than 80 u/s² for a cycle, though the block asks it to wait:
+/// it is caught up with, and the axis has its velocity then. Relative to it 20 u/s are left of the gap's: the axis gets from
+/// −30 u/s to 20 u/s relative to the set-point in 50/80 s (3.125 u further behind), and from 20 u/s to 0 in 0.25 s (2.5 u);
+/// between that are 20 + 3.125 − 2.5 u at 20 u/s. Backwards, with the set-point coming from ahead, it is the same mirrored.
+#[test]
+fn a_bridge_meets_a_set_point_that_moves_on() {
+    for sign in [1.0, -1.0] {
+        let mut rig = linear();
+        let mut block = control_by_position(20.0);
+        rig.cycle(|axis| block.call(true, axis));
+        let mut place = 20.0;
+        let (mut before, mut fastest) = (0.0, 0.0_f64);
+        let count = rig.until(|axis| {
+            block.inputs().setpoint = Follow::Position(sign * place);
+            place += 30.0 * CYCLE;
+            let held = block.call(true, axis).stop_ipo;
+            let velocity = axis.set_velocity();
+            assert!((velocity - before).abs() <= 80.0 * CYCLE + 1e-9, "{velocity} {before}");
+            fastest = fastest.max(velocity.abs());
+            before = velocity;
+            !held
+        });
+        let expected = 50.0 / 80.0 + 0.25 + (20.0 + 3.125 - 2.5) / 20.0;
+        assert!((f64::from(count) * CYCLE - expected).abs() <= 3.0 * CYCLE, "{count}");
+        assert!((fastest - 50.0).abs() < 1e-6, "{fastest}");
+        assert!((before - sign * 30.0).abs() < 1e-9, "{before}");
+        // And then it is followed without a step.
+        for _ in 0..10 {
+            block.inputs().setpoint = Follow::Position(sign * place);
+            assert!(!rig.cycle(|axis| block.call(true, axis)).stop_ipo);
+            assert!((rig.axis.set_position() - sign * place).abs() < 1e-9);
+            assert!((rig.axis.set_velocity() - sign * 30.0).abs() < 1e-9);
+            place += 30.0 * CYCLE;
+        }
+    }
+}
+
 #[test]
 fn a_control_block_that_is_not_enabled_gives_the_axis_back() {
     let mut rig = linear();

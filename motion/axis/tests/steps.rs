@@ -6,7 +6,7 @@ use super::rig::{CYCLE, Rig, linear};
 use crate::axis::profile::RampType;
 use crate::axis::{
     AxisConfig, AxisState, Block, CamIn, ControlAxisBy, ControllerMode, Follow, GearIn, GearInPos,
-    GearInPosRun, Home, MoveSuperImposed, MoveVelocity, SetControllerMode,
+    GearInPosRun, Home, MoveSuperImposed, MoveVelocity, SetControllerMode, Watched,
 };
 use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
 use std::sync::Arc;
@@ -126,7 +126,7 @@ fn a_position_beside_its_velocity_is_bridged() {
     // 0.1 u in a cycle of 10 ms are 10 u/s: no velocity that is too much, but the axis rests before and after.
     block.inputs.setpoint = Follow::PositionVelocity(0.1, 0.0);
     rig.cycle(|axis| block.call(true, axis));
-    let bridging = block.running().copied();
+    let bridging = block.running().map(Watched::stop_ipo);
     assert_eq!(bridging, Some(true));
     assert!((rig.axis.set_position() - 0.5 * 70.0 * CYCLE * CYCLE).abs() < 1e-12);
     rig.until(|axis| {

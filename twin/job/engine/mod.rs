@@ -219,10 +219,11 @@ impl Engine {
     /// Calls the blocks of an axis; at the end of the job it is halted, before its slaves look at it.
     fn call_on(&mut self, axis: usize, calls: &[usize]) -> Result<(), Box<Finding>> {
         calls.iter().try_for_each(|index| self.call(*index))?;
-        if self.is_halting()
-            && let Some(moved) = self.axes.get_mut(axis)
-        {
-            moved.halt();
+        if self.is_halting() {
+            let master_moves = self.master(axis).is_some_and(|master| !master.stands());
+            if let Some(moved) = self.axes.get_mut(axis) {
+                moved.halt(master_moves);
+            }
         }
         Ok(())
     }
@@ -303,7 +304,7 @@ impl Engine {
         let stand = self.axes.iter().all(Moved::stands);
         if self.is_halting() {
             self.all_begun()?;
-            return Ok(stand);
+            return if stand { Ok(true) } else { self.halts_in_time() };
         }
         let waits = self.calls.iter().find(|running| running.over_ns.is_none());
         let ends = self.duration_ns.is_some();
@@ -327,7 +328,7 @@ impl Engine {
             );
             return Err(Finding::error(Rule::FunctionBlock, self.place(), message).into());
         }
-        if ends { self.in_time() } else { Ok(stand) }
+        if stand && !ends { Ok(true) } else { self.in_time() }
     }
 
     /// Whether no block begins by itself at a time to come.
@@ -349,6 +350,23 @@ impl Engine {
         })
     }
 
+    /// Behind `duration_s`, when everything comes to rest.
+    fn halts_in_time(&self) -> Result<bool, Box<Finding>> {
+        let over = seconds(self.now_ns - self.duration_ns.unwrap_or(0));
+        let Some(moved) = self.axes.iter().find(|moved| !moved.stands()) else { return Ok(true) };
+        if over <= LONGEST_HALT {
+            return Ok(false);
+        }
+        let message = format!(
+            "axis {} still moves with {:.3} per second {LONGEST_HALT:.0} s after `duration_s`, when everything has to come to \
+             rest",
+            moved.name, moved.state.velocity
+        );
+        let mut finding = Finding::error(Rule::FunctionBlock, self.place(), message);
+        finding.axis = Some(moved.name.clone());
+        Err(finding.into())
+    }
+
     fn in_time(&self) -> Result<bool, Box<Finding>> {
         if seconds(self.now_ns) <= LONGEST {
             return Ok(false);
@@ -360,6 +378,9 @@ impl Engine {
 
 /// Where everything has stood for so long and nothing is due, nothing will move any more, ns.
 const STUCK_NS: i64 = 1_000_000_000;
+
+/// How long everything may take to come to rest behind `duration_s`, s.
+const LONGEST_HALT: f64 = 600.0;
 
 /// An error in words.
 fn told(error: SmcError) -> String {

@@ -93,10 +93,14 @@ impl Moved {
         };
     }
 
-    /// At the end of the job: brakes, unless it follows a master, which does.
-    pub(super) fn halt(&mut self) {
-        let moves =
-            matches!(self.axis.state(), AxisState::DiscreteMotion | AxisState::ContinuousMotion);
+    /// At the end of the job: brakes, unless it follows a master that still moves: that one brakes. What moves by itself
+    /// in synchronized motion (set-points, a shift of the phase, a motion on top) has none, or none that moves any more.
+    pub(super) fn halt(&mut self, master_moves: bool) {
+        let moves = match self.axis.state() {
+            AxisState::DiscreteMotion | AxisState::ContinuousMotion => true,
+            AxisState::SynchronizedMotion => !master_moves && !self.stands(),
+            _ => false,
+        };
         if self.halt.is_none() && moves {
             self.halt = Some(Block::new(Halt { deceleration: self.max_acceleration }));
         }

@@ -1,5 +1,6 @@
 //! Which block has an axis, and who has lost it.
 
+use super::moved::Moved;
 use super::{Begins, Call, Engine, STOP};
 use crate::finding::{Finding, Rule};
 use crate::report::seconds;
@@ -46,6 +47,12 @@ impl Engine {
         finding.axis = Some(name.to_owned());
         finding.hint = Some(format!("{out} of the axis lets it go first"));
         Err(finding.into())
+    }
+
+    /// What an axis follows by the block that has it.
+    pub(super) fn master(&self, axis: usize) -> Option<&Moved> {
+        let taker = self.axes.get(axis)?.taken_by?;
+        self.axes.get(self.calls.get(taker)?.call.master?)
     }
 
     /// A block has lost its axis before it was done: fine if another one began later and was meant to take it.

@@ -4,6 +4,7 @@ use super::checker::{Limits, Promise};
 use super::random::Random;
 use super::{FASTEST, JERK, STEEPEST};
 use crate::axis::profile::{ProfilePoint, State};
+use crate::axis::tests::rig::CYCLE;
 use crate::axis::{
     AbortTrigger, AccelerationProfile, Axis, Block, CamIn, ControlAxisBy, ControllerMode, Decouple,
     Direction, Follow, GearIn, GearInPos, Halt, Home, HomingBySwitch, HomingMode, Master, Motion,
@@ -490,6 +491,8 @@ fn direct() -> Vec<Box<dyn Called>> {
                 }
                 let position = random.between(0.0, 90.0);
                 it.setpoint = match it.setpoint {
+                    // What is not too fast is no jump (manual 2.2.5), and no promise.
+                    Follow::Position(last) if (position - last).abs() < FASTEST * CYCLE => return,
                     Follow::Position(_) => Follow::Position(position),
                     Follow::Velocity(_) => Follow::Velocity(0.5 * way(random)),
                     Follow::PositionVelocity(..) => Follow::PositionVelocity(position, 0.0),

@@ -1,0 +1,123 @@
+//! How jobs end, and what blocks take that is not said, against closed forms.
+
+use super::JobSetpoints;
+use super::tests::{START, job, machine, moves, near, run, time};
+use crate::finding::Rule;
+use crate::planning::PlanItem;
+use crate::setpoint::AxisSetpoint;
+
+fn ends(setpoints: &[AxisSetpoint]) -> f64 {
+    let last = setpoints.last().unwrap();
+    let motion = &last.axes;
+    assert!(motion.velocity.iter().chain(motion.acceleration.iter()).all(|value| *value == 0.0));
+    time(last)
+}
+
+const SHAFT: &str = "[[virtual_axes]]\nname = \"shaft\"\nkind = \"rotary\"\nperiod_deg = 360\n\
+                     max_acceleration_deg_per_s2 = 3600\n";
+
+fn block(name: &str, keys: &str) -> String {
+    format!("[[blocks]]\nblock = \"{name}\"\naxis = \"X\"\n{keys}\n")
+}
+
+/// X brakes with its 3000 mm/s² as soon as `duration_s` is over, from the velocity that its set-points have then.
+#[test]
+fn setpoints_are_halted_at_the_end_of_the_job() {
+    let velocities = "points = [{ delta_s = 0.2, velocity_mm_per_s = 100 }, { delta_s = 3, velocity_mm_per_s = 100 }, \
+                      { delta_s = 0.2, velocity_mm_per_s = 0 }]";
+    let positions = "points = [{ delta_s = 10, position_mm = 300 }]";
+    let both = "points = [{ delta_s = 10, position_mm = 300, velocity_mm_per_s = 0 }]";
+    // The cubic has 6·200/10·s·(1 − s) mm/s.
+    for (name, points, duration, velocity) in [
+        ("SMC_FollowVelocity", velocities, 0.2, 100.0),
+        ("SMC_ControlAxisByVel", velocities, 0.2, 100.0),
+        ("SMC_FollowPosition", positions, 0.5, 20.0),
+        ("SMC_ControlAxisByPos", positions, 0.5, 20.0),
+        ("SMC_FollowPositionVelocity", both, 5.0, 30.0),
+        ("SMC_ControlAxisByPosVel", both, 5.0, 30.0),
+    ] {
+        let text = format!("duration_s = {duration:?}\n{START}{}", block(name, points));
+        let setpoints = moves(&text);
+        near(ends(&setpoints), duration + velocity / 3000.0, 3e-3);
+        let way = |one: &AxisSetpoint| one.axes.position[0] * 1e3;
+        let over = setpoints.iter().find(|one| time(one) >= duration - 1e-9).unwrap();
+        let braked = way(setpoints.last().unwrap()) - way(over);
+        near(braked, 0.5 * velocity * velocity / 3000.0, velocity * 2e-3);
+    }
+}
+
+/// A shift that would take 10⁶ s: at rest it ends at once, and behind a master that turns when that one stands, 0.1 s later.
+#[test]
+fn a_shift_of_the_phase_is_halted_at_the_end_of_the_job() {
+    let shift = block(
+        "MC_Phasing",
+        "master = \"shaft\"\nphase_shift_mm = 1\nvelocity_mm_per_s = 1e-6\nat_s = 0",
+    );
+    let text = format!("duration_s = 1\n{START}{SHAFT}{shift}");
+    near(ends(&moves(&text)), 1.0, 3e-3);
+    let turns = "[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"shaft\"\nvelocity_deg_per_s = 36\n\
+                 acceleration_deg_per_s2 = 360\nat_s = 0\n";
+    let slow = SHAFT.replace("3600", "360");
+    let setpoints = moves(&format!("duration_s = 1\n{START}{slow}{shift}{turns}"));
+    near(ends(&setpoints), 1.1, 4e-3);
+}
+
+/// A distance on top of a gear that stands moves by itself, too.
+#[test]
+fn a_motion_on_top_of_a_slave_is_halted_at_the_end_of_the_job() {
+    let text = format!(
+        "duration_s = 1\n{START}{SHAFT}{}{}",
+        block("MC_GearIn", "master = \"shaft\"\nratio_numerator = 1\nratio_denominator = 1"),
+        block("MC_MoveSuperImposed", "distance_mm = 100\nvelocity_difference_mm_per_s = 1")
+    );
+    let setpoints = moves(&text);
+    near(ends(&setpoints), 1.0, 4e-3);
+    near(setpoints.last().unwrap().axes.position[0] * 1e3, 101.0, 0.01);
+}
+
+/// 3600 deg/s that fall with 0.01 deg/s² do so for 100 hours.
+#[test]
+fn a_job_that_does_not_come_to_rest_is_told() {
+    let text = format!(
+        "duration_s = 0.5\n{}[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"shaft\"\n\
+         velocity_deg_per_s = 3600\nacceleration_deg_per_s2 = 36000\n",
+        SHAFT.replace("3600", "0.01")
+    );
+    let (job, machine) = (job(&text), machine());
+    let mut found = Vec::new();
+    for item in JobSetpoints::open(&machine, &job.program).unwrap() {
+        if let PlanItem::Diagnostic(finding) = item {
+            found.push(finding);
+        }
+    }
+    let [finding] = &found[..] else { panic!("{found:?}") };
+    assert_eq!((finding.rule, finding.axis.as_deref()), (Rule::FunctionBlock, Some("shaft")));
+    assert!(finding.message.contains("600 s after `duration_s`"), "{finding:?}");
+}
+
+/// What a ramp of `MC_CamIn` is not told is the axis's acceleration, and that acceleration for the deceleration.
+#[test]
+fn a_cam_ramps_in_with_the_acceleration_of_its_axis() {
+    let cam = "name = \"c\"\nmaster = { min = 0, max = 360, unit = \"deg\" }\n\
+               slave = { min = 0, max = 100, unit = \"mm\" }\n\
+               elements = [{ master = 0, slave = 0 }, { master = 360, slave = 0 }]\n";
+    let with = |rates: &str| {
+        let keys = format!(
+            "master = \"shaft\"\ncam = \"c.cam.toml\"\nstart_mode = \"ramp_in\"\nslave_offset_mm = 110\n\
+             velocity_difference_mm_per_s = 50\n{rates}"
+        );
+        let job = job(&format!("duration_s = 1\n{START}{SHAFT}{}", block("MC_CamIn", &keys)));
+        std::fs::write(job.folder.path().join("c.cam.toml"), cam).unwrap();
+        let (setpoints, findings) = run(&job, &machine());
+        assert_eq!(findings, [], "{rates}");
+        setpoints
+    };
+    // 10 mm at 50 mm/s with 3000 mm/s²: 0.2 s and 50/3000 s.
+    let setpoints = with("");
+    let arrives = setpoints.iter().find(|one| one.axes.position[0] >= 0.11 - 1e-12).unwrap();
+    near(time(arrives), 0.2 + 50.0 / 3000.0, 3e-3);
+    assert_eq!(setpoints, with("acceleration_mm_per_s2 = 3000\ndeceleration_mm_per_s2 = 3000"));
+    let slow = with("acceleration_mm_per_s2 = 500");
+    assert_eq!(slow, with("acceleration_mm_per_s2 = 500\ndeceleration_mm_per_s2 = 500"));
+    assert_ne!(slow, setpoints);
+}
