@@ -67,7 +67,7 @@ pub(super) struct BySwitch {
     #[arg(long, value_name = "PER_S", default_value_t = 200, requires = "by_switch", value_parser = clap::value_parser!(u32).range(1..))]
     slow: u32,
 
-    /// Longest way to the switch, increments
+    /// Longest way to the switch, increments; so far the axis goes, past the switch, where the program or its wire fails
     #[arg(long, value_name = "INCREMENTS", default_value_t = 100_000, requires = "by_switch", value_parser = clap::value_parser!(u32).range(1..))]
     max_way: u32,
 
@@ -128,7 +128,8 @@ fn why(error: &HomingError, interrupt: &Interrupt) -> String {
         HomingError::Moving { .. } => "an axis of the device moves".to_owned(),
         HomingError::NotStopped { why: first, source } => {
             format!(
-                "{}; and the axis could not be stopped: {source}; use the emergency stop",
+                "{}; and the axis could not be stopped: {source}; it may go on past its switch for all of --max-way: use the \
+                 emergency stop",
                 why(first, interrupt)
             )
         }
@@ -289,7 +290,8 @@ impl BySwitch {
         let returns = if self.return_to_zero { ", then to 0" } else { "" };
         consent.ask(&format!(
             "home {name} from {from} towards {sign} until {at} says so, {most} increments at most, at {fast} increments/s, and off \
-             it at {slow}{afterwards}{returns}"
+             it at {slow}{afterwards}{returns}; where this program or its wire fails meanwhile nobody watches the switch, and the \
+             axis goes on for all of that way"
         ))?;
         let interrupt = Interrupt::catch()?;
         drive.enable()?;
