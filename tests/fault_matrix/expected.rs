@@ -71,6 +71,8 @@ pub(crate) enum Expected {
     Survived,
     /// It is told, with one of these causes, and the axis stops when it is told to.
     Told(&'static [Cause]),
+    /// It is told like that or survived, as two answers are read at once or one after the other: both are sound.
+    Either(&'static [Cause]),
     /// It is told; the device cannot be reached and goes on to where it was sent.
     GoesOn(&'static [Cause]),
     /// The driver cannot know: the counter is right and the mechanics are elsewhere.
@@ -91,8 +93,11 @@ impl Expected {
             (Self::Unseen, Outcome::Survived) if apart < 100.0 => {
                 return Err("the mechanics have not been held".to_owned());
             }
-            (Self::Survived | Self::Unseen, Outcome::Survived) => {}
-            (Self::Told(causes) | Self::GoesOn(causes), Outcome::Told(error)) => {
+            (Self::Survived | Self::Unseen | Self::Either(_), Outcome::Survived) => {}
+            (
+                Self::Told(causes) | Self::Either(causes) | Self::GoesOn(causes),
+                Outcome::Told(error),
+            ) => {
                 let cause = Cause::of(error);
                 if !cause.is_some_and(|cause| causes.contains(&cause)) {
                     return Err(format!("{error} ({cause:?} instead of {causes:?})"));
@@ -126,6 +131,7 @@ impl Expected {
         match self {
             Self::Survived => "survived",
             Self::Told(_) => "told, stopped",
+            Self::Either(_) => "survived or told, stopped",
             Self::GoesOn(_) => "told, goes on",
             Self::Unseen => "unseen",
         }
@@ -133,7 +139,7 @@ impl Expected {
 }
 
 use Cause::{Alarm, Elsewhere, Gone, Locked, NoAnswer, NotHomed, Refused, Reset, Unfinished};
-use Expected::{GoesOn, Survived, Told, Unseen};
+use Expected::{Either, GoesOn, Survived, Told, Unseen};
 
 /// Frames that a fault of the wire befalls: one, but while a plan is followed as many as it takes to hit what is not
 /// repeated (two reads in a row, or a move; 0: until it is told).
@@ -206,9 +212,10 @@ fn on_atb(direction: Direction, wire: WireFault, doing: Doing) -> Expected {
         (WireFault::Refuse { .. }, _) => Told(&[Refused]),
         // An echo is skipped, and what comes after an answer thrown away.
         (WireFault::Echo, Doing::ToHome) => Survived,
-        // A drive that is told twice refuses the second time: a long command is running. Of two answers at once the last counts.
+        // A drive that is told twice refuses the second time: a long command is running. Of two answers that are there at once
+        // the last counts; one that comes later answers nothing.
         (WireFault::Duplicate, Doing::ToHome) if direction == Direction::Request => {
-            Told(&[Refused])
+            Either(&[Refused])
         }
         (WireFault::Duplicate, Doing::ToHome) => Survived,
         // TRJINIT is sent once: a drive that has homed meanwhile would home again.
