@@ -36,7 +36,7 @@ pub fn write(cam: &Cam, writer: impl Write) -> Result<(), CamWriteError> {
 /// Writes a cam with what is known beside it (version 1.1).
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_beside(cam: &Cam, beside: &Beside, writer: impl Write) -> Result<(), CamWriteError> {
     write_as(cam, Some(beside), writer)
 }
