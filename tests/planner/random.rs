@@ -21,7 +21,7 @@ pub struct Step {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Form {
+pub enum Form {
     Line,
     Rapid,
     Arc { plane: Plane, sweep: f64, rise: f64 },
@@ -55,7 +55,7 @@ pub fn step() -> impl Strategy<Value = Step> {
 }
 
 impl Step {
-    fn new(
+    pub fn new(
         form: Form,
         straight_on: bool,
         length: f64,

@@ -1,7 +1,7 @@
 //! The acceleration of the tool tip.
 
 use super::machines::Machine;
-use super::random::{cases, check, exponential, settings, step, walk};
+use super::random::{Form, Step, cases, check, exponential, settings, step, walk};
 use super::run::{Settings, run};
 use nalgebra::Point3;
 use proptest::prelude::*;
@@ -42,6 +42,24 @@ fn circles_are_as_fast_as_the_tool_may_be_accelerated() {
             assert!(duration < least + later, "{duration}");
         }
     }
+}
+
+/// Where the tool goes round at constant speed, accelerations that are far from holding it have coefficients of rounding.
+#[test]
+fn what_leaves_a_circle_keeps_the_limit() {
+    let arc = Form::Arc { plane: Plane::Xy, sweep: -5.007, rise: 0.0 };
+    let steps = [
+        Step::new(arc, false, 0.005, [0.0, -0.856, 0.0], 0.5, [1.0, 1.0]),
+        Step::new(Form::Line, true, 0.003_268, [-0.696, -0.636, 0.446], 0.0468, [1.252, 1.333]),
+    ];
+    let machine = Machine::Gantry3;
+    let angle = 2_f64.to_radians();
+    let settings = Settings { machine, jerk: false, tolerance: 1e-4, angle, horizon: 1.5 };
+    let path = walk(&steps, machine);
+    let options = LimitOptions { tool_acceleration: Some(1.0), ..settings.options() };
+    let report = run(path.iter().cloned(), &settings, options);
+    check(&report, &path, &settings).expect("limits that are kept");
+    assert!(report.tool_acceleration.value <= 1.001, "{:?}", report.tool_acceleration);
 }
 
 proptest! {

@@ -24,6 +24,8 @@ use std::ops::Range;
 
 /// A row that is less active holds nothing.
 const ACTIVE: f64 = 0.99;
+/// What is left of a coefficient by less than this part is rounding: the row holds what those before it hold already.
+const ROUNDING: f64 = 1e-9;
 /// Less, s, is rounding.
 pub(super) const NO_GAIN: f64 = 1e-12;
 
@@ -91,6 +93,9 @@ impl<'g> Chain<'g> {
             if held.constraint.is_some() {
                 // The row of the node before goes to this one by `before.row[2]`, that of this one goes back by `back`.
                 (pivot, rest) = (own - factor * back, time - factor * rest);
+                if pivot <= own * ROUNDING {
+                    (pivot, rest) = (f64::INFINITY, 0.0);
+                }
             } else {
                 (pivot, rest) = (1.0, 0.0);
             }

@@ -7,6 +7,8 @@ use super::presolve::TIGHT;
 
 /// A limit with less room than this may be what a bound comes from.
 const SLACK: f64 = 1e-6;
+/// A limit with a smaller coefficient for x does not hold it: where the tool turns at constant speed rounding leaves it one.
+const HOLDS: f64 = 1e-6;
 
 /// A cell with b at its ends of which x and y are parts.
 #[derive(Clone, Copy, Debug)]
@@ -104,13 +106,13 @@ impl<'g> Scaled<'g> {
         caps.iter().any(|cap| cap.is_finite()).then(|| caps.map(|cap| cap.max(0.0)))
     }
 
-    /// The limit with a positive coefficient for x, and that for y, that is most active where both are 1.
+    /// The limit that holds x, and that which holds y, that is most active where both are 1.
     pub(super) fn most_active(self) -> [Active; 2] {
         let mut found = [Active::default(); 2];
         let mut take = |constraint, row: [f64; 2]| {
             let activity = row[0] + row[1];
             for (found, own) in found.iter_mut().zip(row) {
-                if own > 0.0 && activity > found.activity {
+                if own > HOLDS && activity > found.activity {
                     *found = Active { activity, constraint: Some(constraint), row };
                 }
             }
