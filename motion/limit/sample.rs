@@ -33,6 +33,8 @@ const DEPTH: u32 = 10;
 const INSIDE: f64 = 1e-9;
 /// Places within this part of the length from the end of an element are at its end.
 const NEAR: f64 = 1e-8;
+/// Places on an element nearer to each other than this part of its length are one.
+pub(super) const SAME_PLACE: f64 = 1e-12;
 /// Velocities may step by what the acceleration limit changes them in this time, s, where a joint is not rounded; so
 /// may accelerations by what the jerk limit does.
 const STEP_TIME: f64 = 1e-3;
@@ -70,8 +72,11 @@ impl<A: AxisPath> Sampler<A> {
         // What is left between two blends that nearly meet is not worth a cell.
         let sliver = tail - head < SLIVER * head.min(element.length() - tail);
         let left_out = |at: f64| sliver && at > head && at >= tail && at < element.length();
-        for to in element.breaks().filter(|at| *at > part.start && !left_out(*at)) {
-            let to = to.min(part.end);
+        // A break that the part begins or ends at, but for rounding, is not one within it.
+        let near_by = SAME_PLACE * element.length();
+        let within = |at: f64| at > part.start + near_by || at >= part.end;
+        for to in element.breaks().filter(|at| within(*at) && !left_out(*at)) {
+            let to = if to > part.end - near_by { part.end } else { to };
             if to <= last {
                 break;
             }

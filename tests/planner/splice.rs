@@ -1,14 +1,14 @@
 //! Plans that come late, or not at all: the old one goes on, and every plan that is executed ends at rest.
 
 use super::machines::Machine;
-use super::random::{Step, cases, exponential, limits_hold, settings, step, walk};
+use super::random::{Form, Step, cases, exponential, limits_hold, settings, step, walk};
 use super::run::{Settings, Watch};
 use proptest::prelude::*;
 use std::collections::VecDeque;
 use twin_motion::limit::{
     Arrival, KinematicPath, Lead, LimitError, Piece, Pieces, Planned, Planner, Request, Spliced,
 };
-use twin_motion::path::PathElement;
+use twin_motion::path::{PathElement, Plane};
 use twin_motion::prepare::{CheckError, CheckVelocities};
 
 /// A held path rests so long, s.
@@ -218,4 +218,82 @@ fn a_hold_is_over_at_the_end_of_what_is_planned_at_the_latest() {
     // The wait for the plan is a rest, not a motion.
     assert!(report.velocity.value <= 1.001 && report.third_difference.value <= 1.05, "{report:?}");
     assert!(report.duration > 60.0);
+}
+
+/// A plan may end in a blend but for rounding, where the next one must not have a cell of 1e-20 m: in none so short can jerks be
+/// told.
+#[test]
+#[allow(clippy::unreadable_literal, reason = "as they were found: fewer digits are another path")]
+fn an_acceleration_goes_on_from_plan_to_plan() {
+    let arc = |plane, sweep, rise| Form::Arc { plane, sweep, rise };
+    let steps = [
+        Step::new(
+            Form::Line,
+            false,
+            0.002255446212285847,
+            [0.0, -0.6075633416118688, 0.0],
+            0.5,
+            [18.38337326220304, 1.0],
+        ),
+        Step::new(
+            Form::Line,
+            false,
+            2.3579783576407348e-5,
+            [0.44689962043944664, -0.1363384790474046, 0.0],
+            0.14647615709930795,
+            [2.1604824475644566, 0.3346419894680971],
+        ),
+        Step::new(
+            arc(Plane::Yz, -4.811797995570654, -0.06406143715300358),
+            true,
+            2.5160433349865174e-5,
+            [-0.33607272185311454, 0.5359624248109468, 0.0],
+            0.013934669429969893,
+            [7.557827827336566, 6.1820355226734165],
+        ),
+        Step::new(
+            arc(Plane::Xy, -3.794163958084847, 0.0),
+            false,
+            0.0002880357486385573,
+            [0.16238058813728407, -0.14387464616247012, 0.0],
+            0.22155584172006376,
+            [1.1738725633014566, 18.93261044236704],
+        ),
+        Step::new(
+            Form::Line,
+            false,
+            5.067773627960168e-5,
+            [0.49255198428689667, -0.20514890337094588, 0.0],
+            0.339408186181936,
+            [3.1857027041851276, 3.137390190888578],
+        ),
+        Step::new(
+            arc(Plane::Yz, -4.0817140738219475, 0.0),
+            false,
+            0.009614664590521689,
+            [-0.4380977630112801, -0.3338253376216664, -0.18254157233874171],
+            0.08449845820446816,
+            [6.080184510388469, 0.6251934543811272],
+        ),
+        Step::new(
+            Form::Line,
+            false,
+            0.02999490957307206,
+            [-0.7471716229173195, -0.581944880517649, 0.0],
+            0.005300930076540815,
+            [0.42496896263792217, 8.012303585116896],
+        ),
+    ];
+    let settings = Settings {
+        machine: Machine::Scara2,
+        jerk: true,
+        tolerance: 1.000_000_000_000_000_9e-4,
+        angle: std::f64::consts::PI,
+        horizon: 1.5,
+    };
+    let path = walk(&steps, settings.machine);
+    let pace = Pace(vec![0.03837291024155448, 0.07090694573322902, 0.512769850873645]);
+    let changes = [(0.016710423416096385, 0.06659380463671143)];
+    let Executed { report, .. } = execute(&path, &settings, &changes, &pace);
+    limits_hold(&report, &path, &settings, 1.02).expect("limits that are kept");
 }

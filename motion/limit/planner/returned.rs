@@ -4,13 +4,12 @@ use super::{After, Leg, LimitError, Planned, Planner};
 use crate::limit::axis_path::AxisPath;
 use crate::limit::cell::Cell;
 use crate::limit::course::CourseElement;
+use crate::limit::sample::SAME_PLACE;
 use crate::limit::smooth::Beginning;
 use crate::prepare::CheckedElement;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Places on an element nearer to each other than this part of its length are one.
-const SAME_PLACE: f64 = 1e-12;
 /// The root of what is left of u̇² by rounding where the path rests, m/s.
 const AT_REST: f64 = 1e-7;
 
@@ -259,6 +258,10 @@ where
         if let Some(Returned::Part(part)) = self.returned.get_mut(index)
             && part.to > s + near
         {
+            if part.from >= s - near {
+                // What is left of it in front would be rounding.
+                return Some(index);
+            }
             let behind = Part { from: s, ..part.clone() };
             part.to = s;
             self.returned.insert(index + 1, Returned::Part(behind));
