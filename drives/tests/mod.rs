@@ -6,3 +6,4 @@ pub(crate) mod bench;
 mod device;
 mod group;
 mod homing;
+pub(crate) mod peer;

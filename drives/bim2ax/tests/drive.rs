@@ -1,7 +1,5 @@
 //! The module as a drive: in real time on a memory file served by another thread, and in virtual time.
 
-use std::time::Instant as WallClock;
-
 use super::*;
 use crate::{
     Axes, Drive, DriveError, IncrementMotion, SetpointStream,
@@ -10,17 +8,8 @@ use crate::{
         bits::message,
         emulator::{EmulatedModule, EmulatorOptions},
     },
+    tests::peer::wall_clock,
 };
-
-/// The clock of these tests.
-#[expect(
-    clippy::disallowed_methods,
-    reason = "these tests run in real time and are their own session"
-)]
-fn wall_clock() -> impl Fn() -> i64 + Send + Sync + Copy {
-    let zero = WallClock::now();
-    move || i64::try_from(zero.elapsed().as_nanos()).unwrap()
-}
 
 /// A plan of two axes: a line to and fro, at rest before and after.
 struct Plan<C> {

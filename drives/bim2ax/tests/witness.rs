@@ -1,11 +1,7 @@
 //! The second reading of the manual, in Python, against emulator and driver. Without Python there is no witness, which
 //! is said.
 
-use std::{
-    io::{BufRead, BufReader, Write},
-    path::Path,
-    process::{Child, ChildStdin, ChildStdout, Command, Stdio},
-};
+use std::path::Path;
 
 use super::*;
 use crate::{
@@ -15,6 +11,7 @@ use crate::{
         bits::{bloc, card, encoder_message, message, uc},
         emulator::{EmulatedModule, EmulatorOptions, Event},
     },
+    tests::peer::{Peer, wall_clock},
 };
 
 /// Parts of the manual that the host goes through, as it names them.
@@ -34,54 +31,9 @@ const PARTS: [&str; 13] = [
     "checksum",
 ];
 
-/// The other reading as `face` at a memory file, with its standard streams to talk to.
-struct Witness {
-    process: Child,
-    input: Option<ChildStdin>,
-    output: BufReader<ChildStdout>,
-}
-
-impl Witness {
-    /// `None`, and a word about it, without Python.
-    fn start(face: &str, path: &Path) -> Option<Self> {
-        let version = Command::new("python3").arg("--version").output();
-        if !version.is_ok_and(|output| output.status.success()) {
-            println!("no python3 here: not witnessed");
-            return None;
-        }
-        let mut python = Command::new("python3");
-        python.args(["-B", concat!(env!("CARGO_MANIFEST_DIR"), "/bim2ax/tests/reference"), face]);
-        python.arg(path).stdin(Stdio::piped()).stdout(Stdio::piped());
-        let mut process = python.spawn().unwrap();
-        let input = process.stdin.take();
-        let output = BufReader::new(process.stdout.take().unwrap());
-        Some(Self { process, input, output })
-    }
-
-    /// Its next line; empty at its end.
-    fn line(&mut self) -> String {
-        let mut line = String::new();
-        self.output.read_line(&mut line).unwrap();
-        line.trim_end().to_owned()
-    }
-
-    fn say(&mut self, line: &str) {
-        writeln!(self.input.as_mut().unwrap(), "{line}").unwrap();
-    }
-
-    fn end(mut self) {
-        drop(self.input.take());
-        assert!(self.process.wait().unwrap().success());
-    }
-}
-
-#[expect(
-    clippy::disallowed_methods,
-    reason = "these tests run in real time and are their own session"
-)]
-fn wall_clock() -> impl Fn() -> i64 + Send + Sync + Copy {
-    let zero = std::time::Instant::now();
-    move || i64::try_from(zero.elapsed().as_nanos()).unwrap()
+/// The other reading as `face` at a memory file.
+fn witness(face: &str, path: &Path) -> Option<Peer> {
+    Some(Peer::start(Peer::reference("bim2ax/tests/reference")?.arg(face).arg(path)))
 }
 
 /// Does at the module what the host wants done; false if that is nothing known.
@@ -129,7 +81,7 @@ fn another_host_finds_everything_in_the_emulated_module_as_it_reads_the_manual()
     options.surroundings = surroundings();
     options.speed = Speed::times(4);
     let module = EmulatedModule::start(&options, wall_clock()).unwrap();
-    let Some(mut host) = Witness::start("host", module.path()) else { return };
+    let Some(mut host) = witness("host", module.path()) else { return };
     let mut passed = Vec::new();
     loop {
         let wish = host.line();
@@ -151,7 +103,7 @@ async fn the_driver_has_everything_done_by_another_module() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("module");
     std::fs::write(&path, [0; FILE_LENGTH]).unwrap();
-    let Some(mut other) = Witness::start("module", &path) else { return };
+    let Some(mut other) = witness("module", &path) else { return };
     assert_eq!(other.line(), "ready");
 
     let options = Bim2AxOptions {

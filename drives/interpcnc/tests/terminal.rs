@@ -3,7 +3,7 @@
 use std::{
     f64::consts::TAU,
     io::{Read, Write},
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use serialport::TTYPort;
@@ -19,17 +19,8 @@ use crate::{
         parameters,
         vectors::{bytes, vector},
     },
+    tests::peer::wall_clock,
 };
-
-/// The clock of these tests.
-#[expect(
-    clippy::disallowed_methods,
-    reason = "these tests run in real time and are their own session"
-)]
-fn clock() -> impl Fn() -> i64 + Send + Sync + Copy {
-    let zero = Instant::now();
-    move || i64::try_from(zero.elapsed().as_nanos()).unwrap()
-}
 
 /// A plan of two axes: to and fro, at rest before and after.
 struct Plan<C> {
@@ -94,7 +85,7 @@ fn wait_until_rest(
 
 #[test]
 fn a_board_is_enabled_moved_and_stopped() {
-    let clock = clock();
+    let clock = wall_clock();
     let board = EmulatedBoard::start(&EmulatorOptions::default(), clock).unwrap();
     let stream = Plan { clock, start_ns: 0 };
     // Axes Y and B only: the first and second entry of every array.
@@ -135,7 +126,7 @@ fn a_board_is_enabled_moved_and_stopped() {
 
 #[test]
 fn a_plan_is_followed_to_its_end() {
-    let clock = clock();
+    let clock = wall_clock();
     let board = EmulatedBoard::start(&EmulatorOptions::default(), clock).unwrap();
     let mut drive = open(&board, &options(&[BoardAxis::X, BoardAxis::Y]));
     drive.enable().unwrap();
@@ -179,7 +170,7 @@ fn a_plan_is_followed_to_its_end() {
 
 #[test]
 fn an_open_enable_input_is_an_error_of_its_own() {
-    let clock = clock();
+    let clock = wall_clock();
     let stream = Plan { clock, start_ns: 0 };
     let board = EmulatedBoard::start(&EmulatorOptions::default(), clock).unwrap();
     let mut drive = open(&board, &options(&[BoardAxis::X]));
@@ -202,7 +193,7 @@ fn an_open_enable_input_is_an_error_of_its_own() {
 
 #[test]
 fn a_board_slower_than_the_deadline_is_a_timeout_and_no_wrong_answer() {
-    let clock = clock();
+    let clock = wall_clock();
     let stream = Plan { clock, start_ns: 0 };
     let wire = Wire { turnaround: Duration::from_millis(150), ..Wire::default() };
     let board =
@@ -224,7 +215,7 @@ fn a_board_slower_than_the_deadline_is_a_timeout_and_no_wrong_answer() {
 
 #[test]
 fn another_station_and_other_line_settings_work() {
-    let clock = clock();
+    let clock = wall_clock();
     let stream = Plan { clock, start_ns: 0 };
     let line = Line { baud: 19_200, parity: Parity::Even };
     let emulator = EmulatorOptions {
@@ -264,7 +255,7 @@ fn a_port_that_is_not_there_is_named() {
 
 #[test]
 fn noise_and_unknown_functions_leave_the_board_answering() {
-    let board = EmulatedBoard::start(&EmulatorOptions::default(), clock()).unwrap();
+    let board = EmulatedBoard::start(&EmulatorOptions::default(), wall_clock()).unwrap();
     let port = serialport::new(board.path().to_str().unwrap(), 115_200);
     let mut port = TTYPort::open(&port.timeout(Duration::from_secs(5))).unwrap();
     // Silence ends noise and frames of unknown length; without it the next frame would belong to the noise.
@@ -289,7 +280,7 @@ fn noise_and_unknown_functions_leave_the_board_answering() {
 
 #[test]
 fn the_eeprom_survives_a_restart_in_its_file() {
-    let clock = clock();
+    let clock = wall_clock();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("board.eeprom");
     let emulator = EmulatorOptions { eeprom: Some(file.clone()), ..EmulatorOptions::default() };
@@ -319,7 +310,7 @@ fn the_eeprom_survives_a_restart_in_its_file() {
 /// alone, whether the board has lost its supply or all of it was started anew.
 #[test]
 fn a_speed_that_is_stored_holds_from_the_next_start_on() {
-    let clock = clock();
+    let clock = wall_clock();
     let stream = Plan { clock, start_ns: 0 };
     let folder = tempfile::tempdir().unwrap();
     let eeprom = Some(folder.path().join("board.eeprom"));
@@ -362,7 +353,7 @@ fn a_speed_that_is_stored_holds_from_the_next_start_on() {
 
 #[test]
 fn a_bench_presses_switches_and_faults_come_on_demand() {
-    let clock = clock();
+    let clock = wall_clock();
     let stream = Plan { clock, start_ns: 0 };
     let cam = Cam { input: 5, axis: BoardAxis::X, from: 500, to: 900, normally_closed: false };
     let bench = Bench { cams: vec![cam], encoder: None };

@@ -3,7 +3,7 @@
 use std::{
     f64::consts::TAU,
     io::{Read, Write},
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use serialport::TTYPort;
@@ -20,17 +20,8 @@ use crate::{
         frame::encode,
         vectors::vector,
     },
+    tests::peer::wall_clock,
 };
-
-/// The clock of these tests.
-#[expect(
-    clippy::disallowed_methods,
-    reason = "these tests run in real time and are their own session"
-)]
-fn clock() -> impl Fn() -> i64 + Send + Sync + Copy {
-    let zero = Instant::now();
-    move || i64::try_from(zero.elapsed().as_nanos()).unwrap()
-}
 
 /// A plan of two axes: to and fro, at rest before and after, from 500 and −500 on.
 struct Plan<C> {
@@ -101,7 +92,7 @@ fn wait_until_rest(
 
 #[test]
 fn drives_are_enabled_moved_and_stopped() {
-    let clock = clock();
+    let clock = wall_clock();
     let bus = start(devices(2), Wire::default(), clock);
     let stream = Plan { clock, start_ns: 0 };
     let mut drive = open(&bus, 2);
@@ -155,7 +146,7 @@ fn drives_are_enabled_moved_and_stopped() {
 
 #[test]
 fn a_plan_is_followed_to_its_end() {
-    let clock = clock();
+    let clock = wall_clock();
     let bus = start(devices(2), Wire::default(), clock);
     let mut drive = open(&bus, 2);
     drive.enable().unwrap();
@@ -188,7 +179,7 @@ fn a_plan_is_followed_to_its_end() {
 
 #[test]
 fn drives_that_stop_obeying_say_why() {
-    let clock = clock();
+    let clock = wall_clock();
     let stream = Plan { clock, start_ns: 0 };
     let bus = start(devices(2), Wire::default(), clock);
     let mut drive = open(&bus, 2);
@@ -227,7 +218,7 @@ fn drives_that_stop_obeying_say_why() {
 
 #[test]
 fn drives_are_homed_together() {
-    let clock = clock();
+    let clock = wall_clock();
     let stream = Plan { clock, start_ns: 0 };
     let with_switch = |mut device: DeviceOptions| {
         device.cams = vec![Cam { input: Input::Dir, from: 600.0, to: 5000.0 }];
@@ -249,7 +240,7 @@ fn drives_are_homed_together() {
 
 #[test]
 fn a_drive_that_is_set_otherwise_is_found_out() {
-    let clock = clock();
+    let clock = wall_clock();
     let stream = Plan { clock, start_ns: 0 };
     let bus = start(devices(1), Wire::default(), clock);
     let mut drive = open(&bus, 1);
@@ -264,7 +255,7 @@ fn a_drive_that_is_set_otherwise_is_found_out() {
 
 #[test]
 fn an_adapter_with_echo_and_drives_that_take_50_ms_work() {
-    let clock = clock();
+    let clock = wall_clock();
     let wire = Wire { response: Duration::from_millis(50), echo: true, ..Wire::default() };
     let bus = start(devices(1), wire, clock);
     let stream = Plan { clock, start_ns: 0 };
@@ -278,7 +269,7 @@ fn an_adapter_with_echo_and_drives_that_take_50_ms_work() {
 
 #[test]
 fn a_drive_that_is_not_there_is_a_timeout() {
-    let clock = clock();
+    let clock = wall_clock();
     let stream = Plan { clock, start_ns: 0 };
     let bus = start(devices(1), Wire::default(), clock);
     let mut options = SmartDriveOptions::new(vec![axis(9)]);
@@ -301,7 +292,7 @@ fn a_port_that_is_not_there_is_named() {
 
 #[test]
 fn noise_and_frames_in_pieces_leave_the_drives_answering() {
-    let bus = start(devices(2), Wire::default(), clock());
+    let bus = start(devices(2), Wire::default(), wall_clock());
     let port = serialport::new(bus.path().to_str().unwrap(), 115_200);
     let mut port = TTYPort::open(&port.timeout(Duration::from_secs(5))).unwrap();
     // Silence ends what is no frame; without it the next frame would belong to it.
@@ -333,7 +324,7 @@ fn noise_and_frames_in_pieces_leave_the_drives_answering() {
 
 #[test]
 fn what_is_saved_is_there_at_the_next_start() {
-    let clock = clock();
+    let clock = wall_clock();
     let bus = start(devices(1), Wire::default(), clock);
     let mut drive = open(&bus, 1);
     drive.run(async |bus| bus.set_parameter(1, 30, 777).await).unwrap();
@@ -349,7 +340,7 @@ fn what_is_saved_is_there_at_the_next_start() {
 
 #[test]
 fn a_drive_that_does_not_answer_does_not_cost_the_others_their_current() {
-    let clock = clock();
+    let clock = wall_clock();
     let bus = start(devices(2), Wire::default(), clock);
     let mut options = SmartDriveOptions::new(vec![axis(1), axis(2)]);
     // The deadlines of the silent one are waited for.
@@ -382,7 +373,7 @@ fn a_drive_that_does_not_answer_does_not_cost_the_others_their_current() {
 
 #[test]
 fn a_drive_that_does_not_show_that_it_is_off_is_told_by_its_mode() {
-    let clock = clock();
+    let clock = wall_clock();
     let bus = start(devices(1), Wire::default(), clock);
     let mut drive = open(&bus, 1);
     while drive.enable().is_err() {}

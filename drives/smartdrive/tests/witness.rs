@@ -1,11 +1,7 @@
 //! The second reading of the manual, in Python, against emulator and driver. Without Python there is no witness, which
 //! is said.
 
-use std::{
-    io::{BufRead, BufReader, Write},
-    process::{Child, ChildStdin, ChildStdout, Command, Stdio},
-    time::{Duration, Instant},
-};
+use std::time::Duration;
 
 use super::wire::axis;
 use crate::{
@@ -18,71 +14,21 @@ use crate::{
         },
         parameters::{PARAMETERS, VARIABLES},
     },
+    tests::peer::{Peer, wall_clock},
 };
 
-/// The other reading as `face`, with its standard streams to talk to.
-struct Witness {
-    process: Child,
-    input: Option<ChildStdin>,
-    output: BufReader<ChildStdout>,
+/// The other reading as `face`.
+fn witness(face: &[&str]) -> Option<Peer> {
+    Some(Peer::start(Peer::reference("smartdrive/tests/reference")?.args(face)))
 }
 
-impl Witness {
-    /// `None`, and a word about it, without Python.
-    fn start(face: &[&str]) -> Option<Self> {
-        let version = Command::new("python3").arg("--version").output();
-        if !version.is_ok_and(|output| output.status.success()) {
-            println!("no python3 here: not witnessed");
-            return None;
-        }
-        let mut python = Command::new("python3");
-        let reference = concat!(env!("CARGO_MANIFEST_DIR"), "/smartdrive/tests/reference");
-        python.args(["-B", reference]).args(face);
-        let mut process = python.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-        let input = process.stdin.take();
-        let output = BufReader::new(process.stdout.take().unwrap());
-        Some(Self { process, input, output })
-    }
-
-    /// Its next line; empty at its end.
-    fn line(&mut self) -> String {
-        let mut line = String::new();
-        self.output.read_line(&mut line).unwrap();
-        line.trim_end().to_owned()
-    }
-
-    fn say(&mut self, line: &str) {
-        writeln!(self.input.as_mut().unwrap(), "{line}").unwrap();
-    }
-
-    /// Has something done at the device; what it says to that.
-    fn have(&mut self, what: &str) -> String {
-        self.say(what);
-        self.line()
-    }
-
-    /// Requests the device has had since it was asked last, but those whose answers are known: how often the driver makes
-    /// sure that answers belong to its questions is its own affair.
-    fn requests(&mut self) -> String {
-        let all = self.have("requests");
-        let known = ["GET PAR=12", "GET PAR=13"];
-        let others: Vec<_> = all.split(" | ").filter(|request| !known.contains(request)).collect();
-        others.join(" | ")
-    }
-
-    fn end(mut self) {
-        drop(self.input.take());
-        assert!(self.process.wait().unwrap().success());
-    }
-}
-
-#[expect(
-    clippy::disallowed_methods,
-    reason = "these tests run in real time and are their own session"
-)]
-fn clock() -> impl Fn() -> i64 + Send + Sync + Copy {
-    let zero = Instant::now();
-    move || i64::try_from(zero.elapsed().as_nanos()).unwrap()
+/// Requests the device has had since it was asked last, but those whose answers are known: how often the driver makes sure
+/// that answers belong to its questions is its own affair.
+fn requests(device: &mut Peer) -> String {
+    let all = device.have("requests");
+    let known = ["GET PAR=12", "GET PAR=13"];
+    let others: Vec<_> = all.split(" | ").filter(|request| !known.contains(request)).collect();
+    others.join(" | ")
 }
 
 /// Where the home switch is.
@@ -114,9 +60,9 @@ fn event(wish: &str) -> Event {
 /// Parts of the manual on which another master and the device on `wire` agree; `None` without Python.
 fn agreed(device: DeviceOptions, wire: Wire, parts: &[&str]) -> Option<Vec<String>> {
     let options = EmulatorOptions { devices: vec![device], wire, ..EmulatorOptions::default() };
-    let bus = EmulatedBus::start(&options, clock()).unwrap();
+    let bus = EmulatedBus::start(&options, wall_clock()).unwrap();
     let face = [&["master", bus.path().to_str().unwrap()], parts].concat();
-    let mut master = Witness::start(&face)?;
+    let mut master = witness(&face)?;
     let mut agreed = Vec::new();
     loop {
         let line = master.line();
@@ -162,7 +108,7 @@ fn another_master_hears_its_echo_and_waits_as_long_as_devices_may_take() {
 }
 
 /// The driver on the wire to another device.
-fn open(device: &mut Witness) -> SmartDrive {
+fn open(device: &mut Peer) -> SmartDrive {
     let port = device.line();
     let mut options = SmartDriveOptions::new(vec![axis(1)]);
     // Other tests and builds may keep the device waiting.
@@ -190,38 +136,38 @@ async fn rest(driver: &mut SmartDrive, clock: &dyn Clock) -> i32 {
 
 #[tokio::test]
 async fn another_device_understands_every_command() {
-    let Some(mut device) = Witness::start(&["device"]) else { return };
+    let Some(mut device) = witness(&["device"]) else { return };
     let mut driver = open(&mut device);
-    let clock = &clock();
+    let clock = &wall_clock();
     let found = driver.scan(1..=1).await.unwrap();
     assert_eq!((found.len(), found[0].0, found[0].1.mode), (1, 1, 0));
-    assert_eq!(device.requests(), "PING");
+    assert_eq!(requests(&mut device), "PING");
 
     for mode in Mode::ALL {
         driver.set_mode(1, Some(mode)).await.unwrap();
         let pings = " | PING".repeat(3);
-        assert_eq!(device.requests(), format!("MODE MOD={}{pings}", mode.number()));
+        assert_eq!(requests(&mut device), format!("MODE MOD={}{pings}", mode.number()));
     }
     driver.set_mode(1, None).await.unwrap();
-    assert!(device.requests().starts_with("MODE MOD=255 | "));
+    assert!(requests(&mut device).starts_with("MODE MOD=255 | "));
     assert_eq!(refusal(driver.go_to(1, 1, None).await), RejectCode::BadMode);
-    assert_eq!(device.requests(), "GOTO DST=1");
+    assert_eq!(requests(&mut device), "GOTO DST=1");
     driver.set_mode(1, Some(Mode::Remote)).await.unwrap();
-    device.requests();
+    requests(&mut device);
 
     // What is asked for, what the device hears, and where it ends.
     driver.go_to(1, 3200, None).await.unwrap();
     assert_eq!(rest(&mut driver, clock).await, 3200);
-    assert!(device.requests().starts_with("GOTO DST=3200 | PING"));
+    assert!(requests(&mut device).starts_with("GOTO DST=3200 | PING"));
     driver.go_to(1, -6400, Some((300, 1000))).await.unwrap();
     assert_eq!(rest(&mut driver, clock).await, -6400);
-    assert!(device.requests().starts_with("GOTO DST=-6400 VEL=300 ACC=1000 | PING"));
+    assert!(requests(&mut device).starts_with("GOTO DST=-6400 VEL=300 ACC=1000 | PING"));
     driver.step(1, 200, None).await.unwrap();
     assert_eq!(rest(&mut driver, clock).await, -6200);
-    assert!(device.requests().starts_with("STEP DST=200 | PING"));
+    assert!(requests(&mut device).starts_with("STEP DST=200 | PING"));
     driver.step(1, i32::MIN + 6200, Some((32_767, 0))).await.unwrap();
     assert_eq!(rest(&mut driver, clock).await, i32::MIN);
-    assert!(device.requests().starts_with("STEP DST=-2147477448 VEL=32767 ACC=0 | PING"));
+    assert!(requests(&mut device).starts_with("STEP DST=-2147477448 VEL=32767 ACC=0 | PING"));
     driver.init(1, Init::Position).await.unwrap();
     for (speed, rate) in [(600, 0), (-600, 500), (i16::MIN, u16::MAX), (i16::MAX, 1)] {
         let before = driver.start(1, speed, rate).await.unwrap();
@@ -231,29 +177,29 @@ async fn another_device_understands_every_command() {
     }
     let heard = "TRJINIT INI=1 | START VEL=600 ACC=0 | PING | START VEL=-600 ACC=500 | PING | \
         START VEL=-32768 ACC=65535 | PING | START VEL=32767 ACC=1 | PING";
-    assert_eq!(device.requests(), heard);
+    assert_eq!(requests(&mut device), heard);
     for (rate, heard) in [(0, "STOP DEC=0"), (2000, "STOP DEC=2000")] {
         driver.start(1, 1, 0).await.unwrap();
-        device.requests();
+        requests(&mut device);
         driver.stop(1, rate).await.unwrap();
         rest(&mut driver, clock).await;
-        assert!(device.requests().starts_with(heard));
+        assert!(requests(&mut device).starts_with(heard));
     }
     for init in Init::ALL {
         driver.init(1, init).await.unwrap();
-        assert_eq!(device.requests(), format!("TRJINIT INI={}", init.number()));
+        assert_eq!(requests(&mut device), format!("TRJINIT INI={}", init.number()));
         if init == Init::Homing {
             assert!(driver.state(1, clock).await.unwrap().0.homing);
             driver.homed(1).await.unwrap();
-            device.requests();
+            requests(&mut device);
         }
     }
     driver.set_parameter(1, 100, -123).await.unwrap();
     assert_eq!(driver.home(1).await.unwrap(), -123);
-    device.requests();
+    requests(&mut device);
     driver.broadcast(&crate::smartdrive::Command::Stop { rate: 0 }).await.unwrap();
     driver.state(1, clock).await.unwrap();
-    assert_eq!(device.requests(), "STOP DEC=0 to all | PING");
+    assert_eq!(requests(&mut device), "STOP DEC=0 to all | PING");
 
     driver.set_parameter(1, 30, 600).await.unwrap();
     driver.save(1).await.unwrap();
@@ -261,19 +207,19 @@ async fn another_device_understands_every_command() {
     driver.load(1, LoadSource::Factory).await.unwrap();
     let expected = ParameterValue { saved: 600, working: 1200, factory: 1200 };
     assert_eq!(driver.parameter(1, 30).await.unwrap(), expected);
-    let heard = device.requests();
+    let heard = requests(&mut device);
     let heard: Vec<_> = heard.split(" | ").filter(|request| *request != "PING").collect();
     let order = ["SET PAR=30 NEW=600", "SAVE", "LOAD SRC=0", "LOAD SRC=65535", "GET PAR=30"];
     assert_eq!(heard, order);
     // One that is deaf until the bootloader's time is over; then one that stays in it.
     driver.set_parameter(1, 30, 700).await.unwrap();
-    device.requests();
+    requests(&mut device);
     driver.reset(1, false).await.unwrap();
     driver.changed(1, &crate::smartdrive::Command::Ping).await.unwrap();
-    assert!(device.requests().starts_with("RESET BL=0 | PING"));
+    assert!(requests(&mut device).starts_with("RESET BL=0 | PING"));
     assert_eq!(driver.parameter(1, 30).await.unwrap().working, 600);
     driver.reset(1, true).await.unwrap();
-    assert_eq!(device.requests(), "GET PAR=30 | RESET BL=1");
+    assert_eq!(requests(&mut device), "GET PAR=30 | RESET BL=1");
     device.end();
 }
 
@@ -288,7 +234,7 @@ fn rows(entries: &[crate::smartdrive::parameters::Entry]) -> Vec<String> {
 
 #[tokio::test]
 async fn another_device_has_the_same_tables_and_outputs() {
-    let Some(mut device) = Witness::start(&["device"]) else { return };
+    let Some(mut device) = witness(&["device"]) else { return };
     let mut driver = open(&mut device);
     assert_eq!(device.have("parameters"), rows(&PARAMETERS).join(" "));
     // The manual prints two variables with index 85: the other reading has neither.
@@ -306,9 +252,9 @@ async fn another_device_has_the_same_tables_and_outputs() {
             assert_eq!(driver.parameter(1, entry.index).await.unwrap(), expected);
         }
     }
-    device.requests();
+    requests(&mut device);
     driver.set_parameter(1, 26, -100_000).await.unwrap();
-    assert_eq!(device.requests(), "SET PAR=26 NEW=31072 | SET PAR=27 NEW=65534");
+    assert_eq!(requests(&mut device), "SET PAR=26 NEW=31072 | SET PAR=27 NEW=65534");
     assert_eq!(refusal(driver.set_parameter(1, 121, 0).await), RejectCode::NotAvailable);
     assert_eq!(refusal(driver.parameter(1, 1).await), RejectCode::NotAvailable);
 
@@ -320,22 +266,25 @@ async fn another_device_has_the_same_tables_and_outputs() {
     }
     assert_eq!(refusal(driver.read(1, 46).await), RejectCode::NotAvailable);
     assert_eq!(refusal(driver.write_variable(1, 75, 0).await), RejectCode::BadParams);
-    device.requests();
+    requests(&mut device);
     assert_eq!(driver.write_variable(1, 130, 0xFFFF).await.unwrap(), 0xFFFF);
     device.have("press GO");
     device.have("release LIMN");
     let update = IoUpdate { clear: 1, set: 2, clear_active: 4, clear_reverse: 8 };
     let seen = driver.io(1, update).await.unwrap();
     assert_eq!(seen, IoState { levels: 0b0000_1110, active: 0b1000, reverse: 0b1000_0000 });
-    assert_eq!(device.requests(), "WRITE VAR=130 NEW=65535 | IOUPDATE CLR=1 SET=2 CACT=4 CREV=8");
+    assert_eq!(
+        requests(&mut device),
+        "WRITE VAR=130 NEW=65535 | IOUPDATE CLR=1 SET=2 CACT=4 CREV=8"
+    );
     device.end();
 }
 
 #[tokio::test]
 async fn the_driver_understands_every_answer_of_another_device() {
-    let Some(mut device) = Witness::start(&["device"]) else { return };
+    let Some(mut device) = witness(&["device"]) else { return };
     let mut driver = open(&mut device);
-    let clock = &clock();
+    let clock = &wall_clock();
     driver.set_mode(1, Some(Mode::Remote)).await.unwrap();
     // The reasons in the order of the manual.
     for (number, reason) in [

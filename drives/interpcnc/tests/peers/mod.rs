@@ -7,19 +7,9 @@
 mod mbpoll;
 mod pymodbus;
 
-use std::time::Instant;
-
 use crate::interpcnc::emulator::{EmulatedBoard, EmulatorOptions};
-
-#[expect(
-    clippy::disallowed_methods,
-    reason = "these tests run in real time and are their own session"
-)]
-fn clock() -> impl Fn() -> i64 + Send + Sync + Copy {
-    let zero = Instant::now();
-    move || i64::try_from(zero.elapsed().as_nanos()).unwrap()
-}
+use crate::tests::peer::wall_clock;
 
 fn board() -> EmulatedBoard {
-    EmulatedBoard::start(&EmulatorOptions::default(), clock()).unwrap()
+    EmulatedBoard::start(&EmulatorOptions::default(), wall_clock()).unwrap()
 }

@@ -1,17 +1,10 @@
 //! pymodbus, at either end.
 
-use std::{
-    env,
-    ffi::OsString,
-    io::{BufRead, BufReader, Write},
-    process::{Child, ChildStdin, ChildStdout, Command as Process, Stdio},
-    sync::Arc,
-    time::Duration,
-};
+use std::{env, ffi::OsString, process::Command as Process, sync::Arc, time::Duration};
 
 use tokio_serial::SerialStream;
 
-use super::{board, clock};
+use super::board;
 use crate::{
     DriveError,
     interpcnc::{
@@ -19,62 +12,34 @@ use crate::{
         MoveProfile, ProbeMove, registers::Status,
     },
     pty::PseudoTerminal,
+    tests::peer::{Peer, wall_clock},
 };
 
 /// Version the tests are about.
 const VERSION: &str = "3.16.1";
 
-/// A script under way, with its standard streams to talk to.
-struct Peer {
-    process: Child,
-    input: Option<ChildStdin>,
-    output: BufReader<ChildStdout>,
-}
-
-impl Peer {
-    /// `None`, and a word about it, without pymodbus.
-    fn start(script: &str, port: &str) -> Option<Self> {
-        let named = env::var_os("TWIN_PYMODBUS_PYTHON").filter(|python| !python.is_empty());
-        let python = named.clone().unwrap_or_else(|| OsString::from("python3"));
-        let asked = Process::new(&python)
-            .args(["-c", "import pymodbus, serial; print(pymodbus.__version__)"])
-            .output();
-        let found = asked.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
-        if !found.as_ref().is_ok_and(|found| found == VERSION) {
-            assert!(named.is_none(), "TWIN_PYMODBUS_PYTHON has no pymodbus {VERSION}: {found:?}");
-            println!("no pymodbus {VERSION} here (TWIN_PYMODBUS_PYTHON): not witnessed");
-            return None;
-        }
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/interpcnc/tests/peers/");
-        let mut command = Process::new(python);
-        command.args(["-B", &format!("{folder}{script}"), port]);
-        let mut process = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-        let input = process.stdin.take();
-        let output = BufReader::new(process.stdout.take().unwrap());
-        Some(Self { process, input, output })
+/// A script under way; `None`, and a word about it, without pymodbus.
+fn start(script: &str, port: &str) -> Option<Peer> {
+    let named = env::var_os("TWIN_PYMODBUS_PYTHON").filter(|python| !python.is_empty());
+    let python = named.clone().unwrap_or_else(|| OsString::from("python3"));
+    let asked = Process::new(&python)
+        .args(["-c", "import pymodbus, serial; print(pymodbus.__version__)"])
+        .output();
+    let found = asked.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
+    if !found.as_ref().is_ok_and(|found| found == VERSION) {
+        assert!(named.is_none(), "TWIN_PYMODBUS_PYTHON has no pymodbus {VERSION}: {found:?}");
+        println!("no pymodbus {VERSION} here (TWIN_PYMODBUS_PYTHON): not witnessed");
+        return None;
     }
-
-    /// Its next line; empty at its end.
-    fn line(&mut self) -> String {
-        let mut line = String::new();
-        self.output.read_line(&mut line).unwrap();
-        line.trim_end().to_owned()
-    }
-
-    fn say(&mut self, line: &str) {
-        writeln!(self.input.as_mut().unwrap(), "{line}").unwrap();
-    }
-
-    fn end(mut self) {
-        drop(self.input.take());
-        assert!(self.process.wait().unwrap().success());
-    }
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/interpcnc/tests/peers/");
+    let script = format!("{folder}{script}");
+    Some(Peer::start(Process::new(python).args(["-B", &script, port])))
 }
 
 #[test]
 fn pymodbus_is_the_master_of_the_emulated_board() {
     let board = board();
-    let Some(mut master) = Peer::start("pymodbus_master.py", board.path().to_str().unwrap()) else {
+    let Some(mut master) = start("pymodbus_master.py", board.path().to_str().unwrap()) else {
         return;
     };
     let mut agreed = Vec::new();
@@ -99,7 +64,7 @@ fn pymodbus_is_the_master_of_the_emulated_board() {
 /// The driver and pymodbus as a board at the ends of a wire; the terminal is the wire.
 fn wired() -> Option<(InterpCnc, Peer, PseudoTerminal)> {
     let (near, terminal) = PseudoTerminal::open(None).unwrap();
-    let mut peer = Peer::start("pymodbus_server.py", terminal.path().to_str().unwrap())?;
+    let mut peer = start("pymodbus_server.py", terminal.path().to_str().unwrap())?;
     assert_eq!(peer.line(), "ready");
     let mut options = InterpCncOptions::new(vec![AxisOptions::new(BoardAxis::X)]);
     // Other tests and builds may keep the peer waiting.
@@ -108,29 +73,15 @@ fn wired() -> Option<(InterpCnc, Peer, PseudoTerminal)> {
     Some((InterpCnc::attach(Arc::from("pymodbus"), stream, &options), peer, terminal))
 }
 
-impl Peer {
-    /// Has something done at the board.
-    fn have(&mut self, what: &str) {
-        self.say(what);
-        assert_eq!(self.line(), "done");
-    }
-
-    /// What has been written to the board since it was asked last.
-    fn requests(&mut self) -> String {
-        self.say("requests");
-        self.line()
-    }
-}
-
 #[tokio::test]
 async fn the_driver_gives_every_command_to_pymodbus() {
     let Some((mut driver, mut peer, _terminal)) = wired() else { return };
-    let clock = &clock();
+    let clock = &wall_clock();
     let (state, _) = driver.state(clock).await.unwrap();
     assert_eq!((state.status, state.positions), (Status(0x120), [0; 5]));
     driver.unlock(clock).await.unwrap();
     assert_eq!(driver.state(clock).await.unwrap().0.status, Status(0x20));
-    assert_eq!(peer.requests(), "16 4096 66,1");
+    assert_eq!(peer.have("requests"), "16 4096 66,1");
 
     let (x, z) = (BoardAxis::X.mask(), BoardAxis::Z.mask());
     let mut strokes = [Some(10_000), Some(20_000), None, None, None];
@@ -193,15 +144,15 @@ async fn the_driver_gives_every_command_to_pymodbus() {
     ];
     for (command, expected) in commands {
         driver.send(&command, clock).await.unwrap();
-        assert_eq!(peer.requests(), format!("16 4096 {expected}"));
+        assert_eq!(peer.have("requests"), format!("16 4096 {expected}"));
     }
     driver.unlock(clock).await.unwrap();
-    peer.requests();
+    peer.have("requests");
     // Function 6: arguments first, then the number.
     strokes = [None, Some(-3), None, None, None];
     driver.send_singly(&Command::WritePosition { positions: strokes }, clock).await.unwrap();
     let singly = "6 4097 2 | 6 4098 65535 | 6 4099 65533 | 6 4096 67";
-    assert_eq!(peer.requests(), singly);
+    assert_eq!(peer.have("requests"), singly);
     assert_eq!(driver.state(clock).await.unwrap().0.positions, [1000, -3, 0, 4, -1]);
     driver.broadcast(&Command::WritePosition { positions: [Some(7); 5] }).await.unwrap();
     assert_eq!(driver.state(clock).await.unwrap().0.positions, [7; 5]);
@@ -222,23 +173,23 @@ async fn the_driver_gives_every_command_to_pymodbus() {
 #[tokio::test]
 async fn the_driver_reads_and_writes_every_block_of_pymodbus() {
     let Some((mut driver, mut peer, _terminal)) = wired() else { return };
-    let clock = &clock();
+    let clock = &wall_clock();
     let patience = Duration::from_secs(5);
     driver.unlock(clock).await.unwrap();
     let identity = driver.identify(clock).await.unwrap();
     assert_eq!((identity.station, identity.speed, identity.parity), (1, 115_200, 0));
-    peer.requests();
+    peer.have("requests");
 
     driver.set_output(17, true, clock).await.unwrap();
     driver.switch_outputs(2, &[true, false, true], clock).await.unwrap();
     assert_eq!(driver.outputs(clock).await.unwrap(), 0x0001_000A);
     driver.set_outputs(0x8000_1234, clock).await.unwrap();
     assert_eq!(driver.outputs(clock).await.unwrap(), 0x8000_1234);
-    assert_eq!(peer.requests(), "5 272 1 | 15 257 1,0,1 | 16 4148 32768,4660");
-    peer.have("input 16 1");
+    assert_eq!(peer.have("requests"), "5 272 1 | 15 257 1,0,1 | 16 4148 32768,4660");
+    assert_eq!(peer.have("input 16 1"), "done");
     assert_eq!(driver.input_bits(clock).await.unwrap(), 0x8000);
-    peer.have("input 32 1");
-    peer.have(&format!("status {}", 1_u32 << 31 | 1 << 22));
+    assert_eq!(peer.have("input 32 1"), "done");
+    assert_eq!(peer.have(&format!("status {}", 1_u32 << 31 | 1 << 22)), "done");
     let seen = driver.snapshot(clock).await.unwrap();
     assert_eq!((seen.inputs, seen.outputs), (0x8000_8000, 0x8000_1234));
     assert_eq!(seen.analog_inputs, [11, 22, 33, 1023]);
@@ -248,7 +199,7 @@ async fn the_driver_reads_and_writes_every_block_of_pymodbus() {
     assert_eq!(encoder, [false, true, false]);
     assert!(!driver.lock_coil(clock).await.unwrap());
     assert_eq!(driver.counters(clock).await.unwrap(), (-7, [5, 0x0001_0000]));
-    peer.have("status 0");
+    assert_eq!(peer.have("status 0"), "done");
 
     driver.set_user_bits(94, &[true, true], clock).await.unwrap();
     let bits = driver.user_bits(clock).await.unwrap();
@@ -273,7 +224,7 @@ async fn the_driver_reads_and_writes_every_block_of_pymodbus() {
     driver.set_recipe(3, 98, &[3, 4], patience, clock).await.unwrap();
     let recipe = driver.recipe(3, clock).await.unwrap();
     assert_eq!((recipe.len(), &recipe[97..]), (100, [0, 3, 4].as_slice()));
-    let written: Vec<_> = peer.requests().split(" | ").map(str::to_owned).collect();
+    let written: Vec<_> = peer.have("requests").split(" | ").map(str::to_owned).collect();
     // Function 6 or 16 for one register is the driver's choice.
     let written: Vec<_> = written.iter().map(|write| write.split_once(' ').unwrap().1).collect();
     let expected = [
@@ -295,19 +246,19 @@ async fn the_driver_reads_and_writes_every_block_of_pymodbus() {
 #[tokio::test]
 async fn the_driver_tells_every_exception_of_pymodbus() {
     let Some((mut driver, mut peer, _terminal)) = wired() else { return };
-    let clock = &clock();
+    let clock = &wall_clock();
     for expected in [1, 2, 3, 4, 6] {
-        peer.have(&format!("refuse {expected}"));
+        assert_eq!(peer.have(&format!("refuse {expected}")), "done");
         match driver.state(clock).await {
             Err(DriveError::Device { code, .. }) => assert_eq!(code, expected),
             other => panic!("{other:?}"),
         }
-        peer.have(&format!("refuse {expected}"));
+        assert_eq!(peer.have(&format!("refuse {expected}")), "done");
         match driver.send(&Command::RampStop, clock).await {
             Err(DriveError::Device { code, .. }) => assert_eq!(code, expected),
             other => panic!("{other:?}"),
         }
-        peer.have(&format!("refuse {expected}"));
+        assert_eq!(peer.have(&format!("refuse {expected}")), "done");
         match driver.set_output(1, true, clock).await {
             Err(DriveError::Device { code, .. }) => assert_eq!(code, expected),
             other => panic!("{other:?}"),
@@ -316,7 +267,7 @@ async fn the_driver_tells_every_exception_of_pymodbus() {
     // A locked board confirms the switching of an output and leaves it alone.
     let locked = driver.set_output(1, true, clock).await;
     assert!(matches!(locked, Err(DriveError::Locked { .. })), "{locked:?}");
-    assert_eq!(peer.requests(), "5 256 1");
+    assert_eq!(peer.have("requests"), "5 256 1");
     driver.state(clock).await.unwrap();
     peer.end();
 }
