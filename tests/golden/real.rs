@@ -112,6 +112,30 @@ fn every_check_that_fails_is_told_with_what_was_found_and_what_is_wanted() {
     shop.untouched();
 }
 
+/// The ramps of segments are the board's own: they are looked at with all else, before anything moves.
+#[test]
+fn a_board_with_other_ramps_than_its_segments_moves_nothing() {
+    let shop = Shop::new();
+    let of_board = "kind = \"interpcnc\"\n";
+    let buffered = format!("{of_board}following = \"buffered\"\nstart_stop_hz = 2000\n");
+    let text = mixture(&shop.desk);
+    shop.desk.write("mixture.toml", &text.replace(of_board, &buffered));
+    shop.by_hand("interpcnc", "board", "set zero-after-homing 0");
+    let done = shop.homed("short.cnc", "");
+    for said in [
+        "✗ device `board`: parameter 4 (default-acceleration) is 50 × 1000 steps/s²; 2000 × 1000 steps/s² is wanted",
+        "✗ device `board`: parameter 5 (default-start-stop) is 200 steps/s; 2000 steps/s is wanted",
+        "or `acceleration_khz_per_s = 50` of [[drives]] \"board\" in mixture.toml",
+        "or `start_stop_hz = 200` of [[drives]] \"board\" in mixture.toml",
+        "start-up checks have failed: nothing has moved",
+    ] {
+        done.ended(2, said);
+    }
+    shop.copy_commands(&done);
+    shop.homed("short.cnc", "").ended(0, "✓ parameters: 4 of 4 as the machine file has them");
+    shop.at_rest();
+}
+
 /// 500 rpm of 3200 µsteps are 26667/s, of which a drive keeps some to catch up with; the value that is named passes, whatever
 /// it is, and one that is a little larger does not.
 #[test]

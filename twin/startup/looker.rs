@@ -197,7 +197,11 @@ impl<'a> Looker<'a> {
             let info = known.iter().find(|info| info.id == one.id);
             let name = info.map_or("", |info| &info.name);
             let unit = info.map_or("", |ParameterInfo { unit, .. }| unit);
-            let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+            let unit = match unit.chars().next() {
+                None => String::new(),
+                Some(first) if first.is_ascii_digit() => format!(" × {unit}"),
+                Some(_) => format!(" {unit}"),
+            };
             let whose = one.axis.as_ref().map_or(String::new(), |axis| format!("axis {axis}: "));
             let value = match one.must {
                 Must::Be(value) => format!("{value}{unit} is wanted"),

@@ -6,6 +6,7 @@ use crate::machine::{DriveFamily, Machine};
 use twin_drives::ParameterId;
 use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
 use twin_drives::bim2ax::{DriveMode, ModuleAxis};
+use twin_drives::interpcnc::Following;
 use twin_drives::interpcnc::parameters::{COUPLING, ZERO_AFTER_HOMING};
 use twin_drives::smartdrive::parameters::{
     ACCELERATION_MAX, DECELERATION_MAX, FULL_STEPS, STEP_DIVISOR, VELOCITY_MAX,
@@ -109,11 +110,28 @@ pub(super) fn wanted(machine: &Machine, index: usize) -> Vec<Wanted> {
     let mut wanted = Vec::new();
     match &entry.family {
         // Moves carry their speeds and ramps; that an axis goes along with another is kept by the board.
-        DriveFamily::InterpCnc(_) => {
+        DriveFamily::InterpCnc(board) => {
             // A counter that homing leaves as it is counts from anywhere.
-            for (number, value) in [(COUPLING, 0), (ZERO_AFTER_HOMING, 1)] {
+            let mut known = vec![(COUPLING, 0, Key::None), (ZERO_AFTER_HOMING, 1, Key::None)];
+            if let Following::Buffered { start_stop_hz, acceleration_khz_per_s } = board.following {
+                // Those of segments are the board's own.
+                let assumed = board.assumptions;
+                known.extend([
+                    (
+                        assumed.segment_acceleration,
+                        acceleration_khz_per_s.into(),
+                        Key::OfDevice("acceleration_khz_per_s"),
+                    ),
+                    (
+                        assumed.segment_start_stop,
+                        start_stop_hz.into(),
+                        Key::OfDevice("start_stop_hz"),
+                    ),
+                ]);
+            }
+            for (number, value, key) in known {
                 let (id, must) = (ParameterId { station: 0, number }, Must::Be(value));
-                wanted.push(Wanted { id, must, axis: None, key: Key::None });
+                wanted.push(Wanted { id, must, axis: None, key });
             }
         }
         DriveFamily::SmartDrive(bus) => {

@@ -77,6 +77,28 @@ fn move_x(speed_hz: u32, target: i32) -> Command {
     Command::Move { axis: BoardAxis::X, profile }
 }
 
+/// Sent at 0, 8 bytes until 0.694 ms, 29 of an answer from 3.483 ms on, there at 6 ms: executed in the middle.
+#[test]
+fn exchanges_are_stamped_in_their_middle() {
+    use std::sync::atomic::{AtomicI64, Ordering};
+    run(async {
+        let (mut driver, mut far) = attached(1000, 1);
+        let now = AtomicI64::new(0);
+        let clock = || now.load(Ordering::Relaxed);
+        let board = async {
+            assert_eq!(request(&mut far).await, vector(20));
+            now.store(6_000_000, Ordering::Relaxed);
+            far.write_all(&vector(21)).await.unwrap();
+        };
+        let ((), answer) = tokio::join!(board, driver.state(&clock));
+        let (_, stamp) = answer.unwrap();
+        assert_eq!((stamp.sent_ns, stamp.answered_ns), (0, 6_000_000));
+        // (694 444 + 6 000 000 − 2 517 361) / 2, and half their difference.
+        assert!((stamp.executed_ns - 2_088_541).abs() <= 2, "{stamp:?}");
+        assert!((stamp.uncertainty_ns - 1_394_097).abs() <= 2, "{stamp:?}");
+    });
+}
+
 #[test]
 fn commands_are_the_bytes_of_their_vectors() {
     let x_and = |second: BoardAxis, x: i32, other: i32| {
