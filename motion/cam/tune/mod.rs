@@ -9,10 +9,13 @@ mod along;
 mod chance;
 mod dead_time;
 mod fit;
+mod ramp_course;
+mod ramp_gentle;
 mod ramp_in;
 mod ramp_wish;
 mod reshape;
 mod student;
+mod swing;
 #[cfg(test)]
 mod tests;
 

@@ -4,6 +4,7 @@
 
 mod fit;
 mod ramp_in;
+mod ramp_jerk;
 mod reshape;
 
 /// Numbers that come again with their seed (splitmix64).
