@@ -3,6 +3,7 @@
 #![expect(clippy::float_cmp, reason = "given, or to be the same bit for bit")]
 
 mod fit;
+mod gentle;
 mod ramp_in;
 mod ramp_jerk;
 mod reshape;
