@@ -23,6 +23,14 @@ pub enum CamFileError {
         /// Why.
         source: io::Error,
     },
+    /// A recorded run cannot be read.
+    #[error("cannot read run {}: {source}", path.display())]
+    ReadRun {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
     /// A TOML file says something that is not right.
     #[error(transparent)]
     Toml(#[from] MachineFileError),
