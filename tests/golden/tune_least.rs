@@ -137,7 +137,7 @@ fn what_nothing_holds_is_said() {
     tune(&[&jerk[..], &["slave-scaling=1.1..0.9"]].concat()).ended(2, "1.1 is more than 0.9");
     tune(&[&jerk[..], &["slave-scale"]].concat()).ended(2, "is none of master-offset");
     tune(&[&jerk[..], &["master-offset"]].concat()).ended(2, "offsets alone change no peak");
-    tune(&["--minimise", "jerk"]).ended(2, "need what to --find");
+    tune(&["--minimise", "jerk"]).ended(2, "nothing is to be found");
     tune(&["--minimise", "error", "--find", "slave-offset"]).ended(2, "needs a --run");
     tune(&["--find", "slave-scaling=0.9..1.1", "--max-velocity", "1"])
         .ended(2, "is for --minimise");

@@ -31,7 +31,8 @@ use twin_motion::cam::{AxisState, Quantity, StartMode};
 /// interval. `slave` is where the slave was measured while the coupling of the cam's file was in effect; wanted is the cam with
 /// that coupling, or with `wanted_…` of `[coupling]` where the file has them (--write puts them there). What is proposed undoes
 /// the deviation: a slave that lags gets a master offset that leads. Outputs recorded beside it (columns `tappet_N`) tell the dead time of what tappets switch. Without a run what is
-/// to be found is changed by as little as keeps the limits. Points are moved within their tolerances by linear programs
+/// to be found is changed by as little as keeps the limits, or so that the slave's peak acceleration or jerk is smallest
+/// (--minimise): intervals, a stroke, the tappets and the limits hold it then, for a scaling of 0 would be the smallest. Points are moved within their tolerances by linear programs
 /// (Clarabel): velocity and acceleration stay continuous, and the slave stays within its limits, and where it is at every tappet.
 /// What the data do not say, or contradict, is said and not fitted: samples that are far from the others with their lines.
 #[derive(Debug, clap::Args)]
@@ -50,10 +51,9 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value = "measured", requires = "run")]
     slave: SlaveColumn,
 
-    /// What is to be found: in the run, or, without one, within the limits [default: both offsets with a run]. With --minimise
-    /// acceleration or jerk each may have an interval, like slave-scaling=0.9..1.1
-    ///
-    /// master-offset, master-scaling, slave-offset, slave-scaling
+    /// What is to be found, of master-offset, master-scaling, slave-offset and slave-scaling: in the run, or, without one, within
+    /// the limits [default: both offsets with a run]. With --minimise acceleration or jerk each may have an interval, like
+    /// slave-scaling=0.9..1.1
     #[arg(long, value_name = "NAME[=FROM..TO]", value_delimiter = ',', value_parser = sought)]
     find: Vec<Sought>,
 
