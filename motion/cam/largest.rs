@@ -203,7 +203,11 @@ impl Curve {
         })
     }
 
-    fn refuse_jumps(&self, limits: &SlaveLimits, repeated: bool) -> Result<(), LimitError> {
+    pub(super) fn refuse_jumps(
+        &self,
+        limits: &SlaveLimits,
+        repeated: bool,
+    ) -> Result<(), LimitError> {
         let [position, velocity, acceleration] = self.real_jumps(repeated);
         // What follows a jump has no bound either.
         for (limit, jumps) in [

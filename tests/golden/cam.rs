@@ -374,3 +374,40 @@ fn what_is_lost_or_mistaken_is_told() {
     desk.twin(&["cam", "check", "job.toml", "--master-velocity", "1"])
         .ended(2, "this is a job, no cam");
 }
+
+/// 1.1 · 100 − 110 is 0 but for rounding; and what cannot be read is the manual's 2200.
+#[test]
+fn rounding_is_no_place_of_a_tappet() {
+    let desk = Desk::new();
+    desk.write(
+        "lift.toml",
+        "name = \"lift\"\nmaster = { min = 0, max = 360 }\nslave = { min = 0, max = 100 }\nelements = [{ master = 0, slave = 0 }, \
+         { master = 180, slave = 100 }, { master = 360, slave = 0 }]\ntappets = [{ group = 1, master = 180, passage = \"positive\", \
+         action = \"on\" }]\n",
+    );
+    assert!(1.1 * 100.0 - 110.0 > 0.0);
+    let done = desk.twin(&[
+        "cam",
+        "check",
+        "lift.toml",
+        "--slave-scaling",
+        "1.1",
+        "--slave-offset",
+        "-110",
+    ]);
+    done.ended(0, "");
+    let row = done.stdout.lines().find(|line| line.contains(" positive "));
+    let cells: Vec<_> =
+        row.unwrap_or_else(|| panic!("{}", done.stdout)).split_whitespace().collect();
+    assert_eq!(cells.get(3..5), Some(&["180", "0"][..]), "{}", done.stdout);
+    desk.write(
+        "turned.toml",
+        "name = \"turned\"\nmaster = { min = 0, max = 9 }\nslave = { min = 0, max = 9 }\nelements = [{ master = 0, slave = 0 },\n\
+         { master = 9, slave = 0 },\n{ master = 5, slave = 5 }]\n",
+    );
+    desk.twin(&["cam", "check", "turned.toml"])
+        .ended(0, "turned.toml: line 6: the element at master 5 stands behind the one at 9");
+    for name in ["none.toml", "none.cam"] {
+        desk.twin(&["cam", "check", name]).ended(2, "(error 2200)");
+    }
+}

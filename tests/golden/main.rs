@@ -38,6 +38,7 @@ mod shop;
 mod surroundings;
 mod targets;
 mod tune_cam;
+mod tune_least;
 mod urdf;
 
 use serde::Deserialize;

@@ -15,9 +15,17 @@ pub enum CamFileError {
         /// The file.
         path: PathBuf,
     },
-    /// The file cannot be read.
-    #[error("cannot read cam {}: {source}", path.display())]
+    /// The file cannot be read: `SMC_RCAM_FILE_DOESNT_EXIST` (manual 9.3), as `SMC_ReadCAM` tells it.
+    #[error("cannot read cam {}: {source} (error 2200)", path.display())]
     Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A recorded run cannot be read.
+    #[error("cannot read run {}: {source}", path.display())]
+    ReadRun {
         /// The file.
         path: PathBuf,
         /// Why.

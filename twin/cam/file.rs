@@ -78,6 +78,8 @@ pub struct CamFile {
     pub coupling: Coupling,
     /// The text, of those that are text.
     pub text: Option<String>,
+    /// Of a TOML file whose elements do not stand by ascending masters: which one, with its line.
+    pub out_of_order: Option<String>,
 }
 
 impl CamFile {
@@ -90,7 +92,12 @@ impl CamFile {
         match form {
             Form::Toml => {
                 let what = "cam";
-                let text = read_text(what, path)?;
+                let text = read_text(what, path).map_err(|error| match error {
+                    MachineFileError::Read { source, path, .. } => {
+                        CamFileError::Read { path, source }
+                    }
+                    other => CamFileError::Toml(other),
+                })?;
                 Self::from_toml(path, text)
             }
             Form::Words => {
@@ -131,11 +138,13 @@ impl CamFile {
     /// [`CamFileError::Toml`] with everything that is wrong with it.
     pub fn from_toml(path: &Path, text: String) -> Result<Self, CamFileError> {
         match section::parse(&text, toml_form::read) {
-            Ok(TomlCam { source, table, coupling, cam }) => {
+            Ok(TomlCam { source, table, coupling, cam, out_of_order }) => {
+                let out_of_order = out_of_order.map(|element| element.told(&text));
                 let repeated = source.period.is_some()
                     || table.as_ref().is_some_and(|table| periodic(table) == Some(true));
                 let mut file = Self::of_source(path, Form::Toml, source, cam, text);
                 (file.coupling, file.repeated) = (coupling, repeated);
+                file.out_of_order = out_of_order;
                 if table.is_some() {
                     file.source = None;
                 }
@@ -160,6 +169,7 @@ impl CamFile {
             coupling: Coupling::default(),
             source: Some(source),
             text: Some(text),
+            out_of_order: None,
         }
     }
 
@@ -185,6 +195,7 @@ impl CamFile {
             source: None,
             coupling: Coupling::default(),
             text: None,
+            out_of_order: None,
             cam,
         }
     }

@@ -45,7 +45,7 @@ impl RecordedRun {
     /// [`CamFileError`] with file, line and column.
     pub fn load(path: &Path) -> Result<Self, CamFileError> {
         let bytes = std::fs::read(path)
-            .map_err(|source| CamFileError::Read { path: path.to_owned(), source })?;
+            .map_err(|source| CamFileError::ReadRun { path: path.to_owned(), source })?;
         Self::parse(path, &bytes)
     }
 

@@ -23,6 +23,27 @@ pub(super) struct TomlCam {
     pub(super) table: Option<Shape>,
     pub(super) coupling: Coupling,
     pub(super) cam: Cam,
+    /// The first element that does not stand behind the one before it.
+    pub(super) out_of_order: Option<OutOfOrder>,
+}
+
+/// An element that begins before the one that stands before it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct OutOfOrder {
+    span: Range<usize>,
+    master: f64,
+    before: f64,
+}
+
+impl OutOfOrder {
+    /// In words, with the line of the text.
+    pub(super) fn told(&self, text: &str) -> String {
+        let line = 1 + text.get(..self.span.start).unwrap_or_default().matches('\n').count();
+        format!(
+            "line {line}: the element at master {} stands behind the one at {}; they are taken by ascending masters",
+            self.master, self.before
+        )
+    }
 }
 
 pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
@@ -47,6 +68,12 @@ pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
     let coupling = coupling(&section);
     section.finish();
     let mut elements: Vec<_> = root.sections("elements").iter().filter_map(element).collect();
+    // They are taken in their order, but whoever wrote them may have meant another place.
+    let out_of_order = elements.windows(2).find_map(|pair| {
+        let [(before, _), (element, span)] = pair else { return None };
+        let [before, master] = [begin(before), begin(element)];
+        (master < before).then(|| OutOfOrder { span: span.clone(), master, before })
+    });
     elements.sort_by(|one, other| begin(&one.0).total_cmp(&begin(&other.0)));
     let mut tappets: Vec<_> = root.sections("tappets").iter().filter_map(tappet).collect();
     tappets.sort_by(|one, other| one.0.master.total_cmp(&other.0.master));
@@ -77,7 +104,7 @@ pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
         None => source.compile(Compile::Polynomial),
     };
     match cam {
-        Ok(cam) => Some(TomlCam { source, table, coupling: coupling?, cam }),
+        Ok(cam) => Some(TomlCam { source, table, coupling: coupling?, cam, out_of_order }),
         Err(error) => {
             let places = |list: Vec<Range<usize>>, index: usize| list.get(index - 1).cloned();
             let of_elements = || elements.iter().map(|(_, span)| span.clone()).collect();

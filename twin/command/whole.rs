@@ -150,6 +150,21 @@ pub(super) fn check_targets<'a>(
     Ok(())
 }
 
+/// Nothing takes the place of a file that is there already, unasked.
+///
+/// # Errors
+/// [`Failure::Usage`] with its name, if there is one and `force` does not say that it is to be replaced.
+pub(super) fn refuse_existing(path: &Path, force: bool) -> Result<(), Failure> {
+    // A device or a pipe is written to, and keeps nothing.
+    if force || !path.is_file() {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!(
+        "{}: there is such a file already, left as it is; name another one, or replace it with --force",
+        path.display()
+    )))
+}
+
 /// Writes a whole file.
 ///
 /// # Errors

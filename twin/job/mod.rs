@@ -52,6 +52,8 @@ mod tappet_tests;
 #[cfg(test)]
 mod tests;
 mod values;
+#[cfg(test)]
+mod word_tests;
 
 pub(crate) use read::read;
 pub(crate) use stream::JobSetpoints;

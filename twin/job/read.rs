@@ -81,9 +81,12 @@ impl Reader<'_> {
             call
         });
         let calls: Vec<_> = calls.collect();
+        let spans: Vec<_> = sections.iter().map(Section::span).collect();
         sections.into_iter().for_each(Section::finish);
         root.check_unknown();
         let written: Vec<_> = calls.into_iter().collect::<Option<_>>()?;
+        let of_ring: Vec<_> =
+            written.iter().map(|call| (call.master, call.axis)).zip(spans).collect();
         let line = written.first().map_or(1, |call| call.line);
         let standing = machine.couplings.iter().map(|coupling| standing(machine, coupling, line));
         let calls: Vec<_> = standing.chain(written).collect();
@@ -93,9 +96,17 @@ impl Reader<'_> {
                 let name = |axis: usize| self.axes.get(axis).map_or("", |axis| axis.name.as_str());
                 let first = axes.first().map_or("", |axis| name(*axis));
                 let ring = ring::told(&axes, name);
-                root.complain(format!(
-                    "axis \"{first}\" follows itself, by way of its masters: {ring}"
-                ));
+                let message =
+                    format!("axis \"{first}\" follows itself, by way of its masters: {ring}");
+                // At the first block of the job that is part of the ring, if one is.
+                let part = of_ring.iter().find(|((master, axis), _)| {
+                    axes.windows(2)
+                        .any(|pair| pair.first() == master.as_ref() && pair.get(1) == Some(axis))
+                });
+                match part {
+                    Some((_, span)) => root.complain_over(span, message),
+                    None => root.complain(message),
+                }
                 return None;
             }
         };
@@ -169,7 +180,9 @@ impl Reader<'_> {
                 let message = "a trigger comes `at_s`, or where an `axis` passes a position";
                 section.complain(message.to_owned());
             }
-            if let (Some(name), Some(when)) = (name, at.or(passes)) {
+            if let Some(name) = name {
+                // One that is wrong has been told, and is there for the blocks that name it.
+                let when = at.or(passes).unwrap_or(When::At(0.0));
                 if found.iter().any(|trigger| trigger.name == name) {
                     section.complain_at("name", format!("there is a trigger \"{name}\" already"));
                 }

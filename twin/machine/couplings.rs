@@ -82,6 +82,7 @@ pub(super) fn read(
     };
     let mut whole = true;
     let mut found: Vec<Coupling> = Vec::new();
+    let mut spans = Vec::new();
     for (section, is_gear) in
         gears.iter().map(|it| (it, true)).chain(cams.iter().map(|it| (it, false)))
     {
@@ -93,6 +94,7 @@ pub(super) fn read(
             section.complain_at("axis", message);
         }
         whole &= coupling.is_some();
+        spans.extend(coupling.as_ref().map(|_| section.span()));
         found.extend(coupling);
     }
     gears.into_iter().chain(cams).for_each(Section::finish);
@@ -107,9 +109,14 @@ pub(super) fn read(
     if sorted.is_none() {
         let ring = ring::find(&pairs).unwrap_or_default();
         let names = ring::told(&ring, |axis| axes.get(axis).map_or("", |axis| &axis.name));
-        root.complain(format!(
-            "axes of [[gears]] and [[cams]] follow each other in a ring: {names}"
-        ));
+        let message =
+            format!("axes of [[gears]] and [[cams]] follow each other in a ring: {names}");
+        // At the first of those that are part of it.
+        let part = |pair: &(usize, usize)| ring.windows(2).any(|two| two == [pair.0, pair.1]);
+        match pairs.iter().position(part).and_then(|index| spans.get(index)) {
+            Some(span) => root.complain_over(span, message),
+            None => root.complain(message),
+        }
     }
     sorted.filter(|_| whole)
 }
@@ -138,7 +145,18 @@ fn one(section: &Section<'_>, path: &Path, axes: &[Axis], is_gear: bool) -> Opti
         found
     });
     let (Some(slave), Some(master)) = (slave, master) else {
-        section.accept_all();
+        // What else is wrong is told as well; without an axis the units of a cam's keys are not known.
+        if is_gear {
+            read_ratio(section);
+        } else {
+            section.accept_all();
+            if let Some(name) = section.required_text("cam") {
+                let cam = path.parent().unwrap_or(Path::new("")).join(name);
+                if let Err(error) = CamFile::load(&cam, Interpolation::Linear) {
+                    complain(section, &cam, error);
+                }
+            }
+        }
         return None;
     };
     if slave == master {
@@ -273,13 +291,6 @@ fn complain(section: &Section<'_>, path: &Path, error: CamFileError) {
         section.complain_elsewhere("cam", elsewhere);
         return;
     }
-    // SMC_RCAM_FILE_DOESNT_EXIST (manual 9.3): what cannot be opened is told as SMC_ReadCAM would.
-    let unread = matches!(
-        error,
-        CamFileError::Read { .. } | CamFileError::Toml(MachineFileError::Read { .. })
-    );
-    let number = if unread { " (error 2200)" } else { "" };
     let said = if said.contains(&named) { said } else { format!("{named}: {said}") };
-    let message = format!("{said}{number}");
-    section.complain_at("cam", message);
+    section.complain_at("cam", said);
 }

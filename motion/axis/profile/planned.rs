@@ -113,16 +113,13 @@ impl Profile {
         self.end
     }
 
-    /// The stretches of constant jerk: how long each takes, s, its acceleration at the beginning, u/s², and its jerk, u/s³.
-    /// None of a profile with sigmoid ramps, whose acceleration swings.
-    pub(crate) fn stretches(&self) -> Option<impl Iterator<Item = [f64; 3]> + '_> {
+    /// The stretches: how long each takes, s, its acceleration at the beginning, u/s², its jerk there, u/s³, and the angular
+    /// frequency with which the acceleration swings, rad/s: 0 where the jerk is constant.
+    pub(crate) fn stretches(&self) -> impl Iterator<Item = [f64; 4]> + '_ {
         let segments = self.track.segments();
         let ends = segments.iter().skip(1).map(|next| next.start).chain([self.track.duration]);
-        let straight = segments.iter().all(|segment| segment.angular == 0.0);
-        straight.then(|| {
-            segments.iter().zip(ends).map(|(segment, end)| {
-                [end - segment.start, segment.state.acceleration, segment.jerk]
-            })
+        segments.iter().zip(ends).map(|(segment, end)| {
+            [end - segment.start, segment.state.acceleration, segment.jerk, segment.angular]
         })
     }
 

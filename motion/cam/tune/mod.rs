@@ -9,15 +9,20 @@ mod along;
 mod chance;
 mod dead_time;
 mod fit;
+mod gentle;
+mod ramp_course;
+mod ramp_gentle;
 mod ramp_in;
 mod ramp_wish;
 mod reshape;
 mod student;
+mod swing;
 #[cfg(test)]
 mod tests;
 
 pub use dead_time::{DeadTime, Switching, dead_time};
 pub use fit::{Fit, FitOptions, Free, Sample, fit};
+pub use gentle::{Bound, Gentle, GentleError, GentleWish, gentle};
 pub use ramp_in::{RampError, RampGoal, RampIn, RampWish, ramp_in};
 pub use reshape::{ReshapeError, Reshaped, Softened, Tolerance, Wish, reshape, soften};
 pub use student::student_975;

@@ -3,7 +3,7 @@
 use super::super::coupling::{AxisState, CouplingError};
 use super::super::selection::{CamInput, CamTable};
 use crate::axis::profile::{ProfileError, RampType};
-use crate::cam::SlaveLimits;
+use crate::cam::{Quantity, SlaveLimits};
 use crate::short::Short;
 
 /// What a ramp is to be best in.
@@ -11,10 +11,13 @@ use crate::short::Short;
 pub enum RampGoal {
     /// The slave is on its cam as soon as its limits allow.
     Soonest,
-    /// The largest acceleration of the slave until it is on its cam is as small as can be, and it is there in this time, s.
+    /// The largest velocity, acceleration or jerk of the slave until it is on its cam is as small as can be, and it is there
+    /// in this time.
     Gentlest {
         /// s.
         within_s: f64,
+        /// Of what the peak is to be small. For the jerk of parabolic and sigmoid ramps that of the axis is found, too.
+        least: Quantity,
     },
 }
 
@@ -30,11 +33,10 @@ pub struct RampWish {
     /// Where the slave is at the start, and its velocity.
     pub slave: AxisState,
     /// The ramps of the slave's axis: [`RampType::Trapezoid`], whose acceleration steps, which is a jerk of the step by the
-    /// time of a cycle, or [`RampType::Parabolic`] with the jerk of the limits. Sigmoid ramps are refused: what they reach
-    /// together with a cam has no closed form.
+    /// time of a cycle, or [`RampType::Parabolic`] or [`RampType::Sigmoid`] with the jerk of the limits.
     pub ramp: RampType,
-    /// What the slave may do; velocity and acceleration finite, with parabolic ramps the jerk as well. `MC_CamIn` has no
-    /// input for the jerk of a ramp: with parabolic ones that of the cam comes beside it, and the limit holds for each.
+    /// What the slave may do; velocity and acceleration finite, with parabolic and sigmoid ramps the jerk as well. `MC_CamIn`
+    /// has no input for the jerk of a ramp: with these that of the cam comes beside it, and the limit holds for each.
     pub limits: SlaveLimits,
     /// Least and greatest position of the slave, u; infinite where there is no limit.
     pub position: [f64; 2],
@@ -53,6 +55,9 @@ pub struct RampIn {
     pub acceleration: f64,
     /// `Deceleration`, u/s².
     pub deceleration: f64,
+    /// The jerk of the slave's axis that belongs to it, u/s³: that of the limits, or less where the smallest jerk is wished.
+    /// Without meaning for trapezoid ramps.
+    pub ramp_jerk: f64,
     /// When the slave is on its cam, s after the start.
     pub duration_s: f64,
     /// The largest velocity of the slave until then, exact, u/s.
@@ -60,7 +65,7 @@ pub struct RampIn {
     /// The largest acceleration of the slave until then, exact, u/s².
     pub peak_acceleration: f64,
     /// The largest jerk of the slave until then, u/s³. With trapezoid ramps the largest step of the ramp's acceleration by
-    /// the time of a cycle, and the largest jerk of the cam beside it; with parabolic ones exact, of both together.
+    /// the time of a cycle, and the largest jerk of the cam beside it; with the others exact, of both together.
     pub peak_jerk: f64,
     /// The largest jerk of the cam alone until then, exact, u/s³.
     pub peak_cam_jerk: f64,
@@ -77,9 +82,6 @@ pub enum RampError {
     /// The ramp cannot be reckoned.
     #[error(transparent)]
     Profile(#[from] ProfileError),
-    /// Sigmoid ramps.
-    #[error("ramps onto a cam are found for trapezoid and parabolic ramps, not for sigmoid ones")]
-    Sigmoid,
     /// A ramp needs a limit of this.
     #[error("a ramp needs a limit of the slave's {what} that is greater than 0; {}",
         if .value.is_infinite() { "none is given".to_owned() } else { format!("it is {value}") })]
@@ -117,5 +119,14 @@ pub enum RampError {
         soonest_s: f64,
         /// The time it was to take at most, s.
         within_s: f64,
+    },
+    /// The shortest ramp takes so long that nobody means it.
+    #[error("the slave is on its cam after {} s at the earliest, which is more than {} s: it is too far from the cam, or \
+             the limits are too small", Short(*.soonest_s), Short(*.most_s))]
+    TooLong {
+        /// The shortest ramp that was found, s.
+        soonest_s: f64,
+        /// What is taken for meant, s.
+        most_s: f64,
     },
 }

@@ -513,3 +513,15 @@ proptest! {
         prop_assert_eq!(again.cam.shape(), file.cam.shape());
     }
 }
+
+/// Elements are taken by ascending masters; one that does not stand so is told with its line.
+#[test]
+fn elements_that_do_not_ascend_are_told() {
+    let point = "  { master = 90, slave = 40, velocity = 0.5 },      # on the way\n";
+    let moved = LIFT.replace(point, "").replace("]\ntappets", &format!("{point}]\ntappets"));
+    let line = 1 + moved.lines().position(|line| line.contains("master = 90")).expect("a line");
+    let told = read(&moved).expect("a cam").out_of_order.expect("it is told");
+    let said = format!("line {line}: the element at master 90 stands behind the one at 240");
+    assert!(told.starts_with(&said), "{told}");
+    assert_eq!(read(LIFT).expect("a cam").out_of_order, None);
+}

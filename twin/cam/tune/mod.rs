@@ -2,10 +2,12 @@
 
 mod correct;
 mod from_run;
+mod minimise;
 mod shape;
 
 pub use correct::{as_fitted, corrected, wanted};
 pub use from_run::{Seen, errors, fit_run, rms, rounded, switchings, tappet_dead_time};
+pub use minimise::{Least, Minimised, minimise};
 pub use shape::{PointTolerance, ShapeGoal, Shaped, shape};
 
 use super::check::CamUse;
@@ -16,7 +18,7 @@ use std::sync::Arc;
 use twin_motion::axis::profile::RampType;
 use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{
-    FitError, Free, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
+    FitError, Free, GentleError, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
 };
 use twin_motion::cam::{
     AxisState, CamTable, Element, Knot, LimitError, Quantity, Shape, StartMode,
@@ -95,6 +97,9 @@ pub enum TuneError {
     /// The cam cannot be followed at any velocity.
     #[error("shape: no velocity of the master is slow enough: {0}")]
     TooFast(#[source] LimitError),
+    /// The smallest peak.
+    #[error("the smallest peak: {0}")]
+    Minimise(#[source] GentleError),
     /// The ramp.
     #[error("ramp: {0}")]
     Ramp(#[from] RampError),

@@ -194,6 +194,9 @@ fn tappets(out: &mut impl Write, file: &CamFile, check: &CamCheck<'_>) -> io::Re
                 format!("after {} ms for {} ms", milliseconds(delay_ns), milliseconds(duration_ns))
             }
         };
+        // What is rounding beside the whole is nothing.
+        let whole = check.bounds.position.magnitude();
+        let position = if position.abs() < 1e-12 * whole { 0.0 } else { position };
         let after = check.passed_after(tappet).map_or("–".to_owned(), |after| short(after * 1e3));
         rows.add_row([
             tappet.group.to_string(),

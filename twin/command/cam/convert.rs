@@ -46,6 +46,10 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value = "lreal", requires = "table")]
     r#type: Numbers,
 
+    /// What has the name OUT already is replaced
+    #[arg(long)]
+    force: bool,
+
     /// Between the points of tables that are made, or read from .csv and .asc
     #[arg(long, value_enum, default_value = "linear")]
     interpolation: Between,
@@ -90,6 +94,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     Form::of(&arguments.to).map_err(Box::new)?;
     let from = [arguments.from.as_path()];
     whole::check_targets(None, from, [("OUT", arguments.to.as_path())])?;
+    whole::refuse_existing(&arguments.to, arguments.force)?;
     let mut file = load(&arguments.from, arguments.interpolation)?;
     let whole_curve = file.cam.curve().clone();
     if let Some(kind) = arguments.table {

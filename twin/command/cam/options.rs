@@ -65,7 +65,11 @@ impl From<Between> for Interpolation {
 
 /// Reads a cam.
 pub(in crate::command) fn load(path: &Path, between: Between) -> Result<CamFile, Failure> {
-    Ok(CamFile::load(path, between.into()).map_err(Box::new)?)
+    let file = CamFile::load(path, between.into()).map_err(Box::new)?;
+    if let Some(out_of_order) = &file.out_of_order {
+        tell!("{}: {out_of_order}", path.display());
+    }
+    Ok(file)
 }
 
 /// How a cam is used: offsets and scalings of `MC_CamIn`. What is not given is that of the cam's `[coupling]`.

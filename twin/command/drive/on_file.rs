@@ -2,7 +2,7 @@
 
 use super::consent::Consent;
 use crate::command::Failure;
-use crate::command::whole::WholeFile;
+use crate::command::whole::{WholeFile, refuse_existing};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use twin_drives::Drive;
@@ -48,24 +48,13 @@ impl OnFile {
         match self {
             Self::Backup { file, force } => {
                 // Before the device is asked hundreds of questions.
+                // A backup is what is left of a device that has failed.
                 refuse_existing(file, *force)?;
                 backup(drive, file)
             }
             Self::Restore { file, save, .. } => restore(drive, (file, *save), consent),
         }
     }
-}
-
-/// A backup is what is left of a device that has failed: none takes the place of another unasked.
-fn refuse_existing(path: &Path, force: bool) -> Result<(), Failure> {
-    // A device or a pipe is written to, and keeps nothing.
-    if force || !path.is_file() {
-        return Ok(());
-    }
-    Err(Failure::Usage(format!(
-        "{}: there is such a file already, left as it is; name another one, or replace it with --force",
-        path.display()
-    )))
 }
 
 fn backup(drive: &mut dyn Drive, path: &Path) -> Result<(), Failure> {

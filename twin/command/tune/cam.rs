@@ -1,20 +1,22 @@
 //! `twin tune cam`: offsets, scalings, dead times, ramps and shapes of cams.
 
+use super::least::{Find, LeastOptions, Sought, sought};
+use super::list;
 use super::outcome::{apply, moved, picture, with_knots};
 use super::report::Report;
 use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{
-    self, PointTolerance, ShapeGoal, TuneError, changes, errors, fit_run, ramp, shape, switchings,
-    tappet_dead_time, within_limits,
+    self, PointTolerance, ShapeGoal, TuneError, changes, errors, fit_run, minimise, ramp, shape,
+    switchings, tappet_dead_time, within_limits,
 };
 use crate::command::cam::{
     LimitOptions, MasterOptions, UseOptions, load, magnitude, number, positive, show_findings,
 };
 use crate::command::whole;
 use crate::command::{Failure, Status};
-use crate::finding;
+use crate::finding::{self, Rule};
 use clap::ValueEnum;
 use std::io;
 use std::path::PathBuf;
@@ -29,7 +31,8 @@ use twin_motion::cam::{AxisState, Quantity, StartMode};
 /// interval. `slave` is where the slave was measured while the coupling of the cam's file was in effect; wanted is the cam with
 /// that coupling, or with `wanted_…` of `[coupling]` where the file has them (--write puts them there). What is proposed undoes
 /// the deviation: a slave that lags gets a master offset that leads. Outputs recorded beside it (columns `tappet_N`) tell the dead time of what tappets switch. Without a run what is
-/// to be found is changed by as little as keeps the limits. Points are moved within their tolerances by linear programs
+/// to be found is changed by as little as keeps the limits, or so that the slave's peak acceleration or jerk is smallest
+/// (--minimise): intervals, a stroke, the tappets and the limits hold it then, for a scaling of 0 would be the smallest. Points are moved within their tolerances by linear programs
 /// (Clarabel): velocity and acceleration stay continuous, and the slave stays within its limits, and where it is at every tappet.
 /// What the data do not say, or contradict, is said and not fitted: samples that are far from the others with their lines.
 #[derive(Debug, clap::Args)]
@@ -48,9 +51,14 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value = "measured", requires = "run")]
     slave: SlaveColumn,
 
-    /// What is to be found: in the run, or, without one, within the limits [default: both offsets with a run]
-    #[arg(long, value_enum, value_delimiter = ',')]
-    find: Vec<Find>,
+    /// What is to be found, of master-offset, master-scaling, slave-offset and slave-scaling: in the run, or, without one, within
+    /// the limits [default: both offsets with a run]. With --minimise acceleration or jerk each may have an interval, like
+    /// slave-scaling=0.9..1.1
+    #[arg(long, value_name = "NAME[=FROM..TO]", value_delimiter = ',', value_parser = sought)]
+    find: Vec<Sought>,
+
+    #[command(flatten)]
+    least: LeastOptions,
 
     /// `MasterScaling` is looked for within this part of itself
     #[arg(long, value_name = "PART", default_value = "0.05", value_parser = part)]
@@ -61,7 +69,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "MASTER:SLAVE[,VELOCITY[,ACCELERATION]]", allow_hyphen_values = true, value_parser = point)]
     reshape: Vec<PointTolerance>,
 
-    /// What moved points are to give: the largest velocity of the master, or the smallest acceleration or jerk of the slave
+    /// What moved points (--reshape) are to give: the largest velocity of the master, or the smallest acceleration or jerk of the slave
     /// at the master's velocity
     #[arg(long, value_enum, default_value = "speed")]
     goal: Goal,
@@ -72,7 +80,7 @@ pub(super) struct Arguments {
     ramp_in: Option<[f64; 3]>,
 
     /// Ramps of the slave's axis, as `ramp` of a job says: with trapezoid ones its acceleration steps, which is a jerk of the
-    /// step by 1 ms; with parabolic ones it changes by the limit of the jerk, beside the cam's
+    /// step by 1 ms; with parabolic and sigmoid ones it changes by the limit of the jerk at most, beside the cam's
     #[arg(
         long,
         value_name = "TYPE",
@@ -82,7 +90,8 @@ pub(super) struct Arguments {
     )]
     ramp: Ramp,
 
-    /// The ramp takes so long at most, s, and is as gentle as can be; else it is as short as the limits allow
+    /// The ramp takes so long at most, s, and the slave's peak acceleration is as small as can be (with --minimise jerk its peak
+    /// jerk, for which that of the slave's axis is found, too); else it is as short as the limits allow
     #[arg(long, value_name = "S", requires = "ramp_in", value_parser = positive)]
     within: Option<f64>,
 
@@ -104,6 +113,10 @@ pub(super) struct Arguments {
     #[expect(clippy::option_option, reason = "not given, given alone, given with a file")]
     write: Option<Option<PathBuf>>,
 
+    /// What has the name of --write already, and is not the cam itself, is replaced
+    #[arg(long, requires = "write")]
+    force: bool,
+
     /// For people, or one JSON object
     #[arg(long, value_enum, default_value = "human")]
     format: Format,
@@ -117,6 +130,7 @@ Exit status:
 
 Examples:
   twin tune cam cam.toml --run run.csv --find master-offset,slave-offset,slave-scaling -o fit.svg
+  twin tune cam cam.toml --find slave-scaling=0.9..1.1,master-scaling --minimise jerk --tappet-tolerance 2,any
   twin tune cam cam.toml --reshape 120:2,0.5,0.01 --max-acceleration 20000 --write faster.toml
   twin tune cam cam.toml --ramp-in 0,35 --master-velocity 200 --max-velocity 900 --max-acceleration 20000";
 
@@ -124,14 +138,6 @@ Examples:
 pub(super) enum Format {
     Human,
     Json,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Find {
-    MasterOffset,
-    MasterScaling,
-    SlaveOffset,
-    SlaveScaling,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -143,6 +149,7 @@ enum SlaveColumn {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Ramp {
     Trapezoid,
+    Sigmoid,
     Parabolic,
 }
 
@@ -150,6 +157,7 @@ impl From<Ramp> for RampType {
     fn from(ramp: Ramp) -> Self {
         match ramp {
             Ramp::Trapezoid => Self::Trapezoid,
+            Ramp::Sigmoid => Self::Sigmoid,
             Ramp::Parabolic => Self::Parabolic,
         }
     }
@@ -193,21 +201,9 @@ fn start(text: &str) -> Result<[f64; 3], String> {
     list(text, 2)
 }
 
-/// Numbers with commas between: `least` of them at least, the others 0.
-fn list<const N: usize>(text: &str, least: usize) -> Result<[f64; N], String> {
-    let mut numbers = [0.0; N];
-    let mut count = 0;
-    for part in text.split(',') {
-        let slot = numbers.get_mut(count).ok_or_else(|| format!("more than {N} numbers"))?;
-        *slot = number(part)?;
-        count += 1;
-    }
-    if count < least { Err(format!("fewer than {least} numbers")) } else { Ok(numbers) }
-}
-
 impl Arguments {
     fn free(&self) -> Free {
-        let has = |find| self.find.contains(&find);
+        let has = |find| self.find.iter().any(|sought| sought.what == find);
         let usual = self.find.is_empty() && self.run.is_some();
         Free {
             master_offset: usual || has(Find::MasterOffset),
@@ -226,6 +222,9 @@ impl Arguments {
             }
             _ => None,
         };
+        if let Some((_, path)) = other {
+            whole::refuse_existing(path, self.force)?;
+        }
         let picture = self.output.as_deref().map(|path| ("--output", path));
         whole::check_targets(None, read.into_iter().flatten(), picture.into_iter().chain(other))
     }
@@ -238,12 +237,11 @@ impl Arguments {
             && self.ramp_in.is_none()
         {
             "nothing is to be found: give a recorded --run, what to --find within the limits, points to --reshape, or a --ramp-in"
-        } else if self.run.is_none() && self.find.contains(&Find::MasterOffset) {
-            "no limit depends on MasterOffset: a --run tells it"
         } else if self.goal != Goal::Speed && self.reshape.is_empty() {
             "--goal says nothing without --reshape"
         } else {
-            return Ok(());
+            let ramp = self.ramp_in.map(|_| self.within);
+            return self.least.check(&self.find, self.run.is_some(), ramp);
         };
         Err(Failure::Usage(wrong.to_owned()))
     }
@@ -257,7 +255,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let AxisLimits { position, motion, .. } = limits;
     let all = [position[0], position[1], motion.velocity, motion.acceleration, motion.jerk];
     let unlimited = all.into_iter().all(f64::is_infinite);
-    if unlimited && arguments.run.is_none() && !arguments.find.is_empty() {
+    let peak = arguments.least.quantity().is_some();
+    if unlimited && arguments.run.is_none() && !arguments.find.is_empty() && !peak {
         let message = "--find without a --run keeps the limits of the slave, and none is given: --machine FILE --axis NAME, or \
                        --max-velocity, --max-acceleration, --max-jerk, --position-min, --position-max";
         return Err(Failure::Usage(message.to_owned()));
@@ -277,7 +276,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         }
     }
     let after_file = moved(&file, &report)?;
-    let check = CamCheck::new(&after_file, report.after);
+    let mut check = CamCheck::new(&after_file, report.after);
+    if report.least.as_ref().is_some_and(|found| found.part) && report.shaped.is_none() {
+        // The limits are kept on the way of the master; what lies beside it is not passed.
+        let limits =
+            [Rule::AxisPosition, Rule::AxisVelocity, Rule::AxisAcceleration, Rule::AxisJerk];
+        check.findings.retain(|finding| !limits.contains(&finding.rule));
+    }
     // What was given on the command line belongs to what was found.
     let in_file = CamUse { coupling: file.coupling, ..before };
     let knots = report.shaped.as_ref().map(|shaped| (&file, shaped.knots.as_slice()));
@@ -344,6 +349,10 @@ fn tuned(
             }
             report.dead_time = Some((found, seen.len()));
         }
+    } else if let Some(least) = arguments.least.least(&arguments.find) {
+        let (after, found) = minimise(file, &before, &least)?;
+        report.after = after;
+        report.least = Some(found);
     } else if !arguments.find.is_empty() {
         report.after = within_limits(file, &before, arguments.free())?;
         report.within = true;
@@ -357,8 +366,10 @@ fn tuned(
     }
     if let Some([master, position, velocity]) = arguments.ramp_in {
         let slave = AxisState { position, velocity, acceleration: 0.0 };
-        let goal =
-            arguments.within.map_or(RampGoal::Soonest, |within_s| RampGoal::Gentlest { within_s });
+        let least = arguments.least.quantity().unwrap_or(Quantity::Acceleration);
+        let goal = arguments
+            .within
+            .map_or(RampGoal::Soonest, |within_s| RampGoal::Gentlest { within_s, least });
         let cam = match &shaped {
             Some(Some(moved)) => moved,
             _ => file,

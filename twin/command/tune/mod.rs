@@ -1,9 +1,11 @@
 //! `twin tune`: parameters found offline, from recorded runs and limits.
 
 mod cam;
+mod least;
 mod outcome;
 mod report;
 
+use super::cam::number;
 use super::{Failure, Status};
 use clap::Subcommand;
 
@@ -23,4 +25,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     match &arguments.action {
         Action::Cam(arguments) => cam::run(arguments),
     }
+}
+
+/// Numbers with commas between: `least` of them at least, the others 0.
+fn list<const N: usize>(text: &str, least: usize) -> Result<[f64; N], String> {
+    let mut numbers = [0.0; N];
+    let mut count = 0;
+    for part in text.split(',') {
+        let slot = numbers.get_mut(count).ok_or_else(|| format!("more than {N} numbers"))?;
+        *slot = number(part)?;
+        count += 1;
+    }
+    if count < least { Err(format!("fewer than {least} numbers")) } else { Ok(numbers) }
 }

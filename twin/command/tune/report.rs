@@ -4,14 +4,14 @@ use super::cam::Format;
 use crate::cam::CamFile;
 use crate::cam::check::CamUse;
 use crate::cam::edit::Change;
-use crate::cam::tune::{ShapeGoal, Shaped};
+use crate::cam::tune::{Minimised, ShapeGoal, Shaped};
 use crate::command::show::table;
 use crate::number::significant;
 use serde_json::{Value, json};
 use std::io::{self, Write};
 use twin_motion::axis::profile::RampType;
-use twin_motion::cam::Quantity;
 use twin_motion::cam::tune::{DeadTime, Estimate, Fit, RampIn};
+use twin_motion::cam::{Curve, Quantity};
 
 /// Six significant digits.
 fn short(value: f64) -> String {
@@ -38,6 +38,8 @@ pub(super) struct Report<'a> {
     pub(super) dead_time: Option<(DeadTime, usize)>,
     /// Changed to keep the limits.
     pub(super) within: bool,
+    /// Changed for the smallest peak.
+    pub(super) least: Option<Minimised>,
     pub(super) shaped: Option<Shaped>,
     pub(super) goal: Option<ShapeGoal>,
     pub(super) ramp: Option<(RampType, RampIn)>,
@@ -61,6 +63,7 @@ impl<'a> Report<'a> {
             doubtful: false,
             dead_time: None,
             within: false,
+            least: None,
             shaped: None,
             goal: None,
             ramp: None,
@@ -84,6 +87,10 @@ impl<'a> Report<'a> {
         let mut parts = Vec::new();
         if let (Some(before), Some(after)) = (self.error_before, self.error_after) {
             parts.push(format!("error {} → {} {slave} rms", short(before), short(after)));
+        }
+        if let Some(Minimised { quantity, before, after, .. }) = &self.least {
+            let [before, after] = [before, after].map(|peak| short(*peak));
+            parts.push(format!("largest {quantity} {before} → {after} {}", of(slave, *quantity)));
         }
         if let Some(shaped) = &self.shaped {
             parts.push(match self.goal {
@@ -170,6 +177,9 @@ impl<'a> Report<'a> {
                 writeln!(out, "the limits are kept as it is")?;
             }
         }
+        if let Some(least) = &self.least {
+            self.tell_least(out, least)?;
+        }
         if let Some(shaped) = &self.shaped {
             self.tell_shape(out, shaped)?;
         }
@@ -190,6 +200,14 @@ impl<'a> Report<'a> {
                 short(ramp.positions[0]),
                 short(ramp.positions[1]),
             )?;
+            let less = ramp.ramp_jerk < self.before.limits.motion.jerk * (1.0 - 1e-6);
+            if *kind != RampType::Trapezoid && less {
+                writeln!(
+                    out,
+                    "  with a jerk of {} {slave}/s³ of the slave's axis: `max_jerk_…` of the machine file, MC_CamIn has no input for it",
+                    short(ramp.ramp_jerk)
+                )?;
+            }
         }
         if self.refused.is_some() {
             return Ok(());
@@ -302,7 +320,56 @@ impl<'a> Report<'a> {
                 short(at)
             )?;
         }
+        for (at, reached, limit) in self.beyond(shaped) {
+            let edge = if reached > limit { "most" } else { "least" };
+            writeln!(
+                out,
+                "  the slave leaves its old range: it goes to {} {slave} at master {} {master}, it was {} at {edge}",
+                short(reached),
+                short(at),
+                short(limit)
+            )?;
+        }
         writeln!(out, "  {} linear programs", shaped.programs)
+    }
+
+    /// The smallest peak, and what holds the values.
+    fn tell_least(&self, out: &mut impl Write, least: &Minimised) -> io::Result<()> {
+        let Minimised { quantity, before, after, held, part } = least;
+        let unit = of(self.file.slave.unit(), *quantity);
+        let way = if *part { " on the way of the master" } else { "" };
+        let [before, after] = [before, after].map(|peak| short(*peak));
+        writeln!(out, "the slave's largest {quantity}{way}: {before} → {after} {unit}")?;
+        let pairs = self.before.coupling.numbers().into_iter().zip(self.after.coupling.numbers());
+        for (((_, name, before), (_, _, after)), held) in pairs.zip(held) {
+            if before.to_bits() == after.to_bits() && held.is_empty() {
+                continue;
+            }
+            let by = if held.is_empty() {
+                String::new()
+            } else {
+                format!(", held by {}", held.join(" and "))
+            };
+            writeln!(out, "  {name}: {} → {}{by}", short(before), short(after))?;
+        }
+        Ok(())
+    }
+
+    /// Where a shape takes the slave beyond the positions it had: master, position, and what it was at most or at least.
+    fn beyond(&self, shaped: &Shaped) -> Vec<(f64, f64, f64)> {
+        let Ok(curve) = Curve::polynomial(&shaped.knots) else { return Vec::new() };
+        let using = &self.after;
+        let ends = |curve: &Curve| {
+            let y = curve.extremes().position;
+            let ends = [(y.min, y.at_min), (y.max, y.at_max)]
+                .map(|(y, at)| (using.slave_at(y), using.master_at(at)));
+            if using.coupling.input.slave_scaling < 0.0 { [ends[1], ends[0]] } else { ends }
+        };
+        let [old, new] = [ends(self.file.cam.curve()), ends(&curve)];
+        let room = 1e-9 * (old[1].0 - old[0].0).abs();
+        let beyond = [new[0].0 < old[0].0 - room, new[1].0 > old[1].0 + room];
+        let all = old.into_iter().zip(new).zip(beyond).filter(|(_, beyond)| *beyond);
+        all.map(|(((limit, _), (reached, at)), _)| (at, reached, limit)).collect()
     }
 
     fn json(&self) -> Value {
@@ -327,18 +394,33 @@ impl<'a> Report<'a> {
                 "of": what, "before": shaped.before, "after": shaped.after,
                 "limited_by": shaped.limited.map(|(quantity, _)| quantity.to_string()),
                 "at_master": shaped.limited.map(|(_, at)| at),
+                "beyond": self.beyond(shaped).into_iter().map(|(at, reached, limit)| {
+                    json!({ "master": at, "slave": reached, "was": limit })
+                }).collect::<Vec<_>>(),
                 "points": shaped.knots.iter().map(|knot| {
                     json!({ "master": knot.master, "slave": knot.slave, "velocity": knot.velocity, "acceleration": knot.acceleration })
                 }).collect::<Vec<_>>(),
             })
         });
         let ramp = self.ramp.as_ref().map(|(kind, ramp)| {
-            let kind = if *kind == RampType::Trapezoid { "trapezoid" } else { "parabolic" };
+            let (kind, jerk) = match kind {
+                RampType::Trapezoid => ("trapezoid", None),
+                RampType::Sigmoid => ("sigmoid", Some(ramp.ramp_jerk)),
+                RampType::Parabolic => ("parabolic", Some(ramp.ramp_jerk)),
+            };
             json!({
                 "velocity_difference": ramp.velocity_difference, "acceleration": ramp.acceleration,
                 "deceleration": ramp.deceleration, "duration_s": ramp.duration_s,
                 "peak_velocity": ramp.peak_velocity, "peak_acceleration": ramp.peak_acceleration,
-                "peak_jerk": ramp.peak_jerk, "peak_cam_jerk": ramp.peak_cam_jerk, "ramp": kind, "position_min": ramp.positions[0], "position_max": ramp.positions[1],
+                "peak_jerk": ramp.peak_jerk, "peak_cam_jerk": ramp.peak_cam_jerk, "ramp": kind, "axis_jerk": jerk, "position_min": ramp.positions[0], "position_max": ramp.positions[1],
+            })
+        });
+        let least = self.least.as_ref().map(|least| {
+            let names = self.after.coupling.numbers();
+            let held = names.iter().zip(&least.held).map(|((_, name, _), held)| ((*name).to_owned(), json!(held)));
+            json!({
+                "of": format!("peak {}", least.quantity), "before": least.before, "after": least.after,
+                "held": held.collect::<serde_json::Map<_, _>>(),
             })
         });
         let (file, block) = self.lines();
@@ -348,7 +430,7 @@ impl<'a> Report<'a> {
             "cam": self.file.cam.name(),
             "file": self.file.path.display().to_string(),
             "slave": fit.as_ref().map(|_| if self.wanted.is_some() { "measured" } else { "wanted" }),
-            "fit": fit, "dead_time": dead_time, "shape": shape, "ramp": ramp,
+            "fit": fit, "least": least, "dead_time": dead_time, "shape": shape, "ramp": ramp,
             "coupling": numbers.into_iter().collect::<serde_json::Map<_, _>>(),
             "lines": { "coupling": file, "inputs": block, "points": self.points() },
             "refused": self.refused,

@@ -172,6 +172,7 @@ impl Engine {
         self.order = order;
         called?;
         self.axes.iter_mut().for_each(Moved::end);
+        self.refuse_jumps()?;
         if !self.axes.iter().all(Moved::stands) {
             self.moved_ns = self.now_ns;
         }
@@ -263,7 +264,12 @@ impl Engine {
             let message = format!("{} of axis {}: {}", call.name, moved.name, told(error));
             let mut finding = Finding::error(Rule::FunctionBlock, place, message);
             finding.axis = Some(moved.name.clone());
-            finding.hint = Some(format!("`twin explain {}` says more", error.number()));
+            let more = format!("`twin explain {}` says more", error.number());
+            finding.hint = Some(if error.name().ends_with("_VELACC_VALUES") {
+                format!("velocity, acceleration and deceleration have to be greater than 0; {more}")
+            } else {
+                more
+            });
             return Err(finding.into());
         }
         if let (Some(data), Some(master)) = (call.block.tappets(), call.master) {
@@ -322,9 +328,9 @@ impl Engine {
         let endless = |moved: &&Moved| moved.axis.state() == AxisState::ContinuousMotion;
         if let Some(moved) = self.axes.iter().find(endless).filter(|_| !ends && !stand) {
             let message = format!(
-                "axis {} still moves with {:.3} per second behind the last block, and nothing ends that: give the job a \
+                "axis {} still moves with {:.3} {}/s behind the last block, and nothing ends that: give the job a \
                  `duration_s`, or call MC_Halt",
-                moved.name, moved.state.velocity
+                moved.name, moved.state.velocity, moved.unit
             );
             return Err(Finding::error(Rule::FunctionBlock, self.place(), message).into());
         }
@@ -358,9 +364,9 @@ impl Engine {
             return Ok(false);
         }
         let message = format!(
-            "axis {} still moves with {:.3} per second {LONGEST_HALT:.0} s after `duration_s`, when everything has to come to \
+            "axis {} still moves with {:.3} {}/s {LONGEST_HALT:.0} s after `duration_s`, when everything has to come to \
              rest",
-            moved.name, moved.state.velocity
+            moved.name, moved.state.velocity, moved.unit
         );
         let mut finding = Finding::error(Rule::FunctionBlock, self.place(), message);
         finding.axis = Some(moved.name.clone());

@@ -23,6 +23,10 @@ pub(super) struct Moved {
     /// Brings it to rest at the end.
     pub(super) halt: Option<Block<Halt>>,
     pub(super) max_acceleration: f64,
+    pub(super) max_velocity: f64,
+    /// By how much the position has jumped in the last cycle: further than its largest velocity goes in that time, and than
+    /// the velocity it is told to have. 0 if it has not.
+    pub(super) jumped: f64,
     /// The block that has taken it last.
     pub(super) taken_by: Option<usize>,
 }
@@ -58,6 +62,8 @@ impl Moved {
             halt: None,
             taken_by: None,
             max_acceleration: acceleration,
+            max_velocity: velocity,
+            jumped: 0.0,
         }
     }
 
@@ -81,6 +87,10 @@ impl Moved {
         if let Some(period) = self.axis.period() {
             way -= period * (way / period).round();
         }
+        let cycle = self.axis.cycle();
+        let told = f64::midpoint(self.state.velocity, command.velocity) * cycle;
+        let beyond = way.abs() > self.max_velocity * cycle && (way - told).abs() > way.abs() / 2.0;
+        self.jumped = if beyond && command.home.is_none() { way } else { 0.0 };
         // The drive has given its positions another zero while it stood.
         self.shown = match command.home {
             Some(_) => self.drive.feedback().position,

@@ -3,6 +3,7 @@
 use super::moved::Moved;
 use super::{Begins, Call, Engine, STOP};
 use crate::finding::{Finding, Rule};
+use crate::number::significant;
 use crate::report::seconds;
 use twin_motion::Place;
 
@@ -47,6 +48,33 @@ impl Engine {
         finding.axis = Some(name.to_owned());
         finding.hint = Some(format!("{out} of the axis lets it go first"));
         Err(finding.into())
+    }
+
+    /// A cam that begins elsewhere than its slave stands would make it jump.
+    pub(super) fn refuse_jumps(&self) -> Result<(), Box<Finding>> {
+        for moved in self.axes.iter().filter(|moved| moved.jumped != 0.0) {
+            let taker = moved.taken_by.and_then(|taker| self.calls.get(taker));
+            let Some(Call { name, line, .. }) = taker.map(|taker| &taker.call) else { continue };
+            if *name != "MC_CamIn" {
+                continue;
+            }
+            let (axis, unit, to) = (&moved.name, moved.unit, moved.state.position);
+            let message = format!(
+                "{name}: the cam wants {axis} at {} {unit}, it stands at {} {unit}",
+                significant(to, 6),
+                significant(to - moved.jumped, 6)
+            );
+            let mut finding =
+                Finding::error(Rule::Coupling, Place { line: *line, block: None }, message);
+            finding.axis = Some(axis.clone());
+            finding.hint = Some(
+                "`start_mode = \"ramp_in\"` brings it onto its cam, `slave_absolute = false` lays the cam where it stands; or move \
+                 it there first"
+                    .to_owned(),
+            );
+            return Err(finding.into());
+        }
+        Ok(())
     }
 
     /// What an axis follows by the block that has it.

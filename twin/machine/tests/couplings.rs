@@ -132,3 +132,20 @@ fn what_cannot_follow_is_told() {
     said("[[cams]]\naxis = \"X\"\nmaster = \"Y\"\n", "lacks `cam`");
     assert!(Machine::load(Path::new("none.toml")).is_err());
 }
+
+/// A ring is told at one of its own tables, and an axis that is not there hides nothing else of its table.
+#[test]
+fn places_of_what_cannot_follow() {
+    let ring = "[[gears]]\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 1\n";
+    let found = problems(&with(&format!("{GEAR}{ring}")));
+    let (place, message, _) = &found[0];
+    assert!(message.contains("in a ring") && place.contains("gears"), "{found:#?}");
+    let wrong = "[[gears]]\naxis = \"Q\"\nmaster = \"X\"\nratio_numerator = 0\nrato = 3\n";
+    let found = problems(&with(wrong));
+    for said in ["there is no axis \"Q\"", "`ratio_numerator` is 0", "unknown key"] {
+        assert!(found.iter().any(|(_, told, _)| told.contains(said)), "{said}: {found:#?}");
+    }
+    let cam = "[[cams]]\naxis = \"Q\"\nmaster = \"X\"\ncam = \"none.toml\"\n";
+    let found = problems(&with(cam));
+    assert!(found.iter().any(|(_, told, _)| told.contains("(error 2200)")), "{found:#?}");
+}

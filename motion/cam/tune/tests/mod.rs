@@ -3,7 +3,9 @@
 #![expect(clippy::float_cmp, reason = "given, or to be the same bit for bit")]
 
 mod fit;
+mod gentle;
 mod ramp_in;
+mod ramp_jerk;
 mod reshape;
 
 /// Numbers that come again with their seed (splitmix64).

@@ -1,23 +1,27 @@
 //! Ramps: as soon as can be where that is known in closed form, and held against the coupling itself.
 
 use super::Random;
-use crate::axis::gear::{Approach, Gap};
-use crate::axis::profile::{AxisLimits, RampType, State};
+use crate::axis::profile::RampType;
 use crate::cam::tune::{RampError, RampGoal, RampIn, RampWish, ramp_in};
 use crate::cam::{
-    AxisState, Cam, CamCoupling, CamInput, CamTable, Knot, Shape, SlaveLimits, StartMode,
+    AxisState, Cam, CamCoupling, CamInput, CamTable, Knot, Quantity, Shape, SlaveLimits, StartMode,
 };
 use std::sync::Arc;
 
-fn limits(velocity: f64, acceleration: f64) -> SlaveLimits {
+pub(super) fn limits(velocity: f64, acceleration: f64) -> SlaveLimits {
     SlaveLimits { velocity, acceleration, ..SlaveLimits::NONE }
 }
 
-fn moving(position: f64, velocity: f64) -> AxisState {
+pub(super) fn moving(position: f64, velocity: f64) -> AxisState {
     AxisState { position, velocity, acceleration: 0.0 }
 }
 
-fn wish(knots: &[Knot], master: AxisState, slave: AxisState, limits: SlaveLimits) -> RampWish {
+pub(super) fn wish(
+    knots: &[Knot],
+    master: AxisState,
+    slave: AxisState,
+    limits: SlaveLimits,
+) -> RampWish {
     let shape = Shape::Polynomial(knots.to_vec());
     let cam = Arc::new(Cam::new("cam", shape, Vec::new()).expect("a cam"));
     RampWish {
@@ -34,12 +38,12 @@ fn wish(knots: &[Knot], master: AxisState, slave: AxisState, limits: SlaveLimits
 }
 
 /// A dwell at 10.
-fn dwell() -> [Knot; 2] {
+pub(super) fn dwell() -> [Knot; 2] {
     [Knot::at_rest(0.0, 10.0), Knot::at_rest(360.0, 10.0)]
 }
 
 /// A lift and its return.
-fn lift() -> [Knot; 3] {
+pub(super) fn lift() -> [Knot; 3] {
     [Knot::at_rest(0.0, 0.0), Knot::at_rest(180.0, 100.0), Knot::at_rest(360.0, 0.0)]
 }
 
@@ -59,7 +63,7 @@ fn a_dwell_is_reached_as_a_trapezoid_and_a_triangle_are() {
 #[test]
 fn the_gentlest_ramp_onto_a_dwell_is_known() {
     for (velocity, within_s, expected) in [(100.0, 4.0, 4.0 * 10.0 / 16.0), (3.0, 4.0, 9.0 / 2.0)] {
-        let goal = RampGoal::Gentlest { within_s };
+        let goal = RampGoal::Gentlest { within_s, least: Quantity::Acceleration };
         let slave = moving(0.0, 0.0);
         let wish = wish(&dwell(), moving(5.0, 3.0), slave, limits(velocity, 1000.0));
         let found = ramp_in(&RampWish { goal, ..wish }).expect("a ramp");
@@ -99,7 +103,10 @@ fn positions_on_the_way_are_kept() {
     let limits = SlaveLimits { velocity: 100.0, acceleration: 50.0, ..SlaveLimits::NONE };
     let wish = wish(&dwell(), moving(5.0, 3.0), moving(9.0, -4.0), limits);
     let within = |low: f64| RampWish { position: [low, 20.0], ..wish.clone() };
-    let gentle = RampWish { goal: RampGoal::Gentlest { within_s: 5.0 }, ..within(8.0) };
+    let gentle = RampWish {
+        goal: RampGoal::Gentlest { within_s: 5.0, least: Quantity::Acceleration },
+        ..within(8.0)
+    };
     let found = ramp_in(&gentle).expect("a ramp");
     assert!(found.positions[0] >= 8.0 - 1e-9, "{found:?}");
     assert!(found.deceleration >= 8.0 - 1e-6 || found.acceleration >= 8.0 - 1e-6, "{found:?}");
@@ -172,7 +179,11 @@ fn what_leaves_no_ramp_is_refused() {
     // In the middle of the lift the cam asks for 1.875 · 100/180 u/s per u/s of the master.
     let error = refused(&lift(), limits(50.0, 1e6), soonest);
     assert!(matches!(error, RampError::NoRoom { what: "velocity", .. }), "{error}");
-    let error = refused(&lift(), limits(500.0, 1e4), RampGoal::Gentlest { within_s: 0.01 });
+    let error = refused(
+        &lift(),
+        limits(500.0, 1e4),
+        RampGoal::Gentlest { within_s: 0.01, least: Quantity::Acceleration },
+    );
     let RampError::TooLate { soonest_s, .. } = error else { panic!("{error}") };
     assert!(soonest_s > 0.01);
     let outside = wish(&lift(), moving(400.0, 1.0), rest, limits(1.0, 1.0));
@@ -256,7 +267,10 @@ fn a_dwell_is_reached_within_the_jerk() {
     assert!((found.peak_velocity - v).abs() < 1e-5, "{found:?} {v}");
     assert!((found.peak_jerk - 100.0).abs() < 1e-6 && found.peak_cam_jerk == 0.0, "{found:?}");
     // In T s over d, up, at once down again: with acceleration a, (T/2 − a/j)·a·T/2 = d.
-    let gentle = ramp_in(&RampWish { goal: RampGoal::Gentlest { within_s: 4.0 }, ..wish.clone() });
+    let gentle = ramp_in(&RampWish {
+        goal: RampGoal::Gentlest { within_s: 4.0, least: Quantity::Acceleration },
+        ..wish.clone()
+    });
     let gentle = gentle.expect("a ramp");
     let a = 50.0 * (2.0 - (4.0 - 4.0 * 5.0 / 100.0_f64).sqrt());
     assert!((gentle.peak_acceleration - a).abs() < 1e-4 * a, "{gentle:?} {a}");
@@ -265,81 +279,6 @@ fn a_dwell_is_reached_within_the_jerk() {
     let endless = SlaveLimits { jerk: f64::INFINITY, ..limits };
     let none = refused(&RampWish { limits: endless, ..wish.clone() });
     assert_eq!(none, RampError::NoLimit { what: "jerk", value: f64::INFINITY });
-    assert_eq!(refused(&RampWish { ramp: RampType::Sigmoid, ..wish }), RampError::Sigmoid);
-}
-
-/// What is told of a ramp with limited jerk is what its motion and the cam's make together, cycle by cycle; its acceleration
-/// begins with that of the slave and ends with that of the cam.
-#[test]
-fn what_ramps_with_limited_jerk_reach_is_what_they_do() {
-    const CYCLE_S: f64 = 1e-4;
-    for seed in 0..40 {
-        let mut random = Random(seed + 700);
-        let sign = if seed % 3 == 0 { -1.0 } else { 1.0 };
-        let master = moving(random.between(0.0, 360.0), sign * random.between(20.0, 300.0));
-        let slave = moving(random.between(-50.0, 150.0), random.between(-20.0, 20.0));
-        let limits = SlaveLimits { velocity: 400.0, acceleration: 4000.0, jerk: 200_000.0 };
-        let wish = RampWish { ramp: RampType::Parabolic, ..wish(&lift(), master, slave, limits) };
-        let found = ramp_in(&wish).unwrap_or_else(|error| panic!("{seed}: {error}"));
-
-        let curve = wish.table.cam.curve();
-        let on_cam = |time: f64| {
-            let at = curve.repeated(master.position + master.velocity * time);
-            let v = master.velocity;
-            State {
-                position: at.position,
-                velocity: at.velocity * v,
-                acceleration: at.acceleration * v * v,
-            }
-        };
-        let from = on_cam(0.0);
-        let gap = Gap {
-            distance: from.position - slave.position,
-            velocity: slave.velocity - from.velocity,
-            acceleration: -from.acceleration,
-            period: None,
-            mode: StartMode::RampIn,
-        };
-        let with = AxisLimits {
-            velocity: found.velocity_difference,
-            acceleration: found.acceleration,
-            deceleration: found.deceleration,
-            jerk: limits.jerk,
-        };
-        let (approach, _) = Approach::new(gap, with, RampType::Parabolic).expect("a way");
-        let (mut peaks, mut reached, mut before) = ([0.0_f64; 3], [slave.position; 2], 0.0);
-        for cycle in 0..1_000_000 {
-            let time = f64::from(cycle) * CYCLE_S;
-            let Some(state) = approach.at(time, on_cam(time)) else {
-                assert!(
-                    (time - found.duration_s).abs() <= 1.1 * CYCLE_S,
-                    "{seed}: {time} {found:?}"
-                );
-                break;
-            };
-            let jerk = (state.acceleration - before) / CYCLE_S;
-            let now = [state.velocity, state.acceleration, jerk].map(f64::abs);
-            for (peak, now) in peaks.iter_mut().zip(now) {
-                *peak = peak.max(now);
-            }
-            reached = [reached[0].min(state.position), reached[1].max(state.position)];
-            before = state.acceleration;
-        }
-        let told = [found.peak_velocity, found.peak_acceleration, found.peak_jerk];
-        for (peak, told) in peaks.into_iter().zip(told) {
-            assert!(
-                peak <= told * (1.0 + 1e-6) && peak >= 0.95 * told,
-                "{seed}: {peaks:?} {found:?}"
-            );
-        }
-        for (reached, told) in reached.into_iter().zip(found.positions) {
-            assert!((reached - told).abs() < 0.05, "{seed}: {reached} {found:?}");
-        }
-        assert!(
-            told[0] <= 400.0 * (1.0 + 1e-9) && told[1] <= 4000.0 * (1.0 + 1e-9),
-            "{seed}: {found:?}"
-        );
-        // The ramp's own jerk and the cam's.
-        assert!(told[2] <= 200_000.0 + found.peak_cam_jerk * (1.0 + 1e-9), "{seed}: {found:?}");
-    }
+    let sigmoid = RampWish { ramp: RampType::Sigmoid, limits: endless, ..wish };
+    assert_eq!(refused(&sigmoid), none);
 }

@@ -1,0 +1,238 @@
+//! Offsets and scalings with the smallest peak: where that is known in closed form, and against grids.
+
+use super::Random;
+use crate::cam::tune::{Bound, GentleError, GentleWish, gentle};
+use crate::cam::{Curve, Knot, MasterMotion, Quantity, SlaveLimits};
+
+/// 100 up in half a turn and down in the other one.
+fn lift() -> Curve {
+    let knots = [(0.0, 0.0), (180.0, 100.0), (360.0, 0.0)].map(|(x, y)| Knot::at_rest(x, y));
+    Curve::polynomial(&knots).expect("a cam")
+}
+
+/// The quintic of two points at rest: y, y″ and y‴ at a part of the way.
+fn rest_to_rest(rise: f64, width: f64, s: f64) -> [f64; 3] {
+    [
+        rise * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s),
+        rise / width.powi(2) * (60.0 * s - 180.0 * s * s + 120.0 * s.powi(3)),
+        rise / width.powi(3) * (60.0 - 360.0 * s + 360.0 * s * s),
+    ]
+}
+
+const VELOCITY: f64 = 300.0;
+
+fn wish(quantity: Quantity) -> GentleWish {
+    GentleWish {
+        quantity,
+        from: [0.0, 1.0, 0.0, 1.0],
+        sought: [None; 4],
+        master: MasterMotion { velocity: VELOCITY, acceleration: 0.0, jerk: 0.0 },
+        travel: None,
+        limits: SlaveLimits::NONE,
+        position: [f64::NEG_INFINITY, f64::INFINITY],
+        stroke: 0.0,
+        tappets: Vec::new(),
+        tappet_tolerance: [0.0, 0.0],
+        repeated: true,
+    }
+}
+
+/// The largest y″ of the lift is 10/√3 · 100/180², its largest y‴ 60 · 100/180³; the slave's peaks grow with the scaling of the
+/// slave, and with the square and the cube of the master's.
+#[test]
+fn intervals_hold_what_nothing_else_holds() {
+    let peaks =
+        [10.0 / 3.0_f64.sqrt() * 100.0 / 180.0_f64.powi(2), 60.0 * 100.0 / 180.0_f64.powi(3)];
+    for (quantity, peak, power) in
+        [(Quantity::Acceleration, peaks[0], 2), (Quantity::Jerk, peaks[1], 3)]
+    {
+        for sign in [1.0, -1.0] {
+            let sought = [None, Some([0.9, 1.1]), None, Some([0.8 * sign, 1.2 * sign])];
+            let sought =
+                sought.map(|interval| interval.map(|[a, b]: [f64; 2]| [a.min(b), a.max(b)]));
+            let from = [5.0, 1.0, 3.0, sign];
+            let found = gentle(&lift(), &GentleWish { from, sought, ..wish(quantity) });
+            let found = found.expect("scalings");
+            assert_eq!(found.values, [5.0, 0.9, 3.0, 0.8 * sign]);
+            let before = peak * VELOCITY.powi(power);
+            assert!((found.before / before - 1.0).abs() < 1e-12, "{found:?} {before}");
+            let after = before * 0.8 * 0.9_f64.powi(power);
+            assert!((found.after / after - 1.0).abs() < 1e-12, "{found:?} {after}");
+            assert_eq!(found.held[1], [Bound::Interval { end: 0.9 }]);
+            assert_eq!(found.held[3], [Bound::Interval { end: 0.8 * sign }]);
+        }
+    }
+}
+
+/// Tappets at 50 and 200 that may move by 2: over these 150 of the cam the master goes 154 at most. Where the slave may be 1
+/// from where it is at both of them, it is 2 less apart.
+#[test]
+fn tappets_hold_scalings() {
+    let any = Some([f64::NEG_INFINITY, f64::INFINITY]);
+    let tappets = vec![50.0, 120.0, 200.0];
+    let held = |tappet_tolerance, from| GentleWish {
+        from,
+        sought: [any; 4],
+        tappets: tappets.clone(),
+        tappet_tolerance,
+        ..wish(Quantity::Acceleration)
+    };
+    // At rest at 180: 20 of the way down are the same as 20 of the way up from 0.
+    let y = [50.0, 120.0, 20.0].map(|x| rest_to_rest(100.0, 180.0, x / 180.0)[0]);
+    let [low, high] = [y[0], y[1].max(100.0 - y[2])];
+    let found = gentle(&lift(), &held([2.0, 1.0], [0.0, 1.0, 0.0, 1.0])).expect("scalings");
+    let scaling = 1.0 - 2.0 / (high - low);
+    let expected = [50.0 - 48.0 * 150.0 / 154.0, 150.0 / 154.0, low + 1.0 - scaling * low, scaling];
+    for (found, expected) in found.values.into_iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    }
+    assert_eq!(found.held[1].len(), 2, "{found:?}");
+    // A master that goes backwards, and one that is ahead.
+    let found = gentle(&lift(), &held([2.0, 1.0], [70.0, -1.0, 0.0, 1.0])).expect("scalings");
+    assert!((found.values[1] + 150.0 / 154.0).abs() < 1e-12, "{found:?}");
+    for tappet in [50.0, 200.0] {
+        let [now, then] =
+            [[70.0, -1.0], [found.values[0], found.values[1]]].map(|[o, s]| (tappet - o) / s);
+        assert!((now - then).abs() < 2.0 + 1e-9, "{now} {then}");
+    }
+    // Without a tolerance everything stays.
+    let found = gentle(&lift(), &held([0.0, 0.0], [0.0, 1.0, 0.0, 1.0])).expect("scalings");
+    assert_eq!(found.values, [0.0, 1.0, 0.0, 1.0]);
+}
+
+#[test]
+fn a_stroke_and_limits_hold_a_scaling() {
+    let any = Some([f64::NEG_INFINITY, f64::INFINITY]);
+    let base = GentleWish { sought: [None, None, any, any], ..wish(Quantity::Jerk) };
+    let stroke = GentleWish { stroke: 90.0, position: [20.0, 115.0], ..base.clone() };
+    let found = gentle(&lift(), &stroke).expect("a scaling");
+    let [.., offset, scaling] = found.values;
+    assert!((scaling - 0.9).abs() < 1e-12 && (offset - 20.0).abs() < 1e-9, "{found:?}");
+    assert_eq!(found.held[3], [Bound::Stroke]);
+    assert_eq!(found.held[2], [Bound::Position { limit: 20.0 }]);
+    let error = gentle(&lift(), &base).expect_err("nothing holds it");
+    assert_eq!(error, GentleError::Nothing { unknown: "SlaveScaling" });
+    let error = gentle(&lift(), &GentleWish { position: [0.0, 80.0], ..stroke.clone() });
+    let error = error.expect_err("too high").to_string();
+    assert!(error.contains("stroke") || error.contains("position"), "{error}");
+    let limits = SlaveLimits { acceleration: 1000.0, ..SlaveLimits::NONE };
+    let error = gentle(&lift(), &GentleWish { limits, ..stroke }).expect_err("too much");
+    // 0.9 · 10/√3 · 100/180² · 300² are 1443.
+    let GentleError::Contradictory { one, other, .. } = error else { panic!("{error}") };
+    let limit = Bound::Limit { quantity: Quantity::Acceleration, limit: 1000.0 };
+    assert!([one, other] == [Bound::Stroke, limit], "{error}");
+    // A table with corners.
+    let corners =
+        Curve::linear(&[(0.0, 0.0), (5.0, 5.0), (10.0, 0.0)].map(|(x, y)| Knot::at_rest(x, y)));
+    let error = gentle(&corners.expect("a cam"), &base).expect_err("corners");
+    assert!(error.to_string().contains("has no bound"), "{error}");
+}
+
+/// Over 40 of the way up the acceleration is smallest in its middle, where it is 0 and falls by 30 · 100/180³: a master that goes
+/// from 100 to 140 gets there with −30, or with 150 in the middle of the way down.
+#[test]
+fn a_part_of_the_cam_is_passed_where_it_is_gentlest() {
+    for (interval, expected) in [([-40.0, 40.0], -30.0), ([100.0, 200.0], 150.0)] {
+        let wish = GentleWish {
+            sought: [Some(interval), None, None, None],
+            travel: Some([100.0, 140.0]),
+            ..wish(Quantity::Acceleration)
+        };
+        let found = gentle(&lift(), &wish).expect("an offset");
+        assert!((found.values[0] - expected).abs() < 1e-5, "{found:?}");
+        let peak = rest_to_rest(100.0, 180.0, 0.5 - 20.0 / 180.0)[1] * VELOCITY * VELOCITY;
+        assert!((found.after / peak - 1.0).abs() < 1e-6, "{found:?} {peak}");
+        assert!(found.held[0].is_empty() && found.before > found.after, "{found:?}");
+    }
+}
+
+/// Random cams, intervals, ways and strokes against a grid on which y″ or y‴ is sampled.
+#[test]
+fn no_place_of_a_grid_is_gentler() {
+    const PLACES: u32 = 60;
+    const SAMPLES: u32 = 120;
+    let (mut found_some, mut none) = (0, 0);
+    for seed in 0..40 {
+        let mut random = Random(seed);
+        let mut knots: Vec<_> = (0..6_u32)
+            .map(|index| {
+                let (x, y) = (f64::from(index) * 60.0, random.between(0.0, 50.0));
+                Knot { velocity: random.between(-0.5, 0.5), ..Knot::at_rest(x, y) }
+            })
+            .collect();
+        knots.push(Knot { master: 360.0, ..knots[0] });
+        let curve = Curve::polynomial(&knots).expect("a cam");
+        let quantity = if seed % 2 == 0 { Quantity::Acceleration } else { Quantity::Jerk };
+        let begin = random.between(-200.0, 200.0);
+        let travel = [begin, begin + random.between(20.0, 150.0)];
+        let [offset, scaling, factor] =
+            [random.between(-100.0, 100.0), random.between(0.7, 1.4), random.between(0.7, 1.4)];
+        let between =
+            [random.between(10.0, 80.0), random.between(0.05, 0.3), random.between(0.1, 0.5)];
+        let offsets = [offset - between[0], offset + between[0]];
+        let scalings = [scaling - between[1], scaling + between[1]];
+        let factors = [factor - between[2], factor + between[2]];
+        let stroke = random.between(0.0, 30.0);
+        let wish = GentleWish {
+            from: [offset, scaling, 0.0, factor],
+            sought: [Some(offsets), Some(scalings), None, Some(factors)],
+            travel: Some(travel),
+            stroke,
+            ..wish(quantity)
+        };
+        // Least factor and peak, sampled.
+        let sampled = |offset: f64, scaling: f64| {
+            let (mut least, mut greatest, mut peak) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
+            let [from, to] = travel.map(|master| master * scaling + offset);
+            let even = (0..=SAMPLES)
+                .map(|sample| from + f64::from(sample) / f64::from(SAMPLES) * (to - from));
+            // The jerk steps where pieces meet: on both sides of there.
+            let joints = (-20..=20)
+                .flat_map(|joint| [-1e-6, 1e-6].map(|side| 60.0 * f64::from(joint) + side))
+                .filter(|x| (from..=to).contains(x));
+            for x in even.chain(joints) {
+                let at = curve.repeated(x);
+                (least, greatest) = (least.min(at.position), greatest.max(at.position));
+                let v = VELOCITY * scaling;
+                peak = peak.max(match quantity {
+                    Quantity::Jerk => at.jerk.abs() * v.powi(3),
+                    _ => at.acceleration.abs() * v * v,
+                });
+            }
+            (greatest - least, peak)
+        };
+        let mut best = f64::INFINITY;
+        for one in 0..=PLACES {
+            for other in 0..=PLACES {
+                let at = |[low, high]: [f64; 2], index| {
+                    low + (high - low) * f64::from(index) / f64::from(PLACES)
+                };
+                let (height, peak) = sampled(at(offsets, one), at(scalings, other));
+                let factor = factors[0].max(stroke / height);
+                if factor <= factors[1] {
+                    best = best.min(factor * peak);
+                }
+            }
+        }
+        let found = match gentle(&curve, &wish) {
+            Ok(found) => found,
+            Err(error) => {
+                assert!(best.is_infinite(), "{seed}: {error}, and the grid has {best}");
+                none += 1;
+                continue;
+            }
+        };
+        found_some += 1;
+        // Between samples the peak may be a little more.
+        assert!(found.after <= best * 1.02, "{seed}: {best} {found:?}");
+        let [offset, scaling, _, factor] = found.values;
+        let (height, peak) = sampled(offset, scaling);
+        assert!(height * factor >= stroke * 0.999, "{seed}: {found:?}");
+        let told = found.after / factor.abs();
+        assert!(peak <= told * (1.0 + 1e-9) && peak >= told * 0.95, "{seed}: {peak} {found:?}");
+        for (value, [low, high]) in [(offset, offsets), (scaling, scalings), (factor, factors)] {
+            assert!(value >= low - 1e-9 && value <= high + 1e-9, "{seed}: {found:?}");
+        }
+    }
+    assert!(found_some >= 20 && none < 20, "{found_some} {none}");
+}

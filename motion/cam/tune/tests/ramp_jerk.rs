@@ -1,0 +1,201 @@
+//! Ramps with limited jerk, and those that are gentlest by their jerk.
+
+use super::Random;
+use super::ramp_in::{dwell, lift, moving, wish};
+use crate::axis::gear::{Approach, Gap};
+use crate::axis::profile::{AxisLimits, RampType, State};
+use crate::cam::tune::{RampError, RampGoal, RampIn, RampWish, ramp_in};
+use crate::cam::{Quantity, SlaveLimits, StartMode};
+use std::f64::consts::PI;
+
+fn least_jerk(within_s: f64) -> RampGoal {
+    RampGoal::Gentlest { within_s, least: Quantity::Jerk }
+}
+
+/// In T s over d from rest to rest: with parabolic ramps the jerk is +J, −J, +J for T/4, T/2 and T/4, which goes J·T³/32; with
+/// sigmoid ones two half sines take T/2 each, π·√(v/2J), and go v·T/2, so that J = 4·π²·d/T³. With trapezoid ones steps of a
+/// that are a cycle t apart at least go a·(T² − t²)/4, and one step in a cycle is a jerk of a/t.
+#[test]
+fn the_least_jerk_onto_a_dwell_is_known() {
+    let (d, t) = (10.0, 1e-3);
+    for within_s in [0.5, 2.0, 7.0_f64] {
+        for (ramp, expected) in [
+            (RampType::Parabolic, 32.0 * d / within_s.powi(3)),
+            (RampType::Sigmoid, 4.0 * PI * PI * d / within_s.powi(3)),
+            (RampType::Trapezoid, 4.0 * d / (within_s * within_s - t * t) / t),
+        ] {
+            let limits = SlaveLimits { velocity: 1e3, acceleration: 1e4, jerk: 1e7 };
+            let wish = wish(&dwell(), moving(5.0, 3.0), moving(0.0, 0.0), limits);
+            let wish = RampWish { ramp, goal: least_jerk(within_s), ..wish };
+            let found = ramp_in(&wish).expect("a ramp");
+            assert!(found.duration_s <= within_s, "{ramp:?}: {found:?}");
+            let off = found.peak_jerk / expected - 1.0;
+            assert!(off.abs() < 1e-5, "{ramp:?} in {within_s} s: {expected}, not {found:?}");
+            if ramp != RampType::Trapezoid {
+                assert!((found.ramp_jerk / expected - 1.0).abs() < 1e-5, "{found:?}");
+            }
+        }
+    }
+}
+
+/// 10 u from rest to rest: two half sines of π·v/(2·10) s go v each time, so π·v²/20 = 10.
+#[test]
+fn a_dwell_is_reached_by_sines() {
+    let limits = SlaveLimits { velocity: 100.0, acceleration: 10.0, jerk: 1000.0 };
+    let wish = wish(&dwell(), moving(5.0, 3.0), moving(0.0, 0.0), limits);
+    let found = ramp_in(&RampWish { ramp: RampType::Sigmoid, ..wish.clone() }).expect("a ramp");
+    let v = (200.0 / PI).sqrt();
+    assert!((found.duration_s - PI * v / 10.0).abs() < 1e-6, "{found:?}");
+    assert!((found.peak_velocity - v).abs() < 1e-5, "{found:?} {v}");
+    assert!((found.peak_acceleration - 10.0).abs() < 1e-9, "{found:?}");
+    // â·ω, and ω·T = π.
+    assert!((found.peak_jerk - 10.0 * 20.0 / v).abs() < 1e-3, "{found:?}");
+    let [least, greatest] = found.positions;
+    assert!(least.abs() < 1e-9 && (greatest - 10.0).abs() < 1e-9, "{found:?}");
+    // Half a metre at 1 mm/s is no ramp that is meant, and a longer one may be wished.
+    let slow = SlaveLimits { velocity: 1e-3, ..limits };
+    let error = ramp_in(&RampWish { limits: slow, ..wish.clone() }).expect_err("hours");
+    assert!(matches!(error, RampError::TooLong { soonest_s, .. } if soonest_s > 9999.0), "{error}");
+    let goal = RampGoal::Gentlest { within_s: 11_000.0, least: Quantity::Acceleration };
+    ramp_in(&RampWish { limits: slow, goal, ..wish }).expect("a ramp");
+}
+
+/// A ramp of these values in steps of 0.1 ms: when it is over, the largest velocity, acceleration and jerk, and how far it
+/// goes.
+struct Driven {
+    seconds: f64,
+    peaks: [f64; 3],
+    reached: [f64; 2],
+}
+
+const CYCLE_S: f64 = 1e-4;
+
+fn driven(wish: &RampWish, ramp: &RampIn) -> Driven {
+    let curve = wish.table.cam.curve();
+    let master = wish.master;
+    let on_cam = |time: f64| {
+        let at = curve.repeated(master.position + master.velocity * time);
+        let v = master.velocity;
+        State {
+            position: at.position,
+            velocity: at.velocity * v,
+            acceleration: at.acceleration * v * v,
+        }
+    };
+    let from = on_cam(0.0);
+    let gap = Gap {
+        distance: from.position - wish.slave.position,
+        velocity: wish.slave.velocity - from.velocity,
+        acceleration: -from.acceleration,
+        period: None,
+        mode: StartMode::RampIn,
+    };
+    let with = AxisLimits {
+        velocity: ramp.velocity_difference,
+        acceleration: ramp.acceleration,
+        deceleration: ramp.deceleration,
+        jerk: ramp.ramp_jerk,
+    };
+    let (approach, _) = Approach::new(gap, with, wish.ramp).expect("a way");
+    let (mut peaks, mut reached, mut before) = ([0.0_f64; 3], [wish.slave.position; 2], 0.0);
+    for cycle in 0..1_000_000 {
+        let time = f64::from(cycle) * CYCLE_S;
+        let Some(state) = approach.at(time, on_cam(time)) else {
+            return Driven { seconds: time, peaks, reached };
+        };
+        let jerk = (state.acceleration - before) / CYCLE_S;
+        let now = [state.velocity, state.acceleration, jerk].map(f64::abs);
+        for (peak, now) in peaks.iter_mut().zip(now) {
+            *peak = peak.max(now);
+        }
+        reached = [reached[0].min(state.position), reached[1].max(state.position)];
+        before = state.acceleration;
+    }
+    unreachable!("a ramp ends")
+}
+
+/// A start onto the lift that random numbers make, with these ramps.
+fn start(seed: u64, ramp: RampType) -> RampWish {
+    let mut random = Random(seed + 700);
+    let sign = if seed.is_multiple_of(3) { -1.0 } else { 1.0 };
+    let master = moving(random.between(0.0, 360.0), sign * random.between(20.0, 300.0));
+    let slave = moving(random.between(-50.0, 150.0), random.between(-20.0, 20.0));
+    let limits = SlaveLimits { velocity: 400.0, acceleration: 4000.0, jerk: 200_000.0 };
+    RampWish { ramp, ..wish(&lift(), master, slave, limits) }
+}
+
+/// What is told of a ramp with limited jerk is what its motion and the cam's make together, cycle by cycle; its acceleration
+/// begins with that of the slave and ends with that of the cam.
+#[test]
+fn what_ramps_with_limited_jerk_reach_is_what_they_do() {
+    for (seed, ramp) in
+        (0..40).flat_map(|seed| [RampType::Parabolic, RampType::Sigmoid].map(|ramp| (seed, ramp)))
+    {
+        let wish = start(seed, ramp);
+        let found = ramp_in(&wish).unwrap_or_else(|error| panic!("{seed}: {error}"));
+        let Driven { seconds, peaks, reached } = driven(&wish, &found);
+        assert!((seconds - found.duration_s).abs() <= 1.1 * CYCLE_S, "{seed}: {seconds} {found:?}");
+        let told = [found.peak_velocity, found.peak_acceleration, found.peak_jerk];
+        for (peak, told) in peaks.into_iter().zip(told) {
+            assert!(
+                peak <= told * (1.0 + 1e-6) && peak >= 0.95 * told,
+                "{seed}: {peaks:?} {found:?}"
+            );
+        }
+        for (reached, told) in reached.into_iter().zip(found.positions) {
+            assert!((reached - told).abs() < 0.05, "{seed}: {reached} {found:?}");
+        }
+        assert!(
+            told[0] <= 400.0 * (1.0 + 1e-9) && told[1] <= 4000.0 * (1.0 + 1e-9),
+            "{seed}: {found:?}"
+        );
+        // The ramp's own jerk and the cam's.
+        assert!(told[2] <= 200_000.0 + found.peak_cam_jerk * (1.0 + 1e-9), "{seed}: {found:?}");
+    }
+}
+
+/// On a moving cam no other values, near or far, get there in time with a jerk that is smaller, by driving them; and what is
+/// found gets there in time, and has the jerk that is told.
+#[test]
+fn no_other_ramp_has_less_jerk() {
+    for (seed, ramp) in
+        (0..8).flat_map(|seed| [RampType::Parabolic, RampType::Sigmoid].map(|ramp| (seed, ramp)))
+    {
+        let wish = start(seed, ramp);
+        let soonest = ramp_in(&wish).unwrap_or_else(|error| panic!("{seed}: {error}"));
+        let mut random = Random(seed + 9000);
+        let within_s = soonest.duration_s * random.between(1.2, 3.0);
+        let wish = RampWish { goal: least_jerk(within_s), ..wish };
+        let found = ramp_in(&wish).unwrap_or_else(|error| panic!("{seed}: {error}"));
+        let Driven { seconds, peaks, .. } = driven(&wish, &found);
+        assert!(seconds <= within_s + 1.1 * CYCLE_S && found.duration_s <= within_s, "{seed}");
+        assert!((peaks[2] / found.peak_jerk - 1.0).abs() < 0.05, "{seed}: {peaks:?} {found:?}");
+        assert!(found.peak_jerk <= soonest.peak_jerk, "{seed}: {soonest:?} {found:?}");
+        for _ in 0..150 {
+            let far = random.between(0.0, 1.0) < 0.5;
+            let mut other = |value: f64| {
+                value
+                    * if far {
+                        random.between(-2.0, 1.5).exp()
+                    } else {
+                        random.between(-0.1, 0.1).exp()
+                    }
+            };
+            let other = RampIn {
+                velocity_difference: other(found.velocity_difference),
+                acceleration: other(found.acceleration),
+                deceleration: other(found.deceleration),
+                ramp_jerk: other(found.ramp_jerk),
+                ..found
+            };
+            let Driven { seconds, peaks, .. } = driven(&wish, &other);
+            let kept = peaks[0] < 399.0 && peaks[1] < 3990.0 && other.ramp_jerk <= 200_000.0;
+            if kept && seconds < within_s - CYCLE_S {
+                assert!(
+                    peaks[2] > found.peak_jerk * 0.97,
+                    "{seed} {ramp:?}: {peaks:?} of {other:?}, not {found:?} in {within_s}"
+                );
+            }
+        }
+    }
+}

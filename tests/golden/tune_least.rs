@@ -1,0 +1,208 @@
+//! `twin tune cam` for the smallest peak: offsets, scalings and ramps, in closed form; and what is written over nothing.
+
+use crate::process::Desk;
+use serde_json::Value;
+use std::f64::consts::PI;
+
+const LIFT: &str = r#"name = "lift"
+master = { min = 0, max = 360, unit = "deg" }
+slave = { min = 0, max = 100, unit = "mm", period = 100 }
+elements = [
+  { master = 0, slave = 0 },
+  { master = 120, slave = 70 },
+  { master = 180, slave = 100 },
+  { master = 360, slave = 0 },
+]
+tappets = [
+  { group = 1, master = 50, passage = "positive", action = "on" },
+  { group = 1, master = 200, passage = "positive", action = "off" },
+]
+"#;
+
+const REST: &str = "name = \"rest\"\nmaster = { min = 0, max = 100 }\nslave = { min = 0, max = 20, period = 20 }\nelements = [{ master = 0, slave = 10 }]\n";
+
+fn object(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
+}
+
+/// From rest to rest y‴ is 60·h/w³ at most: most between 120 and 180, where 30 mm are gone in 60 deg. Tappets 150 deg apart that
+/// may move by 2 each make a master scaling of 150/154 at least, and the jerk grows with its cube.
+#[test]
+fn scalings_for_the_least_jerk() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    let tune = [
+        "tune",
+        "cam",
+        "lift.toml",
+        "--master-velocity",
+        "300",
+        "--minimise",
+        "jerk",
+        "--find",
+        "slave-scaling=0.8..1.2,master-scaling,master-offset",
+        "--tappet-tolerance",
+        "2,any",
+    ];
+    let done = desk.twin(&[&tune[..], &["--format", "json"]].concat());
+    done.ended(0, "");
+    let found = object(&done.stdout);
+    let before = 60.0 * 30.0 / 60.0_f64.powi(3) * 300.0_f64.powi(3);
+    let scaling = 150.0 / 154.0_f64;
+    for (value, expected) in [
+        (&found["least"]["before"], before),
+        (&found["least"]["after"], before * 0.8 * scaling.powi(3)),
+        (&found["coupling"]["master_scaling"], scaling),
+        (&found["coupling"]["slave_scaling"], 0.8),
+    ] {
+        assert!((number(value) / expected - 1.0).abs() < 1e-9, "{value} {expected}");
+    }
+    // With the offset the first tappet is passed 2 early and the second one 2 late.
+    let offset = number(&found["coupling"]["master_offset"]);
+    for (tappet, moved) in [(50.0, -2.0), (200.0, 2.0)] {
+        assert!(((tappet - offset) / scaling - tappet - moved).abs() < 1e-9, "{offset}");
+    }
+    let done = desk.twin(&[&tune[..], &["--write", "gentle.toml"]].concat());
+    done.ended(0, "written to gentle.toml");
+    for words in ["held by the end of an interval, 0.8", "the tappet at 50 of the cam"] {
+        assert!(done.stdout.contains(words), "{words} in {}", done.stdout);
+    }
+    // The check says the same of what was written.
+    let check = ["cam", "check", "gentle.toml", "--master-velocity", "300", "--format", "json"];
+    let checked = object(&desk.twin(&check).stdout);
+    let jerk = number(&checked["jerk"]["max"]).max(-number(&checked["jerk"]["min"]));
+    assert!((jerk / number(&found["least"]["after"]) - 1.0).abs() < 1e-9, "{jerk}");
+    // What is there stays, if it is not said.
+    desk.twin(&[&tune[..], &["--write", "gentle.toml"]].concat())
+        .ended(2, "there is such a file already, left as it is");
+    desk.twin(&[&tune[..], &["--write", "gentle.toml", "--force"]].concat()).ended(0, "written");
+    for (name, status, words) in
+        [("gentle.toml", 2, "such a file already"), ("new.csv", 0, "points")]
+    {
+        desk.twin(&["cam", "convert", "lift.toml", name]).ended(status, words);
+    }
+    desk.twin(&["cam", "convert", "lift.toml", "gentle.toml", "--force"]).ended(0, "points");
+}
+
+/// A master that goes from 100 to 140 passes the gentlest part of the way down, 180 to 360, in its middle: there y″ is 0 and grows
+/// by 30 · 100/180³ on both sides at first.
+#[test]
+fn the_gentlest_part_of_a_cam() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT.split("tappets").next().expect("a part"));
+    let done = desk.twin(&[
+        "tune",
+        "cam",
+        "lift.toml",
+        "--minimise",
+        "acceleration",
+        "--find",
+        "master-offset=100..200",
+        "--master-travel",
+        "100,140",
+        "--format",
+        "json",
+    ]);
+    done.ended(0, "");
+    let found = object(&done.stdout);
+    assert!((number(&found["coupling"]["master_offset"]) - 150.0).abs() < 1e-4, "{found}");
+    let s = 0.5 - 20.0 / 180.0_f64;
+    let peak = 100.0 / 180.0_f64.powi(2) * (60.0 * s - 180.0 * s * s + 120.0 * s.powi(3));
+    assert!((number(&found["least"]["after"]) / peak - 1.0).abs() < 1e-5, "{found} {peak}");
+}
+
+#[test]
+fn what_nothing_holds_is_said() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    let tune = |more: &[&str]| desk.twin(&[&["tune", "cam", "lift.toml"], more].concat());
+    let jerk = ["--minimise", "jerk", "--find"];
+    tune(&[&jerk[..], &["slave-scaling", "--tappet-tolerance", "any,any"]].concat())
+        .ended(1, "nothing keeps SlaveScaling from 0");
+    tune(
+        &[
+            &jerk[..],
+            &["slave-scaling=0.5..0.7", "--tappet-tolerance", "any,any", "--stroke", "90"],
+        ]
+        .concat(),
+    )
+    .ended(
+        1,
+        "the stroke of the slave and the end of an interval, 0.7 leave nothing of SlaveScaling",
+    );
+    tune(&[&jerk[..], &["slave-scaling=1.1..0.9"]].concat()).ended(2, "1.1 is more than 0.9");
+    tune(&[&jerk[..], &["slave-scale"]].concat()).ended(2, "is none of master-offset");
+    tune(&[&jerk[..], &["master-offset"]].concat()).ended(2, "offsets alone change no peak");
+    tune(&["--minimise", "jerk"]).ended(2, "nothing is to be found");
+    tune(&["--minimise", "error", "--find", "slave-offset"]).ended(2, "needs a --run");
+    tune(&["--find", "slave-scaling=0.9..1.1", "--max-velocity", "1"])
+        .ended(2, "is for --minimise");
+    tune(&["--run", "nix.csv"]).ended(2, "cannot read run nix.csv");
+    // Tappets that must not move hold everything.
+    let done = tune(
+        &[&jerk[..], &["slave-scaling=0.8..1.2,master-scaling=0.8..1.2,master-offset=-9..9"]]
+            .concat(),
+    );
+    done.ended(0, "");
+    assert!(done.stdout.contains("held by the tappet at"), "{}", done.stdout);
+    assert!(done.stdout.contains("nothing is to be changed"), "{}", done.stdout);
+}
+
+/// 10 mm in 2 s, from rest to rest: J·T³/32 with parabolic ramps, J·T³/(4·π²) with sigmoid ones.
+#[test]
+fn ramps_with_the_least_jerk() {
+    let desk = Desk::new();
+    desk.write("rest.toml", REST);
+    let limits = ["--max-velocity", "100", "--max-acceleration", "1000", "--max-jerk", "100000"];
+    let tune =
+        |more: &[&str]| desk.twin(&[&["tune", "cam", "rest.toml"], &limits[..], more].concat());
+    let ramp = ["--ramp-in", "0,0", "--within", "2", "--minimise", "jerk"];
+    for (kind, expected) in
+        [("parabolic", 32.0 * 10.0 / 8.0), ("sigmoid", 4.0 * PI * PI * 10.0 / 8.0)]
+    {
+        let done = tune(&[&ramp[..], &["--ramp", kind, "--format", "json"]].concat());
+        done.ended(0, "");
+        let found = object(&done.stdout);
+        for key in ["peak_jerk", "axis_jerk"] {
+            let jerk = number(&found["ramp"][key]);
+            assert!((jerk / expected - 1.0).abs() < 1e-5, "{kind} {key}: {jerk} {expected}");
+        }
+        assert_eq!(found["ramp"]["ramp"], kind);
+        let done = tune(&[&ramp[..], &["--ramp", kind]].concat());
+        assert!(done.stdout.contains("of the slave's axis: `max_jerk_…`"), "{}", done.stdout);
+    }
+    tune(&["--ramp-in", "0,-1e9"]).ended(1, "which is more than 3600 s");
+    tune(&["--ramp-in", "0,0", "--minimise", "jerk"]).ended(2, "--within");
+}
+
+/// A point that may have a velocity is no top any longer: where the slave goes beyond 100 is told, and is what the check says.
+#[test]
+fn a_shape_that_leaves_its_range_says_so() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT.split("tappets").next().expect("a part"));
+    let done = desk.twin(&[
+        "tune",
+        "cam",
+        "lift.toml",
+        "--reshape",
+        "180:0,0.5,0.05",
+        "--max-acceleration",
+        "3000",
+        "--write",
+        "new.toml",
+    ]);
+    done.ended(0, "written to new.toml");
+    let checked = object(&desk.twin(&["cam", "check", "new.toml", "--format", "json"]).stdout);
+    let [reached, at] = ["max", "at_max"].map(|key| number(&checked["position"][key]));
+    assert!(reached > 100.1, "{checked}");
+    let line = done.stdout.lines().find(|line| line.contains("leaves its old range"));
+    let line = line.unwrap_or_else(|| panic!("{}", done.stdout));
+    for value in [reached, at] {
+        assert!(line.contains(&format!("{value:.6}")[..6]), "{line} {value}");
+    }
+    assert!(line.ends_with("it was 100 at most"), "{line}");
+}

@@ -1,0 +1,87 @@
+//! Offsets and scalings with the smallest peak of the slave, in the units of the axes.
+
+use super::super::CamFile;
+use super::super::check::CamUse;
+use super::{TuneError, same};
+use twin_motion::cam::Quantity;
+use twin_motion::cam::file::clean;
+use twin_motion::cam::tune::{GentleWish, gentle};
+
+/// The peak that is to be small, and what holds offsets and scalings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Least {
+    /// Peak of the slave's acceleration or jerk.
+    pub quantity: Quantity,
+    /// Between what `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` may be; none for what stays.
+    pub sought: [Option<[f64; 2]>; 4],
+    /// From where to where the master goes; all of the cam without it.
+    pub travel: Option<[f64; 2]>,
+    /// How far the slave goes at least.
+    pub stroke: f64,
+    /// How far tappets may move on the master, and how far from where it is at them the slave may be.
+    pub tappet_tolerance: [f64; 2],
+}
+
+/// The peak before and after, and what every value that was found is held by.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Minimised {
+    /// Of which quantity.
+    pub quantity: Quantity,
+    /// u/s² or u/s³.
+    pub before: f64,
+    /// u/s² or u/s³.
+    pub after: f64,
+    /// In the order of `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling`: in words, one each.
+    pub held: [Vec<String>; 4],
+    /// Whether the master goes a part of the cam only, for which alone the limits were looked at.
+    pub part: bool,
+}
+
+/// Finds offsets and scalings with the smallest peak.
+///
+/// # Errors
+/// [`TuneError::Minimise`] if nothing is left, or nothing holds a scaling.
+pub fn minimise(
+    file: &CamFile,
+    using: &CamUse,
+    least: &Least,
+) -> Result<(CamUse, Minimised), TuneError> {
+    let input = &using.coupling.input;
+    let from = [input.master_offset, input.master_scaling, input.slave_offset, input.slave_scaling];
+    let wish = GentleWish {
+        quantity: least.quantity,
+        from,
+        sought: least.sought,
+        master: using.master,
+        travel: least.travel,
+        limits: using.limits.motion,
+        position: using.limits.position,
+        stroke: least.stroke,
+        tappets: file.cam.tappets().iter().map(|tappet| tappet.master).collect(),
+        tappet_tolerance: least.tappet_tolerance,
+        repeated: using.repeated,
+    };
+    let found = gentle(file.cam.curve(), &wish).map_err(TuneError::Minimise)?;
+    let mut new = *using;
+    let input = &mut new.coupling.input;
+    let slots = [
+        &mut input.master_offset,
+        &mut input.master_scaling,
+        &mut input.slave_offset,
+        &mut input.slave_scaling,
+    ];
+    for (slot, value) in slots.into_iter().zip(found.values) {
+        if !same(*slot, value) {
+            *slot = clean(value);
+        }
+    }
+    let held = found.held.map(|bounds| bounds.iter().map(ToString::to_string).collect());
+    let minimised = Minimised {
+        quantity: least.quantity,
+        before: found.before,
+        after: found.after,
+        held,
+        part: least.travel.is_some(),
+    };
+    Ok((new, minimised))
+}

@@ -1,0 +1,175 @@
+//! Options: what is to be found, and what is to be smallest.
+
+use super::list;
+use crate::cam::tune::Least;
+use crate::command::Failure;
+use crate::command::cam::{magnitude, number};
+use clap::ValueEnum;
+use twin_motion::cam::Quantity;
+
+/// What is to be smallest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Minimise {
+    /// The slave's error against the --run, root mean square: what a run is fitted by
+    Error,
+    /// The largest acceleration of the slave
+    Acceleration,
+    /// The largest jerk of the slave
+    Jerk,
+}
+
+impl Minimise {
+    /// The quantity whose peak it is.
+    pub(super) fn quantity(self) -> Option<Quantity> {
+        match self {
+            Self::Error => None,
+            Self::Acceleration => Some(Quantity::Acceleration),
+            Self::Jerk => Some(Quantity::Jerk),
+        }
+    }
+}
+
+/// An offset or a scaling.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Find {
+    MasterOffset,
+    MasterScaling,
+    SlaveOffset,
+    SlaveScaling,
+}
+
+/// Their names, in the order of the inputs.
+const NAMES: [(&str, Find); 4] = [
+    ("master-offset", Find::MasterOffset),
+    ("master-scaling", Find::MasterScaling),
+    ("slave-offset", Find::SlaveOffset),
+    ("slave-scaling", Find::SlaveScaling),
+];
+
+/// What is to be found, and between what.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sought {
+    pub(super) what: Find,
+    pub(super) between: Option<[f64; 2]>,
+}
+
+pub(super) fn sought(text: &str) -> Result<Sought, String> {
+    let (name, interval) = match text.split_once('=') {
+        Some((name, interval)) => (name, Some(interval)),
+        None => (text, None),
+    };
+    let what = NAMES.into_iter().find(|(known, _)| *known == name.trim()).ok_or_else(|| {
+        let names = NAMES.map(|(name, _)| name).join(", ");
+        format!("`{name}` is none of {names}")
+    })?;
+    let between = interval.map(|interval| {
+        let (low, high) = interval.split_once("..").ok_or_else(|| {
+            format!("`{interval}` is no interval; expected FROM..TO, like 0.9..1.1")
+        })?;
+        let [low, high] = [number(low)?, number(high)?];
+        if low > high { Err(format!("{low} is more than {high}")) } else { Ok([low, high]) }
+    });
+    Ok(Sought { what: what.1, between: between.transpose()? })
+}
+
+/// How far tappets may move; without a second number the slave stays where it is at them.
+fn tolerance(text: &str) -> Result<[f64; 2], String> {
+    let part = |text: &str| if text.trim() == "any" { Ok(f64::INFINITY) } else { magnitude(text) };
+    match text.split_once(',') {
+        Some((master, slave)) => Ok([part(master)?, part(slave)?]),
+        None => Ok([part(text)?, 0.0]),
+    }
+}
+
+fn travel(text: &str) -> Result<[f64; 2], String> {
+    let [from, to] = list::<2>(text, 2)?;
+    if from < to { Ok([from, to]) } else { Err(format!("{from} is not less than {to}")) }
+}
+
+/// What is to be smallest, and what holds offsets and scalings then.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "What is to be smallest")]
+pub(super) struct LeastOptions {
+    /// The slave's error against a --run (the default with one), or, without a run, the peak of its acceleration or jerk at the
+    /// master's motion. With --ramp-in and --within the peak until the slave is on its cam
+    ///
+    /// The peak grows with both scalings, and would be 0 with a scaling of 0: intervals of --find, --stroke, the tappets and the
+    /// limits hold them. Which of these does is told.
+    #[arg(long, value_enum)]
+    minimise: Option<Minimise>,
+
+    /// The slave goes at least so far, from its least to its greatest position
+    #[arg(long, value_name = "U", requires = "minimise", value_parser = magnitude)]
+    stroke: Option<f64>,
+
+    /// So far each tappet may move on the master, and so far the slave may be from where it is at it now: `any` for any [default:
+    /// 0,0]
+    #[arg(long, value_name = "MASTER[,SLAVE]", requires = "minimise", value_parser = tolerance)]
+    tappet_tolerance: Option<[f64; 2]>,
+
+    /// The master goes from here to there only, so that MasterOffset says which part of the cam is passed; peaks, stroke, limits
+    /// and tappets are those on this way [default: all of the cam]
+    #[arg(long, value_name = "FROM,TO", requires = "minimise", allow_hyphen_values = true, value_parser = travel)]
+    master_travel: Option<[f64; 2]>,
+}
+
+impl LeastOptions {
+    /// The quantity whose peak is to be smallest.
+    pub(super) fn quantity(&self) -> Option<Quantity> {
+        self.minimise.and_then(Minimise::quantity)
+    }
+
+    /// What is to be smallest among what is sought; none if it is the error or nothing.
+    pub(super) fn least(&self, find: &[Sought]) -> Option<Least> {
+        let quantity = self.quantity().filter(|_| !find.is_empty())?;
+        let anything = [f64::NEG_INFINITY, f64::INFINITY];
+        let sought = NAMES.map(|(_, what)| {
+            let found = find.iter().find(|sought| sought.what == what)?;
+            Some(found.between.unwrap_or(anything))
+        });
+        Some(Least {
+            quantity,
+            sought,
+            travel: self.master_travel,
+            stroke: self.stroke.unwrap_or(0.0),
+            tappet_tolerance: self.tappet_tolerance.unwrap_or_default(),
+        })
+    }
+
+    /// What is said must say something.
+    pub(super) fn check(
+        &self,
+        find: &[Sought],
+        with_run: bool,
+        ramp: Option<Option<f64>>,
+    ) -> Result<(), Failure> {
+        let has = |what| find.iter().any(|sought| sought.what == what);
+        let within = ramp.flatten().is_some();
+        let peak = self.quantity().is_some();
+        let held = self.stroke.is_some()
+            || self.tappet_tolerance.is_some()
+            || self.master_travel.is_some();
+        let scaling = has(Find::MasterScaling) || has(Find::SlaveScaling);
+        let part = has(Find::MasterOffset) && self.master_travel.is_some();
+        let wrong = if self.minimise == Some(Minimise::Error) && !with_run {
+            "--minimise error needs a --run, against which the slave has an error"
+        } else if peak && with_run && !within {
+            "with a --run the slave's error is minimised; tune to the run first, then --minimise the peak without it"
+        } else if find.iter().any(|sought| sought.between.is_some()) && (with_run || !peak) {
+            "an interval of --find is for --minimise acceleration and jerk without a --run"
+        } else if peak && find.is_empty() && !within {
+            "--minimise acceleration and jerk need what to --find, or a --ramp-in with --within: a ramp without it is as short as the limits allow"
+        } else if peak && ramp.is_some() && !within {
+            "--ramp-in without --within is as short as the limits allow and minimises nothing"
+        } else if held && (!peak || find.is_empty()) {
+            "--stroke, --tappet-tolerance and --master-travel are for what --find looks for with --minimise acceleration or jerk"
+        } else if peak && !with_run && !find.is_empty() && !scaling && !part {
+            "offsets alone change no peak where all of the cam is passed: --find a scaling, or master-offset with --master-travel FROM,TO"
+        } else if !peak && !with_run && has(Find::MasterOffset) {
+            "no limit depends on MasterOffset: a --run tells it, or --minimise with --master-travel"
+        } else {
+            return Ok(());
+        };
+        Err(Failure::Usage(wrong.to_owned()))
+    }
+}

@@ -1,0 +1,66 @@
+//! What is said of mistakes: once, where they are, and with what is wrong.
+
+use super::tests::{job, machine, run};
+use crate::finding::Rule;
+
+/// A cam on which Z is 0 at first, and a master that never moves before it begins; Z stands at 60.
+#[test]
+fn a_cam_that_is_elsewhere_is_told_at_its_block() {
+    let folder = tempfile::tempdir().unwrap();
+    let cam = folder.path().join("lift.toml");
+    let text = "name = \"lift\"\nmaster = { min = 0, max = 100, unit = \"mm\" }\nslave = { min = 0, max = 20, unit = \"mm\" }\n\
+                elements = [{ master = 0, slave = 0 }, { master = 50, slave = 10 }, { master = 100, slave = 0 }]\n";
+    std::fs::write(&cam, text).unwrap();
+    let text = |more: &str| {
+        format!(
+            "duration_s = 1\n[[start]]\naxis = \"Z\"\nposition_mm = 60\n[[virtual_axes]]\nname = \"shaft\"\nkind = \"linear\"\n\
+             max_acceleration_mm_per_s2 = 400\n[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"shaft\"\n\
+             velocity_mm_per_s = 25\n[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"Z\"\nmaster = \"shaft\"\ncam = '{}'\n\
+             with_previous = true\n{more}",
+            cam.display()
+        )
+    };
+    let (_, findings) = run(&job(&text("")), &machine());
+    assert_eq!(findings.len(), 1, "{findings:?}");
+    let found = &findings[0];
+    assert_eq!((found.rule, found.line, found.axis.as_deref()), (Rule::Coupling, 14, Some("Z")));
+    let [wants, stands] = ["the cam wants Z at ", "it stands at 60 mm"];
+    assert!(found.message.contains(wants) && found.message.ends_with(stands), "{found:?}");
+    assert!(found.hint.as_deref().is_some_and(|hint| hint.contains("ramp_in")), "{found:?}");
+    // With a cam that lies where Z stands, and with a ramp, nothing jumps.
+    for more in [
+        "slave_absolute = false\n",
+        "start_mode = \"ramp_in\"\nvelocity_difference_mm_per_s = 150\nacceleration_mm_per_s2 = 900\n\
+         deceleration_mm_per_s2 = 900\n",
+    ] {
+        let (setpoints, findings) = run(&job(&text(more)), &machine());
+        assert!(findings.is_empty() && setpoints.len() > 900, "{more}: {findings:?}");
+    }
+}
+
+#[test]
+fn what_is_wrong_is_said_once_and_where_it_is() {
+    let block = |name: &str, keys: &str| format!("[[blocks]]\nblock = \"{name}\"\n{keys}");
+    let gear = |slave: &str, master: &str| {
+        block(
+            "MC_GearIn",
+            &format!("axis = \"{slave}\"\nmaster = \"{master}\"\nratio_numerator = 1\n"),
+        )
+    };
+    // A ring begins behind a block that has nothing to do with it.
+    let ring = block("MC_Halt", "axis = \"X\"\n") + &gear("Z", "Y") + &gear("Y", "Z");
+    let (_, findings) = run(&job(&ring), &machine());
+    assert_eq!((findings.len(), findings[0].line), (1, 4), "{findings:?}");
+    // A trigger that is half said is there for the block that names it.
+    let probe = block("MC_TouchProbe", "axis = \"X\"\ntrigger = \"edge\"\n");
+    let (_, findings) = run(&job(&format!("[[triggers]]\nname = \"edge\"\n{probe}")), &machine());
+    assert_eq!(findings.len(), 1, "{findings:?}");
+    assert!(findings[0].message.contains("a trigger comes `at_s`"), "{findings:?}");
+    let endless = block("MC_MoveVelocity", "axis = \"X\"\nvelocity_mm_per_s = 10\n");
+    let (_, findings) = run(&job(&endless), &machine());
+    assert!(findings[0].message.contains("still moves with 10.000 mm/s behind"), "{findings:?}");
+    let zero = block("MC_MoveAbsolute", "axis = \"X\"\nposition_mm = 10\nvelocity_mm_per_s = 0\n");
+    let (_, findings) = run(&job(&zero), &machine());
+    let hint = findings[0].hint.as_deref().unwrap_or_default();
+    assert!(hint.contains("have to be greater than 0"), "{findings:?}");
+}
