@@ -20,6 +20,19 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// The same for what may not be exceeded: no more than `value`, but for rounding.
+pub fn at_most(value: f64, digits: usize) -> String {
+    let near = significant(value, digits);
+    if near.parse().is_ok_and(|near: f64| near <= value + 1e-12 * value.abs()) {
+        return near;
+    }
+    // As many digits, and those behind them left away.
+    let scientific = format!("{value:.17e}");
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let kept: String = mantissa.chars().take(digits + 1).collect();
+    format!("{kept}e{exponent}").parse().map_or(near, |kept| significant(kept, digits))
+}
+
 /// Nanoseconds as seconds, exactly.
 pub fn exact_seconds(time_ns: i64) -> String {
     let sign = if time_ns < 0 { "-" } else { "" };
@@ -30,7 +43,18 @@ pub fn exact_seconds(time_ns: i64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{exact_seconds, significant};
+    use super::{at_most, exact_seconds, significant};
+
+    #[test]
+    fn what_may_not_be_exceeded_is_not_rounded_up() {
+        assert_eq!(at_most(361.127_73, 6), "361.127");
+        assert_eq!(at_most(361.127_23, 6), "361.127");
+        assert_eq!(at_most(0.000_999_999_7, 6), "0.000999999");
+        assert_eq!(at_most(299.999_999_999_999_94, 6), "300");
+        assert_eq!(at_most(7.0, 6), "7");
+        assert_eq!(at_most(0.0, 6), "0");
+        assert_eq!(at_most(f64::INFINITY, 6), "inf");
+    }
 
     #[test]
     fn digits_are_significant_not_decimal() {

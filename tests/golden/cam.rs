@@ -144,6 +144,8 @@ fn forms_are_converted_and_back() {
     convert("lift.toml", "points.csv", &[], "3 points; the slave is where it was everywhere");
     // 721 positions, of which few are needed for a hundredth of a mm.
     convert("lift.toml", "lift.asc", &["--points", "721"], "721 points");
+    // The numbers of the table, and the end, where the first one comes again.
+    convert("lift.toml", "even.asc", &["--table", "equidistant", "--points", "73"], "74 points");
     let ascii = std::fs::read(desk.path("lift.asc")).expect("written");
     assert!(ascii.starts_with(b"0;0\r\n0.5;"));
     let done = desk.twin(&["cam", "convert", "lift.asc", "thin.toml", "--tolerance", "0.01"]);

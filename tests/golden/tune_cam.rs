@@ -282,6 +282,31 @@ fn a_ramp_and_what_it_takes() {
     desk.twin(&parabolic).ended(1, "a ramp needs a limit of the slave's jerk");
 }
 
+/// An axis has its jerk for the ramp alone: what the cam adds is beyond the limit, and is said.
+#[test]
+fn a_ramp_whose_jerk_adds_to_the_cams_is_told() {
+    let desk = Desk::new();
+    let cam = crate::root().join("examples/cams/pick_and_place.toml").display().to_string();
+    let limits =
+        "--max-velocity 900 --max-acceleration 20000 --max-jerk 380000 --master-velocity 360";
+    let tune = |more: &str| {
+        let start = ["tune", "cam", &cam, "--ramp-in", "60,35,100", "--ramp", "parabolic"];
+        desk.twin(
+            &[&start[..], &limits.split(' ').chain(more.split(' ')).collect::<Vec<_>>()].concat(),
+        )
+    };
+    let done = tune("--format json");
+    done.ended(1, "mm/s³ (380000 allowed)");
+    let ramp = &object(&done.stdout)["ramp"];
+    let [both, cam] =
+        ["peak_jerk", "peak_cam_jerk"].map(|name| ramp[name].as_f64().expect("a jerk"));
+    assert!(both > 380_000.0 && cam < 380_000.0 && both <= 380_000.0 + cam, "{both} {cam}");
+    // With time enough there is one that keeps it.
+    let done = tune("--within 1 --minimise jerk");
+    done.ended(0, "");
+    assert!(done.stdout.contains("ramp: on the cam after"), "{}", done.stdout);
+}
+
 /// What is asked for in vain, and a sample that a sensor spoilt, are said so that it is clear what to do.
 #[test]
 fn mistakes_are_told() {

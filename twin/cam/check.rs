@@ -3,6 +3,7 @@
 use super::CamFile;
 pub use super::usage::{AxisLimits, CamUse, unit_fits};
 use crate::finding::{Finding, Rule, Severity};
+use crate::number::at_most;
 use serde_json::{Value, json};
 use twin_motion::Place;
 use twin_motion::cam::{Bounds, Jump, Largest, LimitError, Passage, Range, SlaveLimits, Tappet};
@@ -115,7 +116,7 @@ impl<'a> CamCheck<'a> {
         let hint = match &self.largest {
             Ok(Largest { value, .. }) if value.is_finite() => format!(
                 "the master may go {} {}/s at most",
-                super::file::digits(*value),
+                at_most(*value, 12),
                 self.file.master.unit()
             ),
             _ => String::new(),

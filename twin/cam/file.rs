@@ -347,8 +347,17 @@ pub fn write_file(
                         })?;
                     }
                 }
-                _ => write_ascii(file.cam.curve(), points.unwrap_or(POINTS), &mut bytes)
-                    .map_err(|source| CamFileError::Read { path: target.to_owned(), source })?,
+                (shape, points) => {
+                    let own = match shape {
+                        // Where the first number comes again it is a point, too.
+                        Shape::Equidistant(table) => {
+                            table.values.len() + usize::from(table.periodic)
+                        }
+                        _ => POINTS,
+                    };
+                    write_ascii(file.cam.curve(), points.unwrap_or(own), &mut bytes)
+                        .map_err(|source| CamFileError::Read { path: target.to_owned(), source })?;
+                }
             }
             Ok(bytes)
         }

@@ -124,21 +124,22 @@ impl<'m> Checker<'m> {
 
             let Some(before) = before else { continue };
             // What only the difference between cycles shows belongs to the block of the cycle in which it happens, which the
-            // set-point before began.
+            // set-point before began; where no path is followed, to the one that has begun with the set-point that is new.
+            let free = self.free.get(index).copied().unwrap_or_default();
+            let of_cycle = if free { now.place } else { before.place };
             let stepped = (now.position - before.position) / cycle;
             let at_rest = now.path_velocity <= 0.0 && before.path_velocity <= 0.0;
             let most = faster * axis.max_velocity;
             let told = exceeds(now.velocity, most) || exceeds(before.velocity, most);
             if is_hidden(stepped, [now.velocity, before.velocity], at_rest, most) {
-                peak.velocity.include(stepped, before.place);
+                peak.velocity.include(stepped, of_cycle);
                 if exceeds(stepped, most) {
-                    report(sentence::too_fast(axis, before.place, stepped));
+                    report(sentence::too_fast(axis, of_cycle, stepped));
                 }
             }
             // A tool that turns with the path turns at once where that has a corner too small to stop at. Neither velocity
             // says so, only the position.
             // An axis that follows no path may step as well.
-            let free = self.free.get(index).copied().unwrap_or_default();
             let jump = now.jump(&before, cycle, free);
             if (turns || free)
                 && !told
@@ -147,8 +148,8 @@ impl<'m> Checker<'m> {
                 && !exceeds(now.acceleration, harder * limit)
                 && exceeds(jump, harder * limit)
             {
-                peak.acceleration.include(jump, before.place);
-                report(sentence::too_hard(axis, before.place, jump));
+                peak.acceleration.include(jump, of_cycle);
+                report(sentence::too_hard(axis, of_cycle, jump));
             }
             let jerk = (now.acceleration - before.acceleration) / cycle;
             // An acceleration that comes up is of this block, one that ends of the one before.

@@ -54,13 +54,16 @@ impl Instant {
     }
 
     /// The acceleration that positions ask for from cycle to cycle beyond what both velocities explain; of an axis `free` of
-    /// any path also that of velocities that step.
+    /// any path that beyond the mean of both, and that of velocities that step.
     pub(super) fn jump(&self, before: &Self, cycle: f64, free: bool) -> f64 {
-        let stepped = ((self.position - before.position) / cycle).abs();
+        let stepped = (self.position - before.position) / cycle;
+        if free {
+            // It may stand for a cycle as well, between two velocities that are the same.
+            let kink = (stepped - self.velocity.midpoint(before.velocity)).abs();
+            return kink.max((self.velocity - before.velocity).abs()) / cycle;
+        }
         let explained = self.velocity.abs().max(before.velocity.abs());
-        let kink = (stepped - explained).max(0.0) / cycle;
-        let step = if free { (self.velocity - before.velocity).abs() / cycle } else { 0.0 };
-        kink.max(step)
+        (stepped.abs() - explained).max(0.0) / cycle
     }
 
     /// The magnitude of something that depends on the path alone. Between set-points it may be larger than at them, by

@@ -7,7 +7,7 @@ use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::command::show::table;
 use crate::command::{Failure, Status};
 use crate::finding;
-use crate::number::significant;
+use crate::number::{at_most, significant};
 use clap::ValueEnum;
 use comfy_table::CellAlignment;
 use std::io::{self, Write};
@@ -150,7 +150,7 @@ fn tell(
         Ok(Largest { value, limited: Some((quantity, place)) }) => writeln!(
             out,
             "the master may go {} {master}/s: the slave's {quantity} at master {} {master} limits it",
-            short(*value),
+            at_most(*value, 6),
             short(using.master_at(*place)),
         )?,
         Ok(Largest { limited: None, .. }) => {

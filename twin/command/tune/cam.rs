@@ -2,7 +2,7 @@
 
 use super::least::{Find, LeastOptions, Sought, sought};
 use super::list;
-use super::outcome::{apply, moved, picture, with_knots};
+use super::outcome::{apply, moved, picture, too_jerky, with_knots};
 use super::report::Report;
 use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
@@ -283,6 +283,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             [Rule::AxisPosition, Rule::AxisVelocity, Rule::AxisAcceleration, Rule::AxisJerk];
         check.findings.retain(|finding| !limits.contains(&finding.rule));
     }
+    check
+        .findings
+        .extend(report.ramp.as_ref().and_then(|(_, ramp)| too_jerky(&file, ramp, &report.after)));
     // What was given on the command line belongs to what was found.
     let in_file = CamUse { coupling: file.coupling, ..before };
     let knots = report.shaped.as_ref().map(|shaped| (&file, shaped.knots.as_slice()));

@@ -6,7 +6,7 @@ use crate::cam::check::CamUse;
 use crate::cam::edit::Change;
 use crate::cam::tune::{Minimised, ShapeGoal, Shaped};
 use crate::command::show::table;
-use crate::number::significant;
+use crate::number::{at_most, significant};
 use serde_json::{Value, json};
 use std::io::{self, Write};
 use twin_motion::axis::profile::RampType;
@@ -310,7 +310,9 @@ impl<'a> Report<'a> {
             )?,
             _ => writeln!(
                 out,
-                "shape: the master may go {after} {master}/s, it was {before} {master}/s"
+                "shape: the master may go {} {master}/s, it was {} {master}/s",
+                at_most(shaped.after, 6),
+                at_most(shaped.before, 6)
             )?,
         }
         if let Some((quantity, at)) = shaped.limited {

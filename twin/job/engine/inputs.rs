@@ -27,6 +27,11 @@ impl Inputs {
         &mut self.triggers
     }
 
+    /// Whether none becomes TRUE by itself from this time on.
+    pub(super) fn are_over(&self, now_ns: i64) -> bool {
+        !self.when.iter().any(|when| matches!(when, When::At(time) if nanoseconds(*time) >= now_ns))
+    }
+
     /// Looks at time and axes at the begin of a cycle. Each is TRUE for the first cycle that sees what it waits for.
     pub(super) fn see(&mut self, begin_ns: i64, cycle_ns: i64, axes: &[Moved]) {
         for ((when, trigger), before) in

@@ -337,8 +337,11 @@ impl Engine {
         if stand && !ends { Ok(true) } else { self.in_time() }
     }
 
-    /// Whether no block begins by itself at a time to come.
+    /// Whether no block begins, and no trigger comes, by itself at a time to come.
     fn nothing_is_due(&self) -> bool {
+        if !self.inputs.are_over(self.now_ns) {
+            return false;
+        }
         let (mut previous_begun, mut previous_over) = (true, true);
         self.calls.iter().all(|running| {
             let due = match running.call.begins {
