@@ -96,7 +96,7 @@ impl CamFile {
                     MachineFileError::Read { source, path, .. } => {
                         CamFileError::Read { path, source }
                     }
-                    other => CamFileError::Toml(other),
+                    other @ MachineFileError::Content { .. } => CamFileError::Toml(other),
                 })?;
                 Self::from_toml(path, text)
             }

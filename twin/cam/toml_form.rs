@@ -123,6 +123,19 @@ pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
                 _ if table.is_some() => Some(root.span_of("table")),
                 _ => Some(root.span_of("elements")),
             };
+            // Numbers are those of the file, not those by master.
+            let error = match (error, &place) {
+                (CamError::OutsideScale { what, master, min, max, index }, Some(span)) => {
+                    let spans: Vec<_> = if what == "tappet" { of_tappets() } else { of_elements() };
+                    let index = if table.is_none() || what == "tappet" {
+                        1 + spans.iter().filter(|other| other.start < span.start).count()
+                    } else {
+                        index
+                    };
+                    CamError::OutsideScale { what, index, master, min, max }
+                }
+                (error, _) => error,
+            };
             match place {
                 Some(span) => root.complain_over(&span, error.to_string()),
                 None => root.complain(error.to_string()),

@@ -55,11 +55,13 @@ pub fn ramp_in(wish: &RampWish) -> Result<RampIn, RampError> {
         RampGoal::Soonest if soonest.duration_s > LONGEST_S => {
             Err(RampError::TooLong { soonest_s: soonest.duration_s, most_s: LONGEST_S })
         }
-        RampGoal::Soonest => Ok(soonest),
+        RampGoal::Soonest => problem.modest(soonest),
         RampGoal::Gentlest { within_s, .. } if soonest.duration_s > within_s => {
             Err(RampError::TooLate { soonest_s: soonest.duration_s, within_s })
         }
-        RampGoal::Gentlest { within_s, least } => problem.gentlest(&soonest, within_s, least),
+        RampGoal::Gentlest { within_s, least } => {
+            problem.modest(problem.gentlest(&soonest, within_s, least)?)
+        }
     }
 }
 
@@ -273,6 +275,20 @@ impl Problem<'_> {
             && !(limited && ramp.ramp_jerk > jerk)
             && ramp.peak_velocity <= velocity * (1.0 + ROUNDING)
             && ramp.peak_acceleration <= acceleration * (1.0 + ROUNDING)
+    }
+
+    /// With accelerations that are not beyond the limit of the axis, if that changes nothing: where the jerk says how quick a
+    /// ramp is, these do not.
+    fn modest(&self, ramp: RampIn) -> Result<RampIn, RampError> {
+        let most = self.wish.limits.acceleration;
+        let [velocity, up, down, jerk] = values(&ramp);
+        let tried = self.ramp([velocity, up.min(most), down.min(most), jerk])?;
+        let same = |one: f64, other: f64| one <= other * (1.0 + ROUNDING);
+        let as_good = same(tried.duration_s, ramp.duration_s)
+            && same(tried.peak_velocity, ramp.peak_velocity)
+            && same(tried.peak_acceleration, ramp.peak_acceleration)
+            && same(tried.peak_jerk, ramp.peak_jerk);
+        Ok(if as_good && self.keeps(&tried) { tried } else { ramp })
     }
 
     /// Changes one value after the other as long as that makes the score less.

@@ -99,7 +99,7 @@ fn what_is_wrong_is_told_with_its_place() {
         (
             "master = 20,",
             "master = -20,",
-            "tappet 1: master -20",
+            "tappet 2: master -20",
             "{ group = -1, master = -20, passage = \"negative\", action = \"off\" }",
         ),
         ("period = 100", "period = 0", "`period` is 0", "0"),
@@ -524,4 +524,13 @@ fn elements_that_do_not_ascend_are_told() {
     let said = format!("line {line}: the element at master 90 stands behind the one at 240");
     assert!(told.starts_with(&said), "{told}");
     assert_eq!(read(LIFT).expect("a cam").out_of_order, None);
+}
+
+/// A tappet beside the scale has the number that it has in the file, in which they stand in any order.
+#[test]
+fn tappets_are_counted_as_they_stand() {
+    let found = problems(&LIFT.replace("group = 3, master = 100", "group = 3, master = 800"));
+    let [(said, at)] = found.as_slice() else { panic!("{found:?}") };
+    assert!(said.starts_with("tappet 1: master 800 lies outside"), "{said}");
+    assert!(at.contains("master = 800"), "{at}");
 }

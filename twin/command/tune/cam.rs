@@ -240,7 +240,7 @@ impl Arguments {
         } else if self.goal != Goal::Speed && self.reshape.is_empty() {
             "--goal says nothing without --reshape"
         } else {
-            let ramp = self.ramp_in.map(|_| self.within);
+            let ramp = [self.ramp_in.is_some(), self.within.is_some()];
             return self.least.check(&self.find, self.run.is_some(), ramp);
         };
         Err(Failure::Usage(wrong.to_owned()))

@@ -107,7 +107,7 @@ pub(super) struct LeastOptions {
     #[arg(long, value_name = "MASTER[,SLAVE]", requires = "minimise", value_parser = tolerance)]
     tappet_tolerance: Option<[f64; 2]>,
 
-    /// The master goes from here to there only, so that MasterOffset says which part of the cam is passed; peaks, stroke, limits
+    /// The master goes from here to there only, so that `MasterOffset` says which part of the cam is passed; peaks, stroke, limits
     /// and tappets are those on this way [default: all of the cam]
     #[arg(long, value_name = "FROM,TO", requires = "minimise", allow_hyphen_values = true, value_parser = travel)]
     master_travel: Option<[f64; 2]>,
@@ -136,15 +136,14 @@ impl LeastOptions {
         })
     }
 
-    /// What is said must say something.
+    /// What is said must say something; of a ramp, whether there is one, and whether it has a time.
     pub(super) fn check(
         &self,
         find: &[Sought],
         with_run: bool,
-        ramp: Option<Option<f64>>,
+        [ramps, within]: [bool; 2],
     ) -> Result<(), Failure> {
         let has = |what| find.iter().any(|sought| sought.what == what);
-        let within = ramp.flatten().is_some();
         let peak = self.quantity().is_some();
         let held = self.stroke.is_some()
             || self.tappet_tolerance.is_some()
@@ -159,7 +158,7 @@ impl LeastOptions {
             "an interval of --find is for --minimise acceleration and jerk without a --run"
         } else if peak && find.is_empty() && !within {
             "--minimise acceleration and jerk need what to --find, or a --ramp-in with --within: a ramp without it is as short as the limits allow"
-        } else if peak && ramp.is_some() && !within {
+        } else if peak && ramps && !within {
             "--ramp-in without --within is as short as the limits allow and minimises nothing"
         } else if held && (!peak || find.is_empty()) {
             "--stroke, --tappet-tolerance and --master-travel are for what --find looks for with --minimise acceleration or jerk"

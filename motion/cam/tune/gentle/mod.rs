@@ -274,8 +274,8 @@ fn check(curve: &Curve, wish: &GentleWish) -> Result<(), GentleError> {
             return Err(GentleError::NoNumber { what, value });
         }
     }
-    let ends = wish.travel.into_iter().flatten();
-    for value in ends.filter(|value| !value.is_finite()) {
+    let mut ends = wish.travel.into_iter().flatten();
+    if let Some(value) = ends.find(|value| !value.is_finite()) {
         return Err(GentleError::NoNumber { what: "the way of the master", value });
     }
     Ok(())

@@ -12,7 +12,7 @@ const BEST: usize = 6;
 const DIRECTIONS: u32 = 24;
 const LAST: f64 = 1e-11;
 /// Steps in all, and the part of a peak below which nothing is gained.
-const MOST: usize = 4000;
+const MOST: u32 = 4000;
 const GAIN: f64 = 1e-12;
 /// The angle between directions that never come again, as a part of a turn.
 const GOLDEN: f64 = 0.618_033_988_749_895;
@@ -122,9 +122,8 @@ fn descend(
     mut step: f64,
     score: &dyn Fn(Shares) -> f64,
 ) -> (f64, Shares) {
-    let mut turn = 0_u32;
     let mut failed = 0;
-    for _ in 0..MOST {
+    for turn in 0..MOST {
         if step <= LAST {
             break;
         }
@@ -137,7 +136,6 @@ fn descend(
             3 => [0.0, -1.0],
             _ => [cos, sin],
         };
-        turn += 1;
         let [one, other] = shares;
         let tried = [one + step * way[0], other + step * way[1]].map(|share| share.clamp(0.0, 1.0));
         let found = score(tried);

@@ -31,6 +31,7 @@ fn the_least_jerk_onto_a_dwell_is_known() {
             assert!(found.duration_s <= within_s, "{ramp:?}: {found:?}");
             let off = found.peak_jerk / expected - 1.0;
             assert!(off.abs() < 1e-5, "{ramp:?} in {within_s} s: {expected}, not {found:?}");
+            assert!(found.acceleration.max(found.deceleration) <= 1e4, "{found:?}");
             if ramp != RampType::Trapezoid {
                 assert!((found.ramp_jerk / expected - 1.0).abs() < 1e-5, "{found:?}");
             }
