@@ -392,7 +392,7 @@ fn a_stop_that_is_not_confirmed_is_told() {
     hardware.abandon();
     let told = hardware.not_stopped();
     assert_eq!(told.len(), 1, "{told:?}");
-    assert!(told[0].starts_with("device `board`: puppet, address 1"), "{told:?}");
+    assert!(told[0].starts_with("device `board`, axes X, Y, Z: puppet, address 1"), "{told:?}");
 }
 
 /// A status that shows "moving" after a confirmed stop keeps nobody waiting for ever: a hard stop comes, and where that changes
