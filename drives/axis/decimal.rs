@@ -109,12 +109,16 @@ impl DecimalRatio {
         let mut wide = Wide::of(mantissa);
         wide.times(times);
         if way == Way::ToIncrements {
-            tens.into_iter().for_each(|ten| wide.times(ten));
+            for ten in tens {
+                wide.times(ten);
+            }
         }
         let exponent = exponent - wide.raise();
         wide.over(over);
         if way == Way::ToUnits {
-            tens.into_iter().for_each(|ten| wide.over(ten));
+            for ten in tens {
+                wide.over(ten);
+            }
         }
         wide.quotient(exponent)
     }
@@ -182,7 +186,7 @@ fn narrow(numerator: u128, over: u64, exponent: i32) -> Quotient {
     let raised = numerator << shift;
     let over = u128::from(over.max(1));
     let exponent = exponent - i32::try_from(shift).unwrap_or(0);
-    Quotient { size: raised / over, exponent, inexact: raised % over != 0 }
+    Quotient { size: raised / over, exponent, inexact: !raised.is_multiple_of(over) }
 }
 
 /// Two numbers without their common divisor. Neither is 0.
@@ -297,14 +301,14 @@ mod tests {
         let pitch = DecimalRatio::new(400, 9.525, MILLIMETRES).unwrap();
         assert_eq!((pitch.numerator, pitch.denominator, pitch.power), (16_000_000, 381, 0));
         assert_eq!(pitch.increments(9.525), Ok(400_000));
-        // Round a pulley: 3200·10^17 / 314159265358979 and more digits than 64 bits have room for.
-        let pulley = DecimalRatio::new(-3200, 3.141_592_653_589_79, MILLIMETRES).unwrap();
+        // Round a pulley of 10 mm: 3200·10^16 / 314159265358979, which is more than 64 bits have room for.
+        let pulley = DecimalRatio::new(-3200, 31.415_926_535_897_9, MILLIMETRES).unwrap();
         assert!(pulley.power > 0, "{pulley:?}");
-        assert_eq!(pulley.increments(3141.592_653_589_79), Ok(-3_200_000_000));
-        assert_eq!(pulley.increments(-3141.592_653_589_79 / 2.0), Ok(1_600_000_000));
-        assert_eq!(pulley.units_of(-3_200_000_000.0).to_bits(), 3141.592_653_589_79_f64.to_bits());
+        assert_eq!(pulley.increments(31_415.926_535_897_9), Ok(-3_200_000_000));
+        assert_eq!(pulley.increments(-31_415.926_535_897_9 / 2.0), Ok(1_600_000_000));
+        assert_eq!(pulley.units_of(-3_200_000_000.0).to_bits(), 31_415.926_535_897_9_f64.to_bits());
         assert_eq!(
-            pulley.increments_of(3141.592_653_589_79).to_bits(),
+            pulley.increments_of(31_415.926_535_897_9).to_bits(),
             (-3_200_000_000.0_f64).to_bits()
         );
     }

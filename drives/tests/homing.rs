@@ -178,12 +178,12 @@ struct Cut {
     seen: i64,
     /// From this position on nothing gets through any more, downwards.
     at: i64,
-    cut: bool,
+    lost: bool,
 }
 
 impl Cut {
     fn live(&mut self) -> Result<&mut dyn Drive, DriveError> {
-        if self.cut { Runaway::deaf() } else { Ok(&mut *self.drive) }
+        if self.lost { Runaway::deaf() } else { Ok(&mut *self.drive) }
     }
 }
 
@@ -235,7 +235,7 @@ impl Drive for Cut {
     fn sample(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
         let sample = self.live()?.sample(stream)?;
         self.seen = sample.position[0];
-        self.cut = self.seen <= self.at;
+        self.lost = self.seen <= self.at;
         Ok(sample)
     }
 
@@ -259,7 +259,7 @@ fn ends_with_its_leg_where_nobody_looks(start: impl Fn() -> Bench) {
     let mut bench = start();
     let drive = std::mem::replace(&mut bench.drive, Box::new(Runaway));
     let (clock, limit) = (bench.clock, bench.limit);
-    let mut cut = Cut { drive, seen: 0, at: -1100, cut: false };
+    let mut cut = Cut { drive, seen: 0, at: -1100, lost: false };
     cut.enable().unwrap();
     cut.set_position(&[0, 77, 0, 0, 0]).unwrap();
     // The home switch is passed at 800 increments/s as if its wire were lost: another input is looked at.
@@ -275,7 +275,7 @@ fn ends_with_its_leg_where_nobody_looks(start: impl Fn() -> Bench) {
     assert!(matches!(failed, HomingError::NotStopped { .. }), "{failed}");
     // The wire is whole again, and the axis stands no further than it was sent.
     let seen = cut.seen;
-    cut.cut = false;
+    cut.lost = false;
     cut.at = i64::MIN;
     while cut.sample(&clock).unwrap().moving {}
     let stands = cut.seen;

@@ -72,7 +72,8 @@ impl Legs {
         let way = self.way.as_mut().filter(|way| !way.is_last())?;
         let left = (way.sent - seen.position).abs();
         let stands = !seen.moving && way.is_there(seen.position);
-        if !stands && !(retargets && seen.moving && left < LEFT * way.leg) {
+        let near = retargets && seen.moving && left < LEFT * way.leg;
+        if !(stands || near) {
             return None;
         }
         way.sent = way.leg_from(seen.position);

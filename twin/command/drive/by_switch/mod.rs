@@ -247,9 +247,10 @@ impl BySwitch {
         drive.enable()?;
         // A drive that was off counts from 0 now.
         let now = drive.probe(&stream)?.position.first().copied().unwrap_or(0);
-        let options = match now == from {
-            true => options,
-            false => self.options(mode, most.min(self.way(drive, now, unit)?.0))?,
+        let options = if now == from {
+            options
+        } else {
+            self.options(mode, most.min(self.way(drive, now, unit)?.0))?
         };
         let run = HomingRun { axis: 0, switch, options };
         let stopped = || interrupt.count() > 0;
