@@ -22,6 +22,8 @@ struct Way {
     leg: f64,
     /// Where the axis has been sent.
     sent: f64,
+    /// It was seen at rest there: what the switch says from now on is of that place.
+    rests: bool,
 }
 
 /// How far an axis is sent at a time at so many increments/s.
@@ -54,7 +56,7 @@ impl Legs {
     /// Another way, to `end` at `velocity` (increments, increments/s); where its first leg ends.
     pub(super) fn begin(&mut self, from: f64, end: f64, velocity: f64) -> f64 {
         let leg = leg(velocity);
-        let mut way = Way { end, velocity, leg, sent: from };
+        let mut way = Way { end, velocity, leg, sent: from, rests: false };
         way.sent = way.leg_from(from);
         self.way = Some(way);
         way.sent
@@ -67,15 +69,18 @@ impl Legs {
     }
 
     /// The end of the next leg and its velocity, once it is time for it: near the end of the one under way, or where the axis
-    /// stands there if the device takes no other target before.
+    /// stands there if the device takes no other target before. A switch is looked at before the position: one at the end of a
+    /// leg is seen by the look after that with which the axis came to rest.
     pub(super) fn next(&mut self, seen: &Seen, retargets: bool) -> Option<(f64, f64)> {
         let way = self.way.as_mut().filter(|way| !way.is_last())?;
         let left = (way.sent - seen.position).abs();
         let stands = !seen.moving && way.is_there(seen.position);
+        let stood = std::mem::replace(&mut way.rests, stands);
         let near = retargets && seen.moving && left < LEFT * way.leg;
-        if !(stands || near) {
+        if !(stands && stood || near) {
             return None;
         }
+        way.rests = false;
         way.sent = way.leg_from(seen.position);
         Some((way.sent, way.velocity))
     }
@@ -101,6 +106,8 @@ mod tests {
         let mut waits = legs;
         assert_eq!(waits.next(&seen(-1400.0, true), false), None);
         assert!(waits.seen(&seen(-1431.0, false)).moving);
+        // Whether it stands on its switch is seen when it is looked at once more.
+        assert_eq!(waits.next(&seen(-1431.0, false), false), None);
         assert_eq!(waits.next(&seen(-1431.0, false), false), Some((-2431.0, 2000.0)));
         // The end is that of the whole way, and there it stands.
         assert_eq!(legs.next(&seen(-1530.0, true), true), Some((-2530.0, 2000.0)));
