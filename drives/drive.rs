@@ -165,6 +165,12 @@ pub trait Drive: Send {
         speed: &[f64; MAX_DRIVE_AXES],
     ) -> Result<(), DriveError>;
 
+    /// Whether a move to another target may be given while an axis moves. Of a device that refuses one the axis has to come to
+    /// rest first.
+    fn retargets(&self) -> bool {
+        true
+    }
+
     /// Position and state, now.
     ///
     /// # Errors

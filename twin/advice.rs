@@ -95,7 +95,8 @@ pub(crate) fn advice_in_run(error: &DriveError) -> Option<&'static str> {
 /// What to look at, or to do next, when the drives of a run cannot go on.
 pub(crate) fn of_hardware(error: &HardwareError) -> Option<&'static str> {
     match error {
-        HardwareError::Drive(error) => advice_in_run(error),
+        HardwareError::Bare(error) => advice_in_run(error),
+        HardwareError::Drive { source, .. } => advice_in_run(source),
         HardwareError::Silent { .. } => Some(
             "look at its cable and its supply. When it answers again, `status` tells whether it has been off or locked: then its \
              axes have to be homed (--home); if it has not, its positions still hold, and the program can be run again. A slow \

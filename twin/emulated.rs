@@ -258,7 +258,8 @@ pub(crate) fn software_limits(axis: &Axis, none: [i32; 2]) -> [i32; 2] {
     if !axis.limited {
         return none;
     }
-    let [one, other] = axis.position_limits.map(|limit| limit * axis.increments_per_si());
+    let Some(counting) = axis.counting() else { return none };
+    let [one, other] = axis.position_limits.map(|limit| counting.increments(limit));
     #[expect(clippy::cast_possible_truncation, reason = "saturates, as counters end there")]
     let limits = [one.min(other).floor() as i32, one.max(other).ceil() as i32];
     let [lowest, highest] = limits;

@@ -6,6 +6,7 @@
 //! writes. Where the manual has a number for an error, [`AxisError::number`] gives it.
 
 pub mod backup;
+mod decimal;
 mod encoder;
 mod error;
 mod gearing;
@@ -21,6 +22,7 @@ mod ratio;
 mod times;
 mod tracking;
 
+pub use decimal::DecimalRatio;
 pub use encoder::{Encoder, EncoderOptions, EncoderState};
 pub use error::AxisError;
 pub use gearing::{Direction, Gearing, Movement};

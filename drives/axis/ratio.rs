@@ -89,7 +89,7 @@ impl Ratio {
 }
 
 /// Mantissa and exponent: `value` = mantissa · 2^exponent. `value` is finite and not negative.
-fn parts(value: f64) -> (u64, i32) {
+pub(super) fn parts(value: f64) -> (u64, i32) {
     let bits = value.to_bits();
     let fraction = bits & ((1 << 52) - 1);
     // 11 bits.

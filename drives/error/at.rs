@@ -1,6 +1,6 @@
 //! What all errors of devices have: where they happened.
 
-use super::{DriveError, Exchange};
+use super::{Axes, DriveError, Exchange};
 
 impl DriveError {
     /// Where and in the course of what it happened.
@@ -43,6 +43,23 @@ impl DriveError {
             | Self::ReadOnly { at, .. }
             | Self::ParameterValue { at, .. }
             | Self::Setting { at, .. } => at,
+        }
+    }
+
+    /// Which axes of the device it is about, where it says; that of a station with one axis is named by [`Self::at`].
+    pub fn axes(&self) -> Option<Axes> {
+        match self {
+            Self::LimitSwitch { axes, .. }
+            | Self::Moving { axes, .. }
+            | Self::HomingFailed { axes, .. } => Some(*axes),
+            Self::NotArrived { axis, .. }
+            | Self::HomeCount { axis, .. }
+            | Self::NotWritten { axis, .. } => Some(*axis),
+            Self::AxisMessages { axis, .. } => {
+                let place = u32::from(*axis).checked_sub(1)?;
+                1_u8.checked_shl(place).map(Axes::Numbers)
+            }
+            _ => None,
         }
     }
 

@@ -14,6 +14,14 @@ pub enum Axes {
 }
 
 impl Axes {
+    /// Whether it is the axis of this place, from 0, among those of its device.
+    pub fn contains(self, place: usize) -> bool {
+        match self {
+            Self::Letters(mask) | Self::Numbers(mask) => place < 8 && mask >> place & 1 == 1,
+            Self::Only => true,
+        }
+    }
+
     /// At the end of a message, after what is so of them: ", axes X and Z".
     pub(super) fn listed(self) -> String {
         if self == Self::Only { String::new() } else { format!(", {self}") }

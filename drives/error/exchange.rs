@@ -133,7 +133,7 @@ impl fmt::Display for Exchange {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ProtocolFault {
     /// Another station answered.
-    #[error("another station answered")]
+    #[error("another address answered")]
     Station,
     /// The answer belongs to another function.
     #[error("function {sent} was asked, the answer belongs to function {received}")]

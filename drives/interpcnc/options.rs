@@ -1,6 +1,6 @@
 //! Settings of the driver and what follows from them for the wire.
 
-use std::{sync::Arc, time::Duration};
+use std::{fmt, sync::Arc, time::Duration};
 
 use super::{
     Assumptions,
@@ -25,6 +25,16 @@ pub enum Parity {
     Even,
     /// Odd number of ones.
     Odd,
+}
+
+impl fmt::Display for Parity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::None => "no parity",
+            Self::Even => "even parity",
+            Self::Odd => "odd parity",
+        })
+    }
 }
 
 /// How the bytes travel: 8 data bits and 1 stop bit always.
@@ -174,7 +184,7 @@ impl InterpCncOptions {
                 Err(DriveError::Setting { at: at(), setting, value, low, high })
             }
         };
-        within("station", self.station.into(), 1, 247)?;
+        within("address", self.station.into(), 1, 247)?;
         within("segments", self.most_segments.into(), 1, self.assumptions.buffer_segments.into())?;
         within("baud", self.line.baud, 4800, 256_000)?;
         // Status and positions are of one instant only in one frame.
@@ -233,7 +243,7 @@ mod tests {
             Err(DriveError::Setting { setting, .. }) => setting,
             other => panic!("{other:?}"),
         };
-        assert_eq!(refused(InterpCncOptions { station: 0, ..good.clone() }), "station");
+        assert_eq!(refused(InterpCncOptions { station: 0, ..good.clone() }), "address");
         assert_eq!(refused(InterpCncOptions { axes: vec![], ..good.clone() }), "number of axes");
         let twice = vec![AxisOptions::new(BoardAxis::X); 2];
         assert_eq!(refused(InterpCncOptions { axes: twice, ..good.clone() }), "number of axes");

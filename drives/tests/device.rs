@@ -142,7 +142,7 @@ fn an_interpcnc_says_who_it_is_and_homes() {
     let mut bench = interpcnc();
     let drive = &mut bench.drive;
     let text = drive.identity().unwrap().to_string();
-    let rest = "line 115200 baud, parity None, recipes yes, firmware 5.30 or later";
+    let rest = "line 115200 baud, no parity, recipes yes, firmware 5.30 or later";
     assert_eq!(text, format!("InterpCNC, address 1, address by parameter 103 1, {rest}"));
     drive.enable().unwrap();
     let none = drive.begin_homing(&[Some(5000), None, None, None, None]);

@@ -171,6 +171,137 @@ fn homes_on_a_limit_switch(start: impl Fn() -> Bench) {
     assert!(told, "{failed:?}");
 }
 
+/// A device whose wire is cut, all of a sudden.
+struct Cut {
+    drive: Box<dyn Drive>,
+    /// Where its first axis was seen last.
+    seen: i64,
+    /// From this position on nothing gets through any more, downwards.
+    at: i64,
+    lost: bool,
+}
+
+impl Cut {
+    fn live(&mut self) -> Result<&mut dyn Drive, DriveError> {
+        if self.lost { Runaway::deaf() } else { Ok(&mut *self.drive) }
+    }
+}
+
+impl Drive for Cut {
+    fn describe(&self) -> String {
+        self.drive.describe()
+    }
+
+    fn axis_count(&self) -> usize {
+        self.drive.axis_count()
+    }
+
+    fn identity(&mut self) -> Result<Identity, DriveError> {
+        self.live()?.identity()
+    }
+
+    fn probe(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        self.live()?.probe(stream)
+    }
+
+    fn enable(&mut self) -> Result<(), DriveError> {
+        self.live()?.enable()
+    }
+
+    fn signals(&mut self, clock: &dyn crate::Clock) -> Result<Signals, DriveError> {
+        self.live()?.signals(clock)
+    }
+
+    fn set_output(&mut self, output: u8, on: bool) -> Result<(), DriveError> {
+        self.live()?.set_output(output, on)
+    }
+
+    fn set_position(&mut self, position: &Increments) -> Result<(), DriveError> {
+        self.live()?.set_position(position)
+    }
+
+    fn move_to(
+        &mut self,
+        target: &Increments,
+        speed: &[f64; MAX_DRIVE_AXES],
+    ) -> Result<(), DriveError> {
+        self.live()?.move_to(target, speed)
+    }
+
+    fn retargets(&self) -> bool {
+        self.drive.retargets()
+    }
+
+    fn sample(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        let sample = self.live()?.sample(stream)?;
+        self.seen = sample.position[0];
+        self.lost = self.seen <= self.at;
+        Ok(sample)
+    }
+
+    fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        self.live()?.follow(stream)
+    }
+
+    fn soft_stop(&mut self) -> Result<(), DriveError> {
+        self.live()?.soft_stop()
+    }
+
+    fn hard_stop(&mut self) -> Result<(), DriveError> {
+        self.live()?.hard_stop()
+    }
+}
+
+/// Its way would be 30 s long; without anybody who looks it ends after half a second at most. On its way there are several
+/// legs, which are one motion where the device can do that.
+#[expect(clippy::cast_possible_truncation, reason = "a thousand")]
+fn ends_with_its_leg_where_nobody_looks(start: impl Fn() -> Bench) {
+    let mut bench = start();
+    let drive = std::mem::replace(&mut bench.drive, Box::new(Runaway));
+    let (clock, limit) = (bench.clock, bench.limit);
+    let mut cut = Cut { drive, seen: 0, at: -1100, lost: false };
+    cut.enable().unwrap();
+    cut.set_position(&[0, 77, 0, 0, 0]).unwrap();
+    // The home switch is passed at 800 increments/s as if its wire were lost: another input is looked at.
+    let options = HomingOptions {
+        velocity_fast: 800.0,
+        max_fast_way: 24_000.0,
+        ..options(HomingMode::default())
+    };
+    let leg = options.longest_leg();
+    assert!((leg - 400.0).abs() < 1e-9);
+    let run = HomingRun { axis: 0, switch: UNUSED, options };
+    let failed = home_by_switch(&mut cut, &run, &clock, &mut |_, _| None, &|| false).unwrap_err();
+    assert!(matches!(failed, HomingError::NotStopped { .. }), "{failed}");
+    // The wire is whole again, and the axis stands no further than it was sent.
+    let seen = cut.seen;
+    cut.lost = false;
+    cut.at = i64::MIN;
+    while cut.sample(&clock).unwrap().moving {}
+    let stands = cut.seen;
+    assert!((seen - leg as i64..=seen).contains(&stands), "seen at {seen}, at rest at {stands}");
+    assert!(stands > i64::from(limit), "{stands}: a switch has stopped it");
+    drop(bench);
+}
+
+/// An input that nothing is wired to.
+const UNUSED: Switch = Switch::Input { number: 1, pressed: true };
+
+#[test]
+fn an_interpcnc_ends_its_leg_where_nobody_looks() {
+    ends_with_its_leg_where_nobody_looks(interpcnc);
+}
+
+#[test]
+fn smartdrives_end_their_leg_where_nobody_looks() {
+    ends_with_its_leg_where_nobody_looks(smartdrive);
+}
+
+#[test]
+fn a_module_ends_its_leg_where_nobody_looks() {
+    ends_with_its_leg_where_nobody_looks(bim2ax);
+}
+
 /// The limit switch of X is known to the board by parameters 104 and 105.
 fn interpcnc_with_limit() -> Bench {
     let mut bench = interpcnc();

@@ -461,11 +461,13 @@ fn an_axis_is_homed_by_a_switch_that_the_drive_only_shows() {
     );
     hand.refuses("home X --by-switch 4 --ignore-limits --yes", "limit switches");
     hand.refuses("home X --input 5", "--by-switch");
+    // Nothing is announced of what cannot be.
+    let none = hand.tries("home X --by-switch 0 --input 40 --yes");
+    none.ended(2, "--input 40: the drive shows 32 inputs, 1 to 32");
+    assert!(!none.stderr.contains("home axis X from"), "{}", none.stderr);
+    hand.tries("home X --by-switch 0 --fast -200 --yes").ended(2, "'-200' for '--fast");
     let ask = "home X --by-switch 0 --input 5 --fast 1000 --slow 200 --max-way 5000";
-    hand.refuses(
-        ask,
-        "home axis X from 0 towards - until input 5 says so, 5000 increments at most",
-    );
+    hand.refuses(ask, "home axis X from 0 towards - until input 5 says so, 5000 steps at most");
     let homed = hand.does(&format!("{ask} --yes"));
     assert!(homed.stdout.contains("axis X is home, at "), "{}", homed.stdout);
     let counter = hand.does("status");

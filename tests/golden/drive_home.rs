@@ -16,7 +16,7 @@ fn a_smartdrive_is_homed_by_a_switch_at_an_input() {
     // Inputs are GO, DIR, OFF, LIMP, LIMN. No home switch is known of this drive.
     hand.refuses("home --by-switch 0 --yes", "home switch");
     let ask = "home --by-switch 0 --input 2 --fast 3200 --slow 534 --max-way 5000";
-    hand.refuses(ask, "towards - until input 2 says so, 5000 increments at most");
+    hand.refuses(ask, "towards - until input 2 says so, 5000 µsteps at most");
     let homed = hand.does(&format!("{ask} --yes"));
     assert!(homed.stdout.contains("drive 1 is home, at "), "{}", homed.stdout);
     // TRJINIT 1, "la position actuelle devient 0": the drive's own counter tells it to whoever asks next.
@@ -45,6 +45,32 @@ fn an_axis_of_a_bim2ax_is_homed_by_its_cam_and_by_an_input() {
         let home = f64::from(shaft) - module.position(ModuleAxis::One);
         assert!((home + 400.0).abs() <= LATE, "{home}");
     }
+}
+
+/// The program that watches the switch is killed on its way there, which would be 50 s long: the axis stands at the end of its leg,
+/// half a second's way from where it was then.
+#[test]
+fn an_axis_whose_program_is_killed_ends_within_a_leg() {
+    let (running, hand) = a_board(1);
+    let mut homing = hand
+        .command("home X --by-switch 0 --input 7 --fast 2000 --max-way 100000 --yes")
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .expect("it starts");
+    let at = || running.look().expect("it runs").mechanical(BoardAxis::X);
+    while at() > -2500.0 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    homing.kill().expect("it runs");
+    homing.wait().expect("it has run");
+    let killed = at();
+    while !running.look().expect("it runs").status().moving().is_empty() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let board = running.stop().expect("it runs");
+    assert!(board.status().moving().is_empty());
+    let stands = board.mechanical(BoardAxis::X);
+    assert!(stands <= -2500.0 && stands >= killed - 1000.0, "killed at {killed}, at {stands}");
 }
 
 /// Home of X, steps from where it was switched on, after homing with these words; and where the axis stands then.

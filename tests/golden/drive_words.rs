@@ -120,6 +120,13 @@ fn refused_targets_and_unknown_switches_name_where_to_look() {
     refused.ended(2, "refused, a parameter is wrong");
     refused.ended(2, "`get Trj_PosMax`");
     hand.tries("home --by-switch 0 --yes").ended(2, "`--input N` says it");
+    // No farther than the drive goes: 1000 µsteps, which end at a limit that is told beforehand.
+    let beyond = hand.tries("home --by-switch 0 --input 1 --max-way 1001 --yes");
+    beyond.ended(2, "--max-way 1001: the drive's own limit is at -1000 µsteps");
+    let lost = hand.tries("home --by-switch 0 --input 1 --yes");
+    lost.ended(2, "1000 µsteps at most (the drive's own limit is at -1000 µsteps)");
+    lost.ended(2, "the home switch has not come within 1000 from 0; looked for at input 1");
+    lost.ended(2, "the axis is at rest, at -1000 µsteps");
 }
 
 /// The switch at input 7 never comes: the axis stands where its way ends.
@@ -128,5 +135,6 @@ fn homing_that_fails_says_where_the_axis_stands() {
     let (_running, hand) = a_board(1);
     let failed = hand.tries("home X --by-switch 0 --input 7 --max-way 300 --yes");
     failed.ended(2, "homing axis X: the home switch has not come within 300 from 0");
-    failed.ended(2, "it stands at -300 increments");
+    failed.ended(2, "looked for at input 7, which is off: not pressed");
+    failed.ended(2, "the axis is at rest, at -300 steps");
 }

@@ -351,6 +351,10 @@ fn words_are_listed_without_a_device() {
         let driven = desk.twin(&["drive", family, "--assume", "help"]);
         driven.ended(0, "");
         assert_eq!(driven.stdout, emulated.stdout);
+        // Help like any other: no error, and no wider than a terminal.
+        assert!(!driven.stdout.contains("error") && driven.stderr.is_empty(), "{}", driven.stdout);
+        let widest = driven.stdout.lines().map(|line| line.chars().count()).max();
+        assert!(widest.is_some_and(|widest| widest <= 100), "{}", driven.stdout);
         let assumed = match family {
             "interpcnc" => "line_at_restart",
             "smartdrive" => "zero_rate",

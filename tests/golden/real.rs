@@ -228,6 +228,20 @@ fn an_axis_whose_homing_has_failed_is_not_homed_by_word() {
     done.ended(2, "axis X: not homed: the board says that homing has failed");
 }
 
+/// 640 steps/s at 320 steps per mm, by the parameter that homing by hand tells, too.
+#[test]
+fn how_fast_a_board_homes_is_told_before_it_does() {
+    let shop = Shop::new();
+    shop.by_hand("interpcnc", "board", "set home-input-x 7");
+    shop.by_hand("interpcnc", "board", "set home-speed-x 640");
+    let done = shop.run("short.cnc", "--homed --home=X,U");
+    done.ended(2, "nothing has moved");
+    let said = format!("{}{}", done.stdout, done.stderr);
+    let of_x = said.lines().find(|line| line.contains("board X")).expect("X is shown");
+    assert!(of_x.contains("2.0 mm/s") && !said.contains("not told"), "{said}");
+    shop.untouched();
+}
+
 #[test]
 fn an_axis_without_a_home_switch_is_not_begun_to_be_homed() {
     let shop = Shop::new();

@@ -48,7 +48,7 @@ fn a_device_that_dies_stops_all_others() {
     done.ended(2, "the drives failed at line");
     // The others are at rest on the path before its driver has given it up, unless this computer is busy.
     done.ended(2, "device `bus` has not answered for");
-    done.ended(2, "; then: bus, address 1: ");
+    done.ended(2, "; then: device `bus`, axis Z: bus, address 1: ");
     // What is not known is not told.
     done.ended(2, "device `bus` was last heard of at ");
     done.ended(2, " mm; where it stands since is not known");
@@ -199,7 +199,7 @@ fn a_port_that_disappears_is_named_and_the_others_stop() {
         };
         assert!((0..6000).any(rests), "the others go on");
     });
-    done.ended(2, "the drives failed at line 2 (N10): bus, address 1: ");
+    done.ended(2, "the drives failed at line 2 (N10): device `bus`, axis Z: bus, address 1: ");
     done.ended(2, "the port is gone: is the adapter plugged in");
     assert!(!done.stderr.contains("no answer within"), "{}", done.stderr);
     let [x, y, z, u] = shop.at_rest();

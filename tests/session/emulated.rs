@@ -166,7 +166,7 @@ fn a_board_that_dies_stops_the_simulated_machine_at_the_limits_of_its_axes() {
     let Some(stopped @ Stopped::Drives { place, source }) = &outcome.ending.stopped else {
         panic!("{:?}", outcome.ending.stopped)
     };
-    assert!(matches!(source, HardwareError::Drive(_)), "{source:?}");
+    assert!(matches!(source, HardwareError::Drive { .. }), "{source:?}");
     assert!(stopped.to_string().starts_with("the drives failed at line 2 (N10)"), "{stopped}");
     assert!(stopped.to_string().contains("address 1: "), "{stopped}");
     assert_eq!(place.line, 2);
@@ -218,14 +218,14 @@ fn a_board_that_was_without_supply_is_found_restarted() {
             }
         });
         assert_eq!(outcome.recorder.last().path_velocity, 0.0);
-        let Some(Stopped::Drives { source: HardwareError::Drive(error), .. }) =
+        let Some(Stopped::Drives { source: HardwareError::Drive { source: error, .. }, .. }) =
             &outcome.ending.stopped
         else {
             panic!("{:?}", outcome.ending.stopped)
         };
         // A computer that is busy may ask again only when the board is back, and learns the same sooner.
-        let silent = off_ns > 0 && matches!(error, DriveError::Timeout { .. });
-        assert!(silent || matches!(error, DriveError::Locked { .. }), "{error}");
+        let silent = off_ns > 0 && matches!(**error, DriveError::Timeout { .. });
+        assert!(silent || matches!(**error, DriveError::Locked { .. }), "{error}");
         let reason = outcome.ending.reason().unwrap();
         let cause =
             "device `board` answers again, at position 0 and not enabled: it has been restarted";

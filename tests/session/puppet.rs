@@ -375,7 +375,7 @@ fn a_stop_of_unsettled_drives_that_nothing_confirms_is_told() {
     // Asked for by the session, and once more because it was not confirmed.
     assert_eq!(soft_stops, 2);
     assert_eq!(ending.not_stopped.len(), 1, "{:?}", ending.not_stopped);
-    assert!(ending.not_stopped[0].starts_with("device `board`: puppet, address 1"));
+    assert!(ending.not_stopped[0].starts_with("device `board`, axes X, Y, Z: puppet, address 1"));
     assert!(ending.stopping.is_none());
 }
 

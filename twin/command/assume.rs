@@ -3,6 +3,7 @@
 use super::{Failure, show};
 use clap::builder::{StringValueParser, TypedValueParser};
 use clap::error::ErrorKind;
+use comfy_table::ContentArrangement;
 use std::ffi::OsStr;
 use twin_drives::Assumed;
 
@@ -61,9 +62,13 @@ impl TypedValueParser for Said {
     }
 }
 
+/// Columns of a list that is read on a terminal, or printed.
+const WIDTH: u16 = 100;
+
 /// What can be assumed about a family.
 fn list<A: Assumed>() -> String {
     let mut table = show::table();
+    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
     table.set_header(["name", "it can be", "assumed", "question of the manual"]);
     for name in A::NAMES {
         let question = A::question(name);

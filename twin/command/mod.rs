@@ -29,8 +29,10 @@ use crate::cam::CamFileError;
 use crate::check::CheckFailure;
 use crate::machine::MachineFileError;
 use crate::program::ProgramFile;
-use clap::{Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use miette::MietteDiagnostic;
+use std::io::Write;
 use std::process::ExitCode;
 
 /// How a command ended, in the order of the exit status.
@@ -92,9 +94,41 @@ enum Command {
     Tune(tune::Arguments),
 }
 
+/// What the command line says. Numbers below 0 are values wherever one is wanted, so that they are told as such where there can
+/// be none; and what [`assume`] lists is help like any other.
+fn parse() -> Result<Arguments, ExitCode> {
+    fn signed(command: clap::Command) -> clap::Command {
+        let value = |argument: clap::Arg| {
+            let takes = argument.get_action().takes_values();
+            argument.allow_negative_numbers(takes)
+        };
+        command.mut_args(value).mut_subcommands(signed)
+    }
+    let matches = signed(Arguments::command()).try_get_matches();
+    match matches.and_then(|matches| Arguments::from_arg_matches(&matches)) {
+        Ok(arguments) => Ok(arguments),
+        Err(error) => {
+            // A list that an argument has made is no error, and clap calls whatever is made so one.
+            let text = error.to_string();
+            let list = text.strip_prefix("error: ");
+            match list.filter(|_| error.kind() == ErrorKind::DisplayHelp) {
+                None => error.exit(),
+                Some(list) => {
+                    // Whoever reads our output may have gone.
+                    writeln!(std::io::stdout(), "{}", list.trim_end()).unwrap_or_default();
+                    Err(ExitCode::SUCCESS)
+                }
+            }
+        }
+    }
+}
+
 /// Carries out the command line.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match parse() {
+        Ok(arguments) => arguments,
+        Err(status) => return status,
+    };
     let result = match arguments.command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),

@@ -1,5 +1,6 @@
 //! What runs on the device's thread.
 
+use super::error::Names;
 use super::stream::Stream;
 use super::{Event, HardwareError, Switch};
 use crate::clock::Clock;
@@ -19,8 +20,8 @@ pub(super) const STOP: u8 = 3;
 
 /// A device and its side of the channel.
 pub(super) struct Device {
-    /// Its name in the machine file.
-    pub(super) name: String,
+    /// What the machine file calls it and its axes.
+    pub(super) names: Names,
     pub(super) drive: Box<dyn Drive>,
     pub(super) stream: Arc<Stream>,
     pub(super) order: Arc<AtomicU8>,
@@ -58,11 +59,13 @@ impl Device {
                 // The first error is the one to report, and at once: the session has a machine of its own to stop. The
                 // device is stopped if it still answers, which takes its time.
                 let brakes = !matches!(error, HardwareError::Moves { .. });
-                let asks = matches!(error, HardwareError::Drive(_));
+                let error = self.named(error);
+                let asks = matches!(error, HardwareError::Drive { .. });
                 let unsaid = self.sender.try_send(Err(error)).err().map(unsent);
                 let halted = self.guarded(|device| device.halt(brakes));
                 let softly = matches!(halted, Ok(Halted::Softly));
                 if let Err(error) = halted {
+                    let error = self.named(error);
                     self.sender.try_send(Ok(Event::NotStopped(error))).unwrap_or_default();
                 }
                 if asks {
@@ -92,7 +95,17 @@ impl Device {
         act: impl FnOnce(&mut Self) -> Result<T, HardwareError>,
     ) -> Result<T, HardwareError> {
         let done = catch_unwind(AssertUnwindSafe(|| act(self)));
-        done.unwrap_or_else(|_panic| Err(HardwareError::Panicked { device: self.name.clone() }))
+        done.unwrap_or_else(|_panic| {
+            Err(HardwareError::Panicked { device: self.names.device.clone() })
+        })
+    }
+
+    /// As the machine file calls it.
+    fn named(&self, error: HardwareError) -> HardwareError {
+        match error {
+            HardwareError::Bare(source) => self.names.tell(source),
+            error => error,
+        }
     }
 
     fn order(&self) -> u8 {
@@ -128,7 +141,7 @@ impl Device {
                     // Standing where the plan has ended and then catching up would be a leap.
                     let late_ns = self.stream.now_ns() - self.stream.end_ns();
                     if late_ns > 0 && self.order() == FOLLOW {
-                        let (device, late_ms) = (self.name.clone(), late_ns / 1_000_000);
+                        let (device, late_ms) = (self.names.device.clone(), late_ns / 1_000_000);
                         return Err(HardwareError::Starved { device, late_ms });
                     }
                     let sample = self.drive.follow(&*self.stream)?;
@@ -166,7 +179,7 @@ impl Device {
             if still > PATIENCE {
                 let list = |values: Option<&[i64]>| values.unwrap_or_default().to_vec();
                 return Err(HardwareError::Stuck {
-                    device: self.name.clone(),
+                    device: self.names.device.clone(),
                     position: list(position),
                     target: list(target),
                 });
@@ -206,7 +219,7 @@ impl Device {
                 let position = sample.position.iter().take(axes).copied().collect();
                 #[expect(clippy::cast_possible_truncation, reason = "for a message")]
                 let target = end.position.iter().take(axes).map(|end| end.round() as i64).collect();
-                let device = self.name.clone();
+                let device = self.names.device.clone();
                 return Err(HardwareError::Stuck { device, position, target });
             }
         }
@@ -258,7 +271,7 @@ impl Device {
             }
             let waited = Duration::from_nanos(since.now_ns().unsigned_abs());
             if waited > LONGEST_BRAKING {
-                let (device, waited_s) = (self.name.clone(), waited.as_secs());
+                let (device, waited_s) = (self.names.device.clone(), waited.as_secs());
                 return Err(HardwareError::Moves { device, waited_s });
             }
         }

@@ -1,20 +1,38 @@
 //! Why drives cannot go on.
 
+use crate::machine::{Axis, DriveFamily, Machine};
 use twin_drives::DriveError;
 
 /// Why the drives cannot go on.
 #[derive(Debug, thiserror::Error)]
 pub enum HardwareError {
-    /// The device or its wire.
+    /// A device or its wire, on the way out of its thread.
     #[error("{0}")]
-    Drive(#[from] DriveError),
+    Bare(#[from] DriveError),
+    /// The same, by the names of the machine file.
+    #[error("{whose}: {source}")]
+    Drive {
+        /// Which device, and which of its axes.
+        whose: String,
+        /// What.
+        source: Box<DriveError>,
+    },
     /// An axis position does not fit the counters.
-    #[error("axis {axis} at {position} {unit} is beyond what its drive can count")]
+    #[error(
+        "device `{device}`: axis {axis} at {position} {unit} is beyond what its drive counts: at most {most} increments, \
+         which are {farthest} {unit}, either way"
+    )]
     Range {
+        /// Which.
+        device: String,
         /// The axis.
         axis: String,
         /// The position, in `unit`.
         position: f64,
+        /// The largest count of the device.
+        most: i64,
+        /// The same, in `unit`.
+        farthest: f64,
         /// "mm" or "deg".
         unit: &'static str,
     },
@@ -131,4 +149,99 @@ pub enum HardwareError {
         /// Why.
         source: std::io::Error,
     },
+}
+
+/// What the machine file calls a device and its axes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Names {
+    /// The device.
+    pub(super) device: String,
+    /// Its axes: which one of the device each is (its address, on a bus), and its name.
+    pub(super) axes: Vec<(usize, String)>,
+    /// Whether each has an address of its own.
+    pub(super) bus: bool,
+}
+
+impl Names {
+    /// Of a device by its place in the machine file.
+    pub(super) fn of(machine: &Machine, device: usize) -> Self {
+        let entry = machine.drives.get(device);
+        let place = |axis: &Axis| axis.drive.as_ref().map_or(0, |drive| drive.index);
+        Self {
+            device: entry.map(|entry| entry.name.clone()).unwrap_or_default(),
+            axes: machine
+                .axes_of(device)
+                .map(|(_, axis)| (place(axis), axis.name.clone()))
+                .collect(),
+            bus: entry.is_some_and(|entry| matches!(entry.family, DriveFamily::SmartDrive(_))),
+        }
+    }
+
+    /// An error of a driver with the device and the axes that it is about; all of them where it does not say which.
+    pub(super) fn tell(&self, source: DriveError) -> HardwareError {
+        let about = |place: usize| {
+            let axes = source.axes();
+            if self.bus {
+                source.at().station == 0 || usize::from(source.at().station) == place
+            } else {
+                axes.is_none_or(|axes| axes.contains(place))
+            }
+        };
+        let concerned: Vec<&str> = self
+            .axes
+            .iter()
+            .filter(|(place, _)| about(*place))
+            .map(|(_, name)| name.as_str())
+            .collect();
+        let device = &self.device;
+        let whose = match *concerned {
+            [] => format!("device `{device}`"),
+            [axis] => format!("device `{device}`, axis {axis}"),
+            _ => format!("device `{device}`, axes {}", concerned.join(", ")),
+        };
+        HardwareError::Drive { whose, source: Box::new(source) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+    use twin_drives::{Action, Axes, Exchange};
+
+    fn names(text: &str, device: usize) -> Names {
+        let machine = Machine::parse(Path::new("machine.toml"), text).unwrap();
+        Names::of(&machine, device)
+    }
+
+    fn at(station: u8) -> Exchange {
+        Exchange { port: "/dev/ttyUSB0".into(), station, action: Action::ReadState }
+    }
+
+    #[test]
+    fn errors_of_drivers_name_device_and_axes_of_the_machine_file() {
+        let board = names(include_str!("../../machines/gantry3.toml"), 0);
+        let told = board.tell(DriveError::Locked { at: at(1) }).to_string();
+        assert_eq!(
+            told,
+            "device `board`, axes X, Y, Z: /dev/ttyUSB0, address 1: reading status and positions: the board is locked"
+        );
+        let switch = DriveError::LimitSwitch { at: at(1), axes: Axes::Letters(0b10) };
+        assert!(board.tell(switch).to_string().starts_with("device `board`, axis Y: /dev/"));
+        // On a bus every axis has its address.
+        let bus = Names {
+            device: "line".to_owned(),
+            axes: vec![(3, "X".to_owned()), (7, "Y".to_owned())],
+            bus: true,
+        };
+        let told = |station| bus.tell(DriveError::Stalled { at: at(station) }).to_string();
+        assert!(told(7).starts_with("device `line`, axis Y: "), "{}", told(7));
+        assert!(told(0).starts_with("device `line`, axes X, Y: "), "{}", told(0));
+        assert!(told(9).starts_with("device `line`: "), "{}", told(9));
+        // A module says which of its axes, from 1.
+        let module =
+            Names { bus: false, axes: vec![(0, "A".to_owned()), (1, "B".to_owned())], ..bus };
+        let told = module.tell(DriveError::AxisMessages { at: at(0), axis: 2, messages: 1 });
+        assert!(told.to_string().starts_with("device `line`, axis B: "), "{told}");
+    }
 }

@@ -199,7 +199,20 @@ impl Hardware {
     ) {
         // First this: the end of a plan that gets shorter is no delay.
         self.finish(true);
-        self.units.iter().for_each(|unit| unit.replace(time_ns, setpoints.clone()));
+        // One that cannot be counted ends it for all axes; the session hears of that and brakes where it still can.
+        let units = &self.units;
+        let beyond = |setpoint| units.iter().find_map(|unit| unit.motion(setpoint).err());
+        let mut countable = 0;
+        let failure = setpoints.clone().find_map(|setpoint| {
+            let failure = beyond(setpoint);
+            countable += usize::from(failure.is_none());
+            failure
+        });
+        for unit in units {
+            let motions = setpoints.clone().take(countable);
+            unit.replace(time_ns, motions.filter_map(|setpoint| unit.motion(setpoint).ok()));
+        }
+        self.failures.extend(failure);
     }
 
     /// Asks the drives to brake now, wherever they are, on ramps of their own.
@@ -305,13 +318,7 @@ impl Hardware {
                     Ok(Some(Event::Ready)) => unit.ready = true,
                     Ok(Some(Event::LeftOn(outputs))) => self.left_on.extend(outputs),
                     Ok(Some(Event::NotStopped(error))) => {
-                        self.not_stopped.push(match error {
-                            HardwareError::Drive(error) => {
-                                format!("device `{}`: {error}", unit.device)
-                            }
-                            // The others name it.
-                            error => error.to_string(),
-                        });
+                        self.not_stopped.push(error.to_string());
                     }
                     Ok(Some(Event::Restarted(certain))) => {
                         self.restarted.push(restarted(&unit.device, certain));
@@ -357,7 +364,12 @@ impl Plant for Hardware {
     type Error = HardwareError;
 
     fn command(&mut self, setpoint: &AxisSetpoint) -> Result<(), HardwareError> {
-        self.units.iter().for_each(|unit| unit.push(setpoint));
+        // All of them or none: no axis goes on without the others.
+        let motions = self.units.iter().map(|unit| unit.motion(setpoint));
+        let motions: Vec<_> = motions.collect::<Result<_, _>>()?;
+        for (unit, motion) in self.units.iter().zip(motions) {
+            unit.push(setpoint.time_ns, motion);
+        }
         Ok(())
     }
 

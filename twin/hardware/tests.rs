@@ -341,17 +341,17 @@ fn the_drives_come_to_the_start_follow_and_rest_at_the_end() {
 #[test]
 fn a_device_that_does_not_answer_is_an_error_of_the_approach() {
     let (mut hardware, _) = start(Strings { probe_fails: true, ..Strings::default() });
-    assert!(matches!(approach(&mut hardware), Err(HardwareError::Drive(_))));
+    assert!(matches!(approach(&mut hardware), Err(HardwareError::Drive { .. })));
     let (mut hardware, strings) =
         start(Strings { samples_fail_from: Some(1), ..Strings::default() });
-    assert!(matches!(approach(&mut hardware), Err(HardwareError::Drive(_))));
+    assert!(matches!(approach(&mut hardware), Err(HardwareError::Drive { .. })));
     drop(hardware);
     assert!(strings.stopped.load(Ordering::SeqCst));
     // Waiting for the session, too.
     let (mut hardware, _) = start(Strings { samples_fail_from: Some(50), ..Strings::default() });
     approach(&mut hardware).unwrap();
     let (_, error) = listen(&mut hardware);
-    assert!(matches!(error, Some(HardwareError::Drive(_))), "{error:?}");
+    assert!(matches!(error, Some(HardwareError::Drive { .. })), "{error:?}");
     // An error is told once; after it there is nothing.
     assert!(matches!(hardware.feedback(), Ok(None)));
 }
@@ -392,7 +392,7 @@ fn a_stop_that_is_not_confirmed_is_told() {
     hardware.abandon();
     let told = hardware.not_stopped();
     assert_eq!(told.len(), 1, "{told:?}");
-    assert!(told[0].starts_with("device `board`: puppet, address 1"), "{told:?}");
+    assert!(told[0].starts_with("device `board`, axes X, Y, Z: puppet, address 1"), "{told:?}");
 }
 
 /// A status that shows "moving" after a confirmed stop keeps nobody waiting for ever: a hard stop comes, and where that changes
@@ -494,7 +494,7 @@ fn an_error_is_told_before_the_device_is_stopped() {
             Err(error) => break error,
         }
     };
-    assert!(matches!(error, HardwareError::Drive(_)));
+    assert!(matches!(error, HardwareError::Drive { .. }));
     assert!(!strings.stopped.load(Ordering::SeqCst), "told only after the stop");
     assert!(hardware.is_running());
     word.send(()).unwrap();
@@ -556,11 +556,38 @@ fn a_start_beyond_the_counters_is_refused() {
     let far = AxisVector::from_values([0.0, -7000.0, 0.0]);
     let refused = Hardware::start(&machine(), only(puppet), &far, CYCLE_NS, 0.25);
     match refused {
-        Err(HardwareError::Range { axis, position, unit }) => {
-            assert_eq!((axis.as_str(), position, unit), ("Y", -7e6, "mm"));
-        }
-        other => panic!("{other:?}"),
+        Err(error) => assert_eq!(error.to_string(), BEYOND),
+        Ok(hardware) => panic!("{hardware:?}"),
     }
+}
+
+/// 2^31 − 1 increments by 320 per mm.
+const BEYOND: &str = "device `board`: axis Y at -7000000 mm is beyond what its drive counts: at most 2147483647 increments, \
+                      which are 6710886.396875 mm, either way";
+
+/// No axis of any device gets a set-point that one of them cannot count.
+#[test]
+fn a_setpoint_beyond_the_counters_is_refused_and_sent_to_no_axis() {
+    let (mut hardware, _strings) = start(Strings::default());
+    approach(&mut hardware).unwrap();
+    for cycle in 0..=500 {
+        hardware.command(&setpoint(cycle, START[0], 0.0)).unwrap();
+    }
+    let mut far = setpoint(501, START[0] + 1e-5, 0.01);
+    far.axes.position = AxisVector::from_values([START[0] + 1e-5, -7000.0, START[2]]);
+    assert_eq!(hardware.command(&far).unwrap_err().to_string(), BEYOND);
+    // Of another plan what can be counted, and then the error.
+    hardware.follow(Clock::start());
+    let good = setpoint(501, START[0] + 1e-5, 0.0);
+    hardware.replan(500 * CYCLE_NS, &[&good, &far].into_iter());
+    // Samples come before and after it is told, as this computer has time.
+    let (mut heard, error) = listen(&mut hardware);
+    assert_eq!(error.expect("told").to_string(), BEYOND);
+    let (later, error) = listen(&mut hardware);
+    assert!(error.is_none(), "{error:?}");
+    heard.extend(later);
+    // On gantry3's 320 increments per mm 10 µm are 3.2: it stands at the last place that could be counted.
+    assert!((heard.last().unwrap().position[0] - START[0] - 1e-5).abs() < 2e-6);
 }
 
 /// Its driver goes on asking, and it may be heard of again: only the session hears of it meanwhile.

@@ -1,11 +1,12 @@
 //! One device: its thread, its stream, and the axes of the machine that hang on it.
 
 use super::device::{APPROACH, Device, FINISH, FOLLOW, STOP};
+use super::error::Names;
 use super::guard::{Guard, Guarded};
 use super::stream::Stream;
 use super::{Attached, Event, HardwareError, Switch};
 use crate::clock::Clock;
-use crate::machine::{Axis, Machine};
+use crate::machine::{Counting, Machine};
 use crate::setpoint::AxisSetpoint;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -23,11 +24,29 @@ const WAITING_SAMPLES: usize = 1024;
 const WAITING_SWITCHES: usize = 64;
 
 /// Where one machine axis is found on the device.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Mapping {
     /// In machine-file order.
     pub(super) axis: usize,
-    increments_per_si: f64,
+    name: String,
+    counting: Counting,
+}
+
+impl Mapping {
+    /// A position that the device cannot count.
+    fn beyond(&self, device: &str, position: f64) -> HardwareError {
+        let (kind, most) = (self.counting.kind(), self.counting.most());
+        #[expect(clippy::cast_precision_loss, reason = "counters have 32 bits")]
+        let farthest = self.counting.si(most as f64).abs();
+        HardwareError::Range {
+            device: device.to_owned(),
+            axis: self.name.clone(),
+            position: position / kind.scale(),
+            most,
+            farthest: farthest / kind.scale(),
+            unit: kind.unit(),
+        }
+    }
 }
 
 /// A device at work.
@@ -59,6 +78,8 @@ impl Unit {
         (cycle_ns, approach): (i64, f64),
         early: &Arc<AtomicBool>,
     ) -> Result<Self, HardwareError> {
+        let name = machine.drives.get(attached.device).map(|entry| entry.name.clone());
+        let name = name.unwrap_or_default();
         let mut target = [0; MAX_DRIVE_AXES];
         let mut speed = [0.0; MAX_DRIVE_AXES];
         let mut rest = [0.0; MAX_DRIVE_AXES];
@@ -67,20 +88,21 @@ impl Unit {
         for (((target, speed), rest), (index, axis)) in slots.zip(machine.axes_of(attached.device))
         {
             let position = start.get(index).copied().unwrap_or_default();
-            let increments_per_si = axis.increments_per_si();
-            *target = whole(axis, position)?;
-            *speed = (axis.max_velocity * increments_per_si).abs() * approach;
-            *rest = position * increments_per_si;
-            axes.push(Mapping { axis: index, increments_per_si });
+            // Axes of a device have a drive.
+            let Some(counting) = axis.counting() else { continue };
+            let mapping = Mapping { axis: index, name: axis.name.clone(), counting };
+            let beyond = || mapping.beyond(&name, position);
+            *target = counting.whole(position).ok_or_else(beyond)?;
+            *speed = counting.increments(axis.max_velocity).abs() * approach;
+            *rest = counting.within(position).ok_or_else(beyond)?;
+            axes.push(mapping);
         }
-        let name = machine.drives.get(attached.device).map(|entry| entry.name.clone());
-        let name = name.unwrap_or_default();
         let stream = Arc::new(Stream::new(rest, cycle_ns));
         let order = Arc::new(AtomicU8::new(APPROACH));
         let (sender, events) = sync_channel(WAITING_SAMPLES);
         let (switches, to_switch) = sync_channel(WAITING_SWITCHES);
         let device = Device {
-            name: name.clone(),
+            names: Names::of(machine, attached.device),
             drive: attached.drive,
             stream: Arc::clone(&stream),
             order: Arc::clone(&order),
@@ -147,31 +169,27 @@ impl Unit {
     }
 
     /// Plans a set-point more.
-    pub(super) fn push(&self, setpoint: &AxisSetpoint) {
-        self.stream.push(setpoint.time_ns, self.motion(setpoint));
+    pub(super) fn push(&self, time_ns: i64, motion: IncrementMotion) {
+        self.stream.push(time_ns, motion);
     }
 
     /// Plans others in the place of those after `time_ns`.
-    pub(super) fn replace<'a>(
-        &self,
-        time_ns: i64,
-        setpoints: impl Iterator<Item = &'a AxisSetpoint>,
-    ) {
-        self.stream.replace(time_ns, setpoints.map(|setpoint| self.motion(setpoint)));
+    pub(super) fn replace(&self, time_ns: i64, motions: impl Iterator<Item = IncrementMotion>) {
+        self.stream.replace(time_ns, motions);
     }
 
-    /// A set-point in increments.
-    fn motion(&self, setpoint: &AxisSetpoint) -> IncrementMotion {
+    /// A set-point in increments; fails where one of its axes is beyond what its drive counts.
+    pub(super) fn motion(&self, setpoint: &AxisSetpoint) -> Result<IncrementMotion, HardwareError> {
         let mut motion = IncrementMotion::default();
         let slots = motion.position.iter_mut().zip(motion.velocity.iter_mut());
         for ((position, velocity), place) in slots.zip(&self.axes) {
-            let of = |values: &AxisVector| {
-                values.get(place.axis).map_or(0.0, |value| value * place.increments_per_si)
-            };
-            *position = of(&setpoint.axes.position);
-            *velocity = of(&setpoint.axes.velocity);
+            let of = |values: &AxisVector| values.get(place.axis).copied().unwrap_or_default();
+            let wanted = of(&setpoint.axes.position);
+            let counted = place.counting.within(wanted);
+            *position = counted.ok_or_else(|| place.beyond(&self.device, wanted))?;
+            *velocity = place.counting.increments(of(&setpoint.axes.velocity));
         }
-        motion
+        Ok(motion)
     }
 
     /// Where the plan has its axes at an instant, m or rad.
@@ -192,7 +210,7 @@ impl Unit {
 
     fn si(&self, mut increments: [f64; MAX_DRIVE_AXES]) -> [f64; MAX_DRIVE_AXES] {
         for (value, place) in increments.iter_mut().zip(&self.axes) {
-            *value /= place.increments_per_si;
+            *value = place.counting.si(*value);
         }
         increments
     }
@@ -248,18 +266,4 @@ impl Drop for Unit {
             thread.join().unwrap_or_default();
         }
     }
-}
-
-/// A position as whole increments.
-fn whole(axis: &Axis, position: f64) -> Result<i64, HardwareError> {
-    let increments = (position * axis.increments_per_si()).round();
-    if increments.abs() < f64::from(i32::MAX) {
-        #[expect(clippy::cast_possible_truncation, reason = "just compared")]
-        return Ok(increments as i64);
-    }
-    Err(HardwareError::Range {
-        axis: axis.name.clone(),
-        position: axis.from_si(position),
-        unit: axis.unit(),
-    })
 }

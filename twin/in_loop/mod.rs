@@ -9,7 +9,7 @@ mod tests;
 
 use crate::emulated;
 use crate::hardware::HORIZON_NS;
-use crate::machine::{AxisKind, DeviceEntry, Machine};
+use crate::machine::{AxisKind, Counting, DeviceEntry, Machine};
 use crate::report::seconds;
 use crate::setpoint::AxisSetpoint;
 use std::collections::VecDeque;
@@ -44,7 +44,7 @@ impl Clone for Device {
 struct DeviceAxis {
     /// In machine-file order.
     axis: usize,
-    increments_per_si: f64,
+    counting: Counting,
 }
 
 impl DrivesInLoop {
@@ -72,9 +72,8 @@ impl DrivesInLoop {
         let devices = machine.drives.iter().enumerate();
         let devices: Vec<_> = devices
             .filter_map(|(index, entry)| {
-                let axes = machine.axes_of(index).map(|(axis, described)| DeviceAxis {
-                    axis,
-                    increments_per_si: described.increments_per_si(),
+                let axes = machine.axes_of(index).filter_map(|(axis, described)| {
+                    Some(DeviceAxis { axis, counting: described.counting()? })
                 });
                 let axes: Vec<_> = axes.collect();
                 let rehearsal = if axes.is_empty() { None } else { rehearsal(index, entry) };
@@ -113,7 +112,7 @@ impl DrivesInLoop {
         self.devices.iter().flat_map(|device| &device.axes).all(|place| {
             let of = |values: &AxisVector| values.get(place.axis).copied().unwrap_or_default();
             let apart = of(&motion.position) - of(&setpoint.axes.position);
-            of(&motion.velocity) == 0.0 && (apart * place.increments_per_si).abs() <= 1.0
+            of(&motion.velocity) == 0.0 && place.counting.increments(apart).abs() <= 1.0
         })
     }
 
@@ -138,14 +137,14 @@ impl DrivesInLoop {
             let asked = device.rehearsal.advance(&plan, setpoint.time_ns);
             let asked = asked.position.iter().zip(asked.velocity);
             for (place, (position, velocity)) in device.axes.iter().zip(asked) {
-                let DeviceAxis { axis, increments_per_si } = *place;
+                let DeviceAxis { axis, counting } = *place;
                 let slots = motion.position.get_mut(axis).zip(motion.velocity.get_mut(axis));
                 let Some((slot, velocity_slot)) = slots else { continue };
-                *slot = position / increments_per_si;
-                *velocity_slot = velocity / increments_per_si;
+                *slot = counting.si(*position);
+                *velocity_slot = counting.si(velocity);
                 let earlier = told.velocity.get(axis).copied().unwrap_or_default();
                 if let Some(slot) = motion.acceleration.get_mut(axis) {
-                    *slot = (velocity / increments_per_si - earlier) / cycle;
+                    *slot = (counting.si(velocity) - earlier) / cycle;
                 }
             }
         }
@@ -178,7 +177,7 @@ impl Plan<'_> {
         let slots = increments.position.iter_mut().zip(&mut increments.velocity);
         for ((position, velocity), place) in slots.zip(self.axes) {
             let of = |values: &AxisVector| {
-                values.get(place.axis).map_or(0.0, |value| value * place.increments_per_si)
+                values.get(place.axis).map_or(0.0, |value| place.counting.increments(*value))
             };
             (*position, *velocity) = (of(&motion.position), of(&motion.velocity));
         }

@@ -1,6 +1,7 @@
 //! `[[axes]]`: what each axis of the machine is and can do.
 
 use super::axis_drive::{self, AxisDrive};
+use super::counting::Counting;
 use super::drives::Seen;
 use super::limits::{DriveLimits, VelocityLimits, read_headroom};
 use super::section::Section;
@@ -106,7 +107,13 @@ impl Axis {
         Some(self.simulated.effort_limit).filter(|limit| limit.is_finite())
     }
 
-    /// Increments per m or rad; 0 without a drive.
+    /// How its drive counts, exactly.
+    pub fn counting(&self) -> Option<Counting> {
+        self.drive.as_ref().map(|drive| drive.counting)
+    }
+
+    /// Increments per m or rad, rounded; 0 without a drive. For speeds, tolerances and estimates: positions are counted by
+    /// [`Self::counting`].
     #[expect(clippy::cast_precision_loss, reason = "read from a file where it is at most 10^12")]
     pub fn increments_per_si(&self) -> f64 {
         self.drive
@@ -199,7 +206,7 @@ pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry>
         max_velocity.map(|velocity| velocity * kind.scale()),
         drive_limits.motor_turns.map(|turns| turns / kind.scale()),
     );
-    let drive = axis_drive::read(section, unit, devices);
+    let drive = axis_drive::read(section, kind, devices);
     let abilities = |drive: &AxisDrive| devices.get(drive.device)?.abilities.as_ref();
     let joint = JointEntry::read(section, kind);
     let (min, max) = if limited {

@@ -1,12 +1,15 @@
 //! The drive of an axis as `[[axes]]` says it: which one, how many increments it makes, what it has to know.
 
+use super::AxisKind;
+use super::counting::Counting;
 use super::drives::{Abilities, Seen};
 use super::section::Section;
 
 /// How many increments of a drive one unit of the axis is, as an exact ratio (the manual's
 /// `dwRatioTechUnitsDenom` / `iRatioTechUnitsNum`).
 ///
-/// Not [`twin_drives::axis::Ratio`], which is a fraction of whole numbers in 32 bits, as SoftMotion's blocks hand it on: a
+/// What is reckoned with it is a [`twin_drives::axis::DecimalRatio`], by [`Counting`]. Not
+/// [`twin_drives::axis::Ratio`], which is a fraction of whole numbers in 32 bits, as SoftMotion's blocks hand it on: a
 /// machine file says what its builder reads off the gear, the belt and the encoder, 10^12 increments and 9.525 mm among it,
 /// and what of that fits 32 bits would have to be refused or rounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +37,8 @@ pub struct AxisDrive {
     pub index: usize,
     /// Increments per unit.
     pub ratio: IncrementRatio,
+    /// The same as it is reckoned with.
+    pub counting: Counting,
     /// What the file says of its switches.
     pub switches: Switches,
 }
@@ -72,7 +77,8 @@ impl AxisDrive {
     }
 }
 
-pub(super) fn read(section: &Section<'_>, unit: &str, devices: &[Seen]) -> Option<AxisDrive> {
+pub(super) fn read(section: &Section<'_>, kind: AxisKind, devices: &[Seen]) -> Option<AxisDrive> {
+    let (axis_kind, unit) = (kind, kind.unit());
     let device = section.text("drive");
     // Which of them it is depends on the device.
     let axis_keys = ["drive_axis", "drive_address"];
@@ -104,7 +110,8 @@ pub(super) fn read(section: &Section<'_>, unit: &str, devices: &[Seen]) -> Optio
         section.complain_at("drive", format!("`drive` is \"{device}\", but {known}"));
         return None;
     };
-    let kind = devices.get(found).and_then(|device| device.kind);
+    let seen = devices.get(found)?;
+    let kind = seen.kind;
     // Without a kind it is not known which axes there are.
     let kind = kind?;
     let index = kind.axis(section);
@@ -125,7 +132,11 @@ pub(super) fn read(section: &Section<'_>, unit: &str, devices: &[Seen]) -> Optio
         return None;
     }
     let ratio = IncrementRatio { increments: increments?, per_units: per_units? };
-    Some(AxisDrive { device: found, index: index?, ratio, switches })
+    // Without its abilities something is wrong with the device, and told already.
+    #[expect(clippy::cast_possible_truncation, reason = "the counters of devices have 32 bits")]
+    let most = seen.abilities.as_ref().map_or(i32::MAX.into(), |able| able.counts as i64);
+    let counting = Counting::new(axis_kind, &ratio, most)?;
+    Some(AxisDrive { device: found, index: index?, ratio, counting, switches })
 }
 
 /// Whether an increment of the drive is a microstep of the step motor that the simulated machine has.

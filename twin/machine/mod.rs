@@ -3,6 +3,7 @@
 mod axis;
 mod axis_drive;
 mod conditions;
+mod counting;
 mod couplings;
 mod direction;
 mod drives;
@@ -25,6 +26,7 @@ pub use axis::{Axis, AxisKind};
 pub use axis_drive::{AxisDrive, IncrementRatio, Switches};
 pub(crate) use conditions::said as tool_table_problem;
 pub use conditions::{PreparationInputs, ProgramConditions};
+pub use counting::Counting;
 pub(crate) use couplings::{CamAxis, read_cam, read_ratio};
 pub use couplings::{CamSelection, CoupledBy, Coupling};
 pub use direction::DirectionRule;

@@ -2,7 +2,7 @@
 //! simulated machine is its input.
 
 use super::axis::{AxisProbe, Search};
-use crate::machine::{Axis, DriveFamily, Machine};
+use crate::machine::{Axis, Counting, DriveFamily, Machine};
 use twin_drives::interpcnc::emulator::{Board, BoardOptions};
 use twin_drives::interpcnc::registers::{BoardAxis, MAX_SPEED_HZ};
 use twin_drives::interpcnc::{AxisValues, Command};
@@ -24,6 +24,14 @@ pub enum BoardRefusal {
         unit: &'static str,
         /// The largest that it can say.
         most: u32,
+    },
+    /// The axis begins where the board cannot count.
+    #[error("the search begins at {increments:.0} steps; the board counts to {most} either way")]
+    Beyond {
+        /// Where.
+        increments: f64,
+        /// The largest count.
+        most: i32,
     },
     /// The board says no.
     #[error("the emulated board refuses command 40 with exception {code}")]
@@ -49,7 +57,7 @@ pub enum BoardRefusal {
 pub(super) struct BoardSearch {
     board: Board,
     axis: BoardAxis,
-    increments_per_si: f64,
+    counting: Counting,
     from: f64,
     change: f64,
     tripped: bool,
@@ -79,17 +87,17 @@ impl BoardSearch {
         }
         Some(
             name.ok_or(BoardRefusal::NoCommand { family })
-                .and_then(|name| Self::commanded(probe, name, axis.increments_per_si(), from)),
+                .and_then(|name| Self::commanded(probe, name, drive.counting, from)),
         )
     }
 
     fn commanded(
         probe: &AxisProbe,
         axis: BoardAxis,
-        increments_per_si: f64,
+        counting: Counting,
         from: f64,
     ) -> Result<Self, BoardRefusal> {
-        let scale = increments_per_si.abs();
+        let scale = counting.increments(1.0).abs();
         let stroke =
             whole("stroke", "steps", probe.stroke.abs() * scale, i32::MAX.cast_unsigned())?;
         let speed_hz = whole("velocity", "steps/s", probe.velocity * scale, MAX_SPEED_HZ)?;
@@ -99,7 +107,7 @@ impl BoardSearch {
             |what, rate: f64| narrow(what, "thousand steps/s²", (rate * scale * 1e-3).ceil());
         let command = Command::Probe {
             axes: axis.mask(),
-            positive: probe.stroke * increments_per_si > 0.0,
+            positive: counting.increments(probe.stroke) > 0.0,
             input: INPUT.into(),
             level: 1,
             max_stroke: stroke.cast_signed(),
@@ -109,22 +117,21 @@ impl BoardSearch {
             deceleration_khz_per_s: rate("deceleration", probe.deceleration)?,
         };
         let mut board = Board::new(&BoardOptions::default());
-        let counter = (from * increments_per_si).round();
+        let counter = counting.whole(from).and_then(|counter| i32::try_from(counter).ok());
+        let counter = counter.ok_or_else(|| BoardRefusal::Beyond {
+            increments: counting.increments(from),
+            most: i32::MAX,
+        })?;
         let mut positions: AxisValues = Default::default();
         if let Some(slot) = positions.get_mut(axis.index()) {
-            #[expect(
-                clippy::cast_possible_truncation,
-                reason = "checked when the machine file was read"
-            )]
-            let counter = counter as i32;
             *slot = Some(counter);
         }
         let unlock = Command::Reset { unlock: true, homing_error: false, probe_error: false };
         for command in [unlock, Command::WritePosition { positions }, command] {
             board.send(&command).map_err(|code| BoardRefusal::Exception { code })?;
         }
-        let from = counter / increments_per_si;
-        Ok(Self { board, axis, increments_per_si, from, change: 0.0, tripped: false })
+        let from = counting.si(counter.into());
+        Ok(Self { board, axis, counting, from, change: 0.0, tripped: false })
     }
 }
 
@@ -139,9 +146,9 @@ impl Search for BoardSearch {
     }
 
     fn motion(&self) -> [f64; 3] {
-        let position = self.board.position(self.axis) / self.increments_per_si - self.from;
-        let velocity = self.board.velocity(self.axis) / self.increments_per_si;
-        [position, velocity, self.change / self.increments_per_si]
+        let position = self.counting.si(self.board.position(self.axis)) - self.from;
+        let velocity = self.counting.si(self.board.velocity(self.axis));
+        [position, velocity, self.counting.si(self.change)]
     }
 
     fn is_under_way(&self) -> bool {
@@ -150,7 +157,7 @@ impl Search for BoardSearch {
 
     fn latched(&self) -> Option<f64> {
         let found = self.tripped && !self.board.status().probe_failed();
-        found.then(|| f64::from(self.board.probe_position()) / self.increments_per_si)
+        found.then(|| self.counting.si(self.board.probe_position().into()))
     }
 }
 

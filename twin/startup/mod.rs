@@ -160,7 +160,10 @@ fn say_once(checks: &mut [Check]) {
 /// Counts as positions in the axis's unit, the smaller one first.
 fn in_units(axis: &Axis, counts: [i64; 2]) -> [f64; 2] {
     #[expect(clippy::cast_precision_loss, reason = "counters have 32 bits")]
-    let [one, other] = counts.map(|count| axis.from_si(count as f64 / axis.increments_per_si()));
+    let [one, other] = counts.map(|count| {
+        let counting = axis.counting();
+        counting.map_or(0.0, |counting| axis.from_si(counting.si(count as f64)))
+    });
     [one.min(other), one.max(other)]
 }
 

@@ -224,7 +224,7 @@ impl Looker<'_> {
             return Ok(());
         }
         #[expect(clippy::cast_precision_loss, reason = "parameters have 32 bits")]
-        let home = offset as f64 / axis.increments_per_si();
+        let home = axis.counting().map_or(0.0, |counting| counting.si(offset as f64));
         let [least, most] = axis.position_limits;
         let told = format!(
             "axis {name}: App_PosOffset is {offset} µsteps: where its home switch opens it counts {:.4} {unit}, not 0",

@@ -1,7 +1,11 @@
 //! Homing with a device: looks at its switch and position as often as the wire lets it, and does what the sequence says.
+//!
+//! Nobody but this watches the switch. So the axis is never sent farther than it goes in a few looks: a way is made of
+//! legs ([`Legs`]), and where looks end the axis does, at the end of the leg it has.
 
 use std::fmt;
 
+use super::legs::Legs;
 use super::{Homing, HomingOptions, Order, Seen};
 use crate::{
     Bits, Drive, DriveError, Increments, MAX_DRIVE_AXES, SetpointStream, Signals, axis::AxisError,
@@ -123,6 +127,10 @@ pub enum HomingError {
 /// position of the axis, and gives the position of the index pulse when there has been one; devices do not latch it.
 /// `abort` is asked before every look.
 ///
+/// The axis is sent a leg at a time, no farther than it goes in half a second
+/// ([`HomingOptions::longest_leg`]): if nobody looks any more, it stops there. A device that takes no other target while it moves
+/// ([`Drive::retargets`]) stops between two legs.
+///
 /// Device and driver keep watching limit switches; where [`HomingOptions::ignore_hardware_limit`] is set, what they tell of
 /// them does not end homing.
 ///
@@ -138,8 +146,15 @@ pub fn home_by_switch(
 ) -> Result<HomingReport, HomingError> {
     let wrong = |error| HomingError::Axis { axis: run.axis, error };
     let sequence = Homing::new(&run.options).map_err(wrong)?;
-    let mut runner =
-        Runner { drive, run, stream, sequence, longest_look_ns: 0, last_look_ns: None };
+    let mut runner = Runner {
+        drive,
+        run,
+        stream,
+        sequence,
+        legs: Legs::default(),
+        longest_look_ns: 0,
+        last_look_ns: None,
+    };
     let outcome = runner.run(index, abort);
     outcome.map_err(|why| match runner.drive.soft_stop().or_else(|_| runner.drive.hard_stop()) {
         Ok(()) => why,
@@ -152,6 +167,7 @@ struct Runner<'a> {
     run: &'a HomingRun,
     stream: &'a dyn SetpointStream,
     sequence: Homing,
+    legs: Legs,
     longest_look_ns: i64,
     last_look_ns: Option<i64>,
 }
@@ -182,11 +198,30 @@ impl Runner<'_> {
             if self.sequence.awaits_index() {
                 look.seen.index = index(&look.signals, look.seen.position);
             }
-            let order = self.sequence.step(&look.seen);
+            let order = self.sequence.step(&self.legs.seen(&look.seen));
             match order.map_err(|error| HomingError::Axis { axis, error })? {
-                Order::Wait => {}
-                Order::Go { target, velocity } => self.go(&look.positions, target, velocity)?,
-                Order::Stop => self.drive.soft_stop()?,
+                Order::Wait => {
+                    let retargets = self.drive.retargets();
+                    if let Some((target, velocity)) = self.legs.next(&look.seen, retargets) {
+                        let ignore = self.run.options.ignore_hardware_limit;
+                        match self.send(&look.positions, target, velocity) {
+                            // It has come to its switch since the look: the next one shows that.
+                            Err(HomingError::Drive(error)) if ignore && error.is_limit_switch() => {
+                            }
+                            sent => sent?,
+                        }
+                    }
+                }
+                Order::Go { target, velocity } => {
+                    // The time of braking is no time between looks: the axis stands.
+                    self.last_look_ns = Some(self.stream.now_ns());
+                    let first = self.legs.begin(look.seen.position, target, velocity);
+                    self.send(&look.positions, first, velocity)?;
+                }
+                Order::Stop => {
+                    self.legs = Legs::default();
+                    self.drive.soft_stop()?;
+                }
                 Order::Declare { position } => shift = self.declare(position)?,
                 Order::Done => {
                     let reference = self.sequence.reference().unwrap_or(look.seen.position);
@@ -234,7 +269,8 @@ impl Runner<'_> {
         Ok(Look { seen, signals, positions: sample.position })
     }
 
-    fn go(
+    /// Sends the axis of these positions to one of its own.
+    fn send(
         &mut self,
         positions: &Increments,
         target: f64,
@@ -247,8 +283,6 @@ impl Runner<'_> {
             *place = whole(target);
             *speed = velocity;
         }
-        // The time of braking is no time between looks: the axis stands.
-        self.last_look_ns = Some(self.stream.now_ns());
         Ok(self.drive.move_to(&targets, &speeds)?)
     }
 

@@ -11,6 +11,7 @@
 
 mod execute;
 mod history;
+mod legs;
 mod sequence;
 #[cfg(test)]
 mod tests;
@@ -173,8 +174,13 @@ impl HomingOptions {
         1.5 * self.velocity_slow * looks_s
     }
 
+    /// How far [`home_by_switch`] sends an axis at a time at most, u: so far it goes where nobody looks any more.
+    pub fn longest_leg(&self) -> f64 {
+        legs::leg(self.velocity_fast.max(self.velocity_slow))
+    }
+
     /// How far the axis goes at most in its direction and against it from where it starts, u, before it returns to zero:
-    /// a drive is sent there and no further, so that it stops there if the switch never comes.
+    /// a drive is sent no further, so that it stops there if the switch never comes.
     pub fn longest_ways(&self) -> (f64, f64) {
         if self.mode.reverses() {
             (self.max_fast_way, self.max_slow_way)

@@ -263,6 +263,7 @@ impl Drive for Bim2AxDrive {
                 continue;
             }
             let target = self.register(*axis, *target)?;
+            self.within(*axis, settings, (&before, target))?;
             if let Some(place) = sent.get_mut(starts.len()) {
                 *place = target;
             }
@@ -287,6 +288,11 @@ impl Drive for Bim2AxDrive {
         // Where one that moves already will stand is not known.
         self.sent = (self.moving(&before) == 0).then_some(sent);
         Ok(())
+    }
+
+    /// "New move while moving" is refused (4.3, message bit 14).
+    fn retargets(&self) -> bool {
+        false
     }
 
     fn sample(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {

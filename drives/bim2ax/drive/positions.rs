@@ -1,8 +1,8 @@
 //! Axes in use and what the module shows of them.
 
 use super::{
-    AXES, Action, Bim2AxDrive, BusStamp, DriveError, MAX_DRIVE_AXES, ModuleAxis, Positions, Sample,
-    Start, message,
+    AXES, Action, AxisSettings, Bim2AxDrive, BusStamp, DriveError, MAX_DRIVE_AXES, ModuleAxis,
+    Positions, Sample, Start, message,
 };
 use crate::{Axes, bim2ax::MOST_POSITION};
 
@@ -62,5 +62,24 @@ impl Bim2AxDrive {
             let action = Action::Command { number, name: "position of the axis" };
             DriveError::Range { at: self.module.at(action), register: 0, value, low, high }
         })
+    }
+
+    /// Fails where a target of a homed axis is beyond its soft limits, at which the module would brake (they act after homing
+    /// only).
+    pub(super) fn within(
+        &self,
+        axis: ModuleAxis,
+        settings: &AxisSettings,
+        (seen, target): (&Positions, i32),
+    ) -> Result<(), DriveError> {
+        let messages = seen.messages.get(axis.index()).copied().unwrap_or(0);
+        let [low, high] = [settings.soft_minus, settings.soft_plus];
+        if messages & message::HOMED == 0 || (low..=high).contains(&target) {
+            return Ok(());
+        }
+        let action = Action::Command { number: axis.number(), name: "position of the axis" };
+        let (at, what) = (self.module.at(action), "target (within the soft limits)");
+        let (value, low, high) = (target.into(), low.into(), high.into());
+        Err(DriveError::Value { at, what, value, low, high })
     }
 }

@@ -89,7 +89,7 @@ impl InterpCncDrive {
         let recipes = if told.has_recipes { "yes, firmware 5.30 or later" } else { "no" };
         let line = told.line.map_or_else(
             || format!("codes {} and {}", told.speed, told.parity),
-            |line| format!("{} baud, parity {:?}", line.baud, line.parity),
+            |line| format!("{} baud, {}", line.baud, line.parity),
         );
         let unit = UnitIdentity {
             station: self.board.options().station,

@@ -2,7 +2,7 @@
 
 use super::bench::{self, stretch};
 use super::control::{Obeys, Switch};
-use super::faults::{self, Said, WireWord};
+use super::faults::{self, Carrier, Said, WireWord};
 use super::{Common, Failure, Status, serve};
 use crate::clock::Clock;
 use twin_drives::bim2ax::emulator::{
@@ -268,7 +268,9 @@ impl Word {
     fn control(self, mut surroundings: Surroundings) -> Result<Control, Said> {
         let axis = |axis: u8| if axis == 1 { ModuleAxis::One } else { ModuleAxis::Two };
         let event = match self {
-            Self::Wire(word) => return word.control(|words| obeyed(words, surroundings)),
+            Self::Wire(word) => {
+                return word.control(Carrier::Bus, |words| obeyed(words, surroundings));
+            }
             Self::Contact { axis: number, contact, state } => {
                 let slot = contact.of(&mut surroundings, axis(number))?;
                 // One that nothing actuates.

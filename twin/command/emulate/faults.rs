@@ -1,6 +1,7 @@
 //! Words that every emulated device obeys: what goes wrong with its wire or bus, and when.
 
 use super::control::{Switch, understood};
+use clap::ValueEnum;
 use twin_drives::{Control, Direction, FaultRule, When, WireFault};
 
 /// What all devices obey.
@@ -8,7 +9,8 @@ use twin_drives::{Control, Direction, FaultRule, When, WireFault};
 pub(super) enum WireWord {
     /// Requests or answers suffer from now on: drop, delay MS, corrupt BYTES, truncate KEEP, duplicate, reorder,
     /// wrong-check, noise BYTES, refuse CODE, echo (these two only of requests). On the bus of a BIM2AX a request is what
-    /// the host writes for one interrupt, and an answer what the module shows after it
+    /// the host writes for one interrupt, and an answer what the module shows after it: there is no wrong-check, noise or echo,
+    /// and no answer comes twice
     Fault {
         #[arg(value_enum)]
         direction: DirectionWord,
@@ -51,7 +53,7 @@ pub(super) enum DirectionWord {
     Answer,
 }
 
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum FaultWord {
     Drop,
     Delay,
@@ -63,6 +65,54 @@ pub(super) enum FaultWord {
     Noise,
     Refuse,
     Echo,
+}
+
+/// What a device hangs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Carrier {
+    /// Bytes of frames.
+    Wire,
+    /// A memory, which has neither frames nor check sums.
+    Bus,
+}
+
+impl Carrier {
+    /// What can befall what goes this way.
+    const fn faults(self, direction: Direction) -> &'static [FaultWord] {
+        use FaultWord::{
+            Corrupt, Delay, Drop, Duplicate, Echo, Noise, Refuse, Reorder, Truncate, WrongCheck,
+        };
+        match (self, direction) {
+            (Self::Wire, Direction::Request) => &[
+                Drop, Delay, Corrupt, Truncate, Duplicate, Reorder, WrongCheck, Noise, Refuse, Echo,
+            ],
+            (Self::Wire, Direction::Answer) => {
+                &[Drop, Delay, Corrupt, Truncate, Duplicate, Reorder, WrongCheck, Noise]
+            }
+            (Self::Bus, Direction::Request) => {
+                &[Drop, Delay, Corrupt, Truncate, Duplicate, Reorder, Refuse]
+            }
+            (Self::Bus, Direction::Answer) => &[Drop, Delay, Corrupt, Truncate, Reorder],
+        }
+    }
+
+    /// # Errors
+    /// If nothing of the kind can befall what goes this way, with what can.
+    fn check(self, direction: Direction, fault: FaultWord) -> Result<(), String> {
+        let known = self.faults(direction);
+        if known.contains(&fault) {
+            return Ok(());
+        }
+        let name = |fault: &FaultWord| {
+            fault.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())
+        };
+        let way = match direction {
+            Direction::Request => "request",
+            Direction::Answer => "answer",
+        };
+        let known: Vec<_> = known.iter().map(name).collect();
+        Err(format!("no {way} can {}: there are {}", name(&fault), known.join(", ")))
+    }
 }
 
 impl FaultWord {
@@ -92,6 +142,7 @@ impl WireWord {
     /// What is wrong with the words, or help about them.
     pub(super) fn control<E>(
         self,
+        carrier: Carrier,
         obey: impl FnOnce(&[&str]) -> Result<Control<E>, Said>,
     ) -> Result<Control<E>, Said> {
         Ok(match self {
@@ -102,6 +153,7 @@ impl WireWord {
                 };
                 let when = next.map(When::Next).or(after.map(When::After));
                 let when = when.or(every.map(When::Every)).or(per_million.map(When::PerMillion));
+                carrier.check(direction, fault).map_err(Err)?;
                 let fault = fault.fault(value).map_err(Err)?;
                 Control::Fault(FaultRule { direction, when: when.unwrap_or(When::Always), fault })
             }
@@ -150,7 +202,7 @@ mod tests {
     fn obeyed(words: &[&str]) -> Result<Control<()>, Said> {
         control(words, |word| match word {
             Word::Ring => Ok(Control::Event(())),
-            Word::Wire(wire) => wire.control(obeyed),
+            Word::Wire(wire) => wire.control(Carrier::Wire, obeyed),
         })
     }
 
@@ -186,6 +238,25 @@ mod tests {
         }
         let said = parsed("after 7 fault answer drop --next 1");
         assert!(matches!(said, Ok(Control::After { requests: 7, .. })), "{said:?}");
+    }
+
+    #[test]
+    fn what_would_do_nothing_is_refused_with_what_there_is() {
+        let refused = parsed("fault answer refuse 4");
+        let Err(Err(why)) = &refused else { panic!("{refused:?}") };
+        assert_eq!(
+            why,
+            "no answer can refuse: there are drop, delay, corrupt, truncate, duplicate, reorder, wrong-check, noise"
+        );
+        assert!(matches!(parsed("fault answer echo"), Err(Err(_))));
+        // A memory has no check sums, and shows a number once.
+        let on_bus = |direction| {
+            [FaultWord::WrongCheck, FaultWord::Noise, FaultWord::Echo]
+                .map(|fault| Carrier::Bus.check(direction, fault).is_err())
+        };
+        assert_eq!((on_bus(Direction::Request), on_bus(Direction::Answer)), ([true; 3], [true; 3]));
+        assert!(Carrier::Bus.check(Direction::Answer, FaultWord::Duplicate).is_err());
+        assert!(Carrier::Bus.check(Direction::Request, FaultWord::Duplicate).is_ok());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::bench::{self, stretch};
 use super::control::{Obeys, Switch};
-use super::faults::{self, Said, WireWord};
+use super::faults::{self, Carrier, Said, WireWord};
 use super::{Common, Failure, Status, milliseconds, serve};
 use crate::clock::Clock;
 use twin_drives::interpcnc::emulator::{
@@ -263,7 +263,7 @@ impl Word {
     fn control(self, bench: &Bench) -> Result<Control, Said> {
         let mut bench = bench.clone();
         let event = match self {
-            Self::Wire(word) => return word.control(|words| obeyed(words, &bench)),
+            Self::Wire(word) => return word.control(Carrier::Wire, |words| obeyed(words, &bench)),
             Self::Cam { number: input, axis, range: (from, to), opens } => {
                 bench.cams.push(Cam {
                     input,

@@ -2,7 +2,7 @@
 
 use super::bench::{self, stretch};
 use super::control::{Obeys, Switch};
-use super::faults::{self, Said, WireWord};
+use super::faults::{self, Carrier, Said, WireWord};
 use super::{Common, Failure, Status, milliseconds, serve};
 use crate::clock::Clock;
 use std::collections::HashSet;
@@ -229,7 +229,9 @@ impl Word {
     /// What happens, and the address of the drive.
     fn event(self, addresses: &[u8]) -> Result<Control, Said> {
         let (address, event) = match self {
-            Self::Wire(word) => return word.control(|words| obeyed(words, addresses)),
+            Self::Wire(word) => {
+                return word.control(Carrier::Wire, |words| obeyed(words, addresses));
+            }
             Self::Input { address, input, state } => {
                 (address, Event::Input { input: input.input(), level: state.is_on() })
             }

@@ -47,9 +47,10 @@ pub(super) fn homing_speeds(
 fn homing_parameter(machine: &Machine, axis: &Axis) -> Option<(ParameterId, f64)> {
     let place = axis.drive.as_ref()?;
     Some(match &machine.drives.get(place.device)?.family {
-        DriveFamily::InterpCnc(board) => {
+        DriveFamily::InterpCnc(_) => {
+            // The only board of its driver.
             let number = interpcnc::home_speed(*BoardAxis::ALL.get(place.index)?);
-            (ParameterId { station: board.station, number }, 1.0)
+            (ParameterId { station: 0, number }, 1.0)
         }
         DriveFamily::SmartDrive(bus) => {
             let station = u8::try_from(place.index).ok()?;

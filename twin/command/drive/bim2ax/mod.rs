@@ -233,7 +233,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
                 return Err(Failure::Usage(message.to_owned()));
             };
             let name = format!("axis {}", axis.number());
-            by_switch.carry_out(&mut arguments.drive(&[axis])?, &name, consent)?;
+            by_switch.carry_out(&mut arguments.drive(&[axis])?, (&name, "µsteps"), consent)?;
             return Ok(Status::Fit);
         }
         Action::Save => {

@@ -119,8 +119,10 @@ pub(super) fn travel(
     speed: Option<u16>,
 ) -> Result<(), Failure> {
     let seen = standing(session, module, "move")?;
-    let (from, _) = of(&seen, axis);
+    let (from, messages) = of(&seen, axis);
     let of_axis = settings(session, module, axis)?;
+    let homed = messages & message::HOMED != 0;
+    within(&of_axis, (axis, homed), target).map_err(Failure::Usage)?;
     let per_s = of_axis.speed(speed.unwrap_or(of_axis.fast_speed));
     let number = axis.number();
     consent
@@ -136,9 +138,37 @@ pub(super) fn travel(
     Ok(())
 }
 
+/// Of an axis that is homed the soft limits count: the module would brake there, short of its target.
+fn within(
+    settings: &AxisSettings,
+    (axis, homed): (ModuleAxis, bool),
+    target: i32,
+) -> Result<(), String> {
+    let [low, high] = [settings.soft_minus, settings.soft_plus];
+    if !homed || (low..=high).contains(&target) {
+        return Ok(());
+    }
+    let (limit, sign) = if target > high { (high, '+') } else { (low, '-') };
+    let number = axis.number();
+    Err(format!(
+        "axis {number} cannot go to {target} µsteps: its soft limit {sign} is at {limit} µsteps (nothing was sent)"
+    ))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{AxisSettings, Duration, homing_time};
+    use super::{AxisSettings, Duration, ModuleAxis, homing_time, within};
+
+    #[test]
+    fn a_target_beyond_a_soft_limit_of_a_homed_axis_is_refused_with_the_limit() {
+        let limited = AxisSettings { soft_minus: -800, soft_plus: 4000, ..<_>::default() };
+        let to = |target, homed| within(&limited, (ModuleAxis::Two, homed), target);
+        assert_eq!([to(-800, true), to(4000, true), to(9999, false)], [Ok(()), Ok(()), Ok(())]);
+        let beyond = to(4001, true).unwrap_err();
+        assert!(beyond.contains("axis 2 cannot go to 4001 µsteps: its soft limit + is at 4000"));
+        let below = to(-801, true).unwrap_err();
+        assert!(below.contains("its soft limit - is at -800 µsteps"), "{below}");
+    }
 
     /// 5.1: homing goes at the start-stop speed, here 100 steps/s of 16 µsteps; 480 000 µsteps take 300 s.
     #[test]

@@ -252,7 +252,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
                 return Err(Failure::Usage(message.to_owned()));
             };
             let mut drive = arguments.drive(&[axis])?;
-            by_switch.carry_out(&mut drive, &format!("axis {axis}"), consent)?;
+            by_switch.carry_out(&mut drive, (&format!("axis {axis}"), "steps"), consent)?;
             return Ok(Status::Fit);
         }
         Action::Save => {

@@ -41,7 +41,7 @@ const SINGLE: [(u16, &str); 21] = [
     (numbers::RESET_WHEN_LOCKED, "bits, OUT1 first"),
     (numbers::MODBUS_SPEED, "code"),
     (numbers::MODBUS_PARITY, "code"),
-    (numbers::MODBUS_ADDRESS, "station"),
+    (numbers::MODBUS_ADDRESS, "address"),
     (numbers::ZERO_AFTER_HOMING, "0 or 1"),
     (numbers::ANALOG_LOCKED, "0 to 1023"),
     (numbers::ANALOG_LOCKED + 1, "0 to 1023"),

@@ -23,7 +23,7 @@ pub(super) fn scan(
         match session.ask(board.identify(&no_clock)) {
             Ok(identity) => {
                 let line = identity.line.map_or("unknown codes".to_owned(), |line| {
-                    format!("{} baud, parity {:?}", line.baud, line.parity).to_lowercase()
+                    format!("{} baud, {}", line.baud, line.parity)
                 });
                 let recipes = if identity.has_recipes { "yes" } else { "no" };
                 table.add_row([right(address), line.into(), recipes.into()]);

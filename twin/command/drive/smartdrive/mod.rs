@@ -227,7 +227,8 @@ impl Arguments {
         }
         let mut drive = SmartDriveBus::open(&self.port, &options)?;
         let name = format!("drive {}", self.address);
-        by_switch.carry_out_at_zero(&mut drive, &name, self.consent(), |drive| drive.zero_here(0))
+        let named = (name.as_str(), "µsteps");
+        by_switch.carry_out_at_zero(&mut drive, named, self.consent(), |drive| drive.zero_here(0))
     }
 }
 

@@ -1,15 +1,18 @@
 //! Homing by a switch that the drive only shows, as SoftMotion's `SMC_Homing` does it.
 
+mod index;
+mod way;
+mod words;
+
 use super::consent::Consent;
 use crate::clock::Clock;
 use crate::command::Failure;
 use crate::command::run::Interrupt;
 use crate::startup::Still;
 use twin_drives::axis::Direction;
-use twin_drives::axis::homing::{
-    HomingError, HomingMode, HomingOptions, HomingRun, Switch, home_by_switch,
-};
-use twin_drives::{Drive, DriveError, MAX_DRIVE_AXES, Signals};
+use twin_drives::axis::homing::{HomingMode, HomingOptions, HomingRun, Switch, home_by_switch};
+use twin_drives::{Drive, DriveError, MAX_DRIVE_AXES, SetpointStream};
+use words::Told;
 
 /// How an axis is homed by a switch.
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -59,26 +62,28 @@ pub(super) struct BySwitch {
     #[arg(long, requires = "by_switch")]
     positive: bool,
 
-    /// Speed towards the switch, increments/s
+    /// Speed towards the switch, steps/s; of a SmartDRIVE or a BIM2AX µsteps/s, as everything that follows is in µsteps. So far as
+    /// it goes in half a second it goes on where this program or its wire fails
     #[arg(long, value_name = "PER_S", default_value_t = 2000, requires = "by_switch", value_parser = clap::value_parser!(u32).range(1..))]
     fast: u32,
 
-    /// Speed off the switch, increments/s
+    /// Speed off the switch, steps/s
     #[arg(long, value_name = "PER_S", default_value_t = 200, requires = "by_switch", value_parser = clap::value_parser!(u32).range(1..))]
     slow: u32,
 
-    /// Longest way to the switch, increments; so far the axis goes, past the switch, where the program or its wire fails
-    #[arg(long, value_name = "INCREMENTS", default_value_t = 100_000, requires = "by_switch", value_parser = clap::value_parser!(u32).range(1..))]
-    max_way: u32,
+    /// Longest way to the switch, steps; so far the axis goes where the switch never comes [default: 100000, and no farther than
+    /// the drive's own limits]
+    #[arg(long, value_name = "STEPS", requires = "by_switch", value_parser = clap::value_parser!(u32).range(1..))]
+    max_way: Option<u32>,
 
-    /// Longest way off the switch, increments
-    #[arg(long, value_name = "INCREMENTS", default_value_t = 10_000, requires = "by_switch", value_parser = clap::value_parser!(u32).range(1..))]
+    /// Longest way off the switch, steps
+    #[arg(long, value_name = "STEPS", default_value_t = 10_000, requires = "by_switch", value_parser = clap::value_parser!(u32).range(1..))]
     max_slow_way: u32,
 
-    /// Position of the home, increments
+    /// Position of the home, steps
     #[arg(
         long,
-        value_name = "INCREMENTS",
+        value_name = "STEPS",
         default_value_t = 0,
         allow_negative_numbers = true,
         requires = "by_switch"
@@ -97,46 +102,6 @@ fn delay_ms(text: &str) -> Result<f64, String> {
     delay.ok_or_else(|| "expected 0 to 1000 ms".to_owned())
 }
 
-/// Waits for the edge of an index pulse.
-struct Index {
-    /// Which input, and its level during the pulse.
-    input: Option<(u8, bool)>,
-    /// It has been seen without the pulse, since the switch has opened.
-    armed: bool,
-}
-
-impl Index {
-    /// Where the axis was when the pulse was first seen.
-    fn seen(&mut self, signals: &Signals, position: f64) -> Option<f64> {
-        let (number, level) = self.input?;
-        let on = signals.inputs.get(number)? == level;
-        let begins = on && self.armed;
-        self.armed |= !on;
-        begins.then_some(position)
-    }
-}
-
-/// Why homing has failed, without the axis, whose only name is that of its drive.
-fn why(error: &HomingError, interrupt: &Interrupt) -> String {
-    match error {
-        HomingError::Axis { error, .. } => error.to_string(),
-        HomingError::Drive(error) => error.to_string(),
-        HomingError::NoSwitch { switch: Switch::Home, .. } => {
-            "the drive does not tell which input the home switch is at: `--input N` says it, as `inputs` numbers them".to_owned()
-        }
-        HomingError::NoSwitch { switch, .. } => format!("the drive does not show {switch}"),
-        HomingError::Moving { .. } => "an axis of the device moves".to_owned(),
-        HomingError::NotStopped { why: first, source } => {
-            format!(
-                "{}; and the axis could not be stopped: {source}; it may go on past its switch for all of --max-way: use the \
-                 emergency stop",
-                why(first, interrupt)
-            )
-        }
-        HomingError::Aborted { .. } => format!("stopped by {}", interrupt.name()),
-    }
-}
-
 impl BySwitch {
     /// Whether it is wanted.
     pub(super) fn is_wanted(&self) -> bool {
@@ -148,14 +113,14 @@ impl BySwitch {
         f64::from(self.fast.max(self.slow))
     }
 
-    /// Enables the drive and homes its only axis in use, which is called `name`.
+    /// Enables the drive and homes its only axis in use; what it is called, and what its increments are.
     pub(super) fn carry_out(
         &self,
         drive: &mut dyn Drive,
-        name: &str,
+        named: (&str, &'static str),
         consent: Consent,
     ) -> Result<(), Failure> {
-        let (said, _) = self.find(drive, name, consent, "")?;
+        let (said, _) = self.find(drive, named, consent, "")?;
         say!("{said}");
         Ok(())
     }
@@ -164,7 +129,7 @@ impl BySwitch {
     pub(super) fn carry_out_at_zero<D: Drive>(
         &self,
         drive: &mut D,
-        name: &str,
+        (name, unit): (&str, &'static str),
         consent: Consent,
         keep: impl FnOnce(&mut D) -> Result<(), DriveError>,
     ) -> Result<(), Failure> {
@@ -172,12 +137,12 @@ impl BySwitch {
         if i64::from(self.home_position).abs() > most {
             return Err(Failure::Usage(format!(
                 "{name} can make its counter 0 where it stands, and give it no other value: from its home at {} it would go to 0, \
-                 which is beyond --max-slow-way ({most} increments)",
+                 which is beyond --max-slow-way ({most} {unit})",
                 self.home_position
             )));
         }
         let (said, interrupt) =
-            self.find(drive, name, consent, ", then to 0, where its counter becomes 0")?;
+            self.find(drive, (name, unit), consent, ", then to 0, where its counter becomes 0")?;
         if let Err(failed) = self.return_to_zero(drive, &interrupt) {
             let stopped = drive.soft_stop().err();
             let stopped = stopped.map_or(String::new(), |error| {
@@ -214,114 +179,94 @@ impl BySwitch {
         }
     }
 
-    /// Where the index pulse of modes 2 and 6 is seen.
-    fn index(&self, drive: &mut dyn Drive, mode: HomingMode) -> Result<Index, Failure> {
-        let by_index = matches!(mode, HomingMode::FastBslowISStop | HomingMode::FastSlowISStop);
-        let number = mode.number();
-        let message = match self.index_input {
-            None if by_index => {
-                // No drive latches one for its master, and the index of an encoder is at no input: it would have to be wired to one.
-                format!(
-                    "mode {number} ends on an index pulse, which no drive tells its master by itself: --index-input N says at which input it \
-                     is; a BIM2AX homes on the index of its encoder by itself (bit 3 of encoder-definition, then `home` without --by-switch)"
-                )
-            }
-            Some(_) if !by_index => {
-                format!(
-                    "--index-input says nothing in mode {number}: modes 2 and 6 go to an index pulse"
-                )
-            }
-            Some(input) => {
-                let clock = Clock::start();
-                let count = drive.signals(&|| clock.now_ns())?.inputs.count();
-                if input <= count {
-                    return Ok(Index { input: Some((input, !self.index_low)), armed: false });
-                }
-                format!("--index-input {input}: the drive shows {count} inputs")
-            }
-            None => return Ok(Index { input: None, armed: false }),
+    /// Which signal of the drive the switch is.
+    fn switch(&self) -> Switch {
+        match self.input {
+            Some(number) => Switch::Input { number, pressed: !self.normally_closed },
+            None if self.on_limit && self.positive => Switch::PositiveLimit,
+            None if self.on_limit => Switch::NegativeLimit,
+            None => Switch::Home,
+        }
+    }
+
+    /// What homing is to be like, with the longest way to the switch.
+    fn options(&self, mode: HomingMode, most: u32) -> Result<HomingOptions, Failure> {
+        let (slow, fast) = (f64::from(self.slow), f64::from(self.fast));
+        let options = HomingOptions {
+            home_position: f64::from(self.home_position),
+            velocity_fast: fast,
+            direction: if self.positive { Direction::Positive } else { Direction::Negative },
+            mode,
+            signal_delay: self.signal_delay * 1e-3,
+            return_to_zero: self.return_to_zero,
+            ignore_hardware_limit: self.ignore_limits || self.on_limit,
+            // Ramps are the drive's.
+            ..HomingOptions::new(slow, fast, f64::from(most), f64::from(self.max_slow_way))
         };
-        Err(Failure::Usage(message))
+        options.check().map_err(|error| Failure::Usage(words::axis_error(&error)))?;
+        Ok(options)
     }
 
     /// Finds the home; what there is to say of it.
     fn find(
         &self,
         drive: &mut dyn Drive,
-        name: &str,
+        (name, unit): (&str, &'static str),
         consent: Consent,
         afterwards: &str,
     ) -> Result<(String, Interrupt), Failure> {
         let mode = self.mode.unwrap_or(HomingMode::FastBslowSStop);
         let stream = Still::new(Clock::start());
         let from = drive.probe(&stream)?.position.first().copied().unwrap_or(0);
-        let direction = if self.positive { Direction::Positive } else { Direction::Negative };
-        let switch = match self.input {
-            Some(number) => Switch::Input { number, pressed: !self.normally_closed },
-            None if self.on_limit && self.positive => Switch::PositiveLimit,
-            None if self.on_limit => Switch::NegativeLimit,
-            None => Switch::Home,
-        };
-        let mut index = self.index(drive, mode)?;
-        let (slow, fast) = (f64::from(self.slow), f64::from(self.fast));
-        let (most, most_slow) = (f64::from(self.max_way), f64::from(self.max_slow_way));
-        let options = HomingOptions {
-            home_position: f64::from(self.home_position),
-            velocity_fast: fast,
-            direction,
-            mode,
-            signal_delay: self.signal_delay * 1e-3,
-            return_to_zero: self.return_to_zero,
-            ignore_hardware_limit: self.ignore_limits || self.on_limit,
-            // Ramps are the drive's.
-            ..HomingOptions::new(slow, fast, most, most_slow)
-        };
-        options.check().map_err(|error| Failure::Usage(error.to_string()))?;
+        let signals = drive.signals(&|| stream.now_ns())?;
+        let mut index = self.index(&signals, mode)?;
+        // Mistakes of the words are told before what the drive does not have.
+        self.options(mode, 1)?;
+        let switch = self.switch();
+        if switch.pressed(&signals, 0).is_none() {
+            return Err(Failure::Usage(words::no_switch(switch, &signals)));
+        }
+        let (most, kept) = self.way(drive, from, unit)?;
+        let options = self.options(mode, most)?;
+        let told = Told { name, unit, switch, leg: options.longest_leg() };
         let sign = if self.positive { '+' } else { '-' };
-        let at = match (self.input, self.on_limit) {
-            (Some(input), _) => format!("input {input}"),
-            (None, true) => "its limit switch".to_owned(),
-            (None, false) => "its home switch".to_owned(),
-        };
         let afterwards = match self.index_input {
             Some(input) => format!(" until the index pulse comes at input {input}{afterwards}"),
             None => afterwards.to_owned(),
         };
         let returns = if self.return_to_zero { ", then to 0" } else { "" };
+        let at = told.place();
+        let Self { fast, slow, .. } = self;
         consent.ask(&format!(
-            "home {name} from {from} towards {sign} until {at} says so, {most} increments at most, at {fast} increments/s, and off \
-             it at {slow}{afterwards}{returns}; where this program or its wire fails meanwhile nobody watches the switch, and the \
-             axis goes on for all of that way"
+            "home {name} from {from} towards {sign} until {at} says so, {most} {unit} at most{kept}, at {fast} {unit}/s, and off it at \
+             {slow}{afterwards}{returns}; where this program or its wire fails meanwhile nobody watches the switch, and the axis \
+             ends within {} {unit}",
+            told.leg
         ))?;
         let interrupt = Interrupt::catch()?;
         drive.enable()?;
+        // A drive that was off counts from 0 now.
+        let now = drive.probe(&stream)?.position.first().copied().unwrap_or(0);
+        let options = if now == from {
+            options
+        } else {
+            self.options(mode, most.min(self.way(drive, now, unit)?.0))?
+        };
         let run = HomingRun { axis: 0, switch, options };
         let stopped = || interrupt.count() > 0;
-        let report = match home_by_switch(
+        let ended = home_by_switch(
             drive,
             &run,
             &stream,
             &mut |signals, position| index.seen(signals, position),
             &stopped,
-        ) {
-            Ok(report) => report,
-            Err(error) => {
-                // A drive that says nothing any more is no reason to say less.
-                let sample = drive.probe(&stream).ok();
-                let stands = sample.and_then(|sample| sample.position.first().copied());
-                let stands =
-                    stands.map_or(String::new(), |at| format!("; it stands at {at} increments"));
-                return Err(Failure::Usage(format!(
-                    "homing {name}: {}{stands}",
-                    why(&error, &interrupt)
-                )));
-            }
-        };
+        );
+        let report = ended.map_err(|error| told.failure(&error, drive, &interrupt))?;
         let stands = drive.sample(&stream)?.position.first().copied().unwrap_or(0);
         #[expect(clippy::cast_precision_loss, reason = "milliseconds")]
         let looks_s = report.longest_look_ns as f64 * 1e-9;
         let said = format!(
-            "{name} is home, at {stands}; the switch was at {:.1}, known to {:.1} increments",
+            "{name} is home, at {stands}; the switch was at {:.1}, known to {:.1} {unit}",
             report.reference,
             options.uncertainty(looks_s)
         );
@@ -331,24 +276,8 @@ impl BySwitch {
 
 #[cfg(test)]
 mod tests {
-    use super::{Index, delay_ms, mode};
+    use super::{delay_ms, mode};
     use twin_drives::axis::homing::HomingMode;
-    use twin_drives::{Bits, Signals};
-
-    /// 2.2.7: the pulse counts once the switch has opened. One under way then began before.
-    #[test]
-    fn an_index_pulse_counts_from_its_edge_on() {
-        let with =
-            |level: u64| Signals { inputs: Bits::new(level << 2, 8, &[]), ..Signals::default() };
-        let mut index = Index { input: Some((3, true)), armed: false };
-        let seen = [(1, 10.0), (0, 11.0), (0, 12.0), (1, 13.0)];
-        let found = seen.map(|(level, position)| index.seen(&with(level), position));
-        assert_eq!(found, [None, None, None, Some(13.0)]);
-        // One that is off during the pulse.
-        let mut index = Index { input: Some((3, false)), armed: false };
-        let found = seen.map(|(level, position)| index.seen(&with(level), position));
-        assert_eq!(found, [None, Some(11.0), Some(12.0), None]);
-    }
 
     #[test]
     fn all_six_modes_can_be_said() {
