@@ -30,6 +30,16 @@ pub enum WireFault {
         /// How many; all of them if there are fewer.
         bytes: usize,
     },
+    /// So many of its bytes, wherever they are, do not arrive: a receiver that was read too late.
+    Lose {
+        /// How many; all of them if there are fewer.
+        bytes: usize,
+    },
+    /// So many of its bytes, wherever they are, arrive twice.
+    Double {
+        /// How many; all of them if there are fewer.
+        bytes: usize,
+    },
     /// Only its first bytes arrive.
     Truncate {
         /// How many.
@@ -63,6 +73,8 @@ impl fmt::Display for WireFault {
             Self::Drop => f.write_str("drop"),
             Self::Delay { ns } => write!(f, "delay by {ns} ns"),
             Self::Corrupt { bytes } => write!(f, "corrupt {bytes} bytes"),
+            Self::Lose { bytes } => write!(f, "lose {bytes} bytes"),
+            Self::Double { bytes } => write!(f, "double {bytes} bytes"),
             Self::Truncate { keep } => write!(f, "truncate to {keep} bytes"),
             Self::Duplicate => f.write_str("duplicate"),
             Self::Reorder => f.write_str("reorder"),
@@ -208,6 +220,19 @@ impl FaultyWire {
                     self.corrupt(frame, bytes);
                 }
             }
+            WireFault::Lose { bytes } => {
+                for (_, frame) in &mut passed.pieces {
+                    for _ in 0..bytes.min(frame.len()) {
+                        frame.remove(self.place(frame.len()));
+                    }
+                }
+                passed.pieces.retain(|(_, frame)| !frame.is_empty());
+            }
+            WireFault::Double { bytes } => {
+                for (_, frame) in &mut passed.pieces {
+                    self.double(frame, bytes);
+                }
+            }
             WireFault::Truncate { keep } => {
                 passed.pieces.iter_mut().for_each(|(_, frame)| frame.truncate(keep));
                 passed.pieces.retain(|(_, frame)| !frame.is_empty());
@@ -248,6 +273,20 @@ impl FaultyWire {
                 *byte ^= change;
             }
         }
+    }
+
+    /// Repeats so many different bytes, each behind itself.
+    fn double(&mut self, frame: &mut Vec<u8>, bytes: usize) {
+        let mut times = vec![1; frame.len()];
+        let mut places: Vec<usize> = (0..frame.len()).collect();
+        for _ in 0..bytes.min(frame.len()) {
+            let place = places.swap_remove(self.place(places.len()));
+            if let Some(times) = times.get_mut(place) {
+                *times = 2;
+            }
+        }
+        let repeated = frame.iter().zip(times).flat_map(|(byte, times)| vec![*byte; times]);
+        *frame = repeated.collect();
     }
 
     fn reorder(&mut self, frame: &mut [u8]) {
@@ -326,6 +365,20 @@ mod tests {
         assert_eq!(changed(&once(WireFault::Corrupt { bytes: 3 })[0].1).len(), 3);
         assert_eq!(changed(&once(WireFault::Corrupt { bytes: 99 })[0].1).len(), 8);
         assert_eq!(changed(&once(WireFault::WrongCheck)[0].1), [7]);
+        // What is left are bytes of the frame in their order, and what is too much are bytes beside themselves.
+        for bytes in [1, 3, 99] {
+            let lost = once(WireFault::Lose { bytes }).pop().map_or(Vec::new(), |(_, frame)| frame);
+            assert_eq!(lost.len(), FRAME.len().saturating_sub(bytes));
+            let mut of_frame = FRAME.iter();
+            assert!(lost.iter().all(|byte| of_frame.any(|own| own == byte)), "{lost:?}");
+            let bytes_of = [1, 2, 3, 4, 5, 6, 7, 8];
+            let double = WireFault::Double { bytes };
+            let mut doubled = wire(double, When::Always).pass(Direction::Answer, &bytes_of).pieces;
+            let (_, mut doubled) = doubled.remove(0);
+            assert_eq!(doubled.len(), 8 + bytes.min(8));
+            doubled.dedup();
+            assert_eq!(doubled, bytes_of);
+        }
         let noisy = once(WireFault::Noise { bytes: 5 });
         assert_eq!(noisy[0].1[5..], FRAME);
         let reordered = once(WireFault::Reorder).remove(0).1;

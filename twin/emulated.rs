@@ -337,7 +337,8 @@ fn wire(entry: &InterpCncEntry) -> Wire {
     Wire { line: line(entry), turnaround: Duration::from_micros(entry.turnaround_us.into()) }
 }
 
-fn line(entry: &InterpCncEntry) -> Line {
+/// The line of a board.
+pub(crate) fn line(entry: &InterpCncEntry) -> Line {
     use twin_drives::interpcnc::Parity as WireParity;
     let parity = match entry.parity {
         Parity::None => WireParity::None,

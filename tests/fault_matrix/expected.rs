@@ -177,6 +177,8 @@ pub(crate) fn seed(family: Family, fault: Fault, doing: Doing) -> u64 {
             Fault::Wire(Direction::Request, WireFault::Corrupt { .. }),
             Doing::Idle,
         ) => 1,
+        // Rests 3 of 2520, and so of all counts from 4 to 10: within a frame, not at its begin, where noise is.
+        (_, Fault::Wire(_, WireFault::Lose { .. } | WireFault::Double { .. }), _) => 2054,
         // A multiple of 2520, and so of all counts up to 10: the first.
         _ => 2779,
     }

@@ -97,6 +97,8 @@ impl Fault {
             WireFault::Drop,
             WireFault::Delay { ns: DELAY_NS },
             WireFault::Corrupt { bytes: 1 },
+            WireFault::Lose { bytes: 1 },
+            WireFault::Double { bytes: 1 },
             WireFault::Truncate { keep: 3 },
             WireFault::Duplicate,
             WireFault::Reorder,

@@ -510,6 +510,9 @@ pub(crate) fn is_meant(family: Family, fault: Fault, doing: Doing) -> bool {
 pub(crate) fn is_meaningless(family: Family, fault: Fault) -> Option<&'static str> {
     match (family, fault) {
         (Family::Bim2Ax, Fault::Wire(_, WireFault::WrongCheck)) => Some("no check sums on a bus"),
+        (Family::Bim2Ax, Fault::Wire(_, WireFault::Lose { .. } | WireFault::Double { .. })) => {
+            Some("no bytes one after the other on a bus")
+        }
         (Family::Bim2Ax, Fault::Wire(_, WireFault::Echo)) => Some("no echo on a bus"),
         _ => None,
     }

@@ -398,3 +398,29 @@ fn assumptions_are_chosen_by_name() {
     });
     done.ended(0, "");
 }
+
+/// A drive with older firmware that powers up in another mode than off.
+#[test]
+fn firmware_and_mode_of_a_smartdrive_are_chosen() {
+    let desk = Desk::new();
+    let start = ["emulate", "smartdrive", "--link", "bus"];
+    let with = |more: &[&'static str]| [&start[..], more].concat();
+    let chosen = with(&["--firmware", "1.1.9.300", "--power-up-mode", "3"]);
+    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &chosen, || {
+        let drive = ["drive", "smartdrive", "--port", "bus", "--deadline", "1500"];
+        // 1.1.9 as the parameter has it, 4, 8 and 4 bits.
+        let release = (1 << 12 | 1 << 4 | 9).to_string();
+        for (action, said) in [("get Release", release.as_str()), ("status", "3, obeys the bus")] {
+            let words: Vec<_> = action.split(' ').collect();
+            let told = desk.twin(&[&drive[..], &words].concat());
+            told.ended(0, "");
+            assert!(told.stdout.contains(said), "{}", told.stdout);
+        }
+    });
+    done.ended(0, "");
+    for (option, value) in
+        [("--firmware", "1.2"), ("--firmware", "16.0.0"), ("--power-up-mode", "2")]
+    {
+        desk.twin(&with(&[option, value])).ended(2, &format!("'{value}'"));
+    }
+}

@@ -149,3 +149,24 @@ fn a_drive_that_turns_the_other_way_and_gentle_ramps_are_told_for_what_they_are(
     }
     shop.untouched();
 }
+
+/// A line that counts from the next power-up on is told, whatever is spoken now.
+#[test]
+fn a_line_that_a_board_has_stored_is_held_against_the_machine_file() {
+    let shop = Shop::new();
+    shop.by_hand("interpcnc", "board", "set modbus-speed 9600");
+    shop.by_hand("interpcnc", "board", "set modbus-parity 1");
+    let done = shop.homed("short.cnc", "");
+    done.ended(
+        0,
+        "! parameter 101 (modbus-speed) is 9600, parameter 102 (modbus-parity) is 1: from the next power-up on it has another line",
+    );
+    for (parameter, value) in [("modbus-speed", 115_200), ("modbus-parity", 0)] {
+        done.ended(0, &format!("set it: twin drive interpcnc --port board --address 1 --deadline 2000 set {parameter} {value}"));
+    }
+    shop.by_hand("interpcnc", "board", "set modbus-speed 115200");
+    shop.by_hand("interpcnc", "board", "set modbus-parity 0");
+    let done = shop.homed("short.cnc", "");
+    done.ended(0, "parameters: 2 of 2 as the machine file has them");
+    assert!(!done.stderr.contains("next power-up"), "{}", done.stderr);
+}

@@ -78,7 +78,10 @@ impl<'a> Looker<'a> {
             // Whoever looks has opened the port.
             StartStep::Connecting => Ok(()),
             StartStep::Identity => self.identity(machine, drive),
-            StartStep::Parameters => self.parameters(machine, (index, drive)),
+            StartStep::Parameters => {
+                self.parameters(machine, (index, drive))?;
+                self.stored_line((machine, index), drive)
+            }
             StartStep::Limits => {
                 self.limits(machine, (index, drive))?;
                 self.switches(machine, (index, drive))

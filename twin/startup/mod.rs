@@ -7,6 +7,7 @@
 
 mod homing;
 mod limits;
+mod line;
 mod looker;
 mod parameters;
 mod switches;

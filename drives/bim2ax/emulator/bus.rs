@@ -79,7 +79,12 @@ impl Module {
                 WireFault::Duplicate => times *= 2,
                 WireFault::Reorder => heard = before,
                 WireFault::Refuse { .. } => refused = true,
-                WireFault::WrongCheck | WireFault::Noise { .. } | WireFault::Echo => {}
+                // A memory has no bytes one after the other.
+                WireFault::Lose { .. }
+                | WireFault::Double { .. }
+                | WireFault::WrongCheck
+                | WireFault::Noise { .. }
+                | WireFault::Echo => {}
             }
         }
         for _ in 0..times {
@@ -162,6 +167,8 @@ impl Module {
                 WireFault::Truncate { keep } => bytes.truncate(keep),
                 WireFault::Reorder => bytes.clear(),
                 WireFault::Duplicate
+                | WireFault::Lose { .. }
+                | WireFault::Double { .. }
                 | WireFault::WrongCheck
                 | WireFault::Noise { .. }
                 | WireFault::Refuse { .. }

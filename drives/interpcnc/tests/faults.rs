@@ -17,10 +17,12 @@ use crate::{
 const LONG: Duration = Duration::from_mins(1);
 
 /// Every fault of a wire, each so that a frame of this board cannot pass unharmed where it harms at all.
-const FAULTS: [WireFault; 10] = [
+const FAULTS: [WireFault; 12] = [
     WireFault::Drop,
     WireFault::Delay { ns: 400_000_000 },
     WireFault::Corrupt { bytes: 1 },
+    WireFault::Lose { bytes: 1 },
+    WireFault::Double { bytes: 1 },
     WireFault::Truncate { keep: 3 },
     WireFault::Duplicate,
     WireFault::Reorder,

@@ -7,9 +7,10 @@ use twin_drives::{Control, Direction, FaultRule, When, WireFault};
 /// What all devices obey.
 #[derive(Debug, clap::Subcommand)]
 pub(super) enum WireWord {
-    /// Requests or answers suffer from now on: drop, delay MS, corrupt BYTES, truncate KEEP, duplicate, reorder,
-    /// wrong-check, noise BYTES, refuse CODE, echo (these two only of requests). On the bus of a BIM2AX a request is what
-    /// the host writes for one interrupt, and an answer what the module shows after it: there is no wrong-check, noise or echo,
+    /// Requests or answers suffer from now on: drop, delay MS, corrupt BYTES, lose BYTES, double BYTES, truncate KEEP,
+    /// duplicate, reorder, wrong-check, noise BYTES, refuse CODE, echo (these two only of requests). On the bus of a BIM2AX a request is what
+    /// the host writes for one interrupt, and an answer what the module shows after it: nothing is lost or doubled
+    /// byte by byte, there is no wrong-check, noise or echo,
     /// and no answer comes twice
     Fault {
         #[arg(value_enum)]
@@ -58,6 +59,8 @@ pub(super) enum FaultWord {
     Drop,
     Delay,
     Corrupt,
+    Lose,
+    Double,
     Truncate,
     Duplicate,
     Reorder,
@@ -80,15 +83,17 @@ impl Carrier {
     /// What can befall what goes this way.
     const fn faults(self, direction: Direction) -> &'static [FaultWord] {
         use FaultWord::{
-            Corrupt, Delay, Drop, Duplicate, Echo, Noise, Refuse, Reorder, Truncate, WrongCheck,
+            Corrupt, Delay, Double, Drop, Duplicate, Echo, Lose, Noise, Refuse, Reorder, Truncate,
+            WrongCheck,
         };
         match (self, direction) {
             (Self::Wire, Direction::Request) => &[
-                Drop, Delay, Corrupt, Truncate, Duplicate, Reorder, WrongCheck, Noise, Refuse, Echo,
+                Drop, Delay, Corrupt, Lose, Double, Truncate, Duplicate, Reorder, WrongCheck,
+                Noise, Refuse, Echo,
             ],
-            (Self::Wire, Direction::Answer) => {
-                &[Drop, Delay, Corrupt, Truncate, Duplicate, Reorder, WrongCheck, Noise]
-            }
+            (Self::Wire, Direction::Answer) => &[
+                Drop, Delay, Corrupt, Lose, Double, Truncate, Duplicate, Reorder, WrongCheck, Noise,
+            ],
             (Self::Bus, Direction::Request) => {
                 &[Drop, Delay, Corrupt, Truncate, Duplicate, Reorder, Refuse]
             }
@@ -122,6 +127,8 @@ impl FaultWord {
             Self::Drop => WireFault::Drop,
             Self::Delay => WireFault::Delay { ns: i64::from(value) * 1_000_000 },
             Self::Corrupt => WireFault::Corrupt { bytes: count },
+            Self::Lose => WireFault::Lose { bytes: count },
+            Self::Double => WireFault::Double { bytes: count },
             Self::Truncate => WireFault::Truncate { keep: count },
             Self::Duplicate => WireFault::Duplicate,
             Self::Reorder => WireFault::Reorder,
@@ -246,7 +253,7 @@ mod tests {
         let Err(Err(why)) = &refused else { panic!("{refused:?}") };
         assert_eq!(
             why,
-            "no answer can refuse: there are drop, delay, corrupt, truncate, duplicate, reorder, wrong-check, noise"
+            "no answer can refuse: there are drop, delay, corrupt, lose, double, truncate, duplicate, reorder, wrong-check, noise"
         );
         assert!(matches!(parsed("fault answer echo"), Err(Err(_))));
         // A memory has no check sums, and shows a number once.

@@ -8,11 +8,11 @@ use crate::clock::Clock;
 use std::collections::HashSet;
 use std::path::PathBuf;
 use std::time::Duration;
-use twin_drives::smartdrive::Alarms;
 use twin_drives::smartdrive::emulator::{
     Cam, Control, DeviceOptions, EmulatedBus, EmulatorOptions, Event, Happening, HomingOptions,
     Input, Wire,
 };
+use twin_drives::smartdrive::{Alarms, Mode};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {
@@ -30,6 +30,14 @@ pub(super) struct Options {
     /// Understand masters at any speed; otherwise those at another than 115200 baud get no answer, as from a drive
     #[arg(long)]
     any_baud: bool,
+
+    /// Release of the firmware, with the number of its build: from 310 on DONE ends homing, from 315 on homing has an alarm
+    #[arg(long, default_value = "1.2.0.315", value_name = "RELEASE", value_parser = release)]
+    firmware: (u16, u16),
+
+    /// Mode that power-up and MODE 255 choose: 0 off, 1 custom, 3 remote, 4 position, 5 to 8 velocity, 9 to 12 distances
+    #[arg(long, default_value = "0", value_name = "MODE", value_parser = mode)]
+    power_up_mode: Mode,
 
     /// Commands come back before their answers, as some RS485 adapters have it
     #[arg(long)]
@@ -51,6 +59,9 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     }
     let devices = options.address.iter().map(|address| DeviceOptions {
         address: *address,
+        release: options.firmware.0,
+        build: options.firmware.1,
+        configured_mode: options.power_up_mode,
         assumptions,
         ..DeviceOptions::default()
     });
@@ -102,6 +113,26 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         );
     }
     Ok(Status::Fit)
+}
+
+/// MAJOR.MINOR.CORRECTION, and the build behind them; as the drive tells it.
+fn release(text: &str) -> Result<(u16, u16), String> {
+    let wrong = || format!("{text}: a release is like 1.2.0 or 1.2.0.315");
+    let numbers: Result<Vec<u16>, _> = text.split('.').map(str::parse).collect();
+    let (major, minor, correction, build) = match numbers.map_err(|_other| wrong())?[..] {
+        [major, minor, correction] => (major, minor, correction, DeviceOptions::default().build),
+        [major, minor, correction, build] => (major, minor, correction, build),
+        _ => return Err(wrong()),
+    };
+    if major > 15 || minor > 255 || correction > 15 {
+        return Err(format!("{text}: a drive tells 15.255.15 at most"));
+    }
+    Ok((major << 12 | minor << 4 | correction, build))
+}
+
+fn mode(text: &str) -> Result<Mode, String> {
+    let known = text.parse().ok().and_then(Mode::from_number);
+    known.ok_or_else(|| format!("there is no mode {text}: 0, 1 and 3 to 12 are"))
 }
 
 /// Where a drive keeps its flash memory: one file each.

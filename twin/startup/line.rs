@@ -1,0 +1,60 @@
+//! The line that a board has stored: it counts from the next power-up, whatever is spoken to it now.
+
+use super::looker::Looker;
+use crate::by_hand;
+use crate::emulated::line;
+use crate::machine::{DriveFamily, Machine};
+use twin_drives::interpcnc::{Parity, parameters};
+use twin_drives::{Drive, DriveError, ParameterId};
+
+impl Looker<'_> {
+    /// What the machine file says of the line of a board, against what it has stored.
+    pub(super) fn stored_line(
+        &mut self,
+        (machine, index): (&Machine, usize),
+        drive: &mut dyn Drive,
+    ) -> Result<(), DriveError> {
+        let Some(DriveFamily::InterpCnc(board)) =
+            machine.drives.get(index).map(|entry| &entry.family)
+        else {
+            return Ok(());
+        };
+        let mut other = Vec::new();
+        let mut help = Vec::new();
+        for number in
+            [parameters::MODBUS_SPEED, parameters::MODBUS_PARITY, parameters::MODBUS_ADDRESS]
+        {
+            let id = ParameterId { station: 0, number };
+            let stored = drive.parameter(id)?;
+            let Ok(code) = u32::try_from(stored) else { continue };
+            // (Whether it is the same, what is wanted.) A code that says nothing is none.
+            let (same, wanted) = match number {
+                parameters::MODBUS_SPEED => {
+                    let codes = board.assumptions.baud_code;
+                    let same = codes.decode(code).is_none_or(|baud| baud == board.baud);
+                    (same, codes.encode(board.baud))
+                }
+                parameters::MODBUS_PARITY => {
+                    let parity = line(board).parity;
+                    let same = Parity::from_code(code).is_none_or(|stored| stored == parity);
+                    (same, Some(parity.code()))
+                }
+                _ => (code == u32::from(board.station), Some(board.station.into())),
+            };
+            if !same {
+                let name = parameters::name(number).unwrap_or(number.to_string());
+                other.push(format!("parameter {number} ({name}) is {stored}"));
+                let set = wanted.map(|wanted| by_hand::set(machine, index, id, wanted.into()));
+                help.extend(set.unwrap_or_default());
+            }
+        }
+        if !other.is_empty() {
+            let told = format!(
+                "{}: from the next power-up on it has another line than the machine file",
+                other.join(", ")
+            );
+            self.tell(told, help);
+        }
+        Ok(())
+    }
+}
