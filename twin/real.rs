@@ -32,7 +32,7 @@ pub enum OpenError {
         /// The device's name in the machine file.
         device: String,
         /// Why.
-        source: DriveError,
+        source: Box<DriveError>,
     },
 }
 
@@ -105,7 +105,10 @@ pub fn open(
         }
         DriveFamily::Bim2Ax(entry) => module(machine, (index, entry), (port, deadline)).map(boxed),
     };
-    drive.map_err(|source| OpenError::Drive { device: device.name.clone(), source })
+    drive.map_err(|source| {
+        let source = Box::new(source);
+        OpenError::Drive { device: device.name.clone(), source }
+    })
 }
 
 fn boxed<D: Drive + 'static>(drive: D) -> Box<dyn Drive> {

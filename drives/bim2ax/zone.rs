@@ -1,6 +1,6 @@
 //! What host and module exchange: zones of twelve bytes (manual 2, 9.1).
 
-use super::{AXES, memory::ByteOrder};
+use super::{AXES, ModuleAxis, memory::ByteOrder};
 
 /// Bytes of a zone.
 pub const ZONE_LENGTH: usize = 12;
@@ -37,6 +37,14 @@ impl WriteZone {
     /// The zone of a number.
     pub fn from_number(number: u8) -> Option<Self> {
         Self::ALL.get(usize::from(number)).copied()
+    }
+
+    /// The zone of an axis' target and speed.
+    pub fn of_axis(axis: ModuleAxis) -> Self {
+        match axis {
+            ModuleAxis::One => Self::Position1,
+            ModuleAxis::Two => Self::Position2,
+        }
     }
 
     /// Offset of its first byte on page 7.

@@ -22,6 +22,14 @@ impl Axes {
         }
     }
 
+    /// What their counters count, as the manuals call it.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Letters(_) => "steps",
+            Self::Numbers(_) | Self::Only => "µsteps",
+        }
+    }
+
     /// At the end of a message, after what is so of them: ", axes X and Z".
     pub(super) fn listed(self) -> String {
         if self == Self::Only { String::new() } else { format!(", {self}") }

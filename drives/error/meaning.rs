@@ -1,6 +1,7 @@
-//! What devices mean with their codes.
+//! What devices mean with their codes, and numbers with their units.
 
 use crate::smartdrive::RejectCode;
+use std::fmt::Display;
 
 /// The manual's words for an exception code ("Traitement des erreurs").
 pub(super) fn exception_meaning(code: u8) -> &'static str {
@@ -22,4 +23,9 @@ pub(super) fn reject_meaning(reason: RejectCode) -> &'static str {
         RejectCode::BadParams => "a parameter is wrong",
         RejectCode::NotAvailable => "there is no such command or index",
     }
+}
+
+/// A value as people write it: "5 steps", or "5" for what has no unit.
+pub(super) fn with_unit(value: impl Display, unit: &str) -> String {
+    if unit.is_empty() { value.to_string() } else { format!("{value} {unit}") }
 }

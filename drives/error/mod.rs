@@ -8,7 +8,7 @@ mod meaning;
 
 use std::{io, time::Duration};
 
-use self::meaning::{exception_meaning, reject_meaning};
+use self::meaning::{exception_meaning, reject_meaning, with_unit};
 pub use self::{
     axes::Axes,
     emulator::EmulatorError,
@@ -93,19 +93,21 @@ pub enum DriveError {
         at: Exchange,
     },
     /// The device is not what it should be, or set otherwise than it should be (SmartDRIVE).
-    #[error("{at}: {name} is {found}, not {expected}")]
+    #[error("{at}: {name} is {found}, not {}", with_unit(expected, unit))]
     Parameter {
         /// Where.
         at: Exchange,
         /// Name of the parameter.
         name: &'static str,
+        /// Its unit; empty for what has none.
+        unit: &'static str,
         /// What it should be, at least for ceilings.
         expected: i64,
         /// What it is.
         found: i64,
     },
     /// A value is beyond what the command can say (SmartDRIVE).
-    #[error("{at}: {what} = {value} is impossible ({low} to {high})")]
+    #[error("{at}: {what} = {} is impossible ({low} to {high})", with_unit(value, unit))]
     Value {
         /// Where.
         at: Exchange,
@@ -113,6 +115,8 @@ pub enum DriveError {
         what: &'static str,
         /// The value.
         value: f64,
+        /// Its unit; empty for what has none.
+        unit: &'static str,
         /// Smallest value possible.
         low: f64,
         /// Largest value possible.
@@ -169,7 +173,7 @@ pub enum DriveError {
         patience: Duration,
     },
     /// An axis has stopped elsewhere than on its target: something else has stopped it.
-    #[error("{at}: {axis} stands at {found} instead of {target}")]
+    #[error("{at}: {axis} stands at {found} instead of {target} {}", axis.unit())]
     NotArrived {
         /// Where.
         at: Exchange,
@@ -191,7 +195,8 @@ pub enum DriveError {
     /// Homing has ended on its switch, and the counter shows something else than what is assumed of the device: a module that
     /// does not make it 0, or makes it 0 where it is expected to count on (BIM2AX, assumption `homing_keeps_position`).
     #[error(
-        "{at}: {axis} is home and counts {found}, {}",
+        "{at}: {axis} is home and counts {found} {}, {}",
+        axis.unit(),
         if *counted_on {
             format!("after {before} a moment ago: its counter has not counted on, as `homing_keeps_position` assumes")
         } else {
@@ -235,19 +240,21 @@ pub enum DriveError {
         found: u32,
     },
     /// A parameter of the device is not what the driver has been told.
-    #[error("{at}: parameter {number} is {found} instead of {expected}")]
+    #[error("{at}: parameter {number} is {found} instead of {}", with_unit(expected, unit))]
     ParameterDiffers {
         /// Where.
         at: Exchange,
         /// Number of the parameter.
         number: u16,
+        /// Its unit; empty for what has none.
+        unit: &'static str,
         /// What the driver has been told.
         expected: u32,
         /// What the device has.
         found: u32,
     },
     /// A position counter does not hold what was just written to it.
-    #[error("{at}: the counter of {axis} reads {found} after {written} was written")]
+    #[error("{at}: the counter of {axis} reads {found} after {written} {} was written", axis.unit())]
     NotWritten {
         /// Where.
         at: Exchange,
@@ -259,7 +266,7 @@ pub enum DriveError {
         found: i64,
     },
     /// A value does not fit the register that carries it.
-    #[error("{at}: {value} does not fit register {register} ({low} to {high})")]
+    #[error("{at}: {} does not fit register {register} ({low} to {high})", with_unit(value, unit))]
     Range {
         /// Where.
         at: Exchange,
@@ -267,6 +274,8 @@ pub enum DriveError {
         register: u16,
         /// The value.
         value: f64,
+        /// Its unit; empty for what has none.
+        unit: &'static str,
         /// Smallest value that fits.
         low: f64,
         /// Largest value that fits.

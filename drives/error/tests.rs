@@ -20,8 +20,8 @@ fn every_message_names_port_station_and_command() {
         DriveError::Mode { at: at(), expected: 3, found: 0 },
         DriveError::Stalled { at: at() },
         DriveError::NotHomed { at: at() },
-        DriveError::Parameter { at: at(), name: "PID", expected: 21_314, found: 0 },
-        DriveError::Value { at: at(), what: "speed", value: 0.5, low: 1.0, high: 2.0 },
+        DriveError::Parameter { at: at(), name: "PID", unit: "", expected: 21_314, found: 0 },
+        DriveError::Value { at: at(), what: "speed", value: 0.5, unit: "rpm", low: 1.0, high: 2.0 },
         DriveError::NotSwitched { at: at(), on: true },
         DriveError::Locked { at: at() },
         DriveError::EnableOpen { at: at() },
@@ -40,7 +40,7 @@ fn every_message_names_port_station_and_command() {
         },
         DriveError::ProbeFailed { at: at() },
         DriveError::EepromFailed { at: at() },
-        DriveError::ParameterDiffers { at: at(), number: 4, expected: 5, found: 4 },
+        DriveError::ParameterDiffers { at: at(), number: 4, unit: "", expected: 5, found: 4 },
         DriveError::NotKept { at: at(), address: 4360, written: 5, found: 4 },
         DriveError::NotWritten { at: at(), axis: Axes::Letters(4), written: 5, found: 4 },
         DriveError::Identity { at: at(), expected: 0x4E, found: 0xFF },
@@ -48,7 +48,14 @@ fn every_message_names_port_station_and_command() {
         DriveError::ByteOrder { at: at() },
         DriveError::AxisMessages { at: at(), axis: 1, messages: 0x4000 },
         DriveError::CardMessages { at: at(), messages: 8 },
-        DriveError::Range { at: at(), register: 4103, value: 3e9, low: 0.0, high: 1.0 },
+        DriveError::Range {
+            at: at(),
+            register: 4103,
+            value: 3e9,
+            unit: "steps",
+            low: 0.0,
+            high: 1.0,
+        },
         DriveError::Unsupported { at: at(), what: "homing" },
         DriveError::NoParameter { at: at(), id },
         DriveError::ReadOnly { at: at(), id },
@@ -96,10 +103,10 @@ fn axes_are_named_by_letter() {
 fn axes_are_named_as_their_family_does() {
     let (found, target) = (4, 5);
     for (axes, moving, elsewhere) in [
-        (Axes::Letters(0b100), "still moving, axis Z", "axis Z stands at 4 instead of 5"),
-        (Axes::Numbers(3), "still moving, axes 1, 2", "axes 1, 2 stands at 4 instead of 5"),
-        (Axes::Numbers(0b10), "still moving, axis 2", "axis 2 stands at 4 instead of 5"),
-        (Axes::Only, "still moving", "the axis stands at 4 instead of 5"),
+        (Axes::Letters(0b100), "still moving, axis Z", "axis Z stands at 4 instead of 5 steps"),
+        (Axes::Numbers(3), "still moving, axes 1, 2", "axes 1, 2 stands at 4 instead of 5 µsteps"),
+        (Axes::Numbers(0b10), "still moving, axis 2", "axis 2 stands at 4 instead of 5 µsteps"),
+        (Axes::Only, "still moving", "the axis stands at 4 instead of 5 µsteps"),
     ] {
         let text = DriveError::Moving { at: at(), axes }.to_string();
         assert_eq!(text, format!("{}: {moving}", at()));

@@ -144,7 +144,14 @@ impl SmartDrive {
         let at = self.at(address, command.action());
         if !super::ADDRESSES.contains(&address) {
             let value = f64::from(address);
-            return Err(DriveError::Value { at, what: "address", value, low: 1.0, high: 31.0 });
+            return Err(DriveError::Value {
+                at,
+                what: "address",
+                value,
+                unit: "",
+                low: 1.0,
+                high: 31.0,
+            });
         }
         let mut attempts = if command.is_idempotent() { ATTEMPTS } else { 1 };
         let mut refusals = 0;

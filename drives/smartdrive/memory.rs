@@ -99,8 +99,8 @@ impl SmartDrive {
         let beyond = |at| {
             #[expect(clippy::cast_precision_loss, reason = "for a message")]
             let (value, low, high) = (value as f64, least as f64, most as f64);
-            let what = entry.map_or("parameter", |entry| entry.name);
-            DriveError::Value { at, what, value, low, high }
+            let (what, unit) = entry.map_or(("parameter", ""), |entry| (entry.name, entry.unit));
+            DriveError::Value { at, what, value, unit, low, high }
         };
         let possible = entry.map_or((least..=most).contains(&value), |entry| entry.accepts(value));
         if !possible {

@@ -99,8 +99,9 @@ fn an_interpcnc_board_is_found_unlocked_and_moved() {
     assert_eq!(row(&found, 0, "4")[1..3], ["115200", "baud,"]);
     scan.tries("scan --stations 7").ended(1, "no address answers");
     assert!(hand.does("status").stdout.contains("locked"));
-    // A locked board takes moves and does nothing.
-    hand.refuses("move X 100 --yes", "the board is locked; the axes are at rest");
+    // A locked board takes moves and does nothing: nobody is asked.
+    hand.refuses("move X 100 --yes", "the board is locked");
+    hand.refuses("home X", "the board is locked");
     assert_eq!(hand.does("unlock").stdout, "unlocked\n");
     hand.refuses(
         "move X 4000",

@@ -1,6 +1,8 @@
 //! `twin drive … stop` goes out first, whatever else is wrong.
 
 use crate::drive::{Hand, a_board, a_bus, a_module};
+use crate::process::Desk;
+use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 use twin_drives::bim2ax::emulator::{EmulatedModule, Event};
@@ -148,16 +150,60 @@ fn a_stop_needs_nobody_who_listens() {
     }
 }
 
+/// The same command, by a shell that has the signal ignored, as scripts do in the background and `nohup` does.
+fn started_without(signal: &str, command: &Command) -> Command {
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &format!("trap '' {signal}; exec \"$@\""), "sh"]).arg(command.get_program());
+    shell.args(command.get_args());
+    if let Some(folder) = command.get_current_dir() {
+        shell.current_dir(folder);
+    }
+    shell.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    shell
+}
+
+/// A script that is started in the background has Ctrl-C ignored; axes stop on it all the same.
+#[test]
+fn what_moves_stops_on_ctrl_c_whoever_has_started_it() {
+    let (running, hand) = a_board(1);
+    hand.does("unlock");
+    let jog = hand.command("move X 1000000 --speed 2000 --yes");
+    let mut child = started_without("INT", &jog).spawn().expect("a process");
+    under_way_on(&running);
+    send("-INT", child.id());
+    assert_eq!(child.wait().expect("it ends").code(), Some(2));
+    let board = running.stop().expect("it runs");
+    assert!(board.status().moving().is_empty());
+    assert!((1..1_000_000).contains(&board.counters()[0]));
+}
+
+/// What serves others in the background of a script outlives the Ctrl-C of those, and says what ends it.
+#[test]
+fn an_emulator_in_the_background_says_what_ends_it() {
+    let desk = Desk::new();
+    let mut shell =
+        started_without("INT", &desk.command(&["emulate", "smartdrive", "--link", "bus"]));
+    let mut child = shell.stderr(Stdio::piped()).spawn().expect("a process");
+    let words = BufReader::new(child.stderr.take().expect("piped")).lines();
+    let sign = words.map_while(Result::ok).find(|line| line.contains("ends it"));
+    assert_eq!(
+        sign.as_deref(),
+        Some("SIGTERM ends it (Ctrl-C does not: it was started in the background).")
+    );
+    send("-INT", child.id());
+    std::thread::sleep(Duration::from_millis(300));
+    assert!(child.try_wait().expect("it can be asked").is_none(), "it has ended");
+    send("-TERM", child.id());
+    assert_eq!(child.wait().expect("it ends").code(), Some(0));
+}
+
 /// Who starts it with `nohup` wants it to go on when the terminal is closed.
 #[test]
 fn what_is_to_outlive_its_terminal_does() {
     let (running, hand) = a_board(1);
     hand.does("unlock");
     let moved = hand.command("move X 6000 --speed 2000 --yes");
-    let mut shell = Command::new("sh");
-    shell.args(["-c", "trap '' HUP; exec \"$@\"", "sh"]).arg(moved.get_program());
-    shell.args(moved.get_args()).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    let mut child = shell.spawn().expect("a process");
+    let mut child = started_without("HUP", &moved).spawn().expect("a process");
     under_way_on(&running);
     send("-HUP", child.id());
     assert_eq!(child.wait().expect("it ends").code(), Some(0));

@@ -18,7 +18,7 @@ use super::{
     bits::{coefficient, message},
     follow::{Follower, Timing},
     memory::Memory,
-    zone::Positions,
+    zone::{Positions, WriteZone},
 };
 use crate::{
     Action, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity,
@@ -205,8 +205,7 @@ impl Drive for Bim2AxDrive {
     fn set_output(&mut self, output: u8, on: bool) -> Result<(), DriveError> {
         // The only output is the watchdog, which is the module's own (1).
         let at = self.module.at(Action::SwitchOutput { output, on });
-        let value = output.into();
-        Err(DriveError::Range { at, register: 0, value, low: 0.0, high: 0.0 })
+        Err(DriveError::Unsupported { at, what: "outputs" })
     }
 
     fn set_position(&mut self, position: &Increments) -> Result<(), DriveError> {
@@ -273,7 +272,11 @@ impl Drive for Bim2AxDrive {
                 let action = Action::Command { number: axis.number(), name: "speed of the axis" };
                 let (at, value) = (self.module.at(action), *speed);
                 let (low, high) = (settings.mode.speed_unit(), settings.speed(u16::MAX));
-                return Err(DriveError::Range { at, register: 0, value, low, high });
+                // The zone begins with the target, four bytes.
+                let register = u16::from(WriteZone::of_axis(*axis).offset()) + 4;
+                return Err(DriveError::Range {
+                    at, register, value, unit: "µsteps/s", low, high
+                });
             }
             #[expect(
                 clippy::cast_possible_truncation,

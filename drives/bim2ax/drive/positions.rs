@@ -4,7 +4,10 @@ use super::{
     AXES, Action, AxisSettings, Bim2AxDrive, BusStamp, DriveError, MAX_DRIVE_AXES, ModuleAxis,
     Positions, Sample, Start, message,
 };
-use crate::{Axes, bim2ax::MOST_POSITION};
+use crate::{
+    Axes,
+    bim2ax::{MOST_POSITION, zone::WriteZone},
+};
 
 impl Bim2AxDrive {
     /// Positions of the axes in use, in their order.
@@ -60,7 +63,8 @@ impl Bim2AxDrive {
             let (value, low, high) = (position as f64, -most as f64, most as f64);
             let number = axis.number();
             let action = Action::Command { number, name: "position of the axis" };
-            DriveError::Range { at: self.module.at(action), register: 0, value, low, high }
+            let (at, register) = (self.module.at(action), WriteZone::of_axis(axis).offset().into());
+            DriveError::Range { at, register, value, unit: "µsteps", low, high }
         })
     }
 
@@ -80,6 +84,6 @@ impl Bim2AxDrive {
         let action = Action::Command { number: axis.number(), name: "position of the axis" };
         let (at, what) = (self.module.at(action), "target (within the soft limits)");
         let (value, low, high) = (target.into(), low.into(), high.into());
-        Err(DriveError::Value { at, what, value, low, high })
+        Err(DriveError::Value { at, what, value, unit: "µsteps", low, high })
     }
 }

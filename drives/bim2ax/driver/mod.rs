@@ -381,11 +381,3 @@ impl Bim2Ax {
         Ok(Plugs::decode(&bytes, self.options.byte_order))
     }
 }
-
-/// The zone with target and speed of an axis.
-fn position_zone(axis: ModuleAxis) -> WriteZone {
-    match axis {
-        ModuleAxis::One => WriteZone::Position1,
-        ModuleAxis::Two => WriteZone::Position2,
-    }
-}

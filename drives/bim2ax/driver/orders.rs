@@ -4,7 +4,7 @@ use tokio::time::{sleep, timeout};
 
 use super::{
     AXES, Action, Bim2Ax, BusStamp, Clock, DriveError, Duration, ModuleAxis, Orders,
-    RECEIPT_ORDERS, ReadZone, Target, WriteZone, position_zone,
+    RECEIPT_ORDERS, ReadZone, Target, WriteZone,
 };
 use crate::{
     Axes,
@@ -55,7 +55,9 @@ impl Bim2Ax {
         let zones: Vec<_> = ModuleAxis::ALL
             .into_iter()
             .zip(targets)
-            .filter_map(|(axis, target)| Some((position_zone(axis), target?.encode(byte_order))))
+            .filter_map(|(axis, target)| {
+                Some((WriteZone::of_axis(axis), target?.encode(byte_order)))
+            })
             .collect();
         let listed = self.options.assumptions.entry_order == EntryOrder::Listed;
         if !zones.is_empty() && self.at_once() && listed {

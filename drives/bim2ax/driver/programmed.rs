@@ -1,7 +1,7 @@
 //! Programmed moves, and positions that are declared without motion: what goes with the zone "Ordre bloc".
 
 use super::{
-    AXES, Action, Bim2Ax, BusStamp, Clock, DriveError, ModuleAxis, Orders, Target, position_zone,
+    AXES, Action, Bim2Ax, BusStamp, Clock, DriveError, ModuleAxis, Orders, Target, WriteZone,
 };
 use crate::bim2ax::{
     MOST_POSITION,
@@ -107,7 +107,7 @@ impl Bim2Ax {
     }
 
     fn check_range(&self, axis: ModuleAxis, start: &Start) -> Result<(), DriveError> {
-        let zone = position_zone(axis);
+        let zone = WriteZone::of_axis(axis);
         let (value, low, high) = match start.to {
             Move::To(value) | Move::By(value) => (value, -MOST_POSITION, MOST_POSITION),
             Move::Reference(number) => (number.into(), 1, 10),
@@ -120,6 +120,7 @@ impl Bim2Ax {
             at: self.at(action),
             register: zone.offset().into(),
             value: value.into(),
+            unit: if matches!(start.to, Move::Reference(_)) { "" } else { "µsteps" },
             low: low.into(),
             high: high.into(),
         })
@@ -153,11 +154,11 @@ impl Bim2Ax {
     ) -> Result<(), DriveError> {
         self.check_range(axis, &Start::to(position))?;
         if position == bloc::FORBIDDEN_PRESET {
-            let zone = position_zone(axis);
+            let zone = WriteZone::of_axis(axis);
             let (value, low) = (position.into(), (-MOST_POSITION).into());
             let at = self.at(Action::WriteZone { zone: zone.number(), name: zone.name() });
             let (register, high) = (zone.offset().into(), MOST_POSITION.into());
-            return Err(DriveError::Range { at, register, value, low, high });
+            return Err(DriveError::Range { at, register, value, unit: "µsteps", low, high });
         }
         let target = Some(Target { position, speed: 0 });
         self.declare("preset", axis, bloc::FORCE | bloc::PRESET, target, clock).await

@@ -145,7 +145,7 @@ fn positions_moves_homing_and_stops() {
     position[0] = 4_194_304;
     let beyond = drive.move_to(&position, &[1000.0; 5]).unwrap_err();
     assert!(matches!(beyond, DriveError::Range { .. }), "{beyond}");
-    assert!(matches!(drive.set_output(1, true), Err(DriveError::Range { .. })));
+    assert!(matches!(drive.set_output(1, true), Err(DriveError::Unsupported { .. })));
 }
 
 #[test]

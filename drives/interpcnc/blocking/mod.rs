@@ -96,15 +96,15 @@ impl InterpCncDrive {
             return Ok(());
         };
         let assumed = self.board.options().assumptions;
-        for (number, expected) in [
-            (assumed.segment_acceleration, u32::from(acceleration_khz_per_s)),
-            (assumed.segment_start_stop, u32::from(start_stop_hz)),
+        for (number, unit, expected) in [
+            (assumed.segment_acceleration, "1000 steps/s²", u32::from(acceleration_khz_per_s)),
+            (assumed.segment_start_stop, "steps/s", u32::from(start_stop_hz)),
         ] {
             let found = self.runtime.block_on(self.board.parameter(number, &no_clock))?;
             if found != expected {
                 let address = parameters::FIRST_PARAMETER + 2 * number;
                 let at = self.board.at(Action::Read { what: "parameter", address, count: 2 });
-                return Err(DriveError::ParameterDiffers { at, number, expected, found });
+                return Err(DriveError::ParameterDiffers { at, number, unit, expected, found });
             }
         }
         Ok(())
@@ -164,7 +164,8 @@ impl InterpCncDrive {
             #[expect(clippy::cast_precision_loss, reason = "for a message")]
             let value = position as f64;
             let (low, high) = (i32::MIN.into(), i32::MAX.into());
-            DriveError::Range { at: self.board.at(command.action()), register, value, low, high }
+            let at = self.board.at(command.action());
+            DriveError::Range { at, register, value, unit: "steps", low, high }
         })
     }
 }
@@ -291,6 +292,7 @@ impl Drive for InterpCncDrive {
                     at,
                     register: COMMAND + 4,
                     value: *speed,
+                    unit: "steps/s",
                     low: 1.0,
                     high,
                 });

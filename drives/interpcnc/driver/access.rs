@@ -156,6 +156,6 @@ impl InterpCnc {
         let address = start.saturating_add(first);
         let at = self.at(action(address, counted));
         let value = f64::from(u32::try_from(end).unwrap_or(u32::MAX));
-        Err(DriveError::Range { at, register: start, value, low: 1.0, high: size.into() })
+        Err(DriveError::Range { at, register: start, value, unit: "", low: 1.0, high: size.into() })
     }
 }

@@ -153,6 +153,7 @@ impl InterpCnc {
                 at: self.at(action),
                 register: FIRST_OUTPUT,
                 value,
+                unit: "",
                 low: 1.0,
                 high,
             });
@@ -312,6 +313,7 @@ impl InterpCnc {
                 at: self.at(action),
                 register: address,
                 value: value.into(),
+                unit: "",
                 low: 0.0,
                 high: MAX_ANALOG.into(),
             });

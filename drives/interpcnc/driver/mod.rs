@@ -276,6 +276,7 @@ impl InterpCnc {
                 at: self.at(action),
                 register: FIRST_OUTPUT,
                 value: output.into(),
+                unit: "",
                 low: 1.0,
                 high: OUTPUTS.into(),
             });
@@ -296,7 +297,10 @@ impl InterpCnc {
     }
 
     /// Checks that the board is neither locked nor without ENABLE.
-    pub(crate) fn check_obeys(&self, state: &BoardState, action: Action) -> Result<(), DriveError> {
+    ///
+    /// # Errors
+    /// [`DriveError::EnableOpen`], [`DriveError::Locked`]; `action` is what they name.
+    pub fn check_obeys(&self, state: &BoardState, action: Action) -> Result<(), DriveError> {
         if state.status.enable_open() {
             Err(DriveError::EnableOpen { at: self.at(action) })
         } else if state.status.locked() {

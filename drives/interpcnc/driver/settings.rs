@@ -233,6 +233,7 @@ impl InterpCnc {
                 at,
                 register: RECIPE_SIZE,
                 value: size.into(),
+                unit: "",
                 low,
                 high,
             });
@@ -262,6 +263,7 @@ impl InterpCnc {
                 at,
                 register: address,
                 value: recipe.into(),
+                unit: "",
                 low: 0.0,
                 high,
             });

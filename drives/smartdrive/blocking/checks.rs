@@ -79,22 +79,24 @@ impl SmartDriveBus {
             0 => axis.acceleration_rpm_per_s,
             rate => rate,
         };
-        let exactly = |name, expected: i64, found: i64| (name, expected, found, expected == found);
-        let at_least = |name, expected: u16, found: i64| {
-            (name, expected.into(), found, found >= expected.into())
+        let exactly = |name, unit, expected: i64, found: i64| {
+            (name, unit, expected, found, expected == found)
+        };
+        let at_least = |name, unit, expected: u16, found: i64| {
+            (name, unit, expected.into(), found, found >= expected.into())
         };
         let checks = [
-            exactly("PID", PRODUCT, product),
-            exactly("CID", LIST, list),
-            exactly("Mot_FullSteps · Mot_StepDivisor", axis.turn.get().into(), turn),
-            at_least("Trj_VelMax", axis.velocity_rpm, velocity),
-            at_least("Trj_AccMax", axis.acceleration_rpm_per_s, acceleration),
-            at_least("Trj_DecMax", wanted, deceleration),
+            exactly("PID", "", PRODUCT, product),
+            exactly("CID", "", LIST, list),
+            exactly("Mot_FullSteps · Mot_StepDivisor", "µsteps", axis.turn.get().into(), turn),
+            at_least("Trj_VelMax", "rpm", axis.velocity_rpm, velocity),
+            at_least("Trj_AccMax", "rpm/s", axis.acceleration_rpm_per_s, acceleration),
+            at_least("Trj_DecMax", "rpm/s", wanted, deceleration),
         ];
-        for (name, expected, found, right) in checks {
+        for (name, unit, expected, found, right) in checks {
             if !right {
                 let at = self.bus.at(axis.address, Action::ReadState);
-                return Err(DriveError::Parameter { at, name, expected, found });
+                return Err(DriveError::Parameter { at, name, unit, expected, found });
             }
         }
         Ok(())

@@ -275,6 +275,7 @@ impl Drive for SmartDriveBus {
                     at: self.bus.at(axis.address, command.action()),
                     what: "speed",
                     value: *speed,
+                    unit: "µsteps/s",
                     low: axis.turn.steps(1.0),
                     high: axis.turn.steps(high),
                 });

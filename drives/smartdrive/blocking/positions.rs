@@ -144,6 +144,7 @@ impl SmartDriveBus {
                 at: self.bus.at(address, command.action()),
                 what: "target",
                 value,
+                unit: "µsteps",
                 low: i32::MIN.into(),
                 high: i32::MAX.into(),
             }

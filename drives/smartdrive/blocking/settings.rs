@@ -95,6 +95,7 @@ impl SmartDriveBus {
                 at: self.bus.at(self.axes().next().unwrap_or(0), action),
                 what: "output",
                 value: output.into(),
+                unit: "",
                 low: 1.0,
                 high: f64::from(count) * f64::from(OUTPUTS),
             });

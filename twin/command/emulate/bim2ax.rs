@@ -20,7 +20,7 @@ pub(super) struct Options {
     byte_order: OrderWord,
 
     /// Version of its software; from 15 on, several zones go with one interrupt
-    #[arg(long, default_value_t = 15)]
+    #[arg(long, default_value_t = 15, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     software: u16,
 
     /// Rating of the module, mA: 1000, 2000 or 5000

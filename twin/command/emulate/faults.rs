@@ -18,19 +18,19 @@ pub(super) enum WireWord {
         #[arg(value_enum)]
         fault: FaultWord,
         /// What it takes
-        #[arg(default_value_t = 1)]
+        #[arg(default_value_t = 1, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..))]
         value: u32,
         /// Only the next so many
-        #[arg(long, group = "when")]
+        #[arg(long, group = "when", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..))]
         next: Option<u32>,
         /// Only the one after so many that pass unharmed
-        #[arg(long, group = "when")]
+        #[arg(long, group = "when", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..))]
         after: Option<u32>,
         /// Every so-many-th
-        #[arg(long, group = "when")]
+        #[arg(long, group = "when", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..))]
         every: Option<u32>,
         /// By chance, so many of a million
-        #[arg(long, group = "when")]
+        #[arg(long, group = "when", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..))]
         per_million: Option<u32>,
     },
     /// The wire is good again, and nothing is due any more
@@ -42,6 +42,7 @@ pub(super) enum WireWord {
     },
     /// Another word, when so many more requests have come, just before the last of them is carried out
     After {
+        #[arg(allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..))]
         requests: u32,
         #[arg(required = true, trailing_var_arg = true, allow_hyphen_values = true)]
         words: Vec<String>,

@@ -144,9 +144,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     .and_then(|()| out.flush())
     .map_err(Failure::Stdio)?;
     if let Some(viewer) = viewer {
-        let interrupt = run::Interrupt::catch()?;
+        let interrupt = run::Interrupt::catch_as_started()?;
         tell!("the workspace is shown at {}", viewer.url());
-        tell!("Ctrl-C ends it.");
+        tell!("{}", interrupt.how_it_ends());
         interrupt.wait();
     }
     Ok(Status::Fit)

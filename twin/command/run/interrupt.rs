@@ -16,23 +16,36 @@ pub(in crate::command) struct Interrupt {
     /// Places among [`NAMES`] of the first that came, and of the last.
     first: Arc<AtomicU8>,
     last: Arc<AtomicU8>,
+    /// Which are not minded, bit by bit.
+    ignored: u64,
 }
 
 /// None has come yet.
 const NONE: u8 = u8::MAX;
 
 impl Interrupt {
+    /// For what moves machines: Ctrl-C and SIGTERM stop them whoever has started the program, and a script that starts it in
+    /// the background has Ctrl-C ignored. Whoever starts it with nohup wants it to go on when the terminal is closed.
     pub(in crate::command) fn catch() -> Result<Self, Failure> {
+        Self::catch_but(ignored() & 1 << (SignalKind::hangup().as_raw_value() - 1))
+    }
+
+    /// For what serves others: whoever has started it decides which signals end it.
+    pub(in crate::command) fn catch_as_started() -> Result<Self, Failure> {
+        Self::catch_but(ignored())
+    }
+
+    /// All but these, bit by bit, which stay as they are.
+    fn catch_but(ignored: u64) -> Result<Self, Failure> {
         let none = || Arc::new(AtomicU8::new(NONE));
-        let caught = Self { count: Arc::new(AtomicU32::new(0)), first: none(), last: none() };
+        let caught =
+            Self { count: Arc::new(AtomicU32::new(0)), first: none(), last: none(), ignored };
         let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build();
         let runtime = runtime.map_err(Failure::Interrupt)?;
         let kinds = [SignalKind::interrupt(), SignalKind::terminate(), SignalKind::hangup()];
-        let ignored = ignored();
         let mut signals = Vec::with_capacity(kinds.len());
         for kind in kinds {
             let _inside = runtime.enter();
-            // Whoever starts a program with nohup wants it to go on when the terminal is closed.
             let minded = ignored >> (kind.as_raw_value() - 1) & 1 == 0;
             // From here on they end nothing by themselves.
             signals.push(minded.then(|| signal(kind)).transpose().map_err(Failure::Interrupt)?);
@@ -80,6 +93,15 @@ impl Interrupt {
     /// What ends the run, where that is nobody at the keyboard.
     pub(super) fn signal(&self) -> Option<&'static str> {
         Some(self.name()).filter(|name| *name != "Ctrl-C")
+    }
+
+    /// What ends a program that waits for nothing else, for people.
+    pub(in crate::command) fn how_it_ends(&self) -> &'static str {
+        if self.ignored >> (SignalKind::interrupt().as_raw_value() - 1) & 1 == 0 {
+            "Ctrl-C ends it."
+        } else {
+            "SIGTERM ends it (Ctrl-C does not: it was started in the background)."
+        }
     }
 
     /// Sleeps until the next one.

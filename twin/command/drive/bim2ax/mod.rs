@@ -277,7 +277,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         Action::Jog { axis, distance, speed, .. } => {
             let (seen, _) = session.ask(module.driver.positions(&no_clock))?;
             let (from, _) = of(&seen, *axis);
-            let target = from.saturating_add(*distance);
+            let target = from.checked_add(*distance).ok_or_else(|| {
+                let number = axis.number();
+                Failure::Usage(format!(
+                    "axis {number} at {from} cannot go {distance} µsteps further"
+                ))
+            })?;
             travel(&session, &mut module, consent, *axis, target, speed.speed)?;
         }
         Action::Move { axis, position, speed, .. } => {

@@ -138,18 +138,24 @@ pub(super) fn travel(
     Ok(())
 }
 
-/// Of an axis that is homed the soft limits count: the module would brake there, short of its target.
+/// No axis goes beyond what its counter holds; of one that is homed the soft limits count: the module would brake there, short
+/// of its target.
 fn within(
     settings: &AxisSettings,
     (axis, homed): (ModuleAxis, bool),
     target: i32,
 ) -> Result<(), String> {
+    let number = axis.number();
+    if !(-MOST_POSITION..=MOST_POSITION).contains(&target) {
+        return Err(format!(
+            "axis {number} cannot go to {target} µsteps: its positions are -{MOST_POSITION} to {MOST_POSITION} (nothing was sent)"
+        ));
+    }
     let [low, high] = [settings.soft_minus, settings.soft_plus];
     if !homed || (low..=high).contains(&target) {
         return Ok(());
     }
     let (limit, sign) = if target > high { (high, '+') } else { (low, '-') };
-    let number = axis.number();
     Err(format!(
         "axis {number} cannot go to {target} µsteps: its soft limit {sign} is at {limit} µsteps (nothing was sent)"
     ))
@@ -168,6 +174,9 @@ mod tests {
         assert!(beyond.contains("axis 2 cannot go to 4001 µsteps: its soft limit + is at 4000"));
         let below = to(-801, true).unwrap_err();
         assert!(below.contains("its soft limit - is at -800 µsteps"), "{below}");
+        let counted = to(-4_194_304, false).unwrap_err();
+        assert!(counted.contains("its positions are -4194303 to 4194303"), "{counted}");
+        assert_eq!(to(4_194_303, false), Ok(()));
     }
 
     /// 5.1: homing goes at the start-stop speed, here 100 steps/s of 16 µsteps; 480 000 µsteps take 300 s.

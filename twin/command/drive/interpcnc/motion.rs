@@ -6,11 +6,11 @@ use super::super::words;
 use super::Ramps;
 use crate::command::Failure;
 use std::time::Duration;
-use twin_drives::DriveError;
 use twin_drives::interpcnc::registers::Status;
 use twin_drives::interpcnc::{
     AxisValues, BoardAxis, BoardState, InterpCnc, MoveProfile, parameters,
 };
+use twin_drives::{Action, DriveError};
 
 impl Stopping for InterpCnc {
     async fn soft_stop(&mut self) -> Result<(), DriveError> {
@@ -29,6 +29,13 @@ impl Stopping for InterpCnc {
     }
 }
 
+/// The state of a board that obeys and none of whose axes moves.
+fn obeying(session: &Session, board: &mut InterpCnc, what: &str) -> Result<BoardState, Failure> {
+    let state = standing(session, board, what)?;
+    board.check_obeys(&state, Action::ReadState)?;
+    Ok(state)
+}
+
 /// The state of a board none of whose axes moves.
 fn standing(session: &Session, board: &mut InterpCnc, what: &str) -> Result<BoardState, Failure> {
     let (state, _) = session.ask(board.state(&no_clock))?;
@@ -38,13 +45,13 @@ fn standing(session: &Session, board: &mut InterpCnc, what: &str) -> Result<Boar
     Err(Failure::Usage(format!("an axis moves: `stop` before `{what}`")))
 }
 
-/// Where an axis stands; no axis of the board may move.
+/// Where an axis stands; the board has to obey, and no axis of it may move.
 pub(super) fn position(
     session: &Session,
     board: &mut InterpCnc,
     axis: BoardAxis,
 ) -> Result<i32, Failure> {
-    let state = standing(session, board, "move")?;
+    let state = obeying(session, board, "move")?;
     Ok(state.positions.get(axis.index()).copied().unwrap_or(0))
 }
 
@@ -83,7 +90,7 @@ pub(super) fn home(
     axes: &[BoardAxis],
     max_stroke: i32,
 ) -> Result<(), Failure> {
-    let state = standing(session, board, "home")?;
+    let state = obeying(session, board, "home")?;
     let mut strokes = AxisValues::default();
     let mut said = Vec::with_capacity(axes.len());
     let mut patience = Duration::ZERO;
