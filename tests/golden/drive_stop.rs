@@ -131,7 +131,8 @@ fn send(signal: &str, process: u32) {
 /// The window in which it was started is closed, or what has read its words has gone: the axes stop all the same.
 #[test]
 fn a_stop_needs_nobody_who_listens() {
-    for signal in ["-HUP", "-INT"] {
+    // What ends or suspends other programs would let the axes go on.
+    for signal in ["-HUP", "-INT", "-QUIT", "-TSTP"] {
         let (running, hand) = a_board(1);
         hand.does("unlock");
         let mut jog = hand.command("move X 1000000 --speed 2000 --yes");

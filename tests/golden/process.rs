@@ -69,6 +69,17 @@ impl Desk {
         arguments: &[&str],
         act: impl FnOnce(),
     ) -> Done {
+        self.meanwhile_of(signal, sign, arguments, |_| act())
+    }
+
+    /// The same, for what is done to the process itself.
+    pub(crate) fn meanwhile_of(
+        &self,
+        signal: &str,
+        sign: &str,
+        arguments: &[&str],
+        act: impl FnOnce(&str),
+    ) -> Done {
         let mut child = self.command(arguments).spawn().expect("the binary starts");
         let stderr = child.stderr.take().expect("piped");
         let mut lines = BufReader::new(stderr).lines().map_while(Result::ok);
@@ -80,8 +91,8 @@ impl Desk {
                 break;
             }
         }
-        act();
         let process = child.id().to_string();
+        act(&process);
         let sent = Command::new("kill").args([signal, &process]).status().expect("kill is there");
         assert!(sent.success(), "it has ended already:\n{seen}");
         for line in lines {

@@ -73,6 +73,28 @@ fn a_stop_by_hand_gets_through_to_the_module_of_a_run() {
     assert!(x > 1.0 && x < 199.0 && u < 59.0, "{x} {u}");
 }
 
+/// Its plan has ended meanwhile, and what comes after that is not made up for.
+#[test]
+fn a_run_that_was_frozen_does_not_go_on() {
+    let shop = Shop::new();
+    let run = Shop::arguments("long.cnc", "--homed --home=U --yes");
+    let done = shop.desk.meanwhile_of("-CONT", "axis U is home", &run, |process| {
+        shop.under_way();
+        let send = |signal: &str| {
+            let sent = std::process::Command::new("kill").args([signal, process]).status();
+            assert!(sent.expect("kill is there").success());
+        };
+        send("-STOP");
+        std::thread::sleep(Duration::from_secs(4));
+        send("-CONT");
+    });
+    done.ended(2, "the drives failed at line 2 (N10): ");
+    done.ended(2, "ms late; the axes were braked where they were");
+    let [x, y, z, u] = shop.at_rest().map(|found| found.expect("it is there"));
+    // At 13 mm/s it has come a quarter of a second's way since, and a ramp; where it is due by then is 50 mm on.
+    assert!(x > 5.0 && x < 30.0, "{x} {y} {z} {u}");
+}
+
 #[test]
 fn ctrl_c_stops_homing_and_the_approach() {
     // The module looks for its cam until it is told to stop.

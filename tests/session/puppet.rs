@@ -32,6 +32,8 @@ pub(super) struct Puppet {
     silent_from_ns: Option<i64>,
     /// From then on its first axis is so many increments off the plan.
     off_from_ns: Option<(i64, i64)>,
+    /// Then it is kept waiting once, for so many ms, like everything else of a process that is frozen.
+    frozen_at_ns: Option<(i64, u64)>,
     pub(super) outputs: Arc<Mutex<Vec<(u8, bool)>>>,
     /// So many cycles in which it moves and is not there, once it is off the plan: it goes after it.
     chases: Option<u32>,
@@ -108,6 +110,9 @@ impl Drive for Puppet {
                 std::thread::sleep(Duration::from_millis(1));
             }
             self.silent_from_ns = None;
+        }
+        if let Some((_, ms)) = self.frozen_at_ns.take_if(|(at_ns, _)| time_ns >= *at_ns) {
+            std::thread::sleep(Duration::from_millis(ms));
         }
         let time_ns = stream.now_ns();
         let motion = stream.at(time_ns);
@@ -232,7 +237,9 @@ fn run_both(
     interrupts: &dyn Fn() -> u32,
 ) -> Ending {
     // A computer that is busy keeps even these waiting.
-    let guarded = puppet.silent_from_ns.is_some() || puppet.off_from_ns.is_some() && !puppet.deaf;
+    let guarded = puppet.silent_from_ns.is_some()
+        || puppet.frozen_at_ns.is_some()
+        || puppet.off_from_ns.is_some() && !puppet.deaf;
     let attached = Attached { device: 0, drive: Box::new(puppet) };
     let mut hardware =
         Hardware::start(machine, vec![attached], start, machine.cycle_ns, 0.25).unwrap();
@@ -325,8 +332,8 @@ fn a_drive_that_keeps_silent_brings_everything_to_rest_on_the_path() {
 #[test]
 fn an_axis_that_is_too_far_away_stops_the_run() {
     let mut recorder = Recorder::new();
-    // 1 mm of 0.5.
-    // It comes to the end of the plan all the same, 0.6 s later.
+    // 1 mm of 0.5. Following to the end of the plan it would come there all the same, 0.6 s later, by a way of its own: its device
+    // is stopped.
     let off_from_ns = Some((300_000_000, -320));
     let puppet = Puppet { off_from_ns, chases: Some(200), ..Puppet::default() };
     let (ending, soft_stops) = run_with(puppet, CIRCLES, i64::MAX, &mut recorder, &|| 0);
@@ -345,7 +352,7 @@ fn an_axis_that_is_too_far_away_stops_the_run() {
     };
     // Half an increment beside what it is off.
     assert!((error - 1.0).abs() < 2e-3 && (limit - 0.5).abs() < 1e-12, "{said}");
-    assert_eq!((soft_stops, recorder.last().path_velocity), (0, 0.0));
+    assert_eq!((soft_stops, recorder.last().path_velocity), (1, 0.0));
 }
 
 /// The plan has ended, and there is none to be changed: a drive that goes after its end is stopped by itself.
@@ -405,6 +412,30 @@ fn drives_do_not_leap_after_a_session_that_was_kept_waiting() {
     };
     assert!(matches!(source, HardwareError::Starved { .. }), "{source}");
     assert_eq!((soft_stops, recorder.last().path_velocity), (1, 0.0));
+}
+
+/// A process that is suspended and goes on: whoever is first to wake, no drive follows what is overdue.
+#[test]
+fn drives_do_not_leap_after_a_process_that_was_frozen() {
+    let waited = Cell::new(false);
+    let mut recorder = Recorder::with(|time_ns| {
+        if time_ns >= 200_000_000 && !waited.replace(true) {
+            // Longer than the drives' plan reaches, and not as long as the drive: planning goes on before it looks.
+            std::thread::sleep(Duration::from_millis(400));
+        }
+    });
+    let puppet = Puppet { frozen_at_ns: Some((200_000_000, 600)), ..Puppet::default() };
+    let found = Arc::clone(&puppet.found);
+    let (ending, soft_stops) = run_with(puppet, CIRCLES, i64::MAX, &mut recorder, &|| 0);
+    let Some(Stopped::Drives { source, .. }) = &ending.stopped else {
+        panic!("{:?}", ending.stopped)
+    };
+    assert!(matches!(source, HardwareError::Starved { .. }), "{source}");
+    assert_eq!((soft_stops, recorder.last().path_velocity), (1, 0.0));
+    // At 100 mm/s (500 mm/s²) along the circle of 30 mm: 35 mm at 0.45 s, where its plan ended, and 70 mm at 0.8 s.
+    let [x, y, ..] = found.lock().unwrap().map(|increments| increments as f64 / 320.0);
+    let along = 30.0 * y.atan2(30.0 - x);
+    assert!((5.0..45.0).contains(&along), "{x} mm {y} mm, {along} mm along");
 }
 
 #[test]

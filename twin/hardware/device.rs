@@ -65,21 +65,13 @@ impl Device {
                 let halted = self.guarded(|device| device.halt(brakes));
                 let softly = matches!(halted, Ok(Halted::Softly));
                 if let Err(error) = halted {
-                    let error = self.named(error);
-                    self.sender.try_send(Ok(Event::NotStopped(error))).unwrap_or_default();
+                    // Whatever else waits to be heard, this is not left out.
+                    self.tell(Event::NotStopped(self.named(error)));
                 }
                 if asks {
-                    self.guarded(|device| {
-                        device.look_again(softly);
-                        Ok(())
-                    })
-                    .unwrap_or_default();
+                    self.attempt(|device| device.look_again(softly));
                 }
-                self.guarded(|device| {
-                    device.switch_off();
-                    Ok(())
-                })
-                .unwrap_or_default();
+                self.attempt(Self::switch_off);
                 unsaid
             }
         };
@@ -100,6 +92,15 @@ impl Device {
         })
     }
 
+    /// What is tried behind an error that has been told: it may fail as well, and says what can be said itself.
+    fn attempt(&mut self, act: impl FnOnce(&mut Self)) {
+        let tried = self.guarded(|device| {
+            act(device);
+            Ok(())
+        });
+        tried.unwrap_or_default();
+    }
+
     /// As the machine file calls it.
     fn named(&self, error: HardwareError) -> HardwareError {
         match error {
@@ -115,6 +116,11 @@ impl Device {
     /// False if the session is gone.
     fn tell(&self, event: Event) -> bool {
         self.sender.send(Ok(event)).is_ok()
+    }
+
+    /// Says what is good to know and waits for nobody: axes are being stopped, and a session that does not listen has seen enough.
+    fn mention(&self, event: Event) {
+        self.sender.try_send(Ok(event)).unwrap_or_default();
     }
 
     fn work(
@@ -138,7 +144,8 @@ impl Device {
                     self.drive.sample(&*self.stream)?;
                 }
                 FOLLOW => {
-                    // Standing where the plan has ended and then catching up would be a leap.
+                    // Standing where the plan has ended and then catching up would be a leap. The session looks as well, before
+                    // it plans on: this thread may be the later of the two.
                     let late_ns = self.stream.now_ns() - self.stream.end_ns();
                     if late_ns > 0 && self.order() == FOLLOW {
                         let (device, late_ms) = (self.names.device.clone(), late_ns / 1_000_000);
@@ -250,7 +257,7 @@ impl Device {
         let left: Vec<_> =
             on.filter(|output| self.drive.set_output(*output, false).is_err()).collect();
         if !left.is_empty() {
-            self.sender.try_send(Ok(Event::LeftOn(left))).unwrap_or_default();
+            self.mention(Event::LeftOn(left));
         }
     }
 
@@ -265,7 +272,7 @@ impl Device {
         let since = Clock::start();
         loop {
             let sample = self.drive.sample(&*self.stream)?;
-            self.sender.try_send(Ok(Event::Sample(sample))).unwrap_or_default();
+            self.mention(Event::Sample(sample));
             if !sample.moving {
                 return Ok(());
             }
@@ -303,7 +310,7 @@ impl Device {
         loop {
             match self.drive.shows_restart() {
                 Ok(true) => {
-                    self.sender.try_send(Ok(Event::Restarted(certain))).unwrap_or_default();
+                    self.mention(Event::Restarted(certain));
                     return;
                 }
                 Ok(false) => return,

@@ -58,6 +58,8 @@ pub(super) struct Guard {
     beyond: [u32; MAX_DRIVE_AXES],
     told_silence: bool,
     told_error: bool,
+    /// Its drives are real.
+    real: bool,
 }
 
 impl Guard {
@@ -69,11 +71,22 @@ impl Guard {
         if whose == Guarded::Emulated {
             return Self { silence_ms: said, ..guard };
         }
+        guard.real = true;
         guard.silence_ms = said.or_else(|| Some(usual_silence_ms(machine, (device, entry?))));
         for (limit, (_, axis)) in guard.limits.iter_mut().zip(machine.axes_of(device)) {
             *limit = Limit::of(axis);
         }
         guard
+    }
+
+    /// Whether it watches real drives.
+    pub(super) fn is_of_real(&self) -> bool {
+        self.real
+    }
+
+    /// Whether one of its axes has been found too far away.
+    pub(super) fn is_astray(&self) -> bool {
+        self.told_error
     }
 
     /// It begins to follow.

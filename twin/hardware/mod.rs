@@ -168,7 +168,8 @@ impl Hardware {
 
     /// From now on [`Self::feedback`] also fails where a device keeps silent for longer than `machine` says while its axes
     /// are to move ([`HardwareError::Silent`]), and where an axis is farther from its set-points than it may be
-    /// ([`HardwareError::TooFar`]). The devices go on following all the same: it is for the caller to stop them.
+    /// ([`HardwareError::TooFar`]). The devices go on following all the same: it is for the caller to stop them
+    /// ([`Self::stop_astray`]).
     #[must_use]
     pub fn guarded(mut self, machine: &Machine, whose: Guarded) -> Self {
         self.units.iter_mut().for_each(|unit| unit.guard(machine, whose));
@@ -213,6 +214,22 @@ impl Hardware {
             unit.replace(time_ns, motions.filter_map(|setpoint| unit.motion(setpoint).ok()));
         }
         self.failures.extend(failure);
+    }
+
+    /// Stops all drives where the plan of real ones has ended before `now_ns`: they stand there, or soon will, and catching up with
+    /// a plan that comes only now would be a leap. Emulated ones leap as far as this computer is late.
+    pub fn starved(&mut self, now_ns: i64) -> Option<HardwareError> {
+        let starved = self.units.iter().find_map(|unit| unit.starved(now_ns));
+        if starved.is_some() {
+            self.stop();
+        }
+        starved
+    }
+
+    /// Asks the devices with an axis that is too far from its set-points to brake now, on ramps of their own: after the set-points,
+    /// which brake as well, that axis would go all the way that it is behind.
+    pub fn stop_astray(&mut self) {
+        self.units.iter().filter(|unit| unit.guard.is_astray()).for_each(Unit::stop);
     }
 
     /// Asks the drives to brake now, wherever they are, on ramps of their own.

@@ -145,6 +145,16 @@ impl Unit {
         self.guard.silence(&self.device, now_ns, (&self.stream, self.axes.len()))
     }
 
+    /// Whether its plan has ended before `now_ns`.
+    pub(super) fn starved(&self, now_ns: i64) -> Option<HardwareError> {
+        let late_ns = now_ns.saturating_sub(self.stream.end_ns());
+        let starved = self.guard.is_of_real() && !self.ended && late_ns > 0;
+        starved.then(|| HardwareError::Starved {
+            device: self.device.clone(),
+            late_ms: late_ns / 1_000_000,
+        })
+    }
+
     /// From now on it follows its stream by `clock`.
     pub(super) fn follow(&mut self, clock: Clock) {
         self.guard.begin(clock.now_ns());

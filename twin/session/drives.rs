@@ -33,7 +33,21 @@ impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
             }
             Some(_) => {}
         }
+        if let Some(hardware) = &mut self.hardware {
+            hardware.stop_astray();
+        }
         self.brake();
+    }
+
+    /// Whoever plans has been kept waiting for longer than what is planned for the drives lasts: what is overdue is followed by
+    /// none of them, for it would be a leap.
+    pub(super) fn lose_overdue(&mut self, now_ns: i64) {
+        if self.plan != Plan::GoesOn {
+            return;
+        }
+        if let Some(source) = self.hardware.as_mut().and_then(|drives| drives.starved(now_ns)) {
+            self.lose_drives(source);
+        }
     }
 
     /// A device keeps silent and is perhaps heard of again: all axes come to rest on the path, as when the user wants it.

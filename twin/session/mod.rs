@@ -299,6 +299,7 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
             let now_ns = if paced { clock.now_ns() } else { run.executed_ns() + BATCH_NS };
             run.heed(interrupts());
             run.heed_override(observer);
+            run.lose_overdue(now_ns);
             // Time that nobody has waited for shall not pass.
             let waits = !paced && run.waits_for_word();
             if !waits {

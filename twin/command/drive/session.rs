@@ -62,7 +62,7 @@ impl Session {
         drive: &mut D,
         motion: impl AsyncFnOnce(&mut D) -> Result<T, DriveError>,
     ) -> Result<T, Failure> {
-        let interrupt = Interrupt::catch()?;
+        let interrupt = Interrupt::catch_for_drives()?;
         self.interruptible(drive, motion, || pressed(&interrupt))
     }
 

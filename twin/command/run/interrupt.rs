@@ -4,16 +4,28 @@ use crate::command::Failure;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 use std::time::Duration;
-use tokio::signal::unix::{Signal, SignalKind, signal};
+use tokio::signal::unix::{SignalKind, signal};
 
-/// What people call what asks for an end.
-const NAMES: [&str; 3] = ["Ctrl-C", "SIGTERM", "SIGHUP"];
+/// What asks for the end, and what people call it. The last two only stop machines; anything else is ended and suspended by
+/// them as usual.
+const KINDS: [(SignalKind, &str); 5] = [
+    (SignalKind::interrupt(), "Ctrl-C"),
+    (SignalKind::terminate(), "SIGTERM"),
+    (SignalKind::hangup(), "SIGHUP"),
+    (SignalKind::quit(), "Ctrl-\\"),
+    (SignalKind::from_raw(SIGTSTP), "Ctrl-Z"),
+];
+/// How many of them end any program.
+const USUAL: usize = 3;
+
+/// As POSIX systems on which `twin` runs number it; tokio has no name for it.
+const SIGTSTP: i32 = if cfg!(target_os = "macos") { 18 } else { 20 };
 
 /// How often somebody has asked for the end.
 #[derive(Clone, Debug)]
 pub(in crate::command) struct Interrupt {
     count: Arc<AtomicU32>,
-    /// Places among [`NAMES`] of the first that came, and of the last.
+    /// Places among [`KINDS`] of the first that came, and of the last.
     first: Arc<AtomicU8>,
     last: Arc<AtomicU8>,
     /// Which are not minded, bit by bit.
@@ -24,46 +36,44 @@ pub(in crate::command) struct Interrupt {
 const NONE: u8 = u8::MAX;
 
 impl Interrupt {
-    /// For what moves machines: Ctrl-C and SIGTERM stop them whoever has started the program, and a script that starts it in
-    /// the background has Ctrl-C ignored. Whoever starts it with nohup wants it to go on when the terminal is closed.
+    /// For what runs a program: Ctrl-C and SIGTERM stop it whoever has started it, and a script that starts it in the background
+    /// has Ctrl-C ignored. Whoever starts it with nohup wants it to go on when the terminal is closed.
     pub(in crate::command) fn catch() -> Result<Self, Failure> {
-        Self::catch_but(ignored() & 1 << (SignalKind::hangup().as_raw_value() - 1))
+        Self::catch_but(ignored() & bit(SignalKind::hangup()), USUAL)
+    }
+
+    /// For what moves real drives: also what would end or suspend the program and let them go on.
+    pub(in crate::command) fn catch_for_drives() -> Result<Self, Failure> {
+        Self::catch_but(ignored() & bit(SignalKind::hangup()), KINDS.len())
     }
 
     /// For what serves others: whoever has started it decides which signals end it.
     pub(in crate::command) fn catch_as_started() -> Result<Self, Failure> {
-        Self::catch_but(ignored())
+        Self::catch_but(ignored(), USUAL)
     }
 
-    /// All but these, bit by bit, which stay as they are.
-    fn catch_but(ignored: u64) -> Result<Self, Failure> {
+    /// The first `kinds`, but for those that are `ignored`, bit by bit, which stay as they are.
+    fn catch_but(ignored: u64, kinds: usize) -> Result<Self, Failure> {
         let none = || Arc::new(AtomicU8::new(NONE));
         let caught =
             Self { count: Arc::new(AtomicU32::new(0)), first: none(), last: none(), ignored };
         let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build();
         let runtime = runtime.map_err(Failure::Interrupt)?;
-        let kinds = [SignalKind::interrupt(), SignalKind::terminate(), SignalKind::hangup()];
-        let mut signals = Vec::with_capacity(kinds.len());
-        for kind in kinds {
+        for (place, (kind, _)) in (0..).zip(KINDS).take(kinds) {
+            if ignored & bit(kind) != 0 {
+                continue;
+            }
             let _inside = runtime.enter();
-            let minded = ignored >> (kind.as_raw_value() - 1) & 1 == 0;
             // From here on they end nothing by themselves.
-            signals.push(minded.then(|| signal(kind)).transpose().map_err(Failure::Interrupt)?);
-        }
-        let counter = caught.clone();
-        let listen = move || {
-            runtime.block_on(async {
-                let [one, two, three] = &mut *signals else { return };
-                loop {
-                    let place = tokio::select! {
-                        () = come(one) => 0,
-                        () = come(two) => 1,
-                        () = come(three) => 2,
-                    };
+            let mut signal = signal(kind).map_err(Failure::Interrupt)?;
+            let counter = caught.clone();
+            runtime.spawn(async move {
+                while signal.recv().await.is_some() {
                     counter.came(place);
                 }
             });
-        };
+        }
+        let listen = move || runtime.block_on(std::future::pending::<()>());
         let thread = std::thread::Builder::new().name("signals".to_owned()).spawn(listen);
         thread.map_err(Failure::Interrupt)?;
         Ok(caught)
@@ -92,12 +102,12 @@ impl Interrupt {
 
     /// What ends the run, where that is nobody at the keyboard.
     pub(super) fn signal(&self) -> Option<&'static str> {
-        Some(self.name()).filter(|name| *name != "Ctrl-C")
+        Some(self.name()).filter(|name| !name.starts_with("Ctrl"))
     }
 
     /// What ends a program that waits for nothing else, for people.
     pub(in crate::command) fn how_it_ends(&self) -> &'static str {
-        if self.ignored >> (SignalKind::interrupt().as_raw_value() - 1) & 1 == 0 {
+        if self.ignored & bit(SignalKind::interrupt()) == 0 {
             "Ctrl-C ends it."
         } else {
             "SIGTERM ends it (Ctrl-C does not: it was started in the background)."
@@ -115,17 +125,12 @@ impl Interrupt {
 
 fn called(place: &AtomicU8) -> &'static str {
     let place = usize::from(place.load(Ordering::Relaxed));
-    NAMES.get(place).copied().unwrap_or("Ctrl-C")
+    KINDS.get(place).map_or("Ctrl-C", |(_, name)| name)
 }
 
-/// Waits for a signal; for ever for one that is not minded.
-async fn come(signal: &mut Option<Signal>) {
-    if let Some(signal) = signal
-        && signal.recv().await.is_some()
-    {
-        return;
-    }
-    std::future::pending::<()>().await;
+/// Where a signal is in a mask of the system: the first one is bit 0.
+fn bit(kind: SignalKind) -> u64 {
+    1 << (kind.as_raw_value() - 1)
 }
 
 /// The signals that the program was started to ignore, bit by bit (the first is bit 0), as the system tells it; none where it

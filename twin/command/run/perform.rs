@@ -65,7 +65,8 @@ pub(super) fn perform<'m>(
     if let Some(url) = picture.url() {
         tell!("live view: {url}");
     }
-    let interrupt = Interrupt::catch()?;
+    let interrupt =
+        if real.is_some() { Interrupt::catch_for_drives() } else { Interrupt::catch() }?;
     if arguments.drives == Drives::Emulated && !emulated {
         tell!("{} names no drives; the simulated machine runs alone", machine.path.display());
     }

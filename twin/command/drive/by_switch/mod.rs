@@ -243,7 +243,7 @@ impl BySwitch {
              ends within {} {unit}",
             told.leg
         ))?;
-        let interrupt = Interrupt::catch()?;
+        let interrupt = Interrupt::catch_for_drives()?;
         drive.enable()?;
         // A drive that was off counts from 0 now.
         let now = drive.probe(&stream)?.position.first().copied().unwrap_or(0);
