@@ -211,7 +211,7 @@ pub(crate) fn rehearsal(
     match &device.family {
         DriveFamily::InterpCnc(entry) => {
             let options = driver_options(machine, (index, entry));
-            interpcnc::rehearse(&options.axes, &wire(entry), options.following)
+            interpcnc::rehearse(&options.axes, &wire(entry), options.following, options.encoder)
         }
         DriveFamily::SmartDrive(entry) => {
             let axes: Vec<_> =

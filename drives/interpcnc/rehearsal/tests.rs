@@ -78,7 +78,7 @@ fn line(speed: f64, end_s: f64) -> Plan<impl Fn(f64) -> IncrementMotion + Sync> 
 #[test]
 fn segments_end_where_the_plan_ends() {
     let plan = sines(4000.0);
-    let mut rehearsal = rehearse(&axes(2), &Wire::default(), BUFFERED);
+    let mut rehearsal = rehearse(&axes(2), &Wire::default(), BUFFERED, None);
     let mut farthest = 0.0_f64;
     for time in -200..5500_i64 {
         farthest = farthest.max(rehearsal.advance(&plan, time * MS).position[0]);
@@ -128,7 +128,7 @@ fn a_prediction_is_what_a_rehearsal_makes() {
     let axes = axes(2);
     for following in [Following::Retargeted, BUFFERED] {
         let found = predict(&plan, &axes, &Wire::default(), following, (-100 * MS, 5000 * MS));
-        let mut rehearsal = rehearse(&axes, &Wire::default(), following);
+        let mut rehearsal = rehearse(&axes, &Wire::default(), following, None);
         let (mut squares, mut largest) = ([0.0; 2], [0.0_f64; 2]);
         for time in -100..=5000_i64 {
             let position = rehearsal.advance(&plan, time * MS).position;
