@@ -16,8 +16,8 @@ pub struct Bim2AxDriveOptions {
     /// Axes that have an encoder: they are refused if their parameters declare none. One that is declared and recognised is
     /// watched in any case.
     pub encoder_axes: Vec<ModuleAxis>,
-    /// So far a counter and its encoder may be apart, µsteps; by default four full steps, beyond which a rotor has lost its
-    /// place in its windings. What the numbers of the encoder are rounded by comes on top.
+    /// So far a counter and its encoder may be apart, µsteps; by default three full steps: a rotor slips beyond two, and stands
+    /// four away then. What the numbers of the encoder are rounded by comes on top.
     pub encoder_tolerance: Option<u32>,
 }
 

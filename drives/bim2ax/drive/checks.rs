@@ -65,7 +65,8 @@ impl Bim2AxDrive {
             looks += 1;
             let seen = self.look(&no_clock)?;
             let ready = self.check(&seen.0, Action::ReadState, |word| word & NOT_READY != 0);
-            match ready.and_then(|()| self.watch_encoders(&seen, &no_clock)) {
+            let watched = ready.and_then(|()| self.watch_encoders(&seen, &no_clock));
+            match watched.and_then(|()| self.check_homes(&seen.0)) {
                 Err(error) if looks >= STRAY_LOOKS => {
                     self.told(&error);
                     return Err(error);

@@ -5,9 +5,10 @@
 //! they are apart the counters are looked at once more, so that what the axis moved meanwhile is known. The bus has no check
 //! sums: two looks in a row have to agree.
 //!
-//! The module makes counter and encoder 0 together when an axis is homed or its position is declared (5.1, 6.2), and corrects
-//! programmed moves by the encoder's position: of an axis that is homed both have to be the same, whoever has homed it. Of one that is not
-//! homed, or whose counter is assumed to count on through homing, what they show at rest belongs together.
+//! What counter and encoder show where an axis rests first belongs together, and again after homing or another zero. But the module
+//! makes both 0 together when an axis is homed or its position is declared (5.1, 6.2), and corrects programmed moves by the
+//! encoder's position: before an axis that is homed is sent anywhere both have to be the same, whoever has homed it. One of
+//! which they are not is not home, whatever the module says, unless its counter is assumed to count on through homing.
 //!
 //! Message bit 4 says that a programmed move needed a correction, which the module has made itself: where encoder and counter
 //! agree afterwards the axis is where it was sent, and nothing is wrong. The bit of the plug, which can tell the motor, is looked
@@ -23,11 +24,12 @@ use crate::{
         parameter::{AxisParameter, Parameter},
     },
     ramp::seconds,
-    shaft::{Passed, Shaft, Watching},
+    shaft::{Apart, Passed, Shaft, Watching},
 };
 
-/// A rotor that is so many full steps behind its windings is in another place of them.
-const LOST_STEPS: u32 = 4;
+/// A rotor comes to rest at every fourth full step of the same current in its windings, and slips beyond two: what is farther
+/// away than this has lost its place, and what is nearer has not.
+const FULL_STEPS: u32 = 3;
 /// "Peut être différente de celle du moteur de 1 ou 2 pas" (3.1.15); one of them is the point of the encoder.
 const ROUNDING: u32 = 1;
 /// What encoder messages say is wrong in any case.
@@ -97,7 +99,7 @@ impl Bim2AxDrive {
             let watching = Watching {
                 points: 1,
                 increments: 1,
-                tolerance: self.options.encoder_tolerance.unwrap_or(LOST_STEPS * microsteps),
+                tolerance: self.options.encoder_tolerance.unwrap_or(FULL_STEPS * microsteps),
                 rounding: dividend.div_ceil(divisor.max(1)).saturating_add(ROUNDING),
                 rate: settings.rate(),
                 start_stop: settings.start_stop(),
@@ -133,7 +135,6 @@ impl Bim2AxDrive {
         }
         let (shown, _) = self.runtime.block_on(self.module.encoder_steps(clock))?;
         let axes = self.options.axes.clone();
-        let keeps = self.options.driver.assumptions.homing_keeps_position;
         let mut doubtful = false;
         for (watched, axis) in self.encoders.0.iter_mut().zip(&axes) {
             let Some(watched) = watched else { continue };
@@ -159,11 +160,7 @@ impl Bim2AxDrive {
             }
             watched.homed = homed;
             if !watched.shaft.is_known() && !has(seen, *axis, message::MOVING) {
-                if homed && !keeps {
-                    watched.shaft.refer(0, 0);
-                } else {
-                    watched.shaft.refer(encoder, counter.into());
-                }
+                watched.shaft.refer(encoder, counter.into());
             }
             doubtful |= watched.shaft.apart(&Passed::at_rest(counter.into()), encoder).is_some();
         }
@@ -203,16 +200,7 @@ impl Bim2AxDrive {
             let duration = if moves { duration } else { 0.0 };
             let passed = Passed { before, after, duration };
             if let Some(apart) = watched.shaft.apart(&passed, at(shown, axis)) {
-                let tolerance = watched.shaft.tolerance();
-                return Err(DriveError::EncoderDiffers {
-                    at: self.module.at(Action::ReadState),
-                    axis: self.names(1 << place),
-                    counter: apart.counter,
-                    encoder: apart.encoder,
-                    unit: "µsteps",
-                    tolerance,
-                    points: None,
-                });
+                return Err(self.differs(place, apart));
             }
         }
         Ok(())
@@ -234,32 +222,50 @@ impl Bim2AxDrive {
         Ok(())
     }
 
-    /// Axes in use at rest whose encoders show that they are elsewhere than their counters say, bit by bit in their order: a
-    /// module that has homed them goes on saying that they are home.
-    pub(super) fn displaced(&mut self, seen: &(Positions, BusStamp)) -> Result<u8, DriveError> {
-        let known = self.encoders;
-        let mut displaced = 0;
-        if self.moving(&seen.0) == 0 {
-            for _ in 0..super::STRAY_LOOKS {
-                displaced = match self.watch_encoders(seen, &no_clock) {
-                    Err(error @ DriveError::EncoderDiffers { .. }) => self.places(&error),
-                    Err(DriveError::EncoderFault { .. }) | Ok(()) => 0,
-                    Err(error) => return Err(error),
-                };
-                if displaced == 0 {
-                    break;
-                }
+    /// Axes in use at rest that the module calls home although their encoders show them elsewhere than their counters: both have
+    /// been made 0 together. Nothing of one whose counter is assumed to count on through homing.
+    pub(super) fn displaced(
+        &mut self,
+        seen: &Positions,
+    ) -> Result<[Option<Apart>; AXES], DriveError> {
+        let mut displaced = [None; AXES];
+        let keeps = self.options.driver.assumptions.homing_keeps_position;
+        if !self.encoders.any() || keeps || self.moving(seen) != 0 {
+            return Ok(displaced);
+        }
+        let (shown, _) = self.runtime.block_on(self.module.encoder_steps(&no_clock))?;
+        let axes = self.encoders.0.iter().zip(&self.options.axes);
+        for (slot, (watched, axis)) in displaced.iter_mut().zip(axes) {
+            let there = has(&shown, *axis, KINDS) && !has(&shown, *axis, FAULTS);
+            if let Some(Watched { mut shaft, .. }) = *watched
+                && there
+                && has(seen, *axis, message::HOMED)
+            {
+                shaft.refer(0, 0);
+                *slot = shaft.apart(&Passed::at_rest(at(seen, *axis).into()), at(&shown, *axis));
             }
         }
-        self.encoders = known;
         Ok(displaced)
     }
 
-    /// The axes in use that an error is about, bit by bit in their order.
-    fn places(&self, error: &DriveError) -> u8 {
-        let named = error.axes();
-        let about = |axis: &ModuleAxis| named.is_some_and(|named| named.contains(axis.index()));
-        let axes = (0_u8..).zip(&self.options.axes);
-        axes.filter(|(_, axis)| about(axis)).fold(0, |mask, (place, _)| mask | 1 << place)
+    /// Fails for the first of them.
+    pub(super) fn check_homes(&mut self, seen: &Positions) -> Result<(), DriveError> {
+        let displaced = self.displaced(seen)?;
+        let first = (0_u8..).zip(displaced).find_map(|(place, apart)| Some((place, apart?)));
+        first.map_or(Ok(()), |(place, apart)| Err(self.differs(place, apart)))
+    }
+
+    /// What is told of the axis at a place among those in use.
+    fn differs(&self, place: u8, apart: Apart) -> DriveError {
+        let watched = self.encoders.0.get(usize::from(place)).copied().flatten();
+        DriveError::EncoderDiffers {
+            at: self.module.at(Action::ReadState),
+            axis: self.names(1 << place),
+            counter: apart.counter,
+            encoder: apart.encoder,
+            unit: "µsteps",
+            tolerance: watched.map_or(0, |watched| watched.shaft.tolerance()),
+            points: None,
+        }
     }
 }

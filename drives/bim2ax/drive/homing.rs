@@ -135,15 +135,19 @@ impl Bim2AxDrive {
 
     /// Which axes are homed: the module keeps it.
     pub(super) fn homed_axes(&mut self) -> Result<[Option<bool>; MAX_DRIVE_AXES], DriveError> {
-        let looked = self.look(&no_clock)?;
-        let seen = &looked.0;
+        let (looked, _) = self.look(&no_clock)?;
+        let seen = &looked;
         if self.moving(seen) == 0 && self.homes.asked != 0 {
             self.check_counts(seen)?;
         }
-        let displaced = self.displaced(&looked)?;
+        // One look may have been spoilt.
+        let mut displaced = self.displaced(seen)?;
+        if displaced.iter().any(Option::is_some) {
+            displaced = self.displaced(seen)?;
+        }
         let mut homed = [None; MAX_DRIVE_AXES];
-        for ((slot, axis), place) in homed.iter_mut().zip(&self.options.axes).zip(0_u8..) {
-            let stays = displaced >> place & 1 == 0;
+        for ((slot, axis), apart) in homed.iter_mut().zip(&self.options.axes).zip(displaced) {
+            let stays = apart.is_none();
             *slot = seen.messages.get(axis.index()).map(|word| word & message::HOMED != 0 && stays);
         }
         Ok(homed)

@@ -223,3 +223,37 @@ fn the_driver_follows_by_segments() {
     let (driver, runtime) = drive.board();
     runtime.block_on(driver.send(&command, &no_clock)).unwrap();
 }
+
+/// 115200 baud, 2 ms: command 80 takes 8.538 ms, a look 8.712, the encoder 6.976, once in eight looks (bytes, two silences of
+/// 1.75 ms, the answering time).
+#[test]
+fn reading_the_encoder_costs_what_its_bytes_do() {
+    let axes = axes(3);
+    let encoder =
+        EncoderOptions { axis: BoardAxis::Y, points: 4000, increments: 3200, tolerance: 10 };
+    let byte = 10.0 / 115_200.0;
+    let [command, look, reading] = [35.0, 37.0, 17.0].map(|bytes| bytes * byte + 0.0055);
+    let wire = Wire::default();
+    for (following, exchanges) in
+        [(Following::Retargeted, 3.0 * command), (BUFFERED, (29.0 + 8.0) * byte + 0.0055)]
+    {
+        let rates = |encoder| rehearse(&axes, &wire, following, encoder).rates().samples_per_s;
+        let (without, with) = (exchanges + look, exchanges + look + reading / 8.0);
+        assert!((rates(None) * without - 1.0).abs() < 1e-3, "{following:?}");
+        assert!((rates(Some(encoder)) * with - 1.0).abs() < 1e-3, "{following:?}");
+        // And what is done is that: on the way one exchange more in eight rounds, so that there are fewer of the others.
+        let plan = sines(4000.0);
+        let [without, with] = [None, Some(encoder)].map(|encoder| {
+            let mut rehearsal = rehearse(&axes, &wire, following, encoder);
+            let moved: Vec<_> = (0..3000_i64)
+                .map(|time_ms| rehearsal.advance(&plan, time_ms * MS).position)
+                .collect();
+            (rehearsal.exchanges(), moved)
+        });
+        assert!(with.0 > without.0 && with.1 != without.1, "{following:?}");
+    }
+    // An axis that is not in use has no encoder here.
+    let elsewhere = EncoderOptions { axis: BoardAxis::B, ..encoder };
+    let of = |encoder| rehearse(&axes, &wire, Following::Retargeted, encoder).rates();
+    assert_eq!(of(Some(elsewhere)), of(None));
+}
