@@ -77,6 +77,7 @@ impl Default for BoardOptions {
 
 /// The board: registers, lock and axes at one instant.
 #[derive(Clone, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "independent facts, each so or not")]
 pub struct Board {
     station: u8,
     line: Line,
