@@ -20,6 +20,7 @@ mod pty;
 mod question;
 mod ramp;
 mod rehearsal;
+mod shaft;
 mod slave;
 pub mod smartdrive;
 mod stamp;

@@ -66,6 +66,14 @@ pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
         DriveError::LimitSwitch { .. } => "`jog` the axis off its limit switch, slowly",
         DriveError::Unfinished { at, .. } => return Some(unfinished(at)),
         DriveError::CardMessages { .. } if error.takes_writes_only() => CHECK_SUM,
+        DriveError::EncoderDiffers { .. } => {
+            "something holds the axis, it goes faster than its motor can, or its encoder does not count as it is said to (`[drives.encoder]` \
+             of the machine file, parameters of a module; the other way round?). Where it is is not known any more: free it, then `home`"
+        }
+        DriveError::EncoderFault { .. } => {
+            "look at the encoder, its cable and its plug, then `reset` the module, which clears the fault, and `home` the axis; \
+             `get encoder-definition-1` (or -2) tells what kind it is to be"
+        }
         DriveError::NotArrived { .. } => {
             "something else has stopped it: `twin drive … stop` in another window, another master, a limit or a switch. `status` \
              tells what the device says now"

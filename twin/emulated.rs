@@ -11,9 +11,11 @@ use twin_drives::bim2ax::{
     self, AxisSettings, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, Bim2AxRehearsal,
     MOST_POSITION, RehearsalOptions, SharedModule,
 };
-use twin_drives::interpcnc::emulator::{BoardOptions, EmulatedBoard, EmulatorOptions, Wire};
+use twin_drives::interpcnc::emulator::{
+    Bench, BoardOptions, EmulatedBoard, EmulatorOptions, EncoderLink, Wire,
+};
 use twin_drives::interpcnc::{
-    self, AxisOptions, Following, InterpCncDrive, InterpCncOptions, Line,
+    self, AxisOptions, EncoderOptions, Following, InterpCncDrive, InterpCncOptions, Line,
     registers::{BoardAxis, MAX_SPEED_HZ},
 };
 use twin_drives::smartdrive::emulator::EmulatedBus;
@@ -164,6 +166,7 @@ fn bim2ax(machine: &Machine, (device, entry): (usize, &Bim2AxEntry)) -> Opened {
     let assumptions = entry.assumptions;
     let options = ModuleOptions { assumptions, ..ModuleOptions::default() };
     let mut eeprom = Eeprom::new(options.rating_ma);
+    let mut surroundings = Surroundings::default();
     let mut axes = Vec::new();
     for (_, axis) in machine.axes_of(device) {
         let index = axis.drive.as_ref().map_or(0, |drive| drive.index);
@@ -180,17 +183,44 @@ fn bim2ax(machine: &Machine, (device, entry): (usize, &Bim2AxEntry)) -> Opened {
         ] {
             eeprom.set(Parameter::Axis(parameter, on_module), value);
         }
+        if let Some(encoder) = entry.encoder.as_ref().filter(|said| said.axes.contains(&on_module))
+        {
+            for (parameter, value) in [
+                (AxisParameter::Dividend, encoder.increments_per_turn),
+                (AxisParameter::Divisor, encoder.points_per_turn),
+                (AxisParameter::EncoderDefinition, bim2ax::bits::definition::PRESENT),
+            ] {
+                eeprom.set(Parameter::Axis(parameter, on_module), value.into());
+            }
+            if let Some(slot) = surroundings.encoders.get_mut(on_module.index()) {
+                *slot = Some(bim2ax::EncoderBench {
+                    points_per_turn: encoder.points_per_turn.into(),
+                    microsteps_per_turn: encoder.increments_per_turn.into(),
+                    ..bim2ax::EncoderBench::default()
+                });
+            }
+        }
         axes.push(on_module);
     }
     let clock = Clock::start();
-    let module = Module::new(&options, &eeprom, &Surroundings::default());
+    let module = Module::new(&options, &eeprom, &surroundings);
     // It has been switched on before.
     let on_for_ns = options.boot_ns;
     let module = SharedModule::new(module, move || clock.now_ns() + on_for_ns);
     let driver = Bim2AxOptions { assumptions, ..Bim2AxOptions::default() };
-    let options = Bim2AxDriveOptions { axes, driver, ..Bim2AxDriveOptions::new() };
+    let options = Bim2AxDriveOptions { axes, driver, ..module_options(entry) };
     let drive = Bim2AxDrive::new("module", module.clone(), &options)?;
     Ok((Emulator::Bim2Ax(module), Box::new(drive)))
+}
+
+/// What the driver of a module is told of its encoders.
+pub(crate) fn module_options(entry: &Bim2AxEntry) -> Bim2AxDriveOptions {
+    let encoder = entry.encoder.as_ref();
+    Bim2AxDriveOptions {
+        encoder_axes: encoder.map_or_else(Vec::new, |encoder| encoder.axes.clone()),
+        encoder_tolerance: encoder.and_then(|encoder| encoder.tolerance),
+        ..Bim2AxDriveOptions::new()
+    }
 }
 
 /// How long a round takes on the wire of a device (with its place in the file), in which each of its axes gets a command and
@@ -211,7 +241,7 @@ pub(crate) fn rehearsal(
     match &device.family {
         DriveFamily::InterpCnc(entry) => {
             let options = driver_options(machine, (index, entry));
-            interpcnc::rehearse(&options.axes, &wire(entry), options.following)
+            interpcnc::rehearse(&options.axes, &wire(entry), options.following, options.encoder)
         }
         DriveFamily::SmartDrive(entry) => {
             let axes: Vec<_> =
@@ -224,7 +254,9 @@ pub(crate) fn rehearsal(
         DriveFamily::Bim2Ax(entry) => {
             let axes = machine.axes_of(index).map(|(_, axis)| bim2ax_axis(axis, entry)).collect();
             let order_ns = i64::from(entry.order_us) * 1000;
-            let options = RehearsalOptions { order_ns, ..RehearsalOptions::new(axes) };
+            let mut options = RehearsalOptions { order_ns, ..RehearsalOptions::new(axes) };
+            // A look at counters is followed by one at encoders.
+            options.read_ns *= if entry.encoder.is_some() { 2 } else { 1 };
             Box::new(Bim2AxRehearsal::new(&options))
         }
     }
@@ -304,9 +336,16 @@ pub fn emulator_options(entry: &InterpCncEntry) -> EmulatorOptions {
             assumptions: entry.assumptions,
             ..BoardOptions::default()
         },
+        bench: Bench { encoder: entry.encoder.map(link), ..Bench::default() },
         wire: wire(entry),
         ..EmulatorOptions::default()
     }
+}
+
+/// The encoder as the axis turns it.
+fn link(encoder: EncoderOptions) -> EncoderLink {
+    let EncoderOptions { axis, points: counts, increments: steps, .. } = encoder;
+    EncoderLink { axis, counts, steps, counts_per_revolution: 0 }
 }
 
 /// How the driver is to speak to a board, with its place in the file, which moves axes of `machine`.
@@ -328,6 +367,7 @@ pub(crate) fn driver_options(
         station: entry.station,
         line: line(entry),
         following: entry.following,
+        encoder: entry.encoder,
         assumptions: entry.assumptions,
         ..InterpCncOptions::new(axes.collect())
     }

@@ -1,7 +1,7 @@
 //! The real drives of a machine file, on the ports that it names.
 
 use crate::advice::advice_in_run;
-use crate::emulated::{driver_options, smartdrive_axis};
+use crate::emulated::{driver_options, module_options, smartdrive_axis};
 use crate::machine::{Bim2AxEntry, DeviceEntry, DriveFamily, Machine};
 use std::io;
 use std::path::Path;
@@ -124,7 +124,7 @@ fn module(
     let axes = places.filter_map(|place| ModuleAxis::ALL.get(place).copied()).collect();
     let Bim2AxEntry { byte_order, assumptions, .. } = *entry;
     let driver = Bim2AxOptions { byte_order, assumptions, deadline, ..Bim2AxOptions::default() };
-    let options = Bim2AxDriveOptions { driver, axes, ..Bim2AxDriveOptions::new() };
+    let options = Bim2AxDriveOptions { driver, axes, ..module_options(entry) };
     let failed = |source| {
         let port: Arc<str> = port.into();
         DriveError::Transport { at: Exchange { port, station: 0, action: Action::Open }, source }

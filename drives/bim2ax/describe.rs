@@ -1,6 +1,6 @@
 //! Message bits in words.
 
-use super::bits::{card, message};
+use super::bits::{card, encoder_message, message};
 
 /// What the message bits of an axis say; what is normal is left out, but for homing.
 pub fn describe_messages(messages: u16) -> String {
@@ -22,6 +22,25 @@ pub fn describe_messages(messages: u16) -> String {
         said.push("homing not done");
     }
     if said.is_empty() { "not obeyed".to_owned() } else { said.join(", ") }
+}
+
+/// What the fault bits of "Message codeur" say (2.2.4).
+pub(crate) fn describe_encoder(messages: u16) -> String {
+    let known = [
+        (encoder_message::DIVISOR_ZERO, "its divisor is 0"),
+        (
+            encoder_message::FAULT,
+            "fault: a channel is missing, it does not answer, or its parity or CRC is wrong",
+        ),
+        (encoder_message::ALARM, "it has set its alarm bit"),
+        (encoder_message::PLUG, "the plug is gone or badly programmed"),
+    ];
+    let mut said = words(&known, |bit| messages & bit != 0);
+    let kinds = encoder_message::ENDAT | encoder_message::SSI | encoder_message::INCREMENTAL;
+    if messages & kinds == 0 {
+        said.insert(0, "the module does not recognise any");
+    }
+    if said.is_empty() { "no fault".to_owned() } else { said.join(", ") }
 }
 
 /// What the error bits of "Messages carte" say.

@@ -36,8 +36,8 @@ pub use assumptions::{Assumptions, CamStart, Corrections, EntryOrder};
 pub use axis::{
     AxisSettings, Bench, Contact, EncoderBench, EncoderKind, MOST_POSITION, REFERENCES,
 };
-pub(crate) use describe::describe_card;
 pub use describe::describe_messages;
+pub(crate) use describe::{describe_card, describe_encoder};
 pub use drive::Bim2AxDrive;
 pub use driver::{Bim2Ax, Bim2AxOptions, BusStamp, Identity, Move, Start};
 pub use memory::{

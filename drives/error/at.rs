@@ -27,6 +27,8 @@ impl DriveError {
             | Self::NotArrived { at, .. }
             | Self::HomingFailed { at, .. }
             | Self::HomeCount { at, .. }
+            | Self::EncoderDiffers { at, .. }
+            | Self::EncoderFault { at, .. }
             | Self::ProbeFailed { at }
             | Self::EepromFailed { at }
             | Self::NotKept { at, .. }
@@ -54,8 +56,9 @@ impl DriveError {
             | Self::HomingFailed { axes, .. } => Some(*axes),
             Self::NotArrived { axis, .. }
             | Self::HomeCount { axis, .. }
+            | Self::EncoderDiffers { axis, .. }
             | Self::NotWritten { axis, .. } => Some(*axis),
-            Self::AxisMessages { axis, .. } => {
+            Self::AxisMessages { axis, .. } | Self::EncoderFault { axis, .. } => {
                 let place = u32::from(*axis).checked_sub(1)?;
                 1_u8.checked_shl(place).map(Axes::Numbers)
             }

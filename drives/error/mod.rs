@@ -215,6 +215,38 @@ pub enum DriveError {
         /// What it counts at home, increments.
         found: i64,
     },
+    /// The shaft of an axis is not where its counter says, by its encoder: it is held, steps are lost, or the encoder does not
+    /// count as it is said to.
+    #[error(
+        "{at}: {axis} is at {counter} {unit} by its counter and at {encoder} {unit} by its encoder{}: they may be {tolerance} {unit} apart",
+        points.map_or_else(String::new, |points| format!(" ({points} points)"))
+    )]
+    EncoderDiffers {
+        /// Where.
+        at: Exchange,
+        /// Which.
+        axis: Axes,
+        /// What the counter shows, increments; of a stretch that it passed while the encoder was read the nearest place.
+        counter: i64,
+        /// What it would be by the encoder, increments.
+        encoder: i64,
+        /// What increments of this device are called.
+        unit: &'static str,
+        /// So far they may be apart, increments; what the axis may have moved between two readings comes on top.
+        tolerance: u32,
+        /// What the encoder itself shows, points, where the device does not tell increments.
+        points: Option<i32>,
+    },
+    /// An encoder, or the module that reads it, says that it does not work (BIM2AX).
+    #[error("{at}: the encoder of axis {axis}: {}", crate::bim2ax::describe_encoder(*messages))]
+    EncoderFault {
+        /// Where.
+        at: Exchange,
+        /// Axis, from 1.
+        axis: u8,
+        /// "Message codeur".
+        messages: u16,
+    },
     /// The input that a probing move awaited did not come.
     #[error("{at}: the probe has found nothing")]
     ProbeFailed {

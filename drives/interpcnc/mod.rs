@@ -28,7 +28,7 @@ pub use assumptions::{Assumptions, BAUD_RATES, BaudCode, BoardStop, ExceptionCod
 pub use blocking::InterpCncDrive;
 pub use command::{AxisValues, BadCommand, Command, CommandRegisters, MoveProfile};
 pub use driver::{BoardState, HomeAxis, Identity, InterpCnc, ProbeMove, Recipes, Snapshot};
-pub use options::{AxisOptions, Following, InterpCncOptions, Line, Parity};
+pub use options::{AxisOptions, EncoderOptions, Following, InterpCncOptions, Line, Parity};
 pub use questions::OPEN_QUESTIONS;
 pub use registers::{AxisMask, BoardAxis};
 pub use rehearsal::{InterpCncRehearsal, Prediction, predict, rehearse};

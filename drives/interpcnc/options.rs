@@ -102,6 +102,20 @@ impl AxisOptions {
     }
 }
 
+/// The encoder of a board, from V2.1D on, on the shaft of one of its axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EncoderOptions {
+    /// The axis, which is in use.
+    pub axis: BoardAxis,
+    /// It counts so many points, less than 0 if it counts down where the axis counts up …
+    pub points: i32,
+    /// … for so many steps of the axis.
+    pub increments: u32,
+    /// So far the axis may be from where its counter says by the encoder, steps; a step, a point and what the axis may have
+    /// moved between two readings come on top.
+    pub tolerance: u32,
+}
+
 /// How a plan is followed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Following {
@@ -132,6 +146,8 @@ pub struct InterpCncOptions {
     pub worst_latency: Duration,
     /// Axes in use, in the order of the arrays of [`crate::Drive`].
     pub axes: Vec<AxisOptions>,
+    /// The encoder, with which the counter of its axis is compared.
+    pub encoder: Option<EncoderOptions>,
     /// How a plan is followed.
     pub following: Following,
     /// Whether the adapter hears what it sends (two-wire RS485 without receiver control): the echo is taken away.
@@ -154,6 +170,7 @@ impl InterpCncOptions {
             deadline: Duration::from_millis(250),
             worst_latency: Duration::from_millis(500),
             axes,
+            encoder: None,
             following: Following::Retargeted,
             echo: false,
             most_segments: 8,
@@ -208,6 +225,17 @@ impl InterpCncOptions {
             within("deceleration (kHz/s)", axis.deceleration_khz_per_s.into(), 1, u16::MAX.into())?;
             within("largest speed (Hz)", axis.max_speed_hz, 1, MAX_SPEED_HZ)?;
         }
+        if let Some(encoder) = self.encoder {
+            let used = u32::from(self.mask().contains(encoder.axis));
+            within("axes in use with the encoder", used, 1, 1)?;
+            within(
+                "points of the encoder",
+                encoder.points.unsigned_abs(),
+                1,
+                i32::MAX.unsigned_abs(),
+            )?;
+            within("steps for its points", encoder.increments, 1, u32::MAX)?;
+        }
         Ok(())
     }
 }
@@ -249,6 +277,16 @@ mod tests {
         assert_eq!(refused(InterpCncOptions { axes: twice, ..good.clone() }), "number of axes");
         let line = Line { baud: 300, ..good.line };
         assert_eq!(refused(InterpCncOptions { line, ..good.clone() }), "baud");
+        let encoder =
+            EncoderOptions { axis: BoardAxis::X, points: -4, increments: 3, tolerance: 0 };
+        let with = |encoder| InterpCncOptions { encoder: Some(encoder), ..good.clone() };
+        assert!(with(encoder).check(&port).is_ok());
+        let elsewhere = EncoderOptions { axis: BoardAxis::Y, ..encoder };
+        assert_eq!(refused(with(elsewhere)), "axes in use with the encoder");
+        let none = EncoderOptions { points: 0, ..encoder };
+        assert_eq!(refused(with(none)), "points of the encoder");
+        let none = EncoderOptions { increments: 0, ..encoder };
+        assert_eq!(refused(with(none)), "steps for its points");
         // 12 registers of status and positions; 14 of a segment of five axes.
         for (most_read, most_written, named) in
             [(11, 123, Some("reads")), (125, 13, Some("writes")), (12, 14, None)]

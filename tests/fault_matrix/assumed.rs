@@ -24,6 +24,9 @@ pub(crate) struct Otherwise {
 const BYTE_ORDER: &str = "byte_order";
 const LAYOUT: &str = "layout";
 const PHASES_ON_ORDER: &str = "phases_on_order";
+/// The axis has an encoder, of which the driver knows: nothing that a manual leaves open, but a row of its own for a shaft that is
+/// held.
+const ENCODER: &str = "encoder";
 
 /// Numbers that differ from the usual ones so far that they count in a cell: frames in several parts, a buffer that is
 /// full, pauses that a fault may hit. Parameters for segments are those that homing has.
@@ -118,6 +121,19 @@ impl Otherwise {
         board.chain(drives).chain(BIM2AX.into_iter().map(of(Family::Bim2Ax))).collect()
     }
 
+    /// Axes with an encoder, in the families that do not know by themselves that a shaft is held.
+    pub(crate) fn encoders() -> Vec<Self> {
+        [(Family::InterpCnc, "counts"), (Family::Segments, "counts"), (Family::Bim2Ax, "declared")]
+            .into_iter()
+            .map(|(family, value)| Self { family, name: ENCODER, value })
+            .collect()
+    }
+
+    /// Whether the axis has one.
+    pub(crate) fn has_encoder(self) -> bool {
+        self.name == ENCODER
+    }
+
     /// What goes wrong then: a request that is lost, one that is spoilt, the supply, and what the family can tell of its
     /// axis.
     pub(crate) fn faults(self) -> [Fault; 4] {
@@ -136,6 +152,10 @@ impl Otherwise {
 
     /// What the axis does then; homing where it is about that.
     pub(crate) fn is_meant(self, doing: Doing) -> bool {
+        if self.has_encoder() {
+            // The shaft is held: not the command to home, but what comes of it.
+            return doing != Doing::ToHome;
+        }
         match doing {
             Doing::Idle => self.family != Family::Segments,
             Doing::Moving | Doing::Stopping => true,
@@ -151,7 +171,7 @@ impl Otherwise {
 
     /// Assumes it, on one side.
     pub(crate) fn assume<A: Assumed>(self, assumptions: &mut A) {
-        if ![BYTE_ORDER, LAYOUT, PHASES_ON_ORDER].contains(&self.name) {
+        if ![BYTE_ORDER, LAYOUT, PHASES_ON_ORDER, ENCODER].contains(&self.name) {
             assumptions.set(self.name, self.value).expect("it can be so");
         }
     }

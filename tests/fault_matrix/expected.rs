@@ -8,7 +8,8 @@
 //! * No family watches its master: what is not plugged in goes on to its target.
 //! * A hard stop leaves boards locked and drives off, and a module says of an axis that moved that it was stopped hard: an
 //!   alarm or a reset that does the same is no reason to doubt it.
-//! * InterpCNC and BIM2AX without encoders do not know that a shaft is held.
+//! * InterpCNC and BIM2AX without encoders do not know that a shaft is held; with one it is told, and a soft stop tells what
+//!   it sees when the axis stands.
 
 use twin_drives::{Direction, DriveError, WireFault};
 
@@ -40,6 +41,8 @@ pub(crate) enum Cause {
     Elsewhere,
     /// Homing has ended without its switch.
     NotHomed,
+    /// The encoder shows the axis elsewhere than its counter.
+    Encoder,
 }
 
 impl Cause {
@@ -54,6 +57,7 @@ impl Cause {
             DriveError::Identity { .. } => Self::Gone,
             DriveError::Moving { .. } | DriveError::Unfinished { .. } => Self::Unfinished,
             DriveError::NotArrived { .. } => Self::Elsewhere,
+            DriveError::EncoderDiffers { .. } if text.contains("by its encoder") => Self::Encoder,
             DriveError::NotHomed { .. } | DriveError::HomingFailed { .. } => Self::NotHomed,
             DriveError::AxisMessages { .. } if text.contains("power absent") => Self::Alarm,
             DriveError::AxisMessages { .. } if text.contains("phases off") => Self::Reset,
@@ -138,7 +142,9 @@ impl Expected {
     }
 }
 
-use Cause::{Alarm, Elsewhere, Gone, Locked, NoAnswer, NotHomed, Refused, Reset, Unfinished};
+use Cause::{
+    Alarm, Elsewhere, Encoder, Gone, Locked, NoAnswer, NotHomed, Refused, Reset, Unfinished,
+};
 use Expected::{Either, GoesOn, Survived, Told, Unseen};
 
 /// Frames that a fault of the wire befalls: one, but while a plan is followed as many as it takes to hit what is not
@@ -192,6 +198,18 @@ pub(crate) fn expected(family: Family, fault: Fault, doing: Doing) -> Expected {
             Family::Bim2Ax => on_bus(direction, wire, doing),
         },
         Fault::Device(fault) => of_device(family, fault, doing),
+    }
+}
+
+/// What is to come of a shaft that is held where its axis has an encoder.
+pub(crate) fn expected_with_encoder(family: Family, doing: Doing) -> Expected {
+    match (family, doing) {
+        // A stop without ramp needs no shaft that turns, and what is lost with it is lost anyway.
+        (_, doing) if doing.halts() => Survived,
+        // A leg or a segment may be so slow, or so near to its end, that it is stopped within what numbers are rounded by:
+        // (1300² − 1000²)/40000 are 17 µsteps of a module.
+        (Family::Bim2Ax | Family::Segments, Doing::Stopping) => Either(&[Encoder]),
+        _ => Told(&[Encoder]),
     }
 }
 

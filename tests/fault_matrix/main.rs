@@ -26,8 +26,8 @@ use std::{
 };
 
 use assumed::Otherwise;
-use expected::{Expected, expected, frames};
-use faults::{Doing, Family, Fault};
+use expected::{Expected, expected, expected_with_encoder, frames};
+use faults::{DeviceFault, Doing, Family, Fault};
 use scenario::{Outcome, Trial, cell, is_meaningless, is_meant};
 
 /// Cells made at the same time: most of the time they wait for deadlines.
@@ -74,13 +74,27 @@ impl Row {
             let row = |fault| Self { fault, family: one.family, otherwise: Some(one) };
             one.faults().map(row)
         });
-        usual.chain(otherwise).collect()
+        let fault = Fault::Device(DeviceFault::Stall);
+        let held = Otherwise::encoders().into_iter().map(|one| Self {
+            fault,
+            family: one.family,
+            otherwise: Some(one),
+        });
+        usual.chain(otherwise).chain(held).collect()
     }
 
     /// Whether a cell of it is made.
     fn is_meant(&self, doing: Doing) -> bool {
         let here = self.otherwise.is_none_or(|otherwise| otherwise.is_meant(doing));
+        if self.has_encoder() && doing == Doing::Looking {
+            return true;
+        }
         here && is_meant(self.family, self.fault, doing)
+    }
+
+    /// Whether the axis has an encoder, and its shaft is held.
+    fn has_encoder(&self) -> bool {
+        self.otherwise.is_some_and(Otherwise::has_encoder)
     }
 
     /// What distinguishes it from the others.
@@ -98,11 +112,16 @@ impl Row {
 
 fn make(row: Row, doing: Doing) -> Made {
     let Row { fault, family, otherwise } = row;
-    let wanted = expected(family, fault, doing);
+    let wanted = if row.has_encoder() {
+        expected_with_encoder(family, doing)
+    } else {
+        expected(family, fault, doing)
+    };
     let frames = frames(family, fault, doing);
     let seed = otherwise.and_then(|otherwise| otherwise.seed(fault, doing));
     let seed = seed.unwrap_or_else(|| expected::seed(family, fault, doing));
-    let buffered = family == Family::Segments;
+    // What is put into the buffer past the driver is not what it watches.
+    let buffered = family == Family::Segments && !row.has_encoder();
     let trial = Trial { fault, doing, seed, frames, buffered, otherwise };
     let made = cell(family, &trial, rig::clock(rig::SPEED));
     let said = match &made.outcome {

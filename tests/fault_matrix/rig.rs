@@ -7,13 +7,14 @@ use twin_drives::{
     Accelerated, Action, Clock, Control, Direction, Drive, DriveError, Exchange, FaultRule,
     IncrementMotion, MAX_DRIVE_AXES, ParameterId, SetpointStream, Speed, When, WireFault,
     bim2ax::{
-        self, Bim2AxDrive, Bim2AxDriveOptions, Contact, MemoryFile, ModuleAxis,
+        self, Bim2AxDrive, Bim2AxDriveOptions, Contact, EncoderBench, MemoryFile, ModuleAxis,
+        bits::definition,
         emulator::{EmulatedModule, Module, ModuleOptions},
         parameter::{AxisParameter, Parameter},
     },
     interpcnc::{
-        self, BoardAxis, Following, InterpCncDrive, InterpCncOptions,
-        emulator::{Bench, BoardOptions, Cam, EmulatedBoard},
+        self, BoardAxis, EncoderOptions, Following, InterpCncDrive, InterpCncOptions,
+        emulator::{Bench, BoardOptions, Cam, EmulatedBoard, EncoderLink},
     },
     smartdrive::{
         self, Alarms, Mode, SmartDriveBus, SmartDriveOptions, StepsPerTurn, TagLayout,
@@ -433,13 +434,14 @@ fn board<C: Clock + 'static>(
 ) -> Device {
     let switch =
         Cam { input: 1, axis: BoardAxis::X, from: -9000, to: -3000, normally_closed: false };
+    let has_encoder = otherwise.is_some_and(Otherwise::has_encoder);
     let mut assumptions = interpcnc::Assumptions::default();
     if let Some(otherwise) = otherwise {
         otherwise.assume(&mut assumptions);
     }
     let options = interpcnc::emulator::EmulatorOptions {
         board: BoardOptions { assumptions, ..BoardOptions::default() },
-        bench: Bench { cams: vec![switch], encoder: None },
+        bench: Bench { cams: vec![switch], encoder: has_encoder.then_some(ENCODER) },
         seed,
         ..interpcnc::emulator::EmulatorOptions::default()
     };
@@ -453,12 +455,24 @@ fn board<C: Clock + 'static>(
     let mut options = InterpCncOptions::new(vec![axis]);
     options.assumptions = assumptions;
     options.following = following;
+    options.encoder = has_encoder.then_some(EncoderOptions {
+        axis: ENCODER.axis,
+        points: ENCODER.counts,
+        increments: ENCODER.steps,
+        tolerance: ENCODER_TOLERANCE,
+    });
     options.most_segments = 2 + u16::try_from(SEGMENTS).expect("few");
     (options.deadline, options.worst_latency) = (DEADLINE, WORST_LATENCY);
     let path = board.path().to_str().expect("a name").to_owned();
     let drive = InterpCncDrive::open(&path, &options).expect("it opens");
     Device::Board(board, Some(drive))
 }
+
+/// The encoder of a board that has one, and how far it may be from the counter, increments: a shaft that is held while its axis
+/// stops out of the plan stays (1300² − 200²)/200000 = 8 increments behind.
+const ENCODER: EncoderLink =
+    EncoderLink { axis: BoardAxis::X, counts: 4, steps: 1, counts_per_revolution: 0 };
+const ENCODER_TOLERANCE: u32 = 2;
 
 /// Addresses of drives. Not 1, with which two bytes of a PING that change places make a RESET.
 const FIRST: u8 = 2;
@@ -514,7 +528,14 @@ fn module<C: Clock + 'static>(clock: C, seed: u64, otherwise: Option<Otherwise>)
         (AxisParameter::FastSpeed, 10_000),
         (AxisParameter::Acceleration, 20_000),
     ];
-    for (parameter, value) in values {
+    let has_encoder = otherwise.is_some_and(Otherwise::has_encoder);
+    let encoder = [
+        (AxisParameter::Dividend, 12_800),
+        (AxisParameter::Divisor, 4000),
+        (AxisParameter::EncoderDefinition, definition::PRESENT.into()),
+    ];
+    let encoder = encoder.into_iter().filter(|_| has_encoder);
+    for (parameter, value) in values.into_iter().chain(encoder) {
         eeprom.set(Parameter::Axis(parameter, ModuleAxis::One), value);
     }
     std::fs::write(&image, eeprom.to_bytes()).expect("it is written");
@@ -522,6 +543,11 @@ fn module<C: Clock + 'static>(clock: C, seed: u64, otherwise: Option<Otherwise>)
     options.eeprom = Some(image);
     options.seed = seed;
     options.surroundings.benches[0].cam = Some(Contact::between(-9000, -1500, true));
+    options.surroundings.encoders[0] = has_encoder.then(|| EncoderBench {
+        points_per_turn: 4000,
+        microsteps_per_turn: 12_800,
+        ..EncoderBench::default()
+    });
     // Long enough to be seen by a driver that has to wait for its turn.
     options.module.boot_ns = 2_000_000_000;
     if let Some(otherwise) = otherwise {
@@ -536,6 +562,9 @@ fn module<C: Clock + 'static>(clock: C, seed: u64, otherwise: Option<Otherwise>)
     }
     let mut options = Bim2AxDriveOptions::new();
     options.axes = vec![ModuleAxis::One];
+    if has_encoder {
+        (options.encoder_axes, options.encoder_tolerance) = (options.axes.clone(), Some(0));
+    }
     (options.driver.assumptions, options.driver.byte_order) = (assumptions, byte_order);
     (options.driver.deadline, options.driver.worst_latency) = (DEADLINE, WORST_LATENCY);
     let path = module.path().to_str().expect("a name").to_owned();

@@ -31,6 +31,7 @@ mod motors;
 mod path;
 mod process;
 mod real;
+mod real_encoders;
 mod real_stops;
 mod real_switches;
 mod recording;

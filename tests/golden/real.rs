@@ -341,7 +341,7 @@ fn a_home_that_is_nowhere_is_given_up() {
 }
 
 /// Two or three axes on devices of one family.
-fn alone(desk: &Desk, family: &str, axes: &[(&str, &str)]) {
+pub(crate) fn alone(desk: &Desk, family: &str, axes: &[(&str, &str)]) {
     let text = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
     let device = format!("kind = \"{family}\"\nport = \"device\"\nanswer_deadline_ms = 2000");
     let text = text.replace("kind = \"interpcnc\"\nport = \"/dev/ttyUSB0\"", &device);

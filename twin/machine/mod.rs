@@ -31,7 +31,9 @@ pub(crate) use couplings::{CamAxis, read_cam, read_ratio};
 pub use couplings::{CamSelection, CoupledBy, Coupling};
 pub use direction::DirectionRule;
 use drives::Seen;
-pub use drives::{Bim2AxEntry, DeviceEntry, DriveFamily, InterpCncEntry, Parity, SmartDriveEntry};
+pub use drives::{
+    Bim2AxEntry, DeviceEntry, DriveFamily, InterpCncEntry, ModuleEncoder, Parity, SmartDriveEntry,
+};
 pub use limits::{AxisLimit, PathLimits, VelocityLimit, VelocityLimits, VelocitySource};
 pub(crate) use problem::Shown;
 pub use problem::{Elsewhere, MachineFileError, Problem};
@@ -229,9 +231,15 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
             section.complain_at("port", message);
         }
     }
+    let axis_sections = root.sections("axes");
+    for (section, one) in drives.iter().zip(&seen) {
+        let hang =
+            axis_sections.iter().filter(|axis| axis.glance_at_text("drive") == Some(&one.name));
+        let names: Vec<_> = hang.filter_map(|axis| axis.glance_at_text("drive_axis")).collect();
+        drives::check_encoder(section, one.kind, &names);
+    }
     drives.into_iter().for_each(Section::finish);
 
-    let axis_sections = root.sections("axes");
     let entries: Vec<_> = axis_sections.iter().map(|section| axis::read(section, &seen)).collect();
     let unique = check_axes(root, &axis_sections, &entries);
     axis_sections.into_iter().for_each(Section::finish);

@@ -114,11 +114,11 @@ impl<'a> Looker<'a> {
                 Ok(())
             }
             // Each of them is told already, with all others that are wrong.
-            Err(DriveError::Parameter { .. } | DriveError::EnableOpen { .. })
-                if self.looked.checks.iter().any(Check::has_failed) =>
-            {
-                Ok(())
-            }
+            Err(
+                DriveError::Parameter { .. }
+                | DriveError::EnableOpen { .. }
+                | DriveError::Setting { .. },
+            ) if self.looked.checks.iter().any(Check::has_failed) => Ok(()),
             Err(error) => Err(error),
         }
     }
@@ -211,6 +211,7 @@ impl<'a> Looker<'a> {
                 Must::BeAtLeast(value) | Must::BeAtLeastOrZero(value) => {
                     format!("at least {value}{unit} is wanted")
                 }
+                Must::Have(bits) => format!("a number with the bits {bits:04X}h is wanted"),
             };
             let told = format!("{whose}{} ({name}) is {found}{unit}; {value}", one.id);
             self.add_with(false, told, one.help(machine, index, found));

@@ -4,6 +4,7 @@ use crate::by_hand;
 use crate::emulated::{bim2ax_axis, smartdrive_axis, velocity_within};
 use crate::machine::{DriveFamily, Machine};
 use twin_drives::ParameterId;
+use twin_drives::bim2ax::bits::definition;
 use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
 use twin_drives::bim2ax::{DriveMode, ModuleAxis};
 use twin_drives::interpcnc::Following;
@@ -19,13 +20,16 @@ pub(super) enum Must {
     BeAtLeast(i64),
     /// 0 says that another parameter counts.
     BeAtLeastOrZero(i64),
+    /// These bits are set, whatever the others are.
+    Have(i64),
 }
 
 impl Must {
-    /// A value that will do.
-    fn value(self) -> i64 {
+    /// A value that will do in the place of what was found.
+    fn value(self, found: i64) -> i64 {
         match self {
             Self::Be(value) | Self::BeAtLeast(value) | Self::BeAtLeastOrZero(value) => value,
+            Self::Have(bits) => found | bits,
         }
     }
 
@@ -34,6 +38,7 @@ impl Must {
             Self::Be(value) => found == value,
             Self::BeAtLeast(value) => found >= value,
             Self::BeAtLeastOrZero(value) => found == 0 || found >= value,
+            Self::Have(bits) => found & bits == bits,
         }
     }
 }
@@ -56,6 +61,8 @@ enum Key {
     None,
     /// Of the device, with the parameter's own value.
     OfDevice(&'static str),
+    /// Of the device's `[drives.encoder]`, with the parameter's own value.
+    OfEncoder(&'static str),
     /// The device's `microsteps`, of which the parameter is the drive mode.
     Mode,
     /// The largest velocity of the axis.
@@ -66,7 +73,7 @@ impl Wanted {
     /// What makes device and machine file agree: the commands that set the parameter, and the key that would match what was
     /// found.
     pub(super) fn help(&self, machine: &Machine, device: usize, found: i64) -> Vec<String> {
-        let mut help = by_hand::set(machine, device, self.id, self.must.value());
+        let mut help = by_hand::set(machine, device, self.id, self.must.value(found));
         let name = machine.drives.get(device).map_or("", |entry| &entry.name);
         let file = machine.path.display();
         let of_device =
@@ -74,6 +81,9 @@ impl Wanted {
         help.extend(match self.key {
             Key::None => None,
             Key::OfDevice(key) => Some(of_device(key, found)),
+            Key::OfEncoder(key) => {
+                Some(format!("or `{key} = {found}` of [drives.encoder] of \"{name}\" in {file}"))
+            }
             Key::Mode => {
                 let mode = u16::try_from(found).ok().and_then(DriveMode::from_code);
                 // Of modes with the same microsteps the machine file has those with speeds in steps/s.
@@ -166,12 +176,31 @@ pub(super) fn wanted(machine: &Machine, index: usize) -> Vec<Wanted> {
                 let acceleration = Must::BeAtLeast(driven.acceleration.into());
                 let acceleration = (acceleration, Key::OfDevice("acceleration_steps_per_s2"));
                 let fast = (Must::BeAtLeast(driven.fast_speed.into()), Key::Velocity);
+                let encoder = module.encoder.as_ref();
+                let encoder = encoder.filter(|said| said.axes.contains(&on_module));
+                let encoder = encoder.map_or_else(Vec::new, |encoder| {
+                    let present = Must::Have(definition::PRESENT.into());
+                    let [increments, points] =
+                        [encoder.increments_per_turn, encoder.points_per_turn]
+                            .map(|value| Must::Be(value.into()));
+                    vec![
+                        (AxisParameter::EncoderDefinition, (present, Key::None)),
+                        (
+                            AxisParameter::Dividend,
+                            (increments, Key::OfEncoder("increments_per_turn")),
+                        ),
+                        (AxisParameter::Divisor, (points, Key::OfEncoder("points_per_turn"))),
+                    ]
+                });
                 for (parameter, (must, key)) in [
                     (AxisParameter::Mode, (Must::Be(driven.mode.code().into()), Key::Mode)),
                     (AxisParameter::FastSpeed, fast),
                     (AxisParameter::StartStopSpeed, start_stop),
                     (AxisParameter::Acceleration, acceleration),
-                ] {
+                ]
+                .into_iter()
+                .chain(encoder)
+                {
                     let number = Parameter::Axis(parameter, on_module).number();
                     let Some(number) = number else { continue };
                     let id = ParameterId { station: 0, number };

@@ -14,6 +14,11 @@ const STOPPED: u16 = FAULTS
     | message::PLUS_SWITCH
     | message::MINUS_SWITCH;
 
+/// Whether encoders say it.
+fn is_of_encoder(error: &DriveError) -> bool {
+    matches!(error, DriveError::EncoderDiffers { .. } | DriveError::EncoderFault { .. })
+}
+
 impl Bim2AxDrive {
     /// Looks at a module that is expected to obey, and whose axes, if they stand, are to stand where they were sent:
     /// the bus has no check sums, so this is how a target that was spoilt on the way is found out.
@@ -33,14 +38,21 @@ impl Bim2AxDrive {
                 messages & STOPPED & !if moving { turns } else { 0 } != 0
             });
             let stray = self.stray(&seen.0);
+            // What has stopped an axis says more than where that is.
+            let watched = if obeys.is_ok() { self.watch_encoders(&seen, clock) } else { Ok(()) };
             if looks >= STRAY_LOOKS {
                 obeys?;
+                watched.inspect_err(|error| self.told(error))?;
                 return stray.map_or(Ok(seen), |stray| {
                     self.sent = None;
                     Err(stray)
                 });
             }
-            if obeys.is_ok() && stray.is_none() {
+            if let Err(error) = &watched
+                && !is_of_encoder(error)
+            {
+                watched?;
+            } else if obeys.is_ok() && watched.is_ok() && stray.is_none() {
                 return self.not_overdue(&seen).map(|()| seen);
             }
         }
@@ -51,12 +63,39 @@ impl Bim2AxDrive {
         let mut looks = 0;
         loop {
             looks += 1;
-            let (seen, _) = self.look(&no_clock)?;
-            match self.check(&seen, Action::ReadState, |word| word & NOT_READY != 0) {
-                Err(error) if looks >= STRAY_LOOKS => return Err(error),
+            let seen = self.look(&no_clock)?;
+            let ready = self.check(&seen.0, Action::ReadState, |word| word & NOT_READY != 0);
+            let watched = ready.and_then(|()| self.watch_encoders(&seen, &no_clock));
+            match watched.and_then(|()| self.check_homes(&seen.0)) {
+                Err(error) if looks >= STRAY_LOOKS => {
+                    self.told(&error);
+                    return Err(error);
+                }
                 Err(_) => {}
-                Ok(()) => return Ok(seen),
+                Ok(()) => return Ok(seen.0),
             }
+        }
+    }
+
+    /// Looks at the encoders of axes that have been stopped, where it is known what they are to show.
+    pub(super) fn check_rest(&mut self, rested: (Positions, BusStamp)) -> Result<(), DriveError> {
+        let mut seen = rested;
+        let mut looks = 1;
+        while let Err(error) = self.watch_known(&seen) {
+            if looks >= STRAY_LOOKS {
+                self.told(&error);
+                return Err(error);
+            }
+            looks += 1;
+            seen = self.look(&no_clock)?;
+        }
+        Ok(())
+    }
+
+    /// An encoder has been told to be elsewhere: from where its axis rests next it is watched anew.
+    fn told(&mut self, error: &DriveError) {
+        if is_of_encoder(error) {
+            self.encoders.forget();
         }
     }
 

@@ -90,6 +90,7 @@ impl Bim2AxDrive {
     /// If an axis does not start, has not ended after `patience`, or has not found its cam; [`DriveError::HomeCount`].
     pub fn home(&mut self, patience: Duration) -> Result<(), DriveError> {
         self.forget();
+        self.encoders.forget();
         let axes = self.options.axes.clone();
         let seen = self.runtime.block_on(async {
             self.module.home(&axes, &no_clock).await?;
@@ -124,6 +125,7 @@ impl Bim2AxDrive {
             return Ok(());
         }
         self.prepared()?;
+        self.refer_encoders()?;
         self.homing = true;
         let in_use = (0_u8..).zip(&self.options.axes);
         let asked = in_use.filter(|(_, axis)| axes.contains(axis));
@@ -133,13 +135,20 @@ impl Bim2AxDrive {
 
     /// Which axes are homed: the module keeps it.
     pub(super) fn homed_axes(&mut self) -> Result<[Option<bool>; MAX_DRIVE_AXES], DriveError> {
-        let (seen, _) = self.look(&no_clock)?;
-        if self.moving(&seen) == 0 && self.homes.asked != 0 {
-            self.check_counts(&seen)?;
+        let (looked, _) = self.look(&no_clock)?;
+        let seen = &looked;
+        if self.moving(seen) == 0 && self.homes.asked != 0 {
+            self.check_counts(seen)?;
+        }
+        // One look may have been spoilt.
+        let mut displaced = self.displaced(seen)?;
+        if displaced.iter().any(Option::is_some) {
+            displaced = self.displaced(seen)?;
         }
         let mut homed = [None; MAX_DRIVE_AXES];
-        for (place, axis) in homed.iter_mut().zip(&self.options.axes) {
-            *place = seen.messages.get(axis.index()).map(|word| word & message::HOMED != 0);
+        for ((slot, axis), apart) in homed.iter_mut().zip(&self.options.axes).zip(displaced) {
+            let stays = apart.is_none();
+            *slot = seen.messages.get(axis.index()).map(|word| word & message::HOMED != 0 && stays);
         }
         Ok(homed)
     }

@@ -1,6 +1,7 @@
 //! The module as a [`Drive`].
 
 mod checks;
+mod encoders;
 mod homing;
 mod leg;
 mod positions;
@@ -10,6 +11,7 @@ use std::time::Duration;
 
 use tokio::{runtime::Runtime, time::sleep};
 
+use encoders::Encoders;
 use homing::Homes;
 use leg::mean;
 
@@ -65,6 +67,7 @@ pub struct Bim2AxDrive {
     options: Bim2AxDriveOptions,
     /// Of the axes in use, once the module has told.
     settings: Vec<AxisSettings>,
+    encoders: Encoders,
     follower: Follower,
     following: Following,
     /// Homing has been begun and its end not been seen.
@@ -115,6 +118,7 @@ impl Bim2AxDrive {
             module: Bim2Ax::new(port, memory, &options.driver),
             options: options.clone(),
             settings: Vec::new(),
+            encoders: Encoders::default(),
             follower: Follower::new(&[], timing),
             following: Following::Unknown,
             homing: false,
@@ -136,6 +140,9 @@ impl Bim2AxDrive {
                 return Err(DriveError::Setting { at, setting, value: 0, low: 1, high: 1 });
             }
             settings.push(of_axis);
+        }
+        if self.settings != settings {
+            self.find_encoders(&settings)?;
         }
         self.follower = Follower::new(&settings, self.timing);
         self.settings = settings;
@@ -174,6 +181,8 @@ impl Drive for Bim2AxDrive {
     fn probe(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
         let clock = || stream.now_ns();
         self.runtime.block_on(self.module.identify(&clock))?;
+        // Its parameters may have been changed since.
+        self.settings.clear();
         self.prepare()?;
         let (seen, stamp) = self.look(&clock)?;
         self.check(&seen, Action::Identify, |messages| messages & FAULTS != 0)?;
@@ -221,8 +230,10 @@ impl Drive for Bim2AxDrive {
             let at = self.module.at(Action::ReadState);
             return Err(DriveError::Moving { at, axes: self.names(moving) });
         }
+        self.encoders.forget();
         for ((axis, position), found) in wanted.iter().zip(self.in_order(&before)) {
-            if *position == found {
+            // An encoder that shows something else is told the position, too.
+            if *position == found && !self.encoders.any() {
                 continue;
             }
             self.runtime.block_on(self.module.preset(*axis, *position, &no_clock))?;
@@ -332,7 +343,9 @@ impl Drive for Bim2AxDrive {
             self.runtime.block_on(async { sleep(Duration::from_nanos(wait_ns)).await });
         }
         let (seen, stamp) = self.obeying(&|| stream.now_ns()).inspect_err(|_| self.forget())?;
-        let look_ns = stamp.answered_ns - stamp.sent_ns;
+        // With a look at the encoders it takes longer.
+        let until_ns = if self.encoders.any() { stream.now_ns() } else { stamp.answered_ns };
+        let look_ns = until_ns - stamp.sent_ns;
         self.timing.look_ns = mean(self.timing.look_ns, look_ns);
         self.follower.set_timing(self.timing);
         if self.moving(&seen) == 0 {
@@ -355,14 +368,17 @@ impl Drive for Bim2AxDrive {
         let ramps = self.settings.iter().map(|axis| axis.speed(u16::MAX) / axis.rate());
         let slowest = Duration::try_from_secs_f64(ramps.fold(0.0, f64::max)).unwrap_or_default();
         let patience = slowest + 20 * self.options.driver.deadline;
-        self.runtime.block_on(async {
+        let rested = self.runtime.block_on(async {
             self.module.abandon(&no_clock).await?;
-            self.module.rested(patience, &no_clock).await.map(|_| ())
-        })
+            self.module.rested(patience, &no_clock).await
+        })?;
+        self.check_rest(rested)
     }
 
     fn hard_stop(&mut self) -> Result<(), DriveError> {
         self.forget();
+        // What is lost with it is not the encoders' to tell.
+        self.encoders.forget();
         self.runtime.block_on(self.module.stop_hard(&no_clock))?;
         // One look may have been spoilt.
         for _ in 0..STRAY_LOOKS {

@@ -12,9 +12,9 @@ use crate::{
 };
 
 /// A plan of two axes: a line to and fro, at rest before and after.
-struct Plan<C> {
-    clock: C,
-    start_ns: i64,
+pub(super) struct Plan<C> {
+    pub(super) clock: C,
+    pub(super) start_ns: i64,
 }
 
 /// µsteps and seconds of half the plan.
@@ -192,7 +192,7 @@ fn virtually() -> (Bim2AxDrive, SharedModule, impl Fn() -> i64 + Send + Sync + C
     virtual_drive(&module, (&eeprom, &Surroundings::default()), &Bim2AxDriveOptions::new())
 }
 
-fn virtual_drive(
+pub(super) fn virtual_drive(
     module: &ModuleOptions,
     (eeprom, surroundings): (&Eeprom, &Surroundings),
     options: &Bim2AxDriveOptions,

@@ -3,6 +3,7 @@
 mod assumptions;
 mod drive;
 mod driver;
+mod encoders;
 mod faults;
 mod parameters;
 mod vectors;

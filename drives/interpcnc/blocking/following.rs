@@ -61,6 +61,7 @@ impl InterpCncDrive {
                 found,
             });
         }
+        self.watch_encoder((&state, &stamp), &clock)?;
         Ok(self.to_sample(&state, stamp))
     }
 
@@ -87,6 +88,7 @@ impl InterpCncDrive {
         let counters = self.axes().map(|axis| counter(&state, axis)).collect::<Vec<_>>();
         buffered.sampled(&stamp, counters.into_iter(), state.status.segments_finished());
         self.buffered = Some(buffered);
+        self.watch_encoder((&state, &stamp), &clock)?;
         Ok(self.to_sample(&state, stamp))
     }
 }

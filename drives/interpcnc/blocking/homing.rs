@@ -1,6 +1,6 @@
 //! The board's own homing (command 71) as a [`crate::Drive`] offers it.
 
-use super::{InterpCncDrive, no_clock};
+use super::{InterpCncDrive, Watched, no_clock};
 use crate::{
     Action, Axes, DriveError, HomingWays, MAX_DRIVE_AXES,
     interpcnc::{
@@ -31,6 +31,12 @@ impl Homing {
     pub(super) fn lose(&mut self) {
         self.under_way = AxisMask::NONE;
         self.homed = AxisMask::NONE;
+    }
+
+    /// Steps of one axis are lost.
+    pub(super) fn lose_axis(&mut self, axis: BoardAxis) {
+        self.under_way = self.under_way.without(axis.mask());
+        self.homed = self.homed.without(axis.mask());
     }
 
     /// Takes note of the board's state.
@@ -75,6 +81,11 @@ impl InterpCncDrive {
         }
         // An error of an earlier homing must not be taken for one of this.
         self.runtime.block_on(self.board.clear_errors(true, false, &no_clock))?;
+        let watched = self.encoder.is_some_and(|watched| mask.contains(watched.axis()));
+        if watched {
+            self.refer_encoder()?;
+            self.encoder.iter_mut().for_each(Watched::homes);
+        }
         self.homing.begin(mask);
         let command = Command::HomeMachine { max_strokes };
         self.runtime.block_on(self.board.begin(&command, &no_clock))
@@ -143,6 +154,7 @@ impl InterpCncDrive {
     pub(super) fn lock_at_once(&mut self) -> Result<(), DriveError> {
         self.restart();
         self.homing.lose();
+        self.encoder.iter_mut().for_each(Watched::forget);
         self.send(&Command::Stop, &no_clock)?;
         let (state, _) = self.state(&no_clock)?;
         let at = || self.board.at(Command::Stop.action());

@@ -1,5 +1,6 @@
 //! The board as a [`Drive`].
 
+mod encoder;
 mod following;
 mod homing;
 mod settings;
@@ -8,7 +9,8 @@ use std::time::Duration;
 
 use tokio::{runtime::Runtime, time::timeout};
 
-use self::{homing::Homing, settings::Wiring};
+pub(super) use self::encoder::EVERY as ENCODER_EVERY;
+use self::{encoder::Watched, homing::Homing, settings::Wiring};
 use super::{
     AxisValues, BoardAxis, BoardState, Command, InterpCnc, InterpCncOptions, MoveProfile, Stamp,
     follow::{Buffered, Follower},
@@ -37,6 +39,8 @@ pub struct InterpCncDrive {
     /// Instead of the follower, where segments are buffered.
     buffered: Option<Buffered>,
     homing: Homing,
+    /// The axis with the encoder.
+    encoder: Option<Watched>,
     /// Targets of the axes in use that the board has confirmed, until something else moves or stops them.
     commanded: [Option<i32>; MAX_DRIVE_AXES],
     /// What inputs are for, once the board has told.
@@ -68,13 +72,15 @@ impl InterpCncDrive {
             }
         };
         let (homing, commanded) = (Homing::default(), [None; MAX_DRIVE_AXES]);
-        Ok(Self { board, follower, buffered, homing, commanded, wiring: None, runtime })
+        let encoder = Watched::new(options);
+        Ok(Self { board, follower, buffered, homing, encoder, commanded, wiring: None, runtime })
     }
 
     /// The board itself, for everything that not all drives can do, and the runtime for its calls. What moves axes
     /// makes the next call of [`Drive::follow`] start from where they are.
     pub fn board(&mut self) -> (&mut InterpCnc, &Runtime) {
         self.restart();
+        self.encoder.iter_mut().for_each(Watched::forget);
         self.wiring = None;
         (&mut self.board, &self.runtime)
     }
@@ -83,6 +89,7 @@ impl InterpCncDrive {
     fn restart(&mut self) {
         self.follower.restart();
         self.commanded = [None; MAX_DRIVE_AXES];
+        self.encoder.iter_mut().for_each(Watched::restart);
         if let Some(buffered) = &mut self.buffered {
             buffered.restart();
         }
@@ -193,6 +200,7 @@ impl Drive for InterpCncDrive {
         if state.status.enable_open() {
             return Err(DriveError::EnableOpen { at: self.board.at(Action::ReadState) });
         }
+        self.find_encoder(&|| stream.now_ns())?;
         Ok(self.to_sample(&state, stamp))
     }
 
@@ -243,6 +251,7 @@ impl Drive for InterpCncDrive {
             });
         }
         self.restart();
+        self.encoder.iter_mut().for_each(Watched::forget);
         self.send(&command, &no_clock)?;
         let (after, _) = self.state(&no_clock)?;
         for (axis, written) in wanted {
@@ -309,13 +318,16 @@ impl Drive for InterpCncDrive {
                 profile: MoveProfile { speed_hz, target, ..profile },
             });
         }
+        self.refer_encoder()?;
         commands.iter().try_for_each(|command| self.send(command, &no_clock).map(|_| ()))?;
         self.commanded = commanded;
         Ok(())
     }
 
     fn sample(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
-        let (state, stamp) = self.obeying_state(&|| stream.now_ns())?;
+        let clock = || stream.now_ns();
+        let (state, stamp) = self.obeying_state(&clock)?;
+        self.watch_encoder((&state, &stamp), &clock)?;
         Ok(self.to_sample(&state, stamp))
     }
 
@@ -368,7 +380,8 @@ impl Drive for InterpCncDrive {
             } else {
                 DriveError::Moving { at, axes: Axes::Letters(moving.bits()) }
             })
-        })
+        })?;
+        self.check_stopped()
     }
 
     fn hard_stop(&mut self) -> Result<(), DriveError> {

@@ -325,6 +325,15 @@ impl InterpCnc {
         if found == [value] { Ok(()) } else { Err(DriveError::Locked { at: self.at(action) }) }
     }
 
+    /// Encoder position alone, points (registers 4218 and 4219, from board version V2.1D).
+    ///
+    /// # Errors
+    /// If the board has no such registers or no proper answer comes.
+    pub async fn encoder_position(&mut self, clock: &dyn Clock) -> Result<i32, DriveError> {
+        let registers = self.read_holding("encoder position", ENCODER, 2, clock).await?;
+        Ok(long(&registers).unwrap_or(0).cast_signed())
+    }
+
     /// Encoder position and pulse counters A and B (from board version V2.1D).
     ///
     /// # Errors

@@ -273,6 +273,7 @@ impl Board {
         let [pulses_a, pulses_b] = self.memory.pulses;
         match address {
             OUTPUTS_HIGH | OUTPUTS_LOW => half(self.memory.outputs, OUTPUTS_HIGH),
+            _ if COUNTERS.contains(&address) && !self.counts => Err(Refusal::Address),
             4218 | 4219 => half(self.encoder().cast_unsigned(), 4218),
             4220 | 4221 => half(pulses_a, 4220),
             4222 | 4223 => half(pulses_b, 4222),

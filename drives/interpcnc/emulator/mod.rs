@@ -61,20 +61,23 @@ pub struct BoardOptions {
     pub line: Line,
     /// Whether 24 V are on the ENABLE input.
     pub enable: bool,
+    /// Whether it has an encoder and counters, as boards from V2.1D on: otherwise their registers are outside its map.
+    pub counts: bool,
     /// What is assumed where the manual is silent.
     pub assumptions: Assumptions,
 }
 
 impl Default for BoardOptions {
-    /// Station 1, 115200 baud, no parity (the manual gives no defaults), ENABLE active.
+    /// Station 1, 115200 baud, no parity (the manual gives no defaults), ENABLE active, a board with encoder and counters.
     fn default() -> Self {
         let assumptions = Assumptions::default();
-        Self { station: 1, line: Line::default(), enable: true, assumptions }
+        Self { station: 1, line: Line::default(), enable: true, counts: true, assumptions }
     }
 }
 
 /// The board: registers, lock and axes at one instant.
 #[derive(Clone, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "independent facts, each so or not")]
 pub struct Board {
     station: u8,
     line: Line,
@@ -94,6 +97,8 @@ pub struct Board {
     locked: bool,
     /// Whether 24 V are on the ENABLE input.
     enable_input: bool,
+    /// Whether it has an encoder and counters.
+    counts: bool,
     /// The ENABLE input behind its filter.
     enabled: bool,
     /// Since when the ENABLE input is open, if the filter has not yet passed it on.

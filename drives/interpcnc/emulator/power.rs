@@ -62,6 +62,7 @@ impl Board {
             stuck: None,
             locked: true,
             enable_input: options.enable,
+            counts: options.counts,
             enabled: options.enable,
             open_since_ns: None,
             dead_until_ns: 0,

@@ -1,5 +1,6 @@
 //! A board that follows a plan by interpolated segments, in simulated time and without bytes.
 
+use super::{ENCODER_BYTES, Readings, STATE_BYTES};
 use crate::{
     IncrementMotion, Rehearsal, SetpointStream, Stamp, WireRates,
     interpcnc::{
@@ -12,9 +13,6 @@ use crate::{
     ramp::seconds,
     rehearsal::SeenAt,
 };
-
-/// Bytes of a question for status and five positions, and of its answer.
-const STATE_BYTES: (usize, usize) = (8, 29);
 
 /// An InterpCNC board that follows a plan by interpolated segments from its buffer (command 6), as its driver lets it
 /// in a run: a segment when one is due, then a sample, as fast as the wire allows.
@@ -30,6 +28,7 @@ pub(super) struct BufferedRehearsal {
     due_ns: i64,
     begun: bool,
     exchanges: u64,
+    readings: Readings,
 }
 
 /// What happens next.
@@ -67,7 +66,13 @@ impl BufferedRehearsal {
             due_ns: 0,
             begun: false,
             exchanges: 0,
+            readings: Readings::default(),
         }
+    }
+
+    /// With an encoder that is read.
+    pub(super) fn reading(self, readings: Readings) -> Self {
+        Self { readings, ..self }
     }
 
     /// The axes stand where the plan does, to the nearest step.
@@ -142,6 +147,10 @@ impl BufferedRehearsal {
                 Next::Sample(stamp, shown, self.board.status().segments_finished())
             }
             Next::Sample(stamp, shown, finished) => {
+                // Between two segments no axis counts as resting.
+                if self.readings.due(|_| !finished, finished) {
+                    self.due_ns = self.exchange(ENCODER_BYTES).0.answered_ns;
+                }
                 self.follower.sampled(&stamp, shown.into_iter(), finished);
                 Next::Survey
             }
@@ -181,7 +190,7 @@ impl Rehearsal for BufferedRehearsal {
         let segment = bytes(&Command::Interpolated { speed_hz: 1, targets });
         let [segment, sample] =
             [segment, STATE_BYTES].map(|bytes| super::exchange(&self.wire, 0, bytes).0.answered_ns);
-        WireRates::of_rounds(1, seconds(segment + sample))
+        WireRates::of_rounds(1, seconds(segment + sample) + self.readings.share(&self.wire))
     }
 
     fn copied(&self) -> Box<dyn Rehearsal> {

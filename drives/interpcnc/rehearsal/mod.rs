@@ -8,7 +8,8 @@ mod tests;
 use std::collections::VecDeque;
 
 use super::{
-    MoveProfile, Stamp,
+    EncoderOptions, MoveProfile, Stamp,
+    blocking::ENCODER_EVERY,
     emulator::{Axis, Wire},
     follow::Follower,
     options::AxisOptions,
@@ -25,6 +26,45 @@ const COMMAND_BYTES: (usize, usize) = (27, 8);
 /// Bytes of a question for status and five positions, and of its answer.
 const STATE_BYTES: (usize, usize) = (8, 29);
 
+/// Bytes of a question for the position of the encoder, and of its answer.
+const ENCODER_BYTES: (usize, usize) = (8, 9);
+
+/// When the driver reads the encoder of a board beside following a plan.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Readings {
+    /// The place of its axis among those in use; none of a board without.
+    place: Option<usize>,
+    looks: u32,
+    rested: bool,
+}
+
+impl Readings {
+    pub(super) fn new(axes: &[AxisOptions], encoder: Option<EncoderOptions>) -> Self {
+        let place =
+            encoder.and_then(|encoder| axes.iter().position(|axis| axis.axis == encoder.axis));
+        Self { place, ..Self::default() }
+    }
+
+    /// After another look: whether the encoder is read, as the driver decides it.
+    fn due(&mut self, moving: impl Fn(usize) -> bool, all_rest: bool) -> bool {
+        let Some(place) = self.place else { return false };
+        let rests = !moving(place);
+        self.looks += 1;
+        let due = self.looks >= ENCODER_EVERY || all_rest || rests && !self.rested;
+        self.rested = rests;
+        if due {
+            self.looks = 0;
+        }
+        due
+    }
+
+    /// Time that readings take of a round while axes move, s.
+    fn share(&self, wire: &Wire) -> f64 {
+        let reading = exchange(wire, 0, ENCODER_BYTES).0.answered_ns;
+        self.place.map_or(0.0, |_| seconds(reading) / f64::from(ENCODER_EVERY))
+    }
+}
+
 /// An InterpCNC board that follows a plan by independent moves that are retargeted (command 80), as its driver lets it
 /// in a run: commands for the axes that need one, then a sample, as fast as the wire allows.
 #[derive(Clone, Debug)]
@@ -37,6 +77,7 @@ pub struct InterpCncRehearsal {
     due_ns: i64,
     begun: bool,
     exchanges: u64,
+    readings: Readings,
 }
 
 /// What happens next.
@@ -81,7 +122,13 @@ impl InterpCncRehearsal {
             due_ns: 0,
             begun: false,
             exchanges: 0,
+            readings: Readings::default(),
         }
+    }
+
+    /// With an encoder that is read.
+    fn reading(self, readings: Readings) -> Self {
+        Self { readings, ..self }
     }
 
     /// The axes stand where the plan does.
@@ -146,6 +193,11 @@ impl InterpCncRehearsal {
                 Next::Sample(stamp, shown)
             }
             Next::Sample(stamp, shown) => {
+                let moving = |place: usize| shown.get(place).is_some_and(|(_, moving)| *moving);
+                let all_rest = shown.iter().all(|(_, moving)| !moving);
+                if self.readings.due(moving, all_rest) {
+                    self.due_ns = self.exchange(ENCODER_BYTES).0.answered_ns;
+                }
                 self.follower.sampled(&stamp, shown.into_iter());
                 Next::Survey
             }
@@ -173,12 +225,13 @@ impl Rehearsal for InterpCncRehearsal {
         self.exchanges
     }
 
-    /// A command for each axis, then a sample.
+    /// A command for each axis, then a sample, and every few samples a look at the encoder.
     fn rates(&self) -> WireRates {
         let [command, sample] =
             [COMMAND_BYTES, STATE_BYTES].map(|bytes| exchange(&self.wire, 0, bytes).0.answered_ns);
         let commands = i64::try_from(self.axes.len()).unwrap_or(0);
-        WireRates::of_rounds(self.axes.len(), seconds(commands * command + sample))
+        let round = seconds(commands * command + sample) + self.readings.share(&self.wire);
+        WireRates::of_rounds(self.axes.len(), round)
     }
 
     fn copied(&self) -> Box<dyn Rehearsal> {

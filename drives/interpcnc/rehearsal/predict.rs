@@ -1,9 +1,9 @@
 //! How well a board will follow, said before it starts.
 
-use super::{InterpCncRehearsal, buffered::BufferedRehearsal};
+use super::{InterpCncRehearsal, Readings, buffered::BufferedRehearsal};
 use crate::{
     MAX_DRIVE_AXES, Rehearsal, SetpointStream,
-    interpcnc::{AxisOptions, Following, emulator::Wire},
+    interpcnc::{AxisOptions, EncoderOptions, Following, emulator::Wire},
     ramp::seconds,
 };
 
@@ -21,19 +21,26 @@ pub struct Prediction {
     pub exchanges_per_s: f64,
 }
 
-/// A board on `wire`, of which `axes` are in use, that follows a plan in simulated time.
-pub fn rehearse(axes: &[AxisOptions], wire: &Wire, following: Following) -> Box<dyn Rehearsal> {
+/// A board on `wire`, of which `axes` are in use, that follows a plan in simulated time. Its encoder is read if it is said to
+/// have one.
+pub fn rehearse(
+    axes: &[AxisOptions],
+    wire: &Wire,
+    following: Following,
+    encoder: Option<EncoderOptions>,
+) -> Box<dyn Rehearsal> {
+    let readings = Readings::new(axes, encoder);
     match following {
-        Following::Retargeted => Box::new(InterpCncRehearsal::new(axes, wire)),
+        Following::Retargeted => Box::new(InterpCncRehearsal::new(axes, wire).reading(readings)),
         Following::Buffered { start_stop_hz, acceleration_khz_per_s } => {
             let rate = acceleration_khz_per_s;
-            Box::new(BufferedRehearsal::new(axes, wire, start_stop_hz, rate))
+            Box::new(BufferedRehearsal::new(axes, wire, start_stop_hz, rate).reading(readings))
         }
     }
 }
 
 /// Rehearses a plan from one instant to another, ns, and compares what the axes make of it with the plan every
-/// millisecond.
+/// millisecond. No encoder is read.
 pub fn predict(
     plan: &dyn SetpointStream,
     axes: &[AxisOptions],
@@ -41,7 +48,7 @@ pub fn predict(
     following: Following,
     (from_ns, until_ns): (i64, i64),
 ) -> Prediction {
-    let mut rehearsal = rehearse(axes, wire, following);
+    let mut rehearsal = rehearse(axes, wire, following, None);
     let mut prediction = Prediction::default();
     let (mut time_ns, mut count) = (from_ns, 0.0);
     while time_ns <= until_ns {

@@ -78,7 +78,7 @@ fn line(speed: f64, end_s: f64) -> Plan<impl Fn(f64) -> IncrementMotion + Sync> 
 #[test]
 fn segments_end_where_the_plan_ends() {
     let plan = sines(4000.0);
-    let mut rehearsal = rehearse(&axes(2), &Wire::default(), BUFFERED);
+    let mut rehearsal = rehearse(&axes(2), &Wire::default(), BUFFERED, None);
     let mut farthest = 0.0_f64;
     for time in -200..5500_i64 {
         farthest = farthest.max(rehearsal.advance(&plan, time * MS).position[0]);
@@ -128,7 +128,7 @@ fn a_prediction_is_what_a_rehearsal_makes() {
     let axes = axes(2);
     for following in [Following::Retargeted, BUFFERED] {
         let found = predict(&plan, &axes, &Wire::default(), following, (-100 * MS, 5000 * MS));
-        let mut rehearsal = rehearse(&axes, &Wire::default(), following);
+        let mut rehearsal = rehearse(&axes, &Wire::default(), following, None);
         let (mut squares, mut largest) = ([0.0; 2], [0.0_f64; 2]);
         for time in -100..=5000_i64 {
             let position = rehearsal.advance(&plan, time * MS).position;
@@ -222,4 +222,38 @@ fn the_driver_follows_by_segments() {
     let command = Command::RampStop;
     let (driver, runtime) = drive.board();
     runtime.block_on(driver.send(&command, &no_clock)).unwrap();
+}
+
+/// 115200 baud, 2 ms: command 80 takes 8.538 ms, a look 8.712, the encoder 6.976, once in eight looks (bytes, two silences of
+/// 1.75 ms, the answering time).
+#[test]
+fn reading_the_encoder_costs_what_its_bytes_do() {
+    let axes = axes(3);
+    let encoder =
+        EncoderOptions { axis: BoardAxis::Y, points: 4000, increments: 3200, tolerance: 10 };
+    let byte = 10.0 / 115_200.0;
+    let [command, look, reading] = [35.0, 37.0, 17.0].map(|bytes| bytes * byte + 0.0055);
+    let wire = Wire::default();
+    for (following, exchanges) in
+        [(Following::Retargeted, 3.0 * command), (BUFFERED, (29.0 + 8.0) * byte + 0.0055)]
+    {
+        let rates = |encoder| rehearse(&axes, &wire, following, encoder).rates().samples_per_s;
+        let (without, with) = (exchanges + look, exchanges + look + reading / 8.0);
+        assert!((rates(None) * without - 1.0).abs() < 1e-3, "{following:?}");
+        assert!((rates(Some(encoder)) * with - 1.0).abs() < 1e-3, "{following:?}");
+        // And what is done is that: on the way one exchange more in eight rounds, so that there are fewer of the others.
+        let plan = sines(4000.0);
+        let [without, with] = [None, Some(encoder)].map(|encoder| {
+            let mut rehearsal = rehearse(&axes, &wire, following, encoder);
+            let moved: Vec<_> = (0..3000_i64)
+                .map(|time_ms| rehearsal.advance(&plan, time_ms * MS).position)
+                .collect();
+            (rehearsal.exchanges(), moved)
+        });
+        assert!(with.0 > without.0 && with.1 != without.1, "{following:?}");
+    }
+    // An axis that is not in use has no encoder here.
+    let elsewhere = EncoderOptions { axis: BoardAxis::B, ..encoder };
+    let of = |encoder| rehearse(&axes, &wire, Following::Retargeted, encoder).rates();
+    assert_eq!(of(Some(elsewhere)), of(None));
 }

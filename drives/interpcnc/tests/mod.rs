@@ -2,6 +2,7 @@
 
 mod assumptions;
 mod board;
+mod encoder;
 mod faults;
 mod peers;
 mod terminal;

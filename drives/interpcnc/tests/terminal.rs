@@ -23,9 +23,9 @@ use crate::{
 };
 
 /// A plan of two axes: to and fro, at rest before and after.
-struct Plan<C> {
-    clock: C,
-    start_ns: i64,
+pub(super) struct Plan<C> {
+    pub(super) clock: C,
+    pub(super) start_ns: i64,
 }
 
 /// Stroke of the first axis, increments; the second makes half of it.
@@ -54,7 +54,7 @@ impl<C: Fn() -> i64 + Sync> SetpointStream for Plan<C> {
     }
 }
 
-fn options(axes: &[BoardAxis]) -> InterpCncOptions {
+pub(super) fn options(axes: &[BoardAxis]) -> InterpCncOptions {
     let axis = |axis: &BoardAxis| AxisOptions {
         acceleration_khz_per_s: 1000,
         deceleration_khz_per_s: 1000,
@@ -67,7 +67,7 @@ fn options(axes: &[BoardAxis]) -> InterpCncOptions {
     options
 }
 
-fn open(board: &EmulatedBoard, options: &InterpCncOptions) -> InterpCncDrive {
+pub(super) fn open(board: &EmulatedBoard, options: &InterpCncOptions) -> InterpCncDrive {
     InterpCncDrive::open(board.path().to_str().unwrap(), options).unwrap()
 }
 

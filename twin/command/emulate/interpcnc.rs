@@ -39,6 +39,10 @@ pub(super) struct Options {
     /// Leave the ENABLE input open: the board stays locked
     #[arg(long)]
     enable_open: bool,
+
+    /// A board older than V2.1D: it has neither encoder nor counters
+    #[arg(long = "older-than-v2.1d")]
+    older: bool,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -74,7 +78,13 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     })?;
     let emulator = EmulatorOptions {
         bench,
-        board: BoardOptions { station: options.address, line, enable, assumptions },
+        board: BoardOptions {
+            station: options.address,
+            line,
+            enable,
+            counts: !options.older,
+            assumptions,
+        },
         wire: Wire { line, turnaround },
         link: Some(link.to_owned()),
         any_speed: options.any_baud,

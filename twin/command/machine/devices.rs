@@ -76,11 +76,28 @@ pub(super) fn drives(machine: &Machine) -> Vec<Value> {
         });
         let more = match &device.family {
             DriveFamily::InterpCnc(board) => {
-                json!({ "station": board.station, "baud": board.baud })
+                let encoder = board.encoder.map(|encoder| {
+                    json!({
+                        "axis": device.axis_name(encoder.axis.index()),
+                        "points": encoder.points,
+                        "per_increments": encoder.increments,
+                        "tolerance_increments": encoder.tolerance,
+                    })
+                });
+                json!({ "station": board.station, "baud": board.baud, "encoder": encoder })
             }
             DriveFamily::SmartDrive(bus) => json!({ "microsteps_per_turn": bus.turn.get() }),
             DriveFamily::Bim2Ax(module) => {
-                json!({ "microsteps_per_step": module.mode.microsteps() })
+                let encoder = module.encoder.as_ref().map(|encoder| {
+                    let axes = encoder.axes.iter().map(|axis| axis.number());
+                    json!({
+                        "axes": axes.collect::<Vec<_>>(),
+                        "points_per_turn": encoder.points_per_turn,
+                        "increments_per_turn": encoder.increments_per_turn,
+                        "tolerance_increments": encoder.tolerance,
+                    })
+                });
+                json!({ "microsteps_per_step": module.mode.microsteps(), "encoder": encoder })
             }
         };
         if let (Value::Object(object), Value::Object(more)) = (&mut object, more) {

@@ -3,12 +3,16 @@
 use super::{Facts, motors};
 use crate::check::wire_rates;
 use crate::command::{following, show};
-use crate::machine::{Axis, DriveFamily, Machine, VelocityLimit, VelocitySource};
+use crate::machine::{
+    Axis, Bim2AxEntry, DriveFamily, InterpCncEntry, Machine, VelocityLimit, VelocitySource,
+};
 use crate::number::significant;
 use crate::workspace::{Cut, Example, MeasureAt, Section};
 use comfy_table::{Cell, CellAlignment};
 use nalgebra::Point3;
 use std::io::{self, Write};
+use twin_drives::Axes;
+use twin_drives::interpcnc::EncoderOptions;
 use twin_kinematics::{AxisVector, Branch, Kinematics, ReachOf};
 
 pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
@@ -136,6 +140,28 @@ fn in_the_way(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     Ok(())
 }
 
+/// The encoders with which a device is compared.
+fn encoder(out: &mut impl Write, family: &DriveFamily) -> io::Result<()> {
+    match family {
+        DriveFamily::InterpCnc(InterpCncEntry { encoder: Some(encoder), .. }) => {
+            let axis = Axes::Letters(encoder.axis.mask().bits());
+            let EncoderOptions { points, increments, tolerance, .. } = encoder;
+            write!(
+                out,
+                ", encoder on {axis}: {points} points for {increments} increments, {tolerance} apart at most"
+            )
+        }
+        DriveFamily::Bim2Ax(Bim2AxEntry { encoder: Some(encoder), .. }) => {
+            let mask = encoder.axes.iter().fold(0, |mask, axis| mask | 1 << axis.index());
+            let (points, increments) = (encoder.points_per_turn, encoder.increments_per_turn);
+            let axes = Axes::Numbers(mask);
+            write!(out, ", encoder on {axes}: {points} points for {increments} increments")?;
+            encoder.tolerance.map_or(Ok(()), |apart| write!(out, ", {apart} apart at most"))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// The devices on the wires.
 fn drives(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     let rates = wire_rates(machine);
@@ -153,6 +179,7 @@ fn drives(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
                 write!(out, ", {} microsteps per step", module.mode.microsteps())?;
             }
         }
+        encoder(out, &device.family)?;
         writeln!(
             out,
             "{}",

@@ -1,6 +1,6 @@
 //! BIM2AX modules.
 
-use super::{Abilities, assumptions, microseconds};
+use super::{Abilities, ModuleEncoder, assumptions, encoder, microseconds};
 use crate::machine::section::Section;
 use twin_drives::bim2ax::{Assumptions, ByteOrder, DriveMode, MOST_POSITION};
 
@@ -21,6 +21,8 @@ pub struct Bim2AxEntry {
     pub map_offset: Option<u64>,
     /// Byte order of the module's numbers.
     pub byte_order: ByteOrder,
+    /// Encoders of its axes.
+    pub encoder: Option<ModuleEncoder>,
 }
 
 impl Bim2AxEntry {
@@ -54,13 +56,16 @@ pub(super) fn read(section: &Section<'_>) -> Option<Bim2AxEntry> {
     let map_offset = section.integer("map_offset", 0..=i64::MAX);
     let orders = [("big", ByteOrder::Big), ("little", ByteOrder::Little)];
     let byte_order = section.choice("byte_order", &orders).unwrap_or(ByteOrder::Big);
+    let mode = code.and_then(DriveMode::from_code);
+    let encoder = encoder::of_module(section, mode.unwrap_or(DriveMode::FULL_STEP));
     Some(Bim2AxEntry {
-        mode: DriveMode::from_code(code?)?,
+        mode: mode?,
         start_stop_speed: u16::try_from(start_stop).ok()?,
         acceleration: u16::try_from(acceleration).ok()?,
         assumptions: assumptions(section),
         order_us,
         map_offset: map_offset.and_then(|offset| u64::try_from(offset).ok()),
         byte_order,
+        encoder,
     })
 }

@@ -1,9 +1,9 @@
 //! InterpCNC boards.
 
-use super::{Abilities, assumptions, microseconds};
+use super::{Abilities, assumptions, encoder, microseconds};
 use crate::machine::section::Section;
 use twin_drives::interpcnc::registers::MAX_SPEED_HZ;
-use twin_drives::interpcnc::{Assumptions, Following};
+use twin_drives::interpcnc::{Assumptions, EncoderOptions, Following};
 
 /// What the file says of a board.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,6 +26,8 @@ pub struct InterpCncEntry {
     pub following: Following,
     /// Whether the adapter of the real board hears what it sends.
     pub echo: bool,
+    /// Its encoder, from V2.1D on.
+    pub encoder: Option<EncoderOptions>,
 }
 
 /// Parity of a serial line.
@@ -71,5 +73,6 @@ pub(super) fn read(section: &Section<'_>) -> Option<InterpCncEntry> {
         assumptions: assumptions(section),
         following,
         echo,
+        encoder: encoder::of_board(section),
     })
 }

@@ -1,11 +1,14 @@
 //! `[[drives]]`: the devices on the wires, each of a family.
 
 mod bim2ax;
+mod encoder;
 mod interpcnc;
 mod smartdrive;
 
 use super::section::Section;
 pub use bim2ax::Bim2AxEntry;
+pub use encoder::ModuleEncoder;
+pub(super) use encoder::check as check_encoder;
 pub use interpcnc::{InterpCncEntry, Parity};
 pub use smartdrive::SmartDriveEntry;
 use std::fs;

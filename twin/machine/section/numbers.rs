@@ -94,6 +94,16 @@ impl Section<'_> {
         self.integer(key, range)
     }
 
+    /// The whole numbers of `key`, if that is what they are; complains about nothing and leaves the key unknown.
+    pub(crate) fn glance_at_integers(&self, key: &str) -> Vec<i64> {
+        let array = self.look_up(key).and_then(|value| value.get_ref().as_array());
+        let number = |item: &Spanned<DeValue<'_>>| {
+            let integer = item.get_ref().as_integer()?;
+            i64::from_str_radix(integer.as_str(), integer.radix()).ok()
+        };
+        array.into_iter().flatten().filter_map(number).collect()
+    }
+
     /// Whole numbers within `range`, up to `most` of them; none if the key is absent.
     pub(crate) fn integers(&self, key: &str, range: &RangeInclusive<i64>, most: usize) -> Vec<i64> {
         let Some(value) = self.value(key) else { return Vec::new() };

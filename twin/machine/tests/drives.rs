@@ -1,6 +1,6 @@
 //! Devices and the axes that hang on them.
 
-use super::{SHORT, edited, load, problems, refused};
+use super::{DriveFamily, SHORT, edited, load, problems, refused};
 
 #[test]
 fn every_axis_has_a_drive_or_none() {
@@ -134,4 +134,85 @@ fn switches_are_said_beside_the_drive() {
     assert!(problems(&without).iter().any(|(_, message, _)| message == said));
     let reversed = edited(SHORT, "= 3200\nper_mm = 10", "= -3200\nper_mm = 10");
     assert!(load(&reversed).axes[0].drive.as_ref().unwrap().reversed());
+}
+
+/// What the file says of encoders, and everything that is wrong with it, each at its place.
+#[test]
+fn encoders_are_declared_beside_their_device() {
+    let of = |kind: &str, keys: &str| {
+        edited(
+            SHORT,
+            "kind = \"interpcnc\"",
+            &format!("kind = \"{kind}\"\n[drives.encoder]\n{keys}\n"),
+        )
+    };
+    let keys = "axis = \"Y\"\npoints = -4000\nper_increments = 3200\ntolerance_increments = 64";
+    let machine = load(&of("interpcnc", keys));
+    let encoder = super::board(&machine).encoder.expect("it is there");
+    assert_eq!(encoder.axis, twin_drives::interpcnc::BoardAxis::Y);
+    assert_eq!((encoder.points, encoder.increments, encoder.tolerance), (-4000, 3200, 64));
+    assert_eq!(super::board(&load(SHORT)).encoder, None);
+    for (old, new, place, parts) in [
+        ("points = -4000", "points = 0", "0", "an encoder that never counts"),
+        ("\"Y\"\np", "\"B\"\np", "\"B\"", "no [[axes]] hang on axis B of this drive"),
+        ("\"Y\"\np", "\"V\"\np", "\"V\"", "expected \"X\""),
+        ("= 3200\nt", "= 0\nt", "0", "between 1 and 1000000000"),
+        ("= 64", "= -1", "-1", "between 0 and 1000000"),
+        ("tolerance_increments", "tolerance", "tolerance", "unknown key `tolerance`"),
+    ] {
+        assert!(keys.contains(old));
+        let found = problems(&of("interpcnc", &keys.replace(old, new)));
+        let told = found.iter().find(|(at, message, _)| at == place && message.contains(parts));
+        assert!(told.is_some(), "{new}: {found:#?}");
+    }
+    let found = problems(&of("interpcnc", "axis = \"X\""));
+    for key in ["points", "per_increments", "tolerance_increments"] {
+        let lacks = format!("[encoder] lacks `{key}`");
+        assert!(found.iter().any(|(_, message, _)| *message == lacks), "{found:#?}");
+    }
+
+    // A module's, of which X alone hangs on it here.
+    let module = |keys: &str| {
+        let text = edited(
+            SHORT,
+            "[[axes]]\nname = \"X\"",
+            &format!(
+                "[[drives]]\nname = \"module\"\nkind = \"bim2ax\"\nmicrosteps = 8\n[drives.encoder]\n{keys}\n[[axes]]\nname = \"X\""
+            ),
+        );
+        let text = edited(
+            &text,
+            "drive = \"board\"\ndrive_axis = \"X\"",
+            "drive = \"module\"\ndrive_axis = \"2\"",
+        );
+        text.replace("max_velocity_mm_per_s = 400", "max_velocity_mm_per_s = 100")
+    };
+    let machine = load(&module("axes = [2]\npoints_per_turn = 4000"));
+    let DriveFamily::Bim2Ax(entry) = &machine.drives[1].family else { panic!("a module") };
+    let encoder = entry.encoder.as_ref().expect("it is there");
+    assert_eq!(encoder.axes, [twin_drives::bim2ax::ModuleAxis::Two]);
+    // 200 steps of 8.
+    let found = (encoder.points_per_turn, encoder.increments_per_turn, encoder.tolerance);
+    assert_eq!(found, (4000, 1600, None));
+    let rest = "points_per_turn = 4000\nincrements_per_turn = 3200\ntolerance_increments = 9";
+    let machine = load(&module(&format!("axes = [2]\n{rest}")));
+    let DriveFamily::Bim2Ax(entry) = &machine.drives[1].family else { panic!("a module") };
+    let encoder = entry.encoder.as_ref().expect("it is there");
+    assert_eq!((encoder.increments_per_turn, encoder.tolerance), (3200, Some(9)));
+    for (axes, parts) in [
+        ("axes = [1, 2]", "no [[axes]] hang on axis 1 of this drive"),
+        ("axes = []", "`axes` names none"),
+        ("axes = [3]", "between 1 and 2"),
+        ("axes = \"2\"", "an array of whole numbers"),
+        ("axis = 2", "unknown key `axis`"),
+    ] {
+        let found = problems(&module(&format!("{axes}\n{rest}")));
+        assert!(found.iter().any(|(_, message, _)| message.contains(parts)), "{axes}: {found:#?}");
+    }
+    // SmartDRIVEs tell a held shaft themselves.
+    let found = problems(&of("smartdrive", "points = 4"));
+    assert!(
+        found.iter().any(|(_, message, _)| message.contains("unknown key `encoder`")),
+        "{found:#?}"
+    );
 }

@@ -1,0 +1,271 @@
+//! Whether axes are where their counters say, by their encoders (2.2.4, 2.2.5, 3.1.14 to 3.1.19).
+//!
+//! An axis whose parameters declare an encoder (definition bit 0) is watched: each look at counters and messages is followed
+//! by one at the encoders' positions in steps, an exchange more. Both are held against each other ([`crate::shaft`]); where
+//! they are apart the counters are looked at once more, so that what the axis moved meanwhile is known. The bus has no check
+//! sums: two looks in a row have to agree.
+//!
+//! What counter and encoder show where an axis rests first belongs together, and again after homing or another zero. But the module
+//! makes both 0 together when an axis is homed or its position is declared (5.1, 6.2), and corrects programmed moves by the
+//! encoder's position: before an axis that is homed is sent anywhere both have to be the same, whoever has homed it. One of
+//! which they are not is not home, whatever the module says, unless its counter is assumed to count on through homing.
+//!
+//! Message bit 4 says that a programmed move needed a correction, which the module has made itself: where encoder and counter
+//! agree afterwards the axis is where it was sent, and nothing is wrong. The bit of the plug, which can tell the motor, is looked
+//! at by modules when they start or are told to: it is a fault only where it was clear before, as many modules have no plugs.
+
+use super::{
+    AXES, Action, Bim2AxDrive, BusStamp, Clock, DriveError, ModuleAxis, Positions, no_clock,
+};
+use crate::{
+    bim2ax::{
+        AxisSettings,
+        bits::{definition, encoder_message, message},
+        parameter::{AxisParameter, Parameter},
+    },
+    ramp::seconds,
+    shaft::{Apart, Passed, Shaft, Watching},
+};
+
+/// A rotor comes to rest at every fourth full step of the same current in its windings, and slips beyond two: what is farther
+/// away than this has lost its place, and what is nearer has not.
+const FULL_STEPS: u32 = 3;
+/// "Peut être différente de celle du moteur de 1 ou 2 pas" (3.1.15); one of them is the point of the encoder.
+const ROUNDING: u32 = 1;
+/// What encoder messages say is wrong in any case.
+const FAULTS: u16 = encoder_message::DIVISOR_ZERO | encoder_message::FAULT | encoder_message::ALARM;
+/// What kind of encoder a module recognises; none of them without one.
+const KINDS: u16 = encoder_message::INCREMENTAL | encoder_message::SSI | encoder_message::ENDAT;
+
+/// The encoder of an axis.
+#[derive(Clone, Copy, Debug)]
+struct Watched {
+    shaft: Shaft,
+    /// The axis was homed when it was seen last.
+    homed: bool,
+    /// There has to be one: the user has said so.
+    wanted: bool,
+    /// The bit of the plug when it was seen first.
+    plug: Option<bool>,
+}
+
+/// The encoders of the axes in use, in their order.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Encoders([Option<Watched>; AXES]);
+
+impl Encoders {
+    /// Whether any axis is watched.
+    pub(super) fn any(&self) -> bool {
+        self.0.iter().any(Option::is_some)
+    }
+
+    /// Counters, encoders or shafts have been put elsewhere.
+    pub(super) fn forget(&mut self) {
+        self.0.iter_mut().flatten().for_each(|watched| watched.shaft.forget());
+    }
+}
+
+/// Bit of an axis in its messages.
+fn has(seen: &Positions, axis: ModuleAxis, bit: u16) -> bool {
+    seen.messages.get(axis.index()).is_some_and(|word| word & bit != 0)
+}
+
+fn at(seen: &Positions, axis: ModuleAxis) -> i32 {
+    seen.positions.get(axis.index()).copied().unwrap_or(0)
+}
+
+impl Bim2AxDrive {
+    /// Looks which axes have encoders, by their parameters.
+    ///
+    /// # Errors
+    /// [`DriveError::Setting`] if one is to have one and does not.
+    pub(super) fn find_encoders(&mut self, settings: &[AxisSettings]) -> Result<(), DriveError> {
+        let mut encoders = Encoders::default();
+        let axes = self.options.axes.clone();
+        for ((slot, axis), settings) in encoders.0.iter_mut().zip(axes).zip(settings) {
+            let wanted = self.options.encoder_axes.contains(&axis);
+            let declared = self.encoder_parameter(AxisParameter::EncoderDefinition, axis)?;
+            if declared & u32::from(definition::PRESENT) == 0 {
+                if wanted {
+                    let setting = "presence of the encoder, definition bit 0";
+                    let at = self.module.at(Action::Identify);
+                    return Err(DriveError::Setting { at, setting, value: 0, low: 1, high: 1 });
+                }
+                continue;
+            }
+            let dividend = self.encoder_parameter(AxisParameter::Dividend, axis)?;
+            let divisor = self.encoder_parameter(AxisParameter::Divisor, axis)?;
+            let microsteps = u32::from(settings.mode.microsteps());
+            let watching = Watching {
+                points: 1,
+                increments: 1,
+                tolerance: self.options.encoder_tolerance.unwrap_or(FULL_STEPS * microsteps),
+                rounding: dividend.div_ceil(divisor.max(1)).saturating_add(ROUNDING),
+                rate: settings.rate(),
+                start_stop: settings.start_stop(),
+                fastest: settings.speed(u16::MAX),
+            };
+            let shaft = Shaft::new(&watching);
+            *slot = Some(Watched { shaft, homed: false, wanted, plug: None });
+        }
+        self.encoders = encoders;
+        Ok(())
+    }
+
+    fn encoder_parameter(
+        &mut self,
+        parameter: AxisParameter,
+        axis: ModuleAxis,
+    ) -> Result<u32, DriveError> {
+        let asked = self.module.parameter(Parameter::Axis(parameter, axis), &no_clock);
+        self.runtime.block_on(asked)
+    }
+
+    /// Holds a look at the counters against the encoders, which are looked at now. `clock` is that of the look.
+    ///
+    /// # Errors
+    /// [`DriveError::EncoderDiffers`], [`DriveError::EncoderFault`]; or if the module does not answer.
+    pub(super) fn watch_encoders(
+        &mut self,
+        (seen, stamp): &(Positions, BusStamp),
+        clock: &dyn Clock,
+    ) -> Result<(), DriveError> {
+        if !self.encoders.any() {
+            return Ok(());
+        }
+        let (shown, _) = self.runtime.block_on(self.module.encoder_steps(clock))?;
+        let axes = self.options.axes.clone();
+        let mut doubtful = false;
+        for (watched, axis) in self.encoders.0.iter_mut().zip(&axes) {
+            let Some(watched) = watched else { continue };
+            let messages = shown.messages.get(axis.index()).copied().unwrap_or(0);
+            // Where none is recognised there is nothing to watch, unless there has to be one.
+            if messages & KINDS == 0 && !watched.wanted {
+                watched.shaft.forget();
+                continue;
+            }
+            let plug = messages & encoder_message::PLUG != 0;
+            let unplugged = plug && watched.plug == Some(false);
+            if messages & FAULTS != 0 || messages & KINDS == 0 || unplugged {
+                let axis = u8::try_from(axis.number()).unwrap_or(0);
+                let at = self.module.at(Action::ReadState);
+                return Err(DriveError::EncoderFault { at, axis, messages });
+            }
+            watched.plug.get_or_insert(plug);
+            let (counter, encoder) = (at(seen, *axis), at(&shown, *axis));
+            let homed = has(seen, *axis, message::HOMED);
+            if homed && !watched.homed {
+                // Both have just been made 0 or what was declared.
+                watched.shaft.forget();
+            }
+            watched.homed = homed;
+            if !watched.shaft.is_known() && !has(seen, *axis, message::MOVING) {
+                watched.shaft.refer(encoder, counter.into());
+            }
+            doubtful |= watched.shaft.apart(&Passed::at_rest(counter.into()), encoder).is_some();
+        }
+        if doubtful { self.bracket(seen, stamp, &shown, clock) } else { Ok(()) }
+    }
+
+    /// The same, but only where it is known already what the encoders are to show: for axes that have been stopped.
+    pub(super) fn watch_known(&mut self, seen: &(Positions, BusStamp)) -> Result<(), DriveError> {
+        let known = self.encoders.0.iter().flatten().any(|watched| watched.shaft.is_known());
+        if known { self.watch_encoders(seen, &no_clock) } else { Ok(()) }
+    }
+
+    /// Looks at the counters once more: what they passed meanwhile accounts for some difference.
+    fn bracket(
+        &mut self,
+        before: &Positions,
+        stamp: &BusStamp,
+        shown: &Positions,
+        clock: &dyn Clock,
+    ) -> Result<(), DriveError> {
+        let (after, then) = self.look(clock)?;
+        let duration = seconds(then.answered_ns.saturating_sub(stamp.sent_ns)).max(0.0);
+        let axes = (0_u8..).zip(self.options.axes.clone());
+        for (watched, (place, axis)) in self.encoders.0.iter_mut().zip(axes) {
+            let Some(watched) = watched else { continue };
+            if has(&after, axis, message::HOMED) && !watched.homed {
+                // Homing has ended between the two looks.
+                watched.shaft.forget();
+                continue;
+            }
+            let moves = has(before, axis, message::MOVING) || has(&after, axis, message::MOVING);
+            // Without a clock it is not known how far one can have come.
+            if moves && then.answered_ns == stamp.sent_ns {
+                continue;
+            }
+            let [before, after] = [before, &after].map(|seen| i64::from(at(seen, axis)));
+            let duration = if moves { duration } else { 0.0 };
+            let passed = Passed { before, after, duration };
+            if let Some(apart) = watched.shaft.apart(&passed, at(shown, axis)) {
+                return Err(self.differs(place, apart));
+            }
+        }
+        Ok(())
+    }
+
+    /// The counters and encoders of axes at rest belong together from now on, whatever they show: they are about to home.
+    pub(super) fn refer_encoders(&mut self) -> Result<(), DriveError> {
+        if !self.encoders.any() {
+            return Ok(());
+        }
+        let (seen, _) = self.look(&no_clock)?;
+        let (shown, _) = self.runtime.block_on(self.module.encoder_steps(&no_clock))?;
+        let axes = self.options.axes.clone();
+        for (watched, axis) in self.encoders.0.iter_mut().zip(axes) {
+            let Some(watched) = watched else { continue };
+            watched.homed = false;
+            watched.shaft.refer(at(&shown, axis), at(&seen, axis).into());
+        }
+        Ok(())
+    }
+
+    /// Axes in use at rest that the module calls home although their encoders show them elsewhere than their counters: both have
+    /// been made 0 together. Nothing of one whose counter is assumed to count on through homing.
+    pub(super) fn displaced(
+        &mut self,
+        seen: &Positions,
+    ) -> Result<[Option<Apart>; AXES], DriveError> {
+        let mut displaced = [None; AXES];
+        let keeps = self.options.driver.assumptions.homing_keeps_position;
+        if !self.encoders.any() || keeps || self.moving(seen) != 0 {
+            return Ok(displaced);
+        }
+        let (shown, _) = self.runtime.block_on(self.module.encoder_steps(&no_clock))?;
+        let axes = self.encoders.0.iter().zip(&self.options.axes);
+        for (slot, (watched, axis)) in displaced.iter_mut().zip(axes) {
+            let there = has(&shown, *axis, KINDS) && !has(&shown, *axis, FAULTS);
+            if let Some(Watched { mut shaft, .. }) = *watched
+                && there
+                && has(seen, *axis, message::HOMED)
+            {
+                shaft.refer(0, 0);
+                *slot = shaft.apart(&Passed::at_rest(at(seen, *axis).into()), at(&shown, *axis));
+            }
+        }
+        Ok(displaced)
+    }
+
+    /// Fails for the first of them.
+    pub(super) fn check_homes(&mut self, seen: &Positions) -> Result<(), DriveError> {
+        let displaced = self.displaced(seen)?;
+        let first = (0_u8..).zip(displaced).find_map(|(place, apart)| Some((place, apart?)));
+        first.map_or(Ok(()), |(place, apart)| Err(self.differs(place, apart)))
+    }
+
+    /// What is told of the axis at a place among those in use.
+    fn differs(&self, place: u8, apart: Apart) -> DriveError {
+        let watched = self.encoders.0.get(usize::from(place)).copied().flatten();
+        DriveError::EncoderDiffers {
+            at: self.module.at(Action::ReadState),
+            axis: self.names(1 << place),
+            counter: apart.counter,
+            encoder: apart.encoder,
+            unit: "µsteps",
+            tolerance: watched.map_or(0, |watched| watched.shaft.tolerance()),
+            points: None,
+        }
+    }
+}
