@@ -144,7 +144,7 @@ impl<'m> Coupled<'m> {
                 let cam = match &coupling.by {
                     CoupledBy::Gear(..) => None,
                     CoupledBy::Cam(selection) => {
-                        let CamSelection { table, input } = &**selection;
+                        let CamSelection { table, input, .. } = &**selection;
                         let table = CamTable {
                             master_period: period(master),
                             slave_period: period(slave),

@@ -33,6 +33,21 @@ pub fn at_most(value: f64, digits: usize) -> String {
     format!("{kept}e{exponent}").parse().map_or(near, |kept| significant(kept, digits))
 }
 
+/// A part of what a value stands beside that is rounding.
+const DUST: f64 = 1e-12;
+
+/// `value` with `digits` significant digits beside values as large as `scale`: what is rounding of these is 0.
+pub fn beside(value: f64, scale: f64, digits: usize) -> String {
+    if value.abs() <= DUST * scale.abs() { "0".to_owned() } else { significant(value, digits) }
+}
+
+/// A value and a limit that it exceeds, with six significant digits, or as many more as it takes to tell them apart.
+pub fn apart(value: f64, limit: f64) -> [String; 2] {
+    let told = |digits: usize| [value, limit].map(|number| significant(number, digits));
+    let differs = |[one, other]: &[String; 2]| one != other;
+    (6..17).map(told).find(differs).unwrap_or_else(|| told(17))
+}
+
 /// Nanoseconds as seconds, exactly.
 pub fn exact_seconds(time_ns: i64) -> String {
     let sign = if time_ns < 0 { "-" } else { "" };
@@ -43,7 +58,20 @@ pub fn exact_seconds(time_ns: i64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{at_most, exact_seconds, significant};
+    use super::{apart, at_most, beside, exact_seconds, significant};
+
+    #[test]
+    fn dust_is_nothing_and_what_exceeds_is_more() {
+        assert_eq!(beside(4.4e-16, 360.0, 6), "0");
+        assert_eq!(beside(-4.4e-16, -1.0, 6), "0");
+        assert_eq!(beside(4.4e-16, 1e-15, 6), "0.00000000000000044");
+        assert_eq!(beside(0.0, 0.0, 6), "0");
+        assert_eq!(beside(1.999_999_967, 1.0, 6), "2");
+        assert_eq!(apart(205.123_456_789, 205.0), ["205.123", "205"]);
+        assert_eq!(apart(205.000_000_4, 205.0), ["205.0000004", "205"]);
+        assert_eq!(apart(-3.0, 2.0), ["-3", "2"]);
+        assert_eq!(apart(1.0, 1.0), ["1", "1"]);
+    }
 
     #[test]
     fn what_may_not_be_exceeded_is_not_rounded_up() {

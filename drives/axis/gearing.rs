@@ -107,6 +107,7 @@ impl Gearing {
     ///
     /// # Errors
     /// [`AxisError::Powered`] (91) if the drive is powered; as [`Self::new`]. The old gearing stays then.
+    #[doc(alias = "SMC_ChangeGearingRatio")]
     pub fn change(
         &mut self,
         powered: bool,

@@ -112,6 +112,8 @@ struct Member {
 }
 
 /// `SMC_AXISGROUP_REF`.
+#[doc(alias = "SMC_AXISGROUP_REF")]
+#[doc(alias = "SMC_AXIS_GROUP")]
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AxisGroup {
     members: Vec<Member>,
@@ -205,6 +207,7 @@ impl AxisGroup {
 
     /// `SMC_ResetAxisGroup`: locks the drives and starts those that are not disabled anew. `keep_ratio`
     /// (`bKeepRatioSettings`) leaves ratio, period and movement type as they are, as `SMC_ChangeGearingRatio` wants it.
+    #[doc(alias = "SMC_ResetAxisGroup")]
     pub fn reset(&mut self, keep_ratio: bool) {
         self.keep_ratio = keep_ratio;
         match self.taking_part(0) {
@@ -237,6 +240,7 @@ impl AxisGroup {
     }
 
     /// What `wState` means.
+    #[doc(alias = "SMC_GetAxisGroupState")]
     pub fn phase(&self) -> GroupPhase {
         match self.state() {
             0..=99 => GroupPhase::StartingUp,
@@ -247,6 +251,7 @@ impl AxisGroup {
     }
 
     /// `SMC_IsAxisGroupReady`.
+    #[doc(alias = "SMC_IsAxisGroupReady")]
     pub fn is_ready(&self) -> bool {
         self.state == State::Normal
     }
@@ -272,11 +277,13 @@ impl AxisGroup {
     }
 
     /// `SMC_DisableAllDrives`; it counts from the next reset on.
+    #[doc(alias = "SMC_DisableAllDrives")]
     pub fn disable_all(&mut self) {
         self.members.iter_mut().for_each(|member| member.disabled = true);
     }
 
     /// `SMC_EnableAllDrives`; it counts from the next reset on.
+    #[doc(alias = "SMC_EnableAllDrives")]
     pub fn enable_all(&mut self) {
         self.members.iter_mut().for_each(|member| member.disabled = false);
     }

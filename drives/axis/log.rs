@@ -62,6 +62,7 @@ impl Default for LogFormat {
 }
 
 /// A log of an axis. [`Self::start`] is the rising edge of `bExecute`.
+#[doc(alias = "SMC_AxisDiagnosticLog")]
 #[derive(Debug)]
 pub struct DiagnosticLog<W: Write> {
     selection: LogSelection,

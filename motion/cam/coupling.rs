@@ -253,6 +253,8 @@ impl CamCoupling {
     ///
     /// # Errors
     /// [`CouplingError::OtherSize`] if the cam has other numbers of them; the old one goes on then.
+    #[doc(alias = "SMC_CAMEditor")]
+    #[doc(alias = "SMC_CAMVisu")]
     pub fn exchange(&mut self, cam: Arc<Cam>) -> Result<(), CouplingError> {
         let old = &self.table.cam;
         for (what, found, expected) in [

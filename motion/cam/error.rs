@@ -20,17 +20,17 @@ pub enum CamError {
         limit: usize,
     },
     /// A value is infinite or not a number.
-    #[error("point {index}: {value} is no finite number")]
+    #[error("element {index}: {value} is no finite number")]
     NotFinite {
-        /// Which point, from 1.
+        /// Which point or line, from 1.
         index: usize,
         /// The value.
         value: f64,
     },
-    /// A point does not lie behind the one before it.
-    #[error("point {index}: master {} does not lie behind {} of the point before", Short(*.master), Short(*.before))]
+    /// A point or line does not lie behind the one before it.
+    #[error("element {index}: master {} does not lie behind {} of the element before", Short(*.master), Short(*.before))]
     NotAscending {
-        /// Which point, from 1.
+        /// Which point or line, from 1.
         index: usize,
         /// Its master position.
         master: f64,

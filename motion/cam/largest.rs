@@ -178,14 +178,24 @@ impl Curve {
     /// `repeated` also from end to begin.
     pub fn real_jumps(&self, repeated: bool) -> [Option<Jump>; 3] {
         let jumps = self.jumps(repeated);
+        let [position, velocity, acceleration] = self.jump_sizes();
+        [(jumps.position, position), (jumps.velocity, velocity), (jumps.acceleration, acceleration)]
+            .map(|(jump, size)| Self::is_jump(jump.by, size).then_some(jump))
+    }
+
+    /// How large position, y′ and y″ are, beside which a jump may be rounding alone.
+    pub(super) fn jump_sizes(&self) -> [f64; 3] {
         let extremes = self.extremes();
         let width = self.end() - self.start();
         let position = extremes.position.magnitude();
         // A curve that is almost a line has an acceleration of rounding alone.
         let velocity = extremes.velocity.magnitude().max(position / width);
-        let acceleration = extremes.acceleration.magnitude().max(velocity / width);
-        [(jumps.position, position), (jumps.velocity, velocity), (jumps.acceleration, acceleration)]
-            .map(|(jump, size)| (jump.by.abs() > ROUNDING * size).then_some(jump))
+        [position, velocity, extremes.acceleration.magnitude().max(velocity / width)]
+    }
+
+    /// Whether that is more than rounding.
+    pub(super) fn is_jump(by: f64, size: f64) -> bool {
+        by.abs() > ROUNDING * size
     }
 
     /// What jumps where a pass ends that is not repeated (manual 4.6.1, `Periodic` FALSE): the slave stays where the curve

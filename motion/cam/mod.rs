@@ -16,6 +16,7 @@ mod coupling;
 mod curve;
 mod error;
 pub mod file;
+mod joints;
 mod knot;
 mod largest;
 mod passage;
@@ -39,6 +40,7 @@ pub use coupling::{
 };
 pub use curve::{Curve, CurveExtremes, Jump, Jumps, MAX_POINTS, Range};
 pub use error::CamError;
+pub use joints::{Joint, Joints};
 pub use knot::{Derivatives, Knot, quintic};
 pub use largest::{Largest, LimitError};
 pub use passage::Trigger;

@@ -6,6 +6,7 @@ use super::reference::Cam;
 use std::sync::Arc;
 
 /// A cam chosen for a pair of axes (`MC_CamTableSelect`, manual 5.4): what its output `CamTableID` stands for.
+#[doc(alias = "MC_CAM_ID")]
 #[doc(alias = "MC_CamTableSelect")]
 #[derive(Clone, Debug)]
 pub struct CamTable {

@@ -1,6 +1,7 @@
 //! Cams as people make them: points, straight lines and tappets on a scale, and what is compiled from them (manual 4.2 to
 //! 4.4).
 
+use super::curve::Curve;
 use super::error::CamError;
 use super::file::clean;
 use super::knot::Knot;
@@ -148,6 +149,31 @@ impl Source {
     pub fn insert_tappet(&mut self, tappet: Tappet) {
         let at = self.tappets.partition_point(|other| other.master <= tappet.master);
         self.tappets.insert(at, tappet);
+    }
+
+    /// A scale of the slave where nothing is said of one: from the least to the greatest position of its curve, or, before there is
+    /// one, of its points and lines. Marks stay as they are if there are any.
+    pub fn scale_slave(&mut self, curve: Option<&Curve>) {
+        let [mut min, mut max] = [f64::INFINITY, f64::NEG_INFINITY];
+        for knot in self.elements.iter().flat_map(Element::ends) {
+            (min, max) = (min.min(knot.slave), max.max(knot.slave));
+        }
+        if let Some(curve) = curve {
+            let y = curve.extremes().position;
+            // A curve that ends with its points does so but for rounding.
+            let near = |one: f64, other: f64| (one - other).abs() <= SAME * (y.max - y.min);
+            min = if near(min, y.min) { min } else { y.min };
+            max = if near(max, y.max) { max } else { y.max };
+        }
+        if !(min.is_finite() && max.is_finite()) {
+            (min, max) = (0.0, 1.0);
+        } else if max <= min {
+            // About a slave that stands, wide enough to be a scale.
+            let half = 0.5_f64.max(min.abs() * 1e-3);
+            (min, max) = (min - half, min + half);
+        }
+        let step = if self.slave.step > 0.0 { self.slave.step } else { (max - min) / 10.0 };
+        self.slave = Scale { min, max, step, ..std::mem::replace(&mut self.slave, Scale::turn()) };
     }
 
     pub(crate) fn insert(&mut self, element: Element) {

@@ -169,6 +169,7 @@ impl TableScale {
 }
 
 /// Slave positions at equal distances of the master (`SMC_CAMTable_<type>_<n>_1`, `byType` 1).
+#[doc(alias = "SMC_CAMTable")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equidistant {
     /// Type of the numbers.
@@ -223,6 +224,7 @@ impl Equidistant {
 }
 
 /// Pairs of master and slave positions (`SMC_CAMTable_<type>_<n>_2`, `byType` 2), both ends included.
+#[doc(alias = "SMC_CAMTable")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairTable {
     /// Type of the numbers.

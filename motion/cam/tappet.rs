@@ -33,6 +33,7 @@ pub enum Action {
 }
 
 /// A tappet (`SMC_CAMTappet`, manual 4.4.2).
+#[doc(alias = "SMC_CAMTappet")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tappet {
     /// Number of the group whose bit it acts on; several may share one.

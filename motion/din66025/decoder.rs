@@ -61,6 +61,7 @@ impl Default for DecoderOptions {
 /// accelerations it sets hold. So all errors of a program are found in one run.
 ///
 /// Jumps (G20) are taken as the program is read, so a program that loops gives its elements again and again.
+#[doc(alias = "SMC_ReadNCFile")]
 pub struct Decoder<R> {
     pub(super) reader: R,
     /// How the reader goes to another place; none if it cannot.

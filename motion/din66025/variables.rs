@@ -60,6 +60,7 @@ impl Type {
 }
 
 /// Variables by name: what `SMC_VARLIST` gives a program from a file. Case does not matter.
+#[doc(alias = "SMC_VARLIST")]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Variables {
     numbers: BTreeMap<String, Number>,
@@ -81,6 +82,7 @@ impl Variables {
     /// Sets a variable of the IEC 61131-3 type `kind`: INT BYTE WORD DINT DWORD REAL SINT USINT UINT UDINT or LREAL, in
     /// any case. G36 and G37 then round and refuse as that type does. False, and nothing is set, if there is no such
     /// type or it cannot hold `value`.
+    #[doc(alias = "SMC_SingleVar")]
     #[must_use]
     pub fn set_typed(&mut self, name: &str, kind: &str, value: f64) -> bool {
         let kind = TYPES.into_iter().find(|known| known.name.eq_ignore_ascii_case(kind));

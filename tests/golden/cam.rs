@@ -412,3 +412,79 @@ fn rounding_is_no_place_of_a_tappet() {
         desk.twin(&["cam", "check", name]).ended(2, "(error 2200)");
     }
 }
+
+/// 0 to 20 over 50, and a line of 0.8 on to 60 at 100: there a slave that stays has to lose 0.8 at once, at whatever velocity.
+#[test]
+fn a_cam_that_jumps_has_no_largest_velocity() {
+    let desk = Desk::new();
+    let elements = "elements = [{ master = 0, slave = 0 }, { from = [50, 20], to = [100, 60] }]";
+    // Where nobody says it the slave's scale is from its least to its greatest position.
+    desk.write(
+        "line.toml",
+        &format!("name = \"line\"\nmaster = {{ min = 0, max = 100 }}\n{elements}\n"),
+    );
+    let check = |more: &[&str]| desk.twin(&[&["cam", "check", "line.toml"], more].concat());
+    let done = check(&["--max-acceleration", "100"]);
+    done.ended(1, "the pass ends at master 100").ended(1, "jumps by -0.8 u/s");
+    let said = "no velocity of the master is slow enough: y\u{2032} jumps by -0.8 at master 100";
+    assert!(done.stdout.contains(said) && !done.stdout.contains("may go"), "{}", done.stdout);
+    // A velocity alone has a bound.
+    let done = check(&["--max-velocity", "8"]);
+    done.ended(0, "");
+    assert!(done.stdout.contains("the master may go 10 u/s"), "{}", done.stdout);
+}
+
+/// Numbers for people: what is rounding beside the cam is 0, and what exceeds a limit by little is told with as many digits as that
+/// takes. Places are 0.1 apart, of which 3 are not 0.3.
+#[test]
+fn rounding_is_not_told() {
+    let desk = desk();
+    let done = desk.twin(&[
+        "cam",
+        "check",
+        "lift.toml",
+        "--max-velocity",
+        "1.0416665",
+        "--master-offset",
+        "0.3",
+    ]);
+    // 15/8 · 100/180 mm/deg.
+    done.ended(1, "the slave's velocity is 1.0416667 mm/s at master 89.7 deg")
+        .ended(1, "its limit is 1.0416665 mm/s");
+    let sampled = |more: &[&str]| {
+        desk.twin(&[&["cam", "sample", "lift.toml", "--points", "3601"], more].concat())
+    };
+    for more in [
+        &[][..],
+        &["--slave-scaling", "0.1"],
+        &["--slave-offset", "-50", "--master-acceleration", "7"],
+    ] {
+        let done = sampled(more);
+        done.ended(0, "");
+        for cell in done.stdout.lines().skip(1).flat_map(|line| line.split(',')) {
+            let value: f64 = cell.parse().expect("a number");
+            assert!(value == 0.0 || value.abs() > 1e-12, "{cell}");
+        }
+    }
+}
+
+/// A cam of tappets alone has no slave: nothing is told of one.
+#[test]
+fn tappets_alone_have_no_table_of_a_slave() {
+    let desk = Desk::new();
+    let text = "name = \"marks\"\nkind = \"tappets\"\nmaster = { min = 0, max = 360, unit = \"deg\" }\n\
+                tappets = [{ group = 4, master = 90, action = \"on\" }]\n";
+    desk.write("marks.toml", text);
+    let done = desk.twin(&["cam", "check", "marks.toml", "--master-velocity", "180"]);
+    done.ended(0, "");
+    for (word, told) in [
+        ("tappets only", true),
+        ("500", true),
+        ("master (deg)", true),
+        ("position", false),
+        ("slave", false),
+        ("may go", false),
+    ] {
+        assert_eq!(done.stdout.contains(word), told, "{word} in {}", done.stdout);
+    }
+}

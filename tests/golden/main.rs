@@ -24,6 +24,7 @@ mod emulate;
 mod explain;
 mod in_loop;
 mod job;
+mod job_cams;
 mod job_steps;
 mod limit;
 mod machine;

@@ -3,6 +3,7 @@
 use crate::process::Desk;
 use serde_json::Value;
 use std::f64::consts::PI;
+use std::fmt::Write;
 
 const LIFT: &str = r#"name = "lift"
 master = { min = 0, max = 360, unit = "deg" }
@@ -115,6 +116,78 @@ fn the_gentlest_part_of_a_cam() {
     assert!((number(&found["least"]["after"]) / peak - 1.0).abs() < 1e-5, "{found} {peak}");
 }
 
+/// The lift, from its points alone.
+fn lift(place: f64) -> f64 {
+    let ease = |part: f64| part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part);
+    match place.rem_euclid(360.0) {
+        at if at < 120.0 => 70.0 * ease(at / 120.0),
+        at if at < 180.0 => 70.0 + 30.0 * ease((at - 120.0) / 60.0),
+        at => 100.0 - 100.0 * ease((at - 180.0) / 180.0),
+    }
+}
+
+/// Three seconds at 300 deg/s of a slave 5 ms behind, 2 % too far and 3 mm beside, with a little noise: `MasterOffset` 1.5,
+/// `SlaveScaling` 1/1.02. The run says how fast the master goes, so that the peaks are those of 300 deg/s.
+#[test]
+fn the_least_jerk_of_a_slave_that_was_recorded() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    let mut text = String::from("time_s,master_deg,slave_mm\n");
+    for index in 0..1500_u32 {
+        let time = f64::from(index) * 0.002;
+        let mixed = u64::from(index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40;
+        let noise = f64::from(u32::try_from(mixed).expect("24 bits")) / 16_777_216.0 - 0.5;
+        let slave = 1.02 * lift(300.0 * (time - 0.005)) + 3.0 + 0.02 * noise;
+        writeln!(text, "{time},{},{slave}", 300.0 * time).expect("text");
+    }
+    desk.write("run.csv", &text);
+    let tune = |more: &[&str]| {
+        let start = ["tune", "cam", "lift.toml", "--run", "run.csv", "--minimise", "jerk"];
+        desk.twin(&[&start[..], more].concat())
+    };
+    let find = ["--find", "slave-scaling=0.9..1.1", "--tappet-tolerance", "0,any"];
+    let done = tune(&[&find[..], &["--format", "json"]].concat());
+    done.ended(0, "");
+    let found = object(&done.stdout);
+    let at_one = 60.0 * 30.0 / 60.0_f64.powi(3) * 300.0_f64.powi(3);
+    for (value, expected, room) in [
+        (&found["master"]["velocity"], 300.0, 1e-9),
+        (&found["coupling"]["master_offset"], 1.5, 5e-3),
+        (&found["coupling"]["slave_scaling"], 0.9, 1e-12),
+        (&found["coupling"]["slave_offset"], -3.0 / 1.02, 1e-3),
+        (&found["least"]["from"][3], 1.0 / 1.02, 1e-4),
+        (&found["least"]["before"], at_one / 1.02, 1e-4),
+        (&found["least"]["after"], at_one * 0.9, 1e-9),
+    ] {
+        assert!((number(value) / expected - 1.0).abs() < room, "{value} {expected}");
+    }
+    // What is told on the command line counts, and what is now wanted is written.
+    let fast = ["--master-velocity", "600", "--write", "new.toml"];
+    let done = tune(&[&find[..], &fast].concat());
+    done.ended(0, "written to new.toml");
+    assert!(done.stdout.contains("held by the end of an interval, 0.9"), "{}", done.stdout);
+    assert!(done.stdout.contains("the master goes 600 deg/s at most"), "{}", done.stdout);
+    let written = std::fs::read_to_string(desk.path("new.toml")).expect("written");
+    let wanted = written.lines().find_map(|line| line.strip_prefix("wanted_slave_scaling = "));
+    let wanted: f64 = wanted.and_then(|text| text.parse().ok()).expect("a number");
+    assert!((wanted - 0.9 * 1.02).abs() < 1e-4, "{wanted}");
+    // A ramp from where both stand in the run: at 0, and 3 mm beside where the slave is told to be.
+    let limits = ["--max-velocity", "2000", "--max-acceleration", "90000", "--max-jerk", "1e8"];
+    let ramp = ["--ramp-in", "run", "--within", "0.5", "--ramp", "parabolic"];
+    let done = tune(&[&find[..], &limits, &ramp, &["--format", "json"]].concat());
+    done.ended(0, "");
+    assert!(number(&object(&done.stdout)["ramp"]["duration_s"]) <= 0.5 + 1e-9, "{}", done.stdout);
+    tune(&["--find", "master-offset"]).ended(2, "offsets alone change no peak");
+    let way = ["--find", "master-offset=0..3,slave-scaling=0.9..1", "--master-travel", "run"];
+    // The tappets stay where they are, and with them the part of the cam.
+    let done = tune(&way);
+    done.ended(0, "");
+    for words in ["on the way of the master: ", "MasterOffset: 1.50", "held by the tappet at"] {
+        assert!(done.stdout.contains(words), "{words} in {}", done.stdout);
+    }
+}
+
 #[test]
 fn what_nothing_holds_is_said() {
     let desk = Desk::new();
@@ -142,6 +215,9 @@ fn what_nothing_holds_is_said() {
     tune(&["--find", "slave-scaling=0.9..1.1", "--max-velocity", "1"])
         .ended(2, "is for --minimise");
     tune(&["--run", "nix.csv"]).ended(2, "cannot read run nix.csv");
+    tune(&["--ramp-in", "run"]).ended(2, "begins where a --run does");
+    tune(&[&jerk[..], &["slave-scaling=0.9..1", "--master-travel", "run"]].concat())
+        .ended(2, "where the master goes in a --run");
     // Tappets that must not move hold everything.
     let done = tune(
         &[&jerk[..], &["slave-scaling=0.8..1.2,master-scaling=0.8..1.2,master-offset=-9..9"]]

@@ -10,6 +10,7 @@ mod dependencies;
 mod hygiene;
 mod manifest;
 mod markdown;
+mod names;
 mod orphans;
 mod paths;
 mod tree;

@@ -3,10 +3,12 @@
 use super::CamFile;
 pub use super::usage::{AxisLimits, CamUse, unit_fits};
 use crate::finding::{Finding, Rule, Severity};
-use crate::number::at_most;
+use crate::number::{apart, at_most, beside, significant};
 use serde_json::{Value, json};
 use twin_motion::Place;
-use twin_motion::cam::{Bounds, Jump, Largest, LimitError, Passage, Range, SlaveLimits, Tappet};
+use twin_motion::cam::{
+    Bounds, Jump, Largest, LimitError, Passage, Quantity, Range, SlaveLimits, Tappet,
+};
 
 /// A limit that is exceeded by less than this part is kept.
 const ROUNDING: f64 = 1e-12;
@@ -73,8 +75,39 @@ impl<'a> CamCheck<'a> {
             using.repeated,
         );
         let mut check = Self { file, using, bounds, jumps, stop, largest, findings: Vec::new() };
+        check.refuse_jumps();
         check.find();
         check
+    }
+
+    /// With a jump that is an error no velocity of the master is slow enough, where the pass ends, either.
+    fn refuse_jumps(&mut self) {
+        let curve = self.file.cam.curve();
+        let [position, ..] = curve.real_jumps(self.using.repeated);
+        let [velocity, acceleration] = if self.using.repeated {
+            [None; 2]
+        } else {
+            curve.stop_jumps(self.using.factors().master < 0.0)
+        };
+        let all = [
+            (Quantity::Velocity, position),
+            (Quantity::Acceleration, velocity),
+            (Quantity::Jerk, acceleration),
+        ];
+        let found = all.into_iter().enumerate().find_map(|(derivative, (quantity, jump))| {
+            let jump = jump.filter(|_| self.severity(derivative) == Severity::Error)?;
+            Some(LimitError::Unbounded { quantity, jump })
+        });
+        if let (Some(error), Ok(_)) = (found, &self.largest) {
+            self.largest = Err(error);
+        }
+    }
+
+    /// A place of the master, for people.
+    pub fn place(&self, at: f64) -> String {
+        let curve = self.file.cam.curve();
+        let width = (curve.end() - curve.start()) / self.using.coupling.input.master_scaling;
+        beside(at, width, 6)
     }
 
     /// The slave's unit, with that of a derivative by time.
@@ -96,7 +129,7 @@ impl<'a> CamCheck<'a> {
         if unbounded && (low.is_finite() || high.is_finite()) && self.file.period.is_none() {
             let message = format!(
                 "the slave gains {} {} in every pass of the cam and leaves its limits, {low} to {high}",
-                super::file::digits(self.file.cam.curve().rise()),
+                significant(self.file.cam.curve().rise(), 6),
                 self.unit(0)
             );
             self.add(Rule::AxisPosition, Severity::Error, message, None, "");
@@ -116,7 +149,7 @@ impl<'a> CamCheck<'a> {
         let hint = match &self.largest {
             Ok(Largest { value, .. }) if value.is_finite() => format!(
                 "the master may go {} {}/s at most",
-                at_most(*value, 12),
+                at_most(*value, 6),
                 self.file.master.unit()
             ),
             _ => String::new(),
@@ -150,13 +183,11 @@ impl<'a> CamCheck<'a> {
     ) {
         let what = ["position", "velocity", "acceleration", "jerk"];
         let what = what.get(derivative).copied().unwrap_or_default();
-        let digits = super::file::digits;
+        let [value_said, limit_said] = apart(value, limit);
         let message = format!(
-            "the slave's {what} is {} {unit} at master {} {}, its limit is {} {unit}",
-            digits(value),
-            digits(at),
+            "the slave's {what} is {value_said} {unit} at master {} {}, its limit is {limit_said} {unit}",
+            self.place(at),
             self.file.master.unit(),
-            digits(limit),
             unit = self.unit(derivative),
         );
         self.add(rule, Severity::Error, message, Some((value, limit)), hint);
@@ -169,9 +200,9 @@ impl<'a> CamCheck<'a> {
             let severity = self.severity(derivative);
             let message = format!(
                 "the slave's {name} jumps by {} {} at master {} {}",
-                super::file::digits(jump.by),
+                significant(jump.by, 6),
                 self.unit(derivative),
-                super::file::digits(jump.master),
+                self.place(jump.master),
                 self.file.master.unit(),
             );
             let hint = match derivative {
@@ -209,9 +240,9 @@ impl<'a> CamCheck<'a> {
         };
         let message = format!(
             "the pass ends at master {} {} and is not repeated: the slave stays there, its {name} jumps by {} {}",
-            super::file::digits(jump.master),
+            self.place(jump.master),
             self.file.master.unit(),
-            super::file::digits(jump.by),
+            significant(jump.by, 6),
             self.unit(derivative),
         );
         let hint = format!(

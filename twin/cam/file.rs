@@ -83,6 +83,11 @@ pub struct CamFile {
 }
 
 impl CamFile {
+    /// Whether it carries tappets only: its curve is none that anybody has drawn.
+    pub fn is_tappets_only(&self) -> bool {
+        self.source.as_ref().is_some_and(|source| source.kind == Kind::Tappets)
+    }
+
     /// Reads a cam. Tables as text are interpolated as `interpolation` says; TOML and `.CAM` files say it themselves.
     ///
     /// # Errors

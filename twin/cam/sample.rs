@@ -2,8 +2,12 @@
 
 use super::CamFile;
 use super::check::CamUse;
-use super::file::digits;
+use crate::number::beside;
 use std::io::{self, Write};
+use twin_motion::cam::Bounds;
+
+/// Significant digits of what is written.
+const DIGITS: usize = 12;
 
 /// Where a cam is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,17 +109,35 @@ pub fn write(
         }
     )?;
     let curve = file.cam.curve();
+    let scales = scales(file, using);
+    let told = |value: f64, column: usize| {
+        beside(value, scales.get(column).copied().unwrap_or_default(), DIGITS)
+    };
     for place in sampling.places(curve.start(), curve.end()) {
         let row = at(file, using, place);
-        write!(out, "{}", row.map(digits).join(","))?;
+        let mut column = 0..;
+        let cells = row.map(|value| told(value, column.next().unwrap_or_default()));
+        write!(out, "{}", cells.join(","))?;
         if reaches(using) {
             let [acceleration, jerk] = reach(file, using, place);
-            let cells = [acceleration[0], acceleration[1], jerk[0], jerk[1]];
-            write!(out, ",{}", cells.map(digits).join(","))?;
+            let [pull, jolt] = [(acceleration, 3), (jerk, 4)]
+                .map(|(ends, column)| ends.map(|value| told(value, column)).join(","));
+            write!(out, ",{pull},{jolt}")?;
         }
         writeln!(out)?;
     }
     Ok(())
+}
+
+/// How large master, slave and its derivatives are on this cam: beside these, rounding is nothing.
+fn scales(file: &CamFile, using: &CamUse) -> [f64; 5] {
+    let curve = file.cam.curve();
+    let Bounds { position, velocity, acceleration, jerk } =
+        curve.bounds(&using.master, using.factors());
+    let width = (curve.end() - curve.start()) / using.coupling.input.master_scaling;
+    let of_slave = [position, velocity, acceleration, jerk].map(|range| range.magnitude());
+    let [position, velocity, acceleration, jerk] = of_slave;
+    [width, position, velocity, acceleration, jerk]
 }
 
 /// Whether the master does more than go at its velocity.

@@ -59,9 +59,10 @@ pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
     let master = scale(&section);
     section.finish();
     let section = root.section("slave");
-    let whole = Scale { min: 0.0, max: 1.0, step: 0.1, unit: String::new() };
-    let bare = kind == Kind::Tappets && !section.has("min") && !section.has("max");
-    let slave = if bare { Some(whole) } else { scale(&section) };
+    // It is for pictures: without it they show where the slave goes.
+    let bare = !section.has("min") && !section.has("max");
+    let slave = if bare { Some(bare_scale(&section)) } else { scale(&section) };
+    let step_said = slave.as_ref().map_or(0.0, |slave| slave.step);
     let period = section.number("period", POSITIVE);
     section.finish();
     let section = root.section("coupling");
@@ -90,7 +91,7 @@ pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
         root.complain("the cam has no `elements` and no `table`".to_owned());
     }
     root.check_unknown();
-    let source = Source {
+    let mut source = Source {
         name: name?.to_owned(),
         kind,
         master: master?,
@@ -99,12 +100,22 @@ pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
         elements: elements.iter().map(|(element, _)| *element).collect(),
         tappets: tappets.iter().map(|(tappet, _)| *tappet).collect(),
     };
+    if bare {
+        source.scale_slave(None);
+    }
     let cam = match &table {
         Some(shape) => Cam::new(&source.name, shape.clone(), source.tappets.clone()),
         None => source.compile(Compile::Polynomial),
     };
     match cam {
-        Ok(cam) => Some(TomlCam { source, table, coupling: coupling?, cam, out_of_order }),
+        Ok(cam) => {
+            if bare && kind == Kind::Cam {
+                // The marks between its points are not those between its ends.
+                source.slave.step = step_said;
+                source.scale_slave(Some(cam.curve()));
+            }
+            Some(TomlCam { source, table, coupling: coupling?, cam, out_of_order })
+        }
         Err(error) => {
             let places = |list: Vec<Range<usize>>, index: usize| list.get(index - 1).cloned();
             let of_elements = || elements.iter().map(|(_, span)| span.clone()).collect();
@@ -155,6 +166,14 @@ fn scale(section: &Section<'_>) -> Option<Scale> {
         return None;
     }
     Some(Scale { min, max, step: step.unwrap_or((max - min) / 10.0), unit })
+}
+
+/// The scale of a slave of which nothing is said but, perhaps, its unit and the marks, without its ends.
+fn bare_scale(section: &Section<'_>) -> Scale {
+    let step = section.number("step", POSITIVE).unwrap_or(0.0);
+    let unit = section.text("unit").unwrap_or_default().to_owned();
+    ["min", "max"].into_iter().for_each(|key| section.accept(key));
+    Scale { min: 0.0, max: 1.0, step, unit }
 }
 
 fn begin(element: &Element) -> f64 {

@@ -1,5 +1,6 @@
 //! Looks at every set-point of a program: limits of the axes, jumps, and what the simulated machine makes of it.
 
+use super::cam_jumps::CamJumps;
 use super::findings::{About, Findings};
 use super::instant::Instant;
 use super::{Clearances, Outcome, exceeds, is_hidden, no_axes, sentence};
@@ -28,6 +29,7 @@ pub(super) struct Checker<'m> {
     duration_ns: i64,
     /// Axes that follow blocks, gears or cams, and no path.
     free: Vec<bool>,
+    jumps: CamJumps<'m>,
     /// Additional axes that the machine does not have, each told once.
     told_missing: [bool; EXTRA_AXES.len()],
 }
@@ -50,6 +52,7 @@ impl<'m> Checker<'m> {
             start: None,
             duration_ns: 0,
             free: free_axes(machine, is_job),
+            jumps: CamJumps::new(machine, is_job),
             told_missing: [false; EXTRA_AXES.len()],
         }
     }
@@ -84,6 +87,9 @@ impl<'m> Checker<'m> {
         self.duration_ns = setpoint.time_ns;
         let last = self.last.replace(*setpoint);
         self.start.get_or_insert(setpoint.axes.position);
+        for (axis, finding) in self.jumps.look(setpoint) {
+            self.findings.add(Some(About::Axis(axis)), finding);
+        }
         let machine = self.machine;
         let [faster, harder, jerkier] = self.slack;
         let cycle = seconds(machine.cycle_ns);

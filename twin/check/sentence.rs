@@ -34,6 +34,13 @@ pub(crate) fn no_axes(place: Place, error: &AxesError) -> Finding {
     }
 }
 
+/// A cam whose elements do not stand by ascending masters: they are taken so, but whoever wrote them may have meant another one.
+pub(crate) fn out_of_order(place: Place, axis: Option<String>, told: &str) -> Finding {
+    let mut finding = Finding::error(Rule::CamContinuity, place, told.to_owned());
+    (finding.severity, finding.axis) = (Severity::Warning, axis);
+    finding
+}
+
 /// Tappets that had no room in their cycle.
 pub(super) fn lost_tappets(count: u64) -> Finding {
     let message = format!(

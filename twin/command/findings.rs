@@ -174,6 +174,10 @@ struct ShownFinding<'a> {
 impl fmt::Display for ShownFinding<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let place = Place { line: self.finding.line, block: self.finding.block };
+        if place.line == 0 {
+            // Of no line of the program: the message says of what.
+            return f.write_str(&self.finding.message);
+        }
         write!(f, "{place}: {}", self.finding.message)
     }
 }

@@ -40,6 +40,11 @@ pub(super) trait Called: fmt::Debug + Send {
         false
     }
 
+    /// Of a cam whose elements do not stand by ascending masters: its file, line, and which.
+    fn out_of_order(&self) -> Option<&str> {
+        None
+    }
+
     /// A position that it has recorded, for as long as it is done.
     fn recorded(&self) -> Option<f64> {
         None
@@ -48,7 +53,7 @@ pub(super) trait Called: fmt::Debug + Send {
 
 /// A block whose axis follows a cam.
 #[derive(Debug)]
-struct OnCam(Block<CamIn>);
+struct OnCam(Block<CamIn>, Option<String>);
 
 impl Called for OnCam {
     fn call(&mut self, execute: bool, axis: &mut Axis, with: With<'_>) -> Outputs {
@@ -69,6 +74,10 @@ impl Called for OnCam {
 
     fn dead_time(&self) -> f64 {
         self.0.inputs.input.tappet_dead_time_s
+    }
+
+    fn out_of_order(&self) -> Option<&str> {
+        self.1.as_deref()
     }
 
     fn ends_profile(&self) -> bool {
@@ -99,9 +108,9 @@ pub(super) fn set_position(position: f64, relative: bool) -> Box<dyn Called> {
     Box::new(SetPosition { position, relative, shown: None })
 }
 
-/// A block whose axis follows a cam.
-pub(super) fn on_cam(inputs: CamIn) -> Box<dyn Called> {
-    Box::new(OnCam(Block::new(inputs)))
+/// A block whose axis follows a cam, of whose file something may be told.
+pub(super) fn on_cam(inputs: CamIn, out_of_order: Option<String>) -> Box<dyn Called> {
+    Box::new(OnCam(Block::new(inputs), out_of_order))
 }
 
 /// A tappet that has acted.

@@ -50,6 +50,9 @@ const PIECES: [&str; 32] = [
     "#",
 ];
 
+/// The shipped one.
+const SHIPPED: &str = include_str!("../../examples/jobs/flying_shear.toml");
+
 /// Set-points that are looked at of one that is right after all.
 const ENOUGH: usize = 300;
 
@@ -90,6 +93,20 @@ proptest! {
         changes in proptest::collection::vec((any::<prop::sample::Index>(), 0usize..30, 0..PIECES.len()), 1..6),
     ) {
         let mut text: Vec<char> = TEXT.chars().collect();
+        for (place, length, piece) in changes {
+            let start = place.index(text.len() + 1);
+            let end = (start + length).min(text.len());
+            text.splice(start..end, PIECES[piece].chars());
+        }
+        survives(&text.into_iter().collect::<String>());
+    }
+
+    #[test]
+    fn the_shipped_job_with_pieces_moved_is_survived(
+        changes in proptest::collection::vec((any::<prop::sample::Index>(), 0usize..30, 0..PIECES.len()), 1..6),
+    ) {
+        let cams = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/cams/");
+        let mut text: Vec<char> = SHIPPED.replace("../cams/", cams).chars().collect();
         for (place, length, piece) in changes {
             let start = place.index(text.len() + 1);
             let end = (start + length).min(text.len());

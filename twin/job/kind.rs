@@ -185,7 +185,10 @@ impl Kind {
                 let relative = of.section.flag("relative").unwrap_or(false);
                 set_position(of.length("position")?, relative)
             }
-            Self::CamIn => on_cam(cam_in(of, path)?),
+            Self::CamIn => {
+                let (inputs, out_of_order) = cam_in(of, path)?;
+                on_cam(inputs, out_of_order)
+            }
             Self::TouchProbe | Self::AbortTrigger | Self::Follow(_) | Self::ControlAxisBy(_) => {
                 return self.of_program(of);
             }
@@ -219,9 +222,9 @@ impl Kind {
 }
 
 /// A cam with everything that the block is told.
-fn cam_in(of: &Values<'_>, path: &Path) -> Option<CamIn> {
+fn cam_in(of: &Values<'_>, path: &Path) -> Option<(CamIn, Option<String>)> {
     let selection = read_cam(of.section, path, of.known.as_cam(), of.master?.as_cam())?;
-    let CamSelection { table, mut input } = selection;
+    let CamSelection { table, mut input, out_of_order } = selection;
     // What neither the block nor its cam's file says is that of every block.
     let unsaid = |name: &str, value: f64| {
         value == 0.0 && !of.section.has(&format!("{}_per_s2", of.key(name)))
@@ -232,5 +235,5 @@ fn cam_in(of: &Values<'_>, path: &Path) -> Option<CamIn> {
     if unsaid("deceleration", input.deceleration) {
         input.deceleration = input.acceleration;
     }
-    Some(CamIn { table: Some(table), input })
+    Some((CamIn { table: Some(table), input }, out_of_order))
 }

@@ -298,8 +298,9 @@ fn standing(machine: &Machine, coupling: &Coupling, line: u32) -> Call {
             ("MC_GearIn", following(gear))
         }
         CoupledBy::Cam(selection) => {
-            let CamSelection { table, input } = &**selection;
-            ("MC_CamIn", on_cam(CamIn { table: Some(table.clone()), input: *input }))
+            let CamSelection { table, input, .. } = &**selection;
+            // Of its file the check tells.
+            ("MC_CamIn", on_cam(CamIn { table: Some(table.clone()), input: *input }, None))
         }
     };
     let (axis, master) = (coupling.axis, Some(coupling.master));

@@ -3,8 +3,8 @@
 use super::block::Fired;
 use super::engine::{Engine, State};
 use super::pace::{Bears, Pace};
-use super::read;
-use crate::check::no_axes;
+use super::{Call, read};
+use crate::check::{no_axes, out_of_order};
 use crate::coupled::Coupled;
 use crate::finding::{Finding, Rule};
 use crate::machine::{Axis, Machine, Problem};
@@ -105,6 +105,8 @@ impl<'m> JobSetpoints<'m> {
             Ok(job) => {
                 setpoints.tracks = job.tracks.clone();
                 setpoints.masters = job.masters(machine);
+                setpoints.problems =
+                    job.calls.iter().filter_map(|call| told(call, machine)).collect();
                 setpoints.blocks = u64::try_from(job.calls.len()).unwrap_or(u64::MAX);
                 let start = match start(machine, &job.starts) {
                     Ok(start) => start,
@@ -299,6 +301,13 @@ impl<'m> JobSetpoints<'m> {
         self.time_ns = Some(time_ns);
         Some(self.setpoint(time_ns, before))
     }
+}
+
+/// A cam of a block whose elements do not stand by ascending masters.
+fn told(call: &Call, machine: &Machine) -> Option<Finding> {
+    let axis = machine.axes.get(call.axis).map(|axis| axis.name.clone());
+    let place = Place { line: call.line, block: None };
+    Some(out_of_order(place, axis, call.block.out_of_order()?))
 }
 
 impl Iterator for JobSetpoints<'_> {

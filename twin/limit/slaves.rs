@@ -49,7 +49,7 @@ struct OnCam {
 
 impl OnCam {
     fn new(selection: &CamSelection, [master, slave]: [&Axis; 2], [lead, own]: [f64; 2]) -> Self {
-        let CamSelection { table, input } = selection;
+        let CamSelection { table, input, .. } = selection;
         let shown = |axis: &Axis, value: f64| {
             let value = axis.from_si(value);
             axis.period.map_or(value, |period| value.rem_euclid(axis.from_si(period)))

@@ -42,6 +42,8 @@ pub struct CamSelection {
     pub table: CamTable,
     /// Inputs of `MC_CamIn`.
     pub input: CamInput,
+    /// Of a cam whose elements do not stand by ascending masters: its file, which element, and its line.
+    pub out_of_order: Option<String>,
 }
 
 impl Coupling {
@@ -50,6 +52,14 @@ impl Coupling {
         match self.by {
             CoupledBy::Gear(..) => "gear",
             CoupledBy::Cam(_) => "cam",
+        }
+    }
+
+    /// Of a cam whose elements do not stand by ascending masters: its file, line, and which.
+    pub fn out_of_order(&self) -> Option<&str> {
+        match &self.by {
+            CoupledBy::Gear(..) => None,
+            CoupledBy::Cam(selection) => selection.out_of_order.as_deref(),
         }
     }
 
@@ -277,9 +287,12 @@ pub(crate) fn read_cam(
         tappet_hysteresis: number(("tappet_hysteresis", own.tappet_hysteresis), master, "", 0.0),
         tappet_dead_time_s: section.number("dead_time_s", -FAR..=FAR).unwrap_or(dead_time_s),
     };
-    let cam = Arc::new(file?.cam);
+    let file = file?;
+    let named = file.path.display();
+    let out_of_order = file.out_of_order.as_ref().map(|said| format!("{named}: {said}"));
+    let cam = Arc::new(file.cam);
     let table = CamTable { periodic, master_absolute, slave_absolute, ..CamTable::new(cam) };
-    Some(CamSelection { table, input })
+    Some(CamSelection { table, input, out_of_order })
 }
 
 /// What is wrong with a cam's file: in a line, and, where its lines are known, with these.

@@ -34,6 +34,7 @@ pub struct Backup {
 ///
 /// # Errors
 /// [`BackupError::Read`]; [`BackupError::Lines`] with every line that is wrong.
+#[doc(alias = "SMC_ReadDriveParamsFromFile")]
 pub fn read(file: &str, input: &mut dyn Read) -> Result<Backup, BackupError> {
     let mut text = String::new();
     let wrong = |source| BackupError::Read { file: file.to_owned(), source };

@@ -20,6 +20,7 @@ pub enum Format {
 /// # Errors
 /// [`BackupError::List`] (3004) and [`BackupError::Drive`] (3003) if the device does not answer or has no parameter of the
 /// list, before anything is written; [`BackupError::Write`] (3002).
+#[doc(alias = "SMC_WriteDriveParamsToFile")]
 pub fn write_parameters(
     drive: &mut dyn Drive,
     list: Option<&[ParameterId]>,

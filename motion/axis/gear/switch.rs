@@ -64,6 +64,7 @@ pub enum TappetMode {
 }
 
 /// What [`DigitalCamSwitch`] shows.
+#[doc(alias = "MC_OUTPUT_REF")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SwitchOutputs {
     /// `Outputs`.

@@ -5,6 +5,9 @@ use crate::axis::profile::{MOST_POINTS, ProfilePoint, ProfileTable, TableProfile
 use crate::axis::{Axis, AxisState, Motion, Progress, SmcError, Stage};
 
 /// Points over time (`MC_TP_REF`, `MC_TV_REF`, `MC_TA_REF`) and how a block reads them.
+#[doc(alias = "MC_TP_Array")]
+#[doc(alias = "MC_TV_Array")]
+#[doc(alias = "MC_TA_Array")]
 #[doc(alias = "MC_TP_REF")]
 #[doc(alias = "MC_TV_REF")]
 #[doc(alias = "MC_TA_REF")]

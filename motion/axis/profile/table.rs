@@ -10,6 +10,9 @@ pub const MOST_POINTS: usize = 100;
 const SAME: f64 = 1e-9;
 
 /// A point of a table (`SMC_TP`, `SMC_TV`, `SMC_TA`).
+#[doc(alias = "SMC_TP")]
+#[doc(alias = "SMC_TV")]
+#[doc(alias = "SMC_TA")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfilePoint {
     /// Time since the point before, of the first one since the start, s.

@@ -2,7 +2,7 @@
 
 use super::{curve, knots, samples};
 use crate::cam::{
-    CamError, Curve, Equidistant, Interpolation, Knot, PairTable, TableScale, VariableType,
+    CamError, Curve, Equidistant, Interpolation, Joints, Knot, PairTable, TableScale, VariableType,
 };
 use proptest::prelude::*;
 
@@ -245,4 +245,45 @@ fn the_largest_distance_of_curves() {
     let mirrored = (found.master - 180.0 * w).abs().min((found.master - 180.0 * (1.0 - w)).abs());
     assert!(mirrored < 1e-6, "{found:?}");
     assert_eq!(lift.largest_distance(&lift).value, 0.0);
+}
+
+/// Lines of slope 1 and 2, from 0 over 60 to 120: y′ jumps by 1 at 60, and by −2 + 1 where it begins again; whichever way, and however far away, the master goes.
+#[test]
+fn jumps_are_told_where_they_are_passed() {
+    let knots = [(0.0, 0.0), (60.0, 60.0), (120.0, 180.0)];
+    let knots = knots.map(|(master, slave)| Knot::at_rest(master, slave));
+    let curve = Curve::linear(&knots).expect("a curve");
+    let joints = Joints::of(&curve, true);
+    let rises = |from: f64, to: f64| {
+        let [position, velocity] = joints.passed(from, to);
+        assert_eq!(position, None);
+        velocity.map(|joint| (joint.place, joint.rises[1]))
+    };
+    for (from, to, expected) in [
+        (59.0, 60.0, Some((60.0, 1.0))),
+        (60.0, 61.0, None),
+        (61.0, 60.0, Some((60.0, 1.0))),
+        (60.0, 59.0, None),
+        (119.0, 121.0, Some((120.0, -1.0))),
+        (1.0, -1.0, Some((0.0, -1.0))),
+        (-61.0, -59.0, Some((-60.0, 1.0))),
+        (1259.5, 1260.5, Some((1260.0, 1.0))),
+        (10.0, 50.0, None),
+        (30.0, 30.0, None),
+    ] {
+        assert_eq!(rises(from, to), expected, "{from} {to}");
+    }
+    // More than a pass has all of them.
+    assert!(rises(10.0, 1e12).is_some_and(|(_, rise)| rise.abs() == 1.0));
+    // Once, the slave stays where the curve ends: y′ is gone there, and comes where it begins.
+    let once = Joints::of(&curve, false);
+    let rise =
+        |from: f64, to: f64| once.passed(from, to)[1].map(|joint| (joint.place, joint.rises[1]));
+    assert_eq!(rise(119.0, 121.0), Some((120.0, -2.0)));
+    assert_eq!(rise(1.0, -1.0), Some((0.0, 1.0)));
+    assert_eq!(rise(121.0, 1e9), None);
+    let smooth = Curve::polynomial(&[Knot::at_rest(0.0, 0.0), Knot::at_rest(9.0, 5.0)]);
+    let smooth = smooth.expect("a curve");
+    assert!(Joints::of(&smooth, false).is_empty());
+    assert_eq!(Joints::of(&smooth, false).passed(-1.0, 10.0), [None; 2]);
 }

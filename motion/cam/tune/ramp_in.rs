@@ -32,6 +32,8 @@ const LAST_CHANGE: f64 = 1.0 + 1e-7;
 const LEAST: f64 = 1.0 / 8_388_608.0;
 /// Of a limit this part is rounding.
 const ROUNDING: f64 = 1e-12;
+/// What is known of a ramp's values: less than this part is what the search left over.
+const NEAT: f64 = 1e-7;
 
 /// Finds the ramp.
 ///
@@ -49,18 +51,22 @@ pub fn ramp_in(wish: &RampWish) -> Result<RampIn, RampError> {
     if wish.ramp != RampType::Trapezoid && !(jerk.is_finite() && jerk > 0.0) {
         return Err(RampError::NoLimit { what: "jerk", value: jerk });
     }
-    let problem = Problem { wish };
+    let most = match wish.goal {
+        RampGoal::Soonest => f64::INFINITY,
+        RampGoal::Gentlest { .. } => wish.limits.velocity,
+    };
+    let problem = Problem { wish, most };
     let soonest = problem.improved(problem.soonest()?, &WAYS, &|ramp| ramp.duration_s)?;
     match wish.goal {
         RampGoal::Soonest if soonest.duration_s > LONGEST_S => {
             Err(RampError::TooLong { soonest_s: soonest.duration_s, most_s: LONGEST_S })
         }
-        RampGoal::Soonest => problem.modest(soonest),
+        RampGoal::Soonest => problem.neat(problem.modest(soonest)?, f64::INFINITY),
         RampGoal::Gentlest { within_s, .. } if soonest.duration_s > within_s => {
             Err(RampError::TooLate { soonest_s: soonest.duration_s, within_s })
         }
         RampGoal::Gentlest { within_s, least } => {
-            problem.modest(problem.gentlest(&soonest, within_s, least)?)
+            problem.neat(problem.modest(problem.gentlest(&soonest, within_s, least)?)?, within_s)
         }
     }
 }
@@ -95,6 +101,9 @@ fn values(ramp: &RampIn) -> Values {
 
 pub(super) struct Problem<'a> {
     pub(super) wish: &'a RampWish,
+    /// `VelocityDiff` is no more: a gentle ramp has none beyond the axis's own velocity, even where the cam comes towards the
+    /// slave, which then stays below it.
+    most: f64,
 }
 
 impl Problem<'_> {
@@ -291,6 +300,31 @@ impl Problem<'_> {
         Ok(if as_good && self.keeps(&tried) { tried } else { ramp })
     }
 
+    /// With as few digits as change nothing that the search could tell: 2 in place of 1.999999967. The jerk, which is the
+    /// axis's, stays as it is.
+    fn neat(&self, ramp: RampIn, within_s: f64) -> Result<RampIn, RampError> {
+        let same = |one: f64, other: f64| one <= other * (1.0 + NEAT);
+        let mut best = ramp;
+        for index in 0..3 {
+            for digits in 1..9 {
+                let mut tried = values(&best);
+                let Some(value) = tried.get_mut(index) else { break };
+                *value = format!("{value:.digits$e}").parse().unwrap_or(*value);
+                let tried = self.ramp(tried)?;
+                let as_good = tried.duration_s <= within_s
+                    && same(tried.duration_s, ramp.duration_s)
+                    && same(tried.peak_velocity, ramp.peak_velocity)
+                    && same(tried.peak_acceleration, ramp.peak_acceleration)
+                    && same(tried.peak_jerk, ramp.peak_jerk);
+                if as_good && self.keeps(&tried) && tried.velocity_difference <= self.most {
+                    best = tried;
+                    break;
+                }
+            }
+        }
+        Ok(best)
+    }
+
     /// Changes one value after the other as long as that makes the score less.
     pub(super) fn improved(
         &self,
@@ -308,6 +342,7 @@ impl Problem<'_> {
                     for (value, share) in tried.iter_mut().zip(way) {
                         *value *= change.powf(share * sign);
                     }
+                    tried[0] = tried[0].min(self.most);
                     let tried = self.ramp(tried)?;
                     if self.keeps(&tried) && score(&tried) < score(&best) * (1.0 - ROUNDING) {
                         best = tried;

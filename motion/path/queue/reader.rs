@@ -13,6 +13,7 @@ use std::iter::FusedIterator;
 ///
 /// Elements are handed out in order, each after the checksum of its block has been found right. An iterator that ends
 /// without an error has read the whole queue; after an error nothing follows.
+#[doc(alias = "SMC_ReadNCQueue")]
 #[derive(Debug)]
 pub struct QueueReader<R> {
     reader: R,

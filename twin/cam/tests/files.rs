@@ -534,3 +534,34 @@ fn tappets_are_counted_as_they_stand() {
     assert!(said.starts_with("tappet 1: master 800 lies outside"), "{said}");
     assert!(at.contains("master = 800"), "{at}");
 }
+
+/// Without one the slave's scale is from its least to its greatest position; a unit and marks may be said alone. One of both ends
+/// is a mistake.
+#[test]
+fn a_slave_without_a_scale_has_that_of_its_curve() {
+    let bare = |slave: &str| {
+        let text = format!(
+            "name = \"up\"\nmaster = {{ min = 0, max = 10 }}\n{slave}\nelements = [{{ master = 0, slave = 3 }}, {{ master = 10, slave = 43 }}]\n"
+        );
+        read(&text)
+    };
+    for (slave, step, unit) in [
+        ("", 4.0, ""),
+        ("slave = { unit = \"mm\", step = 5 }", 5.0, "mm"),
+        ("slave = { unit = \"mm\" }", 4.0, "mm"),
+    ] {
+        let scale = bare(slave).expect("a cam").source.expect("a source").slave;
+        assert_eq!(
+            (scale.min, scale.max, scale.step, scale.unit.as_str()),
+            (3.0, 43.0, step, unit)
+        );
+    }
+    assert!(bare("slave = { min = 0 }").is_err());
+    let table =
+        "name = \"t\"\nmaster = { min = 0, max = 10 }\n[table]\nvalues = [-1.0, 4.0, 2.0]\n";
+    let scale = read(table).expect("a cam").slave;
+    assert_eq!((scale.min, scale.max), (-1.0, 4.0));
+    let still = "name = \"s\"\nmaster = { min = 0, max = 10 }\nelements = [{ master = 0, slave = 3 }, { master = 10, slave = 3 }]\n";
+    let scale = read(still).expect("a cam").slave;
+    assert_eq!((scale.min, scale.max), (2.5, 3.5));
+}

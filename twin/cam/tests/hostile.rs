@@ -1,11 +1,13 @@
 //! Files of cams that nobody would write are survived, and what is wrong with them names the file and, where it has any, the line.
 
+use crate::cam::check::{AxisLimits, CamCheck, CamUse};
+use crate::cam::sample::{Sampling, write};
 use crate::cam::{CamFile, CamFileError};
 use crate::machine::MachineFileError;
 use proptest::prelude::*;
 use std::path::Path;
-use twin_motion::cam::Interpolation;
 use twin_motion::cam::file::{AsciiError, TextError};
+use twin_motion::cam::{Interpolation, MasterMotion, SlaveLimits};
 
 const TOML: &str = "name = \"lift\"\nmaster = { min = 0, max = 360, unit = \"deg\" }\n\
     slave = { min = 0, max = 100, unit = \"mm\" }\nelements = [{ master = 0, slave = 0 }, { master = 360, slave = 100 }]\n\
@@ -14,6 +16,12 @@ const WORDS: &str = "cam lift\nmaster 0 360\nslave 0 100\npoint 0 0\nline 60 20 
     tappet 1 at 45 positive on\n";
 const CSV: &str = "master,slave,velocity,acceleration\n0,0,0,0\n180,50,0.1,0\n360,0,0,0\n";
 const ASCII: &str = "0;0\r\n90;12.5\r\n180;50\r\n360;0\r\n";
+
+/// Shipped ones.
+const SHIPPED: [&str; 2] = [
+    include_str!("../../../examples/cams/pick_and_place.toml"),
+    include_str!("../../../examples/cams/flying_shear.toml"),
+];
 
 /// The forms in text, each with a file that is right.
 const FORMS: [(&str, &str); 4] = [("toml", TOML), ("txt", WORDS), ("csv", CSV), ("asc", ASCII)];
@@ -77,6 +85,26 @@ fn load(folder: &Path, ending: &str, bytes: &[u8]) {
     }
 }
 
+/// What is a cam after all is looked at as a command would: nothing of it panics, and what is written of it is read again.
+fn is_used(folder: &Path, text: String) {
+    load(folder, "toml", text.as_bytes());
+    let Ok(file) = CamFile::from_toml(Path::new("hostile.toml"), text) else { return };
+    let master = MasterMotion { velocity: 100.0, acceleration: 50.0, jerk: 10.0 };
+    let motion = SlaveLimits { velocity: 200.0, acceleration: 3000.0, jerk: 1e5 };
+    let limits = AxisLimits { motion, position: [-1e3, 1e3], ..AxisLimits::NONE };
+    let using = CamUse { master, coupling: file.coupling, repeated: file.repeated, limits };
+    let check = CamCheck::new(&file, using);
+    assert!(check.findings.iter().all(|finding| !finding.message.is_empty()));
+    assert!(!check.json().to_string().is_empty());
+    let mut out = Vec::new();
+    write(&file, &using, Sampling::Count(50), &mut out).unwrap();
+    assert_eq!(out.iter().filter(|byte| **byte == b'\n').count(), 51);
+    if let Ok(again) = file.to_toml() {
+        let again = CamFile::from_toml(Path::new("again.toml"), again);
+        assert!(again.is_ok(), "{:?}", again.map(|file| file.coupling));
+    }
+}
+
 #[test]
 fn the_files_are_right_before_they_are_spoilt() {
     let folder = tempfile::tempdir().unwrap();
@@ -113,6 +141,43 @@ proptest! {
         }
         let folder = tempfile::tempdir().unwrap();
         load(folder.path(), ending, text.into_iter().collect::<String>().as_bytes());
+    }
+
+    #[test]
+    fn shipped_cams_with_pieces_moved_are_survived(
+        which in 0..SHIPPED.len(),
+        changes in proptest::collection::vec((any::<prop::sample::Index>(), 0usize..20, 0..PIECES.len()), 1..5),
+    ) {
+        let mut text: Vec<char> = SHIPPED[which].chars().collect();
+        for (place, length, piece) in changes {
+            let start = place.index(text.len() + 1);
+            let end = (start + length).min(text.len());
+            text.splice(start..end, PIECES[piece].chars());
+        }
+        is_used(tempfile::tempdir().unwrap().path(), text.into_iter().collect());
+    }
+
+    #[test]
+    fn shipped_cams_with_other_numbers_are_survived(
+        which in 0..SHIPPED.len(),
+        changes in proptest::collection::vec(
+            (any::<prop::sample::Index>(), prop_oneof![
+                any::<f64>().prop_map(|number| format!("{number:e}")),
+                (-400.0..400.0f64).prop_map(|number| format!("{number:.3}")),
+                any::<i64>().prop_map(|number| number.to_string()),
+            ]),
+            1..4,
+        ),
+    ) {
+        let mut text = SHIPPED[which].to_owned();
+        for (place, number) in changes {
+            let starts: Vec<_> = text.match_indices("= ").map(|(at, _)| at + 2)
+                .filter(|at| text[*at..].starts_with(|c: char| c == '-' || c.is_ascii_digit())).collect();
+            let start = starts[place.index(starts.len())];
+            let end = start + text[start..].find([' ', '\n', ',', ']']).unwrap();
+            text.replace_range(start..end, &number);
+        }
+        is_used(tempfile::tempdir().unwrap().path(), text);
     }
 
     /// A whole `.CAM` file with bytes changed and its end cut off: never a panic, and never another cam in silence.

@@ -6,4 +6,5 @@ mod files;
 mod found;
 mod hostile;
 mod sampled;
+mod shown;
 mod tuned;

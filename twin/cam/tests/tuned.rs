@@ -11,17 +11,22 @@ use std::path::Path;
 use twin_motion::cam::tune::{Estimate, Free};
 
 /// A machine: its slave lags, s, and is at `gain` times where it should be, and `shift` beside it.
-struct Plant {
-    lag: f64,
-    gain: f64,
-    shift: f64,
+pub(super) struct Plant {
+    pub(super) lag: f64,
+    pub(super) gain: f64,
+    pub(super) shift: f64,
 }
 
 /// Three turns in three seconds.
-const VELOCITY: f64 = 360.0;
+pub(super) const VELOCITY: f64 = 360.0;
 
 /// What a machine does with a coupling in effect.
-fn recorded(file: &CamFile, in_effect: &Coupling, plant: &Plant, noise: f64) -> RecordedRun {
+pub(super) fn recorded(
+    file: &CamFile,
+    in_effect: &Coupling,
+    plant: &Plant,
+    noise: f64,
+) -> RecordedRun {
     let input = &in_effect.input;
     let mut random = Random(7);
     let sample = |index: i32| {
@@ -37,7 +42,7 @@ fn recorded(file: &CamFile, in_effect: &Coupling, plant: &Plant, noise: f64) -> 
 }
 
 /// The lift, 70 high at 120: up it goes in another way than down, so that no mirrored lift fits alike.
-fn uneven() -> String {
+pub(super) fn uneven() -> String {
     LIFT.replace(
         "{ master = 180, slave = 100 }",
         "{ master = 120, slave = 70 }, { master = 180, slave = 100 }",
@@ -48,7 +53,7 @@ const FREE: Free = Free { master_scaling: false, ..Free::ALL };
 
 fn tuned(file: &CamFile, use_it: &CamUse, run: &RecordedRun) -> CamUse {
     let fit = fit_run(file, &wanted(use_it), run, FREE, 0.05).expect("a fit");
-    corrected(file, use_it, &fit)
+    corrected(file, use_it, &fit).0
 }
 
 /// A slave f(m − 1.8) gets `MasterOffset` +1.8, with which it is f(m); one of γ·p + d gets scaling 1/γ and offset −d/γ. With

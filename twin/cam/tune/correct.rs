@@ -2,6 +2,7 @@
 
 use super::super::CamFile;
 use super::super::check::CamUse;
+use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{Estimate, Fit};
 
 /// A deviation that is smaller than this part of what it is measured against is rounding, whatever its interval says.
@@ -29,67 +30,126 @@ pub fn as_fitted(using: &CamUse, fit: &Fit) -> CamUse {
     fitted
 }
 
-/// The coupling with which a slave that did what `fit` says, with `using` in effect, does what is wanted.
-///
-/// The slave is taken to be where a line has it of where it should be, γ · p + d, and to see the master so, too, κ · m + c:
-/// gain, shift and, at one velocity of the master, lag. What was in effect and what came of it tell these four; the new
-/// coupling undoes them. So the same machine with the new coupling shows no deviation, and another run changes nothing. What
-/// deviates by no more than its interval stays as it is.
-pub fn corrected(file: &CamFile, using: &CamUse, fit: &Fit) -> CamUse {
-    let curve = file.cam.curve();
-    let (width, rise) = (curve.end() - curve.start(), curve.rise());
-    let height = curve.extremes().position;
-    let height = (height.max - height.min).abs();
-    let target = wanted(using).coupling.input;
-    let mut did = *fit;
-    if using.repeated && width > 0.0 {
-        // Whole passes are the same cam, up to what it gains.
-        let passes = ((did.master_offset.value - target.master_offset) / width).round();
-        if rise == 0.0 || did.slave_offset.half_width > 0.0 {
-            did.master_offset.value -= passes * width;
-            did.slave_offset.value += did.slave_scaling.value * passes * rise;
+/// How a slave that was measured deviates from what it is told: it is where a line has it of where it should be, γ · p + d, and
+/// sees the master so, too, κ · m + c: gain, shift and, at one velocity of the master, lag.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviation {
+    /// The coupling that was in effect: `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling`.
+    told: [f64; 4],
+    /// The coupling that the slave did.
+    did: [f64; 4],
+}
+
+impl Deviation {
+    /// What was in effect and what came of it. What deviates from what is wanted by no more than its interval does not.
+    fn new(file: &CamFile, using: &CamUse, fit: &Fit) -> Self {
+        let curve = file.cam.curve();
+        let (width, rise) = (curve.end() - curve.start(), curve.rise());
+        let height = curve.extremes().position;
+        let height = (height.max - height.min).abs();
+        let target = wanted(using).coupling.input;
+        let mut did = *fit;
+        if using.repeated && width > 0.0 {
+            // Whole passes are the same cam, up to what it gains.
+            let passes = ((did.master_offset.value - target.master_offset) / width).round();
+            if rise == 0.0 || did.slave_offset.half_width > 0.0 {
+                did.master_offset.value -= passes * width;
+                did.slave_offset.value += did.slave_scaling.value * passes * rise;
+            }
         }
+        let seen = |found: Estimate, wanted: f64, scale: f64| {
+            let by = (found.value - wanted).abs();
+            if by <= found.half_width.max(ROUNDING * scale) { wanted } else { found.value }
+        };
+        let did = [
+            seen(did.master_offset, target.master_offset, width),
+            seen(did.master_scaling, target.master_scaling, 1.0),
+            seen(did.slave_offset, target.slave_offset, height),
+            seen(did.slave_scaling, target.slave_scaling, 1.0),
+        ];
+        Self { told: of_coupling(using), did }
     }
-    let seen = |found: Estimate, wanted: f64, scale: f64| {
-        let by = (found.value - wanted).abs();
-        if by <= found.half_width.max(ROUNDING * scale) { wanted } else { found.value }
-    };
-    let master_scaling = seen(did.master_scaling, target.master_scaling, 1.0);
-    let master_offset = seen(did.master_offset, target.master_offset, width);
-    let slave_scaling = seen(did.slave_scaling, target.slave_scaling, 1.0);
-    let slave_offset = seen(did.slave_offset, target.slave_offset, height);
+
+    /// What the slave is to be told so that it does `target`.
+    fn undone(&self, target: [f64; 4]) -> [f64; 4] {
+        let [[offset, scaling, shift, factor], did] = [self.told, self.did];
+        let (by, gain) = (target[1] / did[1], factor / did[3]);
+        [
+            target[0] - by * (did[0] - offset),
+            scaling * by,
+            shift + (target[2] - did[2]) * gain,
+            target[3] * gain,
+        ]
+    }
+
+    /// What the slave does when it is told this.
+    fn done(&self, told: [f64; 4]) -> [f64; 4] {
+        let [[offset, scaling, shift, factor], did] = [self.told, self.did];
+        let (by, gain) = (told[1] / scaling, did[3] / factor);
+        [
+            told[0] + by * (did[0] - offset),
+            did[1] * by,
+            did[2] + (told[2] - shift) * gain,
+            told[3] * gain,
+        ]
+    }
+
+    /// Where the slave was told to be when it was measured at `position`.
+    pub fn told_at(&self, position: f64) -> f64 {
+        self.told[2] + (position - self.did[2]) * self.told[3] / self.did[3]
+    }
+}
+
+/// `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling`.
+fn of_coupling(using: &CamUse) -> [f64; 4] {
+    let input = &using.coupling.input;
+    [input.master_offset, input.master_scaling, input.slave_offset, input.slave_scaling]
+}
+
+/// The coupling with which a slave that did what `fit` says, with `using` in effect, does what is wanted, and how it deviates.
+///
+/// What was in effect and what came of it tell gain, shift and lag; the new coupling undoes them. So the same machine with the
+/// new coupling shows no deviation, and another run changes nothing. What deviates by no more than its interval stays as it is.
+pub fn corrected(file: &CamFile, using: &CamUse, fit: &Fit) -> (CamUse, Deviation) {
+    let deviation = Deviation::new(file, using, fit);
+    let target = of_coupling(&wanted(using));
+    let same = |one: f64, other: f64| one.to_bits() == other.to_bits();
+    let [offset, scaling, shift, factor] = [0, 1, 2, 3].map(|index: usize| {
+        let of = |values: &[f64; 4]| values.get(index).copied().unwrap_or_default();
+        same(of(&deviation.did), of(&target))
+    });
+    let stays = [scaling && offset, scaling, shift, factor];
     let mut new = *using;
     let old = using.coupling.input;
     let input = &mut new.coupling.input;
-    let put = |slot: &mut f64, value: f64, found: Estimate, still: bool| {
-        if !still {
+    let slots = [
+        (&mut input.master_offset, fit.master_offset),
+        (&mut input.master_scaling, fit.master_scaling),
+        (&mut input.slave_offset, fit.slave_offset),
+        (&mut input.slave_scaling, fit.slave_scaling),
+    ];
+    for (((slot, found), value), stays) in
+        slots.into_iter().zip(deviation.undone(target)).zip(stays)
+    {
+        if !stays {
             *slot = super::rounded(Estimate { value, ..found });
         }
-    };
-    let same = |one: f64, other: f64| one.to_bits() == other.to_bits();
-    let factor = target.master_scaling / master_scaling;
-    let offset = target.master_offset - factor * (master_offset - old.master_offset);
-    let scaling_stays = same(master_scaling, target.master_scaling);
-    put(
-        &mut input.master_offset,
-        offset,
-        did.master_offset,
-        scaling_stays && same(master_offset, target.master_offset),
-    );
-    put(&mut input.master_scaling, old.master_scaling * factor, did.master_scaling, scaling_stays);
-    let gain = old.slave_scaling / slave_scaling;
-    let offset = old.slave_offset + (target.slave_offset - slave_offset) * gain;
-    put(&mut input.slave_offset, offset, did.slave_offset, same(slave_offset, target.slave_offset));
-    let scaling_stays = same(slave_scaling, target.slave_scaling);
-    put(&mut input.slave_scaling, target.slave_scaling * gain, did.slave_scaling, scaling_stays);
-    if *input != old {
-        let to = [
-            target.master_offset,
-            target.master_scaling,
-            target.slave_offset,
-            target.slave_scaling,
-        ];
-        new.coupling.wanted = Some(to);
     }
-    new
+    if *input != old {
+        new.coupling.wanted = Some(target);
+    }
+    (new, deviation)
+}
+
+/// What is wanted of a slave that deviates so, where its coupling is changed from `before` to `after`: what it does with that.
+pub fn wants(deviation: &Deviation, before: &CamUse, after: &CamUse) -> Option<[f64; 4]> {
+    let mut wanted = before.coupling.wanted?;
+    let pairs = of_coupling(before).into_iter().zip(of_coupling(after));
+    let does = deviation.done(of_coupling(after));
+    for ((slot, (before, after)), does) in wanted.iter_mut().zip(pairs).zip(does) {
+        if before.to_bits() != after.to_bits() {
+            *slot = clean(does);
+        }
+    }
+    Some(wanted)
 }

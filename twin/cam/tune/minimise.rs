@@ -27,6 +27,8 @@ pub struct Least {
 pub struct Minimised {
     /// Of which quantity.
     pub quantity: Quantity,
+    /// `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` before.
+    pub from: [f64; 4],
     /// u/s² or u/s³.
     pub before: f64,
     /// u/s² or u/s³.
@@ -78,6 +80,7 @@ pub fn minimise(
     let held = found.held.map(|bounds| bounds.iter().map(ToString::to_string).collect());
     let minimised = Minimised {
         quantity: least.quantity,
+        from,
         before: found.before,
         after: found.after,
         held,

@@ -3,11 +3,13 @@
 mod correct;
 mod from_run;
 mod minimise;
+mod recorded;
 mod shape;
 
-pub use correct::{as_fitted, corrected, wanted};
+pub use correct::{Deviation, as_fitted, corrected, wanted, wants};
 pub use from_run::{Seen, errors, fit_run, rms, rounded, switchings, tappet_dead_time};
 pub use minimise::{Least, Minimised, minimise};
+pub use recorded::{master_motion, start, travel};
 pub use shape::{PointTolerance, ShapeGoal, Shaped, shape};
 
 use super::check::CamUse;

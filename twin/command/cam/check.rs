@@ -7,7 +7,7 @@ use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::command::show::table;
 use crate::command::{Failure, Status};
 use crate::finding;
-use crate::number::{at_most, significant};
+use crate::number::{at_most, beside, significant};
 use clap::ValueEnum;
 use comfy_table::CellAlignment;
 use std::io::{self, Write};
@@ -101,6 +101,11 @@ fn tell(
         short(motion.acceleration),
         short(motion.jerk)
     )?;
+    // What carries tappets only has a slave that nobody has said anything of.
+    if file.is_tappets_only() {
+        writeln!(out, "tappets only")?;
+        return tappets(out, file, check);
+    }
     let mut rows = table();
     rows.set_header(["slave", "least", "at master", "greatest", "at master", "limit"]);
     let AxisLimits { position, motion: limits, .. } = using.limits;
@@ -117,9 +122,9 @@ fn tell(
         rows.add_row([
             format!("{name} ({slave}{unit})"),
             short(told(*min)),
-            short(*at_min),
+            check.place(*at_min),
             short(told(*max)),
-            short(*at_max),
+            check.place(*at_max),
             limit_text(limit),
         ]);
     }
@@ -151,7 +156,7 @@ fn tell(
             out,
             "the master may go {} {master}/s: the slave's {quantity} at master {} {master} limits it",
             at_most(*value, 6),
-            short(using.master_at(*place)),
+            check.place(using.master_at(*place)),
         )?,
         Ok(Largest { limited: None, .. }) => {
             writeln!(out, "no limit says how fast the master may go")?;
@@ -178,8 +183,10 @@ fn tappets(out: &mut impl Write, file: &CamFile, check: &CamCheck<'_>) -> io::Re
     let (master, slave) = (file.master.unit(), file.slave.unit());
     let mut rows = table();
     let header = ["tappets of group", "passage", "action"].map(str::to_owned);
-    let places = [format!("master ({master})"), format!("slave ({slave})"), "time (ms)".to_owned()];
-    rows.set_header(header.into_iter().chain(places));
+    let alone = file.is_tappets_only();
+    let place = (!alone).then(|| format!("slave ({slave})"));
+    let places = [Some(format!("master ({master})")), place, Some("time (ms)".to_owned())];
+    rows.set_header(header.into_iter().chain(places.into_iter().flatten()));
     for (tappet, at, position) in check.tappets() {
         let passage = match tappet.passage {
             Passage::Positive => "positive",
@@ -194,18 +201,10 @@ fn tappets(out: &mut impl Write, file: &CamFile, check: &CamCheck<'_>) -> io::Re
                 format!("after {} ms for {} ms", milliseconds(delay_ns), milliseconds(duration_ns))
             }
         };
-        // What is rounding beside the whole is nothing.
-        let whole = check.bounds.position.magnitude();
-        let position = if position.abs() < 1e-12 * whole { 0.0 } else { position };
+        let position = (!alone).then(|| beside(position, check.bounds.position.magnitude(), 6));
         let after = check.passed_after(tappet).map_or("–".to_owned(), |after| short(after * 1e3));
-        rows.add_row([
-            tappet.group.to_string(),
-            passage.to_owned(),
-            action,
-            short(at),
-            short(position),
-            after,
-        ]);
+        let cells = [tappet.group.to_string(), passage.to_owned(), action, check.place(at)];
+        rows.add_row(cells.into_iter().chain(position).chain([after]));
     }
     writeln!(out, "{rows}")
 }

@@ -137,13 +137,13 @@ impl UseOptions {
 #[command(next_help_heading = "Master")]
 #[expect(clippy::struct_field_names, reason = "the names of the options")]
 pub(in crate::command) struct MasterOptions {
-    /// Its velocity, u/s; a master that goes backwards has a negative --master-scaling
-    #[arg(long, value_name = "U/S", default_value = "1", allow_hyphen_values = true, value_parser = velocity)]
-    master_velocity: f64,
+    /// Its velocity, u/s; a master that goes backwards has a negative --master-scaling [default: 1; with a --run that of the run]
+    #[arg(long, value_name = "U/S", allow_hyphen_values = true, value_parser = velocity)]
+    master_velocity: Option<f64>,
 
-    /// Its acceleration and deceleration, u/s²
-    #[arg(long, value_name = "U/S2", default_value = "0", value_parser = magnitude)]
-    master_acceleration: f64,
+    /// Its acceleration and deceleration, u/s² [default: 0; with a --run those of the run]
+    #[arg(long, value_name = "U/S2", value_parser = magnitude)]
+    master_acceleration: Option<f64>,
 
     /// Its jerk, u/s³; counts for the jerk of the slave only
     #[arg(long, value_name = "U/S3", default_value = "0", value_parser = magnitude)]
@@ -152,9 +152,14 @@ pub(in crate::command) struct MasterOptions {
 
 impl MasterOptions {
     pub(in crate::command) fn motion(&self) -> MasterMotion {
+        self.motion_or(MasterMotion::default())
+    }
+
+    /// What is given counts; else what a run shows.
+    pub(in crate::command) fn motion_or(&self, shown: MasterMotion) -> MasterMotion {
         MasterMotion {
-            velocity: self.master_velocity,
-            acceleration: self.master_acceleration,
+            velocity: self.master_velocity.unwrap_or(shown.velocity),
+            acceleration: self.master_acceleration.unwrap_or(shown.acceleration),
             jerk: self.master_jerk,
         }
     }

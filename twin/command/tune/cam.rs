@@ -1,6 +1,6 @@
 //! `twin tune cam`: offsets, scalings, dead times, ramps and shapes of cams.
 
-use super::least::{Find, LeastOptions, Sought, sought};
+use super::least::{Find, LeastOptions, Shown, Sought, sought};
 use super::list;
 use super::outcome::{apply, moved, picture, too_jerky, with_knots};
 use super::report::Report;
@@ -30,10 +30,11 @@ use twin_motion::cam::{AxisState, Quantity, StartMode};
 /// A run (CSV of time, master, slave) tells offsets and scalings by least squares, each with the half width of its 95 %
 /// interval. `slave` is where the slave was measured while the coupling of the cam's file was in effect; wanted is the cam with
 /// that coupling, or with `wanted_…` of `[coupling]` where the file has them (--write puts them there). What is proposed undoes
-/// the deviation: a slave that lags gets a master offset that leads. Outputs recorded beside it (columns `tappet_N`) tell the dead time of what tappets switch. Without a run what is
-/// to be found is changed by as little as keeps the limits, or so that the slave's peak acceleration or jerk is smallest
-/// (--minimise): intervals, a stroke, the tappets and the limits hold it then, for a scaling of 0 would be the smallest. Points are moved within their tolerances by linear programs
-/// (Clarabel): velocity and acceleration stay continuous, and the slave stays within its limits, and where it is at every tappet.
+/// the deviation: a slave that lags gets a master offset that leads. Outputs recorded beside it (columns `tappet_N`) tell the
+/// dead time of what tappets switch. The master's velocity and acceleration are those of the run where none are given. Without a
+/// run what is to be found is changed by as little as keeps the limits. With --minimise, with a run or without, the slave's peak
+/// acceleration or jerk is made smallest: intervals, a stroke, the tappets and the limits hold offsets and scalings then, for a
+/// scaling of 0 would be the smallest. Points are moved within their tolerances by linear programs (Clarabel): velocity and acceleration stay continuous, and the slave stays within its limits, and where it is at every tappet.
 /// What the data do not say, or contradict, is said and not fitted: samples that are far from the others with their lines.
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
@@ -53,7 +54,7 @@ pub(super) struct Arguments {
 
     /// What is to be found, of master-offset, master-scaling, slave-offset and slave-scaling: in the run, or, without one, within
     /// the limits [default: both offsets with a run]. With --minimise acceleration or jerk each may have an interval, like
-    /// slave-scaling=0.9..1.1
+    /// slave-scaling=0.9..1.1, and both offsets are found in a run whatever is named
     #[arg(long, value_name = "NAME[=FROM..TO]", value_delimiter = ',', value_parser = sought)]
     find: Vec<Sought>,
 
@@ -74,10 +75,10 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value = "speed")]
     goal: Goal,
 
-    /// Find `VelocityDiff`, Acceleration and Deceleration for a start from here: master, slave, and the slave's velocity.
-    /// Within the limits of velocity, acceleration, position and jerk
-    #[arg(long, value_name = "MASTER,SLAVE[,VELOCITY]", allow_hyphen_values = true, value_parser = start)]
-    ramp_in: Option<[f64; 3]>,
+    /// Find `VelocityDiff`, Acceleration and Deceleration for a start from here: master, slave, and the slave's velocity; `run`:
+    /// from where both stand when the --run begins. Within the limits of velocity, acceleration, position and jerk
+    #[arg(long, value_name = "MASTER,SLAVE[,VELOCITY]|run", allow_hyphen_values = true, value_parser = start)]
+    ramp_in: Option<Shown<[f64; 3]>>,
 
     /// Ramps of the slave's axis, as `ramp` of a job says: with trapezoid ones its acceleration steps, which is a jerk of the
     /// step by 1 ms; with parabolic and sigmoid ones it changes by the limit of the jerk at most, beside the cam's
@@ -131,6 +132,7 @@ Exit status:
 Examples:
   twin tune cam cam.toml --run run.csv --find master-offset,slave-offset,slave-scaling -o fit.svg
   twin tune cam cam.toml --find slave-scaling=0.9..1.1,master-scaling --minimise jerk --tappet-tolerance 2,any
+  twin tune cam cam.toml --run run.csv --find slave-scaling=0.9..1.1 --minimise acceleration --tappet-tolerance 0,any
   twin tune cam cam.toml --reshape 120:2,0.5,0.01 --max-acceleration 20000 --write faster.toml
   twin tune cam cam.toml --ramp-in 0,35 --master-velocity 200 --max-velocity 900 --max-acceleration 20000";
 
@@ -197,14 +199,16 @@ fn point(text: &str) -> Result<PointTolerance, String> {
     Ok(PointTolerance { master, tolerance: Tolerance { slave, velocity, acceleration } })
 }
 
-fn start(text: &str) -> Result<[f64; 3], String> {
-    list(text, 2)
+fn start(text: &str) -> Result<Shown<[f64; 3]>, String> {
+    if text.trim() == "run" { Ok(Shown::Run) } else { list(text, 2).map(Shown::Given) }
 }
 
 impl Arguments {
     fn free(&self) -> Free {
         let has = |find| self.find.iter().any(|sought| sought.what == find);
-        let usual = self.find.is_empty() && self.run.is_some();
+        // A run tells offsets, too, where a peak is sought: a slave that is elsewhere would have no other scaling.
+        let peak = self.least.least(&self.find, None).is_some();
+        let usual = (self.find.is_empty() || peak) && self.run.is_some();
         Free {
             master_offset: usual || has(Find::MasterOffset),
             master_scaling: has(Find::MasterScaling),
@@ -239,6 +243,8 @@ impl Arguments {
             "nothing is to be found: give a recorded --run, what to --find within the limits, points to --reshape, or a --ramp-in"
         } else if self.goal != Goal::Speed && self.reshape.is_empty() {
             "--goal says nothing without --reshape"
+        } else if self.ramp_in == Some(Shown::Run) && self.run.is_none() {
+            "--ramp-in run begins where a --run does, and there is none"
         } else {
             let ramp = [self.ramp_in.is_some(), self.within.is_some()];
             return self.least.check(&self.find, self.run.is_some(), ramp);
@@ -261,8 +267,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
                        --max-velocity, --max-acceleration, --max-jerk, --position-min, --position-max";
         return Err(Failure::Usage(message.to_owned()));
     }
-    let before = arguments.coupling.using(&file, arguments.master.motion(), limits);
     let recorded = arguments.run.as_deref().map(RecordedRun::load).transpose().map_err(Box::new)?;
+    let mut before = arguments.coupling.using(&file, arguments.master.motion(), limits);
+    let shown = recorded.as_ref().and_then(|run| tune::master_motion(&file, &before, run));
+    before.master = arguments.master.motion_or(shown.unwrap_or(before.master));
     let mut report = Report::new(&file, before);
     match tuned(arguments, &file, recorded.as_ref(), &mut report) {
         Ok(()) => {}
@@ -318,6 +326,7 @@ fn tuned(
     report: &mut Report<'_>,
 ) -> Result<(), TuneError> {
     let before = report.before;
+    let mut deviation = None;
     if let Some(run) = recorded {
         report.samples = run.samples.len();
         let measured = arguments.slave == SlaveColumn::Measured;
@@ -327,7 +336,8 @@ fn tuned(
         let found = fit_run(file, &reference, run, arguments.free(), arguments.scaling_range)?;
         let did = tune::as_fitted(&before, &found);
         if measured {
-            report.after = tune::corrected(file, &before, &found);
+            let (after, by) = tune::corrected(file, &before, &found);
+            (report.after, deviation) = (after, Some(by));
             report.wanted = Some(reference);
         } else {
             let input = &mut report.after.coupling.input;
@@ -352,11 +362,17 @@ fn tuned(
             }
             report.dead_time = Some((found, seen.len()));
         }
-    } else if let Some(least) = arguments.least.least(&arguments.find) {
-        let (after, found) = minimise(file, &before, &least)?;
+    }
+    if let Some(least) = arguments.least.least(&arguments.find, recorded.and_then(tune::travel)) {
+        // From where the slave does what is wanted.
+        let corrected = report.after;
+        let (mut after, found) = minimise(file, &corrected, &least)?;
+        if let Some(deviation) = &deviation {
+            after.coupling.wanted = tune::wants(deviation, &corrected, &after);
+        }
         report.after = after;
         report.least = Some(found);
-    } else if !arguments.find.is_empty() {
+    } else if recorded.is_none() && !arguments.find.is_empty() {
         report.after = within_limits(file, &before, arguments.free())?;
         report.within = true;
     }
@@ -367,8 +383,14 @@ fn tuned(
         report.shaped = Some(found);
         report.goal = Some(arguments.goal.into());
     }
-    if let Some([master, position, velocity]) = arguments.ramp_in {
-        let slave = AxisState { position, velocity, acceleration: 0.0 };
+    let from = match arguments.ramp_in {
+        Some(Shown::Given([master, position, velocity])) => {
+            Some((master, AxisState { position, velocity, acceleration: 0.0 }))
+        }
+        Some(Shown::Run) => recorded.and_then(|run| tune::start(run, deviation.as_ref())),
+        None => None,
+    };
+    if let Some((master, slave)) = from {
         let least = arguments.least.quantity().unwrap_or(Quantity::Acceleration);
         let goal = arguments
             .within

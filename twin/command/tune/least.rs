@@ -81,20 +81,36 @@ fn tolerance(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
-fn travel(text: &str) -> Result<[f64; 2], String> {
+/// What is given, or what the run shows (`run`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Shown<T> {
+    Given(T),
+    Run,
+}
+
+fn travel(text: &str) -> Result<Shown<[f64; 2]>, String> {
+    if text.trim() == "run" {
+        return Ok(Shown::Run);
+    }
     let [from, to] = list::<2>(text, 2)?;
-    if from < to { Ok([from, to]) } else { Err(format!("{from} is not less than {to}")) }
+    if from < to {
+        Ok(Shown::Given([from, to]))
+    } else {
+        Err(format!("{from} is not less than {to}"))
+    }
 }
 
 /// What is to be smallest, and what holds offsets and scalings then.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "What is to be smallest")]
 pub(super) struct LeastOptions {
-    /// The slave's error against a --run (the default with one), or, without a run, the peak of its acceleration or jerk at the
-    /// master's motion. With --ramp-in and --within the peak until the slave is on its cam
+    /// The slave's error against a --run (the default with one), or the peak of its acceleration or jerk at the master's motion.
+    /// With --ramp-in and --within the peak until the slave is on its cam
     ///
     /// The peak grows with both scalings, and would be 0 with a scaling of 0: intervals of --find, --stroke, the tappets and the
-    /// limits hold them. Which of these does is told.
+    /// limits hold them. Which of these does is told. With a --run the slave's deviation is undone first, by both offsets and what
+    /// --find names: from there the peak is made smaller, at the velocity and acceleration that the master has in the run. What the
+    /// slave does then is what is wanted of it from now on (`wanted_…`).
     #[arg(long, value_enum)]
     minimise: Option<Minimise>,
 
@@ -108,9 +124,9 @@ pub(super) struct LeastOptions {
     tappet_tolerance: Option<[f64; 2]>,
 
     /// The master goes from here to there only, so that `MasterOffset` says which part of the cam is passed; peaks, stroke, limits
-    /// and tappets are those on this way [default: all of the cam]
-    #[arg(long, value_name = "FROM,TO", requires = "minimise", allow_hyphen_values = true, value_parser = travel)]
-    master_travel: Option<[f64; 2]>,
+    /// and tappets are those on this way; `run`: where it goes in the --run [default: all of the cam]
+    #[arg(long, value_name = "FROM,TO|run", requires = "minimise", allow_hyphen_values = true, value_parser = travel)]
+    master_travel: Option<Shown<[f64; 2]>>,
 }
 
 impl LeastOptions {
@@ -119,9 +135,19 @@ impl LeastOptions {
         self.minimise.and_then(Minimise::quantity)
     }
 
-    /// What is to be smallest among what is sought; none if it is the error or nothing.
-    pub(super) fn least(&self, find: &[Sought]) -> Option<Least> {
-        let quantity = self.quantity().filter(|_| !find.is_empty())?;
+    /// Whether what is sought changes a peak: a scaling does, an offset of the master where only a part of the cam is passed.
+    /// Offsets that have an interval are to be in it, too.
+    fn seeks(&self, find: &[Sought]) -> bool {
+        find.iter().any(|sought| match sought.what {
+            Find::MasterScaling | Find::SlaveScaling => true,
+            Find::MasterOffset if self.master_travel.is_some() => true,
+            Find::MasterOffset | Find::SlaveOffset => sought.between.is_some(),
+        })
+    }
+
+    /// What is to be smallest among what is sought; none if it is the error or nothing. `run` is where the master goes in it.
+    pub(super) fn least(&self, find: &[Sought], run: Option<[f64; 2]>) -> Option<Least> {
+        let quantity = self.quantity().filter(|_| self.seeks(find))?;
         let anything = [f64::NEG_INFINITY, f64::INFINITY];
         let sought = NAMES.map(|(_, what)| {
             let found = find.iter().find(|sought| sought.what == what)?;
@@ -130,7 +156,11 @@ impl LeastOptions {
         Some(Least {
             quantity,
             sought,
-            travel: self.master_travel,
+            travel: match self.master_travel {
+                None => None,
+                Some(Shown::Given(travel)) => Some(travel),
+                Some(Shown::Run) => run,
+            },
             stroke: self.stroke.unwrap_or(0.0),
             tappet_tolerance: self.tappet_tolerance.unwrap_or_default(),
         })
@@ -143,6 +173,7 @@ impl LeastOptions {
         with_run: bool,
         [ramps, within]: [bool; 2],
     ) -> Result<(), Failure> {
+        let of_run = self.master_travel == Some(Shown::Run) && !with_run;
         let has = |what| find.iter().any(|sought| sought.what == what);
         let peak = self.quantity().is_some();
         let held = self.stroke.is_some()
@@ -152,17 +183,17 @@ impl LeastOptions {
         let part = has(Find::MasterOffset) && self.master_travel.is_some();
         let wrong = if self.minimise == Some(Minimise::Error) && !with_run {
             "--minimise error needs a --run, against which the slave has an error"
-        } else if peak && with_run && !within {
-            "with a --run the slave's error is minimised; tune to the run first, then --minimise the peak without it"
-        } else if find.iter().any(|sought| sought.between.is_some()) && (with_run || !peak) {
-            "an interval of --find is for --minimise acceleration and jerk without a --run"
+        } else if of_run {
+            "--master-travel run is where the master goes in a --run, and there is none"
+        } else if find.iter().any(|sought| sought.between.is_some()) && !peak {
+            "an interval of --find is for --minimise acceleration and jerk"
         } else if peak && find.is_empty() && !within {
             "--minimise acceleration and jerk need what to --find, or a --ramp-in with --within: a ramp without it is as short as the limits allow"
         } else if peak && ramps && !within {
             "--ramp-in without --within is as short as the limits allow and minimises nothing"
         } else if held && (!peak || find.is_empty()) {
             "--stroke, --tappet-tolerance and --master-travel are for what --find looks for with --minimise acceleration or jerk"
-        } else if peak && !with_run && !find.is_empty() && !scaling && !part {
+        } else if peak && !find.is_empty() && !scaling && !part && !(with_run && within) {
             "offsets alone change no peak where all of the cam is passed: --find a scaling, or master-offset with --master-travel FROM,TO"
         } else if !peak && !with_run && has(Find::MasterOffset) {
             "no limit depends on MasterOffset: a --run tells it, or --minimise with --master-travel"

@@ -6,12 +6,12 @@ use crate::cam::check::CamUse;
 use crate::cam::edit::Change;
 use crate::cam::tune::{Minimised, ShapeGoal, Shaped};
 use crate::command::show::table;
-use crate::number::{at_most, significant};
+use crate::number::{at_most, beside, significant};
 use serde_json::{Value, json};
 use std::io::{self, Write};
 use twin_motion::axis::profile::RampType;
 use twin_motion::cam::tune::{DeadTime, Estimate, Fit, RampIn};
-use twin_motion::cam::{Curve, Quantity};
+use twin_motion::cam::{Curve, MasterMotion, Quantity};
 
 /// Six significant digits.
 fn short(value: f64) -> String {
@@ -72,6 +72,30 @@ impl<'a> Report<'a> {
         }
     }
 
+    /// An offset or a scaling, in the order of the inputs; what is rounding beside the cam is 0.
+    fn input(&self, index: usize, value: f64) -> String {
+        let curve = self.file.cam.curve();
+        let scales = [curve.end() - curve.start(), 1.0, self.height(), 1.0];
+        beside(value, scales.get(index).copied().unwrap_or_default(), 6)
+    }
+
+    /// How far the slave goes on its cam.
+    fn height(&self) -> f64 {
+        let y = self.file.cam.curve().extremes().position;
+        (y.max - y.min) * self.before.coupling.input.slave_scaling
+    }
+
+    /// A place of the master.
+    fn place(&self, at: f64) -> String {
+        let curve = self.file.cam.curve();
+        beside(at, (curve.end() - curve.start()) / self.before.coupling.input.master_scaling, 6)
+    }
+
+    /// A position of the slave, or how far it is from one.
+    fn slave(&self, position: f64) -> String {
+        beside(position, self.height(), 6)
+    }
+
     fn estimates(fit: &Fit) -> [(&'static str, Estimate); 4] {
         [
             ("MasterOffset", fit.master_offset),
@@ -86,7 +110,7 @@ impl<'a> Report<'a> {
         let (master, slave) = (self.file.master.unit(), self.file.slave.unit());
         let mut parts = Vec::new();
         if let (Some(before), Some(after)) = (self.error_before, self.error_after) {
-            parts.push(format!("error {} → {} {slave} rms", short(before), short(after)));
+            parts.push(format!("error {} → {} {slave} rms", self.slave(before), self.slave(after)));
         }
         if let Some(Minimised { quantity, before, after, .. }) = &self.least {
             let [before, after] = [before, after].map(|peak| short(*peak));
@@ -167,9 +191,10 @@ impl<'a> Report<'a> {
             let pairs =
                 self.before.coupling.numbers().into_iter().zip(self.after.coupling.numbers());
             let mut changed = false;
-            for ((_, name, before), (_, _, after)) in pairs {
+            for (index, ((_, name, before), (_, _, after))) in pairs.enumerate() {
                 if before.to_bits() != after.to_bits() {
-                    writeln!(out, "{name}: {} → {} keeps the limits", short(before), short(after))?;
+                    let [before, after] = [before, after].map(|value| self.input(index, value));
+                    writeln!(out, "{name}: {before} → {after} keeps the limits")?;
                     changed = true;
                 }
             }
@@ -197,8 +222,8 @@ impl<'a> Report<'a> {
                 short(ramp.peak_acceleration),
                 short(ramp.peak_jerk),
                 short(ramp.peak_cam_jerk),
-                short(ramp.positions[0]),
-                short(ramp.positions[1]),
+                self.slave(ramp.positions[0]),
+                self.slave(ramp.positions[1]),
             )?;
             let less = ramp.ramp_jerk < self.before.limits.motion.jerk * (1.0 - 1e-6);
             if *kind != RampType::Trapezoid && less {
@@ -251,12 +276,11 @@ impl<'a> Report<'a> {
                 Self::estimates(fit).into_iter().enumerate()
             {
                 let half = if half_width > 0.0 { short(half_width) } else { "given".to_owned() };
-                let mut row = vec![name.to_owned(), short(value), half];
+                let mut row = vec![name.to_owned(), self.input(index, value), half];
                 if let Some(wanted) = &wanted {
                     let columns = [wanted, &before, &after];
-                    row.extend(
-                        columns.into_iter().filter_map(|of| of.get(index)).map(|v| short(*v)),
-                    );
+                    let of_input = columns.into_iter().filter_map(|of| of.get(index));
+                    row.extend(of_input.map(|value| self.input(index, *value)));
                 }
                 rows.add_row(row);
             }
@@ -269,12 +293,20 @@ impl<'a> Report<'a> {
                 )?;
             }
             let tense = if self.wanted.is_some() { "would be" } else { "is" };
+            let MasterMotion { velocity, acceleration, .. } = self.before.master;
+            let master = self.file.master.unit();
+            writeln!(
+                out,
+                "the master goes {} {master}/s at most, its acceleration within ±{} {master}/s²",
+                short(velocity),
+                short(acceleration)
+            )?;
             writeln!(
                 out,
                 "{} samples; the slave's error was {} {slave} rms and {tense} {} {slave}",
                 self.samples,
-                short(self.error_before.unwrap_or_default()),
-                short(self.error_after.unwrap_or_default()),
+                self.slave(self.error_before.unwrap_or_default()),
+                self.slave(self.error_after.unwrap_or_default()),
             )?;
             if self.doubtful {
                 writeln!(
@@ -319,7 +351,7 @@ impl<'a> Report<'a> {
             writeln!(
                 out,
                 "  now limited by the slave's {quantity} at master {} {master}",
-                short(at)
+                self.place(at)
             )?;
         }
         for (at, reached, limit) in self.beyond(shaped) {
@@ -327,9 +359,9 @@ impl<'a> Report<'a> {
             writeln!(
                 out,
                 "  the slave leaves its old range: it goes to {} {slave} at master {} {master}, it was {} at {edge}",
-                short(reached),
-                short(at),
-                short(limit)
+                self.slave(reached),
+                self.place(at),
+                self.slave(limit)
             )?;
         }
         writeln!(out, "  {} linear programs", shaped.programs)
@@ -337,13 +369,13 @@ impl<'a> Report<'a> {
 
     /// The smallest peak, and what holds the values.
     fn tell_least(&self, out: &mut impl Write, least: &Minimised) -> io::Result<()> {
-        let Minimised { quantity, before, after, held, part } = least;
+        let Minimised { quantity, from, before, after, held, part } = least;
         let unit = of(self.file.slave.unit(), *quantity);
         let way = if *part { " on the way of the master" } else { "" };
         let [before, after] = [before, after].map(|peak| short(*peak));
         writeln!(out, "the slave's largest {quantity}{way}: {before} → {after} {unit}")?;
-        let pairs = self.before.coupling.numbers().into_iter().zip(self.after.coupling.numbers());
-        for (((_, name, before), (_, _, after)), held) in pairs.zip(held) {
+        let pairs = from.iter().copied().zip(self.after.coupling.numbers());
+        for (index, ((before, (_, name, after)), held)) in pairs.zip(held).enumerate() {
             if before.to_bits() == after.to_bits() && held.is_empty() {
                 continue;
             }
@@ -352,7 +384,8 @@ impl<'a> Report<'a> {
             } else {
                 format!(", held by {}", held.join(" and "))
             };
-            writeln!(out, "  {name}: {} → {}{by}", short(before), short(after))?;
+            let [before, after] = [before, after].map(|value| self.input(index, value));
+            writeln!(out, "  {name}: {before} → {after}{by}")?;
         }
         Ok(())
     }
@@ -421,7 +454,7 @@ impl<'a> Report<'a> {
             let names = self.after.coupling.numbers();
             let held = names.iter().zip(&least.held).map(|((_, name, _), held)| ((*name).to_owned(), json!(held)));
             json!({
-                "of": format!("peak {}", least.quantity), "before": least.before, "after": least.after,
+                "of": format!("peak {}", least.quantity), "from": least.from, "before": least.before, "after": least.after,
                 "held": held.collect::<serde_json::Map<_, _>>(),
             })
         });
@@ -431,6 +464,7 @@ impl<'a> Report<'a> {
         json!({
             "cam": self.file.cam.name(),
             "file": self.file.path.display().to_string(),
+            "master": { "velocity": self.before.master.velocity, "acceleration": self.before.master.acceleration },
             "slave": fit.as_ref().map(|_| if self.wanted.is_some() { "measured" } else { "wanted" }),
             "fit": fit, "least": least, "dead_time": dead_time, "shape": shape, "ramp": ramp,
             "coupling": numbers.into_iter().collect::<serde_json::Map<_, _>>(),

@@ -200,3 +200,33 @@ fn no_other_ramp_has_less_jerk() {
         }
     }
 }
+
+/// `VelocityDiff` of a gentle ramp is never beyond the axis's velocity, where the cam comes towards the slave, either, so that the
+/// slave itself would stay below its limit: a cam that goes down at 40 to 62 mm/s from 9 cm above it.
+#[test]
+fn no_gentle_ramp_has_a_velocity_beyond_the_axis() {
+    for (ramp, jerk) in [(RampType::Trapezoid, f64::INFINITY), (RampType::Parabolic, 9e4)] {
+        let limits = SlaveLimits { velocity: 60.0, acceleration: 3000.0, jerk };
+        let wish = wish(&lift(), moving(230.0, 60.0), moving(-10.0, 0.0), limits);
+        let wish = RampWish { ramp, ..wish };
+        let soonest = ramp_in(&wish).expect("a ramp");
+        let mut gentle = 0;
+        for (least, more) in [
+            (Quantity::Velocity, 1.2),
+            (Quantity::Velocity, 2.0),
+            (Quantity::Acceleration, 2.0),
+            (Quantity::Jerk, 1.5),
+            (Quantity::Jerk, 2.0),
+        ] {
+            let goal = RampGoal::Gentlest { within_s: more * soonest.duration_s, least };
+            match ramp_in(&RampWish { goal, ..wish.clone() }) {
+                Ok(found) => {
+                    gentle += 1;
+                    assert!(found.velocity_difference <= limits.velocity, "{least}: {found:?}");
+                }
+                Err(error) => assert!(matches!(error, RampError::TooLate { .. }), "{error}"),
+            }
+        }
+        assert!(gentle >= 2, "{ramp:?}: {gentle}");
+    }
+}

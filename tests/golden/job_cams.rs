@@ -1,0 +1,97 @@
+//! What is told of the cams that jobs and machine files name.
+
+use crate::process::Desk;
+use serde_json::Value;
+
+/// Up 40 mm and down; the point at 90 stands behind those it belongs before.
+const MOVED: &str = r#"name = "lift"
+master = { min = 0, max = 360, unit = "mm" }
+slave = { min = 0, max = 40, unit = "mm", period = 40 }
+elements = [
+  { master = 0, slave = 0 },
+  { master = 180, slave = 40 },
+  { master = 90, slave = 20, velocity = 0.3 },
+]
+"#;
+
+/// 20 mm over 60 mm, and then nothing; beyond, 6 mm at once.
+const TABLE: &str = r#"name = "bent"
+master = { min = 0, max = 180, unit = "mm" }
+slave = { min = 0, max = 40, unit = "mm" }
+[table]
+pairs = [[0, 0], [60, 20], [180, 20]]
+"#;
+
+/// What is found in a program on the gantry with `more` in its machine file.
+fn findings(desk: &Desk, program: &str, more: &str, status: i32) -> Vec<Value> {
+    let machine = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
+    desk.write("coupled.toml", &format!("{machine}{more}"));
+    let check = ["check", program, "--machine", "coupled.toml", "--format", "json"];
+    let done = desk.twin(&check);
+    assert_eq!(done.status, Some(status), "{}\n{}", done.stdout, done.stderr);
+    let report: Value = serde_json::from_str(&done.stdout).expect("an object");
+    report["findings"].as_array().expect("findings").clone()
+}
+
+fn cam(name: &str) -> String {
+    format!("\n[[cams]]\naxis = \"Y\"\nmaster = \"X\"\ncam = \"{name}\"\n")
+}
+
+/// With the file and the line of the cam, whoever names it.
+#[test]
+fn elements_that_do_not_ascend_are_told_wherever_a_cam_is_named() {
+    let desk = Desk::new();
+    desk.write("moved.toml", MOVED);
+    desk.write("along.cnc", "% along\nN10 G1 X20 F50 E500 E-500\n");
+    let line = 1 + MOVED.lines().position(|line| line.contains("master = 90")).expect("a line");
+    let said =
+        format!("moved.toml: line {line}: the element at master 90 stands behind the one at 180");
+    let found = findings(&desk, "along.cnc", &cam("moved.toml"), 0);
+    let [one] = found.as_slice() else { panic!("{found:?}") };
+    assert!(one["message"].as_str().is_some_and(|message| message.contains(&said)), "{one}");
+    assert_eq!((&one["severity"], &one["axis"]), (&Value::from("warning"), &Value::from("Y")));
+    assert_eq!(one["line"], 0);
+    let done = desk.twin(&["check", "along.cnc", "--machine", "coupled.toml"]);
+    assert!(!done.stderr.contains("line 0"), "{}", done.stderr);
+    let job = "[[start]]\naxis = \"X\"\nposition_mm = 0\n\n[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"Y\"\nmaster = \"X\"\n\
+               cam = \"moved.toml\"\n\n[[blocks]]\nblock = \"MC_MoveAbsolute\"\naxis = \"X\"\nposition_mm = 20\n\
+               velocity_mm_per_s = 50\nacceleration_mm_per_s2 = 500\nwith_previous = true\n";
+    desk.write("job.toml", job);
+    let found = findings(&desk, "job.toml", "", 0);
+    let [one] = found.as_slice() else { panic!("{found:?}") };
+    assert!(one["message"].as_str().is_some_and(|message| message.contains(&said)), "{one}");
+    assert_eq!(one["line"], 6);
+}
+
+/// At 100 mm/s Y loses its 20/60 · 100 mm/s where X passes 60 mm, in the second block and not in the first; its acceleration makes
+/// 3 mm/s in a cycle. Of a table whose slope changes by less than that it is a warning.
+#[test]
+fn a_cam_that_jumps_is_told_at_the_line_that_passes_it() {
+    let desk = Desk::new();
+    desk.write("bent.toml", TABLE);
+    desk.write("along.cnc", "% along\nN10 G1 X30 F100 E900 E-900\nN20 G1 X90\n");
+    let jumps = |more: &str, status: i32| -> Vec<Value> {
+        let all = findings(&desk, "along.cnc", more, status).into_iter();
+        all.filter(|one| one["rule"] == "cam-continuity").collect()
+    };
+    let found = jumps(&cam("bent.toml"), 1);
+    let [one] = found.as_slice() else { panic!("{found:?}") };
+    let said = "the velocity of axis Y jumps by -33.3333 mm/s where its cam bent has its master X at 60 mm";
+    assert_eq!((&one["message"], &one["line"]), (&Value::from(said), &Value::from(3)));
+    assert_eq!(one["severity"], "error");
+    // Beside its zero, and three times as fast.
+    let found =
+        jumps(&format!("{}master_offset_mm = 24\nmaster_scaling = 3\n", cam("bent.toml")), 1);
+    let [one] = found.as_slice() else { panic!("{found:?}") };
+    assert!(
+        one["message"].as_str().is_some_and(
+            |text| text.ends_with("-100 mm/s where its cam bent has its master X at 12 mm")
+        ),
+        "{one}"
+    );
+    assert_eq!(one["line"], 2);
+    desk.write("bent.toml", &TABLE.replace("[180, 20]", "[180, 59]"));
+    let found = jumps(&cam("bent.toml"), 0);
+    let [one] = found.as_slice() else { panic!("{found:?}") };
+    assert_eq!((&one["severity"], &one["line"]), (&Value::from("warning"), &Value::from(3)));
+}
