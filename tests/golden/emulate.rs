@@ -157,6 +157,30 @@ fn a_board_starts_with_switches_and_an_encoder() {
     done.ended(0, "");
 }
 
+/// A board before V2.1D has no registers for an encoder: a run that is told of one is refused, one that is not goes on to ask.
+#[test]
+fn an_older_board_has_no_encoder() {
+    let desk = Desk::new();
+    crate::real::alone(&desk, "interpcnc", &[]);
+    let text = std::fs::read_to_string(desk.path("mixture.toml")).expect("readable");
+    let section = "[drives.encoder]\naxis = \"X\"\npoints = 4\nper_increments = 1\ntolerance_increments = 48\n";
+    let key = "answer_deadline_ms = 2000\n";
+    desk.write("encoder.toml", &text.replace(key, &format!("{key}\n{section}\n")));
+    let start = ["emulate", "interpcnc", "--link", "device", "--older-than-v2.1d"];
+    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &start, || {
+        let unlock = ["drive", "interpcnc", "--port", "device", "--deadline", "2000", "unlock"];
+        desk.twin(&unlock).ended(0, "");
+        for (machine, said) in [
+            ("encoder.toml", "the device has no encoder: boards have one from V2.1D on"),
+            ("mixture.toml", "there is no terminal to ask at"),
+        ] {
+            let run = ["run", "short.cnc", "-m", machine, "--drives", "real", "--homed"];
+            desk.twin(&run).ended(2, said);
+        }
+    });
+    done.ended(0, "");
+}
+
 /// Home switch, limit switch and homing input of two drives.
 #[test]
 fn drives_of_a_bus_start_with_switches() {

@@ -135,8 +135,9 @@ impl Bim2AxDrive {
         }
         let (shown, _) = self.runtime.block_on(self.module.encoder_steps(clock))?;
         let axes = self.options.axes.clone();
-        let mut doubtful = false;
-        for (watched, axis) in self.encoders.0.iter_mut().zip(&axes) {
+        let (mut doubtful, mut referred) = (false, [false; AXES]);
+        let watching = self.encoders.0.iter_mut().zip(&mut referred).zip(&axes);
+        for ((watched, referred), axis) in watching {
             let Some(watched) = watched else { continue };
             let messages = shown.messages.get(axis.index()).copied().unwrap_or(0);
             // Where none is recognised there is nothing to watch, unless there has to be one.
@@ -161,10 +162,30 @@ impl Bim2AxDrive {
             watched.homed = homed;
             if !watched.shaft.is_known() && !has(seen, *axis, message::MOVING) {
                 watched.shaft.refer(encoder, counter.into());
+                *referred = true;
             }
             doubtful |= watched.shaft.apart(&Passed::at_rest(counter.into()), encoder).is_some();
         }
+        if referred.contains(&true) {
+            self.confirm(referred)?;
+        }
         if doubtful { self.bracket(seen, stamp, &shown, clock) } else { Ok(()) }
+    }
+
+    /// Looks once more at axes of which it has just been noted what belongs together: either look may have been spoilt.
+    fn confirm(&mut self, referred: [bool; AXES]) -> Result<(), DriveError> {
+        let (seen, _) = self.look(&no_clock)?;
+        let (shown, _) = self.runtime.block_on(self.module.encoder_steps(&no_clock))?;
+        let watching = self.encoders.0.iter_mut().zip(referred).zip(&self.options.axes);
+        for ((watched, referred), axis) in watching {
+            let Some(watched) = watched.as_mut().filter(|_| referred) else { continue };
+            let passed = Passed::at_rest(at(&seen, *axis).into());
+            let moves = has(&seen, *axis, message::MOVING);
+            if moves || watched.shaft.apart(&passed, at(&shown, *axis)).is_some() {
+                watched.shaft.forget();
+            }
+        }
+        Ok(())
     }
 
     /// The same, but only where it is known already what the encoders are to show: for axes that have been stopped.
@@ -211,14 +232,11 @@ impl Bim2AxDrive {
         if !self.encoders.any() {
             return Ok(());
         }
-        let (seen, _) = self.look(&no_clock)?;
-        let (shown, _) = self.runtime.block_on(self.module.encoder_steps(&no_clock))?;
-        let axes = self.options.axes.clone();
-        for (watched, axis) in self.encoders.0.iter_mut().zip(axes) {
-            let Some(watched) = watched else { continue };
-            watched.homed = false;
-            watched.shaft.refer(at(&shown, axis), at(&seen, axis).into());
-        }
+        self.encoders.forget();
+        let seen = self.look(&no_clock)?;
+        self.watch_encoders(&seen, &no_clock)?;
+        // As soon as they are home both are made 0, also where that takes no longer than a look.
+        self.encoders.0.iter_mut().flatten().for_each(|watched| watched.homed = false);
         Ok(())
     }
 

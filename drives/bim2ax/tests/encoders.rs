@@ -251,6 +251,32 @@ fn an_encoder_that_counts_the_wrong_way_or_is_broken_is_told() {
     );
 }
 
+/// A look that is spoilt, by which it would be noted what belongs together, is no reason to doubt the shaft ever after; nor is one
+/// on the way.
+#[test]
+fn one_look_that_is_spoilt_is_survived() {
+    let (eeprom, surroundings) = with_encoders();
+    let fault = WireFault::Corrupt { bytes: 1 };
+    let rule = FaultRule { direction: Direction::Answer, when: When::Next(1), fault };
+    for (after, seed) in (0..6).flat_map(|after| (0..12).map(move |seed| (after, seed))) {
+        let (mut drive, device, clock) =
+            virtual_drive(&quick(), (&eeprom, &surroundings), &strict());
+        let plan = Plan { clock, start_ns: i64::MAX / 2 };
+        drive.probe(&plan).unwrap();
+        drive.enable().unwrap();
+        device.module().set_seed(seed);
+        device.module().control(Control::Fault(rule).after(after));
+        for _ in 0..6 {
+            drive.sample(&plan).unwrap();
+        }
+        for target in [600, 0] {
+            drive.move_to(&[target, 0, 0, 0, 0], &FAST).unwrap();
+            let found = rests(&mut drive, &plan);
+            assert_eq!(found.unwrap()[0], target, "{after} {seed}");
+        }
+    }
+}
+
 /// 3.1.14 to 3.1.19, and message bit 4: "au moins une correction".
 #[test]
 fn what_the_module_has_corrected_itself_is_no_fault() {
