@@ -211,8 +211,7 @@ enum Word {
     },
     /// The rotor is blocked for a moment
     Stall { address: u8 },
-    /// A bit of the status of which the manual does not say what sets it: STA_SIGNALLED, STA_BUSY, or TRJ_TRIGGERED, which a new
-    /// motion clears
+    /// A bit of the status of which the manual does not say what sets it; a new motion clears the last
     Condition {
         address: u8,
         #[arg(value_enum)]

@@ -329,7 +329,9 @@ fn conditions_show_in_their_bits() {
         assert_eq!(ask(&mut device, Command::Ping), before, "{condition:?}");
     }
     let all = [Condition::Signalled, Condition::Busy, Condition::Triggered];
-    all.map(|condition| device.happen(Event::Condition(condition, true)));
+    for condition in all {
+        device.happen(Event::Condition(condition, true));
+    }
     let moving = ask(&mut device, go_to(1000, 0, 0));
     assert_eq!(moving.tag & 1 << 9, 0, "a new motion");
     assert_eq!(moving.status.0 & (1 << 14 | 1 << 6), 1 << 14 | 1 << 6);
