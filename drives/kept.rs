@@ -3,18 +3,21 @@
 use std::{
     fs::{self, File, OpenOptions, TryLockError},
     io,
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use crate::EmulatorError;
 
 /// A file in which one emulated device alone keeps things, as long as this lives.
 ///
-/// The file is replaced when something is stored, so what is locked is an empty one beside it, `….lock`, which stays.
+/// The file is replaced when something is stored, so what is locked is an empty one beside it, `….lock`, which stays: unless
+/// the file turns out to be none of a device.
 #[derive(Debug)]
 pub(crate) struct Keeper {
     #[expect(dead_code, reason = "its lock is what counts")]
     lock: File,
+    /// The file beside, as long as it is not to stay.
+    made: Option<PathBuf>,
 }
 
 impl Keeper {
@@ -27,19 +30,40 @@ impl Keeper {
             .map_err(|source| EmulatorError::File { path: path.to_path_buf(), source })
     }
 
+    /// The device keeps its things there.
+    pub(crate) fn stay(&mut self) {
+        self.made = None;
+    }
+
     fn locked(path: &Path) -> io::Result<Self> {
         let real = path.canonicalize().unwrap_or_else(|_new| path.to_path_buf());
         let mut name = real.file_name().unwrap_or_default().to_owned();
         name.push(".lock");
         let beside = real.with_file_name(name);
-        let lock = OpenOptions::new().write(true).create(true).truncate(false).open(&beside)?;
+        let mut options = OpenOptions::new();
+        let (lock, made) = match options.write(true).create_new(true).open(&beside) {
+            Ok(lock) => (lock, Some(beside)),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                (OpenOptions::new().write(true).create(true).truncate(false).open(&beside)?, None)
+            }
+            Err(error) => return Err(error),
+        };
         match lock.try_lock() {
-            Ok(()) => Ok(Self { lock }),
+            Ok(()) => Ok(Self { lock, made }),
             Err(TryLockError::WouldBlock) => Err(io::Error::new(
                 io::ErrorKind::ResourceBusy,
                 "another emulator keeps its parameters in it: each device has a file of its own",
             )),
             Err(TryLockError::Error(error)) => Err(error),
+        }
+    }
+}
+
+impl Drop for Keeper {
+    fn drop(&mut self) {
+        if let Some(made) = &self.made {
+            // One that cannot be removed is as empty as before.
+            fs::remove_file(made).unwrap_or_default();
         }
     }
 }
@@ -64,7 +88,8 @@ mod tests {
     fn a_file_has_one_keeper_by_whatever_name() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("eeprom");
-        let first = Keeper::of(&path).unwrap();
+        let mut first = Keeper::of(&path).unwrap();
+        first.stay();
         assert!(Keeper::of(&path).is_err(), "also before it is there");
         replace(&path, b"stored").unwrap();
         let link = folder.path().join("link");
@@ -76,5 +101,18 @@ mod tests {
         }
         drop(first);
         assert!(Keeper::of(&link).is_ok());
+        assert!(folder.path().join("eeprom.lock").exists(), "another may wait for it");
+    }
+
+    #[test]
+    fn a_file_that_is_none_of_a_device_leaves_nothing_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("letter.txt");
+        fs::write(&path, "dear all").unwrap();
+        let beside = folder.path().join("letter.txt.lock");
+        let keeper = Keeper::of(&path).unwrap();
+        assert!(beside.exists());
+        drop(keeper);
+        assert!(!beside.exists());
     }
 }

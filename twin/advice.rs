@@ -121,7 +121,7 @@ fn unfinished(at: &Exchange) -> &'static str {
             "it homes at its start-stop speed, whatever its fast speed is: if nothing was in the way, it needs a longer \
              --timeout, or a higher `start-stop-speed-1` (or -2), which acts after `reset`"
         }
-        Action::Command { name: "TRJINIT", .. } => {
+        Action::Atb { name: "TRJINIT", .. } => {
             "if nothing was in the way it needs a longer --timeout, or a higher `App_VelEnterHome`"
         }
         _ => {
@@ -133,7 +133,7 @@ fn unfinished(at: &Exchange) -> &'static str {
 
 /// A command that has a target.
 fn is_move(at: &Exchange) -> bool {
-    matches!(at.action, Action::Command { name: "GOTO" | "STEP", .. })
+    matches!(at.action, Action::Atb { name: "GOTO" | "STEP", .. })
 }
 
 fn port(at: &Exchange, error: &io::Error) -> Option<&'static str> {

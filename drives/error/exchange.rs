@@ -18,6 +18,13 @@ pub enum Action {
         /// What the manual calls it.
         name: &'static str,
     },
+    /// Sending a command of the protocol ATB, whose manual has them in hexadecimal.
+    Atb {
+        /// Code on the wire.
+        code: u8,
+        /// What the manual calls it.
+        name: &'static str,
+    },
     /// Switching a digital output.
     SwitchOutput {
         /// Which, from 1.
@@ -84,6 +91,7 @@ impl fmt::Display for Action {
             Self::Open => f.write_str("opening the port"),
             Self::ReadState => f.write_str("reading status and positions"),
             Self::Command { number, name } => write!(f, "command {number} ({name})"),
+            Self::Atb { code, name } => write!(f, "command {code:02X}h ({name})"),
             Self::SwitchOutput { output, on } => {
                 write!(f, "switching output {output} {}", if *on { "on" } else { "off" })
             }

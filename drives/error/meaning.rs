@@ -14,14 +14,14 @@ pub(super) fn exception_meaning(code: u8) -> &'static str {
     }
 }
 
-/// The manual's words for a reason to refuse ("REJ").
+/// The manual's words for a reason to refuse, with its number and name ("REJ").
 pub(super) fn reject_meaning(reason: RejectCode) -> &'static str {
     match reason {
-        RejectCode::Generic => "for no stated reason",
-        RejectCode::Working => "a long command is running",
-        RejectCode::BadMode => "not in this mode",
-        RejectCode::BadParams => "a parameter is wrong",
-        RejectCode::NotAvailable => "there is no such command or index",
+        RejectCode::Generic => "for no stated reason (0, GENERIC)",
+        RejectCode::Working => "a long command is running (1, WORKING)",
+        RejectCode::BadMode => "not in this mode (2, BADMODE)",
+        RejectCode::BadParams => "a parameter is wrong (3, BADPARAMS)",
+        RejectCode::NotAvailable => "there is no such command or index (4, NOTAVAILABLE)",
     }
 }
 

@@ -25,6 +25,7 @@ impl Assumed for Assumptions {
         "segment_start_stop",
         "broadcasts",
         "locked_exception",
+        "busy_axis_refuses",
         "enable_loss",
         "enable_loss_keeps_segments",
         "limit_stop",
@@ -79,6 +80,7 @@ impl Assumed for Assumptions {
                 self.locked_exception = said.optional(&(1..=255))?;
                 Ok(())
             }
+            "busy_axis_refuses" => said.yes_no(&mut self.busy_axis_refuses),
             "enable_loss" => said.choice(&mut self.enable_loss, &STOPS),
             "enable_loss_keeps_segments" => said.yes_no(&mut self.enable_loss_keeps_segments),
             "limit_stop" => said.choice(&mut self.limit_stop, &STOPS),

@@ -119,6 +119,10 @@ pub struct Assumptions {
     /// Exception to motion commands and output writes on a locked board; none: they are answered as usual and do
     /// nothing. The driver says that the board is locked either way (§3). Default none.
     pub locked_exception: Option<u8>,
+    /// Whether a motion command for an axis in a move of the other kind (independent, interpolated) is refused with
+    /// [`ExceptionCodes::failure`]; else it is answered as usual and does nothing, and the driver looks before it sends one.
+    /// Default true.
+    pub busy_axis_refuses: bool,
     /// How axes stop when ENABLE is lost (§3). Default at once.
     pub enable_loss: BoardStop,
     /// Whether segments that wait when ENABLE is lost are carried out once the board is unlocked; the driver then
@@ -157,6 +161,7 @@ impl Default for Assumptions {
             segment_start_stop: parameters::DEFAULT_START_STOP,
             broadcasts: true,
             locked_exception: None,
+            busy_axis_refuses: true,
             enable_loss: BoardStop::AtOnce,
             enable_loss_keeps_segments: false,
             limit_stop: BoardStop::AtOnce,

@@ -103,7 +103,7 @@ pub fn values(number: u16) -> Values {
         HOME_POLARITY => return Values::Between(0, (1 << AXES) - 1),
         DEFAULT_START_STOP | HOME_START_STOP | HOME_SLOW_SPEED => return speed,
         DEFAULT_ACCELERATION => return word,
-        MODBUS_PARITY => return Values::Between(0, 2),
+        MODBUS_PARITY | COUPLING => return Values::Between(0, 2),
         MODBUS_ADDRESS => return Values::Between(1, 247),
         _ => {}
     }
@@ -225,6 +225,8 @@ mod tests {
             (home_direction(y), 2, false),
             (HOME_POLARITY, 31, true),
             (HOME_POLARITY, 32, false),
+            (COUPLING, 2, true),
+            (COUPLING, 3, false),
             (MODBUS_ADDRESS, 0, false),
             (home_speed(y), 65_536, true),
             // Nobody says what this one is.

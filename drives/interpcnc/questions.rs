@@ -3,7 +3,7 @@
 use crate::OpenQuestion;
 
 /// What the manual of the board leaves open, in the order of its digest.
-pub const OPEN_QUESTIONS: [OpenQuestion; 28] = [
+pub const OPEN_QUESTIONS: [OpenQuestion; 29] = [
     OpenQuestion::new(
         7,
         "What station is a board that nobody has set?",
@@ -150,6 +150,13 @@ pub const OPEN_QUESTIONS: [OpenQuestion; 28] = [
         ("Assumptions.exceptions", "ExceptionCodes { address: 2, value: 3, failure: 4 }"),
         "any codes",
         "says the code",
+    ),
+    OpenQuestion::new(
+        0,
+        "What becomes of a move of an axis that is in a move of the other kind, independent or interpolated?",
+        ("Assumptions.busy_axis_refuses", "true"),
+        "it is answered as usual and does nothing",
+        "looks before it sends one, and says that the axis moves",
     ),
     OpenQuestion::new(
         0,

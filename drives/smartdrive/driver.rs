@@ -63,7 +63,7 @@ impl std::fmt::Debug for SmartDrive {
 impl Command {
     /// What an error says was being done.
     pub(crate) fn action(&self) -> Action {
-        Action::Command { number: self.code().into(), name: self.name() }
+        Action::Atb { code: self.code(), name: self.name() }
     }
 }
 

@@ -180,10 +180,10 @@ pub const PARAMETERS: [Entry; 29] = [
     Entry::new(STEP_DIVISOR, "Mot_StepDivisor", Kind::Word).range(1, 1024).factory(16),
     Entry::new(ENCODER_1, "Enc1_Resolution", Kind::Word).range(1, P16).unit("inc").factory(4000),
     Entry::new(ENCODER_2, "Enc2_Resolution", Kind::Word).range(1, P16).unit("inc").factory(4000),
-    Entry::new(65, "Cur_Max", Kind::Fraction).factory(16_384),
-    Entry::new(66, "Cur_Idle", Kind::Fraction).factory(9830),
-    Entry::new(67, "Cur_Run", Kind::Fraction).factory(26_214),
-    Entry::new(68, "Cur_Acc", Kind::Fraction).factory(32_767),
+    Entry::new(65, "Cur_Max", Kind::Fraction).unit("/32768").factory(16_384),
+    Entry::new(66, "Cur_Idle", Kind::Fraction).unit("/32768").factory(9830),
+    Entry::new(67, "Cur_Run", Kind::Fraction).unit("/32768").factory(26_214),
+    Entry::new(68, "Cur_Acc", Kind::Fraction).unit("/32768").factory(32_767),
     Entry::new(POSITION_OFFSET, "App_PosOffset", Kind::SignedLong).unit("µsteps"),
     Entry::new(PUSH_PULL_DISTANCE, "App_PushPullDist", Kind::SignedLong)
         .unit("µsteps")
@@ -276,7 +276,7 @@ pub const VARIABLES: [Entry; 37] = [
     variable(POSITION_ACTUAL, "Pos_Actual", Kind::SignedLong).unit("µsteps"),
     variable(VELOCITY_SETPOINT, "Vel_Setpoint", Kind::Signed).unit("rpm"),
     variable(VELOCITY_ACTUAL, "Vel_Actual", Kind::Signed).unit("rpm"),
-    variable(VELOCITY_ATTENUATION, "Vel_Atten", Kind::Fraction),
+    variable(VELOCITY_ATTENUATION, "Vel_Atten", Kind::Fraction).unit("/32768"),
     variable(ACCELERATION_SETPOINT, "Acc_Setpoint", Kind::Signed).range(0, P16).unit("rpm/s"),
     variable(DECELERATION_SETPOINT, "Dec_Setpoint", Kind::Signed).range(0, P16).unit("rpm/s"),
     variable(ACCELERATION_CURRENT, "Acc_Current", Kind::Signed).unit("rpm/s"),

@@ -19,6 +19,10 @@ pub struct DriveState {
     pub mode: u8,
     /// Whether homing is running.
     pub homing: bool,
+    /// `STA_SIGNALLED`, a state of its sequencer: the manual says no more.
+    pub signalled: bool,
+    /// `STA_BUSY`, that it is not available: the manual does not say when.
+    pub busy: bool,
     /// Alarms, shown to PING only; the drive is off while there are any.
     pub alarms: Alarms,
     /// State of the trajectory; nothing while there are alarms.
@@ -38,6 +42,8 @@ impl DriveState {
             position: answer.number(),
             mode: answer.status.mode(),
             homing: answer.status.sequence_busy(),
+            signalled: answer.status.signalled(),
+            busy: answer.status.busy(),
             alarms,
             flags,
         }

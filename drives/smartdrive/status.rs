@@ -41,6 +41,16 @@ impl Status {
         self.0 & Self::SEQUENCE_BUSY != 0
     }
 
+    /// Whether the sequencer shows its own bit; the manual says no more.
+    pub fn signalled(self) -> bool {
+        self.0 & Self::SIGNALLED != 0
+    }
+
+    /// Whether the device calls itself not available; the manual does not say when.
+    pub fn busy(self) -> bool {
+        self.0 & Self::BUSY != 0
+    }
+
     /// Whether this is the status of an answer at all.
     pub fn is_response(self) -> bool {
         self.0 & Self::RESPONSE != 0

@@ -144,6 +144,7 @@ fn files_of_emulators_are_named_with_their_options() {
         }
     }
     assert_eq!(fs::read_to_string(desk.path("mine")).expect("it is there"), "this is mine\n");
+    assert!(!desk.path("mine.lock").exists());
 }
 
 /// What one stores the other would not know of, and replace.

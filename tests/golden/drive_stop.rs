@@ -115,7 +115,7 @@ fn a_stop_of_a_bim2ax_whose_master_waits_is_no_end() {
 }
 
 /// Waits until X of a board moves.
-fn under_way_on(running: &board::EmulatedBoard) {
+pub(crate) fn under_way_on(running: &board::EmulatedBoard) {
     let moves = (0..1000).any(|_| {
         std::thread::sleep(Duration::from_millis(10));
         running.look().expect("it runs").velocity(BoardAxis::X) != 0.0

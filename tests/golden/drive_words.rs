@@ -116,9 +116,13 @@ fn refused_targets_and_unknown_switches_name_where_to_look() {
     hand.does("set Trj_PosMin -1000");
     hand.does("set Trj_PosMax 1000");
     hand.does("unlock");
-    let refused = hand.tries("move 5000 --yes");
-    refused.ended(2, "refused, a parameter is wrong");
-    refused.ended(2, "`get Trj_PosMax`");
+    // Nobody is asked about what cannot be.
+    let beyond =
+        "it cannot go to 5000 µsteps: Trj_PosMax (parameter 28) is 1000 µsteps (nothing was sent)";
+    for way in ["move 5000", "move 5000 --yes", "jog 5000 --yes"] {
+        hand.refuses(way, beyond);
+    }
+    hand.refuses("move -1001", "Trj_PosMin (parameter 26) is -1000 µsteps");
     hand.tries("home --by-switch 0 --yes").ended(2, "`--input N` says it");
     // No farther than the drive goes: 1000 µsteps, which end at a limit that is told beforehand.
     let beyond = hand.tries("home --by-switch 0 --input 1 --max-way 1001 --yes");

@@ -16,6 +16,7 @@ mod check_limits;
 mod collision;
 mod compare;
 mod drive;
+mod drive_beforehand;
 mod drive_home;
 mod drive_repair;
 mod drive_stop;

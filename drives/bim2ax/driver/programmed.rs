@@ -53,7 +53,7 @@ impl Bim2Ax {
     /// Starts programmed moves of one or both axes with one order.
     ///
     /// # Errors
-    /// If a target is beyond ±4194303 or there is no such reference position; if an axis does not start, with its
+    /// If a target, or where a way ends, is beyond ±4194303 or there is no such reference position; if an axis does not start, with its
     /// messages; if the module does not answer, when it is unknown whether it has got the order.
     pub async fn start(
         &mut self,
@@ -77,6 +77,11 @@ impl Bim2Ax {
             self.check_range(axis, &start)?;
             let (word, target) = start.encoded();
             let index = axis.index();
+            if let Move::By(way) = start.to {
+                // No counter goes beyond what its target could be.
+                let from = before.positions.get(index).copied().unwrap_or(0);
+                self.check_range(axis, &Start::to(from.saturating_add(way)))?;
+            }
             let places = (orders.uc.get_mut(index), orders.bloc.get_mut(index));
             if let (Some(order), Some(bits)) = places {
                 (*order, *bits) = (uc::PROGRAMMED, word);

@@ -84,7 +84,7 @@ impl EmulatedModule {
             let path = path.to_path_buf();
             move |source| EmulatorError::File { path, source }
         };
-        let keeper = options.eeprom.as_deref().map(Keeper::of).transpose()?;
+        let mut keeper = options.eeprom.as_deref().map(Keeper::of).transpose()?;
         let eeprom = match &options.eeprom {
             Some(path) if path.exists() => {
                 let image = fs::read(path).map_err(failed(path))?;
@@ -93,6 +93,7 @@ impl EmulatedModule {
             }
             _ => Eeprom::new(options.module.rating_ma),
         };
+        keeper.iter_mut().for_each(Keeper::stay);
         let file = memory_file(&options.path)?;
         let mapping = Mapping::new(file, 0, FILE_LENGTH).map_err(failed(&options.path))?;
         let mut module = Module::new(&options.module, &eeprom, &options.surroundings);

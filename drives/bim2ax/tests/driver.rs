@@ -143,6 +143,25 @@ async fn what_an_axis_does_not_do_is_told_with_its_messages() {
     assert!(matches!(error, DriveError::Range { .. }), "{error}");
 }
 
+/// From 4194000 it is 303 µsteps to the last position there is.
+#[tokio::test(start_paused = true)]
+async fn a_way_that_ends_beyond_the_counter_is_refused() {
+    let mut rig = Rig::usual().await;
+    let clock = &clock();
+    let by = |way| Start { to: Move::By(way), speed: None, directly: false };
+    for (end, way) in [(4_194_000, 303_i32), (-4_194_000, -303)] {
+        rig.driver.preset(ModuleAxis::Two, end, clock).await.unwrap();
+        let beyond = by(way + way.signum());
+        let error = rig.driver.start([None, Some(beyond)], clock).await.unwrap_err();
+        let DriveError::Range { value, .. } = error else { panic!("{error}") };
+        assert!((value.abs() - 4_194_304.0).abs() < 0.5, "{value}");
+        assert_eq!(rig.driver.positions(clock).await.unwrap().0.positions[1], end);
+        rig.driver.start([None, Some(by(way))], clock).await.unwrap();
+        let (seen, _) = rig.driver.rested(seconds(5), clock).await.unwrap();
+        assert_eq!(seen.positions[1], end + way);
+    }
+}
+
 #[tokio::test(start_paused = true)]
 async fn phases_tests_and_stops() {
     let mut rig = Rig::usual().await;

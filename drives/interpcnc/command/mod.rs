@@ -171,6 +171,22 @@ impl Command {
         Action::Command { number: self.number(), name }
     }
 
+    /// The axes that it begins to move.
+    pub fn moved_axes(&self) -> AxisMask {
+        match self {
+            Self::Interpolated { targets: values, .. }
+            | Self::HomeMachine { max_strokes: values } => mask_of(values),
+            Self::Probe { axes, .. } => *axes,
+            Self::HomeAxis { axis, .. } | Self::Move { axis, .. } => axis.mask(),
+            Self::RampStopAxes { .. }
+            | Self::RampStop
+            | Self::Stop
+            | Self::Reset { .. }
+            | Self::WritePosition { .. }
+            | Self::ChangeSpeed { .. } => AxisMask::NONE,
+        }
+    }
+
     /// True if the board, given the command twice in a row, ends up as if given it once, whenever the second arrives.
     /// Only these are sent again after a lost answer.
     ///

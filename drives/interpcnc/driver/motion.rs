@@ -16,12 +16,21 @@ use crate::{
 const STANDING_SAMPLES: u32 = 3;
 
 impl InterpCnc {
-    /// Sends a command that moves axes and makes sure that the board obeys: a locked board accepts it and does nothing.
+    /// Sends a command that moves axes and makes sure that the board obeys: a locked board accepts it and does nothing. One
+    /// that does so for an axis in an interpolated move, too, is asked before.
     pub(super) async fn send_motion(
         &mut self,
         command: &Command,
         clock: &dyn Clock,
     ) -> Result<Stamp, DriveError> {
+        if !self.options().assumptions.busy_axis_refuses {
+            let (state, _) = self.state(clock).await?;
+            let busy = state.status.interpolating().intersection(command.moved_axes());
+            if !busy.is_empty() {
+                let axes = Axes::Letters(busy.bits());
+                return Err(DriveError::Moving { at: self.at(command.action()), axes });
+            }
+        }
         let stamp = self.send(command, clock).await?;
         let (state, _) = self.state(clock).await?;
         self.check_obeys(&state, command.action())?;

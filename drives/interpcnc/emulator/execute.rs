@@ -12,7 +12,7 @@ use super::{
 };
 use crate::interpcnc::{
     BoardStop, Command, MoveProfile, parameters,
-    registers::{AxisMask, BoardAxis, COMMAND},
+    registers::{AxisMask, COMMAND},
 };
 
 impl Board {
@@ -189,16 +189,25 @@ impl Board {
         Ok(())
     }
 
+    /// Whether an axis of a motion command is in a move of the other kind.
+    fn is_busy_otherwise(&self, command: &Command) -> bool {
+        let now = self.now_ns;
+        let others = match command {
+            Command::Interpolated { .. } => self.axis_bits(|axis| axis.independent(now)),
+            _ => self.axis_bits(|axis| axis.interpolating(now)),
+        };
+        !command.moved_axes().intersection(AxisMask::from_bits(others)).is_empty()
+    }
+
     /// Carries out a command that moves axes, on an unlocked board.
     fn motion_command(&mut self, command: &Command) -> Result<(), Refusal> {
         let now = self.now_ns;
-        let interpolating = AxisMask::from_bits(self.axis_bits(|axis| axis.interpolating(now)));
-        let free = |axis: BoardAxis| {
-            if interpolating.contains(axis) { Err(Refusal::Failure) } else { Ok(()) }
-        };
+        if self.is_busy_otherwise(command) {
+            let refuses = self.assumptions.busy_axis_refuses;
+            return if refuses { Err(Refusal::Failure) } else { Ok(()) };
+        }
         match *command {
             Command::Move { axis, profile } => {
-                free(axis)?;
                 self.abandon_probe(axis);
                 self.abandon_homing(axis.mask());
                 self.for_axes(axis.mask(), |axis| axis.start(now, &profile));
@@ -218,7 +227,6 @@ impl Board {
                 deceleration_khz_per_s,
             } => {
                 let axis = axes.axes().next().ok_or(Refusal::Value)?;
-                free(axis)?;
                 let profile = MoveProfile {
                     start_stop_hz,
                     acceleration_khz_per_s,
@@ -233,8 +241,6 @@ impl Board {
                 self.queue_segment(Segment { speed_hz, targets })?;
             }
             Command::HomeMachine { max_strokes } => {
-                let mut named = BoardAxis::ALL.into_iter().zip(max_strokes);
-                named.try_for_each(|(axis, stroke)| stroke.map_or(Ok(()), |_| free(axis)))?;
                 self.home_machine(&max_strokes);
             }
             Command::HomeAxis {
@@ -248,7 +254,6 @@ impl Board {
                 slow_hz,
                 final_position,
             } => {
-                free(axis)?;
                 let start_stop = self.memory.parameter(parameters::HOME_START_STOP);
                 let profile = MoveProfile {
                     start_stop_hz: u16::try_from(start_stop).unwrap_or(u16::MAX),

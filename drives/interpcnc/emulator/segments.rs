@@ -108,11 +108,7 @@ impl Board {
         if segment.speed_hz == 0 {
             return Err(Refusal::Value);
         }
-        let now = self.now_ns;
-        let independent = AxisMask::from_bits(self.axis_bits(|axis| axis.independent(now)));
-        let most = usize::from(self.assumptions.buffer_segments);
-        if !segment.axes().intersection(independent).is_empty() || self.buffer.waiting.len() >= most
-        {
+        if self.buffer.waiting.len() >= usize::from(self.assumptions.buffer_segments) {
             return Err(Refusal::Failure);
         }
         self.buffer.waiting.push_back(segment);

@@ -69,8 +69,9 @@ impl EmulatedBoard {
         options: &EmulatorOptions,
         clock: impl Clock + 'static,
     ) -> Result<Self, EmulatorError> {
-        let keeper = options.eeprom.as_deref().map(Keeper::of).transpose()?;
+        let mut keeper = options.eeprom.as_deref().map(Keeper::of).transpose()?;
         let mut board = power_up(options)?;
+        keeper.iter_mut().for_each(Keeper::stay);
         board.set_bench(options.bench.clone());
         let (master, mut terminal) = PseudoTerminal::open(options.link.as_deref())?;
         let failed = |source| EmulatorError::Thread { source };

@@ -29,6 +29,7 @@ fn alternatives() -> Vec<Assumptions> {
         Assumptions { segment_acceleration: 200, segment_start_stop: 201, ..usual },
         Assumptions { broadcasts: false, ..usual },
         Assumptions { locked_exception: Some(6), ..usual },
+        Assumptions { busy_axis_refuses: false, ..usual },
         Assumptions { enable_loss: BoardStop::OnRamp, ..usual },
         Assumptions { enable_loss_keeps_segments: true, ..usual },
         Assumptions { limit_stop: BoardStop::OnRamp, ..usual },
@@ -120,4 +121,27 @@ fn segments_that_are_kept_surprise_a_driver_that_does_not_expect_them() {
         sleep(Duration::from_secs(10)).await;
     });
     assert_eq!(board.counters()[0], 1234);
+}
+
+/// A board that neither does nor refuses it is asked before: the way goes on, and the error names the axis.
+#[test]
+fn an_axis_in_an_interpolated_move_gets_no_other() {
+    let busy = Assumptions { busy_axis_refuses: false, ..Assumptions::default() };
+    let board = BoardOptions { assumptions: busy, ..BoardOptions::default() };
+    let ((), board) = with_board(
+        &board,
+        Bench::default(),
+        |settings: &mut InterpCncOptions| settings.assumptions = busy,
+        |mut driver, _hand| async move {
+            driver.unlock(&no_clock).await.unwrap();
+            let targets = [Some(20_000), None, None, None, None];
+            driver.queue_segment(2000, &targets, LONG, &no_clock).await.unwrap();
+            let moved = driver.move_axis(BoardAxis::X, &profile(500), LONG, &no_clock).await;
+            let said = moved.map_err(|error| error.to_string()).unwrap_err();
+            assert!(said.contains("command 80 (independent move)") && said.contains('X'), "{said}");
+            driver.move_axis(BoardAxis::Y, &profile(500), LONG, &no_clock).await.unwrap();
+            driver.finish_segments(LONG, &no_clock).await.unwrap();
+        },
+    );
+    assert_eq!(board.counters()[..2], [20_000, 500]);
 }

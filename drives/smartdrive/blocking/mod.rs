@@ -165,8 +165,8 @@ impl Drive for SmartDriveBus {
     fn describe(&self) -> String {
         let Exchange { port, .. } = self.bus.at(0, Action::Open);
         let addresses: Vec<String> = self.axes().map(|address| address.to_string()).collect();
-        let plural = if addresses.len() == 1 { "" } else { "s" };
-        format!("SmartDRIVE at {port}, station{plural} {}", addresses.join(", "))
+        let plural = if addresses.len() == 1 { "" } else { "es" };
+        format!("SmartDRIVE at {port}, address{plural} {}", addresses.join(", "))
     }
 
     fn axis_count(&self) -> usize {

@@ -39,6 +39,8 @@ pub enum Event {
     },
     /// The rotor is blocked for a moment.
     Stall,
+    /// A bit of which the manual only says that it is there comes (true) or goes.
+    Condition(Condition, bool),
     /// Status, position and flags are shown as they are now for good (true), or as they are.
     StuckStatus(bool),
     /// One more switch that the mechanics operate.
@@ -54,6 +56,18 @@ pub enum Event {
     NoCams(Input),
     /// Homing works otherwise from now on.
     Homing(HomingOptions),
+}
+
+/// What the device shows without its manual saying what brings it about: two bits "for internal use", and a trigger for which
+/// there is no command. A new motion command clears the last, a restart all of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Condition {
+    /// `STA_SIGNALLED`, of the sequencer.
+    Signalled,
+    /// `STA_BUSY`, whether the device is available.
+    Busy,
+    /// `TRJ_TRIGGERED`, the trigger has fired.
+    Triggered,
 }
 
 /// An event and the device it happens to, counted from 0 in the order of the bus.
@@ -90,6 +104,7 @@ impl Device {
             Event::BrownOut { off_ns } => self.brown_out(off_ns),
             Event::Fault { alarms, present } => self.set_fault(alarms, present),
             Event::Stall => self.stall(),
+            Event::Condition(condition, on) => self.set_condition(condition, on),
             Event::StuckStatus(stuck) => self.set_stuck_status(stuck),
             Event::Cam { input, from, to } => {
                 self.options.cams.push(Cam { input, from: from.into(), to: to.into() });
@@ -108,6 +123,16 @@ impl Device {
         self.power_off(TrajectoryFlags::NONE);
         let until_ns = self.after(self.options.boot).saturating_add(off_ns.max(0));
         self.phase = Phase::Booting { until_ns };
+    }
+
+    /// Brings a condition about, or ends it.
+    pub fn set_condition(&mut self, condition: Condition, on: bool) {
+        let bit = match condition {
+            Condition::Signalled => Status::SIGNALLED,
+            Condition::Busy => Status::BUSY,
+            Condition::Triggered => return self.generator.set_triggered(on),
+        };
+        self.conditions = if on { self.conditions | bit } else { self.conditions & !bit };
     }
 
     /// Status, position and flags are shown as they are now, whatever happens, or as they are.

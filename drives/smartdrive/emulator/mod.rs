@@ -23,7 +23,7 @@ mod serve;
 mod tests;
 mod thread;
 
-pub use control::{Control, Event, Happening};
+pub use control::{Condition, Control, Event, Happening};
 pub use inputs::Input;
 pub use options::{Cam, DeviceOptions, HomingOptions};
 pub use serve::{Wire, serve};
@@ -91,6 +91,8 @@ pub struct Device {
     alarms: Alarms,
     /// Levels of GO and DIR that the present mode has seen.
     seen: modes::Seen,
+    /// Bits of STA that nothing in the manual sets.
+    conditions: u16,
     /// What is shown instead of what is.
     stuck: Option<Shown>,
     frames_handled: u64,
@@ -115,6 +117,7 @@ impl Device {
             faults: Alarms::default(),
             alarms: Alarms::default(),
             seen: modes::Seen::default(),
+            conditions: 0,
             stuck: None,
             frames_handled: 0,
         };
@@ -337,6 +340,7 @@ impl Device {
     fn status(&self) -> Status {
         Status::new(self.address(), self.mode().number())
             .with(Status::SEQUENCE_BUSY, self.homing.is_some())
+            .with(self.conditions, true)
     }
 
     /// TAG of the state of the trajectory.

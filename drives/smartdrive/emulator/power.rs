@@ -60,6 +60,7 @@ impl Device {
     pub(super) fn start_up(&mut self) {
         self.memory.load(false);
         self.alarms = Alarms::default();
+        self.conditions = 0;
         self.phase = Phase::Running;
         self.encoder_zeros = [self.mechanical(); 2];
         let outputs = 0..3;

@@ -70,9 +70,10 @@ impl EmulatedBus {
         options: &EmulatorOptions,
         clock: impl Clock + 'static,
     ) -> Result<Self, EmulatorError> {
-        let keepers =
-            options.files.iter().map(|file| Keeper::of(file)).collect::<Result<_, _>>()?;
+        let keepers = options.files.iter().map(|file| Keeper::of(file));
+        let mut keepers = keepers.collect::<Result<Vec<_>, _>>()?;
         let devices = power_up(options)?;
+        keepers.iter_mut().for_each(Keeper::stay);
         let (master, mut terminal) = PseudoTerminal::open(options.link.as_deref())?;
         let failed = |source| EmulatorError::Thread { source };
         let runtime =

@@ -6,7 +6,8 @@
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB", sections START to GOTO, "Paramètres de configuration" (ceilings).
 //! Where the manual is silent it goes by [`Assumptions`]. Beyond those: larger speeds and rates than the ceilings are
 //! clamped to them unless the device refuses them first; position limits count where the lower is below the upper, and
-//! START then stands still on the limit; a move towards an active limit switch stops where it is.
+//! START then stands still on the limit; a STEP to where no counter of 32 bits goes is refused (BADPARAMS), or ends at the last
+//! position there is, as with position limits; a move towards an active limit switch stops where it is.
 
 #[cfg(test)]
 mod tests;
@@ -109,7 +110,7 @@ pub(crate) struct Generator {
     target: Option<i32>,
     /// Rates of the last command, for the variables that show them, µsteps/s².
     rates: (f64, f64),
-    /// What has stopped the motion, until the next one begins.
+    /// What has stopped the motion, and whether the trigger has fired, until the next one begins.
     stopped_by: TrajectoryFlags,
     /// Whether LIMP and LIMN are active.
     switches: (bool, bool),
@@ -150,7 +151,8 @@ impl Generator {
         Ok(())
     }
 
-    /// STEP: as GOTO, `distance` from where the set-point is or is going.
+    /// STEP: as GOTO, `distance` from where the set-point is or is going. One that no position of 32 bits would end is a target
+    /// beyond a limit.
     pub(crate) fn step(
         &mut self,
         now_ns: i64,
@@ -163,7 +165,12 @@ impl Generator {
             StepFrom::Setpoint => None,
             StepFrom::Target => self.target,
         };
-        let target = from.unwrap_or_else(|| self.counter(now_ns)).wrapping_add(distance);
+        let from = from.unwrap_or_else(|| self.counter(now_ns));
+        let target = match from.checked_add(distance) {
+            Some(target) => target,
+            None if ceilings.assumptions.clamps_targets => from.saturating_add(distance),
+            None => return Err(RejectCode::BadParams),
+        };
         self.go_to(now_ns, ceilings, target, speed, rate)
     }
 
@@ -203,7 +210,7 @@ impl Generator {
     pub(crate) fn freeze(&mut self, now_ns: i64, because: TrajectoryFlags) {
         if because != TrajectoryFlags::NONE && self.in_motion(now_ns) {
             self.goal = Goal::Missed;
-            self.stopped_by = because;
+            self.stopped_by = self.stopped_by.union(because);
         }
         self.motion = Motion::at_rest(f64::from(self.counter(now_ns)));
         self.target = None;
@@ -212,6 +219,12 @@ impl Generator {
     /// Stands at `position`, which is where it is from now on; moves and flags are forgotten.
     pub(crate) fn reset(&mut self, position: i32) {
         *self = Self { switches: self.switches, ..Self::at_rest(f64::from(position)) };
+    }
+
+    /// The trigger has fired, or has not; the next motion forgets it.
+    pub(crate) fn set_triggered(&mut self, fired: bool) {
+        let without = self.stopped_by.without(TrajectoryFlags::TRIGGERED);
+        self.stopped_by = if fired { without.union(TrajectoryFlags::TRIGGERED) } else { without };
     }
 
     /// LIMP and LIMN are active or not: a motion towards an active one brakes.
@@ -266,7 +279,7 @@ impl Generator {
 
     fn miss(&mut self, flag: TrajectoryFlags) {
         self.goal = Goal::Missed;
-        self.stopped_by = flag.union(TrajectoryFlags::LIMITED);
+        self.stopped_by = self.stopped_by.union(flag).union(TrajectoryFlags::LIMITED);
     }
 
     fn brake(&mut self, now_ns: i64, rate: f64) {

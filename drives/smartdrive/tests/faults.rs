@@ -147,7 +147,7 @@ async fn one(fault: Fault, doing: Doing) -> String {
         Ok(_) => "none".to_owned(),
         Err(error) => {
             let text = error.to_string();
-            assert!(text.starts_with("wire, address 1: command 5 (IOUPDATE): "), "{text}");
+            assert!(text.starts_with("wire, address 1: command 05h (IOUPDATE): "), "{text}");
             assert!(matches!(error, DriveError::Timeout { .. } | DriveError::Protocol { .. }));
             text.rsplit(": ").next().unwrap_or_default().to_owned()
         }

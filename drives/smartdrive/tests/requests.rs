@@ -17,7 +17,9 @@ use crate::{
     smartdrive::{
         Assumptions, Command, Init, IoUpdate, LoadSource, Mode, RejectCode, SmartDrive,
         SmartDriveOptions, TagLayout, TrajectoryFlags,
-        emulator::{Cam, Device, DeviceOptions, Event, HomingOptions, Input, Wire, serve},
+        emulator::{
+            Cam, Condition, Device, DeviceOptions, Event, HomingOptions, Input, Wire, serve,
+        },
         frame::command_length,
     },
 };
@@ -248,5 +250,43 @@ fn what_the_manual_does_not_say_does_not_matter() {
         assert_eq!(bus.read(1, 79).await.unwrap(), -300);
         let (state, _) = bus.state(1, &no_clock).await.unwrap();
         assert!(state.flags.contains(TrajectoryFlags::IN_MOTION));
+    });
+}
+
+/// STA bits 14 and 6 and the flag TRIGGERED reach whoever asks how a drive is.
+#[test]
+fn conditions_are_told() {
+    run(async {
+        let (near, far) = duplex(4096);
+        let clock = Arc::new(AtomicI64::new(0));
+        let clock = move || clock.fetch_add(1_000_000, Ordering::Relaxed);
+        let (control, messages) = mpsc::channel(4);
+        let mut options = SmartDriveOptions::new(vec![axis(1)]);
+        options.deadline = Duration::from_secs(2);
+        let mut bus = SmartDrive::attach(Arc::from("wire"), near, &options);
+        let (wire, device) = (Wire::default(), Device::new(&DeviceOptions::default()));
+        let serving = serve(far, vec![device], &wire, &clock, messages);
+        let testing = async {
+            let told = async |bus: &mut SmartDrive| {
+                let (state, _) = bus.state(1, &no_clock).await.unwrap();
+                let triggered = state.flags.contains(TrajectoryFlags::TRIGGERED);
+                [state.signalled, state.busy, triggered]
+            };
+            assert_eq!(told(&mut bus).await, [false; 3]);
+            let all = [Condition::Signalled, Condition::Busy, Condition::Triggered];
+            for (place, condition) in all.into_iter().enumerate() {
+                for on in [true, false] {
+                    control.send(Event::Condition(condition, on).to(0)).await.unwrap();
+                    // What is served next may have been asked before.
+                    told(&mut bus).await;
+                    let mut expected = [false; 3];
+                    expected[place] = on;
+                    assert_eq!(told(&mut bus).await, expected, "{condition:?}");
+                }
+            }
+            drop((bus, control));
+        };
+        let (devices, ()) = tokio::join!(serving, testing);
+        devices.unwrap();
     });
 }

@@ -97,7 +97,7 @@ fn drives_are_enabled_moved_and_stopped() {
     let stream = Plan { clock, start_ns: 0 };
     let mut drive = open(&bus, 2);
     assert_eq!(drive.axis_count(), 2);
-    let name = format!("SmartDRIVE at {}, stations 1, 2", bus.path().display());
+    let name = format!("SmartDRIVE at {}, addresses 1, 2", bus.path().display());
     assert_eq!(drive.describe(), name);
 
     let before = clock();
@@ -279,7 +279,7 @@ fn a_drive_that_is_not_there_is_a_timeout() {
     let lost = nobody.sample(&stream);
     let Err(DriveError::Timeout { at, .. }) = lost else { panic!("{lost:?}") };
     assert_eq!(at.station, 9);
-    assert_eq!(at.to_string(), format!("{}, address 9: command 1 (PING)", bus.path().display()));
+    assert_eq!(at.to_string(), format!("{}, address 9: command 01h (PING)", bus.path().display()));
 }
 
 #[test]

@@ -94,7 +94,7 @@ fn the_driver_produces_every_command_and_understands_every_answer() {
         let (bytes, outcome) = exchange(go_to(3200, None), &vector(number));
         let Err(DriveError::Rejected { at, reason }) = outcome else { panic!("{outcome:?}") };
         assert_eq!((reason, at.station), (expected, 1));
-        assert_eq!(at.action, Action::Command { number: 0x23, name: "GOTO" });
+        assert_eq!(at.action, Action::Atb { code: 0x23, name: "GOTO" });
         ledger.note(&bytes, Some(&vector(number)));
     }
     // 18: sent, and no answer waited for.

@@ -16,6 +16,27 @@ pub(super) fn no_clock() -> i64 {
     0
 }
 
+/// Where the axes of a drive stand.
+pub(super) enum Stands {
+    /// Here, in words.
+    At(String),
+    /// Nobody knows: it shows itself as after a restart, in these words.
+    Anew(&'static str),
+}
+
+impl Stands {
+    /// After what has been said of the stop.
+    fn after(self, stopped: &str) -> String {
+        match self {
+            Self::At(place) => format!("{stopped}, at {place}"),
+            Self::Anew(shown) => format!(
+                "{stopped}, and the device shows itself as after a restart ({shown}): where the axes stand is not known; `unlock`, then \
+                 `home` again"
+            ),
+        }
+    }
+}
+
 /// A drive whose axes can be brought to rest.
 pub(super) trait Stopping {
     /// To rest on the ramps; returns when nothing moves any more.
@@ -24,8 +45,8 @@ pub(super) trait Stopping {
     /// To rest at once; returns when that is confirmed.
     async fn hard_stop(&mut self) -> Result<(), DriveError>;
 
-    /// Where the axes stand, in words.
-    async fn stands(&mut self) -> Result<String, DriveError>;
+    /// Where the axes stand.
+    async fn stands(&mut self) -> Result<Stands, DriveError>;
 }
 
 /// A runtime for the calls of one command.
@@ -98,7 +119,7 @@ impl Session {
         // A drive that has just stopped and now says nothing is no reason to say less.
         let stands = self.runtime.block_on(drive.stands());
         let at_rest = match stands {
-            Ok(stands) => format!("{at_rest}, at {stands}"),
+            Ok(stands) => stands.after(at_rest),
             Err(_) => at_rest.to_owned(),
         };
         Err(failed(why, at_rest))
@@ -147,7 +168,7 @@ async fn pressed(interrupt: &Interrupt) -> &'static str {
 
 #[cfg(test)]
 mod tests {
-    use super::{Session, Stopping};
+    use super::{Session, Stands, Stopping};
     use std::future::{pending, ready};
     use std::time::Duration;
     use twin_drives::{Action, DriveError, Exchange};
@@ -156,6 +177,13 @@ mod tests {
     struct Drive {
         confirms: [bool; 2],
         told: Vec<&'static str>,
+        restarted: bool,
+    }
+
+    impl Drive {
+        fn new(confirms: [bool; 2]) -> Self {
+            Self { confirms, told: Vec::new(), restarted: false }
+        }
     }
 
     fn confirmed(confirmed: bool) -> Result<(), DriveError> {
@@ -178,8 +206,9 @@ mod tests {
             confirmed(self.confirms[1])
         }
 
-        async fn stands(&mut self) -> Result<String, DriveError> {
-            Ok("17".to_owned())
+        async fn stands(&mut self) -> Result<Stands, DriveError> {
+            let at = || Stands::At("17".to_owned());
+            Ok(if self.restarted { Stands::Anew("off, at 0") } else { at() })
         }
     }
 
@@ -187,7 +216,7 @@ mod tests {
     fn a_stop_that_is_not_confirmed_is_followed_by_one_at_once() {
         let session = Session::start().expect("a runtime");
         let stop = |confirms| {
-            let mut drive = Drive { confirms, told: Vec::new() };
+            let mut drive = Drive::new(confirms);
             let said = session.stop(&mut drive, pending());
             (said, drive.told)
         };
@@ -203,7 +232,7 @@ mod tests {
     #[test]
     fn what_goes_wrong_is_told_with_where_the_axes_came_to_rest() {
         let session = Session::start().expect("a runtime");
-        let mut drive = Drive { confirms: [true, true], told: Vec::new() };
+        let mut drive = Drive::new([true, true]);
         let failed = session.motion(&mut drive, async |_| confirmed(false));
         let said = failed.expect_err("it fails").to_string();
         assert!(said.ends_with("no answer within 1 ms; the axes are at rest, at 17"), "{said}");
@@ -211,9 +240,19 @@ mod tests {
     }
 
     #[test]
+    fn a_place_is_not_told_of_a_device_that_has_restarted() {
+        let session = Session::start().expect("a runtime");
+        let mut drive = Drive { restarted: true, ..Drive::new([true, true]) };
+        let failed = session.motion(&mut drive, async |_| confirmed(false));
+        let said = failed.expect_err("it fails").to_string();
+        assert!(said.contains("as after a restart (off, at 0): where the axes stand is not known"));
+        assert!(said.ends_with("`unlock`, then `home` again") && !said.contains("17"), "{said}");
+    }
+
+    #[test]
     fn what_went_wrong_first_is_told_though_no_stop_is_confirmed() {
         let session = Session::start().expect("a runtime");
-        let mut drive = Drive { confirms: [false, false], told: Vec::new() };
+        let mut drive = Drive::new([false, false]);
         let moved = async |_: &mut Drive| {
             let at = Exchange { port: "p".into(), station: 7, action: Action::ReadState };
             Err::<(), _>(DriveError::Stalled { at })
@@ -229,7 +268,7 @@ mod tests {
     #[test]
     fn what_has_asked_for_the_stop_is_called_by_its_name() {
         let session = Session::start().expect("a runtime");
-        let mut drive = Drive { confirms: [true, true], told: Vec::new() };
+        let mut drive = Drive::new([true, true]);
         let moved = async |_: &mut Drive| pending::<Result<(), DriveError>>().await;
         let asked = std::cell::Cell::new(0);
         // The second time it is who cannot wait.
@@ -246,7 +285,7 @@ mod tests {
     #[test]
     fn who_cannot_wait_stops_at_once() {
         let session = Session::start().expect("a runtime");
-        let mut drive = Drive { confirms: [true, true], told: Vec::new() };
+        let mut drive = Drive::new([true, true]);
         let said = session.stop(&mut drive, ready("Ctrl-C"));
         assert_eq!(said.ok(), Some("the axes were stopped at once"));
         assert_eq!(drive.told.last(), Some(&"hard"));

@@ -28,7 +28,10 @@ pub(super) fn switch(text: &str) -> Result<(String, bool), String> {
 }
 
 /// `FIRST-LAST`, or one number, within `most`.
-pub(super) fn stations(text: &str, most: RangeInclusive<u8>) -> Result<RangeInclusive<u8>, String> {
+pub(super) fn addresses(
+    text: &str,
+    most: RangeInclusive<u8>,
+) -> Result<RangeInclusive<u8>, String> {
     let (first, last) = text.split_once('-').unwrap_or((text, text));
     let number = |text: &str| text.trim().parse::<u8>().ok().filter(|one| most.contains(one));
     match (number(first), number(last)) {
@@ -62,6 +65,19 @@ pub(super) fn patience(distance: f64, speed: f64, acceleration: f64) -> Duration
     let seconds = distance.abs() / speed + 2.0 * speed / acceleration;
     // Twice as long, for what the drive makes of it, and some seconds.
     Duration::try_from_secs_f64(2.0 * seconds + 5.0).unwrap_or(Duration::MAX)
+}
+
+/// What a parameter was and is, with its unit. What the numbers mean is in brackets.
+pub(super) fn changed(old: impl Display, new: impl Display, unit: &str) -> String {
+    // Neither "1000 steps/s²" nor "/32768" is told from a legend by its digits.
+    let is_legend = ["=", ",", " to ", " or "].iter().any(|mark| unit.contains(mark))
+        || matches!(unit, "bits" | "code" | "address");
+    match unit {
+        "" => format!("{old} -> {new}"),
+        unit if is_legend => format!("{old} -> {new} ({unit})"),
+        unit if unit.starts_with('/') => format!("{old} -> {new}{unit}"),
+        unit => format!("{old} -> {new} {unit}"),
+    }
 }
 
 /// Checks a value that a parameter is to have.
@@ -104,7 +120,7 @@ pub(super) fn unknown_name<'a>(
 
 #[cfg(test)]
 mod tests {
-    use super::{integer, milliseconds, patience, stations, switch, unknown_name};
+    use super::{addresses, changed, integer, milliseconds, patience, switch, unknown_name};
     use std::time::Duration;
 
     #[test]
@@ -115,11 +131,23 @@ mod tests {
     }
 
     #[test]
-    fn stations_are_a_range_within_what_there_is() {
-        assert_eq!(stations("1-16", 1..=247), Ok(1..=16));
-        assert_eq!(stations("7", 1..=31), Ok(7..=7));
+    fn a_change_is_told_with_its_unit_or_with_what_it_means() {
+        let told = |unit| changed(0, 5, unit);
+        assert_eq!(told(""), "0 -> 5");
+        assert_eq!([told("rpm"), told("1000 steps/s²")], ["0 -> 5 rpm", "0 -> 5 1000 steps/s²"]);
+        assert_eq!(told("/32768"), "0 -> 5/32768");
+        let legends = ["0 = none, 1 = A with X", "bits, X first", "0 to 1023", "0 or 1", "code"];
+        for legend in legends {
+            assert_eq!(told(legend), format!("0 -> 5 ({legend})"));
+        }
+    }
+
+    #[test]
+    fn addresses_are_a_range_within_what_there_is() {
+        assert_eq!(addresses("1-16", 1..=247), Ok(1..=16));
+        assert_eq!(addresses("7", 1..=31), Ok(7..=7));
         for nonsense in ["0-3", "3-1", "1-32", "", "a-b", "1-2-3"] {
-            assert!(stations(nonsense, 1..=31).is_err(), "{nonsense}");
+            assert!(addresses(nonsense, 1..=31).is_err(), "{nonsense}");
         }
     }
 

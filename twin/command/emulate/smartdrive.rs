@@ -9,8 +9,8 @@ use std::collections::HashSet;
 use std::path::PathBuf;
 use std::time::Duration;
 use twin_drives::smartdrive::emulator::{
-    Cam, Control, DeviceOptions, EmulatedBus, EmulatorOptions, Event, Happening, HomingOptions,
-    Input, Wire,
+    Cam, Condition, Control, DeviceOptions, EmulatedBus, EmulatorOptions, Event, Happening,
+    HomingOptions, Input, Wire,
 };
 use twin_drives::smartdrive::{Alarms, Mode};
 
@@ -211,6 +211,14 @@ enum Word {
     },
     /// The rotor is blocked for a moment
     Stall { address: u8 },
+    /// A bit of the status of which the manual does not say what sets it; a new motion clears the last
+    Condition {
+        address: u8,
+        #[arg(value_enum)]
+        condition: ConditionWord,
+        #[arg(value_enum)]
+        state: Switch,
+    },
     /// Status, position and flags stay as they are now
     StuckStatus {
         address: u8,
@@ -242,6 +250,23 @@ enum AlarmWord {
     Overtemperature,
     CurrentProbes,
     Oscillator,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum ConditionWord {
+    Signalled,
+    Busy,
+    Triggered,
+}
+
+impl ConditionWord {
+    fn condition(self) -> Condition {
+        match self {
+            Self::Signalled => Condition::Signalled,
+            Self::Busy => Condition::Busy,
+            Self::Triggered => Condition::Triggered,
+        }
+    }
 }
 
 impl InputWord {
@@ -287,6 +312,9 @@ impl Word {
                 (address, Event::Fault { alarms, present: state.is_on() })
             }
             Self::Stall { address } => (address, Event::Stall),
+            Self::Condition { address, condition, state } => {
+                (address, Event::Condition(condition.condition(), state.is_on()))
+            }
             Self::StuckStatus { address, state } => (address, Event::StuckStatus(state.is_on())),
             Self::BrownOut { address, ms } => {
                 (address, Event::BrownOut { off_ns: i64::from(ms) * 1_000_000 })

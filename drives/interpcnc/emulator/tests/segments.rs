@@ -176,3 +176,23 @@ proptest::proptest! {
         }
     }
 }
+
+/// The manual only asks to take care: such a command may also be answered as usual and do nothing.
+#[test]
+fn axes_in_a_move_of_the_other_kind_may_do_nothing_more() {
+    let assumptions = Assumptions { busy_axis_refuses: false, ..Assumptions::default() };
+    let mut board = Board::new(&BoardOptions { assumptions, ..BoardOptions::default() });
+    board.handle(&vector(1)).unwrap();
+    send(&mut board, segment(2000, Some(20_000), None));
+    board.advance(500 * MS);
+    send(&mut board, go(BoardAxis::X, -500));
+    send(&mut board, Command::HomeMachine { max_strokes: [Some(400), None, None, None, None] });
+    assert_eq!(board.status().interpolating(), BoardAxis::X.mask());
+    assert_eq!(board.status().independent(), AxisMask::NONE);
+    // Another axis is free, and then not for segments.
+    send(&mut board, go(BoardAxis::Y, 90_000));
+    send(&mut board, segment(2000, None, Some(7)));
+    assert_eq!(board.waiting_segments(), 0);
+    board.advance(60_000 * MS);
+    assert_eq!(board.counters()[..2], [20_000, 90_000]);
+}

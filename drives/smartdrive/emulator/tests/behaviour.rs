@@ -309,3 +309,41 @@ fn what_the_manual_does_not_say_can_be_otherwise() {
     device.advance(250 * MS);
     ask(&mut device, Command::Ping);
 }
+
+/// Bits of "STA" and of the TAG that the manual only names: 14 SIGNALLED, 6 BUSY, TRIGGERED (bit 9 of the diagram), which a new
+/// motion command clears.
+#[test]
+fn conditions_show_in_their_bits() {
+    let mut device = remote();
+    let before = ask(&mut device, Command::Ping);
+    for (condition, status, tag) in [
+        (Condition::Signalled, 1 << 14, 0),
+        (Condition::Busy, 1 << 6, 0),
+        (Condition::Triggered, 0, 1 << 9),
+    ] {
+        device.happen(Event::Condition(condition, true));
+        let shown = ask(&mut device, Command::Ping);
+        let expected = (before.status.0 | status, before.tag | tag);
+        assert_eq!((shown.status.0, shown.tag), expected, "{condition:?}");
+        device.happen(Event::Condition(condition, false));
+        assert_eq!(ask(&mut device, Command::Ping), before, "{condition:?}");
+    }
+    let all = [Condition::Signalled, Condition::Busy, Condition::Triggered];
+    for condition in all {
+        device.happen(Event::Condition(condition, true));
+    }
+    let moving = ask(&mut device, go_to(1000, 0, 0));
+    assert_eq!(moving.tag & 1 << 9, 0, "a new motion");
+    assert_eq!(moving.status.0 & (1 << 14 | 1 << 6), 1 << 14 | 1 << 6);
+    // In flight, and then stopped by a switch: it stays.
+    device.happen(Event::Condition(Condition::Triggered, true));
+    device.set_input(Input::LimP, true);
+    device.advance(2000 * MS);
+    assert!(
+        flags(&mut device).contains(TrajectoryFlags::TRIGGERED.union(TrajectoryFlags::LIMITED_P))
+    );
+    device.brown_out(MS);
+    device.advance(2000 * MS);
+    let again = ask(&mut device, Command::Ping);
+    assert_eq!((again.status.0 & (1 << 14 | 1 << 6), again.tag & 1 << 9), (0, 0));
+}

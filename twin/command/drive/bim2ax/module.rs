@@ -1,6 +1,6 @@
 //! The module, and how it is stopped.
 
-use super::super::session::{BRAKING, Stopping, no_clock};
+use super::super::session::{BRAKING, Stands, Stopping, no_clock};
 use super::Arguments;
 use crate::command::Failure;
 use std::sync::Arc;
@@ -128,10 +128,15 @@ impl Stopping for Module {
         self.driver.rested(BRAKING, &no_clock).await.map(|_| ())
     }
 
-    async fn stands(&mut self) -> Result<String, DriveError> {
+    async fn stands(&mut self) -> Result<Stands, DriveError> {
         let (seen, _) = self.driver.positions(&no_clock).await?;
         let [one, two] = seen.positions;
-        Ok(format!("1: {one}, 2: {two}"))
+        let lost = message::PHASES_OFF | message::HOMED;
+        let off = |messages: &u16| messages & lost == message::PHASES_OFF;
+        if seen.positions == [0; 2] && seen.messages.iter().all(off) {
+            return Ok(Stands::Anew("both motors are without current, not homed, and at 0"));
+        }
+        Ok(Stands::At(format!("1: {one}, 2: {two}")))
     }
 }
 

@@ -125,8 +125,14 @@ pub(super) fn travel(
     within(&of_axis, (axis, homed), target).map_err(Failure::Usage)?;
     let per_s = of_axis.speed(speed.unwrap_or(of_axis.fast_speed));
     let number = axis.number();
-    consent
-        .ask(&format!("move axis {number} from {from} to {target} µsteps at {per_s} µsteps/s"))?;
+    let capped = speed.filter(|speed| *speed > of_axis.fast_speed);
+    let capped = capped.map_or(String::new(), |speed| {
+        format!(" ({speed} is beyond the fast speed, {})", of_axis.fast_speed)
+    });
+    let gets = if messages & message::PHASES_OFF == 0 { "" } else { "; its motor gets current" };
+    consent.ask(&format!(
+        "move axis {number} from {from} to {target} µsteps at {per_s} µsteps/s{capped}{gets}"
+    ))?;
     // An axis may approach its target from one side, and go further for that.
     let way = f64::from(target) - f64::from(from);
     let distance = way.abs() + 2.0 * f64::from(of_axis.approach);

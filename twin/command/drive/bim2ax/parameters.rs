@@ -175,13 +175,8 @@ pub(super) fn set(
     let (_, bits) = wanted(parameter, (value, of_value), rating.into())?;
     let old = session.ask(module.parameter(parameter, &no_clock))?;
     session.ask(module.set_parameter(parameter, bits, &no_clock))?;
-    say!(
-        "{}: {} -> {} {}",
-        parameter.word(),
-        shown(parameter, old),
-        shown(parameter, bits),
-        of_value
-    );
+    let [old, new] = [old, bits].map(|bits| shown(parameter, bits));
+    say!("{}: {}", parameter.word(), words::changed(old, new, of_value));
     if parameter.needs_reset() {
         say!("it acts after `reset`");
     }

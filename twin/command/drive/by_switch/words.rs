@@ -116,6 +116,10 @@ impl Told<'_> {
     /// Whether the axis is at rest, and where. A drive that says nothing any more is no reason to say less.
     fn rest(&self, drive: &mut dyn Drive) -> String {
         let stream: &dyn SetpointStream = &Still::new(Clock::start());
+        if drive.shows_restart().unwrap_or(false) {
+            return "; the device shows itself as after a restart: where the axis stands is not known; `unlock`, then home it again"
+                .to_owned();
+        }
         let Ok(sample) = drive.probe(stream) else { return "; the axis was stopped".to_owned() };
         let at = sample.position.first().copied().unwrap_or(0);
         let unit = self.unit;

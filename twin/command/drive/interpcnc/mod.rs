@@ -1,5 +1,6 @@
 //! `twin drive interpcnc`.
 
+mod coupled;
 mod motion;
 mod parameters;
 mod show;
@@ -11,9 +12,10 @@ use super::session::{BRAKING, Session, no_clock};
 use super::words;
 use crate::command::assume::Assume;
 use crate::command::{Failure, Status};
-use motion::{home, position, travel};
+use coupled::{beside, follower};
+use motion::{Way, home, standing, tell_follower, travel};
 use parameters::{get, set};
-use show::{inputs, outputs, scan, status};
+use show::{Output, inputs, output, outputs, scan, status};
 use std::ops::RangeInclusive;
 use std::time::Duration;
 use twin_drives::interpcnc::registers::MAX_SPEED_HZ;
@@ -73,7 +75,7 @@ enum ParityOption {
 
 #[derive(Debug, clap::Subcommand)]
 enum Action {
-    /// Ask which addresses (stations) answer; changes nothing
+    /// Ask which addresses answer; changes nothing
     Scan {
         /// Addresses to ask, FIRST-LAST within 1-247; each that is not there takes two deadlines and more
         #[arg(long, visible_alias = "stations", default_value = "1-16", value_parser = addresses)]
@@ -144,7 +146,7 @@ enum Action {
         /// Name, or number 0 to 383
         parameter: Option<String>,
     },
-    /// Change a parameter: the board keeps it in its EEPROM at once
+    /// Change a parameter: the board keeps it in its EEPROM at once; its axes must be at rest
     Set {
         /// Name, or number 0 to 383
         parameter: String,
@@ -157,11 +159,11 @@ enum Action {
     Save,
     /// Show inputs, encoder and pulse counters
     Inputs,
-    /// Show outputs, after switching some
+    /// Show outputs, also the analog ones, after switching or setting some
     Outputs {
-        /// Outputs to switch, 1 to 32, like 3=on 4=off
-        #[arg(value_name = "N=on|off", value_parser = words::switch)]
-        switches: Vec<(String, bool)>,
+        /// Outputs to switch, 1 to 32, like 3=on 4=off; analog outputs to set, A1 or A2 to 0 to 1023, like A1=512
+        #[arg(value_name = "N=on|off", value_parser = output)]
+        outputs: Vec<Output>,
     },
 }
 
@@ -191,7 +193,7 @@ fn axis(text: &str) -> Result<BoardAxis, String> {
 }
 
 fn addresses(text: &str) -> Result<RangeInclusive<u8>, String> {
-    words::stations(text, 1..=247)
+    words::addresses(text, 1..=247)
 }
 
 impl Arguments {
@@ -243,6 +245,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let consent = arguments.consent();
     match &arguments.action {
         Action::OnFile(on_file) => {
+            // Some parameters end or bend what moves.
+            if matches!(on_file, OnFile::Restore { .. }) {
+                standing(&session, &mut open(arguments.address)?, "restore")?;
+            }
             on_file.carry_out(&mut arguments.drive(&BoardAxis::ALL)?, consent)?;
             return Ok(Status::Fit);
         }
@@ -251,8 +257,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
                 let message = "home --by-switch homes one axis at a time";
                 return Err(Failure::Usage(message.to_owned()));
             };
-            let mut drive = arguments.drive(&[axis])?;
-            by_switch.carry_out(&mut drive, (&format!("axis {axis}"), "steps"), consent)?;
+            let follower = follower(&session, &mut open(arguments.address)?, &[axis], "home")?;
+            let also = beside(follower);
+            let space = if also.is_empty() { "" } else { " " };
+            let name = format!("axis {axis}{space}{also}");
+            by_switch.carry_out(&mut arguments.drive(&[axis])?, (&name, "steps"), consent)?;
+            tell_follower(&session, &mut open(arguments.address)?, follower)?;
             return Ok(Status::Fit);
         }
         Action::Save => {
@@ -274,15 +284,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             home(&session, &mut board, consent, axes, *max_stroke)?;
         }
         Action::Jog { axis, distance, ramps, .. } => {
-            let from = position(&session, &mut board, *axis)?;
-            let target = from.checked_add(*distance).ok_or_else(|| {
-                Failure::Usage(format!("axis {axis} at {from} cannot go {distance} steps further"))
-            })?;
-            travel(&session, &mut board, consent, *axis, (from, target), *ramps)?;
+            travel(&session, &mut board, consent, *axis, Way::By(*distance), *ramps)?;
         }
         Action::Move { axis, position: target, ramps, .. } => {
-            let from = position(&session, &mut board, *axis)?;
-            travel(&session, &mut board, consent, *axis, (from, *target), *ramps)?;
+            travel(&session, &mut board, consent, *axis, Way::To(*target), *ramps)?;
         }
         Action::Stop { now } => {
             let state = if *now {
@@ -293,9 +298,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             say!("at rest at {}", state.positions.map(|one| one.to_string()).join(", "));
         }
         Action::Get { parameter } => get(&session, &mut board, parameter.as_deref())?,
-        Action::Set { parameter, value } => set(&session, &mut board, parameter, *value)?,
+        Action::Set { parameter, value } => {
+            standing(&session, &mut board, "set")?;
+            set(&session, &mut board, parameter, *value)?;
+        }
         Action::Inputs => inputs(&session, &mut board)?,
-        Action::Outputs { switches } => outputs(&session, &mut board, switches)?,
+        Action::Outputs { outputs: wanted } => outputs(&session, &mut board, wanted)?,
     }
     Ok(Status::Fit)
 }

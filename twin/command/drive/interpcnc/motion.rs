@@ -1,9 +1,10 @@
 //! What moves the axes of an InterpCNC board.
 
 use super::super::consent::Consent;
-use super::super::session::{BRAKING, Session, Stopping, no_clock};
+use super::super::session::{BRAKING, Session, Stands, Stopping, no_clock};
 use super::super::words;
 use super::Ramps;
+use super::coupled::{beside, follower};
 use crate::command::Failure;
 use std::time::Duration;
 use twin_drives::interpcnc::registers::Status;
@@ -21,11 +22,14 @@ impl Stopping for InterpCnc {
         self.stop_and_lock(&no_clock).await.map(|_| ())
     }
 
-    async fn stands(&mut self) -> Result<String, DriveError> {
+    async fn stands(&mut self) -> Result<Stands, DriveError> {
         let (state, _) = self.state(&no_clock).await?;
+        if state.status.locked() && state.positions == [0; BoardAxis::ALL.len()] {
+            return Ok(Stands::Anew("the board is locked, and all its counters are 0"));
+        }
         let axes = BoardAxis::ALL.into_iter().zip(state.positions);
         let said: Vec<_> = axes.map(|(axis, at)| format!("{axis} {at}")).collect();
-        Ok(said.join(", "))
+        Ok(Stands::At(said.join(", ")))
     }
 }
 
@@ -37,7 +41,11 @@ fn obeying(session: &Session, board: &mut InterpCnc, what: &str) -> Result<Board
 }
 
 /// The state of a board none of whose axes moves.
-fn standing(session: &Session, board: &mut InterpCnc, what: &str) -> Result<BoardState, Failure> {
+pub(super) fn standing(
+    session: &Session,
+    board: &mut InterpCnc,
+    what: &str,
+) -> Result<BoardState, Failure> {
     let (state, _) = session.ask(board.state(&no_clock))?;
     if state.status.moving().is_empty() && !state.status.has(Status::HOMING_IN_PROGRESS) {
         return Ok(state);
@@ -45,14 +53,27 @@ fn standing(session: &Session, board: &mut InterpCnc, what: &str) -> Result<Boar
     Err(Failure::Usage(format!("an axis moves: `stop` before `{what}`")))
 }
 
-/// Where an axis stands; the board has to obey, and no axis of it may move.
-pub(super) fn position(
-    session: &Session,
-    board: &mut InterpCnc,
-    axis: BoardAxis,
-) -> Result<i32, Failure> {
-    let state = obeying(session, board, "move")?;
-    Ok(state.positions.get(axis.index()).copied().unwrap_or(0))
+/// Where an axis stands.
+pub(super) fn of(state: &BoardState, axis: BoardAxis) -> i32 {
+    state.positions.get(axis.index()).copied().unwrap_or(0)
+}
+
+/// Where an axis goes from where it stands, steps.
+#[derive(Clone, Copy)]
+pub(super) enum Way {
+    To(i32),
+    By(i32),
+}
+
+/// The target of an axis.
+fn target(axis: BoardAxis, from: i32, way: Way) -> Result<i32, Failure> {
+    let distance = match way {
+        Way::To(target) => return Ok(target),
+        Way::By(distance) => distance,
+    };
+    from.checked_add(distance).ok_or_else(|| {
+        Failure::Usage(format!("axis {axis} at {from} cannot go {distance} steps further"))
+    })
 }
 
 pub(super) fn travel(
@@ -60,11 +81,24 @@ pub(super) fn travel(
     board: &mut InterpCnc,
     consent: Consent,
     axis: BoardAxis,
-    (from, target): (i32, i32),
+    way: Way,
     ramps: Ramps,
 ) -> Result<(), Failure> {
+    let state = obeying(session, board, "move")?;
+    let follower = follower(session, board, &[axis], "move")?;
+    let from = of(&state, axis);
+    let target = target(axis, from, way)?;
+    let also = match follower {
+        Some(follower) => {
+            let at = of(&state, follower);
+            // By the same steps; a counter that overflows starts again at the other end.
+            let end = at.wrapping_add(target.wrapping_sub(from));
+            format!(", {} from {at} to {end}", beside(Some(follower)))
+        }
+        None => String::new(),
+    };
     consent.ask(&format!(
-        "move axis {axis} from {from} to {target} steps at {} steps/s",
+        "move axis {axis} from {from} to {target} steps at {} steps/s{also}",
         ramps.speed
     ))?;
     let profile = MoveProfile {
@@ -80,6 +114,19 @@ pub(super) fn travel(
     session
         .motion(board, async |board| board.move_axis(axis, &profile, patience, &no_clock).await)?;
     say!("axis {axis} stands at {target}");
+    tell_follower(session, board, follower)
+}
+
+/// Says where the axis stands that has gone along.
+pub(super) fn tell_follower(
+    session: &Session,
+    board: &mut InterpCnc,
+    follower: Option<BoardAxis>,
+) -> Result<(), Failure> {
+    if let Some(axis) = follower {
+        let (state, _) = session.ask(board.state(&no_clock))?;
+        say!("axis {axis}, which has gone along, stands at {}", of(&state, axis));
+    }
     Ok(())
 }
 
@@ -91,6 +138,7 @@ pub(super) fn home(
     max_stroke: i32,
 ) -> Result<(), Failure> {
     let state = obeying(session, board, "home")?;
+    let follower = follower(session, board, axes, "home")?;
     let mut strokes = AxisValues::default();
     let mut said = Vec::with_capacity(axes.len());
     let mut patience = Duration::ZERO;
@@ -109,10 +157,16 @@ pub(super) fn home(
         if let Some(stroke) = strokes.get_mut(axis.index()) {
             *stroke = Some(max_stroke);
         }
-        let from = state.positions.get(axis.index()).copied().unwrap_or(0);
+        let from = of(&state, *axis);
         let sign = if positive { "+" } else { "-" };
+        let also = match follower.filter(|_| *axis == BoardAxis::X) {
+            Some(follower) => {
+                format!(", {} from {}", beside(Some(follower)), of(&state, follower))
+            }
+            None => String::new(),
+        };
         said.push(format!(
-            "axis {axis} from {from} towards {sign} until input {input} says so, {max_stroke} steps at most, at {speed} steps/s"
+            "axis {axis} from {from} towards {sign} until input {input} says so, {max_stroke} steps at most, at {speed} steps/s{also}"
         ));
         // There, and off the switch much slower; axes may go one after the other.
         patience +=
@@ -125,7 +179,7 @@ pub(super) fn home(
         .motion(board, async |board| board.home_machine(&strokes, patience, &no_clock).await)?;
     let zeroes = session.ask(board.parameter(parameters::ZERO_AFTER_HOMING, &no_clock))? == 1;
     for axis in axes {
-        let position = state.positions.get(axis.index()).copied().unwrap_or(0);
+        let position = of(&state, *axis);
         if zeroes && position != 0 {
             return Err(Failure::Usage(format!(
                 "axis {axis} is home, and counts {position} instead of 0, though parameter {} is 1 (zero-after-homing): has something \
@@ -135,6 +189,7 @@ pub(super) fn home(
         }
         say!("axis {axis} is home, at {position}");
     }
+    tell_follower(session, board, follower)?;
     if !zeroes {
         say!(
             "note: the board leaves its counters as they are (zero-after-homing is 0), so that they do not count from home; a run wants \

@@ -32,7 +32,7 @@ const SINGLE: [(u16, &str); 21] = [
     (numbers::SPECIAL_POLARITY, "bits"),
     (numbers::HOME_POLARITY, "bits, X first"),
     (numbers::OUTPUTS_AT_START, "bits, OUT1 first"),
-    (numbers::COUPLING, "1 = A with X, 2 = B with X"),
+    (numbers::COUPLING, "0 = none, 1 = A with X, 2 = B with X"),
     (numbers::SET_WHEN_UNLOCKED, "bits, OUT1 first"),
     (numbers::UNLOCK_INPUT, "input, 0 = none"),
     (numbers::UNLOCK_POLARITY, "0 = NO, 1 = NC"),
@@ -127,7 +127,8 @@ pub(super) fn set(
     let of_line = of_the_line(one.number, value, &assumed).map_err(Failure::Usage)?;
     let old = session.ask(board.parameter(one.number, &no_clock))?;
     session.ask(board.set_parameter(one.number, value, STORING, &no_clock))?;
-    say!("parameter {} ({}): {old} -> {value} {}", one.number, one.name, one.unit);
+    let changed = words::changed(old, value, one.unit);
+    say!("parameter {} ({}): {changed}", one.number, one.name);
     if let Some(then) = of_line {
         let when = if assumed.line_at_restart {
             "it acts when the board has been switched off and on; from then on"

@@ -1,13 +1,13 @@
 //! What an InterpCNC board says, for people.
 
 use super::super::session::{Session, no_clock};
-use super::super::words::{on_off, right};
+use super::super::words::{self, on_off, right};
 use crate::advice;
 use crate::command::show;
 use crate::command::{Failure, Status};
 use std::ops::RangeInclusive;
 use twin_drives::DriveError;
-use twin_drives::interpcnc::registers::{INPUTS, OUTPUTS, Status as Bits};
+use twin_drives::interpcnc::registers::{INPUTS, MAX_ANALOG, OUTPUTS, Status as Bits};
 use twin_drives::interpcnc::{BoardAxis, InterpCnc, Snapshot};
 
 pub(super) fn scan(
@@ -133,27 +133,74 @@ pub(super) fn inputs(session: &Session, board: &mut InterpCnc) -> Result<(), Fai
     Ok(())
 }
 
+/// What an output is to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Output {
+    /// Output 1 to 32, on or off.
+    Digital(u8, bool),
+    /// Analog output 1 or 2, 0 to 1023.
+    Analog(u8, u16),
+}
+
+/// `N=on`, `N=off` or `A1=512`.
+pub(super) fn output(text: &str) -> Result<Output, String> {
+    if let Some(analog) = text.strip_prefix(['A', 'a']) {
+        let (name, value) = analog.split_once('=').ok_or("expected A1=0 to A2=1023")?;
+        let number = name.parse().ok().filter(|number| (1..=2).contains(number));
+        let number = number.ok_or_else(|| format!("output A{name}: there are A1 and A2"))?;
+        let value = value.parse().ok().filter(|value| *value <= MAX_ANALOG);
+        let value = value.ok_or_else(|| format!("output A{name} takes 0 to {MAX_ANALOG}"))?;
+        return Ok(Output::Analog(number, value));
+    }
+    let (name, on) = words::switch(text)?;
+    let number = name.parse().ok().filter(|number| (1..=OUTPUTS).contains(number));
+    let number =
+        number.ok_or_else(|| format!("output {name}: there are 1 to {OUTPUTS}, A1 and A2"))?;
+    Ok(Output::Digital(number, on))
+}
+
 pub(super) fn outputs(
     session: &Session,
     board: &mut InterpCnc,
-    switches: &[(String, bool)],
+    wanted: &[Output],
 ) -> Result<(), Failure> {
-    let mut wanted = Vec::with_capacity(switches.len());
-    for (name, on) in switches {
-        let number = name.parse().ok().filter(|number| (1..=OUTPUTS).contains(number));
-        let number: u8 = number
-            .ok_or_else(|| Failure::Usage(format!("output {name}: there are 1 to {OUTPUTS}")))?;
-        wanted.push((number, *on));
+    for output in wanted {
+        match *output {
+            Output::Digital(number, on) => {
+                session.ask(board.set_output(number, on, &no_clock))?;
+            }
+            Output::Analog(number, value) => {
+                session.ask(board.set_analog_output(number, value, &no_clock))?;
+            }
+        }
     }
-    for (number, on) in wanted {
-        session.ask(board.set_output(number, on, &no_clock))?;
-    }
+    let analog = session.ask(board.analog_outputs(&no_clock))?;
     let levels = session.ask(board.outputs(&no_clock))?;
     let mut table = show::table();
     table.set_header(["output", "level"]);
     for number in 1..=OUTPUTS {
         table.add_row([right(number), on_off(levels >> (number - 1) & 1 == 1).into()]);
     }
+    for (number, value) in (1..).zip(analog) {
+        table.add_row([right(format!("A{number}")), right(value)]);
+    }
     say!("{table}");
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Output, output};
+
+    /// OUT1 to OUT32, and registers 4146 and 4147, 0 to 1023.
+    #[test]
+    fn outputs_are_switched_and_set() {
+        assert_eq!(output("32=on"), Ok(Output::Digital(32, true)));
+        assert_eq!(output("A1=1023"), Ok(Output::Analog(1, 1023)));
+        assert_eq!(output("a2=0"), Ok(Output::Analog(2, 0)));
+        let wrong = ["0=on", "33=on", "A3=1", "A0=1", "A1=1024", "A1=-1", "A1=on", "A1", "3=512"];
+        for text in wrong {
+            assert!(output(text).is_err(), "{text}");
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! One drive of a bus.
 
-use super::super::session::{BRAKING, Stopping, no_clock};
+use super::super::session::{BRAKING, Stands, Stopping, no_clock};
 use std::sync::Arc;
 use twin_drives::smartdrive::{DriveState, Mode, SmartDrive};
 use twin_drives::{Action as Doing, DriveError, Exchange};
@@ -37,7 +37,13 @@ impl Stopping for Axis {
         self.bus.set_mode(self.address, Some(Mode::Off)).await
     }
 
-    async fn stands(&mut self) -> Result<String, DriveError> {
-        self.state().await.map(|state| state.position.to_string())
+    async fn stands(&mut self) -> Result<Stands, DriveError> {
+        let state = self.state().await?;
+        let obeys = state.mode == Mode::Remote.number();
+        Ok(if !obeys && state.alarms.is_empty() && state.position == 0 {
+            Stands::Anew("the drive does not obey the bus, and its position is 0")
+        } else {
+            Stands::At(state.position.to_string())
+        })
     }
 }

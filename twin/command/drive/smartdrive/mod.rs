@@ -120,14 +120,14 @@ enum Action {
         /// Name of a parameter or variable, or number of a parameter
         parameter: Option<String>,
     },
-    /// Change the working value of a parameter, or a variable; `save` keeps parameters over a restart
+    /// Change the working value of a parameter, at rest, or a variable; `save` keeps parameters over a restart
     Set {
         /// Name of a parameter or variable, or number of a parameter
         parameter: String,
 
-        /// New value, decimal or 0x1F
-        #[arg(allow_negative_numbers = true, value_parser = words::value)]
-        value: i64,
+        /// New value, decimal or 0x1F; currents (Cur_...) are 32768ths
+        #[arg(allow_negative_numbers = true)]
+        value: String,
     },
     /// Write all working values of parameters to the drive's flash; its position becomes 0
     Save,
@@ -154,7 +154,7 @@ struct Ramps {
 }
 
 fn addresses(text: &str) -> Result<RangeInclusive<u8>, String> {
-    words::stations(text, ADDRESSES)
+    words::addresses(text, ADDRESSES)
 }
 
 impl Arguments {
@@ -315,7 +315,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             say!("at rest at {}", state.position);
         }
         Action::Get { parameter } => get(&session, &mut axis, parameter.as_deref())?,
-        Action::Set { parameter, value } => set(&session, &mut axis, parameter, *value)?,
+        Action::Set { parameter, value } => set(&session, &mut axis, parameter, value)?,
         Action::Save => {
             standing(&session, &mut axis, "save")?;
             session.ask(axis.bus.save(address))?;

@@ -18,10 +18,27 @@ pub(super) fn standing(
 ) -> Result<DriveState, Failure> {
     let state = session.ask(axis.state())?;
     if turns(&state) {
-        let message = format!("{}: it moves, which `{what}` would end: `stop` first", axis.at());
+        let message =
+            format!("{}: it moves, which `{what}` could end or spoil: `stop` first", axis.at());
         return Err(Failure::Usage(message));
     }
     Ok(state)
+}
+
+/// No drive goes beyond its position limits, which count where the lower is below the upper.
+fn within([low, high]: [i64; 2], target: i32) -> Result<(), String> {
+    let target = i64::from(target);
+    if low >= high || (low..=high).contains(&target) {
+        return Ok(());
+    }
+    let (name, index, limit) = if target < low {
+        ("Trj_PosMin", parameters::POSITION_MIN, low)
+    } else {
+        ("Trj_PosMax", parameters::POSITION_MAX, high)
+    };
+    Err(format!(
+        "it cannot go to {target} µsteps: {name} (parameter {index}) is {limit} µsteps (nothing was sent)"
+    ))
 }
 
 /// The same, which has to obey the bus.
@@ -68,6 +85,10 @@ pub(super) fn travel(
     };
     let largest = [working(parameters::VELOCITY_MAX)?, working(parameters::ACCELERATION_MAX)?];
     let turn = f64::from(working(FULL_STEPS)?) * f64::from(working(STEP_DIVISOR)?);
+    let mut limit =
+        |index| session.ask(axis.bus.parameter(address, index)).map(|copies| copies.working);
+    let limits = [limit(parameters::POSITION_MIN)?, limit(parameters::POSITION_MAX)?];
+    within(limits, target).map_err(|why| Failure::Usage(format!("{}: {why}", axis.at())))?;
     let [speed, acceleration] = largest;
     // More than its ceilings no drive does.
     let speed = ramps.speed.map_or(speed, |wanted| wanted.min(speed));
@@ -82,4 +103,20 @@ pub(super) fn travel(
     session.motion(axis, async |axis| axis.bus.travel(address, target, profile, patience).await)?;
     say!("stands at {target}");
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::within;
+
+    /// `PAR_Trj_PosMin` and `PAR_Trj_PosMax`, 26 and 28.
+    #[test]
+    fn a_target_beyond_a_position_limit_is_refused_with_the_limit() {
+        assert_eq!([within([-5, 9], -5), within([-5, 9], 9)], [Ok(()), Ok(())]);
+        assert_eq!([within([0, 0], i32::MAX), within([7, -7], 99)], [Ok(()), Ok(())]);
+        let beyond = within([-5, 9], 10).unwrap_err();
+        assert!(beyond.contains("to 10 µsteps: Trj_PosMax (parameter 28) is 9 µsteps"), "{beyond}");
+        let below = within([-5, 9], -6).unwrap_err();
+        assert!(below.contains("Trj_PosMin (parameter 26) is -5 µsteps"), "{below}");
+    }
 }

@@ -3,9 +3,10 @@
 use super::super::session::{Session, no_clock};
 use super::super::words::{self, right};
 use super::axis::Axis;
+use super::motion::standing;
 use crate::command::{Failure, show};
 use twin_drives::DriveError;
-use twin_drives::smartdrive::parameters::{self, ADDRESS, Entry, PARAMETERS, VARIABLES};
+use twin_drives::smartdrive::parameters::{self, ADDRESS, Entry, Kind, PARAMETERS, VARIABLES};
 
 /// A parameter or a variable.
 #[derive(Clone, Copy)]
@@ -18,6 +19,13 @@ fn find(text: &str) -> Result<Found, Failure> {
     if let Some(number) = words::integer(text) {
         let entry = PARAMETERS.iter().find(|entry| i64::from(entry.index) == number);
         return entry.map(Found::Parameter).ok_or_else(|| {
+            let variable = VARIABLES.iter().find(|entry| i64::from(entry.index) == number);
+            if let Some(variable) = variable {
+                return Failure::Usage(format!(
+                    "there is no parameter {number}; variable {number} is {}: say its name",
+                    variable.name
+                ));
+            }
             let most = PARAMETERS.iter().map(|entry| entry.index).max().unwrap_or(0);
             words::unknown_number(number, &format!("they are some of 0 to {most}"))
         });
@@ -27,6 +35,20 @@ fn find(text: &str) -> Result<Found, Failure> {
     parameter.or_else(variable).ok_or_else(|| {
         let names = PARAMETERS.iter().chain(&VARIABLES).map(|entry| entry.name);
         words::unknown_name("parameter or variable", text, names)
+    })
+}
+
+/// What somebody has written for a parameter: a whole number.
+fn number(entry: &Entry, text: &str) -> Result<i64, String> {
+    words::value(text).map_err(|not| {
+        let fraction = text.parse().ok().filter(|_| entry.kind == Kind::Fraction);
+        match fraction.and_then(parameters::to_q15) {
+            Some(value) => format!(
+                "{} ({}) = {text}: it is written in 32768ths, and {text} is {value}",
+                entry.name, entry.index
+            ),
+            None => not,
+        }
     })
 }
 
@@ -70,13 +92,18 @@ pub(super) fn set(
     session: &Session,
     axis: &mut Axis,
     name: &str,
-    value: i64,
+    value: &str,
 ) -> Result<(), Failure> {
     let address = axis.address;
     let found = find(name)?;
     let (Found::Parameter(entry) | Found::Variable(entry)) = found;
     if !entry.writable {
         return Err(Failure::Usage(format!("{} ({}) is read-only", entry.name, entry.index)));
+    }
+    let value = number(entry, value).map_err(Failure::Usage)?;
+    // Ceilings and steps of a turn count from now on, for what moves already, too.
+    if matches!(found, Found::Parameter(_)) {
+        standing(session, axis, "set")?;
     }
     let named = format!("{} ({})", entry.name, entry.index);
     words::check_value(&named, value, (&entry.values(), entry.unit))?;
@@ -109,11 +136,36 @@ pub(super) fn set(
             (entry, old, session.ask(axis.bus.write_variable(address, entry.index, wanted))?)
         }
     };
-    say!("{} ({}): {old} -> {new} {}", entry.name, entry.index, entry.unit);
+    say!("{} ({}): {}", entry.name, entry.index, words::changed(old, new, entry.unit));
     if let Some(new) = new_address.filter(|new| *new != address) {
         say!(
             "from now on the drive is spoken to with --address {new}; `--address {new} save` makes it keep that when it is switched off"
         );
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{find, number};
+    use twin_drives::smartdrive::parameters::{PARAMETERS, named};
+
+    /// "Annexe": 0.3 · 32768 = 9830.
+    #[test]
+    fn a_fraction_is_told_in_the_numbers_of_the_drive() {
+        let entry = |name| named(&PARAMETERS, name).expect("it is there");
+        assert_eq!(number(entry("Cur_Idle"), "9830"), Ok(9830));
+        let told = number(entry("Cur_Idle"), "0.3").unwrap_err();
+        assert_eq!(told, "Cur_Idle (66) = 0.3: it is written in 32768ths, and 0.3 is 9830");
+        for (name, text) in [("Cur_Idle", "1.5"), ("Cur_Idle", "half"), ("Trj_VelMax", "0.3")] {
+            assert_eq!(number(entry(name), text), Err(format!("`{text}` is no whole number")));
+        }
+    }
+
+    #[test]
+    fn the_number_of_a_variable_leads_to_its_name() {
+        let told = find("75").err().map(|error| error.to_string());
+        let expected = "there is no parameter 75; variable 75 is Pos_Actual: say its name";
+        assert_eq!(told.as_deref(), Some(expected));
+    }
 }
