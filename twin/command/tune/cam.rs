@@ -20,10 +20,10 @@ use crate::finding::{self, Rule};
 use clap::ValueEnum;
 use std::io;
 use std::path::PathBuf;
-use twin_motion::axis::profile::RampType;
+use twin_motion::axis::profile::{RampType, State};
 use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{Free, RampGoal, Tolerance};
-use twin_motion::cam::{AxisState, Quantity, StartMode};
+use twin_motion::cam::{Quantity, StartMode};
 
 /// Tune a cam: offsets and scalings from a recorded run or within limits, the dead time of tappets, ramps, shapes
 ///
@@ -368,7 +368,7 @@ fn tuned(
         report.goal = Some(arguments.goal.into());
     }
     if let Some([master, position, velocity]) = arguments.ramp_in {
-        let slave = AxisState { position, velocity, acceleration: 0.0 };
+        let slave = State { position, velocity, acceleration: 0.0 };
         let least = arguments.least.quantity().unwrap_or(Quantity::Acceleration);
         let goal = arguments
             .within
