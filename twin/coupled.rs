@@ -3,7 +3,8 @@
 use crate::machine::{Axis, CamSelection, CoupledBy, Machine};
 use crate::tappets::{MasterPlace, Signal, TappetBits, Tracks};
 use twin_kinematics::{AxisMotion, AxisSource, AxisVector, KinematicsError};
-use twin_motion::cam::{AxisState, CamCoupling, CamTable, CouplingError};
+use twin_motion::axis::profile::State;
+use twin_motion::cam::{CamCoupling, CamTable, CouplingError};
 
 /// A slave that the program moves itself by less is left alone, mm or degrees: the transform rounds.
 const UNMOVED: f64 = 1e-6;
@@ -172,7 +173,7 @@ impl<'m> Coupled<'m> {
             let follows = match (&coupling.by, &mut running.cam) {
                 (CoupledBy::Gear(numerator, denominator), _) => {
                     let ratio = f64::from(*numerator) / f64::from(*denominator);
-                    AxisState {
+                    State {
                         position: running.own + ratio * (leads.position - running.master),
                         velocity: ratio * leads.velocity,
                         acceleration: ratio * leads.acceleration,
@@ -185,7 +186,7 @@ impl<'m> Coupled<'m> {
                     let pair = (coupling.axis, coupling.master);
                     self.tracks.take_all(pair, &cam.output().tappets, 0);
                     let slave = cam.output().slave;
-                    AxisState { position: slave.position + running.shift, ..slave }
+                    State { position: slave.position + running.shift, ..slave }
                 }
                 (CoupledBy::Cam(_), None) => continue,
             };
@@ -209,23 +210,23 @@ fn period(axis: &Axis) -> Option<f64> {
 }
 
 /// An axis as it shows itself: within its period, if it has one.
-fn shown(state: AxisState, axis: &Axis) -> AxisState {
+fn shown(state: State, axis: &Axis) -> State {
     let position = period(axis).map_or(state.position, |period| state.position.rem_euclid(period));
-    AxisState { position, ..state }
+    State { position, ..state }
 }
 
 /// How an axis moves, in its unit.
-fn state(axes: &AxisMotion, index: usize, axis: &Axis) -> AxisState {
+fn state(axes: &AxisMotion, index: usize, axis: &Axis) -> State {
     let of = |values: &AxisVector| axis.from_si(values.get(index).copied().unwrap_or_default());
-    AxisState {
+    State {
         position: of(&axes.position),
         velocity: of(&axes.velocity),
         acceleration: of(&axes.acceleration),
     }
 }
 
-fn put(axes: &mut AxisMotion, index: usize, axis: &Axis, state: AxisState) {
-    let AxisState { position, velocity, acceleration } = state;
+fn put(axes: &mut AxisMotion, index: usize, axis: &Axis, state: State) {
+    let State { position, velocity, acceleration } = state;
     for (values, value) in [
         (&mut axes.position, position),
         (&mut axes.velocity, velocity),

@@ -26,7 +26,8 @@ pub trait Motion {
     ///
     /// # Errors
     ///
-    /// The manual's error for inputs that are not valid; whoever moves the axis goes on then.
+    /// The manual's error for inputs that are not valid; another block that moves the axis goes on then. Where it is the
+    /// block itself that does, the edge has ended that motion (manual 5.2 b): the axis goes into errorstop with the error.
     fn plan(&self, start: Start, axis: &Axis, with: Self::With) -> Result<Self::Run, SmcError>;
 
     /// Where the motion ends, if it does, in the drive's coordinates (`fAimPosition`).
@@ -85,7 +86,8 @@ pub enum Stage {
 ///
 /// A rising edge of Execute takes over the inputs and begins. Until it is done the block has to be called every cycle,
 /// whatever Execute does. `done`, `command_aborted` and `error` stay while Execute is TRUE; if it fell earlier, they
-/// show for one cycle. A new edge begins anew, from whatever motion there is.
+/// show for one cycle. A new edge begins anew, from whatever motion there is; with inputs that are not valid nobody moves
+/// the axis any more, and it brakes in errorstop with the error of the block.
 #[derive(Clone, Debug)]
 pub struct Block<M: Motion> {
     /// The inputs; taken over at the next rising edge.
@@ -149,7 +151,7 @@ impl<M: Motion + Clone> Block<M> {
     fn begin(&mut self, axis: &mut Axis, with: M::With) {
         let own = self.taken.take().is_some_and(|taken| axis.owns(taken.owner));
         let start = axis.start();
-        let admitted = if own && M::LOCKS { Ok(()) } else { self.inputs.admitted(axis) };
+        let admitted = if own { Ok(()) } else { self.inputs.admitted(axis) };
         let planned = admitted.and_then(|()| Ok(self.inputs.plan(start, axis, with)?));
         match planned {
             Ok(run) => {
@@ -162,7 +164,12 @@ impl<M: Motion + Clone> Block<M> {
                     drive: axis.values.drive_id,
                 });
             }
-            Err(refusal) => self.latch.end(refusal.into(), axis),
+            Err(refusal) => {
+                if let (true, Refusal::Error(error)) = (own, refusal) {
+                    axis.fail_with(error.number());
+                }
+                self.latch.end(refusal.into(), axis);
+            }
         }
     }
 

@@ -13,6 +13,7 @@ impl Axis {
     /// limit switch where they are watched, brings the axis into errorstop.
     pub fn begin_cycle(&mut self, feedback: &Feedback) {
         self.take_in(feedback);
+        self.pass_time();
         self.save();
         if !feedback.communicating && self.drive.known {
             self.fail_with(SmcError::DiGeneralCommunicationError.number());
@@ -51,6 +52,17 @@ impl Axis {
         self.watch_software_limits();
         self.values.axis_state = self.state.number();
         self.drive_command()
+    }
+
+    fn pass_time(&mut self) {
+        let exact = self.values.task_cycle * 1e9 + self.clock_rest;
+        let whole = exact.round();
+        if whole.is_finite() {
+            #[expect(clippy::cast_possible_truncation, reason = "whole, and saturates")]
+            let cycle_ns = whole as i64;
+            self.clock_ns = self.clock_ns.saturating_add(cycle_ns);
+            self.clock_rest = exact - whole;
+        }
     }
 
     /// Of linear axes only (manual 2.1.3).
@@ -139,9 +151,10 @@ impl Axis {
         values.accelerating = growth > 0.0;
         values.decelerating = growth < 0.0;
         values.constant_velocity = total.velocity != 0.0 && total.acceleration == 0.0;
-        // At rest it stays that of the last motion.
+        // Negative while the set velocity is, and only then (manual 2.4, 1053).
+        values.direction = if total.velocity < 0.0 { -1 } else { 1 };
         if total.velocity != 0.0 {
-            values.direction = if total.velocity < 0.0 { -1 } else { 1 };
+            self.went_negative = total.velocity < 0.0;
         }
         if values.task_cycle > 0.0 {
             values.set_jerk = (total.acceleration - values.save_acceleration) / values.task_cycle;
@@ -156,6 +169,8 @@ impl Axis {
     }
 
     pub(super) fn enter(&mut self, state: AxisState) {
+        #[cfg(test)]
+        self.entered.push([self.state, state]);
         self.state = state;
         self.values.axis_state = state.number();
     }

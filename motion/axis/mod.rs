@@ -55,8 +55,8 @@ pub use moves::{
     Follow, Halt, Home, HomingBySwitch, HomingMode, MoveAbsolute, MoveAdditive,
     MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative, MoveSuperImposed, MoveVelocity,
     ParameterNumber, Planned, Points, PositionProfile, Power, PowerStatus, Probed, ReadParameter,
-    Reset, SetControllerMode, Stop, TableRun, TouchProbe, Trigger, VelocityProfile, Watched,
-    WriteParameter,
+    Reset, SetControllerMode, Stop, SuperImposed, TableRun, TouchProbe, Trigger, VelocityProfile,
+    Watched, WriteParameter,
 };
 pub use ownership::{Refusal, Start};
 pub use single::Axis;

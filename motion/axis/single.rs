@@ -59,6 +59,12 @@ pub struct Axis {
     pub(super) saved_base: State,
     /// The target of a discrete motion, in the coordinates of `base`.
     pub(super) aim: Option<f64>,
+    /// Whether its last motion went in negative direction: what goes on in the current one from rest does, too.
+    pub(super) went_negative: bool,
+    /// Cycles so far, as time, ns.
+    pub(super) clock_ns: i64,
+    /// What that has been rounded by, ns.
+    pub(super) clock_rest: f64,
     /// How far its zero has been moved so far, u: what has changed positions and was no motion.
     pub(super) zero: f64,
     /// How the axis brakes on its own, and for how long it has, s.
@@ -72,6 +78,9 @@ pub struct Axis {
     pub(super) ignores_limit_switch: bool,
     pub(super) has_capture_window: bool,
     pub(super) drive: DriveReport,
+    /// Every step from state to state, for who watches over them.
+    #[cfg(test)]
+    pub(super) entered: Vec<[AxisState; 2]>,
 }
 
 /// What the drive said this cycle beside its values.
@@ -128,6 +137,11 @@ impl Axis {
             saved: State::default(),
             saved_base: State::default(),
             aim: None,
+            #[cfg(test)]
+            entered: Vec::new(),
+            went_negative: false,
+            clock_ns: 0,
+            clock_rest: 0.0,
             zero: 0.0,
             braking: None,
             capture: None,
@@ -169,6 +183,12 @@ impl Axis {
     #[must_use]
     pub fn cycle(&self) -> f64 {
         self.values.task_cycle
+    }
+
+    /// Time of this cycle's set-point, ns: the cycles the axis has had, whatever its blocks have done meanwhile.
+    #[must_use]
+    pub fn now_ns(&self) -> i64 {
+        self.clock_ns
     }
 
     /// Linear or rotary.
@@ -262,7 +282,7 @@ impl Axis {
 
     /// Whether the last motion was in negative direction.
     pub(super) fn was_negative(&self) -> bool {
-        self.values.direction < 0
+        self.went_negative
     }
 
     /// Controller mode wanted.

@@ -1,26 +1,15 @@
 //! What couplings are told and give: states of axes, tappets that acted, and why one does not start.
 
 use super::passage::Trigger;
+use crate::axis::profile::State;
 use crate::short::Short;
 
-/// Where an axis is and how it moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AxisState {
-    /// u.
-    pub position: f64,
-    /// u/s.
-    pub velocity: f64,
-    /// u/s².
-    pub acceleration: f64,
-}
-
-impl AxisState {
-    pub(super) fn check(&self, axis: &'static str) -> Result<(), CouplingError> {
-        let all = [self.position, self.velocity, self.acceleration];
-        match all.into_iter().find(|value| !value.is_finite()) {
-            Some(value) => Err(CouplingError::NotFinite { what: axis, value }),
-            None => Ok(()),
-        }
+/// Whether a state is one that an axis may have.
+pub(super) fn check(state: &State, axis: &'static str) -> Result<(), CouplingError> {
+    let all = [state.position, state.velocity, state.acceleration];
+    match all.into_iter().find(|value| !value.is_finite()) {
+        Some(value) => Err(CouplingError::NotFinite { what: axis, value }),
+        None => Ok(()),
     }
 }
 
@@ -36,7 +25,8 @@ pub struct TappetData {
     pub lost: usize,
     /// Whether this is the first cycle after a start of `MC_CamIn`.
     pub restarted: bool,
-    /// Time of the cycle, ns.
+    /// Time of the cycle by the clock that the coupling is told, ns. It has to go on from one coupling to the next: what a
+    /// timed tappet has begun ends by it.
     pub now_ns: i64,
 }
 
@@ -51,7 +41,7 @@ impl TappetData {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupled {
     /// The slave's set-point. Its position does not jump at the ends of a period.
-    pub slave: AxisState,
+    pub slave: State,
     /// Whether the slave is on the cam.
     pub in_sync: bool,
     /// Whether the cam has been left at an end; of one that is put end to end, in this cycle only.

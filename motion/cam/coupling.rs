@@ -5,12 +5,14 @@
 //! every pass and the second one gains what the cam gains (manual 4.6.2).
 
 use super::bridge::{Bridge, BridgeLimits};
-pub use super::coupled::{AxisState, Coupled, CouplingError, MAX_TRIGGERS, TappetData};
+use super::coupled::check;
+pub use super::coupled::{Coupled, CouplingError, MAX_TRIGGERS, TappetData};
 use super::knot::Derivatives;
 use super::passage::{LookAhead, Move, Watch};
 use super::reference::Cam;
 use super::selection::{CamInput, CamTable, StartMode};
 use super::unwrap::Unwrap;
+use crate::axis::profile::State;
 use std::sync::Arc;
 
 /// A slave on its cam, cycle by cycle.
@@ -46,12 +48,12 @@ impl CamCoupling {
     pub fn start(
         table: CamTable,
         input: CamInput,
-        master: &AxisState,
-        slave: &AxisState,
+        master: &State,
+        slave: &State,
         now_ns: i64,
     ) -> Result<Self, CouplingError> {
-        master.check("master")?;
-        slave.check("slave")?;
+        check(master, "master")?;
+        check(slave, "slave")?;
         input.check()?;
         let limits = match input.start_mode {
             StartMode::Absolute | StartMode::Relative => None,
@@ -104,7 +106,7 @@ impl CamCoupling {
     }
 
     /// From where the slave is, and as it moves, to the cam as it moves.
-    fn lay_bridge(&mut self, master: &AxisState, slave: &AxisState, limits: &BridgeLimits) {
+    fn lay_bridge(&mut self, master: &State, slave: &State, limits: &BridgeLimits) {
         let cam = self.on_cam(master);
         let velocity = slave.velocity - cam.velocity;
         let mut distance = cam.position - slave.position;
@@ -123,21 +125,21 @@ impl CamCoupling {
     }
 
     /// Where the cam has the slave, bridges aside.
-    fn on_cam(&self, master: &AxisState) -> AxisState {
+    fn on_cam(&self, master: &State) -> State {
         let curve = self.table.cam.curve();
         let Derivatives { position, velocity, acceleration, .. } =
             if self.table.periodic { curve.repeated(self.x) } else { curve.at(self.x) };
         let CamInput { master_scaling, slave_scaling, slave_offset, .. } = self.input;
         let v = master.velocity * master_scaling;
         let a = master.acceleration * master_scaling;
-        AxisState {
+        State {
             position: slave_scaling * position + slave_offset + self.slave_shift,
             velocity: slave_scaling * velocity * v,
             acceleration: slave_scaling * (acceleration * v * v + velocity * a),
         }
     }
 
-    fn set_output(&mut self, master: &AxisState) {
+    fn set_output(&mut self, master: &State) {
         let mut slave = self.on_cam(master);
         let mut in_sync = true;
         if let Some(bridge) = &self.bridge {
@@ -160,8 +162,8 @@ impl CamCoupling {
     ///
     /// # Errors
     /// [`CouplingError::NotFinite`] if it is nowhere; nothing has changed then.
-    pub fn step(&mut self, master: &AxisState, now_ns: i64) -> Result<&Coupled, CouplingError> {
-        master.check("master")?;
+    pub fn step(&mut self, master: &State, now_ns: i64) -> Result<&Coupled, CouplingError> {
+        check(master, "master")?;
         let (from, from_ns) = (self.x, self.now_ns);
         let position = self.unwrap.follow(master.position);
         let CamInput { master_scaling, master_offset, .. } = self.input;
@@ -236,12 +238,12 @@ impl CamCoupling {
 
     /// How far the slave's set-points of the start are from what it did before: the jump of position (on a rotary slave
     /// the shortest), velocity and acceleration. Cams that are switched between have to match (manual 4.6.2).
-    pub fn jump_from(&self, slave: &AxisState) -> AxisState {
+    pub fn jump_from(&self, slave: &State) -> State {
         let mut position = self.output.slave.position - slave.position;
         if let Some(period) = self.table.slave_period.filter(|period| *period > 0.0) {
             position -= (position / period).round() * period;
         }
-        AxisState {
+        State {
             position,
             velocity: self.output.slave.velocity - slave.velocity,
             acceleration: self.output.slave.acceleration - slave.acceleration,
@@ -289,8 +291,8 @@ impl CamCoupling {
 pub fn slave_set_position(
     table: CamTable,
     input: CamInput,
-    master: &AxisState,
-    slave: &AxisState,
+    master: &State,
+    slave: &State,
 ) -> Result<f64, CouplingError> {
     let relative = input.start_mode == StartMode::Relative;
     let start_mode = if relative { StartMode::Relative } else { StartMode::Absolute };

@@ -19,7 +19,7 @@ pub mod file;
 mod joints;
 mod knot;
 mod largest;
-mod passage;
+pub(crate) mod passage;
 mod polynomial;
 mod reference;
 mod register;
@@ -30,13 +30,13 @@ mod tappet;
 #[cfg(test)]
 mod tests;
 pub mod tune;
-mod unwrap;
+pub(crate) mod unwrap;
 mod value;
 
 pub use bit::{MAX_PULSES, TappetBit};
 pub use bounds::{Bounds, Factors, MasterMotion, Peak, Quantity, SlaveLimits};
 pub use coupling::{
-    AxisState, CamCoupling, Coupled, CouplingError, MAX_TRIGGERS, TappetData, slave_set_position,
+    CamCoupling, Coupled, CouplingError, MAX_TRIGGERS, TappetData, slave_set_position,
 };
 pub use curve::{Curve, CurveExtremes, Jump, Jumps, MAX_POINTS, Range};
 pub use error::CamError;

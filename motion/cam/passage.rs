@@ -1,7 +1,7 @@
 //! Which tappets a master passes from cycle to cycle (manual 4.4.2).
 //!
 //! A tappet is passed in the cycle in which the master comes to it or beyond: it acts once, then not again before the
-//! master has left the band of hysteresis around it. Passages come in the order in which the master makes them, each with
+//! master has left the band of hysteresis around it. A passage in the direction that it does not count is none. Passages come in the order in which the master makes them, each with
 //! its time, interpolated between the cycles.
 
 use super::tappet::{Action, Passage, Tappet};
@@ -66,14 +66,12 @@ impl Watch {
                 Passage::Every => true,
             };
             for at in places(tappet.master, self.width, &step).filter(|at| step.reaches(*at)) {
-                // What was passed and not left is not passed again.
-                if *held != Some(at) {
+                // What has acted and not been left does not act again.
+                if wanted && *held != Some(at) {
                     *held = Some(at);
-                    if wanted {
-                        let Tappet { group, action, .. } = *tappet;
-                        let time_ns = step.time_at(at);
-                        self.found.push((at, Trigger { group, action, time_ns }));
-                    }
+                    let Tappet { group, action, .. } = *tappet;
+                    let time_ns = step.time_at(at);
+                    self.found.push((at, Trigger { group, action, time_ns }));
                 }
             }
             if held.is_some_and(|at| (step.to - at).abs() > self.hysteresis) {
@@ -123,6 +121,22 @@ impl LookAhead {
     /// The master is at x of the cam with v u/s, and is looked for `dead_time_s` ahead.
     pub(crate) fn new(x: f64, v: f64, dead_time_s: f64) -> Self {
         Self { x, looked: x + v * dead_time_s, forwards: v >= 0.0 }
+    }
+
+    /// Looks on from elsewhere, without a way there.
+    pub(crate) fn restart(&mut self, x: f64, v: f64, dead_time_s: f64) {
+        let forwards = if v == 0.0 { self.forwards } else { v > 0.0 };
+        *self = Self { forwards, ..Self::new(x, v, dead_time_s) };
+    }
+
+    /// Whether it goes forwards, or did when it moved last.
+    pub(crate) fn is_forwards(&self) -> bool {
+        self.forwards
+    }
+
+    /// Where has been looked last.
+    pub(crate) fn looked(&self) -> f64 {
+        self.looked
     }
 
     /// The same a cycle later; from where to where tappets are looked for in it.

@@ -2,10 +2,11 @@
 
 use super::vector::{Vector, check};
 use std::sync::Arc;
+use twin_motion::axis::profile::State;
 use twin_motion::cam::{
-    Action, AxisState, Cam, CamCoupling, CamInput, CamRegister, CamTable, Curve, Derivatives,
-    Equidistant, Factors, Interpolation, Knot, MasterMotion, PairTable, Passage, RegisterInput,
-    Shape, TableScale, Tappet, VariableType, quintic,
+    Action, Cam, CamCoupling, CamInput, CamRegister, CamTable, Curve, Derivatives, Equidistant,
+    Factors, Interpolation, Knot, MasterMotion, PairTable, Passage, RegisterInput, Shape,
+    TableScale, Tappet, VariableType, quintic,
 };
 
 fn knot(vector: &Vector, name: &str) -> Knot {
@@ -125,8 +126,8 @@ fn cam(knots: &[Knot]) -> Arc<Cam> {
     Arc::new(Cam::new("cam", Shape::Polynomial(knots.to_vec()), Vec::new()).expect("a cam"))
 }
 
-fn at(position: f64) -> AxisState {
-    AxisState { position, ..AxisState::default() }
+fn at(position: f64) -> State {
+    State { position, ..State::default() }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 use twin_motion::axis::{
-    Axis, Block, CamIn, Master, Motion, MoveSuperImposed, Outputs, Trigger as Input,
+    Axis, Block, CamIn, Master, Motion, Outputs, SuperImposed, Trigger as Input,
 };
 use twin_motion::cam::{TappetData, Trigger};
 
@@ -157,7 +157,7 @@ where
     }
 }
 
-impl Called for MoveSuperImposed {
+impl Called for SuperImposed {
     fn call(&mut self, execute: bool, axis: &mut Axis, _with: With<'_>) -> Outputs {
         Self::call(self, execute, axis)
     }

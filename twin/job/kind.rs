@@ -10,7 +10,7 @@ use std::path::Path;
 use twin_motion::axis::{
     AccelerationProfile, CamIn, Decouple, Direction, GearIn, GearInPos, Halt, Home, MoveAbsolute,
     MoveAdditive, MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative, MoveSuperImposed,
-    MoveVelocity, Phasing, PositionProfile, Stop, VelocityProfile,
+    MoveVelocity, Phasing, PositionProfile, Stop, SuperImposed, VelocityProfile,
 };
 
 /// Blocks by the names of the manual.
@@ -108,8 +108,10 @@ impl Kind {
             }
             Self::MoveSuperImposed => {
                 let (distance, rates) = (of.length("distance"), of.rates("velocity_difference"));
-                let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
-                Box::new(MoveSuperImposed::new(distance, velocity, acceleration, deceleration))
+                let (distance, [velocity_diff, acceleration, deceleration]) = (distance?, rates?);
+                let inputs =
+                    MoveSuperImposed { distance, velocity_diff, acceleration, deceleration };
+                Box::new(SuperImposed::new(inputs))
             }
             Self::MoveVelocity => {
                 // As in the manual: as the axis has moved last, forwards if it has not yet.

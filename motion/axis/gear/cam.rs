@@ -4,12 +4,13 @@ use super::approach::{Approach, Gap};
 use crate::axis::ownership::Start;
 use crate::axis::profile::{AxisLimits, ProfileError, RampType, State};
 use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
-use crate::cam::{self, CamCoupling, CamInput, CamTable, CouplingError, StartMode};
+use crate::cam::{CamCoupling, CamInput, CamTable, CouplingError, StartMode};
 
 /// The slave follows a cam (`MC_CamIn`, manual 5.4); `done` is `InSync`. What `MC_CamTableSelect` gives is a
 /// [`CamTable`]; the periods of master and slave are those of the axes.
 ///
-/// [`CamRun::coupling`] tells `EndOfProfile` and the tappets. Beside the master's position and velocity its acceleration
+/// [`CamRun::coupling`] tells `EndOfProfile` and the tappets, by the clock of the slave ([`Axis::now_ns`]), which goes on
+/// when the block is started again. Beside the master's position and velocity its acceleration
 /// counts, so that the slave's acceleration is exact.
 ///
 /// The slave is strictly where the master's position has it (manual 4.6.2): where `MC_SetPosition` moves the master's zero
@@ -170,11 +171,13 @@ impl Motion for CamIn {
         let limits = self.limited(axis).map_err(number)?;
         let start_mode = if limits.is_some() { StartMode::Absolute } else { self.input.start_mode };
         let input = CamInput { start_mode, ..self.input };
-        let begin = |master: &cam::AxisState, slave: State, lead: f64| {
+        let begin = |master: &State, slave: State, lead: f64| {
             let State { position, velocity, acceleration } = slave;
             let inside = axis.in_program(position);
-            let slave = cam::AxisState { position: inside, velocity, acceleration };
-            let coupling = CamCoupling::start(table.clone(), input, master, &slave, 0)?;
+            let slave = State { position: inside, ..slave };
+            // The axis's own clock goes on from one cam to the next, as what tappets have begun does.
+            let start_ns = axis.now_ns().saturating_sub(nanoseconds(lead));
+            let coupling = CamCoupling::start(table.clone(), input, master, &slave, start_ns)?;
             let on_cam = coupling.output().slave;
             let gap = Gap {
                 distance: on_cam.position - inside,
@@ -209,18 +212,16 @@ impl Motion for CamIn {
         master: Master,
     ) -> Result<Progress, SmcError> {
         run.seconds += axis.cycle();
-        #[expect(clippy::cast_possible_truncation, reason = "saturates after three hundred years")]
-        let now_ns = (run.seconds * 1e9).round() as i64;
         let mut at = now(master);
         if !run.coupling.table().master_absolute {
             at.position -= master.zero - run.zero;
         }
-        run.coupling.step(&at, now_ns).map_err(number)?;
+        run.coupling.step(&at, axis.now_ns()).map_err(number)?;
         if std::mem::take(&mut run.restarted) {
             run.coupling.mark_restarted();
         }
-        let cam::AxisState { position, velocity, acceleration } = run.coupling.output().slave;
-        let on_cam = State { position: position + run.shift, velocity, acceleration };
+        let slave = run.coupling.output().slave;
+        let on_cam = State { position: slave.position + run.shift, ..slave };
         // A cycle that rounds to just before the end is the end.
         let time = run.seconds + 1e-9 * axis.cycle();
         let ramped = run.approach.as_ref().and_then(|approach| approach.at(time, on_cam));
@@ -233,9 +234,14 @@ impl Motion for CamIn {
     }
 }
 
-fn now(master: Master) -> cam::AxisState {
+fn now(master: Master) -> State {
     let Master { position, velocity, acceleration, .. } = master;
-    cam::AxisState { position, velocity, acceleration }
+    State { position, velocity, acceleration }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a cycle")]
+fn nanoseconds(seconds: f64) -> i64 {
+    (seconds * 1e9).round() as i64
 }
 
 fn number(error: CouplingError) -> SmcError {

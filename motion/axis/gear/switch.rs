@@ -1,9 +1,16 @@
 //! `MC_DigitalCamSwitch`.
 
+mod ahead;
+
 use crate::axis::Axis;
+use crate::cam::unwrap::Unwrap;
+use ahead::{Ahead, Switched};
 
 /// Outputs, at most.
 const TRACKS: usize = 32;
+
+/// A zero that has moved by less has not, u.
+const SAME: f64 = 1e-9;
 
 /// In which direction a switch counts (`AxisDirection`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,10 +47,11 @@ pub struct CamSwitch {
 #[doc(alias = "MC_TRACK_REF")]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Track {
-    /// `OnCompensation`, s: switched on so much later, or earlier if negative.
+    /// `OnCompensation`, s: switched on so much later, or earlier if negative. What is later is the same time later whatever
+    /// the axis does meanwhile; what is earlier is where the axis will be if it goes on as fast as it does.
     pub on_compensation: f64,
     /// `OffCompensation`, s: the same for switching off. One that is to be switched off before it is switched on is never
-    /// on, one that is switched on again before it is switched off is always on.
+    /// on, one that is switched on again before it is switched off is always on. Of a timed switch, its end.
     pub off_compensation: f64,
     /// `Hysteresis`, u: so far beyond a place an output that is on stays on. A time begins again only when the axis has
     /// been further away from the place than that.
@@ -76,7 +84,7 @@ pub struct SwitchOutputs {
 /// Outputs that an axis switches at its positions, as a mechanical cam would (`MC_DigitalCamSwitch`, manual 5.5).
 ///
 /// Several switches of a track are one output: it is on if one of them is. An axis at rest counts in the direction in
-/// which it moved last.
+/// which it moved last. Where the axis is when the block is enabled is no passage: it shows at once what is on there.
 #[doc(alias = "MC_DigitalCamSwitch")]
 #[derive(Clone, Debug)]
 pub struct DigitalCamSwitch {
@@ -86,45 +94,39 @@ pub struct DigitalCamSwitch {
     pub enable_mask: u32,
     /// `TappetMode`.
     pub mode: TappetMode,
-    /// Position in the cycle before, u.
-    before: Option<f64>,
-    forward: bool,
+    seen: Option<Seen>,
 }
 
-/// A switch and how it stands.
-#[derive(Clone, Copy, Debug)]
-struct Switched {
-    switch: CamSwitch,
-    on: bool,
-    /// Time it will still be on, s.
-    left: f64,
-    /// Where its time has begun, as long as the axis is still there, u.
-    held: Option<f64>,
+/// The axis as it was seen last.
+#[derive(Clone, Debug)]
+struct Seen {
+    unwrap: Unwrap,
+    /// How far its zero had been moved, u: to move that passes nothing.
+    zero: f64,
+    /// By whose position: set or actual.
+    demand: bool,
+    now_ns: i64,
 }
 
 impl DigitalCamSwitch {
     /// These switches, every output enabled.
     #[must_use]
     pub fn new(switches: &[CamSwitch], tracks: [Track; TRACKS]) -> Self {
-        let switches =
-            switches.iter().map(|it| Switched { switch: *it, on: false, left: 0.0, held: None });
         Self {
-            switches: switches.collect(),
+            switches: switches.iter().map(|switch| Switched::new(*switch)).collect(),
             tracks,
             enable_mask: u32::MAX,
             mode: TappetMode::Auto,
-            before: None,
-            forward: true,
+            seen: None,
         }
     }
 
-    /// Calls it, for a cycle, with Enable and its axis.
+    /// Calls it, for a cycle, with Enable and its axis. Delays and durations count by the axis's clock
+    /// ([`Axis::now_ns`]).
     pub fn call(&mut self, enable: bool, axis: &Axis) -> SwitchOutputs {
         if !enable {
-            self.before = None;
-            for switched in &mut self.switches {
-                (switched.on, switched.left, switched.held) = (false, 0.0, None);
-            }
+            self.seen = None;
+            self.switches.iter_mut().for_each(Switched::disable);
             return SwitchOutputs::default();
         }
         let demand = match self.mode {
@@ -137,106 +139,39 @@ impl DigitalCamSwitch {
         } else {
             (axis.act_position(), axis.act_velocity())
         };
-        if velocity != 0.0 {
-            self.forward = velocity > 0.0;
-        }
-        let seen = Seen {
-            position,
-            before: self.before.unwrap_or(position),
-            velocity,
-            forward: self.forward,
-            period: axis.period(),
-            cycle: axis.cycle(),
+        let (period, now_ns, zero) = (axis.period(), axis.now_ns(), axis.zero);
+        let moved = |seen: &Seen| {
+            let by = zero - seen.zero;
+            let by = period.map_or(by, |period| by - period * (by / period).round());
+            by.abs() > SAME || seen.demand != demand
         };
-        self.before = Some(position);
+        let goes_on = self.seen.take().filter(|seen| !moved(seen));
+        let begins = goes_on.is_none();
+        let unwrap = Unwrap::new(period, position);
+        let mut seen = goes_on.unwrap_or(Seen { unwrap, zero, demand, now_ns });
+        let at = Ahead {
+            position: seen.unwrap.follow(position),
+            velocity,
+            period,
+            begins,
+            from_ns: seen.now_ns,
+            now_ns,
+        };
+        self.seen = Some(Seen { zero, now_ns, ..seen });
         let mut outputs = [false; TRACKS];
         for switched in &mut self.switches {
-            let index = usize::from(switched.switch.track).wrapping_sub(1);
+            let number = switched.track();
+            let index = usize::from(number).wrapping_sub(1);
             let Some(track) = self.tracks.get(index) else { continue };
-            switched.advance(&seen, track);
-            let enabled = u32::from(switched.switch.track)
+            let on = switched.advance(&at, track);
+            let enabled = u32::from(number)
                 .checked_sub(1)
                 .and_then(|bit| self.enable_mask.checked_shr(bit))
                 .is_some_and(|mask| mask & 1 == 1);
             if let Some(output) = outputs.get_mut(index) {
-                *output |= switched.on && enabled;
+                *output |= on && enabled;
             }
         }
         SwitchOutputs { outputs, in_operation: true }
-    }
-}
-
-/// What the switches look at.
-struct Seen {
-    position: f64,
-    before: f64,
-    velocity: f64,
-    forward: bool,
-    period: Option<f64>,
-    cycle: f64,
-}
-
-impl Seen {
-    /// The short way from one place to another, u.
-    fn way(&self, from: f64, to: f64) -> f64 {
-        let way = to - from;
-        self.period.map_or(way, |period| way - period * (way / period).round())
-    }
-}
-
-impl Switched {
-    fn advance(&mut self, seen: &Seen, track: &Track) {
-        let counts = match self.switch.direction {
-            SwitchDirection::Both => true,
-            SwitchDirection::Positive => seen.forward,
-            SwitchDirection::Negative => !seen.forward,
-        };
-        match self.switch.duration {
-            None => self.on = counts && self.is_inside(seen, track),
-            Some(duration) => self.time(counts, duration, seen, track),
-        }
-    }
-
-    fn is_inside(&self, seen: &Seen, track: &Track) -> bool {
-        let CamSwitch { first_on, last_on, .. } = self.switch;
-        let length = last_on - first_on;
-        let length = match seen.period {
-            // What is longer comes round to itself.
-            Some(period) if length >= period => period,
-            Some(period) => crate::axis::fmod(length, period),
-            None if length < 0.0 => return false,
-            None => length,
-        };
-        // Along the direction of travel: from where it is switched on to where it is switched off.
-        let (sign, entry) = if seen.forward { (1.0, first_on) } else { (-1.0, first_on + length) };
-        let speed = seen.velocity.abs();
-        let slack = if self.on { track.hysteresis } else { 0.0 };
-        let length = length + speed * (track.off_compensation - track.on_compensation);
-        if length < 0.0 {
-            return false;
-        }
-        let entry = speed * track.on_compensation - slack + sign * entry;
-        let ahead = sign * seen.position - entry;
-        let ahead = seen.period.map_or(ahead, |period| crate::axis::fmod(ahead, period));
-        let whole = seen.period.is_some_and(|period| length + 2.0 * slack >= period);
-        whole || (0.0..=length + 2.0 * slack).contains(&ahead)
-    }
-
-    fn time(&mut self, counts: bool, duration: f64, seen: &Seen, track: &Track) {
-        self.left = (self.left - seen.cycle).max(0.0);
-        let shift = seen.velocity * track.on_compensation;
-        let place = self.switch.first_on + shift;
-        let [before, now] = [seen.before, seen.position].map(|position| seen.way(place, position));
-        // Close to the place only: on the far side of a period the short way changes its sign, too.
-        let close = (now - before).abs() <= 2.0 * seen.way(seen.before, seen.position).abs();
-        let crossed =
-            if seen.forward { before < 0.0 && now >= 0.0 } else { before > 0.0 && now <= 0.0 };
-        let near = |at: f64| seen.way(at, seen.position).abs() <= track.hysteresis;
-        if counts && close && crossed && self.held.is_none() {
-            self.left = (duration + track.off_compensation).max(0.0);
-            self.held = Some(place);
-        }
-        self.held = self.held.filter(|at| near(*at));
-        self.on = self.left > 0.0;
     }
 }

@@ -28,7 +28,7 @@ pub use power::{Power, PowerStatus};
 pub use probe::{AbortTrigger, Probed, TouchProbe, Trigger};
 pub use reset::{AxisStatus, Reset};
 pub use stop::{Halt, Stop};
-pub use superimposed::MoveSuperImposed;
+pub use superimposed::{MoveSuperImposed, SuperImposed};
 pub use table::{AccelerationProfile, Points, PositionProfile, TableRun, VelocityProfile};
 pub use target::{MoveAbsolute, MoveAdditive, MoveRelative};
 pub use velocity::MoveVelocity;

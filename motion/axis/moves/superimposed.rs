@@ -10,9 +10,17 @@ use crate::axis::{Axis, AxisState, SmcError, Stage};
 ///
 /// Velocity, acceleration and deceleration count relative to the motion below, which goes on and is not aborted. When
 /// another block takes the axis from that, this one is aborted, too. It has to be called after the block below. Without
-/// a motion below it moves the axis alone.
+/// a motion below it moves the axis alone. Like every block it is called by way of one with its inputs:
+///
+/// ```
+/// use twin_motion::axis::{MoveSuperImposed, SuperImposed};
+///
+/// let inputs =
+///     MoveSuperImposed { distance: 3.0, velocity_diff: 5.0, acceleration: 100.0, deceleration: 100.0 };
+/// let block = SuperImposed::new(inputs);
+/// ```
 #[doc(alias = "MC_MoveSuperImposed")]
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveSuperImposed {
     /// Way to add, u, with its sign.
     pub distance: f64,
@@ -22,25 +30,37 @@ pub struct MoveSuperImposed {
     pub acceleration: f64,
     /// Deceleration, u/s².
     pub deceleration: f64,
+}
+
+/// [`MoveSuperImposed`] as a block: what [`Block`](crate::axis::Block) is for motions that take the axis.
+#[derive(Clone, Debug)]
+pub struct SuperImposed {
+    /// The inputs; taken over at the next rising edge.
+    pub inputs: MoveSuperImposed,
     taken: Option<(Planned, i64)>,
     latch: Latch,
 }
 
-impl MoveSuperImposed {
+impl SuperImposed {
     /// A block with these inputs, not begun.
     #[must_use]
-    pub fn new(distance: f64, velocity_diff: f64, acceleration: f64, deceleration: f64) -> Self {
-        let latch = Latch::default();
-        Self { distance, velocity_diff, acceleration, deceleration, taken: None, latch }
+    pub fn new(inputs: MoveSuperImposed) -> Self {
+        Self { inputs, taken: None, latch: Latch::default() }
     }
 
     /// Calls it, for a cycle, with Execute and its axis.
     pub fn call(&mut self, execute: bool, axis: &mut Axis) -> Outputs {
         if self.latch.rises(execute) {
-            self.taken = None;
+            let own = self.taken.take().is_some_and(|(_, owner)| axis.overlay_owner == owner);
             match self.begin(axis) {
                 Ok(planned) => self.taken = Some((planned, axis.claim_overlay())),
-                Err(refusal) => self.latch.end(refusal.into(), axis),
+                Err(refusal) => {
+                    // The edge has ended what was on top (manual 5.2 b), with a velocity that nobody takes on.
+                    if let (true, Refusal::Error(error)) = (own, refusal) {
+                        axis.fail_with(error.number());
+                    }
+                    self.latch.end(refusal.into(), axis);
+                }
             }
         }
         self.advance(axis);
@@ -49,11 +69,12 @@ impl MoveSuperImposed {
 
     fn begin(&self, axis: &Axis) -> Result<Planned, Refusal> {
         axis.admits(AxisState::DiscreteMotion)?;
-        let limits = axis.limits(self.velocity_diff, self.acceleration, self.deceleration);
+        let MoveSuperImposed { distance, velocity_diff, acceleration, deceleration } = self.inputs;
+        let limits = axis.limits(velocity_diff, acceleration, deceleration);
         let state = axis.overlay;
         let lead = if axis.overlay_moved { 0.0 } else { axis.cycle() };
         let start = Start { state, lead, aim: None };
-        Planned::to(state.position + self.distance, limits, start, axis)
+        Planned::to(state.position + distance, limits, start, axis)
             .map_err(|_invalid| SmcError::MsiInvalidVelaccValues.into())
     }
 

@@ -1,11 +1,11 @@
 //! The other blocks of a single axis (manual 2.2.4, 5.3).
 
 use super::framework::to;
-use super::rig::{CYCLE, Rig, linear};
+use super::rig::{self, CYCLE, Rig, linear};
 use crate::axis::{
     AbortTrigger, AxisConfig, AxisState, Block, ControllerMode, Direction, Home, Homing,
-    MoveContinuousAbsolute, MoveContinuousRelative, MoveSuperImposed, MoveVelocity, Reset,
-    SetControllerMode, SmcError, TouchProbe, Trigger,
+    MoveContinuousAbsolute, MoveContinuousRelative, MoveVelocity, Reset, SetControllerMode,
+    SmcError, TouchProbe, Trigger,
 };
 
 pub(super) fn endless(velocity: f64) -> Block<MoveVelocity> {
@@ -20,7 +20,7 @@ pub(super) fn endless(velocity: f64) -> Block<MoveVelocity> {
 #[test]
 fn a_superimposed_distance_adds_to_the_motion_below() {
     let mut rig = linear();
-    let (mut below, mut on_top) = (to(20.0), MoveSuperImposed::new(3.0, 5.0, 100.0, 100.0));
+    let (mut below, mut on_top) = (to(20.0), rig::on_top(3.0, 5.0, 100.0, 100.0));
     for _ in 0..20 {
         rig.cycle(|axis| below.call(true, axis));
     }
@@ -46,7 +46,7 @@ fn a_superimposed_distance_adds_to_the_motion_below() {
 #[test]
 fn a_superimposed_motion_outlives_one_that_ends_and_dies_with_one_that_is_aborted() {
     let mut rig = linear();
-    let (mut below, mut on_top) = (to(1.0), MoveSuperImposed::new(5.0, 2.0, 100.0, 100.0));
+    let (mut below, mut on_top) = (to(1.0), rig::on_top(5.0, 2.0, 100.0, 100.0));
     rig.cycle(|axis| (below.call(true, axis), on_top.call(true, axis)));
     rig.until(|axis| {
         let done = below.call(true, axis).done;
@@ -58,7 +58,7 @@ fn a_superimposed_motion_outlives_one_that_ends_and_dies_with_one_that_is_aborte
     assert!((rig.axis.set_position() - 6.0).abs() < 1e-12);
     assert_eq!(rig.axis.state(), AxisState::Standstill);
 
-    let (mut below, mut on_top) = (to(50.0), MoveSuperImposed::new(5.0, 2.0, 100.0, 100.0));
+    let (mut below, mut on_top) = (to(50.0), rig::on_top(5.0, 2.0, 100.0, 100.0));
     for _ in 0..20 {
         rig.cycle(|axis| (below.call(true, axis), on_top.call(true, axis)));
     }

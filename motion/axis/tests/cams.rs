@@ -3,7 +3,9 @@
 use super::blocks::endless;
 use super::rig::{CYCLE, Rig, linear, rotary};
 use crate::axis::{AxisState, Block, CamIn, Decouple, SmcError};
-use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
+use crate::cam::{
+    Action, Cam, CamInput, CamTable, Knot, Passage, Shape, StartMode, Tappet, TappetValue,
+};
 use std::sync::Arc;
 
 fn table(knots: &[Knot]) -> CamTable {
@@ -145,4 +147,37 @@ fn two_cams_in_turn() {
     }
     assert_eq!(turns, 1);
     assert!((before - 54.0).abs() < 1e-9, "{before}");
+}
+
+/// A pulse of 30 ms that has begun before the block is started again ends when it would have (manual 5.5: the value stays
+/// as it is), and one that is reset ends at once.
+#[test]
+fn a_timed_tappet_goes_on_over_a_restart() {
+    for (reset, expected) in [(false, 3), (true, 1)] {
+        let action = Action::Timed { delay_ns: 0, duration_ns: 30_000_000 };
+        let timed = Tappet { group: 1, master: 50.05, passage: Passage::Every, action };
+        let knots = [Knot::at_rest(0.0, 0.0), Knot::at_rest(50.0, 10.0), Knot::at_rest(100.0, 0.0)];
+        let cam = Cam::new("cam", Shape::Polynomial(knots.to_vec()), vec![timed]).expect("a cam");
+        let (mut master, mut slave) = (linear(), linear());
+        let mut block = block(CamTable::new(Arc::new(cam)), CamInput::default());
+        let (mut lead, mut value) = (endless(10.0), TappetValue::new(1, false, reset));
+        let (mut on, mut restarts) = (0, 0);
+        // It is there after 5 s.
+        for _ in 0..900 {
+            master.cycle(|axis| lead.call(true, axis));
+            let was = value.value();
+            slave.cycle(|axis| {
+                if was && restarts == 0 {
+                    restarts += 1;
+                    block.follow(false, &master.axis, axis);
+                }
+                block.follow(true, &master.axis, axis)
+            });
+            let tappets = &block.running().expect("on the cam").coupling().output().tappets;
+            assert_eq!(tappets.now_ns, slave.axis.now_ns());
+            on += i32::from(value.step(tappets));
+        }
+        assert!(master.axis.set_position() > 80.0, "beyond the tappet");
+        assert_eq!((on, restarts), (expected, 1), "bSetInitValueAtReset {reset}");
+    }
 }

@@ -1,9 +1,10 @@
 //! Execute, Done, `CommandAborted`, Error and the owner (manual 5.2).
 
-use super::rig::{Rig, linear};
+use super::blocks::endless;
+use super::rig::{Rig, linear, on_top};
 use crate::axis::{
-    Axis, AxisConfig, AxisState, Block, Direction, Halt, MoveAbsolute, MoveRelative, MoveVelocity,
-    Outputs, SmcError, Stop,
+    Axis, AxisConfig, AxisState, Block, Direction, Halt, Home, MoveAbsolute, MoveRelative,
+    MoveVelocity, Outputs, Reset, SmcError, Stop,
 };
 
 pub(super) fn to(position: f64) -> Block<MoveAbsolute> {
@@ -246,4 +247,75 @@ fn a_halt_may_be_aborted() {
     let mut halt = Block::new(Halt { deceleration: 50.0 });
     rig.until(|axis| halt.call(true, axis).done);
     assert_eq!((rig.axis.state(), rig.axis.set_velocity()), (AxisState::Standstill, 0.0));
+}
+
+/// A new edge ends what the block does (manual 5.2 b). With inputs that are not valid nothing begins: the axis brakes in
+/// errorstop with the error of the block, which has been called. An edge of another block ends nothing.
+#[test]
+fn a_new_edge_with_invalid_inputs_ends_the_motion_with_its_error() {
+    let mut rig = linear();
+    let (mut endless, mut other, mut reset) = (endless(10.0), by(1.0), Reset::default());
+    for _ in 0..20 {
+        rig.cycle(|axis| endless.call(true, axis));
+    }
+    other.inputs.velocity = -1.0;
+    let shown = rig.cycle(|axis| [endless.call(true, axis), other.call(true, axis)]);
+    assert!(shown[0].busy && shown[1].error == Some(SmcError::MrInvalidVelaccValues), "{shown:?}");
+    assert_eq!(rig.axis.error_id(), None, "it goes on");
+    rig.cycle(|axis| endless.call(false, axis));
+    endless.inputs.velocity = -1.0;
+    let shown = rig.cycle(|axis| endless.call(true, axis));
+    assert_eq!((shown.error, shown.busy), (Some(SmcError::MvInvalidAccdecValues), false));
+    assert_eq!(rig.axis.state(), AxisState::ErrorStop);
+    rig.until(|axis| {
+        let shown = endless.call(true, axis);
+        assert_eq!(shown.error, Some(SmcError::MvInvalidAccdecValues));
+        assert_eq!(axis.error_id(), Some(301), "not 30: it has been called");
+        axis.set_velocity() == 0.0
+    });
+    rig.until(|axis| reset.call(true, axis).done);
+    assert_eq!(rig.axis.state(), AxisState::Standstill);
+}
+
+/// Whoever it is: a stop that holds the axis, and what is on top of a motion.
+#[test]
+fn nobody_is_left_with_an_axis_that_nothing_moves() {
+    let (mut rig, mut stop) = (linear(), Block::new(Stop { deceleration: 100.0 }));
+    rig.until(|axis| stop.call(true, axis).done);
+    // It has taken the axis again before it gave it back.
+    let mut endless = endless(10.0);
+    rig.cycle(|axis| stop.call(false, axis));
+    for _ in 0..20 {
+        rig.cycle(|axis| endless.call(true, axis));
+    }
+    rig.cycle(|axis| stop.call(true, axis));
+    rig.cycle(|axis| stop.call(false, axis));
+    stop.inputs.deceleration = 0.0;
+    let shown = rig.cycle(|axis| stop.call(true, axis));
+    assert_eq!(shown.error, Some(SmcError::MsInvalidAccdecValues));
+    assert_eq!((rig.axis.state(), rig.axis.error_id()), (AxisState::ErrorStop, Some(181)));
+
+    let (mut rig, mut below, mut above) = (linear(), to(50.0), on_top(5.0, 2.0, 100.0, 100.0));
+    for _ in 0..20 {
+        rig.cycle(|axis| (below.call(true, axis), above.call(true, axis)));
+    }
+    rig.cycle(|axis| (below.call(true, axis), above.call(false, axis)));
+    above.inputs.velocity_diff = 0.0;
+    let shown = rig.cycle(|axis| [below.call(true, axis), above.call(true, axis)]);
+    assert_eq!(shown[1].error, Some(SmcError::MsiInvalidVelaccValues));
+    assert_eq!((rig.axis.state(), rig.axis.error_id()), (AxisState::ErrorStop, Some(276)));
+}
+
+/// A homing that is begun again goes on to its end.
+#[test]
+fn homing_can_be_begun_again() {
+    let (mut rig, mut home) = (linear(), Block::new(Home { position: 3.0 }));
+    rig.cycle(|axis| home.call(true, axis));
+    rig.cycle(|axis| home.call(false, axis));
+    let count = rig.until(|axis| {
+        let shown = home.call(true, axis);
+        assert_eq!((shown.error, shown.command_aborted), (None, false), "{shown:?}");
+        shown.done
+    });
+    assert!(count < 100 && rig.axis.set_position() == 3.0, "{count}");
 }

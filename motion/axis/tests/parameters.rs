@@ -5,7 +5,7 @@ use super::framework::to;
 use super::rig::{CYCLE, Rig, linear};
 use crate::axis::profile::RampType;
 use crate::axis::{
-    Answer, AxisConfig, AxisState, Block, ControllerMode, MoveVelocity, ParameterNumber,
+    Answer, AxisConfig, AxisState, Block, ControllerMode, Direction, MoveVelocity, ParameterNumber,
     ReadParameter, SetControllerMode, SmcError, TouchProbe, Transfer, Trigger, WriteParameter,
 };
 
@@ -250,4 +250,32 @@ fn what_is_captured_and_how_is_in_the_parameters() {
     rig.cycle(|_| ());
     assert_eq!((read(&rig, 1232), read(&rig, 1101)), (6.0, 8.0));
     assert_eq!(rig.axis.state(), AxisState::PowerOff);
+}
+
+/// −1 where fSetVelocity is below 0, else 1 (manual 2.4): at rest, too, where a motion in the current direction still goes
+/// on as the last one did.
+#[test]
+fn the_direction_is_that_of_the_set_velocity() {
+    let mut rig = linear();
+    let direction = |rig: &Rig| rig.axis.values.direction;
+    assert_eq!(direction(&rig), 1);
+    let mut back = to(-5.0);
+    let mut seen = [0_u32; 2];
+    rig.until(|axis| {
+        let shown = back.call(true, axis);
+        let expected = if axis.set_velocity() < 0.0 { -1 } else { 1 };
+        seen[usize::from(expected > 0)] += 1;
+        assert_eq!(axis.values.direction, expected);
+        shown.done
+    });
+    assert!(seen[0] > 20, "{seen:?}");
+    assert_eq!((direction(&rig), rig.axis.set_velocity()), (1, 0.0));
+    let mut on = Block::new(MoveVelocity {
+        velocity: 5.0,
+        acceleration: 100.0,
+        deceleration: 100.0,
+        direction: Direction::Current,
+    });
+    rig.until(|axis| on.call(true, axis).done);
+    assert_eq!((direction(&rig), rig.axis.set_velocity()), (-1, -5.0));
 }

@@ -1,6 +1,6 @@
 //! An axis with its virtual drive and power on.
 
-use crate::axis::{Axis, AxisConfig, Power, VirtualDrive};
+use crate::axis::{Axis, AxisConfig, MoveSuperImposed, Power, SuperImposed, VirtualDrive};
 
 /// Cycle of the tests, s.
 pub(super) const CYCLE: f64 = 0.01;
@@ -53,4 +53,14 @@ pub(super) fn linear() -> Rig {
 pub(super) fn rotary() -> Rig {
     use crate::axis::Movement;
     Rig::new(AxisConfig { movement: Movement::Rotary { period: 360.0 }, ..AxisConfig::default() })
+}
+
+/// A distance on top of the motion there is.
+pub(super) fn on_top(
+    distance: f64,
+    velocity_diff: f64,
+    acceleration: f64,
+    deceleration: f64,
+) -> SuperImposed {
+    SuperImposed::new(MoveSuperImposed { distance, velocity_diff, acceleration, deceleration })
 }

@@ -2,11 +2,11 @@
 
 use super::blocks::endless;
 use super::framework::to;
-use super::rig::{CYCLE, Rig, linear};
+use super::rig::{self, CYCLE, Rig, linear};
 use crate::axis::profile::RampType;
 use crate::axis::{
     AxisConfig, AxisState, Block, CamIn, ControlAxisBy, ControllerMode, Follow, GearIn, GearInPos,
-    GearInPosRun, Home, MoveSuperImposed, MoveVelocity, SetControllerMode, Watched,
+    GearInPosRun, Home, MoveVelocity, SetControllerMode, Watched,
 };
 use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
 use std::sync::Arc;
@@ -25,7 +25,7 @@ fn gear() -> Block<GearIn> {
 fn a_motion_on_top_of_a_gear_comes_once() {
     let (mut master, mut slave) = (linear(), linear());
     let (mut lead, mut block) = (endless(10.0), gear());
-    let mut on_top = MoveSuperImposed::new(7.0, 5.0, 50.0, 50.0);
+    let mut on_top = rig::on_top(7.0, 5.0, 50.0, 50.0);
     let mut done = false;
     let mut before = 0.0;
     for cycle in 0..500 {
@@ -80,7 +80,7 @@ fn a_gear_with_limited_jerk_takes_up_no_step_of_acceleration() {
 fn a_motion_on_top_of_direct_set_points_comes_once() {
     let mut rig = linear();
     let mut block = Block::new(Follow::Position(0.0));
-    let mut on_top = MoveSuperImposed::new(2.0, 5.0, 50.0, 50.0);
+    let mut on_top = rig::on_top(2.0, 5.0, 50.0, 50.0);
     let mut place = 0.0;
     rig.until(|axis| {
         place += 0.01;
@@ -241,7 +241,7 @@ fn a_master_that_comes_onto_the_cam_in_the_cycle_of_the_start() {
 fn a_cam_takes_over_both_motions_that_there_are() {
     let (master, mut slave) = (linear(), linear());
     let (mut below, mut block) = (endless(5.0), cam_in());
-    let mut on_top = MoveSuperImposed::new(50.0, 3.0, 100.0, 100.0);
+    let mut on_top = rig::on_top(50.0, 3.0, 100.0, 100.0);
     for _ in 0..50 {
         slave.cycle(|axis| (below.call(true, axis), on_top.call(true, axis)));
     }
@@ -263,7 +263,7 @@ fn a_motion_on_top_alone_goes_its_way_in_torque_mode() {
     let mut rig = linear();
     let mut mode = SetControllerMode::new(ControllerMode::Torque);
     rig.until(|axis| mode.call(true, axis).done);
-    let mut block = MoveSuperImposed::new(10.0, 20.0, 100.0, 100.0);
+    let mut block = rig::on_top(10.0, 20.0, 100.0, 100.0);
     // 10 u with 20 u/s and 100 u/s²: 0.2 s up and down each with 2 u, 6 u between in 0.3 s.
     let cycles = rig.until(|axis| block.call(true, axis).done);
     assert!((70..=71).contains(&cycles), "{cycles}");

@@ -1,7 +1,7 @@
 //! Switches along an axis (manual 5.5).
 
 use super::blocks::endless;
-use super::rig::rotary;
+use super::rig::{CYCLE, linear, rotary};
 use crate::axis::{Block, CamSwitch, DigitalCamSwitch, Follow, SwitchDirection, TappetMode, Track};
 
 fn range(first_on: f64, last_on: f64) -> CamSwitch {
@@ -205,4 +205,118 @@ fn set_or_actual_positions_count_as_asked() {
     }
     // The virtual drive is one cycle behind.
     assert_eq!([first[1] - first[0], first[2] - first[0]], [0, 1]);
+}
+
+/// The cycles in which output 0 is on while an axis goes a `way`: position and velocity at a time, s.
+fn cycles_on(switch: CamSwitch, track: Track, way: impl Fn(f64) -> (f64, f64)) -> Vec<u32> {
+    let mut tracks = [Track::default(); 32];
+    tracks[0] = track;
+    let (mut rig, mut block) = (linear(), DigitalCamSwitch::new(&[switch], tracks));
+    let mut go = Block::new(Follow::Position(way(0.0).0));
+    rig.cycle(|axis| go.call(true, axis));
+    rig.cycle(|axis| go.call(true, axis));
+    let mut go = Block::new(Follow::Position(0.0));
+    let on = (0..60).filter(|cycle| {
+        let (position, velocity) = way(f64::from(*cycle) * CYCLE);
+        go.inputs = Follow::PositionVelocity(position, velocity);
+        rig.cycle(|axis| go.call(true, axis));
+        block.call(true, &rig.axis).outputs[0]
+    });
+    on.collect()
+}
+
+fn later(on_compensation: f64, off_compensation: f64) -> Track {
+    Track { on_compensation, off_compensation, hysteresis: 0.0 }
+}
+
+/// From rest at `start` with 1000 u/s².
+fn starting(start: f64) -> impl Fn(f64) -> (f64, f64) {
+    move |t| (start + 500.0 * t * t, 1000.0 * t)
+}
+
+/// With `velocity` through 100 at 0.054 s, then to rest `beyond` behind it.
+fn braking(velocity: f64, beyond: f64) -> impl Fn(f64) -> (f64, f64) {
+    let rate = velocity * velocity / (2.0 * beyond);
+    move |t| match t - 0.054 {
+        t if t < 0.0 => (100.0 + velocity * t, velocity),
+        t if t < velocity / rate => {
+            (100.0 + velocity * t - 0.5 * rate * t * t, velocity - rate * t)
+        }
+        _ => (100.0 + beyond, 0.0),
+    }
+}
+
+/// To `peak` at 0.1 s and back, with 1000 u/s².
+fn turning(peak: f64) -> impl Fn(f64) -> (f64, f64) {
+    move |t| (peak - 500.0 * (t - 0.1) * (t - 0.1), -1000.0 * (t - 0.1))
+}
+
+/// A delay is one of switching, in seconds (manual 5.5), whatever the axis does meanwhile.
+#[test]
+fn delays_are_times() {
+    let switch = range(100.0, 200.0);
+    // Behind the end, off; beyond it there is nothing to switch.
+    assert!(cycles_on(switch, later(0.0, 0.1), starting(201.0)).is_empty());
+    // Inside, on: nothing is switched before the end, at 0.445 s.
+    let inside: Vec<_> = (0..45).collect();
+    assert_eq!(cycles_on(switch, later(0.1, 0.0), starting(101.0)), inside);
+    assert_eq!(cycles_on(switch, later(0.0, 0.1), starting(101.0)), (0..55).collect::<Vec<_>>());
+    // Inside from 0.06 s on, where it stays.
+    for beyond in [0.55, 2.2] {
+        let way = braking(10.0, beyond);
+        assert_eq!(cycles_on(switch, later(0.1, 0.0), way), (16..60).collect::<Vec<_>>());
+    }
+    // Inside from 0.0225 s to 0.1775 s, and out where it has come in.
+    let shown = |on, off| cycles_on(switch, later(on, off), turning(103.0));
+    assert_eq!(shown(0.0, 0.0), (3..18).collect::<Vec<_>>());
+    assert_eq!(shown(0.1, 0.1), (13..28).collect::<Vec<_>>());
+    assert_eq!(shown(0.1, 0.0), (13..18).collect::<Vec<_>>());
+    assert_eq!(shown(0.0, 0.3), (3..48).collect::<Vec<_>>());
+    assert!(shown(0.2, 0.0).is_empty());
+}
+
+#[test]
+fn delays_of_timed_switches_are_times() {
+    let switch = CamSwitch { duration: Some(0.05), ..range(100.0, 0.0) };
+    // Passed at 0.054 s, on from 0.154 s to 0.204 s, wherever it is by then.
+    for (velocity, beyond) in [(10.0, 0.55), (20.0, 2.2)] {
+        let on = cycles_on(switch, later(0.1, 0.0), braking(velocity, beyond));
+        assert_eq!(on, (16..21).collect::<Vec<_>>(), "{beyond}");
+    }
+    // Forth at 0.0225 s, back at 0.1775 s.
+    let on = cycles_on(switch, later(0.1, 0.0), turning(103.0));
+    assert_eq!(on, (13..18).chain(28..33).collect::<Vec<_>>());
+}
+
+/// An advance is where the axis will be at the velocity it has; that it brakes switches nothing back.
+#[test]
+fn advances_are_not_taken_back() {
+    let switch = range(100.0, 200.0);
+    // 99 + 500 t² + 50 t is 100 at 0.017 s; it is beyond 200 at 0.4494 s.
+    let on = cycles_on(switch, later(-0.05, 0.0), starting(99.0));
+    assert_eq!(on, (2..45).collect::<Vec<_>>());
+    // Seen inside at 0.02 s; it does not come there, and is off from when it turns.
+    let on = cycles_on(switch, later(-0.05, 0.0), turning(99.5));
+    assert_eq!(on, (2..11).collect::<Vec<_>>());
+    // Seen beyond the end at 0.03 s, where it does not come; from when it turns it is inside again, until it is seen beyond
+    // the other end: 199 − 500 t² − 50 t is 100 at 0.398 s.
+    let on = cycles_on(switch, later(0.0, -0.05), turning(199.0));
+    assert_eq!(on, (0..3).chain(11..50).collect::<Vec<_>>());
+    // A time begins once, where it is seen to come to 100: between 0.01 s and 0.02 s.
+    let timed = CamSwitch { duration: Some(0.05), ..range(100.0, 0.0) };
+    let on = cycles_on(timed, later(-0.05, 0.0), turning(99.5));
+    assert_eq!(on, (2..7).collect::<Vec<_>>());
+}
+
+/// `MC_SetPosition` moves the zero, not the axis: what is on at the new place is, and nothing has been passed.
+#[test]
+fn a_zero_that_moves_passes_nothing() {
+    let timed = CamSwitch { duration: Some(0.05), ..range(100.0, 0.0) };
+    let second = CamSwitch { track: 2, ..range(140.0, 160.0) };
+    let (mut rig, mut block) =
+        (linear(), DigitalCamSwitch::new(&[timed, second], [Track::default(); 32]));
+    rig.cycle(|_| ());
+    assert_eq!(block.call(true, &rig.axis).outputs[..2], [false; 2]);
+    rig.cycle(|axis| axis.shift_zero(150.0, false).expect("a number"));
+    assert_eq!(block.call(true, &rig.axis).outputs[..2], [false, true]);
 }

@@ -1,10 +1,10 @@
 //! Moves to positions and by distances.
 
 use super::framework::to;
-use super::rig::{linear, rotary};
+use super::rig::{self, linear, rotary};
 use crate::axis::{
-    Block, Direction, Halt, MoveAdditive, MoveContinuousAbsolute, MoveRelative, MoveSuperImposed,
-    MoveVelocity, SmcError, Stop,
+    Block, Direction, Halt, MoveAdditive, MoveContinuousAbsolute, MoveRelative, MoveVelocity,
+    SmcError, Stop,
 };
 
 /// Where a rotary axis at 350 u that rests goes for 10 u, in u.
@@ -131,7 +131,7 @@ fn every_block_refuses_wrong_limits_with_its_own_number() {
     };
     let mut additive = add(1.0);
     additive.inputs.acceleration = f64::NAN;
-    let mut on_top = MoveSuperImposed::new(1.0, -1.0, 100.0, 100.0);
+    let mut on_top = rig::on_top(1.0, -1.0, 100.0, 100.0);
     let shown = rig.cycle(|axis| {
         [
             Block::new(relative).call(true, axis),

@@ -1,8 +1,9 @@
 //! The manual's example of a cam that a program fills (4.7.1).
 
+use crate::axis::profile::State;
 use crate::cam::{
-    AxisState, Cam, CamCoupling, CamError, CamInput, CamTable, Interpolation, PairTable, Shape,
-    TableScale, VariableType,
+    Cam, CamCoupling, CamError, CamInput, CamTable, Interpolation, PairTable, Shape, TableScale,
+    VariableType,
 };
 use std::sync::Arc;
 
@@ -35,7 +36,7 @@ fn a_cam_filled_by_program() {
     let cam = Cam::new("straight", Shape::Pairs(filled(65_535.0)), Vec::new()).unwrap();
     assert_eq!(cam.shape().len(), 128);
     let table = CamTable { periodic: false, ..CamTable::new(Arc::new(cam)) };
-    let at = |position: f64| AxisState { position, velocity: 90.0, acceleration: 0.0 };
+    let at = |position: f64| State { position, velocity: 90.0, acceleration: 0.0 };
     let mut coupling =
         CamCoupling::start(table, CamInput::default(), &at(0.0), &at(0.0), 0).unwrap();
     for cycle in 1..=399_i32 {

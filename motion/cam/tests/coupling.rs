@@ -1,7 +1,8 @@
 //! Starts, ramps, ends and changes of cams (manual 4.6).
 
+use crate::axis::profile::State;
 use crate::cam::{
-    Action, AxisState, Cam, CamCoupling, CamInput, CamTable, CouplingError, Element, Factors, Knot,
+    Action, Cam, CamCoupling, CamInput, CamTable, CouplingError, Element, Factors, Knot,
     MasterMotion, Passage, Shape, StartMode, Tappet, slave_set_position,
 };
 use proptest::prelude::*;
@@ -25,12 +26,12 @@ fn lift() -> Arc<Cam> {
     cam(&[Knot::at_rest(0.0, 0.0), Knot::at_rest(100.0, 50.0)])
 }
 
-fn at(position: f64) -> AxisState {
-    AxisState { position, ..AxisState::default() }
+fn at(position: f64) -> State {
+    State { position, ..State::default() }
 }
 
-fn moving(position: f64, velocity: f64) -> AxisState {
-    AxisState { position, velocity, acceleration: 0.0 }
+fn moving(position: f64, velocity: f64) -> State {
+    State { position, velocity, acceleration: 0.0 }
 }
 
 /// The first set-point.
@@ -111,7 +112,7 @@ fn a_cam_that_is_not_periodic_holds_its_ends() {
             .expect("a start");
     assert!(!coupling.output().end_of_profile, "standing at the begin is no end");
     let mut now = 0;
-    let mut step = |master: AxisState| {
+    let mut step = |master: State| {
         now += CYCLE_NS;
         let found = coupling.step(&master, now).expect("somewhere");
         (found.slave.position, found.slave.velocity, found.end_of_profile)
@@ -314,7 +315,7 @@ proptest! {
     fn set_points_belong_together(input in input(), start in 0.0..100.0_f64, speed in -30.0..30.0_f64, pull in -30.0..30.0_f64) {
         let input = CamInput { start_mode: StartMode::Absolute, ..input };
         let cam = lift();
-        let master = |t: f64| AxisState {
+        let master = |t: f64| State {
             position: (start - input.master_offset) / input.master_scaling + speed * t + pull * t * t / 2.0,
             velocity: speed + pull * t,
             acceleration: pull,

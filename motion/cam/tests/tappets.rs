@@ -1,8 +1,9 @@
 //! Tappets and registers (manual 4.4.2, 5.5).
 
+use crate::axis::profile::State;
 use crate::cam::{
-    Action, AxisState, Cam, CamCoupling, CamInput, CamRegister, CamTable, Knot, Passage,
-    RegisterInput, Shape, Tappet, TappetBit, TappetValue, Trigger,
+    Action, Cam, CamCoupling, CamInput, CamRegister, CamTable, Knot, Passage, RegisterInput, Shape,
+    Tappet, TappetBit, TappetValue, Trigger,
 };
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -79,6 +80,58 @@ fn a_tappet_acts_once_where_the_master_stops_on_it() {
     assert_eq!(found, [false, true, true, true, true, true, true, false]);
 }
 
+/// How often a register and a coupling see a tappet at 50 act over a way.
+fn acts(passage: Passage, hysteresis: f64, way: &[f64]) -> [usize; 2] {
+    let cam = vec![tappet(1, 50.0, passage, Action::Invert)];
+    let input = RegisterInput { hysteresis, ..RegisterInput::default() };
+    let mut register = register(cam.clone(), input);
+    let found = bits(&mut register, way);
+    let changes = found.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)];
+    let cam = Cam::new("coupled", Shape::Polynomial(knots), cam).expect("a cam");
+    let input = CamInput { tappet_hysteresis: hysteresis, ..CamInput::default() };
+    let (table, start) = (CamTable::new(Arc::new(cam)), State::resting(way[0]));
+    let mut coupling =
+        CamCoupling::start(table, input, &start, &State::default(), 0).expect("on the cam");
+    let coupled = (1..).zip(&way[1..]).map(|(cycle, position)| {
+        let shown = coupling.step(&State::resting(*position), cycle * CYCLE_NS);
+        shown.expect("somewhere").tappets.triggers().count()
+    });
+    [changes, coupled.sum()]
+}
+
+/// A tappet acts again when the master has left the band around it. What it does not count, a passage in the other
+/// direction, holds nothing back.
+#[test]
+fn the_band_holds_back_what_has_acted_only() {
+    use Passage::{Every, Negative, Positive};
+    for (passage, way, banded, plain) in [
+        (Positive, &[60.0, 47.0, 80.0][..], 1, 1),
+        (Negative, &[60.0, 47.0, 80.0], 1, 1),
+        (Every, &[60.0, 47.0, 80.0], 1, 2),
+        (Positive, &[40.0, 53.0, 20.0], 1, 1),
+        (Negative, &[40.0, 53.0, 20.0], 1, 1),
+        (Every, &[40.0, 53.0, 20.0], 1, 2),
+        // Back within the band, and forth.
+        (Positive, &[40.0, 53.0, 48.0, 80.0], 1, 2),
+        (Negative, &[60.0, 47.0, 52.0, 20.0], 1, 2),
+        (Every, &[40.0, 53.0, 48.0, 80.0], 1, 3),
+        // Back beyond it.
+        (Positive, &[40.0, 53.0, 44.0, 80.0], 2, 2),
+        (Negative, &[60.0, 47.0, 56.0, 20.0], 2, 2),
+        (Every, &[40.0, 56.0, 44.0, 80.0], 3, 3),
+        // Near it all the time: each direction once.
+        (Positive, &[52.0, 48.0, 52.0, 48.0, 52.0], 1, 2),
+        (Negative, &[52.0, 48.0, 52.0, 48.0, 52.0], 1, 2),
+        (Every, &[52.0, 48.0, 52.0, 48.0, 52.0], 1, 4),
+    ] {
+        for (hysteresis, expected) in [(5.0, banded), (0.0, plain)] {
+            let found = acts(passage, hysteresis, way);
+            assert_eq!(found, [expected; 2], "{passage:?} {hysteresis} {way:?}");
+        }
+    }
+}
+
 #[test]
 fn timed_tappets_have_delay_and_duration() {
     // Passed half way between the cycles at 0 and 1 ms: on at 3.5 ms, off at 5.6 ms.
@@ -120,7 +173,7 @@ fn the_bit_of_a_coupling_begins_again() {
     ];
     let cam = Cam::new("cam", Shape::Polynomial(knots), on).expect("a cam");
     let table = CamTable::new(Arc::new(cam));
-    let at = |position| AxisState { position, ..AxisState::default() };
+    let at = |position| State { position, ..State::default() };
     let start = || {
         CamCoupling::start(table.clone(), CamInput::default(), &at(0.0), &at(0.0), 0)
             .expect("a start")
@@ -202,9 +255,9 @@ fn a_braking_master_passes_nothing_backwards() {
         let cam = Cam::new("coupled", Shape::Polynomial(knots), cam).expect("a cam");
         let table = CamTable::new(Arc::new(cam));
         let input = CamInput { tappet_dead_time_s: 0.1, ..CamInput::default() };
-        let state = |(position, velocity)| AxisState { position, velocity, acceleration: 0.0 };
+        let state = |(position, velocity)| State { position, velocity, acceleration: 0.0 };
         let way = braking(then);
-        let start = AxisState::default();
+        let start = State::default();
         let mut coupling =
             CamCoupling::start(table, input, &state(way[0]), &start, 0).expect("on the cam");
         let (mut count, mut coupled, mut before) = (0, 0, false);

@@ -1,8 +1,8 @@
 //! What is wished of a ramp, what came of it, and why there is none.
 
-use super::super::coupling::{AxisState, CouplingError};
+use super::super::coupling::CouplingError;
 use super::super::selection::{CamInput, CamTable};
-use crate::axis::profile::{ProfileError, RampType};
+use crate::axis::profile::{ProfileError, RampType, State};
 use crate::cam::{Quantity, SlaveLimits};
 use crate::short::Short;
 
@@ -29,9 +29,9 @@ pub struct RampWish {
     /// Inputs of `MC_CamIn`; what it says of a ramp does not count but for the direction of the start mode.
     pub input: CamInput,
     /// Where the master is at the start and how fast it goes on; its acceleration does not count.
-    pub master: AxisState,
+    pub master: State,
     /// Where the slave is at the start, and its velocity.
-    pub slave: AxisState,
+    pub slave: State,
     /// The ramps of the slave's axis: [`RampType::Trapezoid`], whose acceleration steps, which is a jerk of the step by the
     /// time of a cycle, or [`RampType::Parabolic`] or [`RampType::Sigmoid`] with the jerk of the limits.
     pub ramp: RampType,

@@ -6,8 +6,9 @@ use crate::cam::sample::{MOST, Sampling, reach, write};
 use crate::cam::tune::ramp;
 use crate::finding::{Rule, Severity};
 use twin_motion::axis::profile::RampType;
+use twin_motion::axis::profile::State;
 use twin_motion::cam::tune::RampGoal;
-use twin_motion::cam::{AxisState, MasterMotion, SlaveLimits};
+use twin_motion::cam::{MasterMotion, SlaveLimits};
 
 /// In the middle of the rise y′ = 15/8·h/w, y″ = 0 and y‴ = −30·h/w³; a quarter of it: y″ = 60·(s − 3·s² + 2·s³)·h/w².
 #[test]
@@ -139,7 +140,7 @@ fn a_ramp_goes_round_by_the_shorter_way() {
         [(Some(360.0), 2.0 * 0.01_f64.sqrt(), [350.0, 360.0]), (None, 3.6, [0.0, 350.0])]
     {
         let use_it = using(&file, 0.1, AxisLimits { motion, period, ..AxisLimits::NONE });
-        let slave = AxisState { position: 350.0, ..AxisState::default() };
+        let slave = State { position: 350.0, ..State::default() };
         let found = ramp(&file, &use_it, 0.0, slave, (RampType::Trapezoid, RampGoal::Soonest))
             .expect("a ramp");
         assert!((found.duration_s - expected).abs() < 1e-4, "{found:?}");

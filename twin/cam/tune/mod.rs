@@ -17,14 +17,12 @@ use super::edit::Change;
 use super::{CamFile, WANTED};
 use crate::number::significant;
 use std::sync::Arc;
-use twin_motion::axis::profile::RampType;
+use twin_motion::axis::profile::{RampType, State};
 use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{
     FitError, Free, GentleError, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
 };
-use twin_motion::cam::{
-    AxisState, CamTable, Element, Knot, LimitError, Quantity, Shape, StartMode,
-};
+use twin_motion::cam::{CamTable, Element, Knot, LimitError, Quantity, Shape, StartMode};
 
 /// Why something is not tuned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -139,7 +137,7 @@ pub fn ramp(
     file: &CamFile,
     using: &CamUse,
     master: f64,
-    slave: AxisState,
+    slave: State,
     (ramp, goal): (RampType, RampGoal),
 ) -> Result<RampIn, TuneError> {
     let mut table = CamTable::new(Arc::new(file.cam.clone()));
@@ -152,7 +150,7 @@ pub fn ramp(
         input.start_mode = StartMode::RampIn;
     }
     let velocity = using.master.velocity;
-    let master = AxisState { position: master, velocity, acceleration: 0.0 };
+    let master = State { position: master, velocity, acceleration: 0.0 };
     let (limits, position) = (using.limits.motion, using.limits.position);
     let wish =
         RampWish { table, input, master, slave, limits, position, ramp, cycle_s: CYCLE_S, goal };

@@ -20,10 +20,10 @@ use crate::finding::{self, Rule};
 use clap::ValueEnum;
 use std::io;
 use std::path::PathBuf;
-use twin_motion::axis::profile::RampType;
+use twin_motion::axis::profile::{RampType, State};
 use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{Free, RampGoal, Tolerance};
-use twin_motion::cam::{AxisState, Quantity, StartMode};
+use twin_motion::cam::{Quantity, StartMode};
 
 /// Tune a cam: offsets and scalings from a recorded run or within limits, the dead time of tappets, ramps, shapes
 ///
@@ -385,7 +385,7 @@ fn tuned(
     }
     let from = match arguments.ramp_in {
         Some(Shown::Given([master, position, velocity])) => {
-            Some((master, AxisState { position, velocity, acceleration: 0.0 }))
+            Some((master, State { position, velocity, acceleration: 0.0 }))
         }
         Some(Shown::Run) => recorded.and_then(|run| tune::start(run, deviation.as_ref())),
         None => None,

@@ -1,16 +1,17 @@
 //! Every block that moves an axis, with inputs that change at random.
 
 use super::checker::{Limits, Promise};
+use super::coupled::{self, InPos, OnCam};
 use super::random::Random;
 use super::{FASTEST, JERK, STEEPEST};
 use crate::axis::profile::{ProfilePoint, State};
-use crate::axis::tests::rig::CYCLE;
+use crate::axis::tests::rig::{self, CYCLE};
 use crate::axis::{
     AbortTrigger, AccelerationProfile, Axis, Block, CamIn, ControlAxisBy, ControllerMode, Decouple,
     Direction, Follow, GearIn, GearInPos, Halt, Home, HomingBySwitch, HomingMode, Master, Motion,
     MoveAbsolute, MoveAdditive, MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative,
-    MoveSuperImposed, MoveVelocity, Outputs, Phasing, Points, PositionProfile, SetControllerMode,
-    Stop, TouchProbe, Trigger, VelocityProfile,
+    MoveSuperImposed, MoveVelocity, Outputs, ParameterNumber, Phasing, Points, PositionProfile,
+    SetControllerMode, Stop, SuperImposed, TouchProbe, Trigger, VelocityProfile, WriteParameter,
 };
 use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
 use std::any::type_name;
@@ -25,6 +26,11 @@ pub(super) trait Called {
         axis: &mut Axis,
         master: &Axis,
     ) -> Outputs;
+
+    /// What it has to keep beside what all blocks keep, after it has been called.
+    fn watch(&mut self, _shown: Outputs, _axis: &Axis, _master: &Axis) -> Result<(), String> {
+        Ok(())
+    }
 
     /// Other inputs, now and then wrong ones.
     fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis);
@@ -45,7 +51,7 @@ pub(super) trait Called {
         [
             name.contains("Follow") || name.contains("ControlAxis"),
             name.contains("Probe") || name.contains("Mode"),
-            name.contains("Stop") || name.contains("Hom") || name.contains("Mode"),
+            ["Stop", "Hom", "Mode", "Write"].iter().any(|it| name.contains(it)),
         ]
     }
 
@@ -61,7 +67,7 @@ pub(super) trait Called {
 }
 
 /// What a block needs beside its axis, from the master.
-trait Take {
+pub(super) trait Take {
     fn take(master: &Axis) -> Self;
 }
 
@@ -76,11 +82,11 @@ impl Take for Master {
 }
 
 /// A [`Block`], how its inputs are chosen, and how those that count every cycle change.
-struct Moving<M: Motion> {
-    block: Block<M>,
+pub(super) struct Moving<M: Motion> {
+    pub(super) block: Block<M>,
     promise: Keeps<M>,
     /// What it was given when it began, and whether it has been done since, whatever it shows.
-    taken: M,
+    pub(super) taken: M,
     done: bool,
     inputs: fn(&mut Random, &Axis, &Axis) -> M,
     live: Live<M>,
@@ -88,7 +94,7 @@ struct Moving<M: Motion> {
 }
 
 /// What a block keeps that was given these inputs, and is done (in gear) or not yet.
-type Keeps<M> = fn(&M, bool) -> Promise;
+pub(super) type Keeps<M> = fn(&M, bool) -> Promise;
 
 /// How inputs that count every cycle change, with how the axis goes on from the last cycle.
 type Live<M> = fn(&mut M, &mut Random, &Axis, State);
@@ -134,7 +140,7 @@ impl<M: Motion<With: Take> + Clone> Called for Moving<M> {
 }
 
 /// A block that keeps what it promises, and whose inputs are taken over at the rising edge.
-fn limited<M: Motion<With: Take> + Clone + 'static>(
+pub(super) fn limited<M: Motion<With: Take> + Clone + 'static>(
     promise: Keeps<M>,
     inputs: fn(&mut Random, &Axis, &Axis) -> M,
 ) -> Box<dyn Called> {
@@ -146,10 +152,18 @@ fn any<M: Motion<With: Take> + Clone + 'static>(
     inputs: fn(&mut Random, &Axis, &Axis) -> M,
     live: Live<M>,
 ) -> Box<dyn Called> {
+    Box::new(moving(promise, inputs, live))
+}
+
+fn moving<M: Motion<With: Take> + Clone>(
+    promise: Keeps<M>,
+    inputs: fn(&mut Random, &Axis, &Axis) -> M,
+    live: Live<M>,
+) -> Moving<M> {
     let nowhere = Axis::new(crate::axis::AxisConfig::default());
     let block = Block::new(inputs(&mut Random(1), &nowhere, &nowhere));
     let taken = block.inputs.clone();
-    Box::new(Moving { block, promise, taken, done: false, inputs, live, execute: false })
+    Moving { block, promise, taken, done: false, inputs, live, execute: false }
 }
 
 /// The block's own velocity, acceleration and deceleration.
@@ -158,12 +172,12 @@ fn own(velocity: f64, acceleration: f64, deceleration: f64) -> Promise {
 }
 
 /// What it was given when it began, too.
-struct OnTop(MoveSuperImposed, Limits, bool);
+struct OnTop(SuperImposed, Limits, bool);
 
 impl Called for OnTop {
     fn call(&mut self, execute: bool, _: &mut Random, axis: &mut Axis, _: &Axis) -> Outputs {
         if execute && !self.2 {
-            let MoveSuperImposed { velocity_diff, acceleration, deceleration, .. } = self.0;
+            let MoveSuperImposed { velocity_diff, acceleration, deceleration, .. } = self.0.inputs;
             self.1 = Limits::new(velocity_diff, acceleration, deceleration);
         }
         self.2 = execute;
@@ -175,9 +189,9 @@ impl Called for OnTop {
     }
 
     fn change(&mut self, random: &mut Random, _: &Axis, _: &Axis) {
-        self.0.distance = random.between(-6.0, 6.0);
-        self.0.velocity_diff = speed(random);
-        (self.0.acceleration, self.0.deceleration) = (rate(random), rate(random));
+        self.0.inputs.distance = random.between(-6.0, 6.0);
+        self.0.inputs.velocity_diff = speed(random);
+        (self.0.inputs.acceleration, self.0.inputs.deceleration) = (rate(random), rate(random));
     }
 }
 
@@ -192,6 +206,46 @@ impl Called for Mode {
     fn change(&mut self, random: &mut Random, _: &Axis, _: &Axis) {
         use ControllerMode::{Current, Position, Torque, Velocity};
         self.0.mode = random.one_of(&[Position, Position, Position, Velocity, Torque, Current]);
+    }
+}
+
+/// Parameters that change nothing about motion, protected ones and unknown ones.
+struct Write {
+    block: WriteParameter,
+    execute: bool,
+    /// Which one it was given when it began.
+    taken: u16,
+}
+
+impl Write {
+    const FREE: [u16; 3] = [1112, 1122, 1132];
+    const PROTECTED: [u16; 6] = [1000, 1022, 1030, 1100, 1110, 999];
+}
+
+impl Called for Write {
+    fn call(&mut self, execute: bool, _: &mut Random, axis: &mut Axis, _: &Axis) -> Outputs {
+        if execute && !self.execute {
+            self.taken = match self.block.number {
+                ParameterNumber::Axis(number) => number,
+                ParameterNumber::Drive(_) => 0,
+            };
+        }
+        self.execute = execute;
+        self.block.call(execute, axis)
+    }
+
+    fn watch(&mut self, shown: Outputs, axis: &Axis, _: &Axis) -> Result<(), String> {
+        let free = Self::FREE.contains(&self.taken);
+        if shown.busy || (shown.done && !free) || (shown.error.is_some() && free) {
+            return Err(format!("{} in {:?}: {shown:?}", self.taken, axis.state()));
+        }
+        Ok(())
+    }
+
+    fn change(&mut self, random: &mut Random, _: &Axis, _: &Axis) {
+        let numbers = if random.one_in(2) { &Self::FREE[..] } else { &Self::PROTECTED };
+        self.block.number = ParameterNumber::Axis(random.one_of(numbers));
+        self.block.value = random.between(1.0, 100.0);
     }
 }
 
@@ -282,7 +336,7 @@ pub(super) fn single() -> Vec<Box<dyn Called>> {
 /// Called last, as the manual has it.
 fn on_top() -> Box<dyn Called> {
     let limits = Limits::new(1.0, 1.0, 1.0);
-    Box::new(OnTop(MoveSuperImposed::new(1.0, 1.0, 1.0, 1.0), limits, false))
+    Box::new(OnTop(rig::on_top(1.0, 1.0, 1.0, 1.0), limits, false))
 }
 
 fn probe(trigger: Trigger) -> Box<dyn Called> {
@@ -298,6 +352,8 @@ pub(super) fn all() -> Vec<Box<dyn Called>> {
     blocks.extend(direct());
     blocks.extend(homed());
     blocks.push(Box::new(Mode(SetControllerMode::default())));
+    let block = WriteParameter::new(ParameterNumber::Axis(1112), 1.0);
+    blocks.push(Box::new(Write { block, execute: false, taken: 1112 }));
     blocks.extend([probe(Trigger::of_program()), probe(Trigger::of_drive(1)), on_top()]);
     blocks
 }
@@ -391,7 +447,7 @@ fn coupled() -> Vec<Box<dyn Called>> {
                 deceleration: rate(random).min(100.0),
             },
         ),
-        limited(
+        Box::new(InPos(moving(
             |_, _| Promise::Smooth,
             |random, axis, master| {
                 let sign = if master.set_velocity() < 0.0 { -1.0 } else { 1.0 };
@@ -403,7 +459,8 @@ fn coupled() -> Vec<Box<dyn Called>> {
                     master_start_distance: random.one_of(&[0.0, 5.0, 20.0]),
                 }
             },
-        ),
+            |_, _, _, _| (),
+        ))),
         on_cam(),
         // One more, so that cams are switched between.
         on_cam(),
@@ -415,19 +472,21 @@ fn coupled() -> Vec<Box<dyn Called>> {
 /// The cam itself has at most 0.94·1500 u/s³ of the master's jerk, 3·0.072·15·90 of its velocity and acceleration and
 /// 0.019·15³ of its velocity alone, 1762 u/s³ together; the ramp onto it has the axis's beside that.
 fn on_cam() -> Box<dyn Called> {
-    limited(
+    let moving = moving(
         |it: &CamIn, _| {
             let absolute = it.table.as_ref().is_some_and(|table| table.master_absolute);
             if absolute { Promise::OnMaster(JERK + 1762.0) } else { Promise::Jerk(JERK + 1762.0) }
         },
         |random, _, _| CamIn { table: cam(random), input: cam_input(random) },
-    )
+        |_, _, _, _| (),
+    );
+    Box::new(OnCam::new(moving))
 }
 
 fn cam(random: &mut Random) -> Option<CamTable> {
     let knots =
         vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(40.0, way(random)), Knot::at_rest(90.0, 0.0)];
-    let cam = Cam::new("cam", Shape::Polynomial(knots), Vec::new()).unwrap();
+    let cam = Cam::new("cam", Shape::Polynomial(knots), coupled::tappets(random)).unwrap();
     let table = CamTable {
         periodic: random.one_in(2),
         master_absolute: random.one_in(2),
@@ -448,6 +507,7 @@ fn cam_input(random: &mut Random) -> CamInput {
         velocity_difference: speed(random),
         acceleration: rate(random),
         deceleration: rate(random),
+        tappet_hysteresis: random.one_of(&[0.0, 2.0]),
         ..CamInput::default()
     }
 }

@@ -1,5 +1,6 @@
 //! What has to hold, cycle after cycle, whatever is called.
 
+use super::legal::{self, Keeper};
 use super::{FASTEST, JERK, STEEPEST};
 use crate::axis::profile::{RampType, State};
 use crate::axis::tests::rig::CYCLE;
@@ -58,6 +59,8 @@ impl Promise {
 #[derive(Debug)]
 pub(super) struct Checker {
     state: AxisState,
+    /// Who has to keep the axis, whatever the others do.
+    keeper: Option<Keeper>,
     /// Drive's position, velocity and acceleration of the last set-point.
     motion: [f64; 3],
     /// What was on top of the motion in the last set-point.
@@ -69,6 +72,7 @@ impl Checker {
     pub(super) fn new(axis: &Axis, blocks: usize) -> Self {
         Self {
             state: axis.state(),
+            keeper: None,
             motion: [axis.to_drive(axis.set_position()), 0.0, 0.0],
             overlay: State::default(),
             tallies: vec![Tally::default(); blocks],
@@ -125,6 +129,45 @@ impl Checker {
         Ok(())
     }
 
+    /// Every step that the axis has made since the last look is one of the diagram, and no state has changed without one.
+    pub(super) fn states(&mut self, axis: &mut Axis) -> Result<(), String> {
+        for [from, to] in axis.entered.drain(..) {
+            if from != self.state || !legal::is_arrow(from, to) {
+                return Err(format!("illegal: {from:?} to {to:?} after {:?}", self.state));
+            }
+            self.state = to;
+        }
+        if axis.state() != self.state {
+            return Err(format!("{:?} has become {:?} by itself", self.state, axis.state()));
+        }
+        Ok(())
+    }
+
+    /// After a call of `caller`, with or without Execute: the states, that of who moves the axis, and who keeps it.
+    pub(super) fn called(
+        &mut self,
+        axis: &mut Axis,
+        caller: (&str, bool),
+        mover: Option<&str>,
+    ) -> Result<(), String> {
+        self.states(axis)?;
+        let state = axis.state();
+        match mover.and_then(legal::demanded) {
+            Some(demanded) if state != demanded => {
+                return Err(format!("{} moves it in {state:?}", mover.unwrap_or_default()));
+            }
+            None if axis.owner() == 0
+                && axis.overlay_owner != 0
+                && state != AxisState::DiscreteMotion =>
+            {
+                return Err(format!("moved on top in {state:?}"));
+            }
+            _ => {}
+        }
+        self.keeper = Keeper::after(self.keeper, axis, caller, mover)?;
+        Ok(())
+    }
+
     /// What the axis does in this cycle; `owners` are who the blocks say they are. `followed` u/s² is what the master's
     /// change of velocity makes of the slave's, `on_top` what a motion on top keeps.
     pub(super) fn cycle(
@@ -135,15 +178,6 @@ impl Checker {
         on_top: &Limits,
         followed: f64,
     ) -> Result<(), String> {
-        // States: every step of this cycle is a way of the diagram (two of them at most).
-        let legal = self.state.leads_to(axis.state())
-            || self.state == axis.state()
-            || AxisState::ALL
-                .iter()
-                .any(|via| self.state.leads_to(*via) && via.leads_to(axis.state()));
-        if !legal {
-            return Err(format!("{:?} to {:?}", self.state, axis.state()));
-        }
         // Owners: those who think they move it are the one that does.
         let claims = owners.iter().filter(|owner| axis.owner() == **owner && **owner != 0).count();
         if claims > 1 || (axis.owner() != 0) != (claims == 1) {
@@ -160,7 +194,6 @@ impl Checker {
         }
         self.motion(axis, promise, on_top, followed)?;
         self.overlay = axis.overlay;
-        self.state = axis.state();
         Ok(())
     }
 

@@ -3,13 +3,16 @@
 
 mod called;
 mod checker;
+mod coupled;
+mod legal;
+mod planted;
 mod random;
 
 use super::rig::CYCLE;
 use crate::axis::profile::RampType;
 use crate::axis::{
-    Axis, AxisConfig, AxisState, Block, Direction, Halt, MoveAbsolute, MoveVelocity, Movement,
-    Outputs, Power, Reset, VirtualDrive,
+    Axis, AxisConfig, AxisState, Block, DigitalCamSwitch, Direction, Halt, MoveAbsolute,
+    MoveVelocity, Movement, Outputs, Power, Reset, VirtualDrive,
 };
 use called::Called;
 use checker::{Checker, Limits, Promise};
@@ -106,6 +109,9 @@ struct Run {
     without_power: u32,
     /// The block that has taken the axis in this cycle, and may have come to its end already.
     taker: Option<usize>,
+    /// Outputs along the axis, and what the first one was.
+    switch: DigitalCamSwitch,
+    switched: Vec<bool>,
     /// What a follower of the master's positions gets from its change of velocity, u/s².
     followed: f64,
     seen: Vec<Seen>,
@@ -143,6 +149,8 @@ impl Run {
             around,
             without_power: 0,
             taker: None,
+            switch: coupled::switches(),
+            switched: Vec::new(),
             followed: 0.0,
             resets: 0,
             calls: 0,
@@ -183,6 +191,7 @@ impl Run {
         self.taker = None;
         self.disturb();
         self.axis.begin_cycle(&self.drive.feedback());
+        checker.states(&mut self.axis)?;
         self.without_power = self.without_power.saturating_sub(1);
         POWER.call(self.without_power == 0, &mut self.axis);
         if self.around == Around::Everything && self.random.one_in(300) {
@@ -206,7 +215,11 @@ impl Run {
         }
         let in_error = self.axis.state() == AxisState::ErrorStop;
         self.resets += u32::from(self.reset.call(in_error && !forgotten, &mut self.axis).done);
+        checker.states(&mut self.axis)?;
         self.drive.follow(&self.axis.end_cycle());
+        let mover = self.mover().map(|index| self.blocks[index].name());
+        checker.called(&mut self.axis, ("", true), mover)?;
+        self.see_switches()?;
         let owners: Vec<_> = self.blocks.iter().map(|block| block.owner()).collect();
         // A block that is not called does not know yet that it has lost the axis.
         let promise = self.promise(was_moving);
@@ -230,10 +243,11 @@ impl Run {
         checker: &mut Checker,
         spoil: &mut impl FnMut(u32, &mut Axis, &mut Outputs),
     ) -> Result<(), String> {
-        let (random, count) = (&mut self.random, self.blocks.len());
+        let count = self.blocks.len();
         let often = 60 * u64::try_from(count).unwrap();
         for index in 0..count {
             let was = self.execute[index];
+            let random = &mut self.random;
             if random.one_in(if was { 60 } else { often }) {
                 self.execute[index] = !was;
                 // Inputs of one that runs do not count.
@@ -246,11 +260,21 @@ impl Run {
             let block = &mut self.blocks[index];
             let owners = self.axis.values.owners;
             let mut shown = block.call(execute, random, &mut self.axis, &self.lead.axis);
+            block
+                .watch(shown, &self.axis, &self.lead.axis)
+                .map_err(|what| format!("{}: {what}", block.name()))?;
             if self.axis.values.owners != owners && block.on_top().is_none() {
                 self.taker = Some(index);
             }
             self.calls += 1;
             spoil(self.calls, &mut self.axis, &mut shown);
+            let (owner, name) = (self.axis.owner(), block.name());
+            let mover = self.blocks.iter().find(|it| owner != 0 && it.owner() == owner);
+            checker.called(&mut self.axis, (name, execute), mover.map(|it| it.name()))?;
+            let block = &self.blocks[index];
+            if legal::short(name) == "Stop" && shown.command_aborted {
+                return Err("a stop is aborted".to_owned());
+            }
             let before = checker.before(index);
             let checked = checker.block(index, execute && !was, shown);
             checked.map_err(|what| format!("{}: {what}", block.name()))?;
@@ -258,6 +282,27 @@ impl Run {
             seen.done += u32::from(shown.done && !before.done);
             seen.aborted += u32::from(shown.command_aborted && !before.command_aborted);
             seen.failed += u32::from(shown.error.is_some() && before.error.is_none());
+        }
+        Ok(())
+    }
+
+    /// Outputs along the axis are what its positions say.
+    fn see_switches(&mut self) -> Result<(), String> {
+        let shown = self.switch.call(true, &self.axis).outputs;
+        let place = self.axis.set_position();
+        let demand = self.axis.is_powered();
+        if demand && shown[0] != (10.0..=30.0).contains(&place) {
+            return Err(format!("output 0 is {} at {place}", shown[0]));
+        }
+        if shown[1] {
+            return Err("a masked output is on".to_owned());
+        }
+        self.switched.push(shown[0]);
+        // Where the zero moves and the power goes, nobody has passed what is delayed.
+        let delayed = self.switched.iter().rev().nth(coupled::DELAY_CYCLES);
+        let counts = self.around != Around::Everything && self.switched.len() > 50;
+        if counts && delayed != Some(&shown[2]) {
+            return Err(format!("output 2 is {}, output 0 was {delayed:?}", shown[2]));
         }
         Ok(())
     }
@@ -441,4 +486,60 @@ fn the_checker_sees_what_is_broken() {
         });
         assert!(found, "nobody sees a wrong {what}");
     }
+}
+
+/// What is planted is found, and as what it is.
+#[test]
+fn the_checker_sees_illegal_states() {
+    type Spoil = fn(u32, &mut Axis, &mut Outputs);
+    let nothing: Spoil = |_, _, _| ();
+    let step: Spoil = |call, axis, _| {
+        if call > 5_000 && axis.state() == AxisState::DiscreteMotion {
+            axis.enter(AxisState::Homing);
+            axis.enter(AxisState::DiscreteMotion);
+        }
+    };
+    let silent: Spoil = |call, axis, _| {
+        if call > 5_000 && axis.state() == AxisState::DiscreteMotion {
+            axis.state = AxisState::ContinuousMotion;
+        }
+    };
+    let lets_go: Spoil = |call, axis, _| {
+        if call > 5_000 && axis.state() == AxisState::Stopping {
+            axis.release(axis.owner());
+        }
+    };
+    let aborted: Spoil = |_, axis, shown| {
+        shown.command_aborted |= axis.state() == AxisState::Stopping && shown.done;
+        shown.done &= !shown.command_aborted;
+    };
+    type Blocks = fn() -> Vec<Box<dyn Called>>;
+    let rude: Blocks = || with(planted::rude());
+    let mislabelled: Blocks = || with(planted::mislabelled());
+    let plain: Blocks = called::single;
+    for (what, blocks, spoil, expected) in [
+        ("step", plain, step, "illegal: DiscreteMotion to Homing"),
+        ("state", plain, silent, "by itself"),
+        ("end of a stop", plain, lets_go, "takes the axis from a stop that is held"),
+        ("abort", plain, aborted, "a stop is aborted"),
+        ("move while stopping", rude, nothing, "illegal: Stopping to DiscreteMotion"),
+        ("move of velocity", mislabelled, nothing, "MoveVelocity moves it in DiscreteMotion"),
+    ] {
+        let found: Vec<_> = (0..8)
+            .filter_map(|seed| {
+                Run::new(seed, KINDS[0], blocks(), Around::Forgotten).calls(50_000, spoil).err()
+            })
+            .collect();
+        assert!(
+            found.iter().any(|it| it.contains(expected)),
+            "nobody sees a wrong {what}: {found:?}"
+        );
+    }
+}
+
+/// Moves of the axis alone, and one that is not as it should be.
+fn with(planted: Box<dyn Called>) -> Vec<Box<dyn Called>> {
+    let mut blocks = called::single();
+    blocks.insert(0, planted);
+    blocks
 }

@@ -1,10 +1,10 @@
 //! Ramps: as soon as can be where that is known in closed form, and held against the coupling itself.
 
 use super::Random;
-use crate::axis::profile::RampType;
+use crate::axis::profile::{RampType, State};
 use crate::cam::tune::{RampError, RampGoal, RampIn, RampWish, ramp_in};
 use crate::cam::{
-    AxisState, Cam, CamCoupling, CamInput, CamTable, Knot, Quantity, Shape, SlaveLimits, StartMode,
+    Cam, CamCoupling, CamInput, CamTable, Knot, Quantity, Shape, SlaveLimits, StartMode,
 };
 use std::sync::Arc;
 
@@ -12,16 +12,11 @@ pub(super) fn limits(velocity: f64, acceleration: f64) -> SlaveLimits {
     SlaveLimits { velocity, acceleration, ..SlaveLimits::NONE }
 }
 
-pub(super) fn moving(position: f64, velocity: f64) -> AxisState {
-    AxisState { position, velocity, acceleration: 0.0 }
+pub(super) fn moving(position: f64, velocity: f64) -> State {
+    State { position, velocity, acceleration: 0.0 }
 }
 
-pub(super) fn wish(
-    knots: &[Knot],
-    master: AxisState,
-    slave: AxisState,
-    limits: SlaveLimits,
-) -> RampWish {
+pub(super) fn wish(knots: &[Knot], master: State, slave: State, limits: SlaveLimits) -> RampWish {
     let shape = Shape::Polynomial(knots.to_vec());
     let cam = Arc::new(Cam::new("cam", shape, Vec::new()).expect("a cam"));
     RampWish {
@@ -92,7 +87,7 @@ fn the_jerk_of_a_ramp_is_its_steps() {
     assert!(matches!(error, RampError::Beyond { what: "jerk", .. }), "{error}");
 }
 
-fn wish_on_lift(master: AxisState, slave: AxisState) -> RampWish {
+fn wish_on_lift(master: State, slave: State) -> RampWish {
     wish(&lift(), master, slave, limits(1e4, 1e6))
 }
 

@@ -1,0 +1,89 @@
+//! States as PLCopen's diagram has them, told apart from what the axis itself knows of it, and whom nobody may take it from.
+
+use crate::axis::{Axis, AxisState};
+
+/// Whether the diagram has an arrow (PLCopen; manual 2.4, 5.2); staying is none, and allowed.
+pub(super) fn is_arrow(from: AxisState, to: AxisState) -> bool {
+    use AxisState::{ErrorStop, Homing, PowerOff, Standstill, Stopping};
+    let stays = from == to;
+    let fails = to == PowerOff || (to == ErrorStop && from != ErrorStop);
+    stays
+        || fails
+        || match from {
+            Standstill => true,
+            PowerOff | ErrorStop | Stopping => to == Standstill,
+            // A homing is ended by itself, by a stop or by an error.
+            Homing => [Standstill, Stopping].contains(&to),
+            _ => to != Homing,
+        }
+}
+
+/// In which state a block moves the axis (manual 5.2, 5.3).
+pub(super) fn demanded(block: &str) -> Option<AxisState> {
+    Some(match short(block) {
+        "MoveAbsolute" | "MoveRelative" | "MoveAdditive" | "Halt" | "PositionProfile" => {
+            AxisState::DiscreteMotion
+        }
+        "MoveVelocity"
+        | "MoveContinuousAbsolute"
+        | "MoveContinuousRelative"
+        | "VelocityProfile"
+        | "AccelerationProfile"
+        | "Decouple" => AxisState::ContinuousMotion,
+        "CamIn" | "GearIn" | "GearInPos" | "Phasing" | "Follow" | "ControlAxisBy" => {
+            AxisState::SynchronizedMotion
+        }
+        "Stop" => AxisState::Stopping,
+        "Home" | "HomingBySwitch" => AxisState::Homing,
+        other => panic!("nobody says in which state {other} moves the axis"),
+    })
+}
+
+/// The last part of a name of a type.
+pub(super) fn short(name: &str) -> &str {
+    name.rsplit("::").next().unwrap_or(name)
+}
+
+/// A block that no other may take the axis from: `MC_Stop` until it is done and Execute is FALSE, homing but for a stop.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Keeper {
+    owner: i64,
+    stops: bool,
+}
+
+impl Keeper {
+    /// Who it is after a call.
+    pub(super) fn after(
+        before: Option<Self>,
+        axis: &Axis,
+        (caller, execute): (&str, bool),
+        mover: Option<&str>,
+    ) -> Result<Option<Self>, String> {
+        let name = mover.map_or("", short);
+        let stops = name == "Stop";
+        let keeps = stops || ["Home", "HomingBySwitch"].contains(&name);
+        let now = keeps.then(|| Self { owner: axis.owner(), stops });
+        let failed = [AxisState::ErrorStop, AxisState::PowerOff].contains(&axis.state());
+        let Some(kept) = before.filter(|before| axis.owner() != before.owner && !failed) else {
+            return Ok(now);
+        };
+        let caller = short(caller);
+        let by_itself = match caller {
+            "Stop" => kept.stops,
+            "Home" | "HomingBySwitch" => !kept.stops,
+            _ => false,
+        };
+        let let_go = axis.owner() == 0 && axis.state() == AxisState::Standstill;
+        match (kept.stops, caller) {
+            // At its end, at rest and without Execute; or begun again.
+            (true, _) if by_itself && let_go && !execute && axis.set_velocity() == 0.0 => Ok(now),
+            (_, _) if by_itself && keeps => Ok(now),
+            (false, _) if by_itself && let_go => Ok(now),
+            (false, "Stop") => Ok(now),
+            (stops, _) => {
+                let kept = if stops { "a stop that is held" } else { "a homing" };
+                Err(format!("{caller} takes the axis from {kept}: {:?}", axis.state()))
+            }
+        }
+    }
+}
