@@ -9,7 +9,7 @@ pub(super) fn fisher_exceeds(f: f64, above: f64, below: f64) -> f64 {
 }
 
 /// How likely |t| of `freedom` degrees exceeds `t` by chance: its square is F of 1 and `freedom`.
-pub(super) fn student_exceeds(t: f64, freedom: f64) -> f64 {
+pub fn student_exceeds(t: f64, freedom: f64) -> f64 {
     fisher_exceeds(t * t, 1.0, freedom)
 }
 

@@ -1,8 +1,9 @@
 //! Tuning a cam offline: from a recorded run to offsets and scalings, from switchings to a dead time, from tolerances to a
 //! shape that lets the master go faster, and from the limits of the slave to the ramp it begins with.
 //!
-//! What is estimated comes with an interval that holds the true value in 95 % of all runs, if the noise of the slave's
-//! positions is normal and independent from sample to sample; the master's positions are taken as they are. Data that do
+//! What is estimated comes with an interval that holds the true value in 95 % of all runs. The noise of the slave's positions
+//! may grow with the slope, as jitter of the master makes it, go on from sample to sample for a while, or be that of rounding;
+//! how all that is reckoned with is in `motion/cam/tune/fit/width.rs`. Data that do
 //! not say what is asked for, or contradict it, are refused.
 
 mod along;
@@ -20,6 +21,7 @@ mod swing;
 #[cfg(test)]
 mod tests;
 
+pub use chance::student_exceeds;
 pub use dead_time::{DeadTime, Switching, dead_time};
 pub use fit::{Fit, FitOptions, Free, Sample, fit};
 pub use gentle::{Bound, Gentle, GentleError, GentleWish, gentle};
@@ -114,6 +116,22 @@ pub enum FitError {
         /// What was to be found.
         unknowns: Vec<&'static str>,
     },
+    /// The slave moves by more than it can on the way that the master makes.
+    #[error(
+        "the recording does not match the cam: the slave moves {} while the master moves {}, and on no way so long, of {} of the \
+         cam, the cam moves it by more than {}; is the master recorded in the units of the cam (degrees, not radians or turns)?",
+        Short(*.moved), Short(*.way), Short(*.width), Short(*.most)
+    )]
+    TooFar {
+        /// How far the slave moves, u.
+        moved: f64,
+        /// How far the master moves, u.
+        way: f64,
+        /// How far the slave moves on such a way at most, u.
+        most: f64,
+        /// How long the cam is, u.
+        width: f64,
+    },
     /// Some samples have nothing to do with the others.
     #[error("{}", said_of_outliers(.outliers))]
     Outliers {
@@ -121,7 +139,10 @@ pub enum FitError {
         outliers: Vec<(usize, f64)>,
     },
     /// The model does not describe the data.
-    #[error("the data do not follow the cam: {} are left over of a spread of {}", Short(*.rms), Short(*.spread))]
+    #[error(
+        "the data do not follow the cam: {} are left over of a spread of {} (are master and slave in its units, and of this cam?)",
+        Short(*.rms), Short(*.spread)
+    )]
     Unexplained {
         /// What is left over, root mean square, u.
         rms: f64,

@@ -64,6 +64,29 @@ impl Problem<'_> {
                 best = found;
             }
         }
+        if with_jerk { self.with_least_jerk(best, within_s) } else { Ok(best) }
+    }
+
+    /// The same ramp with the least jerk of the axis that is enough for it: accelerations that are reached late leave jerk over
+    /// that nothing needs.
+    fn with_least_jerk(&self, ramp: RampIn, within_s: f64) -> Result<RampIn, RampError> {
+        let RampIn { velocity_difference, acceleration, deceleration, ramp_jerk, .. } = ramp;
+        let (mut low, mut high) = (LEAST_FACTOR.ln(), 0.0);
+        let mut best = ramp;
+        for _ in 0..HALVINGS {
+            let middle = f64::midpoint(low, high);
+            let jerk = ramp_jerk * middle.exp();
+            let tried = self.ramp([velocity_difference, acceleration, deceleration, jerk])?;
+            // As gentle and in time.
+            let enough = self.keeps(&tried)
+                && tried.duration_s <= within_s.max(ramp.duration_s)
+                && tried.peak_jerk <= ramp.peak_jerk * (1.0 + ALIKE);
+            if enough {
+                (high, best) = (middle, tried);
+            } else {
+                low = middle;
+            }
+        }
         Ok(best)
     }
 

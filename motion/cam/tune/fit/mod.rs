@@ -4,15 +4,19 @@
 //! the other two follow from a line, so these are looked for on a grid first; the best of every valley is then improved by
 //! Gauss and Newton's method with exact derivatives, all together.
 
+mod correlation;
+mod growth;
 mod outliers;
 mod refuse;
+mod rounding;
 mod search;
+mod width;
 
 use super::super::curve::Curve;
 use super::chance::correlation_exceeds;
-use super::student::student_975;
 use super::{Estimate, FitError};
 use nalgebra::{DMatrix, DVector};
+use width::Widths;
 
 /// A sample of a recorded run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,10 +106,15 @@ pub struct Fit {
     /// Correlation of what is left over from one sample to the next. If it is far from 0, what is left over is not noise
     /// and the intervals are too narrow.
     pub correlation: f64,
+    /// What the slave's positions are rounded to, u; 0 if they are not, or noise hides it.
+    pub quantum: f64,
+    /// The largest part that the bias of noise in the master's positions may have in a half width; the widths hold it.
+    pub bias: f64,
 }
 
 impl Fit {
-    /// Whether what is left over looks like noise that is independent from sample to sample, as the intervals need it.
+    /// Whether what is left over looks like noise for which the intervals hold: rounding, or noise whose correlation from
+    /// sample to sample is weak enough to be known from the samples themselves.
     ///
     /// Of few samples no correlation is five times its standard deviation, 1/√n: there it is one that noise has in one run of
     /// ten thousand.
@@ -115,10 +124,16 @@ impl Fit {
         }
         #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
         let chance = 1.0 / (samples.max(1) as f64).sqrt();
-        self.correlation.abs() <= 5.0 * chance
+        // What is within the steps of the positions says nothing of the cam.
+        let rounded = self.rms <= WITHIN_STEP * self.quantum;
+        rounded || self.correlation.abs() <= STRONG.max(5.0 * chance)
     }
 }
 
+/// A correlation beyond this is no noise, whatever the number of samples.
+const STRONG: f64 = 0.6;
+/// Rounding leaves over 1/√12 of a step.
+const WITHIN_STEP: f64 = 0.45;
 /// Below so many samples, what is by chance is asked of the distribution itself.
 const FEW: usize = 50;
 /// What is told of few samples noise does in one run of so many.
@@ -157,7 +172,7 @@ pub fn fit(curve: &Curve, samples: &[Sample], options: &FitOptions) -> Result<Fi
     };
     problem.report(&fitted, options).map_err(|error| match error {
         FitError::Undetermined { .. } | FitError::Unexplained { .. } => {
-            problem.resting(&fitted).unwrap_or(error)
+            problem.resting(options).or_else(|| problem.too_far(options)).unwrap_or(error)
         }
         other => other,
     })
@@ -269,20 +284,27 @@ impl Problem<'_> {
                 best[2] += best[3] * passes * self.curve.rise();
             }
         }
-        let t = student_975(freedom);
+        let Widths { half, quantum, bias } = self.widths(best, &inverse);
         let mut estimates = best.map(Estimate::given);
-        for (row, index) in self.free.iter().enumerate() {
-            if let (Some(estimate), Some(share)) =
-                (estimates.get_mut(*index), inverse.get((row, row)))
-            {
-                estimate.half_width = t * (variance * share).sqrt();
+        for (index, half) in self.free.iter().zip(half) {
+            if let Some(estimate) = estimates.get_mut(*index) {
+                estimate.half_width = half;
             }
         }
         let [master_offset, master_scaling, slave_offset, slave_scaling] = estimates;
         let weights: f64 = self.samples.iter().map(|sample| sample.weight).sum();
         let rms = (left / weights).sqrt();
         let correlation = self.correlation(best);
-        Ok(Fit { master_offset, master_scaling, slave_offset, slave_scaling, rms, correlation })
+        Ok(Fit {
+            master_offset,
+            master_scaling,
+            slave_offset,
+            slave_scaling,
+            rms,
+            correlation,
+            quantum,
+            bias,
+        })
     }
 
     /// The inverse of the normal matrix, if all unknowns are told apart.

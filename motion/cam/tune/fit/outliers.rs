@@ -27,6 +27,19 @@ impl Problem<'_> {
         fitted: &Fitted,
         options: &FitOptions,
     ) -> Result<(), FitError> {
+        // Noise that grows with the slope has more of what is far off where the cam is steep: each counts by its own.
+        if let Some(growth) = self.growth(fitted.best) {
+            let samples = self.evened(fitted.best, &growth);
+            let even = Problem { samples: &samples, ..*self };
+            return match even.solved(options) {
+                Some(fitted) => even.refuse_far(&fitted, options),
+                None => Ok(()),
+            };
+        }
+        self.refuse_far(fitted, options)
+    }
+
+    fn refuse_far(&self, fitted: &Fitted, options: &FitOptions) -> Result<(), FitError> {
         let most = (self.samples.len() / ONE_IN).clamp(1, MOST);
         let floor = ROUNDING * self.size();
         if !self.has_suspects(fitted.best, floor) {

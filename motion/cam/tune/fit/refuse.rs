@@ -3,7 +3,7 @@
 use super::super::super::curve::Range;
 use super::super::FitError;
 use super::super::chance::fisher_exceeds;
-use super::{CHANCE, Fitted, Free, NAMES, Parameters, Problem, Sample};
+use super::{CHANCE, FitOptions, Free, NAMES, Parameters, Problem, Sample};
 
 /// Of the spread of the slave this part at most may be left over.
 const UNEXPLAINED: f64 = 0.5;
@@ -13,6 +13,8 @@ const ALIKE: f64 = 25.0;
 const MANY: f64 = 20.0;
 /// A slave that moves by no more than this part of what it does on the cam rests, but for noise.
 const RESTING: f64 = 0.05;
+/// A slave that moves by so many times what the cam allows on the way of the master does not follow it in these units.
+const TOO_FAR: f64 = 1.5;
 
 impl Problem<'_> {
     pub(super) fn refuse_unexplained(&self, left: f64) -> Result<(), FitError> {
@@ -67,14 +69,30 @@ impl Problem<'_> {
     }
 
     /// What to say if the slave rests, so that nothing was found.
-    pub(super) fn resting(&self, fitted: &Fitted) -> Option<FitError> {
+    pub(super) fn resting(&self, options: &FitOptions) -> Option<FitError> {
         let slaves = self.samples.iter().map(|sample| sample.slave);
         let (low, high) =
             slaves.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| (a.min(s), b.max(s)));
         let Range { min, max, .. } = self.curve.extremes().position;
-        let (moved, height) = (high - low, (max - min) * fitted.best[3].abs());
+        let (moved, height) = (high - low, (max - min) * options.slave_scaling.abs());
         let rests = height > 0.0 && moved <= RESTING * height;
         rests.then(|| FitError::Resting { moved, height, unknowns: self.names() })
+    }
+
+    /// What to say if the slave moves by more than it can on so short a way of the master, wherever on the cam: the greatest
+    /// slope holds for all of it.
+    pub(super) fn too_far(&self, options: &FitOptions) -> Option<FitError> {
+        let reach = |of: fn(&Sample) -> f64| {
+            let ends = (f64::INFINITY, f64::NEG_INFINITY);
+            let (low, high) =
+                self.samples.iter().map(of).fold(ends, |(a, b), v| (a.min(v), b.max(v)));
+            high - low
+        };
+        let (moved, way) = (reach(|s| s.slave), reach(|s| s.master));
+        let scaling = options.master_scaling.abs() * (1.0 + options.scaling_range.abs());
+        let slope = self.curve.extremes().velocity.magnitude() * options.slave_scaling.abs();
+        let most = slope * scaling * way;
+        (moved > TOO_FAR * most).then(|| FitError::TooFar { moved, way, most, width: self.width() })
     }
 
     /// Whether another valley is as deep as the best one.

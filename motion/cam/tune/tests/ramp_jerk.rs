@@ -5,7 +5,7 @@ use super::ramp_in::{dwell, lift, moving, wish};
 use crate::axis::gear::{Approach, Gap};
 use crate::axis::profile::{AxisLimits, RampType, State};
 use crate::cam::tune::{RampError, RampGoal, RampIn, RampWish, ramp_in};
-use crate::cam::{Quantity, SlaveLimits, StartMode};
+use crate::cam::{Knot, Quantity, SlaveLimits, StartMode};
 use std::f64::consts::PI;
 
 fn least_jerk(within_s: f64) -> RampGoal {
@@ -59,6 +59,32 @@ fn a_dwell_is_reached_by_sines() {
     assert!(matches!(error, RampError::TooLong { soonest_s, .. } if soonest_s > 9999.0), "{error}");
     let goal = RampGoal::Gentlest { within_s: 11_000.0, least: Quantity::Acceleration };
     ramp_in(&RampWish { limits: slow, goal, ..wish }).expect("a ramp");
+}
+
+/// Where accelerations say how gentle a ramp is, jerk is left over that nothing needs: told is the least one. With less of it
+/// the slave is late, or its jerk is larger.
+#[test]
+fn the_jerk_of_the_axis_is_the_least_one() {
+    let knots = [
+        Knot::at_rest(0.0, 0.0),
+        Knot { velocity: 0.1, ..Knot::at_rest(150.0, 80.0) },
+        Knot::at_rest(230.0, 40.0),
+        Knot::at_rest(360.0, 0.0),
+    ];
+    let limits = SlaveLimits { velocity: 900.0, acceleration: 20_000.0, jerk: 2e6 };
+    let wish = wish(&knots, moving(0.0, 200.0), moving(35.0, 0.0), limits);
+    for ramp in [RampType::Sigmoid, RampType::Parabolic] {
+        let wish = RampWish { ramp, goal: least_jerk(0.3), ..wish.clone() };
+        let found = ramp_in(&wish).expect("a ramp");
+        assert!(found.duration_s <= 0.3 && found.ramp_jerk < 60_000.0, "{found:?}");
+        let told = driven(&wish, &found);
+        let with = |part: f64| RampIn { ramp_jerk: found.ramp_jerk * part, ..found };
+        for part in [0.8, 0.95] {
+            let Driven { seconds, peaks, .. } = driven(&wish, &with(part));
+            let worse = seconds > told.seconds + CYCLE_S || peaks[2] > told.peaks[2] * 1.001;
+            assert!(worse, "{ramp:?} {part}: {seconds} {peaks:?} {found:?}");
+        }
+    }
 }
 
 /// A ramp of these values in steps of 0.1 ms: when it is over, the largest velocity, acceleration and jerk, and how far it
