@@ -4,7 +4,8 @@ use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample};
 use super::correct::Deviation;
-use twin_motion::cam::{AxisState, MasterMotion};
+use twin_motion::axis::profile::State;
+use twin_motion::cam::MasterMotion;
 
 /// Samples that a parabola is laid through, and how few of them say anything.
 const WINDOW: usize = 21;
@@ -113,7 +114,7 @@ pub fn travel(run: &RecordedRun) -> Option<[f64; 2]> {
 }
 
 /// Where the master stands when a run begins, and where the slave is told to be and how fast, so that it stands where it does.
-pub fn start(run: &RecordedRun, deviation: Option<&Deviation>) -> Option<(f64, AxisState)> {
+pub fn start(run: &RecordedRun, deviation: Option<&Deviation>) -> Option<(f64, State)> {
     let first = run.samples.first()?;
     let window = run.samples.get(..run.samples.len().min(WINDOW))?;
     let velocity =
@@ -121,5 +122,5 @@ pub fn start(run: &RecordedRun, deviation: Option<&Deviation>) -> Option<(f64, A
     let told = |position| deviation.map_or(position, |deviation| deviation.told_at(position));
     // A line keeps differences: what is told over one second.
     let [position, later] = [first.slave, first.slave + velocity].map(told);
-    Some((first.master, AxisState { position, velocity: later - position, acceleration: 0.0 }))
+    Some((first.master, State { position, velocity: later - position, acceleration: 0.0 }))
 }
