@@ -74,6 +74,9 @@ pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
             "look at the encoder, its cable and its plug, then `reset` the module, which clears the fault, and `home` the axis; \
              `get encoder-definition-1` (or -2) tells what kind it is to be"
         }
+        DriveError::Unsupported { what, .. } if what.starts_with("encoder") => {
+            "without `[drives.encoder]` in the machine file the run begins, and held shafts are not seen"
+        }
         DriveError::NotArrived { .. } => {
             "something else has stopped it: `twin drive … stop` in another window, another master, a limit or a switch. `status` \
              tells what the device says now"

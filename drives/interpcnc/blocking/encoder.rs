@@ -92,7 +92,7 @@ impl InterpCncDrive {
         }
         match self.points(clock) {
             Err(DriveError::Device { at, .. }) => {
-                let what = "encoder: boards have one from V2.1D on (`encoder_axis` says that this one has)";
+                let what = "encoder: boards have one from V2.1D on";
                 Err(DriveError::Unsupported { at, what })
             }
             told => told.map(drop),
