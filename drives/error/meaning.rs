@@ -29,3 +29,18 @@ pub(super) fn reject_meaning(reason: RejectCode) -> &'static str {
 pub(super) fn with_unit(value: impl Display, unit: &str) -> String {
     if unit.is_empty() { value.to_string() } else { format!("{value} {unit}") }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The table "REJ" of the manual of ATB.
+    #[test]
+    fn reasons_have_number_and_name_of_the_manual() {
+        let named = ["GENERIC", "WORKING", "BADMODE", "BADPARAMS", "NOTAVAILABLE"];
+        for ((number, name), reason) in (0..).zip(named).zip(RejectCode::ALL) {
+            let said = reject_meaning(reason);
+            assert!(said.ends_with(&format!("({number}, {name})")), "{said}");
+        }
+    }
+}
