@@ -8,7 +8,7 @@ use super::curve::Curve;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joints {
     /// By ascending places.
-    joints: Vec<Joint>,
+    places: Vec<Joint>,
     width: f64,
     repeated: bool,
 }
@@ -32,7 +32,7 @@ impl Joints {
             let [position, velocity] = rises;
             let real = |rise: f64, size: f64| if Curve::is_jump(rise, size) { rise } else { 0.0 };
             let rises = [real(position, sizes[0]), real(velocity, sizes[1])];
-            (rises != [0.0; 2]).then_some(Joint { place, rises })
+            rises.iter().any(|rise| *rise != 0.0).then_some(Joint { place, rises })
         };
         let pieces = curve.pieces();
         let inner = pieces.iter().zip(pieces.iter().skip(1)).filter_map(|(before, after)| {
@@ -46,12 +46,12 @@ impl Joints {
             [joint(start, [0.0, first.velocity]), joint(end, [0.0, -last.velocity])]
         };
         let [begin, stop] = ends;
-        Self { joints: begin.into_iter().chain(inner).chain(stop).collect(), width, repeated }
+        Self { places: begin.into_iter().chain(inner).chain(stop).collect(), width, repeated }
     }
 
     /// Whether the slave jumps nowhere.
     pub fn is_empty(&self) -> bool {
-        self.joints.is_empty()
+        self.places.is_empty()
     }
 
     /// Those that a master passes from one place to another, the first one not included: where each rises most, if it does.
@@ -72,7 +72,7 @@ impl Joints {
         };
         let all = self.repeated && high - low >= self.width;
         // The first pass that there is something of.
-        let Some(first) = self.joints.first().map(|joint| joint.place) else { return found };
+        let Some(first) = self.places.first().map(|joint| joint.place) else { return found };
         let [one, last] = if self.repeated && !all {
             [low, high].map(|place| ((place - first) / self.width).floor())
         } else {
@@ -82,8 +82,8 @@ impl Joints {
         while pass <= last {
             let by = pass * self.width;
             let begin =
-                if all { 0 } else { self.joints.partition_point(|joint| joint.place + by < low) };
-            for joint in self.joints.get(begin..).unwrap_or_default() {
+                if all { 0 } else { self.places.partition_point(|joint| joint.place + by < low) };
+            for joint in self.places.get(begin..).unwrap_or_default() {
                 if !all && joint.place + by > high {
                     break;
                 }

@@ -172,7 +172,9 @@ impl Source {
             let half = 0.5_f64.max(min.abs() * 1e-3);
             (min, max) = (min - half, min + half);
         }
-        let step = if self.slave.step > 0.0 { self.slave.step } else { (max - min) / 10.0 };
+        // The marks are those of the curve, where there is to be one.
+        let said = self.slave.step > 0.0 || (curve.is_none() && self.kind == Kind::Cam);
+        let step = if said { self.slave.step } else { (max - min) / 10.0 };
         self.slave = Scale { min, max, step, ..std::mem::replace(&mut self.slave, Scale::turn()) };
     }
 

@@ -59,10 +59,7 @@ pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
     let master = scale(&section);
     section.finish();
     let section = root.section("slave");
-    // It is for pictures: without it they show where the slave goes.
-    let bare = !section.has("min") && !section.has("max");
-    let slave = if bare { Some(bare_scale(&section)) } else { scale(&section) };
-    let step_said = slave.as_ref().map_or(0.0, |slave| slave.step);
+    let (slave, bare) = slave_scale(&section);
     let period = section.number("period", POSITIVE);
     section.finish();
     let section = root.section("coupling");
@@ -110,8 +107,6 @@ pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
     match cam {
         Ok(cam) => {
             if bare && kind == Kind::Cam {
-                // The marks between its points are not those between its ends.
-                source.slave.step = step_said;
                 source.scale_slave(Some(cam.curve()));
             }
             Some(TomlCam { source, table, coupling: coupling?, cam, out_of_order })
@@ -168,12 +163,17 @@ fn scale(section: &Section<'_>) -> Option<Scale> {
     Some(Scale { min, max, step: step.unwrap_or((max - min) / 10.0), unit })
 }
 
-/// The scale of a slave of which nothing is said but, perhaps, its unit and the marks, without its ends.
-fn bare_scale(section: &Section<'_>) -> Scale {
+/// The scale of the slave, and whether it has no ends of its own. It is for pictures: without ends they show where the slave goes,
+/// and what is said of its unit and the marks holds.
+fn slave_scale(section: &Section<'_>) -> (Option<Scale>, bool) {
+    if section.has("min") || section.has("max") {
+        return (scale(section), false);
+    }
+    section.accept("min");
+    section.accept("max");
     let step = section.number("step", POSITIVE).unwrap_or(0.0);
     let unit = section.text("unit").unwrap_or_default().to_owned();
-    ["min", "max"].into_iter().for_each(|key| section.accept(key));
-    Scale { min: 0.0, max: 1.0, step, unit }
+    (Some(Scale { min: 0.0, max: 1.0, step, unit }), true)
 }
 
 fn begin(element: &Element) -> f64 {

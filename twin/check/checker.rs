@@ -10,6 +10,7 @@ use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
 use crate::tappets::Switched;
 use twin_kinematics::{AxisSource, AxisVector, Kinematics};
+use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
 use twin_motion::path::EXTRA_AXES;
 
@@ -46,7 +47,7 @@ impl<'m> Checker<'m> {
             machine,
             transformer: Transformer::new(machine),
             slack,
-            findings: Findings::default(),
+            findings: out_of_order(machine),
             peaks: vec![AxisPeak::default(); machine.axes.len()],
             last: None,
             start: None,
@@ -205,6 +206,19 @@ impl<'m> Checker<'m> {
             tappets: Switched::default(),
         }
     }
+}
+
+/// Elements of the machine file's cams that do not stand by ascending masters: of no line of the program.
+fn out_of_order(machine: &Machine) -> Findings {
+    let mut findings = Findings::default();
+    for coupling in &machine.couplings {
+        if let Some(told) = coupling.out_of_order() {
+            let axis = machine.axes.get(coupling.axis).map(|axis| axis.name.clone());
+            let finding = sentence::out_of_order(Place::default(), axis, told);
+            findings.add(Some(About::Axis(coupling.axis)), finding);
+        }
+    }
+    findings
 }
 
 /// Which axes follow no path: all of a job, and the slaves of the machine's gears and cams.

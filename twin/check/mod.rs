@@ -40,7 +40,6 @@ pub use options::{CheckFailure, CheckOptions};
 use rehearsal::Rehearsal;
 pub(crate) use sentence::{beyond_position, no_axes, out_of_order, unreachable};
 use twin_kinematics::AxisVector;
-use twin_motion::Place;
 use way::Way;
 pub use way::{BlockClearance, Clearances};
 
@@ -130,13 +129,6 @@ fn checked(
         (program.dialect() == Dialect::Rs274).then_some(machine.conditions.rs274.rapid_velocity);
     let is_job = program.dialect() == Dialect::Job;
     let mut checker = Checker::new(machine, rapids, slack, is_job);
-    for coupling in &machine.couplings {
-        if let Some(told) = coupling.out_of_order() {
-            let axis = machine.axes.get(coupling.axis).map(|axis| axis.name.clone());
-            let about = Some(About::Axis(coupling.axis));
-            checker.findings.add(about, sentence::out_of_order(Place::default(), axis, told));
-        }
-    }
     let mut rehearsal = physics.then(|| Rehearsal::new(machine, scenario));
     let mut way = Way::new(machine)?;
     let rules = Acknowledgement::for_check(machine, acknowledge);

@@ -187,10 +187,7 @@ impl Kind {
                 let relative = of.section.flag("relative").unwrap_or(false);
                 set_position(of.length("position")?, relative)
             }
-            Self::CamIn => {
-                let (inputs, out_of_order) = cam_in(of, path)?;
-                on_cam(inputs, out_of_order)
-            }
+            Self::CamIn => cam_in(of, path)?,
             Self::TouchProbe | Self::AbortTrigger | Self::Follow(_) | Self::ControlAxisBy(_) => {
                 return self.of_program(of);
             }
@@ -224,7 +221,7 @@ impl Kind {
 }
 
 /// A cam with everything that the block is told.
-fn cam_in(of: &Values<'_>, path: &Path) -> Option<(CamIn, Option<String>)> {
+fn cam_in(of: &Values<'_>, path: &Path) -> Option<Box<dyn Called>> {
     let selection = read_cam(of.section, path, of.known.as_cam(), of.master?.as_cam())?;
     let CamSelection { table, mut input, out_of_order } = selection;
     // What neither the block nor its cam's file says is that of every block.
@@ -237,5 +234,5 @@ fn cam_in(of: &Values<'_>, path: &Path) -> Option<(CamIn, Option<String>)> {
     if unsaid("deceleration", input.deceleration) {
         input.deceleration = input.acceleration;
     }
-    Some((CamIn { table: Some(table), input }, out_of_order))
+    Some(on_cam(CamIn { table: Some(table), input }, out_of_order))
 }

@@ -98,7 +98,7 @@ fn is_used(folder: &Path, text: String) {
     assert!(!check.json().to_string().is_empty());
     let mut out = Vec::new();
     write(&file, &using, Sampling::Count(50), &mut out).unwrap();
-    assert_eq!(out.iter().filter(|byte| **byte == b'\n').count(), 51);
+    assert_eq!(String::from_utf8(out).unwrap().lines().count(), 51);
     if let Ok(again) = file.to_toml() {
         let again = CamFile::from_toml(Path::new("again.toml"), again);
         assert!(again.is_ok(), "{:?}", again.map(|file| file.coupling));

@@ -2,7 +2,6 @@
 
 use super::super::CamFile;
 use super::super::check::CamUse;
-use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{Estimate, Fit};
 
 /// A deviation that is smaller than this part of what it is measured against is rounding, whatever its interval says.
@@ -38,6 +37,8 @@ pub struct Deviation {
     told: [f64; 4],
     /// The coupling that the slave did.
     did: [f64; 4],
+    /// How well that is known: the half widths of the 95 % intervals.
+    known: [f64; 4],
 }
 
 impl Deviation {
@@ -67,12 +68,13 @@ impl Deviation {
             seen(did.slave_offset, target.slave_offset, height),
             seen(did.slave_scaling, target.slave_scaling, 1.0),
         ];
-        Self { told: of_coupling(using), did }
+        let known = [fit.master_offset, fit.master_scaling, fit.slave_offset, fit.slave_scaling];
+        Self { told: of_coupling(using), did, known: known.map(|found| found.half_width) }
     }
 
     /// What the slave is to be told so that it does `target`.
     fn undone(&self, target: [f64; 4]) -> [f64; 4] {
-        let [[offset, scaling, shift, factor], did] = [self.told, self.did];
+        let ([offset, scaling, shift, factor], did) = (self.told, self.did);
         let (by, gain) = (target[1] / did[1], factor / did[3]);
         [
             target[0] - by * (did[0] - offset),
@@ -84,7 +86,7 @@ impl Deviation {
 
     /// What the slave does when it is told this.
     fn done(&self, told: [f64; 4]) -> [f64; 4] {
-        let [[offset, scaling, shift, factor], did] = [self.told, self.did];
+        let ([offset, scaling, shift, factor], did) = (self.told, self.did);
         let (by, gain) = (told[1] / scaling, did[3] / factor);
         [
             told[0] + by * (did[0] - offset),
@@ -146,9 +148,10 @@ pub fn wants(deviation: &Deviation, before: &CamUse, after: &CamUse) -> Option<[
     let mut wanted = before.coupling.wanted?;
     let pairs = of_coupling(before).into_iter().zip(of_coupling(after));
     let does = deviation.done(of_coupling(after));
-    for ((slot, (before, after)), does) in wanted.iter_mut().zip(pairs).zip(does) {
+    let known = does.into_iter().zip(deviation.known);
+    for ((slot, (before, after)), (value, half_width)) in wanted.iter_mut().zip(pairs).zip(known) {
         if before.to_bits() != after.to_bits() {
-            *slot = clean(does);
+            *slot = super::rounded(Estimate { value, half_width });
         }
     }
     Some(wanted)

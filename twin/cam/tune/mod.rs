@@ -15,7 +15,7 @@ pub use shape::{PointTolerance, ShapeGoal, Shaped, shape};
 use super::check::CamUse;
 use super::edit::Change;
 use super::{CamFile, WANTED};
-use crate::number::significant;
+use crate::number::{apart, significant};
 use std::sync::Arc;
 use twin_motion::axis::profile::{RampType, State};
 use twin_motion::cam::file::clean;
@@ -219,8 +219,8 @@ pub fn within_limits(file: &CamFile, using: &CamUse, free: Free) -> Result<CamUs
         let ends = [position.min, position.max].map(|y| found.slave_at(y));
         let [bottom, top] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
         if top - bottom > (high - low) * (1.0 + 1e-12) {
-            let why =
-                format!("the cam is {} high, the way of the slave {}", top - bottom, high - low);
+            let [height, way] = apart(top - bottom, high - low);
+            let why = format!("the cam is {height} high, the way of the slave {way}");
             return Err(TuneError::NoRoom { what: "SlaveOffset", why });
         }
         let by = if bottom < low {
@@ -267,6 +267,7 @@ fn within_positions(using: &CamUse, ends: [f64; 2]) -> Result<f64, TuneError> {
         // What goes beyond a limit is nearer to it the smaller it is, if the other end of it is not beyond, too.
         let part = (limit - offset) / way;
         if beyond && !(part > 0.0 && part < 1.0) {
+            let [offset, low, high] = [offset, low, high].map(|value| significant(value, 6));
             let why = format!("the slave's offset alone, {offset}, leaves {low} to {high}");
             return Err(TuneError::NoRoom { what: "SlaveScaling", why });
         }
@@ -283,6 +284,7 @@ fn within_positions(using: &CamUse, ends: [f64; 2]) -> Result<f64, TuneError> {
     if kept {
         return Ok(share);
     }
+    let [low, high] = [low, high].map(|value| significant(value, 6));
     let why =
         format!("what keeps one of {low} to {high} leaves the other; --find slave-offset as well");
     Err(TuneError::NoRoom { what: "SlaveScaling", why })

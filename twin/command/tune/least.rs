@@ -181,6 +181,9 @@ impl LeastOptions {
             || self.master_travel.is_some();
         let scaling = has(Find::MasterScaling) || has(Find::SlaveScaling);
         let part = has(Find::MasterOffset) && self.master_travel.is_some();
+        let offsets_alone = !find.is_empty() && !scaling && !part;
+        // A run tells them, and a ramp has a peak of its own.
+        let of_ramp = with_run && within;
         let wrong = if self.minimise == Some(Minimise::Error) && !with_run {
             "--minimise error needs a --run, against which the slave has an error"
         } else if of_run {
@@ -193,7 +196,7 @@ impl LeastOptions {
             "--ramp-in without --within is as short as the limits allow and minimises nothing"
         } else if held && (!peak || find.is_empty()) {
             "--stroke, --tappet-tolerance and --master-travel are for what --find looks for with --minimise acceleration or jerk"
-        } else if peak && !find.is_empty() && !scaling && !part && !(with_run && within) {
+        } else if peak && offsets_alone && !of_ramp {
             "offsets alone change no peak where all of the cam is passed: --find a scaling, or master-offset with --master-travel FROM,TO"
         } else if !peak && !with_run && has(Find::MasterOffset) {
             "no limit depends on MasterOffset: a --run tells it, or --minimise with --master-travel"
