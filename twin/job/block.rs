@@ -4,7 +4,7 @@ use std::fmt;
 use twin_motion::axis::{
     Axis, Block, CamIn, Master, Motion, Outputs, SuperImposed, Trigger as Input,
 };
-use twin_motion::cam::{TappetData, Trigger};
+use twin_motion::cam::{StartMode, TappetData, Trigger};
 
 /// What a block is called with beside its axis.
 #[derive(Debug)]
@@ -35,6 +35,11 @@ pub(super) trait Called: fmt::Debug + Send {
         0.0
     }
 
+    /// How its axis comes onto a cam, of one that does.
+    fn cam_start(&self) -> Option<CamStart> {
+        None
+    }
+
     /// `EndOfProfile` of the last call.
     fn ends_profile(&self) -> bool {
         false
@@ -49,6 +54,15 @@ pub(super) trait Called: fmt::Debug + Send {
     fn recorded(&self) -> Option<f64> {
         None
     }
+}
+
+/// How an axis comes onto its cam.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct CamStart {
+    /// Whether the cam adds to where the axis stands (manual 4.6.1).
+    pub(super) relative: bool,
+    /// `SlaveOffset`, mm or degrees.
+    pub(super) slave_offset: f64,
 }
 
 /// A block whose axis follows a cam.
@@ -78,6 +92,13 @@ impl Called for OnCam {
 
     fn out_of_order(&self) -> Option<&str> {
         self.1.as_deref()
+    }
+
+    fn cam_start(&self) -> Option<CamStart> {
+        let CamIn { table, input } = &self.0.inputs;
+        let relative = input.start_mode == StartMode::Relative
+            || table.as_ref().is_some_and(|table| !table.slave_absolute);
+        Some(CamStart { relative, slave_offset: input.slave_offset })
     }
 
     fn ends_profile(&self) -> bool {

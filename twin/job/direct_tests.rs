@@ -275,13 +275,23 @@ fn cams_are_switched_between_at_the_end_of_the_profile() {
             ),
         )
     };
-    let text = format!(
-        "{shaft}{START}{}{}[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"shaft\"\nvelocity_deg_per_s = 360\n\
-         at_s = 0\n",
-        cam_in("one", ""),
-        cam_in("two", "at_end_of_profile = true")
+    let [one, two] = [cam_in("one", ""), cam_in("two", "at_end_of_profile = true")];
+    let turn = "[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"shaft\"\nvelocity_deg_per_s = 360\nat_s = 0\n";
+    // The master's block between the two, too.
+    for blocks in [format!("{one}{two}{turn}"), format!("{one}{turn}{two}")] {
+        switches_at_the_end(&format!("{shaft}{START}{blocks}"), cam);
+    }
+    let between = format!("{one}{}{turn}{two}", block("MC_Halt", "at_s = 0.1"));
+    let (_, findings) = run(&job(&format!("{shaft}{START}{between}")), &machine());
+    assert!(
+        findings.iter().any(|one| one.message.contains("what moves axis \"X\" before this block")),
+        "{findings:?}"
     );
-    let job = job(&text);
+}
+
+/// The two cams of `text`, as `cam` writes them, without a stop or a jump.
+fn switches_at_the_end(text: &str, cam: impl Fn(&str, f64, f64) -> String) {
+    let job = job(text);
     for (name, from, to) in [("one", 30.0, 30.0), ("two", 30.0, 60.0)] {
         let path = job.folder.path().join(format!("{name}.cam.toml"));
         std::fs::write(path, cam(name, from, to)).unwrap();

@@ -26,7 +26,7 @@ fn asked(name: &str) -> BTreeSet<String> {
     let _complaints = parse(&text, |root| {
         let sections = root.sections("blocks");
         for section in &sections {
-            reader.call(section, None);
+            reader.call(section, &[]);
             keys = section.asked_for();
         }
         sections.iter().for_each(Section::accept_all);

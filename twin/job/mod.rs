@@ -98,6 +98,22 @@ impl Job {
     }
 }
 
+/// Blocks that leave their axis to what moves it: what moves on top of that, what moves its zero, and what looks at it.
+const ON_TOP: [&str; 4] =
+    ["MC_MoveSuperImposed", "MC_SetPosition", "MC_TouchProbe", "MC_AbortTrigger"];
+
+/// The block whose `EndOfProfile` one of `axis` behind these waits for: the last one before it that moves the same axis, if
+/// that is an `MC_CamIn`. Blocks of other axes, such as the master's, may stand between them.
+fn cam_before<'n>(
+    blocks: impl DoubleEndedIterator<Item = (&'n str, usize)> + ExactSizeIterator,
+    axis: usize,
+) -> Option<usize> {
+    let mut moving = blocks.enumerate().rev();
+    let moves = |(name, of): &(&str, usize)| *of == axis && !ON_TOP.contains(name);
+    let (index, (name, _)) = moving.find(|(_, block)| moves(block))?;
+    (name == "MC_CamIn").then_some(index)
+}
+
 /// A master that is no axis of the machine.
 #[derive(Clone, Debug)]
 struct VirtualAxis {
@@ -140,7 +156,7 @@ enum Begins {
     At(f64),
     /// With the block before it.
     WithPrevious,
-    /// In the cycle in which the block before it, an `MC_CamIn`, shows `EndOfProfile` first.
+    /// In the cycle in which the cam that its axis follows by a block before it shows `EndOfProfile` first.
     EndOfProfile,
     /// At the beginning, by the machine file.
     Standing,

@@ -4,7 +4,7 @@ use super::block::{following, on_cam};
 use super::kind::BLOCKS;
 use super::probe::{JobTrigger, When};
 use super::values::Values;
-use super::{Begins, Call, Job, VirtualAxis, order};
+use super::{Begins, Call, Job, VirtualAxis, cam_before, order};
 use crate::machine::section::{Section, parse};
 use crate::machine::{AxisKind, CamAxis, CamSelection, CoupledBy, Coupling, Machine, Problem};
 use crate::ring;
@@ -74,10 +74,10 @@ impl Reader<'_> {
         if sections.is_empty() {
             root.complain("the file lacks [[blocks]]: nothing would move".to_owned());
         }
-        let mut previous = None;
+        let mut previous = Vec::new();
         let calls = sections.iter().map(|section| {
-            let call = self.call(section, previous);
-            previous = call.as_ref().map(|call| (call.name, call.axis));
+            let call = self.call(section, &previous);
+            previous.extend(call.as_ref().map(|call| (call.name, call.axis)));
             call
         });
         let calls: Vec<_> = calls.collect();
@@ -230,12 +230,8 @@ impl Reader<'_> {
         found
     }
 
-    /// A block behind the `previous` one, of which name and axis are known.
-    pub(super) fn call(
-        &self,
-        section: &Section<'_>,
-        previous: Option<(&str, usize)>,
-    ) -> Option<Call> {
+    /// A block behind the `previous` ones, of which name and axis are known.
+    pub(super) fn call(&self, section: &Section<'_>, previous: &[(&str, usize)]) -> Option<Call> {
         let names = BLOCKS.map(|(name, kind)| (name, (name, kind)));
         let (Some((name, kind)), Some((axis, known))) =
             (section.required_choice("block", &names), self.axis(section, "axis"))
@@ -261,9 +257,13 @@ impl Reader<'_> {
         let inputs = Values { section, known, master: master.map(|(_, known)| known), triggers };
         let block = kind.block(&inputs, self.path);
         let begins = begins(section);
-        if begins == Begins::EndOfProfile && previous != Some(("MC_CamIn", axis)) {
-            let message = "the block before this one is no MC_CamIn of the same axis";
-            section.complain_at("at_end_of_profile", message.to_owned());
+        let ends = || cam_before(previous.iter().copied(), axis).is_some();
+        if begins == Begins::EndOfProfile && !ends() {
+            let name = &known.name;
+            let message = format!(
+                "what moves axis \"{name}\" before this block is no MC_CamIn of the same axis"
+            );
+            section.complain_at("at_end_of_profile", message);
         }
         let line = 1 + self.text.get(..section.span_of("block").start)?.matches('\n').count();
         let line = u32::try_from(line).unwrap_or(u32::MAX);

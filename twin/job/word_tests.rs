@@ -1,7 +1,9 @@
 //! What is said of mistakes: once, where they are, and with what is wrong.
 
-use super::tests::{job, machine, run};
-use crate::finding::Rule;
+use super::tests::{job, machine, near, run};
+use crate::finding::{Rule, Severity};
+use crate::machine::Machine;
+use std::path::Path;
 
 /// A cam on which Z is 0 at first, and a master that never moves before it begins; Z stands at 60.
 #[test]
@@ -27,9 +29,27 @@ fn a_cam_that_is_elsewhere_is_told_at_its_block() {
     let [wants, stands] = ["the cam wants Z at ", "it stands at 60 mm"];
     assert!(found.message.contains(wants) && found.message.ends_with(stands), "{found:?}");
     assert!(found.hint.as_deref().is_some_and(|hint| hint.contains("ramp_in")), "{found:?}");
+    // What it would have to be is said with its value, for a start that adds to where Z stands, too.
+    let lays = |more: &str| {
+        let (_, findings) = run(&job(&text(more)), &machine());
+        let hint = findings[0].hint.clone().unwrap_or_default();
+        let quoted = hint.split('`').find(|it| it.starts_with("slave_offset_mm = "));
+        (quoted.unwrap_or_else(|| panic!("{findings:?}")).to_owned(), hint)
+    };
+    let (offset, _) = lays("");
+    let offset_there: f64 = offset.rsplit(' ').next().unwrap().parse().unwrap();
+    near(offset_there, 60.0, 0.1);
+    for relative in ["slave_absolute = false\n", "start_mode = \"relative\"\n"] {
+        let (offset, hint) = lays(&format!("{relative}slave_offset_mm = 5\n"));
+        assert!(hint.contains("relative start") && !hint.contains("slave_absolute"), "{hint}");
+        let more = format!("{relative}{offset}\n");
+        let (setpoints, findings) = run(&job(&text(&more)), &machine());
+        assert!(findings.is_empty() && setpoints.len() > 900, "{more}: {findings:?}");
+    }
     // With a cam that lies where Z stands, and with a ramp, nothing jumps.
     for more in [
         "slave_absolute = false\n",
+        &format!("{offset}\n"),
         "start_mode = \"ramp_in\"\nvelocity_difference_mm_per_s = 150\nacceleration_mm_per_s2 = 900\n\
          deceleration_mm_per_s2 = 900\n",
     ] {
@@ -63,4 +83,40 @@ fn what_is_wrong_is_said_once_and_where_it_is() {
     let (_, findings) = run(&job(&zero), &machine());
     let hint = findings[0].hint.as_deref().unwrap_or_default();
     assert!(hint.contains("have to be greater than 0"), "{findings:?}");
+}
+
+/// A jerk that nobody has given is said, with what it is: 10 times the acceleration.
+#[test]
+fn a_jerk_that_nobody_gives_is_told() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/gantry3.toml");
+    let mut machine = Machine::load(&path).unwrap();
+    for axis in &mut machine.axes {
+        axis.max_jerk = None;
+    }
+    let text = |ramp: &str, jerk: &str| {
+        format!(
+            "ramp = \"{ramp}\"\n[[virtual_axes]]\nname = \"shaft\"\nkind = \"linear\"\n\
+             max_acceleration_mm_per_s2 = 400\n{jerk}[[blocks]]\nblock = \"MC_MoveRelative\"\naxis = \"shaft\"\n\
+             distance_mm = 10\nvelocity_mm_per_s = 25\n"
+        )
+    };
+    for ramp in ["parabolic", "sigmoid"] {
+        let (setpoints, findings) = run(&job(&text(ramp, "")), &machine);
+        let [note] = &findings[..] else { panic!("{findings:?}") };
+        assert_eq!(note.severity, Severity::Note);
+        let said = "nobody gives `max_jerk_mm_per_s3` of axis shaft, so that it is 4000 mm/s³";
+        assert!(note.message.contains(said) && !setpoints.is_empty(), "{note:?}");
+        let (_, findings) = run(&job(&text(ramp, "max_jerk_mm_per_s3 = 4000\n")), &machine);
+        assert_eq!(findings, []);
+        // An axis of the machine, by its own acceleration.
+        let own = text(ramp, "").replace("axis = \"shaft\"", "axis = \"X\"");
+        let (_, findings) = run(&job(&own), &machine);
+        let x = &machine.axes[0];
+        let jerk = 10.0 * x.from_si(x.max_acceleration);
+        assert!(
+            findings[0].message.contains(&format!("axis X, so that it is {jerk} ")),
+            "{findings:?}"
+        );
+    }
+    assert_eq!(run(&job(&text("trapezoid", "")), &machine).1, []);
 }

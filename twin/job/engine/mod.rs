@@ -6,12 +6,12 @@ mod watch;
 
 use super::block::{Fired, With};
 use super::read::LONGEST;
-use super::{Begins, Call, Job};
+use super::{Begins, Call, Job, ON_TOP, cam_before};
 use crate::finding::{Finding, Rule, Severity};
 use crate::machine::Machine;
 use crate::report::seconds;
 use inputs::Inputs;
-use moved::{Moved, Moving};
+use moved::{Moved, Moving, assumed_jerks};
 use twin_motion::Place;
 use twin_motion::axis::{AxisConfig, AxisState, Language, Master, Outputs, SmcError};
 use twin_motion::cam::Trigger;
@@ -89,11 +89,16 @@ impl Engine {
             let (name, period, start) = (axis.name.clone(), axis.period, axis.start);
             Moving { name, unit: axis.unit, period, limits, start }
         });
+        let moving: Vec<_> = real.chain(imagined).collect();
+        let without_jerk: Vec<_> = moving
+            .iter()
+            .map(|axis| axis.limits.2.is_none().then(|| axis.assumed_jerk()))
+            .collect();
         // Blocks tell axes by their numbers.
         let config = |drive_id| AxisConfig { drive_id, ..config };
-        let axes =
-            (0..).zip(real.chain(imagined)).map(|(id, moving)| Moved::new(moving, config(id)));
+        let axes = (0..).zip(moving).map(|(id, moving)| Moved::new(moving, config(id)));
         let axes = axes.map(Moved::switched_on).collect();
+        let assumed = assumed_jerks(&job, &without_jerk);
         let running = |call| Running { call, begun_ns: None, over_ns: None };
         let last_line = job.calls.iter().map(|call| call.line).max().unwrap_or(1);
         Self {
@@ -103,7 +108,7 @@ impl Engine {
             calls: job.calls.into_iter().map(running).collect(),
             order: job.order,
             inputs: Inputs::new(&job.triggers),
-            notes: Vec::new(),
+            notes: assumed,
             fired: Vec::new(),
             lost: 0,
             cycle_ns,
@@ -229,13 +234,20 @@ impl Engine {
         Ok(())
     }
 
-    /// Whether the block before this one, which has been called in this cycle, has come to the end of its cam.
+    /// Whether the block that has this one's axis on a cam, and has been called in this cycle, has come to its end.
     fn comes_behind_a_profile(&self, index: usize) -> bool {
         let waits = self.calls.get(index).is_some_and(|running| {
             running.begun_ns.is_none() && running.call.begins == Begins::EndOfProfile
         });
-        let before = index.checked_sub(1).and_then(|before| self.calls.get(before));
-        waits && !self.is_halting() && before.is_some_and(|before| before.call.block.ends_profile())
+        if !waits || self.is_halting() {
+            return false;
+        }
+        let Some((before, behind)) = self.calls.split_at_checked(index) else { return false };
+        let cam = behind.first().and_then(|waiting| {
+            let blocks = before.iter().map(|running| (running.call.name, running.call.axis));
+            before.get(cam_before(blocks, waiting.call.axis)?)
+        });
+        cam.is_some_and(|cam| cam.call.block.ends_profile())
     }
 
     /// Calls a block, if it has begun.
@@ -274,6 +286,7 @@ impl Engine {
         }
         if let (Some(data), Some(master)) = (call.block.tappets(), call.master) {
             self.lost = self.lost.saturating_add(u64::try_from(data.lost).unwrap_or(u64::MAX));
+            // The axes had their power before the job began to count.
             let (slave, later_ns) = (call.axis, self.now_ns - data.now_ns);
             let dead_time = call.block.dead_time();
             self.fired.extend(data.triggers().map(|trigger| {

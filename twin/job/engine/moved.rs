@@ -1,6 +1,11 @@
 //! An axis of a job with its drive, which does as it is told.
 
+use super::super::Job;
 use super::State;
+use crate::finding::{Finding, Rule, Severity};
+use crate::number::significant;
+use twin_motion::Place;
+use twin_motion::axis::profile::RampType;
 use twin_motion::axis::{Axis, AxisConfig, AxisState, Block, Halt, Movement, Power, VirtualDrive};
 
 /// Cycles until a drive has its power.
@@ -40,12 +45,30 @@ pub(super) struct Moving {
     pub(super) start: f64,
 }
 
+impl Moving {
+    /// The jerk of an axis whose limit nobody gives.
+    fn jerk(&self) -> f64 {
+        let (_, acceleration, jerk) = self.limits;
+        jerk.unwrap_or(JERK * acceleration)
+    }
+
+    /// That in words, and what would give it.
+    pub(super) fn assumed_jerk(&self) -> String {
+        let Self { name, unit, .. } = self;
+        format!(
+            "nobody gives `max_jerk_{unit}_per_s3` of axis {name}, so that it is {} {unit}/s³, {JERK} times its acceleration",
+            significant(self.jerk(), 6)
+        )
+    }
+}
+
 impl Moved {
     pub(super) fn new(moving: Moving, config: AxisConfig) -> Self {
-        let Moving { name, unit, period, limits: (velocity, acceleration, jerk), start } = moving;
+        let jerk = moving.jerk();
+        let Moving { name, unit, period, limits: (velocity, acceleration, _), start } = moving;
         let axis = Axis::new(AxisConfig {
             movement: period.map_or(Movement::Linear, |period| Movement::Rotary { period }),
-            jerk: jerk.unwrap_or(JERK * acceleration),
+            jerk,
             max_velocity: velocity,
             max_acceleration: acceleration,
             max_deceleration: acceleration,
@@ -122,4 +145,22 @@ impl Moved {
     pub(super) fn stands(&self) -> bool {
         self.state.velocity == 0.0 && self.state.acceleration == 0.0
     }
+}
+
+/// What nobody has said of the axes that blocks move on ramps with a jerk, and what is taken for it.
+pub(super) fn assumed_jerks(job: &Job, assumed: &[Option<String>]) -> Vec<Finding> {
+    let ramp = match job.ramp {
+        RampType::Trapezoid => return Vec::new(),
+        RampType::Sigmoid => "sigmoid",
+        RampType::Parabolic => "parabolic",
+    };
+    let note = |(axis, said): (usize, &Option<String>)| {
+        let call = job.calls.iter().find(|call| call.axis == axis)?;
+        let message = format!("`ramp = \"{ramp}\"` needs a jerk: {}", said.as_ref()?);
+        let place = Place { line: call.line, block: None };
+        let mut finding = Finding::error(Rule::FunctionBlock, place, message);
+        finding.severity = Severity::Note;
+        Some(finding)
+    };
+    assumed.iter().enumerate().filter_map(note).collect()
 }

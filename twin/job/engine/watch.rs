@@ -1,7 +1,8 @@
 //! Which block has an axis, and who has lost it.
 
+use super::super::block::CamStart;
 use super::moved::Moved;
-use super::{Begins, Call, Engine, STOP};
+use super::{Begins, Call, Engine, ON_TOP, STOP};
 use crate::finding::{Finding, Rule};
 use crate::number::significant;
 use crate::report::seconds;
@@ -10,14 +11,27 @@ use twin_motion::Place;
 /// A block that only looks at its axis, and that another one may end.
 const PROBE: &str = "MC_TouchProbe";
 
-/// Blocks that leave their axis to what moves it: what moves on top of that, what moves its zero, and what looks at it.
-const ON_TOP: [&str; 4] = ["MC_MoveSuperImposed", "MC_SetPosition", PROBE, "MC_AbortTrigger"];
-
 /// Blocks that let a slave of the machine file go.
 const RELEASES: [&str; 2] = ["MC_CamOut", "MC_GearOut"];
 
 /// Blocks that are there to take over from others.
 const TAKES_OVER: [&str; 5] = ["MC_Halt", STOP, "MC_MoveAdditive", "MC_CamOut", "MC_GearOut"];
+
+/// How a slave comes onto a cam that would have made it jump by `jump`.
+fn onto(start: CamStart, axis: &str, unit: &str, jump: f64) -> String {
+    let CamStart { relative, slave_offset } = start;
+    let lay = significant(slave_offset - jump, 6);
+    let lay = format!("`slave_offset_{unit} = {lay}` lays the cam where it stands");
+    let ramp = "`start_mode = \"ramp_in\"` brings it onto its cam";
+    if relative {
+        let begins = significant(jump, 6);
+        return format!(
+            "a relative start adds to where {axis} stands what the cam has at its start, {begins} {unit} (manual 4.6.1): {lay}, \
+             {ramp}"
+        );
+    }
+    format!("{ramp}, {lay}; or move it there first")
+}
 
 impl Engine {
     /// A block has begun, and has its axis: it must not be a slave of the machine file.
@@ -67,11 +81,8 @@ impl Engine {
             let mut finding =
                 Finding::error(Rule::Coupling, Place { line: *line, block: None }, message);
             finding.axis = Some(axis.clone());
-            finding.hint = Some(
-                "`start_mode = \"ramp_in\"` brings it onto its cam, `slave_absolute = false` lays the cam where it stands; or move \
-                 it there first"
-                    .to_owned(),
-            );
+            let start = taker.and_then(|taker| taker.call.block.cam_start());
+            finding.hint = start.map(|start| onto(start, axis, unit, moved.jumped));
             return Err(finding.into());
         }
         Ok(())

@@ -28,6 +28,9 @@ pub(super) fn switches() -> DigitalCamSwitch {
     block
 }
 
+/// [`CYCLE`], ns.
+const CYCLE_NS: i64 = 10_000_000;
+
 /// How long a pulse of a tappet is from its passage to its end, ns.
 const PULSE_NS: i64 = 50_000_000;
 
@@ -69,10 +72,8 @@ impl OnCam {
         }
         let mut before = i64::MIN;
         for trigger in data.triggers() {
-            let cycle_ns = now - (CYCLE * 1e9) as i64;
             let time = trigger.time_ns;
-            // Where another block has moved the slave in the cycle of the start, that one is the first.
-            if time < before || time > now || time < cycle_ns - 1 {
+            if time < before || time > now || time < now - CYCLE_NS - 1 {
                 return Err(format!("{trigger:?} at {now}, after {before}"));
             }
             before = time;
@@ -82,7 +83,7 @@ impl OnCam {
         }
         let on = self.value.step(data);
         // A pulse is shown for a cycle at least, and one that ended while nobody looked until somebody does.
-        if on && now > self.begun_ns + PULSE_NS + 2 * (CYCLE * 1e9) as i64 {
+        if on && now > self.begun_ns + PULSE_NS + 2 * CYCLE_NS {
             return Err(format!("a pulse of {} is still there at {now}", self.begun_ns));
         }
         Ok(())
