@@ -5,5 +5,6 @@
 mod files;
 mod found;
 mod hostile;
+mod outputs;
 mod sampled;
 mod tuned;
