@@ -194,7 +194,7 @@ impl<'a> Page<'a> {
     fn draw(&self, heading: &str, below: &str) -> Result<String, Failure> {
         let groups = self.groups();
         let bars = groups.iter().fold(0.0, |height, _| height + BAR + BETWEEN);
-        let items = self.items(!groups.is_empty());
+        let items = self.items(&groups);
         let masters = self.bottom - GAP + if groups.is_empty() { 0.0 } else { BETWEEN + bars };
         let end = masters + MASTERS + 18.0 + legend_places(&items).1;
         let size = (stroke(WIDTH), stroke(end));
@@ -308,7 +308,7 @@ impl<'a> Page<'a> {
         words(root, &format!("tappets of group {group}"), (RIGHT + 12.0, top + BAR / 2.0), INK)
     }
 
-    fn items(&self, tappets: bool) -> Vec<(Sign, String)> {
+    fn items(&self, groups: &[i16]) -> Vec<(Sign, String)> {
         let mut items: Vec<_> = self
             .cams
             .iter()
@@ -327,8 +327,13 @@ impl<'a> Page<'a> {
         if self.strips.iter().any(|strip| !strip.limits.is_empty()) {
             items.push((Sign::Dashes(MARK), "limit".to_owned()));
         }
-        if tappets {
-            items.push((Sign::Patch(color_of(1)), "tappets that are on".to_owned()));
+        // As the bars are drawn.
+        for (index, group) in (1..).zip(groups) {
+            let what = match groups {
+                [_] => "tappets that are on".to_owned(),
+                _ => format!("tappets of group {group} that are on"),
+            };
+            items.push((Sign::Patch(color_of(index)), what));
         }
         items
     }

@@ -5,6 +5,7 @@
 mod files;
 mod found;
 mod hostile;
+mod outputs;
 mod sampled;
 mod shown;
 mod tuned;

@@ -4,6 +4,7 @@ use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample};
 use super::TuneError;
+use super::tappets::{refuse_contradictory, refuse_random};
 use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{
     DeadTime, Estimate, Fit, FitError, FitOptions, Free, Sample, Switching, dead_time, fit,
@@ -88,6 +89,10 @@ pub fn rms(errors: &[(f64, f64)]) -> f64 {
 pub struct Seen {
     /// The line of the run in which the output had switched.
     pub line: u64,
+    /// Group of the output.
+    pub group: i16,
+    /// Whether it has switched on.
+    pub on: bool,
     /// How long after the tappet it switched, s.
     pub behind_s: f64,
     /// How far from that the switching was at most, s: it is known to have been between two samples.
@@ -137,7 +142,8 @@ pub fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<Seen
                     weight: 1.0 / (velocity * velocity),
                 };
                 let (within_s, every_s) = ((to.0 - from.0) / 2.0, every / velocity.abs());
-                seen.push(Seen { line: after.line, behind_s, within_s, every_s, switching });
+                let (line, group, on) = (after.line, *group, *is);
+                seen.push(Seen { line, group, on, behind_s, within_s, every_s, switching });
             }
         }
     }
@@ -220,7 +226,8 @@ const TOLD_APART: [f64; 2] = [0.25, 0.1];
 ///
 /// # Errors
 /// [`TuneError::DeadTime`] if too few switchings were seen, [`TuneError::Outlier`] if one of them has nothing to do with the
-/// others, [`TuneError::Scattered`], [`TuneError::Early`] and [`TuneError::Late`] if none has to do with the tappets.
+/// others, [`TuneError::Output`] if they contradict each other or come at random, [`TuneError::Scattered`],
+/// [`TuneError::Early`] and [`TuneError::Late`] if none has to do with the tappets.
 pub fn tappet_dead_time(
     using: &CamUse,
     seen: &[Seen],
@@ -248,6 +255,8 @@ pub fn tappet_dead_time(
     if found.dead_time_s.half_width > widest.max(2.0 * sampling) {
         return Err(TuneError::Scattered { count, half_width_s: half_width, every_s });
     }
+    refuse_random(seen)?;
+    refuse_contradictory(seen)?;
     if value < -half_width {
         return Err(TuneError::Early { value_s: value, half_width_s: half_width });
     }
@@ -257,7 +266,7 @@ pub fn tappet_dead_time(
     Ok(DeadTime { dead_time_s: Estimate { value, half_width }, ..found })
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or_default()
 }

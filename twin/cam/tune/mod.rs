@@ -5,12 +5,16 @@ mod from_run;
 mod minimise;
 mod recorded;
 mod shape;
+mod tappet_error;
+mod tappets;
 
 pub use correct::{Deviation, as_fitted, corrected, wanted, wants};
 pub use from_run::{Seen, errors, fit_run, rms, rounded, switchings, tappet_dead_time};
 pub use minimise::{Least, Minimised, minimise};
 pub use recorded::{master_motion, start, travel};
 pub use shape::{PointTolerance, ShapeGoal, Shaped, shape};
+pub use tappet_error::{OutputError, Part, SwitchingPart};
+pub use tappets::run_dead_time;
 
 use super::check::CamUse;
 use super::edit::Change;
@@ -91,6 +95,9 @@ pub enum TuneError {
         /// s.
         every_s: f64,
     },
+    /// Outputs that tappets cannot have switched so.
+    #[error("dead time of the tappets: {0}")]
+    Output(#[from] OutputError),
     /// The shape.
     #[error("shape: {0}")]
     Reshape(#[from] ReshapeError),

@@ -5,7 +5,7 @@ use crate::cam::check::CamCheck;
 use crate::cam::picture::{Recorded, Shown, draw};
 use crate::command::whole;
 use crate::command::{Failure, Status};
-use crate::number::significant;
+use crate::number::{at_most, significant};
 use std::path::PathBuf;
 use twin_motion::cam::Largest;
 
@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let fastest = match &check.largest {
         Ok(Largest { value, limited: Some((quantity, place)) }) => format!(
             "; at most {} {}/s: {quantity} at {}",
-            short(*value),
+            at_most(*value, 6),
             file.master.unit(),
             short(using.master_at(*place))
         ),

@@ -188,7 +188,9 @@ fn report(
         }
         Format::Human => {
             show::findings(program, &outcome.findings);
-            if let Some(predicted) = &outcome.following {
+            // Of a program that says nothing of motion nothing is predicted.
+            let moved = outcome.following.as_ref().filter(|found| found.tool.maximum().is_some());
+            if let Some(predicted) = moved {
                 writeln!(out, "{}", following::predicted(machine, predicted))?;
                 for note in following::lost_answers(machine, outcome) {
                     writeln!(out, "{note}")?;

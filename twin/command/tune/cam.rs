@@ -8,8 +8,8 @@ use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{
-    self, PointTolerance, ShapeGoal, TuneError, changes, errors, fit_run, minimise, ramp, shape,
-    switchings, tappet_dead_time, within_limits,
+    self, PointTolerance, ShapeGoal, TuneError, changes, errors, fit_run, minimise, ramp,
+    run_dead_time, shape, within_limits,
 };
 use crate::command::cam::{
     LimitOptions, MasterOptions, UseOptions, load, magnitude, number, positive, show_findings,
@@ -353,14 +353,13 @@ fn tuned(
         if !run.groups.is_empty() {
             // The tappets of a slave that was measured are where the coupling in effect has them.
             let register = if measured { before } else { did };
-            let seen = switchings(file, &register, run);
-            let found = tappet_dead_time(&register, &seen, run.between_s())?;
+            let (found, seen) = run_dead_time(file, &register, run)?;
             let time = found.dead_time_s;
             // What is compensated to within what the run tells stays.
             if !time.holds(before.coupling.dead_time_s) {
                 report.after.coupling.dead_time_s = tune::rounded(time);
             }
-            report.dead_time = Some((found, seen.len()));
+            report.dead_time = Some((found, seen));
         }
     }
     if let Some(least) = arguments.least.least(&arguments.find, recorded.and_then(tune::travel)) {

@@ -308,6 +308,21 @@ impl<'a> Report<'a> {
                 self.slave(self.error_before.unwrap_or_default()),
                 self.slave(self.error_after.unwrap_or_default()),
             )?;
+            if fit.quantum > 0.0 {
+                writeln!(
+                    out,
+                    "the slave's positions are rounded to {} {slave}; the intervals hold that",
+                    short(fit.quantum)
+                )?;
+            }
+            if fit.bias > BIAS {
+                writeln!(
+                    out,
+                    "what is left over grows with the slope, as noise of the master's positions makes it: so much of it flattens \
+                     what is found, by up to {} % of the half widths, which hold it",
+                    short((fit.bias * 100.0).round())
+                )?;
+            }
             if self.doubtful {
                 writeln!(
                     out,
@@ -415,6 +430,7 @@ impl<'a> Report<'a> {
                 "estimates": named.into_iter().collect::<serde_json::Map<_, _>>(),
                 "samples": self.samples, "rms_before": self.error_before, "rms_after": self.error_after,
                 "correlation": fit.correlation, "noise": !self.doubtful,
+                "quantum": fit.quantum, "bias": fit.bias,
             })
         });
         let dead_time = self.dead_time.as_ref().map(|(found, count)| {
@@ -473,6 +489,9 @@ impl<'a> Report<'a> {
         })
     }
 }
+
+/// A bias that is a larger part of a half width is told.
+const BIAS: f64 = 0.2;
 
 /// The unit of a quantity of the slave.
 fn of(unit: &str, quantity: Quantity) -> String {

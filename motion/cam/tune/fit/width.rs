@@ -1,6 +1,6 @@
 //! How wide the intervals are: so that they hold the truth in 95 % of all runs, whatever the noise is like.
 //!
-//! A covariance between that of the normal equations twice (the sandwich): HC3 of MacKinnon and White (Journal of
+//! A covariance between that of the normal equations twice (the sandwich): HC3 of `MacKinnon` and White (Journal of
 //! Econometrics 29, 1985), which each sample enters with what is left over of it without itself, so that noise may grow with
 //! the slope; made larger for correlation from sample to sample (`motion/cam/tune/fit/correlation.rs`), or for rounding, which
 //! is correlated by where the slave is (`motion/cam/tune/fit/rounding.rs`); and wider by what noise of the master may have

@@ -35,13 +35,16 @@ impl Truth {
 
 const FREE: Free = Free { master_scaling: false, ..Free::ALL };
 
+/// A sample of the master's place and what is true.
+type Make<'a> = dyn FnMut(&mut Random, &dyn Fn(f64) -> f64, f64) -> Sample + 'a;
+
 /// What is found in trials of so many samples in so many turns, of which so many are to hit each unknown; `sample` makes one
 /// of the master's place and what is true.
 fn trials(
     name: &str,
     [count, turns]: [u32; 2],
     right: &RangeInclusive<usize>,
-    sample: &mut dyn FnMut(&mut Random, &dyn Fn(f64) -> f64, f64) -> Sample,
+    sample: &mut Make<'_>,
 ) -> Vec<Fit> {
     let curve = lift();
     let mut hits = [0_usize; 3];
