@@ -154,7 +154,7 @@ impl Axis {
         // Negative while the set velocity is, and only then (manual 2.4, 1053).
         values.direction = if total.velocity < 0.0 { -1 } else { 1 };
         if total.velocity != 0.0 {
-            self.went_negative = total.velocity < 0.0;
+            self.went = values.direction;
         }
         if values.task_cycle > 0.0 {
             values.set_jerk = (total.acceleration - values.save_acceleration) / values.task_cycle;

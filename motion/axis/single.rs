@@ -59,8 +59,8 @@ pub struct Axis {
     pub(super) saved_base: State,
     /// The target of a discrete motion, in the coordinates of `base`.
     pub(super) aim: Option<f64>,
-    /// Whether its last motion went in negative direction: what goes on in the current one from rest does, too.
-    pub(super) went_negative: bool,
+    /// Sign of its last motion: what goes on in the current direction from rest has it, too.
+    pub(super) went: i64,
     /// Cycles so far, as time, ns.
     pub(super) clock_ns: i64,
     /// What that has been rounded by, ns.
@@ -139,7 +139,7 @@ impl Axis {
             aim: None,
             #[cfg(test)]
             entered: Vec::new(),
-            went_negative: false,
+            went: 1,
             clock_ns: 0,
             clock_rest: 0.0,
             zero: 0.0,
@@ -282,7 +282,7 @@ impl Axis {
 
     /// Whether the last motion was in negative direction.
     pub(super) fn was_negative(&self) -> bool {
-        self.went_negative
+        self.went < 0
     }
 
     /// Controller mode wanted.

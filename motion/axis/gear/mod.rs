@@ -6,6 +6,7 @@ mod follower;
 mod in_pos;
 mod phasing;
 mod switch;
+mod switched;
 mod velocity;
 
 pub(crate) use approach::{Approach, Gap};

@@ -1,10 +1,8 @@
 //! `MC_DigitalCamSwitch`.
 
-mod ahead;
-
+use super::switched::{Ahead, Switched};
 use crate::axis::Axis;
 use crate::cam::unwrap::Unwrap;
-use ahead::{Ahead, Switched};
 
 /// Outputs, at most.
 const TRACKS: usize = 32;

@@ -152,7 +152,7 @@ impl Checker {
     ) -> Result<(), String> {
         self.states(axis)?;
         let state = axis.state();
-        match mover.and_then(legal::demanded) {
+        match mover.map(legal::demanded) {
             Some(demanded) if state != demanded => {
                 return Err(format!("{} moves it in {state:?}", mover.unwrap_or_default()));
             }

@@ -19,8 +19,8 @@ pub(super) fn is_arrow(from: AxisState, to: AxisState) -> bool {
 }
 
 /// In which state a block moves the axis (manual 5.2, 5.3).
-pub(super) fn demanded(block: &str) -> Option<AxisState> {
-    Some(match short(block) {
+pub(super) fn demanded(block: &str) -> AxisState {
+    match short(block) {
         "MoveAbsolute" | "MoveRelative" | "MoveAdditive" | "Halt" | "PositionProfile" => {
             AxisState::DiscreteMotion
         }
@@ -36,7 +36,7 @@ pub(super) fn demanded(block: &str) -> Option<AxisState> {
         "Stop" => AxisState::Stopping,
         "Home" | "HomingBySwitch" => AxisState::Homing,
         other => panic!("nobody says in which state {other} moves the axis"),
-    })
+    }
 }
 
 /// The last part of a name of a type.

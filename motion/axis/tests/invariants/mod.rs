@@ -491,6 +491,7 @@ fn the_checker_sees_what_is_broken() {
 /// What is planted is found, and as what it is.
 #[test]
 fn the_checker_sees_illegal_states() {
+    type Blocks = fn() -> Vec<Box<dyn Called>>;
     type Spoil = fn(u32, &mut Axis, &mut Outputs);
     let nothing: Spoil = |_, _, _| ();
     let step: Spoil = |call, axis, _| {
@@ -513,7 +514,6 @@ fn the_checker_sees_illegal_states() {
         shown.command_aborted |= axis.state() == AxisState::Stopping && shown.done;
         shown.done &= !shown.command_aborted;
     };
-    type Blocks = fn() -> Vec<Box<dyn Called>>;
     let rude: Blocks = || with(planted::rude());
     let mislabelled: Blocks = || with(planted::mislabelled());
     let plain: Blocks = called::single;
