@@ -336,3 +336,15 @@ fn the_shipped_job_is_fit() {
     let done = desk.twin(&["check", &job, "--machine", &machine, "--format", "json"]);
     assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
 }
+
+/// A job that is none says nothing of motion, and of its drives nothing is predicted.
+#[test]
+fn a_job_with_mistakes_prints_no_table_of_drives() {
+    let desk = desk(360.0);
+    let check = |desk: &Desk| desk.twin(&["check", "job.toml", "--machine", "machine.toml"]);
+    assert!(check(&desk).stdout.contains("drives, predicted"));
+    desk.write("job.toml", &job(360.0).replace("MC_GearIn", "MC_GearInn"));
+    let done = check(&desk);
+    done.ended(1, "MC_GearInn");
+    assert!(!done.stdout.contains("drives, predicted"), "{}", done.stdout);
+}

@@ -333,3 +333,58 @@ fn mistakes_are_told() {
     desk.write("still.csv", &format!("time,master,slave\n{}\n", still.join("\n")));
     tune(&["--run", "still.csv"]).ended(1, "the master stands at 90 in all 60 samples");
 }
+
+/// Outputs of a group that the cam has not, two groups of different dead times, and a master in radians.
+#[test]
+fn recordings_of_something_else_are_told() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    let tune = |name: &str| desk.twin(&["tune", "cam", "lift.toml", "--run", name]);
+    desk.write("nine.csv", &recorded().replace("tappet_1", "tappet_9"));
+    tune("nine.csv")
+        .ended(1, "the run has outputs of group 9 (`tappet_9`)")
+        .ended(1, "its tappets are of group 1");
+    let mut text = String::from("time_s,master_rad,slave_mm\n");
+    for index in 0..600_u32 {
+        let (time, master) = (f64::from(index) * 0.005, f64::from(index) * 2.0);
+        writeln!(text, "{time},{},{}", master.to_radians(), lift(master)).expect("text");
+    }
+    desk.write("rad.csv", &text);
+    tune("rad.csv").ended(1, "the recording does not match the cam: the slave moves ");
+    let group = "{ group = 1, master = 200, passage = \"positive\", action = \"off\" },";
+    let other = group.replace("group = 1", "group = 2");
+    let on = other.replace("200", "80").replace("off", "on");
+    desk.write("two.toml", &LIFT.replace(group, &format!("{group}\n  {on}\n  {other}")));
+    let mut text = String::from("time_s,master_deg,slave_mm,tappet_1,tappet_2\n");
+    for index in 0..4000_u32 {
+        let time = f64::from(index) * 0.001;
+        let (master, at) = (400.0 * time, |late: f64| (400.0 * (time - late)).rem_euclid(360.0));
+        let one = u8::from((50.0..200.0).contains(&at(0.005)));
+        let two = u8::from((80.0..200.0).contains(&at(0.040)));
+        writeln!(text, "{time},{master},{:.4},{one},{two}", lift(master)).expect("text");
+    }
+    desk.write("two.csv", &text);
+    let done = desk.twin(&["tune", "cam", "two.toml", "--run", "two.csv", "--write", "new.toml"]);
+    done.ended(1, "group 1 switches 0.00").ended(1, "group 2 switches 0.0");
+    assert!(!done.stdout.contains("DeadTimeCompensation :=") && !desk.path("new.toml").exists());
+}
+
+/// The velocity that a picture of a cam calls allowed is, and each group of tappets has its own colour in the legend.
+#[test]
+fn a_picture_says_what_the_check_allows() {
+    let desk = Desk::new();
+    let more = "{ group = 2, master = 90, action = \"on\" }, { group = 2, master = 95, action = \"off\" },\n]\n";
+    desk.write("lift.toml", &(LIFT.trim_end().trim_end_matches(']').to_owned() + more));
+    for limit in ["1234", "3210", "4444", "977"] {
+        let limit = ["--max-velocity", limit];
+        let plot = ["cam", "plot", "lift.toml", "-o", "lift.svg"];
+        desk.twin(&[&plot[..], &limit[..]].concat()).ended(0, "");
+        let picture = std::fs::read_to_string(desk.path("lift.svg")).expect("drawn");
+        let told = picture.split("at most ").nth(1).and_then(|rest| rest.split(' ').next());
+        let check = ["cam", "check", "lift.toml", "--master-velocity", told.expect("a velocity")];
+        desk.twin(&[&check[..], &limit[..]].concat()).ended(0, "");
+        for group in [1, 2] {
+            assert!(picture.contains(&format!("tappets of group {group} that are on")));
+        }
+    }
+}

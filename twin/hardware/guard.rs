@@ -58,8 +58,8 @@ pub(super) struct Guard {
     beyond: [u32; MAX_DRIVE_AXES],
     told_silence: bool,
     told_error: bool,
-    /// Its drives are real.
-    real: bool,
+    /// Whose drives it watches, once somebody has said so.
+    whose: Option<Guarded>,
 }
 
 impl Guard {
@@ -71,7 +71,7 @@ impl Guard {
         if whose == Guarded::Emulated {
             return Self { silence_ms: said, ..guard };
         }
-        guard.real = true;
+        guard.whose = Some(whose);
         guard.silence_ms = said.or_else(|| Some(usual_silence_ms(machine, (device, entry?))));
         for (limit, (_, axis)) in guard.limits.iter_mut().zip(machine.axes_of(device)) {
             *limit = Limit::of(axis);
@@ -81,7 +81,7 @@ impl Guard {
 
     /// Whether it watches real drives.
     pub(super) fn is_of_real(&self) -> bool {
-        self.real
+        self.whose == Some(Guarded::Real)
     }
 
     /// Whether one of its axes has been found too far away.

@@ -106,13 +106,7 @@ impl Kind {
                 let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
                 alone(MoveAdditive { distance, velocity, acceleration, deceleration })
             }
-            Self::MoveSuperImposed => {
-                let (distance, rates) = (of.length("distance"), of.rates("velocity_difference"));
-                let (distance, [velocity_diff, acceleration, deceleration]) = (distance?, rates?);
-                let inputs =
-                    MoveSuperImposed { distance, velocity_diff, acceleration, deceleration };
-                Box::new(SuperImposed::new(inputs))
-            }
+            Self::MoveSuperImposed => super_imposed(of)?,
             Self::MoveVelocity => {
                 // As in the manual: as the axis has moved last, forwards if it has not yet.
                 let (rates, direction) = (of.rates("velocity"), of.direction(Direction::Current));
@@ -218,6 +212,14 @@ impl Kind {
             _ => None,
         }
     }
+}
+
+/// `MC_MoveSuperImposed`, which moves its axis beside whoever moves it.
+fn super_imposed(of: &Values<'_>) -> Option<Box<dyn Called>> {
+    let (distance, rates) = (of.length("distance"), of.rates("velocity_difference"));
+    let (distance, [velocity_diff, acceleration, deceleration]) = (distance?, rates?);
+    let inputs = MoveSuperImposed { distance, velocity_diff, acceleration, deceleration };
+    Some(Box::new(SuperImposed::new(inputs)))
 }
 
 /// A cam with everything that the block is told.

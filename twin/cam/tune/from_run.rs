@@ -241,6 +241,8 @@ pub fn tappet_dead_time(
     let usual = apart.max(between_s / 4.0);
     let far = |seen: &&Seen| (seen.behind_s - middle).abs() > OUTLIER * usual;
     if let Some(outlier) = seen.iter().find(far) {
+        // A heap of them is no accident of one.
+        refuse_contradictory(seen)?;
         let (line, behind_s) = (outlier.line, outlier.behind_s);
         return Err(TuneError::Outlier { line, behind_s, usual_s: middle });
     }

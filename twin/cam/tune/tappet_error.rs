@@ -53,8 +53,8 @@ pub struct SwitchingPart {
 }
 
 impl SwitchingPart {
-    pub(super) fn new<'a>(which: Part, seen: impl Iterator<Item = &'a Seen> + Clone) -> Self {
-        let sum = |of: &dyn Fn(&Seen) -> f64| seen.clone().map(of).sum::<f64>();
+    pub(super) fn new(which: Part, seen: &[&Seen]) -> Self {
+        let sum = |of: &dyn Fn(&Seen) -> f64| seen.iter().map(|seen| of(seen)).sum::<f64>();
         let count = sum(&|_| 1.0);
         let mean_s = sum(&|seen| seen.behind_s) / count.max(1.0);
         let square = sum(&|seen| (seen.behind_s - mean_s).powi(2));

@@ -57,7 +57,7 @@ pub(super) fn refuse_random(seen: &[Seen]) -> Result<(), OutputError> {
     groups.dedup();
     for group in groups {
         let of_group: Vec<_> = seen.iter().filter(|seen| seen.group == group).collect();
-        let part = SwitchingPart::new(Part::Group(group), of_group.iter().copied());
+        let part = SwitchingPart::new(Part::Group(group), &of_group);
         let count = of_group.len();
         if count < 3 {
             continue;
@@ -83,7 +83,7 @@ pub(super) fn refuse_random(seen: &[Seen]) -> Result<(), OutputError> {
 /// by Welch's with their own. Samples may have shifted each mean by half the time between two, which is no difference.
 pub(super) fn refuse_contradictory(seen: &[Seen]) -> Result<(), OutputError> {
     let part = |which, of: &dyn Fn(&Seen) -> bool| {
-        SwitchingPart::new(which, seen.iter().filter(|seen| of(seen)))
+        SwitchingPart::new(which, &seen.iter().filter(|seen| of(seen)).collect::<Vec<_>>())
     };
     let mut groups: Vec<_> = seen.iter().map(|seen| seen.group).collect();
     groups.sort_unstable();
@@ -162,8 +162,8 @@ fn refuse_heaps(seen: &[Seen]) -> Result<(), OutputError> {
         return Ok(());
     };
     let (early, late) = sorted.split_at(at);
-    let one = SwitchingPart::new(Part::Early, early.iter().copied());
-    let other = SwitchingPart::new(Part::Late, late.iter().copied());
+    let one = SwitchingPart::new(Part::Early, early);
+    let other = SwitchingPart::new(Part::Late, late);
     let scatter = ((one.square + other.square) / (one.count + other.count - 2.0)).sqrt();
     let told = sorted.len() > 2 * LEAST
         && gap(at) > 2.0 * (one.within_s + other.within_s)
