@@ -68,7 +68,8 @@ pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
         DriveError::CardMessages { .. } if error.takes_writes_only() => CHECK_SUM,
         DriveError::EncoderDiffers { .. } => {
             "something holds the axis, it goes faster than its motor can, or its encoder does not count as it is said to (`[drives.encoder]` \
-             of the machine file, parameters of a module; the other way round?). Where it is is not known any more: free it, then `home`"
+             of the machine file, parameters of a module; the other way round?). Where it is is not known any more: free it, then `home`. \
+             An absolute encoder of a module keeps its own zero: store its offset at home (parameters $30, $31)"
         }
         DriveError::EncoderFault { .. } => {
             "look at the encoder, its cable and its plug, then `reset` the module, which clears the fault, and `home` the axis; \
@@ -186,5 +187,24 @@ pub(crate) fn of_axis(messages: u16) -> Option<&'static str> {
         Some("`home` the axis")
     } else {
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Limits that somebody else has changed since they were looked at.
+    #[test]
+    fn a_refused_target_tells_which_parameters_to_look_at() {
+        let refused = |action, reason| {
+            let at = Exchange { port: "bus".into(), station: 2, action };
+            advice(&DriveError::Rejected { at, reason })
+        };
+        let go_to = Action::Atb { code: 0x63, name: "GOTO" };
+        let told = refused(go_to, RejectCode::BadParams).expect("something to look at");
+        assert!(told.contains("`get Trj_PosMin` and `get Trj_PosMax`"), "{told}");
+        let ping = Action::Atb { code: 0x00, name: "PING" };
+        assert_eq!(refused(ping, RejectCode::BadParams), None);
     }
 }

@@ -66,6 +66,11 @@ impl DriveError {
         }
     }
 
+    /// Whether an encoder says it: counters and orders are as they should be, and the shaft is not.
+    pub fn is_of_encoder(&self) -> bool {
+        matches!(self, Self::EncoderDiffers { .. } | Self::EncoderFault { .. })
+    }
+
     /// Whether the device takes parameters and tells none: a module the check sum of whose EEPROM is wrong.
     pub fn takes_writes_only(&self) -> bool {
         use crate::bim2ax::bits::card::CHECKSUM;

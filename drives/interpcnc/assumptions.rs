@@ -120,7 +120,8 @@ pub struct Assumptions {
     /// nothing. The driver says that the board is locked either way (§3). Default none.
     pub locked_exception: Option<u8>,
     /// Whether a motion command for an axis in a move of the other kind (independent, interpolated) is refused with
-    /// [`ExceptionCodes::failure`]; else it is answered as usual and does nothing, and the driver looks before it sends one.
+    /// [`ExceptionCodes::failure`]; else it is answered as usual and does nothing, and a move by hand looks before it sends one;
+    /// a run has its board for itself and sends moves of one kind alone.
     /// Default true.
     pub busy_axis_refuses: bool,
     /// How axes stop when ENABLE is lost (§3). Default at once.

@@ -91,7 +91,12 @@ impl Joints {
                     take(joint, by);
                 }
             }
-            pass += 1.0;
+            let next = pass + 1.0;
+            // So far away no number tells one pass from the next.
+            if next <= pass {
+                break;
+            }
+            pass = next;
         }
         found
     }

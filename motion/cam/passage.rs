@@ -167,7 +167,9 @@ fn places(master: f64, width: Option<f64>, step: &Move) -> impl Iterator<Item = 
     // One pass more: the quotient may have been rounded over the tappet.
     let (first, by) = if forwards { (pass.floor(), 1.0) } else { (pass.ceil(), -1.0) };
     let width = width.unwrap_or(f64::INFINITY);
-    std::iter::successors(Some(first), move |pass| Some(pass + by))
+    // So far away that no number tells one pass from the next there is nothing to be passed.
+    let next = move |pass: &f64| Some(pass + by).filter(|next| (next - pass).abs() > 0.0);
+    std::iter::successors(Some(first), next)
         .map(move |pass| if pass == 0.0 { master } else { master + pass * width })
         .take_while(move |at| if forwards { *at <= to } else { *at >= to })
 }

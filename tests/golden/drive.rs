@@ -101,6 +101,8 @@ fn an_interpcnc_board_is_found_unlocked_and_moved() {
     assert!(hand.does("status").stdout.contains("locked"));
     // A locked board takes moves and does nothing: nobody is asked.
     hand.refuses("move X 100 --yes", "the board is locked");
+    let refused = hand.tries("move X 100 --yes");
+    assert!(!refused.stderr.contains("move axis X"), "{}", refused.stderr);
     hand.refuses("home X", "the board is locked");
     assert_eq!(hand.does("unlock").stdout, "unlocked\n");
     hand.refuses(

@@ -187,7 +187,7 @@ fn numbers_of_a_smartdrive_are_explained() {
 #[test]
 fn what_a_move_of_a_bim2ax_does_besides_is_asked() {
     let (_running, hand) = a_module();
-    let asked = "at 16000 µsteps/s (5000 is beyond the fast speed, 1000); its motor gets current";
+    let asked = "at 16000 µsteps/s (5000 is beyond the fast speed, 1000; in 16 µsteps/s each); its motor gets current";
     hand.refuses("move 1 4000 --speed 5000", asked);
     hand.does("unlock 1");
     hand.refuses("move 1 4000 --speed 500", "at 8000 µsteps/s: nothing has moved");

@@ -288,8 +288,17 @@ impl Device {
     /// not confirmed. Where a soft stop that was confirmed has changed nothing, a hard one is only believed when the axes
     /// stand.
     fn halt(&mut self, brakes: bool) -> Result<Halted, HardwareError> {
-        if brakes && self.drive.soft_stop().is_ok() {
-            return Ok(Halted::Softly);
+        if brakes {
+            match self.drive.soft_stop() {
+                Ok(()) => return Ok(Halted::Softly),
+                // The axes stand; that one of them is not where it counts is worth saying beside what has failed first.
+                Err(error) if error.is_of_encoder() => {
+                    let error = self.named(error.into());
+                    self.tell(Event::Displaced(error));
+                    return Ok(Halted::Softly);
+                }
+                Err(_) => {}
+            }
         }
         self.drive.hard_stop()?;
         if brakes {

@@ -74,7 +74,7 @@ pub struct Hardware {
     left_on: Vec<u8>,
     /// Devices that could not be brought to rest, and why.
     not_stopped: Vec<String>,
-    /// Devices that were found restarted after they had failed, in words.
+    /// Devices that were found restarted, or their axes elsewhere than they count, after they had failed, in words.
     restarted: Vec<String>,
     /// Errors that have come while another one was told.
     failures: VecDeque<HardwareError>,
@@ -107,6 +107,8 @@ enum Event {
     NotStopped(HardwareError),
     /// After it had failed it was looked at again: it is as after a restart. Whether only a restart makes it so.
     Restarted(bool),
+    /// After it had failed, its axes stand elsewhere than they count.
+    Displaced(HardwareError),
     /// Finished or stopped: the axes are at rest.
     AtRest,
 }
@@ -285,7 +287,8 @@ impl Hardware {
         heard.collect()
     }
 
-    /// Devices that were found restarted after they had failed, in words: the cause of the failure.
+    /// Devices that were found restarted, or their axes elsewhere than they count, after they had failed, in words: the cause of the
+    /// failure.
     pub fn restarted(&self) -> &[String] {
         &self.restarted
     }
@@ -337,6 +340,7 @@ impl Hardware {
                     Ok(Some(Event::NotStopped(error))) => {
                         self.not_stopped.push(error.to_string());
                     }
+                    Ok(Some(Event::Displaced(error))) => self.restarted.push(error.to_string()),
                     Ok(Some(Event::Restarted(certain))) => {
                         self.restarted.push(restarted(&unit.device, certain));
                     }

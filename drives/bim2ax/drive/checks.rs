@@ -14,11 +14,6 @@ const STOPPED: u16 = FAULTS
     | message::PLUS_SWITCH
     | message::MINUS_SWITCH;
 
-/// Whether encoders say it.
-fn is_of_encoder(error: &DriveError) -> bool {
-    matches!(error, DriveError::EncoderDiffers { .. } | DriveError::EncoderFault { .. })
-}
-
 impl Bim2AxDrive {
     /// Looks at a module that is expected to obey, and whose axes, if they stand, are to stand where they were sent:
     /// the bus has no check sums, so this is how a target that was spoilt on the way is found out.
@@ -49,7 +44,7 @@ impl Bim2AxDrive {
                 });
             }
             if let Err(error) = &watched
-                && !is_of_encoder(error)
+                && !error.is_of_encoder()
             {
                 watched?;
             } else if obeys.is_ok() && watched.is_ok() && stray.is_none() {
@@ -94,7 +89,7 @@ impl Bim2AxDrive {
 
     /// An encoder has been told to be elsewhere: from where its axis rests next it is watched anew.
     fn told(&mut self, error: &DriveError) {
-        if is_of_encoder(error) {
+        if error.is_of_encoder() {
             self.encoders.forget();
         }
     }

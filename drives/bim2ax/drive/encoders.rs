@@ -8,7 +8,9 @@
 //! What counter and encoder show where an axis rests first belongs together, and again after homing or another zero. But the module
 //! makes both 0 together when an axis is homed or its position is declared (5.1, 6.2), and corrects programmed moves by the
 //! encoder's position: before an axis that is homed is sent anywhere both have to be the same, whoever has homed it. One of
-//! which they are not is not home, whatever the module says, unless its counter is assumed to count on through homing.
+//! which they are not is not home, whatever the module says, unless its counter is assumed to count on through homing. An absolute
+//! encoder keeps its own zero through homing (5.1): the two are the same once its offset is stored at home (parameters $30 and
+//! $31, by `zero` or a preset).
 //!
 //! Message bit 4 says that a programmed move needed a correction, which the module has made itself: where encoder and counter
 //! agree afterwards the axis is where it was sent, and nothing is wrong. The bit of the plug, which can tell the motor, is looked
@@ -45,7 +47,7 @@ struct Watched {
     homed: bool,
     /// There has to be one: the user has said so.
     wanted: bool,
-    /// The bit of the plug when it was seen first.
+    /// The bit of the plug when two looks at the axis at rest showed the same first.
     plug: Option<bool>,
 }
 
@@ -135,7 +137,7 @@ impl Bim2AxDrive {
         }
         let (shown, _) = self.runtime.block_on(self.module.encoder_steps(clock))?;
         let axes = self.options.axes.clone();
-        let (mut doubtful, mut referred) = (false, [false; AXES]);
+        let (mut doubtful, mut referred) = (false, [None; AXES]);
         let watching = self.encoders.0.iter_mut().zip(&mut referred).zip(&axes);
         for ((watched, referred), axis) in watching {
             let Some(watched) = watched else { continue };
@@ -152,7 +154,6 @@ impl Bim2AxDrive {
                 let at = self.module.at(Action::ReadState);
                 return Err(DriveError::EncoderFault { at, axis, messages });
             }
-            watched.plug.get_or_insert(plug);
             let (counter, encoder) = (at(seen, *axis), at(&shown, *axis));
             let homed = has(seen, *axis, message::HOMED);
             if homed && !watched.homed {
@@ -162,23 +163,27 @@ impl Bim2AxDrive {
             watched.homed = homed;
             if !watched.shaft.is_known() && !has(seen, *axis, message::MOVING) {
                 watched.shaft.refer(encoder, counter.into());
-                *referred = true;
+                *referred = Some(plug);
             }
             doubtful |= watched.shaft.apart(&Passed::at_rest(counter.into()), encoder).is_some();
         }
-        if referred.contains(&true) {
+        if referred.iter().any(Option::is_some) {
             self.confirm(referred)?;
         }
         if doubtful { self.bracket(seen, stamp, &shown, clock) } else { Ok(()) }
     }
 
-    /// Looks once more at axes of which it has just been noted what belongs together: either look may have been spoilt.
-    fn confirm(&mut self, referred: [bool; AXES]) -> Result<(), DriveError> {
+    /// Looks once more at axes of which it has just been noted what belongs together, beside the bit of the plug: either look may
+    /// have been spoilt.
+    fn confirm(&mut self, referred: [Option<bool>; AXES]) -> Result<(), DriveError> {
         let (seen, _) = self.look(&no_clock)?;
         let (shown, _) = self.runtime.block_on(self.module.encoder_steps(&no_clock))?;
         let watching = self.encoders.0.iter_mut().zip(referred).zip(&self.options.axes);
         for ((watched, referred), axis) in watching {
-            let Some(watched) = watched.as_mut().filter(|_| referred) else { continue };
+            let (Some(watched), Some(plug)) = (watched, referred) else { continue };
+            if has(&shown, *axis, encoder_message::PLUG) == plug {
+                watched.plug.get_or_insert(plug);
+            }
             let passed = Passed::at_rest(at(&seen, *axis).into());
             let moves = has(&seen, *axis, message::MOVING);
             if moves || watched.shaft.apart(&passed, at(&shown, *axis)).is_some() {
@@ -274,7 +279,7 @@ impl Bim2AxDrive {
     }
 
     /// What is told of the axis at a place among those in use.
-    fn differs(&self, place: u8, apart: Apart) -> DriveError {
+    pub(super) fn differs(&self, place: u8, apart: Apart) -> DriveError {
         let watched = self.encoders.0.get(usize::from(place)).copied().flatten();
         DriveError::EncoderDiffers {
             at: self.module.at(Action::ReadState),

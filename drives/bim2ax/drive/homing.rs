@@ -135,15 +135,21 @@ impl Bim2AxDrive {
 
     /// Which axes are homed: the module keeps it.
     pub(super) fn homed_axes(&mut self) -> Result<[Option<bool>; MAX_DRIVE_AXES], DriveError> {
-        let (looked, _) = self.look(&no_clock)?;
-        let seen = &looked;
-        if self.moving(seen) == 0 && self.homes.asked != 0 {
-            self.check_counts(seen)?;
+        let (mut seen, _) = self.look(&no_clock)?;
+        let asked = if self.moving(&seen) == 0 { self.homes.asked } else { 0 };
+        if asked != 0 {
+            self.check_counts(&seen)?;
         }
-        // One look may have been spoilt.
-        let mut displaced = self.displaced(seen)?;
+        let mut displaced = self.displaced(&seen)?;
         if displaced.iter().any(Option::is_some) {
-            displaced = self.displaced(seen)?;
+            // Either look may have been spoilt.
+            (seen, _) = self.look(&no_clock)?;
+            displaced = self.displaced(&seen)?;
+        }
+        // Of one that has just been homed more is to be said than that it is not home.
+        let mut just_homed = (0_u8..).zip(displaced).filter(|(place, _)| asked >> place & 1 == 1);
+        if let Some((place, apart)) = just_homed.find_map(|(place, apart)| Some((place, apart?))) {
+            return Err(self.differs(place, apart));
         }
         let mut homed = [None; MAX_DRIVE_AXES];
         for ((slot, axis), apart) in homed.iter_mut().zip(&self.options.axes).zip(displaced) {

@@ -129,8 +129,8 @@ impl Bim2AxDrive {
         })
     }
 
-    /// The settings of the axes in use.
-    fn prepare(&mut self) -> Result<(), DriveError> {
+    /// The settings of the axes in use, and their encoders where those are others or these are to be looked for `anew`.
+    fn prepare(&mut self, anew: bool) -> Result<(), DriveError> {
         let mut settings = Vec::with_capacity(AXES);
         for axis in self.options.axes.clone() {
             let of_axis = self.runtime.block_on(self.module.axis_settings(axis, &no_clock))?;
@@ -141,7 +141,7 @@ impl Bim2AxDrive {
             }
             settings.push(of_axis);
         }
-        if self.settings != settings {
+        if anew || self.settings != settings {
             self.find_encoders(&settings)?;
         }
         self.follower = Follower::new(&settings, self.timing);
@@ -150,7 +150,7 @@ impl Bim2AxDrive {
     }
 
     fn prepared(&mut self) -> Result<(), DriveError> {
-        if self.settings.is_empty() { self.prepare() } else { Ok(()) }
+        if self.settings.is_empty() { self.prepare(true) } else { Ok(()) }
     }
 
     fn look(&mut self, clock: &dyn Clock) -> Result<(Positions, BusStamp), DriveError> {
@@ -182,8 +182,7 @@ impl Drive for Bim2AxDrive {
         let clock = || stream.now_ns();
         self.runtime.block_on(self.module.identify(&clock))?;
         // Its parameters may have been changed since.
-        self.settings.clear();
-        self.prepare()?;
+        self.prepare(true)?;
         let (seen, stamp) = self.look(&clock)?;
         self.check(&seen, Action::Identify, |messages| messages & FAULTS != 0)?;
         Ok(self.to_sample(&seen, &stamp))

@@ -108,7 +108,7 @@ impl Bim2AxDrive {
     /// Parameters $A, $14 and the soft limits, which count once the axis is homed.
     pub(super) fn axis_limits(&mut self) -> Result<[DeviceLimits; MAX_DRIVE_AXES], DriveError> {
         // What a host has written since is to count.
-        self.prepare()?;
+        self.prepare(false)?;
         let mut limits = [DeviceLimits::default(); MAX_DRIVE_AXES];
         for (limits, settings) in limits.iter_mut().zip(&self.settings) {
             *limits = DeviceLimits {

@@ -7,7 +7,7 @@ use super::{
 use crate::{
     Axes, Direction, Drive, DriveError, FaultRule, SetpointStream, When, WireFault,
     bim2ax::{
-        Bim2AxDrive, Bim2AxDriveOptions, EncoderBench,
+        Bim2AxDrive, Bim2AxDriveOptions, EncoderBench, EncoderKind,
         bits::{definition, encoder_message},
         emulator::{Control, Event},
     },
@@ -201,6 +201,35 @@ fn an_axis_that_lost_its_place_is_not_homed_until_it_homes() {
     assert_eq!(drive.homed().unwrap()[..2], [Some(true); 2]);
     drive.move_to(&[500, 500, 0, 0, 0], &FAST).unwrap();
     assert_eq!(rests(&mut drive, &plan).unwrap()[..2], [500, 500]);
+}
+
+/// 5.1: homing makes counters 0 and clears incremental encoders; an absolute one goes by its offset, which zeroing stores (3.1.16).
+/// Until then the module would correct each move by 5000 points.
+#[test]
+fn an_absolute_encoder_has_to_be_told_where_home_is() {
+    let (eeprom, mut surroundings) = with_encoders();
+    for encoder in surroundings.encoders.iter_mut().flatten() {
+        *encoder = EncoderBench { kind: Some(EncoderKind::EnDat), origin: 5000, ..*encoder };
+    }
+    let (mut drive, _device, clock) = virtual_drive(&quick(), (&eeprom, &surroundings), &strict());
+    let plan = Plan { clock, start_ns: i64::MAX / 2 };
+    drive.probe(&plan).unwrap();
+    drive.enable().unwrap();
+    drive.begin_homing(&[Some(1), Some(1), None, None, None]).unwrap();
+    let home = rests(&mut drive, &plan);
+    let told = home.map_or_else(|told| told, |_| drive.homed().unwrap_err());
+    let (_, counter, encoder) = differs(&told);
+    assert_eq!(counter, 0);
+    assert!(encoder.abs() > 1000, "{encoder}");
+    assert!(drive.move_to(&[500, 500, 0, 0, 0], &FAST).is_err(), "it is somewhere else");
+    drive.set_position(&[0; 5]).unwrap();
+    assert_eq!(drive.homed().unwrap()[..2], [Some(true); 2]);
+    drive.move_to(&[500, 500, 0, 0, 0], &FAST).unwrap();
+    assert_eq!(rests(&mut drive, &plan).unwrap()[..2], [500, 500]);
+    // Homed again it is where it was told to be.
+    drive.begin_homing(&[Some(1), Some(1), None, None, None]).unwrap();
+    rests(&mut drive, &plan).unwrap();
+    assert_eq!(drive.homed().unwrap()[..2], [Some(true); 2]);
 }
 
 #[test]

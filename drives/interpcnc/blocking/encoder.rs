@@ -10,7 +10,7 @@
 use super::{BoardState, InterpCncDrive, Stamp, counter, no_clock};
 use crate::{
     Action, Axes, Clock, DriveError,
-    interpcnc::{BoardAxis, EncoderOptions, InterpCncOptions, registers::Status},
+    interpcnc::{BoardAxis, EncoderOptions, Following, InterpCncOptions, registers::Status},
     ramp::seconds,
     shaft::{Apart, Passed, Shaft, Watching},
 };
@@ -45,14 +45,21 @@ impl Watched {
     pub(super) fn new(options: &InterpCncOptions) -> Option<Self> {
         let encoder = options.encoder?;
         let axis = options.axes.iter().find(|axis| axis.axis == encoder.axis)?;
-        let rate = axis.acceleration_khz_per_s.max(axis.deceleration_khz_per_s);
+        // Segments have ramps of their own.
+        let (rate, start_stop) = match options.following {
+            Following::Buffered { start_stop_hz, acceleration_khz_per_s } => {
+                (acceleration_khz_per_s, start_stop_hz)
+            }
+            Following::Retargeted => (0, 0),
+        };
+        let rate = rate.max(axis.acceleration_khz_per_s).max(axis.deceleration_khz_per_s);
         let watching = Watching {
             points: encoder.points,
             increments: encoder.increments,
             tolerance: encoder.tolerance,
             rounding: 1,
             rate: 1e3 * f64::from(rate),
-            start_stop: axis.start_stop_hz.into(),
+            start_stop: axis.start_stop_hz.max(start_stop).into(),
             fastest: axis.max_speed_hz.into(),
         };
         let shaft = Shaft::new(&watching);
@@ -91,7 +98,8 @@ impl InterpCncDrive {
             return Ok(());
         }
         match self.points(clock) {
-            Err(DriveError::Device { at, .. }) => {
+            // Such an address does not exist ("Traitement des erreurs").
+            Err(DriveError::Device { at, code: 2 }) => {
                 let what = "encoder: boards have one from V2.1D on";
                 Err(DriveError::Unsupported { at, what })
             }
@@ -136,7 +144,7 @@ impl InterpCncDrive {
             return Ok(());
         }
         if rests {
-            return self.watch_at_rest(state, clock);
+            return self.watch_at_rest((state, stamp), clock);
         }
         let points = self.points(clock)?;
         watched.looks = 0;
@@ -157,9 +165,12 @@ impl InterpCncDrive {
 
     /// Reads the encoder of an axis at rest. One that turns round may look so (firmware before 5.31): where both are apart,
     /// and before they are said to belong together, the counter is looked at once more.
-    fn watch_at_rest(&mut self, state: &BoardState, clock: &dyn Clock) -> Result<(), DriveError> {
+    fn watch_at_rest(
+        &mut self,
+        (state, first): (&BoardState, &Stamp),
+        clock: &dyn Clock,
+    ) -> Result<(), DriveError> {
         let Some(mut watched) = self.encoder else { return Ok(()) };
-        let begun_ns = clock.now_ns();
         let points = self.points(clock)?;
         watched.looks = 0;
         let before = i64::from(counter(state, watched.options.axis));
@@ -183,8 +194,13 @@ impl InterpCncDrive {
             self.encoder = Some(watched);
             return Ok(());
         }
-        let duration = seconds(stamp.answered_ns.saturating_sub(begun_ns)).max(0.0);
-        let duration = if rests && before == after { 0.0 } else { duration };
+        let stood = rests && before == after;
+        // Without a clock it is not known how far it can have come.
+        if !stood && stamp.answered_ns == first.sent_ns {
+            return Ok(());
+        }
+        let duration = seconds(stamp.answered_ns.saturating_sub(first.sent_ns)).max(0.0);
+        let duration = if stood { 0.0 } else { duration };
         let apart = watched.shaft.apart(&Passed { before, after, duration }, points);
         apart.map_or(Ok(()), |apart| Err(self.displaced(apart, points)))
     }
@@ -201,9 +217,9 @@ impl InterpCncDrive {
     /// Reads the encoder of an axis that has been stopped or is to be at rest.
     pub(super) fn look_at_rest(&mut self, clock: &dyn Clock) -> Result<(), DriveError> {
         let Some(watched) = self.encoder else { return Ok(()) };
-        let (state, _) = self.state(clock)?;
+        let (state, stamp) = self.state(clock)?;
         let (_, rests) = self.rest(&state, &watched);
-        if rests { self.watch_at_rest(&state, clock) } else { Ok(()) }
+        if rests { self.watch_at_rest((&state, &stamp), clock) } else { Ok(()) }
     }
 
     /// Reads the encoder of an axis that has been stopped, where it is known what it is to show.

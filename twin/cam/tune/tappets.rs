@@ -241,7 +241,12 @@ fn passed(file: &CamFile, using: &CamUse, run: &RecordedRun, group: i16, begin: 
             let (mut pass, last) = (passes(from.min(to)) + 1.0, passes(from.max(to)));
             while pass <= last {
                 crossed.push((tappet.master + pass * width, tappet.action));
-                pass += 1.0;
+                let next = pass + 1.0;
+                // So far away no number tells one pass from the next.
+                if next <= pass {
+                    break;
+                }
+                pass = next;
             }
         }
         crossed.sort_by(|one, other| one.0.total_cmp(&other.0));

@@ -276,8 +276,12 @@ impl Run {
                 return Err("a stop is aborted".to_owned());
             }
             let before = checker.before(index);
-            let checked = checker.block(index, execute && !was, shown);
+            let checked = checker.block(index, (name, execute && !was), shown);
             checked.map_err(|what| format!("{}: {what}", block.name()))?;
+            let (mine, axis) = (block.owner(), &self.axis);
+            if shown.busy && mine != 0 && ![axis.owner(), axis.overlay_owner].contains(&mine) {
+                return Err(format!("{name}: is busy and does not have the axis"));
+            }
             let seen = &mut self.seen[index];
             seen.done += u32::from(shown.done && !before.done);
             seen.aborted += u32::from(shown.command_aborted && !before.command_aborted);
@@ -438,51 +442,57 @@ fn random_blocks_of_all_kinds_keep_what_has_to_hold() {
 #[test]
 fn the_checker_sees_what_is_broken() {
     type Spoil = fn(u32, &mut Axis, &mut Outputs);
-    let spoils: [(&str, Spoil); 8] = [
-        ("position", |call, axis, _| {
+    let spoils: [(&str, &str, Spoil); 11] = [
+        ("swallowed done", "has no end", |_, _, shown| shown.done = false),
+        ("swallowed abort", "has no end", |_, _, shown| shown.command_aborted = false),
+        ("busy", "has no end", |call, _, shown| {
+            shown.busy |= call > 5_000 && shown.command_aborted;
+            shown.command_aborted &= call <= 5_000;
+        }),
+        ("position", "a way of ", |call, axis, _| {
             if call > 5_000 {
                 axis.base.position += 0.05;
             }
         }),
-        ("velocity", |call, axis, _| {
+        ("velocity", "a way of ", |call, axis, _| {
             if call == 5_000 {
                 axis.base.velocity += 5.0;
                 axis.show_set_values();
             }
         }),
-        ("limit", |call, axis, _| {
+        ("limit", "allowed Limits", |call, axis, _| {
             if call > 5_000 {
                 axis.base.velocity = 31.0;
             }
         }),
-        ("acceleration", |call, axis, _| {
+        ("acceleration", "allowed Limits", |call, axis, _| {
             if call > 5_000 {
                 axis.base.acceleration = 401.0;
             }
         }),
-        ("owner", |call, axis, _| {
+        ("owner", "0 blocks own 77777", |call, axis, _| {
             if call > 5_000 {
                 axis.values.owner = 77_777;
             }
         }),
-        ("state", |call, axis, _| {
+        ("state", "a stop that is held", |call, axis, _| {
             if call > 5_000 && axis.owner() == 0 {
                 axis.values.owner = 0;
                 axis.enter(AxisState::Homing);
             }
         }),
-        ("done twice", |call, _, shown| {
+        ("done twice", "ends twice", |call, _, shown| {
             shown.done |= call % 3_001 == 0;
         }),
-        ("two at once", |_, _, shown| {
+        ("two at once", "a stop is aborted", |_, _, shown| {
             shown.command_aborted |= shown.done;
         }),
     ];
-    for (what, spoil) in spoils {
+    for (what, words, spoil) in spoils {
         let found = (0..8).any(|seed| {
             Run::new(seed, KINDS[0], called::single(), Around::Forgotten)
                 .calls(50_000, spoil)
-                .is_err()
+                .is_err_and(|told| told.contains(words))
         });
         assert!(found, "nobody sees a wrong {what}");
     }

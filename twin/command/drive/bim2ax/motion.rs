@@ -127,7 +127,9 @@ pub(super) fn travel(
     let number = axis.number();
     let capped = speed.filter(|speed| *speed > of_axis.fast_speed);
     let capped = capped.map_or(String::new(), |speed| {
-        format!(" ({speed} is beyond the fast speed, {})", of_axis.fast_speed)
+        let unit = of_axis.mode.speed_unit();
+        let fast = of_axis.fast_speed;
+        format!(" ({speed} is beyond the fast speed, {fast}; in {unit} µsteps/s each)")
     });
     let gets = if messages & message::PHASES_OFF == 0 { "" } else { "; its motor gets current" };
     consent.ask(&format!(
