@@ -30,7 +30,7 @@ const ENCODER: &str = "encoder";
 
 /// Numbers that differ from the usual ones so far that they count in a cell: frames in several parts, a buffer that is
 /// full, pauses that a fault may hit. Parameters for segments are those that homing has.
-const INTERPCNC: [(&str, &str); 25] = [
+const INTERPCNC: [(&str, &str); 26] = [
     ("arguments_stay", "false"),
     ("lock_coil", "false"),
     ("silence", "5000"),
@@ -39,6 +39,7 @@ const INTERPCNC: [(&str, &str); 25] = [
     ("broadcasts", "false"),
     ("locked_exception", "4"),
     ("locked_exception", "7"),
+    ("busy_axis_refuses", "false"),
     ("enable_loss", "on-ramp"),
     ("enable_loss_keeps_segments", "true"),
     ("limit_stop", "on-ramp"),
