@@ -4,7 +4,9 @@
 //! counter. Where it may be then follows from both: on a way that takes the time T, whose acceleration is at most a and
 //! which starts, stops or turns round at the start-stop speed u, an axis is nowhere farther than
 //!
-//!     a·T²/8 + u·T/2
+//! ```text
+//! a·T²/8 + u·T/2
+//! ```
 //!
 //! from the stretch between its ends (the largest distance from the chord of a way with that acceleration, and of one with a
 //! kink of 2u in its middle). That is added to the tolerance, and so are the step of the counter and the point of the
