@@ -1,5 +1,7 @@
 //! How likely a value is by chance: Fisher's distribution, and that of the correlation of noise with itself.
 
+use statrs::function::beta::checked_beta_reg;
+
 /// How likely F of `above` and `below` degrees of freedom exceeds `f` by chance.
 pub(super) fn fisher_exceeds(f: f64, above: f64, below: f64) -> f64 {
     if f.is_nan() || f <= 0.0 {
@@ -34,57 +36,9 @@ pub(super) fn correlation_exceeds(r: f64, samples: usize) -> f64 {
     incomplete_beta(shape, 0.5, 1.0 - share)
 }
 
-/// The regularized incomplete beta function (Abramowitz and Stegun, 26.5.8, as a continued fraction by Lentz's method).
+/// The regularized incomplete beta function; 1 where it has no value, as of 0 degrees of freedom: that says nothing.
 fn incomplete_beta(a: f64, b: f64, x: f64) -> f64 {
-    if x <= 0.0 {
-        return 0.0;
-    }
-    if x >= 1.0 {
-        return 1.0;
-    }
-    // The fraction converges fast on one side of the mean; on the other one there is its mirror image.
-    if x > (a + 1.0) / (a + b + 2.0) {
-        return 1.0 - incomplete_beta(b, a, 1.0 - x);
-    }
-    let front = a * x.ln() + b * (1.0 - x).ln() + ln_gamma(a + b) - ln_gamma(a) - ln_gamma(b);
-    front.exp() / a * fraction(a, b, x)
-}
-
-fn fraction(a: f64, b: f64, x: f64) -> f64 {
-    const TINY: f64 = 1e-300;
-    let held = |value: f64| if value.abs() < TINY { TINY } else { value };
-    let (mut c, mut d) = (1.0, 1.0 / held(1.0 - (a + b) * x / (a + 1.0)));
-    let mut value = d;
-    let mut m = 0.0;
-    while m < 1000.0 {
-        m += 1.0;
-        let even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
-        let odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
-        let before = value;
-        for term in [even, odd] {
-            d = 1.0 / held(1.0 + term * d);
-            c = held(1.0 + term / c);
-            value *= d * c;
-        }
-        if (value - before).abs() <= 1e-15 * value.abs() {
-            break;
-        }
-    }
-    value
-}
-
-/// The logarithm of the gamma function of a number greater than 0: Stirling's series (6.1.41) from 12 on, below by Γ(x + 1) =
-/// x·Γ(x).
-fn ln_gamma(x: f64) -> f64 {
-    let (mut x, mut product) = (x, 1.0);
-    while x < 12.0 {
-        product *= x;
-        x += 1.0;
-    }
-    let inverse = 1.0 / (x * x);
-    let series =
-        (1.0 / 12.0 - inverse * (1.0 / 360.0 - inverse * (1.0 / 1260.0 - inverse / 1680.0))) / x;
-    (x - 0.5) * x.ln() - x + 0.5 * std::f64::consts::TAU.ln() + series - product.ln()
+    checked_beta_reg(a, b, x).unwrap_or(1.0)
 }
 
 #[cfg(test)]
