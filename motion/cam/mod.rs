@@ -19,6 +19,7 @@ pub mod file;
 mod joints;
 mod knot;
 mod largest;
+mod loaded;
 pub(crate) mod passage;
 mod polynomial;
 mod reference;
