@@ -1,10 +1,11 @@
 //! Moves to positions and by distances.
 
+use super::blocks::endless;
 use super::framework::to;
 use super::rig::{self, linear, rotary};
 use crate::axis::{
-    Block, Direction, Halt, MoveAdditive, MoveContinuousAbsolute, MoveRelative, MoveVelocity,
-    SmcError, Stop,
+    Block, Direction, Halt, MoveAbsolute, MoveAdditive, MoveContinuousAbsolute, MoveRelative,
+    MoveVelocity, SmcError, Stop,
 };
 
 /// Where a rotary axis at 350 u that rests goes for 10 u, in u.
@@ -96,6 +97,111 @@ fn an_additive_move_of_a_rotary_axis_adds_across_the_period() {
     let mut more = add(4.0);
     rig.until(|axis| more.call(true, axis).done);
     assert!((rig.axis.set_position() - 9.0).abs() < 1e-9, "{}", rig.axis.set_position());
+}
+
+/// What has been added on top is part of where the axis goes; what is still to come ends with the motion on top (manual
+/// 5.3). On top of nothing, that is the block whose target it is.
+#[test]
+fn an_additive_move_counts_what_a_motion_on_top_has_added() {
+    for (distance, whole) in [(10.0, true), (60.0, false)] {
+        let mut rig = linear();
+        let (mut below, mut on_top) = (to(100.0), rig::on_top(distance, 50.0, 100.0, 100.0));
+        let (mut more, mut added) = (add(50.0), 0.0);
+        for _ in 0..100 {
+            let before = rig.axis.set_position();
+            rig.cycle(|axis| {
+                below.call(true, axis);
+                let under = axis.set_position() - before;
+                on_top.call(true, axis);
+                added += axis.set_position() - before - under;
+            });
+        }
+        assert_eq!((added - distance).abs() < 1e-9, whole, "{added}");
+        assert!(added > 9.9 && rig.axis.set_position() < 100.0, "on its way");
+        let Ok(aim) = rig.axis.read_parameter(1105) else { panic!("fAimPosition") };
+        assert!((aim - 100.0 - added).abs() < 1e-9, "{aim}");
+        rig.until(|axis| {
+            let shown = more.call(true, axis);
+            below.call(true, axis);
+            on_top.call(true, axis);
+            shown.done
+        });
+        let expected = 100.0 + added + 50.0;
+        assert!((rig.axis.set_position() - expected).abs() < 1e-9, "{}", rig.axis.set_position());
+    }
+    let mut rig = linear();
+    let (mut on_top, mut more) = (rig::on_top(20.0, 5.0, 100.0, 100.0), add(7.0));
+    for _ in 0..50 {
+        rig.cycle(|axis| on_top.call(true, axis));
+    }
+    assert_eq!(rig.axis.read_parameter(1105), Ok(20.0), "fAimPosition");
+    rig.until(|axis| {
+        let shown = more.call(true, axis);
+        on_top.call(true, axis);
+        shown.done
+    });
+    assert!((rig.axis.set_position() - 27.0).abs() < 1e-9);
+}
+
+/// Two blocks in one cycle, on an axis that has turned many times before: the second one adds to the first one's target.
+#[test]
+fn an_additive_move_adds_to_a_target_of_the_same_cycle() {
+    let mut rig = rotary();
+    let mut turning = endless(100.0);
+    for _ in 0..2_000 {
+        rig.cycle(|axis| turning.call(true, axis));
+    }
+    let mut halt = Block::new(Halt { deceleration: 100.0 });
+    rig.until(|axis| {
+        let shown = halt.call(true, axis);
+        turning.call(true, axis);
+        shown.done
+    });
+    let start = rig.axis.set_position();
+    let (mut first, mut more) = (to(start + 90.0), add(10.0));
+    let (mut way, mut before) = (0.0, start);
+    rig.until(|axis| {
+        first.call(true, axis);
+        let shown = more.call(true, axis);
+        let step = axis.set_position() - before;
+        way += step - 360.0 * (step / 360.0).round();
+        before = axis.set_position();
+        shown.done
+    });
+    assert!((way - 100.0).abs() < 1e-9, "{way}");
+}
+
+/// At 100 u/s, 340 u away on a turn of 360: forward it takes 3.9 s, back and round 2.673 s (the vector axis-direction).
+#[test]
+fn a_rotary_axis_that_moves_goes_the_way_it_is_told() {
+    use Direction::{Current, Fastest, Negative, Positive, Shortest};
+    for (direction, cycles) in
+        [(Positive, 390), (Current, 390), (Negative, 268), (Shortest, 268), (Fastest, 268)]
+    {
+        let mut rig = rotary();
+        let mut turning = endless(100.0);
+        for _ in 0..150 {
+            rig.cycle(|axis| turning.call(true, axis));
+        }
+        rig.axis.shift_zero(0.0, false).expect("a number");
+        let mut there = Block::new(MoveAbsolute {
+            position: 340.0,
+            velocity: 100.0,
+            acceleration: 100.0,
+            deceleration: 100.0,
+            direction,
+        });
+        let mut before = 100.0;
+        let count = rig.until(|axis| {
+            let shown = there.call(true, axis);
+            turning.call(true, axis);
+            assert!((axis.set_velocity() - before).abs() < 1.0 + 1e-9, "100 u/s²");
+            before = axis.set_velocity();
+            shown.done
+        });
+        assert_eq!(count, cycles, "{direction:?}");
+        assert!((rig.axis.set_position() - 340.0).abs() < 1e-9);
+    }
 }
 
 #[test]
