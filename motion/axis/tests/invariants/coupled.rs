@@ -17,16 +17,33 @@ use std::sync::Arc;
 /// Output 2 is output 0 so much later.
 pub(super) const DELAY_CYCLES: usize = 10;
 
-/// Output 0 between 10 and 30 u, output 1 masked, output 2 as output 0 but later.
+/// Of the outputs that count in one direction, u.
+pub(super) const HYSTERESIS: f64 = 1.0;
+
+/// Output 0 between 10 and 30 u, output 1 masked, output 2 as output 0 but later; outputs 3 and 4 the same each in one
+/// direction, with a hysteresis.
 pub(super) fn switches() -> DigitalCamSwitch {
-    let direction = SwitchDirection::Both;
-    let [first_on, last_on] = [10.0, 30.0];
-    let switch = |track| CamSwitch { track, first_on, last_on, direction, duration: None };
+    switches_to(30.0)
+}
+
+/// The same to another place.
+pub(super) fn switches_to(last_on: f64) -> DigitalCamSwitch {
+    use SwitchDirection::{Both, Negative, Positive};
+    let directions = [Both, Both, Both, Positive, Negative];
+    let switch = |(track, direction)| CamSwitch {
+        track,
+        first_on: 10.0,
+        last_on,
+        direction,
+        duration: None,
+    };
     let mut tracks = [Track::default(); 32];
     // Half a cycle less, so that no rounding moves it into the next one.
     let later = 9.5 * CYCLE;
     (tracks[2].on_compensation, tracks[2].off_compensation) = (later, later);
-    let mut block = DigitalCamSwitch::new(&[1, 2, 3].map(switch), tracks);
+    (tracks[3].hysteresis, tracks[4].hysteresis) = (HYSTERESIS, HYSTERESIS);
+    let switches: Vec<_> = (1..).zip(directions).map(switch).collect();
+    let mut block = DigitalCamSwitch::new(&switches, tracks);
     block.enable_mask = !0b10;
     block
 }

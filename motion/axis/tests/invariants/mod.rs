@@ -270,6 +270,16 @@ impl Run {
         if shown[1] {
             return Err("a masked output is on".to_owned());
         }
+        // Every direction is one of both; how far the other one lasts is the hysteresis.
+        let beside = (10.0 - place).max(place - 30.0);
+        let both = [shown[3], shown[4]].iter().filter(|it| **it).count();
+        if demand
+            && (both > 1
+                || (beside <= 0.0 && both == 0)
+                || (beside > coupled::HYSTERESIS && both > 0))
+        {
+            return Err(format!("{both} of outputs 3 and 4 are on at {place}"));
+        }
         self.switched.push(shown[0]);
         // Where the zero moves and the power goes, nobody has passed what is delayed.
         let delayed = self.switched.iter().rev().nth(coupled::DELAY_CYCLES);
