@@ -58,8 +58,27 @@ pub(super) struct OnCam<M: Cams> {
 struct Passed {
     owner: i64,
     x: f64,
-    /// Of each tappet the place that has acted; none of one of which nothing is known yet.
-    held: Vec<Option<Option<f64>>>,
+    held: Vec<Held>,
+}
+
+/// Whether a tappet has acted and not been left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Held {
+    /// Nothing is known yet.
+    Unknown,
+    Left,
+    /// It has acted there.
+    At(f64),
+}
+
+impl Held {
+    /// The same where the master is at x.
+    fn left_at(self, x: f64, hysteresis: f64) -> Self {
+        match self {
+            Self::At(at) if (x - at).abs() > hysteresis => Self::Left,
+            held => held,
+        }
+    }
 }
 
 impl Passed {
@@ -81,16 +100,15 @@ impl Passed {
         let mut counts = Vec::new();
         for (tappet, held) in table.cam.tappets().iter().zip(&mut self.held) {
             let places = Self::places(table, tappet, [from, x]);
-            let Some(held) = held else {
+            if *held == Held::Unknown {
                 // Known again once it is beside all places.
-                let clear = places.iter().all(|at| (x - at).abs() > hysteresis);
-                *held = clear.then_some(None);
+                if places.iter().all(|at| (x - at).abs() > hysteresis) {
+                    *held = Held::Left;
+                }
                 counts.push((tappet.group, [0, 1]));
                 continue;
-            };
-            if held.is_some_and(|at| (from - at).abs() > hysteresis) {
-                *held = None;
             }
+            *held = held.left_at(from, hysteresis);
             let counts_so = match tappet.passage {
                 Passage::Positive => x > from,
                 Passage::Negative => x < from,
@@ -99,12 +117,9 @@ impl Passed {
             let passed = places
                 .into_iter()
                 .filter(|at| (from < *at && *at <= x) || (x <= *at && *at < from))
-                .filter(|at| counts_so && *held != Some(*at))
+                .filter(|at| counts_so && *held != Held::At(*at))
                 .collect::<Vec<_>>();
-            *held = passed.last().copied().or(*held);
-            if held.is_some_and(|at| (x - at).abs() > hysteresis) {
-                *held = None;
-            }
+            *held = passed.last().map_or(*held, |at| Held::At(*at)).left_at(x, hysteresis);
             counts.push((tappet.group, [passed.len(); 2]));
         }
         counts
@@ -126,8 +141,11 @@ impl<M: Cams> OnCam<M> {
         let triggers: Vec<Trigger> = data.triggers().copied().collect();
         let now = data.now_ns;
         let table = taken.table.as_ref().ok_or("without a cam")?;
-        let unknown =
-            Passed { owner, x: coupling.place(), held: vec![None; table.cam.tappets().len()] };
+        let unknown = Passed {
+            owner,
+            x: coupling.place(),
+            held: vec![Held::Unknown; table.cam.tappets().len()],
+        };
         let mut passed = self.passed.take().filter(|it| it.owner == owner).unwrap_or(unknown);
         let counts = passed.on(coupling.place(), table, taken.input.tappet_hysteresis);
         self.passed = Some(passed);

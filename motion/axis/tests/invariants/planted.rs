@@ -178,7 +178,7 @@ impl Motion for CamIn {
         if wrong == OfCam::Hasty {
             cam.input.velocity_difference *= 1.5;
         }
-        cam.table = cam.table.map(|table| with_tappets(table, wrong));
+        cam.table = cam.table.map(|table| with_tappets(&table, wrong));
         cam.plan(start, axis, with)
     }
 
@@ -203,7 +203,7 @@ impl Cams for CamIn {
 }
 
 /// The same cam with other tappets.
-fn with_tappets(table: CamTable, wrong: OfCam) -> CamTable {
+fn with_tappets(table: &CamTable, wrong: OfCam) -> CamTable {
     let curve = table.cam.curve();
     let knots = [0.0, 40.0, 90.0].map(|master| Knot::at_rest(master, curve.at(master).position));
     let mut tappets: Vec<Tappet> = table.cam.tappets().to_vec();
@@ -220,7 +220,7 @@ fn with_tappets(table: CamTable, wrong: OfCam) -> CamTable {
         OfCam::Hasty | OfCam::Fast => {}
     }
     let cam = Cam::new("cam", Shape::Polynomial(knots.to_vec()), tappets).unwrap();
-    CamTable { cam: Arc::new(cam), ..table }
+    CamTable { cam: Arc::new(cam), ..table.clone() }
 }
 
 pub(super) fn wrong_cam(wrong: OfCam) -> Box<dyn Called> {
