@@ -249,6 +249,46 @@ fn phasing_takes_over_from_a_gear_that_ramps_in() {
     assert!((done - coupled - 3.0).abs() < 1e-9, "{coupled} {done}");
 }
 
+/// A phase shift goes on whatever the master does meanwhile: turning back, too.
+#[test]
+fn a_phase_shift_comes_on_top_of_a_master_that_turns() {
+    let (mut master, mut slave) = (linear(), linear());
+    let (mut lead, mut back) = (endless(20.0), endless(-20.0));
+    let mut block = Block::new(Phasing {
+        phase_shift: 6.0,
+        velocity: 4.0,
+        acceleration: 40.0,
+        deceleration: 40.0,
+    });
+    let (mut begun, mut ended) = (None, None);
+    for cycle in 0..400 {
+        let before = slave.axis.set_position() - master.axis.set_position();
+        let shown = pair(
+            &mut master,
+            &mut slave,
+            |axis| {
+                back.call(cycle >= 60, axis);
+                lead.call(cycle < 60, axis);
+            },
+            |master, axis| block.follow(true, master, axis),
+        );
+        let lag = slave.axis.set_position() - master.axis.set_position();
+        // Behind it falls back while it comes up to speed; then it only comes nearer.
+        if lag > before + 1e-9 && begun.is_none() && cycle > 20 {
+            begun = Some(before);
+        }
+        if shown.done {
+            ended.get_or_insert(lag);
+            assert!(ended.is_some_and(|ended| (lag - ended).abs() < 1e-9), "{cycle} {lag}");
+        }
+    }
+    let (begun, ended) = (begun.expect("shifts"), ended.expect("has shifted"));
+    assert!(
+        master.axis.set_velocity() < 0.0 && (ended - begun - 6.0).abs() < 1e-9,
+        "{begun} {ended}"
+    );
+}
+
 #[test]
 fn a_master_that_reverses_while_coupling_is_an_error_775() {
     let (mut master, mut slave) = (linear(), linear());

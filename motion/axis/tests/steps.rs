@@ -166,6 +166,27 @@ fn set_points_go_over_the_end_of_the_period() {
     assert!((way - 10.0).abs() < 1e-9, "{way}");
 }
 
+/// Set-points that run away faster than the axis may go are followed with the gap values until they stand; then they are
+/// met, and the interpolator goes on.
+#[test]
+fn set_points_that_run_away_are_met_when_they_stand() {
+    let mut rig = linear();
+    let mut block = control(Follow::Position(0.0));
+    rig.cycle(|axis| block.call(true, axis));
+    let mut count = 0;
+    let met = rig.until(|axis| {
+        count += 1;
+        // 150 u/s, to 15 u; the axis may go 100 u/s, and bridges with 10 u/s.
+        block.inputs.setpoint = Follow::Position(15.0_f64.min(1.5 * f64::from(count)));
+        block.call(true, axis);
+        assert!(axis.set_velocity() <= 10.0 + 1e-9, "{}", axis.set_velocity());
+        !block.running().is_some_and(Watched::stop_ipo)
+    });
+    assert_eq!((rig.axis.set_position(), rig.axis.set_velocity()), (15.0, 0.0));
+    // 15 u with 10 u/s and 70 u/s² take 1.643 s.
+    assert_eq!(met, 165);
+}
+
 /// Homing by the drive that is left off keeps the axis where the drive says it is by then.
 #[test]
 fn homing_that_is_left_off_does_not_go_back() {

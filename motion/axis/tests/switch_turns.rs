@@ -68,6 +68,34 @@ fn jittering(from: f64, to: f64) -> Vec<f64> {
     by_quarters(&places)
 }
 
+/// The manual's example: output 1 forwards from 0 to 100 and backwards from 300 to 200, output 2 either way from 100 to 300,
+/// output 3 for 2 s from 10 on.
+#[test]
+fn the_manuals_switches() {
+    use SwitchDirection::{Both, Negative, Positive};
+    let second = CamSwitch { track: 2, ..range(100.0, 300.0, Both) };
+    let third = CamSwitch { track: 3, duration: Some(2.0), ..range(10.0, 0.0, Both) };
+    let switches = [range(200.0, 300.0, Negative), second, third, range(0.0, 100.0, Positive)];
+    let mut block = DigitalCamSwitch::new(&switches, [Track::default(); 32]);
+    let mut rig = linear();
+    let mut go = Block::new(Follow::Position(0.0));
+    // 25 u/s: 50 u in 2 s.
+    let way = by_quarters(&[-20.0, 320.0, -20.0]);
+    let top = way.iter().position(|place| *place == 320.0).expect("the top");
+    for (index, place) in way.iter().copied().enumerate() {
+        let forwards = index <= top;
+        go.inputs = Follow::Position(place);
+        rig.cycle(|axis| go.call(true, axis));
+        let outputs = block.call(true, &rig.axis).outputs;
+        let first = if forwards { 0.0..=100.0 } else { 200.0..=300.0 };
+        assert_eq!(outputs[0], first.contains(&place), "{place} {forwards}");
+        assert_eq!(outputs[1], (100.0..=300.0).contains(&place), "{place} {forwards}");
+        let third = if forwards { 10.0..60.0 } else { -20.0..10.25 };
+        assert_eq!(outputs[2], third.contains(&place), "{place} {forwards}");
+        assert!(outputs[3..].iter().all(|on| !on));
+    }
+}
+
 /// Jitter by less than the hysteresis turns nothing, wherever in the range and at its ends; without a hysteresis it does.
 #[test]
 fn jitter_does_not_turn_a_switch() {
