@@ -137,7 +137,7 @@ impl Axis {
     pub(super) fn show_set_values(&mut self) {
         let total = self.total();
         let position = self.in_program(total.position);
-        let aim = self.aim.map(|aim| self.in_program(aim));
+        let aim = self.pending(self.overlay.position).map(|aim| self.in_program(aim));
         let values = &mut self.values;
         values.set_position = position;
         values.set_velocity = total.velocity;

@@ -46,7 +46,9 @@ impl Axis {
             Movement::Linear => state.position,
             Movement::Rotary { .. } => self.to_drive(self.in_program(state.position)),
         };
-        let aim = self.aim.map(|aim| aim - state.position + position);
+        let below = if ended { self.base } else { self.saved_base };
+        let aim = self.pending(state.position - below.position);
+        let aim = aim.map(|aim| aim - state.position + position);
         Start { state: State { position, ..state }, lead, aim }
     }
 
@@ -65,8 +67,23 @@ impl Axis {
         }
     }
 
+    /// Where the discrete motion that there is comes to rest, with what has been added on top, u: of one that moves on top
+    /// of nothing its own target.
+    pub(super) fn pending(&self, on_top: f64) -> Option<f64> {
+        if self.values.owner == 0 && self.overlay_owner != 0 {
+            return Some(self.base.position + self.overlay_aim);
+        }
+        self.aim.map(|aim| aim + on_top)
+    }
+
     /// Gives the axis to a new owner, in `state`, and says who that is.
     pub(crate) fn claim(&mut self, state: AxisState, start: Start) -> i64 {
+        // A target counts from where the motion begins, also for who takes the axis later in this cycle.
+        let from = if start.lead == 0.0 { self.total() } else { self.saved };
+        let turned = start.state.position - from.position;
+        if turned != 0.0 {
+            self.saved.position += turned;
+        }
         self.values.owners += 1;
         self.values.owner = self.values.owners;
         self.overlay = State::default();
@@ -118,6 +135,10 @@ impl Axis {
 
     /// The set-point of the owner for this cycle, in the drive's coordinates, unwound.
     pub(crate) fn drive_to(&mut self, base: State) {
+        #[cfg(test)]
+        {
+            self.commands[0] += 1;
+        }
         self.base = base;
         self.values.moved_in_this_cycle = true;
         self.show_set_values();

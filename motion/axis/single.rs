@@ -52,6 +52,8 @@ pub struct Axis {
     pub(super) overlay: State,
     /// Who moves on top of it, 0 for nobody.
     pub(super) overlay_owner: i64,
+    /// Where that comes to rest, u, while it has an owner.
+    pub(super) overlay_aim: f64,
     pub(super) overlay_moved: bool,
     /// Base and overlay together when the cycle began.
     pub(super) saved: State,
@@ -81,6 +83,9 @@ pub struct Axis {
     /// Every step from state to state, for who watches over them.
     #[cfg(test)]
     pub(super) entered: Vec<[AxisState; 2]>,
+    /// How often it has been commanded, and on top of that, for who watches over who does it.
+    #[cfg(test)]
+    pub(super) commands: [u32; 2],
 }
 
 /// What the drive said this cycle beside its values.
@@ -133,12 +138,15 @@ impl Axis {
             base: State::default(),
             overlay: State::default(),
             overlay_owner: 0,
+            overlay_aim: 0.0,
             overlay_moved: false,
             saved: State::default(),
             saved_base: State::default(),
             aim: None,
             #[cfg(test)]
             entered: Vec::new(),
+            #[cfg(test)]
+            commands: [0; 2],
             went: 1,
             clock_ns: 0,
             clock_rest: 0.0,

@@ -1,8 +1,8 @@
 //! Which tappets a master passes from cycle to cycle (manual 4.4.2).
 //!
 //! A tappet is passed in the cycle in which the master comes to it or beyond: it acts once, then not again before the
-//! master has left the band of hysteresis around it. A passage in the direction that it does not count is none. Passages come in the order in which the master makes them, each with
-//! its time, interpolated between the cycles.
+//! master has left the band of hysteresis around it. A passage in the direction that it does not count is none. Passages
+//! come in the order in which the master makes them, each with its time, interpolated between the cycles.
 
 use super::tappet::{Action, Passage, Tappet};
 
@@ -104,34 +104,72 @@ impl Move {
     }
 }
 
+/// Which way a master goes.
+///
+/// It turns where it has gone back by more than a slack from the farthest point of the way before: less is the jitter of
+/// an axis that is held there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Heading {
+    forwards: bool,
+    farthest: f64,
+}
+
+impl Heading {
+    pub(crate) fn new(x: f64, forwards: bool) -> Self {
+        Self { forwards, farthest: x }
+    }
+
+    pub(crate) fn is_forwards(&self) -> bool {
+        self.forwards
+    }
+
+    /// The master is at x with v u/s; where it has turned, if it has.
+    pub(crate) fn follow(&mut self, x: f64, v: f64, slack: f64) -> Option<f64> {
+        let back = if self.forwards { self.farthest - x } else { x - self.farthest };
+        let goes_back = if self.forwards { v < 0.0 } else { v > 0.0 };
+        // One that stands, and is to go on, has its direction by its velocity.
+        let turns = back > slack || (slack == 0.0 && back == 0.0 && goes_back);
+        let before = self.farthest;
+        if turns {
+            self.forwards = !self.forwards;
+        }
+        if turns || back < 0.0 {
+            self.farthest = x;
+        }
+        turns.then_some(before)
+    }
+}
+
 /// Where tappets are looked for: ahead of the master, by the way it makes within the dead time.
 ///
 /// That is where it will be if it goes on as it does. For one that brakes it comes nearer, but nothing is passed backwards
-/// for that: it waits until the master has come up. When the master really turns, it begins again from the master: beyond
-/// that nobody has been.
+/// for that: it waits until the master has come up. When the master really turns, by more than the hysteresis, it begins
+/// again from where it has turned: beyond that nobody has been. Without a dead time there is nothing to take back, and it
+/// is where the master is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LookAhead {
-    /// The master, and where has been looked for tappets last.
-    x: f64,
+    heading: Heading,
+    /// Where has been looked for tappets last.
     looked: f64,
-    forwards: bool,
+}
+
+/// How far ahead is looked, and when a master turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Lead {
+    pub(crate) dead_time_s: f64,
+    /// In the unit of the place.
+    pub(crate) hysteresis: f64,
 }
 
 impl LookAhead {
     /// The master is at x of the cam with v u/s, and is looked for `dead_time_s` ahead.
     pub(crate) fn new(x: f64, v: f64, dead_time_s: f64) -> Self {
-        Self { x, looked: x + v * dead_time_s, forwards: v >= 0.0 }
+        Self::along(Heading::new(x, v >= 0.0), v, dead_time_s)
     }
 
-    /// Looks on from elsewhere, without a way there.
-    pub(crate) fn restart(&mut self, x: f64, v: f64, dead_time_s: f64) {
-        let forwards = if v == 0.0 { self.forwards } else { v > 0.0 };
-        *self = Self { forwards, ..Self::new(x, v, dead_time_s) };
-    }
-
-    /// Whether it goes forwards, or did when it moved last.
-    pub(crate) fn is_forwards(&self) -> bool {
-        self.forwards
+    /// The same, of a master that has come to its farthest point.
+    pub(crate) fn along(heading: Heading, v: f64, dead_time_s: f64) -> Self {
+        Self { heading, looked: heading.farthest + v * dead_time_s }
     }
 
     /// Where has been looked last.
@@ -140,19 +178,16 @@ impl LookAhead {
     }
 
     /// The same a cycle later; from where to where tappets are looked for in it.
-    pub(crate) fn follow(&mut self, x: f64, v: f64, dead_time_s: f64) -> [f64; 2] {
-        let before = std::mem::replace(&mut self.x, x);
-        let way = x - before;
-        // One that stands, and is to go on, has its direction by its velocity.
-        let by = if way.abs() > 0.0 { way } else { v };
-        let turns = (by > 0.0 && !self.forwards) || (by < 0.0 && self.forwards);
+    pub(crate) fn follow(&mut self, x: f64, v: f64, by: Lead) -> [f64; 2] {
+        let slack = if by.dead_time_s == 0.0 { 0.0 } else { by.hysteresis.abs() };
         let mut from = self.looked;
-        if turns {
-            self.forwards = by > 0.0;
-            from = if self.forwards { from.max(before) } else { from.min(before) };
+        let turned = self.heading.follow(x, v, slack);
+        let forwards = self.heading.is_forwards();
+        if let Some(farthest) = turned {
+            from = if forwards { from.max(farthest) } else { from.min(farthest) };
         }
-        let ahead = x + v * dead_time_s;
-        self.looked = if self.forwards { ahead.max(from) } else { ahead.min(from) };
+        let ahead = x + v * by.dead_time_s;
+        self.looked = if forwards { ahead.max(from) } else { ahead.min(from) };
         [from, self.looked]
     }
 }

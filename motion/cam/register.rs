@@ -1,7 +1,7 @@
 //! Tappets without a slave (`SMC_CAMRegister`, manual 5.5).
 
 use super::bit::TappetBit;
-use super::passage::{LookAhead, Move, Watch};
+use super::passage::{Lead, LookAhead, Move, Watch};
 use super::reference::Cam;
 use super::unwrap::Unwrap;
 use std::sync::Arc;
@@ -131,13 +131,14 @@ impl CamRegister {
         let period = self.input.master_period;
         let unwrap = self.unwrap.get_or_insert_with(|| Unwrap::new(period, position));
         let whole = unwrap.follow(position);
-        let RegisterInput { master_scaling, master_offset, dead_time_s, .. } = self.input;
+        let RegisterInput { master_scaling, master_offset, dead_time_s, hysteresis, .. } =
+            self.input;
         let (x, v) = (whole * master_scaling + master_offset, velocity * master_scaling);
         let mut ahead = match self.last {
             Some((ahead, _)) => ahead,
             None => LookAhead::new(x, v, dead_time_s),
         };
-        let [from, to] = ahead.follow(x, v, dead_time_s);
+        let [from, to] = ahead.follow(x, v, Lead { dead_time_s, hysteresis });
         let (_, passes) = self.cam.curve().wrap(to);
         if let Some((_, from_ns)) = self.last {
             self.end_of_profile = passes != self.passes;

@@ -32,7 +32,7 @@ pub struct CamSwitch {
     /// `FirstOnPosition`, u.
     pub first_on: f64,
     /// `LastOnPosition`, u. On a rotary axis it may be below the first: over the end of the period. A whole period after it,
-    /// or more, is always on.
+    /// or more, is always on, unless it is switched off so much earlier that less than a period is left.
     pub last_on: f64,
     /// `AxisDirection`.
     pub direction: SwitchDirection,
@@ -52,7 +52,8 @@ pub struct Track {
     /// on, one that is switched on again before it is switched off is always on. Of a timed switch, its end.
     pub off_compensation: f64,
     /// `Hysteresis`, u: so far beyond a place an output that is on stays on. A time begins again only when the axis has
-    /// been further away from the place than that.
+    /// been further away from the place than that. An axis turns, for switches that count in one direction and for places
+    /// that are looked for ahead, when it has gone back by more than that from the farthest point it has come to.
     pub hysteresis: f64,
 }
 
@@ -150,6 +151,7 @@ impl DigitalCamSwitch {
         let at = Ahead {
             position: seen.unwrap.follow(position),
             velocity,
+            went_forwards: !axis.was_negative(),
             period,
             begins,
             from_ns: seen.now_ns,

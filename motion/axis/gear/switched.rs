@@ -5,7 +5,7 @@
 //! ```
 
 use super::switch::{CamSwitch, SwitchDirection, Track};
-use crate::cam::passage::{LookAhead, Move, Watch};
+use crate::cam::passage::{Heading, Lead, LookAhead, Move, Watch};
 use crate::cam::{Action, MAX_PULSES, Passage, Tappet, TappetBit};
 
 /// The axis in a cycle.
@@ -16,6 +16,8 @@ pub(super) struct Ahead {
     /// u/s.
     pub(super) velocity: f64,
     pub(super) period: Option<f64>,
+    /// Whether it went forwards when it moved last.
+    pub(super) went_forwards: bool,
     /// Whether nothing is known of where it was before.
     pub(super) begins: bool,
     pub(super) from_ns: i64,
@@ -26,8 +28,8 @@ pub(super) struct Ahead {
 #[derive(Clone, Debug)]
 pub(super) struct Switched {
     switch: CamSwitch,
-    /// Where the axis is looked for, of one by position for switching on and off.
-    looks: Option<[LookAhead; 2]>,
+    /// Which way the axis goes, and where it is looked for for switching on and off.
+    seen: Option<(Heading, [LookAhead; 2])>,
     /// Of one by position: whether the axis is on it, delays aside, and when that shows.
     inside: bool,
     spans: Vec<Span>,
@@ -46,7 +48,7 @@ struct Span {
 impl Switched {
     pub(super) fn new(switch: CamSwitch) -> Self {
         let bit = TappetBit::default();
-        Self { switch, looks: None, inside: false, spans: Vec::new(), watch: None, bit }
+        Self { switch, seen: None, inside: false, spans: Vec::new(), watch: None, bit }
     }
 
     pub(super) fn track(&self) -> u8 {
@@ -63,25 +65,30 @@ impl Switched {
         let Ahead { position, velocity, begins, .. } = *at;
         let advances =
             [track.on_compensation, track.off_compensation].map(|later| (-later).max(0.0));
-        let [advance_on, advance_off] = advances;
-        let new = || advances.map(|advance| LookAhead::new(position, velocity, advance));
-        let mut looks = self.looks.unwrap_or_else(new);
-        let [on, off] = &mut looks;
-        if begins {
-            on.restart(position, velocity, advance_on);
-            off.restart(position, velocity, advance_off);
-        }
-        let [from, to] = on.follow(position, velocity, advance_on);
-        off.follow(position, velocity, advance_off);
-        self.looks = Some(looks);
+        let hysteresis = track.hysteresis.abs();
+        let went_forwards = self.seen.map_or(at.went_forwards, |(it, _)| it.is_forwards());
+        let new = || {
+            let forwards = if velocity == 0.0 { went_forwards } else { velocity > 0.0 };
+            let heading = Heading::new(position, forwards);
+            (heading, advances.map(|advance| LookAhead::along(heading, velocity, advance)))
+        };
+        let known = self.seen.filter(|_| !begins);
+        let (mut heading, [mut on, mut off]) = known.unwrap_or_else(new);
+        heading.follow(position, velocity, hysteresis);
+        let [by_on, by_off] = advances.map(|dead_time_s| Lead { dead_time_s, hysteresis });
+        let way = on.follow(position, velocity, by_on);
+        off.follow(position, velocity, by_off);
+        self.seen = Some((heading, [on, off]));
         match self.switch.duration {
-            None => self.by_position(looks, at, track),
-            Some(duration) => self.by_time([from, to], duration, at, track),
+            None => {
+                self.by_position(heading.is_forwards(), [on, off].map(|it| it.looked()), at, track)
+            }
+            Some(duration) => self.by_time(way, duration, at, track),
         }
     }
 
-    fn by_position(&mut self, looks: [LookAhead; 2], at: &Ahead, track: &Track) -> bool {
-        let inside = self.counts(looks[0].is_forwards()) && self.is_inside(looks, at.period, track);
+    fn by_position(&mut self, forward: bool, looks: [f64; 2], at: &Ahead, track: &Track) -> bool {
+        let inside = self.counts(forward) && self.is_inside(forward, looks, at.period, track);
         let [on_later, off_later] =
             [track.on_compensation, track.off_compensation].map(|later| ns(later.max(0.0)));
         if at.begins {
@@ -116,22 +123,26 @@ impl Switched {
 
     /// Whether the axis, seen by the first look, has come to the begin, and has not gone beyond the end as seen by the
     /// second one.
-    fn is_inside(&self, looks: [LookAhead; 2], period: Option<f64>, track: &Track) -> bool {
+    fn is_inside(
+        &self,
+        forward: bool,
+        looks: [f64; 2],
+        period: Option<f64>,
+        track: &Track,
+    ) -> bool {
         let CamSwitch { first_on, last_on, .. } = self.switch;
         let length = last_on - first_on;
         let length = match period {
-            // What is longer comes round to itself.
-            Some(period) if length >= period => period,
-            Some(period) => crate::axis::fmod(length, period),
+            // What is longer comes round to itself, and goes on beyond.
+            Some(period) if length < period => crate::axis::fmod(length, period),
             None if length < 0.0 => return false,
-            None => length,
+            _ => length,
         };
         // Along the direction of travel: from where it is switched on to where it is switched off.
-        let forward = looks[0].is_forwards();
         let (sign, entry) = if forward { (1.0, first_on) } else { (-1.0, -first_on - length) };
-        let slack = if self.inside { track.hysteresis } else { 0.0 };
+        let slack = if self.inside { track.hysteresis.abs() } else { 0.0 };
         let (entry, length) = (entry - slack, length + 2.0 * slack);
-        let [on, off] = looks.map(|look| sign * look.looked());
+        let [on, off] = looks.map(|look| sign * look);
         let Some(period) = period else { return on >= entry && off <= entry + length };
         // The last of its places, a period apart, that has been come to.
         let entry = entry + ((on - entry) / period).floor() * period;

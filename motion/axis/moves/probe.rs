@@ -42,7 +42,7 @@ impl Trigger {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TouchProbe {
     /// `WindowOnly`, `FirstPosition`, `LastPosition`: positions, u, between which it counts; on a rotary axis it may
-    /// reach over the end of the period.
+    /// reach over the end of the period; a whole period or more is everywhere.
     pub window: Option<[f64; 2]>,
     /// The window as taken over, while it waits.
     waiting: Option<Waiting>,
@@ -155,7 +155,10 @@ fn free(axis: &mut Axis, trigger: &mut Trigger) {
 
 fn is_inside([first, last]: [f64; 2], position: f64, axis: &Axis) -> bool {
     match axis.period() {
-        Some(period) => fmod(position - first, period) <= fmod(last - first, period),
+        // A whole turn and more is everywhere.
+        Some(period) => {
+            last - first >= period || fmod(position - first, period) <= fmod(last - first, period)
+        }
         None => (first..=last).contains(&position),
     }
 }

@@ -48,12 +48,21 @@ impl SuperImposed {
         Self { inputs, taken: None, latch: Latch::default() }
     }
 
+    /// Who it is while it moves the axis on top of another block, or alone.
+    #[must_use]
+    pub fn owner(&self) -> Option<i64> {
+        self.taken.as_ref().map(|(_, owner)| *owner)
+    }
+
     /// Calls it, for a cycle, with Execute and its axis.
     pub fn call(&mut self, execute: bool, axis: &mut Axis) -> Outputs {
         if self.latch.rises(execute) {
             let own = self.taken.take().is_some_and(|(_, owner)| axis.overlay_owner == owner);
             match self.begin(axis) {
-                Ok(planned) => self.taken = Some((planned, axis.claim_overlay())),
+                Ok(planned) => {
+                    let owner = axis.claim_overlay(planned.target());
+                    self.taken = Some((planned, owner));
+                }
                 Err(refusal) => {
                     // The edge has ended what was on top (manual 5.2 b), with a velocity that nobody takes on.
                     if let (true, Refusal::Error(error)) = (own, refusal) {
@@ -97,10 +106,11 @@ impl SuperImposed {
 }
 
 impl Axis {
-    /// Gives what is on top of the motion to a new owner.
-    fn claim_overlay(&mut self) -> i64 {
+    /// Gives what is on top of the motion to a new owner, who takes it to `aim` u.
+    fn claim_overlay(&mut self, aim: f64) -> i64 {
         self.values.owners += 1;
         self.overlay_owner = self.values.owners;
+        self.overlay_aim = aim;
         if self.values.owner == 0 {
             self.enter(AxisState::DiscreteMotion);
         }
@@ -108,6 +118,10 @@ impl Axis {
     }
 
     fn overlay_to(&mut self, overlay: State) {
+        #[cfg(test)]
+        {
+            self.commands[1] += 1;
+        }
         self.overlay = overlay;
         self.overlay_moved = true;
         self.show_set_values();

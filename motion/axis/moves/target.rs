@@ -80,7 +80,8 @@ impl Motion for MoveRelative {
 
 /// By a distance from the target of the motion there is (`MC_MoveAdditive`, manual 5.3).
 ///
-/// In `discrete_motion` the distance adds to the pending target; else it counts from where the axis is.
+/// In `discrete_motion` the distance adds to the pending target; else it counts from where the axis is. What a motion on top
+/// has added by then is part of the target; what it still had to add ends with it.
 #[doc(alias = "MC_MoveAdditive")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveAdditive {

@@ -1,7 +1,7 @@
 //! The other blocks of a single axis (manual 2.2.4, 5.3).
 
 use super::framework::to;
-use super::rig::{self, CYCLE, Rig, linear};
+use super::rig::{self, CYCLE, Rig, linear, rotary};
 use crate::axis::{
     AbortTrigger, AxisConfig, AxisState, Block, ControllerMode, Direction, Home, Homing,
     MoveContinuousAbsolute, MoveContinuousRelative, MoveVelocity, Reset, SetControllerMode,
@@ -274,6 +274,30 @@ fn a_probe_of_the_program_latches_within_its_window() {
     assert_eq!(rig.axis.read_parameter(1202), Ok(at));
     assert_eq!(rig.axis.read_bool_parameter(1207), Ok(true));
     assert!(!trigger.is_active());
+}
+
+/// Over the end of the period, and all the way round: 1 u beside the end of the window nothing counts.
+#[test]
+fn a_window_of_a_rotary_axis_may_reach_over_the_end() {
+    for (window, inside, outside) in [
+        ([350.0, 10.0], vec![350.0, 359.0, 0.0, 10.0], vec![11.0, 180.0, 349.0]),
+        ([10.0, 350.0], vec![10.0, 180.0, 350.0], vec![351.0, 0.0, 9.0]),
+        ([0.0, 360.0], vec![0.0, 1.0, 180.0, 359.0], vec![]),
+        ([90.0, 500.0], vec![0.0, 1.0, 89.0, 180.0, 359.0], vec![]),
+    ] {
+        let latches = |place: f64| {
+            let mut rig = rotary();
+            rig.axis.shift_zero(place, false).expect("a number");
+            let (mut trigger, mut probe) = (Trigger::of_program(), TouchProbe::new(Some(window)));
+            rig.cycle(|axis| probe.call(true, axis, &mut trigger));
+            trigger.input = true;
+            let shown = rig.cycle(|axis| probe.call(true, axis, &mut trigger));
+            assert!(!shown.outputs.done || shown.recorded_position == place);
+            shown.outputs.done
+        };
+        assert!(inside.iter().all(|place| latches(*place)), "{window:?}");
+        assert!(!outside.iter().any(|place| latches(*place)), "{window:?}");
+    }
 }
 
 #[test]

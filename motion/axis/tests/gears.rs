@@ -174,6 +174,121 @@ fn a_gear_in_position_waits_for_its_window() {
     assert!((10.0..10.2).contains(&began), "{began}");
 }
 
+/// Beyond the place already: a linear master comes to it when it goes back, a rotary one the next time round.
+#[test]
+fn a_gear_in_position_whose_master_is_beyond_the_place_waits_for_it() {
+    for (turns, velocity) in [(false, -10.0), (true, 50.0)] {
+        let rig = || if turns { rotary() } else { linear() };
+        let (mut master, mut slave) = (rig(), linear());
+        master.axis.shift_zero(20.0, false).expect("a number");
+        let (mut lead, mut back, mut block) = (endless(50.0), endless(velocity), in_pos());
+        let mut in_step = 0;
+        for cycle in 0..1_500 {
+            let shown = pair(
+                &mut master,
+                &mut slave,
+                |axis| {
+                    back.call(cycle >= 100, axis);
+                    lead.call(cycle < 100, axis);
+                },
+                |master, axis| block.follow(true, master, axis),
+            );
+            let at = master.axis.set_position();
+            let window = if turns { 10.0..15.0 } else { 15.0..20.0 };
+            if in_step == 0 && !shown.done && !window.contains(&at) {
+                assert_eq!(slave.axis.set_position(), 0.0, "{at}");
+            }
+            if shown.done && in_step < 100 {
+                in_step += 1;
+                let beyond = at - 15.0;
+                assert!((slave.axis.set_position() - 6.0 - 2.0 * beyond).abs() < 1e-9, "{at}");
+                assert!(beyond * velocity >= -1e-9, "{at}");
+            }
+        }
+        assert_eq!(in_step, 100);
+    }
+}
+
+/// Phasing takes over from a gear that is not in gear yet without a step, has the master's velocity, and shifts then.
+#[test]
+fn phasing_takes_over_from_a_gear_that_ramps_in() {
+    let (mut master, mut slave) = (linear(), linear());
+    let (mut lead, mut ramping) = (endless(20.0), gear(1, 1));
+    let mut block = Block::new(Phasing {
+        phase_shift: 3.0,
+        velocity: 4.0,
+        acceleration: 40.0,
+        deceleration: 40.0,
+    });
+    let (mut coupled, mut done) = (None, None);
+    let mut before = 0.0;
+    for cycle in 0..1_000 {
+        let shown = pair(
+            &mut master,
+            &mut slave,
+            |axis| _ = lead.call(true, axis),
+            |master, axis| {
+                let shown = ramping.follow(true, master, axis);
+                assert!(!shown.done, "it still ramps");
+                (cycle >= 30).then(|| block.follow(true, master, axis))
+            },
+        );
+        let velocity = slave.axis.set_velocity();
+        let rate = if cycle < 30 { 50.0 } else { 40.0 };
+        assert!((velocity - before).abs() <= rate * CYCLE + 1e-9, "{cycle}");
+        before = velocity;
+        let lag = slave.axis.set_position() - master.axis.set_position();
+        if cycle >= 30 && coupled.is_none() && velocity == 20.0 {
+            coupled = Some(lag);
+        }
+        if shown.is_some_and(|shown| shown.done) && done.is_none() {
+            done = Some(lag);
+        }
+    }
+    let (coupled, done) = (coupled.expect("coupled"), done.expect("shifted"));
+    assert!((done - coupled - 3.0).abs() < 1e-9, "{coupled} {done}");
+}
+
+/// A phase shift goes on whatever the master does meanwhile: turning back, too.
+#[test]
+fn a_phase_shift_comes_on_top_of_a_master_that_turns() {
+    let (mut master, mut slave) = (linear(), linear());
+    let (mut lead, mut back) = (endless(20.0), endless(-20.0));
+    let mut block = Block::new(Phasing {
+        phase_shift: 6.0,
+        velocity: 4.0,
+        acceleration: 40.0,
+        deceleration: 40.0,
+    });
+    let (mut begun, mut ended) = (None, None);
+    for cycle in 0..400 {
+        let before = slave.axis.set_position() - master.axis.set_position();
+        let shown = pair(
+            &mut master,
+            &mut slave,
+            |axis| {
+                back.call(cycle >= 60, axis);
+                lead.call(cycle < 60, axis);
+            },
+            |master, axis| block.follow(true, master, axis),
+        );
+        let lag = slave.axis.set_position() - master.axis.set_position();
+        // Behind it falls back while it comes up to speed; then it only comes nearer.
+        if lag > before + 1e-9 && begun.is_none() && cycle > 20 {
+            begun = Some(before);
+        }
+        if shown.done {
+            ended.get_or_insert(lag);
+            assert!(ended.is_some_and(|ended| (lag - ended).abs() < 1e-9), "{cycle} {lag}");
+        }
+    }
+    let (begun, ended) = (begun.expect("shifts"), ended.expect("has shifted"));
+    assert!(
+        master.axis.set_velocity() < 0.0 && (ended - begun - 6.0).abs() < 1e-9,
+        "{begun} {ended}"
+    );
+}
+
 #[test]
 fn a_master_that_reverses_while_coupling_is_an_error_775() {
     let (mut master, mut slave) = (linear(), linear());

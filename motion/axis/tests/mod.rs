@@ -21,6 +21,7 @@ mod silence;
 mod states;
 mod steps;
 mod switch;
+mod switch_turns;
 mod tables;
 mod targets;
 mod zeros;

@@ -2,7 +2,7 @@
 
 use super::blocks::endless;
 use super::framework::to;
-use super::rig::{self, CYCLE, Rig, linear};
+use super::rig::{self, CYCLE, Rig, linear, rotary};
 use crate::axis::profile::RampType;
 use crate::axis::{
     AxisConfig, AxisState, Block, CamIn, ControlAxisBy, ControllerMode, Follow, GearIn, GearInPos,
@@ -134,6 +134,57 @@ fn a_position_beside_its_velocity_is_bridged() {
         axis.set_velocity() == 0.0
     });
     assert!((rig.axis.set_position() - 0.1).abs() < 1e-12);
+}
+
+/// The end of the period is no jump, and a jump over it is bridged the short way, to a set-point that moves on over it.
+#[test]
+fn set_points_go_over_the_end_of_the_period() {
+    let mut rig = rotary();
+    let mut block = control(Follow::Position(0.0));
+    rig.cycle(|axis| block.call(true, axis));
+    // 5 u/s from 355 on; the axis is 5 u ahead of it.
+    let (mut place, mut met, mut way) = (355.0, None, 0.0);
+    for cycle in 0..300 {
+        place += 5.0 * CYCLE;
+        block.inputs.setpoint = Follow::Position(place % 360.0);
+        let before = rig.axis.set_position();
+        rig.cycle(|axis| block.call(true, axis));
+        let step = rig.axis.set_position() - before;
+        way += step - 360.0 * (step / 360.0).round();
+        let bridging = block.running().is_some_and(Watched::stop_ipo);
+        if !bridging {
+            met.get_or_insert(cycle);
+        }
+        assert_eq!(bridging, met.is_none(), "no jump after it has been met");
+        if met.is_some_and(|met| cycle > met) {
+            let off = rig.axis.set_position() - place;
+            assert!((off - 360.0 * (off / 360.0).round()).abs() < 1e-9, "{off}");
+        }
+    }
+    // It is met before the end, which it passes at 1 s; all in all from 0 to 370.
+    assert!(met.is_some_and(|met| met < 100), "{met:?}");
+    assert!((way - 10.0).abs() < 1e-9, "{way}");
+}
+
+/// Set-points that run away faster than the axis may go are followed with the gap values until they stand; then they are
+/// met, and the interpolator goes on.
+#[test]
+fn set_points_that_run_away_are_met_when_they_stand() {
+    let mut rig = linear();
+    let mut block = control(Follow::Position(0.0));
+    rig.cycle(|axis| block.call(true, axis));
+    let mut count = 0;
+    let met = rig.until(|axis| {
+        count += 1;
+        // 150 u/s, to 15 u; the axis may go 100 u/s, and bridges with 10 u/s.
+        block.inputs.setpoint = Follow::Position(15.0_f64.min(1.5 * f64::from(count)));
+        block.call(true, axis);
+        assert!(axis.set_velocity() <= 10.0 + 1e-9, "{}", axis.set_velocity());
+        !block.running().is_some_and(Watched::stop_ipo)
+    });
+    assert_eq!((rig.axis.set_position(), rig.axis.set_velocity()), (15.0, 0.0));
+    // 15 u with 10 u/s and 70 u/s² take 1.643 s.
+    assert_eq!(met, 165);
 }
 
 /// Homing by the drive that is left off keeps the axis where the drive says it is by then.

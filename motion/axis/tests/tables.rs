@@ -55,6 +55,47 @@ fn velocity_and_acceleration_profiles_are_integrated() {
     assert!((rig.axis.set_position() - 70.0 - 30.0 * CYCLE).abs() < 1e-9);
 }
 
+/// One point is enough; one without time says where the motion begins, and nothing more.
+#[test]
+fn tables_of_one_point() {
+    let mut rig = linear();
+    let mut block = Block::new(PositionProfile(points(&[(2.0, 8.0)])));
+    let mut fastest = 0.0_f64;
+    let count = rig.until(|axis| {
+        let done = block.call(true, axis).done;
+        fastest = fastest.max(axis.set_velocity());
+        done
+    });
+    // A cubic between rests: 3/2 of the mean velocity in the middle.
+    assert_eq!((count, rig.axis.set_position()), (200, 8.0));
+    assert!((fastest - 6.0).abs() < 1e-9, "{fastest}");
+    // To 10 u/s in 1 s by two parabolas: 5 u; with an acceleration that grows to 10 u/s²: 10/6 u and 5 u/s.
+    let mut rig = linear();
+    let mut block = Block::new(VelocityProfile(points(&[(1.0, 10.0)])));
+    assert_eq!(rig.until(|axis| block.call(true, axis).done), 100);
+    assert!((rig.axis.set_position() - 5.0).abs() < 1e-9);
+    assert_eq!(rig.axis.set_velocity(), 10.0);
+    let mut rig = linear();
+    let mut block = Block::new(AccelerationProfile(points(&[(1.0, 10.0)])));
+    assert_eq!(rig.until(|axis| block.call(true, axis).done), 100);
+    assert!((rig.axis.set_position() - 10.0 / 6.0).abs() < 1e-9);
+    assert!((rig.axis.set_velocity() - 5.0).abs() < 1e-9);
+    // At once, where it begins; elsewhere there is no way without time.
+    let mut rig = linear();
+    let at = |value| points(&[(0.0, value)]);
+    let shown = rig.cycle(|axis| {
+        [
+            Block::new(PositionProfile(at(0.0))).call(true, axis),
+            Block::new(VelocityProfile(at(0.0))).call(true, axis),
+            Block::new(PositionProfile(at(1.0))).call(true, axis),
+            Block::new(VelocityProfile(at(1.0))).call(true, axis),
+        ]
+    });
+    assert_eq!(shown.map(|shown| shown.done), [true, true, false, false]);
+    let errors = [None, None, Some(SmcError::PpStep0ms), Some(SmcError::VpStep0ms)];
+    assert_eq!(shown.map(|shown| shown.error), errors);
+}
+
 #[test]
 fn tables_that_are_none_are_refused() {
     let mut rig = linear();

@@ -1,10 +1,12 @@
 //! Moves to positions and by distances.
 
+use super::blocks::endless;
 use super::framework::to;
-use super::rig::{self, linear, rotary};
+use super::rig::{self, Rig, linear, rotary};
+use crate::axis::profile::{ProfilePoint, RampType};
 use crate::axis::{
-    Block, Direction, Halt, MoveAdditive, MoveContinuousAbsolute, MoveRelative, MoveVelocity,
-    SmcError, Stop,
+    AxisConfig, Block, Direction, Halt, MoveAbsolute, MoveAdditive, MoveContinuousAbsolute,
+    MoveRelative, MoveVelocity, Points, PositionProfile, SmcError, Stop,
 };
 
 /// Where a rotary axis at 350 u that rests goes for 10 u, in u.
@@ -96,6 +98,154 @@ fn an_additive_move_of_a_rotary_axis_adds_across_the_period() {
     let mut more = add(4.0);
     rig.until(|axis| more.call(true, axis).done);
     assert!((rig.axis.set_position() - 9.0).abs() < 1e-9, "{}", rig.axis.set_position());
+}
+
+/// What has been added on top is part of where the axis goes; what is still to come ends with the motion on top (manual
+/// 5.3). On top of nothing, that is the block whose target it is.
+#[test]
+fn an_additive_move_counts_what_a_motion_on_top_has_added() {
+    for (distance, whole) in [(10.0, true), (60.0, false)] {
+        let mut rig = linear();
+        let (mut below, mut on_top) = (to(100.0), rig::on_top(distance, 50.0, 100.0, 100.0));
+        let (mut more, mut added) = (add(50.0), 0.0);
+        for _ in 0..100 {
+            let before = rig.axis.set_position();
+            rig.cycle(|axis| {
+                below.call(true, axis);
+                let under = axis.set_position() - before;
+                on_top.call(true, axis);
+                added += axis.set_position() - before - under;
+            });
+        }
+        assert_eq!((added - distance).abs() < 1e-9, whole, "{added}");
+        assert!(added > 9.9 && rig.axis.set_position() < 100.0, "on its way");
+        let Ok(aim) = rig.axis.read_parameter(1105) else { panic!("fAimPosition") };
+        assert!((aim - 100.0 - added).abs() < 1e-9, "{aim}");
+        rig.until(|axis| {
+            let shown = more.call(true, axis);
+            below.call(true, axis);
+            on_top.call(true, axis);
+            shown.done
+        });
+        let expected = 100.0 + added + 50.0;
+        assert!((rig.axis.set_position() - expected).abs() < 1e-9, "{}", rig.axis.set_position());
+    }
+    let mut rig = linear();
+    let (mut on_top, mut more) = (rig::on_top(20.0, 5.0, 100.0, 100.0), add(7.0));
+    for _ in 0..50 {
+        rig.cycle(|axis| on_top.call(true, axis));
+    }
+    assert_eq!(rig.axis.read_parameter(1105), Ok(20.0), "fAimPosition");
+    rig.until(|axis| {
+        let shown = more.call(true, axis);
+        on_top.call(true, axis);
+        shown.done
+    });
+    assert!((rig.axis.set_position() - 27.0).abs() < 1e-9);
+}
+
+/// Two blocks in one cycle, on an axis that has turned many times before: the second one adds to the first one's target.
+#[test]
+fn an_additive_move_adds_to_a_target_of_the_same_cycle() {
+    let mut rig = rotary();
+    let mut turns = Block::new(MoveRelative {
+        distance: 2_000.0,
+        velocity: 100.0,
+        acceleration: 100.0,
+        deceleration: 100.0,
+    });
+    rig.until(|axis| turns.call(true, axis).done);
+    let start = rig.axis.set_position();
+    let (mut first, mut more) = (to(start + 90.0), add(10.0));
+    let (mut way, mut before) = (0.0, start);
+    rig.until(|axis| {
+        first.call(true, axis);
+        let shown = more.call(true, axis);
+        let step = axis.set_position() - before;
+        way += step - 360.0 * (step / 360.0).round();
+        before = axis.set_position();
+        shown.done
+    });
+    assert!((way - 100.0).abs() < 1e-6, "{way}");
+}
+
+/// At 100 u/s, 340 u away on a turn of 360: forward it takes 3.9 s, back and round 2.673 s (the vector axis-direction).
+#[test]
+fn a_rotary_axis_that_moves_goes_the_way_it_is_told() {
+    use Direction::{Current, Fastest, Negative, Positive, Shortest};
+    for (direction, cycles) in
+        [(Positive, 390), (Current, 390), (Negative, 268), (Shortest, 268), (Fastest, 268)]
+    {
+        let mut rig = rotary();
+        let mut turning = endless(100.0);
+        for _ in 0..150 {
+            rig.cycle(|axis| turning.call(true, axis));
+        }
+        rig.axis.shift_zero(0.0, false).expect("a number");
+        let mut there = Block::new(MoveAbsolute {
+            position: 340.0,
+            velocity: 100.0,
+            acceleration: 100.0,
+            deceleration: 100.0,
+            direction,
+        });
+        let mut before = 100.0;
+        let count = rig.until(|axis| {
+            let shown = there.call(true, axis);
+            turning.call(true, axis);
+            assert!((axis.set_velocity() - before).abs() < 1.0 + 1e-9, "100 u/s²");
+            before = axis.set_velocity();
+            shown.done
+        });
+        assert_eq!(count, cycles, "{direction:?}");
+        assert!((rig.axis.set_position() - 340.0).abs() < 1e-9);
+    }
+}
+
+/// Execute falls and rises from cycle to cycle: the way to the target is as long as if it had been begun once, for one that
+/// takes least time from every state there is on the way.
+#[test]
+fn a_move_that_is_begun_anew_all_the_time_arrives_as_soon() {
+    for ramp in [RampType::Trapezoid, RampType::Parabolic] {
+        let count = |toggles: bool| {
+            let mut rig = Rig::new(AxisConfig { ramp, jerk: 1_000.0, ..AxisConfig::default() });
+            let (mut there, mut cycles) = (to(30.0), 0);
+            rig.until(|axis| {
+                cycles += 1;
+                there.call(!toggles || cycles % 2 == 1, axis);
+                axis.set_position() == 30.0 && axis.set_velocity() == 0.0
+            })
+        };
+        let [once, anew] = [false, true].map(count);
+        assert!(anew.abs_diff(once) <= 2, "{ramp:?}: {anew} instead of {once} cycles");
+    }
+}
+
+/// A table counts from the period in which the axis is, wherever it has turned to before, and goes over its end.
+#[test]
+fn a_table_of_positions_goes_over_the_end_of_the_period() {
+    let mut rig = rotary();
+    let mut turning = endless(100.0);
+    for _ in 0..1_000 {
+        rig.cycle(|axis| turning.call(true, axis));
+    }
+    let mut there = to(350.0);
+    rig.until(|axis| {
+        let shown = there.call(true, axis);
+        turning.call(true, axis);
+        shown.done
+    });
+    let point = ProfilePoint { delta_time: 2.0, value: 370.0 };
+    let mut table = Block::new(PositionProfile(Points::new(vec![point])));
+    let mut fastest = 0.0_f64;
+    rig.until(|axis| {
+        let shown = table.call(true, axis);
+        fastest = fastest.max(axis.set_velocity().abs());
+        shown.done
+    });
+    assert!((rig.axis.set_position() - 10.0).abs() < 1e-9, "{}", rig.axis.set_position());
+    // 20 u in 2 s by a cubic between rests: 3/2 of the mean velocity.
+    assert!((fastest - 15.0).abs() < 1e-9, "{fastest}");
 }
 
 #[test]

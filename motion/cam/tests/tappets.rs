@@ -227,6 +227,43 @@ fn dead_time_switches_so_much_earlier() {
     }
 }
 
+/// A master that jitters by less than the hysteresis passes nothing again that was looked for ahead of it, 10 u here; one
+/// that turns does, from where it has turned.
+#[test]
+fn jitter_within_the_hysteresis_passes_nothing_ahead_again() {
+    let counts = |place: f64, passage, hysteresis: f64, then: f64| {
+        let cam = vec![tappet(1, place, passage, Action::Invert)];
+        let input = RegisterInput { dead_time_s: 0.1, hysteresis, ..RegisterInput::default() };
+        let mut register = register(cam, input);
+        // By 1 u a cycle to 50, then back and forth by 0.5 u, then on.
+        let jitter = (0..40).map(|cycle| if cycle % 2 == 0 { 49.5 } else { 50.0 });
+        let way = (0..=50)
+            .map(f64::from)
+            .chain(jitter)
+            .chain((1..=20).map(|by| 50.0 + f64::from(by) * then));
+        let (mut count, mut shown, mut before) = (0, false, 0.0);
+        for (cycle, place) in (0..).zip(way) {
+            let velocity = if place == before { 0.0 } else { 100.0 * (place - before).signum() };
+            before = place;
+            register.step(place, velocity, cycle * CYCLE_NS);
+            let bit = register.bit(1).expect("group 1");
+            count += i32::from(bit != shown);
+            shown = bit;
+        }
+        count
+    };
+    for passage in [Passage::Every, Passage::Positive] {
+        assert_eq!(counts(55.0, passage, 1.0, 1.0), 1);
+        assert_eq!(counts(55.0, passage, 1.0, -1.0), 1);
+    }
+    assert_eq!(counts(55.0, Passage::Negative, 1.0, -1.0), 0);
+    // It has been to 50, so that it passes 49.8 when it has turned, and 45 with it.
+    assert_eq!(counts(49.8, Passage::Negative, 1.0, -1.0), 1);
+    assert_eq!(counts(45.0, Passage::Every, 1.0, -1.0), 2);
+    // Without a hysteresis every step is a turn.
+    assert!(counts(55.0, Passage::Every, 0.0, 1.0) > 10);
+}
+
 /// Positions and velocities of a master that brakes with 2000 u/s² from 100 u/s, 2.5 u on, stands, and goes on or back.
 fn braking(then: f64) -> Vec<(f64, f64)> {
     let at = |cycle: i32| {

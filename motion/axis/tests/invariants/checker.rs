@@ -20,12 +20,16 @@ struct Tally {
 pub(super) enum Promise {
     /// The block's own limits, once it has come back to them.
     Limits(Limits),
-    /// That position, velocity and acceleration belong together.
-    Smooth,
-    /// The same, and on axes with limited jerk so much of it, u/s³.
-    Jerk(f64),
-    /// As that, where the slave steps with the master's zero.
-    OnMaster(f64),
+    /// That position and velocity belong together, with so much acceleration, u/s².
+    Smooth(f64),
+    /// The same, and on axes with limited jerk so much of it, u/s³; whether the slave steps with the master's zero.
+    OnCam {
+        /// u/s².
+        rate: f64,
+        /// u/s³.
+        jerk: f64,
+        steps: bool,
+    },
     /// Nothing: the drive moves itself.
     Nothing,
 }
@@ -66,6 +70,8 @@ pub(super) struct Checker {
     /// What was on top of the motion in the last set-point.
     overlay: State,
     tallies: Vec<Tally>,
+    /// Who has commanded the axis in this cycle, below and on top, and as which owner.
+    commanders: [Option<(String, i64)>; 2],
 }
 
 impl Checker {
@@ -76,6 +82,43 @@ impl Checker {
             motion: [axis.to_drive(axis.set_position()), 0.0, 0.0],
             overlay: State::default(),
             tallies: vec![Tally::default(); blocks],
+            commanders: [None, None],
+        }
+    }
+
+    /// After a call of a block that moves the axis in this layer, 0 below and 1 on top: only who has the axis, or has just
+    /// given it back, has commanded it, and once. Who takes it commands it anew, after who had it before. `before` is who
+    /// had it before the call, in this layer, and how many had it by then.
+    pub(super) fn commanded(
+        &mut self,
+        name: &str,
+        layer: usize,
+        axis: &Axis,
+        before: [i64; 2],
+        mine: i64,
+    ) -> Result<(), String> {
+        let count = axis.commands[layer];
+        if axis.commands[1 - layer] > 0 || count > 1 {
+            return Err(format!("{name} commands the axis {:?} times in a call", axis.commands));
+        }
+        if count == 0 {
+            return Ok(());
+        }
+        let [was_owned, owners] = before;
+        let owner = match [axis.owner(), axis.overlay_owner][layer] {
+            // It has taken it and given it back at once, or has given it back only.
+            0 if axis.values.owners != owners => axis.values.owners,
+            0 => was_owned,
+            owner if owner == mine => owner,
+            owner => return Err(format!("{name} commands an axis of {owner}")),
+        };
+        if owner == 0 {
+            return Err(format!("{name} commands an axis of nobody"));
+        }
+        let before = self.commanders[layer].replace((name.to_owned(), owner));
+        match before.filter(|(_, before)| *before == owner) {
+            Some((before, _)) => Err(format!("{before} and {name} both command the axis")),
+            None => Ok(()),
         }
     }
 
@@ -178,6 +221,7 @@ impl Checker {
         on_top: &Limits,
         followed: f64,
     ) -> Result<(), String> {
+        self.commanders = [None, None];
         // Owners: those who think they move it are the one that does.
         let claims = owners.iter().filter(|owner| axis.owner() == **owner && **owner != 0).count();
         if claims > 1 || (axis.owner() != 0) != (claims == 1) {
@@ -220,7 +264,6 @@ impl Checker {
         let way = axis.period().map_or(way, |period| way - period * (way / period).round());
         let off = (way - 0.5 * (velocity + v0) * CYCLE).abs();
         let change = (velocity - v0).abs();
-        let steepest = acceleration.abs().max(a0.abs());
         if !axis.is_powered() || promise == Promise::Nothing {
             return Ok(());
         }
@@ -230,16 +273,23 @@ impl Checker {
         } else {
             0.0
         };
+        let rate = match promise {
+            Promise::Smooth(rate) | Promise::OnCam { rate, .. } => rate,
+            Promise::Limits(_) | Promise::Nothing => 0.0,
+        };
         let Promise::Limits(limits) = promise else {
-            // What the accelerations at both ends allow, and half as much for what was between them.
-            let steepest = steepest.max(STEEPEST) + on_top + followed;
+            // What the block may ask for, and half as much for what the master's cycles round.
+            let steepest = rate + on_top + followed;
             if off > 0.75 * steepest * CYCLE * CYCLE + 1e-9 {
                 return Err(format!("a way of {way} with {velocity} after {v0} u/s"));
             }
             if change > 1.5 * steepest * CYCLE + 1e-9 {
                 return Err(format!("{velocity} after {v0} u/s with {acceleration} after {a0}"));
             }
-            if let Promise::Jerk(jerk) | Promise::OnMaster(jerk) = promise
+            if axis.base.acceleration.abs() > rate * (1.0 + 1e-9) + followed + 1e-6 {
+                return Err(format!("{acceleration} u/s², allowed {rate} u/s²"));
+            }
+            if let Promise::OnCam { jerk, .. } = promise
                 && limited
             {
                 let from = axis.saved_base.acceleration;

@@ -1,210 +1,155 @@
-//! What slaves promise beside their states, and what is switched along the way.
+//! Slaves: gears and cams behind a master, and what is switched along their way.
 
-use super::called::{Called, Moving};
-use super::checker::Promise;
+use super::alone::{rate, speed, way};
+use super::called::{Begun, Called, limited, moving, own};
+use super::checker::{Limits, Promise};
+use super::in_pos::InPos;
+use super::on_cam::{self, Cams, OnCam};
 use super::random::Random;
-use super::{CYCLE, JERK};
-use crate::axis::profile::RampType;
+use super::{CYCLE, JERK, STEEPEST};
 use crate::axis::{
-    Axis, CamIn, CamSwitch, DigitalCamSwitch, GearInPos, Master, Outputs, SwitchDirection, Track,
+    Axis, CamIn, CamSwitch, Decouple, DigitalCamSwitch, GearIn, GearInPos, Phasing,
+    SwitchDirection, Track,
 };
-use crate::cam::{Action, Passage, Tappet, TappetValue};
-use std::any::type_name;
+use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
+use std::sync::Arc;
 
 /// Output 2 is output 0 so much later.
 pub(super) const DELAY_CYCLES: usize = 10;
 
-/// Output 0 between 10 and 30 u, output 1 masked, output 2 as output 0 but later.
+/// Of the outputs that count in one direction, u.
+pub(super) const HYSTERESIS: f64 = 1.0;
+
+/// Output 0 between 10 and 30 u, output 1 masked, output 2 as output 0 but later; outputs 3 and 4 the same each in one
+/// direction, with a hysteresis.
 pub(super) fn switches() -> DigitalCamSwitch {
-    let direction = SwitchDirection::Both;
-    let [first_on, last_on] = [10.0, 30.0];
-    let switch = |track| CamSwitch { track, first_on, last_on, direction, duration: None };
+    switches_to(30.0)
+}
+
+/// The same to another place.
+pub(super) fn switches_to(last_on: f64) -> DigitalCamSwitch {
+    use SwitchDirection::{Both, Negative, Positive};
+    let directions = [Both, Both, Both, Positive, Negative];
+    let switch = |(track, direction)| CamSwitch {
+        track,
+        first_on: 10.0,
+        last_on,
+        direction,
+        duration: None,
+    };
     let mut tracks = [Track::default(); 32];
     // Half a cycle less, so that no rounding moves it into the next one.
     let later = 9.5 * CYCLE;
     (tracks[2].on_compensation, tracks[2].off_compensation) = (later, later);
-    let mut block = DigitalCamSwitch::new(&[1, 2, 3].map(switch), tracks);
+    (tracks[3].hysteresis, tracks[4].hysteresis) = (HYSTERESIS, HYSTERESIS);
+    let switches: Vec<_> = (1..).zip(directions).map(switch).collect();
+    let mut block = DigitalCamSwitch::new(&switches, tracks);
     block.enable_mask = !0b10;
     block
 }
 
-/// [`CYCLE`], ns.
-const CYCLE_NS: i64 = 10_000_000;
+/// Behind a master that does at most 10 u/s and 60 u/s², with half the jerk.
+pub(super) fn all() -> Vec<Box<dyn Called>> {
+    vec![
+        limited(
+            |it: &GearIn, begun| {
+                let ratio = f64::from(it.ratio_numerator) / f64::from(it.ratio_denominator);
+                let (fastest, steepest) = (10.0 * ratio.abs(), 60.0 * ratio.abs());
+                // In gear it does what the master does, in whatever direction.
+                let rate = |own: f64| {
+                    if begun.done {
+                        it.acceleration.max(it.deceleration).max(steepest)
+                    } else {
+                        own
+                    }
+                };
+                own(fastest, rate(it.acceleration), rate(it.deceleration))
+            },
+            |random, _, _| GearIn {
+                ratio_numerator: random.one_of(&[-3, -2, -1, 0, 1, 2, 3]),
+                ratio_denominator: random.one_of(&[2, 2, 3, 5, 0]),
+                acceleration: rate(random),
+                deceleration: rate(random),
+            },
+        ),
+        limited(
+            |it: &Phasing, _| {
+                // What falls in the shift may grow in the sum.
+                let rate = it.acceleration.max(it.deceleration) + 60.0;
+                let velocity = it.velocity + 10.0;
+                let jerk = 1.5 * JERK;
+                Promise::Limits(Limits { velocity, acceleration: rate, deceleration: rate, jerk })
+            },
+            |random, _, _| Phasing {
+                phase_shift: way(random),
+                velocity: random.between(0.1, 5.0),
+                acceleration: rate(random).min(100.0),
+                deceleration: rate(random).min(100.0),
+            },
+        ),
+        Box::new(InPos::new(moving(|_, _| Promise::Nothing, gear, |_, _, _, _| ()))),
+        Box::new(OnCam::new(moving(on_cam, |random, _, _| cam_in(random), |_, _, _, _| ()))),
+        // One more, so that cams are switched between.
+        Box::new(OnCam::new(moving(on_cam, |random, _, _| cam_in(random), |_, _, _, _| ()))),
+        // On with whatever velocity there was; an acceleration takes its time.
+        limited(|_, begun| own(begun.from.velocity.abs(), STEEPEST, STEEPEST), |_, _, _| Decouple),
+    ]
+}
 
-/// How long a pulse of a tappet is from its passage to its end, ns.
-const PULSE_NS: i64 = 50_000_000;
+/// A gear with a place, ahead of the master.
+pub(super) fn gear(random: &mut Random, axis: &Axis, master: &Axis) -> GearInPos {
+    let sign = if master.set_velocity() < 0.0 { -1.0 } else { 1.0 };
+    GearInPos {
+        ratio_numerator: random.one_of(&[-3, -1, 1, 2, 3]),
+        ratio_denominator: random.one_of(&[1, 2, 5, 0]),
+        master_sync_position: master.set_position() + sign * random.between(2.0, 30.0),
+        slave_sync_position: axis.set_position() + way(random),
+        master_start_distance: random.one_of(&[0.0, 5.0, 20.0]),
+    }
+}
 
-/// Of group 1 pulses, of group 2 everything else.
-pub(super) fn tappets(random: &mut Random) -> Vec<Tappet> {
-    let timed = Action::Timed { delay_ns: 20_000_000, duration_ns: PULSE_NS - 20_000_000 };
-    let tappet = |random: &mut Random, group, action| Tappet {
-        group,
-        master: random.between(0.0, 90.0),
-        passage: random.one_of(&[Passage::Positive, Passage::Negative, Passage::Every]),
-        action,
+/// The cam itself has at most 0.94·1500 u/s³ of the master's jerk, 3·0.072·15·90 of its velocity and acceleration and
+/// 0.019·15³ of its velocity alone, 1762 u/s³ together; the ramp onto it has the axis's beside that. Of accelerations it
+/// has 0.94·90 of the master's and 0.072·15² of its velocity, 101 u/s²; beside that there are the ramp's, and first what
+/// the slave has beside the cam when it begins.
+pub(super) fn on_cam<M: Cams>(it: &M, begun: &Begun) -> Promise {
+    const OF_CAM: f64 = 101.0;
+    let CamIn { table, input } = it.cam_in();
+    let ramp = input.acceleration.max(input.deceleration);
+    let rate = OF_CAM + ramp.max(begun.from.acceleration.abs() + OF_CAM);
+    let steps = table.as_ref().is_some_and(|table| table.master_absolute);
+    Promise::OnCam { rate, jerk: JERK + 1762.0, steps }
+}
+
+pub(super) fn cam_in(random: &mut Random) -> CamIn {
+    CamIn { table: cam(random), input: cam_input(random) }
+}
+
+fn cam(random: &mut Random) -> Option<CamTable> {
+    let knots =
+        vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(40.0, way(random)), Knot::at_rest(90.0, 0.0)];
+    let cam = Cam::new("cam", Shape::Polynomial(knots), on_cam::tappets(random)).unwrap();
+    let table = CamTable {
+        periodic: random.one_in(2),
+        master_absolute: random.one_in(2),
+        slave_absolute: random.one_in(2),
+        ..CamTable::new(Arc::new(cam))
     };
-    let other = random.one_of(&[Action::On, Action::Off, Action::Invert]);
-    vec![tappet(random, 1, timed), tappet(random, 1, timed), tappet(random, 2, other)]
+    (!random.one_in(20)).then_some(table)
 }
 
-/// A cam with what its tappets switch.
-pub(super) struct OnCam {
-    pub(super) moving: Moving<CamIn>,
-    value: TappetValue,
-    /// When a pulse was begun last.
-    begun_ns: i64,
-    /// Who ramps onto the cam, and how much faster than that it is.
-    ramp: Option<(i64, f64, f64)>,
-}
-
-impl OnCam {
-    pub(super) fn new(moving: Moving<CamIn>) -> Self {
-        Self { moving, value: TappetValue::new(1, false, false), begun_ns: 0, ramp: None }
-    }
-
-    /// Tappets act in the cycle that tells of them, and no pulse hangs.
-    fn see_tappets(&mut self, axis: &Axis) -> Result<(), String> {
-        let Some(run) = self.moving.block.running() else { return Ok(()) };
-        let data = &run.coupling().output().tappets;
-        let now = axis.now_ns();
-        if data.now_ns != now {
-            return Err(format!("tappets of {} at {now}", data.now_ns));
-        }
-        let mut before = i64::MIN;
-        for trigger in data.triggers() {
-            let time = trigger.time_ns;
-            if time < before || time > now || time < now - CYCLE_NS - 1 {
-                return Err(format!("{trigger:?} at {now}, after {before}"));
-            }
-            before = time;
-            if trigger.group == 1 {
-                self.begun_ns = time;
-            }
-        }
-        let on = self.value.step(data);
-        // A pulse is shown for a cycle at least, and one that ended while nobody looked until somebody does.
-        if on && now > self.begun_ns + PULSE_NS + 2 * CYCLE_NS {
-            return Err(format!("a pulse of {} is still there at {now}", self.begun_ns));
-        }
-        Ok(())
-    }
-
-    /// On the cam it moves as the cam does (manual 4.6.1: scaling · y(x)), beside it no faster than the ramp may.
-    fn see_motion(&mut self, axis: &Axis, master: &Axis) -> Result<(), String> {
-        /// Of a rise of 20 u over 40 u between rests: 15/8 and 10/√3 of what a straight line has.
-        const STEEPEST: [f64; 2] = [0.9375, 0.072_169];
-        let before = self.ramp.take();
-        let owner = self.moving.owner();
-        let Some(run) = self.moving.block.running().filter(|_| owner == axis.owner()) else {
-            return Ok(());
-        };
-        let (coupling, input) = (run.coupling(), &self.moving.taken.input);
-        let Master { velocity, acceleration, .. } = Master::of(master);
-        let (scaling, of_master) = (input.slave_scaling, input.master_scaling);
-        let (v, a) = (velocity * of_master, acceleration * of_master);
-        let curve = coupling.table().cam.curve();
-        let x = coupling.place();
-        let at = if coupling.table().periodic { curve.repeated(x) } else { curve.at(x) };
-        let expected = scaling * at.velocity * v;
-        let bent = scaling * (at.acceleration * v * v + at.velocity * a);
-        let [steep, curved] = STEEPEST;
-        if expected.abs() > scaling.abs() * steep * v.abs() + 1e-9
-            || bent.abs() > scaling.abs() * (curved * v * v + steep * a.abs()) + 1e-9
-        {
-            return Err(format!("a cam of {expected} u/s and {bent} u/s² under {v} and {a}"));
-        }
-        let (faster, more) = (axis.base.velocity - expected, axis.base.acceleration - bent);
-        if run.is_in_sync() {
-            return if faster.abs() > 1e-6 || more.abs() > 1e-4 {
-                Err(format!("in step, but {faster} u/s and {more} u/s² beside the cam"))
-            } else {
-                Ok(())
-            };
-        }
-        let limited = axis.ramp() != RampType::Trapezoid;
-        if let Some((_, last, rate)) = before.filter(|(who, ..)| *who == owner) {
-            let settling = if limited { 0.5 * rate * rate / JERK } else { 0.0 };
-            let most = input.velocity_difference.max(last.abs() + settling);
-            if faster.abs() > most * (1.0 + 1e-9) + 1e-6 {
-                return Err(format!("{faster} u/s beside the cam after {last}, allowed {most}"));
-            }
-        }
-        self.ramp = Some((owner, faster, more));
-        Ok(())
-    }
-}
-
-impl Called for OnCam {
-    fn call(
-        &mut self,
-        execute: bool,
-        random: &mut Random,
-        axis: &mut Axis,
-        master: &Axis,
-    ) -> Outputs {
-        self.moving.call(execute, random, axis, master)
-    }
-
-    fn watch(&mut self, _: Outputs, axis: &Axis, master: &Axis) -> Result<(), String> {
-        self.see_tappets(axis)?;
-        self.see_motion(axis, master)
-    }
-
-    fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis) {
-        self.moving.change(random, axis, master);
-    }
-
-    fn name(&self) -> &'static str {
-        type_name::<CamIn>()
-    }
-
-    fn owner(&self) -> i64 {
-        self.moving.owner()
-    }
-
-    fn promise(&self) -> Promise {
-        self.moving.promise()
-    }
-}
-
-/// A gear with a place to be in step at: from there on it is as fast as its ratio says.
-pub(super) struct InPos(pub(super) Moving<GearInPos>);
-
-impl Called for InPos {
-    fn call(
-        &mut self,
-        execute: bool,
-        random: &mut Random,
-        axis: &mut Axis,
-        master: &Axis,
-    ) -> Outputs {
-        self.0.call(execute, random, axis, master)
-    }
-
-    fn watch(&mut self, shown: Outputs, axis: &Axis, master: &Axis) -> Result<(), String> {
-        let GearInPos { ratio_numerator, ratio_denominator, .. } = self.0.taken;
-        let ratio = f64::from(ratio_numerator) / f64::from(ratio_denominator);
-        let expected = ratio * Master::of(master).velocity;
-        let faster = axis.base.velocity - expected;
-        if shown.done && shown.busy && faster.abs() > 1e-6 {
-            return Err(format!("in step, but {faster} u/s beside {expected}"));
-        }
-        Ok(())
-    }
-
-    fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis) {
-        self.0.change(random, axis, master);
-    }
-
-    fn name(&self) -> &'static str {
-        type_name::<GearInPos>()
-    }
-
-    fn owner(&self) -> i64 {
-        self.0.owner()
-    }
-
-    fn promise(&self) -> Promise {
-        self.0.promise()
+fn cam_input(random: &mut Random) -> CamInput {
+    // The other two are allowed to jump.
+    let modes = [StartMode::RampIn, StartMode::RampInPositive, StartMode::RampInNegative];
+    CamInput {
+        master_scaling: random.between(0.5, 1.5),
+        slave_offset: way(random),
+        slave_scaling: random.between(-1.0, 1.0),
+        start_mode: random.one_of(&modes),
+        velocity_difference: speed(random),
+        acceleration: rate(random),
+        deceleration: rate(random),
+        tappet_hysteresis: random.one_of(&[0.0, 2.0]),
+        ..CamInput::default()
     }
 }

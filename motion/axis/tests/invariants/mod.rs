@@ -1,21 +1,30 @@
 //! Random sequences of blocks keep what always has to hold: one owner, legal states, limits, continuous motion, and
 //! every beginning of a block coming to exactly one end.
 
+mod alone;
 mod called;
 mod checker;
 mod coupled;
+mod direct;
+mod faults;
+mod homed;
+mod in_pos;
+mod lead;
 mod legal;
+mod on_cam;
+mod others;
 mod planted;
 mod random;
+mod tables;
 
 use super::rig::CYCLE;
 use crate::axis::profile::RampType;
 use crate::axis::{
-    Axis, AxisConfig, AxisState, Block, DigitalCamSwitch, Direction, Halt, MoveAbsolute,
-    MoveVelocity, Movement, Outputs, Power, Reset, VirtualDrive,
+    Axis, AxisConfig, AxisState, DigitalCamSwitch, Movement, Outputs, Power, Reset, VirtualDrive,
 };
 use called::Called;
 use checker::{Checker, Limits, Promise};
+use lead::Lead;
 use random::Random;
 use std::fmt::Write as _;
 
@@ -31,53 +40,6 @@ struct Seen {
     done: u32,
     aborted: u32,
     failed: u32,
-}
-
-/// An axis that is led about, for others to follow: at most 10 u/s and 60 u/s².
-struct Lead {
-    axis: Axis,
-    drive: VirtualDrive,
-    to: Block<MoveAbsolute>,
-    on: Block<MoveVelocity>,
-    halt: Block<Halt>,
-    which: usize,
-}
-
-impl Lead {
-    fn new(config: AxisConfig) -> Self {
-        let (velocity, acceleration, deceleration) = (10.0, 60.0, 60.0);
-        let (position, direction) = (30.0, Direction::Positive);
-        let to = MoveAbsolute { position, velocity, acceleration, deceleration, direction };
-        let on = MoveVelocity { velocity, acceleration, deceleration, direction };
-        Self {
-            axis: Axis::new(AxisConfig { jerk: 0.5 * JERK, ..config }),
-            drive: VirtualDrive::new(0.0),
-            to: Block::new(to),
-            on: Block::new(on),
-            halt: Block::new(Halt { deceleration }),
-            which: 0,
-        }
-    }
-
-    fn cycle(&mut self, random: &mut Random) {
-        let changes = random.one_in(150);
-        if changes {
-            self.which = random.one_of(&[0, 1, 1, 2]);
-            self.to.inputs.position = random.between(0.0, 90.0);
-            self.to.inputs.direction = random.direction();
-            self.on.inputs.velocity = random.between(0.0, 10.0);
-            self.on.inputs.direction = random.one_of(&[Direction::Positive, Direction::Negative]);
-        }
-        self.axis.begin_cycle(&self.drive.feedback());
-        let powered = POWER.call(true, &mut self.axis).status;
-        let mut execute = [false; 3];
-        execute[self.which] = powered && !changes;
-        // Old ones are called until they say so; the new one begins the cycle after.
-        self.to.call(execute[0], &mut self.axis);
-        self.on.call(execute[1], &mut self.axis);
-        self.halt.call(execute[2], &mut self.axis);
-        self.drive.follow(&self.axis.end_cycle());
-    }
 }
 
 const POWER: Power = Power { regulator_on: true, drive_start: true };
@@ -203,7 +165,7 @@ impl Run {
         let steps = was_moving.map(|index| self.blocks[index].promise());
         if self.around == Around::Everything
             && self.random.one_in(300)
-            && !matches!(steps, Some(Promise::OnMaster(_)))
+            && !matches!(steps, Some(Promise::OnCam { steps: true, .. }))
         {
             let place = self.random.between(0.0, 90.0);
             self.lead.axis.shift_zero(place, false).expect("a number");
@@ -259,6 +221,8 @@ impl Run {
             let execute = self.execute[index];
             let block = &mut self.blocks[index];
             let owners = self.axis.values.owners;
+            let was_owned = [self.axis.owner(), self.axis.overlay_owner];
+            self.axis.commands = [0; 2];
             let mut shown = block.call(execute, random, &mut self.axis, &self.lead.axis);
             block
                 .watch(shown, &self.axis, &self.lead.axis)
@@ -269,6 +233,15 @@ impl Run {
             self.calls += 1;
             spoil(self.calls, &mut self.axis, &mut shown);
             let (owner, name) = (self.axis.owner(), block.name());
+            if block.moves() {
+                let layer = usize::from(block.on_top().is_some());
+                let has = [owner, self.axis.overlay_owner][layer];
+                if shown.busy && (has == 0 || block.owner() != has) {
+                    return Err(format!("{name}: is busy and does not have the axis"));
+                }
+                let before = [was_owned[layer], owners];
+                checker.commanded(name, layer, &self.axis, before, block.owner())?;
+            }
             let mover = self.blocks.iter().find(|it| owner != 0 && it.owner() == owner);
             checker.called(&mut self.axis, (name, execute), mover.map(|it| it.name()))?;
             let block = &self.blocks[index];
@@ -278,10 +251,6 @@ impl Run {
             let before = checker.before(index);
             let checked = checker.block(index, (name, execute && !was), shown);
             checked.map_err(|what| format!("{}: {what}", block.name()))?;
-            let (mine, axis) = (block.owner(), &self.axis);
-            if shown.busy && mine != 0 && ![axis.owner(), axis.overlay_owner].contains(&mine) {
-                return Err(format!("{name}: is busy and does not have the axis"));
-            }
             let seen = &mut self.seen[index];
             seen.done += u32::from(shown.done && !before.done);
             seen.aborted += u32::from(shown.command_aborted && !before.command_aborted);
@@ -300,6 +269,16 @@ impl Run {
         }
         if shown[1] {
             return Err("a masked output is on".to_owned());
+        }
+        // Every direction is one of both; how far the other one lasts is the hysteresis.
+        let beside = (10.0 - place).max(place - 30.0);
+        let both = [shown[3], shown[4]].iter().filter(|it| **it).count();
+        if demand
+            && (both > 1
+                || (beside <= 0.0 && both == 0)
+                || (beside > coupled::HYSTERESIS && both > 0))
+        {
+            return Err(format!("{both} of outputs 3 and 4 are on at {place}"));
         }
         self.switched.push(shown[0]);
         // Where the zero moves and the power goes, nobody has passed what is delayed.
@@ -437,119 +416,4 @@ fn random_blocks_of_all_kinds_keep_what_has_to_hold() {
         }
     }
     assert!(broken.is_empty(), "{broken}");
-}
-
-#[test]
-fn the_checker_sees_what_is_broken() {
-    type Spoil = fn(u32, &mut Axis, &mut Outputs);
-    let spoils: [(&str, &str, Spoil); 11] = [
-        ("swallowed done", "has no end", |_, _, shown| shown.done = false),
-        ("swallowed abort", "has no end", |_, _, shown| shown.command_aborted = false),
-        ("busy", "has no end", |call, _, shown| {
-            shown.busy |= call > 5_000 && shown.command_aborted;
-            shown.command_aborted &= call <= 5_000;
-        }),
-        ("position", "a way of ", |call, axis, _| {
-            if call > 5_000 {
-                axis.base.position += 0.05;
-            }
-        }),
-        ("velocity", "a way of ", |call, axis, _| {
-            if call == 5_000 {
-                axis.base.velocity += 5.0;
-                axis.show_set_values();
-            }
-        }),
-        ("limit", "allowed Limits", |call, axis, _| {
-            if call > 5_000 {
-                axis.base.velocity = 31.0;
-            }
-        }),
-        ("acceleration", "allowed Limits", |call, axis, _| {
-            if call > 5_000 {
-                axis.base.acceleration = 401.0;
-            }
-        }),
-        ("owner", "0 blocks own 77777", |call, axis, _| {
-            if call > 5_000 {
-                axis.values.owner = 77_777;
-            }
-        }),
-        ("state", "a stop that is held", |call, axis, _| {
-            if call > 5_000 && axis.owner() == 0 {
-                axis.values.owner = 0;
-                axis.enter(AxisState::Homing);
-            }
-        }),
-        ("done twice", "ends twice", |call, _, shown| {
-            shown.done |= call % 3_001 == 0;
-        }),
-        ("two at once", "a stop is aborted", |_, _, shown| {
-            shown.command_aborted |= shown.done;
-        }),
-    ];
-    for (what, words, spoil) in spoils {
-        let found = (0..8).any(|seed| {
-            Run::new(seed, KINDS[0], called::single(), Around::Forgotten)
-                .calls(50_000, spoil)
-                .is_err_and(|told| told.contains(words))
-        });
-        assert!(found, "nobody sees a wrong {what}");
-    }
-}
-
-/// What is planted is found, and as what it is.
-#[test]
-fn the_checker_sees_illegal_states() {
-    type Blocks = fn() -> Vec<Box<dyn Called>>;
-    type Spoil = fn(u32, &mut Axis, &mut Outputs);
-    let nothing: Spoil = |_, _, _| ();
-    let step: Spoil = |call, axis, _| {
-        if call > 5_000 && axis.state() == AxisState::DiscreteMotion {
-            axis.enter(AxisState::Homing);
-            axis.enter(AxisState::DiscreteMotion);
-        }
-    };
-    let silent: Spoil = |call, axis, _| {
-        if call > 5_000 && axis.state() == AxisState::DiscreteMotion {
-            axis.state = AxisState::ContinuousMotion;
-        }
-    };
-    let lets_go: Spoil = |call, axis, _| {
-        if call > 5_000 && axis.state() == AxisState::Stopping {
-            axis.release(axis.owner());
-        }
-    };
-    let aborted: Spoil = |_, axis, shown| {
-        shown.command_aborted |= axis.state() == AxisState::Stopping && shown.done;
-        shown.done &= !shown.command_aborted;
-    };
-    let rude: Blocks = || with(planted::rude());
-    let mislabelled: Blocks = || with(planted::mislabelled());
-    let plain: Blocks = called::single;
-    for (what, blocks, spoil, expected) in [
-        ("step", plain, step, "illegal: DiscreteMotion to Homing"),
-        ("state", plain, silent, "by itself"),
-        ("end of a stop", plain, lets_go, "takes the axis from a stop that is held"),
-        ("abort", plain, aborted, "a stop is aborted"),
-        ("move while stopping", rude, nothing, "illegal: Stopping to DiscreteMotion"),
-        ("move of velocity", mislabelled, nothing, "MoveVelocity moves it in DiscreteMotion"),
-    ] {
-        let found: Vec<_> = (0..8)
-            .filter_map(|seed| {
-                Run::new(seed, KINDS[0], blocks(), Around::Forgotten).calls(50_000, spoil).err()
-            })
-            .collect();
-        assert!(
-            found.iter().any(|it| it.contains(expected)),
-            "nobody sees a wrong {what}: {found:?}"
-        );
-    }
-}
-
-/// Moves of the axis alone, and one that is not as it should be.
-fn with(planted: Box<dyn Called>) -> Vec<Box<dyn Called>> {
-    let mut blocks = called::single();
-    blocks.insert(0, planted);
-    blocks
 }

@@ -1,0 +1,142 @@
+//! Set-points from the program: a walk for those that are not watched, jumps for those that are.
+
+use super::alone::{rate, way};
+use super::called::{Begun, Called, Moving, any, moving};
+use super::checker::{Limits, Promise};
+use super::random::Random;
+use super::{CYCLE, FASTEST, STEEPEST};
+use crate::axis::profile::State;
+use crate::axis::{Axis, ControlAxisBy, Follow, Motion, Outputs};
+use std::any::type_name;
+
+/// A block that takes set-points as they are.
+pub(super) trait Direct: Motion<With = ()> + Clone {
+    fn given(&mut self) -> &mut Follow;
+}
+
+impl Direct for Follow {
+    fn given(&mut self) -> &mut Follow {
+        self
+    }
+}
+
+/// Set-points that are not watched: the axis has each of them in its cycle, whatever it is.
+pub(super) struct Walking<M: Direct>(Moving<M>);
+
+impl<M: Direct> Walking<M> {
+    pub(super) fn new(inputs: fn(&mut Random, &Axis, &Axis) -> M) -> Self {
+        Self(moving(walked, inputs, walk))
+    }
+}
+
+/// The walk's steps; faster ones first come back to the velocities of the walk at once.
+fn walked<M>(_: &M, begun: &Begun) -> Promise {
+    let too_fast = (begun.from.velocity.abs() - 0.5 * FASTEST).max(0.0);
+    let back = if begun.cycles == 0 { too_fast / CYCLE } else { 0.0 };
+    Promise::Smooth(STEEPEST.max(back))
+}
+
+fn walk<M: Direct>(it: &mut M, random: &mut Random, axis: &Axis, last: State) {
+    let it = it.given();
+    let change = random.between(-STEEPEST, STEEPEST) * axis.cycle();
+    let velocity = (last.velocity + change).clamp(-0.5 * FASTEST, 0.5 * FASTEST);
+    let mean = 0.5 * (last.velocity + velocity);
+    let after = |velocity: f64| axis.in_program(last.position + velocity * axis.cycle());
+    *it = match *it {
+        Follow::Position(_) => Follow::Position(after(velocity)),
+        Follow::Velocity(_) => Follow::Velocity(velocity),
+        Follow::PositionVelocity(..) => Follow::PositionVelocity(after(mean), velocity),
+    };
+}
+
+pub(super) fn kind(random: &mut Random) -> Follow {
+    let kinds = [Follow::Position(0.0), Follow::Velocity(0.0), Follow::PositionVelocity(0.0, 0.0)];
+    random.one_of(&kinds)
+}
+
+impl<M: Direct> Called for Walking<M> {
+    fn call(
+        &mut self,
+        execute: bool,
+        random: &mut Random,
+        axis: &mut Axis,
+        master: &Axis,
+    ) -> Outputs {
+        self.0.call(execute, random, axis, master)
+    }
+
+    fn watch(&mut self, shown: Outputs, axis: &Axis, _: &Axis) -> Result<(), String> {
+        if !shown.busy {
+            return Ok(());
+        }
+        let (before, now) = (axis.saved_base, axis.base);
+        let mean = 0.5 * (before.velocity + now.velocity);
+        let given = *self.0.block.inputs.given();
+        let (place, velocity) = match given {
+            Follow::Position(place) => (place, (now.position - before.position) / CYCLE),
+            Follow::Velocity(velocity) => {
+                (axis.in_program(before.position + mean * CYCLE), velocity)
+            }
+            Follow::PositionVelocity(place, velocity) => (place, velocity),
+        };
+        let off = axis.in_program(now.position) - axis.in_program(axis.to_drive(place));
+        let off = axis.period().map_or(off, |period| off - period * (off / period).round());
+        let gained = (velocity - before.velocity) / CYCLE;
+        if off.abs() > 1e-9
+            || (now.velocity - velocity).abs() > 1e-9
+            || (now.acceleration - gained).abs() > 1e-6
+        {
+            return Err(format!("{now:?} after {before:?} is not the set-point {given:?}"));
+        }
+        Ok(())
+    }
+
+    fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis) {
+        self.0.change(random, axis, master);
+    }
+
+    fn name(&self) -> &'static str {
+        type_name::<M>()
+    }
+
+    fn owner(&self) -> i64 {
+        self.0.owner()
+    }
+
+    fn promise(&self) -> Promise {
+        self.0.promise()
+    }
+}
+
+pub(super) fn all() -> Vec<Box<dyn Called>> {
+    vec![
+        Box::new(Walking::new(|random, _, _| kind(random))),
+        any(
+            // Set-points of the program have no jerk.
+            |_, _| {
+                let limits = Limits::new(FASTEST, STEEPEST, STEEPEST);
+                Promise::Limits(Limits { jerk: f64::INFINITY, ..limits })
+            },
+            |random, _, _| ControlAxisBy {
+                setpoint: kind(random),
+                avoid_gaps: true,
+                gap_velocity: random.between(-1.0, 0.5 * FASTEST),
+                gap_acceleration: rate(random),
+                gap_deceleration: rate(random),
+            },
+            |it, random, _, _| {
+                if !random.one_in(50) {
+                    return;
+                }
+                let position = random.between(0.0, 90.0);
+                it.setpoint = match it.setpoint {
+                    // What is not too fast is no jump (manual 2.2.5), and no promise.
+                    Follow::Position(last) if (position - last).abs() < FASTEST * CYCLE => return,
+                    Follow::Position(_) => Follow::Position(position),
+                    Follow::Velocity(_) => Follow::Velocity(0.5 * way(random)),
+                    Follow::PositionVelocity(..) => Follow::PositionVelocity(position, 0.0),
+                };
+            },
+        ),
+    ]
+}

@@ -1,0 +1,193 @@
+//! What a gear keeps that is in step from a place on, and on the way there.
+
+use super::called::{Called, Moving, own};
+use super::checker::Promise;
+use super::random::Random;
+use crate::axis::profile::{RampType, State};
+use crate::axis::{Axis, GearInPos, GearInPosRun, Master, Motion, Outputs, fmod};
+use std::any::type_name;
+
+/// A block that couples as a gear with a place does.
+pub(super) trait Couples: Motion<With = Master, Run = GearInPosRun> + Clone {
+    fn gear(&self) -> &GearInPos;
+}
+
+impl Couples for GearInPos {
+    fn gear(&self) -> &GearInPos {
+        self
+    }
+}
+
+/// A gear with a place to be in step at: to there it goes along its polynomial, from there on as its ratio says.
+pub(super) struct InPos<M: Couples> {
+    moving: Moving<M>,
+    /// The master in the cycle before.
+    last: Option<Master>,
+    way: Option<Way>,
+    /// The most that the way asks for in this cycle, u/s².
+    steepest: f64,
+}
+
+/// The way into step: y over the master's way x from y0 with slope v0 and curvature k0 to y1 with slope v1 at h, where the
+/// curvature is 0 (manual 5.4: a polynomial; that of least degree which leaves nothing to step).
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    owner: i64,
+    x: f64,
+    h: f64,
+    y: [f64; 2],
+    slopes: [f64; 2],
+    curvature: f64,
+}
+
+impl Way {
+    /// Where it begins, from the cycle before.
+    fn new(gear: &GearInPos, owner: i64, axis: &Axis, last: &Master, now: &Master) -> Self {
+        let from = axis.saved_base;
+        let limited = axis.ramp() != RampType::Trapezoid;
+        let stands = from.velocity == 0.0 && (from.acceleration == 0.0 || !limited);
+        let sign = now.velocity.signum();
+        // Where the zero has been moved, so has the place.
+        let ahead = sign * (gear.master_sync_position - last.position - (now.zero - last.zero));
+        let ahead = now.period.map_or(ahead, |period| match fmod(ahead, period) {
+            0.0 => period,
+            ahead => ahead,
+        });
+        let v0 = if stands { 0.0 } else { from.velocity / last.velocity };
+        let v1 = f64::from(gear.ratio_numerator) / f64::from(gear.ratio_denominator);
+        let curvature = if stands || !limited {
+            0.0
+        } else {
+            (from.acceleration - v0 * last.acceleration) / last.velocity.powi(2)
+        };
+        let h = sign * ahead;
+        let natural = from.position + 0.5 * (v0 + v1) * h;
+        let y1 = axis.to_drive(gear.slave_sync_position);
+        let y1 = axis.period().map_or(y1, |it| y1 + it * ((natural - y1) / it).round());
+        Self { owner, x: 0.0, h, y: [from.position, y1], slopes: [v0, v1], curvature }
+    }
+
+    /// Value, slope and curvature at x, by Hermite's polynomials of fifth degree.
+    fn at(&self, x: f64) -> [f64; 3] {
+        let Self { h, y: [y0, y1], slopes: [v0, v1], curvature: k0, .. } = *self;
+        let w = x / h;
+        if w >= 1.0 {
+            return [y1 + v1 * (x - h), v1, 0.0];
+        }
+        let by = |from: [f64; 3], to: [f64; 2]| {
+            y0 * from[0] + v0 * h * from[1] + k0 * h * h * from[2] + y1 * to[0] + v1 * h * to[1]
+        };
+        let (w2, w3, w4, w5) = (w * w, w.powi(3), w.powi(4), w.powi(5));
+        let end = 10.0 * w3 - 15.0 * w4 + 6.0 * w5;
+        let value = by(
+            [1.0 - end, w - 6.0 * w3 + 8.0 * w4 - 3.0 * w5, 0.5 * (w2 - 3.0 * w3 + 3.0 * w4 - w5)],
+            [end, -4.0 * w3 + 7.0 * w4 - 3.0 * w5],
+        );
+        let end = 30.0 * w2 - 60.0 * w3 + 30.0 * w4;
+        let slope = by(
+            [
+                -end,
+                1.0 - 18.0 * w2 + 32.0 * w3 - 15.0 * w4,
+                0.5 * (2.0 * w - 9.0 * w2 + 12.0 * w3 - 5.0 * w4),
+            ],
+            [end, -12.0 * w2 + 28.0 * w3 - 15.0 * w4],
+        );
+        let end = 60.0 * w - 180.0 * w2 + 120.0 * w3;
+        let curvature = by(
+            [
+                -end,
+                -36.0 * w + 96.0 * w2 - 60.0 * w3,
+                0.5 * (2.0 - 18.0 * w + 36.0 * w2 - 20.0 * w3),
+            ],
+            [end, -24.0 * w + 84.0 * w2 - 60.0 * w3],
+        );
+        [value, slope / h, curvature / (h * h)]
+    }
+
+    /// How a slave moves there behind a master that moves like this.
+    fn state(&self, x: f64, velocity: f64, acceleration: f64) -> State {
+        let [position, slope, curvature] = self.at(x);
+        State {
+            position,
+            velocity: slope * velocity,
+            acceleration: slope * acceleration + curvature * velocity * velocity,
+        }
+    }
+}
+
+impl<M: Couples> InPos<M> {
+    pub(super) fn new(moving: Moving<M>) -> Self {
+        Self { moving, last: None, way: None, steepest: 0.0 }
+    }
+
+    /// The slave is where the polynomial has it, as fast as that says.
+    fn see_way(&mut self, in_step: bool, axis: &Axis, now: &Master) -> Result<(), String> {
+        let owner = self.moving.owner();
+        let (way, last) = (self.way.take().filter(|way| way.owner == owner), self.last.take());
+        let Some(run) = self.moving.block.running() else { return Ok(()) };
+        self.last = Some(*now);
+        // What is done shows for a cycle only once Execute has fallen.
+        let couples = in_step || run.is_coupling() || way.is_some();
+        let Some(last) = last.filter(|_| couples) else { return Ok(()) };
+        let gear = self.moving.taken.gear();
+        let mut way = way.unwrap_or_else(|| Way::new(gear, owner, axis, &last, now));
+        let from = way.x;
+        way.x += now.travel_since(&last);
+        self.steepest = (0..=16).map(f64::from).fold(0.0, |most: f64, part| {
+            let between = |a: f64, b: f64| a + (b - a) * part / 16.0;
+            let velocity = between(last.velocity, now.velocity);
+            let acceleration = last.acceleration.abs().max(now.acceleration.abs());
+            let [_, slope, curvature] = way.at(between(from, way.x));
+            most.max((slope * acceleration).abs() + (curvature * velocity * velocity).abs())
+        });
+        let expected = way.state(way.x, now.velocity, now.acceleration);
+        let State { position, velocity, acceleration } = axis.base;
+        let differs =
+            |is: f64, expected: f64| (is - expected).abs() > 1e-6 * expected.abs().max(1.0);
+        if differs(position, expected.position)
+            || differs(velocity, expected.velocity)
+            || differs(acceleration, expected.acceleration)
+        {
+            let place = if run.is_coupling() { "on the way into step" } else { "in step" };
+            return Err(format!("{place}, but {:?}, not {expected:?}", axis.base));
+        }
+        self.way = Some(way);
+        Ok(())
+    }
+}
+
+impl<M: Couples> Called for InPos<M> {
+    fn call(
+        &mut self,
+        execute: bool,
+        random: &mut Random,
+        axis: &mut Axis,
+        master: &Axis,
+    ) -> Outputs {
+        self.moving.call(execute, random, axis, master)
+    }
+
+    fn watch(&mut self, shown: Outputs, axis: &Axis, master: &Axis) -> Result<(), String> {
+        self.see_way(shown.done && shown.busy, axis, &Master::of(master))
+    }
+
+    fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis) {
+        self.moving.change(random, axis, master);
+    }
+
+    fn name(&self) -> &'static str {
+        type_name::<M>()
+    }
+
+    fn owner(&self) -> i64 {
+        self.moving.owner()
+    }
+
+    /// Until it is coupled it goes on as it came.
+    fn promise(&self) -> Promise {
+        match self.way {
+            Some(_) => Promise::Smooth(self.steepest),
+            None => own(0.0, 0.0, 0.0),
+        }
+    }
+}
