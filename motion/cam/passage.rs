@@ -1,8 +1,8 @@
 //! Which tappets a master passes from cycle to cycle (manual 4.4.2).
 //!
 //! A tappet is passed in the cycle in which the master comes to it or beyond: it acts once, then not again before the
-//! master has left the band of hysteresis around it. A passage in the direction that it does not count is none. Passages come in the order in which the master makes them, each with
-//! its time, interpolated between the cycles.
+//! master has left the band of hysteresis around it. A passage in the direction that it does not count is none. Passages come
+//! in the order in which the master makes them, each with its time, interpolated between the cycles.
 
 use super::tappet::{Action, Passage, Tappet};
 

@@ -217,6 +217,11 @@ impl<'m> JobSetpoints<'m> {
         self.tracks.at(time_ns)
     }
 
+    /// Whether blocks take an axis from the `[[cams]]` of the machine file that has it follow `master`, or move their zeros.
+    pub(crate) fn disturbs(&self, slave: usize, master: usize) -> bool {
+        self.engine.as_ref().is_some_and(|engine| engine.disturbs(slave, master))
+    }
+
     /// What tappets switch: the bits of the set-points in their order.
     pub(crate) fn signals(&self) -> &[Signal] {
         self.tracks.signals()

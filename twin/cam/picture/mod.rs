@@ -1,18 +1,20 @@
 //! Pictures of cams: position, velocity, acceleration and jerk over the master, and the tappets below.
 
-use super::CamFile;
 mod bars;
+mod lines;
 
 pub(super) use bars::on_stretches;
 
+use super::CamFile;
 use super::check::CamUse;
 use super::file::digits;
-use super::sample::{at, reach as reached, reaches};
+use super::sample::{reach as reached, reaches};
 use crate::chart::{
     Area, Failure, GAP, LEFT, RIGHT, Row, Sign, TOP, WIDTH, color_of, dashes, legend,
     legend_places, line, ticks, title, words,
 };
 use crate::page::{FAINT, INK, MARK, color, fine, font, resized, stroke};
+use lines::{curve, line_of};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use twin_motion::cam::SlaveLimits;
@@ -24,9 +26,6 @@ const BAR: f64 = 14.0;
 const BETWEEN: f64 = 6.0;
 /// Room for the numbers and the name of the master, pixels.
 const MASTERS: f64 = 50.0;
-/// Points of a curve over the whole width.
-const POINTS: f64 = 1800.0;
-
 /// A picture that could not be drawn.
 #[derive(Debug, thiserror::Error)]
 #[error("the picture cannot be drawn: {0}")]
@@ -339,48 +338,6 @@ impl<'a> Page<'a> {
     }
 }
 
-/// Pieces of a curve of one quantity.
-fn curve(shown: &Shown<'_>, quantity: usize) -> Vec<Vec<(f64, f64)>> {
-    line_of(shown, &|place| {
-        let [_, others @ ..] = at(shown.file, shown.using, place);
-        others.get(quantity).copied().unwrap_or_default()
-    })
-}
-
-/// Pieces of a line over the master: each polynomial for itself, for what jumps between them.
-fn line_of(shown: &Shown<'_>, value: &dyn Fn(f64) -> f64) -> Vec<Vec<(f64, f64)>> {
-    let joints: Vec<_> = shown.file.cam.curve().joints().collect();
-    let width = shown.file.cam.curve().end() - shown.file.cam.curve().start();
-    let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
-    for pair in joints.windows(2) {
-        let [from, to] = pair else { continue };
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a share of points"
-        )]
-        let count = ((to - from) / width * POINTS).ceil().max(1.0) as usize;
-        let mut piece: Vec<(f64, f64)> = Vec::with_capacity(count + 1);
-        for index in 0..=count {
-            #[expect(clippy::cast_precision_loss, reason = "a share of points")]
-            let inside = from + (to - from) * index as f64 / count as f64;
-            // Its own end, not the begin of the next.
-            let place = if index == count { to.next_down() } else { inside };
-            piece.push((shown.using.master_at(place), value(place)));
-        }
-        match (pieces.last_mut(), piece.first()) {
-            // What does not jump is one line.
-            (Some(before), Some(first))
-                if before.last().is_some_and(|last| alike(last.1, first.1)) =>
-            {
-                before.extend(piece);
-            }
-            _ => pieces.push(piece),
-        }
-    }
-    pieces
-}
-
 /// A number as an exponent.
 fn superscript(number: i32) -> String {
     let digits = "⁰¹²³⁴⁵⁶⁷⁸⁹";
@@ -389,10 +346,6 @@ fn superscript(number: i32) -> String {
         index.and_then(|index| digits.chars().nth(index)).unwrap_or(digit)
     };
     number.to_string().chars().map(raised).collect()
-}
-
-fn alike(one: f64, other: f64) -> bool {
-    (one - other).abs() <= 1e-6 * one.abs().max(other.abs())
 }
 
 /// What was before stands back behind what is now.

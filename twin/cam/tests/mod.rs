@@ -6,6 +6,8 @@ mod files;
 mod found;
 mod hostile;
 mod outputs;
+mod passages;
+mod random;
 mod sampled;
 mod shown;
 mod tuned;
