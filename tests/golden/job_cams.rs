@@ -119,3 +119,25 @@ fn a_cam_that_jumps_in_a_job_is_told() {
     let out = "\n[[blocks]]\nblock = \"MC_CamOut\"\naxis = \"Y\"\nat_s = 0.1\n\n[[blocks]]\nblock = \"MC_Halt\"\naxis = \"Y\"\nwith_previous = true\n";
     assert_eq!(jumps(&format!("{moved}{out}"), 0), Vec::<Value>::new());
 }
+
+/// A master that is beyond its cam is told with its place, in programs and in jobs, and a job may put it elsewhere.
+#[test]
+fn a_master_beyond_its_cam_is_told_with_its_place() {
+    let desk = Desk::new();
+    desk.write("bent.toml", TABLE);
+    desk.write("along.cnc", "% along\nN10 G1 X20 F50 E500 E-500\n");
+    let beyond = format!("{}master_offset_mm = 400\n", cam("bent.toml"));
+    let said = "axis Y: the master is at 400 of the cam, which goes from 0 to 180 (error 626)";
+    let moved = "[[blocks]]\nblock = \"MC_MoveRelative\"\naxis = \"X\"\ndistance_mm = 20\nvelocity_mm_per_s = 50\n\
+                 acceleration_mm_per_s2 = 500\n";
+    desk.write("job.toml", moved);
+    for program in ["along.cnc", "job.toml"] {
+        let found = findings(&desk, program, &beyond, 1);
+        let [one] = found.as_slice() else { panic!("{found:?}") };
+        assert_eq!((&one["message"], &one["rule"]), (&Value::from(said), &Value::from("coupling")));
+    }
+    // From −30 to −10 it is at 150 to 170, where the cam rests.
+    let offset = beyond.replace("= 400", "= 180");
+    desk.write("job.toml", &format!("[[start]]\naxis = \"X\"\nposition_mm = -30\n\n{moved}"));
+    assert_eq!(findings(&desk, "job.toml", &offset, 0), Vec::<Value>::new());
+}

@@ -353,7 +353,8 @@ fn bears(axis: &Axis) -> Bears {
 fn start(machine: &Machine, said: &[(usize, f64)]) -> Result<Vec<f64>, Box<Finding>> {
     let first = Place { line: 1, block: None };
     let all = (0..machine.axes.len()).all(|axis| said.iter().any(|(other, _)| *other == axis));
-    let axes = match machine.start_axes() {
+    // Slaves come to where their masters have them below, wherever the job puts these.
+    let axes = match machine.start_without_slaves() {
         Some(axes) => axes,
         // Nothing of it counts.
         None if all => machine.middle(),
