@@ -26,6 +26,9 @@ const BAR: f64 = 14.0;
 const BETWEEN: f64 = 6.0;
 /// Room for the numbers and the name of the master, pixels.
 const MASTERS: f64 = 50.0;
+/// Values that are less are rounding.
+const DUST: f64 = 1e-12;
+
 /// A picture that could not be drawn.
 #[derive(Debug, thiserror::Error)]
 #[error("the picture cannot be drawn: {0}")]
@@ -69,6 +72,8 @@ pub fn draw(
 struct Strip {
     name: &'static str,
     unit: String,
+    /// What values are divided by.
+    scale: f64,
     row: Row,
     curves: Vec<Vec<Vec<(f64, f64)>>>,
     /// Least and greatest of the last one, whatever its master does.
@@ -140,14 +145,15 @@ impl<'a> Page<'a> {
         mut sides: Vec<Vec<(f64, f64)>>,
         mut limits: Vec<f64>,
     ) {
-        // Numbers of more than five digits have no room beside the row.
+        // Numbers of more than five digits, or with more than three behind the point, have no room beside the row.
         let pieces = curves.iter().flatten().chain(&sides);
         let reached = pieces.flatten().map(|(_, value)| value.abs());
         let most = reached.filter(|value| value.is_finite()).fold(0.0, f64::max);
-        if most >= 1e5 {
+        let mut scale = 1.0;
+        if most >= 1e5 || (most > DUST && most < 5e-3) {
             #[expect(clippy::cast_possible_truncation, reason = "a power of ten")]
             let power = (most.log10() / 3.0).floor() as i32 * 3;
-            let scale = 10_f64.powi(power);
+            scale = 10_f64.powi(power);
             let pieces = curves.iter_mut().flatten().chain(&mut sides);
             for (_, value) in pieces.flatten() {
                 *value /= scale;
@@ -159,7 +165,7 @@ impl<'a> Page<'a> {
         }
         let pieces = curves.iter().flatten().chain(&sides);
         let values = pieces.flatten().map(|(_, value)| *value);
-        let of_run = self.recorded.points.iter().map(|(_, slave)| *slave);
+        let of_run = self.recorded.points.iter().map(|(_, slave)| *slave / scale);
         let of_run = of_run.filter(|_| name == "position");
         let [low, high] = reach(values.chain(of_run)).unwrap_or([0.0, 1.0]);
         // Limits that are far away would make a line of the curve.
@@ -172,7 +178,7 @@ impl<'a> Page<'a> {
         let room = ((high - low) * 0.12).max(f64::MIN_POSITIVE);
         let range = if high > low { [low - room, high + room] } else { [low - 1.0, high + 1.0] };
         let row = Row { top: self.bottom, height: HEIGHT, range };
-        self.strips.push(Strip { name, unit, row, curves, sides, limits: near });
+        self.strips.push(Strip { name, unit, scale, row, curves, sides, limits: near });
         self.bottom += HEIGHT + GAP;
     }
 
@@ -218,12 +224,12 @@ impl<'a> Page<'a> {
     }
 
     fn strip(&self, root: &Area<'_>, strip: &Strip) -> Result<(), Failure> {
-        let Strip { name, unit, row, curves, sides, limits } = strip;
+        let Strip { name, unit, scale, row, curves, sides, limits } = strip;
         let at: Vec<_> = self.ticks().into_iter().map(|(x, _)| x).collect();
         row.draw_over(root, &at, [name, &format!("({unit})")])?;
         if *name == "position" {
             for (master, slave) in &self.recorded.points {
-                let place = (fine(self.x(*master)), fine(row.y(*slave)));
+                let place = (fine(self.x(*master)), fine(row.y(*slave / scale)));
                 root.draw(&Circle::new(place, stroke(1.5), MARK.mix(0.55).filled()))?;
             }
         }
@@ -342,6 +348,9 @@ impl<'a> Page<'a> {
 fn superscript(number: i32) -> String {
     let digits = "⁰¹²³⁴⁵⁶⁷⁸⁹";
     let raised = |digit: char| {
+        if digit == '-' {
+            return '⁻';
+        }
         let index = digit.to_digit(10).and_then(|digit| usize::try_from(digit).ok());
         index.and_then(|index| digits.chars().nth(index)).unwrap_or(digit)
     };

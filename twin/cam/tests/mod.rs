@@ -2,6 +2,7 @@
 
 #![expect(clippy::float_cmp, reason = "given, or to be the same bit for bit")]
 
+mod drawn;
 mod files;
 mod found;
 mod hostile;
