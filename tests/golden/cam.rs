@@ -488,3 +488,79 @@ fn tappets_alone_have_no_table_of_a_slave() {
         assert_eq!(done.stdout.contains(word), told, "{word} in {}", done.stdout);
     }
 }
+
+/// Whatever its size, an offset of the master is refused with its limit, or reckoned with as far as numbers go, and at once.
+#[test]
+fn offsets_of_any_size_are_told_or_taken() {
+    let desk = desk();
+    let cam = |offset: &str| {
+        desk.write(
+            "far.toml",
+            &format!(
+                "master = {{ min = 0, max = 360 }}\nslave = {{ min = 0, max = 9, period = 9 }}\n\
+                 elements = [{{ master = 0, slave = 0 }}, {{ master = 100, slave = 9 }}, {{ master = 360, slave = 0 }}]\n\
+                 tappets = [{{ group = 1, master = 20, action = \"invert\" }}]\n[coupling]\nmaster_offset = {offset}\n"
+            ),
+        );
+    };
+    desk.write(
+        "run.csv",
+        "time,master,slave,tappet_1\n0,0,0,0\n0.1,10,1,1\n0.2,20,2,0\n0.3,30,3,1\n",
+    );
+    let commands: [&[&str]; 7] = [
+        &["cam", "check", "far.toml"],
+        &["cam", "sample", "far.toml", "--step", "30"],
+        &["cam", "plot", "far.toml", "-o", "far.svg"],
+        &["cam", "convert", "far.toml", "far.cam", "--force"],
+        &["tune", "cam", "far.toml", "--run", "run.csv"],
+        &["tune", "cam", "far.toml", "--find", "slave-scaling", "--max-velocity", "1"],
+        &[
+            "tune",
+            "cam",
+            "far.toml",
+            "--ramp-in",
+            "0,0",
+            "--max-velocity",
+            "1",
+            "--max-acceleration",
+            "1",
+        ],
+    ];
+    for (offset, said) in [
+        ("1e300", "`master_offset` is 1e300; it must lie between"),
+        ("-1e16", "`master_offset` is -1e16; it must lie between"),
+        ("nan", "`master_offset` is nan"),
+    ] {
+        cam(offset);
+        for command in commands {
+            desk.twin(command).ended(2, said);
+        }
+    }
+    for offset in ["1e15", "-1e15", "-123456789012.5"] {
+        cam(offset);
+        for command in commands {
+            let done = desk.twin(command);
+            let run = command.contains(&"run.csv");
+            let as_usual = if run { Some(1) } else { Some(0) };
+            let beyond =
+                command.contains(&"--ramp-in") && done.stderr.contains("the master is at ");
+            assert!(done.status == as_usual || beyond, "{offset} {command:?}: {}", done.stderr);
+        }
+        // 1e15 and 1e15 mod 360: the same place of the cam.
+        let value = offset.parse::<f64>().expect("a number").rem_euclid(360.0);
+        let samples = |offset: &str| {
+            cam(offset);
+            let done = desk.twin(&["cam", "sample", "far.toml", "--step", "30"]);
+            let slave = |line: &str| line.split(',').nth(1).map(str::to_owned);
+            done.stdout.lines().skip(1).filter_map(slave).collect::<Vec<_>>()
+        };
+        let [mut far, mut near] = [samples(offset), samples(&value.to_string())];
+        far.sort();
+        near.sort();
+        assert_eq!(far.len(), 13, "{far:?}");
+        assert_eq!(far, near, "{offset}");
+    }
+    cam("0");
+    let done = desk.twin(&["cam", "check", "far.toml", "--master-offset", "1e300"]);
+    done.ended(2, "`1e300` is beyond ±1e15");
+}

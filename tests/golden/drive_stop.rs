@@ -1,7 +1,7 @@
 //! `twin drive … stop` goes out first, whatever else is wrong.
 
 use crate::drive::{Hand, a_board, a_bus, a_module};
-use crate::process::Desk;
+use crate::process::{BINARY, Desk, started};
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -153,14 +153,28 @@ fn a_stop_needs_nobody_who_listens() {
 
 /// The same command, by a shell that has the signal ignored, as scripts do in the background and `nohup` does.
 fn started_without(signal: &str, command: &Command) -> Command {
-    let mut shell = Command::new("sh");
-    shell.args(["-c", &format!("trap '' {signal}; exec \"$@\""), "sh"]).arg(command.get_program());
-    shell.args(command.get_args());
+    let mut shell = started("sh");
+    shell.args(["-c", &format!("trap '' {signal}; exec \"$@\""), "sh"]);
+    // Without what has given the binary its signals back.
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    shell.args(words.skip_while(|word| *word != BINARY));
     if let Some(folder) = command.get_current_dir() {
         shell.current_dir(folder);
     }
     shell.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     shell
+}
+
+/// Whoever runs these tests in the background, or with `nohup`, has signals ignored; the tests that send them hold all the same.
+#[test]
+fn signals_get_through_whoever_runs_the_tests() {
+    let this = std::env::current_exe().expect("this");
+    let tested = ["drive_stop::a_stop_needs_nobody_who_listens", "--exact"];
+    let mut shell = Command::new("sh");
+    shell.args(["-c", "trap '' HUP INT QUIT TSTP; exec \"$@\"", "sh"]).arg(this).args(tested);
+    let output = shell.stdin(Stdio::null()).output().expect("it starts");
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && said.contains("1 passed"), "{said}");
 }
 
 /// A script that is started in the background has Ctrl-C ignored; axes stop on it all the same.

@@ -95,3 +95,49 @@ fn a_cam_that_jumps_is_told_at_the_line_that_passes_it() {
     let [one] = found.as_slice() else { panic!("{found:?}") };
     assert_eq!((&one["severity"], &one["line"]), (&Value::from("warning"), &Value::from(3)));
 }
+
+/// A job tells it, too, where the cam holds all the time: at 4 mm/s the step is 4/3 mm/s, which is within what the axis can do in a
+/// cycle, so that no acceleration tells it. Where a block lets the slave go, it is not where the cam has it.
+#[test]
+fn a_cam_that_jumps_in_a_job_is_told() {
+    let desk = Desk::new();
+    desk.write("bent.toml", TABLE);
+    let moved = "[[start]]\naxis = \"X\"\nposition_mm = 58\n\n[[start]]\naxis = \"Y\"\nposition_mm = 19.333333333333332\n\n\
+                 [[blocks]]\nblock = \"MC_MoveAbsolute\"\naxis = \"X\"\nposition_mm = 62\nvelocity_mm_per_s = 4\n";
+    let jumps = |job: &str, status: i32| -> Vec<Value> {
+        desk.write("job.toml", job);
+        let all = findings(&desk, "job.toml", &cam("bent.toml"), status).into_iter();
+        all.filter(|one| one["rule"] == "cam-continuity").collect()
+    };
+    let found = jumps(moved, 0);
+    let [one] = found.as_slice() else { panic!("{found:?}") };
+    let said = "the velocity of axis Y jumps by -1.33333 mm/s where its cam bent has its master X at 60 mm";
+    assert_eq!((&one["message"], &one["severity"]), (&Value::from(said), &Value::from("warning")));
+    assert_eq!(one["line"], 10);
+    let fast = moved.replace("velocity_mm_per_s = 4\n", "velocity_mm_per_s = 20\n");
+    assert_eq!(jumps(&fast, 1)[0]["severity"], "error");
+    let out = "\n[[blocks]]\nblock = \"MC_CamOut\"\naxis = \"Y\"\nat_s = 0.1\n\n[[blocks]]\nblock = \"MC_Halt\"\naxis = \"Y\"\nwith_previous = true\n";
+    assert_eq!(jumps(&format!("{moved}{out}"), 0), Vec::<Value>::new());
+}
+
+/// A master that is beyond its cam is told with its place, in programs and in jobs, and a job may put it elsewhere.
+#[test]
+fn a_master_beyond_its_cam_is_told_with_its_place() {
+    let desk = Desk::new();
+    desk.write("bent.toml", TABLE);
+    desk.write("along.cnc", "% along\nN10 G1 X20 F50 E500 E-500\n");
+    let beyond = format!("{}master_offset_mm = 400\n", cam("bent.toml"));
+    let said = "axis Y: the master is at 400 of the cam, which goes from 0 to 180 (error 626)";
+    let moved = "[[blocks]]\nblock = \"MC_MoveRelative\"\naxis = \"X\"\ndistance_mm = 20\nvelocity_mm_per_s = 50\n\
+                 acceleration_mm_per_s2 = 500\n";
+    desk.write("job.toml", moved);
+    for program in ["along.cnc", "job.toml"] {
+        let found = findings(&desk, program, &beyond, 1);
+        let [one] = found.as_slice() else { panic!("{found:?}") };
+        assert_eq!((&one["message"], &one["rule"]), (&Value::from(said), &Value::from("coupling")));
+    }
+    // From −30 to −10 it is at 150 to 170, where the cam rests.
+    let offset = beyond.replace("= 400", "= 180");
+    desk.write("job.toml", &format!("[[start]]\naxis = \"X\"\nposition_mm = -30\n\n{moved}"));
+    assert_eq!(findings(&desk, "job.toml", &offset, 0), Vec::<Value>::new());
+}

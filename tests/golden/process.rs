@@ -15,6 +15,28 @@ const SHORT: &str = "% short\nN10 G1 X10 F100 E500 E-500\nN20 G1 X0\n";
 /// Faster than the axis (400 mm/s).
 const UNFIT: &str = "% unfit\nN10 G1 X300 F500 E2000 E-2000\n";
 
+/// The binary.
+pub(crate) const BINARY: &str = env!("CARGO_BIN_EXE_twin");
+
+/// Signals that end or suspend programs, and their numbers.
+const SIGNALS: [(&str, u32); 5] = [("HUP", 1), ("INT", 2), ("QUIT", 3), ("TERM", 15), ("TSTP", 20)];
+
+/// A process with the signals as at a terminal: what `nohup`, or a script that works in the background, has ignored, everything
+/// ignores that is started from there. `env` (GNU) gives such signals back, and becomes the program.
+pub(crate) fn started(program: &str) -> Command {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
+    let ignored = SIGNALS.into_iter().filter(|(_, number)| mask & (1 << (number - 1)) != 0);
+    let names: Vec<_> = ignored.map(|(name, _)| name).collect();
+    if names.is_empty() {
+        return Command::new(program);
+    }
+    let mut env = Command::new("env");
+    env.arg(format!("--default-signal={}", names.join(","))).arg(program);
+    env
+}
+
 /// A folder with the portal's machine file, and what the tests put there.
 pub(crate) struct Desk {
     folder: TempDir,
@@ -46,7 +68,7 @@ impl Desk {
     }
 
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_twin"));
+        let mut command = started(BINARY);
         command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
         command

@@ -6,6 +6,9 @@ use std::path::Path;
 /// More rows are not read.
 pub(super) const MOST_ROWS: usize = 1 << 22;
 
+/// What is larger is no position and no time.
+const LARGEST: f64 = 1e15;
+
 /// Numbers in columns.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Columns {
@@ -52,7 +55,12 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
         let found = record.len();
         let expected = *width.get_or_insert(found);
         if found != expected {
-            return Err(wrong(line, format!("{found} columns instead of {expected}")));
+            let comma = if parting == b',' && found > expected {
+                "; with decimal commas columns are parted by semicolons or tabs"
+            } else {
+                ""
+            };
+            return Err(wrong(line, format!("{found} columns instead of {expected}{comma}")));
         }
         if columns.names.is_none()
             && columns.rows.is_empty()
@@ -69,11 +77,15 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
             let column =
                 name.map_or_else(|| format!("column {}", index + 1), |name| format!("`{name}`"));
             let value = number(text);
-            row.push(
-                value.ok_or_else(|| {
-                    wrong(line, format!("{column} is `{text}`, which is no number"))
-                })?,
-            );
+            // As controllers write their bits.
+            let bit = name.filter(|name| plain(name) == "tappet").and_then(|_| bit(text));
+            let value = value
+                .or(bit)
+                .ok_or_else(|| wrong(line, format!("{column} is `{text}`, which is no number")))?;
+            if value.abs() > LARGEST {
+                return Err(wrong(line, format!("{column} is {text}, which is beyond ±1e15")));
+            }
+            row.push(value);
         }
         if columns.rows.len() >= MOST_ROWS {
             return Err(wrong(line, format!("more than {MOST_ROWS} rows")));
@@ -84,6 +96,11 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
         return Err(wrong(1, "there is no row of numbers".to_owned()));
     }
     Ok(columns)
+}
+
+fn bit(text: &str) -> Option<f64> {
+    let bits = [("false", 0.0), ("true", 1.0)];
+    bits.into_iter().find(|(word, _)| text.eq_ignore_ascii_case(word)).map(|(_, bit)| bit)
 }
 
 /// The line of a record: its position is that of the empty lines and comments before it.

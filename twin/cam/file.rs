@@ -142,7 +142,7 @@ impl CamFile {
     /// # Errors
     /// [`CamFileError::Toml`] with everything that is wrong with it.
     pub fn from_toml(path: &Path, text: String) -> Result<Self, CamFileError> {
-        match section::parse(&text, toml_form::read) {
+        match section::parse(&text, |root| toml_form::read(root, &stem(path))) {
             Ok(TomlCam { source, table, coupling, cam, out_of_order }) => {
                 let out_of_order = out_of_order.map(|element| element.told(&text));
                 let repeated = source.period.is_some()
@@ -179,8 +179,7 @@ impl CamFile {
     }
 
     fn of_table(path: &Path, form: Form, shape: Shape) -> Result<Self, CamFileError> {
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let cam = Cam::new(&name, shape, Vec::new())
+        let cam = Cam::new(&stem(path), shape, Vec::new())
             .map_err(|source| CamFileError::Cam { path: path.to_owned(), source })?;
         Ok(Self::of_cam(path, form, cam))
     }
@@ -288,6 +287,11 @@ impl CamFile {
             table => Ok(write_toml(&self.frame(), Some(table), &self.coupling)),
         }
     }
+}
+
+/// What a cam is called that says no name: as its file, without the ending.
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>, CamFileError> {

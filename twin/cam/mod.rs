@@ -15,6 +15,7 @@ pub mod run;
 pub mod sample;
 #[cfg(test)]
 mod tests;
+mod toml_coupling;
 mod toml_form;
 mod toml_writer;
 pub mod tune;

@@ -2,6 +2,7 @@
 
 use super::CamFileError;
 use super::columns;
+use std::borrow::Cow;
 use std::path::Path;
 
 /// A sample of a run.
@@ -127,6 +128,48 @@ impl RecordedRun {
         let mut times: Vec<_> = pairs.map(|(one, next)| next.time_s - one.time_s).collect();
         times.sort_by(f64::total_cmp);
         times.get(times.len() / 2).copied().unwrap_or_default()
+    }
+
+    /// The same run with a master that goes on where its positions begin again after whole turns of `turn`, as those do that are
+    /// recorded within the period of an axis. A step is taken for such an end if it goes over more than half a turn, and over
+    /// more than half of where the master goes at all: one that is so fast goes farther.
+    pub fn unwound(&self, turn: f64) -> Cow<'_, Self> {
+        let masters = || self.samples.iter().map(|sample| sample.master);
+        let least = masters().fold(f64::INFINITY, f64::min);
+        let most = masters().fold(f64::NEG_INFINITY, f64::max);
+        let end = (turn / 2.0).max((most - least) / 2.0);
+        let steps = || masters().zip(masters().skip(1)).map(|(one, next)| next - one);
+        if !(turn > 0.0 && end.is_finite() && steps().any(|step| step.abs() > end)) {
+            return Cow::Borrowed(self);
+        }
+        let mut run = self.clone();
+        let mut turns = 0.0;
+        for (sample, step) in run.samples.iter_mut().skip(1).zip(steps()) {
+            if step.abs() > end {
+                turns -= (step / turn).round();
+            }
+            sample.master += turns * turn;
+        }
+        Cow::Owned(run)
+    }
+
+    /// The standard deviation of the noise of the master's positions, u: by how far samples lie beside the line through their
+    /// neighbours, but for one in twenty, which may be where the master jumps. Acceleration counts as noise.
+    pub fn noise(&self) -> f64 {
+        // Of normal noise 95 % lie within.
+        const WITHIN: f64 = 1.959_963_984_540_054;
+        let beside = |three: &[RunSample]| {
+            let [before, sample, after] = three else { return None };
+            let share = (sample.time_s - before.time_s) / (after.time_s - before.time_s);
+            let line = before.master + share * (after.master - before.master);
+            // Each of the three has the noise.
+            let larger = (1.0 + share * share + (1.0 - share).powi(2)).sqrt();
+            Some((sample.master - line).abs() / larger)
+        };
+        let beside = |three: &[RunSample]| beside(three).filter(|apart| apart.is_finite());
+        let mut all: Vec<_> = self.samples.windows(3).filter_map(beside).collect();
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() * 19 / 20).copied().unwrap_or_default() / WITHIN
     }
 
     /// The largest velocity of the master, u/s.

@@ -1,15 +1,16 @@
 //! Cams as people write them in TOML.
 
-use super::form::{Coupling, START_MODES, WANTED};
+use super::form::Coupling;
+use super::toml_coupling::coupling;
 use crate::machine::section::Section;
 use std::ops::{Range, RangeInclusive};
 use twin_motion::cam::{
-    Action, Cam, CamError, CamInput, Compile, Element, Equidistant, Interpolation, Kind, Knot,
-    PairTable, Passage, Scale, Shape, Source, StartMode, TableScale, Tappet, VariableType,
+    Action, Cam, CamError, Compile, Element, Equidistant, Interpolation, Kind, Knot, PairTable,
+    Passage, Scale, Shape, Source, TableScale, Tappet, VariableType,
 };
 
 /// Numbers of a file.
-const ANY: RangeInclusive<f64> = -1e15..=1e15;
+pub(super) const ANY: RangeInclusive<f64> = -1e15..=1e15;
 /// Those that must be greater than 0.
 const POSITIVE: RangeInclusive<f64> = 1e-15..=1e15;
 /// The longest time of a tappet, µs: a day.
@@ -46,13 +47,19 @@ impl OutOfOrder {
     }
 }
 
-pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
-    if root.has("blocks") {
-        root.complain("this is a job, no cam: `twin cam run` runs it".to_owned());
+/// Reads a cam; one that says no name has `usual`, that of its file.
+pub(super) fn read(root: &Section<'_>, usual: &str) -> Option<TomlCam> {
+    if let Some(other) = another(root) {
+        root.complain(other.to_owned());
         root.accept_all();
         return None;
     }
-    let name = root.required_text("name");
+    let name = if root.has("name") {
+        root.required_text("name")
+    } else {
+        root.accept("name");
+        Some(usual)
+    };
     let kind = root.choice("kind", &[("cam", Kind::Cam), ("tappets", Kind::Tappets)]);
     let kind = kind.unwrap_or_default();
     let section = root.section("master");
@@ -65,7 +72,8 @@ pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
     let section = root.section("coupling");
     let coupling = coupling(&section);
     section.finish();
-    let mut elements: Vec<_> = root.sections("elements").iter().filter_map(element).collect();
+    let sections = [root.sections("elements"), root.sections("tappets")];
+    let mut elements: Vec<_> = sections[0].iter().filter_map(element).collect();
     // They are taken in their order, but whoever wrote them may have meant another place.
     let out_of_order = elements.windows(2).find_map(|pair| {
         let [(before, _), (element, span)] = pair else { return None };
@@ -73,7 +81,9 @@ pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
         (master < before).then(|| OutOfOrder { span: span.clone(), master, before })
     });
     elements.sort_by(|one, other| begin(&one.0).total_cmp(&begin(&other.0)));
-    let mut tappets: Vec<_> = root.sections("tappets").iter().filter_map(tappet).collect();
+    let mut tappets: Vec<_> = sections[1].iter().filter_map(tappet).collect();
+    // Of what is wrong by itself nothing more is said: without it the others make no cam.
+    let mut whole = [elements.len(), tappets.len()] == sections.each_ref().map(Vec::len);
     tappets.sort_by(|one, other| one.0.master.total_cmp(&other.0.master));
     let mut table = None;
     if root.has("table") {
@@ -86,8 +96,12 @@ pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
         section.finish();
     } else if kind == Kind::Cam && !root.has("elements") {
         root.complain("the cam has no `elements` and no `table`".to_owned());
+        whole = false;
     }
     root.check_unknown();
+    if !whole {
+        return None;
+    }
     let mut source = Source {
         name: name?.to_owned(),
         kind,
@@ -112,42 +126,63 @@ pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
             Some(TomlCam { source, table, coupling: coupling?, cam, out_of_order })
         }
         Err(error) => {
-            let places = |list: Vec<Range<usize>>, index: usize| list.get(index - 1).cloned();
-            let of_elements = || elements.iter().map(|(_, span)| span.clone()).collect();
-            let of_tappets = || tappets.iter().map(|(_, span)| span.clone()).collect();
-            let place = match error {
-                CamError::OutsideScale { what: "tappet", index, .. }
-                | CamError::TappetTime { index, .. } => places(of_tappets(), index),
-                CamError::Kink { index, .. }
-                | CamError::OutsideScale { index, .. }
-                | CamError::NotAscending { index, .. }
-                    if table.is_none() =>
-                {
-                    places(of_elements(), index)
-                }
-                CamError::EndMissing { .. } => Some(root.span_of("master")),
-                _ if table.is_some() => Some(root.span_of("table")),
-                _ => Some(root.span_of("elements")),
-            };
-            // Numbers are those of the file, not those by master.
-            let error = match (error, &place) {
-                (CamError::OutsideScale { what, master, min, max, index }, Some(span)) => {
-                    let spans: Vec<_> = if what == "tappet" { of_tappets() } else { of_elements() };
-                    let index = if table.is_none() || what == "tappet" {
-                        1 + spans.iter().filter(|other| other.start < span.start).count()
-                    } else {
-                        index
-                    };
-                    CamError::OutsideScale { what, index, master, min, max }
-                }
-                (error, _) => error,
-            };
-            match place {
-                Some(span) => root.complain_over(&span, error.to_string()),
-                None => root.complain(error.to_string()),
-            }
+            let elements: Vec<_> = elements.into_iter().map(|(_, span)| span).collect();
+            let tappets: Vec<_> = tappets.into_iter().map(|(_, span)| span).collect();
+            complain_of(error, root, &elements, &tappets, table.is_some());
             None
         }
+    }
+}
+
+/// What a file is that is no cam.
+fn another(root: &Section<'_>) -> Option<&'static str> {
+    if root.has("blocks") {
+        Some("this is a job, no cam: `twin cam run` runs it")
+    } else if root.has("axes") {
+        Some("this is a machine file, no cam")
+    } else {
+        None
+    }
+}
+
+/// Tells what makes no cam of elements and tappets, which stand by their masters, at its place.
+fn complain_of(
+    error: CamError,
+    root: &Section<'_>,
+    elements: &[Range<usize>],
+    tappets: &[Range<usize>],
+    is_table: bool,
+) {
+    let place = match error {
+        CamError::OutsideScale { what: "tappet", index, .. }
+        | CamError::TappetTime { index, .. } => tappets.get(index - 1).cloned(),
+        CamError::Kink { index, .. }
+        | CamError::OutsideScale { index, .. }
+        | CamError::NotAscending { index, .. }
+            if !is_table =>
+        {
+            elements.get(index - 1).cloned()
+        }
+        CamError::EndMissing { .. } => Some(root.span_of("master")),
+        _ if is_table => Some(root.span_of("table")),
+        _ => Some(root.span_of("elements")),
+    };
+    // Numbers are those of the file, not those by master.
+    let error = match (error, &place) {
+        (CamError::OutsideScale { what, master, min, max, index }, Some(span)) => {
+            let spans = if what == "tappet" { tappets } else { elements };
+            let index = if !is_table || what == "tappet" {
+                1 + spans.iter().filter(|other| other.start < span.start).count()
+            } else {
+                index
+            };
+            CamError::OutsideScale { what, index, master, min, max }
+        }
+        (error, _) => error,
+    };
+    match place {
+        Some(span) => root.complain_over(&span, error.to_string()),
+        None => root.complain(error.to_string()),
     }
 }
 
@@ -241,71 +276,6 @@ fn tappet(section: &Section<'_>) -> Option<(Tappet, Range<usize>)> {
 #[expect(clippy::cast_possible_truncation, reason = "a day at most")]
 fn nanoseconds(us: f64) -> i64 {
     (us * 1e3).round() as i64
-}
-
-fn coupling(section: &Section<'_>) -> Option<Coupling> {
-    let number = |key: &str, default: f64| {
-        if section.has(key) {
-            section.number(key, ANY)
-        } else {
-            section.accept(key);
-            Some(default)
-        }
-    };
-    let least = |key: &str| {
-        let range = 0.0..=*ANY.end();
-        if section.has(key) {
-            section.number(key, range)
-        } else {
-            section.accept(key);
-            Some(0.0)
-        }
-    };
-    let modes: Vec<(&str, StartMode)> = START_MODES.to_vec();
-    let start_mode = if section.has("start_mode") {
-        section.choice("start_mode", &modes)
-    } else {
-        section.accept("start_mode");
-        Some(StartMode::Absolute)
-    };
-    let input = CamInput {
-        master_offset: number("master_offset", 0.0)?,
-        master_scaling: number("master_scaling", 1.0)?,
-        slave_offset: number("slave_offset", 0.0)?,
-        slave_scaling: number("slave_scaling", 1.0)?,
-        start_mode: start_mode?,
-        velocity_difference: least("velocity_difference")?,
-        acceleration: least("acceleration")?,
-        deceleration: least("deceleration")?,
-        tappet_hysteresis: least("tappet_hysteresis")?,
-        // Of the file it stands beside these inputs.
-        tappet_dead_time_s: 0.0,
-    };
-    for (key, value) in
-        [("master_scaling", input.master_scaling), ("slave_scaling", input.slave_scaling)]
-    {
-        if value == 0.0 {
-            section.complain_at(key, format!("`{key}` is 0; nothing would move"));
-            return None;
-        }
-    }
-    let said = WANTED.iter().any(|key| section.has(key));
-    // What is not said is wanted as it is.
-    let [one, two, three, four] = WANTED;
-    let wanted = [
-        number(one, input.master_offset)?,
-        number(two, input.master_scaling)?,
-        number(three, input.slave_offset)?,
-        number(four, input.slave_scaling)?,
-    ];
-    for (key, value) in [(two, wanted[1]), (four, wanted[3])] {
-        if value == 0.0 {
-            section.complain_at(key, format!("`{key}` is 0; nothing would move"));
-            return None;
-        }
-    }
-    let dead_time_s = number("dead_time_s", 0.0)?;
-    Some(Coupling { input, dead_time_s, wanted: said.then_some(wanted) })
 }
 
 /// `[table]`: numbers at equal distances of the master, or pairs.

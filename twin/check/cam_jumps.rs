@@ -1,6 +1,7 @@
 //! Jumps of the machine file's cams, where a program makes a master pass them.
 
 use crate::finding::{Finding, Rule, Severity};
+use crate::job::JobSetpoints;
 use crate::machine::{Axis, CoupledBy, Machine};
 use crate::number::significant;
 use crate::report::seconds;
@@ -36,8 +37,8 @@ struct Watched<'m> {
 }
 
 impl<'m> CamJumps<'m> {
-    /// Those of `machine` that hold all the time: blocks of a job may take their slaves.
-    pub(super) fn new(machine: &'m Machine, is_job: bool) -> Self {
+    /// Those of `machine`.
+    pub(super) fn new(machine: &'m Machine) -> Self {
         let watched = |coupling: &'m crate::machine::Coupling| {
             let CoupledBy::Cam(selection) = &coupling.by else { return None };
             let (table, input) = (&selection.table, &selection.input);
@@ -54,8 +55,13 @@ impl<'m> CamJumps<'m> {
                 last: None,
             })
         };
-        let cams = machine.couplings.iter().filter(|_| !is_job).filter_map(watched).collect();
+        let cams = machine.couplings.iter().filter_map(watched).collect();
         Self { machine, cams }
+    }
+
+    /// Of a job those alone that hold all the time: the others are not where their masters have them.
+    pub(super) fn leave_out(&mut self, job: &JobSetpoints<'_>) {
+        self.cams.retain(|cam| !job.disturbs(cam.axis, cam.master));
     }
 
     /// What jumps on the way to this set-point: the slave's axis, and what is to be told of it.

@@ -5,6 +5,7 @@ use super::findings::{About, Findings};
 use super::instant::Instant;
 use super::{Clearances, Outcome, exceeds, is_hidden, no_axes, sentence};
 use crate::finding::{self, Finding};
+use crate::job::JobSetpoints;
 use crate::machine::{DirectionRule, Machine};
 use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
@@ -53,8 +54,15 @@ impl<'m> Checker<'m> {
             start: None,
             duration_ns: 0,
             free: free_axes(machine, is_job),
-            jumps: CamJumps::new(machine, is_job),
+            jumps: CamJumps::new(machine),
             told_missing: [false; EXTRA_AXES.len()],
+        }
+    }
+
+    /// What is checked is this job, or none.
+    pub(super) fn begin(&mut self, job: Option<&JobSetpoints<'_>>) {
+        if let Some(job) = job {
+            self.jumps.leave_out(job);
         }
     }
 

@@ -133,8 +133,8 @@ fn checked(
     let mut way = Way::new(machine)?;
     let rules = Acknowledgement::for_check(machine, acknowledge);
     let mut items = Planning::new(machine, program, limits, rules)?;
-    let mut countdown = 0u32;
-    let mut switched = Switched::default();
+    checker.begin(items.job());
+    let (mut countdown, mut switched) = (0u32, Switched::default());
     while let Some(item) = items.next() {
         let setpoint = match item {
             PlanItem::Tool(tool) => checker.tool(&tool),

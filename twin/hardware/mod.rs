@@ -2,6 +2,7 @@
 
 mod device;
 mod error;
+mod events;
 mod guard;
 mod heard;
 mod merge;
@@ -15,14 +16,15 @@ use crate::machine::{DriveFamily, Machine};
 use crate::plant::{AxisFeedback, Plant};
 use crate::setpoint::AxisSetpoint;
 pub use error::HardwareError;
+use events::Event;
 pub use guard::Guarded;
 pub use heard::{Heard, LastHeard};
-use merge::{Measured, Positions, Track};
+use merge::{Positions, Track};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use twin_drives::{Drive, Sample};
+use twin_drives::Drive;
 use twin_kinematics::AxisVector;
 use unit::Unit;
 
@@ -33,14 +35,6 @@ pub const HORIZON_NS: i64 = 250_000_000;
 /// How long devices may take to stop until those are named that have not confirmed it: longer than ramps take, and then a hard
 /// stop with the same patience.
 const LONGEST_STOP: Duration = Duration::from_secs(25);
-
-/// What was found of a device, in words.
-fn restarted(device: &str, certain: bool) -> String {
-    let found = format!(
-        "device `{device}` answers again, at position 0 and not enabled: it has been restarted"
-    );
-    if certain { found } else { format!("{found}, or the stop has switched it off") }
-}
 
 /// A device that axes of a machine hang on, and the driver that speaks to it. The axes of its arrays are those axes, in the
 /// order of the machine file.
@@ -91,26 +85,6 @@ pub struct Hardware {
 struct Switch {
     output: u8,
     on: bool,
-}
-
-/// What a device's thread tells the session.
-#[derive(Debug)]
-enum Event {
-    /// Enabled, and the axes stand at the start of the program.
-    Ready,
-    Sample(Sample),
-    /// The device has confirmed an output.
-    Switched,
-    /// Outputs that could not be switched off at an early end.
-    LeftOn(Vec<u8>),
-    /// The device has not confirmed that it stops.
-    NotStopped(HardwareError),
-    /// After it had failed it was looked at again: it is as after a restart. Whether only a restart makes it so.
-    Restarted(bool),
-    /// After it had failed, its axes stand elsewhere than they count.
-    Displaced(HardwareError),
-    /// Finished or stopped: the axes are at rest.
-    AtRest,
 }
 
 impl Hardware {
@@ -317,51 +291,6 @@ impl Hardware {
     pub fn is_running(&self) -> bool {
         self.units.iter().any(Unit::is_running)
     }
-
-    /// Takes what the devices have said.
-    fn listen(&mut self) {
-        let heard = self.heard.iter_mut().zip(&mut self.last);
-        let tracks = self.tracks.iter_mut().zip(heard);
-        for (unit, (track, (of_unit, last))) in self.units.iter_mut().zip(tracks) {
-            loop {
-                match unit.event() {
-                    Ok(Some(Event::Sample(sample))) => {
-                        let measured = measured(unit, &sample);
-                        if self.clock.is_some() {
-                            of_unit.include(sample.time_ns);
-                            *last = Some((measured.time_ns, measured.position));
-                        }
-                        let heard = (sample.time_ns, sample.moving);
-                        self.failures.extend(unit.guard.heard(heard, &measured.deviation));
-                        track.push(measured);
-                    }
-                    Ok(Some(Event::Ready)) => unit.ready = true,
-                    Ok(Some(Event::LeftOn(outputs))) => self.left_on.extend(outputs),
-                    Ok(Some(Event::NotStopped(error))) => {
-                        self.not_stopped.push(error.to_string());
-                    }
-                    Ok(Some(Event::Displaced(error))) => self.restarted.push(error.to_string()),
-                    Ok(Some(Event::Restarted(certain))) => {
-                        self.restarted.push(restarted(&unit.device, certain));
-                    }
-                    Ok(Some(Event::Switched)) => self.switching = self.switching.saturating_sub(1),
-                    Ok(Some(Event::AtRest)) => {
-                        unit.ended = true;
-                        track.ended = true;
-                    }
-                    Ok(None) => break,
-                    Err(error) => {
-                        track.lost = true;
-                        // Whether it could be stopped comes after that.
-                        self.failures.push_back(error);
-                    }
-                }
-            }
-            if let Some(clock) = self.clock {
-                self.failures.extend(unit.silence(clock.now_ns()));
-            }
-        }
-    }
 }
 
 impl Drop for Hardware {
@@ -369,16 +298,6 @@ impl Drop for Hardware {
     fn drop(&mut self) {
         self.stop();
     }
-}
-
-/// A sample in m and rad, beside the plan.
-fn measured(unit: &Unit, sample: &Sample) -> Measured {
-    let position = unit.measured(sample);
-    let mut deviation = position;
-    for (deviation, planned) in deviation.iter_mut().zip(unit.planned(sample.time_ns)) {
-        *deviation -= planned;
-    }
-    Measured { time_ns: sample.time_ns, position, deviation }
 }
 
 impl Plant for Hardware {

@@ -217,6 +217,11 @@ impl<'m> JobSetpoints<'m> {
         self.tracks.at(time_ns)
     }
 
+    /// Whether blocks take an axis from the `[[cams]]` of the machine file that has it follow `master`, or move their zeros.
+    pub(crate) fn disturbs(&self, slave: usize, master: usize) -> bool {
+        self.engine.as_ref().is_some_and(|engine| engine.disturbs(slave, master))
+    }
+
     /// What tappets switch: the bits of the set-points in their order.
     pub(crate) fn signals(&self) -> &[Signal] {
         self.tracks.signals()
@@ -348,7 +353,8 @@ fn bears(axis: &Axis) -> Bears {
 fn start(machine: &Machine, said: &[(usize, f64)]) -> Result<Vec<f64>, Box<Finding>> {
     let first = Place { line: 1, block: None };
     let all = (0..machine.axes.len()).all(|axis| said.iter().any(|(other, _)| *other == axis));
-    let axes = match machine.start_axes() {
+    // Slaves come to where their masters have them below, wherever the job puts these.
+    let axes = match machine.start_without_slaves() {
         Some(axes) => axes,
         // Nothing of it counts.
         None if all => machine.middle(),

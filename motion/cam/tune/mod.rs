@@ -25,7 +25,7 @@ pub use chance::student_exceeds;
 pub use dead_time::{DeadTime, Switching, dead_time};
 pub use fit::{Fit, FitOptions, Free, Sample, fit};
 pub use gentle::{Bound, Gentle, GentleError, GentleWish, gentle};
-pub use ramp_in::{RampError, RampGoal, RampIn, RampWish, ramp_in};
+pub use ramp_in::{Held, RampError, RampGoal, RampIn, RampWish, ramp_in};
 pub use reshape::{ReshapeError, Reshaped, Softened, Tolerance, Wish, reshape, soften};
 pub use student::student_975;
 
@@ -55,7 +55,10 @@ impl Estimate {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FitError {
     /// Too few samples.
-    #[error("{found} samples are too few for {unknowns} unknowns: {needed} are needed")]
+    #[error(
+        "{found} sample{} too few for {unknowns} unknown{}: {needed} are needed",
+        if *.found == 1 { " is" } else { "s are" }, if *.unknowns == 1 { "" } else { "s" }
+    )]
     TooFew {
         /// How many there are.
         found: usize,

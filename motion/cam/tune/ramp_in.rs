@@ -15,7 +15,7 @@ use super::super::curve::{Curve, CurveExtremes};
 use super::super::selection::{CamInput, StartMode};
 use super::along::extremes_along;
 use super::ramp_course::Way;
-pub use super::ramp_wish::{RampError, RampGoal, RampIn, RampWish};
+pub use super::ramp_wish::{Held, RampError, RampGoal, RampIn, RampWish};
 use crate::axis::gear::{Approach, Gap};
 use crate::axis::profile::{AxisLimits, RampType};
 use crate::cam::SlaveLimits;
@@ -32,6 +32,8 @@ const LAST_CHANGE: f64 = 1.0 + 1e-7;
 const LEAST: f64 = 1.0 / 8_388_608.0;
 /// Of a limit this part is rounding.
 const ROUNDING: f64 = 1e-12;
+/// A ramp that is sooner by this part is sooner.
+const HELD: f64 = 1e-3;
 /// What is known of a ramp's values: less than this part is what the search left over.
 const NEAT: f64 = 1e-7;
 
@@ -63,7 +65,11 @@ pub fn ramp_in(wish: &RampWish) -> Result<RampIn, RampError> {
         }
         RampGoal::Soonest => problem.neat(problem.modest(soonest)?, f64::INFINITY),
         RampGoal::Gentlest { within_s, .. } if soonest.duration_s > within_s => {
-            Err(RampError::TooLate { soonest_s: soonest.duration_s, within_s })
+            let free = Problem { most: f64::INFINITY, ..problem };
+            let free_s = free.improved(soonest, &WAYS, &|ramp| ramp.duration_s)?.duration_s;
+            let sooner = free_s < soonest.duration_s * (1.0 - HELD);
+            let held = sooner.then_some(Held { velocity: most, free_s });
+            Err(RampError::TooLate { soonest_s: soonest.duration_s, within_s, held })
         }
         RampGoal::Gentlest { within_s, least } => {
             problem.neat(problem.modest(problem.gentlest(&soonest, within_s, least)?)?, within_s)
@@ -99,6 +105,7 @@ fn values(ramp: &RampIn) -> Values {
     [ramp.velocity_difference, ramp.acceleration, ramp.deceleration, ramp.ramp_jerk]
 }
 
+#[derive(Clone, Copy)]
 pub(super) struct Problem<'a> {
     pub(super) wish: &'a RampWish,
     /// `VelocityDiff` is no more: a gentle ramp has none beyond the axis's own velocity, even where the cam comes towards the

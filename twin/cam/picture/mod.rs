@@ -1,18 +1,20 @@
 //! Pictures of cams: position, velocity, acceleration and jerk over the master, and the tappets below.
 
-use super::CamFile;
 mod bars;
+mod lines;
 
 pub(super) use bars::on_stretches;
 
+use super::CamFile;
 use super::check::CamUse;
 use super::file::digits;
-use super::sample::{at, reach as reached, reaches};
+use super::sample::{reach as reached, reaches};
 use crate::chart::{
     Area, Failure, GAP, LEFT, RIGHT, Row, Sign, TOP, WIDTH, color_of, dashes, legend,
     legend_places, line, ticks, title, words,
 };
 use crate::page::{FAINT, INK, MARK, color, fine, font, resized, stroke};
+use lines::{curve, line_of};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use twin_motion::cam::SlaveLimits;
@@ -24,8 +26,8 @@ const BAR: f64 = 14.0;
 const BETWEEN: f64 = 6.0;
 /// Room for the numbers and the name of the master, pixels.
 const MASTERS: f64 = 50.0;
-/// Points of a curve over the whole width.
-const POINTS: f64 = 1800.0;
+/// Values that are less are rounding.
+const DUST: f64 = 1e-12;
 
 /// A picture that could not be drawn.
 #[derive(Debug, thiserror::Error)]
@@ -70,6 +72,8 @@ pub fn draw(
 struct Strip {
     name: &'static str,
     unit: String,
+    /// What values are divided by.
+    scale: f64,
     row: Row,
     curves: Vec<Vec<Vec<(f64, f64)>>>,
     /// Least and greatest of the last one, whatever its master does.
@@ -141,14 +145,15 @@ impl<'a> Page<'a> {
         mut sides: Vec<Vec<(f64, f64)>>,
         mut limits: Vec<f64>,
     ) {
-        // Numbers of more than five digits have no room beside the row.
+        // Numbers of more than five digits, or with more than three behind the point, have no room beside the row.
         let pieces = curves.iter().flatten().chain(&sides);
         let reached = pieces.flatten().map(|(_, value)| value.abs());
         let most = reached.filter(|value| value.is_finite()).fold(0.0, f64::max);
-        if most >= 1e5 {
+        let mut scale = 1.0;
+        if most >= 1e5 || (most > DUST && most < 5e-3) {
             #[expect(clippy::cast_possible_truncation, reason = "a power of ten")]
             let power = (most.log10() / 3.0).floor() as i32 * 3;
-            let scale = 10_f64.powi(power);
+            scale = 10_f64.powi(power);
             let pieces = curves.iter_mut().flatten().chain(&mut sides);
             for (_, value) in pieces.flatten() {
                 *value /= scale;
@@ -160,7 +165,7 @@ impl<'a> Page<'a> {
         }
         let pieces = curves.iter().flatten().chain(&sides);
         let values = pieces.flatten().map(|(_, value)| *value);
-        let of_run = self.recorded.points.iter().map(|(_, slave)| *slave);
+        let of_run = self.recorded.points.iter().map(|(_, slave)| *slave / scale);
         let of_run = of_run.filter(|_| name == "position");
         let [low, high] = reach(values.chain(of_run)).unwrap_or([0.0, 1.0]);
         // Limits that are far away would make a line of the curve.
@@ -173,7 +178,7 @@ impl<'a> Page<'a> {
         let room = ((high - low) * 0.12).max(f64::MIN_POSITIVE);
         let range = if high > low { [low - room, high + room] } else { [low - 1.0, high + 1.0] };
         let row = Row { top: self.bottom, height: HEIGHT, range };
-        self.strips.push(Strip { name, unit, row, curves, sides, limits: near });
+        self.strips.push(Strip { name, unit, scale, row, curves, sides, limits: near });
         self.bottom += HEIGHT + GAP;
     }
 
@@ -219,12 +224,12 @@ impl<'a> Page<'a> {
     }
 
     fn strip(&self, root: &Area<'_>, strip: &Strip) -> Result<(), Failure> {
-        let Strip { name, unit, row, curves, sides, limits } = strip;
+        let Strip { name, unit, scale, row, curves, sides, limits } = strip;
         let at: Vec<_> = self.ticks().into_iter().map(|(x, _)| x).collect();
         row.draw_over(root, &at, [name, &format!("({unit})")])?;
         if *name == "position" {
             for (master, slave) in &self.recorded.points {
-                let place = (fine(self.x(*master)), fine(row.y(*slave)));
+                let place = (fine(self.x(*master)), fine(row.y(*slave / scale)));
                 root.draw(&Circle::new(place, stroke(1.5), MARK.mix(0.55).filled()))?;
             }
         }
@@ -339,60 +344,17 @@ impl<'a> Page<'a> {
     }
 }
 
-/// Pieces of a curve of one quantity.
-fn curve(shown: &Shown<'_>, quantity: usize) -> Vec<Vec<(f64, f64)>> {
-    line_of(shown, &|place| {
-        let [_, others @ ..] = at(shown.file, shown.using, place);
-        others.get(quantity).copied().unwrap_or_default()
-    })
-}
-
-/// Pieces of a line over the master: each polynomial for itself, for what jumps between them.
-fn line_of(shown: &Shown<'_>, value: &dyn Fn(f64) -> f64) -> Vec<Vec<(f64, f64)>> {
-    let joints: Vec<_> = shown.file.cam.curve().joints().collect();
-    let width = shown.file.cam.curve().end() - shown.file.cam.curve().start();
-    let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
-    for pair in joints.windows(2) {
-        let [from, to] = pair else { continue };
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a share of points"
-        )]
-        let count = ((to - from) / width * POINTS).ceil().max(1.0) as usize;
-        let mut piece: Vec<(f64, f64)> = Vec::with_capacity(count + 1);
-        for index in 0..=count {
-            #[expect(clippy::cast_precision_loss, reason = "a share of points")]
-            let inside = from + (to - from) * index as f64 / count as f64;
-            // Its own end, not the begin of the next.
-            let place = if index == count { to.next_down() } else { inside };
-            piece.push((shown.using.master_at(place), value(place)));
-        }
-        match (pieces.last_mut(), piece.first()) {
-            // What does not jump is one line.
-            (Some(before), Some(first))
-                if before.last().is_some_and(|last| alike(last.1, first.1)) =>
-            {
-                before.extend(piece);
-            }
-            _ => pieces.push(piece),
-        }
-    }
-    pieces
-}
-
 /// A number as an exponent.
 fn superscript(number: i32) -> String {
     let digits = "⁰¹²³⁴⁵⁶⁷⁸⁹";
     let raised = |digit: char| {
+        if digit == '-' {
+            return '⁻';
+        }
         let index = digit.to_digit(10).and_then(|digit| usize::try_from(digit).ok());
         index.and_then(|index| digits.chars().nth(index)).unwrap_or(digit)
     };
     number.to_string().chars().map(raised).collect()
-}
-
-fn alike(one: f64, other: f64) -> bool {
-    (one - other).abs() <= 1e-6 * one.abs().max(other.abs())
 }
 
 /// What was before stands back behind what is now.

@@ -565,3 +565,77 @@ fn a_slave_without_a_scale_has_that_of_its_curve() {
     let scale = read(still).expect("a cam").slave;
     assert_eq!((scale.min, scale.max), (2.5, 3.5));
 }
+
+/// As tables are: by the file. A name that is said counts, and has to say something.
+#[test]
+fn a_cam_without_a_name_is_called_as_its_file() {
+    let text = "master = { min = 0, max = 360 }\nslave = { min = 0, max = 1 }\n\
+                elements = [{ master = 0, slave = 0 }, { master = 360, slave = 1 }]\n";
+    let read = |text: &str| CamFile::from_toml(Path::new("cams/lift.toml"), text.to_owned());
+    assert_eq!(read(text).expect("a cam").cam.name(), "lift");
+    let named = format!("name = \"other\"\n{text}");
+    assert_eq!(read(&named).expect("a cam").cam.name(), "other");
+    let error = read(&format!("name = 5\n{text}")).expect_err("no text").to_string();
+    let mistyped = read(&format!("nmae = \"x\"\n{text}")).expect_err("no such key");
+    assert!(!error.is_empty() && format!("{mistyped:?}").contains("nmae"), "{mistyped:?}");
+}
+
+/// What is wrong is told once: what the rest of the file makes of it, or what had not been looked at yet, is no news.
+#[test]
+fn one_mistake_is_one_message() {
+    let scales = "master = { min = 0, max = 360 }\nslave = { min = 0, max = 1 }\n";
+    let good = "elements = [{ master = 0, slave = 0 }, { master = 360, slave = 1 }]\n";
+    let told = |text: &str| -> Vec<String> {
+        problems(&format!("{scales}{text}")).into_iter().map(|(message, _)| message).collect()
+    };
+    let found = told("elements = [{ master = \"0\", slave = 0 }, { master = 360, slave = 1 }]\n");
+    assert_eq!(found, ["`master` is a string; expected a number"]);
+    let found = told("elemnts = [{ master = 0, slave = 0 }]\n");
+    let [none, unknown] = found.as_slice() else { panic!("{found:?}") };
+    assert!(none.contains("no `elements`") && unknown.contains("`elemnts`"), "{found:?}");
+    // Every key of [coupling] is known whatever is wrong with another one.
+    let keys = "master_offset = 1\nmaster_scaling = 2\nslave_offset = 3\nslave_scaling = 4\nvelocity_difference = 5\n\
+                acceleration = 6\ndeceleration = 7\ntappet_hysteresis = 8\nwanted_master_offset = 1\n\
+                wanted_master_scaling = 2\nwanted_slave_offset = 3\nwanted_slave_scaling = 4\ndead_time_s = 0.001\n";
+    for (right, wrong, said) in [
+        ("", "start_mode = \"ramp\"\n", "`start_mode` is \"ramp\""),
+        ("master_offset = 1\n", "master_offset = 1e300\n", "`master_offset` is 1e300"),
+        ("slave_scaling = 4\n", "slave_scaling = 0\n", "`slave_scaling` is 0"),
+        (
+            "wanted_master_scaling = 2\n",
+            "wanted_master_scaling = 0\n",
+            "`wanted_master_scaling` is 0",
+        ),
+    ] {
+        let keys = format!("\n{keys}").replacen(&format!("\n{right}"), &format!("\n{wrong}"), 1);
+        let found = told(&format!("{good}[coupling]{keys}"));
+        let [one] = found.as_slice() else { panic!("{found:?}") };
+        assert!(one.starts_with(said), "{one}");
+    }
+    let machine = include_str!("../../../machines/gantry3.toml");
+    let found: Vec<_> = problems(machine).into_iter().map(|(message, _)| message).collect();
+    assert_eq!(found, ["this is a machine file, no cam"]);
+}
+
+/// As spreadsheets and controllers write them: bits as words; and what cannot be meant is told with its line.
+#[test]
+fn runs_as_others_write_them() {
+    let parse = |text: &str| {
+        let run = crate::cam::run::RecordedRun::parse(Path::new("run.csv"), text.as_bytes());
+        run.map_err(|error| error.to_string())
+    };
+    let bits = parse("\u{feff}time,master,slave,tappet_3\r\n0,0,0,FALSE\r\n0.1,3,4,TRUE\r\n");
+    let outputs: Vec<_> = bits.expect("a run").samples.into_iter().map(|one| one.outputs).collect();
+    assert_eq!(outputs, [[false], [true]]);
+    for (text, line, said) in [
+        ("time,master,slave\n0,0,0\n0.1,TRUE,0\n", 3, "`master` is `TRUE`, which is no number"),
+        ("time,master,slave\n0,0,0\n0.1,1e300,0\n", 3, "`master` is 1e300, which is beyond ±1e15"),
+        ("time,master,slave\n0,0,0\n0,1,0,2,0,3\n", 3, "decimal commas"),
+        ("time;master;slave\n0;0;0\n0;1;2;3\n", 3, "4 columns instead of 3"),
+    ] {
+        let error = parse(text).expect_err("wrong");
+        assert!(error.contains(&format!("line {line}: ")) && error.contains(said), "{error}");
+    }
+    let tab = parse("time\tmaster\tslave\n0\t0\t0\n0,1\t1,5\t2\n").expect("a run");
+    assert_eq!((tab.samples[1].time_s, tab.samples[1].master), (0.1, 1.5));
+}

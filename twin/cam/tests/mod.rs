@@ -2,10 +2,13 @@
 
 #![expect(clippy::float_cmp, reason = "given, or to be the same bit for bit")]
 
+mod drawn;
 mod files;
 mod found;
 mod hostile;
 mod outputs;
+mod passages;
+mod random;
 mod sampled;
 mod shown;
 mod tuned;

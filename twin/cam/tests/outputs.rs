@@ -20,10 +20,10 @@ tappets = [
 ]
 "#;
 
-const VELOCITY: f64 = 300.0;
+pub(super) const VELOCITY: f64 = 300.0;
 
 /// Ten seconds, a sample every `between`; `outputs` says of the time what is on.
-fn recorded(
+pub(super) fn recorded(
     groups: &[i16],
     between: f64,
     count: u32,
@@ -38,31 +38,31 @@ fn recorded(
 }
 
 /// The output of tappets from `on` to `off`, each edge so much later, s.
-fn late(time: f64, [on, off]: [f64; 2], [rise, fall]: [f64; 2]) -> bool {
+pub(super) fn late(time: f64, [on, off]: [f64; 2], [rise, fall]: [f64; 2]) -> bool {
     let since = |place: f64, dead: f64| (VELOCITY * (time - dead) - place).rem_euclid(360.0);
     since(on, rise) < since(off, fall)
 }
 
-fn told(run: &RecordedRun) -> Result<Estimate, TuneError> {
+pub(super) fn told(run: &RecordedRun) -> Result<Estimate, TuneError> {
     let (file, use_it) = two();
     run_dead_time(&file, &use_it, run).map(|(found, _)| found.dead_time_s)
 }
 
-fn two() -> (CamFile, CamUse) {
+pub(super) fn two() -> (CamFile, CamUse) {
     let file = cam(TWO);
     let use_it = using(&file, VELOCITY, AxisLimits::NONE);
     (file, use_it)
 }
 
-fn output_error(run: &RecordedRun) -> OutputError {
+pub(super) fn output_error(run: &RecordedRun) -> OutputError {
     match told(run) {
         Err(TuneError::Output(error)) => error,
         other => panic!("{other:?}"),
     }
 }
 
-const FIRST: [f64; 2] = [60.0, 200.0];
-const SECOND: [f64; 2] = [100.0, 300.0];
+pub(super) const FIRST: [f64; 2] = [60.0, 200.0];
+pub(super) const SECOND: [f64; 2] = [100.0, 300.0];
 
 /// Group 1 is 5 ms late and group 2 later, without any scatter: no dead time is both, and both are told. Of the same dead
 /// time, within what samples tell, it is found.

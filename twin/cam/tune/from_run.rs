@@ -4,10 +4,12 @@ use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample};
 use super::TuneError;
-use super::tappets::{refuse_contradictory, refuse_random};
+use super::tappets::{CHANCE, refuse_contradictory, refuse_random};
+use std::borrow::Cow;
 use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{
     DeadTime, Estimate, Fit, FitError, FitOptions, Free, Sample, Switching, dead_time, fit,
+    student_975, student_exceeds,
 };
 use twin_motion::cam::{Action, Passage, Tappet};
 
@@ -99,11 +101,21 @@ pub struct Seen {
     pub within_s: f64,
     /// After what time the master comes to a tappet that switches so again, s.
     pub every_s: f64,
+    /// What noise of the master makes of the tappet's time, standard deviation, s.
+    pub noise_s: f64,
     /// For the fit.
     pub switching: Switching,
 }
 
-/// What the outputs of a run tell of the tappets that switch them.
+/// A run whose master goes on where its positions begin again: recorded within its period it is unwound, so that it passes the
+/// tappets of a cam that is put end to end.
+pub fn unwound<'a>(file: &CamFile, using: &CamUse, run: &'a RecordedRun) -> Cow<'a, RecordedRun> {
+    let curve = file.cam.curve();
+    let turn = (curve.end() - curve.start()) / using.coupling.input.master_scaling.abs();
+    if using.repeated { run.unwound(turn) } else { Cow::Borrowed(run) }
+}
+
+/// What the outputs of a run tell of the tappets that switch them; its master is to be [`unwound`].
 ///
 /// An output that changes between two samples is taken to change half way between, and the tappet to be passed when the
 /// master, on straight lines between the samples, was there. Whose tappet it was is the nearest one that switches so in the
@@ -115,6 +127,7 @@ pub fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<Seen
         .iter()
         .map(|sample| (sample.time_s, sample.master * input.master_scaling + input.master_offset))
         .collect();
+    let noise = (run.noise() * input.master_scaling).abs();
     let mut seen = Vec::new();
     for (index, pair) in run.samples.windows(2).enumerate() {
         let ([before, after], Some([from, to])) = (pair, places.get(index..index + 2)) else {
@@ -132,6 +145,10 @@ pub fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<Seen
             else {
                 continue;
             };
+            // Between samples that are so far apart any tappet may have switched it.
+            if (to.1 - from.1).abs() >= every {
+                continue;
+            }
             let target = place - far - velocity * delay;
             if let Some(passed) = passage(&places, index, target, velocity) {
                 let behind_s = time - passed - delay;
@@ -143,7 +160,17 @@ pub fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<Seen
                 };
                 let (within_s, every_s) = ((to.0 - from.0) / 2.0, every / velocity.abs());
                 let (line, group, on) = (after.line, *group, *is);
-                seen.push(Seen { line, group, on, behind_s, within_s, every_s, switching });
+                let noise_s = noise / velocity.abs();
+                seen.push(Seen {
+                    line,
+                    group,
+                    on,
+                    behind_s,
+                    within_s,
+                    every_s,
+                    noise_s,
+                    switching,
+                });
             }
         }
     }
@@ -240,7 +267,10 @@ pub fn tappet_dead_time(
     // Samples alone make switchings differ by this much.
     let usual = apart.max(between_s / 4.0);
     let far = |seen: &&Seen| (seen.behind_s - middle).abs() > OUTLIER * usual;
-    if let Some(outlier) = seen.iter().find(far) {
+    let near: Vec<_> = seen.iter().filter(|one| !far(one)).map(|one| one.behind_s).collect();
+    if let Some(outlier) =
+        seen.iter().find(|one| far(one) && is_outlier(one.behind_s, &near, between_s))
+    {
         // A heap of them is no accident of one.
         refuse_contradictory(seen)?;
         let (line, behind_s) = (outlier.line, outlier.behind_s);
@@ -253,8 +283,10 @@ pub fn tappet_dead_time(
     let value = found.dead_time_s.value + using.coupling.dead_time_s;
     let every_s = median(seen.iter().map(|seen| seen.every_s).collect());
     let [longest, widest] = TOLD_APART.map(|part| part * every_s);
-    // What samples cannot tell better is no scatter.
-    if found.dead_time_s.half_width > widest.max(2.0 * sampling) {
+    // What samples cannot tell better is no scatter: half of them at one end of what they leave open, half at the other.
+    #[expect(clippy::cast_precision_loss, reason = "a count of switchings")]
+    let open = sampling * (student_975(count - 1) / ((count - 1) as f64).sqrt()).max(2.0);
+    if found.dead_time_s.half_width > widest.max(open) {
         return Err(TuneError::Scattered { count, half_width_s: half_width, every_s });
     }
     refuse_random(seen)?;
@@ -266,6 +298,21 @@ pub fn tappet_dead_time(
         return Err(TuneError::Late { value_s: found.dead_time_s.value, every_s });
     }
     Ok(DeadTime { dead_time_s: Estimate { value, half_width }, ..found })
+}
+
+/// Whether a switching is none of the others by Student's t, however few these are: the median of few says little of how they
+/// scatter.
+fn is_outlier(behind_s: f64, others: &[f64], between_s: f64) -> bool {
+    #[expect(clippy::cast_precision_loss, reason = "a count of switchings")]
+    let count = others.len() as f64;
+    if count < 2.0 {
+        return false;
+    }
+    let mean = others.iter().sum::<f64>() / count;
+    let square = others.iter().map(|other| (other - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    // Anywhere between two samples has this variance.
+    let usual = (square.max(between_s * between_s / 12.0) * (1.0 + 1.0 / count)).sqrt();
+    student_exceeds((behind_s - mean) / usual, count - 1.0) * (count + 1.0) < CHANCE
 }
 
 pub(super) fn median(mut values: Vec<f64>) -> f64 {

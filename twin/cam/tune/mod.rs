@@ -3,13 +3,14 @@
 mod correct;
 mod from_run;
 mod minimise;
+mod passed;
 mod recorded;
 mod shape;
 mod tappet_error;
 mod tappets;
 
 pub use correct::{Deviation, as_fitted, corrected, wanted, wants};
-pub use from_run::{Seen, errors, fit_run, rms, rounded, switchings, tappet_dead_time};
+pub use from_run::{Seen, errors, fit_run, rms, rounded, switchings, tappet_dead_time, unwound};
 pub use minimise::{Least, Minimised, minimise};
 pub use recorded::{master_motion, start, travel};
 pub use shape::{PointTolerance, ShapeGoal, Shaped, shape};

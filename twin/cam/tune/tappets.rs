@@ -5,21 +5,23 @@ use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::RecordedRun;
 use super::TuneError;
-use super::from_run::{Seen, median, switchings, tappet_dead_time};
+use super::from_run::{Seen, median, switchings, tappet_dead_time, unwound};
+use super::passed::refuse_count;
 use super::tappet_error::{OutputError, Part, SwitchingPart};
 use twin_motion::cam::tune::{DeadTime, student_exceeds};
-use twin_motion::cam::{Action, Passage, Tappet};
 
 /// What noise does in one run of so many is told.
-const CHANCE: f64 = 1e-4;
+pub(super) const CHANCE: f64 = 1e-4;
 /// Switchings at random are taken for those of tappets in one run of so many.
 const AT_RANDOM: f64 = 1e-3;
 /// Switchings scatter by this part of the time from one tappet to the next at most.
 const SCATTER: f64 = 0.1;
+/// By this part of it, standard deviation, outputs scatter that nothing is wrong with.
+const OWN: f64 = 0.01;
+/// Places that random switchings keep to so often tell nothing.
+const TELLING: f64 = 0.1;
 /// With so many switchings each part has a scatter of its own.
 const OWN_SCATTER: f64 = 5.0;
-/// Outputs may switch so many times more than the tappets that were passed say: of two the run has not shown the passage.
-const PENDING: usize = 2;
 
 /// The dead time that a run's outputs tell, and of how many switchings.
 ///
@@ -36,6 +38,7 @@ pub fn run_dead_time(
     if let Some(group) = run.groups.iter().find(|group| !has.contains(group)) {
         return Err(OutputError::NoGroup { group: *group, has }.into());
     }
+    let run = &*unwound(file, using, run);
     let counted =
         (0..run.groups.len()).try_for_each(|output| refuse_count(file, using, run, output));
     let seen = switchings(file, using, run);
@@ -50,7 +53,9 @@ pub fn run_dead_time(
 /// Switchings that lie no closer together than those at random do.
 ///
 /// At random they are anywhere between two tappets. That all n of them lie within the part w of the way from one to the next,
-/// wherever, has the chance n·wⁿ⁻¹ (points on a circle, Stevens 1939).
+/// wherever, has the chance n·wⁿ⁻¹ (points on a circle, Stevens 1939). A few lie close together by chance more easily than
+/// their tappets can keep them: as far apart as what is known of their instants makes them, they are no more suspicious, if
+/// that would be told from chance at all.
 pub(super) fn refuse_random(seen: &[Seen]) -> Result<(), OutputError> {
     let mut groups: Vec<_> = seen.iter().map(|seen| seen.group).collect();
     groups.sort_unstable();
@@ -66,15 +71,27 @@ pub(super) fn refuse_random(seen: &[Seen]) -> Result<(), OutputError> {
         let ends = of_group.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], seen| {
             [low.min(seen.behind_s), high.max(seen.behind_s)]
         });
-        let within = (ends[1] - ends[0]) / every_s;
-        let chance = part.count * within.powf(part.count - 1.0);
+        let chance = |apart_s: f64| part.count * (apart_s / every_s).powf(part.count - 1.0);
         let scatter_s = (part.square / (part.count - 1.0)).sqrt();
-        // What samples cannot tell better is no scatter.
-        if chance > AT_RANDOM || scatter_s > (SCATTER * every_s).max(part.within_s) {
+        let [within_s, noise_s] = [|one: &Seen| one.within_s, |one: &Seen| one.noise_s]
+            .map(|of| of_group.iter().map(|one| of(one)).fold(0.0, f64::max));
+        let usual_s = 2.0 * within_s + range_of(part.count) * noise_s.hypot(OWN * every_s);
+        let apart_s = ends[1] - ends[0];
+        let close =
+            chance(apart_s) <= AT_RANDOM || (apart_s <= usual_s && chance(usual_s) <= TELLING);
+        // What samples and noise cannot tell better is no scatter.
+        if !close || scatter_s > (SCATTER * every_s).max(within_s + noise_s) {
             return Err(OutputError::Random { group, count, ends, every_s });
         }
     }
     Ok(())
+}
+
+/// So many times their standard deviation `count` values of normal noise lie apart at most, but in one case of 10,000: each of
+/// the pairs exceeds x·√2 with a chance of less than exp(−x²/2).
+fn range_of(count: f64) -> f64 {
+    let pairs = count * (count - 1.0) / 2.0;
+    2.0 * (pairs / CHANCE).ln().max(0.0).sqrt()
 }
 
 /// Groups, edges of one group, halves of the run and heaps of switchings that have different dead times.
@@ -111,7 +128,10 @@ fn median_line(seen: &[Seen]) -> u64 {
 }
 
 fn refuse_apart(parts: &[SwitchingPart]) -> Result<(), OutputError> {
-    let square: f64 = parts.iter().map(|part| part.square).sum();
+    // Samples may hide scatter: anywhere between two of them has this variance.
+    let hidden = |part: &SwitchingPart| part.within_s * part.within_s / 3.0;
+    let scatter = |part: &SwitchingPart| part.square.max((part.count - 1.0) * hidden(part));
+    let square: f64 = parts.iter().map(scatter).sum();
     let freedom: f64 = parts.iter().map(|part| (part.count - 1.0).max(0.0)).sum();
     for (index, one) in parts.iter().enumerate() {
         for other in parts.iter().skip(index + 1) {
@@ -138,7 +158,10 @@ fn refuse_apart(parts: &[SwitchingPart]) -> Result<(), OutputError> {
 
 /// How likely two means are so far apart by chance, each with its own scatter (Welch 1947, with Satterthwaite's freedom).
 fn welch(one: &SwitchingPart, other: &SwitchingPart, by: f64) -> f64 {
-    let [a, b] = [one, other].map(|part| part.square / (part.count - 1.0) / part.count);
+    let variance = |part: &SwitchingPart| {
+        (part.square / (part.count - 1.0)).max(part.within_s * part.within_s / 3.0) / part.count
+    };
+    let [a, b] = [one, other].map(variance);
     if a + b <= 0.0 {
         return 0.0;
     }
@@ -170,107 +193,3 @@ fn refuse_heaps(seen: &[Seen]) -> Result<(), OutputError> {
         && gap(at) > APART * scatter;
     if told { Err(OutputError::Contradictory { one, other }) } else { Ok(()) }
 }
-
-/// How often an output may have switched: what the tappets that the master passed say, one after the other.
-struct Passed {
-    /// Tappets of the group that were passed.
-    tappets: usize,
-    /// Changes of the bit.
-    changes: usize,
-    /// Changes from one sample to the next.
-    shown: usize,
-    /// Whether a pulse is among them, whose end is a matter of time.
-    timed: bool,
-}
-
-fn refuse_count(
-    file: &CamFile,
-    using: &CamUse,
-    run: &RecordedRun,
-    output: usize,
-) -> Result<(), OutputError> {
-    let Some(group) = run.groups.get(output).copied() else { return Ok(()) };
-    let value = |index: usize| {
-        run.samples.get(index).and_then(|sample| sample.outputs.get(output)).copied()
-    };
-    let count = (1..run.samples.len()).filter(|index| value(index - 1) != value(*index)).count();
-    let passed = passed(file, using, run, group, value(0).unwrap_or_default());
-    if count > passed.changes + PENDING {
-        let Passed { tappets, changes, .. } = passed;
-        return Err(OutputError::TooOften { group, count, tappets, changes });
-    }
-    // Where half of what was to be seen is not, something else decides.
-    if !passed.timed && 2 * count + PENDING < passed.shown {
-        let Passed { tappets, shown, .. } = passed;
-        return Err(OutputError::TooRare { group, count, tappets, changes: shown });
-    }
-    Ok(())
-}
-
-fn passed(file: &CamFile, using: &CamUse, run: &RecordedRun, group: i16, begin: bool) -> Passed {
-    let input = &using.coupling.input;
-    let curve = file.cam.curve();
-    let width = curve.end() - curve.start();
-    let tappets: Vec<&Tappet> =
-        file.cam.tappets().iter().filter(|tappet| tappet.group == group).collect();
-    let place = |master: f64| master * input.master_scaling + input.master_offset;
-    let mut found = Passed { tappets: 0, changes: 0, shown: 0, timed: false };
-    let mut on = begin;
-    for pair in run.samples.windows(2) {
-        let [from, to] = pair else { continue };
-        let (from, to) = (place(from.master), place(to.master));
-        let forwards = to > from;
-        let before = on;
-        let mut crossed: Vec<(f64, Action)> = Vec::new();
-        for tappet in &tappets {
-            let passes = match tappet.passage {
-                Passage::Every => true,
-                Passage::Positive => forwards,
-                Passage::Negative => !forwards,
-            };
-            if !passes || (from - to).abs() > MOST_PASSES * width {
-                continue;
-            }
-            if !using.repeated {
-                if (from < tappet.master) != (to < tappet.master) {
-                    crossed.push((tappet.master, tappet.action));
-                }
-                continue;
-            }
-            let passes = |at: f64| ((at - tappet.master) / width).floor();
-            let (mut pass, last) = (passes(from.min(to)) + 1.0, passes(from.max(to)));
-            while pass <= last {
-                crossed.push((tappet.master + pass * width, tappet.action));
-                let next = pass + 1.0;
-                // So far away no number tells one pass from the next.
-                if next <= pass {
-                    break;
-                }
-                pass = next;
-            }
-        }
-        crossed.sort_by(|one, other| one.0.total_cmp(&other.0));
-        if !forwards {
-            crossed.reverse();
-        }
-        found.tappets += crossed.len();
-        for (_, action) in crossed {
-            let next = match action {
-                Action::On => true,
-                Action::Off => false,
-                Action::Invert => !on,
-                Action::Timed { .. } => {
-                    (found.timed, found.changes) = (true, found.changes + 2);
-                    on
-                }
-            };
-            found.changes += usize::from(next != on);
-            on = next;
-        }
-        found.shown += usize::from(before != on);
-    }
-    found
-}
-
-/// More passes from one sample to the next say nothing of tappets.
-const MOST_PASSES: f64 = 2.0;

@@ -11,7 +11,7 @@ use twin_motion::cam::{Interpolation, MasterMotion};
 /// A finite number.
 pub(in crate::command) fn number(text: &str) -> Result<f64, String> {
     let number: f64 = text.trim().parse().ok().ok_or_else(|| format!("`{text}` is no number"))?;
-    if number.abs() <= 1e15 { Ok(number) } else { Err(format!("{number} is beyond ±1e15")) }
+    if number.abs() <= 1e15 { Ok(number) } else { Err(format!("`{text}` is beyond ±1e15")) }
 }
 
 /// A number that is greater than 0.

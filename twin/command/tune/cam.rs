@@ -1,28 +1,25 @@
 //! `twin tune cam`: offsets, scalings, dead times, ramps and shapes of cams.
 
 use super::least::{Find, LeastOptions, Shown, Sought, sought};
-use super::list;
 use super::outcome::{apply, moved, picture, too_jerky, with_knots};
 use super::report::Report;
+use super::words::{Format, Goal, Ramp, SlaveColumn, part, point, start};
 use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{
-    self, PointTolerance, ShapeGoal, TuneError, changes, errors, fit_run, minimise, ramp,
-    run_dead_time, shape, within_limits,
+    self, PointTolerance, TuneError, changes, errors, fit_run, minimise, ramp, run_dead_time,
+    shape, within_limits,
 };
-use crate::command::cam::{
-    LimitOptions, MasterOptions, UseOptions, load, magnitude, number, positive, show_findings,
-};
+use crate::command::cam::{LimitOptions, MasterOptions, UseOptions, load, positive, show_findings};
 use crate::command::whole;
 use crate::command::{Failure, Status};
 use crate::finding::{self, Rule};
-use clap::ValueEnum;
 use std::io;
 use std::path::PathBuf;
-use twin_motion::axis::profile::{RampType, State};
+use twin_motion::axis::profile::State;
 use twin_motion::cam::file::clean;
-use twin_motion::cam::tune::{Free, RampGoal, Tolerance};
+use twin_motion::cam::tune::{Free, RampGoal};
 use twin_motion::cam::{Quantity, StartMode};
 
 /// Tune a cam: offsets and scalings from a recorded run or within limits, the dead time of tappets, ramps, shapes
@@ -135,73 +132,6 @@ Examples:
   twin tune cam cam.toml --run run.csv --find slave-scaling=0.9..1.1 --minimise acceleration --tappet-tolerance 0,any
   twin tune cam cam.toml --reshape 120:2,0.5,0.01 --max-acceleration 20000 --write faster.toml
   twin tune cam cam.toml --ramp-in 0,35 --master-velocity 200 --max-velocity 900 --max-acceleration 20000";
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Format {
-    Human,
-    Json,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum SlaveColumn {
-    Measured,
-    Wanted,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Ramp {
-    Trapezoid,
-    Sigmoid,
-    Parabolic,
-}
-
-impl From<Ramp> for RampType {
-    fn from(ramp: Ramp) -> Self {
-        match ramp {
-            Ramp::Trapezoid => Self::Trapezoid,
-            Ramp::Sigmoid => Self::Sigmoid,
-            Ramp::Parabolic => Self::Parabolic,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Goal {
-    Speed,
-    Acceleration,
-    Jerk,
-}
-
-impl From<Goal> for ShapeGoal {
-    fn from(goal: Goal) -> Self {
-        match goal {
-            Goal::Speed => Self::Speed,
-            Goal::Acceleration => Self::Peak(Quantity::Acceleration),
-            Goal::Jerk => Self::Peak(Quantity::Jerk),
-        }
-    }
-}
-
-fn part(text: &str) -> Result<f64, String> {
-    let part = positive(text)?;
-    if part < 1.0 { Ok(part) } else { Err(format!("{part} is not less than 1")) }
-}
-
-fn point(text: &str) -> Result<PointTolerance, String> {
-    let (master, tolerances) = text
-        .split_once(':')
-        .ok_or("expected MASTER:SLAVE[,VELOCITY[,ACCELERATION]], like 120:2,0.5")?;
-    let master = if master.trim() == "all" { None } else { Some(number(master)?) };
-    let [slave, velocity, acceleration] = list::<3>(tolerances, 1)?;
-    for value in [slave, velocity, acceleration] {
-        magnitude(&value.to_string())?;
-    }
-    Ok(PointTolerance { master, tolerance: Tolerance { slave, velocity, acceleration } })
-}
-
-fn start(text: &str) -> Result<Shown<[f64; 3]>, String> {
-    if text.trim() == "run" { Ok(Shown::Run) } else { list(text, 2).map(Shown::Given) }
-}
 
 impl Arguments {
     fn free(&self) -> Free {

@@ -2,8 +2,11 @@
 
 mod cam;
 mod least;
+mod object;
 mod outcome;
+mod peaks;
 mod report;
+mod words;
 
 use super::cam::number;
 use super::{Failure, Status};

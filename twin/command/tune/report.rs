@@ -1,27 +1,26 @@
 //! What was found, for people and as an object.
 
-use super::cam::Format;
+use super::words::Format;
 use crate::cam::CamFile;
 use crate::cam::check::CamUse;
 use crate::cam::edit::Change;
 use crate::cam::tune::{Minimised, ShapeGoal, Shaped};
 use crate::command::show::table;
-use crate::number::{at_most, beside, significant};
-use serde_json::{Value, json};
+use crate::number::{beside, significant};
 use std::io::{self, Write};
 use twin_motion::axis::profile::RampType;
 use twin_motion::cam::tune::{DeadTime, Estimate, Fit, RampIn};
-use twin_motion::cam::{Curve, MasterMotion, Quantity};
+use twin_motion::cam::{MasterMotion, Quantity};
 
 /// Six significant digits.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     significant(value, 6)
 }
 
 /// Everything that was found.
 #[derive(Debug)]
 pub(super) struct Report<'a> {
-    file: &'a CamFile,
+    pub(super) file: &'a CamFile,
     pub(super) before: CamUse,
     pub(super) after: CamUse,
     /// What a slave that was measured is to do.
@@ -73,7 +72,7 @@ impl<'a> Report<'a> {
     }
 
     /// An offset or a scaling, in the order of the inputs; what is rounding beside the cam is 0.
-    fn input(&self, index: usize, value: f64) -> String {
+    pub(super) fn input(&self, index: usize, value: f64) -> String {
         let curve = self.file.cam.curve();
         let scales = [curve.end() - curve.start(), 1.0, self.height(), 1.0];
         beside(value, scales.get(index).copied().unwrap_or_default(), 6)
@@ -86,17 +85,17 @@ impl<'a> Report<'a> {
     }
 
     /// A place of the master.
-    fn place(&self, at: f64) -> String {
+    pub(super) fn place(&self, at: f64) -> String {
         let curve = self.file.cam.curve();
         beside(at, (curve.end() - curve.start()) / self.before.coupling.input.master_scaling, 6)
     }
 
     /// A position of the slave, or how far it is from one.
-    fn slave(&self, position: f64) -> String {
+    pub(super) fn slave(&self, position: f64) -> String {
         beside(position, self.height(), 6)
     }
 
-    fn estimates(fit: &Fit) -> [(&'static str, Estimate); 4] {
+    pub(super) fn estimates(fit: &Fit) -> [(&'static str, Estimate); 4] {
         [
             ("MasterOffset", fit.master_offset),
             ("MasterScaling", fit.master_scaling),
@@ -138,7 +137,7 @@ impl<'a> Report<'a> {
     }
 
     /// The lines that apply it: of the TOML file, and the inputs of the blocks.
-    fn lines(&self) -> (Vec<String>, Vec<String>) {
+    pub(super) fn lines(&self) -> (Vec<String>, Vec<String>) {
         let inputs = self.after.coupling.numbers();
         let (mut file, mut block) = (Vec::new(), Vec::new());
         for change in &self.changes {
@@ -159,7 +158,7 @@ impl<'a> Report<'a> {
         (file, block)
     }
 
-    fn points(&self) -> Vec<String> {
+    pub(super) fn points(&self) -> Vec<String> {
         let point = |change: &Change| {
             let Change::Point(knot) = change else { return None };
             Some(format!(
@@ -345,156 +344,13 @@ impl<'a> Report<'a> {
         }
         Ok(())
     }
-
-    fn tell_shape(&self, out: &mut impl Write, shaped: &Shaped) -> io::Result<()> {
-        let (master, slave) = (self.file.master.unit(), self.file.slave.unit());
-        let (before, after) = (short(shaped.before), short(shaped.after));
-        match self.goal {
-            Some(ShapeGoal::Peak(quantity)) => writeln!(
-                out,
-                "shape: the slave's largest {quantity} falls from {before} to {after} {}",
-                of(slave, quantity)
-            )?,
-            _ => writeln!(
-                out,
-                "shape: the master may go {} {master}/s, it was {} {master}/s",
-                at_most(shaped.after, 6),
-                at_most(shaped.before, 6)
-            )?,
-        }
-        if let Some((quantity, at)) = shaped.limited {
-            writeln!(
-                out,
-                "  now limited by the slave's {quantity} at master {} {master}",
-                self.place(at)
-            )?;
-        }
-        for (at, reached, limit) in self.beyond(shaped) {
-            let edge = if reached > limit { "most" } else { "least" };
-            writeln!(
-                out,
-                "  the slave leaves its old range: it goes to {} {slave} at master {} {master}, it was {} at {edge}",
-                self.slave(reached),
-                self.place(at),
-                self.slave(limit)
-            )?;
-        }
-        writeln!(out, "  {} linear programs", shaped.programs)
-    }
-
-    /// The smallest peak, and what holds the values.
-    fn tell_least(&self, out: &mut impl Write, least: &Minimised) -> io::Result<()> {
-        let Minimised { quantity, from, before, after, held, part } = least;
-        let unit = of(self.file.slave.unit(), *quantity);
-        let way = if *part { " on the way of the master" } else { "" };
-        let [before, after] = [before, after].map(|peak| short(*peak));
-        writeln!(out, "the slave's largest {quantity}{way}: {before} → {after} {unit}")?;
-        let pairs = from.iter().copied().zip(self.after.coupling.numbers());
-        for (index, ((before, (_, name, after)), held)) in pairs.zip(held).enumerate() {
-            if before.to_bits() == after.to_bits() && held.is_empty() {
-                continue;
-            }
-            let by = if held.is_empty() {
-                String::new()
-            } else {
-                format!(", held by {}", held.join(" and "))
-            };
-            let [before, after] = [before, after].map(|value| self.input(index, value));
-            writeln!(out, "  {name}: {before} → {after}{by}")?;
-        }
-        Ok(())
-    }
-
-    /// Where a shape takes the slave beyond the positions it had: master, position, and what it was at most or at least.
-    fn beyond(&self, shaped: &Shaped) -> Vec<(f64, f64, f64)> {
-        let Ok(curve) = Curve::polynomial(&shaped.knots) else { return Vec::new() };
-        let using = &self.after;
-        let ends = |curve: &Curve| {
-            let y = curve.extremes().position;
-            let ends = [(y.min, y.at_min), (y.max, y.at_max)]
-                .map(|(y, at)| (using.slave_at(y), using.master_at(at)));
-            if using.coupling.input.slave_scaling < 0.0 { [ends[1], ends[0]] } else { ends }
-        };
-        let [old, new] = [ends(self.file.cam.curve()), ends(&curve)];
-        let room = 1e-9 * (old[1].0 - old[0].0).abs();
-        let beyond = [new[0].0 < old[0].0 - room, new[1].0 > old[1].0 + room];
-        let all = old.into_iter().zip(new).zip(beyond).filter(|(_, beyond)| *beyond);
-        all.map(|(((limit, _), (reached, at)), _)| (at, reached, limit)).collect()
-    }
-
-    fn json(&self) -> Value {
-        let estimate = |Estimate { value, half_width }: Estimate| json!({ "value": value, "half_width_95": half_width });
-        let fit = self.fit.as_ref().map(|fit| {
-            let named = Self::estimates(fit).map(|(name, found)| (name.to_owned(), estimate(found)));
-            json!({
-                "estimates": named.into_iter().collect::<serde_json::Map<_, _>>(),
-                "samples": self.samples, "rms_before": self.error_before, "rms_after": self.error_after,
-                "correlation": fit.correlation, "noise": !self.doubtful,
-                "quantum": fit.quantum, "bias": fit.bias,
-            })
-        });
-        let dead_time = self.dead_time.as_ref().map(|(found, count)| {
-            json!({ "dead_time_s": estimate(found.dead_time_s), "switchings": count })
-        });
-        let shape = self.shaped.as_ref().map(|shaped| {
-            let what = match self.goal {
-                Some(ShapeGoal::Peak(quantity)) => format!("peak {quantity}"),
-                _ => "master velocity".to_owned(),
-            };
-            json!({
-                "of": what, "before": shaped.before, "after": shaped.after,
-                "limited_by": shaped.limited.map(|(quantity, _)| quantity.to_string()),
-                "at_master": shaped.limited.map(|(_, at)| at),
-                "beyond": self.beyond(shaped).into_iter().map(|(at, reached, limit)| {
-                    json!({ "master": at, "slave": reached, "was": limit })
-                }).collect::<Vec<_>>(),
-                "points": shaped.knots.iter().map(|knot| {
-                    json!({ "master": knot.master, "slave": knot.slave, "velocity": knot.velocity, "acceleration": knot.acceleration })
-                }).collect::<Vec<_>>(),
-            })
-        });
-        let ramp = self.ramp.as_ref().map(|(kind, ramp)| {
-            let (kind, jerk) = match kind {
-                RampType::Trapezoid => ("trapezoid", None),
-                RampType::Sigmoid => ("sigmoid", Some(ramp.ramp_jerk)),
-                RampType::Parabolic => ("parabolic", Some(ramp.ramp_jerk)),
-            };
-            json!({
-                "velocity_difference": ramp.velocity_difference, "acceleration": ramp.acceleration,
-                "deceleration": ramp.deceleration, "duration_s": ramp.duration_s,
-                "peak_velocity": ramp.peak_velocity, "peak_acceleration": ramp.peak_acceleration,
-                "peak_jerk": ramp.peak_jerk, "peak_cam_jerk": ramp.peak_cam_jerk, "ramp": kind, "axis_jerk": jerk, "position_min": ramp.positions[0], "position_max": ramp.positions[1],
-            })
-        });
-        let least = self.least.as_ref().map(|least| {
-            let names = self.after.coupling.numbers();
-            let held = names.iter().zip(&least.held).map(|((_, name, _), held)| ((*name).to_owned(), json!(held)));
-            json!({
-                "of": format!("peak {}", least.quantity), "from": least.from, "before": least.before, "after": least.after,
-                "held": held.collect::<serde_json::Map<_, _>>(),
-            })
-        });
-        let (file, block) = self.lines();
-        let numbers =
-            self.after.coupling.numbers().map(|(key, _, value)| (key.to_owned(), json!(value)));
-        json!({
-            "cam": self.file.cam.name(),
-            "file": self.file.path.display().to_string(),
-            "master": { "velocity": self.before.master.velocity, "acceleration": self.before.master.acceleration },
-            "slave": fit.as_ref().map(|_| if self.wanted.is_some() { "measured" } else { "wanted" }),
-            "fit": fit, "least": least, "dead_time": dead_time, "shape": shape, "ramp": ramp,
-            "coupling": numbers.into_iter().collect::<serde_json::Map<_, _>>(),
-            "lines": { "coupling": file, "inputs": block, "points": self.points() },
-            "refused": self.refused,
-        })
-    }
 }
 
 /// A bias that is a larger part of a half width is told.
 const BIAS: f64 = 0.2;
 
 /// The unit of a quantity of the slave.
-fn of(unit: &str, quantity: Quantity) -> String {
+pub(super) fn of(unit: &str, quantity: Quantity) -> String {
     match quantity {
         Quantity::Velocity => format!("{unit}/s"),
         Quantity::Acceleration => format!("{unit}/s²"),

@@ -179,10 +179,36 @@ fn what_leaves_no_ramp_is_refused() {
         limits(500.0, 1e4),
         RampGoal::Gentlest { within_s: 0.01, least: Quantity::Acceleration },
     );
-    let RampError::TooLate { soonest_s, .. } = error else { panic!("{error}") };
+    let RampError::TooLate { soonest_s, held: None, .. } = error else { panic!("{error}") };
     assert!(soonest_s > 0.01);
+    assert!(!error.to_string().contains("VelocityDiff"), "{error}");
     let outside = wish(&lift(), moving(400.0, 1.0), rest, limits(1.0, 1.0));
     assert!(matches!(ramp_in(&outside), Err(RampError::Coupling(_))));
+}
+
+/// The cam comes towards the slave with 50 u/s, which may go 100: 100 u lie between them, and with a `VelocityDiff` of 150 they are
+/// gone after 2/3 s. A ramp in a given time has 100 at most, takes a second, and says so.
+#[test]
+fn a_ramp_in_a_given_time_says_what_makes_it_late() {
+    let falls = |master: f64, slave: f64| Knot { velocity: -0.5, ..Knot::at_rest(master, slave) };
+    let falling = [falls(0.0, 100.0), falls(400.0, -100.0)];
+    let wish = |goal| RampWish {
+        goal,
+        ..wish(&falling, moving(0.0, 100.0), moving(0.0, 0.0), limits(100.0, 1e6))
+    };
+    let soonest = ramp_in(&wish(RampGoal::Soonest)).expect("a ramp");
+    assert!((soonest.duration_s - 2.0 / 3.0).abs() < 1e-3, "{soonest:?}");
+    let within = |within_s| RampGoal::Gentlest { within_s, least: Quantity::Acceleration };
+    let error = ramp_in(&wish(within(0.8))).expect_err("a second is needed");
+    let RampError::TooLate { soonest_s, within_s: 0.8, held: Some(held) } = error else {
+        panic!("{error}")
+    };
+    assert!((soonest_s - 1.0).abs() < 1e-3, "{error}");
+    assert!((held.free_s - 2.0 / 3.0).abs() < 1e-3 && (held.velocity - 100.0).abs() < 1e-9);
+    let said = error.to_string();
+    assert!(said.contains("`VelocityDiff` of at most the axis's velocity, 100, "), "{said}");
+    assert!(said.ends_with(", not within 0.8 s"), "{said}");
+    ramp_in(&wish(within(1.1))).expect("a ramp");
 }
 
 /// What the coupling does with a ramp, cycle by cycle: when it is over, largest velocity and acceleration.

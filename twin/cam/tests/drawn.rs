@@ -1,0 +1,48 @@
+//! Numbers of pictures, whatever their size.
+
+use super::found::{LIFT, cam, using};
+use crate::cam::check::AxisLimits;
+use crate::cam::picture::{Recorded, Shown, draw};
+
+/// Where the dots of a recorded run are, and the highest place of the first curve.
+fn dots_and_top(picture: &str) -> (Vec<f64>, f64) {
+    let value = |line: &str, key: &str| {
+        let text = line.split(&format!(" {key}=\"")).nth(1)?.split('"').next()?;
+        text.parse::<f64>().ok()
+    };
+    let dots = picture.lines().filter(|line| line.starts_with("<circle"));
+    let dots = dots.filter_map(|line| value(line, "cy")).collect();
+    let curve = picture
+        .lines()
+        .find(|line| line.starts_with("<polyline") && line.matches(',').count() > 100)
+        .expect("a curve");
+    let points = curve.split("points=\"").nth(1).expect("points").trim_end_matches("\"/>");
+    let y = points.split_whitespace().filter_map(|point| point.split_once(',')?.1.parse().ok());
+    (dots, y.fold(f64::INFINITY, f64::min))
+}
+
+/// Powers of ten stand with the unit where numbers would have no room, and recorded positions lie on their curve all the same: here
+/// the top of the lift, 100 mm times the scaling.
+#[test]
+fn large_and_small_numbers_have_their_power_of_ten() {
+    let file = cam(LIFT);
+    for (scaling, unit) in
+        [(1.0, "(mm)"), (1e4, "(10⁶ mm)"), (1e-6, "(10⁻⁶ mm)"), (2e-5, "(10⁻³ mm)")]
+    {
+        let mut use_it = using(&file, 1.0, AxisLimits::NONE);
+        use_it.coupling.input.slave_scaling = scaling;
+        let shown = [Shown { file: &file, using: &use_it, name: "lift" }];
+        let recorded = Recorded { points: vec![(180.0, 100.0 * scaling)], ..Recorded::default() };
+        let picture = draw("lift", "", &shown, &recorded).expect("a picture");
+        let lines: Vec<_> = picture.lines().map(str::trim).collect();
+        assert!(lines.contains(&unit), "{scaling}: {unit}");
+        let (dots, top) = dots_and_top(&picture);
+        let [dot] = dots.as_slice() else { panic!("{dots:?}") };
+        assert!((dot - top).abs() <= 2.0, "{scaling}: {dot}, {top}");
+    }
+    // The jerk is 60 · 100/180³ · 0.5³ at most: 0.13 · 10⁻³.
+    let slow = using(&file, 0.5, AxisLimits::NONE);
+    let shown = [Shown { file: &file, using: &slow, name: "lift" }];
+    let picture = draw("lift", "", &shown, &Recorded::default()).expect("a picture");
+    assert!(picture.contains("(10⁻⁶ mm/s³)") && !picture.contains("0.0005"), "no power of ten");
+}

@@ -1,0 +1,102 @@
+//! Outputs that switch at random, and few switchings that do not.
+
+use super::found::Random;
+use super::outputs::{VELOCITY, output_error, recorded, told};
+use crate::cam::run::RecordedRun;
+use crate::cam::tune::OutputError;
+
+/// From one switching on to the next of group 1, and when its tappets are passed first, s.
+const EVERY: f64 = 360.0 / VELOCITY;
+const FIRST: [f64; 2] = [60.0 / VELOCITY, 200.0 / VELOCITY];
+
+/// A run of group 1, whose output switches at these times, with samples that begin anywhere.
+fn switched(times: &[f64], between: f64, random: &mut Random, noise: f64) -> RecordedRun {
+    let begin = between * random.share();
+    let end = times.last().copied().unwrap_or_default() + 0.2;
+    let mut samples = 0;
+    while begin + f64::from(samples) * between < end {
+        samples += 1;
+    }
+    let mut run = recorded(&[1], between, samples, |_| vec![false]);
+    for sample in &mut run.samples {
+        sample.time_s += begin;
+        sample.master = VELOCITY * sample.time_s + noise * random.normal();
+        let before = times.iter().filter(|time| **time <= sample.time_s).count();
+        sample.outputs = vec![before % 2 == 1];
+    }
+    run
+}
+
+/// On in the first half of every turn and off in the second, anywhere.
+#[test]
+fn switchings_anywhere_are_random() {
+    for seed in 0..50 {
+        let mut random = Random(seed + 40);
+        let half = EVERY / 2.0;
+        let times: Vec<_> =
+            (0..160).map(|index| half * (f64::from(index) + random.share())).collect();
+        let error = output_error(&switched(&times, 0.002, &mut random, 0.0));
+        let OutputError::Random { group: 1, count, ends, every_s } = error else {
+            panic!("{seed}: {error}")
+        };
+        assert!((150..=160).contains(&count), "{seed}: {count}");
+        assert!((every_s - EVERY).abs() < 1e-9);
+        // From 0 to 180 for a tappet at 60, and from 180 to 360 for one at 200.
+        assert!(ends[0] > -0.21 && ends[0] < -0.1 && ends[1] > 0.4 && ends[1] < 0.55, "{ends:?}");
+        let said = error.to_string();
+        assert!(said.contains("so do outputs that switch at random"), "{said}");
+    }
+}
+
+/// Three and four switchings of tappets that scatter by what the samples, noise of the master and a hundredth of a turn make of
+/// them are refused in one run of 10,000 at most.
+#[test]
+fn few_switchings_that_are_right_are_taken() {
+    let mut refused = Vec::new();
+    for (between, scatter, noise) in [
+        (0.1, 0.0, 0.0),
+        (0.05, 0.0, 0.0),
+        (0.02, 0.004, 1.0),
+        (0.02, 0.0, 2.0),
+        (0.002, 0.01, 0.0),
+    ] {
+        for count in [3, 4] {
+            for seed in 0..1000 {
+                let mut random = Random(seed + 7000);
+                let mut place = |index: usize| {
+                    let turn = f64::from(u32::try_from(index / 2).expect("a few"));
+                    FIRST[index % 2] + turn * EVERY + 0.03 + scatter * random.normal()
+                };
+                let times: Vec<_> = (0..count).map(&mut place).collect();
+                let run = switched(&times, between, &mut random, noise);
+                if let Err(error) = told(&run) {
+                    refused
+                        .push(format!("{count} with {between} s, {scatter} s, {noise}: {error}"));
+                }
+            }
+        }
+    }
+    assert!(refused.len() <= 1, "{} of 10,000: {refused:#?}", refused.len());
+}
+
+/// Three and four at random are fitted no oftener than by chance: all of them lie within w of a turn with a chance of n·wⁿ⁻¹, and
+/// 6.7 hundredths beside what the samples leave open are taken for what tappets do.
+#[test]
+fn few_switchings_at_random_are_not() {
+    for between in [0.002, 0.05] {
+        for count in [3_u32, 4] {
+            let mut fitted = 0;
+            for seed in 0..4000 {
+                let mut random = Random(seed + 90_000);
+                let long = EVERY * f64::from(count) / 2.0;
+                let mut times: Vec<_> = (0..count).map(|_| 0.1 + long * random.share()).collect();
+                times.sort_by(f64::total_cmp);
+                fitted += u32::from(told(&switched(&times, between, &mut random, 0.0)).is_ok());
+            }
+            let within: f64 = 0.067 + between / EVERY;
+            let chance = f64::from(count) * within.powf(f64::from(count) - 1.0);
+            let most = 4000.0 * chance;
+            assert!(f64::from(fitted) <= most, "{count} with {between} s: {fitted}, {most}");
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! What was found as an object.
+
+use super::report::Report;
+use crate::cam::tune::ShapeGoal;
+use serde_json::{Value, json};
+use twin_motion::axis::profile::RampType;
+use twin_motion::cam::tune::Estimate;
+
+impl Report<'_> {
+    pub(super) fn json(&self) -> Value {
+        let estimate = |Estimate { value, half_width }: Estimate| json!({ "value": value, "half_width_95": half_width });
+        let fit = self.fit.as_ref().map(|fit| {
+            let named = Self::estimates(fit).map(|(name, found)| (name.to_owned(), estimate(found)));
+            json!({
+                "estimates": named.into_iter().collect::<serde_json::Map<_, _>>(),
+                "samples": self.samples, "rms_before": self.error_before, "rms_after": self.error_after,
+                "correlation": fit.correlation, "noise": !self.doubtful,
+                "quantum": fit.quantum, "bias": fit.bias,
+            })
+        });
+        let dead_time = self.dead_time.as_ref().map(|(found, count)| {
+            json!({ "dead_time_s": estimate(found.dead_time_s), "switchings": count })
+        });
+        let shape = self.shaped.as_ref().map(|shaped| {
+            let what = match self.goal {
+                Some(ShapeGoal::Peak(quantity)) => format!("peak {quantity}"),
+                _ => "master velocity".to_owned(),
+            };
+            json!({
+                "of": what, "before": shaped.before, "after": shaped.after,
+                "limited_by": shaped.limited.map(|(quantity, _)| quantity.to_string()),
+                "at_master": shaped.limited.map(|(_, at)| at),
+                "beyond": self.beyond(shaped).into_iter().map(|(at, reached, limit)| {
+                    json!({ "master": at, "slave": reached, "was": limit })
+                }).collect::<Vec<_>>(),
+                "points": shaped.knots.iter().map(|knot| {
+                    json!({ "master": knot.master, "slave": knot.slave, "velocity": knot.velocity, "acceleration": knot.acceleration })
+                }).collect::<Vec<_>>(),
+            })
+        });
+        let ramp = self.ramp.as_ref().map(|(kind, ramp)| {
+            let (kind, jerk) = match kind {
+                RampType::Trapezoid => ("trapezoid", None),
+                RampType::Sigmoid => ("sigmoid", Some(ramp.ramp_jerk)),
+                RampType::Parabolic => ("parabolic", Some(ramp.ramp_jerk)),
+            };
+            json!({
+                "velocity_difference": ramp.velocity_difference, "acceleration": ramp.acceleration,
+                "deceleration": ramp.deceleration, "duration_s": ramp.duration_s,
+                "peak_velocity": ramp.peak_velocity, "peak_acceleration": ramp.peak_acceleration,
+                "peak_jerk": ramp.peak_jerk, "peak_cam_jerk": ramp.peak_cam_jerk, "ramp": kind, "axis_jerk": jerk, "position_min": ramp.positions[0], "position_max": ramp.positions[1],
+            })
+        });
+        let least = self.least.as_ref().map(|least| {
+            let names = self.after.coupling.numbers();
+            let held = names.iter().zip(&least.held).map(|((_, name, _), held)| ((*name).to_owned(), json!(held)));
+            json!({
+                "of": format!("peak {}", least.quantity), "from": least.from, "before": least.before, "after": least.after,
+                "held": held.collect::<serde_json::Map<_, _>>(),
+            })
+        });
+        let (file, block) = self.lines();
+        let numbers =
+            self.after.coupling.numbers().map(|(key, _, value)| (key.to_owned(), json!(value)));
+        json!({
+            "cam": self.file.cam.name(),
+            "file": self.file.path.display().to_string(),
+            "master": { "velocity": self.before.master.velocity, "acceleration": self.before.master.acceleration },
+            "slave": fit.as_ref().map(|_| if self.wanted.is_some() { "measured" } else { "wanted" }),
+            "fit": fit, "least": least, "dead_time": dead_time, "shape": shape, "ramp": ramp,
+            "coupling": numbers.into_iter().collect::<serde_json::Map<_, _>>(),
+            "lines": { "coupling": file, "inputs": block, "points": self.points() },
+            "refused": self.refused,
+        })
+    }
+}
