@@ -260,11 +260,10 @@ pub(crate) fn read_cam(
     });
     let own = file.as_ref().map(|file| file.coupling.input).unwrap_or_default();
     let dead_time_s = file.as_ref().map_or(0.0, |file| file.coupling.dead_time_s);
-    let repeated = file.as_ref().is_some_and(|file| file.repeated);
     let flag = |key, otherwise| section.flag(key).unwrap_or(otherwise);
-    let periodic = flag("periodic", repeated);
-    let [master_absolute, slave_absolute] =
-        ["master_absolute", "slave_absolute"].map(|key| flag(key, true));
+    // As `MC_CamTableSelect` has them by default (manual 5.4).
+    let [periodic, master_absolute, slave_absolute] =
+        ["periodic", "master_absolute", "slave_absolute"].map(|key| flag(key, true));
     let start_mode = section.choice("start_mode", &START_MODES).unwrap_or(own.start_mode);
     let number = |(key, own): (&str, f64), kind: AxisKind, suffix: &str, least: f64| {
         section.number(&format!("{key}_{}{suffix}", kind.unit()), least..=FAR).unwrap_or(own)

@@ -225,8 +225,10 @@ fn nearest(value: f64, low: f64, high: f64) -> f64 {
     }
 }
 
+/// Whether two values are the same but for rounding. An infinite one, an end that is none, is near nothing.
 fn close(one: f64, other: f64) -> bool {
-    (one - other).abs() <= ROUNDING * one.abs().max(other.abs())
+    let size = one.abs().max(other.abs());
+    size.is_finite() && (one - other).abs() <= ROUNDING * size
 }
 
 fn check(curve: &Curve, wish: &GentleWish) -> Result<(), GentleError> {
@@ -321,8 +323,12 @@ impl Problem<'_> {
         let mut region = Region::default();
         region.between([1.0, 0.0], self.interval(3)).between([0.0, 1.0], self.interval(2));
         let [.., tolerance] = self.wish.tappet_tolerance;
+        // What is 0 but for rounding is no scaling's business.
+        let nothing = ROUNDING * self.curve.extremes().position.magnitude();
+        let whole = |y: f64| if y.abs() <= nothing { 0.0 } else { y };
         if tolerance.is_finite() {
             for (place, y) in self.slave_at_tappets() {
+                let y = whole(y);
                 let bound = Bound::Tappet { place };
                 let now = from[3] * y + from[2];
                 region.between([y, 1.0], [(now - tolerance, bound), (now + tolerance, bound)]);
@@ -330,7 +336,7 @@ impl Problem<'_> {
         }
         if let Some([least, greatest]) = passed.position {
             let ends = position.map(|limit| (limit, Bound::Position { limit }));
-            region.between([least, 1.0], ends).between([greatest, 1.0], ends);
+            region.between([whole(least), 1.0], ends).between([whole(greatest), 1.0], ends);
         }
         let sign = from[3].signum();
         let [least, greatest] = passed.reached;

@@ -236,3 +236,50 @@ fn no_place_of_a_grid_is_gentler() {
     }
     assert!(found_some >= 20 && none < 20, "{found_some} {none}");
 }
+
+/// Demands that no scaling fulfils are told, and no place is taken where they are not fulfilled.
+#[test]
+fn demands_that_no_scaling_fulfils() {
+    let any = Some([f64::NEG_INFINITY, f64::INFINITY]);
+    let lifts = {
+        let knots = [(0.0, 0.0), (40.0, 0.0), (140.0, 80.0), (360.0, 0.0)];
+        Curve::polynomial(&knots.map(|(x, y)| Knot::at_rest(x, y))).expect("a cam")
+    };
+    // On a dwell there is no stroke.
+    let still = GentleWish {
+        sought: [None, None, None, Some([0.8, 1.2])],
+        travel: Some([0.0, 40.0]),
+        stroke: 36.0,
+        ..wish(Quantity::Acceleration)
+    };
+    match gentle(&lifts, &still) {
+        Err(GentleError::Contradictory { unknown: "SlaveScaling", one: Bound::Stroke, .. }) => {}
+        other => panic!("{other:?}"),
+    }
+    // Where the master may go elsewhere, it does not stay there: of half the lift, the middle has the least peak.
+    let elsewhere = GentleWish {
+        sought: [Some([-60.0, 60.0]), None, None, Some([0.8, 1.2])],
+        travel: Some([65.0, 105.0]),
+        tappet_tolerance: [f64::INFINITY; 2],
+        ..still.clone()
+    };
+    let found = gentle(&lifts, &elsewhere).expect("a place");
+    let [offset, scaling, _, factor] = found.values;
+    let reach = |master: f64| factor * lifts.repeated(master * scaling + offset).position;
+    assert!((reach(105.0) - reach(65.0)).abs() >= 36.0 - 1e-9 && found.after > 0.0, "{found:?}");
+    // A tappet on the dwell keeps the slave at 0, below the least position, whatever the scaling.
+    let below = GentleWish {
+        sought: [None, None, any, Some([0.8, 1.2])],
+        tappets: vec![20.0],
+        position: [5.0, f64::INFINITY],
+        ..wish(Quantity::Acceleration)
+    };
+    match gentle(&lifts, &below) {
+        Err(GentleError::Contradictory { unknown: "SlaveScaling", one, other }) => {
+            let bounds = [Bound::Tappet { place: 20.0 }, Bound::Position { limit: 5.0 }];
+            let both = bounds.contains(&one) && bounds.contains(&other) && one != other;
+            assert!(both, "{one} {other}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
