@@ -10,7 +10,7 @@ const LEAST: usize = 80;
 /// Growth is seen if it is so many times its standard deviation.
 const SEEN: f64 = 4.0;
 /// The median of |e| of normal noise, in standard deviations.
-const MEDIAN: f64 = 0.6745;
+pub(super) const MEDIAN: f64 = 0.6745;
 /// Standard deviation of a variance from the median of n samples, times √n, as a part of it: the median has 37 % of the
 /// efficiency that the squares have.
 const COARSE: f64 = 2.33;
@@ -42,17 +42,20 @@ impl Problem<'_> {
         slope * p[1]
     }
 
-    /// How noise grows with the slope, if it does. By medians, so that samples that are far off do not count.
-    pub(super) fn growth(&self, p: Parameters) -> Option<Growth> {
+    /// How noise grows with the slope, if it does. By medians, so that samples that are far off do not count. What rounding to
+    /// `step` leaves over is taken for the same everywhere: where the slave dwells, fitting has taken it away.
+    pub(super) fn growth(&self, p: Parameters, step: f64) -> Option<Growth> {
         if self.samples.len() < LEAST {
             return None;
         }
+        // The median of the magnitudes of rounding.
+        let rounding = step.abs() / 4.0;
         let mut both: Vec<(f64, f64)> = self
             .samples
             .iter()
             .map(|s| {
-                let over = s.slave - self.model(p, s.master).0;
-                (s.weight * self.slope(p, s).powi(2), s.weight.sqrt() * over.abs())
+                let over = (s.slave - self.model(p, s.master).0).abs().max(rounding);
+                (s.weight * self.slope(p, s).powi(2), s.weight.sqrt() * over)
             })
             .collect();
         both.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -1,109 +1,183 @@
-//! Positions that are rounded: to what, and what that does to a sum of them.
+//! What rounding of the slave's positions does to what is found.
 //!
 //! What rounding leaves over is no noise: on a dwell it is the same in all samples, and so it is in every turn that comes to
-//! the same places. Taken is that the place of the steps is not known. Then errors at positions that are x steps apart have
-//! the covariance q²/2 · B₂(x), B₂ = x² − x + 1/6 between 0 and 1, whose Fourier series is q²/(2·π²) · Σ cos(2·π·m·x)/m²
-//! (Widrow and Kollár, Quantization Noise, 2008, ch. 5 and 6). Noise before rounding, of deviation s, makes its terms smaller
-//! by exp(−(2·π·m·s/q)²), so that beyond a part of a step nothing is left of them.
+//! the same places; fitting takes part of it away; and noise before rounding makes it less (Widrow and Kollár, Quantization
+//! Noise, 2008, ch. 5 to 7). What that comes to is tried: recordings of truths that are as far from what was found as truths
+//! are, with noise as there is, are rounded and fitted (a parametric bootstrap: Efron and Tibshirani, An Introduction to the
+//! Bootstrap, 1993, §6.5). Where the steps lie is not known, nor how far they are from one dwell to another, but by what the
+//! run tells itself.
 
-/// Terms of the series.
-const TERMS: i32 = 12;
-/// With more noise, in steps, rounding is noise, too.
-const HIDDEN: f64 = 0.35;
-/// So many decimals are looked at.
-const DECIMALS: i32 = 9;
-/// So far beside a multiple is the same.
-const BESIDE: f64 = 1e-4;
+use super::draws::Draws;
+use super::width::{LAGS, Known};
+use nalgebra::{DMatrix, DVector};
 
-/// The step to whose multiples all values are rounded, if they are; at least two different values.
-pub(super) fn quantum(values: &[f64]) -> Option<f64> {
-    let first = *values.first()?;
-    let size = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-    (0..=DECIMALS).find_map(|decimals| {
-        let scale = 10_f64.powi(decimals);
-        // Beyond that there are no decimals.
-        if size * scale > 1e11 {
-            return None;
+/// Recordings that are tried.
+const TRIED: u32 = 64;
+/// Truths of the first round are so many steps off, so that nothing is known from one dwell to another.
+const FAR: f64 = 30.0;
+/// Samples after which noise no longer knows how it began.
+const BEGINS: usize = 40;
+
+/// How positions are rounded.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Steps {
+    pub(super) step: f64,
+    /// Where one of them lies, as a part of the step, if that is known: with an offset of the slave that is looked for, steps
+    /// may lie anywhere on the cam.
+    pub(super) place: Option<f64>,
+}
+
+/// Noise before rounding: its deviation, as a part of that of each sample, and its correlation from sample to sample.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Noise {
+    pub(super) deviation: f64,
+    pub(super) correlation: f64,
+}
+
+/// What came of it.
+#[derive(Debug)]
+pub(super) struct Tried {
+    /// How far what was found is from the truths.
+    pub(super) off: Vec<[f64; 4]>,
+    /// The variances that rounding alone gives it.
+    pub(super) variances: [f64; 4],
+    /// Covariances of what rounding leaves over, at the lags 0, 1, …, by the deviation of each sample.
+    pub(super) left: [f64; LAGS + 1],
+    /// By how much that at lag 0 scatters, standard deviation.
+    pub(super) scatter: f64,
+    /// The least and the greatest one at lag 1 among them.
+    pub(super) next: [f64; 2],
+    /// What the squares fall by if both halves have their own answers, on an average.
+    pub(super) gained: f64,
+}
+
+/// Truths that are so far off that all steps lie anywhere.
+pub(super) fn far(known: &[Known], step: f64) -> Vec<[f64; 4]> {
+    let mut squares = [0.0; 4];
+    for k in known {
+        for (square, value) in squares.iter_mut().zip(k.row) {
+            *square += value * value;
         }
-        let mut common: u64 = 0;
-        for value in values {
-            let scaled = value * scale;
-            if (scaled - scaled.round()).abs() > BESIDE {
-                return None;
+    }
+    #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
+    let count = known.len() as f64;
+    let scales = squares.map(|square| {
+        if square > 0.0 { FAR * step / (square / count).sqrt() } else { 0.0 }
+    });
+    let mut draws = Draws::new(0);
+    (0..TRIED)
+        .map(|_| {
+            let ([a, b], [c, d]) = (draws.normals(), draws.normals());
+            let normal = [a, b, c, d];
+            std::array::from_fn(|index| scales[index] * normal[index])
+        })
+        .collect()
+}
+
+/// Rounds and fits recordings of truths that are so far off.
+pub(super) fn tried(known: &[Known], off: &[[f64; 4]], steps: Steps, noise: Noise) -> Tried {
+    let Steps { step, place } = steps;
+    let unknowns = known.first().map_or(0, |k| k.unknowns);
+    let halves = halves(known, unknowns);
+    let mut all = Tried { off: Vec::new(), variances: [0.0; 4], left: [0.0; LAGS + 1], scatter: 0.0, next: [f64::INFINITY, f64::NEG_INFINITY], gained: 0.0 };
+    let (mut rounding, mut noises) = (vec![0.0; known.len()], vec![0.0; known.len()]);
+    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
+    for (index, off) in (1_u32..).zip(off) {
+        fill(&mut noises, known, noise, u64::from(index));
+        let place = place.unwrap_or(f64::from(index) * golden).fract();
+        let (mut by_rounding, mut by_noise) = ([0.0; 4], [0.0; 4]);
+        for ((k, error), noise) in known.iter().zip(&mut rounding).zip(&noises) {
+            let steps = (k.position - dot(&k.row, off) + noise) / step - place;
+            *error = (steps.round() - steps) * step;
+            add(&mut by_rounding, &k.share, *error);
+            add(&mut by_noise, &k.share, *noise);
+        }
+        let both: [f64; 4] = std::array::from_fn(|i| by_rounding[i] + by_noise[i]);
+        for (variance, by) in all.variances.iter_mut().zip(by_rounding) {
+            *variance += by * by;
+        }
+        // What each half would move by.
+        let mut from = 0;
+        for (count, inverse) in &halves {
+            let mut right = [0.0; 4];
+            let part = known.iter().zip(rounding.iter().zip(&noises)).skip(from).take(*count);
+            for (k, (rounding, noise)) in part {
+                add(&mut right, &k.row, k.weight * (rounding + noise - dot(&k.row, &both)));
             }
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "whole, and limited above"
-            )]
-            let steps = (scaled.round() - (first * scale).round()).abs() as u64;
-            common = divisor(common, steps);
+            from += count;
+            let right = DVector::from_iterator(unknowns, right.into_iter().take(unknowns));
+            all.gained += right.dot(&(inverse * &right));
         }
-        #[expect(clippy::cast_precision_loss, reason = "limited above")]
-        (common > 0).then(|| common as f64 / scale)
-    })
-}
-
-fn divisor(mut one: u64, mut other: u64) -> u64 {
-    while other != 0 {
-        (one, other) = (other, one % other);
-    }
-    one
-}
-
-/// The deviation of the noise before rounding to steps of `quantum`, if it leaves over a variance of `variance` with it and
-/// does not hide the steps.
-pub(super) fn noise_before(variance: f64, quantum: f64) -> Option<f64> {
-    // A tenth is what a variance is known to.
-    let noise = (0.9 * variance - quantum * quantum / 12.0).max(0.0).sqrt();
-    (noise <= HIDDEN * quantum).then_some(noise)
-}
-
-/// What rounding adds to the variance of Σ share · error at these positions beyond errors that are independent; less than 0 where they are
-/// more even than by chance.
-pub(super) fn shared(shares: &[f64], positions: &[f64], quantum: f64, noise: f64) -> f64 {
-    let square: f64 = shares.iter().map(|share| share * share).sum();
-    let mut sum = 0.0;
-    for term in 1..=TERMS {
-        let turn = std::f64::consts::TAU * f64::from(term) / quantum;
-        let (mut real, mut other) = (0.0, 0.0);
-        for (share, position) in shares.iter().zip(positions) {
-            let (sin, cos) = (turn * position).sin_cos();
-            real += share * cos;
-            other += share * sin;
+        for (k, error) in known.iter().zip(&mut rounding) {
+            *error = (*error - dot(&k.row, &by_rounding)) / k.deviation;
         }
-        let less = (-(turn * noise).powi(2)).exp();
-        sum += less * (real * real + other * other - square) / f64::from(term * term);
+        for (lag, sum) in all.left.iter_mut().enumerate() {
+            let one: f64 =
+                rounding.iter().zip(rounding.iter().skip(lag)).map(|(a, b)| a * b).sum();
+            *sum += one;
+            if lag == 0 {
+                all.scatter += one * one;
+            }
+            if lag == 1 {
+                all.next = [all.next[0].min(one), all.next[1].max(one)];
+            }
+        }
+        all.off.push(both);
     }
-    quantum * quantum / (2.0 * std::f64::consts::PI.powi(2)) * sum
+    let count = f64::from(TRIED);
+    all.variances = all.variances.map(|sum| sum / count);
+    all.left = all.left.map(|sum| sum / count);
+    all.gained /= count;
+    all.scatter = (all.scatter / count - all.left[0].powi(2)).max(0.0).sqrt();
+    all
 }
 
-#[cfg(test)]
-mod tests {
-    use super::{quantum, shared};
+/// How many samples each half has, and the inverse of its normal matrix; none if a half does not tell the unknowns apart.
+fn halves(known: &[Known], unknowns: usize) -> Vec<(usize, DMatrix<f64>)> {
+    let (first, second) = known.split_at(known.len() / 2);
+    [first, second]
+        .into_iter()
+        .filter_map(|half| {
+            let mut matrix = DMatrix::zeros(unknowns, unknowns);
+            for k in half {
+                let row = DVector::from_iterator(unknowns, k.row.into_iter().take(unknowns));
+                matrix.ger(k.weight, &row, &row, 1.0);
+            }
+            Some((half.len(), matrix.try_inverse()?))
+        })
+        .collect()
+}
 
-    #[test]
-    fn steps_are_seen() {
-        let of = |values: &[f64]| quantum(values);
-        assert_eq!(of(&[0.3, 0.1 + 0.2, 12.7, -4.0]), Some(0.1));
-        assert_eq!(of(&[0.05, 1.0, 7.15, 7.2]), Some(0.05));
-        assert_eq!(of(&[3.0, 15.0, -9.0]), Some(12.0));
-        assert_eq!(of(&[0.087_890_625, 0.263_671_875, 1.757_812_5]), Some(0.087_890_625));
-        assert_eq!(of(&[1.234_567_890_123, 2.2, 9.1]), None);
-        assert_eq!(of(&[5.0, 5.0]), None);
+/// Noise of the first order.
+fn fill(noises: &mut [f64], known: &[Known], noise: Noise, stream: u64) {
+    if noise.deviation <= 0.0 {
+        return;
     }
+    let mut draws = Draws::new(stream);
+    let fresh = (1.0 - noise.correlation * noise.correlation).sqrt();
+    let mut value = 0.0;
+    let mut pair = draws.normals();
+    let mut next = |index: usize| {
+        if index % 2 == 0 {
+            pair = draws.normals();
+        }
+        value = noise.correlation * value + fresh * pair[index % 2];
+        value
+    };
+    for index in 0..BEGINS {
+        next(index);
+    }
+    for ((index, noise_of), k) in noises.iter_mut().enumerate().zip(known) {
+        *noise_of = noise.deviation * k.deviation * next(index);
+    }
+}
 
-    /// The mean of n samples at one place has all of q²/12; two places half a step apart have q²/12 · (1 − ½)/2 = q²/48.
-    #[test]
-    fn covariances_in_closed_form() {
-        let q: f64 = 0.2;
-        let whole = q * q / 12.0;
-        let one = shared(&[0.01; 100], &[3.03; 100], q, 0.0) + whole / 100.0;
-        assert!((one / whole - 1.0).abs() < 0.06, "{one} {whole}");
-        let places: Vec<_> = (0..100).map(|i| 3.03 + f64::from(i % 2) * q / 2.0).collect();
-        let two = shared(&[0.01; 100], &places, q, 0.0) + whole / 100.0;
-        assert!((two / (whole / 4.0) - 1.0).abs() < 0.12, "{two} {whole}");
-        // Noise of half a step leaves nothing of it.
-        assert!(shared(&[0.01; 100], &[3.03; 100], q, 0.1) < 1e-3 * whole);
+pub(super) fn dot(one: &[f64; 4], other: &[f64; 4]) -> f64 {
+    one.iter().zip(other).map(|(a, b)| a * b).sum()
+}
+
+fn add(to: &mut [f64; 4], what: &[f64; 4], times: f64) {
+    for (to, what) in to.iter_mut().zip(what) {
+        *to += what * times;
     }
 }
