@@ -11,6 +11,8 @@ const LEAST: usize = 80;
 const SEEN: f64 = 4.0;
 /// The median of |e| of normal noise, in standard deviations.
 pub(super) const MEDIAN: f64 = 0.6745;
+/// By how much the variance of rounding, 1/12, is less than what its median makes of it, in steps.
+const UNIFORM: f64 = 0.25 * 0.25 / (MEDIAN * MEDIAN) - 1.0 / 12.0;
 /// Standard deviation of a variance from the median of n samples, times √n, as a part of it: the median has 37 % of the
 /// efficiency that the squares have.
 const COARSE: f64 = 2.33;
@@ -59,6 +61,8 @@ impl Problem<'_> {
             })
             .collect();
         both.sort_by(|a, b| a.0.total_cmp(&b.0));
+        #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
+        let weight = self.samples.iter().map(|s| s.weight).sum::<f64>() / self.samples.len() as f64;
         let size = both.len().div_ceil(BINS);
         let mut bins: Vec<[f64; 2]> = Vec::new();
         for bin in both.chunks_mut(size) {
@@ -67,7 +71,8 @@ impl Problem<'_> {
             let middle = bin.len() / 2;
             let (_, (_, median), _) =
                 bin.select_nth_unstable_by(middle, |a, b| a.1.total_cmp(&b.1));
-            bins.push([steep, (*median / MEDIAN).powi(2)]);
+            let excess = weight * step * step * UNIFORM;
+            bins.push([steep, (*median / MEDIAN).powi(2) - excess]);
         }
         #[expect(clippy::cast_precision_loss, reason = "a few")]
         let count = bins.len() as f64;
@@ -81,7 +86,13 @@ impl Problem<'_> {
         let slope = both / spread;
         #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
         let deviation = COARSE * variance / (size as f64).sqrt() / spread.sqrt();
-        let base = (variance - slope * steep).max(FLOOR * variance);
+        let usual = variance - slope * steep;
+        // Rounding is what there is at least, and the quietest samples show what else.
+        let least = weight * step * step / 12.0;
+        let base = match bins.first() {
+            Some([_, quiet]) if step > 0.0 => usual.min(*quiet).max(least),
+            _ => usual.max(FLOOR * variance),
+        };
         (slope > SEEN * deviation).then_some(Growth { base, slope })
     }
 

@@ -8,6 +8,7 @@ mod correlation;
 mod draws;
 mod growth;
 mod outliers;
+mod over;
 mod refuse;
 mod rounding;
 mod search;

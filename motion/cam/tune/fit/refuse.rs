@@ -3,7 +3,7 @@
 use super::super::super::curve::Range;
 use super::super::FitError;
 use super::super::chance::fisher_exceeds;
-use super::width::Over;
+use super::over::Over;
 use super::{CHANCE, FitOptions, Free, NAMES, Parameters, Problem, Sample};
 
 /// Of the spread of the slave this part at most may be left over.

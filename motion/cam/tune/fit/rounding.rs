@@ -8,7 +8,7 @@
 //! run tells itself.
 
 use super::draws::Draws;
-use super::width::{LAGS, Known};
+use super::over::{Known, LAGS};
 use nalgebra::{DMatrix, DVector};
 
 /// Recordings that are tried.
@@ -27,11 +27,19 @@ pub(super) struct Steps {
     pub(super) place: Option<f64>,
 }
 
-/// Noise before rounding: its deviation, as a part of that of each sample, and its correlation from sample to sample.
+/// Noise before rounding: the deviation of what is left over with rounding, as a part of that of each sample, and the
+/// correlation of noise from sample to sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Noise {
     pub(super) deviation: f64,
     pub(super) correlation: f64,
+}
+
+impl Noise {
+    /// The deviation of a sample before rounding.
+    pub(super) fn before(self, of: &Known, step: f64) -> f64 {
+        ((self.deviation * of.deviation).powi(2) - step * step / 12.0).max(0.0).sqrt()
+    }
 }
 
 /// What came of it.
@@ -68,8 +76,8 @@ pub(super) fn far(known: &[Known], step: f64) -> Vec<[f64; 4]> {
     (0..TRIED)
         .map(|_| {
             let ([a, b], [c, d]) = (draws.normals(), draws.normals());
-            let normal = [a, b, c, d];
-            std::array::from_fn(|index| scales[index] * normal[index])
+            let [offset, scaling, shift, factor] = scales;
+            [a * offset, b * scaling, c * shift, d * factor]
         })
         .collect()
 }
@@ -83,7 +91,7 @@ pub(super) fn tried(known: &[Known], off: &[[f64; 4]], steps: Steps, noise: Nois
     let (mut rounding, mut noises) = (vec![0.0; known.len()], vec![0.0; known.len()]);
     let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
     for (index, off) in (1_u32..).zip(off) {
-        fill(&mut noises, known, noise, u64::from(index));
+        fill(&mut noises, known, noise, step, u64::from(index));
         let place = place.unwrap_or(f64::from(index) * golden).fract();
         let (mut by_rounding, mut by_noise) = ([0.0; 4], [0.0; 4]);
         for ((k, error), noise) in known.iter().zip(&mut rounding).zip(&noises) {
@@ -92,7 +100,8 @@ pub(super) fn tried(known: &[Known], off: &[[f64; 4]], steps: Steps, noise: Nois
             add(&mut by_rounding, &k.share, *error);
             add(&mut by_noise, &k.share, *noise);
         }
-        let both: [f64; 4] = std::array::from_fn(|i| by_rounding[i] + by_noise[i]);
+        let mut both = by_rounding;
+        add(&mut both, &by_noise, 1.0);
         for (variance, by) in all.variances.iter_mut().zip(by_rounding) {
             *variance += by * by;
         }
@@ -148,27 +157,27 @@ fn halves(known: &[Known], unknowns: usize) -> Vec<(usize, DMatrix<f64>)> {
         .collect()
 }
 
-/// Noise of the first order.
-fn fill(noises: &mut [f64], known: &[Known], noise: Noise, stream: u64) {
-    if noise.deviation <= 0.0 {
-        return;
-    }
+/// Noise of the first order, as much of it as is left over beside rounding.
+fn fill(noises: &mut [f64], known: &[Known], noise: Noise, step: f64, stream: u64) {
     let mut draws = Draws::new(stream);
     let fresh = (1.0 - noise.correlation * noise.correlation).sqrt();
     let mut value = 0.0;
-    let mut pair = draws.normals();
-    let mut next = |index: usize| {
-        if index % 2 == 0 {
-            pair = draws.normals();
-        }
-        value = noise.correlation * value + fresh * pair[index % 2];
+    let mut spare = None;
+    let mut next = || {
+        let normal = spare.take().unwrap_or_else(|| {
+            let [one, other] = draws.normals();
+            spare = Some(other);
+            one
+        });
+        value = noise.correlation * value + fresh * normal;
         value
     };
-    for index in 0..BEGINS {
-        next(index);
+    for _ in 0..BEGINS {
+        next();
     }
-    for ((index, noise_of), k) in noises.iter_mut().enumerate().zip(known) {
-        *noise_of = noise.deviation * k.deviation * next(index);
+    for (noise_of, k) in noises.iter_mut().zip(known) {
+        let deviation = noise.before(k, step);
+        *noise_of = if deviation > 0.0 { deviation * next() } else { 0.0 };
     }
 }
 
