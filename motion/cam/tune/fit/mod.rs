@@ -280,7 +280,7 @@ impl Problem<'_> {
         let step = self.rounded_to(best);
         self.refuse_outliers(fitted, options, step)?;
         self.refuse_unexplained(left)?;
-        let over = self.over_all(best, &inverse, step);
+        let over = self.left_over(best, &inverse, step);
         self.refuse_contradiction(best, left, &over)?;
         self.refuse_second(left, &best, answers, variance)?;
         if self.repeated && self.free.contains(&0) {

@@ -44,12 +44,7 @@ impl Problem<'_> {
         self.refuse_far(fitted, options, step)
     }
 
-    fn refuse_far(
-        &self,
-        fitted: &Fitted,
-        options: &FitOptions,
-        step: f64,
-    ) -> Result<(), FitError> {
+    fn refuse_far(&self, fitted: &Fitted, options: &FitOptions, step: f64) -> Result<(), FitError> {
         let most = (self.samples.len() / ONE_IN).clamp(1, MOST);
         let weight = self.samples.iter().map(|s| s.weight).fold(0.0, f64::max);
         let floor = (ROUNDING * self.size()).max(STEPS * step * weight.sqrt());

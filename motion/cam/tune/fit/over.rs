@@ -62,7 +62,12 @@ pub(super) struct Over {
 
 impl Problem<'_> {
     /// `inverse` is that of the normal matrix at `p`; positions may be rounded to `step`.
-    pub(super) fn over_all(&self, p: Parameters, inverse: &DMatrix<f64>, step: Option<f64>) -> Over {
+    pub(super) fn left_over(
+        &self,
+        p: Parameters,
+        inverse: &DMatrix<f64>,
+        step: Option<f64>,
+    ) -> Over {
         let growth = self.growth(p, step.unwrap_or_default());
         let unknowns = self.free.len();
         let known: Vec<Known> = self
@@ -94,9 +99,8 @@ impl Problem<'_> {
         if let Some(step) = step {
             let place = || {
                 let turns = self.samples.iter().map(|s| std::f64::consts::TAU * s.slave / step);
-                let (sin, cos) = turns.fold((0.0, 0.0), |(sin, cos), turn: f64| {
-                    (sin + turn.sin(), cos + turn.cos())
-                });
+                let (sin, cos) = turns
+                    .fold((0.0, 0.0), |(sin, cos), turn: f64| (sin + turn.sin(), cos + turn.cos()));
                 f64::atan2(sin, cos) / std::f64::consts::TAU
             };
             let place = (!self.free.contains(&2)).then(place);
@@ -143,8 +147,7 @@ impl Over {
         let hats = hats(&self.known);
         let [square, beside, ..] = covariances;
         // Of rounding, if nothing of it were fitted away.
-        let rounding: f64 =
-            self.known.iter().map(|k| (step / k.deviation).powi(2) / 12.0).sum();
+        let rounding: f64 = self.known.iter().map(|k| (step / k.deviation).powi(2) / 12.0).sum();
         let mut variance = (square - rounding).max(0.0) / count;
         let mut noise =
             Noise { deviation: (square.max(rounding) / count).sqrt(), correlation: 0.0 };
@@ -171,7 +174,8 @@ impl Over {
             variance = (of_noise + goes_on).min(MOST_TAKEN * of_noise) / count;
             let least = all * (STANDS_OUT / count.sqrt()).min(1.0);
             noise = Noise {
-                deviation: (((of_noise - SCATTER * now.scatter).max(0.0) + rounding) / count).sqrt(),
+                deviation: (((of_noise - SCATTER * now.scatter).max(0.0) + rounding) / count)
+                    .sqrt(),
                 correlation: (next / of_noise.max(least)).clamp(0.0, 0.9),
             };
             // What no recording that was tried has.
@@ -227,6 +231,8 @@ fn covariances(known: &[Known]) -> [f64; LAGS + 1] {
 fn hats(known: &[Known]) -> [f64; LAGS + 1] {
     std::array::from_fn(|lag| {
         let pairs = known.iter().zip(known.iter().skip(lag));
-        pairs.map(|(one, other)| dot(&one.share, &other.row) * (other.weight / one.weight).sqrt()).sum()
+        pairs
+            .map(|(one, other)| dot(&one.share, &other.row) * (other.weight / one.weight).sqrt())
+            .sum()
     })
 }

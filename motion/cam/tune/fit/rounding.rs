@@ -69,9 +69,8 @@ pub(super) fn far(known: &[Known], step: f64) -> Vec<[f64; 4]> {
     }
     #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
     let count = known.len() as f64;
-    let scales = squares.map(|square| {
-        if square > 0.0 { FAR * step / (square / count).sqrt() } else { 0.0 }
-    });
+    let scales =
+        squares.map(|square| if square > 0.0 { FAR * step / (square / count).sqrt() } else { 0.0 });
     let mut draws = Draws::new(0);
     (0..TRIED)
         .map(|_| {
@@ -87,7 +86,14 @@ pub(super) fn tried(known: &[Known], off: &[[f64; 4]], steps: Steps, noise: Nois
     let Steps { step, place } = steps;
     let unknowns = known.first().map_or(0, |k| k.unknowns);
     let halves = halves(known, unknowns);
-    let mut all = Tried { off: Vec::new(), variances: [0.0; 4], left: [0.0; LAGS + 1], scatter: 0.0, next: [f64::INFINITY, f64::NEG_INFINITY], gained: 0.0 };
+    let mut all = Tried {
+        off: Vec::new(),
+        variances: [0.0; 4],
+        left: [0.0; LAGS + 1],
+        scatter: 0.0,
+        next: [f64::INFINITY, f64::NEG_INFINITY],
+        gained: 0.0,
+    };
     let (mut rounding, mut noises) = (vec![0.0; known.len()], vec![0.0; known.len()]);
     let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
     for (index, off) in (1_u32..).zip(off) {
@@ -121,8 +127,7 @@ pub(super) fn tried(known: &[Known], off: &[[f64; 4]], steps: Steps, noise: Nois
             *error = (*error - dot(&k.row, &by_rounding)) / k.deviation;
         }
         for (lag, sum) in all.left.iter_mut().enumerate() {
-            let one: f64 =
-                rounding.iter().zip(rounding.iter().skip(lag)).map(|(a, b)| a * b).sum();
+            let one: f64 = rounding.iter().zip(rounding.iter().skip(lag)).map(|(a, b)| a * b).sum();
             *sum += one;
             if lag == 0 {
                 all.scatter += one * one;
@@ -188,5 +193,88 @@ pub(super) fn dot(one: &[f64; 4], other: &[f64; 4]) -> f64 {
 fn add(to: &mut [f64; 4], what: &[f64; 4], times: f64) {
     for (to, what) in to.iter_mut().zip(what) {
         *to += what * times;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Known, Noise, Steps, TRIED, far, tried};
+
+    const Q: f64 = 0.2;
+
+    /// The mean of so many positions, its variance by rounding, with so much noise.
+    fn variance(positions: &[f64], off: &[[f64; 4]], noise: f64) -> f64 {
+        let share = 1.0 / f64::from(u32::try_from(positions.len()).expect("few"));
+        let known: Vec<_> = positions
+            .iter()
+            .map(|position| Known {
+                unknowns: 1,
+                row: [1.0, 0.0, 0.0, 0.0],
+                share: [share, 0.0, 0.0, 0.0],
+                weight: 1.0,
+                over: 0.0,
+                leverage: share,
+                position: *position,
+                deviation: 1.0,
+            })
+            .collect();
+        let off = if off.is_empty() { far(&known, Q) } else { off.to_vec() };
+        let noise = Noise { deviation: noise.hypot(Q / 12.0_f64.sqrt()), correlation: 0.0 };
+        let found = tried(&known, &off, Steps { step: Q, place: None }, noise);
+        assert_eq!(found.off.len(), 64);
+        // What is left over of a mean is what its own rounding does not explain.
+        let whole = Q * Q / 12.0 * f64::from(u32::try_from(positions.len()).expect("few"));
+        assert!(found.left[0] <= whole * 1.3, "{:?}", found.left);
+        found.variances[0]
+    }
+
+    /// The mean of n samples at one place has all of q²/12; two places half a step apart have q²/12 · (1 − ½)/2 = q²/48, and two
+    /// that may be anywhere q²/24.
+    #[test]
+    fn variances_in_closed_form() {
+        let whole = Q * Q / 12.0;
+        let there = vec![[0.0; 4]; TRIED.try_into().expect("few")];
+        let one = variance(&[3.03; 100], &there, 0.0);
+        assert!((one / whole - 1.0).abs() < 0.06, "{one} {whole}");
+        let places: Vec<_> = (0..100).map(|i| 3.03 + f64::from(i % 2) * Q / 2.0).collect();
+        let two = variance(&places, &there, 0.0);
+        assert!((two / (whole / 4.0) - 1.0).abs() < 0.12, "{two} {whole}");
+        // Noise of half a step leaves independent errors.
+        let noisy = variance(&[3.03; 100], &there, Q / 2.0);
+        assert!(noisy < 1.5 * whole / 100.0, "{noisy} {whole}");
+        // Truths that are far off in common change nothing.
+        let far = variance(&[3.03; 100], &[], 0.0);
+        assert!((far / whole - 1.0).abs() < 0.3, "{far} {whole}");
+    }
+
+    /// Two dwells, and what is known of how far they are from each other: nothing, and so each has its own error.
+    #[test]
+    fn dwells_are_independent_where_nothing_is_known() {
+        let known: Vec<_> = (0..100)
+            .map(|index| {
+                let level = f64::from(index % 2);
+                Known {
+                    unknowns: 2,
+                    row: [1.0, level, 0.0, 0.0],
+                    // The level of the second one from the first.
+                    share: [(1.0 - level) / 50.0, (2.0 * level - 1.0) / 50.0, 0.0, 0.0],
+                    weight: 1.0,
+                    over: 0.0,
+                    leverage: 0.02,
+                    position: 80.0 * level,
+                    deviation: 1.0,
+                }
+            })
+            .collect();
+        let noise = Noise { deviation: Q / 12.0_f64.sqrt(), correlation: 0.0 };
+        let steps = Steps { step: Q, place: None };
+        let first = tried(&known, &far(&known, Q), steps, noise);
+        let second = tried(&known, &first.off, steps, noise);
+        for found in [first, second] {
+            let [one, both, ..] = found.variances.map(|variance| variance / (Q * Q / 12.0));
+            assert!((one - 1.0).abs() < 0.3 && (both - 2.0).abs() < 0.7, "{one} {both}");
+            // All of it is fitted away.
+            assert!(found.left[0] < 1e-9, "{:?}", found.left);
+        }
     }
 }

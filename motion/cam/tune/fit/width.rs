@@ -47,8 +47,7 @@ impl Problem<'_> {
                 k.over / (1.0 - (taken * k.leverage).min(k.leverage.max(0.5))).max(1e-6)
             };
             let square: f64 = shares().map(|share| share * share).sum();
-            let own: f64 =
-                shares().zip(known).map(|(share, k)| (share * without(k)).powi(2)).sum();
+            let own: f64 = shares().zip(known).map(|(share, k)| (share * without(k)).powi(2)).sum();
             let by_noise: Vec<f64> =
                 shares().zip(known).map(|(share, k)| share * k.deviation).collect();
             // Of few samples that says too little by chance.
