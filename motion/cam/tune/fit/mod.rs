@@ -111,11 +111,19 @@ pub struct Fit {
     pub correlation: f64,
     /// What the slave's positions are rounded to, u; 0 if they are not, or noise hides it.
     pub quantum: f64,
+    /// Whether the samples show how noise goes on from one to the next: [`Fit::SAMPLES`] do, of positions that are rounded if the
+    /// slave moves by [`Fit::STEPS`] steps. If not, the intervals hold for noise that is independent from sample to sample only.
+    pub shows_correlation: bool,
     /// The largest part that the bias of noise in the master's positions may have in a half width; the widths hold it.
     pub bias: f64,
 }
 
 impl Fit {
+    /// So many samples show how noise goes on; of fewer, what is by chance is asked of the distribution itself.
+    pub const SAMPLES: usize = 50;
+    /// Of positions that are rounded and change by fewer steps, noise is seen where they go from one to the next only.
+    pub const STEPS: u32 = 100;
+
     /// Whether what is left over looks like noise for which the intervals hold: one whose correlation from sample to sample is
     /// weak enough to be known from the samples themselves.
     ///
@@ -126,18 +134,11 @@ impl Fit {
         }
         self.correlation.abs() <= STRONG
     }
-
-    /// Whether so many samples show how noise goes on from one to the next. If not, the intervals hold for noise that is
-    /// independent from sample to sample only.
-    pub const fn shows_correlation(samples: usize) -> bool {
-        samples >= FEW
-    }
 }
 
 /// A correlation beyond this is no noise: that of so many samples and more of independent noise is 4 standard deviations less.
 const STRONG: f64 = 0.6;
-/// Below so many samples, what is by chance is asked of the distribution itself.
-const FEW: usize = 50;
+const FEW: usize = Fit::SAMPLES;
 /// What is told of few samples noise does in one run of so many.
 const CHANCE: f64 = 1e-4;
 
@@ -311,6 +312,7 @@ impl Problem<'_> {
             rms,
             correlation,
             quantum,
+            shows_correlation: self.shows_correlation(quantum),
             bias,
         })
     }
@@ -334,6 +336,14 @@ impl Problem<'_> {
             .clone()
             .try_inverse()
             .ok_or_else(|| FitError::Undetermined { unknowns: self.names() })
+    }
+
+    /// As [`Fit::shows_correlation`].
+    fn shows_correlation(&self, quantum: f64) -> bool {
+        let ends = (f64::INFINITY, f64::NEG_INFINITY);
+        let (low, high) =
+            self.samples.iter().fold(ends, |(a, b), s| (a.min(s.slave), b.max(s.slave)));
+        self.samples.len() >= FEW && high - low >= f64::from(Fit::STEPS) * quantum
     }
 
     /// The step to which the slave's positions are rounded, if it is not far below what is left over: where the slave is

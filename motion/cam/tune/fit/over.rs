@@ -11,8 +11,9 @@ pub(super) const LAGS: usize = 8;
 /// Rounds in which these are corrected by what they say themselves, and by how much at most.
 const ROUNDS: usize = 2;
 const MOST_TAKEN: f64 = 4.0;
-/// Rounds in which rounding is tried: the first one with truths that may be anywhere, each other one with those of the last.
-const TRIES: usize = 3;
+/// Recordings that are tried in each round: in the first one with truths that may be anywhere, in the others with those of the
+/// one before.
+const TRIED: [usize; 3] = [32, 32, 64];
 /// With more noise, in steps, rounding is noise, too: of what is the same in all samples of a dwell, exp(−(2·π·s/q)²), nothing is
 /// left that counts. With less than the other one it is told.
 const HIDDEN: f64 = 0.5;
@@ -153,8 +154,8 @@ impl Over {
             Noise { deviation: (square.max(rounding) / count).sqrt(), correlation: 0.0 };
         let mut off = far(&self.known, step);
         let mut last = None;
-        for _ in 0..TRIES {
-            let now = tried(&self.known, &off, steps, noise);
+        for recordings in TRIED {
+            let now = tried(&self.known, (&off, recordings), steps, noise);
             let mended: Vec<f64> = covariances
                 .iter()
                 .zip(hats)
@@ -178,10 +179,9 @@ impl Over {
                     .sqrt(),
                 correlation: (next / of_noise.max(least)).clamp(0.0, 0.9),
             };
-            // What no recording that was tried has.
-            let [low, high] = now.next;
-            let room = (high - low) / 2.0;
-            let beyond = beside - beside.clamp(low - room, high + room);
+            // What no recording that was tried has; less is no harm.
+            let [low, high] = now.beside;
+            let beyond = (beside - high - (high - low) / 2.0).max(0.0);
             self.correlation = beyond / (square - now.left[0]).max(least);
             off.clone_from(&now.off);
             last = Some((step, now));

@@ -11,8 +11,8 @@ use super::draws::Draws;
 use super::over::{Known, LAGS};
 use nalgebra::{DMatrix, DVector};
 
-/// Recordings that are tried.
-const TRIED: u32 = 64;
+/// Truths that are far off.
+const TRUTHS: u32 = 32;
 /// Truths of the first round are so many steps off, so that nothing is known from one dwell to another.
 const FAR: f64 = 30.0;
 /// Samples after which noise no longer knows how it began.
@@ -54,7 +54,7 @@ pub(super) struct Tried {
     /// By how much that at lag 0 scatters, standard deviation.
     pub(super) scatter: f64,
     /// The least and the greatest one at lag 1 among them.
-    pub(super) next: [f64; 2],
+    pub(super) beside: [f64; 2],
     /// What the squares fall by if both halves have their own answers, on an average.
     pub(super) gained: f64,
 }
@@ -72,7 +72,7 @@ pub(super) fn far(known: &[Known], step: f64) -> Vec<[f64; 4]> {
     let scales =
         squares.map(|square| if square > 0.0 { FAR * step / (square / count).sqrt() } else { 0.0 });
     let mut draws = Draws::new(0);
-    (0..TRIED)
+    (0..TRUTHS)
         .map(|_| {
             let ([a, b], [c, d]) = (draws.normals(), draws.normals());
             let [offset, scaling, shift, factor] = scales;
@@ -81,8 +81,13 @@ pub(super) fn far(known: &[Known], step: f64) -> Vec<[f64; 4]> {
         .collect()
 }
 
-/// Rounds and fits recordings of truths that are so far off.
-pub(super) fn tried(known: &[Known], off: &[[f64; 4]], steps: Steps, noise: Noise) -> Tried {
+/// Rounds and fits so many recordings of truths that are so far off, each with other noise and steps elsewhere.
+pub(super) fn tried(
+    known: &[Known],
+    (off, recordings): (&[[f64; 4]], usize),
+    steps: Steps,
+    noise: Noise,
+) -> Tried {
     let Steps { step, place } = steps;
     let unknowns = known.first().map_or(0, |k| k.unknowns);
     let halves = halves(known, unknowns);
@@ -91,13 +96,14 @@ pub(super) fn tried(known: &[Known], off: &[[f64; 4]], steps: Steps, noise: Nois
         variances: [0.0; 4],
         left: [0.0; LAGS + 1],
         scatter: 0.0,
-        next: [f64::INFINITY, f64::NEG_INFINITY],
+        beside: [f64::INFINITY, f64::NEG_INFINITY],
         gained: 0.0,
     };
     let (mut rounding, mut noises) = (vec![0.0; known.len()], vec![0.0; known.len()]);
+    let before: Vec<f64> = known.iter().map(|k| noise.before(k, step)).collect();
     let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
-    for (index, off) in (1_u32..).zip(off) {
-        fill(&mut noises, known, noise, step, u64::from(index));
+    for (index, off) in (1_u32..).zip(off.iter().cycle().take(recordings)) {
+        fill(&mut noises, &before, noise.correlation, u64::from(index));
         let place = place.unwrap_or(f64::from(index) * golden).fract();
         let (mut by_rounding, mut by_noise) = ([0.0; 4], [0.0; 4]);
         for ((k, error), noise) in known.iter().zip(&mut rounding).zip(&noises) {
@@ -133,12 +139,13 @@ pub(super) fn tried(known: &[Known], off: &[[f64; 4]], steps: Steps, noise: Nois
                 all.scatter += one * one;
             }
             if lag == 1 {
-                all.next = [all.next[0].min(one), all.next[1].max(one)];
+                all.beside = [all.beside[0].min(one), all.beside[1].max(one)];
             }
         }
         all.off.push(both);
     }
-    let count = f64::from(TRIED);
+    #[expect(clippy::cast_precision_loss, reason = "a few")]
+    let count = all.off.len().max(1) as f64;
     all.variances = all.variances.map(|sum| sum / count);
     all.left = all.left.map(|sum| sum / count);
     all.gained /= count;
@@ -162,10 +169,10 @@ fn halves(known: &[Known], unknowns: usize) -> Vec<(usize, DMatrix<f64>)> {
         .collect()
 }
 
-/// Noise of the first order, as much of it as is left over beside rounding.
-fn fill(noises: &mut [f64], known: &[Known], noise: Noise, step: f64, stream: u64) {
+/// Noise of the first order with these deviations.
+fn fill(noises: &mut [f64], deviations: &[f64], correlation: f64, stream: u64) {
     let mut draws = Draws::new(stream);
-    let fresh = (1.0 - noise.correlation * noise.correlation).sqrt();
+    let fresh = (1.0 - correlation * correlation).sqrt();
     let mut value = 0.0;
     let mut spare = None;
     let mut next = || {
@@ -174,15 +181,14 @@ fn fill(noises: &mut [f64], known: &[Known], noise: Noise, step: f64, stream: u6
             spare = Some(other);
             one
         });
-        value = noise.correlation * value + fresh * normal;
+        value = correlation * value + fresh * normal;
         value
     };
     for _ in 0..BEGINS {
         next();
     }
-    for (noise_of, k) in noises.iter_mut().zip(known) {
-        let deviation = noise.before(k, step);
-        *noise_of = if deviation > 0.0 { deviation * next() } else { 0.0 };
+    for (noise, deviation) in noises.iter_mut().zip(deviations) {
+        *noise = if *deviation > 0.0 { deviation * next() } else { 0.0 };
     }
 }
 
@@ -198,7 +204,7 @@ fn add(to: &mut [f64; 4], what: &[f64; 4], times: f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Known, Noise, Steps, TRIED, far, tried};
+    use super::{Known, Noise, Steps, far, tried};
 
     const Q: f64 = 0.2;
 
@@ -220,7 +226,7 @@ mod tests {
             .collect();
         let off = if off.is_empty() { far(&known, Q) } else { off.to_vec() };
         let noise = Noise { deviation: noise.hypot(Q / 12.0_f64.sqrt()), correlation: 0.0 };
-        let found = tried(&known, &off, Steps { step: Q, place: None }, noise);
+        let found = tried(&known, (&off, 64), Steps { step: Q, place: None }, noise);
         assert_eq!(found.off.len(), 64);
         // What is left over of a mean is what its own rounding does not explain.
         let whole = Q * Q / 12.0 * f64::from(u32::try_from(positions.len()).expect("few"));
@@ -233,7 +239,7 @@ mod tests {
     #[test]
     fn variances_in_closed_form() {
         let whole = Q * Q / 12.0;
-        let there = vec![[0.0; 4]; TRIED.try_into().expect("few")];
+        let there = [[0.0; 4]];
         let one = variance(&[3.03; 100], &there, 0.0);
         assert!((one / whole - 1.0).abs() < 0.06, "{one} {whole}");
         let places: Vec<_> = (0..100).map(|i| 3.03 + f64::from(i % 2) * Q / 2.0).collect();
@@ -268,8 +274,8 @@ mod tests {
             .collect();
         let noise = Noise { deviation: Q / 12.0_f64.sqrt(), correlation: 0.0 };
         let steps = Steps { step: Q, place: None };
-        let first = tried(&known, &far(&known, Q), steps, noise);
-        let second = tried(&known, &first.off, steps, noise);
+        let first = tried(&known, (&far(&known, Q), 64), steps, noise);
+        let second = tried(&known, (&first.off, 64), steps, noise);
         for found in [first, second] {
             let [one, both, ..] = found.variances.map(|variance| variance / (Q * Q / 12.0));
             assert!((one - 1.0).abs() < 0.3 && (both - 2.0).abs() < 0.7, "{one} {both}");

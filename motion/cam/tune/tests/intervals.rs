@@ -2,7 +2,7 @@
 //! recordings are like: dwells, steps of any size, noise that goes on, jitter of the master, all unknowns.
 
 use super::Random;
-use crate::cam::tune::{Fit, FitOptions, Free, Sample, fit};
+use crate::cam::tune::{Fit, FitError, FitOptions, Free, Sample, fit};
 use crate::cam::{Curve, Knot};
 use std::ops::RangeInclusive;
 
@@ -28,9 +28,21 @@ fn dwelling() -> Curve {
     .expect("a curve")
 }
 
+/// Up and down at once, then a dwell of three quarters.
+fn resting() -> Curve {
+    Curve::polynomial(&[
+        Knot::at_rest(0.0, 0.0),
+        Knot::at_rest(40.0, 80.0),
+        Knot::at_rest(90.0, 0.0),
+        Knot::at_rest(360.0, 0.0),
+    ])
+    .expect("a curve")
+}
+
 /// What is recorded.
 #[derive(Clone, Copy)]
 struct Case {
+    curve: fn() -> Curve,
     free: Free,
     samples: u32,
     turns: u32,
@@ -47,6 +59,7 @@ struct Case {
 
 /// Two turns without anything.
 const STILL: Case = Case {
+    curve: dwelling,
     free: OFFSETS,
     samples: 240,
     turns: 2,
@@ -62,7 +75,8 @@ const COUNTS: f64 = std::f64::consts::TAU / 100.0;
 
 impl Case {
     fn named(&self) -> String {
-        let Self { free, samples, turns, step, decimals, noise, correlation, jitter } = self;
+        let Self { curve: _, free, samples, turns, step, decimals, noise, correlation, jitter } =
+            self;
         let free = [free.master_offset, free.master_scaling, free.slave_offset, free.slave_scaling];
         format!(
             "{free:?}, {samples} samples of {turns} turns, step {step} ({decimals:?}), noise {noise} ({correlation}), jitter \
@@ -97,7 +111,7 @@ impl Case {
     /// What is found in all trials, of which so many are to hit each unknown. One in two hundred at most may be told as no
     /// noise; that counts as a miss.
     fn holds(&self, right: &RangeInclusive<usize>) -> Vec<Fit> {
-        let (curve, name) = (dwelling(), self.named());
+        let (curve, name) = ((self.curve)(), self.named());
         let free = [
             self.free.master_offset,
             self.free.master_scaling,
@@ -210,7 +224,7 @@ fn rounded_with_noise() {
 fn rounded_with_noise_that_goes_on() {
     for (part, right) in [(0.1, &AND_MORE), (0.3, &HITS)] {
         for correlation in [0.3, 0.5] {
-            let case = Case { noise: part * COUNTS, correlation, samples: 600, ..STILL };
+            let case = Case { noise: part * COUNTS, correlation, samples: 400, ..STILL };
             Case { free: OFFSETS, step: COUNTS, ..case }.holds(right);
             Case { free: SLAVE, step: COUNTS, ..case }.holds(right);
         }
@@ -228,7 +242,7 @@ fn rounded_with_noise_that_goes_on_and_all_unknowns() {
 /// White and not, with all unknowns.
 #[test]
 fn noise_with_all_unknowns() {
-    for (correlation, samples) in [(0.0, 120), (0.3, 400), (0.5, 600)] {
+    for (correlation, samples) in [(0.0, 120), (0.3, 400), (0.5, 500)] {
         Case { free: ALL, noise: 0.1, correlation, samples, ..STILL }.holds(&HITS);
     }
 }
@@ -246,7 +260,66 @@ fn noise_that_goes_on() {
 #[test]
 fn jitter_of_the_master() {
     for (free, step) in [(OFFSETS, 0.0), (SLAVE, 0.0), (OFFSETS, 0.1), (SLAVE, 0.1)] {
-        let case = Case { free, step, noise: 0.02, jitter: 0.1, samples: 600, ..STILL };
+        let case = Case { free, step, noise: 0.02, jitter: 0.1, samples: 400, ..STILL };
         case.holds(&AND_MORE);
+    }
+}
+
+/// Most samples are fitted as they are, and those between are no outliers for that.
+#[test]
+fn rounded_on_a_long_dwell() {
+    let case = Case { curve: resting, step: COUNTS, samples: 400, ..STILL };
+    for (free, noise) in [(OFFSETS, 0.0), (SLAVE, 0.0), (OFFSETS, 0.1 * COUNTS)] {
+        Case { free, noise, ..case }.holds_and_sees(&AND_MORE);
+    }
+}
+
+/// Noise that goes on too strongly, a coupling that slips, and a sample that is off.
+#[test]
+fn what_is_wrong_is_told_of_rounded_positions_too() {
+    let curve = dwelling();
+    let truth = [2.0, 1.0, 0.5, 1.0];
+    let case = Case { step: 0.1, samples: 600, ..STILL };
+    let options = FitOptions::default();
+    let (mut gone_on, mut slipped, mut off) = (0, 0, 0);
+    for seed in 0..100 {
+        let mut random = Random(seed + 77_000);
+        // Noise that goes on too strongly, of less than half a step.
+        let samples =
+            Case { noise: 0.03, correlation: 0.95, ..case }.record(&mut random, &curve, truth);
+        gone_on += usize::from(match fit(&curve, &samples, &options) {
+            Ok(found) => !found.is_noise(samples.len()),
+            Err(error) => matches!(error, FitError::Contradictory { .. }),
+        });
+        // The coupling slips by 1 u half way.
+        let mut samples = case.record(&mut random, &curve, truth);
+        let after = case.record(&mut random, &curve, [3.0, 1.0, 0.5, 1.0]);
+        samples[300..].copy_from_slice(&after[300..]);
+        let found = fit(&curve, &samples, &options);
+        slipped += usize::from(matches!(found, Err(FitError::Contradictory { .. })));
+        // A sample is off by ten steps.
+        let mut samples = Case { noise: 0.01, ..case }.record(&mut random, &curve, truth);
+        samples[111].slave += 1.0;
+        let found = fit(&curve, &samples, &options);
+        let named =
+            |outliers: &[(usize, f64)]| matches!(outliers, [(112, by)] if (by - 1.0).abs() < 0.2);
+        off +=
+            usize::from(matches!(&found, Err(FitError::Outliers { outliers }) if named(outliers)));
+    }
+    assert!(gone_on >= 95 && slipped == 100 && off == 100, "{gone_on} {slipped} {off}");
+}
+
+/// Few samples, or few steps, do not show how noise goes on: that is said.
+#[test]
+fn few_samples_and_steps_are_said() {
+    let curve = dwelling();
+    let mut random = Random(5);
+    for (samples, step, shown) in
+        [(49, 0.0, false), (50, 0.0, true), (400, 0.5, true), (400, 2.0, false)]
+    {
+        let case = Case { samples, step, noise: 0.1, ..STILL };
+        let samples = case.record(&mut random, &curve, [1.0, 1.0, 0.3, 1.0]);
+        let found = fit(&curve, &samples, &FitOptions::default()).expect("a fit");
+        assert_eq!(found.shows_correlation, shown, "{} {step}", samples.len());
     }
 }
