@@ -2,7 +2,7 @@
 
 use super::correlation::correlations;
 use super::growth::Growth;
-use super::rounding::{Noise, Steps, Tried, dot, far, tried};
+use super::rounding::{Noise, Steps, Tried, clear, dot, far, tried};
 use super::{FEW, Parameters, Problem};
 use nalgebra::{DMatrix, DVector};
 
@@ -18,9 +18,11 @@ const TRIED: [usize; 3] = [32, 32, 64];
 /// left that counts. With less than the other one it is told.
 const HIDDEN: f64 = 0.5;
 const TOLD: f64 = 0.35;
-/// On a dwell noise and rounding are told apart badly. Reckoned with is less noise, which hides less of rounding, by so many
-/// times what rounding scatters.
+/// Noise and rounding are told apart badly. Reckoned with is less noise, which hides less of rounding, by so many times what
+/// rounding scatters.
 const SCATTER: f64 = 1.0;
+/// Samples that are clear of rounding of their neighbours tell noise from rounding, if there are so many.
+const CLEAR: usize = 30;
 /// The correlation of noise that stands out of rounding so little that chance has more than 4 standard deviations of it is
 /// reckoned by so much of all, times 1/√n.
 const STANDS_OUT: f64 = 7.0;
@@ -43,6 +45,9 @@ pub(super) struct Known {
     pub(super) position: f64,
     /// Deviation of its noise, up to a common factor.
     pub(super) deviation: f64,
+    /// Whether rounding of it has nothing to do with that of its neighbours: they are half a step off and more. Where too few
+    /// are so, all are taken.
+    pub(super) clear: bool,
 }
 
 /// What is known of what is left over.
@@ -85,7 +90,8 @@ impl Problem<'_> {
                 let grown = growth.map_or(1.0, |g| g.relative(s.weight, self.slope(p, s)));
                 let deviation = (grown / s.weight).sqrt();
                 let (weight, over) = (s.weight, s.slave - position);
-                Known { unknowns, row, share, weight, over, leverage, position, deviation }
+                let clear = true;
+                Known { unknowns, row, share, weight, over, leverage, position, deviation, clear }
             })
             .collect();
         let mut over = Over {
@@ -138,6 +144,24 @@ impl Over {
         self.taken = (1.0 + 2.0 * self.correlations.iter().sum::<f64>()).clamp(1.0, MOST_TAKEN);
     }
 
+    /// Looks which samples are clear, and how many.
+    fn clear(&mut self, step: f64) -> usize {
+        let positions: Vec<f64> = self.known.iter().map(|k| k.position).collect();
+        let apart = |a: f64, b: f64| (a - b).abs() > step / 2.0;
+        let mut before = f64::INFINITY;
+        for (index, k) in self.known.iter_mut().enumerate() {
+            let after = positions.get(index + 1).copied().unwrap_or(f64::INFINITY);
+            k.clear = apart(before, k.position) && apart(k.position, after);
+            before = k.position;
+        }
+        let clear = self.known.iter().filter(|k| k.clear).count();
+        if clear >= CLEAR {
+            return clear;
+        }
+        self.known.iter_mut().for_each(|k| k.clear = true);
+        self.known.len()
+    }
+
     /// Positions that are rounded: what rounding explains is taken away, what remains is noise.
     fn beyond_rounding(&mut self, steps: Steps) {
         let step = steps.step;
@@ -146,12 +170,15 @@ impl Over {
         let count = samples as f64;
         let covariances = covariances(&self.known);
         let hats = hats(&self.known);
-        let [square, beside, ..] = covariances;
+        let even: Vec<f64> = self.known.iter().map(|k| k.over / k.deviation).collect();
+        #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
+        let part = self.clear(step) as f64 / count;
+        let [square, beside] = clear(&self.known, &even);
         // Of rounding, if nothing of it were fitted away.
         let rounding: f64 = self.known.iter().map(|k| (step / k.deviation).powi(2) / 12.0).sum();
-        let mut variance = (square - rounding).max(0.0) / count;
-        let mut noise =
-            Noise { deviation: (square.max(rounding) / count).sqrt(), correlation: 0.0 };
+        let least = covariances.first().copied().unwrap_or_default().min(square / part);
+        let mut variance = (least - rounding).max(0.0) / count;
+        let mut noise = Noise { deviation: (least.max(rounding) / count).sqrt(), correlation: 0.0 };
         let mut off = far(&self.known, step);
         let mut last = None;
         for recordings in TRIED {
@@ -173,16 +200,19 @@ impl Over {
             // What goes on is fitted away by more than independent noise.
             let goes_on = (self.taken - 1.0) * all;
             variance = (of_noise + goes_on).min(MOST_TAKEN * of_noise) / count;
-            let least = all * (STANDS_OUT / count.sqrt()).min(1.0);
+            let least = all * (STANDS_OUT / (count * part).sqrt()).min(1.0);
+            let ([_, rounded], [all_scatter, clear_scatter]) = (now.squares, now.scatter);
+            let by_all = of_noise - SCATTER * all_scatter;
+            let by_clear = (square - rounded - SCATTER * clear_scatter) / part;
+            let rather = by_all.min(by_clear).max(0.0);
             noise = Noise {
-                deviation: (((of_noise - SCATTER * now.scatter).max(0.0) + rounding) / count)
-                    .sqrt(),
+                deviation: ((rather + rounding) / count).sqrt(),
                 correlation: (next / of_noise.max(least)).clamp(0.0, 0.9),
             };
             // What no recording that was tried has; less is no harm.
             let [low, high] = now.beside;
             let beyond = (beside - high - (high - low) / 2.0).max(0.0);
-            self.correlation = beyond / (square - now.left[0]).max(least);
+            self.correlation = beyond / (square - rounded).max(least * part);
             off.clone_from(&now.off);
             last = Some((step, now));
         }

@@ -50,12 +50,16 @@ impl Problem<'_> {
         #[expect(clippy::cast_precision_loss, reason = "counts of samples and unknowns")]
         let (freedom, unknowns) = (freedom as f64, unknowns as f64);
         let rest = (left - gained).max(f64::MIN_POSITIVE);
-        let chance = (gained / unknowns) / (rest / freedom);
-        // The halves see the same error of rounding wherever the slave dwells, each its own one.
-        let f = match &over.rounded {
-            Some((_, tried)) if tried.gained > 0.0 => chance.min(gained / tried.gained),
-            _ => chance,
+        let chance = match &over.rounded {
+            // The halves see the same error of rounding wherever the slave dwells, each its own one.
+            Some((step, tried)) => {
+                let weights: f64 = self.samples.iter().map(|s| s.weight).sum();
+                let least = step * step / 12.0 * weights / (freedom + 2.0 * unknowns);
+                unknowns * (rest / freedom).max(least) + tried.gained
+            }
+            None => unknowns * rest / freedom,
         };
+        let f = gained / chance;
         // Rounding of data without noise is not a contradiction.
         let size: f64 = self.samples.iter().map(|s| s.weight * s.slave.powi(2)).sum();
         // Where what is left over is known from few samples, F is often large by chance: its own distribution says how often.

@@ -51,11 +51,12 @@ pub(super) struct Tried {
     pub(super) variances: [f64; 4],
     /// Covariances of what rounding leaves over, at the lags 0, 1, …, by the deviation of each sample.
     pub(super) left: [f64; LAGS + 1],
-    /// By how much that at lag 0 scatters, standard deviation.
-    pub(super) scatter: f64,
-    /// The least and the greatest one at lag 1 among them.
+    /// The sums of squares of all and of those that are clear, and by how much these scatter, standard deviations.
+    pub(super) squares: [f64; 2],
+    pub(super) scatter: [f64; 2],
+    /// The least and the greatest sum of products of neighbours that are clear.
     pub(super) beside: [f64; 2],
-    /// What the squares fall by if both halves have their own answers, on an average.
+    /// What the squares fall by through rounding if both halves have their own answers, on an average.
     pub(super) gained: f64,
 }
 
@@ -95,7 +96,8 @@ pub(super) fn tried(
         off: Vec::new(),
         variances: [0.0; 4],
         left: [0.0; LAGS + 1],
-        scatter: 0.0,
+        squares: [0.0; 2],
+        scatter: [0.0; 2],
         beside: [f64::INFINITY, f64::NEG_INFINITY],
         gained: 0.0,
     };
@@ -121,9 +123,8 @@ pub(super) fn tried(
         let mut from = 0;
         for (count, inverse) in &halves {
             let mut right = [0.0; 4];
-            let part = known.iter().zip(rounding.iter().zip(&noises)).skip(from).take(*count);
-            for (k, (rounding, noise)) in part {
-                add(&mut right, &k.row, k.weight * (rounding + noise - dot(&k.row, &both)));
+            for (k, error) in known.iter().zip(&rounding).skip(from).take(*count) {
+                add(&mut right, &k.row, k.weight * (error - dot(&k.row, &by_rounding)));
             }
             from += count;
             let right = DVector::from_iterator(unknowns, right.into_iter().take(unknowns));
@@ -133,15 +134,15 @@ pub(super) fn tried(
             *error = (*error - dot(&k.row, &by_rounding)) / k.deviation;
         }
         for (lag, sum) in all.left.iter_mut().enumerate() {
-            let one: f64 = rounding.iter().zip(rounding.iter().skip(lag)).map(|(a, b)| a * b).sum();
-            *sum += one;
-            if lag == 0 {
-                all.scatter += one * one;
-            }
-            if lag == 1 {
-                all.beside = [all.beside[0].min(one), all.beside[1].max(one)];
-            }
+            *sum += rounding.iter().zip(rounding.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>();
         }
+        let [square, beside] = clear(known, &rounding);
+        let squares = [rounding.iter().map(|value| value * value).sum(), square];
+        for ((sum, scatter), square) in all.squares.iter_mut().zip(&mut all.scatter).zip(squares) {
+            *sum += square;
+            *scatter += square * square;
+        }
+        all.beside = [all.beside[0].min(beside), all.beside[1].max(beside)];
         all.off.push(both);
     }
     #[expect(clippy::cast_precision_loss, reason = "a few")]
@@ -149,8 +150,23 @@ pub(super) fn tried(
     all.variances = all.variances.map(|sum| sum / count);
     all.left = all.left.map(|sum| sum / count);
     all.gained /= count;
-    all.scatter = (all.scatter / count - all.left[0].powi(2)).max(0.0).sqrt();
+    all.squares = all.squares.map(|sum| sum / count);
+    for (scatter, square) in all.scatter.iter_mut().zip(all.squares) {
+        *scatter = (*scatter / count - square * square).max(0.0).sqrt();
+    }
     all
+}
+
+/// The sums of squares, and of products of neighbours, of those that are clear.
+pub(super) fn clear(known: &[Known], values: &[f64]) -> [f64; 2] {
+    let (mut square, mut beside, mut before) = (0.0, 0.0, 0.0);
+    for (k, value) in known.iter().zip(values) {
+        let value = if k.clear { *value } else { 0.0 };
+        square += value * value;
+        beside += value * before;
+        before = value;
+    }
+    [square, beside]
 }
 
 /// How many samples each half has, and the inverse of its normal matrix; none if a half does not tell the unknowns apart.
@@ -222,6 +238,7 @@ mod tests {
                 leverage: share,
                 position: *position,
                 deviation: 1.0,
+                clear: true,
             })
             .collect();
         let off = if off.is_empty() { far(&known, Q) } else { off.to_vec() };
@@ -269,6 +286,7 @@ mod tests {
                     leverage: 0.02,
                     position: 80.0 * level,
                     deviation: 1.0,
+                    clear: true,
                 }
             })
             .collect();
