@@ -97,6 +97,46 @@ fn a_run_tells_offsets_and_the_dead_time() {
     );
 }
 
+/// Twenty samples do not show whether their noise is independent, two hundred whose slave moves by fifty steps neither: both is
+/// said. Two hundred that are not rounded show it.
+#[test]
+fn what_few_samples_do_not_show_is_said() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    let run = |count: u32, step: f64| {
+        let mut text = String::from("time_s,master_deg,slave_mm\n");
+        for index in 0..count {
+            let mixed = u64::from(index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40;
+            let noise = f64::from(u32::try_from(mixed).expect("24 bits")) / 16_777_216.0 - 0.5;
+            let master = 720.0 * f64::from(index) / f64::from(count);
+            let slave = lift(master + 25.0) - 4.0 + 0.1 * noise;
+            let slave = if step > 0.0 { (slave / step).round() * step } else { slave };
+            writeln!(text, "{},{master},{slave}", master / 400.0).expect("text");
+        }
+        desk.write("run.csv", &text);
+        let tune = ["tune", "cam", "lift.toml", "--run", "run.csv", "--slave", "wanted"];
+        let done = desk.twin(&tune);
+        done.ended(0, "");
+        let as_json = object(&desk.twin(&[&tune[..], &["--format", "json"]].concat()).stdout);
+        (done.stdout.clone(), as_json["fit"]["shows_correlation"].as_bool().expect("said"))
+    };
+    let independent = "hold for noise that is independent from sample to sample only";
+    let (said, shown) = run(20, 0.0);
+    assert!(
+        said.contains(&format!("intervals of 20 samples (below 50) {independent}")) && !shown,
+        "{said}"
+    );
+    let (said, shown) = run(200, 2.0);
+    assert!(said.contains("rounded to 2 mm"), "{said}");
+    assert!(
+        said.contains(&format!("fewer than 100 of these steps {independent}")) && !shown,
+        "{said}"
+    );
+    let (said, shown) = run(200, 0.0);
+    assert!(!said.contains(independent) && shown, "{said}");
+}
+
 /// A slave 5 ms behind at 400 deg/s is lift(master − 2): `MasterOffset` 2 undoes it, and with that in effect nothing is left.
 #[test]
 fn a_slave_that_lags_gets_an_offset_that_leads() {

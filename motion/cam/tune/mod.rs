@@ -2,9 +2,9 @@
 //! shape that lets the master go faster, and from the limits of the slave to the ramp it begins with.
 //!
 //! What is estimated comes with an interval that holds the true value in 95 % of all runs. The noise of the slave's positions
-//! may grow with the slope, as jitter of the master makes it, go on from sample to sample for a while, or be that of rounding;
-//! how all that is reckoned with is in `motion/cam/tune/fit/width.rs`. Data that do
-//! not say what is asked for, or contradict it, are refused.
+//! may grow with the slope, as jitter of the master makes it, go on from sample to sample for a while, and be rounded; how all
+//! that is reckoned with is in `motion/cam/tune/fit/width.rs`. Data that do not say what is asked for, or contradict it, are
+//! refused.
 
 mod along;
 mod chance;

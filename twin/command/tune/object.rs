@@ -15,7 +15,7 @@ impl Report<'_> {
                 "estimates": named.into_iter().collect::<serde_json::Map<_, _>>(),
                 "samples": self.samples, "rms_before": self.error_before, "rms_after": self.error_after,
                 "correlation": fit.correlation, "noise": !self.doubtful,
-                "quantum": fit.quantum, "bias": fit.bias,
+                "quantum": fit.quantum, "bias": fit.bias, "shows_correlation": fit.shows_correlation,
             })
         });
         let dead_time = self.dead_time.as_ref().map(|(found, count)| {

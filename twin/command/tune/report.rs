@@ -254,6 +254,19 @@ impl<'a> Report<'a> {
         if writes { Ok(()) } else { writeln!(out, "\nnothing is written without --write") }
     }
 
+    /// For what the intervals hold where the samples do not show whether it is so.
+    fn independent(&self, fit: &Fit) -> String {
+        let samples = self.samples;
+        let why = if fit.quantum > 0.0 && samples >= Fit::SAMPLES {
+            format!("intervals of a slave that moves by fewer than {} of these steps", Fit::STEPS)
+        } else {
+            format!("intervals of {samples} samples (below {})", Fit::SAMPLES)
+        };
+        format!(
+            "{why} hold for noise that is independent from sample to sample only; so few do not show whether it is"
+        )
+    }
+
     /// What the run tells.
     fn tell_run(&self, out: &mut impl Write) -> io::Result<()> {
         let slave = self.file.slave.unit();
@@ -313,6 +326,9 @@ impl<'a> Report<'a> {
                     "the slave's positions are rounded to {} {slave}; the intervals hold that",
                     short(fit.quantum)
                 )?;
+            }
+            if !fit.shows_correlation {
+                writeln!(out, "{}", self.independent(fit))?;
             }
             if fit.bias > BIAS {
                 writeln!(

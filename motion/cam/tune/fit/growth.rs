@@ -10,7 +10,9 @@ const LEAST: usize = 80;
 /// Growth is seen if it is so many times its standard deviation.
 const SEEN: f64 = 4.0;
 /// The median of |e| of normal noise, in standard deviations.
-const MEDIAN: f64 = 0.6745;
+pub(super) const MEDIAN: f64 = 0.6745;
+/// By how much the variance of rounding, 1/12, is less than what its median makes of it, in steps.
+const UNIFORM: f64 = 0.25 * 0.25 / (MEDIAN * MEDIAN) - 1.0 / 12.0;
 /// Standard deviation of a variance from the median of n samples, times √n, as a part of it: the median has 37 % of the
 /// efficiency that the squares have.
 const COARSE: f64 = 2.33;
@@ -42,20 +44,25 @@ impl Problem<'_> {
         slope * p[1]
     }
 
-    /// How noise grows with the slope, if it does. By medians, so that samples that are far off do not count.
-    pub(super) fn growth(&self, p: Parameters) -> Option<Growth> {
+    /// How noise grows with the slope, if it does. By medians, so that samples that are far off do not count. What rounding to
+    /// `step` leaves over is taken for the same everywhere: where the slave dwells, fitting has taken it away.
+    pub(super) fn growth(&self, p: Parameters, step: f64) -> Option<Growth> {
         if self.samples.len() < LEAST {
             return None;
         }
+        // The median of the magnitudes of rounding.
+        let rounding = step.abs() / 4.0;
         let mut both: Vec<(f64, f64)> = self
             .samples
             .iter()
             .map(|s| {
-                let over = s.slave - self.model(p, s.master).0;
-                (s.weight * self.slope(p, s).powi(2), s.weight.sqrt() * over.abs())
+                let over = (s.slave - self.model(p, s.master).0).abs().max(rounding);
+                (s.weight * self.slope(p, s).powi(2), s.weight.sqrt() * over)
             })
             .collect();
         both.sort_by(|a, b| a.0.total_cmp(&b.0));
+        #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
+        let weight = self.samples.iter().map(|s| s.weight).sum::<f64>() / self.samples.len() as f64;
         let size = both.len().div_ceil(BINS);
         let mut bins: Vec<[f64; 2]> = Vec::new();
         for bin in both.chunks_mut(size) {
@@ -64,7 +71,8 @@ impl Problem<'_> {
             let middle = bin.len() / 2;
             let (_, (_, median), _) =
                 bin.select_nth_unstable_by(middle, |a, b| a.1.total_cmp(&b.1));
-            bins.push([steep, (*median / MEDIAN).powi(2)]);
+            let excess = weight * step * step * UNIFORM;
+            bins.push([steep, (*median / MEDIAN).powi(2) - excess]);
         }
         #[expect(clippy::cast_precision_loss, reason = "a few")]
         let count = bins.len() as f64;
@@ -78,7 +86,13 @@ impl Problem<'_> {
         let slope = both / spread;
         #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
         let deviation = COARSE * variance / (size as f64).sqrt() / spread.sqrt();
-        let base = (variance - slope * steep).max(FLOOR * variance);
+        let usual = variance - slope * steep;
+        // Rounding is what there is at least, and the quietest samples show what else.
+        let least = weight * step * step / 12.0;
+        let base = match bins.first() {
+            Some([_, quiet]) if step > 0.0 => usual.min(*quiet).max(least),
+            _ => usual.max(FLOOR * variance),
+        };
         (slope > SEEN * deviation).then_some(Growth { base, slope })
     }
 

@@ -5,11 +5,14 @@
 //! Gauss and Newton's method with exact derivatives, all together.
 
 mod correlation;
+mod draws;
 mod growth;
 mod outliers;
+mod over;
 mod refuse;
 mod rounding;
 mod search;
+mod step;
 mod width;
 
 use super::super::curve::Curve;
@@ -103,41 +106,44 @@ pub struct Fit {
     pub slave_scaling: Estimate,
     /// What is left over, weighted root mean square, u.
     pub rms: f64,
-    /// Correlation of what is left over from one sample to the next. If it is far from 0, what is left over is not noise
-    /// and the intervals are too narrow.
+    /// Correlation of what is left over from one sample to the next; of positions that are rounded, of what rounding does not
+    /// explain, 0 if nothing. If it is far from 0, what is left over is not noise and the intervals are too narrow.
     pub correlation: f64,
     /// What the slave's positions are rounded to, u; 0 if they are not, or noise hides it.
     pub quantum: f64,
+    /// Whether the samples show how noise goes on from one to the next: [`Fit::SAMPLES`] do, of positions that are rounded if the
+    /// slave moves by [`Fit::STEPS`] steps. If not, the intervals hold for noise that is independent from sample to sample only.
+    pub shows_correlation: bool,
     /// The largest part that the bias of noise in the master's positions may have in a half width; the widths hold it.
     pub bias: f64,
 }
 
 impl Fit {
-    /// Whether what is left over looks like noise for which the intervals hold: rounding, or noise whose correlation from
-    /// sample to sample is weak enough to be known from the samples themselves.
+    /// So many samples show how noise goes on; of fewer, what is by chance is asked of the distribution itself.
+    pub const SAMPLES: usize = 50;
+    /// Of positions that are rounded and change by fewer steps, noise is seen where they go from one to the next only.
+    pub const STEPS: u32 = 100;
+
+    /// Whether what is left over looks like noise for which the intervals hold: one whose correlation from sample to sample is
+    /// weak enough to be known from the samples themselves.
     ///
-    /// Of few samples no correlation is five times its standard deviation, 1/√n: there it is one that noise has in one run of
-    /// ten thousand.
+    /// Of few samples no correlation is known: there it is one that independent noise has in one run of ten thousand.
     pub fn is_noise(&self, samples: usize) -> bool {
         if samples < FEW {
             return correlation_exceeds(self.correlation, samples) > CHANCE;
         }
-        #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
-        let chance = 1.0 / (samples.max(1) as f64).sqrt();
-        // What is within the steps of the positions says nothing of the cam.
-        let rounded = self.rms <= WITHIN_STEP * self.quantum;
-        rounded || self.correlation.abs() <= STRONG.max(5.0 * chance)
+        self.correlation.abs() <= STRONG
     }
 }
 
-/// A correlation beyond this is no noise, whatever the number of samples.
+/// A correlation beyond this is no noise: that of so many samples and more of independent noise is 4 standard deviations less.
 const STRONG: f64 = 0.6;
-/// Rounding leaves over 1/√12 of a step.
-const WITHIN_STEP: f64 = 0.45;
-/// Below so many samples, what is by chance is asked of the distribution itself.
-const FEW: usize = 50;
+const FEW: usize = Fit::SAMPLES;
 /// What is told of few samples noise does in one run of so many.
 const CHANCE: f64 = 1e-4;
+
+/// One in so many samples is among the quietest, and so many are at least.
+const QUIET: usize = 8;
 
 type Parameters = [f64; 4];
 
@@ -272,9 +278,11 @@ impl Problem<'_> {
         let variance = left / freedom as f64;
         let (matrix, _) = self.normal(best, self.samples);
         let inverse = self.invert(&matrix)?;
-        self.refuse_outliers(fitted, options)?;
+        let step = self.rounded_to(best);
+        self.refuse_outliers(fitted, options, step)?;
         self.refuse_unexplained(left)?;
-        self.refuse_contradiction(best, left)?;
+        let over = self.left_over(best, &inverse, step);
+        self.refuse_contradiction(best, left, &over)?;
         self.refuse_second(left, &best, answers, variance)?;
         if self.repeated && self.free.contains(&0) {
             // Whole passes are the same cam, up to what it gains.
@@ -284,7 +292,8 @@ impl Problem<'_> {
                 best[2] += best[3] * passes * self.curve.rise();
             }
         }
-        let Widths { half, quantum, bias } = self.widths(best, &inverse);
+        let Widths { half, bias } = self.widths(best, &inverse, &over);
+        let quantum = over.quantum;
         let mut estimates = best.map(Estimate::given);
         for (index, half) in self.free.iter().zip(half) {
             if let Some(estimate) = estimates.get_mut(*index) {
@@ -294,7 +303,7 @@ impl Problem<'_> {
         let [master_offset, master_scaling, slave_offset, slave_scaling] = estimates;
         let weights: f64 = self.samples.iter().map(|sample| sample.weight).sum();
         let rms = (left / weights).sqrt();
-        let correlation = self.correlation(best);
+        let correlation = over.correlation;
         Ok(Fit {
             master_offset,
             master_scaling,
@@ -303,6 +312,7 @@ impl Problem<'_> {
             rms,
             correlation,
             quantum,
+            shows_correlation: self.shows_correlation(quantum),
             bias,
         })
     }
@@ -328,11 +338,31 @@ impl Problem<'_> {
             .ok_or_else(|| FitError::Undetermined { unknowns: self.names() })
     }
 
-    fn correlation(&self, p: Parameters) -> f64 {
-        let over = |s: &Sample| s.weight.sqrt() * (s.slave - self.model(p, s.master).0);
-        let rest: Vec<_> = self.samples.iter().map(over).collect();
-        let square: f64 = rest.iter().map(|r| r * r).sum();
-        let beside: f64 = rest.iter().zip(rest.iter().skip(1)).map(|(a, b)| a * b).sum();
-        if square > 0.0 { beside / square } else { 0.0 }
+    /// As [`Fit::shows_correlation`].
+    fn shows_correlation(&self, quantum: f64) -> bool {
+        let ends = (f64::INFINITY, f64::NEG_INFINITY);
+        let (low, high) =
+            self.samples.iter().fold(ends, |(a, b), s| (a.min(s.slave), b.max(s.slave)));
+        self.samples.len() >= FEW && high - low >= f64::from(Fit::STEPS) * quantum
+    }
+
+    /// The step to which the slave's positions are rounded, if it is not far below what is left over: where the slave is
+    /// quietest that is least, as rounding shows there most.
+    fn rounded_to(&self, p: Parameters) -> Option<f64> {
+        let mut over: Vec<(f64, f64)> = self
+            .samples
+            .iter()
+            .map(|s| (self.slope(p, s).abs(), (s.slave - self.model(p, s.master).0).abs()))
+            .collect();
+        over.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let quiet = (over.len() / QUIET).max(QUIET).min(over.len());
+        let deviation = |part: &mut [(f64, f64)]| {
+            let middle = part.len() / 2;
+            part.select_nth_unstable_by(middle, |a, b| a.1.total_cmp(&b.1)).1.1 / growth::MEDIAN
+        };
+        let least = deviation(over.get_mut(..quiet)?).min(deviation(&mut over));
+        let slaves: Vec<f64> = self.samples.iter().map(|s| s.slave).collect();
+        // Noise that hides a step, and what is left over with it, is known to a part of itself only.
+        step::step(&slaves, 1.5 * least).filter(|step| *step > least)
     }
 }

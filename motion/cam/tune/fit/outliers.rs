@@ -16,6 +16,9 @@ const MOST: usize = 20;
 const BENT: f64 = 1.05;
 /// Of the size of the slave's positions this part is rounding.
 const ROUNDING: f64 = 1e-9;
+/// A position that is rounded may be half a step from where it is, the fit another half from there, and the next step is one
+/// that little noise takes once.
+const STEPS: f64 = 1.5;
 
 impl Problem<'_> {
     /// Takes out the sample that is farthest off, fits the others again, and so on, as far as there may be outliers; all up
@@ -26,22 +29,25 @@ impl Problem<'_> {
         &self,
         fitted: &Fitted,
         options: &FitOptions,
+        step: Option<f64>,
     ) -> Result<(), FitError> {
+        let step = step.unwrap_or_default();
         // Noise that grows with the slope has more of what is far off where the cam is steep: each counts by its own.
-        if let Some(growth) = self.growth(fitted.best) {
+        if let Some(growth) = self.growth(fitted.best, step) {
             let samples = self.evened(fitted.best, &growth);
             let even = Problem { samples: &samples, ..*self };
             return match even.solved(options) {
-                Some(fitted) => even.refuse_far(&fitted, options),
+                Some(fitted) => even.refuse_far(&fitted, options, step),
                 None => Ok(()),
             };
         }
-        self.refuse_far(fitted, options)
+        self.refuse_far(fitted, options, step)
     }
 
-    fn refuse_far(&self, fitted: &Fitted, options: &FitOptions) -> Result<(), FitError> {
+    fn refuse_far(&self, fitted: &Fitted, options: &FitOptions, step: f64) -> Result<(), FitError> {
         let most = (self.samples.len() / ONE_IN).clamp(1, MOST);
-        let floor = ROUNDING * self.size();
+        let weight = self.samples.iter().map(|s| s.weight).fold(0.0, f64::max);
+        let floor = (ROUNDING * self.size()).max(STEPS * step * weight.sqrt());
         if !self.has_suspects(fitted.best, floor) {
             return Ok(());
         }

@@ -3,6 +3,7 @@
 use super::super::super::curve::Range;
 use super::super::FitError;
 use super::super::chance::fisher_exceeds;
+use super::over::Over;
 use super::{CHANCE, FitOptions, Free, NAMES, Parameters, Problem, Sample};
 
 /// Of the spread of the slave this part at most may be left over.
@@ -29,7 +30,12 @@ impl Problem<'_> {
     }
 
     /// Lets both halves have their own answers and looks whether that leaves over much less.
-    pub(super) fn refuse_contradiction(&self, p: Parameters, left: f64) -> Result<(), FitError> {
+    pub(super) fn refuse_contradiction(
+        &self,
+        p: Parameters,
+        left: f64,
+        over: &Over,
+    ) -> Result<(), FitError> {
         let unknowns = self.free.len();
         let Some(freedom) = self.samples.len().checked_sub(2 * unknowns).filter(|n| *n > 0) else {
             return Ok(());
@@ -44,7 +50,16 @@ impl Problem<'_> {
         #[expect(clippy::cast_precision_loss, reason = "counts of samples and unknowns")]
         let (freedom, unknowns) = (freedom as f64, unknowns as f64);
         let rest = (left - gained).max(f64::MIN_POSITIVE);
-        let f = (gained / unknowns) / (rest / freedom);
+        let chance = match &over.rounded {
+            // The halves see the same error of rounding wherever the slave dwells, each its own one.
+            Some((step, tried)) => {
+                let weights: f64 = self.samples.iter().map(|s| s.weight).sum();
+                let least = step * step / 12.0 * weights / (freedom + 2.0 * unknowns);
+                unknowns * (rest / freedom).max(least) + tried.gained
+            }
+            None => unknowns * rest / freedom,
+        };
+        let f = gained / chance;
         // Rounding of data without noise is not a contradiction.
         let size: f64 = self.samples.iter().map(|s| s.weight * s.slave.powi(2)).sum();
         // Where what is left over is known from few samples, F is often large by chance: its own distribution says how often.

@@ -4,6 +4,7 @@
 
 mod fit;
 mod gentle;
+mod intervals;
 mod noise;
 mod ramp_in;
 mod ramp_jerk;
