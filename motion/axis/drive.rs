@@ -138,7 +138,7 @@ pub struct Command {
 pub struct Capture {
     /// Trigger of the drive.
     pub trigger: i64,
-    /// Positions, u, between which it counts.
+    /// Positions of the drive, u, between which it counts; of a rotary axis from the first one on, over the end of the period.
     pub window: Option<[f64; 2]>,
 }
 

@@ -32,7 +32,7 @@ pub struct CamSwitch {
     /// `FirstOnPosition`, u.
     pub first_on: f64,
     /// `LastOnPosition`, u. On a rotary axis it may be below the first: over the end of the period. A whole period after it,
-    /// or more, is always on, unless it is switched off so much earlier that less than a period is left.
+    /// or more, is always on, unless it is switched off so much earlier, or on so much later, that less is left.
     pub last_on: f64,
     /// `AxisDirection`.
     pub direction: SwitchDirection,

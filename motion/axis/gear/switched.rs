@@ -30,8 +30,7 @@ pub(super) struct Switched {
     switch: CamSwitch,
     /// Which way the axis goes, and where it is looked for for switching on and off.
     seen: Option<(Heading, [LookAhead; 2])>,
-    /// Of one by position: whether the axis is on it, delays aside, and when that shows.
-    inside: bool,
+    /// Of one by position: where the axis is on it or has been, and when that shows.
     spans: Vec<Span>,
     /// Of one by time.
     watch: Option<Watch>,
@@ -41,14 +40,20 @@ pub(super) struct Switched {
 /// From when to when an output is on, ns.
 #[derive(Clone, Copy, Debug)]
 struct Span {
+    /// Of which of its places, a period apart.
+    pass: f64,
     on_ns: i64,
+    /// None while the axis is there.
     off_ns: Option<i64>,
 }
+
+/// No place.
+const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 impl Switched {
     pub(super) fn new(switch: CamSwitch) -> Self {
         let bit = TappetBit::default();
-        Self { switch, seen: None, inside: false, spans: Vec::new(), watch: None, bit }
+        Self { switch, seen: None, spans: Vec::new(), watch: None, bit }
     }
 
     pub(super) fn track(&self) -> u8 {
@@ -88,27 +93,32 @@ impl Switched {
     }
 
     fn by_position(&mut self, forward: bool, looks: [f64; 2], at: &Ahead, track: &Track) -> bool {
-        let inside = self.counts(forward) && self.is_inside(forward, looks, at.period, track);
         let [on_later, off_later] =
             [track.on_compensation, track.off_compensation].map(|later| ns(later.max(0.0)));
+        let slack = track.hysteresis.abs();
+        let within = |slack: f64| {
+            if self.counts(forward) { self.passes(forward, looks, at.period, slack) } else { NONE }
+        };
+        let ([first, last], [lowest, highest]) = (within(0.0), within(slack));
+        // Nothing has been passed where it begins: what is on here is, whatever would have come.
+        let on_ns = at.now_ns.saturating_add(if at.begins { 0 } else { on_later });
         if at.begins {
-            // Nothing has been passed: what is on here is, whatever would have come.
             self.spans.clear();
-            if inside {
-                self.spans.push(Span { on_ns: at.now_ns, off_ns: None });
-            }
-        } else if inside && !self.inside {
-            if self.spans.len() < MAX_PULSES {
-                let on_ns = at.now_ns.saturating_add(on_later);
-                self.spans.push(Span { on_ns, off_ns: None });
-            }
-        } else if self.inside
-            && !inside
-            && let Some(span) = self.spans.last_mut()
-        {
-            span.off_ns.get_or_insert(at.now_ns.saturating_add(off_later));
         }
-        self.inside = inside;
+        for span in self.spans.iter_mut().filter(|span| span.off_ns.is_none()) {
+            if !(lowest..=highest).contains(&span.pass) {
+                span.off_ns = Some(at.now_ns.saturating_add(off_later));
+            }
+        }
+        // The newest ones first, should there be more than are kept.
+        let (newest, by) = if forward { (last, -1.0) } else { (first, 1.0) };
+        let passes = std::iter::successors(Some(newest), |pass| Some(pass + by));
+        for pass in passes.take_while(|pass| (first..=last).contains(pass)).take(MAX_PULSES) {
+            let is_same = |span: &Span| span.off_ns.is_none() && (span.pass - pass).abs() < 0.5;
+            if self.spans.len() < MAX_PULSES && !self.spans.iter().any(is_same) {
+                self.spans.push(Span { pass, on_ns, off_ns: None });
+            }
+        }
         self.spans.retain(|span| span.off_ns.is_none_or(|off| off > at.now_ns));
         self.spans.iter().any(|span| span.on_ns <= at.now_ns)
     }
@@ -121,32 +131,38 @@ impl Switched {
         }
     }
 
-    /// Whether the axis, seen by the first look, has come to the begin, and has not gone beyond the end as seen by the
-    /// second one.
-    fn is_inside(
+    /// The first and the last of its places, a period apart, that the axis, seen by the first look, has come to, and,
+    /// seen by the second one, not gone beyond, by more than the slack.
+    fn passes(
         &self,
         forward: bool,
-        looks: [f64; 2],
+        [on, off]: [f64; 2],
         period: Option<f64>,
-        track: &Track,
-    ) -> bool {
+        slack: f64,
+    ) -> [f64; 2] {
         let CamSwitch { first_on, last_on, .. } = self.switch;
+        // Backwards it comes to the end first.
+        let [at_begin, at_end] = if forward { [on, off] } else { [off, on] };
         let length = last_on - first_on;
-        let length = match period {
-            // What is longer comes round to itself, and goes on beyond.
-            Some(period) if length < period => crate::axis::fmod(length, period),
-            None if length < 0.0 => return false,
-            _ => length,
+        let Some(period) = period else {
+            let inside = at_begin >= first_on - slack && at_end <= last_on + slack;
+            return if inside && length >= 0.0 { [0.0, 0.0] } else { NONE };
         };
-        // Along the direction of travel: from where it is switched on to where it is switched off.
-        let (sign, entry) = if forward { (1.0, first_on) } else { (-1.0, -first_on - length) };
-        let slack = if self.inside { track.hysteresis.abs() } else { 0.0 };
-        let (entry, length) = (entry - slack, length + 2.0 * slack);
-        let [on, off] = looks.map(|look| sign * look);
-        let Some(period) = period else { return on >= entry && off <= entry + length };
-        // The last of its places, a period apart, that has been come to.
-        let entry = entry + ((on - entry) / period).floor() * period;
-        length + on - off >= period || off <= entry + length
+        // What is longer comes round to itself, and goes on beyond: its end is that of the next place's begin or later.
+        let (whole, rest) = if length < period {
+            (0.0, crate::axis::fmod(length, period))
+        } else {
+            (1.0, length - period)
+        };
+        let begun = |pass: f64| at_begin >= first_on + pass * period - slack;
+        let goes_on = |pass: f64| at_end <= first_on + (pass + whole) * period + rest + slack;
+        // A quotient may have been rounded over a place.
+        let last = ((at_begin + slack - first_on) / period).floor();
+        let last = [last + 1.0, last].into_iter().find(|pass| begun(*pass)).unwrap_or(last - 1.0);
+        let first = ((at_end - slack - rest - first_on) / period).ceil() - whole;
+        let first =
+            [first - 1.0, first].into_iter().find(|pass| goes_on(*pass)).unwrap_or(first + 1.0);
+        [first, last]
     }
 
     fn by_time(&mut self, way: [f64; 2], duration: f64, at: &Ahead, track: &Track) -> bool {

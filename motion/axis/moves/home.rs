@@ -98,6 +98,10 @@ impl Axis {
         self.values.save_position = self.wrapped(self.values.save_position + shift);
         self.values.mark_position = self.wrapped(self.values.mark_position + shift);
         self.values.aim_position = self.wrapped(self.values.aim_position + shift);
+        // A window is one of the program's positions.
+        if let Some(window) = self.capture.as_mut().and_then(|capture| capture.window.as_mut()) {
+            *window = window.map(|position| position - shift);
+        }
         self.show_set_values();
     }
 }

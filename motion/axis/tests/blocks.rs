@@ -315,6 +315,19 @@ fn a_probe_of_the_drive_takes_what_it_captured() {
     assert!((shown.recorded_position - 101.234).abs() < 1e-12);
 }
 
+/// A window is told to the drive in its own positions, and stays at the program's where the zero moves.
+#[test]
+fn a_window_of_the_drive_moves_with_the_zero() {
+    let mut rig = linear();
+    let (mut trigger, mut probe) = (Trigger::of_drive(2), TouchProbe::new(Some([102.0, 103.0])));
+    rig.axis.shift_zero(100.0, true).expect("a number");
+    rig.cycle(|axis| probe.call(true, axis, &mut trigger));
+    let window = |rig: &mut Rig| rig.axis.end_cycle().capture.and_then(|capture| capture.window);
+    assert_eq!(window(&mut rig), Some([2.0, 3.0]));
+    rig.axis.shift_zero(40.0, true).expect("a number");
+    assert_eq!(window(&mut rig), Some([-38.0, -37.0]));
+}
+
 #[test]
 fn an_aborted_trigger_ends_the_probe() {
     let mut rig = linear();

@@ -231,7 +231,7 @@ fn off_in_a_turn(switch: CamSwitch, track: Track) -> Vec<f64> {
 /// One that is longer than a period reaches over its next begin: only where it is switched off earlier than that, by 50 u/s
 /// and the advance, is it off at all.
 #[test]
-fn a_switch_longer_than_a_period_may_be_switched_off_earlier() {
+fn a_switch_longer_than_a_period_may_be_switched_off_earlier_or_on_later() {
     let off = |last_on, on, off| {
         let track = Track { on_compensation: on, off_compensation: off, hysteresis: 0.0 };
         off_in_a_turn(range(90.0, last_on, SwitchDirection::Both), track)
@@ -250,4 +250,13 @@ fn a_switch_longer_than_a_period_may_be_switched_off_earlier() {
     between(70.0, 90.0, &off(450.0, 0.0, -0.4));
     // More than two periods: 750 u, off 440 u earlier.
     between(40.0, 90.0, &off(840.0, 0.0, -8.8));
+    // On 20 u later, off where the next one begins, or 20 u later, too.
+    between(90.0, 110.0, &off(450.0, 0.4, 0.0));
+    assert!(off(450.0, 0.4, 0.4).is_empty() && off(450.0, 0.0, 0.4).is_empty());
+    // On 60 u later: 40 u beyond the next begin it is still on.
+    between(130.0, 150.0, &off(490.0, 1.2, 0.0));
+    assert!(off(490.0, 0.4, 0.0).is_empty());
+    // On 20 u later and off 40 u earlier.
+    between(90.0, 110.0, &off(490.0, 0.4, -0.8));
+    between(50.0, 110.0, &off(490.0, 0.4, -1.6));
 }

@@ -280,14 +280,14 @@ impl Checker {
         let Promise::Limits(limits) = promise else {
             // What the block may ask for, and half as much for what the master's cycles round.
             let steepest = rate + on_top + followed;
+            if axis.base.acceleration.abs() > rate * (1.0 + 1e-9) + followed + 1e-6 {
+                return Err(format!("{acceleration} u/s², allowed {rate} u/s²"));
+            }
             if off > 0.75 * steepest * CYCLE * CYCLE + 1e-9 {
                 return Err(format!("a way of {way} with {velocity} after {v0} u/s"));
             }
             if change > 1.5 * steepest * CYCLE + 1e-9 {
                 return Err(format!("{velocity} after {v0} u/s with {acceleration} after {a0}"));
-            }
-            if axis.base.acceleration.abs() > rate * (1.0 + 1e-9) + followed + 1e-6 {
-                return Err(format!("{acceleration} u/s², allowed {rate} u/s²"));
             }
             if let Promise::OnCam { jerk, .. } = promise
                 && limited

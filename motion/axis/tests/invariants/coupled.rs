@@ -6,7 +6,7 @@ use super::checker::{Limits, Promise};
 use super::in_pos::InPos;
 use super::on_cam::{self, Cams, OnCam};
 use super::random::Random;
-use super::{CYCLE, JERK, STEEPEST};
+use super::{Around, CYCLE, JERK, Run, STEEPEST};
 use crate::axis::{
     Axis, CamIn, CamSwitch, Decouple, DigitalCamSwitch, GearIn, GearInPos, Phasing,
     SwitchDirection, Track,
@@ -15,10 +15,10 @@ use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
 use std::sync::Arc;
 
 /// Output 2 is output 0 so much later.
-pub(super) const DELAY_CYCLES: usize = 10;
+const DELAY_CYCLES: usize = 10;
 
 /// Of the outputs that count in one direction, u.
-pub(super) const HYSTERESIS: f64 = 1.0;
+const HYSTERESIS: f64 = 1.0;
 
 /// Output 0 between 10 and 30 u, output 1 masked, output 2 as output 0 but later; outputs 3 and 4 the same each in one
 /// direction, with a hysteresis.
@@ -151,5 +151,35 @@ fn cam_input(random: &mut Random) -> CamInput {
         deceleration: rate(random),
         tappet_hysteresis: random.one_of(&[0.0, 2.0]),
         ..CamInput::default()
+    }
+}
+
+impl Run {
+    /// Outputs along the axis are what its positions say.
+    pub(super) fn see_switches(&mut self) -> Result<(), String> {
+        let shown = self.switch.call(true, &self.axis).outputs;
+        let place = self.axis.set_position();
+        let demand = self.axis.is_powered();
+        if demand && shown[0] != (10.0..=30.0).contains(&place) {
+            return Err(format!("output 0 is {} at {place}", shown[0]));
+        }
+        if shown[1] {
+            return Err("a masked output is on".to_owned());
+        }
+        // Every direction is one of both; how far the other one lasts is the hysteresis.
+        let beside = (10.0 - place).max(place - 30.0);
+        let both = [shown[3], shown[4]].iter().filter(|it| **it).count();
+        if demand && (both > 1 || (beside <= 0.0 && both == 0) || (beside > HYSTERESIS && both > 0))
+        {
+            return Err(format!("{both} of outputs 3 and 4 are on at {place}"));
+        }
+        self.switched.push(shown[0]);
+        // Where the zero moves and the power goes, nobody has passed what is delayed.
+        let delayed = self.switched.iter().rev().nth(DELAY_CYCLES);
+        let counts = self.around != Around::Everything && self.switched.len() > 50;
+        if counts && delayed != Some(&shown[2]) {
+            return Err(format!("output 2 is {}, output 0 was {delayed:?}", shown[2]));
+        }
+        Ok(())
     }
 }

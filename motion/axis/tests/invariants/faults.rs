@@ -132,7 +132,7 @@ fn the_checker_sees_who_has_the_axis() {
 fn the_checker_sees_what_blocks_were_not_asked() {
     type Planted = fn() -> Box<dyn Called>;
     let limited = [KINDS[1], KINDS[2], KINDS[4], KINDS[5]];
-    let planted: [(&str, &[_], &str, Planted); 12] = [
+    let planted: [(&str, &[_], &str, Planted); 13] = [
         ("jerk", &limited, "u/s³, moved by", planted::jerky),
         ("position profile", &KINDS, "allowed Limits", planted::hurried_positions),
         ("velocity profile", &KINDS, "allowed Limits", planted::hurried_velocities),
@@ -140,6 +140,7 @@ fn the_checker_sees_what_blocks_were_not_asked() {
         ("set-point", &KINDS, "is not the set-point", planted::beyond),
         ("gear on its way", &KINDS, "on the way into step, but", planted::wrong_gear),
         ("ramp", &KINDS, "beside the cam after", || planted::wrong_cam(OfCam::Hasty)),
+        ("rate", &[KINDS[0], KINDS[3]], "u/s², allowed", || planted::wrong_cam(OfCam::Steep)),
         ("cam", &KINDS, "in step, but", || planted::wrong_cam(OfCam::Fast)),
         ("lost tappet", &KINDS, "acted 0 times, not 1", || planted::wrong_cam(OfCam::Lost)),
         ("doubled tappet", &KINDS, "acted 2 times, not 1", || planted::wrong_cam(OfCam::Doubled)),

@@ -259,37 +259,6 @@ impl Run {
         Ok(())
     }
 
-    /// Outputs along the axis are what its positions say.
-    fn see_switches(&mut self) -> Result<(), String> {
-        let shown = self.switch.call(true, &self.axis).outputs;
-        let place = self.axis.set_position();
-        let demand = self.axis.is_powered();
-        if demand && shown[0] != (10.0..=30.0).contains(&place) {
-            return Err(format!("output 0 is {} at {place}", shown[0]));
-        }
-        if shown[1] {
-            return Err("a masked output is on".to_owned());
-        }
-        // Every direction is one of both; how far the other one lasts is the hysteresis.
-        let beside = (10.0 - place).max(place - 30.0);
-        let both = [shown[3], shown[4]].iter().filter(|it| **it).count();
-        if demand
-            && (both > 1
-                || (beside <= 0.0 && both == 0)
-                || (beside > coupled::HYSTERESIS && both > 0))
-        {
-            return Err(format!("{both} of outputs 3 and 4 are on at {place}"));
-        }
-        self.switched.push(shown[0]);
-        // Where the zero moves and the power goes, nobody has passed what is delayed.
-        let delayed = self.switched.iter().rev().nth(coupled::DELAY_CYCLES);
-        let counts = self.around != Around::Everything && self.switched.len() > 50;
-        if counts && delayed != Some(&shown[2]) {
-            return Err(format!("output 2 is {}, output 0 was {delayed:?}", shown[2]));
-        }
-        Ok(())
-    }
-
     /// What the drive does on its own.
     fn disturb(&mut self) {
         if self.around != Around::Everything {

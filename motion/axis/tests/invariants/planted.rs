@@ -154,6 +154,8 @@ impl Couples for GearInPos {
 pub(super) enum OfCam {
     /// It ramps onto its cam faster than it was asked.
     Hasty,
+    /// It ramps with more acceleration.
+    Steep,
     /// It is faster than its cam.
     Fast,
     /// Tappets are lost.
@@ -177,6 +179,10 @@ impl Motion for CamIn {
         let Self(mut cam, wrong) = self.clone();
         if wrong == OfCam::Hasty {
             cam.input.velocity_difference *= 1.5;
+        }
+        if wrong == OfCam::Steep {
+            cam.input.acceleration *= 5.0;
+            cam.input.deceleration *= 5.0;
         }
         cam.table = cam.table.map(|table| with_tappets(&table, wrong));
         cam.plan(start, axis, with)
@@ -217,7 +223,7 @@ fn with_tappets(table: &CamTable, wrong: OfCam) -> CamTable {
                 }
             }
         }
-        OfCam::Hasty | OfCam::Fast => {}
+        OfCam::Hasty | OfCam::Steep | OfCam::Fast => {}
     }
     let cam = Cam::new("cam", Shape::Polynomial(knots.to_vec()), tappets).unwrap();
     CamTable { cam: Arc::new(cam), ..table.clone() }
@@ -226,6 +232,7 @@ fn with_tappets(table: &CamTable, wrong: OfCam) -> CamTable {
 pub(super) fn wrong_cam(wrong: OfCam) -> Box<dyn Called> {
     let inputs: fn(&mut Random, &Axis, &Axis) -> CamIn = match wrong {
         OfCam::Hasty => |random, _, _| CamIn(coupled::cam_in(random), OfCam::Hasty),
+        OfCam::Steep => |random, _, _| CamIn(coupled::cam_in(random), OfCam::Steep),
         OfCam::Fast => |random, _, _| CamIn(coupled::cam_in(random), OfCam::Fast),
         OfCam::Lost => |random, _, _| CamIn(coupled::cam_in(random), OfCam::Lost),
         OfCam::Doubled => |random, _, _| CamIn(coupled::cam_in(random), OfCam::Doubled),
