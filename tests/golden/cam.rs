@@ -564,3 +564,37 @@ fn offsets_of_any_size_are_told_or_taken() {
     let done = desk.twin(&["cam", "check", "far.toml", "--master-offset", "1e300"]);
     done.ended(2, "`1e300` is beyond ±1e15");
 }
+
+/// Options stand under the headings that they belong to, and none speaks of another that its command has not.
+#[test]
+fn help_is_in_order() {
+    let desk = desk();
+    let help = |command: &[&str]| {
+        let done = desk.twin(&[command, &["--help"]].concat());
+        done.ended(0, "");
+        done.stdout
+    };
+    let own: [(&[&str], &[&str]); 4] = [
+        (&["cam", "check"], &["--format"]),
+        (&["cam", "plot"], &["--output"]),
+        (&["cam", "sample"], &["--points", "--step", "--output"]),
+        (
+            &["tune", "cam"],
+            &["--run", "--scaling-range", "--reshape", "--within", "--write", "--format"],
+        ),
+    ];
+    for (command, options) in own {
+        let text = help(command);
+        let heading = text.find("\nMaster:\n").expect("a heading");
+        for option in options {
+            let place = [format!(" {option} <"), format!(" {option} [")]
+                .iter()
+                .filter_map(|words| text.lines().position(|line| line.contains(words.as_str())))
+                .min()
+                .unwrap_or_else(|| panic!("{command:?} has no {option}"));
+            let before: usize = text.lines().take(place).map(|line| line.len() + 1).sum();
+            assert!(before < heading, "{command:?}: {option} is under a heading");
+        }
+        assert_eq!(text.contains("with a --run that of the run"), command[0] == "tune", "{text}");
+    }
+}
