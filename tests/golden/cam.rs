@@ -280,7 +280,13 @@ fn the_picture_is_the_curve() {
     // At 1 deg/s derivatives by time are those by the master.
     desk.twin(&["cam", "plot", "lift.toml", "--master-velocity", "1", "-o", "lift.svg"])
         .ended(0, "");
-    let (numbers, lines) = parts(&std::fs::read_to_string(desk.path("lift.svg")).expect("written"));
+    let picture = std::fs::read_to_string(desk.path("lift.svg")).expect("written");
+    // The jerk is so small that its numbers have a power of ten, which stands with the unit.
+    let units = [("(mm)", 1.0), ("(mm/s)", 1.0), ("(mm/s²)", 1.0), ("(10⁻³ mm/s³)", 1e-3)];
+    for (unit, _) in units {
+        assert!(picture.lines().any(|line| line.trim() == unit), "{unit}");
+    }
+    let (numbers, lines) = parts(&picture);
     // Numbers of rows stand in one column, those of the master in one line below.
     let left = numbers.iter().map(|(x, ..)| *x).fold(f64::INFINITY, f64::min);
     let below = numbers.iter().map(|(_, y, _)| *y).fold(f64::NEG_INFINITY, f64::max);
@@ -300,12 +306,13 @@ fn the_picture_is_the_curve() {
         let s = x.min(360.0 - x) / 180.0;
         let (h, w) = (100.0, 180.0_f64);
         let sign = if x > 180.0 && derivative % 2 == 1 { -1.0 } else { 1.0 };
-        sign * match derivative {
-            0 => h * (10.0 * s.powi(3) - 15.0 * s.powi(4) + 6.0 * s.powi(5)),
-            1 => h / w * (30.0 * s.powi(2) - 60.0 * s.powi(3) + 30.0 * s.powi(4)),
-            2 => h / w.powi(2) * (60.0 * s - 180.0 * s.powi(2) + 120.0 * s.powi(3)),
-            _ => h / w.powi(3) * (60.0 - 360.0 * s + 360.0 * s.powi(2)),
-        }
+        sign / units[derivative].1
+            * match derivative {
+                0 => h * (10.0 * s.powi(3) - 15.0 * s.powi(4) + 6.0 * s.powi(5)),
+                1 => h / w * (30.0 * s.powi(2) - 60.0 * s.powi(3) + 30.0 * s.powi(4)),
+                2 => h / w.powi(2) * (60.0 * s - 180.0 * s.powi(2) + 120.0 * s.powi(3)),
+                _ => h / w.powi(3) * (60.0 - 360.0 * s + 360.0 * s.powi(2)),
+            }
     };
     let curves: Vec<_> = lines.into_iter().filter(|line: &Vec<_>| line.len() > 100).collect();
     // A row begins on the left; what jumps half way, as the jerk does, goes on in another line.
@@ -563,4 +570,38 @@ fn offsets_of_any_size_are_told_or_taken() {
     cam("0");
     let done = desk.twin(&["cam", "check", "far.toml", "--master-offset", "1e300"]);
     done.ended(2, "`1e300` is beyond ±1e15");
+}
+
+/// Options stand under the headings that they belong to, and none speaks of another that its command has not.
+#[test]
+fn help_is_in_order() {
+    let desk = desk();
+    let help = |command: &[&str]| {
+        let done = desk.twin(&[command, &["--help"]].concat());
+        done.ended(0, "");
+        done.stdout
+    };
+    let own: [(&[&str], &[&str]); 4] = [
+        (&["cam", "check"], &["--format"]),
+        (&["cam", "plot"], &["--output"]),
+        (&["cam", "sample"], &["--points", "--step", "--output"]),
+        (
+            &["tune", "cam"],
+            &["--run", "--scaling-range", "--reshape", "--within", "--write", "--format"],
+        ),
+    ];
+    for (command, options) in own {
+        let text = help(command);
+        let heading = text.find("\nMaster:\n").expect("a heading");
+        for option in options {
+            let place = [format!(" {option} <"), format!(" {option} [")]
+                .iter()
+                .filter_map(|words| text.lines().position(|line| line.contains(words.as_str())))
+                .min()
+                .unwrap_or_else(|| panic!("{command:?} has no {option}"));
+            let before: usize = text.lines().take(place).map(|line| line.len() + 1).sum();
+            assert!(before < heading, "{command:?}: {option} is under a heading");
+        }
+        assert_eq!(text.contains("with a --run that of the run"), command[0] == "tune", "{text}");
+    }
 }

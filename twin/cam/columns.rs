@@ -22,6 +22,9 @@ pub(super) struct Columns {
 /// decimal comma is read as a point where commas part no columns. Lines that begin with `#` do not count.
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
     let wrong = |line, message| CamFileError::Table { path: path.to_owned(), line, message };
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err(wrong(1, "this is text in UTF-16; save it as UTF-8".to_owned()));
+    }
     let first = bytes
         .split(|byte| *byte == b'\n')
         .find(|line| !line.trim_ascii().is_empty() && line.first() != Some(&b'#'))
@@ -42,8 +45,14 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
             Ok(true) => {}
             Ok(false) => break,
             Err(error) => {
-                let line = error.position().map_or(0, csv::Position::line);
-                return Err(wrong(line, error.to_string()));
+                let line = error.position().map_or(0, |at| line_of(at, bytes));
+                let message = match error.kind() {
+                    csv::ErrorKind::Utf8 { .. } => {
+                        "this is no text in UTF-8; save it as UTF-8".to_owned()
+                    }
+                    _ => error.to_string(),
+                };
+                return Err(wrong(line, message));
             }
         }
         let line = record.position().map_or(0, |at| line_of(at, bytes));

@@ -7,12 +7,12 @@ pub(super) use bars::on_stretches;
 
 use super::CamFile;
 use super::check::CamUse;
-use super::file::digits;
 use super::sample::{reach as reached, reaches};
 use crate::chart::{
     Area, Failure, GAP, LEFT, RIGHT, Row, Sign, TOP, WIDTH, color_of, dashes, legend,
     legend_places, line, ticks, title, words,
 };
+use crate::number::beside;
 use crate::page::{FAINT, INK, MARK, color, fine, font, resized, stroke};
 use lines::{curve, line_of};
 use plotters::prelude::*;
@@ -92,6 +92,9 @@ struct Page<'a> {
 const QUANTITIES: [(&str, &str); 4] =
     [("position", ""), ("velocity", "/s"), ("acceleration", "/s²"), ("jerk", "/s³")];
 
+/// How far a recorded slave is from its cam.
+const ERROR: &str = "error of the slave";
+
 impl<'a> Page<'a> {
     fn new(cams: &'a [Shown<'a>], recorded: &'a Recorded) -> Self {
         let ends = cams.iter().flat_map(|shown| {
@@ -120,7 +123,7 @@ impl<'a> Page<'a> {
         }
         if recorded.errors.iter().any(|errors| !errors.is_empty()) {
             let curves = recorded.errors.iter().map(|errors| vec![errors.clone()]).collect();
-            page.add("error of the slave", unit.to_owned(), curves, Vec::new(), vec![0.0]);
+            page.add(ERROR, unit.to_owned(), curves, Vec::new(), vec![0.0]);
         }
         page
     }
@@ -233,8 +236,8 @@ impl<'a> Page<'a> {
                 root.draw(&Circle::new(place, stroke(1.5), MARK.mix(0.55).filled()))?;
             }
         }
-        let beside = color_of(3).stroke_width(stroke(0.9));
-        sides.iter().try_for_each(|piece| self.path(root, row, piece, beside))?;
+        let thin = color_of(3).stroke_width(stroke(0.9));
+        sides.iter().try_for_each(|piece| self.path(root, row, piece, thin))?;
         for (index, pieces) in curves.iter().enumerate() {
             let style = shade(index, curves.len()).stroke_width(stroke(1.6));
             pieces.iter().try_for_each(|piece| self.path(root, row, piece, style))?;
@@ -246,7 +249,9 @@ impl<'a> Page<'a> {
         let mut y = row.top + 9.0;
         for (index, pieces) in curves.iter().enumerate() {
             if let Some([low, high]) = reach(pieces.iter().flatten().map(|(_, value)| *value)) {
-                let text = format!("{} … {}", short(low), short(high));
+                let size = low.abs().max(high.abs());
+                let [low, high] = [low, high].map(|value| beside(value, size, 4));
+                let text = format!("{low} … {high}");
                 words(root, &text, (RIGHT + 12.0, y), shade(index, curves.len()))?;
                 y += 18.0;
             }
@@ -329,7 +334,8 @@ impl<'a> Page<'a> {
             let what = "least and greatest while the master accelerates and jerks";
             items.push((Sign::Line(color_of(3)), what.to_owned()));
         }
-        if self.strips.iter().any(|strip| !strip.limits.is_empty()) {
+        // The line at 0 of an error is none.
+        if self.strips.iter().any(|strip| !strip.limits.is_empty() && strip.name != ERROR) {
             items.push((Sign::Dashes(MARK), "limit".to_owned()));
         }
         // As the bars are drawn.
@@ -368,10 +374,4 @@ fn reach(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
         let [low, high] = reach.unwrap_or([value, value]);
         Some([low.min(value), high.max(value)])
     })
-}
-
-/// Four significant digits.
-fn short(value: f64) -> String {
-    let text = crate::number::significant(value, 4);
-    if text.len() > 12 { digits(value) } else { text }
 }

@@ -46,3 +46,24 @@ fn large_and_small_numbers_have_their_power_of_ten() {
     let picture = draw("lift", "", &shown, &Recorded::default()).expect("a picture");
     assert!(picture.contains("(10⁻⁶ mm/s³)") && !picture.contains("0.0005"), "no power of ten");
 }
+
+/// What a curve reaches is told without its rounding, and the line at 0 of an error is no limit.
+#[test]
+fn rounding_and_zeros_are_not_told() {
+    let file = cam(LIFT);
+    let mut use_it = using(&file, 1.0, AxisLimits::NONE);
+    use_it.coupling.input.slave_offset = -1e-13;
+    let errors = vec![(0.0, 0.5), (180.0, -0.5)];
+    let recorded =
+        Recorded { points: vec![(0.0, 0.0), (180.0, 100.0)], errors: [errors.clone(), errors] };
+    let mut drawn = |limits: AxisLimits| {
+        use_it.limits = limits;
+        let shown = [Shown { file: &file, using: &use_it, name: "lift" }];
+        draw("lift", "", &shown, &recorded).expect("a picture")
+    };
+    let has = |picture: &str, words: &str| picture.lines().any(|line| line.trim() == words);
+    let without = drawn(AxisLimits::NONE);
+    assert!(has(&without, "0 … 100") && has(&without, "-0.5 … 0.5"), "{without}");
+    assert!(has(&without, "error of the slave") && !has(&without, "limit"), "{without}");
+    assert!(has(&drawn(AxisLimits { position: [-5.0, 110.0], ..AxisLimits::NONE }), "limit"));
+}

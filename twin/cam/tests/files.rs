@@ -636,6 +636,14 @@ fn runs_as_others_write_them() {
         let error = parse(text).expect_err("wrong");
         assert!(error.contains(&format!("line {line}: ")) && error.contains(said), "{error}");
     }
+    let read = |bytes: &[u8]| {
+        let run = crate::cam::run::RecordedRun::parse(Path::new("run.csv"), bytes);
+        run.expect_err("no UTF-8").to_string()
+    };
+    assert!(read(b"\xff\xfet\x00i\x00m\x00e\x00").contains("UTF-16"));
+    // A degree sign of Latin-1, in line 2.
+    let latin = read(b"# run\ntime,master (\xb0),slave\n0,0,0\n");
+    assert!(latin.contains("line 2: ") && latin.contains("save it as UTF-8"), "{latin}");
     let tab = parse("time\tmaster\tslave\n0\t0\t0\n0,1\t1,5\t2\n").expect("a run");
     assert_eq!((tab.samples[1].time_s, tab.samples[1].master), (0.1, 1.5));
 }

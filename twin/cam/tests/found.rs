@@ -408,5 +408,7 @@ fn shapes_are_told_in_units_of_the_axes() {
     let gentle = shape(&file, &use_it, &[all], ShapeGoal::Peak(Quantity::Jerk)).expect("a shape");
     assert!(gentle.after < gentle.before);
     let nowhere = PointTolerance { master: Some(77.0), ..all };
-    assert_eq!(shape(&file, &use_it, &[nowhere], ShapeGoal::Speed), Err(TuneError::NoPoint(77.0)));
+    let error = shape(&file, &use_it, &[nowhere], ShapeGoal::Speed).expect_err("no point");
+    assert_eq!(error, TuneError::NoPoint { master: 77.0, points: vec![0.0, 180.0, 360.0] });
+    assert!(error.to_string().contains("77; points stand at 0, 180, 360; "), "{error}");
 }

@@ -115,8 +115,13 @@ pub enum TuneError {
     #[error("a table has no points that could be moved: only points of `elements` are")]
     NoPoints,
     /// A point that is to be moved is not there.
-    #[error("no point stands at master {0}; ends of lines stay where they are")]
-    NoPoint(f64),
+    #[error("no point stands at master {master}; {}ends of lines stay where they are", standing(.points))]
+    NoPoint {
+        /// Where none is.
+        master: f64,
+        /// Where some are that may be moved.
+        points: Vec<f64>,
+    },
     /// No scaling keeps the limits.
     #[error("no {what} keeps the limits: {why}")]
     NoRoom {
@@ -125,6 +130,17 @@ pub enum TuneError {
         /// Why.
         why: String,
     },
+}
+
+/// `points stand at 0, 180, 360; `, if they are not too many for that.
+fn standing(points: &[f64]) -> String {
+    const MOST: usize = 20;
+    let all: Vec<_> = points.iter().take(MOST).map(|point| significant(*point, 12)).collect();
+    match points.len() {
+        0 => String::new(),
+        count if count <= MOST => format!("points stand at {}; ", all.join(", ")),
+        count => format!("points stand at {}, … ({count} in all); ", all.join(", ")),
+    }
 }
 
 /// `line 17 (by 3.2), line 41 (by -2.7)`.

@@ -168,7 +168,9 @@ fn tolerances(
             }
         }
         if let (false, Some(master)) = (any, point.master) {
-            return Err(TuneError::NoPoint(master));
+            let masters = knots.iter().map(|knot| knot.master);
+            let points = masters.filter(|master| !on_line(*master)).collect();
+            return Err(TuneError::NoPoint { master, points });
         }
     }
     Ok(found)

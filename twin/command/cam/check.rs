@@ -25,6 +25,10 @@ pub(super) struct Arguments {
     #[arg(value_name = "CAM")]
     cam: PathBuf,
 
+    /// For people, or one JSON object
+    #[arg(long, value_enum, default_value = "human")]
+    format: Format,
+
     #[command(flatten)]
     master: MasterOptions,
 
@@ -33,10 +37,6 @@ pub(super) struct Arguments {
 
     #[command(flatten)]
     coupling: UseOptions,
-
-    /// For people, or one JSON object
-    #[arg(long, value_enum, default_value = "human")]
-    format: Format,
 }
 
 const AFTER_HELP: &str = "\

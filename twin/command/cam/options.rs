@@ -137,11 +137,11 @@ impl UseOptions {
 #[command(next_help_heading = "Master")]
 #[expect(clippy::struct_field_names, reason = "the names of the options")]
 pub(in crate::command) struct MasterOptions {
-    /// Its velocity, u/s; a master that goes backwards has a negative --master-scaling [default: 1; with a --run that of the run]
+    /// Its velocity, u/s; a master that goes backwards has a negative --master-scaling [default: 1]
     #[arg(long, value_name = "U/S", allow_hyphen_values = true, value_parser = velocity)]
     master_velocity: Option<f64>,
 
-    /// Its acceleration and deceleration, u/s² [default: 0; with a --run those of the run]
+    /// Its acceleration and deceleration, u/s² [default: 0]
     #[arg(long, value_name = "U/S2", value_parser = magnitude)]
     master_acceleration: Option<f64>,
 

@@ -26,15 +26,15 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "U", conflicts_with = "points", value_parser = positive)]
     step: Option<f64>,
 
+    /// Write into this file instead of standard output
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+
     #[command(flatten)]
     master: MasterOptions,
 
     #[command(flatten)]
     coupling: UseOptions,
-
-    /// Write into this file instead of standard output
-    #[arg(long, short, value_name = "FILE")]
-    output: Option<PathBuf>,
 }
 
 fn count(text: &str) -> Result<usize, String> {

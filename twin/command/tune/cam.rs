@@ -34,13 +34,17 @@ use twin_motion::cam::{Quantity, StartMode};
 /// scaling of 0 would be the smallest. Points are moved within their tolerances by linear programs (Clarabel): velocity and acceleration stay continuous, and the slave stays within its limits, and where it is at every tappet.
 /// What the data do not say, or contradict, is said and not fitted: samples that are far from the others with their lines.
 #[derive(Debug, clap::Args)]
-#[command(after_help = AFTER_HELP)]
+#[command(
+    after_help = AFTER_HELP,
+    mut_arg("master_velocity", |arg| arg.help(VELOCITY)),
+    mut_arg("master_acceleration", |arg| arg.help(ACCELERATION)),
+)]
 pub(super) struct Arguments {
     /// The cam
     #[arg(value_name = "CAM")]
     cam: PathBuf,
 
-    /// A recorded run: CSV of time, master and slave (where it was measured, see --slave), with columns `tappet_N` (0 or 1) for outputs
+    /// A recorded run: CSV of time, master and slave (where it was measured, see --slave), with columns `tappet_N` (0 or 1, TRUE or FALSE) for outputs
     #[arg(long, value_name = "FILE.csv")]
     run: Option<PathBuf>,
 
@@ -54,9 +58,6 @@ pub(super) struct Arguments {
     /// slave-scaling=0.9..1.1, and both offsets are found in a run whatever is named
     #[arg(long, value_name = "NAME[=FROM..TO]", value_delimiter = ',', value_parser = sought)]
     find: Vec<Sought>,
-
-    #[command(flatten)]
-    least: LeastOptions,
 
     /// `MasterScaling` is looked for within this part of itself
     #[arg(long, value_name = "PART", default_value = "0.05", value_parser = part)]
@@ -93,15 +94,6 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "S", requires = "ramp_in", value_parser = positive)]
     within: Option<f64>,
 
-    #[command(flatten)]
-    master: MasterOptions,
-
-    #[command(flatten)]
-    limits: LimitOptions,
-
-    #[command(flatten)]
-    coupling: UseOptions,
-
     /// A picture of before and after
     #[arg(long, short, value_name = "FILE.svg")]
     output: Option<PathBuf>,
@@ -118,7 +110,25 @@ pub(super) struct Arguments {
     /// For people, or one JSON object
     #[arg(long, value_enum, default_value = "human")]
     format: Format,
+
+    // What has headings of its own comes last: what stands behind it would be under these.
+    #[command(flatten)]
+    least: LeastOptions,
+
+    #[command(flatten)]
+    master: MasterOptions,
+
+    #[command(flatten)]
+    limits: LimitOptions,
+
+    #[command(flatten)]
+    coupling: UseOptions,
 }
+
+/// What `twin cam` says of them, and what a run shows.
+const VELOCITY: &str = "Its velocity, u/s; a master that goes backwards has a negative --master-scaling [default: 1; with a --run that of the run]";
+const ACCELERATION: &str =
+    "Its acceleration and deceleration, u/s² [default: 0; with a --run those of the run]";
 
 const AFTER_HELP: &str = "\
 Exit status:
