@@ -163,13 +163,13 @@ fn tappets_of_other_forms_are_written_as_toml() {
     }
 }
 
-/// 80 mm over 100 deg, from rest to rest, have y′ = 15/8 · 0.8 at most: 540 mm/s at 360 deg/s. 450 allow 5/6 of it, tappets stand
-/// at 5/6 of where they stood, and a pass takes 6/5 · 360 deg.
+/// 68 mm over 80 deg, from rest to rest, have y′ = 15/8 · 0.85 at most: 573.75 mm/s at 360 deg/s. 478.125 allow 5/6 of it, tappets
+/// stand at 5/6 of where they stood, and a pass takes 6/5 · 360 deg.
 #[test]
 fn a_scaling_that_keeps_limits_leaves_tappets_where_they_are() {
     let desk = Desk::new();
     desk.write("pp.toml", &pick_and_place());
-    let limits = ["--max-velocity", "450", "--master-velocity", "360"];
+    let limits = ["--max-velocity", "478.125", "--master-velocity", "360"];
     let tune = ["tune", "cam", "pp.toml", "--find", "master-scaling"];
     let done = desk.twin(&[&tune[..], &limits, &["--write", "new.toml"]].concat());
     done.ended(0, "written to new.toml");
@@ -272,7 +272,8 @@ fn tolerances_of_tappets_count_on_the_master() {
     done.ended(0, "");
     let found = object(&done.stdout);
     let scaling = number(&found["coupling"]["master_scaling"]);
-    assert!((scaling * 154.0 / 150.0 - 1.0).abs() < 1e-9, "{scaling}");
+    // The run tells the scaling to some millionths; the places on the master do not depend on it.
+    assert!((scaling * 154.0 / 150.0 - 1.0).abs() < 1e-5, "{scaling}");
     for (index, cam, [before, after]) in [(0, 51.5, [50.0, 48.0]), (1, 201.5, [200.0, 202.0])] {
         let tappet = &found["tappets"][index];
         assert!((number(&tappet["cam_after"]) - cam).abs() < 5e-3, "{tappet}");

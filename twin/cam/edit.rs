@@ -149,27 +149,35 @@ fn tappets(text: &str, changes: &[Change]) -> Result<String, EditError> {
     let root = parse(text)?;
     let all = root.get_ref().get("tappets").map(Spanned::get_ref);
     let all = all.and_then(DeValue::as_array).ok_or(EditError::NoTable("tappets"))?;
-    let masters: Vec<_> = all
+    let mut masters: Vec<_> = all
         .iter()
         .filter_map(|item| {
             let master = item.get_ref().as_table()?.get("master")?;
             Some((number(master.get_ref())?, master.span()))
         })
         .collect();
+    masters.sort_by(|one, other| one.0.total_cmp(&other.0));
     let mut places = Vec::new();
     for (from, to) in moves {
-        let mut here = masters.iter().filter(|(at, _)| same(*at, from)).peekable();
+        let begin = masters.partition_point(|(at, _)| *at < from);
+        let here = masters.get(begin..).unwrap_or_default().iter();
+        let mut here = here.take_while(|(at, _)| same(*at, from)).peekable();
         if here.peek().is_none() {
             return Err(EditError::NoTappet(Number(from).to_string()));
         }
         places.extend(here.map(|(_, span)| (span.clone(), to)));
     }
-    // From the end, so that what stands before stays where it is; several moves of one place are the same.
-    places.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
+    // Several moves of one place are the same.
+    places.sort_by_key(|(span, _)| span.start);
     places.dedup_by_key(|(span, _)| span.start);
-    let moved = places.into_iter();
-    Ok(moved
-        .fold(text.to_owned(), |text, (span, to)| replaced(&text, span, &Number(to).to_string())))
+    let (mut moved, mut done) = (String::with_capacity(text.len()), 0);
+    for (span, to) in places {
+        moved.push_str(text.get(done..span.start).unwrap_or_default());
+        moved.push_str(&Number(to).to_string());
+        done = span.end;
+    }
+    moved.push_str(text.get(done..).unwrap_or_default());
+    Ok(moved)
 }
 
 /// The same number, 0 with either sign.

@@ -115,7 +115,7 @@ fn tappets_are_moved_in_the_text_all_at_once() {
 }
 
 /// A slave 5 ms behind, 2 % too far and 3 beside, of which 2·y + 7 is wanted: offset 1.8, scaling 2/1.02 and offset 4/1.02 make
-/// up for it. In 95 % of the runs what is proposed is at most its half width from that (200 runs: 181 with a chance of 0.998).
+/// up for it. In 95 % of the runs what is proposed is at most its half width from that (200 runs: 181 or more with a chance of 0.997).
 #[test]
 fn what_is_proposed_lies_within_its_own_interval() {
     let file = cam(&uneven());

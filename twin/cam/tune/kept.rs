@@ -64,7 +64,9 @@ pub fn keep_tappets(
                 && same(other.tappet.master, to)
                 && !same(other.from, tappet.master)
         };
-        if let Some(other) = tappets.iter().find(meets) {
+        // Only those at begin and end of the cam can.
+        let at_end = same(tappet.master, file.cam.curve().end());
+        if let Some(other) = tappets.iter().filter(|_| at_end).find(meets) {
             let places = [other.from, tappet.master];
             return Err(TuneError::TappetsMeet { group: tappet.group, places, to });
         }
@@ -78,8 +80,8 @@ pub fn keep_tappets(
     let mut kept = CamFile { cam, ..file.clone() };
     if let Some(source) = &mut kept.source {
         for tappet in &mut source.tappets {
-            let here = |moved: &&KeptTappet| same(moved.from, tappet.master);
-            if let Some(moved) = tappets.iter().find(here) {
+            let here = tappets.partition_point(|moved| moved.from < tappet.master);
+            if let Some(moved) = tappets.get(here) {
                 tappet.master = moved.tappet.master;
             }
         }
