@@ -239,21 +239,25 @@ tappets = [
 ]
 "#;
 
-/// Three seconds at 300 deg/s of the lift, 5 ms behind.
-fn lift() -> String {
+/// The lift, from its points alone.
+fn place(at: f64) -> f64 {
     let ease = |part: f64| part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part);
-    let lift = |place: f64| match place.rem_euclid(360.0) {
+    match at.rem_euclid(360.0) {
         at if at < 120.0 => 70.0 * ease(at / 120.0),
         at if at < 180.0 => 70.0 + 30.0 * ease((at - 120.0) / 60.0),
         at => 100.0 - 100.0 * ease((at - 180.0) / 180.0),
-    };
+    }
+}
+
+/// Three seconds at 300 deg/s of the lift, 5 ms behind.
+fn lift() -> String {
     let mut text = String::from("time_s,master_deg,slave_mm\n");
     for index in 0..1500_u32 {
         let time = f64::from(index) * 0.002;
         let mixed = u64::from(index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40;
         let noise = f64::from(u32::try_from(mixed).expect("24 bits")) / 16_777_216.0 - 0.5;
-        let slave = lift(300.0 * (time - 0.005)) + 0.02 * noise;
+        let slave = place(300.0 * (time - 0.005)) + 0.02 * noise;
         writeln!(text, "{time},{},{slave}", 300.0 * time).expect("text");
     }
     text
@@ -282,6 +286,25 @@ fn tolerances_of_tappets_count_on_the_master() {
     }
     let done = desk.twin(&[&tune[..], &find].concat());
     assert!(done.stdout.contains("goes from master 50 to 48 deg"), "{}", done.stdout);
+    // The check says so of what is written; points that are moved as well leave the slave where the cam has it at tappets.
+    desk.twin(&[&tune[..], &find, &["--write", "new.toml"]].concat()).ended(0, "written to");
+    let shape = ["--reshape", "120:5,1,0.05", "--max-acceleration", "10000"];
+    desk.twin(&[&tune[..5], &shape, &["--write", "other.toml"]].concat())
+        .ended(0, "written to other.toml");
+    let tappets = |name| {
+        let checked = desk.twin(&["cam", "check", name, "--format", "json"]);
+        let tappets = &object(&checked.stdout)["tappets"];
+        [0, 1].map(|index| ["master", "slave"].map(|key| number(&tappets[index][key])))
+    };
+    for ([master, _], expected) in tappets("new.toml").into_iter().zip([48.0, 202.0]) {
+        assert!((master - expected).abs() < 1e-7, "{master}");
+    }
+    let [one, other] = tappets("other.toml");
+    for ([master, slave], expected) in [(one, 50.0), (other, 200.0)] {
+        assert!((master - expected).abs() < 1e-7, "{master}");
+        let told = place(expected + 1.5);
+        assert!((slave - told).abs() < 5e-3, "{slave} {told}");
+    }
 }
 
 /// A cam that is passed once has no other end: 359 + 1.5 is not on it.
