@@ -4,7 +4,7 @@ use super::toml_writer::Number;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-use twin_motion::cam::Knot;
+use twin_motion::cam::{Knot, Tappet};
 
 /// A change.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +15,13 @@ pub enum Change {
     CouplingWord(&'static str, &'static str),
     /// Slave, velocity and acceleration of the point that stands at this master in `elements`.
     Point(Knot),
+    /// The master of the tappets that stand at `from`.
+    Tappet {
+        /// Where they stand.
+        from: f64,
+        /// One of them as it is to be.
+        tappet: Tappet,
+    },
 }
 
 /// Why a text is not changed.
@@ -26,6 +33,9 @@ pub enum EditError {
     /// A point that is to be changed is not there.
     #[error("no point of `elements` stands at master {0}")]
     NoPoint(String),
+    /// A tappet that is to be changed is not there.
+    #[error("no tappet of `tappets` stands at master {0}")]
+    NoTappet(String),
     /// Something stands where numbers cannot be written.
     #[error("`{0}` is no table that numbers can be written into")]
     NoTable(&'static str),
@@ -36,13 +46,14 @@ pub enum EditError {
 /// # Errors
 /// [`EditError`] if there is no place for one of them.
 pub fn apply(text: &str, changes: &[Change]) -> Result<String, EditError> {
-    let mut text = text.to_owned();
+    let mut text = tappets(text, changes)?;
     // One after the other: places move with every change.
     for change in changes {
         text = match change {
             Change::Coupling(key, value) => coupling(&text, key, &Number(*value).to_string())?,
             Change::CouplingWord(key, word) => coupling(&text, key, &format!("\"{word}\""))?,
             Change::Point(knot) => point(text, knot)?,
+            Change::Tappet { .. } => text,
         };
     }
     Ok(text)
@@ -121,6 +132,52 @@ fn point(mut text: String, knot: &Knot) -> Result<String, EditError> {
         text = set(&text, table, span.clone(), span.start, key, &Number(value).to_string());
     }
     Ok(text)
+}
+
+/// Moves tappets: all at once, for one may come to where another one stood.
+fn tappets(text: &str, changes: &[Change]) -> Result<String, EditError> {
+    let moves: Vec<_> = changes
+        .iter()
+        .filter_map(|change| match change {
+            Change::Tappet { from, tappet } => Some((*from, tappet.master)),
+            _ => None,
+        })
+        .collect();
+    if moves.is_empty() {
+        return Ok(text.to_owned());
+    }
+    let root = parse(text)?;
+    let all = root.get_ref().get("tappets").map(Spanned::get_ref);
+    let all = all.and_then(DeValue::as_array).ok_or(EditError::NoTable("tappets"))?;
+    let mut masters: Vec<_> = all
+        .iter()
+        .filter_map(|item| {
+            let master = item.get_ref().as_table()?.get("master")?;
+            Some((number(master.get_ref())?, master.span()))
+        })
+        .collect();
+    masters.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let mut places = Vec::new();
+    for (from, to) in moves {
+        let begin = masters.partition_point(|(at, _)| *at < from);
+        let here = masters.get(begin..).unwrap_or_default().iter();
+        let mut here = here.take_while(|(at, _)| same(*at, from)).peekable();
+        if here.peek().is_none() {
+            return Err(EditError::NoTappet(Number(from).to_string()));
+        }
+        places.extend(here.map(|(_, span)| (span.clone(), to)));
+    }
+    // Several moves of one place are the same.
+    places.sort_by_key(|(span, _)| span.start);
+    places.dedup_by_key(|(span, _)| span.start);
+    let (mut moved, mut done) = (String::with_capacity(text.len()), 0);
+    for (span, to) in places {
+        moved.push_str(text.get(done..span.start).unwrap_or_default());
+        moved.push_str(&Number(to).to_string());
+        done = span.end;
+    }
+    moved.push_str(text.get(done..).unwrap_or_default());
+    Ok(moved)
 }
 
 /// The same number, 0 with either sign.

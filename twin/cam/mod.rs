@@ -26,4 +26,5 @@ pub use error::CamFileError;
 pub use file::{CamFile, Form, write_file};
 pub use form::{AxisScale, Coupling, START_MODES, WANTED};
 pub use lost::lost;
+pub(crate) use toml_writer::tappet as tappet_line;
 pub use toml_writer::write_toml;

@@ -115,7 +115,8 @@ fn element(element: &Element) -> String {
     }
 }
 
-fn tappet(tappet: &Tappet) -> String {
+/// A tappet as a line of `tappets`.
+pub(crate) fn tappet(tappet: &Tappet) -> String {
     let Tappet { group, master, passage, action } = *tappet;
     let passage = match passage {
         Passage::Positive => "positive",

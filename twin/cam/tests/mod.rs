@@ -6,6 +6,7 @@ mod drawn;
 mod files;
 mod found;
 mod hostile;
+mod kept;
 mod outputs;
 mod passages;
 mod random;

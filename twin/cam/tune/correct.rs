@@ -84,6 +84,20 @@ impl Deviation {
         ]
     }
 
+    /// How well what it is to be told so that it does `target` is known, half widths. Those of gain and shift, which what is
+    /// told combines, are added: so they hold, however the two go together.
+    fn told_within(&self, target: [f64; 4]) -> [f64; 4] {
+        let ([offset, scaling, _, factor], did, known) = (self.told, self.did, self.known);
+        let (by, gain) = ((target[1] / did[1]).abs(), (factor / did[3]).abs());
+        let parts = [known[1] / did[1].abs(), known[3] / did[3].abs()];
+        [
+            by * (known[0] + (did[0] - offset).abs() * parts[0]),
+            scaling.abs() * by * parts[0],
+            gain * (known[2] + (target[2] - did[2]).abs() * parts[1]),
+            target[3].abs() * gain * parts[1],
+        ]
+    }
+
     /// What the slave does when it is told this.
     fn done(&self, told: [f64; 4]) -> [f64; 4] {
         let ([offset, scaling, shift, factor], did) = (self.told, self.did);
@@ -141,6 +155,14 @@ pub fn corrected(file: &CamFile, using: &CamUse, fit: &Fit) -> (CamUse, Deviatio
         new.coupling.wanted = Some(target);
     }
     (new, deviation)
+}
+
+/// What undoes a deviation, of `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling`, with its half widths.
+pub fn within(deviation: &Deviation, target: &CamUse, new: &CamUse) -> [Estimate; 4] {
+    let [one, two, three, four] = of_coupling(new);
+    let [a, b, c, d] = deviation.told_within(of_coupling(target));
+    [(one, a), (two, b), (three, c), (four, d)]
+        .map(|(value, half_width)| Estimate { value, half_width })
 }
 
 /// What is wanted of a slave that deviates so, where its coupling is changed from `before` to `after`: what it does with that.

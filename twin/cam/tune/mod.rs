@@ -2,6 +2,7 @@
 
 mod correct;
 mod from_run;
+mod kept;
 mod minimise;
 mod passed;
 mod recorded;
@@ -9,8 +10,9 @@ mod shape;
 mod tappet_error;
 mod tappets;
 
-pub use correct::{Deviation, as_fitted, corrected, wanted, wants};
+pub use correct::{Deviation, as_fitted, corrected, wanted, wants, within};
 pub use from_run::{Seen, errors, fit_run, rms, rounded, switchings, tappet_dead_time, unwound};
+pub use kept::{Kept, KeptTappet, keep_tappets, passed_at, told_at};
 pub use minimise::{Least, Minimised, minimise};
 pub use recorded::{master_motion, start, travel};
 pub use shape::{PointTolerance, ShapeGoal, Shaped, shape};
@@ -27,7 +29,7 @@ use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{
     FitError, Free, GentleError, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
 };
-use twin_motion::cam::{CamTable, Element, Knot, LimitError, Quantity, Shape, StartMode};
+use twin_motion::cam::{CamError, CamTable, Element, Knot, LimitError, Quantity, Shape, StartMode};
 
 /// Why something is not tuned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -122,6 +124,42 @@ pub enum TuneError {
         /// Where some are that may be moved.
         points: Vec<f64>,
     },
+    /// A tappet leaves the cam.
+    #[error(
+        "the tappet of group {group} at {} of the cam would have to stand at {} so that the master passes it at {} as before, and \
+         the cam goes from {} to {} and is not put end to end: lengthen it, or take the tappet out",
+        significant(*.at, 6), significant(*.to, 6), significant(*.master, 6), significant(.range[0], 6),
+        significant(.range[1], 6)
+    )]
+    TappetBeyond {
+        /// Its group.
+        group: i16,
+        /// Where it stands on the cam.
+        at: f64,
+        /// Where the master passes it.
+        master: f64,
+        /// Where it would have to stand.
+        to: f64,
+        /// Begin and end of the cam.
+        range: [f64; 2],
+    },
+    /// Tappets whose order is lost.
+    #[error(
+        "the tappets of group {group} at {} and {} of the cam, its begin and its end, would both stand at {} so that the master \
+         passes them where it did, and there they have no order: leave one of them out",
+        significant(.places[0], 6), significant(.places[1], 6), significant(*.to, 6)
+    )]
+    TappetsMeet {
+        /// Their group.
+        group: i16,
+        /// Where they stand on the cam.
+        places: [f64; 2],
+        /// Where both would stand.
+        to: f64,
+    },
+    /// Tappets that were moved make no cam.
+    #[error("tappets: {0}")]
+    Cam(#[source] CamError),
     /// No scaling keeps the limits.
     #[error("no {what} keeps the limits: {why}")]
     NoRoom {

@@ -27,9 +27,10 @@ use twin_motion::cam::{Quantity, StartMode};
 /// A run (CSV of time, master, slave) tells offsets and scalings by least squares, each with the half width of its 95 %
 /// interval. `slave` is where the slave was measured while the coupling of the cam's file was in effect; wanted is the cam with
 /// that coupling, or with `wanted_…` of `[coupling]` where the file has them (--write puts them there). What is proposed undoes
-/// the deviation: a slave that lags gets a master offset that leads. Outputs recorded beside it (columns `tappet_N`) tell the
-/// dead time of what tappets switch. The master's velocity and acceleration are those of the run where none are given. Without a
-/// run what is to be found is changed by as little as keeps the limits. With --minimise, with a run or without, the slave's peak
+/// the deviation: a slave that lags gets a master offset that leads. Tappets are moved on the cam by the same, so that they stay
+/// where they are on the master; with --slave wanted they go with the cam. Outputs recorded beside it (columns `tappet_N`) tell
+/// the dead time of what tappets switch. The master's velocity and acceleration are those of the run where none are given. Without a
+/// run what is to be found is changed by as little as keeps the limits, tappets stay where they are on the master. With --minimise, with a run or without, the slave's peak
 /// acceleration or jerk is made smallest: intervals, a stroke, the tappets and the limits hold offsets and scalings then, for a
 /// scaling of 0 would be the smallest. Points are moved within their tolerances by linear programs (Clarabel): velocity and acceleration stay continuous, and the slave stays within its limits, and where it is at every tappet.
 /// What the data do not say, or contradict, is said and not fitted: samples that are far from the others with their lines.
@@ -49,7 +50,7 @@ pub(super) struct Arguments {
     run: Option<PathBuf>,
 
     /// What `slave` of the run is: where the slave was measured, so that its deviation from what is wanted is undone, or the
-    /// motion wanted, so that the cam is laid over it
+    /// motion wanted, so that the cam is laid over it and its tappets go with it
     #[arg(long, value_enum, default_value = "measured", requires = "run")]
     slave: SlaveColumn,
 
@@ -238,6 +239,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let in_file = CamUse { coupling: file.coupling, ..before };
     let knots = report.shaped.as_ref().map(|shaped| (&file, shaped.knots.as_slice()));
     report.changes = changes(&in_file, &report.after, knots);
+    report.changes.extend(report.kept.iter().flat_map(|kept| kept.changes()));
     // Files first: who reads only the first lines of the report has them, too.
     if let Some(path) = &arguments.output {
         picture(path, &file, &after_file, &report, recorded.as_ref())?;
@@ -277,6 +279,7 @@ fn tuned(
         let did = tune::as_fitted(&before, &found);
         if measured {
             let (after, by) = tune::corrected(file, &before, &found);
+            report.proposed = Some(tune::within(&by, &reference, &after));
             (report.after, deviation) = (after, Some(by));
             report.wanted = Some(reference);
         } else {
@@ -302,7 +305,19 @@ fn tuned(
             report.dead_time = Some((found, seen));
         }
     }
-    if let Some(least) = arguments.least.least(&arguments.find, recorded.and_then(tune::travel)) {
+    // What was measured moves the slave, not the tappets; of a motion that was taught they are a part.
+    let held = deviation.is_some() || recorded.is_none();
+    let peak = arguments.least.least(&arguments.find, recorded.and_then(tune::travel));
+    if recorded.is_none() && peak.is_none() && !arguments.find.is_empty() {
+        report.after = within_limits(file, &before, arguments.free())?;
+        report.within = true;
+    }
+    if held {
+        report.kept = tune::keep_tappets(file, &before, &report.after)?.map(Box::new);
+    }
+    let moved = report.kept.as_ref().map(|kept| kept.file.clone());
+    let file = moved.as_ref().unwrap_or(file);
+    if let Some(least) = peak {
         // From where the slave does what is wanted.
         let corrected = report.after;
         let (mut after, found) = minimise(file, &corrected, &least)?;
@@ -311,9 +326,6 @@ fn tuned(
         }
         report.after = after;
         report.least = Some(found);
-    } else if recorded.is_none() && !arguments.find.is_empty() {
-        report.after = within_limits(file, &before, arguments.free())?;
-        report.within = true;
     }
     let mut shaped = None;
     if !arguments.reshape.is_empty() {

@@ -6,6 +6,7 @@ mod object;
 mod outcome;
 mod peaks;
 mod report;
+mod tappets;
 mod words;
 
 use super::cam::number;

@@ -11,8 +11,14 @@ impl Report<'_> {
         let estimate = |Estimate { value, half_width }: Estimate| json!({ "value": value, "half_width_95": half_width });
         let fit = self.fit.as_ref().map(|fit| {
             let named = Self::estimates(fit).map(|(name, found)| (name.to_owned(), estimate(found)));
+            let names = named.each_ref().map(|(name, _)| name.clone());
+            let proposed = names.into_iter().zip(self.proposed.iter().flatten()).enumerate();
+            let proposed = proposed.filter_map(|(index, (name, found))| {
+                self.proposed_within(index).map(|_| (name, estimate(*found)))
+            });
             json!({
                 "estimates": named.into_iter().collect::<serde_json::Map<_, _>>(),
+                "proposed": self.proposed.as_ref().map(|_| proposed.collect::<serde_json::Map<_, _>>()),
                 "samples": self.samples, "rms_before": self.error_before, "rms_after": self.error_after,
                 "correlation": fit.correlation, "noise": !self.doubtful,
                 "quantum": fit.quantum, "bias": fit.bias, "shows_correlation": fit.shows_correlation,
@@ -68,8 +74,9 @@ impl Report<'_> {
             "master": { "velocity": self.before.master.velocity, "acceleration": self.before.master.acceleration },
             "slave": fit.as_ref().map(|_| if self.wanted.is_some() { "measured" } else { "wanted" }),
             "fit": fit, "least": least, "dead_time": dead_time, "shape": shape, "ramp": ramp,
+            "tappets": self.tappets_json(),
             "coupling": numbers.into_iter().collect::<serde_json::Map<_, _>>(),
-            "lines": { "coupling": file, "inputs": block, "points": self.points() },
+            "lines": { "coupling": file, "inputs": block, "points": self.points(), "tappets": self.moved_tappets() },
             "refused": self.refused,
         })
     }

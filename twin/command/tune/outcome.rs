@@ -22,7 +22,9 @@ pub(super) fn with_knots(file: &CamFile, knots: &[twin_motion::cam::Knot]) -> Op
     Some(CamFile { cam, ..file.clone() })
 }
 
+/// The cam as it is to be: with its tappets and points where they were found.
 pub(super) fn moved(file: &CamFile, report: &Report<'_>) -> Result<CamFile, Failure> {
+    let file = report.kept.as_ref().map_or(file, |kept| &kept.file);
     let Some(shaped) = &report.shaped else { return Ok(file.clone()) };
     let message = "the points that were found make no cam";
     with_knots(file, &shaped.knots).ok_or_else(|| Failure::Usage(message.to_owned()))
@@ -99,12 +101,25 @@ pub(super) fn apply(
     };
     // What is written is what was found, or nothing is written.
     let again = CamFile::from_toml(target, text.clone()).map_err(Box::new)?;
-    if again.coupling != report.after.coupling || again.cam.shape() != after.cam.shape() {
+    let same = again.coupling == report.after.coupling
+        && again.cam.shape() == after.cam.shape()
+        && has_tappets(&again.cam, &after.cam);
+    if !same {
         return Err(wrong("the file cannot be changed so that it says what was found".to_owned()));
     }
     whole::write(target, text.as_bytes())?;
     tell!("written to {}", target.display());
     Ok(())
+}
+
+/// Whether the tappets are the same; those of different groups that stand at one place may come in any order.
+fn has_tappets(one: &Cam, other: &Cam) -> bool {
+    let [one, other] = [one, other].map(|cam| {
+        let mut tappets = cam.tappets().to_vec();
+        tappets.sort_by(|a, b| a.master.total_cmp(&b.master).then(a.group.cmp(&b.group)));
+        tappets
+    });
+    one == other
 }
 
 /// A ramp with limited jerk that is beyond the limit with the cam's own jerk: of the axis it has the limit alone.

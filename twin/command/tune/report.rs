@@ -4,7 +4,7 @@ use super::words::Format;
 use crate::cam::CamFile;
 use crate::cam::check::CamUse;
 use crate::cam::edit::Change;
-use crate::cam::tune::{Minimised, ShapeGoal, Shaped};
+use crate::cam::tune::{Kept, Minimised, ShapeGoal, Shaped};
 use crate::command::show::table;
 use crate::number::{beside, significant};
 use std::io::{self, Write};
@@ -27,6 +27,10 @@ pub(super) struct Report<'a> {
     pub(super) wanted: Option<CamUse>,
     /// What the slave of the run did.
     pub(super) did: Option<CamUse>,
+    /// What undoes the deviation of a slave that was measured, with the half widths.
+    pub(super) proposed: Option<[Estimate; 4]>,
+    /// Tappets that were moved along with it.
+    pub(super) kept: Option<Box<Kept>>,
     pub(super) samples: usize,
     pub(super) fit: Option<Fit>,
     pub(super) error_before: Option<f64>,
@@ -55,6 +59,8 @@ impl<'a> Report<'a> {
             after: before,
             wanted: None,
             did: None,
+            proposed: None,
+            kept: None,
             samples: 0,
             fit: None,
             error_before: None,
@@ -79,7 +85,7 @@ impl<'a> Report<'a> {
     }
 
     /// How far the slave goes on its cam.
-    fn height(&self) -> f64 {
+    pub(super) fn height(&self) -> f64 {
         let y = self.file.cam.curve().extremes().position;
         (y.max - y.min) * self.before.coupling.input.slave_scaling
     }
@@ -152,7 +158,7 @@ impl<'a> Report<'a> {
                     file.push(format!("{key} = \"{word}\""));
                     block.push(format!("StartMode := {word}"));
                 }
-                Change::Point(_) => {}
+                Change::Point(_) | Change::Tappet { .. } => {}
             }
         }
         (file, block)
@@ -204,6 +210,9 @@ impl<'a> Report<'a> {
         if let Some(least) = &self.least {
             self.tell_least(out, least)?;
         }
+        if self.refused.is_none() {
+            self.tell_tappets(out)?;
+        }
         if let Some(shaped) = &self.shaped {
             self.tell_shape(out, shaped)?;
         }
@@ -237,13 +246,17 @@ impl<'a> Report<'a> {
             return Ok(());
         }
         let (file, block) = self.lines();
-        let points = self.points();
-        if file.is_empty() && points.is_empty() {
+        let (points, tappets) = (self.points(), self.moved_tappets());
+        if file.is_empty() && points.is_empty() && tappets.is_empty() {
             return writeln!(out, "nothing is to be changed");
         }
         if !points.is_empty() {
             writeln!(out, "\npoints of elements, master in {master}:")?;
             points.iter().try_for_each(|line| writeln!(out, "  {line}"))?;
+        }
+        if !tappets.is_empty() {
+            writeln!(out, "\ntappets of the cam's file, master in {master}:")?;
+            tappets.iter().try_for_each(|line| writeln!(out, "  {line}"))?;
         }
         if !file.is_empty() {
             writeln!(out, "\n[coupling] of the cam's file:")?;
@@ -279,7 +292,7 @@ impl<'a> Report<'a> {
             let found = if self.wanted.is_some() { "the slave was at" } else { "found in the run" };
             let mut header = vec![found, "value", "± (95 %)"];
             if self.wanted.is_some() {
-                header.extend(["wanted", "in effect", "proposed"]);
+                header.extend(["wanted", "in effect", "proposed", "± (95 %)"]);
             }
             rows.set_header(header);
             let wanted = self.wanted.as_ref().map(numbers);
@@ -293,6 +306,7 @@ impl<'a> Report<'a> {
                     let columns = [wanted, &before, &after];
                     let of_input = columns.into_iter().filter_map(|of| of.get(index));
                     row.extend(of_input.map(|value| self.input(index, *value)));
+                    row.push(self.proposed_within(index).map(short).unwrap_or_default());
                 }
                 rows.add_row(row);
             }
