@@ -76,7 +76,8 @@ impl VariableType {
     /// [`CamError::OutsideType`] if there is none; `index` is for its message, from 1.
     pub(crate) fn hold(self, index: usize, value: f64) -> Result<f64, CamError> {
         let near = match self {
-            Self::Int | Self::Uint | Self::Dint | Self::Udint => value.round(),
+            // A whole number has no −0.
+            Self::Int | Self::Uint | Self::Dint | Self::Udint => value.round() + 0.0,
             #[expect(clippy::cast_possible_truncation, reason = "what a REAL can hold of it")]
             Self::Real => f64::from(value as f32),
             Self::Lreal => value,

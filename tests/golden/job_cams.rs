@@ -80,8 +80,13 @@ fn a_cam_that_jumps_is_told_at_the_line_that_passes_it() {
     assert_eq!((&one["message"], &one["line"]), (&Value::from(said), &Value::from(3)));
     assert_eq!(one["severity"], "error");
     // Beside its zero, and three times as fast.
-    let found =
-        jumps(&format!("{}master_offset_mm = 24\nmaster_scaling = 3\n", cam("bent.toml")), 1);
+    let found = jumps(
+        &format!(
+            "{}master_offset_mm = 24\nmaster_scaling = 3\nperiodic = false\n",
+            cam("bent.toml")
+        ),
+        1,
+    );
     let [one] = found.as_slice() else { panic!("{found:?}") };
     assert!(
         one["message"].as_str().is_some_and(

@@ -137,6 +137,40 @@ fn what_few_samples_do_not_show_is_said() {
     assert!(!said.contains(independent) && shown, "{said}");
 }
 
+/// A slave that is now 1° late and now not, for a hundred samples each, contradicts any one offset: no interval is told, and
+/// nothing is proposed or written.
+#[test]
+fn a_slave_that_does_something_else_is_told() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    let mut text = String::from("time_s,master_deg,slave_mm\n");
+    for index in 0..600_u32 {
+        let master = 1.8 * f64::from(index);
+        let late = f64::from(index / 100 % 2);
+        writeln!(text, "{},{master},{}", master / 400.0, lift(master - late)).expect("text");
+    }
+    desk.write("run.csv", &text);
+    let find = ["--find", "master-offset,slave-offset,slave-scaling"];
+    let tune = [&["tune", "cam", "lift.toml", "--run", "run.csv", "--write"][..], &find].concat();
+    let done = desk.twin(&tune);
+    done.ended(1, "the slave does something that the cam does not describe");
+    assert!(done.stderr.contains("MasterOffset -0.49"), "{}", done.stderr);
+    assert!(!done.stdout.contains("95 %") && !done.stdout.contains(":="), "{}", done.stdout);
+    assert_eq!(std::fs::read_to_string(desk.path("lift.toml")).expect("there"), LIFT);
+}
+
+/// Units that the header names are those of the cam.
+#[test]
+fn a_run_in_other_units_is_told() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    desk.write("run.csv", &recorded().replacen("master_deg", "master_mm", 1));
+    let done = desk.twin(&["tune", "cam", "lift.toml", "--run", "run.csv"]);
+    done.ended(2, "column `master_mm`: the master of the cam is in deg");
+    desk.write("run.csv", &recorded().replacen("master_deg,slave_mm", "master_u,slave", 1));
+    desk.twin(&["tune", "cam", "lift.toml", "--run", "run.csv", "--slave", "wanted"]).ended(0, "");
+}
+
 /// A slave 5 ms behind at 400 deg/s is lift(master − 2): `MasterOffset` 2 undoes it, and with that in effect nothing is left.
 #[test]
 fn a_slave_that_lags_gets_an_offset_that_leads() {
@@ -198,7 +232,7 @@ fn what_the_data_do_not_say_is_said() {
         "another.csv",
         &run(0..400, |index| lift(f64::from(index) * 3.0 + 6.0 * (f64::from(index) * 0.05).sin())),
     );
-    tune("another.csv").ended(1, "nothing is written");
+    tune("another.csv").ended(1, "no interval would hold");
     assert!(!desk.path("new.toml").exists());
     desk.write("wrong.csv", "time,master,slave\n0,1,2\n0,2,3\n");
     tune("wrong.csv").ended(2, "wrong.csv: line 3: time 0 s is not later");
@@ -384,13 +418,15 @@ fn recordings_of_something_else_are_told() {
     tune("nine.csv")
         .ended(1, "the run has outputs of group 9 (`tappet_9`)")
         .ended(1, "its tappets are of group 1");
-    let mut text = String::from("time_s,master_rad,slave_mm\n");
+    let mut text = String::from("time_s,master,slave_mm\n");
     for index in 0..600_u32 {
         let (time, master) = (f64::from(index) * 0.005, f64::from(index) * 2.0);
         writeln!(text, "{time},{},{}", master.to_radians(), lift(master)).expect("text");
     }
     desk.write("rad.csv", &text);
     tune("rad.csv").ended(1, "the recording does not match the cam: the slave moves ");
+    desk.write("named.csv", &text.replacen("master", "master_rad", 1));
+    tune("named.csv").ended(2, "column `master_rad`: the master of the cam is in deg");
     let group = "{ group = 1, master = 200, passage = \"positive\", action = \"off\" },";
     let other = group.replace("group = 1", "group = 2");
     let on = other.replace("200", "80").replace("off", "on");

@@ -1,7 +1,8 @@
 //! Recorded runs: where master and slave were, and what tappets had switched.
 
-use super::CamFileError;
 use super::columns;
+use super::form::{AxisScale, unit_of};
+use super::{CamFile, CamFileError};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -45,8 +46,29 @@ impl RecordedRun {
     /// # Errors
     /// [`CamFileError`] with file, line and column.
     pub fn load(path: &Path) -> Result<Self, CamFileError> {
-        let bytes = std::fs::read(path)
-            .map_err(|source| CamFileError::ReadRun { path: path.to_owned(), source })?;
+        Self::parse(path, &bytes(path)?)
+    }
+
+    /// The same of a run of this cam: units of master and slave that the header names must be those of the cam's file.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn load_for(file: &CamFile, path: &Path) -> Result<Self, CamFileError> {
+        let bytes = bytes(path)?;
+        let names = columns::read(path, &bytes)?.names;
+        for name in names.iter().flatten() {
+            let (which, own) = match columns::plain(name).as_str() {
+                "master" => ("master", &file.master),
+                "slave" => ("slave", &file.slave),
+                _ => continue,
+            };
+            let told = AxisScale { unit: unit_of(name), ..own.clone() };
+            let unknown = told.unit.is_empty() || own.unit.is_empty();
+            if !unknown && !told.key().eq_ignore_ascii_case(&own.key()) {
+                let message = format!("column `{name}`: the {which} of the cam is in {}", own.unit);
+                return Err(CamFileError::Table { path: path.to_owned(), line: 1, message });
+            }
+        }
         Self::parse(path, &bytes)
     }
 
@@ -193,6 +215,10 @@ impl RecordedRun {
         }
         if below > 0.0 { above / below } else { 0.0 }
     }
+}
+
+fn bytes(path: &Path) -> Result<Vec<u8>, CamFileError> {
+    std::fs::read(path).map_err(|source| CamFileError::ReadRun { path: path.to_owned(), source })
 }
 
 fn column(name: &str) -> Result<Column, String> {

@@ -1,4 +1,4 @@
-//! What stands beside the cam in `*.CAM` files of version 1.1: what people edit and how the cam is used.
+//! What stands beside the cam in `*.CAM` files of version 1.3: what people edit and how the cam is used.
 
 use super::super::knot::Knot;
 use super::super::selection::{CamInput, StartMode};

@@ -11,7 +11,7 @@ use std::io::{ErrorKind, Read, Write};
 /// The version of the layout of a cam alone: 1.0, the minor one in the upper byte.
 pub const VERSION: u16 = 1;
 
-/// The version with what stands beside the cam: 1.1. Its number is two bits from that of 1.0, so that one wrong bit never
+/// The version with what stands beside the cam: 1.3. Its number is two bits from that of 1.0, so that one wrong bit never
 /// makes one of the other.
 pub const VERSION_BESIDE: u16 = 0x0301;
 
@@ -33,7 +33,7 @@ pub fn write(cam: &Cam, writer: impl Write) -> Result<(), CamWriteError> {
     write_as(cam, None, writer)
 }
 
-/// Writes a cam with what is known beside it (version 1.1).
+/// Writes a cam with what is known beside it (version 1.3).
 ///
 /// # Errors
 /// As [`write()`].

@@ -22,7 +22,7 @@ pub enum CamReadError {
     },
     /// It is of another version.
     #[error(
-        "version {}.{} of cam files is not known, 1.0 and 1.1 are (error 2203)",
+        "version {}.{} of cam files is not known, 1.0 and 1.3 are (error 2203)",
         .version & 0xff, .version >> 8
     )]
     Version {

@@ -14,7 +14,7 @@
 //! end       4  u32 CRC-32 of the payload
 //! ```
 //!
-//! Version 1.0 ends the payload with the tappets. Version 1.1 goes on with what is known beside the cam ([`Beside`]):
+//! Version 1.0 ends the payload with the tappets. Version 1.3 goes on with what is known beside the cam ([`Beside`]):
 //!
 //! ```text
 //! beside       u8 kind (1 cam, 2 tappets only) · u8 put end to end · scale of the master · scale of the slave · u8 1 and the

@@ -5,6 +5,7 @@ use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample};
 use super::TuneError;
 use super::tappets::{CHANCE, refuse_contradictory, refuse_random};
+use crate::number::significant;
 use std::borrow::Cow;
 use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{
@@ -39,7 +40,7 @@ pub fn fit_run(
         .iter()
         .map(|sample| Sample { master: sample.master, slave: sample.slave, weight: 1.0 })
         .collect();
-    fit(file.cam.curve(), &samples, &options).map_err(|error| match error {
+    let found = fit(file.cam.curve(), &samples, &options).map_err(|error| match error {
         // Of the file that was read, not of the samples.
         FitError::Outliers { outliers } => {
             let line = |index: usize| run.samples.get(index.wrapping_sub(1)).map(|one| one.line);
@@ -47,7 +48,23 @@ pub fn fit_run(
             TuneError::Outliers { outliers: outliers.into_iter().filter_map(told).collect() }
         }
         other => TuneError::Fit(other),
-    })
+    })?;
+    if found.is_noise(samples.len()) {
+        Ok(found)
+    } else {
+        let (correlation, rms, unit) = (found.correlation, found.rms, file.slave.unit().to_owned());
+        let named = [
+            ("MasterOffset", free.master_offset, found.master_offset),
+            ("MasterScaling", free.master_scaling, found.master_scaling),
+            ("SlaveOffset", free.slave_offset, found.slave_offset),
+            ("SlaveScaling", free.slave_scaling, found.slave_scaling),
+        ];
+        let sought = named.into_iter().filter(|(_, sought, _)| *sought);
+        let values: Vec<_> = sought
+            .map(|(name, _, estimate)| format!("{name} {}", significant(estimate.value, 4)))
+            .collect();
+        Err(TuneError::NoNoise { correlation, rms, unit, nearest: values.join(", ") })
+    }
 }
 
 /// The value to a thousandth of its interval: digits beyond say nothing. What was given stays as it is.

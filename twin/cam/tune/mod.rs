@@ -43,6 +43,23 @@ pub enum TuneError {
         /// Lines of the run, and how far the slave is off there, u.
         outliers: Vec<(u64, f64)>,
     },
+    /// The slave does something else beside the cam.
+    #[error(
+        "offsets and scalings: {} {unit} rms are left over, and from sample to sample they are no noise (correlation {}): \
+         the slave does something that the cam does not describe, and no interval would hold; the nearest, {nearest}, is \
+         not proposed",
+        significant(*.rms, 4), significant(*.correlation, 3)
+    )]
+    NoNoise {
+        /// From sample to sample.
+        correlation: f64,
+        /// What is left over.
+        rms: f64,
+        /// Its unit.
+        unit: String,
+        /// The best values all the same.
+        nearest: String,
+    },
     /// The dead time of tappets.
     #[error("dead time of the tappets: {0}")]
     DeadTime(#[source] FitError),

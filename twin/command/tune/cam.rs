@@ -208,7 +208,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
                        --max-velocity, --max-acceleration, --max-jerk, --position-min, --position-max";
         return Err(Failure::Usage(message.to_owned()));
     }
-    let recorded = arguments.run.as_deref().map(RecordedRun::load).transpose().map_err(Box::new)?;
+    let load_run = |path| RecordedRun::load_for(&file, path);
+    let recorded = arguments.run.as_deref().map(load_run).transpose().map_err(Box::new)?;
     let mut before = arguments.coupling.using(&file, arguments.master.motion(), limits);
     let shown = recorded.as_ref().and_then(|run| tune::master_motion(&file, &before, run));
     before.master = arguments.master.motion_or(shown.unwrap_or(before.master));
@@ -244,20 +245,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if let Some(path) = &arguments.output {
         picture(path, &file, &after_file, &report, recorded.as_ref())?;
     }
-    // A fit that the data contradict is for reading, not for files.
-    let target = arguments.write.as_ref().filter(|_| !report.doubtful);
-    if let Some(target) = target {
+    if let Some(target) = &arguments.write {
         apply(&file, &after_file, &report, target.as_deref())?;
     }
     report
-        .write(arguments.format, target.is_some(), &mut io::stdout().lock())
+        .write(arguments.format, arguments.write.is_some(), &mut io::stdout().lock())
         .map_err(Failure::Stdio)?;
-    if arguments.write.is_some() && report.doubtful {
-        tell!("nothing is written: the data contradict what was found");
-    }
     show_findings(&check.findings);
-    let unfit = finding::unfit(&check.findings) || report.doubtful;
-    Ok(if unfit { Status::Unfit } else { Status::Fit })
+    Ok(if finding::unfit(&check.findings) { Status::Unfit } else { Status::Fit })
 }
 
 /// Finds what is asked for.
@@ -291,7 +286,6 @@ fn tuned(
         }
         report.error_after = Some(tune::rms(&errors(file, &did, run)));
         report.did = Some(did);
-        report.doubtful = !found.is_noise(run.samples.len());
         report.fit = Some(found);
         if !run.groups.is_empty() {
             // The tappets of a slave that was measured are where the coupling in effect has them.

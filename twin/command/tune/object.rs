@@ -20,7 +20,7 @@ impl Report<'_> {
                 "estimates": named.into_iter().collect::<serde_json::Map<_, _>>(),
                 "proposed": self.proposed.as_ref().map(|_| proposed.collect::<serde_json::Map<_, _>>()),
                 "samples": self.samples, "rms_before": self.error_before, "rms_after": self.error_after,
-                "correlation": fit.correlation, "noise": !self.doubtful,
+                "correlation": fit.correlation,
                 "quantum": fit.quantum, "bias": fit.bias, "shows_correlation": fit.shows_correlation,
             })
         });

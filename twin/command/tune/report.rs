@@ -35,8 +35,6 @@ pub(super) struct Report<'a> {
     pub(super) fit: Option<Fit>,
     pub(super) error_before: Option<f64>,
     pub(super) error_after: Option<f64>,
-    /// What is left over is no noise: the intervals are too narrow.
-    pub(super) doubtful: bool,
     /// The dead time, and how many switchings told it.
     pub(super) dead_time: Option<(DeadTime, usize)>,
     /// Changed to keep the limits.
@@ -65,7 +63,6 @@ impl<'a> Report<'a> {
             fit: None,
             error_before: None,
             error_after: None,
-            doubtful: false,
             dead_time: None,
             within: false,
             least: None,
@@ -350,14 +347,6 @@ impl<'a> Report<'a> {
                     "what is left over grows with the slope, as noise of the master's positions makes it: so much of it flattens \
                      what is found, by up to {} % of the half widths, which hold it",
                     short((fit.bias * 100.0).round())
-                )?;
-            }
-            if self.doubtful {
-                writeln!(
-                    out,
-                    "what is left over is no noise (correlation {} from sample to sample): the intervals are too narrow, \
-                     the slave does something that the cam does not describe",
-                    short(fit.correlation)
                 )?;
             }
         }
