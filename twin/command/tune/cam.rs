@@ -8,13 +8,13 @@ use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{
-    self, PointTolerance, TuneError, changes, errors, fit_run, minimise, ramp, run_dead_time,
-    shape, within_limits,
+    self, PointTolerance, Told, TuneError, changes, errors, fit_run, limited, minimise, ramp,
+    run_dead_time, shape, within_limits,
 };
 use crate::command::cam::{LimitOptions, MasterOptions, UseOptions, load, positive, show_findings};
 use crate::command::whole;
 use crate::command::{Failure, Status};
-use crate::finding::{self, Rule};
+use crate::finding;
 use std::io;
 use std::path::PathBuf;
 use twin_motion::axis::profile::State;
@@ -28,8 +28,9 @@ use twin_motion::cam::{Quantity, StartMode};
 /// interval. `slave` is where the slave was measured while the coupling of the cam's file was in effect; wanted is the cam with
 /// that coupling, or with `wanted_…` of `[coupling]` where the file has them (--write puts them there). What is proposed undoes
 /// the deviation: a slave that lags gets a master offset that leads. Outputs recorded beside it (columns `tappet_N`) tell the
-/// dead time of what tappets switch. The master's velocity and acceleration are those of the run where none are given. Without a
-/// run what is to be found is changed by as little as keeps the limits. With --minimise, with a run or without, the slave's peak
+/// dead time of what tappets switch. The master's velocity and acceleration are those of the run where none are given. Where
+/// what undoes the deviation would exceed limits of what the slave is told, the values are those within the limits that leave the
+/// least error. Without a run what is to be found is changed by as little as keeps the limits. With --minimise, with a run or without, the slave's peak
 /// acceleration or jerk is made smallest: intervals, a stroke, the tappets and the limits hold offsets and scalings then, for a
 /// scaling of 0 would be the smallest. Points are moved within their tolerances by linear programs (Clarabel): velocity and acceleration stay continuous, and the slave stays within its limits, and where it is at every tappet.
 /// What the data do not say, or contradict, is said and not fitted: samples that are far from the others with their lines.
@@ -123,7 +124,7 @@ pub(super) struct Arguments {
 const AFTER_HELP: &str = "\
 Exit status:
   0  what was asked for was found, and the slave keeps its limits
-  1  the data do not say it or contradict it, or the slave exceeds a limit
+  1  the data do not say it or contradict it, or the slave exceeds a limit: nothing is written then
   2  the command could not be carried out
 
 Examples:
@@ -217,9 +218,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let mut check = CamCheck::new(&after_file, report.after);
     if report.least.as_ref().is_some_and(|found| found.part) && report.shaped.is_none() {
         // The limits are kept on the way of the master; what lies beside it is not passed.
-        let limits =
-            [Rule::AxisPosition, Rule::AxisVelocity, Rule::AxisAcceleration, Rule::AxisJerk];
-        check.findings.retain(|finding| !limits.contains(&finding.rule));
+        check.findings.retain(|finding| !tune::exceeds(finding));
     }
     check
         .findings
@@ -232,8 +231,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if let Some(path) = &arguments.output {
         picture(path, &file, &after_file, &report, recorded.as_ref())?;
     }
-    // A fit that the data contradict is for reading, not for files.
-    let target = arguments.write.as_ref().filter(|_| !report.doubtful);
+    // A fit that the data contradict, and what exceeds a limit, is for reading, not for files.
+    let beyond = check.findings.iter().any(tune::exceeds);
+    let target = arguments.write.as_ref().filter(|_| !report.doubtful && !beyond);
     if let Some(target) = target {
         apply(&file, &after_file, &report, target.as_deref())?;
     }
@@ -242,6 +242,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         .map_err(Failure::Stdio)?;
     if arguments.write.is_some() && report.doubtful {
         tell!("nothing is written: the data contradict what was found");
+    } else if arguments.write.is_some() && beyond {
+        tell!("nothing is written: the slave would exceed a limit");
     }
     show_findings(&check.findings);
     let unfit = finding::unfit(&check.findings) || report.doubtful;
@@ -301,6 +303,17 @@ fn tuned(
         }
         report.after = after;
         report.least = Some(found);
+    } else if let (Some(run), Some(fit)) = (recorded, report.fit)
+        && arguments.reshape.is_empty()
+    {
+        // A shape gives way to limits itself.
+        let deviation = deviation.as_ref();
+        let told = Told { before: &before, proposed: &report.after, fit: &fit, deviation };
+        if let Some((after, found)) = limited(file, &told, run, arguments.free())? {
+            (report.after, report.limited) = (after, Some(found));
+            let [_, errors] = report.run_errors(run);
+            report.error_after = Some(tune::rms(&errors));
+        }
     } else if recorded.is_none() && !arguments.find.is_empty() {
         report.after = within_limits(file, &before, arguments.free())?;
         report.within = true;

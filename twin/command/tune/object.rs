@@ -67,7 +67,7 @@ impl Report<'_> {
             "file": self.file.path.display().to_string(),
             "master": { "velocity": self.before.master.velocity, "acceleration": self.before.master.acceleration },
             "slave": fit.as_ref().map(|_| if self.wanted.is_some() { "measured" } else { "wanted" }),
-            "fit": fit, "least": least, "dead_time": dead_time, "shape": shape, "ramp": ramp,
+            "fit": fit, "limited": self.limited.as_ref().map(|limited| self.limited_json(limited)), "least": least, "dead_time": dead_time, "shape": shape, "ramp": ramp,
             "coupling": numbers.into_iter().collect::<serde_json::Map<_, _>>(),
             "lines": { "coupling": file, "inputs": block, "points": self.points() },
             "refused": self.refused,

@@ -4,7 +4,7 @@ use super::words::Format;
 use crate::cam::CamFile;
 use crate::cam::check::CamUse;
 use crate::cam::edit::Change;
-use crate::cam::tune::{Minimised, ShapeGoal, Shaped};
+use crate::cam::tune::{Limited, Minimised, ShapeGoal, Shaped};
 use crate::command::show::table;
 use crate::number::{beside, significant};
 use std::io::{self, Write};
@@ -35,6 +35,8 @@ pub(super) struct Report<'a> {
     pub(super) doubtful: bool,
     /// The dead time, and how many switchings told it.
     pub(super) dead_time: Option<(DeadTime, usize)>,
+    /// What the limits left of what the run tells.
+    pub(super) limited: Option<Limited>,
     /// Changed to keep the limits.
     pub(super) within: bool,
     /// Changed for the smallest peak.
@@ -61,6 +63,7 @@ impl<'a> Report<'a> {
             error_after: None,
             doubtful: false,
             dead_time: None,
+            limited: None,
             within: false,
             least: None,
             shaped: None,
@@ -186,6 +189,9 @@ impl<'a> Report<'a> {
         let (master, slave) = (self.file.master.unit(), self.file.slave.unit());
         writeln!(out, "{}: {}", self.file.path.display(), self.file.cam.name())?;
         self.tell_run(out)?;
+        if let Some(limited) = &self.limited {
+            self.tell_limited(out, limited)?;
+        }
         if self.within {
             let pairs =
                 self.before.coupling.numbers().into_iter().zip(self.after.coupling.numbers());
