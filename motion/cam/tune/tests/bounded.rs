@@ -143,6 +143,9 @@ fn what_leaves_nothing_is_told() {
     }
 }
 
+/// Steps of a grid along each value.
+const STEPS: u32 = 16;
+
 /// Nothing of a grid over all and of one around what was found is better by more than rounding.
 fn refuse_better(
     curve: &Curve,
@@ -161,7 +164,6 @@ fn refuse_better(
         }
         ends
     };
-    const STEPS: u32 = 16;
     let mut tried = 0;
     for ends in [all, near(0.05), near(1e-3)] {
         let count = |index: usize| if free[index] { STEPS } else { 0 };
