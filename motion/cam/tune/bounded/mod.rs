@@ -5,9 +5,9 @@
 //! acceleration and jerk are |`SlaveScaling`| · P(`MasterScaling`), with the exact peaks P of the curve. So for a given
 //! scaling of the master every limit is linear in scaling and offset of the slave, the square of the error is quadratic in
 //! them, and Clarabel solves that (`motion/cam/tune/bounded/program.rs`); the offset of the master, in which the error is
-//! not quadratic, is found with them by Gauss and Newton's method, each step such a program. P grows with the master's scaling,
-//! so this is made smaller only: it is looked for on a grid between where the limits leave something at all and where they
-//! take nothing any more, and from the best places of the grid on by golden sections.
+//! not quadratic, is found with them by Gauss and Newton's method, each step such a program. P grows with the master's scaling:
+//! this is looked for on a grid between where the limits leave something at all and where they take nothing any more, and
+//! for an error a fifth beyond; from the best places of the grid on by golden sections.
 
 mod program;
 mod search;

@@ -2,8 +2,7 @@
 
 use super::{Aim, Found, GentleError, Problem};
 
-/// Scalings of the grid; they stand the nearer to each other, the nearer they are to the largest one, where the cam is still
-/// nearly the one that fits.
+/// Scalings of the grid; they stand the nearer to each other, the nearer they are to the one that is the best without limits.
 const GRID: u32 = 240;
 /// Places of the grid from where on it is looked for.
 const VALLEYS: usize = 3;
@@ -12,11 +11,13 @@ const SEARCHED: usize = 1000;
 /// Halvings after which a share is known to its last digit, and golden sections after which what is found no longer changes.
 const HALVINGS: usize = 1100;
 const SECTIONS: usize = 60;
+/// So much farther the scaling is looked for than the limits of the motion ask for, where the error is to be small.
+const BEYOND: f64 = 0.2;
 /// A smaller part of its scaling leaves nothing of the master.
 const LEAST: f64 = 1e-9;
 
 impl Problem<'_> {
-    /// The best place with a smaller scaling of the master.
+    /// The best place with another scaling of the master.
     pub(super) fn searched(&self) -> Result<Found, GentleError> {
         let from = self.wish.from;
         let still = self.region(None);
@@ -26,13 +27,18 @@ impl Problem<'_> {
         // Below this part of its scaling no limit of the motion takes anything from the slave any more, above the other one
         // nothing is left.
         let bottom = largest(|share| self.reached(from[1] * share, loose.values[3]) <= 1.0);
-        let top = largest(|share| self.reached(from[1] * share, gentlest) <= 1.0);
-        if bottom >= 1.0 {
-            return Ok(loose);
-        }
+        let beyond = match self.aim {
+            // An error may be less with another part of the cam, whatever the motion.
+            Aim::Error(_) => BEYOND,
+            Aim::Change if bottom >= 1.0 => return Ok(loose),
+            Aim::Change => 0.0,
+        };
+        let most = 1.0 + beyond;
+        let top = most * largest(|share| self.reached(from[1] * share * most, gentlest) <= 1.0);
         if top < LEAST {
             self.allowed(&self.region(Some(from[1])))?;
         }
+        let (bottom, usual) = (bottom * (1.0 - beyond), top.min(1.0));
         let few: Vec<_>;
         let coarse = match self.aim {
             Aim::Error(samples) => {
@@ -53,7 +59,8 @@ impl Problem<'_> {
             Aim::Change => 0.0,
         };
         let at = |problem: &Problem<'_>, share: f64| {
-            let scaling = from[1] * (top - (top - bottom) * share.powi(3));
+            let way = if share > 0.0 { usual - bottom } else { top - usual };
+            let scaling = from[1] * (usual - way * share.powi(3));
             let mut start = loose.values;
             start[1] = scaling;
             if self.free[0] {
@@ -61,7 +68,9 @@ impl Problem<'_> {
             }
             problem.best(start, &problem.region(Some(scaling)))
         };
-        let share = |index: u32| f64::from(index) / f64::from(GRID);
+        // Less than 0 above the scaling that is the best without limits, if there is anything.
+        let least = if top > usual { -1.0 } else { 0.0 };
+        let share = |index: u32| least + (1.0 - least) * f64::from(index) / f64::from(GRID);
         let row: Vec<f64> = (0..=GRID).map(|index| at(&coarse, share(index)).cost).collect();
         let mut valleys: Vec<(f64, u32)> = (0..=GRID)
             .zip(&row)

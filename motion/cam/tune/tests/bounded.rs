@@ -109,11 +109,12 @@ fn a_gain_with_a_limit_that_binds() {
     let by = Bound::Limit { quantity: Quantity::Acceleration, limit: acceleration };
     let held = vec![Bound::Position { limit: 106.0 }];
     assert_eq!(found.held, [vec![], vec![], held, vec![by]]);
-    // Two limits of the position alone leave a stroke: 0 to 104.
-    let position = [0.0, 104.0];
-    let stroke = BoundedWish { position, ..wish(from, SLAVE) };
+    // Two limits of the position alone leave a stroke, 3 to 104; without the lower one the offset would be less than 3.
+    let stroke = BoundedWish { position: [3.0, 104.0], ..wish(from, SLAVE) };
     let found = bounded(&curve, &samples, &stroke).expect("both");
-    assert!((found.values[3] - 1.04).abs() < 1e-9 && found.values[2].abs() < 1e-9, "{found:?}");
+    assert!((found.values[3] - 1.01).abs() < 1e-9, "{found:?}");
+    assert!((found.values[2] - 3.0).abs() < 1e-9, "{found:?}");
+    assert_eq!((found.held[2].len(), found.held[3].len()), (2, 2), "{found:?}");
     // What keeps the limits stays, bit for bit.
     let wide = wish(from, SLAVE);
     assert_eq!(bounded(&curve, &samples, &wide).expect("kept").values, from);
@@ -245,7 +246,7 @@ fn no_grid_finds_a_smaller_error() {
         let [offset, scaling, shift, factor] = from;
         let all = [
             [offset - 30.0, offset + 30.0],
-            [0.5 * scaling, scaling],
+            [0.5 * scaling, 1.2 * scaling],
             [shift - 30.0, shift + 30.0],
             [0.5 * factor, 1.1 * factor],
         ];
