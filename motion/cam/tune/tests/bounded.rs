@@ -102,7 +102,7 @@ fn a_gain_with_a_limit_that_binds() {
     // Below that the acceleration holds the scaling, and the position the offset beside it.
     let acceleration = 1.03 * peak;
     let limits = SlaveLimits { acceleration, ..SlaveLimits::NONE };
-    let found = bounded(&curve, &samples, &BoundedWish { position, limits, ..both });
+    let found = bounded(&curve, &samples, &BoundedWish { limits, position, ..both });
     let found = found.expect("both");
     assert!((found.values[3] / 1.03 - 1.0).abs() < 1e-12, "{found:?}");
     assert!((found.values[2] - 3.0).abs() < 1e-9, "{found:?}");
