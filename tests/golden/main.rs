@@ -43,6 +43,7 @@ mod surroundings;
 mod targets;
 mod tune_cam;
 mod tune_least;
+mod tune_limits;
 mod tune_tappets;
 mod urdf;
 

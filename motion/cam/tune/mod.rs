@@ -7,6 +7,7 @@
 //! refused.
 
 mod along;
+mod bounded;
 mod chance;
 mod dead_time;
 mod fit;
@@ -21,6 +22,7 @@ mod swing;
 #[cfg(test)]
 mod tests;
 
+pub use bounded::{Bounded, BoundedWish, bounded, nearest};
 pub use chance::student_exceeds;
 pub use dead_time::{DeadTime, Switching, dead_time};
 pub use fit::{Fit, FitOptions, Free, Sample, fit};

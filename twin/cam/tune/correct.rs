@@ -99,7 +99,7 @@ impl Deviation {
     }
 
     /// What the slave does when it is told this.
-    fn done(&self, told: [f64; 4]) -> [f64; 4] {
+    pub(super) fn done(&self, told: [f64; 4]) -> [f64; 4] {
         let ([offset, scaling, shift, factor], did) = (self.told, self.did);
         let (by, gain) = (told[1] / scaling, did[3] / factor);
         [
@@ -110,6 +110,11 @@ impl Deviation {
         ]
     }
 
+    /// Where the slave has the master that is at `master`, as far as the coupling in effect is concerned.
+    pub(super) fn sees(&self, master: f64) -> f64 {
+        (self.did[1] * master + self.did[0] - self.told[0]) / self.told[1]
+    }
+
     /// Where the slave was told to be when it was measured at `position`.
     pub fn told_at(&self, position: f64) -> f64 {
         self.told[2] + (position - self.did[2]) * self.told[3] / self.did[3]
@@ -117,7 +122,7 @@ impl Deviation {
 }
 
 /// `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling`.
-fn of_coupling(using: &CamUse) -> [f64; 4] {
+pub(super) fn of_coupling(using: &CamUse) -> [f64; 4] {
     let input = &using.coupling.input;
     [input.master_offset, input.master_scaling, input.slave_offset, input.slave_scaling]
 }

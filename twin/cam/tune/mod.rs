@@ -1,5 +1,6 @@
 //! Tuning a cam from a recorded run, limits and tolerances (`twin tune cam`): what is found, and the lines that apply it.
 
+mod bounded;
 mod correct;
 mod from_run;
 mod kept;
@@ -10,6 +11,7 @@ mod shape;
 mod tappet_error;
 mod tappets;
 
+pub use bounded::{Limited, Told, exceeds, limited, within_limits};
 pub use correct::{Deviation, as_fitted, corrected, wanted, wants, within};
 pub use from_run::{Seen, errors, fit_run, rms, rounded, switchings, tappet_dead_time, unwound};
 pub use kept::{Kept, KeptTappet, keep_tappets, passed_at, told_at};
@@ -22,14 +24,13 @@ pub use tappets::run_dead_time;
 use super::check::CamUse;
 use super::edit::Change;
 use super::{CamFile, WANTED};
-use crate::number::{apart, significant};
+use crate::number::significant;
 use std::sync::Arc;
 use twin_motion::axis::profile::{RampType, State};
-use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{
-    FitError, Free, GentleError, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
+    FitError, GentleError, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
 };
-use twin_motion::cam::{CamError, CamTable, Element, Knot, LimitError, Quantity, Shape, StartMode};
+use twin_motion::cam::{CamError, CamTable, Element, Knot, LimitError, Shape, StartMode};
 
 /// Why something is not tuned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -234,139 +235,6 @@ pub fn ramp(
     let wish =
         RampWish { table, input, master, slave, limits, position, ramp, cycle_s: CYCLE_S, goal };
     Ok(ramp_in(&wish)?)
-}
-
-/// The nearest offset and scalings with which the cam keeps the limits, at the motion of the master: what is free is changed
-/// by as little as can be, the scalings are made smaller only.
-///
-/// # Errors
-/// [`TuneError::NoRoom`] if nothing does.
-pub fn within_limits(file: &CamFile, using: &CamUse, free: Free) -> Result<CamUse, TuneError> {
-    let mut found = *using;
-    let curve = file.cam.curve();
-    let peak = |using: &CamUse| {
-        Quantity::ALL.map(|quantity| {
-            let limit = match quantity {
-                Quantity::Velocity => using.limits.motion.velocity,
-                Quantity::Acceleration => using.limits.motion.acceleration,
-                Quantity::Jerk => using.limits.motion.jerk,
-            };
-            curve.peak(quantity, &using.master, using.factors()).value / limit
-        })
-    };
-    let worst = |using: &CamUse| peak(using).into_iter().fold(0.0, f64::max);
-    if free.master_scaling {
-        // All peaks grow with the scaling: halve until the largest one that keeps them is known to the last digit.
-        let scaled = |share: f64| {
-            let mut scaled = *using;
-            scaled.coupling.input.master_scaling *= share;
-            scaled
-        };
-        let (mut low, mut high) = (0.0, 1.0);
-        if worst(&scaled(1.0)) <= 1.0 {
-            low = 1.0;
-        }
-        while high - low > 1e-15 {
-            let middle = f64::midpoint(low, high);
-            if worst(&scaled(middle)) <= 1.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        found = scaled(low);
-    }
-    let position = curve.extremes().position;
-    let [low, high] = found.limits.position;
-    let height = position.max - position.min;
-    if free.slave_scaling {
-        // Peaks are proportional to it.
-        let mut share = 1.0 / worst(&found).max(1.0);
-        if free.slave_offset && (high - low).is_finite() {
-            let scaling = found.coupling.input.slave_scaling.abs();
-            share = share.min((high - low) / (height * scaling)).min(1.0);
-        }
-        if !free.slave_offset {
-            share = share.min(within_positions(&found, [position.min, position.max])?);
-        }
-        found.coupling.input.slave_scaling *= share * (1.0 - 2.0 * f64::EPSILON);
-        if same(share, 1.0) {
-            found.coupling.input.slave_scaling = using.coupling.input.slave_scaling;
-        }
-    }
-    if free.slave_offset {
-        let ends = [position.min, position.max].map(|y| found.slave_at(y));
-        let [bottom, top] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
-        if top - bottom > (high - low) * (1.0 + 1e-12) {
-            let [height, way] = apart(top - bottom, high - low);
-            let why = format!("the cam is {height} high, the way of the slave {way}");
-            return Err(TuneError::NoRoom { what: "SlaveOffset", why });
-        }
-        let by = if bottom < low {
-            low - bottom
-        } else if top > high {
-            high - top
-        } else {
-            0.0
-        };
-        found.coupling.input.slave_offset += by;
-    }
-    // What is changed is for files.
-    let input = &mut found.coupling.input;
-    let old = &using.coupling.input;
-    for (new, old) in [
-        (&mut input.master_scaling, old.master_scaling),
-        (&mut input.slave_scaling, old.slave_scaling),
-        (&mut input.slave_offset, old.slave_offset),
-    ] {
-        if !same(*new, old) {
-            *new = clean(*new);
-        }
-    }
-    let names = ["velocity", "acceleration", "jerk"];
-    for (part, name) in peak(&found).into_iter().zip(names) {
-        if part > 1.0 + 1e-9 && (free.master_scaling || free.slave_scaling) {
-            let why = format!("the slave's {name} is {:.1} % of its limit", part * 100.0);
-            return Err(TuneError::NoRoom { what: "scaling", why });
-        }
-    }
-    Ok(found)
-}
-
-/// The largest part of the slave's scaling, 1 at most, with which a cam from `ends[0]` to `ends[1]` stays within its positions
-/// where its offset is.
-fn within_positions(using: &CamUse, ends: [f64; 2]) -> Result<f64, TuneError> {
-    let input = &using.coupling.input;
-    let [low, high] = using.limits.position;
-    let offset = input.slave_offset;
-    let mut share: f64 = 1.0;
-    for way in ends.map(|y| y * input.slave_scaling) {
-        let (beyond, limit) =
-            if offset + way > high { (true, high) } else { (offset + way < low, low) };
-        // What goes beyond a limit is nearer to it the smaller it is, if the other end of it is not beyond, too.
-        let part = (limit - offset) / way;
-        if beyond && !(part > 0.0 && part < 1.0) {
-            let [offset, low, high] = [offset, low, high].map(|value| significant(value, 6));
-            let why = format!("the slave's offset alone, {offset}, leaves {low} to {high}");
-            return Err(TuneError::NoRoom { what: "SlaveScaling", why });
-        }
-        if beyond {
-            share = share.min(part);
-        }
-    }
-    // Made smaller for one end, a cam that is all on one side of 0 may be too near for the other limit.
-    let kept = ends.iter().all(|y| {
-        let at = offset + y * input.slave_scaling * share;
-        let room = 1e-12 * at.abs().max(1.0);
-        at >= low - room && at <= high + room
-    });
-    if kept {
-        return Ok(share);
-    }
-    let [low, high] = [low, high].map(|value| significant(value, 6));
-    let why =
-        format!("what keeps one of {low} to {high} leaves the other; --find slave-offset as well");
-    Err(TuneError::NoRoom { what: "SlaveScaling", why })
 }
 
 /// The same number.

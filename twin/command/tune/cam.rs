@@ -8,13 +8,13 @@ use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{
-    self, PointTolerance, TuneError, changes, errors, fit_run, minimise, ramp, run_dead_time,
-    shape, within_limits,
+    self, PointTolerance, Told, TuneError, changes, errors, fit_run, limited, minimise, ramp,
+    run_dead_time, shape, within_limits,
 };
 use crate::command::cam::{LimitOptions, MasterOptions, UseOptions, load, positive, show_findings};
 use crate::command::whole;
 use crate::command::{Failure, Status};
-use crate::finding::{self, Rule};
+use crate::finding;
 use std::io;
 use std::path::PathBuf;
 use twin_motion::axis::profile::State;
@@ -29,8 +29,10 @@ use twin_motion::cam::{Quantity, StartMode};
 /// that coupling, or with `wanted_…` of `[coupling]` where the file has them (--write puts them there). What is proposed undoes
 /// the deviation: a slave that lags gets a master offset that leads. Tappets are moved on the cam by the same, so that they stay
 /// where they are on the master; with --slave wanted they go with the cam. Outputs recorded beside it (columns `tappet_N`) tell
-/// the dead time of what tappets switch. The master's velocity and acceleration are those of the run where none are given. Without a
-/// run what is to be found is changed by as little as keeps the limits, tappets stay where they are on the master. With --minimise, with a run or without, the slave's peak
+/// the dead time of what tappets switch. The master's velocity and acceleration are those of the run where none are given. Where
+/// what undoes the deviation would exceed limits of what the slave is told, the values are those within the limits that leave the
+/// least error. Without a run what is to be found is changed by as little as keeps the limits, tappets stay where they are on the
+/// master. With --minimise, with a run or without, the slave's peak
 /// acceleration or jerk is made smallest: intervals, a stroke, the tappets and the limits hold offsets and scalings then, for a
 /// scaling of 0 would be the smallest. Points are moved within their tolerances by linear programs (Clarabel): velocity and acceleration stay continuous, and the slave stays within its limits, and where it is at every tappet.
 /// What the data do not say, or contradict, is said and not fitted: samples that are far from the others with their lines.
@@ -134,7 +136,7 @@ const ACCELERATION: &str =
 const AFTER_HELP: &str = "\
 Exit status:
   0  what was asked for was found, and the slave keeps its limits
-  1  the data do not say it or contradict it, or the slave exceeds a limit
+  1  the data do not say it or contradict it, or the slave exceeds a limit: nothing is written then
   2  the command could not be carried out
 
 Examples:
@@ -229,9 +231,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let mut check = CamCheck::new(&after_file, report.after);
     if report.least.as_ref().is_some_and(|found| found.part) && report.shaped.is_none() {
         // The limits are kept on the way of the master; what lies beside it is not passed.
-        let limits =
-            [Rule::AxisPosition, Rule::AxisVelocity, Rule::AxisAcceleration, Rule::AxisJerk];
-        check.findings.retain(|finding| !limits.contains(&finding.rule));
+        check.findings.retain(|finding| !tune::exceeds(finding));
     }
     check
         .findings
@@ -245,12 +245,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if let Some(path) = &arguments.output {
         picture(path, &file, &after_file, &report, recorded.as_ref())?;
     }
-    if let Some(target) = &arguments.write {
+    // What exceeds a limit is for reading, not for files.
+    let beyond = check.findings.iter().any(tune::exceeds);
+    let target = arguments.write.as_ref().filter(|_| !beyond);
+    if let Some(target) = target {
         apply(&file, &after_file, &report, target.as_deref())?;
     }
     report
-        .write(arguments.format, arguments.write.is_some(), &mut io::stdout().lock())
+        .write(arguments.format, target.is_some(), &mut io::stdout().lock())
         .map_err(Failure::Stdio)?;
+    if arguments.write.is_some() && beyond {
+        tell!("nothing is written: the slave would exceed a limit");
+    }
     show_findings(&check.findings);
     Ok(if finding::unfit(&check.findings) { Status::Unfit } else { Status::Fit })
 }
@@ -302,7 +308,20 @@ fn tuned(
     // What was measured moves the slave, not the tappets; of a motion that was taught they are a part.
     let held = deviation.is_some() || recorded.is_none();
     let peak = arguments.least.least(&arguments.find, recorded.and_then(tune::travel));
-    if recorded.is_none() && peak.is_none() && !arguments.find.is_empty() {
+    if let (Some(run), Some(fit), None) = (recorded, report.fit, &peak)
+        && arguments.reshape.is_empty()
+    {
+        // A shape gives way to limits itself.
+        let deviation = deviation.as_ref();
+        let told = Told { before: &before, proposed: &report.after, fit: &fit, deviation };
+        if let Some((after, found)) = limited(file, &told, run, arguments.free())? {
+            (report.after, report.limited) = (after, Some(found));
+            // Limits have no intervals.
+            report.proposed = None;
+            let [_, errors] = report.run_errors(run);
+            report.error_after = Some(tune::rms(&errors));
+        }
+    } else if recorded.is_none() && peak.is_none() && !arguments.find.is_empty() {
         report.after = within_limits(file, &before, arguments.free())?;
         report.within = true;
     }

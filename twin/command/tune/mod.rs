@@ -2,6 +2,7 @@
 
 mod cam;
 mod least;
+mod limited;
 mod object;
 mod outcome;
 mod peaks;

@@ -4,7 +4,6 @@ use super::report::Report;
 use crate::cam::check::CamUse;
 use crate::cam::picture::{Recorded, Shown, draw};
 use crate::cam::run::RecordedRun;
-use crate::cam::tune::errors;
 use crate::cam::{CamFile, Form, edit};
 use crate::command::Failure;
 use crate::command::whole;
@@ -52,13 +51,9 @@ pub(super) fn picture(
             (master, sample.slave - gained)
         };
         recorded.points = run.samples.iter().map(point).collect();
-        let before = report.wanted.as_ref().unwrap_or(&report.before);
-        let after = report.did.as_ref().unwrap_or(&report.after);
-        for (slot, using) in recorded.errors.iter_mut().zip([before, after]) {
-            let mut errors: Vec<_> = errors(file, using, run)
-                .into_iter()
-                .map(|(master, error)| (place(master).0, error))
-                .collect();
+        for (slot, errors) in recorded.errors.iter_mut().zip(report.run_errors(run)) {
+            let mut errors: Vec<_> =
+                errors.into_iter().map(|(master, error)| (place(master).0, error)).collect();
             errors.sort_by(|one, other| one.0.total_cmp(&other.0));
             *slot = errors;
         }

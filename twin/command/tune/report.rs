@@ -4,7 +4,7 @@ use super::words::Format;
 use crate::cam::CamFile;
 use crate::cam::check::CamUse;
 use crate::cam::edit::Change;
-use crate::cam::tune::{Kept, Minimised, ShapeGoal, Shaped};
+use crate::cam::tune::{Kept, Limited, Minimised, ShapeGoal, Shaped};
 use crate::command::show::table;
 use crate::number::{beside, significant};
 use std::io::{self, Write};
@@ -37,6 +37,8 @@ pub(super) struct Report<'a> {
     pub(super) error_after: Option<f64>,
     /// The dead time, and how many switchings told it.
     pub(super) dead_time: Option<(DeadTime, usize)>,
+    /// What the limits left of what the run tells.
+    pub(super) limited: Option<Limited>,
     /// Changed to keep the limits.
     pub(super) within: bool,
     /// Changed for the smallest peak.
@@ -64,6 +66,7 @@ impl<'a> Report<'a> {
             error_before: None,
             error_after: None,
             dead_time: None,
+            limited: None,
             within: false,
             least: None,
             shaped: None,
@@ -189,6 +192,9 @@ impl<'a> Report<'a> {
         let (master, slave) = (self.file.master.unit(), self.file.slave.unit());
         writeln!(out, "{}: {}", self.file.path.display(), self.file.cam.name())?;
         self.tell_run(out)?;
+        if let Some(limited) = &self.limited {
+            self.tell_limited(out, limited)?;
+        }
         if self.within {
             let pairs =
                 self.before.coupling.numbers().into_iter().zip(self.after.coupling.numbers());

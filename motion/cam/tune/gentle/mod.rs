@@ -8,7 +8,7 @@
 //! grid, and from its best places on, each time with the smallest scaling of the slave.
 
 mod passed;
-mod region;
+pub(super) mod region;
 mod search;
 
 use super::super::bounds::{MasterMotion, Quantity, SlaveLimits};

@@ -16,14 +16,14 @@ struct Row {
 
 /// The least or the greatest value, and what it is held by.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct End {
-    pub(super) value: f64,
-    pub(super) by: [Option<Bound>; 2],
+pub(in crate::cam::tune) struct End {
+    pub(in crate::cam::tune) value: f64,
+    pub(in crate::cam::tune) by: [Option<Bound>; 2],
 }
 
 /// Pairs of scaling and offset.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Region {
+pub(in crate::cam::tune) struct Region {
     rows: Vec<Row>,
 }
 
@@ -32,7 +32,7 @@ const ROUNDING: f64 = 1e-13;
 
 impl Region {
     /// Demands that `scaling` · a + `offset` · b lies between two values, infinite where it may be anything.
-    pub(super) fn between(
+    pub(in crate::cam::tune) fn between(
         &mut self,
         [scaling, offset]: [f64; 2],
         ends: [(f64, Bound); 2],
@@ -48,8 +48,13 @@ impl Region {
         self
     }
 
+    /// Every demand: `scaling` and `offset`, what their sum is at most, and what demands it.
+    pub(in crate::cam::tune) fn demands(&self) -> impl Iterator<Item = ([f64; 2], f64, Bound)> {
+        self.rows.iter().map(|row| ([row.scaling, row.offset], row.most, row.bound))
+    }
+
     /// Least and greatest scaling with which there is an offset; the least is above the greatest if there is none.
-    pub(super) fn scalings(&self) -> [End; 2] {
+    pub(in crate::cam::tune) fn scalings(&self) -> [End; 2] {
         let alone = |row: &Row| row.offset == 0.0;
         let mut ends = Ends::new();
         for row in self.rows.iter().filter(|row| alone(row)) {
@@ -72,7 +77,7 @@ impl Region {
     }
 
     /// Least and greatest offset with a scaling.
-    pub(super) fn offsets(&self, scaling: f64) -> [End; 2] {
+    pub(in crate::cam::tune) fn offsets(&self, scaling: f64) -> [End; 2] {
         let mut ends = Ends::new();
         for row in self.rows.iter().filter(|row| row.offset != 0.0) {
             let term = row.scaling * scaling;

@@ -283,3 +283,18 @@ fn demands_that_no_scaling_fulfils() {
         other => panic!("{other:?}"),
     }
 }
+
+/// A cam that begins at 0 is there with every scaling: without its offset none brings it to 10.
+#[test]
+fn a_position_that_no_scaling_keeps_is_told() {
+    let sought = [None, None, None, Some([0.9, 1.1])];
+    let tappet_tolerance = [f64::INFINITY; 2];
+    let position = [10.0, 200.0];
+    let task = GentleWish { sought, position, tappet_tolerance, ..wish(Quantity::Acceleration) };
+    let found = gentle(&lift(), &task);
+    let Err(GentleError::Contradictory { unknown, one, other }) = found else {
+        panic!("{found:?}");
+    };
+    assert_eq!(unknown, "SlaveScaling");
+    assert!([one, other].contains(&Bound::Position { limit: 10.0 }), "{one} {other}");
+}

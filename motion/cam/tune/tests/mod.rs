@@ -2,6 +2,7 @@
 
 #![expect(clippy::float_cmp, reason = "given, or to be the same bit for bit")]
 
+mod bounded;
 mod fit;
 mod gentle;
 mod intervals;

@@ -1,0 +1,310 @@
+//! Offsets and scalings within limits: in closed form, and against grids over all that the limits leave.
+
+use super::Random;
+use crate::cam::tune::{Bound, Bounded, BoundedWish, Free, GentleError, Sample, bounded, nearest};
+use crate::cam::{Curve, Factors, Knot, MasterMotion, Quantity, SlaveLimits};
+
+/// 100 up in half a turn and down in the other one.
+fn lift() -> Curve {
+    let knots = [(0.0, 0.0), (180.0, 100.0), (360.0, 0.0)].map(|(x, y)| Knot::at_rest(x, y));
+    Curve::polynomial(&knots).expect("a cam")
+}
+
+const VELOCITY: f64 = 300.0;
+const NONE: Free =
+    Free { master_offset: false, master_scaling: false, slave_offset: false, slave_scaling: false };
+const SLAVE: Free = Free { slave_offset: true, slave_scaling: true, ..NONE };
+
+fn wish(from: [f64; 4], free: Free) -> BoundedWish {
+    BoundedWish {
+        from,
+        free,
+        master: MasterMotion { velocity: VELOCITY, acceleration: 0.0, jerk: 0.0 },
+        limits: SlaveLimits::NONE,
+        position: [f64::NEG_INFINITY, f64::INFINITY],
+        repeated: true,
+    }
+}
+
+/// What a coupling makes of the master at even places of some turns.
+fn samples(curve: &Curve, [offset, scaling, shift, factor]: [f64; 4], turns: f64) -> Vec<Sample> {
+    let at = |index: u32| {
+        let master = turns * 360.0 * (f64::from(index) + 0.5) / 240.0;
+        let y = curve.repeated(master * scaling + offset).position;
+        Sample { master, slave: factor * y + shift, weight: 1.0 }
+    };
+    (0..240).map(at).collect()
+}
+
+fn rms(curve: &Curve, samples: &[Sample], [offset, scaling, shift, factor]: [f64; 4]) -> f64 {
+    let square = |one: &Sample| {
+        let y = curve.repeated(one.master * scaling + offset).position;
+        (factor * y + shift - one.slave).powi(2)
+    };
+    (samples.iter().map(square).sum::<f64>() / 240.0).sqrt()
+}
+
+/// Whether limits are kept, by what `SMC_CAMBounds` gives.
+fn kept(curve: &Curve, wish: &BoundedWish, values: [f64; 4]) -> bool {
+    let bounds = curve.bounds(&wish.master, Factors { master: values[1], slave: values[3] });
+    let SlaveLimits { velocity, acceleration, jerk } = wish.limits;
+    let all = [
+        (bounds.velocity, [-velocity, velocity]),
+        (bounds.acceleration, [-acceleration, acceleration]),
+        (bounds.jerk, [-jerk, jerk]),
+        (bounds.position, wish.position.map(|limit| limit - values[2])),
+    ];
+    all.into_iter().all(|(range, [low, high])| {
+        let room = 1e-11 * (range.max - range.min).max(1.0);
+        range.min >= low - room && range.max <= high + room
+    })
+}
+
+/// Of a slave with a gain of 0.9 that should go 1: it is to be told 1/0.9, and the largest scaling is the limit over the peak.
+#[test]
+fn a_gain_with_a_limit_that_binds() {
+    let curve = lift();
+    let from = [0.0, 1.0, 0.0, 1.0 / 0.9];
+    let samples = samples(&curve, from, 1.0);
+    let y: Vec<f64> = samples.iter().map(|one| one.slave * 0.9).collect();
+    let mean = y.iter().sum::<f64>() / 240.0;
+    let square = y.iter().map(|y| y * y).sum::<f64>() / 240.0;
+    let peak = 10.0 / 3.0_f64.sqrt() * 100.0 / 180.0_f64.powi(2) * VELOCITY.powi(2);
+    let limit = 1.05 * peak;
+    let limits = SlaveLimits { acceleration: limit, ..SlaveLimits::NONE };
+    let by = Bound::Limit { quantity: Quantity::Acceleration, limit };
+    // The scaling alone.
+    let alone = BoundedWish { limits, ..wish(from, Free { slave_scaling: true, ..NONE }) };
+    let found = bounded(&curve, &samples, &alone).expect("a scaling");
+    assert!((found.values[3] / 1.05 - 1.0).abs() < 1e-12, "{found:?}");
+    let less = 1.0 / 0.9 - 1.05;
+    assert!((found.left / (less * square.sqrt()) - 1.0).abs() < 1e-9, "{found:?}");
+    assert_eq!(found.held, [vec![], vec![], vec![], vec![by]]);
+    // With the offset its mean is made good.
+    let both = BoundedWish { limits, ..wish(from, SLAVE) };
+    let found = bounded(&curve, &samples, &both).expect("both");
+    assert!((found.values[3] / 1.05 - 1.0).abs() < 1e-12, "{found:?}");
+    assert!((found.values[2] / (less * mean) - 1.0).abs() < 1e-9, "{found:?}");
+    let spread = (square - mean * mean).sqrt();
+    assert!((found.left / (less * spread) - 1.0).abs() < 1e-9, "{found:?}");
+    assert_eq!(found.held, [vec![], vec![], vec![], vec![by]]);
+    // Where a limit of the position holds it, too, 100 · s + b = 106, the scaling falls so that the offset may rise: with z = 100 − y
+    // the error is e − d · z, where e = 100/0.9 − 106 is what is missing at the top, and d = 1/0.9 − s.
+    let position = [f64::NEG_INFINITY, 106.0];
+    let found = bounded(&curve, &samples, &BoundedWish { position, ..both }).expect("both");
+    let missing = 100.0 / 0.9 - 106.0;
+    let d = missing * (100.0 - mean) / (1e4 - 200.0 * mean + square);
+    assert!(d > less, "{d} {less}");
+    assert!((found.values[3] - (1.0 / 0.9 - d)).abs() < 1e-9, "{found:?}");
+    assert!((found.values[2] - (106.0 - 100.0 * found.values[3])).abs() < 1e-9, "{found:?}");
+    let held = vec![Bound::Position { limit: 106.0 }];
+    assert_eq!(found.held, [vec![], vec![], held.clone(), held]);
+    // Below that the acceleration holds the scaling, and the position the offset beside it.
+    let acceleration = 1.03 * peak;
+    let limits = SlaveLimits { acceleration, ..SlaveLimits::NONE };
+    let found = bounded(&curve, &samples, &BoundedWish { limits, position, ..both });
+    let found = found.expect("both");
+    assert!((found.values[3] / 1.03 - 1.0).abs() < 1e-12, "{found:?}");
+    assert!((found.values[2] - 3.0).abs() < 1e-9, "{found:?}");
+    let by = Bound::Limit { quantity: Quantity::Acceleration, limit: acceleration };
+    let held = vec![Bound::Position { limit: 106.0 }];
+    assert_eq!(found.held, [vec![], vec![], held, vec![by]]);
+    // Two limits of the position alone leave a stroke, 3 to 104; without the lower one the offset would be less than 3.
+    let stroke = BoundedWish { position: [3.0, 104.0], ..wish(from, SLAVE) };
+    let found = bounded(&curve, &samples, &stroke).expect("both");
+    assert!((found.values[3] - 1.01).abs() < 1e-9, "{found:?}");
+    assert!((found.values[2] - 3.0).abs() < 1e-9, "{found:?}");
+    assert_eq!((found.held[2].len(), found.held[3].len()), (2, 2), "{found:?}");
+    // What keeps the limits stays, bit for bit.
+    let wide = wish(from, SLAVE);
+    assert_eq!(bounded(&curve, &samples, &wide).expect("kept").values, from);
+}
+
+#[test]
+fn what_leaves_nothing_is_told() {
+    let curve = lift();
+    let from = [0.0, 1.0, 0.0, 1.0];
+    let samples = samples(&curve, from, 1.0);
+    let acceleration = 1.0;
+    let limits = SlaveLimits { acceleration, ..SlaveLimits::NONE };
+    for (free, limits, position, unknown) in [
+        (Free { slave_offset: true, ..NONE }, limits, [-1e9, 1e9], "SlaveOffset"),
+        (Free { slave_offset: true, ..NONE }, SlaveLimits::NONE, [20.0, 90.0], "SlaveOffset"),
+        (Free { slave_scaling: true, ..NONE }, SlaveLimits::NONE, [20.0, 90.0], "SlaveScaling"),
+        (Free { master_scaling: true, ..NONE }, SlaveLimits::NONE, [0.0, 90.0], "MasterScaling"),
+    ] {
+        let task = BoundedWish { limits, position, ..wish(from, free) };
+        for found in [bounded(&curve, &samples, &task), nearest(&curve, &task)] {
+            let Err(GentleError::Contradictory { unknown: named, one, .. }) = found else {
+                panic!("{found:?}");
+            };
+            assert_eq!(named, unknown);
+            assert_ne!(one, Bound::Given);
+        }
+    }
+}
+
+/// Steps of a grid along each value.
+const STEPS: u32 = 16;
+
+/// Nothing of a grid over all and of one around what was found is better by more than rounding.
+fn refuse_better(
+    curve: &Curve,
+    task: &BoundedWish,
+    found: &Bounded,
+    all: [[f64; 2]; 4],
+    cost: &dyn Fn([f64; 4]) -> f64,
+) {
+    assert!(kept(curve, task, found.values), "{task:?} {found:?}");
+    let Free { master_offset, master_scaling, slave_offset, slave_scaling } = task.free;
+    let free = [master_offset, master_scaling, slave_offset, slave_scaling];
+    let near = |part: f64| {
+        let mut ends = all;
+        for ((end, value), [low, high]) in ends.iter_mut().zip(found.values).zip(all) {
+            *end = [value - part * (high - low), value + part * (high - low)];
+        }
+        ends
+    };
+    let mut tried = 0;
+    for ends in [all, near(0.05), near(1e-3)] {
+        let count = |index: usize| if free[index] { STEPS } else { 0 };
+        let at = |index: usize, step: u32| {
+            let [low, high] = ends[index];
+            if free[index] {
+                low + (high - low) * f64::from(step) / f64::from(STEPS)
+            } else {
+                task.from[index]
+            }
+        };
+        for a in 0..=count(0) {
+            for b in 0..=count(1) {
+                for c in 0..=count(2) {
+                    for d in 0..=count(3) {
+                        let values = [at(0, a), at(1, b), at(2, c), at(3, d)];
+                        if kept(curve, task, values) {
+                            tried += 1;
+                            let left = cost(values);
+                            let worse = found.left <= left * (1.0 + 1e-7) + 1e-9;
+                            assert!(worse, "{task:?} {found:?}: {values:?} leaves {left}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(tried > 5, "{task:?} {found:?}: {tried} of the grid keep the limits");
+}
+
+fn random_task(random: &mut Random, curve: &Curve, from: [f64; 4], free: Free) -> BoundedWish {
+    let master = MasterMotion {
+        velocity: random.between(100.0, 400.0),
+        acceleration: if random.share() < 0.5 { 0.0 } else { random.between(0.0, 500.0) },
+        jerk: 0.0,
+    };
+    let mut task = BoundedWish { master, ..wish(from, free) };
+    let factors = Factors { master: from[1], slave: from[3] };
+    let mut of = |quantity| {
+        let part = if random.share() < 0.5 { f64::INFINITY } else { random.between(0.8, 1.1) };
+        part * curve.peak(quantity, &master, factors).value
+    };
+    let [velocity, acceleration, jerk] = Quantity::ALL.map(&mut of);
+    task.limits = SlaveLimits { velocity, acceleration, jerk };
+    if random.share() < 0.7 {
+        let low = from[2] + random.between(-4.0, 4.0);
+        task.position = [low, low + 100.0 * from[3] * random.between(0.9, 1.1)];
+    }
+    task
+}
+
+#[test]
+fn no_grid_finds_a_smaller_error() {
+    let curve = Curve::polynomial(
+        &[(0.0, 0.0), (120.0, 70.0), (180.0, 100.0), (360.0, 0.0)]
+            .map(|(x, y)| Knot::at_rest(x, y)),
+    )
+    .expect("a cam");
+    let mut random = Random(11);
+    let mut changed = 0;
+    for round in 0..24 {
+        let from = [10.0, 1.0, random.between(-5.0, 5.0), random.between(0.9, 1.2)];
+        let turns = if random.share() < 0.5 { 1.0 } else { 0.4 };
+        let free = match round % 4 {
+            0 => Free { slave_scaling: true, ..NONE },
+            1 => SLAVE,
+            2 => Free { master_offset: true, ..SLAVE },
+            _ => Free { master_scaling: true, ..SLAVE },
+        };
+        let task = random_task(&mut random, &curve, from, free);
+        let samples = samples(&curve, from, turns);
+        let found = match bounded(&curve, &samples, &task) {
+            Ok(found) => found,
+            // A scaling alone need not leave anything.
+            Err(GentleError::Contradictory { .. }) if round % 4 == 0 => continue,
+            Err(error) => panic!("{task:?}: {error}"),
+        };
+        changed += u32::from(found.values != from);
+        let [offset, scaling, shift, factor] = from;
+        let all = [
+            [offset - 30.0, offset + 30.0],
+            [0.5 * scaling, 1.2 * scaling],
+            [shift - 30.0, shift + 30.0],
+            [0.5 * factor, 1.1 * factor],
+        ];
+        assert!((rms(&curve, &samples, found.values) - found.left).abs() < 1e-9, "{found:?}");
+        refuse_better(&curve, &task, &found, all, &|values| rms(&curve, &samples, values));
+    }
+    assert!(changed > 12, "{changed}");
+}
+
+#[test]
+fn no_grid_finds_a_smaller_change() {
+    let curve = lift();
+    let mut random = Random(5);
+    let mut changed = 0;
+    for round in 0..30 {
+        let from = [0.0, 1.0, random.between(-5.0, 5.0), random.between(0.9, 1.2)];
+        let free = match round % 3 {
+            0 => SLAVE,
+            1 => Free { master_scaling: true, ..SLAVE },
+            _ => Free { master_scaling: true, slave_scaling: true, ..NONE },
+        };
+        let mut task = random_task(&mut random, &curve, from, free);
+        if round % 3 == 2 {
+            task.position = [f64::NEG_INFINITY, f64::INFINITY];
+        }
+        let found = nearest(&curve, &task).expect("a change");
+        changed += u32::from(found.values != from);
+        let [_, scaling, shift, factor] = from;
+        let change = |values: [f64; 4]| {
+            let by = [
+                values[1] / scaling - 1.0,
+                (values[2] - shift) / (100.0 * factor),
+                values[3] / factor - 1.0,
+            ];
+            by.iter().map(|by| by * by).sum::<f64>().sqrt()
+        };
+        assert!((change(found.values) - found.left).abs() < 1e-9, "{found:?}");
+        let all = [
+            [0.0, 0.0],
+            [0.5 * scaling, scaling],
+            [shift - 30.0, shift + 30.0],
+            [0.5 * factor, 1.1 * factor],
+        ];
+        refuse_better(&curve, &task, &found, all, &change);
+    }
+    assert!(changed > 20, "{changed}");
+}
+
+/// Two scalings under a limit of the acceleration alone: of s · m² = c the place next to (1, 1). With Lagrange's factor λ it is
+/// 1 − s = λ · m² and 1 − m = 2 · λ · s · m, so that (1 − m) · m = 2 · s · (1 − s).
+#[test]
+fn the_least_change_in_closed_form() {
+    let curve = lift();
+    let free = Free { master_scaling: true, slave_scaling: true, ..NONE };
+    let peak = 10.0 / 3.0_f64.sqrt() * 100.0 / 180.0_f64.powi(2) * VELOCITY.powi(2);
+    let limits = SlaveLimits { acceleration: 0.75 * peak, ..SlaveLimits::NONE };
+    let task = BoundedWish { limits, ..wish([0.0, 1.0, 0.0, 1.0], free) };
+    let [_, m, _, s] = nearest(&curve, &task).expect("a change").values;
+    assert!((s * m * m - 0.75).abs() < 1e-12, "{s} {m}");
+    assert!(((1.0 - m) * m - 2.0 * s * (1.0 - s)).abs() < 1e-6, "{s} {m}");
+}

@@ -1,0 +1,205 @@
+//! `twin tune cam` within limits: what a run tells as far as they let it, and the least change that keeps them.
+
+use crate::process::Desk;
+use serde_json::Value;
+use std::fmt::Write;
+
+/// The shipped cam that picks and places, from its points alone.
+const PICK: &str = r#"name = "pick"
+master = { min = 0, max = 360, unit = "deg" }
+slave = { min = 0, max = 80, unit = "mm", period = 80 }
+elements = [
+  { master = 0, slave = 0 },      # down
+  { master = 40, slave = 0 },
+  { master = 140, slave = 80 },
+  { master = 180, slave = 80 },
+  { master = 260, slave = 12 },
+  { master = 300, slave = 12 },
+  { master = 360, slave = 0 },
+]
+"#;
+
+/// The quintic of two points at rest, at a part of the way.
+fn rest_to_rest(from: f64, to: f64, part: f64) -> f64 {
+    from + (to - from) * part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part)
+}
+
+/// The cam, in closed form.
+fn pick(place: f64) -> f64 {
+    match place.rem_euclid(360.0) {
+        at if at < 40.0 => 0.0,
+        at if at < 140.0 => rest_to_rest(0.0, 80.0, (at - 40.0) / 100.0),
+        at if at < 180.0 => 80.0,
+        at if at < 260.0 => rest_to_rest(80.0, 12.0, (at - 180.0) / 80.0),
+        at if at < 300.0 => 12.0,
+        at => rest_to_rest(12.0, 0.0, (at - 300.0) / 60.0),
+    }
+}
+
+/// The largest acceleration at a velocity of the master: on the way down, 68 mm in 80 deg.
+fn peak(velocity: f64) -> f64 {
+    10.0 / 3.0_f64.sqrt() * 68.0 / 80.0_f64.powi(2) * velocity.powi(2)
+}
+
+const SAMPLES: u32 = 1200;
+
+fn master(index: u32) -> f64 {
+    300.0 * 0.003 * f64::from(index)
+}
+
+/// Three turns at 300 deg/s of a slave that is at 0.9 times what it is told, with a little noise.
+fn recorded(shift: f64, factor: f64) -> String {
+    let mut text = String::from("time_s,master_deg,slave_mm\n");
+    for index in 0..SAMPLES {
+        // Bits mixed so that neighbours have nothing to do with each other.
+        let mixed = u64::from(index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40;
+        let noise = 0.02 * (f64::from(u32::try_from(mixed).expect("24 bits")) / 16_777_216.0 - 0.5);
+        let at = master(index);
+        let slave = 0.9 * (factor * pick(at) + shift) + noise;
+        writeln!(text, "{},{at},{slave}", 0.003 * f64::from(index)).expect("text");
+    }
+    text
+}
+
+fn object(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
+}
+
+const TUNE: [&str; 11] = [
+    "tune",
+    "cam",
+    "pick.toml",
+    "--run",
+    "run.csv",
+    "--find",
+    "slave-scaling,slave-offset",
+    "--master-velocity",
+    "300",
+    "--position-max",
+    "85",
+];
+
+/// A gain of 0.9 asks for a scaling of 1/0.9. The acceleration allows limit/peak of it, and the position up to 85 the offset that
+/// is left beside 80 times that; less of the scaling would leave more of the error.
+#[test]
+fn a_gain_is_undone_as_far_as_the_limits_let_it() {
+    let desk = Desk::new();
+    desk.write("pick.toml", PICK);
+    desk.write("run.csv", &recorded(0.0, 1.0));
+    let limits = ["--max-acceleration", "5800"];
+    let done = desk.twin(&[&TUNE[..], &limits, &["--format", "json", "-o", "fit.svg"]].concat());
+    done.ended(0, "");
+    let found = object(&done.stdout);
+    let scaling = 5800.0 / peak(300.0);
+    let offset = 85.0 - 80.0 * scaling;
+    assert!((number(&found["coupling"]["slave_scaling"]) / scaling - 1.0).abs() < 1e-9, "{found}");
+    assert!((number(&found["coupling"]["slave_offset"]) - offset).abs() < 1e-9, "{found}");
+    let square = |index| {
+        let wanted = pick(master(index));
+        (0.9 * (scaling * wanted + offset) - wanted).powi(2)
+    };
+    let left = ((0..SAMPLES).map(square).sum::<f64>() / f64::from(SAMPLES)).sqrt();
+    // Gain and shift are known from samples with noise.
+    assert!((number(&found["limited"]["rms_left"]) - left).abs() < 1e-3, "{found} {left}");
+    assert!(number(&found["limited"]["rms_without"]).abs() < 1e-12, "{found}");
+    let after = (left * left + 0.02 * 0.02 / 12.0).sqrt();
+    assert!((number(&found["fit"]["rms_after"]) - after).abs() < 1e-3, "{found} {after}");
+    let picture = std::fs::read_to_string(desk.path("fit.svg")).expect("written");
+    assert!(picture.contains("before") && picture.contains("after"));
+    let done = desk.twin(&[&TUNE[..], &limits, &["--write"]].concat());
+    done.ended(0, "written to pick.toml");
+    for words in [
+        "held by the acceleration, 5800 mm/s² (1.111",
+        "held by the position, 85 mm",
+        "the limits of the slave leave an error of",
+    ] {
+        assert!(done.stdout.contains(words), "{words} in {}", done.stdout);
+    }
+    // What is written keeps the limits, and what is wanted stays.
+    let text = std::fs::read_to_string(desk.path("pick.toml")).expect("written");
+    assert!(text.contains("wanted_slave_scaling = 1\n") && text.contains("# down"), "{text}");
+    let check = ["cam", "check", "pick.toml", "--master-velocity", "300", "--position-max", "85"];
+    desk.twin(&[&check[..], &limits].concat()).ended(0, "");
+    // Another run, recorded with it, changes nothing.
+    desk.write("run.csv", &recorded(offset, scaling));
+    let done = desk.twin(&[&TUNE[..], &limits].concat());
+    done.ended(0, "");
+    assert!(done.stdout.contains("nothing is to be changed"), "{}", done.stdout);
+}
+
+/// What no offset and no scaling keeps is said, and nothing is written.
+#[test]
+fn limits_that_leave_nothing_are_told() {
+    let desk = Desk::new();
+    desk.write("pick.toml", PICK);
+    // It does what is wanted.
+    desk.write("run.csv", &recorded(0.0, 1.0 / 0.9));
+    for (find, limits, words) in [
+        (
+            "slave-offset",
+            ["--max-acceleration", "5000"],
+            "no SlaveOffset keeps the limits: the slave's limit of acceleration, 5000, is exceeded whatever it is",
+        ),
+        ("slave-scaling", ["--position-min", "10"], "the slave's limit of position, 10"),
+        ("slave-offset", ["--position-min", "20"], "no SlaveOffset keeps the limits"),
+    ] {
+        let mut tune = TUNE;
+        tune[6] = find;
+        let done = desk.twin(&[&tune[..], &limits, &["--write"]].concat());
+        done.ended(1, words);
+        assert!(!done.stderr.contains("written to"), "{}", done.stderr);
+    }
+    assert_eq!(std::fs::read_to_string(desk.path("pick.toml")).expect("there"), PICK);
+}
+
+/// Without a run: the least change of all three is less than that of any scaling of the master beside the least ones of the
+/// slave (0.975 and 1, with 0.893 of the master), and it keeps the limits.
+#[test]
+fn the_least_change_is_the_least() {
+    let desk = Desk::new();
+    desk.write("pick.toml", PICK);
+    let limits = [
+        "--max-acceleration",
+        "7000",
+        "--max-velocity",
+        "500",
+        "--position-max",
+        "79",
+        "--position-min",
+        "1",
+        "--master-velocity",
+        "360",
+    ];
+    let find = ["--find", "slave-scaling,slave-offset,master-scaling", "--format", "json"];
+    let tune = ["tune", "cam", "pick.toml"];
+    let done = desk.twin(&[&tune[..], &find, &limits, &["--write"]].concat());
+    done.ended(0, "written to pick.toml");
+    let coupling = &object(&done.stdout)["coupling"];
+    let [m, b, s] =
+        ["master_scaling", "slave_offset", "slave_scaling"].map(|key| number(&coupling[key]));
+    let change =
+        |m: f64, b: f64, s: f64| (m - 1.0).powi(2) + (b / 80.0).powi(2) + (s - 1.0).powi(2);
+    // The least position of the cam is 0: the offset alone brings it to 1. Velocity and acceleration in closed form.
+    assert!((b - 1.0).abs() < 1e-9, "{coupling}");
+    let fast = |m: f64, s: f64| 1.875 * 68.0 / 80.0 * 360.0 * m * s;
+    let hard = |m: f64, s: f64| peak(360.0) * m * m * s;
+    assert!(fast(m, s) <= 500.0 * (1.0 + 1e-9) && hard(m, s) <= 7000.0 * (1.0 + 1e-9));
+    let mut least = f64::INFINITY;
+    for i in 0..=1000 {
+        for j in 0..=1000 {
+            let (m, s) = (0.8 + 2e-4 * f64::from(i), 0.8 + 2e-4 * f64::from(j));
+            if fast(m, s) <= 500.0 && hard(m, s) <= 7000.0 && 80.0 * s + 1.0 <= 79.0 {
+                least = least.min(change(m, 1.0, s));
+            }
+        }
+    }
+    let found = change(m, b, s);
+    assert!(found <= least && found > least - 1e-4, "{coupling} {found} {least}");
+    assert!(found < change(0.893, 1.0, 0.975), "{coupling}");
+    desk.twin(&[&["cam", "check", "pick.toml"], &limits[..]].concat()).ended(0, "");
+}

@@ -1,0 +1,206 @@
+//! Offsets and scalings within the limits of the slave: with the least error of a slave that was recorded, or with the least
+//! change.
+
+use super::super::CamFile;
+use super::super::check::{CamCheck, CamUse};
+use super::super::run::RecordedRun;
+use super::correct::{Deviation, of_coupling, wanted};
+use super::{TuneError, errors, rms, same};
+use crate::finding::{Finding, Rule, Severity};
+use crate::number::significant;
+use twin_motion::cam::file::clean;
+use twin_motion::cam::tune::{
+    Bound, BoundedWish, Estimate, Fit, Free, GentleError, Sample, bounded, nearest,
+};
+
+/// What the limits of the slave left of what a run tells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limited {
+    /// `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` that were proposed without limits.
+    pub without: [f64; 4],
+    /// What holds each of them.
+    pub held: [Vec<Bound>; 4],
+    /// What the slave does with what is proposed, if it was measured.
+    pub does: CamUse,
+    /// What is left of its error, root mean square, u; its noise comes on top if it was measured.
+    pub left: f64,
+    /// What was left of it without limits.
+    pub otherwise: f64,
+}
+
+/// What a run tells, before the limits.
+#[derive(Clone, Copy, Debug)]
+pub struct Told<'a> {
+    /// The coupling that was in effect.
+    pub before: &'a CamUse,
+    /// What is proposed without limits.
+    pub proposed: &'a CamUse,
+    /// What was found in the run.
+    pub fit: &'a Fit,
+    /// How the slave deviates, if it was measured; else the run is the motion wanted.
+    pub deviation: Option<&'a Deviation>,
+}
+
+/// Offsets and scalings with the least error that is possible within the limits of what the slave is told; none if what is
+/// proposed keeps them.
+///
+/// # Errors
+/// [`TuneError::NoRoom`] if nothing does.
+pub fn limited(
+    file: &CamFile,
+    told: &Told<'_>,
+    run: &RecordedRun,
+    free: Free,
+) -> Result<Option<(CamUse, Limited)>, TuneError> {
+    let Told { before, proposed, fit, deviation } = *told;
+    if keeps(file, proposed) {
+        return Ok(None);
+    }
+    let target = wanted(before);
+    let to_be = |master: f64| {
+        let input = &target.coupling.input;
+        let x = master * input.master_scaling + input.master_offset;
+        let curve = file.cam.curve();
+        target.slave_at(if target.repeated { curve.repeated(x) } else { curve.at(x) }.position)
+    };
+    // Where the slave sees the master, and what it has to be told there.
+    let samples: Vec<Sample> = run
+        .samples
+        .iter()
+        .map(|one| match deviation {
+            Some(deviation) => {
+                let (master, slave) =
+                    (deviation.sees(one.master), deviation.told_at(to_be(one.master)));
+                Sample { master, slave, weight: 1.0 }
+            }
+            None => Sample { master: one.master, slave: one.slave, weight: 1.0 },
+        })
+        .collect();
+    let from = of_coupling(proposed);
+    let wish = wish(file, proposed, from, free)?;
+    let found = bounded(file.cam.curve(), &samples, &wish).map_err(|error| no_room(&error))?;
+    let known = [fit.master_offset, fit.master_scaling, fit.slave_offset, fit.slave_scaling];
+    // What was in effect stays where the run does not tell it from what was found; values have no more digits than it tells.
+    let as_it_was = |index: usize, value: f64| {
+        let (Some(known), Some(old)) = (known.get(index), of_coupling(before).get(index).copied())
+        else {
+            return value;
+        };
+        if (value - old).abs() <= known.half_width { old } else { value }
+    };
+    let short = |index: usize, value: f64| {
+        let half_width = known.get(index).map_or(0.0, |known| known.half_width);
+        let held = found.held.get(index).is_some_and(|held| !held.is_empty());
+        if held { clean(value) } else { super::rounded(Estimate { value, half_width }) }
+    };
+    let with = |change: &dyn Fn(usize, f64) -> f64| {
+        let mut use_it = *proposed;
+        let mut values = found.values;
+        for (index, (value, from)) in values.iter_mut().zip(from).enumerate() {
+            // What no limit moved is as it was proposed.
+            *value = if same(*value, from) { from } else { change(index, *value) };
+        }
+        let input = &mut use_it.coupling.input;
+        [input.master_offset, input.master_scaling, input.slave_offset, input.slave_scaling] =
+            values;
+        use_it
+    };
+    let stays = |index, value| {
+        let old = as_it_was(index, value);
+        if same(old, value) { short(index, value) } else { old }
+    };
+    let all = [with(&stays), with(&short), with(&|_, value| clean(value))];
+    let kept = all.into_iter().find(|one| keeps(file, one));
+    let mut after = kept.unwrap_or_else(|| with(&|_, value| value));
+    after.coupling.wanted = before.coupling.wanted;
+    if deviation.is_some() && after.coupling.input != before.coupling.input {
+        after.coupling.wanted = Some(of_coupling(&target));
+    }
+    let mut does = after;
+    let (left, otherwise) = match deviation {
+        Some(deviation) => {
+            let input = &mut does.coupling.input;
+            [input.master_offset, input.master_scaling, input.slave_offset, input.slave_scaling] =
+                deviation.done(of_coupling(&after));
+            (distance(file, &does, &target, run), 0.0)
+        }
+        None => (rms(&errors(file, &after, run)), rms(&errors(file, proposed, run))),
+    };
+    Ok(Some((after, Limited { without: from, held: found.held, does, left, otherwise })))
+}
+
+/// How far apart a slave is with two couplings in a run, root mean square.
+fn distance(file: &CamFile, one: &CamUse, other: &CamUse, run: &RecordedRun) -> f64 {
+    let pairs = errors(file, one, run).into_iter().zip(errors(file, other, run));
+    let apart: Vec<_> = pairs.map(|((at, one), (_, other))| (at, other - one)).collect();
+    rms(&apart)
+}
+
+/// The nearest offset and scalings with which the cam keeps the limits, at the motion of the master: those for which the sum of
+/// the squares of the changes is least, of the scalings as parts of themselves, of `SlaveOffset` as a part of the stroke.
+///
+/// # Errors
+/// [`TuneError::NoRoom`] if nothing does.
+pub fn within_limits(file: &CamFile, using: &CamUse, free: Free) -> Result<CamUse, TuneError> {
+    let from = of_coupling(using);
+    let wish = wish(file, using, from, free)?;
+    let found = nearest(file.cam.curve(), &wish).map_err(|error| no_room(&error))?;
+    let mut after = *using;
+    let input = &mut after.coupling.input;
+    let slots = [
+        &mut input.master_offset,
+        &mut input.master_scaling,
+        &mut input.slave_offset,
+        &mut input.slave_scaling,
+    ];
+    for (slot, value) in slots.into_iter().zip(found.values) {
+        if !same(*slot, value) {
+            *slot = clean(value);
+        }
+    }
+    Ok(after)
+}
+
+fn wish(
+    file: &CamFile,
+    using: &CamUse,
+    from: [f64; 4],
+    free: Free,
+) -> Result<BoundedWish, TuneError> {
+    let mut position = using.limits.position;
+    let rise = file.cam.curve().rise();
+    if using.repeated && rise != 0.0 {
+        if file.period.is_none() && position.iter().any(|limit| limit.is_finite()) {
+            let [rise, low, high] = [rise, position[0], position[1]].map(|u| significant(u, 6));
+            let why = format!("the slave gains {rise} in every pass and leaves {low} to {high}");
+            return Err(TuneError::NoRoom { what: "offset or scaling", why });
+        }
+        // An axis with a period goes everywhere.
+        position = [f64::NEG_INFINITY, f64::INFINITY];
+    }
+    let (limits, repeated) = (using.limits.motion, using.repeated);
+    Ok(BoundedWish { from, free, master: using.master, limits, position, repeated })
+}
+
+/// Whether a use of the cam keeps the limits of the slave's axis, as the check has it.
+fn keeps(file: &CamFile, using: &CamUse) -> bool {
+    !CamCheck::new(file, *using).findings.iter().any(exceeds)
+}
+
+/// Whether a finding says that the slave exceeds a limit of its axis.
+pub fn exceeds(finding: &Finding) -> bool {
+    let limits = [Rule::AxisPosition, Rule::AxisVelocity, Rule::AxisAcceleration, Rule::AxisJerk];
+    finding.severity == Severity::Error && limits.contains(&finding.rule)
+}
+
+fn no_room(error: &GentleError) -> TuneError {
+    let GentleError::Contradictory { unknown, one, other } = error else {
+        return TuneError::NoRoom { what: "offset or scaling", why: error.to_string() };
+    };
+    let why = if *other == Bound::Given {
+        format!("{one}, is exceeded whatever it is")
+    } else {
+        format!("{one}, and {other}, contradict each other")
+    };
+    TuneError::NoRoom { what: unknown, why }
+}
