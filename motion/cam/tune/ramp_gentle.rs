@@ -6,6 +6,7 @@
 
 use super::super::bounds::{Quantity, SlaveLimits};
 use super::ramp_in::{Problem, Values, WAYS, WAYS_WITH_JERK};
+use super::ramp_search::Aim;
 use super::ramp_wish::{RampError, RampIn};
 use crate::axis::profile::RampType;
 
@@ -63,6 +64,11 @@ impl Problem<'_> {
             {
                 best = found;
             }
+        }
+        let searched = self.searched(best, Aim { least: Some(least), within_s })?;
+        let searched = self.improved(searched, ways, &score)?;
+        if score(&searched) < score(&best) * (1.0 - ALIKE) {
+            best = searched;
         }
         if with_jerk { self.with_least_jerk(best, within_s) } else { Ok(best) }
     }

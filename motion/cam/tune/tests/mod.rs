@@ -5,6 +5,7 @@
 mod fit;
 mod gentle;
 mod noise;
+mod ramp_best;
 mod ramp_in;
 mod ramp_jerk;
 mod reshape;
