@@ -2,7 +2,8 @@
 //!
 //! For each `VelocityDiff` the ramp is as gentle as the time allows: one factor of its accelerations, or of its jerk, is
 //! found by bisection. What comes of it is best at one velocity, or at one on either side of a step: this is found on a
-//! grid and between its places by golden section. From there each value is changed as long as that is better.
+//! grid and between its places by golden section. From there each value is changed as long as that is better, and then all of
+//! them at once (`motion/cam/tune/ramp_search.rs`).
 
 use super::super::bounds::{Quantity, SlaveLimits};
 use super::ramp_in::{Problem, Values, WAYS, WAYS_WITH_JERK};

@@ -8,7 +8,8 @@
 //!
 //! First the ramp gets what the cam leaves over on the way the master makes meanwhile. The quicker the ramp, the shorter
 //! that way and the more is left over, so this is repeated. From the best of these each of the three values is changed as
-//! long as that is better; whether it is, and keeps the limits, is always found exactly.
+//! long as that is better, which says where about ramps are. The best of them is looked for from there, in all values at once
+//! (`motion/cam/tune/ramp_search.rs`); whether one is better, and keeps the limits, is always found exactly.
 
 use super::super::coupling::CamCoupling;
 use super::super::curve::{Curve, CurveExtremes};
@@ -176,6 +177,9 @@ impl Problem<'_> {
         let hardest = self.ramp([velocity, acceleration, acceleration, jerk])?;
         let [v, a] = [velocity * LEAST, acceleration * LEAST];
         let gentlest = self.ramp([v, a, a, jerk])?;
+        if best.is_none() {
+            best = self.entered(&hardest)?;
+        }
         best.ok_or_else(|| {
             let [v, a] = peaks;
             let [least, greatest] = hardest.positions;

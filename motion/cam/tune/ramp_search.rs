@@ -49,6 +49,8 @@ const COSTS: [f64; 4] = [0.3, 1.0, 3.0, 30.0];
 const PLACES: usize = 4;
 /// Places are apart if a value differs by this much, as a logarithm.
 const APART: f64 = 0.9;
+/// Accelerations at the centre of the grid are unequal by this factor at most.
+const UNEQUAL: f64 = 8.0;
 /// Parts of the velocity that the best one reaches.
 const SLOWER: [f64; 3] = [0.98, 0.9, 0.75];
 /// What an excess costs from there on: more than any limit is worth.
@@ -101,8 +103,31 @@ struct Search<'a> {
 }
 
 impl Problem<'_> {
+    /// The soonest ramp, where none is known that keeps the limits; `hardest` takes all of them. None if none is found.
+    pub(super) fn entered(&self, hardest: &RampIn) -> Result<Option<RampIn>, RampError> {
+        let begin = RampIn {
+            velocity_difference: hardest.velocity_difference / 2.0,
+            acceleration: hardest.acceleration / 4.0,
+            deceleration: hardest.deceleration / 4.0,
+            ..*hardest
+        };
+        let aim = Aim { least: None, within_s: f64::INFINITY };
+        let Some(mut search) = self.search(begin, aim) else { return Ok(None) };
+        search.best.0 = f64::INFINITY;
+        search.run()?;
+        let (found, ramp) = search.best;
+        Ok(found.is_finite().then_some(ramp))
+    }
+
     /// The best ramp by an aim, of which `begin` is one.
     pub(super) fn searched(&self, begin: RampIn, aim: Aim) -> Result<RampIn, RampError> {
+        let Some(mut search) = self.search(begin, aim) else { return Ok(begin) };
+        search.run()?;
+        Ok(search.best.1)
+    }
+
+    /// A search; none where there is nothing to be gained.
+    fn search(&self, begin: RampIn, aim: Aim) -> Option<Search<'_>> {
         let with_jerk = aim.least == Some(Quantity::Jerk) && self.wish.ramp != RampType::Trapezoid;
         let unit = match aim.least {
             None => begin.duration_s,
@@ -110,20 +135,15 @@ impl Problem<'_> {
             Some(Quantity::Acceleration) => begin.peak_acceleration,
             Some(Quantity::Jerk) => begin.peak_jerk,
         };
-        if !(unit > 0.0 && unit.is_finite()) {
-            return Ok(begin);
-        }
         let [least, most] = begin.positions;
-        let mut search = Search {
+        (unit > 0.0 && unit.is_finite()).then(|| Search {
             problem: self,
             aim,
             unit,
             span: (most - least).max(1e-9 * most.abs().max(least.abs())).max(f64::MIN_POSITIVE),
             unknowns: if with_jerk { 4 } else { 3 },
             best: (1.0, begin),
-        };
-        search.run()?;
-        Ok(search.best.1)
+        })
     }
 }
 
@@ -132,12 +152,12 @@ impl Search<'_> {
         let begin = self.best.1;
         // Much more than the limits says nothing of a ramp that never gets there.
         let SlaveLimits { velocity, acceleration, .. } = self.problem.wish.limits;
-        let centre = [
-            begin.velocity_difference.min(2.0 * velocity),
-            begin.acceleration.min(2.0 * acceleration),
-            begin.deceleration.min(2.0 * acceleration),
-            begin.ramp_jerk,
-        ];
+        let pulls = [begin.acceleration, begin.deceleration].map(|it| it.min(2.0 * acceleration));
+        // Nor does one that is next to nothing.
+        let least = pulls[0].max(pulls[1]) / UNEQUAL;
+        let [up, down] = pulls.map(|pull| pull.max(least));
+        let most = begin.velocity_difference.min(2.0 * velocity);
+        let centre = [most, up, down, begin.ramp_jerk];
         let grid = if self.unknowns == 4 { GRID_WITH_JERK } else { GRID };
         let mut places = Vec::new();
         for velocity in grid[0] {
@@ -178,7 +198,7 @@ impl Search<'_> {
         let best = self.best.1;
         let values =
             [best.velocity_difference, best.acceleration, best.deceleration, best.ramp_jerk];
-        if let Some(way) = self.problem.way(values)? {
+        if let Some(way) = self.problem.way(values)?.filter(|_| self.best.0.is_finite()) {
             for part in SLOWER {
                 let [_, others @ ..] = values.map(f64::ln);
                 let [up, down, jerk] = others;

@@ -30,11 +30,11 @@ fn within(within_s: f64) -> RampGoal {
     RampGoal::Gentlest { within_s, least: Quantity::Acceleration }
 }
 
-/// What a search of its own found that knows nothing of this one (Nelder and Mead's from 4000 places, with positions sampled); runs
-/// of the job on the machine took so long with these values, and kept the limits.
+/// What a search of its own found that knows nothing of this one. A job with these values was on its cam after `measured` seconds,
+/// as far as its samples tell a ramp that comes onto it slower and slower, and kept the limits.
 #[test]
 fn no_ramp_is_longer_than_one_that_is_known() {
-    for (start, velocity, acceleration, known, by) in [
+    for (start, velocity, acceleration, measured, by) in [
         ([330.0, 160.0, 74.0, 0.0], 165.0, 4000.0, 0.544, [162.76, 1094.01, 2825.94]),
         ([68.0, 160.0, 7.0, 0.0], 285.0, 2600.0, 0.341, [115.65, 698.74, 1412.57]),
         ([32.0, 180.0, 35.0, 0.0], 265.0, 3000.0, 0.263, [311.52, 2993.99, 1498.2]),
@@ -42,33 +42,40 @@ fn no_ramp_is_longer_than_one_that_is_known() {
         ([30.0, 160.0, 45.0, 0.0], 390.0, 2300.0, 0.344, [2480.57, 2295.27, 1112.98]),
     ] {
         let wish = pick(start, limits(velocity, acceleration));
-        // The known one is within the limits, and as quick as it is said to be.
+        // The known one is within the limits, and as quick as it was measured.
         let [v, up, down] = by;
         let problem = Problem { wish: &wish, most: f64::INFINITY };
         let other = problem.ramp([v, up, down, f64::INFINITY]).expect("a ramp");
         assert!(problem.keeps(&other), "{start:?}: {other:?}");
+        assert!((other.duration_s - measured).abs() < 3e-3, "{start:?}: {other:?}");
         let found = ramp_in(&wish).unwrap_or_else(|error| panic!("{start:?}: {error}"));
-        assert!(found.duration_s <= other.duration_s * 1.002, "{start:?}: {found:?} {other:?}");
-        assert!(found.duration_s <= known * 1.002, "{start:?}: {found:?}");
+        assert!(found.duration_s <= other.duration_s * 1.0002, "{start:?}: {found:?} {other:?}");
         assert!(found.peak_velocity <= velocity * (1.0 + 1e-9), "{start:?}: {found:?}");
         assert!(found.peak_acceleration <= acceleration * (1.0 + 1e-9), "{start:?}: {found:?}");
     }
 }
 
-/// The same search with a time.
+/// The same search with a time: the peaks that it found, and once the values with the peak that is theirs exactly.
 #[test]
 fn no_ramp_is_harder_than_one_that_is_known() {
-    for (start, within_s, known) in [
-        ([100.0, 100.0, 35.0, 0.0], 0.5, 1027.0),
-        ([100.0, 100.0, 35.0, 50.0], 0.5, 799.0),
-        ([30.0, 200.0, 20.0, 0.0], 0.6, 1420.0),
-        ([60.0, 100.0, 35.0, 0.0], 0.4, 742.6),
+    for (start, within_s, known, by) in [
+        ([100.0, 100.0, 35.0, 0.0], 0.5, 1027.0, Some([103.29, 1466.9, 1027.0])),
+        ([100.0, 100.0, 35.0, 50.0], 0.5, 799.0, None),
+        ([30.0, 200.0, 20.0, 0.0], 0.6, 1420.0, None),
+        ([60.0, 100.0, 35.0, 0.0], 0.4, 742.6, None),
     ] {
         let wish = pick(start, limits(300.0, 20_000.0));
         let wish = RampWish { goal: within(within_s), ..wish };
+        let mut known: f64 = known;
+        if let Some([v, up, down]) = by {
+            let problem = Problem { wish: &wish, most: 300.0 };
+            let other = problem.ramp([v, up, down, f64::INFINITY]).expect("a ramp");
+            assert!(other.duration_s <= within_s && problem.keeps(&other), "{other:?}");
+            known = known.max(other.peak_acceleration);
+        }
         let found = ramp_in(&wish).unwrap_or_else(|error| panic!("{start:?}: {error}"));
         assert!(found.duration_s <= within_s, "{start:?}: {found:?}");
-        assert!(found.peak_acceleration <= known * 1.002, "{start:?}: {found:?}");
+        assert!(found.peak_acceleration <= known * 1.0002, "{start:?}: {known} {found:?}");
     }
 }
 
@@ -128,7 +135,8 @@ const TRIALS: u32 = 20_000;
 #[test]
 fn no_ramp_of_many_is_sooner() {
     let mut worse = Vec::new();
-    for seed in 0..40 {
+    // In the last one the cam alone is too fast for the slave later on.
+    for seed in (0..40).chain([44]) {
         let wish = start(seed, RampType::Trapezoid);
         let other = witness(&wish, f64::INFINITY, TRIALS, &|ramp| ramp.duration_s);
         match (ramp_in(&wish), other) {
@@ -146,8 +154,9 @@ fn no_ramp_of_many_is_sooner() {
 #[test]
 fn no_ramp_of_many_is_gentler() {
     let mut worse = Vec::new();
-    for seed in 0..24 {
-        let wish = start(seed, RampType::Trapezoid);
+    let trapezoids = (0..24).map(|seed| (seed, RampType::Trapezoid));
+    for (seed, ramp) in trapezoids.chain((12..18).map(|seed| (seed, RampType::Parabolic))) {
+        let wish = start(seed, ramp);
         let Ok(soonest) = ramp_in(&wish) else { continue };
         let within_s =
             soonest.duration_s * (1.2 + 0.2 * f64::from(u32::try_from(seed % 5).unwrap()));
@@ -161,7 +170,7 @@ fn no_ramp_of_many_is_gentler() {
             (Ok(found), Some(other))
                 if found.peak_acceleration > other.peak_acceleration * 1.002 =>
             {
-                worse.push(format!("{seed}: {found:?}, but {other:?}"));
+                worse.push(format!("{seed} {ramp:?}: {found:?}, but {other:?}"));
             }
             (Err(error), Some(other)) => worse.push(format!("{seed}: {error}, but {other:?}")),
             _ => {}
