@@ -14,6 +14,7 @@ mod gentle;
 mod ramp_course;
 mod ramp_gentle;
 mod ramp_in;
+mod ramp_program;
 mod ramp_search;
 mod ramp_shown;
 mod ramp_wish;

@@ -11,13 +11,9 @@
 use super::super::bounds::{Quantity, SlaveLimits};
 use super::ramp_course::Course;
 use super::ramp_in::{Problem, Values};
+use super::ramp_program::{DEAR, Place, Slope, program};
 use super::ramp_wish::{RampError, RampIn};
-use super::reshape::rows::Rows;
 use crate::axis::profile::RampType;
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT,
-};
 
 /// What a ramp is compared by: its duration, or one of its peaks.
 #[derive(Clone, Copy, Debug)]
@@ -46,15 +42,13 @@ const GRID_WITH_JERK: [&[f64]; 4] = [
 /// the corners, the dear ones keep the limits.
 const COSTS: [f64; 4] = [0.3, 1.0, 3.0, 30.0];
 /// So many places for each of them.
-const PLACES: usize = 4;
+const PLACES: usize = 7;
 /// Places are apart if a value differs by this much, as a logarithm.
 const APART: f64 = 0.9;
 /// Accelerations at the centre of the grid are unequal by this factor at most.
 const UNEQUAL: f64 = 8.0;
 /// Parts of the velocity that the best one reaches.
 const SLOWER: [f64; 3] = [0.98, 0.9, 0.75];
-/// What an excess costs from there on: more than any limit is worth.
-const DEAR: f64 = 20.0;
 /// The region at the begin, as a logarithm, the largest and the smallest one.
 const REGION: [f64; 3] = [0.5, 1.0, 1e-7];
 /// Steps from one place on.
@@ -63,31 +57,8 @@ const STEPS: usize = 40;
 const HOPELESS: [f64; 2] = [2e-2, 0.03];
 /// For derivatives.
 const NEAR: f64 = 1e-6;
-/// So far from its limits a ramp stays, so that the last digits of a program keep them.
-const MARGIN: f64 = 1e-7;
 /// Stretches of a ramp at most.
 const STRETCHES: usize = 16;
-
-/// A ramp and what it is judged by: parts of the aim, and parts beyond limits.
-struct Place {
-    at: Values,
-    aims: Vec<Option<f64>>,
-    beyond: Vec<Option<f64>>,
-}
-
-fn greatest(parts: &[Option<f64>]) -> f64 {
-    parts.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max)
-}
-
-impl Place {
-    fn aim(&self) -> f64 {
-        greatest(&self.aims)
-    }
-
-    fn cost(&self, of_excess: f64) -> f64 {
-        self.aim() + of_excess * (greatest(&self.beyond) + MARGIN).max(0.0)
-    }
-}
 
 struct Search<'a> {
     problem: &'a Problem<'a>,
@@ -373,58 +344,4 @@ impl Search<'_> {
 fn shape(place: &Place) -> (Vec<bool>, Vec<bool>) {
     let there = |parts: &[Option<f64>]| parts.iter().map(Option::is_some).collect();
     (there(&place.aims), there(&place.beyond))
-}
-
-/// How parts change with one value.
-#[derive(Default)]
-struct Slope {
-    aims: Vec<f64>,
-    beyond: Vec<f64>,
-}
-
-/// The best place in a region if all is linear there: by how much each value is to be changed, and what is gained.
-fn program(place: &Place, slopes: &[Slope], most: &Values, region: f64) -> Option<(Vec<f64>, f64)> {
-    let n = slopes.len();
-    let (aim, cost) = (place.aim(), place.cost(DEAR));
-    // The unknowns are parts of the region, how much greater the aim is, and how large the excess, as parts of it as well.
-    let mut rows = Rows::new(n + 2);
-    let of = |slopes: Vec<f64>| slopes.into_iter().enumerate();
-    let size = |slopes: &[f64]| slopes.iter().map(|slope| slope.abs()).sum::<f64>();
-    for (index, value) in place.aims.iter().enumerate() {
-        let Some(value) = value else { continue };
-        let slopes: Vec<_> =
-            slopes.iter().map(|slope| slope.aims.get(index).copied().unwrap_or(0.0)).collect();
-        rows.add(of(slopes).chain([(n, -1.0)]), (aim - value) / region);
-    }
-    for (index, value) in place.beyond.iter().enumerate() {
-        let Some(value) = value.map(|value| value + MARGIN) else { continue };
-        let slopes: Vec<_> =
-            slopes.iter().map(|slope| slope.beyond.get(index).copied().unwrap_or(0.0)).collect();
-        // What is not reached in the region holds nothing.
-        if value + size(&slopes) * region > 0.0 {
-            rows.add(of(slopes).chain([(n + 1, -1.0)]), -value / region);
-        }
-    }
-    rows.add([(n + 1, -1.0)].into_iter(), 0.0);
-    for (column, (at, most)) in place.at.iter().zip(most).take(n).enumerate() {
-        rows.add([(column, 1.0)].into_iter(), ((most - at) / region).clamp(0.0, 1.0));
-        rows.add([(column, -1.0)].into_iter(), 1.0);
-    }
-    let count = rows.count();
-    let (matrix, right) = rows.into_matrix();
-    let mut costs = vec![0.0; n];
-    costs.extend([1.0, DEAR]);
-    let cones = [SupportedConeT::NonnegativeConeT(count)];
-    let settings: DefaultSettings<f64> =
-        DefaultSettingsBuilder::default().verbose(false).build().unwrap_or_default();
-    let none = CscMatrix::zeros((n + 2, n + 2));
-    let mut solver = DefaultSolver::new(&none, &costs, &matrix, &right, &cones, settings).ok()?;
-    solver.solve();
-    if !matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
-        return None;
-    }
-    let mut found = std::mem::take(&mut solver.solution.x);
-    let (excess, more) = (found.pop()?, found.pop()?);
-    let promised = cost - (aim + region * more + DEAR * region * excess.max(0.0));
-    Some((found.into_iter().map(|part| part.clamp(-1.0, 1.0) * region).collect(), promised))
 }
