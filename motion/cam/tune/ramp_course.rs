@@ -206,7 +206,8 @@ impl Problem<'_> {
         let largest = steps.iter().copied().fold(0.0, f64::max);
         found.peak_jerk = match self.wish.ramp {
             RampType::Trapezoid => largest / self.wish.cycle_s + of_cam,
-            RampType::Sigmoid | RampType::Parabolic => of_both,
+            // Rounding aside it is no more than the ramp's own and the cam's.
+            RampType::Sigmoid | RampType::Parabolic => of_both.min(found.ramp_jerk + of_cam),
         };
     }
 
