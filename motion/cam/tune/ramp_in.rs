@@ -178,7 +178,12 @@ impl Problem<'_> {
         let [v, a] = [velocity * LEAST, acceleration * LEAST];
         let gentlest = self.ramp([v, a, a, jerk])?;
         if best.is_none() {
+            // Where the cam alone breaks the limits meanwhile that is what is to be said.
             best = self.entered(&hardest)?;
+            if let Some(found) = best {
+                let [v, a] = self.cam_peaks(Some(found.duration_s))?;
+                best = best.filter(|_| v < velocity && a < acceleration);
+            }
         }
         best.ok_or_else(|| {
             let [v, a] = peaks;

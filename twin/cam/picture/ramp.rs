@@ -111,7 +111,9 @@ impl<'a> Page<'a> {
         let last = after.stretches.last().and_then(|stretch| stretch.last());
         if let Some(last) = last {
             let by = last.cam.position - on_cam(wish, last.time_s)?.position;
-            cam.iter_mut().for_each(|(_, state)| state.position += by);
+            for (_, state) in &mut cam {
+                state.position += by;
+            }
         }
         let durations = [before.as_ref().map(|it| it.duration_s), Some(after.duration_s)];
         let mut page = Self { picture, end_s, durations, strips: Vec::new(), bottom: TOP };
@@ -119,13 +121,12 @@ impl<'a> Page<'a> {
             let of_cam: Vec<_> =
                 cam.iter().map(|(time, state)| (*time, part(state, index))).collect();
             let after = page.slave(&after, &cam, index);
-            let before = match &before {
-                Some(before) => page.slave(before, &cam, index),
+            let before = if let Some(before) = &before {
+                page.slave(before, &cam, index)
+            } else {
                 // Without a ramp it jumps at once.
-                None => {
-                    let from = (0.0, part(&wish.slave, index));
-                    vec![std::iter::once(from).chain(of_cam.iter().copied()).collect()]
-                }
+                let from = (0.0, part(&wish.slave, index));
+                vec![std::iter::once(from).chain(of_cam.iter().copied()).collect()]
             };
             let unit = format!("{}{per}", picture.units[1]);
             page.add((name, unit), of_cam, [before, after], index);
