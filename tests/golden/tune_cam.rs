@@ -464,3 +464,60 @@ fn a_picture_says_what_the_check_allows() {
         }
     }
 }
+
+/// The picture of a ramp shows the start: what the slave does before and after, its cam, and the limits. The values of the cam's file
+/// take 10 u with 2 u/s and 1 u/s² in 7 s, those that are found with 4 u/s² in 5 + 0.5 s.
+#[test]
+fn the_picture_of_a_ramp_shows_the_start() {
+    let desk = Desk::new();
+    let cam = |coupling: &str| {
+        desk.write(
+            "rest.toml",
+            &format!(
+                "master = {{ min = 0, max = 360, unit = \"deg\" }}\nslave = {{ unit = \"mm\" }}\n\
+                 elements = [{{ master = 0, slave = 10 }}, {{ master = 360, slave = 10 }}]\n{coupling}"
+            ),
+        );
+    };
+    let limits = "--master-velocity 30 --max-velocity 2 --max-acceleration 4";
+    let tune = |more: &str| {
+        let start = ["tune", "cam", "rest.toml", "--ramp-in", "90,0", "-o", "ramp.svg"];
+        let more = limits.split(' ').chain(more.split_whitespace());
+        desk.twin(&start.into_iter().chain(more).collect::<Vec<_>>()).ended(0, "");
+        std::fs::read_to_string(desk.path("ramp.svg")).expect("drawn")
+    };
+    let values = "velocity_difference = 2\nacceleration = 1\ndeceleration = 1\n";
+    cam(&format!("[coupling]\nstart_mode = \"ramp_in\"\n{values}"));
+    let picture = tune("");
+    for word in [
+        "start onto",
+        "before: with the ramp, on its cam after 7 s",
+        "after: with the ramp, on its cam after 5.5 s",
+        "time (s); the master goes on from 90 deg with 30 deg/s",
+        "position",
+        "velocity",
+        "acceleration",
+        "(mm/s²)",
+        "limit",
+        // What the slave reaches: before, and after.
+        "-1 … 1",
+        "-4 … 4",
+    ] {
+        assert!(picture.contains(word), "{word}");
+    }
+    // Two curves in each row, of many points; the cam and the limits are dashed, which are many short lines.
+    let points = |line: &str| line.matches(',').count();
+    let lines = || picture.lines().filter(|line| line.starts_with("<polyline"));
+    assert_eq!(lines().filter(|line| points(line) > 60).count(), 6);
+    assert!(lines().count() > 300, "{}", lines().count());
+    assert!(!picture.contains("jerk"), "the cam's own picture");
+
+    cam("");
+    assert!(tune("").contains("before: without a ramp, a jump"));
+    // With other points it is the cam that changes, too.
+    let both = tune("--reshape all:1 --goal acceleration");
+    for word in ["jerk", "start onto", "before: without a ramp, a jump"] {
+        assert!(both.contains(word), "{word}");
+    }
+    assert_eq!(both.matches("<svg").count(), 3);
+}

@@ -15,6 +15,9 @@ mod gentle;
 mod ramp_course;
 mod ramp_gentle;
 mod ramp_in;
+mod ramp_program;
+mod ramp_search;
+mod ramp_shown;
 mod ramp_wish;
 mod reshape;
 mod student;
@@ -28,6 +31,7 @@ pub use dead_time::{DeadTime, Switching, dead_time};
 pub use fit::{Fit, FitOptions, Free, Sample, fit};
 pub use gentle::{Bound, Gentle, GentleError, GentleWish, gentle};
 pub use ramp_in::{Held, RampError, RampGoal, RampIn, RampWish, ramp_in};
+pub use ramp_shown::{RampMoment, RampShown, on_cam, ramp_shown};
 pub use reshape::{ReshapeError, Reshaped, Softened, Tolerance, Wish, reshape, soften};
 pub use student::student_975;
 

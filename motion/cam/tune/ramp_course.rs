@@ -1,6 +1,5 @@
 //! What a ramp and the cam beside it reach together.
 
-use super::super::curve::Range;
 use super::super::polynomial::{Coefficients, Extremes, extremes, value};
 use super::along::along;
 use super::ramp_in::Problem;
@@ -21,20 +20,32 @@ pub(super) struct Way {
     pub(super) pieces: Vec<[f64; 4]>,
 }
 
+impl Way {
+    /// The largest velocity where stretches end, u/s.
+    pub(super) fn reached(&self) -> f64 {
+        let ends = self.pieces.iter().scan(self.velocity, |velocity, piece| {
+            let [duration, acceleration, jerk, angular] = *piece;
+            *velocity += Pull { acceleration, jerk, angular }.later(duration).1;
+            Some(velocity.abs())
+        });
+        ends.fold(0.0, f64::max)
+    }
+}
+
 /// A stretch of a ramp from some moment on: acceleration and jerk then, and the angular frequency.
 #[derive(Clone, Copy, Debug)]
-struct Pull {
-    acceleration: f64,
-    jerk: f64,
-    angular: f64,
+pub(super) struct Pull {
+    pub(super) acceleration: f64,
+    pub(super) jerk: f64,
+    pub(super) angular: f64,
 }
 
 /// Polynomial and sine of a motion.
-type Motion = (Coefficients, Swing);
+pub(super) type Motion = (Coefficients, Swing);
 
 impl Pull {
     /// The same stretch `time` s later, and by how much the velocity has changed.
-    fn later(&self, time: f64) -> (Self, f64) {
+    pub(super) fn later(&self, time: f64) -> (Self, f64) {
         let Self { acceleration, jerk, angular } = *self;
         if angular == 0.0 {
             let later = Self { acceleration: acceleration + jerk * time, ..*self };
@@ -51,7 +62,7 @@ impl Pull {
     }
 
     /// Way, velocity, acceleration and jerk from a velocity on, over what passes `rate` s each.
-    fn motion(&self, velocity: f64, rate: f64) -> [Motion; 4] {
+    pub(super) fn motion(&self, velocity: f64, rate: f64) -> [Motion; 4] {
         let Self { acceleration, jerk, angular } = *self;
         let still = Swing::default();
         if angular == 0.0 {
@@ -94,9 +105,28 @@ fn together(of_cam: &Coefficients, (ramp, swing): &Motion, width: f64) -> Extrem
     swing.extremes(&sum, width)
 }
 
+/// What a ramp and the cam beside it reach, stretch by stretch.
+#[derive(Clone, Debug)]
+pub(super) struct Course {
+    pub(super) ramp: RampIn,
+    /// Least and greatest velocity, acceleration and jerk of each stretch of the ramp; none of one that takes no time.
+    pub(super) stretches: Vec<Option<[[f64; 2]; 3]>>,
+    /// The steps of the ramp's acceleration, each with what follows within a cycle, u/s².
+    pub(super) steps: Vec<f64>,
+}
+
+fn ends(extremes: &Extremes) -> [f64; 2] {
+    [extremes.min, extremes.max]
+}
+
+fn magnitude([least, greatest]: [f64; 2]) -> f64 {
+    least.abs().max(greatest.abs())
+}
+
 impl Problem<'_> {
     /// What ramp and cam reach together.
-    pub(super) fn follow(&self, way: &Way, found: &mut RampIn) {
+    pub(super) fn follow(&self, way: &Way, course: &mut Course) {
+        let Course { ramp: found, stretches, steps } = course;
         let speed = self.speed();
         let factor = self.wish.input.slave_scaling;
         let Way { mut velocity, place, .. } = *way;
@@ -114,7 +144,7 @@ impl Problem<'_> {
                 changes.push((found.duration_s, acceleration));
             }
             let pull = Pull { acceleration, jerk, angular };
-            let mut both = [Extremes::NONE; 2];
+            let mut both = [Extremes::NONE; 3];
             let mut reached = Extremes::NONE;
             along(
                 self.curve(),
@@ -134,15 +164,15 @@ impl Problem<'_> {
                     };
                     let (now, gained) = pull.later(since);
                     let [way, v, a, j] = now.motion(velocity + gained, rate);
-                    let [of_velocity, of_acceleration] = &mut both;
+                    let [of_velocity, of_acceleration, of_jerk] = &mut both;
                     let sum = of_cam(first, speed * factor);
                     of_velocity.join(&together(&sum, &v, width), 0.0);
                     let sum = of_cam(second, speed * speed * factor);
                     of_acceleration.join(&together(&sum, &a, width), 0.0);
-                    let [alone, beside] = &mut jerks;
+                    let [alone, _] = &mut jerks;
                     let sum = of_cam(third, speed.powi(3) * factor);
                     alone.join(&extremes(&sum, width), 0.0);
-                    beside.join(&together(&sum, &j, width), 0.0);
+                    of_jerk.join(&together(&sum, &j, width), 0.0);
                     // From where the stretch begins on.
                     let mut sum = of_cam(y, factor);
                     sum[0] = position;
@@ -151,8 +181,12 @@ impl Problem<'_> {
                     position = value(&sum, width) + swing.value(ramp, width);
                 },
             );
+            let [_, beside] = &mut jerks;
+            beside.join(&both[2], 0.0);
+            let both = both.map(|extremes| ends(&extremes));
+            stretches.push((duration > 0.0).then_some(both));
             if duration > 0.0 {
-                let [v, a] = both.map(|extremes| Range::from(extremes).magnitude());
+                let [v, a, _] = both.map(magnitude);
                 found.peak_velocity = found.peak_velocity.max(v);
                 found.peak_acceleration = found.peak_acceleration.max(a);
                 let [least, greatest] = &mut found.positions;
@@ -166,25 +200,28 @@ impl Problem<'_> {
             return;
         }
         changes.push((found.duration_s, 0.0));
-        let [of_cam, of_both] = jerks.map(|extremes| Range::from(extremes).magnitude());
+        let [of_cam, of_both] = jerks.map(|extremes| magnitude(ends(&extremes)));
         found.peak_cam_jerk = of_cam;
+        *steps = self.steps(&changes);
+        let largest = steps.iter().copied().fold(0.0, f64::max);
         found.peak_jerk = match self.wish.ramp {
-            RampType::Trapezoid => self.step(&changes) / self.wish.cycle_s + of_cam,
-            RampType::Sigmoid | RampType::Parabolic => of_both,
+            RampType::Trapezoid => largest / self.wish.cycle_s + of_cam,
+            // Rounding aside it is no more than the ramp's own and the cam's.
+            RampType::Sigmoid | RampType::Parabolic => of_both.min(found.ramp_jerk + of_cam),
         };
     }
 
-    /// The largest change of the ramp's acceleration within a cycle, of its times and values from then on.
-    fn step(&self, changes: &[(f64, f64)]) -> f64 {
-        let mut largest = 0.0_f64;
+    /// The changes of the ramp's acceleration within a cycle each, of its times and values from then on.
+    fn steps(&self, changes: &[(f64, f64)]) -> Vec<f64> {
+        let mut steps = Vec::with_capacity(changes.len());
         for (index, (_, before)) in changes.iter().enumerate() {
             let mut after = changes.iter().skip(index + 1);
             let Some((from, value)) = after.next() else { break };
-            largest = largest.max((value - before).abs());
             // What follows less than a cycle later changes it in the same one.
             let at_once = after.take_while(|(at, _)| at - from < self.wish.cycle_s);
-            largest = at_once.fold(largest, |most, (_, value)| most.max((value - before).abs()));
+            let first = (value - before).abs();
+            steps.push(at_once.fold(first, |most, (_, value)| most.max((value - before).abs())));
         }
-        largest
+        steps
     }
 }

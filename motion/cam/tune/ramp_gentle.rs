@@ -2,10 +2,12 @@
 //!
 //! For each `VelocityDiff` the ramp is as gentle as the time allows: one factor of its accelerations, or of its jerk, is
 //! found by bisection. What comes of it is best at one velocity, or at one on either side of a step: this is found on a
-//! grid and between its places by golden section. From there each value is changed as long as that is better.
+//! grid and between its places by golden section. From there each value is changed as long as that is better, and then all of
+//! them at once (`motion/cam/tune/ramp_search.rs`).
 
 use super::super::bounds::{Quantity, SlaveLimits};
 use super::ramp_in::{Problem, Values, WAYS, WAYS_WITH_JERK};
+use super::ramp_search::Aim;
 use super::ramp_wish::{RampError, RampIn};
 use crate::axis::profile::RampType;
 
@@ -63,6 +65,11 @@ impl Problem<'_> {
             {
                 best = found;
             }
+        }
+        let searched = self.searched(best, Aim { least: Some(least), within_s })?;
+        let searched = self.improved(searched, ways, &score)?;
+        if score(&searched) < score(&best) * (1.0 - ALIKE) {
+            best = searched;
         }
         if with_jerk { self.with_least_jerk(best, within_s) } else { Ok(best) }
     }

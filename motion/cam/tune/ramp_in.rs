@@ -8,13 +8,15 @@
 //!
 //! First the ramp gets what the cam leaves over on the way the master makes meanwhile. The quicker the ramp, the shorter
 //! that way and the more is left over, so this is repeated. From the best of these each of the three values is changed as
-//! long as that is better; whether it is, and keeps the limits, is always found exactly.
+//! long as that is better, which says where about ramps are. The best of them is looked for from there, in all values at once
+//! (`motion/cam/tune/ramp_search.rs`); whether one is better, and keeps the limits, is always found exactly.
 
 use super::super::coupling::CamCoupling;
 use super::super::curve::{Curve, CurveExtremes};
 use super::super::selection::{CamInput, StartMode};
 use super::along::extremes_along;
-use super::ramp_course::Way;
+use super::ramp_course::{Course, Way};
+use super::ramp_search::Aim;
 pub use super::ramp_wish::{Held, RampError, RampGoal, RampIn, RampWish};
 use crate::axis::gear::{Approach, Gap};
 use crate::axis::profile::{AxisLimits, RampType};
@@ -58,7 +60,12 @@ pub fn ramp_in(wish: &RampWish) -> Result<RampIn, RampError> {
         RampGoal::Gentlest { .. } => wish.limits.velocity,
     };
     let problem = Problem { wish, most };
-    let soonest = problem.improved(problem.soonest()?, &WAYS, &|ramp| ramp.duration_s)?;
+    let begin = problem.improved(problem.soonest()?, &WAYS, &|ramp| ramp.duration_s)?;
+    let soonest = match wish.goal {
+        // A ramp that is soon enough is a begin as good as any.
+        RampGoal::Gentlest { within_s, .. } if begin.duration_s <= within_s => begin,
+        _ => problem.sooner(begin)?,
+    };
     match wish.goal {
         RampGoal::Soonest if soonest.duration_s > LONGEST_S => {
             Err(RampError::TooLong { soonest_s: soonest.duration_s, most_s: LONGEST_S })
@@ -66,7 +73,7 @@ pub fn ramp_in(wish: &RampWish) -> Result<RampIn, RampError> {
         RampGoal::Soonest => problem.neat(problem.modest(soonest)?, f64::INFINITY),
         RampGoal::Gentlest { within_s, .. } if soonest.duration_s > within_s => {
             let free = Problem { most: f64::INFINITY, ..problem };
-            let free_s = free.improved(soonest, &WAYS, &|ramp| ramp.duration_s)?.duration_s;
+            let free_s = free.sooner(soonest)?.duration_s;
             let sooner = free_s < soonest.duration_s * (1.0 - HELD);
             let held = sooner.then_some(Held { velocity: most, free_s });
             Err(RampError::TooLate { soonest_s: soonest.duration_s, within_s, held })
@@ -110,10 +117,16 @@ pub(super) struct Problem<'a> {
     pub(super) wish: &'a RampWish,
     /// `VelocityDiff` is no more: a gentle ramp has none beyond the axis's own velocity, even where the cam comes towards the
     /// slave, which then stays below it.
-    most: f64,
+    pub(super) most: f64,
 }
 
 impl Problem<'_> {
+    /// The soonest of all, of which `begin` is one.
+    fn sooner(&self, begin: RampIn) -> Result<RampIn, RampError> {
+        let found = self.searched(begin, Aim { least: None, within_s: f64::INFINITY })?;
+        self.improved(found, &WAYS, &|ramp| ramp.duration_s)
+    }
+
     pub(super) fn curve(&self) -> &Curve {
         self.wish.table.cam.curve()
     }
@@ -164,6 +177,14 @@ impl Problem<'_> {
         let hardest = self.ramp([velocity, acceleration, acceleration, jerk])?;
         let [v, a] = [velocity * LEAST, acceleration * LEAST];
         let gentlest = self.ramp([v, a, a, jerk])?;
+        if best.is_none() {
+            // Where the cam alone breaks the limits meanwhile that is what is to be said.
+            best = self.entered(&hardest)?;
+            if let Some(found) = best {
+                let [v, a] = self.cam_peaks(Some(found.duration_s))?;
+                best = best.filter(|_| v < velocity && a < acceleration);
+            }
+        }
         best.ok_or_else(|| {
             let [v, a] = peaks;
             let [least, greatest] = hardest.positions;
@@ -208,9 +229,14 @@ impl Problem<'_> {
 
     /// A ramp of these values, and exactly what comes of it.
     pub(super) fn ramp(&self, values: Values) -> Result<RampIn, RampError> {
+        Ok(self.course(values)?.ramp)
+    }
+
+    /// The same, stretch by stretch.
+    pub(super) fn course(&self, values: Values) -> Result<Course, RampError> {
         let [velocity_difference, acceleration, deceleration, ramp_jerk] = values;
         let slave = self.wish.slave;
-        let mut found = RampIn {
+        let ramp = RampIn {
             velocity_difference,
             acceleration,
             deceleration,
@@ -222,14 +248,15 @@ impl Problem<'_> {
             peak_cam_jerk: 0.0,
             positions: [slave.position; 2],
         };
+        let mut course = Course { ramp, stretches: Vec::new(), steps: Vec::new() };
         if let Some(way) = self.way(values)? {
-            self.follow(&way, &mut found);
+            self.follow(&way, &mut course);
         }
-        Ok(found)
+        Ok(course)
     }
 
     /// The motion of a ramp of these values, on top of the cam's; none if there is nothing to go.
-    fn way(
+    pub(super) fn way(
         &self,
         [velocity, acceleration, deceleration, jerk]: Values,
     ) -> Result<Option<Way>, RampError> {

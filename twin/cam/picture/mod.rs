@@ -2,8 +2,12 @@
 
 mod bars;
 mod lines;
+mod ramp;
+mod stack;
 
 pub(super) use bars::on_stretches;
+pub use ramp::{RampPicture, draw_ramp};
+pub use stack::stacked;
 
 use super::CamFile;
 use super::check::CamUse;

@@ -3,7 +3,7 @@
 use super::found::{LIFT, cam, using};
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::sample::{MOST, Sampling, reach, write};
-use crate::cam::tune::ramp;
+use crate::cam::tune::{ramp, ramp_wish};
 use crate::finding::{Rule, Severity};
 use twin_motion::axis::profile::RampType;
 use twin_motion::axis::profile::State;
@@ -141,8 +141,8 @@ fn a_ramp_goes_round_by_the_shorter_way() {
     {
         let use_it = using(&file, 0.1, AxisLimits { motion, period, ..AxisLimits::NONE });
         let slave = State { position: 350.0, ..State::default() };
-        let found = ramp(&file, &use_it, 0.0, slave, (RampType::Trapezoid, RampGoal::Soonest))
-            .expect("a ramp");
+        let goal = (RampType::Trapezoid, RampGoal::Soonest);
+        let found = ramp(&ramp_wish(&file, &use_it, 0.0, slave, goal)).expect("a ramp");
         assert!((found.duration_s - expected).abs() < 1e-4, "{found:?}");
         for (found, expected) in found.positions.into_iter().zip(ends) {
             assert!((found - expected).abs() < 1e-3, "{found} {expected}");

@@ -209,17 +209,14 @@ fn lines(outliers: &[(u64, f64)]) -> String {
 /// Time from one set-point to the next, s.
 const CYCLE_S: f64 = 1e-3;
 
-/// Finds a ramp for a start, of an axis with such ramps.
-///
-/// # Errors
-/// [`TuneError::Ramp`] if there is none within the limits.
-pub fn ramp(
+/// A start of an axis with such ramps, and what its ramp is to be best in.
+pub fn ramp_wish(
     file: &CamFile,
     using: &CamUse,
     master: f64,
     slave: State,
     (ramp, goal): (RampType, RampGoal),
-) -> Result<RampIn, TuneError> {
+) -> RampWish {
     let mut table = CamTable::new(Arc::new(file.cam.clone()));
     table.periodic = using.repeated;
     // An axis of a machine file says itself whether it goes round.
@@ -232,9 +229,30 @@ pub fn ramp(
     let velocity = using.master.velocity;
     let master = State { position: master, velocity, acceleration: 0.0 };
     let (limits, position) = (using.limits.motion, using.limits.position);
-    let wish =
-        RampWish { table, input, master, slave, limits, position, ramp, cycle_s: CYCLE_S, goal };
-    Ok(ramp_in(&wish)?)
+    RampWish { table, input, master, slave, limits, position, ramp, cycle_s: CYCLE_S, goal }
+}
+
+/// Finds the ramp of a start.
+///
+/// # Errors
+/// [`TuneError::Ramp`] if there is none within the limits.
+pub fn ramp(wish: &RampWish) -> Result<RampIn, TuneError> {
+    Ok(ramp_in(wish)?)
+}
+
+/// The ramp that the inputs of the coupling make of a start, of which another one was found; none if they make none.
+pub fn ramp_of(using: &CamUse, wish: &RampWish, found: &RampIn) -> Option<RampIn> {
+    let input = &using.coupling.input;
+    let values = [input.velocity_difference, input.acceleration, input.deceleration];
+    let [velocity_difference, acceleration, deceleration] = values;
+    let ramps = !matches!(input.start_mode, StartMode::Absolute | StartMode::Relative);
+    (ramps && values.into_iter().all(|value| value.is_finite() && value > 0.0)).then_some(RampIn {
+        velocity_difference,
+        acceleration,
+        deceleration,
+        ramp_jerk: wish.limits.jerk,
+        ..*found
+    })
 }
 
 /// The same number.

@@ -9,7 +9,7 @@ use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{
     self, PointTolerance, Told, TuneError, changes, errors, fit_run, limited, minimise, ramp,
-    run_dead_time, shape, within_limits,
+    ramp_wish, run_dead_time, shape, within_limits,
 };
 use crate::command::cam::{LimitOptions, MasterOptions, UseOptions, load, positive, show_findings};
 use crate::command::whole;
@@ -77,7 +77,8 @@ pub(super) struct Arguments {
     goal: Goal,
 
     /// Find `VelocityDiff`, Acceleration and Deceleration for a start from here: master, slave, and the slave's velocity; `run`:
-    /// from where both stand when the --run begins. Within the limits of velocity, acceleration, position and jerk
+    /// from where both stand when the --run begins. Within the limits of velocity, acceleration, position and jerk; the best of a
+    /// grid of all three, and of what linear programs make of its best places
     #[arg(long, value_name = "MASTER,SLAVE[,VELOCITY]|run", allow_hyphen_values = true, value_parser = start)]
     ramp_in: Option<Shown<[f64; 3]>>,
 
@@ -97,7 +98,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "S", requires = "ramp_in", value_parser = positive)]
     within: Option<f64>,
 
-    /// A picture of before and after
+    /// A picture of before and after: of the cam, and with --ramp-in of what the slave does until it is on it, beside its limits
     #[arg(long, short, value_name = "FILE.svg")]
     output: Option<PathBuf>,
 
@@ -363,7 +364,9 @@ fn tuned(
             Some(Some(moved)) => moved,
             _ => file,
         };
-        let found = ramp(cam, &report.after, master, slave, (arguments.ramp.into(), goal))?;
+        let wish = ramp_wish(cam, &report.after, master, slave, (arguments.ramp.into(), goal));
+        let found = ramp(&wish)?;
+        report.start = Some(Box::new(wish));
         let input = &mut report.after.coupling.input;
         input.velocity_difference = clean(found.velocity_difference);
         input.acceleration = clean(found.acceleration);

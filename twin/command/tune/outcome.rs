@@ -2,8 +2,11 @@
 
 use super::report::Report;
 use crate::cam::check::CamUse;
-use crate::cam::picture::{Recorded, Shown, draw};
+use crate::cam::picture::{
+    CamPictureError, RampPicture, Recorded, Shown, draw, draw_ramp, stacked,
+};
 use crate::cam::run::RecordedRun;
+use crate::cam::tune::ramp_of;
 use crate::cam::{CamFile, Form, edit};
 use crate::command::Failure;
 use crate::command::whole;
@@ -63,9 +66,28 @@ pub(super) fn picture(
         Shown { file: after, using: &report.after, name: "after" },
     ];
     let heading = format!("{} ({})", file.cam.name(), file.path.display());
-    let text = draw(&heading, &report.headline(), &shown, &recorded)
-        .map_err(|error| Failure::Usage(error.to_string()))?;
-    whole::write(path, text.as_bytes())
+    let failed = |error: CamPictureError| Failure::Usage(error.to_string());
+    // A ramp alone leaves the cam as it is.
+    let changed = report.fit.is_some()
+        || report.dead_time.is_some()
+        || report.within
+        || report.least.is_some()
+        || report.shaped.is_some();
+    let mut pages = Vec::new();
+    if changed || report.ramp.is_none() {
+        pages.push(draw(&heading, &report.headline(), &shown, &recorded).map_err(failed)?);
+    }
+    if let (Some((_, ramp)), Some(wish)) = (&report.ramp, &report.start) {
+        let picture = RampPicture {
+            wish,
+            before: ramp_of(&report.before, wish, ramp),
+            after: *ramp,
+            units: [file.master.unit(), file.slave.unit()],
+        };
+        let heading = format!("start onto {heading}");
+        pages.push(draw_ramp(&heading, &report.headline(), &picture).map_err(failed)?);
+    }
+    whole::write(path, stacked(&pages).as_bytes())
 }
 
 /// Writes what was found: into the text of a TOML file, comments kept, or as a new one.

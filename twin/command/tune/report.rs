@@ -9,7 +9,7 @@ use crate::command::show::table;
 use crate::number::{beside, significant};
 use std::io::{self, Write};
 use twin_motion::axis::profile::RampType;
-use twin_motion::cam::tune::{DeadTime, Estimate, Fit, RampIn};
+use twin_motion::cam::tune::{DeadTime, Estimate, Fit, RampIn, RampWish};
 use twin_motion::cam::{MasterMotion, Quantity};
 
 /// Six significant digits.
@@ -46,6 +46,8 @@ pub(super) struct Report<'a> {
     pub(super) shaped: Option<Shaped>,
     pub(super) goal: Option<ShapeGoal>,
     pub(super) ramp: Option<(RampType, RampIn)>,
+    /// The start that it is for.
+    pub(super) start: Option<Box<RampWish>>,
     pub(super) changes: Vec<Change>,
     /// Why not everything was found.
     pub(super) refused: Option<String>,
@@ -72,6 +74,7 @@ impl<'a> Report<'a> {
             shaped: None,
             goal: None,
             ramp: None,
+            start: None,
             changes: Vec::new(),
             refused: None,
         }

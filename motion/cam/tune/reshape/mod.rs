@@ -10,7 +10,7 @@
 //! slave stays where it is at every tappet, too.
 
 mod program;
-mod rows;
+pub(super) mod rows;
 mod weight;
 
 use super::super::bounds::{Factors, MasterMotion, Peak, Quantity, SlaveLimits};

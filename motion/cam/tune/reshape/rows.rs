@@ -3,21 +3,25 @@
 use clarabel::algebra::CscMatrix;
 
 /// Rows of a sparse matrix with their right sides.
-pub(super) struct Rows {
+pub(in crate::cam::tune) struct Rows {
     columns: Vec<Vec<(usize, f64)>>,
     right: Vec<f64>,
 }
 
 impl Rows {
-    pub(super) fn new(columns: usize) -> Self {
+    pub(in crate::cam::tune) fn new(columns: usize) -> Self {
         Self { columns: vec![Vec::new(); columns], right: Vec::new() }
     }
 
-    pub(super) fn count(&self) -> usize {
+    pub(in crate::cam::tune) fn count(&self) -> usize {
         self.right.len()
     }
 
-    pub(super) fn add(&mut self, entries: impl Iterator<Item = (usize, f64)>, right: f64) {
+    pub(in crate::cam::tune) fn add(
+        &mut self,
+        entries: impl Iterator<Item = (usize, f64)>,
+        right: f64,
+    ) {
         let row = self.right.len();
         for (column, value) in entries {
             if let Some(column) = self.columns.get_mut(column) {
@@ -27,7 +31,7 @@ impl Rows {
         self.right.push(right);
     }
 
-    pub(super) fn into_matrix(self) -> (CscMatrix<f64>, Vec<f64>) {
+    pub(in crate::cam::tune) fn into_matrix(self) -> (CscMatrix<f64>, Vec<f64>) {
         let rows = self.right.len();
         let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
         for column in &self.columns {

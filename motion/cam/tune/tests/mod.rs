@@ -7,6 +7,7 @@ mod fit;
 mod gentle;
 mod intervals;
 mod noise;
+mod ramp_best;
 mod ramp_in;
 mod ramp_jerk;
 mod reshape;
