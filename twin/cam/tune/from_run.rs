@@ -17,8 +17,44 @@ use twin_motion::cam::{Action, Passage, Tappet};
 /// Finds offsets and scalings in a run, beginning with those in use.
 ///
 /// # Errors
-/// [`TuneError::Fit`] if the run does not say them, or contradicts the cam or itself.
+/// [`TuneError::Fit`] if the run does not say them, or contradicts the cam or itself; [`TuneError::Missing`] if it would not
+/// with a scaling that is not looked for.
 pub fn fit_run(
+    file: &CamFile,
+    using: &CamUse,
+    run: &RecordedRun,
+    free: Free,
+    scaling_range: f64,
+) -> Result<Fit, TuneError> {
+    let fitted = |free| fit_free(file, using, run, free, scaling_range);
+    let error = match fitted(free) {
+        Ok(found) => return Ok(found),
+        Err(error) => error,
+    };
+    let contradicts = match &error {
+        TuneError::NoNoise { .. } => true,
+        TuneError::Fit(error) => {
+            matches!(error, FitError::Contradictory { .. } | FitError::Unexplained { .. })
+        }
+        _ => false,
+    };
+    let more = [
+        ("slave-scaling", Free { slave_scaling: true, ..free }),
+        ("master-scaling", Free { master_scaling: true, ..free }),
+        (
+            "slave-scaling and master-scaling",
+            Free { slave_scaling: true, master_scaling: true, ..free },
+        ),
+    ];
+    let explains = |(_, more): &(&str, Free)| *more != free && fitted(*more).is_ok();
+    match more.into_iter().filter(|_| contradicts).find(explains) {
+        Some((with, _)) => Err(TuneError::Missing { error: Box::new(error), with }),
+        None => Err(error),
+    }
+}
+
+/// The same for these unknowns alone.
+fn fit_free(
     file: &CamFile,
     using: &CamUse,
     run: &RecordedRun,

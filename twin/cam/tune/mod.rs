@@ -61,6 +61,17 @@ pub enum TuneError {
         /// The best values all the same.
         nearest: String,
     },
+    /// Something else is to be looked for.
+    #[error(
+        "{error}. With {with} in --find, noise alone is left over: the slave goes another way than the cam has it"
+    )]
+    Missing {
+        /// What is told without it.
+        #[source]
+        error: Box<TuneError>,
+        /// What is to be looked for.
+        with: &'static str,
+    },
     /// The dead time of tappets.
     #[error("dead time of the tappets: {0}")]
     DeadTime(#[source] FitError),

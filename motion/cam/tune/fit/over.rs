@@ -243,7 +243,9 @@ fn with_rounding(covariances: &[f64], of_noise: f64, all: f64, count: f64) -> Ve
         correlations(&covariances, count as usize)
     };
     let mut of_both = fitted(of_noise, count * part * part);
-    of_both.iter_mut().for_each(|value| *value *= part);
+    for value in &mut of_both {
+        *value *= part;
+    }
     let coarse = fitted(all, count);
     let sum = |of: &[f64]| of.iter().sum::<f64>();
     if sum(&of_both) > sum(&coarse) { of_both } else { coarse }
