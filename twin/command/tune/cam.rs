@@ -8,8 +8,8 @@ use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{
-    self, PointTolerance, Told, TuneError, changes, errors, fit_run, limited, minimise, ramp,
-    ramp_wish, run_dead_time, shape, within_limits,
+    self, Deviation, PointTolerance, Told, TuneError, changes, errors, fit_run, limited, minimise,
+    ramp, ramp_wish, run_dead_time, shape, within_limits,
 };
 use crate::command::cam::{LimitOptions, MasterOptions, UseOptions, load, positive, show_findings};
 use crate::command::whole;
@@ -270,42 +270,10 @@ fn tuned(
     report: &mut Report<'_>,
 ) -> Result<(), TuneError> {
     let before = report.before;
-    let mut deviation = None;
-    if let Some(run) = recorded {
-        report.samples = run.samples.len();
-        let measured = arguments.slave == SlaveColumn::Measured;
-        // The slave is where it is wanted but for what is to be found.
-        let reference = if measured { tune::wanted(&before) } else { before };
-        report.error_before = Some(tune::rms(&errors(file, &reference, run)));
-        let found = fit_run(file, &reference, run, arguments.free(), arguments.scaling_range)?;
-        let did = tune::as_fitted(&before, &found);
-        if measured {
-            let (after, by) = tune::corrected(file, &before, &found);
-            report.proposed = Some(tune::within(&by, &reference, &after));
-            (report.after, deviation) = (after, Some(by));
-            report.wanted = Some(reference);
-        } else {
-            let input = &mut report.after.coupling.input;
-            input.master_offset = tune::rounded(found.master_offset);
-            input.master_scaling = tune::rounded(found.master_scaling);
-            input.slave_offset = tune::rounded(found.slave_offset);
-            input.slave_scaling = tune::rounded(found.slave_scaling);
-        }
-        report.error_after = Some(tune::rms(&errors(file, &did, run)));
-        report.did = Some(did);
-        report.fit = Some(found);
-        if !run.groups.is_empty() {
-            // The tappets of a slave that was measured are where the coupling in effect has them.
-            let register = if measured { before } else { did };
-            let (found, seen) = run_dead_time(file, &register, run)?;
-            let time = found.dead_time_s;
-            // What is compensated to within what the run tells stays.
-            if !time.holds(before.coupling.dead_time_s) {
-                report.after.coupling.dead_time_s = tune::rounded(time);
-            }
-            report.dead_time = Some((found, seen));
-        }
-    }
+    let deviation = match recorded {
+        Some(run) => from_run(arguments, file, run, report)?,
+        None => None,
+    };
     // What was measured moves the slave, not the tappets; of a motion that was taught they are a part.
     let held = deviation.is_some() || recorded.is_none();
     let peak = arguments.least.least(&arguments.find, recorded.and_then(tune::travel));
@@ -377,4 +345,49 @@ fn tuned(
         report.ramp = Some((arguments.ramp.into(), found));
     }
     Ok(())
+}
+
+/// Finds what a run tells; how the slave deviates, if it was measured.
+fn from_run(
+    arguments: &Arguments,
+    file: &CamFile,
+    run: &RecordedRun,
+    report: &mut Report<'_>,
+) -> Result<Option<Deviation>, TuneError> {
+    let before = report.before;
+    let mut deviation = None;
+    report.samples = run.samples.len();
+    let measured = arguments.slave == SlaveColumn::Measured;
+    // The slave is where it is wanted but for what is to be found.
+    let reference = if measured { tune::wanted(&before) } else { before };
+    report.error_before = Some(tune::rms(&errors(file, &reference, run)));
+    let found = fit_run(file, &reference, run, arguments.free(), arguments.scaling_range)?;
+    let did = tune::as_fitted(&before, &found);
+    if measured {
+        let (after, by) = tune::corrected(file, &before, &found);
+        report.proposed = Some(tune::within(&by, &reference, &after));
+        (report.after, deviation) = (after, Some(by));
+        report.wanted = Some(reference);
+    } else {
+        let input = &mut report.after.coupling.input;
+        input.master_offset = tune::rounded(found.master_offset);
+        input.master_scaling = tune::rounded(found.master_scaling);
+        input.slave_offset = tune::rounded(found.slave_offset);
+        input.slave_scaling = tune::rounded(found.slave_scaling);
+    }
+    report.error_after = Some(tune::rms(&errors(file, &did, run)));
+    report.did = Some(did);
+    report.fit = Some(found);
+    if !run.groups.is_empty() {
+        // The tappets of a slave that was measured are where the coupling in effect has them.
+        let register = if measured { before } else { did };
+        let (found, seen) = run_dead_time(file, &register, run)?;
+        let time = found.dead_time_s;
+        // What is compensated to within what the run tells stays.
+        if !time.holds(before.coupling.dead_time_s) {
+            report.after.coupling.dead_time_s = tune::rounded(time);
+        }
+        report.dead_time = Some((found, seen));
+    }
+    Ok(deviation)
 }
