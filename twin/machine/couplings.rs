@@ -231,7 +231,8 @@ impl<'a> CamAxis<'a> {
     }
 }
 
-/// A cam and how the slave comes onto it; `path` is the file that names it. What is not said is as the cam's own file says.
+/// A cam and how the slave comes onto it; `path` is the file that names it. What is not said is as the cam's own
+/// file says, but for the three flags of `MC_CamTableSelect`, which are true.
 pub(crate) fn read_cam(
     section: &Section<'_>,
     path: &Path,

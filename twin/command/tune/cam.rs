@@ -137,7 +137,8 @@ const ACCELERATION: &str =
 const AFTER_HELP: &str = "\
 Exit status:
   0  what was asked for was found, and the slave keeps its limits
-  1  the data do not say it or contradict it, or the slave exceeds a limit: nothing is written then
+  1  the data do not say it or contradict it, or the slave exceeds a limit: nothing is written then;
+     or the cam has another error that `twin cam check` tells
   2  the command could not be carried out
 
 Examples:

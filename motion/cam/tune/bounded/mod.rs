@@ -46,6 +46,8 @@ pub struct Bounded {
     pub left: f64,
 }
 
+/// With less than this part of a scaling nothing moves.
+const STANDS: f64 = 1e-3;
 /// A limit that is exceeded by less than this part is kept.
 const ROUNDING: f64 = 1e-12;
 /// A limit that is reached but for this part holds what it limits.
@@ -126,8 +128,12 @@ impl<'a> Problem<'a> {
             self.best(from, &region)
         };
         let [_, scaling, _, factor] = found.values;
-        if factor == 0.0 || scaling == 0.0 {
-            return Err(GentleError::NoPlace);
+        for (unknown, value, before) in
+            [("MasterScaling", scaling, from[1]), ("SlaveScaling", factor, from[3])]
+        {
+            if value.abs() < STANDS * before.abs() {
+                return Err(GentleError::Stands { unknown });
+            }
         }
         Ok(Bounded { values: found.values, held: self.held(&found), left: found.cost.sqrt() })
     }
@@ -265,6 +271,8 @@ impl<'a> Problem<'a> {
     /// The best place within a region, with the scaling of the master as it is.
     fn best(&self, from: Values, region: &Region) -> Found {
         let values = self.inside(from, region);
+        let width = self.curve.end() - self.curve.start();
+        let farthest = width / 4.0;
         let mut found = Found { values, cost: self.cost(&values), by: Vec::new() };
         for _ in 0..STEPS {
             let Some((to, by)) = Program::new(self, &found.values).solved(region) else { break };
@@ -275,6 +283,8 @@ impl<'a> Problem<'a> {
                 for (value, to) in next.iter_mut().zip(to) {
                     *value += share * (to - *value);
                 }
+                // Where the slave hardly moves the offset says little, and a step of it leads anywhere.
+                next[0] = next[0].clamp(found.values[0] - farthest, found.values[0] + farthest);
                 let next = self.inside(next, region);
                 share /= 2.0;
                 Some((next, self.cost(&next))).filter(|(_, cost)| *cost <= found.cost)
@@ -285,6 +295,11 @@ impl<'a> Problem<'a> {
             if gained <= 1e-15 * cost {
                 break;
             }
+        }
+        if self.free[0] && self.wish.repeated && self.curve.rise() == 0.0 {
+            // Whole passes are the same cam.
+            let passes = ((found.values[0] - self.wish.from[0]) / width).round();
+            found.values[0] -= passes * width;
         }
         found
     }

@@ -81,7 +81,9 @@ fn common(values: &[f64], least: f64, error: f64) -> Option<f64> {
     // What is left of 1/q, in ascending order.
     let mut left = vec![[2.0 / reach, finest]];
     for difference in gaps.iter().copied().chain(sorted.iter().skip(1).map(|value| value - first)) {
-        left = left.iter().flat_map(|range| allowed(*range, difference, 2.0 * error)).collect();
+        // A wide range and a large difference have more parts than can be held: no more than is asked for is taken.
+        let parts = left.iter().flat_map(|range| allowed(*range, difference, 2.0 * error));
+        left = parts.take(MOST + 1).collect();
         if left.is_empty() || left.len() > MOST {
             return None;
         }
@@ -216,5 +218,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Samples just beside dwells have gaps far below all others: there is no step then, and that is known at once.
+    #[test]
+    fn gaps_of_all_sizes_have_no_step() {
+        let lift = |s: f64| 80.0 * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
+        for begin in [0.1, 1e-3, 1e-2] {
+            let values: Vec<f64> =
+                (0..72).map(|i| lift((f64::from(i) * 0.125 + begin / 180.0) % 1.0)).collect();
+            assert_eq!(step(&values, 1e-9), None, "{begin}");
+        }
+        let values: Vec<f64> =
+            (0..32).map(|i| lift([0.0, 0.5 / 180.0, 70.0 / 180.0, 1.0][i % 4])).collect();
+        assert_eq!(step(&values, 1e-9), None);
     }
 }

@@ -139,6 +139,12 @@ pub enum GentleError {
         /// The other one.
         other: Bound,
     },
+    /// Within the limits the least error is that of a slave that stands.
+    #[error("within the limits the error is least if nothing moves: {unknown} would be next to 0")]
+    Stands {
+        /// Which.
+        unknown: &'static str,
+    },
     /// Nothing of all that was looked through keeps what has to hold.
     #[error(
         "no offset and scaling of the master within the intervals lets the slave keep its limits and its stroke"

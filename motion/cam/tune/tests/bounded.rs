@@ -308,3 +308,29 @@ fn the_least_change_in_closed_form() {
     assert!((s * m * m - 0.75).abs() < 1e-12, "{s} {m}");
     assert!(((1.0 - m) * m - 2.0 * s * (1.0 - s)).abs() < 1e-6, "{s} {m}");
 }
+
+/// Where the least error within the limits is that of a slave that stands, that is told; and the offset is never further than
+/// half a turn from where it was, however little the slave moves.
+#[test]
+fn limits_that_leave_next_to_nothing() {
+    let curve = lift();
+    let from = [13.6, 1.0, 0.5, 1.0];
+    let run = samples(&curve, from, 3.0);
+    let free = Free { master_offset: true, ..SLAVE };
+    // Nearly all of the slave's way lies above 10: a slave that stays there is nearer than one that goes its way below.
+    let low = BoundedWish { position: [f64::NEG_INFINITY, 10.0], ..wish(from, free) };
+    match bounded(&curve, &run, &low) {
+        Err(GentleError::Stands { unknown: "SlaveScaling" }) => {}
+        other => panic!("{other:?}"),
+    }
+    for velocity in [20.0, 5.0, 1.0] {
+        let limits = SlaveLimits { velocity, ..SlaveLimits::NONE };
+        for free in [free, Free { master_scaling: true, ..free }] {
+            let task = BoundedWish { limits, ..wish(from, free) };
+            if let Ok(found) = bounded(&curve, &run, &task) {
+                assert!(kept(&curve, &task, found.values), "{velocity}: {found:?}");
+                assert!((found.values[0] - from[0]).abs() <= 180.0, "{velocity}: {found:?}");
+            }
+        }
+    }
+}
