@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::f64::consts::PI;
 use std::fmt::Write;
 
-const LIFT: &str = r#"name = "lift"
+pub(crate) const LIFT: &str = r#"name = "lift"
 master = { min = 0, max = 360, unit = "deg" }
 slave = { min = 0, max = 100, unit = "mm", period = 100 }
 elements = [

@@ -1,6 +1,7 @@
 //! `twin tune cam` and tappets: they stay where they are on the master, in closed form.
 
 use crate::process::{Desk, number};
+use crate::tune_least::LIFT;
 use serde_json::Value;
 use std::fmt::Write;
 
@@ -223,21 +224,6 @@ fn tappets_go_with_a_motion_that_is_wanted() {
     assert!((master - 243.0).abs() < 0.01, "{tappet}");
     assert_eq!(found["lines"]["tappets"], Value::Array(Vec::new()));
 }
-
-const LIFT: &str = r#"name = "lift"
-master = { min = 0, max = 360, unit = "deg" }
-slave = { min = 0, max = 100, unit = "mm", period = 100 }
-elements = [
-  { master = 0, slave = 0 },
-  { master = 120, slave = 70 },
-  { master = 180, slave = 100 },
-  { master = 360, slave = 0 },
-]
-tappets = [
-  { group = 1, master = 50, passage = "positive", action = "on" },
-  { group = 1, master = 200, passage = "positive", action = "off" },
-]
-"#;
 
 /// The lift, from its points alone.
 fn place(at: f64) -> f64 {

@@ -4,7 +4,7 @@
 use super::super::CamFile;
 use super::super::check::{CamCheck, CamUse};
 use super::super::run::RecordedRun;
-use super::correct::{Deviation, of_coupling, wanted};
+use super::correct::{Deviation, of_coupling, wanted, with_values};
 use super::{TuneError, errors, rms, same};
 use crate::finding::{Finding, Rule, Severity};
 use crate::number::significant;
@@ -145,19 +145,7 @@ pub fn within_limits(file: &CamFile, using: &CamUse, free: Free) -> Result<CamUs
     let from = of_coupling(using);
     let wish = wish(file, using, from, free)?;
     let found = nearest(file.cam.curve(), &wish).map_err(|error| no_room(&error))?;
-    let mut after = *using;
-    let input = &mut after.coupling.input;
-    let slots = [
-        &mut input.master_offset,
-        &mut input.master_scaling,
-        &mut input.slave_offset,
-        &mut input.slave_scaling,
-    ];
-    for (slot, value) in slots.into_iter().zip(found.values) {
-        if !same(*slot, value) {
-            *slot = clean(value);
-        }
-    }
+    let after = with_values(using, found.values);
     Ok(after)
 }
 

@@ -2,6 +2,8 @@
 
 use super::super::CamFile;
 use super::super::check::CamUse;
+use super::same;
+use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{Estimate, Fit};
 
 /// A deviation that is smaller than this part of what it is measured against is rounding, whatever its interval says.
@@ -125,6 +127,24 @@ impl Deviation {
 pub(super) fn of_coupling(using: &CamUse) -> [f64; 4] {
     let input = &using.coupling.input;
     [input.master_offset, input.master_scaling, input.slave_offset, input.slave_scaling]
+}
+
+/// The same with other values; those that are as before stay to the last bit.
+pub(super) fn with_values(using: &CamUse, values: [f64; 4]) -> CamUse {
+    let mut new = *using;
+    let input = &mut new.coupling.input;
+    let slots = [
+        &mut input.master_offset,
+        &mut input.master_scaling,
+        &mut input.slave_offset,
+        &mut input.slave_scaling,
+    ];
+    for (slot, value) in slots.into_iter().zip(values) {
+        if !same(*slot, value) {
+            *slot = clean(value);
+        }
+    }
+    new
 }
 
 /// The coupling with which a slave that did what `fit` says, with `using` in effect, does what is wanted, and how it deviates.

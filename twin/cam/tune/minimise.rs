@@ -2,9 +2,9 @@
 
 use super::super::CamFile;
 use super::super::check::CamUse;
-use super::{TuneError, same};
+use super::TuneError;
+use super::correct::with_values;
 use twin_motion::cam::Quantity;
-use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{GentleWish, gentle};
 
 /// The peak that is to be small, and what holds offsets and scalings.
@@ -64,19 +64,7 @@ pub fn minimise(
         repeated: using.repeated,
     };
     let found = gentle(file.cam.curve(), &wish).map_err(TuneError::Minimise)?;
-    let mut new = *using;
-    let input = &mut new.coupling.input;
-    let slots = [
-        &mut input.master_offset,
-        &mut input.master_scaling,
-        &mut input.slave_offset,
-        &mut input.slave_scaling,
-    ];
-    for (slot, value) in slots.into_iter().zip(found.values) {
-        if !same(*slot, value) {
-            *slot = clean(value);
-        }
-    }
+    let new = with_values(using, found.values);
     let held = found.held.map(|bounds| bounds.iter().map(ToString::to_string).collect());
     let minimised = Minimised {
         quantity: least.quantity,

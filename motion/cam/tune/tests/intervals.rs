@@ -11,6 +11,9 @@ const TRIALS: u64 = 1000;
 const HITS: RangeInclusive<usize> = 933..=967;
 /// Errors of a few dwells are uniform: they lie within 1.73 of their standard deviations, always. So more may hit.
 const AND_MORE: RangeInclusive<usize> = 933..=1000;
+/// An interval that is right is 1.96 times as wide as what is found scatters. Ones that held all because they are twice as
+/// wide would say nothing.
+const WIDEST: f64 = 2.0 * 1.96;
 
 const OFFSETS: Free = Free { master_scaling: false, slave_scaling: false, ..Free::ALL };
 const SLAVE: Free = Free { master_offset: false, master_scaling: false, ..Free::ALL };
@@ -119,6 +122,7 @@ impl Case {
             self.free.slave_scaling,
         ];
         let (mut hits, mut told) = ([0_usize; 4], 0);
+        let (mut widths, mut squares) = ([0.0; 4], [0.0; 4]);
         let mut all = Vec::new();
         for seed in 0..TRIALS {
             let mut random = Random(seed + 610_000);
@@ -144,15 +148,21 @@ impl Case {
                 found.slave_offset,
                 found.slave_scaling,
             ];
-            for ((hits, estimate), truth) in hits.iter_mut().zip(estimates).zip(truth) {
-                *hits += usize::from(noise && estimate.holds(truth));
+            for (index, (estimate, truth)) in estimates.into_iter().zip(truth).enumerate() {
+                hits[index] += usize::from(noise && estimate.holds(truth));
+                widths[index] += estimate.half_width;
+                squares[index] += (estimate.value - truth).powi(2);
             }
             all.push(found);
         }
         println!("{name}: {hits:?}, told {told}");
         assert!(told <= 5, "{name}: {told} told");
-        for (hits, free) in hits.iter().zip(free) {
+        #[expect(clippy::cast_precision_loss, reason = "a thousand")]
+        let trials = TRIALS as f64;
+        for (index, (hits, free)) in hits.iter().zip(free).enumerate() {
             assert!(!free || right.contains(hits), "{name}: {hits} of {TRIALS}");
+            let (wide, scatter) = (widths[index] / trials, (squares[index] / trials).sqrt());
+            assert!(!free || wide <= WIDEST * scatter, "{name}, {index}: {wide} of {scatter}");
         }
         all
     }
