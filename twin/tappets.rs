@@ -24,6 +24,19 @@ impl std::fmt::Display for Signal {
     }
 }
 
+/// `[[tappet_outputs]]` of a machine file: an output that is on while the tappets of a group have it on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TappetOutput {
+    /// Name of the slave whose cam has the tappets: an axis of the machine, or a virtual one of a job.
+    pub axis: String,
+    /// Number of the group.
+    pub group: i16,
+    /// The device, an index into [`crate::machine::Machine::drives`].
+    pub device: usize,
+    /// The output, from 1, as [`twin_drives::Drive::set_output`] counts them.
+    pub output: u8,
+}
+
 /// Signals as bits, in the order of their list: on or off at one set-point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TappetBits(u64);

@@ -36,7 +36,7 @@ pub use assumptions::{
     AccCurrent, AnswerLength, Assumptions, BadFrame, BothBits, HomePosition, LimitStop, SetEffect,
     StepFrom, ZeroRate,
 };
-pub use blocking::SmartDriveBus;
+pub use blocking::{OUTPUTS, SmartDriveBus};
 pub use command::{Command, Init, IoUpdate, LoadSource, Mode};
 pub use driver::SmartDrive;
 pub use memory::{Accelerations, ParameterValue};

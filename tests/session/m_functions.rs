@@ -1,4 +1,4 @@
-//! M functions: who acknowledges them, and what they switch.
+//! M functions: who acknowledges them, and what they and tappets switch.
 
 use super::puppet::{Puppet, run_puppet};
 use super::{GANTRY3, Program, Recorder, machine, simulate, simulate_with};
@@ -129,4 +129,59 @@ fn a_program_that_ends_leaves_on_what_it_has_switched_on() {
     let ending = run_puppet(&machine, puppet, &program, &mut Recorder::new(), &|| 0);
     assert!(ending.stopped.is_none(), "{:?}", ending.stopped);
     assert_eq!(*outputs.lock().unwrap(), [(5, false), (2, true)]);
+}
+
+/// Y follows X by the flying shear, whose tappets switch at 220 and 350 mm of the master on its way forwards, and not back.
+fn shear(output: &str) -> String {
+    let cam = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/cams/flying_shear.toml");
+    format!(
+        "{GANTRY3}\n[[cams]]\naxis = \"Y\"\nmaster = \"X\"\ncam = {cam:?}\n[[tappet_outputs]]\n{output}"
+    )
+}
+
+const THERE_AND_BACK: &str = "% shear
+N10 G92 X0 Y0 Z-40
+N20 G1 X400 F300 E2000 E-2000
+N30 G1 X0
+";
+
+#[test]
+fn outputs_follow_tappets() {
+    let machine = machine(&shear("axis = \"Y\"\ngroup = 1\noutput = 4\n"));
+    let puppet = Puppet::default();
+    let outputs = Arc::clone(&puppet.outputs);
+    let mut recorder = Recorder::new();
+    let program = Program::new(THERE_AND_BACK);
+    let ending = run_puppet(&machine, puppet, &program, &mut recorder, &|| 0);
+    assert!(ending.stopped.is_none(), "{:?}", ending.stopped);
+    assert_eq!(*outputs.lock().unwrap(), [(4, true), (4, false)]);
+}
+
+#[test]
+fn outputs_of_other_tappets_stay_as_they_are() {
+    let machine = machine(&shear("axis = \"Y\"\ngroup = 2\noutput = 4\n"));
+    let puppet = Puppet::default();
+    let outputs = Arc::clone(&puppet.outputs);
+    let program = Program::new(THERE_AND_BACK);
+    let ending = run_puppet(&machine, puppet, &program, &mut Recorder::new(), &|| 0);
+    assert!(ending.stopped.is_none(), "{:?}", ending.stopped);
+    assert_eq!(*outputs.lock().unwrap(), []);
+}
+
+/// The knife is down when the user stops the run: it is not left there.
+#[test]
+fn an_output_of_tappets_is_not_left_on() {
+    let machine = machine(&shear("axis = \"Y\"\ngroup = 1\ndrive = \"board\"\noutput = 4\n"));
+    for interrupts in [1, 2] {
+        let puppet = Puppet::default();
+        let outputs = Arc::clone(&puppet.outputs);
+        let switched = || u32::from(!outputs.lock().unwrap().is_empty()) * interrupts;
+        let program = Program::new(THERE_AND_BACK);
+        let ending = run_puppet(&machine, puppet, &program, &mut Recorder::new(), &switched);
+        assert!(matches!(ending.stopped, Some(Stopped::Interrupted(_))), "{:?}", ending.stopped);
+        assert!(ending.left_on.is_empty());
+        let outputs = outputs.lock().unwrap();
+        assert_eq!(outputs.first(), Some(&(4, true)), "{outputs:?}");
+        assert_eq!(outputs.last(), Some(&(4, false)), "{outputs:?}");
+    }
 }

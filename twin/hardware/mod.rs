@@ -218,14 +218,25 @@ impl Hardware {
     /// are stopped or fail.
     pub fn switch(&mut self, on: &[u8], off: &[u8]) {
         let all = off.iter().map(|output| (*output, false)).chain(on.iter().map(|o| (*o, true)));
-        let Some(unit) = self.units.get(self.switching_unit) else { return };
         for (output, on) in all {
-            match unit.switch(output, on) {
-                Ok(true) => self.switching += 1,
-                // A device that has ended has nothing to confirm: the session hears of it.
-                Ok(false) => {}
-                Err(error) => self.failures.push_back(error),
-            }
+            self.switch_of(self.switching_unit, output, on);
+        }
+    }
+
+    /// Switches an output of the device that is `device` in [`Machine::drives`], as [`Self::switch`] does; nothing if it is not
+    /// among these drives.
+    pub fn switch_output(&mut self, device: usize, output: u8, on: bool) {
+        if let Some(unit) = self.units.iter().position(|unit| unit.index == device) {
+            self.switch_of(unit, output, on);
+        }
+    }
+
+    fn switch_of(&mut self, unit: usize, output: u8, on: bool) {
+        match self.units.get(unit).map(|unit| unit.switch(output, on)) {
+            Some(Ok(true)) => self.switching += 1,
+            // A device that has ended has nothing to confirm: the session hears of it.
+            Some(Ok(false)) | None => {}
+            Some(Err(error)) => self.failures.push_back(error),
         }
     }
 

@@ -54,7 +54,7 @@ impl Mapping {
 pub(super) struct Unit {
     /// Its name in the machine file, and its place there.
     pub(super) device: String,
-    index: usize,
+    pub(super) index: usize,
     stream: Arc<Stream>,
     order: Arc<AtomicU8>,
     events: Receiver<Result<Event, HardwareError>>,

@@ -18,6 +18,7 @@ mod scenario;
 pub(crate) mod section;
 mod simulated;
 mod surroundings;
+mod tappet_outputs;
 #[cfg(test)]
 mod tests;
 mod tool;
@@ -47,6 +48,7 @@ pub use surroundings::Collision;
 use crate::coupled::Coupled;
 use crate::m_function::MFunction;
 use crate::probe;
+use crate::tappets::TappetOutput;
 use axis::AxisEntry;
 use nalgebra::{Point3, Vector3};
 use section::Section;
@@ -95,6 +97,8 @@ pub struct Machine {
     pub drives: Vec<DeviceEntry>,
     /// What M functions switch.
     pub m_functions: Vec<MFunction>,
+    /// Which outputs follow the tappets of cams.
+    pub tappet_outputs: Vec<TappetOutput>,
     /// Acceleration of free fall in the machine frame, m/s².
     pub gravity: Vector3<f64>,
     /// What programs find when they begin.
@@ -239,6 +243,12 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         drives::check_encoder(section, one.kind, &names);
     }
     drives.into_iter().for_each(Section::finish);
+    let hanging = |one: &Seen| {
+        let axes = axis_sections.iter();
+        axes.filter(|axis| axis.glance_at_text("drive") == Some(&one.name)).count()
+    };
+    let with_axes: Vec<_> = seen.iter().map(|one| (one, hanging(one))).collect();
+    let tappet_outputs = tappet_outputs::read(root, &with_axes);
 
     let entries: Vec<_> = axis_sections.iter().map(|section| axis::read(section, &seen)).collect();
     let unique = check_axes(root, &axis_sections, &entries);
@@ -286,6 +296,7 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         conditions,
         path_limits,
         m_functions,
+        tappet_outputs,
         collision,
         couplings: couplings?,
         cycle_ns: CYCLE_NS,

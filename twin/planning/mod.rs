@@ -11,7 +11,8 @@ use crate::m_function::{Acknowledgement, MCall};
 use crate::machine::Machine;
 use crate::program::{Dialect, Findings, ProgramFile, ProgramItem, Setpoints};
 use crate::session::MOST_OVERRIDE;
-use crate::setpoint::AxisSetpoint;
+use crate::setpoint::{AxisSetpoint, Transformer};
+use crate::tappets::Signal;
 use beside::Beside;
 use std::io;
 use std::task::Poll;
@@ -108,6 +109,14 @@ impl<'m> Planning<'m> {
             Plan::Controller(setpoints) => Poll::Ready(setpoints.next().map(PlanItem::from)),
             Plan::Axes(within) => within.poll(waits).map(|next| next.map(PlanItem::from)),
             Plan::Job(job) => Poll::Ready(job.next()),
+        }
+    }
+
+    /// What the tappets of the program switch: the bits of its set-points in their order, those of a path being of `transformer`.
+    pub(crate) fn signals<'t>(&'t self, transformer: &'t Transformer<'_>) -> &'t [Signal] {
+        match &self.0 {
+            Plan::Controller(_) | Plan::Axes(_) => transformer.signals(),
+            Plan::Job(job) => job.signals(),
         }
     }
 

@@ -1,11 +1,22 @@
-//! M functions of a run under way: what they switch, and who says that they are done.
+//! What M functions and tappets switch in a run under way, and who says that M functions are done.
 
 use super::run::Run;
 use super::{Answer, Observer, Stopped};
 use crate::hardware::Hardware;
 use crate::m_function::{MCall, MFunction};
+use crate::machine::Machine;
 use crate::physics::PhysicsError;
 use crate::plant::Plant;
+use crate::tappets::{Signal, TappetBits};
+
+/// The outputs of `machine` that follow one of `signals`: index of the signal, device, output.
+pub(super) fn tappet_outputs(machine: &Machine, signals: &[Signal]) -> Vec<(usize, usize, u8)> {
+    let found = machine.tappet_outputs.iter().filter_map(|one| {
+        let wanted = |signal: &Signal| signal.axis == one.axis && signal.group == one.group;
+        Some((signals.iter().position(wanted)?, one.device, one.output))
+    });
+    found.collect()
+}
 
 impl<'a, P: Plant<Error = PhysicsError>> Run<'a, '_, P> {
     /// Whether the plan goes on only when an M function is acknowledged. A stop does not wait for that.
@@ -24,6 +35,16 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, '_, P> {
             hardware.switch(&function.outputs_on, &function.outputs_off);
         }
         observer.m_function(&call, self.items.waits_for_word() && switched.is_none());
+    }
+
+    /// Outputs follow their tappets. They are switched when the set-point is due, and take as long as the wire does:
+    /// `dead_time_s` of the cam makes up for that.
+    pub(super) fn switch_tappet_outputs(&mut self, before: TappetBits, now: TappetBits) {
+        let Some(hardware) = &mut self.hardware else { return };
+        for (signal, on) in now.changed(before) {
+            let followers = self.tappet_outputs.iter().filter(|(index, ..)| *index == signal);
+            followers.for_each(|(_, device, output)| hardware.switch_output(*device, *output, on));
+        }
     }
 
     /// What the M function switches on the drives, if there are any.

@@ -7,6 +7,8 @@ mod positions;
 mod settings;
 mod stopping;
 
+pub use settings::OUTPUTS;
+
 use std::time::Duration;
 
 use tokio::runtime::Runtime;

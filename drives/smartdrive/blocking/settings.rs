@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// Outputs of a drive: RDY, BRK, LED.
-const OUTPUTS: u8 = 3;
+pub const OUTPUTS: u8 = 3;
 /// Outputs of a drive, from bit 0 of IOUPDATE on.
 const OUTPUT_NAMES: [&str; 3] = ["RDY", "BRK", "LED"];
 /// Inputs of a drive, from bit 3 of IOUPDATE on.

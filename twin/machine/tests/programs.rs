@@ -84,3 +84,21 @@ fn what_m_functions_switch() {
         assert!(found[0].1.contains(part), "{found:#?}");
     }
 }
+
+#[test]
+fn which_outputs_follow_tappets() {
+    let section = "axis = \"Y\"\ngroup = 1\noutput = 4";
+    let machine = load(&format!("{SHORT}[[tappet_outputs]]\n{section}\n"));
+    let [one] = machine.tappet_outputs.as_slice() else { panic!("one") };
+    assert_eq!((one.axis.as_str(), one.group, one.device, one.output), ("Y", 1, 0, 4));
+    let twice = format!("{section}\n[[tappet_outputs]]\naxis = \"Y\"\ngroup = 2\noutput = 4");
+    for (section, part) in [
+        ("axis = \"Y\"\noutput = 4", "[[tappet_outputs]] number 1 lacks `group`"),
+        ("axis = \"Y\"\ngroup = 1\noutput = 33", "`output` is 33; it must lie between 1 and 32"),
+        ("axis = \"Y\"\ngroup = 1\ndrive = \"bord\"\noutput = 1", "there is no drive \"bord\""),
+        (twice.as_str(), "output 4 of this drive follows other tappets already"),
+    ] {
+        let found = problems(&format!("{SHORT}[[tappet_outputs]]\n{section}\n"));
+        assert!(found[0].1.contains(part), "{found:#?}");
+    }
+}

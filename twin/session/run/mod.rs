@@ -3,6 +3,7 @@
 mod stopping;
 
 use super::history::History;
+use super::m_calls::tappet_outputs;
 use super::overrides::{OverrideAt, Overrides};
 use super::punctuality::Punctuality;
 use super::rest::Resting;
@@ -58,6 +59,8 @@ pub(super) struct Run<'a, 'i, P> {
     pub(super) plan: Plan,
     pub(super) stopped: Option<Stopped>,
     overrides: Overrides,
+    /// Signals of tappets, with the outputs that follow them: index, device, output.
+    pub(super) tappet_outputs: Vec<(usize, usize, u8)>,
     /// How often the user has interrupted.
     interrupts: u32,
     /// Where everything rests.
@@ -79,10 +82,12 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         hardware: Option<Hardware>,
         realtime: bool,
     ) -> Self {
+        let transformer = Transformer::new(machine);
+        let tappet_outputs = tappet_outputs(machine, items.signals(&transformer));
         Self {
             machine,
             items,
-            transformer: Transformer::new(machine),
+            transformer,
             twin,
             twin_failed: false,
             hardware,
@@ -96,6 +101,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             plan: Plan::GoesOn,
             stopped: None,
             overrides: Overrides::new(&[]),
+            tappet_outputs,
             interrupts: 0,
             resting: Resting::default(),
             off_path: None,
@@ -260,7 +266,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     /// The simulated machine takes what is due.
     pub(super) fn simulate(&mut self, now_ns: i64, observer: &mut dyn Observer) {
         while let Some(setpoint) = self.planned.pop_front_if(|next| next.time_ns <= now_ns) {
-            self.executed = Some(setpoint);
+            let before = self.executed.replace(setpoint);
             self.resting.executed(&setpoint);
             if self.twin_failed {
                 continue;
@@ -268,6 +274,8 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             if let Some(call) = setpoint.m_call {
                 self.begin_m_function(call, observer);
             }
+            let before = before.map(|before| before.tappets).unwrap_or_default();
+            self.switch_tappet_outputs(before, setpoint.tappets);
             let feedback = self.twin.command_before(&setpoint, &self.planned);
             let feedback = feedback.and_then(|()| self.twin.feedback());
             for news in self.twin.news() {

@@ -1,0 +1,68 @@
+//! `[[tappet_outputs]]`: outputs of drives that follow the tappets of cams.
+
+use super::drives::{Kind, Seen};
+use super::section::Section;
+use crate::tappets::TappetOutput;
+use twin_drives::interpcnc::registers::OUTPUTS as BOARD_OUTPUTS;
+use twin_drives::smartdrive::OUTPUTS as SMARTDRIVE_OUTPUTS;
+
+/// Reads them, where `drives` are the devices, and as many axes hang on each.
+pub(super) fn read(root: &Section<'_>, drives: &[(&Seen, usize)]) -> Vec<TappetOutput> {
+    let mut outputs: Vec<TappetOutput> = Vec::new();
+    for section in root.sections("tappet_outputs") {
+        let axis = section.required_text("axis").map(str::to_owned);
+        let group = section.required_integer("group", i16::MIN.into()..=i16::MAX.into());
+        let device = device(&section, drives);
+        let (_, most) = device.unwrap_or((0, i64::from(BOARD_OUTPUTS)));
+        let output = section.required_integer("output", 1..=most);
+        let group = group.and_then(|group| i16::try_from(group).ok());
+        let output = output.and_then(|output| u8::try_from(output).ok());
+        if let (Some(axis), Some(group), Some((device, _)), Some(output)) =
+            (axis, group, device, output)
+        {
+            let one = TappetOutput { axis, group, device, output };
+            if outputs.iter().any(|other| (other.device, other.output) == (device, output)) {
+                let message =
+                    format!("output {output} of this drive follows other tappets already");
+                section.complain_at("output", message);
+            } else {
+                outputs.push(one);
+            }
+        }
+        section.finish();
+    }
+    outputs
+}
+
+/// Which device it is, the first one that has outputs if the section does not say, and how many outputs that has.
+fn device(section: &Section<'_>, drives: &[(&Seen, usize)]) -> Option<(usize, i64)> {
+    let outputs = |(seen, axes): &(&Seen, usize)| match seen.kind {
+        Some(Kind::InterpCnc) => i64::from(BOARD_OUTPUTS),
+        Some(Kind::SmartDrive) => {
+            i64::try_from(*axes).unwrap_or_default().saturating_mul(SMARTDRIVE_OUTPUTS.into())
+        }
+        // Of a kind that there is not something else is said.
+        Some(Kind::Bim2Ax) | None => 0,
+    };
+    let Some(name) = section.text("drive") else {
+        // As with M functions: a board rather than others.
+        let with = || drives.iter().enumerate().filter(|(_, drive)| outputs(drive) > 0);
+        let board = with().find(|(_, (seen, _))| matches!(seen.kind, Some(Kind::InterpCnc)));
+        let found = board.or_else(|| with().next());
+        if found.is_none() && !section.has("drive") {
+            section.complain("there is no [[drives]] that has outputs".to_owned());
+        }
+        return found.map(|(index, drive)| (index, outputs(drive)));
+    };
+    let Some((index, drive)) = drives.iter().enumerate().find(|(_, (seen, _))| seen.name == name)
+    else {
+        section.complain_at("drive", format!("there is no drive \"{name}\" among [[drives]]"));
+        return None;
+    };
+    let count = outputs(drive);
+    if count == 0 && drive.0.kind.is_some() {
+        section.complain_at("drive", format!("drive \"{name}\" has no outputs"));
+        return None;
+    }
+    (count > 0).then_some((index, count))
+}
