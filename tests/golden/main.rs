@@ -44,6 +44,7 @@ mod targets;
 mod tune_cam;
 mod tune_least;
 mod tune_limits;
+mod tune_start;
 mod tune_tappets;
 mod urdf;
 

@@ -169,6 +169,7 @@ impl<'a> CamCheck<'a> {
             }
         }
         self.find_jumps();
+        self.findings.extend(self.using.refused_start(self.file));
         crate::finding::sort(&mut self.findings);
     }
 
@@ -353,6 +354,7 @@ impl<'a> CamCheck<'a> {
                 "scaling": input.slave_scaling, "rise": curve.rise() * input.slave_scaling,
             },
             "repeated": self.using.repeated,
+            "start": self.using.start_json(self.file),
             "position": range(&self.bounds.position, self.using.limits.position),
             "velocity": range(&self.bounds.velocity, both(velocity)),
             "acceleration": range(&self.bounds.acceleration, both(acceleration)),

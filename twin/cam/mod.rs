@@ -13,6 +13,7 @@ mod lost;
 pub mod picture;
 pub mod run;
 pub mod sample;
+mod start;
 #[cfg(test)]
 mod tests;
 mod toml_coupling;

@@ -61,6 +61,8 @@ pub struct CamUse {
     pub repeated: bool,
     /// What the slave can do.
     pub limits: AxisLimits,
+    /// Where the master is when `MC_CamIn` starts, if that is known.
+    pub start: Option<f64>,
 }
 
 impl CamUse {

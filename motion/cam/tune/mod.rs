@@ -20,6 +20,7 @@ mod ramp_search;
 mod ramp_shown;
 mod ramp_wish;
 mod reshape;
+mod start;
 mod student;
 mod swing;
 #[cfg(test)]

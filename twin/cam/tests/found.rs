@@ -34,7 +34,7 @@ pub(super) fn cam(text: &str) -> CamFile {
 
 pub(super) fn using(file: &CamFile, velocity: f64, limits: AxisLimits) -> CamUse {
     let master = MasterMotion { velocity, ..MasterMotion::default() };
-    CamUse { master, coupling: file.coupling, repeated: file.repeated, limits }
+    CamUse { master, coupling: file.coupling, repeated: file.repeated, limits, start: None }
 }
 
 fn limits(velocity: f64, acceleration: f64) -> AxisLimits {
@@ -346,6 +346,9 @@ fn scalings_and_offsets_within_limits() {
         master_scaling: false,
         slave_offset: false,
         slave_scaling: false,
+    };
+    let within_limits = |file: &CamFile, using: &CamUse, free| {
+        Ok::<_, TuneError>(within_limits(file, using, free, None)?.using)
     };
     let second = 10.0 / 3.0_f64.sqrt() * 100.0 / 180.0_f64.powi(2);
     let use_it = using(&file, 300.0, limits(1e6, 900.0));

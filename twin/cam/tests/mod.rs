@@ -12,4 +12,5 @@ mod passages;
 mod random;
 mod sampled;
 mod shown;
+mod starts;
 mod tuned;

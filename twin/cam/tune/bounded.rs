@@ -4,7 +4,7 @@
 use super::super::CamFile;
 use super::super::check::{CamCheck, CamUse};
 use super::super::run::RecordedRun;
-use super::correct::{Deviation, of_coupling, wanted, with_values};
+use super::correct::{Deviation, of_coupling, wanted, with_exactly, with_values};
 use super::{TuneError, errors, rms, same};
 use crate::finding::{Finding, Rule, Severity};
 use crate::number::significant;
@@ -18,6 +18,8 @@ use twin_motion::cam::tune::{
 pub struct Limited {
     /// `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` that were proposed without limits.
     pub without: [f64; 4],
+    /// Those within them.
+    pub values: [f64; 4],
     /// What holds each of them.
     pub held: [Vec<Bound>; 4],
     /// What the slave does with what is proposed, if it was measured.
@@ -39,20 +41,31 @@ pub struct Told<'a> {
     pub fit: &'a Fit,
     /// How the slave deviates, if it was measured; else the run is the motion wanted.
     pub deviation: Option<&'a Deviation>,
+    /// Within which part of itself `MasterScaling` has to stay, if that was said.
+    pub scaling_range: Option<f64>,
 }
 
-/// Offsets and scalings with the least error that is possible within the limits of what the slave is told; none if what is
-/// proposed keeps them.
+/// What keeps the limits without a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Within {
+    /// The nearest offsets and scalings.
+    pub using: CamUse,
+    /// What holds `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling`.
+    pub held: [Vec<Bound>; 4],
+}
+
+/// Offsets and scalings with the least error that is possible within the limits of what the slave is told, with which it can be
+/// coupled; none if what is proposed does that.
 ///
 /// # Errors
-/// [`TuneError::NoRoom`] if nothing does.
+/// [`TuneError::NoRoom`] and [`TuneError::NoStart`] if nothing does.
 pub fn limited(
     file: &CamFile,
     told: &Told<'_>,
     run: &RecordedRun,
     free: Free,
 ) -> Result<Option<(CamUse, Limited)>, TuneError> {
-    let Told { before, proposed, fit, deviation } = *told;
+    let Told { before, proposed, fit, deviation, scaling_range } = *told;
     if keeps(file, proposed) {
         return Ok(None);
     }
@@ -77,8 +90,10 @@ pub fn limited(
         })
         .collect();
     let from = of_coupling(proposed);
-    let wish = wish(file, proposed, from, free)?;
-    let found = bounded(file.cam.curve(), &samples, &wish).map_err(|error| no_room(&error))?;
+    let scalings = scalings(scaling_range, before, proposed);
+    let wish = BoundedWish { scalings, ..wish(file, proposed, from, free)? };
+    let found = bounded(file.cam.curve(), &samples, &wish)
+        .map_err(|error| no_room(file, proposed, &error))?;
     let known = [fit.master_offset, fit.master_scaling, fit.slave_offset, fit.slave_scaling];
     // What was in effect stays where the run does not tell it from what was found; values have no more digits than it tells.
     let as_it_was = |index: usize, value: f64| {
@@ -110,7 +125,7 @@ pub fn limited(
         if same(old, value) { short(index, value) } else { old }
     };
     let all = [with(&stays), with(&short), with(&|_, value| clean(value))];
-    let kept = all.into_iter().find(|one| keeps(file, one));
+    let kept = all.into_iter().find(|one| keeps(file, one) && in_range(&scalings, one));
     let mut after = kept.unwrap_or_else(|| with(&|_, value| value));
     after.coupling.wanted = before.coupling.wanted;
     if deviation.is_some() && after.coupling.input != before.coupling.input {
@@ -126,7 +141,8 @@ pub fn limited(
         }
         None => (rms(&errors(file, &after, run)), rms(&errors(file, proposed, run))),
     };
-    Ok(Some((after, Limited { without: from, held: found.held, does, left, otherwise })))
+    let (values, held) = (of_coupling(&after), found.held);
+    Ok(Some((after, Limited { without: from, values, held, does, left, otherwise })))
 }
 
 /// How far apart a slave is with two couplings in a run, root mean square.
@@ -138,15 +154,36 @@ fn distance(file: &CamFile, one: &CamUse, other: &CamUse, run: &RecordedRun) -> 
 
 /// The nearest offset and scalings with which the cam keeps the limits, at the motion of the master: those for which the sum of
 /// the squares of the changes is least, of the scalings as parts of themselves, of `SlaveOffset` as a part of the stroke.
+/// `scaling_range` is the part of itself within which `MasterScaling` has to stay, if that was said.
 ///
 /// # Errors
-/// [`TuneError::NoRoom`] if nothing does.
-pub fn within_limits(file: &CamFile, using: &CamUse, free: Free) -> Result<CamUse, TuneError> {
+/// [`TuneError::NoRoom`] and [`TuneError::NoStart`] if nothing does.
+pub fn within_limits(
+    file: &CamFile,
+    using: &CamUse,
+    free: Free,
+    scaling_range: Option<f64>,
+) -> Result<Within, TuneError> {
     let from = of_coupling(using);
-    let wish = wish(file, using, from, free)?;
-    let found = nearest(file.cam.curve(), &wish).map_err(|error| no_room(&error))?;
-    let after = with_values(using, found.values);
-    Ok(after)
+    let scalings = scalings(scaling_range, using, using);
+    let wish = BoundedWish { scalings, ..wish(file, using, from, free)? };
+    let found =
+        nearest(file.cam.curve(), &wish).map_err(|error| no_room(file, using, &error))?;
+    let all = [with_values(using, found.values), with_exactly(using, found.values)];
+    let kept = all.into_iter().find(|one| keeps(file, one) && in_range(&scalings, one));
+    Ok(Within { using: kept.unwrap_or(all[1]), held: found.held })
+}
+
+/// Between what `MasterScaling` may be: within a part of what is in effect, and what is proposed without limits as well.
+pub fn scalings(range: Option<f64>, before: &CamUse, proposed: &CamUse) -> [f64; 2] {
+    let Some(part) = range else { return [f64::NEG_INFINITY, f64::INFINITY] };
+    let [scaling, other] = [before, proposed].map(|using| using.coupling.input.master_scaling);
+    let [one, two] = [1.0 - part, 1.0 + part].map(|part| part * scaling);
+    [one.min(two).min(other), one.max(two).max(other)]
+}
+
+fn in_range([low, high]: &[f64; 2], using: &CamUse) -> bool {
+    (*low..=*high).contains(&using.coupling.input.master_scaling)
 }
 
 fn wish(
@@ -167,12 +204,22 @@ fn wish(
         position = [f64::NEG_INFINITY, f64::INFINITY];
     }
     let (limits, repeated) = (using.limits.motion, using.repeated);
-    Ok(BoundedWish { from, free, master: using.master, limits, position, repeated })
+    let scalings = [f64::NEG_INFINITY, f64::INFINITY];
+    // Of a cam that is put end to end another pass starts wherever the master is.
+    let start = using.start.filter(|_| !using.repeated);
+    let master = using.master;
+    Ok(BoundedWish { from, free, master, limits, position, repeated, scalings, start })
 }
 
-/// Whether a use of the cam keeps the limits of the slave's axis, as the check has it.
+/// Whether a use of the cam keeps the limits of the slave's axis, and can be started, as the check has it.
 fn keeps(file: &CamFile, using: &CamUse) -> bool {
-    !CamCheck::new(file, *using).findings.iter().any(exceeds)
+    let start = using.start.filter(|_| !using.repeated);
+    !CamCheck::new(file, CamUse { start, ..*using }).findings.iter().any(refuses)
+}
+
+/// Whether a finding says that what was found is of no use: the slave exceeds a limit, or is not coupled at all.
+pub fn refuses(finding: &Finding) -> bool {
+    exceeds(finding) || finding.severity == Severity::Error && finding.rule == Rule::Coupling
 }
 
 /// Whether a finding says that the slave exceeds a limit of its axis.
@@ -181,7 +228,12 @@ pub fn exceeds(finding: &Finding) -> bool {
     finding.severity == Severity::Error && limits.contains(&finding.rule)
 }
 
-fn no_room(error: &GentleError) -> TuneError {
+pub(super) fn no_room(file: &CamFile, using: &CamUse, error: &GentleError) -> TuneError {
+    if let GentleError::Contradictory { one: Bound::Start { master }, other: Bound::Given, .. } = error
+    {
+        let (range, unit) = (using.starts(file.cam.curve()), file.master.unit().to_owned());
+        return TuneError::NoStart { master: *master, range, unit };
+    }
     let GentleError::Contradictory { unknown, one, other } = error else {
         return TuneError::NoRoom { what: "offset or scaling", why: error.to_string() };
     };

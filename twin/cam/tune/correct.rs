@@ -147,6 +147,14 @@ pub(super) fn with_values(using: &CamUse, values: [f64; 4]) -> CamUse {
     new
 }
 
+/// The same, with every value as it is.
+pub fn with_exactly(using: &CamUse, values: [f64; 4]) -> CamUse {
+    let mut new = *using;
+    let input = &mut new.coupling.input;
+    [input.master_offset, input.master_scaling, input.slave_offset, input.slave_scaling] = values;
+    new
+}
+
 /// The coupling with which a slave that did what `fit` says, with `using` in effect, does what is wanted, and how it deviates.
 ///
 /// What was in effect and what came of it tell gain, shift and lag; the new coupling undoes them. So the same machine with the

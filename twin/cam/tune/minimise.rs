@@ -3,7 +3,8 @@
 use super::super::CamFile;
 use super::super::check::CamUse;
 use super::TuneError;
-use super::correct::with_values;
+use super::bounded::no_room;
+use super::correct::{with_exactly, with_values};
 use twin_motion::cam::Quantity;
 use twin_motion::cam::tune::{GentleWish, gentle};
 
@@ -56,6 +57,8 @@ pub fn minimise(
         sought: least.sought,
         master: using.master,
         travel: least.travel,
+        // Of a cam that is put end to end another pass starts wherever the master is.
+        start: using.start.filter(|_| !using.repeated),
         limits: using.limits.motion,
         position: using.limits.position,
         stroke: least.stroke,
@@ -63,8 +66,16 @@ pub fn minimise(
         tappet_tolerance: least.tappet_tolerance,
         repeated: using.repeated,
     };
-    let found = gentle(file.cam.curve(), &wish).map_err(TuneError::Minimise)?;
-    let new = with_values(using, found.values);
+    let found = gentle(file.cam.curve(), &wish).map_err(|error| match no_room(file, using, &error) {
+        start @ TuneError::NoStart { .. } => start,
+        _ => TuneError::Minimise(error),
+    })?;
+    // Rounding does not put the master beside the cam.
+    let all = [with_values(using, found.values), with_exactly(using, found.values)];
+    let starts = |new: &CamUse| {
+        wish.start.is_none_or(|master| new.starts_at(file.cam.curve(), master))
+    };
+    let new = all.into_iter().find(starts).unwrap_or(all[1]);
     let held = found.held.map(|bounds| bounds.iter().map(ToString::to_string).collect());
     let minimised = Minimised {
         quantity: least.quantity,

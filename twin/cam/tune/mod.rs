@@ -8,16 +8,18 @@ mod minimise;
 mod passed;
 mod recorded;
 mod shape;
+mod start;
 mod tappet_error;
 mod tappets;
 
-pub use bounded::{Limited, Told, exceeds, limited, within_limits};
-pub use correct::{Deviation, as_fitted, corrected, wanted, wants, within};
+pub use bounded::{Limited, Told, Within, exceeds, limited, refuses, scalings, within_limits};
+pub use correct::{Deviation, as_fitted, corrected, wanted, wants, with_exactly, within};
 pub use from_run::{Seen, errors, fit_run, rms, rounded, switchings, tappet_dead_time, unwound};
 pub use kept::{Kept, KeptTappet, keep_tappets, passed_at, told_at};
 pub use minimise::{Least, Minimised, minimise};
-pub use recorded::{master_motion, start, travel};
+pub use recorded::{master_motion, travel};
 pub use shape::{PointTolerance, ShapeGoal, Shaped, shape};
+pub use start::{Begin, begin, started_at};
 pub use tappet_error::{OutputError, Part, SwitchingPart};
 pub use tappets::run_dead_time;
 
@@ -189,6 +191,32 @@ pub enum TuneError {
     /// Tappets that were moved make no cam.
     #[error("tappets: {0}")]
     Cam(#[source] CamError),
+    /// Nothing that is looked for lets the coupling start.
+    #[error(
+        "with the master at {} MC_CamIn would end with error 626: with what is found it starts with the master from {} to {} {unit}. \
+         --find master-offset moves that, --master-start says where the master is if it is elsewhere",
+        significant(*.master, 6), significant(.range[0], 6), significant(.range[1], 6)
+    )]
+    NoStart {
+        /// Where the master is.
+        master: f64,
+        /// From where to where it may be.
+        range: [f64; 2],
+        /// Its unit.
+        unit: String,
+    },
+    /// A run that never comes onto a cam that is passed once.
+    #[error(
+        "ramp: the master of the run is never on the cam, on which it is from {} to {} {unit}: say where the ramp begins with \
+         --ramp-in MASTER,SLAVE, or --end-to-end if the cam is repeated",
+        significant(.range[0], 6), significant(.range[1], 6)
+    )]
+    BeyondCam {
+        /// From where to where the master is on the cam.
+        range: [f64; 2],
+        /// Its unit.
+        unit: String,
+    },
     /// No scaling keeps the limits.
     #[error("no {what} keeps the limits: {why}")]
     NoRoom {

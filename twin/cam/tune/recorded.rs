@@ -1,4 +1,4 @@
-//! What a recorded run shows of the motion itself: how fast its master goes, which way, and where both stand at its start.
+//! What a recorded run shows of the motion itself: how fast its master goes, which way, and where the slave begins.
 
 use super::super::CamFile;
 use super::super::check::CamUse;
@@ -113,14 +113,14 @@ pub fn travel(run: &RecordedRun) -> Option<[f64; 2]> {
     (least < most).then_some([least, most])
 }
 
-/// Where the master stands when a run begins, and where the slave is told to be and how fast, so that it stands where it does.
-pub fn start(run: &RecordedRun, deviation: Option<&Deviation>) -> Option<(f64, State)> {
-    let first = run.samples.first()?;
-    let window = run.samples.get(..run.samples.len().min(WINDOW))?;
+/// Where the slave is told to be, and how fast, when samples begin, so that it is where it was.
+pub(super) fn state(samples: &[RunSample], deviation: Option<&Deviation>) -> Option<State> {
+    let first = samples.first()?;
+    let window = samples.get(..samples.len().min(WINDOW))?;
     let velocity =
         Parabola::of(window, |sample| sample.slave).map_or(0.0, |one| one.velocity(-1.0));
     let told = |position| deviation.map_or(position, |deviation| deviation.told_at(position));
     // A line keeps differences: what is told over one second.
     let [position, later] = [first.slave, first.slave + velocity].map(told);
-    Some((first.master, State { position, velocity: later - position, acceleration: 0.0 }))
+    Some(State { position, velocity: later - position, acceleration: 0.0 })
 }

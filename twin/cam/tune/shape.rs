@@ -3,7 +3,6 @@
 use super::super::CamFile;
 use super::super::check::CamUse;
 use super::{TuneError, same};
-use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{ReshapeError, Tolerance, Wish, reshape, soften};
 use twin_motion::cam::{Element, Knot, Peak, Quantity, Shape, SlaveLimits, Source};
 
@@ -83,7 +82,7 @@ pub fn shape(
                 .map_err(TuneError::TooFast)?;
             let found = reshape(knots, &wish)?;
             Ok(Shaped {
-                knots: cleaned(found.knots),
+                knots: found.knots,
                 before: found.before.value / fast,
                 after: found.after.value / fast,
                 limited: found
@@ -97,7 +96,7 @@ pub fn shape(
             let found = soften(knots, &wish, quantity, using.master.velocity * fast)
                 .map_err(|error| of_axes(error, far))?;
             Ok(Shaped {
-                knots: cleaned(found.knots),
+                knots: found.knots,
                 before: found.before.value * far,
                 after: found.after.value * far,
                 limited: Some((quantity, using.master_at(found.after.master))),
@@ -117,17 +116,6 @@ fn of_axes(error: ReshapeError, far: f64) -> ReshapeError {
         },
         other => other,
     }
-}
-
-/// Without the last digits of rounding, for files.
-fn cleaned(knots: Vec<Knot>) -> Vec<Knot> {
-    let cleaned = |knot: Knot| Knot {
-        slave: clean(knot.slave),
-        velocity: clean(knot.velocity),
-        acceleration: clean(knot.acceleration),
-        ..knot
-    };
-    knots.into_iter().map(cleaned).collect()
 }
 
 /// Limits of the slave's position on the scale of the cam; none of a cam that gains in every pass, which goes everywhere.

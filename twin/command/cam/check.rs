@@ -1,6 +1,6 @@
 //! `twin cam check`: what a cam asks of its slave.
 
-use super::options::{LimitOptions, MasterOptions, UseOptions, load};
+use super::options::{LimitOptions, MasterOptions, UseOptions, load, number};
 use super::show_findings;
 use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
@@ -28,6 +28,10 @@ pub(super) struct Arguments {
     /// For people, or one JSON object
     #[arg(long, value_enum, default_value = "human")]
     format: Format,
+
+    /// Where the master is when `MC_CamIn` starts, u: beyond the cam it ends with error 626
+    #[arg(long, value_name = "U", allow_hyphen_values = true, value_parser = number)]
+    master_start: Option<f64>,
 
     #[command(flatten)]
     master: MasterOptions,
@@ -57,7 +61,8 @@ enum Format {
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let file = load(&arguments.cam, arguments.coupling.interpolation)?;
     let limits = arguments.limits.limits(&file)?;
-    let using = arguments.coupling.using(&file, arguments.master.motion(), limits);
+    let mut using = arguments.coupling.using(&file, arguments.master.motion(), limits);
+    using.start = arguments.master_start;
     let check = CamCheck::new(&file, using);
     let mut out = io::stdout().lock();
     match arguments.format {
@@ -163,7 +168,40 @@ fn tell(
         }
         Err(error) => writeln!(out, "no velocity of the master is slow enough: {error}")?,
     }
+    start(out, file, using, check)?;
     tappets(out, file, check)
+}
+
+/// Where the master may be when the slave is coupled; where it is, and where the slave has to be then.
+fn start(
+    out: &mut impl Write,
+    file: &CamFile,
+    using: &CamUse,
+    check: &CamCheck<'_>,
+) -> io::Result<()> {
+    let (master, slave) = (file.master.unit(), file.slave.unit());
+    let curve = file.cam.curve();
+    match using.start.filter(|at| using.starts_at(curve, *at)) {
+        Some(at) => {
+            let place = using.place_at(at);
+            let position = using.slave_at(curve.at(place).position);
+            writeln!(
+                out,
+                "MC_CamIn starts with the master at {} {master}: at {} of the cam, which has the slave at {} {slave}",
+                check.place(at),
+                beside(place, curve.end() - curve.start(), 6),
+                beside(position, check.bounds.position.magnitude(), 6),
+            )
+        }
+        // A start that is refused is told among the findings.
+        None => {
+            let [from, to] = using.starts(curve).map(|at| check.place(at));
+            writeln!(
+                out,
+                "MC_CamIn starts with the master from {from} to {to} {master}, elsewhere it ends with error 626"
+            )
+        }
+    }
 }
 
 fn limit_text([low, high]: [f64; 2]) -> String {

@@ -128,7 +128,7 @@ impl UseOptions {
         limits: AxisLimits,
     ) -> CamUse {
         let repeated = if self.once { false } else { self.end_to_end || file.repeated };
-        CamUse { master, coupling: self.coupling(file), repeated, limits }
+        CamUse { master, coupling: self.coupling(file), repeated, limits, start: None }
     }
 }
 

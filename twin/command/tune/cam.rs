@@ -1,26 +1,23 @@
 //! `twin tune cam`: offsets, scalings, dead times, ramps and shapes of cams.
 
+use super::find::tuned;
 use super::least::{Find, LeastOptions, Shown, Sought, sought};
-use super::outcome::{apply, moved, picture, too_jerky, with_knots};
+use super::outcome::{apply, moved, picture, too_jerky};
 use super::report::Report;
+use super::start::Started;
 use super::words::{Format, Goal, Ramp, SlaveColumn, part, point, start};
-use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::RecordedRun;
-use crate::cam::tune::{
-    self, Deviation, PointTolerance, Told, TuneError, changes, errors, fit_run, limited, minimise,
-    ramp, ramp_wish, run_dead_time, shape, within_limits,
+use crate::cam::tune::{self, PointTolerance, changes};
+use crate::command::cam::{
+    LimitOptions, MasterOptions, UseOptions, load, number, positive, show_findings,
 };
-use crate::command::cam::{LimitOptions, MasterOptions, UseOptions, load, positive, show_findings};
 use crate::command::whole;
 use crate::command::{Failure, Status};
 use crate::finding;
 use std::io;
 use std::path::PathBuf;
-use twin_motion::axis::profile::State;
-use twin_motion::cam::file::clean;
-use twin_motion::cam::tune::{Free, RampGoal};
-use twin_motion::cam::{Quantity, StartMode};
+use twin_motion::cam::tune::Free;
 
 /// Tune a cam: offsets and scalings from a recorded run or within limits, the dead time of tappets, ramps, shapes
 ///
@@ -54,33 +51,39 @@ pub(super) struct Arguments {
     /// What `slave` of the run is: where the slave was measured, so that its deviation from what is wanted is undone, or the
     /// motion wanted, so that the cam is laid over it and its tappets go with it
     #[arg(long, value_enum, default_value = "measured", requires = "run")]
-    slave: SlaveColumn,
+    pub(super) slave: SlaveColumn,
 
     /// What is to be found, of master-offset, master-scaling, slave-offset and slave-scaling: in the run, or, without one, within
     /// the limits [default: both offsets with a run]. With --minimise acceleration or jerk each may have an interval, like
     /// slave-scaling=0.9..1.1, and both offsets are found in a run whatever is named
     #[arg(long, value_name = "NAME[=FROM..TO]", value_delimiter = ',', value_parser = sought)]
-    find: Vec<Sought>,
+    pub(super) find: Vec<Sought>,
 
-    /// `MasterScaling` is looked for within this part of itself
-    #[arg(long, value_name = "PART", default_value = "0.05", value_parser = part)]
-    scaling_range: f64,
+    /// `MasterScaling` is looked for within this part of itself, in a run, within the limits and for the smallest peak [default: 0.05
+    /// in a run; else as far as the limits ask for]
+    #[arg(long, value_name = "PART", value_parser = part)]
+    pub(super) scaling_range: Option<f64>,
+
+    /// Where the master is when `MC_CamIn` starts, u: it has to be on the cam then (error 626) [default: that of --ramp-in, or where
+    /// the --run begins if the coupling in effect starts there]
+    #[arg(long, value_name = "U", allow_hyphen_values = true, value_parser = number)]
+    master_start: Option<f64>,
 
     /// Points that may be moved: master, and by how much slave, velocity and acceleration may change; `all` for all points.
     /// May be given several times
     #[arg(long, value_name = "MASTER:SLAVE[,VELOCITY[,ACCELERATION]]", allow_hyphen_values = true, value_parser = point)]
-    reshape: Vec<PointTolerance>,
+    pub(super) reshape: Vec<PointTolerance>,
 
     /// What moved points (--reshape) are to give: the largest velocity of the master, or the smallest acceleration or jerk of the slave
     /// at the master's velocity
     #[arg(long, value_enum, default_value = "speed")]
-    goal: Goal,
+    pub(super) goal: Goal,
 
     /// Find `VelocityDiff`, Acceleration and Deceleration for a start from here: master, slave, and the slave's velocity; `run`:
     /// from where both stand when the --run begins. Within the limits of velocity, acceleration, position and jerk; the best of a
     /// grid of all three, and of what linear programs make of its best places
     #[arg(long, value_name = "MASTER,SLAVE[,VELOCITY]|run", allow_hyphen_values = true, value_parser = start)]
-    ramp_in: Option<Shown<[f64; 3]>>,
+    pub(super) ramp_in: Option<Shown<[f64; 3]>>,
 
     /// Ramps of the slave's axis, as `ramp` of a job says: with trapezoid ones its acceleration steps, which is a jerk of the
     /// step by 1 ms; with parabolic and sigmoid ones it changes by the limit of the jerk at most, beside the cam's
@@ -91,12 +94,12 @@ pub(super) struct Arguments {
         default_value = "trapezoid",
         requires = "ramp_in"
     )]
-    ramp: Ramp,
+    pub(super) ramp: Ramp,
 
     /// The ramp takes so long at most, s, and the slave's peak acceleration is as small as can be (with --minimise jerk its peak
     /// jerk, for which that of the slave's axis is found, too); else it is as short as the limits allow
     #[arg(long, value_name = "S", requires = "ramp_in", value_parser = positive)]
-    within: Option<f64>,
+    pub(super) within: Option<f64>,
 
     /// A picture of before and after: of the cam, and with --ramp-in of what the slave does until it is on it, beside its limits
     #[arg(long, short, value_name = "FILE.svg")]
@@ -117,7 +120,7 @@ pub(super) struct Arguments {
 
     // What has headings of its own comes last: what stands behind it would be under these.
     #[command(flatten)]
-    least: LeastOptions,
+    pub(super) least: LeastOptions,
 
     #[command(flatten)]
     master: MasterOptions,
@@ -149,7 +152,7 @@ Examples:
   twin tune cam cam.toml --ramp-in 0,35 --master-velocity 200 --max-velocity 900 --max-acceleration 20000";
 
 impl Arguments {
-    fn free(&self) -> Free {
+    pub(super) fn free(&self) -> Free {
         let has = |find| self.find.iter().any(|sought| sought.what == find);
         // A run tells offsets, too, where a peak is sought: a slave that is elsewhere would have no other scaling.
         let peak = self.least.least(&self.find, None).is_some();
@@ -159,6 +162,14 @@ impl Arguments {
             master_scaling: has(Find::MasterScaling),
             slave_offset: usual || has(Find::SlaveOffset),
             slave_scaling: has(Find::SlaveScaling),
+        }
+    }
+
+    /// Where the master starts, as far as it was said.
+    fn started(&self) -> Option<f64> {
+        match self.ramp_in {
+            Some(Shown::Given([master, ..])) => Some(master),
+            _ => self.master_start,
         }
     }
 
@@ -190,6 +201,10 @@ impl Arguments {
             "--goal says nothing without --reshape"
         } else if self.ramp_in == Some(Shown::Run) && self.run.is_none() {
             "--ramp-in run begins where a --run does, and there is none"
+        } else if matches!(self.ramp_in, Some(Shown::Given(_))) && self.master_start.is_some() {
+            "--ramp-in MASTER,SLAVE says where the master starts, and so does --master-start: give one of them"
+        } else if self.scaling_range.is_some() && !self.free().master_scaling {
+            "--scaling-range is for --find master-scaling"
         } else {
             let ramp = [self.ramp_in.is_some(), self.within.is_some()];
             return self.least.check(&self.find, self.run.is_some(), ramp);
@@ -217,7 +232,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let mut before = arguments.coupling.using(&file, arguments.master.motion(), limits);
     let shown = recorded.as_ref().and_then(|run| tune::master_motion(&file, &before, run));
     before.master = arguments.master.motion_or(shown.unwrap_or(before.master));
+    let started = arguments.started().map(|master| (master, Started::Given)).or_else(|| {
+        let of_run = recorded.as_ref().and_then(|run| tune::started_at(&file, &before, run));
+        of_run.map(|master| (master, Started::Run))
+    });
+    before.start = started.map(|(master, _)| master);
     let mut report = Report::new(&file, before);
+    report.started = started.map(|(_, by)| by);
     match tuned(arguments, &file, recorded.as_ref(), &mut report) {
         Ok(()) => {}
         Err(error) => {
@@ -247,148 +268,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if let Some(path) = &arguments.output {
         picture(path, &file, &after_file, &report, recorded.as_ref())?;
     }
-    // What exceeds a limit is for reading, not for files.
-    let beyond = check.findings.iter().any(tune::exceeds);
-    let target = arguments.write.as_ref().filter(|_| !beyond);
+    // What exceeds a limit, or does not start, is for reading, not for files.
+    let refused = check.findings.iter().find(|finding| tune::refuses(finding));
+    let target = arguments.write.as_ref().filter(|_| refused.is_none());
     if let Some(target) = target {
         apply(&file, &after_file, &report, target.as_deref())?;
     }
     report
         .write(arguments.format, target.is_some(), &mut io::stdout().lock())
         .map_err(Failure::Stdio)?;
-    if arguments.write.is_some() && beyond {
-        tell!("nothing is written: the slave would exceed a limit");
+    if let (Some(_), Some(refused)) = (&arguments.write, refused) {
+        let exceeds = tune::exceeds(refused);
+        let why = if exceeds { "the slave would exceed a limit" } else { "MC_CamIn would not start" };
+        tell!("nothing is written: {why}");
     }
     show_findings(&check.findings);
     Ok(if finding::unfit(&check.findings) { Status::Unfit } else { Status::Fit })
-}
-
-/// Finds what is asked for.
-fn tuned(
-    arguments: &Arguments,
-    file: &CamFile,
-    recorded: Option<&RecordedRun>,
-    report: &mut Report<'_>,
-) -> Result<(), TuneError> {
-    let before = report.before;
-    let deviation = match recorded {
-        Some(run) => from_run(arguments, file, run, report)?,
-        None => None,
-    };
-    // What was measured moves the slave, not the tappets; of a motion that was taught they are a part.
-    let held = deviation.is_some() || recorded.is_none();
-    let peak = arguments.least.least(&arguments.find, recorded.and_then(tune::travel));
-    if let (Some(run), Some(fit), None) = (recorded, report.fit, &peak)
-        && arguments.reshape.is_empty()
-    {
-        // A shape gives way to limits itself.
-        let deviation = deviation.as_ref();
-        let told = Told { before: &before, proposed: &report.after, fit: &fit, deviation };
-        if let Some((after, found)) = limited(file, &told, run, arguments.free())? {
-            (report.after, report.limited) = (after, Some(found));
-            // Limits have no intervals.
-            report.proposed = None;
-            let [_, errors] = report.run_errors(run);
-            report.error_after = Some(tune::rms(&errors));
-        }
-    } else if recorded.is_none() && peak.is_none() && !arguments.find.is_empty() {
-        report.after = within_limits(file, &before, arguments.free())?;
-        report.within = true;
-    }
-    if held {
-        report.kept = tune::keep_tappets(file, &before, &report.after)?.map(Box::new);
-    }
-    let moved = report.kept.as_ref().map(|kept| kept.file.clone());
-    let file = moved.as_ref().unwrap_or(file);
-    if let Some(least) = peak {
-        // From where the slave does what is wanted.
-        let corrected = report.after;
-        let (mut after, found) = minimise(file, &corrected, &least)?;
-        if let Some(deviation) = &deviation {
-            after.coupling.wanted = tune::wants(deviation, &corrected, &after);
-        }
-        report.after = after;
-        report.least = Some(found);
-    }
-    let mut shaped = None;
-    if !arguments.reshape.is_empty() {
-        let found = shape(file, &report.after, &arguments.reshape, arguments.goal.into())?;
-        shaped = Some(with_knots(file, &found.knots));
-        report.shaped = Some(found);
-        report.goal = Some(arguments.goal.into());
-    }
-    let from = match arguments.ramp_in {
-        Some(Shown::Given([master, position, velocity])) => {
-            Some((master, State { position, velocity, acceleration: 0.0 }))
-        }
-        Some(Shown::Run) => recorded.and_then(|run| tune::start(run, deviation.as_ref())),
-        None => None,
-    };
-    if let Some((master, slave)) = from {
-        let least = arguments.least.quantity().unwrap_or(Quantity::Acceleration);
-        let goal = arguments
-            .within
-            .map_or(RampGoal::Soonest, |within_s| RampGoal::Gentlest { within_s, least });
-        let cam = match &shaped {
-            Some(Some(moved)) => moved,
-            _ => file,
-        };
-        let wish = ramp_wish(cam, &report.after, master, slave, (arguments.ramp.into(), goal));
-        let found = ramp(&wish)?;
-        report.start = Some(Box::new(wish));
-        let input = &mut report.after.coupling.input;
-        input.velocity_difference = clean(found.velocity_difference);
-        input.acceleration = clean(found.acceleration);
-        input.deceleration = clean(found.deceleration);
-        if matches!(input.start_mode, StartMode::Absolute | StartMode::Relative) {
-            input.start_mode = StartMode::RampIn;
-        }
-        report.ramp = Some((arguments.ramp.into(), found));
-    }
-    Ok(())
-}
-
-/// Finds what a run tells; how the slave deviates, if it was measured.
-fn from_run(
-    arguments: &Arguments,
-    file: &CamFile,
-    run: &RecordedRun,
-    report: &mut Report<'_>,
-) -> Result<Option<Deviation>, TuneError> {
-    let before = report.before;
-    let mut deviation = None;
-    report.samples = run.samples.len();
-    let measured = arguments.slave == SlaveColumn::Measured;
-    // The slave is where it is wanted but for what is to be found.
-    let reference = if measured { tune::wanted(&before) } else { before };
-    report.error_before = Some(tune::rms(&errors(file, &reference, run)));
-    let found = fit_run(file, &reference, run, arguments.free(), arguments.scaling_range)?;
-    let did = tune::as_fitted(&before, &found);
-    if measured {
-        let (after, by) = tune::corrected(file, &before, &found);
-        report.proposed = Some(tune::within(&by, &reference, &after));
-        (report.after, deviation) = (after, Some(by));
-        report.wanted = Some(reference);
-    } else {
-        let input = &mut report.after.coupling.input;
-        input.master_offset = tune::rounded(found.master_offset);
-        input.master_scaling = tune::rounded(found.master_scaling);
-        input.slave_offset = tune::rounded(found.slave_offset);
-        input.slave_scaling = tune::rounded(found.slave_scaling);
-    }
-    report.error_after = Some(tune::rms(&errors(file, &did, run)));
-    report.did = Some(did);
-    report.fit = Some(found);
-    if !run.groups.is_empty() {
-        // The tappets of a slave that was measured are where the coupling in effect has them.
-        let register = if measured { before } else { did };
-        let (found, seen) = run_dead_time(file, &register, run)?;
-        let time = found.dead_time_s;
-        // What is compensated to within what the run tells stays.
-        if !time.holds(before.coupling.dead_time_s) {
-            report.after.coupling.dead_time_s = tune::rounded(time);
-        }
-        report.dead_time = Some((found, seen));
-    }
-    Ok(deviation)
 }

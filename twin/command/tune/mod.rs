@@ -1,12 +1,14 @@
 //! `twin tune`: parameters found offline, from recorded runs and limits.
 
 mod cam;
+mod find;
 mod least;
 mod limited;
 mod object;
 mod outcome;
 mod peaks;
 mod report;
+mod start;
 mod tappets;
 mod words;
 

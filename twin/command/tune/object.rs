@@ -74,6 +74,7 @@ impl Report<'_> {
             "master": { "velocity": self.before.master.velocity, "acceleration": self.before.master.acceleration },
             "slave": fit.as_ref().map(|_| if self.wanted.is_some() { "measured" } else { "wanted" }),
             "fit": fit, "limited": self.limited.as_ref().map(|limited| self.limited_json(limited)),
+            "within": self.within.as_ref().map(|held| self.within_json(held)), "start": self.start_json(),
             "least": least, "dead_time": dead_time, "shape": shape, "ramp": ramp,
             "tappets": self.tappets_json(),
             "coupling": numbers.into_iter().collect::<serde_json::Map<_, _>>(),

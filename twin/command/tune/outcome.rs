@@ -70,7 +70,7 @@ pub(super) fn picture(
     // A ramp alone leaves the cam as it is.
     let changed = report.fit.is_some()
         || report.dead_time.is_some()
-        || report.within
+        || report.within.is_some()
         || report.least.is_some()
         || report.shaped.is_some();
     let mut pages = Vec::new();

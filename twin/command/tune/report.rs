@@ -1,15 +1,16 @@
 //! What was found, for people and as an object.
 
+use super::start::Started;
 use super::words::Format;
 use crate::cam::CamFile;
 use crate::cam::check::CamUse;
 use crate::cam::edit::Change;
-use crate::cam::tune::{Kept, Limited, Minimised, ShapeGoal, Shaped};
+use crate::cam::tune::{Begin, Kept, Limited, Minimised, ShapeGoal, Shaped};
 use crate::command::show::table;
 use crate::number::{beside, significant};
 use std::io::{self, Write};
 use twin_motion::axis::profile::RampType;
-use twin_motion::cam::tune::{DeadTime, Estimate, Fit, RampIn, RampWish};
+use twin_motion::cam::tune::{Bound, DeadTime, Estimate, Fit, RampIn, RampWish};
 use twin_motion::cam::{MasterMotion, Quantity};
 
 /// Six significant digits.
@@ -39,8 +40,8 @@ pub(super) struct Report<'a> {
     pub(super) dead_time: Option<(DeadTime, usize)>,
     /// What the limits left of what the run tells.
     pub(super) limited: Option<Limited>,
-    /// Changed to keep the limits.
-    pub(super) within: bool,
+    /// Changed to keep the limits, and what holds each value.
+    pub(super) within: Option<[Vec<Bound>; 4]>,
     /// Changed for the smallest peak.
     pub(super) least: Option<Minimised>,
     pub(super) shaped: Option<Shaped>,
@@ -48,6 +49,12 @@ pub(super) struct Report<'a> {
     pub(super) ramp: Option<(RampType, RampIn)>,
     /// The start that it is for.
     pub(super) start: Option<Box<RampWish>>,
+    /// Where a run begins that it begins with.
+    pub(super) begin: Option<Begin>,
+    /// How it is known where the master starts.
+    pub(super) started: Option<Started>,
+    /// `MasterOffset` and `SlaveOffset` that do not start, in place of which the same motion is told.
+    pub(super) folded: Option<[f64; 2]>,
     pub(super) changes: Vec<Change>,
     /// Why not everything was found.
     pub(super) refused: Option<String>,
@@ -69,12 +76,15 @@ impl<'a> Report<'a> {
             error_after: None,
             dead_time: None,
             limited: None,
-            within: false,
+            within: None,
             least: None,
             shaped: None,
             goal: None,
             ramp: None,
             start: None,
+            begin: None,
+            started: None,
+            folded: None,
             changes: Vec::new(),
             refused: None,
         }
@@ -198,30 +208,20 @@ impl<'a> Report<'a> {
         if let Some(limited) = &self.limited {
             self.tell_limited(out, limited)?;
         }
-        if self.within {
-            let pairs =
-                self.before.coupling.numbers().into_iter().zip(self.after.coupling.numbers());
-            let mut changed = false;
-            for (index, ((_, name, before), (_, _, after))) in pairs.enumerate() {
-                if before.to_bits() != after.to_bits() {
-                    let [before, after] = [before, after].map(|value| self.input(index, value));
-                    writeln!(out, "{name}: {before} → {after} keeps the limits")?;
-                    changed = true;
-                }
-            }
-            if !changed {
-                writeln!(out, "the limits are kept as it is")?;
-            }
+        if let Some(held) = &self.within {
+            self.tell_within(out, held)?;
         }
         if let Some(least) = &self.least {
             self.tell_least(out, least)?;
         }
         if self.refused.is_none() {
+            self.tell_start(out)?;
             self.tell_tappets(out)?;
         }
         if let Some(shaped) = &self.shaped {
             self.tell_shape(out, shaped)?;
         }
+        self.tell_begin(out)?;
         if let Some((kind, ramp)) = &self.ramp {
             let jerk = match kind {
                 RampType::Trapezoid => "as its acceleration steps within a millisecond, ",

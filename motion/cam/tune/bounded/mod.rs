@@ -5,7 +5,8 @@
 //! acceleration and jerk are |`SlaveScaling`| · P(`MasterScaling`), with the exact peaks P of the curve. So for a given
 //! scaling of the master every limit is linear in scaling and offset of the slave, the square of the error is quadratic in
 //! them, and Clarabel solves that (`motion/cam/tune/bounded/program.rs`); the offset of the master, in which the error is
-//! not quadratic, is found with them by Gauss and Newton's method, each step such a program. P grows with the master's scaling:
+//! not quadratic, is found with them by Gauss and Newton's method, each step such a program. That the master is on the cam when
+//! the slave is coupled is linear in scaling and offset of the master. P grows with the master's scaling:
 //! this is looked for on a grid between where the limits leave something at all and where they take nothing any more, and
 //! for an error a fifth beyond; from the best places of the grid on by golden sections.
 
@@ -15,6 +16,7 @@ mod search;
 use super::super::bounds::{Factors, MasterMotion, Quantity, SlaveLimits};
 use super::super::curve::Curve;
 use super::gentle::region::{End, Region};
+use super::start;
 use super::{Bound, Free, GentleError, Sample};
 use program::Program;
 
@@ -33,6 +35,11 @@ pub struct BoundedWish {
     pub position: [f64; 2],
     /// Whether the cam is put end to end.
     pub repeated: bool,
+    /// Between what `MasterScaling` may be, infinite where it may be anything.
+    pub scalings: [f64; 2],
+    /// Where the master is when the slave is coupled, u: that has to be on the cam, from its begin to its end (error 626).
+    /// None if nobody knows, or does not ask.
+    pub start: Option<f64>,
 }
 
 /// What is found.
@@ -115,18 +122,32 @@ impl<'a> Problem<'a> {
 
     fn solved(&self) -> Result<Bounded, GentleError> {
         let from = self.wish.from;
+        if let Some(value) = self.wish.start.filter(|value| !value.is_finite()) {
+            return Err(GentleError::NoNumber { what: "where the master starts", value });
+        }
         self.curve.refuse_jumps(&self.wish.limits, self.wish.repeated)?;
         if self.keeps(&from) {
             let left = self.cost(&from).sqrt();
             return Ok(Bounded { values: from, held: Default::default(), left });
         }
-        let found = if self.free[1] {
+        // Its scaling does not move a master that stands at 0.
+        if !self.free[1] || self.wish.start == Some(0.0) {
+            self.startable(from[1])?;
+        }
+        let mut found = if self.free[1] {
             self.searched()?
         } else {
             let region = self.region(Some(from[1]));
             self.allowed(&region)?;
             self.best(from, &region)
         };
+        if let Some(master) = self.wish.start {
+            let [offset, scaling, ..] = found.values;
+            let free = [self.free[0], self.free[1]];
+            let offset = self.at_an_end(scaling, offset).unwrap_or(offset);
+            (found.values[0], found.values[1]) =
+                start::onto(self.curve, master, [offset, scaling], free);
+        }
         let [_, scaling, _, factor] = found.values;
         for (unknown, value, before) in
             [("MasterScaling", scaling, from[1]), ("SlaveScaling", factor, from[3])]
@@ -153,13 +174,59 @@ impl<'a> Problem<'a> {
         Quantity::ALL.into_iter().map(part).fold(0.0, f64::max)
     }
 
+    /// Offsets of the master with which it is on the cam when the slave is coupled.
+    fn offsets(&self, scaling: f64) -> [f64; 2] {
+        match self.wish.start {
+            Some(master) => [self.curve.start(), self.curve.end()].map(|x| x - master * scaling),
+            None => [f64::NEG_INFINITY, f64::INFINITY],
+        }
+    }
+
+    /// The end of the cam at which the master is when the slave is coupled, if it is at one but for rounding: as an offset.
+    fn at_an_end(&self, scaling: f64, offset: f64) -> Option<f64> {
+        let rounding = ROUNDING * (self.curve.end() - self.curve.start());
+        self.offsets(scaling).into_iter().find(|end| (end - offset).abs() <= rounding)
+    }
+
+    /// Refuses an offset that stays, with which the master is beside the cam when the slave is coupled.
+    fn startable(&self, scaling: f64) -> Result<(), GentleError> {
+        let beside = |master: &f64| !self.curve.contains(master * scaling + self.wish.from[0]);
+        match self.wish.start.filter(|_| !self.free[0]).filter(beside) {
+            Some(master) => {
+                let (one, other) = (Bound::Start { master }, Bound::Given);
+                Err(GentleError::Contradictory { unknown: "MasterOffset", one, other })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Between what the scaling of the master may be, and what says so: its interval, or where the master starts.
+    fn scalings(&self) -> [(f64, Bound); 2] {
+        let mut ends = self.wish.scalings.map(|end| (end, Bound::Interval { end }));
+        if let Some(master) = self.wish.start.filter(|master| !self.free[0] && *master != 0.0) {
+            let at = |x: f64| (x - self.wish.from[0]) / master;
+            let [one, other] = [self.curve.start(), self.curve.end()].map(at);
+            let bound = Bound::Start { master };
+            if one.min(other) > ends[0].0 {
+                ends[0] = (one.min(other), bound);
+            }
+            if one.max(other) < ends[1].0 {
+                ends[1] = (one.max(other), bound);
+            }
+        }
+        ends
+    }
+
     /// Whether all limits are kept but for rounding.
-    fn keeps(&self, [_, scaling, shift, factor]: &Values) -> bool {
+    fn keeps(&self, [offset, scaling, shift, factor]: &Values) -> bool {
         let [one, other] = self.ends.map(|y| y * factor + shift);
         let (least, greatest) = (one.min(other), one.max(other));
         let room = ROUNDING * (greatest - least).max(least.abs()).max(greatest.abs());
         let [low, high] = self.wish.position;
-        least >= low - room
+        let starts = |master: f64| self.curve.contains(master * scaling + offset);
+        self.wish.start.is_none_or(starts)
+            && (self.wish.scalings[0]..=self.wish.scalings[1]).contains(scaling)
+            && least >= low - room
             && greatest <= high + room
             && self.reached(*scaling, *factor) <= 1.0 + ROUNDING
     }
@@ -221,6 +288,10 @@ impl<'a> Problem<'a> {
                 value
             }
         };
+        if self.free[0] {
+            let [low, high] = self.offsets(values[1]);
+            values[0] = values[0].clamp(low, high);
+        }
         values[3] = into(values[3], region.scalings(), self.free[3]);
         values[2] = into(values[2], region.offsets(values[3]), self.free[2]);
         values
@@ -296,7 +367,11 @@ impl<'a> Problem<'a> {
                 break;
             }
         }
-        if self.free[0] && self.wish.repeated && self.curve.rise() == 0.0 {
+        if self.free[0]
+            && self.wish.repeated
+            && self.curve.rise() == 0.0
+            && self.wish.start.is_none()
+        {
             // Whole passes are the same cam.
             let passes = ((found.values[0] - self.wish.from[0]) / width).round();
             found.values[0] -= passes * width;
@@ -322,8 +397,15 @@ impl<'a> Problem<'a> {
             })
             .collect();
         let mut held: [Vec<Bound>; 4] = Default::default();
+        if let Some(master) = self.wish.start.filter(|_| self.free[0])
+            && self.at_an_end(scaling, found.values[0]).is_some()
+        {
+            held[0].push(Bound::Start { master });
+        }
         if self.free[1] && changed(1) {
             held[1].clone_from(&motion);
+            let end = |end: &&(f64, Bound)| close(end.0, scaling);
+            held[1].extend(self.scalings().iter().find(end).map(|(_, by)| *by));
         }
         if self.free[2] {
             held[2].clone_from(&found.by);

@@ -21,6 +21,8 @@ pub(super) struct Program {
     unknowns: Vec<(usize, f64)>,
     matrix: DMatrix<f64>,
     slope: DVector<f64>,
+    /// Between what the offset of the master may be, and what says so.
+    offsets: Option<([f64; 2], Bound)>,
 }
 
 /// factors · z ≤ room.
@@ -80,7 +82,9 @@ impl Program {
             slopes.get(index).copied().unwrap_or_default() * unit
         });
         let unknowns = kept.into_iter().map(|(_, place, unit)| (place, unit)).collect();
-        Self { from: *from, unknowns, matrix, slope }
+        let bound = |master: f64| (problem.offsets(from[1]), Bound::Start { master });
+        let offsets = problem.wish.start.map(bound);
+        Self { from: *from, unknowns, matrix, slope, offsets }
     }
 
     /// The best values within a region, and the limits of the position that hold them; none if there is nothing to be found.
@@ -109,22 +113,30 @@ impl Program {
     }
 
     fn rows(&self, region: &Region) -> Vec<Row> {
-        let [.., shift, factor] = self.from;
-        let row = |([of_factor, of_shift], most, bound): ([f64; 2], f64, Bound)| {
+        let [offset, _, shift, factor] = self.from;
+        let row = |([of_offset, of_shift, of_factor], most, bound): ([f64; 3], f64, Bound)| {
             let factors = DVector::from_iterator(
                 self.unknowns.len(),
                 self.unknowns.iter().map(|(place, unit)| match place {
+                    0 => of_offset * unit,
                     2 => of_shift * unit,
                     3 => of_factor * unit,
                     _ => 0.0,
                 }),
             );
             let size = factors.norm();
-            let room = (most - of_factor * factor - of_shift * shift) / size;
+            let now = of_offset * offset + of_shift * shift + of_factor * factor;
+            let room = (most - now) / size;
             // From a place that is left, but for rounding.
             (size > 0.0).then(|| Row { factors: factors / size, room: room.max(0.0), bound })
         };
-        region.demands().filter_map(row).collect()
+        let of_slave = region
+            .demands()
+            .map(|([of_factor, of_shift], most, bound)| ([0.0, of_shift, of_factor], most, bound));
+        let of_master = self.offsets.into_iter().flat_map(|([low, high], bound)| {
+            [([1.0, 0.0, 0.0], high, bound), ([-1.0, 0.0, 0.0], -low, bound)]
+        });
+        of_slave.chain(of_master).filter_map(row).collect()
     }
 
     fn by_clarabel<'r>(&self, rows: &'r [Row]) -> Option<(DVector<f64>, Vec<&'r Row>)> {

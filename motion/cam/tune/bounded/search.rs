@@ -1,6 +1,6 @@
 //! Down to the best scaling of the master.
 
-use super::{Aim, Found, GentleError, Problem};
+use super::{Aim, Bound, Found, GentleError, Problem};
 
 /// Scalings of the grid; they stand the nearer to each other, the nearer they are to the one that is the best without limits.
 const GRID: u32 = 240;
@@ -30,7 +30,7 @@ impl Problem<'_> {
         let beyond = match self.aim {
             // An error may be less with another part of the cam, whatever the motion.
             Aim::Error(_) => BEYOND,
-            Aim::Change if bottom >= 1.0 => return Ok(loose),
+            Aim::Change if bottom >= 1.0 && self.starts_between(from[1]) => return Ok(loose),
             Aim::Change => 0.0,
         };
         let most = 1.0 + beyond;
@@ -38,7 +38,24 @@ impl Problem<'_> {
         if top < LEAST {
             self.allowed(&self.region(Some(from[1])))?;
         }
-        let (bottom, usual) = (bottom * (1.0 - beyond), top.min(1.0));
+        let ([low, high], [of_low, of_high]) = self.shares();
+        let unknown = "MasterScaling";
+        if low > high {
+            return Err(GentleError::Contradictory { unknown, one: of_low, other: of_high });
+        }
+        if low > top {
+            // The least of the scalings asks the motion for too much.
+            let allowed = self.allowed(&self.region(Some(from[1] * low)));
+            allowed.map_err(|error| match error {
+                GentleError::Contradictory { one, .. } => {
+                    GentleError::Contradictory { unknown, one, other: of_low }
+                }
+                other => other,
+            })?;
+        }
+        let top = top.max(low).min(high);
+        let bottom = (bottom * (1.0 - beyond)).clamp(low.max(0.0).min(top), top);
+        let usual = 1.0_f64.clamp(bottom, top);
         let few: Vec<_>;
         let coarse = match self.aim {
             Aim::Error(samples) => {
@@ -89,6 +106,24 @@ impl Problem<'_> {
             if one.cost <= other.cost { one } else { other }
         });
         deepest.min_by(|one, other| one.cost.total_cmp(&other.cost)).ok_or(GentleError::NoPlace)
+    }
+}
+
+impl Problem<'_> {
+    /// Between what the scaling of the master may be, as shares of what it is without limits, and what says so.
+    fn shares(&self) -> ([f64; 2], [Bound; 2]) {
+        let from = self.wish.from[1];
+        let [mut low, mut high] = self.scalings().map(|(end, by)| (end / from, by));
+        if low.0 > high.0 {
+            (low, high) = (high, low);
+        }
+        ([low.0, high.0], [low.1, high.1])
+    }
+
+    /// Whether a scaling of the master is between these.
+    fn starts_between(&self, scaling: f64) -> bool {
+        let [(low, _), (high, _)] = self.scalings();
+        (low..=high).contains(&scaling)
     }
 }
 

@@ -14,6 +14,7 @@ mod search;
 use super::super::bounds::{MasterMotion, Quantity, SlaveLimits};
 use super::super::curve::Curve;
 use super::super::largest::LimitError;
+use super::start;
 use crate::short::Short;
 use passed::Passed;
 use region::{End, Region};
@@ -32,6 +33,9 @@ pub struct GentleWish {
     pub master: MasterMotion,
     /// From where to where the master goes, u; all of the cam without it.
     pub travel: Option<[f64; 2]>,
+    /// Where the master is when the slave is coupled, u: that has to be on the cam, from its begin to its end (error 626).
+    /// None if nobody knows, or does not ask.
+    pub start: Option<f64>,
     /// What the slave may do.
     pub limits: SlaveLimits,
     /// Least and greatest position of the slave, u; infinite where there is no limit.
@@ -61,6 +65,11 @@ pub enum Bound {
         /// Master of the cam.
         place: f64,
     },
+    /// That the master is on the cam when the slave is coupled (error 626).
+    Start {
+        /// Where it is then, u.
+        master: f64,
+    },
     /// The stroke of the slave.
     Stroke,
     /// A limit of the slave's position.
@@ -83,6 +92,9 @@ impl fmt::Display for Bound {
             Self::Interval { end } => write!(f, "the end of an interval, {}", Short(*end)),
             Self::Given => f.write_str("what stays as it is"),
             Self::Tappet { place } => write!(f, "the tappet at {} of the cam", Short(*place)),
+            Self::Start { master } => {
+                write!(f, "the start with the master at {}", Short(*master))
+            }
             Self::Stroke => f.write_str("the stroke of the slave"),
             Self::Position { limit } => {
                 write!(f, "the slave's limit of position, {}", Short(*limit))
@@ -188,6 +200,11 @@ pub fn gentle(curve: &Curve, wish: &GentleWish) -> Result<Gentle, GentleError> {
         let [low, high] = masters.offsets(scaling);
         (scaling, nearest(wish.from[0], low.value, high.value), Some(end))
     };
+    let sought = [0, 1].map(|index: usize| wish.sought.get(index).copied().flatten().is_some());
+    let (offset, scaling) = match wish.start {
+        Some(master) => start::onto(curve, master, [offset, scaling], sought),
+        None => (offset, scaling),
+    };
     let passed = problem.passed(scaling, offset).ok_or(GentleError::NoPlace)?;
     let slaves = problem.slaves(&passed);
     let [least, greatest] = problem.scalings(&slaves, 3)?;
@@ -266,6 +283,9 @@ fn check(curve: &Curve, wish: &GentleWish) -> Result<(), GentleError> {
             return Err(GentleError::NoNumber { what, value });
         }
     }
+    if let Some(value) = wish.start.filter(|value| !value.is_finite()) {
+        return Err(GentleError::NoNumber { what: "where the master starts", value });
+    }
     for (what, interval) in NAMES.into_iter().zip(wish.sought) {
         let wrong = interval.filter(|[low, high]| low.is_nan() || high.is_nan() || low > high);
         if let Some([value, _]) = wrong {
@@ -308,6 +328,11 @@ impl Problem<'_> {
     fn masters(&self) -> Region {
         let mut region = Region::default();
         region.between([1.0, 0.0], self.interval(1)).between([0.0, 1.0], self.interval(0));
+        if let Some(master) = self.wish.start {
+            let bound = Bound::Start { master };
+            let ends = [self.curve.start(), self.curve.end()].map(|end| (end, bound));
+            region.between([master, 1.0], ends);
+        }
         let [tolerance, _] = self.wish.tappet_tolerance;
         let [offset, scaling, ..] = self.wish.from;
         for place in self.outermost() {

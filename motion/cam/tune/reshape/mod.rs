@@ -11,6 +11,7 @@
 
 mod program;
 pub(super) mod rows;
+mod short;
 mod weight;
 
 use super::super::bounds::{Factors, MasterMotion, Peak, Quantity, SlaveLimits};
@@ -21,6 +22,7 @@ use super::super::largest::{Largest, LimitError};
 use crate::short::Short;
 use clarabel::solver::SolverStatus;
 use program::Problem;
+use short::shortened;
 use weight::Weights;
 
 /// By how much a point may be changed, either way; 0 for what stays.
@@ -137,6 +139,12 @@ const GAIN: f64 = 1e-7;
 pub(super) const POSITION: f64 = 1e-12;
 /// A limit that is exceeded by less than this part is kept.
 const KEPT: f64 = 1e-6;
+/// Where it is kept by points as they are rounded, it is exceeded by rounding alone.
+const ROUNDING: f64 = 1e-12;
+/// The slave may be so far from where it was at a tappet, as a part of how far it goes at all.
+const KEPT_AT_TAPPETS: f64 = 1e-9;
+/// What was to be best may be worse by this part with short points: linear programs know it no better.
+const LOSS: f64 = 1e-7;
 
 /// Moves the points of a polynomial cam within their tolerances so that the master may go as fast as possible.
 ///
@@ -175,6 +183,14 @@ pub fn reshape(knots: &[Knot], wish: &Wish) -> Result<Reshaped, ReshapeError> {
     if !kept {
         return Err(ReshapeError::NoShape);
     }
+    let faster = best.after.value >= before.value;
+    let least = (best.after.value * (1.0 - LOSS)).max(if faster { before.value } else { 0.0 });
+    let reached = |knots: &[Knot]| largest(&Curve::polynomial(knots).ok()?, wish).ok();
+    best.knots = shortened(knots, &best.knots, wish, &|knots| {
+        reached(knots).is_some_and(|found| found.value >= least)
+            && keeps_position(knots, wish).unwrap_or(false)
+    });
+    best.after = largest(&Curve::polynomial(&best.knots)?, wish)?;
     best.programs = problem.programs;
     Ok(best)
 }
@@ -244,7 +260,23 @@ pub fn soften(
         }))
     };
     if after.value < before.value || !stays || !kept(knots)? {
-        (best.knots, best.after) = (moved, after);
+        let gentler = after.value <= before.value;
+        let most = (after.value * (1.0 + LOSS)).min(if gentler { before.value } else { f64::INFINITY });
+        let excess = |curve: &Curve, other| {
+            let limit = wish.limits.of(other);
+            curve.peak(other, &master, Factors::default()).value / limit - 1.0
+        };
+        best.knots = shortened(knots, &moved, wish, &|short| {
+            let Ok(short_curve) = Curve::polynomial(short) else { return false };
+            let others = Quantity::ALL.into_iter().filter(|other| *other != quantity);
+            let peak = short_curve.peak(quantity, &master, Factors::default());
+            peak.value <= most
+                && others.into_iter().all(|other| {
+                    excess(&short_curve, other) <= excess(&curve, other).max(ROUNDING)
+                })
+                && keeps_position(short, wish).unwrap_or(false)
+        });
+        best.after = peak(&best.knots)?;
     }
     Ok(best)
 }

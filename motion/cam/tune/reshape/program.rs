@@ -35,11 +35,15 @@ pub(super) struct Problem<'a> {
     places: Vec<Place>,
     /// Pieces and places in them where the slave's position is limited.
     positions: Vec<(usize, f64)>,
+    /// So far from limits that only have to be kept what is solved stays.
+    margin: f64,
     pub(super) programs: usize,
 }
 
 /// Of the tolerances: so far from a limit of the position what is solved stays, so that Clarabel's last digits keep it.
 const MARGIN: f64 = 1e-6;
+/// Of a limit of the motion that only has to be kept: more than peaks that are not looked at again exceed it.
+const MARGIN_OF_LIMITS: f64 = 2.0 * PEAK;
 
 fn values(knot: &Knot) -> [f64; 3] {
     [knot.slave, knot.velocity, knot.acceleration]
@@ -88,11 +92,24 @@ impl<'a> Problem<'a> {
             })
             .flatten()
             .collect();
-        Self { knots, wish, unknowns, places, positions, programs: 0 }
+        let margin = MARGIN_OF_LIMITS;
+        Self { knots, wish, unknowns, places, positions, margin, programs: 0 }
     }
 
-    /// The points that make the largest part of a limit smallest.
+    /// The points that make the largest part of a limit smallest, a little within the limits that only have to be kept; on them,
+    /// where nothing is left within.
     pub(super) fn solve(&mut self, weights: &Weights) -> Result<Vec<Knot>, ReshapeError> {
+        let only_kept = weights.rows.iter().any(|weight| !weight.counts);
+        match self.solve_within(weights) {
+            Err(ReshapeError::NoShape) if only_kept && self.margin > 0.0 => {
+                self.margin = 0.0;
+                self.solve_within(weights)
+            }
+            solved => solved,
+        }
+    }
+
+    fn solve_within(&mut self, weights: &Weights) -> Result<Vec<Knot>, ReshapeError> {
         let mut moved = self.knots.to_vec();
         for _ in 0..ROUNDS {
             let (shares, part) = self.program(weights)?;
@@ -132,7 +149,7 @@ impl<'a> Problem<'a> {
             }
             for (row, weight) in weights.rows.iter().enumerate() {
                 let [a, b, c] = weight.factors;
-                let most = if weight.counts { part } else { 1.0 };
+                let most = if weight.counts { part } else { 1.0 - self.margin };
                 let mut sum: Coefficients = [0.0; 7];
                 for (((sum, first), second), third) in
                     sum.iter_mut().zip(first).zip(second).zip(third)
@@ -217,7 +234,7 @@ impl<'a> Problem<'a> {
             for sign in [1.0, -1.0] {
                 let entries = factors.iter().map(|(column, factor)| (*column, sign * factor));
                 // What counts is the part that is made small, the others keep their limits.
-                let (part, most) = if weight.counts { (-1.0, 0.0) } else { (0.0, 1.0) };
+                let (part, most) = if weight.counts { (-1.0, 0.0) } else { (0.0, 1.0 - self.margin) };
                 rows.add(entries.chain([(n, part)]), most - sign * constant);
             }
         }

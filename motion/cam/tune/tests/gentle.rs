@@ -28,6 +28,7 @@ fn wish(quantity: Quantity) -> GentleWish {
         sought: [None; 4],
         master: MasterMotion { velocity: VELOCITY, acceleration: 0.0, jerk: 0.0 },
         travel: None,
+        start: None,
         limits: SlaveLimits::NONE,
         position: [f64::NEG_INFINITY, f64::INFINITY],
         stroke: 0.0,
@@ -297,4 +298,32 @@ fn a_position_that_no_scaling_keeps_is_told() {
     };
     assert_eq!(unknown, "SlaveScaling");
     assert!([one, other].contains(&Bound::Position { limit: 10.0 }), "{one} {other}");
+}
+
+/// The master is at 20 when the slave is coupled, which has to be on the cam, 0 to 360: with half the scaling an offset of −10 to 350.
+/// Of the smallest scaling the nearest offset is the answer; where the offset stays, the scaling is held.
+#[test]
+fn the_master_starts_on_the_cam() {
+    let sought = [Some([-100.0, 100.0]), Some([0.5, 1.0]), None, None];
+    let start = |start, from| GentleWish {
+        sought,
+        from,
+        start: Some(start),
+        ..wish(Quantity::Acceleration)
+    };
+    let held = Bound::Start { master: 20.0 };
+    for (from, expected, by) in [(-30.0, -10.0, vec![held]), (-5.0, -5.0, vec![]), (7.0, 7.0, vec![])] {
+        let found = gentle(&lift(), &start(20.0, [from, 1.0, 0.0, 1.0])).expect("a place");
+        assert_eq!(found.values, [expected, 0.5, 0.0, 1.0]);
+        assert_eq!(found.held[0], by);
+    }
+    // 20 · s − 12 is not less than 0.
+    let mut task = start(20.0, [-12.0, 1.0, 0.0, 1.0]);
+    task.sought[0] = None;
+    let found = gentle(&lift(), &task).expect("a place");
+    assert!((found.values[1] - 0.6).abs() < 1e-15 && 20.0 * found.values[1] - 12.0 >= 0.0, "{found:?}");
+    assert_eq!(found.held[1], vec![held]);
+    task.from[0] = -25.0;
+    let error = gentle(&lift(), &task).expect_err("beyond").to_string();
+    assert!(error.contains("the start with the master at 20"), "{error}");
 }

@@ -291,3 +291,75 @@ fn gentle_at_a_given_velocity() {
     let none = soften(&knots, &wish, Quantity::Acceleration, 100.0);
     assert_eq!(none, Err(ReshapeError::NoShape));
 }
+
+/// How many characters a value takes.
+fn digits(value: f64) -> usize {
+    value.to_string().trim_start_matches('-').replace('.', "").trim_start_matches('0').len()
+}
+
+/// Points are short decimals: those that go as far as they may are at the end of their tolerance, the others have no more digits
+/// than limits and tappets ask for; and with them nothing is exceeded, not in the last digit.
+#[test]
+fn points_are_short() {
+    let knots = [
+        Knot::at_rest(0.0, 0.0),
+        Knot::at_rest(120.0, 70.0),
+        Knot::at_rest(180.0, 100.0),
+        Knot::at_rest(360.0, 0.0),
+    ];
+    let none = Tolerance::default();
+    let free = Tolerance { slave: 1.0, velocity: 0.1, acceleration: 0.0 };
+    let found = reshape(&knots, &wish(vec![none, free, none, none], acceleration(5000.0)));
+    let found = found.expect("a shape");
+    assert_eq!((found.knots[1].slave, found.knots[1].velocity), (71.0, 0.1), "{found:?}");
+    let mut most = [0; 2];
+    for seed in 0..40_u64 {
+        let mut random = Random(seed + 900);
+        let round = |value: f64, unit: f64| (value / unit).round() * unit;
+        let knots: Vec<_> = (0..6_i32)
+            .map(|index| Knot {
+                master: 60.0 * f64::from(index),
+                slave: round(random.between(0.0, 100.0), 1.0),
+                velocity: round(random.between(-1.0, 1.0), 0.25),
+                acceleration: 0.0,
+            })
+            .collect();
+        let tolerances: Vec<_> = (0..6)
+            .map(|_| Tolerance {
+                slave: if random.share() < 0.4 { 0.0 } else { 2.0 },
+                velocity: 0.5,
+                acceleration: 0.03125,
+            })
+            .collect();
+        let held = if seed % 2 == 0 { vec![] } else { vec![100.0, 215.5] };
+        let fastest = Curve::polynomial(&knots).expect("a curve").extremes().velocity.magnitude();
+        // At 100 u/s the velocity may not grow.
+        let limits = SlaveLimits { velocity: 100.0 * fastest, ..SlaveLimits::NONE };
+        let wish = Wish { held: held.clone(), ..wish(tolerances.clone(), limits) };
+        let found = soften(&knots, &wish, Quantity::Acceleration, 100.0);
+        let found = found.unwrap_or_else(|error| panic!("{seed}: {error}"));
+        let [old, new] =
+            [&knots, &found.knots].map(|knots| Curve::polynomial(knots).expect("a curve"));
+        let master = MasterMotion { velocity: 100.0, ..MasterMotion::default() };
+        let reached = new.peak(Quantity::Velocity, &master, Factors::default()).value;
+        assert!(reached <= limits.velocity * (1.0 + 1e-12), "{seed}: {reached} {limits:?}");
+        assert_eq!(found.after, new.peak(Quantity::Acceleration, &master, Factors::default()));
+        for at in &held {
+            let [a, b] = [&old, &new].map(|curve| curve.at(*at).position);
+            assert!((a - b).abs() < 1e-6, "{seed}: {a} {b}");
+        }
+        for ((before, after), tolerance) in knots.iter().zip(&found.knots).zip(&tolerances) {
+            for (before, after, tolerance) in [
+                (before.slave, after.slave, tolerance.slave),
+                (before.velocity, after.velocity, tolerance.velocity),
+                (before.acceleration, after.acceleration, tolerance.acceleration),
+            ] {
+                assert!((after - before).abs() <= tolerance, "{seed}: {before} {after}");
+                let most = &mut most[usize::from(seed % 2 == 1)];
+                *most = (*most).max(digits(after));
+            }
+        }
+    }
+    // Seven say an optimum that is known to 1e-7; tappets that are held to 1e-9 of the height ask for more.
+    assert!(most[0] <= 10 && most[1] <= 14, "{most:?}");
+}

@@ -1,0 +1,178 @@
+//! `twin tune cam` and `twin cam check` about the start: what is proposed starts, or is not proposed (error 626).
+
+use crate::process::Desk;
+use serde_json::Value;
+use std::fmt::Write;
+
+/// Goes up in another way than down.
+const LIFT: &str = r#"name = "lift"
+master = { min = 0, max = 360, unit = "deg" }
+slave = { min = 0, max = 100, unit = "mm", period = 100 }
+elements = [
+  { master = 0, slave = 0 },
+  { master = 120, slave = 70 },
+  { master = 180, slave = 100 },
+  { master = 360, slave = 0 },
+]
+"#;
+
+/// The lift, from its points alone; it rests beyond its ends.
+fn lift(place: f64) -> f64 {
+    let ease = |part: f64| part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part);
+    match place {
+        at if at < 0.0 => 0.0,
+        at if at < 120.0 => 70.0 * ease(at / 120.0),
+        at if at < 180.0 => 70.0 + 30.0 * ease((at - 120.0) / 60.0),
+        at if at < 360.0 => 100.0 - 100.0 * ease((at - 180.0) / 180.0),
+        _ => 0.0,
+    }
+}
+
+/// A slave that is 1.8 deg ahead of where it should be, 400 deg/s from `first` on, with a little noise.
+fn recorded(first: f64, samples: u32) -> String {
+    let mut text = String::from("time_s,master_deg,slave_mm\n");
+    for index in 0..samples {
+        let mixed = u64::from(index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40;
+        let noise = 0.02 * (f64::from(u32::try_from(mixed).expect("24 bits")) / 16_777_216.0 - 0.5);
+        let master = first + 0.4 * f64::from(index);
+        writeln!(text, "{},{master},{}", 0.001 * f64::from(index), lift(master + 1.8) + noise)
+            .expect("text");
+    }
+    text
+}
+
+fn object(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
+}
+
+const TUNE: [&str; 7] =
+    ["tune", "cam", "lift.toml", "--run", "run.csv", "--find", "master-offset"];
+
+/// −1.8 undoes it. Put end to end, 358.2 is the same motion, and starts with the master at 0; passed once, nothing but 0 does, and
+/// that is what is left; from 5 on −1.8 starts.
+#[test]
+fn what_is_proposed_starts_where_the_run_does() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    desk.write("run.csv", &recorded(0.0, 880));
+    let tune = |more: &[&str]| desk.twin(&[&TUNE[..], more].concat());
+    let done = tune(&["--format", "json"]);
+    done.ended(0, "");
+    let found = object(&done.stdout);
+    let offset = number(&found["coupling"]["master_offset"]);
+    assert!((offset - 358.2).abs() < 0.02, "{found}");
+    let (without, start) = (&found["start"]["told_without"]["master_offset"], &found["start"]);
+    assert!((number(without) - (offset - 360.0)).abs() < 1e-9, "{start}");
+    assert_eq!((&start["master"], &start["known_by"]), (&Value::from(0.0), &Value::from("run")));
+    assert!((number(&start["min"]) + offset).abs() < 1e-9, "{start}");
+    // Known as well as before, and the error is that of the noise: 0.02/√12.
+    assert!(number(&found["fit"]["proposed"]["MasterOffset"]["half_width_95"]) > 0.0, "{found}");
+    assert!(number(&found["fit"]["rms_after"]) < 0.007, "{found}");
+    let done = tune(&[]);
+    for words in ["MasterOffset is told as 358.", "with the master at 0 deg", "elsewhere it ends with error 626"] {
+        assert!(done.stdout.contains(words), "{words} in {}", done.stdout);
+    }
+    // What is written does start, and what was proposed without that would not.
+    tune(&["--write", "new.toml"]).ended(0, "written to new.toml");
+    let check = |name: &str, more: &[&str]| {
+        desk.twin(&[&["cam", "check", name, "--master-start", "0"], more].concat())
+    };
+    check("new.toml", &[]).ended(0, "");
+    check("lift.toml", &["--master-offset=-1.8"]).ended(1, "error 626: that is -1.8 of the cam");
+
+    let once = tune(&["--once", "--write", "new.toml", "--force"]);
+    once.ended(0, "");
+    for words in [
+        "that MC_CamIn starts leaves an error of",
+        "MasterOffset: 0, held by the start with the master at 0 deg (error 626 beyond) (-1.8",
+        "nothing is to be changed",
+    ] {
+        assert!(once.stdout.contains(words), "{words} in {}", once.stdout);
+    }
+    let later = tune(&["--once", "--master-start", "5", "--format", "json"]);
+    later.ended(0, "");
+    let found = object(&later.stdout);
+    assert!((number(&found["coupling"]["master_offset"]) + 1.8).abs() < 0.02, "{found}");
+    assert!((number(&found["start"]["min"]) - 1.8).abs() < 0.02, "{found}");
+    assert_eq!(found["limited"], Value::Null);
+    // With limits as well, and with points that are moved.
+    let both = tune(&["--once", "--reshape", "120:1,0.1", "--max-acceleration", "9000"]);
+    both.ended(0, "");
+    assert!(both.stdout.contains("MasterOffset: 0, held by the start"), "{}", both.stdout);
+    let scaling = ["--once", "--master-start", "0", "--master-offset", "-3", "--write"];
+    let tune = ["tune", "cam", "lift.toml", "--find", "slave-scaling", "--max-velocity", "300"];
+    let master = ["--master-velocity", "400"];
+    let done = desk.twin(&[&tune[..], &scaling, &master].concat());
+    done.ended(1, "with the master at 0 MC_CamIn would end with error 626").ended(1, "from 3 to 363 deg");
+    assert_eq!(std::fs::read_to_string(desk.path("lift.toml")).expect("there"), LIFT);
+}
+
+/// A run that begins on a later pass begins the ramp at the same place of the one that starts; of a cam that is passed once the ramp
+/// begins where the master comes onto it.
+#[test]
+fn a_ramp_that_begins_as_a_run_does() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    let limits = ["--max-velocity", "900", "--max-acceleration", "20000", "--ramp-in", "run"];
+    let tune = |more: &[&str]| desk.twin(&[&TUNE[..], &limits, more].concat());
+    // Three turns on, the slave 1.8 deg ahead.
+    let text = recorded(10.0, 800);
+    let later: String = text
+        .lines()
+        .map(|line| {
+            let cells: Vec<_> = line.split(',').collect();
+            let master = cells[1].parse::<f64>().map(|master| (master + 1080.0).to_string());
+            format!("{},{},{}\n", cells[0], master.unwrap_or_else(|_| cells[1].to_owned()), cells[2])
+        })
+        .collect();
+    desk.write("run.csv", &later);
+    let done = tune(&["--format", "json"]);
+    done.ended(0, "");
+    let ramp = &object(&done.stdout)["start"]["ramp"];
+    assert!((number(&ramp["master"]) - 10.0).abs() < 1e-9 && number(&ramp["passes"]) == 3.0, "{ramp}");
+    let done = tune(&[]);
+    assert!(done.stdout.contains("the run begins 3 passes of the cam on"), "{}", done.stdout);
+    desk.write("run.csv", &recorded(-20.3, 880));
+    let done = tune(&["--once"]);
+    done.ended(0, "");
+    let said = "the run begins beyond the cam: the ramp begins where its master comes onto the cam, in line ";
+    assert!(done.stdout.contains(said), "{}", done.stdout);
+    let done = tune(&["--once", "--format", "json"]);
+    let ramp = &object(&done.stdout)["start"]["ramp"];
+    let line = ramp["line"].as_u64().expect("a line");
+    // Line 2 is the first one, at −20.3; with an offset of −1.8 the cam begins at 1.8, 56 samples on.
+    assert!((57..=58).contains(&line), "{ramp}");
+}
+
+/// Without knowing where the master starts the check says from where to where it may be, with it where the slave has to be.
+#[test]
+fn the_check_says_where_it_starts() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    let check = |more: &[&str]| {
+        desk.twin(&[&["cam", "check", "lift.toml", "--master-offset", "25"], more].concat())
+    };
+    let done = check(&[]);
+    done.ended(0, "");
+    let said = "MC_CamIn starts with the master from -25 to 335 deg, elsewhere it ends with error 626";
+    assert!(done.stdout.contains(said), "{}", done.stdout);
+    // 95 of the cam.
+    let done = check(&["--master-start", "70"]);
+    let slave = format!("{:.2}", lift(95.0));
+    let said = format!("starts with the master at 70 deg: at 95 of the cam, which has the slave at {slave}");
+    assert!(done.stdout.contains(&said), "{said} in {}", done.stdout);
+    let done = check(&["--master-start", "340", "--once"]);
+    done.ended(1, "with the master at 340 deg MC_CamIn ends with error 626: that is 365 of the cam")
+        .ended(1, "it starts with the master from -25 to 335 deg");
+    check(&["--master-start", "340"]).ended(1, "MasterOffset -335 is the same motion");
+    let done = check(&["--master-start", "340", "--format", "json"]);
+    let start = &object(&done.stdout)["start"];
+    assert_eq!((&start["starts"], number(&start["place"])), (&Value::from(false), 365.0), "{start}");
+    let both = ["tune", "cam", "lift.toml", "--ramp-in", "0,0", "--master-start", "1"];
+    desk.twin(&both).ended(2, "give one of them");
+}

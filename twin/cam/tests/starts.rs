@@ -1,0 +1,192 @@
+//! Where `MC_CamIn` starts: held against the coupling itself, the same motion told by whole passes, and where runs begin.
+
+use super::found::{LIFT, Random, cam, using};
+use crate::cam::check::{AxisLimits, CamCheck, CamUse};
+use crate::cam::run::{RecordedRun, RunSample};
+use crate::cam::tune::{TuneError, begin, started_at};
+use crate::cam::CamFile;
+use crate::finding::Rule;
+use std::sync::Arc;
+use twin_motion::axis::profile::State;
+use twin_motion::cam::{CamCoupling, CamTable, CouplingError};
+
+/// 100 forwards in every pass.
+const SHEAR: &str = r#"
+name = "shear"
+master = { min = 0, max = 300, unit = "mm" }
+slave = { min = 0, max = 100, unit = "mm" }
+elements = [{ master = 0, slave = 0, velocity = 0.2 }, { master = 300, slave = 100, velocity = 0.2 }]
+"#;
+
+fn at(position: f64, velocity: f64) -> State {
+    State { position, velocity, acceleration: 0.0 }
+}
+
+/// The coupling of a use of the cam, started with the master there.
+fn started(file: &CamFile, using: &CamUse, master: f64) -> Result<CamCoupling, CouplingError> {
+    let mut table = CamTable::new(Arc::new(file.cam.clone()));
+    table.periodic = using.repeated;
+    CamCoupling::start(table, using.coupling.input, &at(master, 0.0), &at(0.0, 0.0), 0)
+}
+
+fn random_use(random: &mut Random, file: &CamFile) -> CamUse {
+    let mut use_it = using(file, 1.0, AxisLimits::NONE);
+    use_it.repeated = random.share() < 0.5;
+    let input = &mut use_it.coupling.input;
+    input.master_offset = random.between(-900.0, 900.0);
+    input.master_scaling = random.between(0.5, 2.0) * if random.share() < 0.5 { 1.0 } else { -1.0 };
+    input.slave_offset = random.between(-10.0, 10.0);
+    input.slave_scaling = random.between(-2.0, 2.0);
+    use_it
+}
+
+/// It starts where the block does, and nowhere else; the ends of the range are told.
+#[test]
+fn it_starts_where_the_block_does() {
+    let (lift, shear) = (cam(LIFT), cam(SHEAR));
+    let mut random = Random(9);
+    let mut both = [0; 2];
+    for round in 0..400 {
+        let file = if round % 2 == 0 { &lift } else { &shear };
+        let mut use_it = random_use(&mut random, file);
+        let [from, to] = use_it.starts(file.cam.curve());
+        let width = to - from;
+        for master in [from - 0.01 * width, from + 0.01 * width, to - 0.01 * width, to + 0.01 * width]
+        {
+            let block = started(file, &use_it, master);
+            assert_eq!(use_it.starts_at(file.cam.curve(), master), block.is_ok(), "{use_it:?} {master}");
+            assert_eq!(block.is_ok(), from < master && master < to);
+            both[usize::from(block.is_ok())] += 1;
+            use_it.start = Some(master);
+            let check = CamCheck::new(file, use_it);
+            let told = check.findings.iter().any(|finding| finding.rule == Rule::Coupling);
+            assert_eq!(told, block.is_err());
+            assert_eq!(check.json()["start"]["starts"], block.is_ok());
+        }
+    }
+    assert_eq!(both, [800, 800]);
+}
+
+/// What is told in place of an offset that does not start does, and the slave goes the same way; with a slave that goes round
+/// what whole passes gain need not be told.
+#[test]
+fn whole_passes_are_the_same_motion() {
+    let (lift, shear) = (cam(LIFT), cam(SHEAR));
+    let mut random = Random(4);
+    let mut folded = 0;
+    for round in 0..300 {
+        let file = if round % 2 == 0 { &lift } else { &shear };
+        let use_it = random_use(&mut random, file);
+        let master = random.between(-500.0, 500.0);
+        let Some(told) = use_it.folded(file, master) else {
+            assert!(!use_it.repeated || started(file, &use_it, master).is_ok());
+            continue;
+        };
+        folded += 1;
+        let mut coupling = started(file, &told, master).expect("it starts");
+        let wanted = |master: f64| {
+            let y = file.cam.curve().repeated(use_it.place_at(master)).position;
+            use_it.slave_at(y)
+        };
+        for step in 0..50_u32 {
+            let now = master + 20.0 * f64::from(step);
+            let slave = coupling.step(&at(now, 0.0), i64::from(step)).expect("on the cam").slave;
+            assert!((slave.position - wanted(now)).abs() < 1e-6, "{use_it:?} {told:?} {now}");
+        }
+    }
+    assert!(folded > 60, "{folded}");
+    // A decimal stays one; twice 100 forwards are 200 less.
+    let mut use_it = using(&shear, 1.0, AxisLimits::NONE);
+    use_it.repeated = true;
+    use_it.coupling.input.master_offset = -1.8;
+    let told = use_it.folded(&shear, 0.0).expect("another pass").coupling.input;
+    assert_eq!((told.master_offset, told.slave_offset), (298.2, -100.0));
+    use_it.limits.period = Some(50.0);
+    let told = use_it.folded(&shear, -300.0).expect("another pass").coupling.input;
+    assert_eq!((told.master_offset, told.slave_offset), (598.2, 0.0));
+    // One that is passed once does not come again.
+    use_it.repeated = false;
+    assert_eq!(use_it.folded(&shear, 0.0), None);
+    use_it.start = Some(0.0);
+    let finding = CamCheck::new(&shear, use_it).findings.remove(0);
+    assert!(finding.message.contains("error 626: that is -1.8 of the cam"), "{}", finding.message);
+    let hint = finding.hint.expect("what to do");
+    for words in ["from 1.8 to 301.8 mm", "MasterOffset from 0 to 300"] {
+        assert!(hint.contains(words), "{hint}");
+    }
+}
+
+/// A master that goes 200 u/s, by 0.2 in each sample.
+fn run(file: &CamFile, use_it: &CamUse, first: f64, noise: &mut dyn FnMut() -> f64) -> RecordedRun {
+    let sample = |index: u32| {
+        let master = first + 0.2 * f64::from(index);
+        let x = use_it.place_at(master);
+        let curve = file.cam.curve();
+        let y = if use_it.repeated { curve.repeated(x) } else { curve.at(x) };
+        RunSample {
+            line: u64::from(index) + 2,
+            time_s: 0.001 * f64::from(index),
+            master: master + noise(),
+            slave: use_it.slave_at(y.position),
+            outputs: Vec::new(),
+        }
+    };
+    RecordedRun { groups: Vec::new(), samples: (0..2000).map(sample).collect() }
+}
+
+/// A run begins with its coupling where that starts, also where noise puts the master beside the begin of the cam; else nobody
+/// knows.
+#[test]
+fn where_a_run_was_coupled() {
+    let file = cam(LIFT);
+    let use_it = using(&file, 200.0, AxisLimits::NONE);
+    let still = &mut || 0.0;
+    for (first, expected) in [(0.0, Some(0.0)), (7.5, Some(7.5)), (-3.0, None), (400.0, None)] {
+        assert_eq!(started_at(&file, &use_it, &run(&file, &use_it, first, still)), expected);
+    }
+    for seed in 0..50 {
+        let mut random = Random(seed);
+        let noisy = run(&file, &use_it, 0.0, &mut || 0.01 * random.normal());
+        assert_eq!(started_at(&file, &use_it, &noisy), Some(0.0), "{seed}");
+    }
+    let mut other = use_it;
+    (other.coupling.input.master_offset, other.coupling.input.master_scaling) = (0.3, 0.7);
+    let first = -0.3 / 0.7;
+    let mut random = Random(1);
+    let noisy = run(&file, &other, first, &mut || 0.01 * random.normal());
+    let found = started_at(&file, &other, &noisy).expect("at the begin");
+    assert!((found - first).abs() < 1e-12 && started(&file, &other, found).is_ok());
+}
+
+/// Where a ramp begins that is to begin as a run does: of a cam that is put end to end on the pass on which the block starts, of
+/// one that is passed once where the run comes onto it.
+#[test]
+fn where_a_ramp_begins_as_a_run_does() {
+    let still = &mut || 0.0;
+    for (text, gained) in [(LIFT, 0.0), (SHEAR, 100.0)] {
+        let file = cam(text);
+        let mut use_it = using(&file, 200.0, AxisLimits::NONE);
+        use_it.repeated = true;
+        let width = file.cam.curve().end();
+        for passes in [-2.0, 0.0, 1.0] {
+            let run = run(&file, &use_it, 37.0 + passes * width, still);
+            let found = begin(&file, &use_it, &run, None).expect("a begin");
+            assert_eq!((found.passes, found.before, found.line), (passes, 0, 2));
+            assert!((found.master - 37.0).abs() < 1e-9);
+            assert!(started(&file, &use_it, found.master).is_ok());
+            let there = run.samples[0].slave - passes * gained;
+            assert!((found.slave.position - there).abs() < 1e-9, "{found:?} {there}");
+        }
+        use_it.repeated = false;
+        let found = begin(&file, &use_it, &run(&file, &use_it, -5.1, still), None);
+        let found = found.expect("a begin");
+        assert_eq!((found.line, found.before), (28, 26));
+        assert!((found.master - 0.1).abs() < 1e-9, "{found:?}");
+        let slope = file.cam.curve().at(0.1).velocity * 200.0;
+        assert!((found.slave.velocity - slope).abs() < 0.5, "{found:?} {slope}");
+        let beyond = begin(&file, &use_it, &run(&file, &use_it, 500.0, still), None);
+        let error = beyond.expect_err("never on the cam");
+        assert!(matches!(&error, TuneError::BeyondCam { range, .. } if *range == [0.0, width]));
+        assert!(error.to_string().contains("--ramp-in MASTER,SLAVE"), "{error}");
+    }
+}

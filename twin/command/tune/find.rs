@@ -1,0 +1,192 @@
+//! Finds what `twin tune cam` is asked for, one thing after the other.
+
+use super::cam::Arguments;
+use super::least::Shown;
+use super::outcome::with_knots;
+use super::report::Report;
+use super::words::SlaveColumn;
+use crate::cam::CamFile;
+use crate::cam::check::{AxisLimits, CamUse};
+use crate::cam::run::RecordedRun;
+use crate::cam::tune::{
+    self, Deviation, Least, Told, TuneError, Within, errors, fit_run, limited, minimise, ramp, ramp_wish,
+    run_dead_time, shape, within_limits,
+};
+use twin_motion::axis::profile::State;
+use twin_motion::cam::file::clean;
+use twin_motion::cam::tune::{Fit, RampGoal};
+use twin_motion::cam::{Quantity, StartMode};
+
+/// Within this part of itself `MasterScaling` is looked for in a run, if nothing else is said.
+const USUAL_RANGE: f64 = 0.05;
+
+/// Finds what is asked for.
+pub(super) fn tuned(
+    arguments: &Arguments,
+    file: &CamFile,
+    recorded: Option<&RecordedRun>,
+    report: &mut Report<'_>,
+) -> Result<(), TuneError> {
+    let before = report.before;
+    let deviation = match recorded {
+        Some(run) => from_run(arguments, file, run, report)?,
+        None => None,
+    };
+    // What was measured moves the slave, not the tappets; of a motion that was taught they are a part.
+    let held = deviation.is_some() || recorded.is_none();
+    let peak = arguments.least.least(&arguments.find, recorded.and_then(tune::travel));
+    if let (Some(run), Some(fit)) = (recorded, report.fit) {
+        // Shapes and peaks give way to limits themselves: here they have to start.
+        let gives_way = peak.is_some() || !arguments.reshape.is_empty();
+        within_run(arguments, (file, run, &fit), deviation.as_ref(), gives_way, report)?;
+    } else if recorded.is_none() && peak.is_none() && !arguments.find.is_empty() {
+        let range = arguments.scaling_range;
+        let Within { using, held } = within_limits(file, &before, arguments.free(), range)?;
+        report.after = using;
+        report.within = Some(held);
+    }
+    if held {
+        report.kept = tune::keep_tappets(file, &before, &report.after)?.map(Box::new);
+    }
+    let moved = report.kept.as_ref().map(|kept| kept.file.clone());
+    let file = moved.as_ref().unwrap_or(file);
+    if let Some(least) = peak {
+        // From where the slave does what is wanted.
+        let corrected = report.after;
+        let least = arguments.within_range(least, &before, &corrected);
+        let (mut after, found) = minimise(file, &corrected, &least)?;
+        if let Some(deviation) = &deviation {
+            after.coupling.wanted = tune::wants(deviation, &corrected, &after);
+        }
+        report.after = after;
+        report.least = Some(found);
+    }
+    report.fold();
+    let mut shaped = None;
+    if !arguments.reshape.is_empty() {
+        let found = shape(file, &report.after, &arguments.reshape, arguments.goal.into())?;
+        shaped = Some(with_knots(file, &found.knots));
+        report.shaped = Some(found);
+        report.goal = Some(arguments.goal.into());
+    }
+    let from = match arguments.ramp_in {
+        Some(Shown::Given([master, position, velocity])) => {
+            Some((master, State { position, velocity, acceleration: 0.0 }))
+        }
+        Some(Shown::Run) => match recorded {
+            Some(run) => {
+                let begin = tune::begin(file, &report.after, run, deviation.as_ref())?;
+                report.begin = Some(begin);
+                Some((begin.master, begin.slave))
+            }
+            None => None,
+        },
+        None => None,
+    };
+    if let Some((master, slave)) = from {
+        let least = arguments.least.quantity().unwrap_or(Quantity::Acceleration);
+        let goal = arguments
+            .within
+            .map_or(RampGoal::Soonest, |within_s| RampGoal::Gentlest { within_s, least });
+        let cam = match &shaped {
+            Some(Some(moved)) => moved,
+            _ => file,
+        };
+        let wish = ramp_wish(cam, &report.after, master, slave, (arguments.ramp.into(), goal));
+        let found = ramp(&wish)?;
+        report.start = Some(Box::new(wish));
+        let input = &mut report.after.coupling.input;
+        input.velocity_difference = clean(found.velocity_difference);
+        input.acceleration = clean(found.acceleration);
+        input.deceleration = clean(found.deceleration);
+        if matches!(input.start_mode, StartMode::Absolute | StartMode::Relative) {
+            input.start_mode = StartMode::RampIn;
+        }
+        report.ramp = Some((arguments.ramp.into(), found));
+    }
+    Ok(())
+}
+
+/// What the limits leave of what a run tells, and whether it starts; the limits do not count where something else gives way.
+fn within_run(
+    arguments: &Arguments,
+    (file, run, fit): (&CamFile, &RecordedRun, &Fit),
+    deviation: Option<&Deviation>,
+    gives_way: bool,
+    report: &mut Report<'_>,
+) -> Result<(), TuneError> {
+    let limits = report.after.limits;
+    let counts = if gives_way {
+        AxisLimits { period: limits.period, ..AxisLimits::NONE }
+    } else {
+        limits
+    };
+    let proposed = CamUse { limits: counts, ..report.after };
+    let (before, scaling_range) = (report.before, arguments.scaling_range);
+    let told = Told { before: &before, proposed: &proposed, fit, deviation, scaling_range };
+    if let Some((after, found)) = limited(file, &told, run, arguments.free())? {
+        (report.after, report.limited) = (CamUse { limits, ..after }, Some(found));
+        // Limits have no intervals.
+        report.proposed = None;
+        let [_, errors] = report.run_errors(run);
+        report.error_after = Some(tune::rms(&errors));
+    }
+    Ok(())
+}
+
+/// Finds what a run tells; how the slave deviates, if it was measured.
+fn from_run(
+    arguments: &Arguments,
+    file: &CamFile,
+    run: &RecordedRun,
+    report: &mut Report<'_>,
+) -> Result<Option<Deviation>, TuneError> {
+    let before = report.before;
+    let mut deviation = None;
+    report.samples = run.samples.len();
+    let measured = arguments.slave == SlaveColumn::Measured;
+    // The slave is where it is wanted but for what is to be found.
+    let reference = if measured { tune::wanted(&before) } else { before };
+    report.error_before = Some(tune::rms(&errors(file, &reference, run)));
+    let found = fit_run(file, &reference, run, arguments.free(), arguments.scaling_range.unwrap_or(USUAL_RANGE))?;
+    let did = tune::as_fitted(&before, &found);
+    if measured {
+        let (after, by) = tune::corrected(file, &before, &found);
+        report.proposed = Some(tune::within(&by, &reference, &after));
+        (report.after, deviation) = (after, Some(by));
+        report.wanted = Some(reference);
+    } else {
+        let input = &mut report.after.coupling.input;
+        input.master_offset = tune::rounded(found.master_offset);
+        input.master_scaling = tune::rounded(found.master_scaling);
+        input.slave_offset = tune::rounded(found.slave_offset);
+        input.slave_scaling = tune::rounded(found.slave_scaling);
+    }
+    report.error_after = Some(tune::rms(&errors(file, &did, run)));
+    report.did = Some(did);
+    report.fit = Some(found);
+    if !run.groups.is_empty() {
+        // The tappets of a slave that was measured are where the coupling in effect has them.
+        let register = if measured { before } else { did };
+        let (found, seen) = run_dead_time(file, &register, run)?;
+        let time = found.dead_time_s;
+        // What is compensated to within what the run tells stays.
+        if !time.holds(before.coupling.dead_time_s) {
+            report.after.coupling.dead_time_s = tune::rounded(time);
+        }
+        report.dead_time = Some((found, seen));
+    }
+    Ok(deviation)
+}
+
+impl Arguments {
+    /// `MasterScaling` without an interval of its own stays within the range that was said.
+    fn within_range(&self, mut least: Least, before: &CamUse, corrected: &CamUse) -> Least {
+        let [_, scaling, ..] = &mut least.sought;
+        let anything = scaling.filter(|[low, high]| low.is_infinite() && high.is_infinite());
+        if self.scaling_range.is_some() && anything.is_some() {
+            *scaling = Some(tune::scalings(self.scaling_range, before, corrected));
+        }
+        least
+    }
+}
