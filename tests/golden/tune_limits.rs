@@ -203,3 +203,70 @@ fn the_least_change_is_the_least() {
     assert!(found < change(0.893, 1.0, 0.975), "{coupling}");
     desk.twin(&[&["cam", "check", "pick.toml"], &limits[..]].concat()).ended(0, "");
 }
+
+/// What holds each value is told without a run, too, and what changes with the others is told apart from it: the position alone
+/// holds the offset of the slave, velocity or acceleration both scalings.
+#[test]
+fn what_holds_the_least_change_is_told() {
+    let desk = Desk::new();
+    desk.write("pick.toml", PICK);
+    let tune = |find: &str, more: &[&str]| {
+        let tune = ["tune", "cam", "pick.toml", "--master-velocity", "360", "--find", find];
+        desk.twin(&[&tune[..], more].concat())
+    };
+    let done = tune("slave-offset", &["--position-min", "1", "--position-max", "90"]);
+    done.ended(0, "");
+    let said = "SlaveOffset: 0 → 1 keeps the limits, held by the position, 1 mm\n";
+    assert!(done.stdout.contains(said), "{}", done.stdout);
+    let done = tune("slave-scaling,master-scaling", &["--max-acceleration", "7000"]);
+    done.ended(0, "");
+    for name in ["SlaveScaling: 1 → 0.", "MasterScaling: 1 → 0."] {
+        let line = done.stdout.lines().find(|line| line.starts_with(name)).expect("told");
+        assert!(line.ends_with(" keeps the limits, held by the acceleration, 7000 mm/s²"), "{line}");
+    }
+    let limits = ["--max-acceleration", "7000", "--position-max", "79", "--format", "json"];
+    let found = object(&tune("slave-scaling,slave-offset", &limits).stdout);
+    let held = &found["within"]["held"];
+    assert_eq!(held["SlaveScaling"], serde_json::json!(["the acceleration, 7000 mm/s²"]), "{found}");
+    assert_eq!(held["MasterScaling"], serde_json::json!([]));
+    assert_eq!(found["within"]["from"], serde_json::json!([0.0, 1.0, 0.0, 1.0]));
+}
+
+/// 6,000 of the acceleration ask for 0.87 of the master alone: within 0.05 of it nothing does, if that was said, and the slave
+/// gives way for the rest.
+#[test]
+fn a_range_of_the_scaling_that_was_given_is_kept() {
+    let desk = Desk::new();
+    desk.write("pick.toml", PICK);
+    desk.write("run.csv", &recorded(0.0, 1.0));
+    let scaling = (6000.0 / peak(360.0)).sqrt();
+    assert!(scaling < 0.9);
+    let limits = ["--max-acceleration", "6000", "--master-velocity", "360"];
+    let tune = |find: &str, more: &[&str]| {
+        let tune = ["tune", "cam", "pick.toml", "--find", find];
+        desk.twin(&[&tune[..], &limits, more].concat())
+    };
+    let json = ["--format", "json"];
+    let found = object(&tune("master-scaling", &json).stdout);
+    assert!((number(&found["coupling"]["master_scaling"]) / scaling - 1.0).abs() < 1e-9, "{found}");
+    let range = ["--scaling-range", "0.05"];
+    tune("master-scaling", &range)
+        .ended(1, "no MasterScaling keeps the limits: the slave's limit of acceleration, 6000, and")
+        .ended(1, "0.95");
+    let both = "master-scaling,slave-scaling";
+    let found = object(&tune(both, &[&range[..], &json].concat()).stdout);
+    assert_eq!(number(&found["coupling"]["master_scaling"]), 0.95, "{found}");
+    let rest = 6000.0 / peak(0.95 * 360.0);
+    assert!((number(&found["coupling"]["slave_scaling"]) / rest - 1.0).abs() < 1e-9, "{found}");
+    let told = tune(both, &range).stdout;
+    assert!(told.contains("held by the acceleration, 6000 mm/s² and the end of --scaling-range, 0.95"), "{told}");
+    // The same with a run, and for the smallest peak: there its end is what holds it.
+    let run = ["--run", "run.csv", "--scaling-range", "0.02"];
+    let found = object(&tune(both, &[&run[..], &json].concat()).stdout);
+    let scaling = number(&found["coupling"]["master_scaling"]);
+    assert!((0.98 - 1e-12..1.02).contains(&scaling), "{found}");
+    let least = ["--minimise", "jerk", "--scaling-range", "0.2", "--format", "json"];
+    let found = object(&tune("master-scaling", &least).stdout);
+    assert_eq!(number(&found["coupling"]["master_scaling"]), 0.8, "{found}");
+    tune("slave-scaling", &range).ended(2, "--scaling-range is for --find master-scaling");
+}
