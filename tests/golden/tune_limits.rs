@@ -222,12 +222,19 @@ fn what_holds_the_least_change_is_told() {
     done.ended(0, "");
     for name in ["SlaveScaling: 1 → 0.", "MasterScaling: 1 → 0."] {
         let line = done.stdout.lines().find(|line| line.starts_with(name)).expect("told");
-        assert!(line.ends_with(" keeps the limits, held by the acceleration, 7000 mm/s²"), "{line}");
+        assert!(
+            line.ends_with(" keeps the limits, held by the acceleration, 7000 mm/s²"),
+            "{line}"
+        );
     }
     let limits = ["--max-acceleration", "7000", "--position-max", "79", "--format", "json"];
     let found = object(&tune("slave-scaling,slave-offset", &limits).stdout);
     let held = &found["within"]["held"];
-    assert_eq!(held["SlaveScaling"], serde_json::json!(["the acceleration, 7000 mm/s²"]), "{found}");
+    assert_eq!(
+        held["SlaveScaling"],
+        serde_json::json!(["the acceleration, 7000 mm/s²"]),
+        "{found}"
+    );
     assert_eq!(held["MasterScaling"], serde_json::json!([]));
     assert_eq!(found["within"]["from"], serde_json::json!([0.0, 1.0, 0.0, 1.0]));
 }
@@ -259,7 +266,10 @@ fn a_range_of_the_scaling_that_was_given_is_kept() {
     let rest = 6000.0 / peak(0.95 * 360.0);
     assert!((number(&found["coupling"]["slave_scaling"]) / rest - 1.0).abs() < 1e-9, "{found}");
     let told = tune(both, &range).stdout;
-    assert!(told.contains("held by the acceleration, 6000 mm/s² and the end of --scaling-range, 0.95"), "{told}");
+    assert!(
+        told.contains("held by the acceleration, 6000 mm/s² and the end of --scaling-range, 0.95"),
+        "{told}"
+    );
     // The same with a run, and for the smallest peak: there its end is what holds it.
     let run = ["--run", "run.csv", "--scaling-range", "0.02"];
     let found = object(&tune(both, &[&run[..], &json].concat()).stdout);

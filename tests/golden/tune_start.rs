@@ -50,8 +50,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
 }
 
-const TUNE: [&str; 7] =
-    ["tune", "cam", "lift.toml", "--run", "run.csv", "--find", "master-offset"];
+const TUNE: [&str; 7] = ["tune", "cam", "lift.toml", "--run", "run.csv", "--find", "master-offset"];
 
 /// −1.8 undoes it. Put end to end, 358.2 is the same motion, and starts with the master at 0; passed once, nothing but 0 does, and
 /// that is what is left; from 5 on −1.8 starts.
@@ -74,7 +73,11 @@ fn what_is_proposed_starts_where_the_run_does() {
     assert!(number(&found["fit"]["proposed"]["MasterOffset"]["half_width_95"]) > 0.0, "{found}");
     assert!(number(&found["fit"]["rms_after"]) < 0.007, "{found}");
     let done = tune(&[]);
-    for words in ["MasterOffset is told as 358.", "with the master at 0 deg", "elsewhere it ends with error 626"] {
+    for words in [
+        "MasterOffset is told as 358.",
+        "with the master at 0 deg",
+        "elsewhere it ends with error 626",
+    ] {
         assert!(done.stdout.contains(words), "{words} in {}", done.stdout);
     }
     // What is written does start, and what was proposed without that would not.
@@ -108,7 +111,8 @@ fn what_is_proposed_starts_where_the_run_does() {
     let tune = ["tune", "cam", "lift.toml", "--find", "slave-scaling", "--max-velocity", "300"];
     let master = ["--master-velocity", "400"];
     let done = desk.twin(&[&tune[..], &scaling, &master].concat());
-    done.ended(1, "with the master at 0 MC_CamIn would end with error 626").ended(1, "from 3 to 363 deg");
+    done.ended(1, "with the master at 0 MC_CamIn would end with error 626")
+        .ended(1, "from 3 to 363 deg");
     assert_eq!(std::fs::read_to_string(desk.path("lift.toml")).expect("there"), LIFT);
 }
 
@@ -127,14 +131,22 @@ fn a_ramp_that_begins_as_a_run_does() {
         .map(|line| {
             let cells: Vec<_> = line.split(',').collect();
             let master = cells[1].parse::<f64>().map(|master| (master + 1080.0).to_string());
-            format!("{},{},{}\n", cells[0], master.unwrap_or_else(|_| cells[1].to_owned()), cells[2])
+            format!(
+                "{},{},{}\n",
+                cells[0],
+                master.unwrap_or_else(|_| cells[1].to_owned()),
+                cells[2]
+            )
         })
         .collect();
     desk.write("run.csv", &later);
     let done = tune(&["--format", "json"]);
     done.ended(0, "");
     let ramp = &object(&done.stdout)["start"]["ramp"];
-    assert!((number(&ramp["master"]) - 10.0).abs() < 1e-9 && number(&ramp["passes"]) == 3.0, "{ramp}");
+    assert!(
+        (number(&ramp["master"]) - 10.0).abs() < 1e-9 && number(&ramp["passes"]) == 3.0,
+        "{ramp}"
+    );
     let done = tune(&[]);
     assert!(done.stdout.contains("the run begins 3 passes of the cam on"), "{}", done.stdout);
     desk.write("run.csv", &recorded(-20.3, 880));
@@ -159,20 +171,30 @@ fn the_check_says_where_it_starts() {
     };
     let done = check(&[]);
     done.ended(0, "");
-    let said = "MC_CamIn starts with the master from -25 to 335 deg, elsewhere it ends with error 626";
+    let said =
+        "MC_CamIn starts with the master from -25 to 335 deg, elsewhere it ends with error 626";
     assert!(done.stdout.contains(said), "{}", done.stdout);
     // 95 of the cam.
     let done = check(&["--master-start", "70"]);
     let slave = format!("{:.2}", lift(95.0));
-    let said = format!("starts with the master at 70 deg: at 95 of the cam, which has the slave at {slave}");
+    let said = format!(
+        "starts with the master at 70 deg: at 95 of the cam, which has the slave at {slave}"
+    );
     assert!(done.stdout.contains(&said), "{said} in {}", done.stdout);
     let done = check(&["--master-start", "340", "--once"]);
-    done.ended(1, "with the master at 340 deg MC_CamIn ends with error 626: that is 365 of the cam")
-        .ended(1, "it starts with the master from -25 to 335 deg");
+    done.ended(
+        1,
+        "with the master at 340 deg MC_CamIn ends with error 626: that is 365 of the cam",
+    )
+    .ended(1, "it starts with the master from -25 to 335 deg");
     check(&["--master-start", "340"]).ended(1, "MasterOffset -335 is the same motion");
     let done = check(&["--master-start", "340", "--format", "json"]);
     let start = &object(&done.stdout)["start"];
-    assert_eq!((&start["starts"], number(&start["place"])), (&Value::from(false), 365.0), "{start}");
+    assert_eq!(
+        (&start["starts"], number(&start["place"])),
+        (&Value::from(false), 365.0),
+        "{start}"
+    );
     let both = ["tune", "cam", "lift.toml", "--ramp-in", "0,0", "--master-start", "1"];
     desk.twin(&both).ended(2, "give one of them");
 }

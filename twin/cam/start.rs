@@ -92,15 +92,21 @@ impl CamUse {
                 } else {
                     format!(" and SlaveOffset {}", told.slave_offset)
                 };
-                format!("MasterOffset {}{slave} is the same motion and starts there", told.master_offset)
+                format!(
+                    "MasterOffset {}{slave} is the same motion and starts there",
+                    told.master_offset
+                )
             }
             None => {
                 let scaled = master * input.master_scaling;
                 let [from, to] = [curve.start() - scaled, curve.end() - scaled].map(place);
-                format!("with MasterOffset from {from} to {to} it starts there, and so does a cam that is longer")
+                format!(
+                    "with MasterOffset from {from} to {to} it starts there, and so does a cam that is longer"
+                )
             }
         };
-        finding.hint = Some(format!("it starts with the master from {from} to {to} {unit}; {other}"));
+        finding.hint =
+            Some(format!("it starts with the master from {from} to {to} {unit}; {other}"));
         Some(finding)
     }
 }

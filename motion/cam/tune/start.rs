@@ -39,7 +39,8 @@ mod tests {
         let curve = Curve::polynomial(&knots).expect("a cam");
         let mut beside = 0;
         for index in 1..2000_u32 {
-            let (master, scaling) = (0.37 * f64::from(index) - 200.0, 1.0 / (0.9 + f64::from(index)));
+            let (master, scaling) =
+                (0.37 * f64::from(index) - 200.0, 1.0 / (0.9 + f64::from(index)));
             for end in [curve.start(), curve.end()] {
                 let offset = end - master * scaling;
                 beside += usize::from(!curve.contains(master * scaling + offset));
@@ -47,7 +48,9 @@ mod tests {
                 assert!(curve.contains(master * same + near) && (near - offset).abs() < 1e-12);
                 let scaling = (end - 7.0) / master;
                 let (same, near) = onto(&curve, master, [7.0, scaling], [false, true]);
-                assert!(curve.contains(master * near + same) && (near / scaling - 1.0).abs() < 1e-12);
+                assert!(
+                    curve.contains(master * near + same) && (near / scaling - 1.0).abs() < 1e-12
+                );
             }
         }
         assert!(beside > 10, "{beside}: rounding is what this is about");

@@ -92,7 +92,8 @@ fn is_used(folder: &Path, text: String) {
     let master = MasterMotion { velocity: 100.0, acceleration: 50.0, jerk: 10.0 };
     let motion = SlaveLimits { velocity: 200.0, acceleration: 3000.0, jerk: 1e5 };
     let limits = AxisLimits { motion, position: [-1e3, 1e3], ..AxisLimits::NONE };
-    let using = CamUse { master, coupling: file.coupling, repeated: file.repeated, limits, start: None };
+    let using =
+        CamUse { master, coupling: file.coupling, repeated: file.repeated, limits, start: None };
     let check = CamCheck::new(&file, using);
     assert!(check.findings.iter().all(|finding| !finding.message.is_empty()));
     assert!(!check.json().to_string().is_empty());

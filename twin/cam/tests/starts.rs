@@ -1,10 +1,10 @@
 //! Where `MC_CamIn` starts: held against the coupling itself, the same motion told by whole passes, and where runs begin.
 
 use super::found::{LIFT, Random, cam, using};
+use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{TuneError, begin, started_at};
-use crate::cam::CamFile;
 use crate::finding::Rule;
 use std::sync::Arc;
 use twin_motion::axis::profile::State;
@@ -51,10 +51,15 @@ fn it_starts_where_the_block_does() {
         let mut use_it = random_use(&mut random, file);
         let [from, to] = use_it.starts(file.cam.curve());
         let width = to - from;
-        for master in [from - 0.01 * width, from + 0.01 * width, to - 0.01 * width, to + 0.01 * width]
+        for master in
+            [from - 0.01 * width, from + 0.01 * width, to - 0.01 * width, to + 0.01 * width]
         {
             let block = started(file, &use_it, master);
-            assert_eq!(use_it.starts_at(file.cam.curve(), master), block.is_ok(), "{use_it:?} {master}");
+            assert_eq!(
+                use_it.starts_at(file.cam.curve(), master),
+                block.is_ok(),
+                "{use_it:?} {master}"
+            );
             assert_eq!(block.is_ok(), from < master && master < to);
             both[usize::from(block.is_ok())] += 1;
             use_it.start = Some(master);

@@ -167,8 +167,7 @@ pub fn within_limits(
     let from = of_coupling(using);
     let scalings = scalings(scaling_range, using, using);
     let wish = BoundedWish { scalings, ..wish(file, using, from, free)? };
-    let found =
-        nearest(file.cam.curve(), &wish).map_err(|error| no_room(file, using, &error))?;
+    let found = nearest(file.cam.curve(), &wish).map_err(|error| no_room(file, using, &error))?;
     let all = [with_values(using, found.values), with_exactly(using, found.values)];
     let kept = all.into_iter().find(|one| keeps(file, one) && in_range(&scalings, one));
     Ok(Within { using: kept.unwrap_or(all[1]), held: found.held })
@@ -229,7 +228,9 @@ pub fn exceeds(finding: &Finding) -> bool {
 }
 
 pub(super) fn no_room(file: &CamFile, using: &CamUse, error: &GentleError) -> TuneError {
-    if let GentleError::Contradictory { one: Bound::Start { master }, other: Bound::Given, .. } = error
+    if let GentleError::Contradictory {
+        one: Bound::Start { master }, other: Bound::Given, ..
+    } = error
     {
         let (range, unit) = (using.starts(file.cam.curve()), file.master.unit().to_owned());
         return TuneError::NoStart { master: *master, range, unit };

@@ -109,7 +109,9 @@ mod tests {
         let mut state = 77_u64;
         // Whole numbers below `most` (Knuth's generator, its high bits).
         let mut draw = |most: u32| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             u32::try_from(state >> 33).expect("31 bits") % most
         };
         let [mut found, mut none] = [0; 2];

@@ -66,15 +66,15 @@ pub fn minimise(
         tappet_tolerance: least.tappet_tolerance,
         repeated: using.repeated,
     };
-    let found = gentle(file.cam.curve(), &wish).map_err(|error| match no_room(file, using, &error) {
-        start @ TuneError::NoStart { .. } => start,
-        _ => TuneError::Minimise(error),
-    })?;
+    let found =
+        gentle(file.cam.curve(), &wish).map_err(|error| match no_room(file, using, &error) {
+            start @ TuneError::NoStart { .. } => start,
+            _ => TuneError::Minimise(error),
+        })?;
     // Rounding does not put the master beside the cam.
     let all = [with_values(using, found.values), with_exactly(using, found.values)];
-    let starts = |new: &CamUse| {
-        wish.start.is_none_or(|master| new.starts_at(file.cam.curve(), master))
-    };
+    let starts =
+        |new: &CamUse| wish.start.is_none_or(|master| new.starts_at(file.cam.curve(), master));
     let new = all.into_iter().find(starts).unwrap_or(all[1]);
     let held = found.held.map(|bounds| bounds.iter().map(ToString::to_string).collect());
     let minimised = Minimised {

@@ -3,9 +3,9 @@
 use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::RecordedRun;
+use super::TuneError;
 use super::correct::Deviation;
 use super::recorded::state;
-use super::TuneError;
 use twin_motion::axis::profile::State;
 
 /// So many standard deviations of the master's noise are no motion.
@@ -67,10 +67,8 @@ pub fn begin(
 ) -> Result<Begin, TuneError> {
     let curve = file.cam.curve();
     let starts = |master: f64| using.repeated || using.starts_at(curve, master);
-    let beyond = || TuneError::BeyondCam {
-        range: using.starts(curve),
-        unit: file.master.unit().to_owned(),
-    };
+    let beyond =
+        || TuneError::BeyondCam { range: using.starts(curve), unit: file.master.unit().to_owned() };
     let before = run.samples.iter().position(|one| starts(one.master)).ok_or_else(beyond)?;
     let samples = run.samples.get(before..).unwrap_or_default();
     let first = samples.first().ok_or_else(beyond)?;

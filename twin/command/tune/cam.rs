@@ -279,7 +279,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         .map_err(Failure::Stdio)?;
     if let (Some(_), Some(refused)) = (&arguments.write, refused) {
         let exceeds = tune::exceeds(refused);
-        let why = if exceeds { "the slave would exceed a limit" } else { "MC_CamIn would not start" };
+        let why =
+            if exceeds { "the slave would exceed a limit" } else { "MC_CamIn would not start" };
         tell!("nothing is written: {why}");
     }
     show_findings(&check.findings);

@@ -9,8 +9,8 @@ use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{
-    self, Deviation, Least, Told, TuneError, Within, errors, fit_run, limited, minimise, ramp, ramp_wish,
-    run_dead_time, shape, within_limits,
+    self, Deviation, Least, Told, TuneError, Within, errors, fit_run, limited, minimise, ramp,
+    ramp_wish, run_dead_time, shape, within_limits,
 };
 use twin_motion::axis::profile::State;
 use twin_motion::cam::file::clean;
@@ -116,11 +116,8 @@ fn within_run(
     report: &mut Report<'_>,
 ) -> Result<(), TuneError> {
     let limits = report.after.limits;
-    let counts = if gives_way {
-        AxisLimits { period: limits.period, ..AxisLimits::NONE }
-    } else {
-        limits
-    };
+    let counts =
+        if gives_way { AxisLimits { period: limits.period, ..AxisLimits::NONE } } else { limits };
     let proposed = CamUse { limits: counts, ..report.after };
     let (before, scaling_range) = (report.before, arguments.scaling_range);
     let told = Told { before: &before, proposed: &proposed, fit, deviation, scaling_range };
@@ -148,7 +145,13 @@ fn from_run(
     // The slave is where it is wanted but for what is to be found.
     let reference = if measured { tune::wanted(&before) } else { before };
     report.error_before = Some(tune::rms(&errors(file, &reference, run)));
-    let found = fit_run(file, &reference, run, arguments.free(), arguments.scaling_range.unwrap_or(USUAL_RANGE))?;
+    let found = fit_run(
+        file,
+        &reference,
+        run,
+        arguments.free(),
+        arguments.scaling_range.unwrap_or(USUAL_RANGE),
+    )?;
     let did = tune::as_fitted(&before, &found);
     if measured {
         let (after, by) = tune::corrected(file, &before, &found);

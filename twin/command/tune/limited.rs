@@ -130,7 +130,10 @@ impl Report<'_> {
             }
             Bound::Start { master } => {
                 let unit = self.file.master.unit();
-                format!("the start with the master at {} {unit} (error 626 beyond)", self.place(*master))
+                format!(
+                    "the start with the master at {} {unit} (error 626 beyond)",
+                    self.place(*master)
+                )
             }
             // No other interval is asked of these.
             Bound::Interval { end } => {

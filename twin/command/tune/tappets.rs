@@ -59,7 +59,8 @@ impl Report<'_> {
         let height = self.height().abs();
         for Placed { tappet: KeptTappet { tappet, from }, masters, slaves, stays } in &placed {
             let moved = from.to_bits() != tappet.master.to_bits();
-            let elsewhere = self.within.is_some() && (slaves[1] - slaves[0]).abs() > ROUNDING * height;
+            let elsewhere =
+                self.within.is_some() && (slaves[1] - slaves[0]).abs() > ROUNDING * height;
             if !moved && *stays && !elsewhere {
                 continue;
             }

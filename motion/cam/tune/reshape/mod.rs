@@ -261,7 +261,8 @@ pub fn soften(
     };
     if after.value < before.value || !stays || !kept(knots)? {
         let gentler = after.value <= before.value;
-        let most = (after.value * (1.0 + LOSS)).min(if gentler { before.value } else { f64::INFINITY });
+        let most =
+            (after.value * (1.0 + LOSS)).min(if gentler { before.value } else { f64::INFINITY });
         let excess = |curve: &Curve, other| {
             let limit = wish.limits.of(other);
             curve.peak(other, &master, Factors::default()).value / limit - 1.0
@@ -271,9 +272,9 @@ pub fn soften(
             let others = Quantity::ALL.into_iter().filter(|other| *other != quantity);
             let peak = short_curve.peak(quantity, &master, Factors::default());
             peak.value <= most
-                && others.into_iter().all(|other| {
-                    excess(&short_curve, other) <= excess(&curve, other).max(ROUNDING)
-                })
+                && others
+                    .into_iter()
+                    .all(|other| excess(&short_curve, other) <= excess(&curve, other).max(ROUNDING))
                 && keeps_position(short, wish).unwrap_or(false)
         });
         best.after = peak(&best.knots)?;

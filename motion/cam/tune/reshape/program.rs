@@ -234,7 +234,8 @@ impl<'a> Problem<'a> {
             for sign in [1.0, -1.0] {
                 let entries = factors.iter().map(|(column, factor)| (*column, sign * factor));
                 // What counts is the part that is made small, the others keep their limits.
-                let (part, most) = if weight.counts { (-1.0, 0.0) } else { (0.0, 1.0 - self.margin) };
+                let (part, most) =
+                    if weight.counts { (-1.0, 0.0) } else { (0.0, 1.0 - self.margin) };
                 rows.add(entries.chain([(n, part)]), most - sign * constant);
             }
         }

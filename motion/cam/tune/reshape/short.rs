@@ -46,7 +46,12 @@ fn rounded(old: &[Knot], found: &[Knot], wish: &Wish, decimals: i32) -> Vec<Knot
         .map(|((old, found), tolerance)| Knot {
             slave: near(old.slave, found.slave, tolerance.slave, decimals),
             velocity: near(old.velocity, found.velocity, tolerance.velocity, decimals),
-            acceleration: near(old.acceleration, found.acceleration, tolerance.acceleration, decimals),
+            acceleration: near(
+                old.acceleration,
+                found.acceleration,
+                tolerance.acceleration,
+                decimals,
+            ),
             ..*found
         })
         .collect();

@@ -351,11 +351,8 @@ fn the_master_starts_on_the_cam() {
         .map(|master| Sample { master, slave: once(master, -3.0), weight: 1.0 })
         .collect();
     let free = Free { master_offset: true, slave_offset: true, ..NONE };
-    let task = BoundedWish {
-        repeated: false,
-        start: Some(0.0),
-        ..wish([-3.0, 1.0, 0.0, 1.0], free)
-    };
+    let task =
+        BoundedWish { repeated: false, start: Some(0.0), ..wish([-3.0, 1.0, 0.0, 1.0], free) };
     let found = bounded(&curve, &run, &task).expect("an offset");
     let mean = run.iter().map(|one| one.slave - once(one.master, 0.0)).sum::<f64>() / 101.0;
     assert_eq!(found.values[0], 0.0);
@@ -431,7 +428,11 @@ fn no_grid_that_starts_finds_a_smaller_error() {
             start: Some(random.between(0.0, 8.0)),
             scalings: [0.98, 1.02],
             // A slave whose offset stays has a position of its own.
-            position: if round % 2 == 0 { base.position } else { [f64::NEG_INFINITY, f64::INFINITY] },
+            position: if round % 2 == 0 {
+                base.position
+            } else {
+                [f64::NEG_INFINITY, f64::INFINITY]
+            },
             ..base
         };
         let once = |[offset, scaling, shift, factor]: [f64; 4], master: f64| {
@@ -445,7 +446,8 @@ fn no_grid_that_starts_finds_a_smaller_error() {
             let square = |one: &Sample| (once(values, one.master) - one.slave).powi(2);
             (run.iter().map(square).sum::<f64>() / 120.0).sqrt()
         };
-        let found = bounded(&curve, &run, &task).unwrap_or_else(|error| panic!("{task:?}: {error}"));
+        let found =
+            bounded(&curve, &run, &task).unwrap_or_else(|error| panic!("{task:?}: {error}"));
         for (held, by) in held.iter_mut().zip(&found.held) {
             *held += u32::from(!by.is_empty());
         }

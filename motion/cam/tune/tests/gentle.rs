@@ -312,7 +312,9 @@ fn the_master_starts_on_the_cam() {
         ..wish(Quantity::Acceleration)
     };
     let held = Bound::Start { master: 20.0 };
-    for (from, expected, by) in [(-30.0, -10.0, vec![held]), (-5.0, -5.0, vec![]), (7.0, 7.0, vec![])] {
+    for (from, expected, by) in
+        [(-30.0, -10.0, vec![held]), (-5.0, -5.0, vec![]), (7.0, 7.0, vec![])]
+    {
         let found = gentle(&lift(), &start(20.0, [from, 1.0, 0.0, 1.0])).expect("a place");
         assert_eq!(found.values, [expected, 0.5, 0.0, 1.0]);
         assert_eq!(found.held[0], by);
@@ -321,7 +323,10 @@ fn the_master_starts_on_the_cam() {
     let mut task = start(20.0, [-12.0, 1.0, 0.0, 1.0]);
     task.sought[0] = None;
     let found = gentle(&lift(), &task).expect("a place");
-    assert!((found.values[1] - 0.6).abs() < 1e-15 && 20.0 * found.values[1] - 12.0 >= 0.0, "{found:?}");
+    assert!(
+        (found.values[1] - 0.6).abs() < 1e-15 && 20.0 * found.values[1] - 12.0 >= 0.0,
+        "{found:?}"
+    );
     assert_eq!(found.held[1], vec![held]);
     task.from[0] = -25.0;
     let error = gentle(&lift(), &task).expect_err("beyond").to_string();
