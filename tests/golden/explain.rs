@@ -50,6 +50,33 @@ fn an_error_in_the_language_asked_for() {
     assert!(said(&["axis-velocity"]).contains("an axis asked for more than its velocity"));
 }
 
+/// Rules of axes are explained for programs, and for cams and jobs, which raise them, too.
+#[test]
+fn rules_of_axes_are_explained_for_cams_too() {
+    let desk = Desk::new();
+    for (rule, words) in [
+        ("axis-position", ["SlaveOffset", "--find slave-offset,slave-scaling"]),
+        ("axis-velocity", ["the master is too fast", "`twin cam check` says"]),
+        ("axis-acceleration", ["whose square", "--ramp-in finds a ramp"]),
+        ("axis-jerk", ["the cube of its master's velocity", "--goal jerk moves points"]),
+        ("axis-effort", ["the motor of a slave", "slow the master down"]),
+    ] {
+        let done = desk.twin(&["explain", rule]);
+        done.ended(0, "");
+        for words in ["of cams and jobs: ", "what to do there: "].into_iter().chain(words) {
+            assert!(done.stdout.contains(words), "{words} in {}", done.stdout);
+        }
+        let done = desk.twin(&["explain", rule, "--format", "json"]);
+        let object: Value = serde_json::from_str(&done.stdout).expect("JSON");
+        for words in words {
+            let of_cams = object["of_cams"].to_string();
+            assert!(of_cams.contains(words), "{words} in {of_cams}");
+        }
+    }
+    let done = desk.twin(&["explain", "arc-geometry"]);
+    assert!(!done.stdout.contains("of cams"), "{}", done.stdout);
+}
+
 #[test]
 fn all_errors_as_a_table_and_as_objects() {
     let desk = Desk::new();

@@ -146,3 +146,22 @@ fn a_master_beyond_its_cam_is_told_with_its_place() {
     desk.write("job.toml", &format!("[[start]]\naxis = \"X\"\nposition_mm = -30\n\n{moved}"));
     assert_eq!(findings(&desk, "job.toml", &offset, 0), Vec::<Value>::new());
 }
+
+/// A block whose master stands beside the cam says where it stands, and from where to where it may.
+#[test]
+fn a_cam_that_does_not_start_says_from_where_it_does() {
+    let desk = Desk::new();
+    desk.write("bent.toml", TABLE);
+    let job = |offset: &str| {
+        let start = "[[start]]\naxis = \"X\"\nposition_mm = 10\n\n";
+        let block =
+            "[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"Y\"\nmaster = \"X\"\ncam = \"bent.toml\"\n";
+        desk.write("job.toml", &format!("{start}{block}{offset}\n"));
+        desk.twin(&["check", "job.toml", "--machine", "machine.toml"])
+    };
+    job("master_offset_mm = 200")
+        .ended(1, "SMC_CI_MASTER_OUT_OF_SCALE (626)")
+        .ended(1, "master X stands at 10 mm, and the cam starts with it from -200 to -20 mm");
+    job("master_offset_mm = -20\nmaster_absolute = false")
+        .ended(1, "with master_absolute = false, master_offset has to be from 0 to 180 of the cam");
+}

@@ -194,7 +194,11 @@ fn tell(out: &mut impl Write, topic: Topic, texts: Texts, behind: bool) -> io::R
         Topic::Rule(rule) => {
             let [meaning, remedy] = rule.meaning();
             writeln!(out, "{} (rule of twin)", rule.name())?;
-            writeln!(out, "  {meaning}\n  what to do: {remedy}")
+            writeln!(out, "  {meaning}\n  what to do: {remedy}")?;
+            if let Some([meaning, remedy]) = rule.of_cams() {
+                writeln!(out, "  of cams and jobs: {meaning}\n  what to do there: {remedy}")?;
+            }
+            Ok(())
         }
     }
 }
@@ -244,7 +248,10 @@ fn object(topic: Topic) -> Value {
         }),
         Topic::Rule(rule) => {
             let [meaning, remedy] = rule.meaning();
-            json!({ "rule": rule.name(), "text": { "en": meaning }, "remedy": remedy })
+            let of_cams = rule
+                .of_cams()
+                .map(|[text, remedy]| json!({ "text": { "en": text }, "remedy": remedy }));
+            json!({ "rule": rule.name(), "text": { "en": meaning }, "remedy": remedy, "of_cams": of_cams })
         }
     }
 }

@@ -63,6 +63,11 @@ pub(super) struct CamStart {
     pub(super) relative: bool,
     /// `SlaveOffset`, mm or degrees.
     pub(super) slave_offset: f64,
+    /// From where to where its master may be then, mm or degrees; of a cam whose zero is laid to where its master is, how far
+    /// from there `MasterOffset` may be.
+    pub(super) masters: [f64; 2],
+    /// Whether the zero of the cam is laid to where its master is.
+    pub(super) laid: bool,
 }
 
 /// A block whose axis follows a cam.
@@ -98,7 +103,16 @@ impl Called for OnCam {
         let CamIn { table, input } = &self.0.inputs;
         let relative = input.start_mode == StartMode::Relative
             || table.as_ref().is_some_and(|table| !table.slave_absolute);
-        Some(CamStart { relative, slave_offset: input.slave_offset })
+        let laid = table.as_ref().is_some_and(|table| !table.master_absolute);
+        let curve = table.as_ref().map(|table| table.cam.curve());
+        let ends = curve.map(|curve| [curve.start(), curve.end()]).unwrap_or_default();
+        let masters = if laid {
+            ends
+        } else {
+            let [one, other] = ends.map(|x| (x - input.master_offset) / input.master_scaling);
+            [one.min(other), one.max(other)]
+        };
+        Some(CamStart { relative, slave_offset: input.slave_offset, masters, laid })
     }
 
     fn ends_profile(&self) -> bool {

@@ -4,6 +4,7 @@ use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample};
 use super::TuneError;
+use super::course::Course;
 use super::tappets::{CHANCE, refuse_contradictory, refuse_random};
 use crate::number::significant;
 use std::borrow::Cow;
@@ -180,6 +181,7 @@ pub fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<Seen
         .iter()
         .map(|sample| (sample.time_s, sample.master * input.master_scaling + input.master_offset))
         .collect();
+    let course = Course::new(&places);
     let noise = (run.noise() * input.master_scaling).abs();
     let mut seen = Vec::new();
     for (index, pair) in run.samples.windows(2).enumerate() {
@@ -203,7 +205,7 @@ pub fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<Seen
                 continue;
             }
             let target = place - far - velocity * delay;
-            if let Some(passed) = passage(&places, index, target, velocity) {
+            if let Some(passed) = course.passage(index, target, velocity) {
                 let behind_s = time - passed - delay;
                 // The time of a switching is known to half that between two samples: its place to that times the velocity.
                 let switching = Switching {
@@ -274,23 +276,6 @@ fn nearest(
     Some(Nearest { far, delay, every })
 }
 
-/// When the master was at `target` last before the sample behind `index`; a little later, if it comes there later only.
-fn passage(places: &[(f64, f64)], index: usize, target: f64, velocity: f64) -> Option<f64> {
-    let beyond = |place: f64| (place - target) * velocity.signum() >= 0.0;
-    let between = |from: &(f64, f64), to: &(f64, f64)| {
-        let share = (target - from.1) / (to.1 - from.1);
-        from.0 + share * (to.0 - from.0)
-    };
-    let crosses =
-        |pair: &&[(f64, f64)]| matches!(pair, [from, to] if !beyond(from.1) && beyond(to.1));
-    let time = |pair: &[(f64, f64)]| match pair {
-        [from, to] => Some(between(from, to)),
-        _ => None,
-    };
-    let before = places.get(..index + 2)?.windows(2).rev().find(crosses);
-    before.or_else(|| places.get(index..)?.windows(2).find(crosses)).and_then(time)
-}
-
 /// A switching that is farther from the median of all than this many times what they are usually apart is no noise.
 const OUTLIER: f64 = 10.0;
 
@@ -320,10 +305,8 @@ pub fn tappet_dead_time(
     // Samples alone make switchings differ by this much.
     let usual = apart.max(between_s / 4.0);
     let far = |seen: &&Seen| (seen.behind_s - middle).abs() > OUTLIER * usual;
-    let near: Vec<_> = seen.iter().filter(|one| !far(one)).map(|one| one.behind_s).collect();
-    if let Some(outlier) =
-        seen.iter().find(|one| far(one) && is_outlier(one.behind_s, &near, between_s))
-    {
+    let near = Usual::of(seen.iter().filter(|one| !far(one)).map(|one| one.behind_s), between_s);
+    if let Some(outlier) = seen.iter().find(|one| far(one) && near.is_far(one.behind_s)) {
         // A heap of them is no accident of one.
         refuse_contradictory(seen)?;
         let (line, behind_s) = (outlier.line, outlier.behind_s);
@@ -353,19 +336,32 @@ pub fn tappet_dead_time(
     Ok(DeadTime { dead_time_s: Estimate { value, half_width }, ..found })
 }
 
-/// Whether a switching is none of the others by Student's t, however few these are: the median of few says little of how they
-/// scatter.
-fn is_outlier(behind_s: f64, others: &[f64], between_s: f64) -> bool {
-    #[expect(clippy::cast_precision_loss, reason = "a count of switchings")]
-    let count = others.len() as f64;
-    if count < 2.0 {
-        return false;
+/// How switchings are that are near each other.
+struct Usual {
+    count: f64,
+    mean: f64,
+    /// By how much one of them is beside the mean, standard deviation, s.
+    apart: f64,
+}
+
+impl Usual {
+    fn of(near: impl Iterator<Item = f64> + Clone, between_s: f64) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "a count of switchings")]
+        let count = near.clone().count() as f64;
+        let mean = near.clone().sum::<f64>() / count;
+        let square = near.map(|one| (one - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        // Anywhere between two samples has this variance.
+        let apart = (square.max(between_s * between_s / 12.0) * (1.0 + 1.0 / count)).sqrt();
+        Self { count, mean, apart }
     }
-    let mean = others.iter().sum::<f64>() / count;
-    let square = others.iter().map(|other| (other - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    // Anywhere between two samples has this variance.
-    let usual = (square.max(between_s * between_s / 12.0) * (1.0 + 1.0 / count)).sqrt();
-    student_exceeds((behind_s - mean) / usual, count - 1.0) * (count + 1.0) < CHANCE
+
+    /// Whether a switching is none of these by Student's t, however few they are: the median of few says little of how they
+    /// scatter.
+    fn is_far(&self, behind_s: f64) -> bool {
+        let Self { count, mean, apart } = self;
+        *count >= 2.0
+            && student_exceeds((behind_s - mean) / apart, count - 1.0) * (count + 1.0) < CHANCE
+    }
 }
 
 pub(super) fn median(mut values: Vec<f64>) -> f64 {

@@ -2,6 +2,7 @@
 
 mod bounded;
 mod correct;
+mod course;
 mod from_run;
 mod kept;
 mod minimise;

@@ -287,8 +287,12 @@ impl Engine {
             let mut finding = Finding::error(Rule::FunctionBlock, place, message);
             finding.axis = Some(moved.name.clone());
             let more = format!("`twin explain {}` says more", error.number());
+            let start = call.block.cam_start().filter(|_| error == SmcError::CiMasterOutOfScale);
+            let master = call.master.and_then(|master| self.axes.get(master));
             finding.hint = Some(if error.name().ends_with("_VELACC_VALUES") {
                 format!("velocity, acceleration and deceleration have to be greater than 0; {more}")
+            } else if let (Some(start), Some(master)) = (start, master) {
+                format!("{}; {more}", watch::beside(start, master))
             } else {
                 more
             });

@@ -17,9 +17,24 @@ const RELEASES: [&str; 2] = ["MC_CamOut", "MC_GearOut"];
 /// Blocks that are there to take over from others.
 const TAKES_OVER: [&str; 5] = ["MC_Halt", STOP, "MC_MoveAdditive", "MC_CamOut", "MC_GearOut"];
 
+/// What helps a cam that does not start where its master is (error 626).
+pub(super) fn beside(start: CamStart, master: &Moved) -> String {
+    let Moved { name, unit, state, .. } = master;
+    let [from, to] = start.masters.map(|end| significant(end, 6));
+    if start.laid {
+        return format!(
+            "with master_absolute = false, master_offset has to be from {from} to {to} of the cam"
+        );
+    }
+    let stands = significant(state.position, 6);
+    format!(
+        "master {name} stands at {stands} {unit}, and the cam starts with it from {from} to {to} {unit}"
+    )
+}
+
 /// How a slave comes onto a cam that would have made it jump by `jump`.
 fn onto(start: CamStart, axis: &str, unit: &str, jump: f64) -> String {
-    let CamStart { relative, slave_offset } = start;
+    let CamStart { relative, slave_offset, .. } = start;
     let lay = significant(slave_offset - jump, 6);
     let lay = format!("`slave_offset_{unit} = {lay}` lays the cam where it stands");
     let ramp = "`start_mode = \"ramp_in\"` brings it onto its cam";
