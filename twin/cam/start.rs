@@ -84,26 +84,23 @@ impl CamUse {
         );
         let mut finding = Finding::error(Rule::Coupling, Place { line: 0, block: None }, message);
         let [from, to] = self.starts(curve).map(at);
-        let other = match self.folded(file, master) {
-            Some(told) => {
-                let told = told.coupling.input;
-                let slave = if told.slave_offset.to_bits() == input.slave_offset.to_bits() {
-                    String::new()
-                } else {
-                    format!(" and SlaveOffset {}", told.slave_offset)
-                };
-                format!(
-                    "MasterOffset {}{slave} is the same motion and starts there",
-                    told.master_offset
-                )
-            }
-            None => {
-                let scaled = master * input.master_scaling;
-                let [from, to] = [curve.start() - scaled, curve.end() - scaled].map(place);
-                format!(
-                    "with MasterOffset from {from} to {to} it starts there, and so does a cam that is longer"
-                )
-            }
+        let other = if let Some(told) = self.folded(file, master) {
+            let told = told.coupling.input;
+            let slave = if told.slave_offset.to_bits() == input.slave_offset.to_bits() {
+                String::new()
+            } else {
+                format!(" and SlaveOffset {}", told.slave_offset)
+            };
+            format!(
+                "MasterOffset {}{slave} is the same motion and starts there",
+                told.master_offset
+            )
+        } else {
+            let scaled = master * input.master_scaling;
+            let [from, to] = [curve.start() - scaled, curve.end() - scaled].map(place);
+            format!(
+                "with MasterOffset from {from} to {to} it starts there, and so does a cam that is longer"
+            )
         };
         finding.hint =
             Some(format!("it starts with the master from {from} to {to} {unit}; {other}"));

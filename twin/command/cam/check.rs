@@ -181,26 +181,23 @@ fn start(
 ) -> io::Result<()> {
     let (master, slave) = (file.master.unit(), file.slave.unit());
     let curve = file.cam.curve();
-    match using.start.filter(|at| using.starts_at(curve, *at)) {
-        Some(at) => {
-            let place = using.place_at(at);
-            let position = using.slave_at(curve.at(place).position);
-            writeln!(
-                out,
-                "MC_CamIn starts with the master at {} {master}: at {} of the cam, which has the slave at {} {slave}",
-                check.place(at),
-                beside(place, curve.end() - curve.start(), 6),
-                beside(position, check.bounds.position.magnitude(), 6),
-            )
-        }
+    if let Some(at) = using.start.filter(|at| using.starts_at(curve, *at)) {
+        let place = using.place_at(at);
+        let position = using.slave_at(curve.at(place).position);
+        writeln!(
+            out,
+            "MC_CamIn starts with the master at {} {master}: at {} of the cam, which has the slave at {} {slave}",
+            check.place(at),
+            beside(place, curve.end() - curve.start(), 6),
+            beside(position, check.bounds.position.magnitude(), 6),
+        )
+    } else {
         // A start that is refused is told among the findings.
-        None => {
-            let [from, to] = using.starts(curve).map(|at| check.place(at));
-            writeln!(
-                out,
-                "MC_CamIn starts with the master from {from} to {to} {master}, elsewhere it ends with error 626"
-            )
-        }
+        let [from, to] = using.starts(curve).map(|at| check.place(at));
+        writeln!(
+            out,
+            "MC_CamIn starts with the master from {from} to {to} {master}, elsewhere it ends with error 626"
+        )
     }
 }
 
