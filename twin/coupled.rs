@@ -1,10 +1,10 @@
 //! Axes that follow others by the gears and cams of the machine file, while a program moves the tool.
 
-use crate::machine::{Axis, CamSelection, CoupledBy, Machine};
+use crate::machine::{Axis, CamSelection, CoupledBy, Coupling, Machine};
 use crate::tappets::{MasterPlace, Signal, TappetBits, Tracks};
 use twin_kinematics::{AxisMotion, AxisSource, AxisVector, KinematicsError};
 use twin_motion::axis::profile::State;
-use twin_motion::cam::{CamCoupling, CamTable, CouplingError};
+use twin_motion::cam::{CamCoupling, CamTable, CouplingError, StartMode};
 
 /// A slave that the program moves itself by less is left alone, mm or degrees: the transform rounds.
 const UNMOVED: f64 = 1e-6;
@@ -33,6 +33,23 @@ pub enum AxesError {
         /// mm or deg.
         unit: &'static str,
     },
+    /// The program begins with a slave where its master does not have it.
+    #[error(
+        "axis {axis} follows {master} by a cam of the machine file, which has it at {at:.3} {unit} where the program begins, not \
+         at {from:.3} {unit}"
+    )]
+    Begins {
+        /// The slave.
+        axis: String,
+        /// Its master.
+        master: String,
+        /// Where the program has it begin, `unit`.
+        from: f64,
+        /// Where the cam has it then.
+        at: f64,
+        /// mm or deg.
+        unit: &'static str,
+    },
     /// A cam that cannot be followed.
     #[error("axis {axis}: {source}")]
     Cam {
@@ -47,6 +64,9 @@ pub enum AxesError {
 #[derive(Clone, Debug)]
 pub(crate) struct Coupled<'m> {
     machine: &'m Machine,
+    /// Where the axes of a program are that does not say where it begins, slaves aside; none if what it begins with is not
+    /// looked at.
+    start: Option<AxisVector>,
     /// One per coupling, once there has been a set-point.
     running: Vec<Running>,
     /// Whether any slave moves the tool.
@@ -69,6 +89,13 @@ struct Running {
 }
 
 impl<'m> Coupled<'m> {
+    /// Those of `machine`, before a program begins, which must not put a slave of a cam where its master does not have it.
+    pub(crate) fn for_program(machine: &'m Machine) -> Self {
+        let start =
+            if machine.couplings.is_empty() { None } else { machine.start_without_slaves() };
+        Self { start, ..Self::new(machine) }
+    }
+
     /// Those of `machine`, before they begin.
     pub(crate) fn new(machine: &'m Machine) -> Self {
         let sources = machine.kinematics.sources();
@@ -86,6 +113,7 @@ impl<'m> Coupled<'m> {
         }
         Self {
             machine,
+            start: None,
             running: Vec::new(),
             moves_tool,
             tracks,
@@ -114,6 +142,15 @@ impl<'m> Coupled<'m> {
         self.tracks.lost()
     }
 
+    /// The couplings whose masters stood on tappets at the first set-point, each with the groups of these.
+    pub(crate) fn stood_on_tappets(&self) -> impl Iterator<Item = (&'m Coupling, Vec<i16>)> {
+        self.machine.couplings.iter().zip(&self.running).filter_map(|(coupling, running)| {
+            let stood = running.cam.iter().flat_map(|cam| cam.stood_on());
+            let groups: Vec<_> = stood.map(|tappet| tappet.group).collect();
+            (!groups.is_empty()).then_some((coupling, groups))
+        })
+    }
+
     /// Where the master that switched a signal last is, as of the last set-point.
     pub(crate) fn tappet_master(&self, signal: usize) -> Option<MasterPlace> {
         let index = self.tracks.master(signal)?;
@@ -128,6 +165,7 @@ impl<'m> Coupled<'m> {
     /// If the program moves a slave itself, or there is no cam where its master is.
     pub(crate) fn apply(&mut self, axes: &mut AxisMotion, time_ns: i64) -> Result<(), AxesError> {
         self.masters.clear();
+        let by_program = axes.position;
         for (index, coupling) in self.machine.couplings.iter().enumerate() {
             let Some((slave, master)) =
                 self.machine.axes.get(coupling.axis).zip(self.machine.axes.get(coupling.master))
@@ -191,6 +229,13 @@ impl<'m> Coupled<'m> {
                 (CoupledBy::Cam(_), None) => continue,
             };
             put(axes, coupling.axis, slave, follows);
+            // What the program does not say of a slave is where the machine file has programs begin.
+            if let Some(start) = self.start.as_ref().filter(|_| begins) {
+                let said = of(&by_program, coupling.axis, slave);
+                if (said - of(start, coupling.axis, slave)).abs() > UNMOVED {
+                    begins_at(self.machine, coupling.axis, &by_program, &axes.position)?;
+                }
+            }
         }
         self.tappets = self.tracks.at(time_ns);
         Ok(())
@@ -204,6 +249,37 @@ impl<'m> Coupled<'m> {
     }
 }
 
+/// Looks whether a slave that a program begins with at `own` is there when its cam has it at `coupled`. One that begins from
+/// where the slave is, with a ramp or relative to it, may begin anywhere, and so may a gear.
+///
+/// # Errors
+/// [`AxesError::Begins`] if it is elsewhere.
+pub(crate) fn begins_at(
+    machine: &Machine,
+    axis: usize,
+    own: &AxisVector,
+    coupled: &AxisVector,
+) -> Result<(), AxesError> {
+    let on_cam = |coupling: &&Coupling| {
+        let CoupledBy::Cam(selection) = &coupling.by else { return false };
+        let absolute = selection.input.start_mode == StartMode::Absolute;
+        coupling.axis == axis && absolute && selection.table.slave_absolute
+    };
+    let Some(coupling) = machine.couplings.iter().find(on_cam) else { return Ok(()) };
+    let axes = [axis, coupling.master].map(|index| machine.axes.get(index));
+    let [Some(slave), Some(master)] = axes else { return Ok(()) };
+    let [from, at] = [own, coupled].map(|values| of(values, axis, slave));
+    let apart = period(slave).map_or(at - from, |period| {
+        let way = at - from;
+        way - period * (way / period).round()
+    });
+    if apart.abs() <= UNMOVED {
+        return Ok(());
+    }
+    let (axis, master) = (slave.name.clone(), master.name.clone());
+    Err(AxesError::Begins { axis, master, from, at, unit: slave.unit() })
+}
+
 /// The period of an axis, in its unit.
 fn period(axis: &Axis) -> Option<f64> {
     axis.period.map(|period| axis.from_si(period))
@@ -215,13 +291,17 @@ fn shown(state: State, axis: &Axis) -> State {
     State { position, ..state }
 }
 
+/// What an axis has of these values, in its unit.
+fn of(values: &AxisVector, index: usize, axis: &Axis) -> f64 {
+    axis.from_si(values.get(index).copied().unwrap_or_default())
+}
+
 /// How an axis moves, in its unit.
 fn state(axes: &AxisMotion, index: usize, axis: &Axis) -> State {
-    let of = |values: &AxisVector| axis.from_si(values.get(index).copied().unwrap_or_default());
     State {
-        position: of(&axes.position),
-        velocity: of(&axes.velocity),
-        acceleration: of(&axes.acceleration),
+        position: of(&axes.position, index, axis),
+        velocity: of(&axes.velocity, index, axis),
+        acceleration: of(&axes.acceleration, index, axis),
     }
 }
 

@@ -64,7 +64,7 @@ impl<'m> Transformer<'m> {
     pub fn new(machine: &'m Machine) -> Self {
         let mut sources = machine.kinematics.sources().iter();
         let has_additional = sources.any(|source| matches!(source, AxisSource::Additional(_)));
-        let coupled = Coupled::new(machine);
+        let coupled = Coupled::for_program(machine);
         Self { machine, near: machine.middle(), has_additional, coupled }
     }
 
@@ -81,6 +81,15 @@ impl<'m> Transformer<'m> {
     /// Tappets that did not act because there were too many in a cycle.
     pub(crate) fn lost_tappets(&self) -> u64 {
         self.coupled.lost_tappets()
+    }
+
+    /// Slaves and their masters, by name, that stood on tappets of the cam between them at the first set-point, with the groups
+    /// of these.
+    pub(crate) fn stood_on_tappets(&self) -> impl Iterator<Item = ([&'m str; 2], Vec<i16>)> {
+        let machine = self.machine;
+        let name = |index: usize| machine.axes.get(index).map_or("", |axis| axis.name.as_str());
+        let stood = self.coupled.stood_on_tappets();
+        stood.map(move |(coupling, groups)| ([coupling.axis, coupling.master].map(name), groups))
     }
 
     /// The additional axes go where the program says, in their technical unit: degrees or mm.

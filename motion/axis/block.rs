@@ -35,6 +35,11 @@ pub trait Motion {
         None
     }
 
+    /// How long the motion takes from its beginning, s, if that is known then; of an endless one until what was asked for holds.
+    fn duration(_run: &Self::Run) -> Option<f64> {
+        None
+    }
+
     /// Whether the axis may begin; as [`Axis::admits`] if nothing is said.
     ///
     /// # Errors
@@ -130,6 +135,12 @@ impl<M: Motion + Clone> Block<M> {
     #[must_use]
     pub fn running(&self) -> Option<&M::Run> {
         self.taken.as_ref().map(|taken| &taken.run)
+    }
+
+    /// How long what goes on in it takes from its beginning, s, if that is known ([`Motion::duration`]).
+    #[must_use]
+    pub fn duration(&self) -> Option<f64> {
+        M::duration(self.running()?)
     }
 
     /// Calls it, for a cycle, with Execute, its axis and what else it needs.

@@ -130,6 +130,7 @@ impl Axis {
         if counts_anew {
             // Position and zero change together, whoever looks at them first.
             self.show_set_values();
+            self.values.save_position = self.values.set_position;
         }
     }
 

@@ -15,6 +15,8 @@ pub struct Master {
     pub period: Option<f64>,
     /// How much of its position has come from moving its zero, u: no motion.
     pub zero: f64,
+    /// Where it stood when the cycle began, u, if it did and a block has moved it since; with the zero it has now.
+    pub stood: Option<f64>,
 }
 
 impl Master {
@@ -27,7 +29,11 @@ impl Master {
         } else {
             [values.act_position, values.act_velocity, values.act_acceleration]
         };
-        Self { position, velocity, acceleration, period: axis.period(), zero: axis.zero }
+        let stood =
+            values.regulator_on && values.moved_in_this_cycle && values.save_velocity == 0.0;
+        let (period, zero) = (axis.period(), axis.zero);
+        let stood = stood.then_some(values.save_position);
+        Self { position, velocity, acceleration, period, zero, stood }
     }
 
     /// How far it has come since `before`, u: the short way round. Moving its zero (`MC_SetPosition`, a reference) is no

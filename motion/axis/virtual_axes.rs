@@ -45,14 +45,18 @@ impl TimeAxis {
         self.execute = execute;
         let cycle = self.axis.cycle();
         self.axis.saved = self.axis.total();
-        let (mut position, mut change) = (self.axis.saved.position, 0.0);
+        let State { mut position, velocity: before, .. } = self.axis.saved;
+        let mut change = 0.0;
         if rising {
             self.speed = self.time_override;
             self.ramp = [self.speed; 2];
             // Counting anew is no motion.
             self.axis.zero -= position;
             position = 0.0;
-        } else if execute {
+        }
+        self.axis.values.save_position = position;
+        self.axis.values.save_velocity = before;
+        if execute && !rising {
             let before = self.speed;
             self.change_speed(cycle);
             change = self.speed - before;

@@ -11,6 +11,7 @@ use super::knot::Derivatives;
 use super::passage::{Lead, LookAhead, Move, Watch};
 use super::reference::Cam;
 use super::selection::{CamInput, CamTable, StartMode};
+use super::tappet::Tappet;
 use super::unwrap::Unwrap;
 use crate::axis::profile::State;
 use std::sync::Arc;
@@ -31,8 +32,9 @@ pub struct CamCoupling {
     start_ns: i64,
     now_ns: i64,
     x: f64,
-    /// Where tappets are looked for, on the scale of the cam.
+    /// Where tappets are looked for, on the scale of the cam, and where that began.
     ahead: LookAhead,
+    began: f64,
     passes: f64,
     ended: bool,
     output: Coupled,
@@ -72,6 +74,8 @@ impl CamCoupling {
         let unwrap = Unwrap::new(table.master_period, master.position);
         let (_, passes) = if table.periodic { curve.wrap(x) } else { (x, 0.0) };
         let relative = input.start_mode == StartMode::Relative || !table.slave_absolute;
+        let velocity = master.velocity * input.master_scaling;
+        let ahead = LookAhead::new(x, velocity, input.tappet_dead_time_s);
         let output = Coupled {
             slave: *slave,
             in_sync: false,
@@ -89,11 +93,8 @@ impl CamCoupling {
             start_ns: now_ns,
             now_ns,
             x,
-            ahead: LookAhead::new(
-                x,
-                master.velocity * input.master_scaling,
-                input.tappet_dead_time_s,
-            ),
+            ahead,
+            began: ahead.looked(),
             passes,
             ended: false,
             output,
@@ -230,6 +231,13 @@ impl CamCoupling {
     /// Where the master is on the scale of the cam, passes included.
     pub fn place(&self) -> f64 {
         self.x
+    }
+
+    /// The tappets on which the master stood at the start: they have not been passed by that, and act when it comes to them again.
+    pub fn stood_on(&self) -> impl Iterator<Item = &Tappet> {
+        let curve = self.table.cam.curve();
+        let width = self.table.periodic.then(|| curve.end() - curve.start());
+        self.table.cam.tappets().iter().filter(move |tappet| tappet.is_at(self.began, width))
     }
 
     /// Offset1 and Offset2 of the manual (4.6.2): the slave is at y(x + Offset1) + Offset2, before it is scaled.

@@ -3,6 +3,10 @@
 //! A tappet is passed in the cycle in which the master comes to it or beyond: it acts once, then not again before the
 //! master has left the band of hysteresis around it. A passage in the direction that it does not count is none. Passages
 //! come in the order in which the master makes them, each with its time, interpolated between the cycles.
+//!
+//! The manual speaks of a passage only, and gives the bit a value of its own to begin with (`bInitValue`, 5.5). So a master
+//! that stands on a tappet when the cam begins (`MC_CamIn`, `Enable` of `SMC_CAMRegister`) has not come to it: the tappet acts
+//! when the master comes to it again, on a periodic cam at the begin of the next pass. [`Tappet::is_at`] finds them.
 
 use super::tappet::{Action, Passage, Tappet};
 
@@ -192,6 +196,26 @@ impl LookAhead {
     }
 }
 
+impl Tappet {
+    /// Whether it stands at x of a cam, that is put end to end by its width if there is one.
+    #[expect(
+        clippy::float_cmp,
+        reason = "a place that is reached to the last digit, as in every cycle"
+    )]
+    pub(crate) fn is_at(&self, x: f64, width: Option<f64>) -> bool {
+        let pass = width.map_or(0.0, |width| ((x - self.master) / width).round());
+        place(self.master, pass, width) == x
+    }
+}
+
+/// Where a tappet stands in a pass of a cam.
+fn place(master: f64, pass: f64, width: Option<f64>) -> f64 {
+    match width {
+        Some(width) if pass != 0.0 => master + pass * width,
+        _ => master,
+    }
+}
+
 /// The places of a tappet in all passes of a cam that a master may come to, in its order.
 fn places(master: f64, width: Option<f64>, step: &Move) -> impl Iterator<Item = f64> {
     let forwards = step.to > step.from;
@@ -201,10 +225,9 @@ fn places(master: f64, width: Option<f64>, step: &Move) -> impl Iterator<Item = 
     };
     // One pass more: the quotient may have been rounded over the tappet.
     let (first, by) = if forwards { (pass.floor(), 1.0) } else { (pass.ceil(), -1.0) };
-    let width = width.unwrap_or(f64::INFINITY);
     // So far away that no number tells one pass from the next there is nothing to be passed.
     let next = move |pass: &f64| Some(pass + by).filter(|next| (next - pass).abs() > 0.0);
     std::iter::successors(Some(first), next)
-        .map(move |pass| if pass == 0.0 { master } else { master + pass * width })
+        .map(move |pass| place(master, pass, width))
         .take_while(move |at| if forwards { *at <= to } else { *at >= to })
 }

@@ -85,7 +85,7 @@ pub struct CamRegister {
 }
 
 impl CamRegister {
-    /// Enables the block: all bits are off.
+    /// Enables the block: all bits are off. A tappet on which the master stands then has not been passed.
     ///
     /// # Errors
     /// [`RegisterError`] for a cam without tappets (600), or one with groups that have no bit (601).

@@ -82,7 +82,15 @@ impl<'m> Checker<'m> {
             }
         }
         match self.transformer.axes(tool, None) {
-            Ok(setpoint) => Some(*self.axes(&setpoint)),
+            Ok(setpoint) => {
+                if self.start.is_none() {
+                    for (names, groups) in self.transformer.stood_on_tappets() {
+                        let told = sentence::starts_on_tappets(tool.place, names, &groups);
+                        self.findings.add(None, told);
+                    }
+                }
+                Some(*self.axes(&setpoint))
+            }
             Err(error) => {
                 self.findings.add(None, no_axes(tool.place, &error));
                 self.last = None;

@@ -23,9 +23,9 @@ pub(super) enum About {
     Simulated,
 }
 
-/// What makes a finding one finding: line, rule, what it is about and column. Later ones that agree in this only raise its value
-/// and lower its feed.
-type Key = (u32, Rule, Option<About>, Option<usize>);
+/// What makes a finding one finding: line, rule, what it is about and column, and of what is only worth knowing also what it
+/// says: two blocks of a line tell two things. Later ones that agree in this only raise its value and lower its feed.
+type Key = (u32, Rule, Option<About>, Option<usize>, Option<String>);
 
 /// Findings, bounded in number. Each severity has room of its own, so that no number of warnings hides an error.
 #[derive(Debug, Default)]
@@ -38,8 +38,10 @@ pub(super) struct Findings {
 impl Findings {
     pub(super) fn add(&mut self, about: Option<About>, finding: Finding) {
         let column = finding.columns.as_ref().map(|columns| columns.start);
-        let key = (finding.line, finding.rule, about, column);
         let severity = finding.severity;
+        let tells = severity == Severity::Note && about.is_none() && finding.value.is_none();
+        let said = tells.then(|| finding.message.clone());
+        let key = (finding.line, finding.rule, about, column, said);
         let kept = self.kept.entry(severity).or_default();
         if let Some(kept) = kept.get_mut(&key) {
             // A feed is small enough if it is so wherever the finding was made.
@@ -51,12 +53,15 @@ impl Findings {
             kept.largest_feed_mm_per_s = feed;
         } else if kept.len() < MAX_FINDINGS {
             kept.insert(key, finding);
-        } else if !self.left_out_lately.contains(&(severity, key)) {
-            self.left_out += 1;
-            if self.left_out_lately.len() == REMEMBERED {
-                self.left_out_lately.pop_front();
+        } else {
+            let key = (severity, key);
+            if !self.left_out_lately.contains(&key) {
+                self.left_out += 1;
+                if self.left_out_lately.len() == REMEMBERED {
+                    self.left_out_lately.pop_front();
+                }
+                self.left_out_lately.push_back(key);
             }
-            self.left_out_lately.push_back((severity, key));
         }
     }
 
@@ -73,4 +78,35 @@ impl Findings {
 /// How far a finding's value is from its limit.
 fn excess(finding: &Finding) -> f64 {
     finding.value.zip(finding.limit).map_or(0.0, |(value, limit)| (value - limit).abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{About, Findings};
+    use crate::finding::{Finding, Rule, Severity};
+    use twin_motion::Place;
+
+    fn found(severity: Severity, message: &str) -> Finding {
+        let place = Place { line: 7, block: None };
+        let finding = Finding::error(Rule::FunctionBlock, place, message.to_owned());
+        Finding { severity, ..finding }
+    }
+
+    /// Notes of one line that say different things are all kept, once each; of errors the worst.
+    #[test]
+    fn notes_of_one_line_do_not_hide_each_other() {
+        let mut findings = Findings::default();
+        for said in ["a jerk is assumed", "X at 100 mm", "X at 100 mm", "X at 200 mm"] {
+            findings.add(None, found(Severity::Note, said));
+        }
+        for value in [2.0, 5.0, 3.0] {
+            let error = found(Severity::Error, &format!("{value} mm")).with_value(value, 1.0, "mm");
+            findings.add(Some(About::Axis(0)), error);
+        }
+        let (mut list, left_out) = findings.into_list();
+        list.sort_by(|a, b| a.message.cmp(&b.message));
+        let said: Vec<_> = list.iter().map(|finding| finding.message.as_str()).collect();
+        assert_eq!(said, ["5 mm", "X at 100 mm", "X at 200 mm", "a jerk is assumed"]);
+        assert_eq!(left_out, 0);
+    }
 }

@@ -38,7 +38,7 @@ use following::FollowingBeside;
 pub use following::{PredictedFollowing, PredictedTraffic, wire_rates};
 pub use options::{CheckFailure, CheckOptions};
 use rehearsal::Rehearsal;
-pub(crate) use sentence::{beyond_position, no_axes, out_of_order, unreachable};
+pub(crate) use sentence::{beyond_position, no_axes, out_of_order, starts_on_tappets, unreachable};
 use twin_kinematics::AxisVector;
 use way::Way;
 pub use way::{BlockClearance, Clearances};
@@ -78,7 +78,17 @@ pub struct Outcome {
     pub tappets: Switched,
 }
 
-/// Checks a whole program. `progress` is told the bytes read so far.
+/// How far a check has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Progress {
+    /// Bytes of the program's file that are done; none of a job that does not say how long it takes: nobody knows how much is
+    /// to come.
+    pub bytes: Option<u64>,
+    /// Time of the program, ns.
+    pub time_ns: i64,
+}
+
+/// Checks a whole program. `progress` is told how far it has come.
 ///
 /// # Errors
 /// If the file cannot be read, the simulated machine cannot be built, or the machine is none whose axes a path can be planned
@@ -87,7 +97,7 @@ pub fn check(
     machine: &Machine,
     program: &ProgramFile,
     options: CheckOptions,
-    progress: &mut dyn FnMut(u64),
+    progress: &mut dyn FnMut(Progress),
 ) -> Result<Outcome, CheckFailure> {
     check_watched(machine, program, options, progress, &mut |_| {})
 }
@@ -100,7 +110,7 @@ pub fn check_watched(
     machine: &Machine,
     program: &ProgramFile,
     options: CheckOptions,
-    progress: &mut dyn FnMut(u64),
+    progress: &mut dyn FnMut(Progress),
     watch: &mut dyn FnMut(&BlockClearance),
 ) -> Result<Outcome, CheckFailure> {
     std::thread::scope(|scope| {
@@ -110,8 +120,8 @@ pub fn check_watched(
     })
 }
 
-/// What is told meanwhile: the bytes read so far, and how near everything is to what is in the way.
-type Watchers<'w> = (&'w mut dyn FnMut(u64), &'w mut dyn FnMut(&BlockClearance));
+/// What is told meanwhile: how far it has come, and how near everything is to what is in the way.
+type Watchers<'w> = (&'w mut dyn FnMut(Progress), &'w mut dyn FnMut(&BlockClearance));
 
 fn checked(
     machine: &Machine,
@@ -170,7 +180,7 @@ fn checked(
             rehearsal.take(&setpoint, &mut checker)?;
         }
         countdown = countdown.checked_sub(1).unwrap_or_else(|| {
-            progress(items.bytes_read());
+            progress(Progress { bytes: items.bytes_done(), time_ns: setpoint.time_ns });
             1000
         });
     }

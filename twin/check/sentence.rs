@@ -26,6 +26,13 @@ pub(crate) fn no_axes(place: Place, error: &AxesError) -> Finding {
             finding.axis = Some(axis.clone());
             finding.with_value(*to, *from, unit)
         }
+        AxesError::Begins { axis, from, at, unit, .. } => {
+            let mut finding = Finding::error(Rule::Coupling, place, error.to_string());
+            finding.axis = Some(axis.clone());
+            finding.hint =
+                Some("leave the slave out, or lay the cam there (`slave_offset_…`)".to_owned());
+            finding.with_value(*from, *at, unit)
+        }
         AxesError::Cam { axis, .. } => {
             let mut finding = Finding::error(Rule::Coupling, place, error.to_string());
             finding.axis = Some(axis.clone());
@@ -38,6 +45,24 @@ pub(crate) fn no_axes(place: Place, error: &AxesError) -> Finding {
 pub(crate) fn out_of_order(place: Place, axis: Option<String>, told: &str) -> Finding {
     let mut finding = Finding::error(Rule::CamContinuity, place, told.to_owned());
     (finding.severity, finding.axis) = (Severity::Warning, axis);
+    finding
+}
+
+/// A master that stands on tappets of its slave's cam when that begins.
+pub(crate) fn starts_on_tappets(
+    place: Place,
+    [slave, master]: [&str; 2],
+    groups: &[i16],
+) -> Finding {
+    let listed: Vec<_> = groups.iter().map(ToString::to_string).collect();
+    let (plural, act) = if groups.len() == 1 { ("", "it acts") } else { ("s", "they act") };
+    let message = format!(
+        "axis {master} stands on the tappet{plural} of group{plural} {} when the cam of {slave} begins: {act} when the axis comes \
+         there, not where it starts",
+        listed.join(", ")
+    );
+    let mut finding = Finding::error(Rule::FunctionBlock, place, message);
+    (finding.severity, finding.axis) = (Severity::Note, Some(slave.to_owned()));
     finding
 }
 

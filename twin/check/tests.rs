@@ -440,9 +440,9 @@ fn progress_is_told_to_the_end_of_the_file() {
     let program =
         ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
     let mut told = Vec::new();
-    check(&machine, &program, CheckOptions::default(), &mut |bytes| told.push(bytes)).unwrap();
+    check(&machine, &program, CheckOptions::default(), &mut |at| told.push(at.bytes)).unwrap();
     assert!(told.is_sorted() && told.len() >= 2, "{told:?}");
-    assert_eq!(told.last(), Some(&program.size().unwrap()));
+    assert_eq!(told.last(), Some(&Some(program.size().unwrap())));
 }
 
 /// An axis is looked for on the turn that its software limits are on: 280° here, not −80°.

@@ -18,6 +18,12 @@ pub(super) struct Cause<'f> {
 type Key<'f> = (Severity, Rule, Option<&'f str>, String);
 
 fn key(finding: &Finding) -> Key<'_> {
+    // What a block or a probe has to tell is a number: each tells its own.
+    let tells = [Rule::FunctionBlock, Rule::Probe].contains(&finding.rule);
+    if finding.severity == Severity::Note && tells {
+        let axis = finding.axis.as_deref();
+        return (finding.severity, finding.rule, axis, finding.message.clone());
+    }
     let is_number =
         |word: &str| word.trim_matches(|c: char| !c.is_ascii_alphanumeric()).parse::<f64>().is_ok();
     let words = finding.message.split_whitespace().filter(|word| !is_number(word));
@@ -67,7 +73,7 @@ impl Cause<'_> {
 #[cfg(test)]
 mod tests {
     use super::of;
-    use crate::finding::{Finding, Rule};
+    use crate::finding::{Finding, Rule, Severity};
     use twin_motion::Place;
 
     fn found(line: u32, axis: &str, message: &str) -> Finding {
@@ -94,6 +100,21 @@ mod tests {
         let probes =
             [found(1, "X", "G38.2 meets nothing at 5"), found(2, "X", "G38.3 meets nothing at 7")];
         assert_eq!(of(&probes).len(), 2);
+        // What probes have found is told for each of them, where it is not the same.
+        let told = |rule, line, message: &str| {
+            let place = Place { line, block: None };
+            let finding = Finding::error(rule, place, message.to_owned());
+            Finding { severity: Severity::Note, ..finding }
+        };
+        for rule in [Rule::FunctionBlock, Rule::Probe] {
+            let recorded = [
+                told(rule, 3, "X at 48.3 mm"),
+                told(rule, 5, "X at 98.3 mm"),
+                told(rule, 9, "X at 98.3 mm"),
+            ];
+            let counts: Vec<_> = of(&recorded).iter().map(super::Cause::count).collect();
+            assert_eq!(counts, [1, 2], "{rule:?}");
+        }
         // Twice in the same line is no other line.
         let twice =
             [found(5, "X", "velocity 1"), found(5, "X", "velocity 2"), found(6, "X", "velocity 3")];

@@ -1,7 +1,11 @@
 //! Progress of work that takes long, where no terminal shows a bar.
 
+use crate::check::Progress;
 use crate::clock::Clock;
+use crate::report::seconds;
 use std::io::{self, IsTerminal, Write};
+
+const MINUTE_NS: i64 = 60_000_000_000;
 
 /// Progress lines of work that takes long, on standard error, where that is no terminal that shows a bar.
 #[derive(Debug)]
@@ -18,6 +22,22 @@ impl ProgressLines {
     pub(super) fn new(what: String) -> Self {
         let silent = io::stderr().is_terminal();
         Self { what, clock: Clock::start(), last: (0, 0), silent }
+    }
+
+    /// So much of a program of so many bytes has been checked.
+    pub(super) fn checked(&mut self, progress: &Progress, bytes: u64) {
+        let Some(done) = progress.bytes else { return self.set_time(progress.time_ns) };
+        self.set(done, bytes);
+    }
+
+    /// The program is at this time, of a whole that nobody knows.
+    fn set_time(&mut self, time_ns: i64) {
+        let (now_ns, (last_ns, _)) = (self.clock.now_ns(), self.last);
+        if self.silent || now_ns.saturating_sub(last_ns) < MINUTE_NS {
+            return;
+        }
+        self.last.0 = now_ns;
+        writeln!(io::stderr(), "{}: at {:.0} s", self.what, seconds(time_ns)).unwrap_or_default();
     }
 
     /// So much of the whole is done.

@@ -1,9 +1,10 @@
 //! How things look on a terminal.
 
 pub(super) use super::findings::findings;
+use crate::check::Progress;
 use crate::machine::{Axis, Machine};
 use crate::physics::MotorLoad;
-use crate::report::{AxisPeak, Peak};
+use crate::report::{AxisPeak, Peak, seconds};
 pub(super) use crate::table::table;
 use comfy_table::{Cell, CellAlignment, Color, Table};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -138,6 +139,22 @@ pub(super) fn progress(length: u64, template: &str) -> ProgressBar {
         bar.set_style(style.progress_chars("━╸ "));
     }
     bar
+}
+
+/// Moves a bar on as a check comes on; where nobody knows how much is to come, it becomes a spinner with the time of the program.
+pub(super) fn advance(bar: &ProgressBar, progress: &Progress) {
+    if let Some(bytes) = progress.bytes {
+        bar.set_position(bytes);
+        return;
+    }
+    if bar.length().is_some() {
+        bar.unset_length();
+        if let Ok(style) = ProgressStyle::with_template("{msg} {spinner} at {prefix}") {
+            bar.set_style(style);
+        }
+    }
+    bar.set_prefix(format!("{:.1} s", seconds(progress.time_ns)));
+    bar.tick();
 }
 
 /// The software limits of an axis in its unit, or that it goes round and round.

@@ -40,6 +40,19 @@ pub(super) trait Called: fmt::Debug + Send {
         None
     }
 
+    /// Lays the cam of a block that has not begun by so much elsewhere, in the unit of its axis.
+    fn lay(&mut self, _by: f64) {}
+
+    /// Groups of the tappets on which the master stood when its cam began.
+    fn stood_on(&self) -> Vec<i16> {
+        Vec::new()
+    }
+
+    /// How long what goes on in it takes from its beginning, s, where that is known.
+    fn lasts(&self) -> Option<f64> {
+        None
+    }
+
     /// `EndOfProfile` of the last call.
     fn ends_profile(&self) -> bool {
         false
@@ -115,6 +128,15 @@ impl Called for OnCam {
         Some(CamStart { relative, slave_offset: input.slave_offset, masters, laid })
     }
 
+    fn lay(&mut self, by: f64) {
+        self.0.inputs.input.slave_offset += by;
+    }
+
+    fn stood_on(&self) -> Vec<i16> {
+        let run = self.0.running().into_iter();
+        run.flat_map(|run| run.coupling().stood_on()).map(|tappet| tappet.group).collect()
+    }
+
     fn ends_profile(&self) -> bool {
         self.0.running().is_some_and(|run| run.coupling().output().end_of_profile)
     }
@@ -173,6 +195,10 @@ where
     fn call(&mut self, execute: bool, axis: &mut Axis, _with: With<'_>) -> Outputs {
         self.0.call(execute, axis)
     }
+
+    fn lasts(&self) -> Option<f64> {
+        self.0.duration()
+    }
 }
 
 /// A block whose axis follows another one.
@@ -190,11 +216,19 @@ where
             None => Outputs::default(),
         }
     }
+
+    fn lasts(&self) -> Option<f64> {
+        self.0.duration()
+    }
 }
 
 impl Called for SuperImposed {
     fn call(&mut self, execute: bool, axis: &mut Axis, _with: With<'_>) -> Outputs {
         Self::call(self, execute, axis)
+    }
+
+    fn lasts(&self) -> Option<f64> {
+        self.duration()
     }
 }
 

@@ -140,6 +140,11 @@ impl Called for Direct {
         // The block itself has no end: the job goes on where its points do.
         Outputs { done: shown.busy && ended && !self.waits(), ..shown }
     }
+
+    /// To the last of the points, without what jumps on the way take.
+    fn lasts(&self) -> Option<f64> {
+        Some(self.points.iter().map(|point| point.after).sum())
+    }
 }
 
 /// Follows set-points, watched and with jumps bridged if `gaps` say so.

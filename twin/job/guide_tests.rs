@@ -1,7 +1,8 @@
 //! The guide's table of blocks is what jobs take: every block, and every key of each.
 
+use super::CamsBefore;
 use super::kind::BLOCKS;
-use super::read::{Known, Reader};
+use super::read::{Known, Lines, Reader};
 use super::tests::machine;
 use crate::machine::AxisKind;
 use crate::machine::section::{Section, parse};
@@ -22,11 +23,12 @@ fn asked(name: &str) -> BTreeSet<String> {
     axes.push(Known { name: "shaft".to_owned(), kind: AxisKind::Rotary, max_acceleration: None });
     let text = format!("[[blocks]]\nblock = \"{name}\"\naxis = \"X\"\nmaster = \"shaft\"\n");
     let mut keys = BTreeSet::new();
-    let reader = Reader { text: &text, path: Path::new("job.toml"), axes, triggers: Vec::new() };
+    let (lines, path) = (Lines::of(&text), Path::new("job.toml"));
+    let reader = Reader { lines, path, axes, triggers: Vec::new() };
     let _complaints = parse(&text, |root| {
         let sections = root.sections("blocks");
         for section in &sections {
-            reader.call(section, &[]);
+            reader.call(section, &CamsBefore::default());
             keys = section.asked_for();
         }
         sections.iter().for_each(Section::accept_all);

@@ -176,7 +176,11 @@ impl Kind {
             Self::AccelerationProfile => {
                 alone(AccelerationProfile(of.points("acceleration", "_per_s2")?))
             }
-            Self::Home => alone(Home { position: of.length("position")? }),
+            Self::Home => {
+                let (position, deceleration) =
+                    (of.length("position"), of.optional_acceleration("deceleration"));
+                alone(Home { position: position?, deceleration })
+            }
             Self::SetPosition => {
                 let relative = of.section.flag("relative").unwrap_or(false);
                 set_position(of.length("position")?, relative)

@@ -36,16 +36,20 @@ mod direct_tests;
 mod end_tests;
 mod engine;
 #[cfg(test)]
+mod first_cycle_tests;
+#[cfg(test)]
 mod guide_tests;
 #[cfg(test)]
 mod hostile_tests;
 mod kind;
 #[cfg(test)]
 mod machine_tests;
-mod order;
+#[cfg(test)]
+mod order_tests;
 mod pace;
 mod probe;
 mod read;
+mod start;
 mod stream;
 #[cfg(test)]
 mod tappet_tests;
@@ -62,6 +66,8 @@ use crate::machine::Machine;
 use crate::tappets::Tracks;
 use block::Called;
 use probe::JobTrigger;
+use std::collections::BTreeMap;
+use twin_motion::Place;
 use twin_motion::axis::profile::RampType;
 
 /// A job as it is written, for one machine.
@@ -71,8 +77,8 @@ pub(crate) struct Job {
     ramp: RampType,
     /// After so long every axis that leads is halted, s.
     duration: Option<f64>,
-    /// Where axes start that the job puts somewhere: index of the axis, its unit.
-    starts: Vec<(usize, f64)>,
+    /// Where axes start that the job puts somewhere.
+    starts: Vec<Start>,
     /// Axes behind those of the machine.
     virtual_axes: Vec<VirtualAxis>,
     /// Inputs that latch positions.
@@ -81,8 +87,6 @@ pub(crate) struct Job {
     tracks: Tracks,
     /// What is called.
     calls: Vec<Call>,
-    /// The axes, masters before their slaves, each with the numbers of its calls.
-    order: Vec<(usize, Vec<usize>)>,
 }
 
 impl Job {
@@ -102,16 +106,35 @@ impl Job {
 const ON_TOP: [&str; 4] =
     ["MC_MoveSuperImposed", "MC_SetPosition", "MC_TouchProbe", "MC_AbortTrigger"];
 
-/// The block whose `EndOfProfile` one of `axis` behind these waits for: the last one before it that moves the same axis, if
-/// that is an `MC_CamIn`. Blocks of other axes, such as the master's, may stand between them.
-fn cam_before<'n>(
-    blocks: impl DoubleEndedIterator<Item = (&'n str, usize)> + ExactSizeIterator,
+/// Of each axis the block that moves it last of those read so far, by its number, if that is an `MC_CamIn`: the one whose
+/// `EndOfProfile` a block behind them waits for. Blocks of other axes, such as the master's, may stand between them.
+#[derive(Debug, Default)]
+struct CamsBefore(BTreeMap<usize, usize>);
+
+impl CamsBefore {
+    /// The one of this axis.
+    fn of(&self, axis: usize) -> Option<usize> {
+        self.0.get(&axis).copied()
+    }
+
+    /// The next block.
+    fn pass(&mut self, index: usize, name: &str, axis: usize) {
+        if name == "MC_CamIn" {
+            self.0.insert(axis, index);
+        } else if !ON_TOP.contains(&name) {
+            self.0.remove(&axis);
+        }
+    }
+}
+
+/// Where a job has an axis of the machine start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Start {
+    /// Its line in the file, from 1.
+    line: u32,
     axis: usize,
-) -> Option<usize> {
-    let mut moving = blocks.enumerate().rev();
-    let moves = |(name, of): &(&str, usize)| *of == axis && !ON_TOP.contains(name);
-    let (index, (name, _)) = moving.find(|(_, block)| moves(block))?;
-    (name == "MC_CamIn").then_some(index)
+    /// mm or degrees.
+    position: f64,
 }
 
 /// A master that is no axis of the machine.
@@ -143,6 +166,12 @@ struct Call {
     master: Option<usize>,
     block: Box<dyn Called>,
     begins: Begins,
+}
+
+impl Call {
+    fn place(&self) -> Place {
+        Place { line: self.line, block: None }
+    }
 }
 
 /// When a block's Execute rises.

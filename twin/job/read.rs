@@ -4,10 +4,9 @@ use super::block::{following, on_cam};
 use super::kind::BLOCKS;
 use super::probe::{JobTrigger, When};
 use super::values::Values;
-use super::{Begins, Call, Job, VirtualAxis, cam_before, order};
+use super::{Begins, Call, CamsBefore, Job, Start, VirtualAxis};
 use crate::machine::section::{Section, parse};
 use crate::machine::{AxisKind, CamAxis, CamSelection, CoupledBy, Coupling, Machine, Problem};
-use crate::ring;
 use crate::tappets::{MOST_SIGNALS, Tracks};
 use std::path::Path;
 use twin_motion::axis::profile::RampType;
@@ -25,7 +24,8 @@ pub(super) const FAR: f64 = 1e9;
 /// With everything that is wrong with it, in file order.
 pub(crate) fn read(text: &str, path: &Path, machine: &Machine) -> Result<Job, Vec<Problem>> {
     parse(text, |root| {
-        let reader = Reader { text, path, axes: Vec::new(), triggers: Vec::new() };
+        let reader =
+            Reader { lines: Lines::of(text), path, axes: Vec::new(), triggers: Vec::new() };
         reader.job(root, machine)
     })
 }
@@ -38,8 +38,24 @@ pub(super) struct Known {
     pub(super) max_acceleration: Option<f64>,
 }
 
+/// Where the lines of a file end, so that nothing has to count them for every block.
+#[derive(Debug)]
+pub(super) struct Lines(Vec<usize>);
+
+impl Lines {
+    pub(super) fn of(text: &str) -> Self {
+        Self(text.match_indices('\n').map(|(end, _)| end).collect())
+    }
+
+    /// The line, from 1, in which a byte is.
+    fn at(&self, byte: usize) -> u32 {
+        let before = self.0.partition_point(|end| *end < byte);
+        u32::try_from(before + 1).unwrap_or(u32::MAX)
+    }
+}
+
 pub(super) struct Reader<'t> {
-    pub(super) text: &'t str,
+    pub(super) lines: Lines,
     pub(super) path: &'t Path,
     pub(super) axes: Vec<Known>,
     pub(super) triggers: Vec<JobTrigger>,
@@ -64,7 +80,7 @@ impl Reader<'_> {
         self.axes = machine.axes.iter().map(Known::of).collect();
         let virtual_axes = self.virtual_axes(root, duration.is_some());
         let starts = root.sections("start");
-        let mut said: Vec<(usize, f64)> = Vec::new();
+        let mut said: Vec<Start> = Vec::new();
         for section in starts {
             said.extend(self.start(section, machine, &said));
         }
@@ -74,45 +90,24 @@ impl Reader<'_> {
         if sections.is_empty() {
             root.complain("the file lacks [[blocks]]: nothing would move".to_owned());
         }
-        let mut previous = Vec::new();
-        let calls = sections.iter().map(|section| {
-            let call = self.call(section, &previous);
-            previous.extend(call.as_ref().map(|call| (call.name, call.axis)));
+        let mut cams = CamsBefore::default();
+        let calls = (0..).zip(&sections).map(|(index, section)| {
+            let call = self.call(section, &cams);
+            if let Some(call) = &call {
+                cams.pass(index, call.name, call.axis);
+            }
             call
         });
         let calls: Vec<_> = calls.collect();
-        let spans: Vec<_> = sections.iter().map(Section::span).collect();
         sections.into_iter().for_each(Section::finish);
         root.check_unknown();
         let written: Vec<_> = calls.into_iter().collect::<Option<_>>()?;
-        let of_ring: Vec<_> =
-            written.iter().map(|call| (call.master, call.axis)).zip(spans).collect();
         let line = written.first().map_or(1, |call| call.line);
         let standing = machine.couplings.iter().map(|coupling| standing(machine, coupling, line));
         let calls: Vec<_> = standing.chain(written).collect();
-        let order = match order::masters_first(&calls, self.axes.len()) {
-            Ok(order) => order,
-            Err(axes) => {
-                let name = |axis: usize| self.axes.get(axis).map_or("", |axis| axis.name.as_str());
-                let first = axes.first().map_or("", |axis| name(*axis));
-                let ring = ring::told(&axes, name);
-                let message =
-                    format!("axis \"{first}\" follows itself, by way of its masters: {ring}");
-                // At the first block of the job that is part of the ring, if one is.
-                let part = of_ring.iter().find(|((master, axis), _)| {
-                    axes.windows(2)
-                        .any(|pair| pair.first() == master.as_ref() && pair.get(1) == Some(axis))
-                });
-                match part {
-                    Some((_, span)) => root.complain_over(span, message),
-                    None => root.complain(message),
-                }
-                return None;
-            }
-        };
         let tracks = self.tracks(root, &calls)?;
         let triggers = self.triggers;
-        Some(Job { ramp, duration, starts, virtual_axes, triggers, tracks, calls, order })
+        Some(Job { ramp, duration, starts, virtual_axes, triggers, tracks, calls })
     }
 
     /// What the tappets of all cams switch.
@@ -194,12 +189,7 @@ impl Reader<'_> {
     }
 
     /// `said` are those before it.
-    fn start(
-        &self,
-        section: Section<'_>,
-        machine: &Machine,
-        said: &[(usize, f64)],
-    ) -> Option<(usize, f64)> {
+    fn start(&self, section: Section<'_>, machine: &Machine, said: &[Start]) -> Option<Start> {
         let Some((axis, known)) = self.axis(&section, "axis") else {
             section.accept_all();
             return None;
@@ -210,12 +200,13 @@ impl Reader<'_> {
             let message = "where a virtual axis starts is said in [[virtual_axes]]".to_owned();
             section.complain_at("axis", message);
         }
-        if said.iter().any(|(other, _)| *other == axis) {
+        if said.iter().any(|other| other.axis == axis) {
             let message = format!("two [[start]] say where axis \"{}\" starts", known.name);
             section.complain_at("axis", message);
         }
+        let line = self.lines.at(section.span_of(&key).start);
         section.finish();
-        Some((axis, position?))
+        Some(Start { line, axis, position: position? })
     }
 
     /// The axis that `key` names.
@@ -230,8 +221,8 @@ impl Reader<'_> {
         found
     }
 
-    /// A block behind the `previous` ones, of which name and axis are known.
-    pub(super) fn call(&self, section: &Section<'_>, previous: &[(&str, usize)]) -> Option<Call> {
+    /// A block behind those that have passed the `cams` of the axes.
+    pub(super) fn call(&self, section: &Section<'_>, cams: &CamsBefore) -> Option<Call> {
         let names = BLOCKS.map(|(name, kind)| (name, (name, kind)));
         let (Some((name, kind)), Some((axis, known))) =
             (section.required_choice("block", &names), self.axis(section, "axis"))
@@ -257,16 +248,14 @@ impl Reader<'_> {
         let inputs = Values { section, known, master: master.map(|(_, known)| known), triggers };
         let block = kind.block(&inputs, self.path);
         let begins = begins(section);
-        let ends = || cam_before(previous.iter().copied(), axis).is_some();
-        if begins == Begins::EndOfProfile && !ends() {
+        if begins == Begins::EndOfProfile && cams.of(axis).is_none() {
             let name = &known.name;
             let message = format!(
                 "what moves axis \"{name}\" before this block is no MC_CamIn of the same axis"
             );
             section.complain_at("at_end_of_profile", message);
         }
-        let line = 1 + self.text.get(..section.span_of("block").start)?.matches('\n').count();
-        let line = u32::try_from(line).unwrap_or(u32::MAX);
+        let line = self.lines.at(section.span_of("block").start);
         let master = master.map(|(index, _)| index);
         Some(Call { name, line, axis, master, block: block?, begins })
     }

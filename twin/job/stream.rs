@@ -3,9 +3,9 @@
 use super::block::Fired;
 use super::engine::{Engine, State};
 use super::pace::{Bears, Pace};
+use super::start::starts;
 use super::{Call, read};
-use crate::check::{no_axes, out_of_order};
-use crate::coupled::Coupled;
+use crate::check::out_of_order;
 use crate::finding::{Finding, Rule};
 use crate::machine::{Axis, Machine, Problem};
 use crate::planning::PlanItem;
@@ -102,13 +102,13 @@ impl<'m> JobSetpoints<'m> {
             lost: 0,
         };
         match read(&text, program.path(), machine) {
-            Ok(job) => {
+            Ok(mut job) => {
                 setpoints.tracks = job.tracks.clone();
                 setpoints.masters = job.masters(machine);
                 setpoints.problems =
                     job.calls.iter().filter_map(|call| told(call, machine)).collect();
                 setpoints.blocks = u64::try_from(job.calls.len()).unwrap_or(u64::MAX);
-                let start = match start(machine, &job.starts) {
+                let start = match starts(machine, &job.starts, &mut job.calls) {
                     Ok(start) => start,
                     Err(finding) => {
                         setpoints.problems.push_back(*finding);
@@ -128,16 +128,23 @@ impl<'m> JobSetpoints<'m> {
         Ok(setpoints)
     }
 
-    /// Bytes of the file whose blocks have begun.
+    /// How much of the job is done, as bytes of its file, where it says how long it takes: the file itself has been read from
+    /// the beginning on.
     #[expect(
         clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a share of the size of a file"
     )]
-    pub(crate) fn bytes_read(&self) -> u64 {
-        let part = self.engine.as_ref().map_or(1.0, Engine::progress);
-        (part * self.bytes as f64) as u64
+    pub(crate) fn bytes_done(&self) -> Option<u64> {
+        let part = self.engine.as_ref().map_or(Some(1.0), Engine::progress)?;
+        Some((part * self.bytes as f64) as u64)
+    }
+
+    /// How often blocks have been called; none when nothing comes any more.
+    #[cfg(test)]
+    pub(super) fn block_calls(&self) -> Option<u64> {
+        self.engine.as_ref().map(Engine::block_calls)
     }
 
     /// How many blocks it has.
@@ -311,8 +318,7 @@ impl<'m> JobSetpoints<'m> {
 /// A cam of a block whose elements do not stand by ascending masters.
 fn told(call: &Call, machine: &Machine) -> Option<Finding> {
     let axis = machine.axes.get(call.axis).map(|axis| axis.name.clone());
-    let place = Place { line: call.line, block: None };
-    Some(out_of_order(place, axis, call.block.out_of_order()?))
+    Some(out_of_order(call.place(), axis, call.block.out_of_order()?))
 }
 
 impl Iterator for JobSetpoints<'_> {
@@ -344,41 +350,6 @@ fn bears(axis: &Axis) -> Bears {
         acceleration: axis.from_si(axis.max_acceleration),
         jerk: axis.max_jerk.map_or(f64::INFINITY, |jerk| axis.from_si(jerk)),
     }
-}
-
-/// Where the axes start, in their units: where programs start, but for what the job says.
-///
-/// # Errors
-/// If that is nowhere, or a slave of the machine file cannot be where its master has it.
-fn start(machine: &Machine, said: &[(usize, f64)]) -> Result<Vec<f64>, Box<Finding>> {
-    let first = Place { line: 1, block: None };
-    let all = (0..machine.axes.len()).all(|axis| said.iter().any(|(other, _)| *other == axis));
-    // Slaves come to where their masters have them below, wherever the job puts these.
-    let axes = match machine.start_without_slaves() {
-        Some(axes) => axes,
-        // Nothing of it counts.
-        None if all => machine.middle(),
-        None => {
-            let message = "the machine cannot be where its file says that programs start (start_mm): say in [[start]] where \
-                           every axis starts";
-            return Err(Finding::error(Rule::Reach, first, message.to_owned()).into());
-        }
-    };
-    let shown = machine.axes.iter().zip(axes.iter()).map(|(axis, value)| axis.from_si(*value));
-    let mut start: Vec<_> = shown.collect();
-    for (axis, position) in said {
-        if let Some(slot) = start.get_mut(*axis) {
-            *slot = *position;
-        }
-    }
-    if machine.couplings.is_empty() {
-        return Ok(start);
-    }
-    // Slaves start where their masters have them.
-    let values = machine.axes.iter().zip(&start).map(|(axis, value)| axis.to_si(*value));
-    let coupled = Coupled::at_rest(machine, AxisVector::from_values(values));
-    let coupled = coupled.map_err(|error| no_axes(first, &error))?;
-    Ok(machine.axes.iter().zip(coupled.iter()).map(|(axis, value)| axis.from_si(*value)).collect())
 }
 
 /// What is wrong with the file, as a finding.

@@ -327,18 +327,6 @@ fn mistakes_are_told_with_their_lines() {
             "follow itself",
         ),
         (
-            "[[blocks]]\nblock = \"MC_GearIn\"\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 1\n[[blocks]]\n\
-             block = \"MC_GearIn\"\naxis = \"Y\"\nmaster = \"X\"\nratio_numerator = 1\n",
-            1,
-            "follows itself",
-        ),
-        (
-            "[[blocks]]\nblock = \"MC_GearIn\"\naxis = \"Z\"\nmaster = \"Y\"\nratio_numerator = 1\n[[blocks]]\n\
-             block = \"MC_GearIn\"\naxis = \"Y\"\nmaster = \"Z\"\nratio_numerator = 1\n",
-            1,
-            "axis \"Y\" follows itself, by way of its masters: Y -> Z -> Y",
-        ),
-        (
             "[[blocks]]\nblock = \"MC_GearIn\"\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 0\n",
             5,
             "`ratio_numerator` is 0: the slave would never move",

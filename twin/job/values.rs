@@ -53,6 +53,12 @@ impl Values<'_> {
         said.or(self.known.max_acceleration)
     }
 
+    /// An acceleration that is needed in some cases only; that of the axis's limits, if it is not said, and 0 without any.
+    pub(super) fn optional_acceleration(&self, name: &str) -> f64 {
+        let said = self.section.number(&format!("{}_per_s2", self.key(name)), 1e-6..=FAR);
+        said.or(self.known.max_acceleration).unwrap_or(0.0)
+    }
+
     /// Acceleration and deceleration; the same, if one is said.
     pub(super) fn accelerations(&self) -> Option<[f64; 2]> {
         let acceleration = self.acceleration("acceleration")?;

@@ -128,12 +128,12 @@ impl<'m> Planning<'m> {
         }
     }
 
-    /// Bytes of the file read so far.
-    pub(crate) fn bytes_read(&self) -> u64 {
+    /// Bytes of the file that are done; none if nobody knows how much is to come.
+    pub(crate) fn bytes_done(&self) -> Option<u64> {
         match &self.0 {
-            Plan::Controller(setpoints) => setpoints.bytes_read(),
-            Plan::Axes(_) => self.file().map_or(0, Findings::bytes_read),
-            Plan::Job(job) => job.bytes_read(),
+            Plan::Controller(setpoints) => Some(setpoints.bytes_read()),
+            Plan::Axes(_) => Some(self.file().map_or(0, Findings::bytes_read)),
+            Plan::Job(job) => job.bytes_done(),
         }
     }
 

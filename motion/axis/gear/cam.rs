@@ -13,6 +13,11 @@ use crate::cam::{CamCoupling, CamInput, CamTable, CouplingError, StartMode};
 /// when the block is started again. Beside the master's position and velocity its acceleration
 /// counts, so that the slave's acceleration is exact.
 ///
+/// The manual says that a cam begins with the master's position at the rising edge, and not what that is of a master that has
+/// been moved in this cycle already. Here a master that stood when the cycle began is where it stood, so that it makes no
+/// difference whether it moves off in this cycle or in the next one: it is not beside a cam that it leaves at once (626), and
+/// passes the tappets that it comes to. One that moves is where it is by now.
+///
 /// The slave is strictly where the master's position has it (manual 4.6.2): where `MC_SetPosition` moves the master's zero
 /// under an absolute cam, it steps. A cam with `MasterAbsolute` FALSE lies where the master was, and stays there.
 ///
@@ -111,6 +116,20 @@ impl CamIn {
         !matches!(self.input.start_mode, StartMode::Absolute | StartMode::Relative)
     }
 
+    /// The master at the rising edge, `lead` s before this cycle's set-points.
+    fn begins_at(&self, master: Master, lead: f64) -> State {
+        if let Some(position) = master.stood.filter(|_| lead > 0.0) {
+            return State::resting(position);
+        }
+        let mut from = now(master);
+        if self.ramps() {
+            // A bridge begins where the slave was a cycle ago, and so at where the master was.
+            from.velocity -= master.acceleration * lead;
+            from.position -= f64::midpoint(from.velocity, master.velocity) * lead;
+        }
+        from
+    }
+
     /// What a ramp with limited jerk may use; none for another start.
     fn limited(&self, axis: &Axis) -> Result<Option<AxisLimits>, CouplingError> {
         if !self.ramps() || axis.ramp() == RampType::Trapezoid {
@@ -161,12 +180,7 @@ impl Motion for CamIn {
         let moved = axis.values.moved_in_this_cycle;
         let (state, lead) =
             if moved { (axis.total_after_cycle(), 0.0) } else { (start.state, start.lead) };
-        let mut from = now(master);
-        if self.ramps() {
-            // A bridge begins where the slave was a cycle ago, and so at where the master was.
-            from.velocity -= master.acceleration * lead;
-            from.position -= f64::midpoint(from.velocity, master.velocity) * lead;
-        }
+        let from = self.begins_at(master, lead);
         let zero = master.zero;
         let limits = self.limited(axis).map_err(number)?;
         let start_mode = if limits.is_some() { StartMode::Absolute } else { self.input.start_mode };

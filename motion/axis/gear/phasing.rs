@@ -32,6 +32,8 @@ pub struct PhasingRun {
     /// The slave without the shift.
     slave: State,
     shift: Option<Planned>,
+    /// How long the shift takes, s.
+    shift_takes: f64,
 }
 
 impl Phasing {
@@ -52,11 +54,17 @@ impl Motion for Phasing {
         }
         // The shift has to be possible, before anything moves.
         let rest = Start { state: State::default(), lead: axis.cycle(), aim: None };
-        Planned::to(self.phase_shift, self.limits(axis), rest, axis)
+        let shift = Planned::to(self.phase_shift, self.limits(axis), rest, axis)
             .map_err(|_invalid| SmcError::PhInvalidVelaccdec)?;
+        let shift_takes = shift.duration();
         let follower = Follower::new(master, self.limits(axis));
         // The first set-point is that of this cycle, from the last one's.
-        Ok(PhasingRun { follower, slave: axis.saved, shift: None })
+        Ok(PhasingRun { follower, slave: axis.saved, shift: None, shift_takes })
+    }
+
+    /// At least: the shift comes when the velocities are the same.
+    fn duration(run: &PhasingRun) -> Option<f64> {
+        Some(run.shift_takes)
     }
 
     fn step(

@@ -45,6 +45,10 @@ impl Motion for MoveContinuousAbsolute {
         on_from(target, end_velocity, limits, start, axis).ok_or(SmcError::McaInvalidVelaccValues)
     }
 
+    fn duration(run: &Planned) -> Option<f64> {
+        Some(run.duration())
+    }
+
     fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
         Ok(run.step(axis, Stage::Reached))
     }
@@ -82,6 +86,10 @@ impl Motion for MoveContinuousRelative {
         let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
         let target = start.state.position + self.distance;
         on_from(target, end_velocity, limits, start, axis).ok_or(SmcError::McrInvalidVelaccValues)
+    }
+
+    fn duration(run: &Planned) -> Option<f64> {
+        Some(run.duration())
     }
 
     fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {

@@ -1,5 +1,6 @@
 //! The drive's own homing, and the zero.
 
+use super::Planned;
 use crate::axis::ownership::{Refusal, Start};
 use crate::axis::profile::State;
 use crate::axis::{Axis, AxisState, Homing, Motion, Progress, SmcError, Stage};
@@ -13,17 +14,32 @@ pub(super) const ANSWER_S: f64 = 1.0;
 ///
 /// The set position follows the drive meanwhile. When the drive is done, its positions count from the reference, and a
 /// shift of the zero is gone.
+///
+/// `Deceleration` is in the block's diagram (manual 5.3) and not in its list of inputs; of it the manual says only that an
+/// error when stopping behind homing may be for want of it (173, 9.3), and that the axis stands when the block is done. So a
+/// drive that still moves when it has found its reference is brought to rest with it, on the ramps of the axis, before the
+/// block is done; one that stands needs none.
 #[doc(alias = "MC_Home")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Home {
     /// Position of the reference, u.
     pub position: f64,
+    /// Brings the axis to rest where the drive has not, u/s²; 0, the block's own initial value, if it need not.
+    pub deceleration: f64,
+}
+
+/// Homing by the drive on its way.
+#[derive(Clone, Debug)]
+pub enum HomeRun {
+    /// The drive is told to, and has been for so long without an answer, s.
+    Asked(f64),
+    /// The reference is found, and the axis comes to rest.
+    Braking(Planned),
 }
 
 impl Motion for Home {
     type With = ();
-    /// Time without an answer of the drive, s.
-    type Run = f64;
+    type Run = HomeRun;
     const STATE: AxisState = AxisState::Homing;
 
     fn admitted(&self, axis: &Axis) -> Result<(), Refusal> {
@@ -34,19 +50,24 @@ impl Motion for Home {
         }
     }
 
-    fn plan(&self, _start: Start, _axis: &Axis, (): ()) -> Result<f64, SmcError> {
-        Ok(0.0)
+    fn plan(&self, _start: Start, _axis: &Axis, (): ()) -> Result<HomeRun, SmcError> {
+        Ok(HomeRun::Asked(0.0))
     }
 
     fn lost(axis: &Axis, error: SmcError) -> SmcError {
         if axis.values.communication { error } else { SmcError::HAxisDidntAnswer }
     }
 
-    fn step(&self, waited: &mut f64, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+    fn step(&self, run: &mut HomeRun, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+        let waited = match run {
+            HomeRun::Asked(waited) => waited,
+            HomeRun::Braking(planned) => return Ok(planned.step(axis, Stage::Done)),
+        };
         axis.home = Some(self.position);
         axis.values.start_reference = true;
         axis.values.reference = self.position;
         let drive = axis.drive;
+        let state = State { position: drive.position, velocity: drive.velocity, acceleration: 0.0 };
         let stage = match drive.homing {
             Homing::Idle if *waited > ANSWER_S => {
                 return Err(SmcError::HAxisDidntStartHoming);
@@ -60,12 +81,25 @@ impl Motion for Home {
             Homing::Done => {
                 axis.stop_homing();
                 axis.set_offset(0.0);
+                if state.velocity != 0.0 {
+                    return self.brake(run, state, axis);
+                }
                 Stage::Done
             }
         };
-        let velocity = if stage == Stage::Done { 0.0 } else { drive.velocity };
-        let setpoint = State { position: drive.position, velocity, acceleration: 0.0 };
-        Ok(Progress { setpoint, stage })
+        Ok(Progress { setpoint: state, stage })
+    }
+}
+
+impl Home {
+    /// The first cycle of the way to rest from where the drive is, as it moves.
+    fn brake(&self, run: &mut HomeRun, state: State, axis: &Axis) -> Result<Progress, SmcError> {
+        let start = Start { state, lead: 0.0, aim: None };
+        let planned = Planned::halt(self.deceleration, start, axis);
+        let mut planned = planned.map_err(|_without| SmcError::HErrorWhenStopping)?;
+        let progress = planned.step(axis, Stage::Done);
+        *run = HomeRun::Braking(planned);
+        Ok(progress)
     }
 }
 

@@ -1,4 +1,8 @@
 //! Latching a position (manual 5.3).
+//!
+//! The manual does not say from when on an input counts. One of the program does in every cycle in which a block waits for it,
+//! that of the rising edge of its Execute included, as a level: what is TRUE already latches at once. The drive is told of a
+//! latch at the end of that cycle, so that one of its own counts from the next one on.
 
 use crate::axis::latch::{Latch, Outcome, Outputs};
 use crate::axis::{Axis, Capture, SmcError, fmod};
@@ -76,7 +80,8 @@ impl TouchProbe {
     ///
     /// 400 if the trigger (or the drive's capture) is in use, 401 if the drive has no windows, 402 if it does not answer.
     pub fn call(&mut self, execute: bool, axis: &mut Axis, trigger: &mut Trigger) -> Probed {
-        if self.latch.rises(execute) {
+        let begins = self.latch.rises(execute);
+        if begins {
             // Anew: what it waited for itself does not stand in its way.
             if self.waiting.take().is_some() {
                 free(axis, trigger);
@@ -85,8 +90,11 @@ impl TouchProbe {
                 Ok(()) => self.waiting = Some(Waiting { window: self.window }),
                 Err(error) => self.latch.end(Outcome::Failed(error), axis),
             }
-        } else if let Some(Waiting { window }) = self.waiting {
-            // The drive latches before the cycle that tells.
+        }
+        // What the drive tells in the cycle in which the block begins it has latched before, for another one.
+        if let Some(Waiting { window }) =
+            self.waiting.filter(|_| !(begins && trigger.fast_latching))
+        {
             self.wait(window, axis, trigger);
         }
         let outputs = self.latch.outputs(self.waiting.is_some());

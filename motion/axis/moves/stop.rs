@@ -34,6 +34,10 @@ impl Motion for Stop {
             .map_err(|_invalid| SmcError::MsInvalidAccdecValues)
     }
 
+    fn duration(run: &Planned) -> Option<f64> {
+        Some(run.duration())
+    }
+
     fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
         Ok(run.step(axis, Stage::Done))
     }
@@ -60,6 +64,10 @@ impl Motion for Halt {
 
     fn aim(run: &Planned) -> Option<f64> {
         Some(run.target())
+    }
+
+    fn duration(run: &Planned) -> Option<f64> {
+        Some(run.duration())
     }
 
     fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {

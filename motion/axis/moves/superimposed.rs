@@ -54,6 +54,12 @@ impl SuperImposed {
         self.taken.as_ref().map(|(_, owner)| *owner)
     }
 
+    /// How long what goes on in it takes from its beginning, s.
+    #[must_use]
+    pub fn duration(&self) -> Option<f64> {
+        self.taken.as_ref().map(|(planned, _)| planned.duration())
+    }
+
     /// Calls it, for a cycle, with Execute and its axis.
     pub fn call(&mut self, execute: bool, axis: &mut Axis) -> Outputs {
         if self.latch.rises(execute) {

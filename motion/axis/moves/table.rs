@@ -106,6 +106,10 @@ impl Motion for PositionProfile {
         Some(run.profile.end().position)
     }
 
+    fn duration(run: &TableRun) -> Option<f64> {
+        Some(run.profile.duration())
+    }
+
     fn step(&self, run: &mut TableRun, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
         Ok(run.step(axis))
     }
@@ -122,6 +126,10 @@ impl Motion for VelocityProfile {
         Ok(TableRun::new(profile.map_err(|_invalid| SmcError::VpStep0ms)?, start, axis))
     }
 
+    fn duration(run: &TableRun) -> Option<f64> {
+        Some(run.profile.duration())
+    }
+
     fn step(&self, run: &mut TableRun, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
         Ok(run.step(axis))
     }
@@ -136,6 +144,10 @@ impl Motion for AccelerationProfile {
         let table = self.0.table(SmcError::ApArraysize, SmcError::ApStep0ms)?;
         let profile = TableProfile::accelerations(start.state, table);
         Ok(TableRun::new(profile.map_err(|_invalid| SmcError::ApStep0ms)?, start, axis))
+    }
+
+    fn duration(run: &TableRun) -> Option<f64> {
+        Some(run.profile.duration())
     }
 
     fn step(&self, run: &mut TableRun, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {

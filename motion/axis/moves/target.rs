@@ -39,6 +39,10 @@ impl Motion for MoveAbsolute {
         Some(run.target())
     }
 
+    fn duration(run: &Planned) -> Option<f64> {
+        Some(run.duration())
+    }
+
     fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
         Ok(run.step(axis, Stage::Done))
     }
@@ -71,6 +75,10 @@ impl Motion for MoveRelative {
 
     fn aim(run: &Planned) -> Option<f64> {
         Some(run.target())
+    }
+
+    fn duration(run: &Planned) -> Option<f64> {
+        Some(run.duration())
     }
 
     fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
@@ -109,6 +117,10 @@ impl Motion for MoveAdditive {
 
     fn aim(run: &Planned) -> Option<f64> {
         Some(run.target())
+    }
+
+    fn duration(run: &Planned) -> Option<f64> {
+        Some(run.duration())
     }
 
     fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {

@@ -35,6 +35,10 @@ impl Motion for MoveVelocity {
             .map_err(|_invalid| SmcError::MvInvalidAccdecValues)
     }
 
+    fn duration(run: &Planned) -> Option<f64> {
+        Some(run.duration())
+    }
+
     fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
         Ok(run.step(axis, Stage::Reached))
     }

@@ -148,7 +148,7 @@ fn the_drive_homes_itself() {
     let mut rig = linear();
     let mut there = to(3.0);
     rig.until(|axis| there.call(true, axis).done);
-    let mut home = Block::new(Home { position: -7.0 });
+    let mut home = Block::new(Home { position: -7.0, deceleration: 0.0 });
     rig.cycle(|axis| home.call(true, axis));
     assert_eq!(rig.axis.state(), AxisState::Homing);
     assert_eq!(rig.axis.read_bool_parameter(1210), Ok(true));
@@ -160,7 +160,7 @@ fn the_drive_homes_itself() {
     rig.cycle(|axis| moving.call(true, axis));
     let shown = rig.cycle(|axis| {
         moving.call(true, axis);
-        Block::new(Home { position: 0.0 }).call(true, axis)
+        Block::new(Home { position: 0.0, deceleration: 0.0 }).call(true, axis)
     });
     assert_eq!(shown.error, Some(SmcError::HAxisWasntStandstill));
 }
@@ -172,7 +172,7 @@ fn a_drive_that_does_not_home_is_an_error() {
         (Homing::StopFailed, SmcError::HErrorWhenStopping),
     ] {
         let mut rig = linear();
-        let mut home = Block::new(Home { position: 0.0 });
+        let mut home = Block::new(Home { position: 0.0, deceleration: 0.0 });
         let mut shown = rig.cycle(|axis| home.call(true, axis));
         for _ in 0..200 {
             rig.drive.feedback_mut().homing = homing;

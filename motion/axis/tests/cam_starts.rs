@@ -4,8 +4,8 @@ use super::blocks::endless;
 use super::framework::to;
 use super::rig::{CYCLE, Rig, linear, rotary};
 use crate::axis::profile::RampType;
-use crate::axis::{Axis, AxisConfig, Block, CamIn};
-use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
+use crate::axis::{Axis, AxisConfig, Block, CamIn, SmcError};
+use crate::cam::{Action, Cam, CamInput, CamTable, Knot, Passage, Shape, StartMode, Tappet};
 use std::sync::Arc;
 
 fn cam(knots: &[Knot]) -> CamTable {
@@ -127,6 +127,88 @@ fn a_slave_that_accelerates_waits_for_its_master() {
         let expected = velocity + acceleration * CYCLE;
         assert!((fast - expected).abs() < 1e-9, "{ramp:?}: {fast} {expected}");
     }
+}
+
+/// A master that stood moves off, the way that leaves the cam, in the very cycle in which the block begins: it was on the cam,
+/// so that the slave stays at its end (manual 4.6.1); with every ramp of the master, and with every way onto the cam.
+#[test]
+fn a_master_that_leaves_its_cam_at_once_was_on_it() {
+    use StartMode::{Absolute, RampIn, Relative};
+    for ramp in [RampType::Trapezoid, RampType::Sigmoid, RampType::Parabolic] {
+        for (start_mode, periodic) in
+            [(Absolute, false), (Relative, false), (RampIn, false), (Absolute, true)]
+        {
+            let config = AxisConfig { ramp, jerk: 500.0, ..AxisConfig::default() };
+            let (mut master, mut slave) = (Rig::new(config), Rig::new(config));
+            let mut back = to(-30.0);
+            let table = CamTable { periodic, ..straight(100.0, 0.5) };
+            let input = CamInput {
+                start_mode,
+                velocity_difference: 100.0,
+                acceleration: 50.0,
+                deceleration: 50.0,
+                ..CamInput::default()
+            };
+            let mut block = Block::new(CamIn { table: Some(table), input });
+            let about = format!("{ramp:?}, {start_mode:?}, periodic {periodic}");
+            let mut ended = false;
+            loop {
+                let there = master.cycle(|axis| back.call(true, axis).done);
+                let shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
+                assert!(shown.error.is_none(), "{about}: {shown:?}");
+                let output = block.running().expect("on the cam").coupling().output();
+                ended |= output.end_of_profile;
+                // Periodic it goes on by half the master's way, else it stands.
+                let place = if periodic { 0.5 * master.axis.set_position() } else { 0.0 };
+                let way = (slave.axis.set_position() - place).abs();
+                assert!(way < 1e-9, "{about}: {way} beside {place}");
+                if there {
+                    break;
+                }
+            }
+            assert!(ended, "{about}");
+        }
+    }
+}
+
+/// One that has moved before is where it is in the cycle of the edge: beside the cam it is refused (626).
+#[test]
+fn a_moving_master_is_where_it_is_at_the_edge() {
+    let (mut master, mut slave) = (linear(), linear());
+    let mut back = to(-30.0);
+    let mut block = Block::new(CamIn {
+        table: Some(CamTable { periodic: false, ..straight(100.0, 0.5) }),
+        input: CamInput::default(),
+    });
+    master.cycle(|axis| back.call(true, axis));
+    master.cycle(|axis| back.call(true, axis));
+    let shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
+    assert_eq!(shown.error.map(SmcError::number), Some(626));
+}
+
+/// In that first cycle tappets are passed, too: one that is so near is not lost.
+#[test]
+fn a_tappet_just_beside_the_start_acts() {
+    let tappet =
+        |group, master| Tappet { group, master, passage: Passage::Positive, action: Action::On };
+    // From rest with 100 u/s² the master is at 0.005 u after a cycle of 10 ms.
+    let tappets = vec![tappet(1, 0.0), tappet(2, 0.004), tappet(3, 0.006)];
+    let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(100.0, 50.0)];
+    let cam = Arc::new(Cam::new("cam", Shape::Polynomial(knots), tappets).expect("a cam"));
+    let (mut master, mut slave) = (linear(), linear());
+    let mut lead = to(30.0);
+    let mut block =
+        Block::new(CamIn { table: Some(CamTable::new(cam)), input: CamInput::default() });
+    let mut acted = Vec::new();
+    for cycle in 0..3 {
+        master.cycle(|axis| lead.call(true, axis));
+        slave.cycle(|axis| block.follow(true, &master.axis, axis));
+        let coupling = block.running().expect("on the cam").coupling();
+        acted.extend(coupling.output().tappets.triggers().map(|trigger| (cycle, trigger.group)));
+        let stood: Vec<_> = coupling.stood_on().map(|tappet| tappet.group).collect();
+        assert_eq!(stood, [1], "the one on which it stood");
+    }
+    assert_eq!(acted, [(0, 2), (1, 3)]);
 }
 
 /// Changes from `first` to `second` with an absolute start when the first one ends, with `slave_offset`; the largest

@@ -309,7 +309,7 @@ fn nobody_is_left_with_an_axis_that_nothing_moves() {
 /// A homing that is begun again goes on to its end.
 #[test]
 fn homing_can_be_begun_again() {
-    let (mut rig, mut home) = (linear(), Block::new(Home { position: 3.0 }));
+    let (mut rig, mut home) = (linear(), Block::new(Home { position: 3.0, deceleration: 0.0 }));
     rig.cycle(|axis| home.call(true, axis));
     rig.cycle(|axis| home.call(false, axis));
     let count = rig.until(|axis| {

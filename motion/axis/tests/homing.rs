@@ -1,7 +1,10 @@
-//! Homing onto a switch (manual 2.2.7).
+//! Homing onto a switch (manual 2.2.7), and by the drive (5.3).
 
-use super::rig::{Rig, linear};
-use crate::axis::{AxisConfig, AxisState, Block, Direction, HomingBySwitch, HomingMode, SmcError};
+use super::rig::{CYCLE, Rig, linear};
+use crate::axis::profile::RampType;
+use crate::axis::{
+    AxisConfig, AxisState, Block, Direction, Home, Homing, HomingBySwitch, HomingMode, SmcError,
+};
 
 /// The switch is closed below this drive position, u.
 const SWITCH: f64 = -2.0;
@@ -162,4 +165,68 @@ fn wrong_inputs_are_refused() {
     assert_eq!(error(|it| it.velocity_fast = f64::NAN), invalid);
     assert_eq!(error(|it| it.deceleration = -1.0), invalid);
     assert_eq!(error(|it| it.direction = Direction::Shortest), invalid);
+}
+
+/// A drive that tells that it has found its reference, 5 u, while it still goes back with 10 u/s.
+fn found_in_motion(rig: &mut Rig, home: &mut Block<Home>) {
+    rig.cycle(|axis| home.call(true, axis));
+    for way in [0.3, 0.2, 0.1] {
+        let feedback = rig.drive.feedback_mut();
+        (feedback.homing, feedback.position, feedback.velocity) = (Homing::Busy, 5.0 + way, -10.0);
+        let shown = rig.cycle(|axis| home.call(true, axis));
+        assert!(shown.busy && !shown.done && shown.error.is_none(), "{shown:?}");
+    }
+    let feedback = rig.drive.feedback_mut();
+    (feedback.homing, feedback.position, feedback.velocity) = (Homing::Done, 5.0, -10.0);
+}
+
+/// From 10 u/s with 20 u/s² it takes half a second and 2.5 u; with the other ramps longer, and no step of the velocity either.
+#[test]
+fn an_axis_that_still_moves_at_its_reference_is_brought_to_rest() {
+    for ramp in [RampType::Trapezoid, RampType::Sigmoid, RampType::Parabolic] {
+        let mut rig = Rig::new(AxisConfig { ramp, jerk: 100.0, ..AxisConfig::default() });
+        let mut home = Block::new(Home { position: 5.0, deceleration: 20.0 });
+        found_in_motion(&mut rig, &mut home);
+        let (mut before, mut cycles) = (-10.0, 0);
+        loop {
+            let shown = rig.cycle(|axis| home.call(true, axis));
+            let velocity = rig.axis.set_velocity();
+            assert!(
+                (velocity - before).abs() <= 20.0 * CYCLE + 1e-9,
+                "{ramp:?}: {before} {velocity}"
+            );
+            before = velocity;
+            if shown.done {
+                break;
+            }
+            assert!(shown.busy && shown.error.is_none(), "{shown:?}");
+            assert_eq!(rig.axis.state(), AxisState::Homing);
+            cycles += 1;
+        }
+        assert_eq!((rig.axis.state(), rig.axis.set_velocity()), (AxisState::Standstill, 0.0));
+        let place = rig.axis.set_position();
+        if ramp == RampType::Trapezoid {
+            assert!(cycles == 50 && (place - 2.5).abs() < 1e-9, "{place} after {cycles} cycles");
+        } else {
+            assert!(cycles > 50 && place < 2.5, "{ramp:?}: {place} after {cycles} cycles");
+        }
+    }
+}
+
+/// "Is a deceleration defined?" (173, manual 9.3): one that has to stop and has none.
+#[test]
+fn stopping_behind_homing_without_a_deceleration_is_173() {
+    for deceleration in [0.0, -1.0, f64::NAN] {
+        let mut rig = linear();
+        let mut home = Block::new(Home { position: 5.0, deceleration });
+        found_in_motion(&mut rig, &mut home);
+        let shown = rig.cycle(|axis| home.call(true, axis));
+        assert_eq!(shown.error.map(SmcError::number), Some(173));
+        assert_eq!(rig.axis.state(), AxisState::ErrorStop);
+        // Where the drive stands there is nothing to stop.
+        let mut rig = linear();
+        let mut home = Block::new(Home { position: 5.0, deceleration });
+        rig.until(|axis| home.call(true, axis).done);
+        assert_eq!(rig.axis.set_position(), 5.0);
+    }
 }

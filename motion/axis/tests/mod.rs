@@ -15,6 +15,7 @@ mod gears;
 mod homing;
 mod invariants;
 mod jerk;
+mod latched;
 mod parameters;
 mod rig;
 mod silence;

@@ -57,7 +57,7 @@ fn an_error_that_cannot_be_reset_is_122() {
 #[test]
 fn homing_without_an_answer_is_172() {
     let mut rig = linear();
-    let mut home = Block::new(Home { position: 5.0 });
+    let mut home = Block::new(Home { position: 5.0, deceleration: 0.0 });
     rig.cycle(|axis| home.call(true, axis));
     let feedback = rig.drive.feedback_mut();
     (feedback.homing, feedback.communicating) = (Homing::Busy, false);
@@ -67,7 +67,7 @@ fn homing_without_an_answer_is_172() {
     assert_eq!(rig.axis.error_id(), Some(1), "the axis's own error");
     // Another block that is lost that way shows the axis's.
     let mut rig = linear();
-    let mut home = Block::new(Home { position: 5.0 });
+    let mut home = Block::new(Home { position: 5.0, deceleration: 0.0 });
     rig.cycle(|axis| home.call(true, axis));
     rig.drive.feedback_mut().error = Some(9);
     let shown = rig.cycle(|axis| home.call(true, axis));

@@ -198,7 +198,7 @@ fn homing_that_is_left_off_does_not_go_back() {
     rig.power.regulator_on = true;
     rig.cycle(|_| ());
     rig.cycle(|_| ());
-    let mut home = Block::new(Home { position: 5.0 });
+    let mut home = Block::new(Home { position: 5.0, deceleration: 0.0 });
     rig.cycle(|axis| home.call(true, axis));
     // The drive counts from its reference by now: 33 is 5. The program does not call the block any more.
     rig.cycle(|_| ());

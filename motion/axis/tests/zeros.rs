@@ -114,7 +114,8 @@ fn a_master_that_is_homed_takes_nobody_along() {
         let (mut master, mut slave) = (rig(), rig());
         let mut there = super::framework::to(30.0);
         master.until(|axis| there.call(true, axis).done);
-        let (mut block, mut home) = (gear(2, 1), Block::new(Home { position: 5.0 }));
+        let (mut block, mut home) =
+            (gear(2, 1), Block::new(Home { position: 5.0, deceleration: 0.0 }));
         for cycle in 0..50 {
             let begins = cycle == 20;
             pair(

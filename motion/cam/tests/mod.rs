@@ -8,6 +8,7 @@ mod coupling;
 mod curve;
 mod files;
 mod source;
+mod tappet_starts;
 mod tappets;
 
 use super::{Curve, Knot};

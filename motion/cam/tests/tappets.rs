@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 const CYCLE_NS: i64 = 1_000_000;
 
-fn tappet(group: i16, master: f64, passage: Passage, action: Action) -> Tappet {
+pub(super) fn tappet(group: i16, master: f64, passage: Passage, action: Action) -> Tappet {
     Tappet { group, master, passage, action }
 }
 
@@ -81,7 +81,7 @@ fn a_tappet_acts_once_where_the_master_stops_on_it() {
 }
 
 /// How often a register and a coupling see a tappet at 50 act over a way.
-fn acts(passage: Passage, hysteresis: f64, way: &[f64]) -> [usize; 2] {
+pub(super) fn acts(passage: Passage, hysteresis: f64, way: &[f64]) -> [usize; 2] {
     let cam = vec![tappet(1, 50.0, passage, Action::Invert)];
     let input = RegisterInput { hysteresis, ..RegisterInput::default() };
     let mut register = register(cam.clone(), input);

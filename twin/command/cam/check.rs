@@ -241,7 +241,16 @@ fn tappets(out: &mut impl Write, file: &CamFile, check: &CamCheck<'_>) -> io::Re
         let cells = [tappet.group.to_string(), passage.to_owned(), action, check.place(at)];
         rows.add_row(cells.into_iter().chain(position).chain([after]));
     }
-    writeln!(out, "{rows}")
+    writeln!(out, "{rows}")?;
+    let at_begin = |(tappet, ..): (&Tappet, _, _)| check.passed_after(tappet) == Some(0.0);
+    if check.tappets().any(at_begin) {
+        let again = if check.using.repeated { ", in the next pass" } else { "" };
+        writeln!(
+            out,
+            "a tappet acts where the master comes to it: one on which it starts when it comes there again{again}"
+        )?;
+    }
+    Ok(())
 }
 
 fn milliseconds(ns: i64) -> String {

@@ -161,9 +161,9 @@ fn one(
             acknowledge: arguments.m_functions.acknowledge,
             drives: true,
         },
-        &mut |read| {
-            bar.set_position(read);
-            lines.set(read, bytes);
+        &mut |progress| {
+            show::advance(&bar, &progress);
+            lines.checked(&progress, bytes);
         },
         &mut |clearance| files.include(clearance),
     );

@@ -300,11 +300,12 @@ fn check_first(
     let limits = arguments.limits;
     let drives = arguments.drives != Drives::None;
     let options = CheckOptions { limits, acknowledge, drives, ..CheckOptions::default() };
-    let bar = show::progress(bytes, "checking {bar:30} {percent:>3} % {bytes_per_sec}");
+    let bar = show::progress(bytes, "{msg} {bar:30} {percent:>3} % {bytes_per_sec}");
+    bar.set_message("checking");
     let mut lines = ProgressLines::new(format!("checking {}", program.path().display()));
-    let outcome = crate::check::check(machine, program, options, &mut |read| {
-        bar.set_position(read);
-        lines.set(read, bytes);
+    let outcome = crate::check::check(machine, program, options, &mut |progress| {
+        show::advance(&bar, &progress);
+        lines.checked(&progress, bytes);
     });
     bar.finish_and_clear();
     outcome.map_err(|failure| Failure::check(program, failure))

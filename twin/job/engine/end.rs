@@ -1,10 +1,11 @@
 //! When a job is over: everything is done and stands, or waits for what never comes.
 
 use super::super::read::LONGEST;
-use super::super::{Begins, Call};
-use super::Engine;
+use super::super::{Call, ON_TOP};
 use super::moved::Moved;
+use super::{Engine, Running};
 use crate::finding::{Finding, Rule};
+use crate::number::significant;
 use crate::report::seconds;
 use twin_motion::Place;
 use twin_motion::axis::AxisState;
@@ -27,7 +28,7 @@ impl Engine {
             self.all_begun()?;
             return if stand { Ok(true) } else { self.halts_in_time() };
         }
-        let waits = self.calls.iter().find(|running| running.over_ns.is_none());
+        let waits = self.calls.get(self.open);
         let ends = self.duration_ns.is_some();
         if let Some(running) = waits {
             // A block that waits for a master that stands waits for ever.
@@ -54,24 +55,35 @@ impl Engine {
 
     /// Whether no block begins, and no trigger comes, by itself at a time to come.
     fn nothing_is_due(&self) -> bool {
-        if !self.inputs.are_over(self.now_ns) {
-            return false;
+        self.schedule.is_empty() && self.inputs.are_over(self.now_ns)
+    }
+
+    /// A block that has begun, and would be done only when the job has taken too long already; fine if `duration_s` ends the
+    /// job, or another block may take the axis before.
+    pub(super) fn refuse_endless(&self, index: usize) -> Result<(), Box<Finding>> {
+        let Some(call) = self.calls.get(index).map(|running| &running.call) else { return Ok(()) };
+        let begun = seconds(self.now_ns - self.cycle_ns);
+        let Some(time) = call.block.lasts().filter(|time| begun + time > LONGEST) else {
+            return Ok(());
+        };
+        let takes = |(other, running): (usize, &Running)| {
+            running.begun_ns.is_none()
+                && running.call.axis == call.axis
+                && !ON_TOP.contains(&running.call.name)
+                && !self.schedule.waits_for(index, other)
+        };
+        if self.duration_ns.is_some() || self.calls.iter().enumerate().any(takes) {
+            return Ok(());
         }
-        let (mut previous_begun, mut previous_over) = (true, true);
-        self.calls.iter().all(|running| {
-            let due = match running.call.begins {
-                Begins::At(_) | Begins::Standing => true,
-                Begins::WithPrevious => previous_begun,
-                // By a master that moves.
-                Begins::EndOfProfile => false,
-                Begins::Next | Begins::After(_) => previous_over,
-            };
-            if running.call.begins != Begins::Standing {
-                previous_begun = running.begun_ns.is_some();
-                previous_over = running.over_ns.is_some();
-            }
-            running.begun_ns.is_some() || !due
-        })
+        let name = self.axes.get(call.axis).map_or("", |moved| &moved.name);
+        let message = format!(
+            "{} of axis {name} would take {} s; the limit for a job is {LONGEST:.0} s, and what follows is not planned",
+            call.name,
+            significant(time, 6)
+        );
+        let mut finding = Finding::error(Rule::FunctionBlock, call.place(), message);
+        finding.axis = Some(name.to_owned());
+        Err(finding.with_value(time, LONGEST, "s").into())
     }
 
     /// Behind `duration_s`, when everything comes to rest.

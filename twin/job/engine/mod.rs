@@ -1,20 +1,25 @@
 //! The controller of a job: its axes and blocks, cycle by cycle.
 
+mod called;
 mod end;
 mod inputs;
 mod moved;
+mod order;
+mod schedule;
 mod watch;
 
-use super::block::{Fired, With};
-use super::{Begins, Call, Job, ON_TOP, cam_before};
-use crate::finding::{Finding, Rule, Severity};
+use super::block::Fired;
+use super::{Begins, Call, CamsBefore, Job, ON_TOP};
+use crate::finding::{Finding, Rule};
 use crate::machine::Machine;
 use crate::report::seconds;
+use called::told;
 use inputs::Inputs;
 use moved::{Moved, Moving, assumed_jerks};
+use schedule::Schedule;
+use std::collections::BTreeMap;
 use twin_motion::Place;
-use twin_motion::axis::{AxisConfig, Language, Master, Outputs, SmcError};
-use twin_motion::cam::Trigger;
+use twin_motion::axis::{AxisConfig, SmcError};
 
 /// Where an axis is and how it moves, in its unit; a rotary axis from period to period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,8 +40,20 @@ const UNLIMITED: f64 = 1e9;
 pub(super) struct Engine {
     axes: Vec<Moved>,
     calls: Vec<Running>,
-    /// Axes, masters first, each with the numbers of its calls.
-    order: Vec<(usize, Vec<usize>)>,
+    /// Axes, masters first.
+    order: Vec<usize>,
+    /// Blocks that have begun since that was made.
+    began: Vec<usize>,
+    schedule: Schedule,
+    /// Of each axis the blocks that have to be called, in the order of the file: those under way, and those that wait for the
+    /// end of a cam under way.
+    active: Vec<Vec<usize>>,
+    /// Those that come behind the end of a cam that has not begun, by its number.
+    waiting: BTreeMap<usize, Vec<usize>>,
+    /// The first block that is not over.
+    open: usize,
+    /// How many have not begun.
+    unbegun: usize,
     /// The triggers of probes.
     inputs: Inputs,
     /// What blocks have had to tell since it was asked for.
@@ -54,7 +71,9 @@ pub(super) struct Engine {
     moved_ns: i64,
     /// The block that has begun last.
     line: u32,
-    last_line: u32,
+    /// How often blocks have been called.
+    #[cfg(test)]
+    called: u64,
 }
 
 /// A block under way, or before or after that.
@@ -63,6 +82,10 @@ struct Running {
     call: Call,
     begun_ns: Option<i64>,
     over_ns: Option<i64>,
+    /// Over, and with nothing left to do: it is not called any more.
+    ended: bool,
+    /// The block whose cam it waits for the end of.
+    behind: Option<usize>,
 }
 
 impl Engine {
@@ -97,16 +120,31 @@ impl Engine {
         // Blocks tell axes by their numbers.
         let config = |drive_id| AxisConfig { drive_id, ..config };
         let axes = (0..).zip(moving).map(|(id, moving)| Moved::new(moving, config(id)));
-        let axes = axes.map(Moved::switched_on).collect();
+        let axes: Vec<_> = axes.map(Moved::switched_on).collect();
         let assumed = assumed_jerks(&job, &without_jerk);
-        let running = |call| Running { call, begun_ns: None, over_ns: None };
-        let last_line = job.calls.iter().map(|call| call.line).max().unwrap_or(1);
+        let schedule = Schedule::new(&job.calls);
+        let (line, unbegun) = (job.calls.first().map_or(1, |call| call.line), job.calls.len());
+        let (mut cams, mut waiting) = (CamsBefore::default(), BTreeMap::<_, Vec<_>>::new());
+        let running = |(index, call): (usize, Call)| {
+            let behind = cams.of(call.axis).filter(|_| call.begins == Begins::EndOfProfile);
+            if let Some(cam) = behind {
+                waiting.entry(cam).or_default().push(index);
+            }
+            cams.pass(index, call.name, call.axis);
+            Running { call, begun_ns: None, over_ns: None, ended: false, behind }
+        };
+        let calls = job.calls.into_iter().enumerate().map(running).collect();
         Self {
+            order: (0..axes.len()).collect(),
+            active: vec![Vec::new(); axes.len()],
+            waiting,
             axes,
-            line: job.calls.first().map_or(1, |call| call.line),
-            last_line,
-            calls: job.calls.into_iter().map(running).collect(),
-            order: job.order,
+            line,
+            calls,
+            began: Vec::new(),
+            schedule,
+            open: 0,
+            unbegun,
             inputs: Inputs::new(&job.triggers),
             notes: assumed,
             fired: Vec::new(),
@@ -115,6 +153,8 @@ impl Engine {
             now_ns: 0,
             moved_ns: 0,
             duration_ns: job.duration.map(nanoseconds),
+            #[cfg(test)]
+            called: 0,
         }
     }
 
@@ -163,9 +203,15 @@ impl Engine {
         Place { line: self.line, block: None }
     }
 
-    /// The part of the blocks that have begun, 0 to 1.
-    pub(super) fn progress(&self) -> f64 {
-        f64::from(self.line) / f64::from(self.last_line.max(1))
+    #[cfg(test)]
+    pub(super) fn block_calls(&self) -> u64 {
+        self.called
+    }
+
+    /// How much of the job is done, 0 to 1, where it says how long it takes; how long its blocks take nobody knows before.
+    pub(super) fn progress(&self) -> Option<f64> {
+        let duration_ns = self.duration_ns.filter(|duration| *duration > 0)?;
+        Some((seconds(self.now_ns) / seconds(duration_ns)).min(1.0))
     }
 
     /// The next cycle; false if everything is done and stands.
@@ -173,6 +219,9 @@ impl Engine {
     /// # Errors
     /// What a block says is wrong, what never ends.
     pub(super) fn step(&mut self) -> Result<bool, Box<Finding>> {
+        while self.calls.get(self.open).is_some_and(|running| running.over_ns.is_some()) {
+            self.open += 1;
+        }
         if self.is_over()? {
             return Ok(false);
         }
@@ -182,10 +231,12 @@ impl Engine {
         self.axes.iter_mut().for_each(Moved::begin);
         self.inputs.see(begin_ns, self.cycle_ns, &self.axes);
         self.raise(begin_ns);
-        let order = std::mem::take(&mut self.order);
-        let called = order.iter().try_for_each(|(axis, calls)| self.call_on(*axis, calls));
-        self.order = order;
-        called?;
+        self.reorder()?;
+        for place in 0..self.order.len() {
+            if let Some(axis) = self.order.get(place).copied() {
+                self.call_on(axis)?;
+            }
+        }
         self.axes.iter_mut().for_each(Moved::end);
         self.refuse_jumps()?;
         if !self.axes.iter().all(Moved::stands) {
@@ -208,130 +259,34 @@ impl Engine {
         if self.is_halting() {
             return;
         }
-        let (mut previous_begun, mut previous_over) = (Some(0), Some(0));
-        for running in &mut self.calls {
-            let due_ns = match running.call.begins {
-                Begins::At(time) => Some(nanoseconds(time)),
-                Begins::WithPrevious => previous_begun,
-                Begins::Standing => Some(0),
-                // In the middle of a cycle.
-                Begins::EndOfProfile => None,
-                Begins::Next => previous_over,
-                Begins::After(pause) => {
-                    previous_over.map(|over: i64| over.saturating_add(nanoseconds(pause)))
-                }
-            };
-            if running.begun_ns.is_none() && due_ns.is_some_and(|due| due <= now_ns) {
-                running.begun_ns = Some(now_ns);
-                self.moved_ns = now_ns;
-                self.line = running.call.line.max(1);
-            }
-            if running.call.begins != Begins::Standing {
-                (previous_begun, previous_over) = (running.begun_ns, running.over_ns);
-            }
+        let mut last = None;
+        while let Some(index) = self.schedule.next(now_ns) {
+            self.begin(index, now_ns);
+            last = last.max(Some(index));
         }
-    }
-
-    /// Calls the blocks of an axis; at the end of the job it is halted, before its slaves look at it.
-    fn call_on(&mut self, axis: usize, calls: &[usize]) -> Result<(), Box<Finding>> {
-        calls.iter().try_for_each(|index| self.call(*index))?;
-        if self.is_halting() {
-            let master_moves = self.master(axis).is_some_and(|master| !master.stands());
-            if let Some(moved) = self.axes.get_mut(axis) {
-                moved.halt(master_moves);
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether the block that has this one's axis on a cam, and has been called in this cycle, has come to its end.
-    fn comes_behind_a_profile(&self, index: usize) -> bool {
-        let waits = self.calls.get(index).is_some_and(|running| {
-            running.begun_ns.is_none() && running.call.begins == Begins::EndOfProfile
-        });
-        if !waits || self.is_halting() {
-            return false;
-        }
-        let Some((before, behind)) = self.calls.split_at_checked(index) else { return false };
-        let cam = behind.first().and_then(|waiting| {
-            let blocks = before.iter().map(|running| (running.call.name, running.call.axis));
-            before.get(cam_before(blocks, waiting.call.axis)?)
-        });
-        cam.is_some_and(|cam| cam.call.block.ends_profile())
-    }
-
-    /// Calls a block, if it has begun.
-    fn call(&mut self, index: usize) -> Result<(), Box<Finding>> {
-        let follows = self.comes_behind_a_profile(index);
-        let Some(running) = self.calls.get_mut(index) else { return Ok(()) };
-        if follows {
-            let begin_ns = self.now_ns - self.cycle_ns;
-            running.begun_ns = Some(begin_ns);
-            self.moved_ns = begin_ns;
+        if let Some(running) = last.and_then(|last| self.calls.get(last)) {
             self.line = running.call.line.max(1);
         }
-        let Some(begun_ns) = running.begun_ns else { return Ok(()) };
-        let first = begun_ns + self.cycle_ns == self.now_ns;
-        let call = &mut running.call;
-        let master = call.master.and_then(|master| self.axes.get(master));
-        let master = master.map(|moved| Master::of(&moved.axis));
-        let Some(moved) = self.axes.get_mut(call.axis) else { return Ok(()) };
-        // A stop keeps its axis until Execute falls: when the axis stands, so that others may move it.
-        let execute = !(call.name == STOP && running.over_ns.is_some());
-        let with = With { master, triggers: self.inputs.triggers() };
-        let Outputs { done, command_aborted, error, busy: _ } =
-            call.block.call(execute, &mut moved.axis, with);
-        let place = Place { line: call.line, block: None };
-        if let Some(error) = error {
-            let message = format!("{} of axis {}: {}", call.name, moved.name, told(error));
-            let mut finding = Finding::error(Rule::FunctionBlock, place, message);
-            finding.axis = Some(moved.name.clone());
-            let more = format!("`twin explain {}` says more", error.number());
-            let start = call.block.cam_start().filter(|_| error == SmcError::CiMasterOutOfScale);
-            let master = call.master.and_then(|master| self.axes.get(master));
-            finding.hint = Some(if error.name().ends_with("_VELACC_VALUES") {
-                format!("velocity, acceleration and deceleration have to be greater than 0; {more}")
-            } else if let (Some(start), Some(master)) = (start, master) {
-                format!("{}; {more}", watch::beside(start, master))
-            } else {
-                more
-            });
-            return Err(finding.into());
-        }
-        if let (Some(data), Some(master)) = (call.block.tappets(), call.master) {
-            self.lost = self.lost.saturating_add(u64::try_from(data.lost).unwrap_or(u64::MAX));
-            // The axes had their power before the job began to count.
-            let (slave, later_ns) = (call.axis, self.now_ns - data.now_ns);
-            let dead_time = call.block.dead_time();
-            self.fired.extend(data.triggers().map(|trigger| {
-                let time_ns = trigger.time_ns.saturating_add(later_ns);
-                Fired { slave, master, trigger: Trigger { time_ns, ..*trigger }, dead_time }
-            }));
-        }
-        let over = running.over_ns.is_some();
-        if done || command_aborted {
-            running.over_ns.get_or_insert(self.now_ns);
-        }
-        if let Some(position) = call.block.recorded().filter(|_| !over) {
-            let Moved { name, unit, .. } = moved;
-            let message = format!("{} has recorded axis {name} at {position:.6} {unit}", call.name);
-            let mut note = Finding::error(Rule::FunctionBlock, place, message);
-            (note.severity, note.axis) = (Severity::Note, Some(name.clone()));
-            self.notes.push(note);
-        }
-        if command_aborted && !over && !self.is_halting() {
-            return self.loses(index);
-        }
-        if first && !command_aborted {
-            return self.takes(index);
-        }
-        Ok(())
     }
-}
 
-/// An error in words.
-fn told(error: SmcError) -> String {
-    format!("{} ({}): {}", error.name(), error.number(), error.text(Language::English))
+    /// A block begins; so may those that wait for the end of its cam, once that comes.
+    fn begin(&mut self, index: usize, now_ns: i64) {
+        let Some(running) = self.calls.get_mut(index) else { return };
+        running.begun_ns = Some(now_ns);
+        let axis = running.call.axis;
+        self.line = running.call.line.max(1);
+        self.moved_ns = now_ns;
+        self.unbegun = self.unbegun.saturating_sub(1);
+        self.began.push(index);
+        self.schedule.begun(index, now_ns);
+        let Some(active) = self.active.get_mut(axis) else { return };
+        let waiting = self.waiting.remove(&index).unwrap_or_default();
+        for index in waiting.into_iter().chain([index]) {
+            if let Err(place) = active.binary_search(&index) {
+                active.insert(place, index);
+            }
+        }
+    }
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "a day at most")]

@@ -47,6 +47,12 @@ pub(super) fn all() -> Vec<Box<dyn Called>> {
                 it.index_position = axis.in_program(at.floor());
             },
         ),
-        limited(|_, _| Promise::Nothing, |random, _, _| Home { position: way(random) }),
+        limited(
+            |_, _| Promise::Nothing,
+            |random, _, _| Home {
+                position: way(random),
+                deceleration: random.one_of(&[0.0, 50.0]),
+            },
+        ),
     ]
 }

@@ -1,0 +1,146 @@
+//! Calls the blocks of an axis, and takes up what they say.
+
+use super::super::Call;
+use super::super::block::{Fired, With};
+use super::moved::Moved;
+use super::{Engine, Running, STOP, watch};
+use crate::check::starts_on_tappets;
+use crate::finding::{Finding, Rule, Severity};
+use twin_motion::axis::{Language, Master, Outputs, SmcError};
+use twin_motion::cam::Trigger;
+
+impl Engine {
+    /// Calls the blocks of an axis; at the end of the job it is halted, before its slaves look at it.
+    pub(super) fn call_on(&mut self, axis: usize) -> Result<(), Box<Finding>> {
+        let mut place = 0;
+        // A cam that begins in between brings those that wait for its end, which stand behind it.
+        while let Some(index) = self.active.get(axis).and_then(|active| active.get(place)).copied()
+        {
+            self.call(index)?;
+            place += 1;
+        }
+        let (calls, active) = (&self.calls, self.active.get_mut(axis));
+        if let Some(active) = active {
+            active.retain(|index| is_called(calls, *index));
+        }
+        if self.is_halting() {
+            let master_moves = self.master(axis).is_some_and(|master| !master.stands());
+            if let Some(moved) = self.axes.get_mut(axis) {
+                moved.halt(master_moves);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a block waits for the end of a cam, and the block that has its axis on it has told that in this cycle.
+    fn comes_behind_a_profile(&self, index: usize) -> bool {
+        let waiting = self.calls.get(index).filter(|running| running.begun_ns.is_none());
+        let cam = waiting.and_then(|waiting| self.calls.get(waiting.behind?));
+        !self.is_halting() && cam.is_some_and(|cam| cam.call.block.ends_profile())
+    }
+
+    /// Calls a block, if it has begun.
+    fn call(&mut self, index: usize) -> Result<(), Box<Finding>> {
+        if self.comes_behind_a_profile(index) {
+            self.begin(index, self.now_ns - self.cycle_ns);
+        }
+        let Some(running) = self.calls.get_mut(index) else { return Ok(()) };
+        let Some(begun_ns) = running.begun_ns else { return Ok(()) };
+        #[cfg(test)]
+        {
+            self.called += 1;
+        }
+        let first = begun_ns + self.cycle_ns == self.now_ns;
+        let call = &mut running.call;
+        let master = call.master.and_then(|master| self.axes.get(master));
+        let master = master.map(|moved| Master::of(&moved.axis));
+        let Some(moved) = self.axes.get_mut(call.axis) else { return Ok(()) };
+        // A stop keeps its axis until Execute falls: when the axis stands, so that others may move it.
+        let execute = !(call.name == STOP && running.over_ns.is_some());
+        let with = With { master, triggers: self.inputs.triggers() };
+        let Outputs { done, command_aborted, error, busy } =
+            call.block.call(execute, &mut moved.axis, with);
+        if let Some(error) = error {
+            return self.failed(index, error);
+        }
+        if let (Some(data), Some(master)) = (call.block.tappets(), call.master) {
+            self.lost = self.lost.saturating_add(u64::try_from(data.lost).unwrap_or(u64::MAX));
+            // The axes had their power before the job began to count.
+            let (slave, later_ns) = (call.axis, self.now_ns - data.now_ns);
+            let dead_time = call.block.dead_time();
+            self.fired.extend(data.triggers().map(|trigger| {
+                let time_ns = trigger.time_ns.saturating_add(later_ns);
+                Fired { slave, master, trigger: Trigger { time_ns, ..*trigger }, dead_time }
+            }));
+        }
+        let over = running.over_ns.is_some();
+        if (done || command_aborted) && !over {
+            running.over_ns = Some(self.now_ns);
+            self.schedule.over(index, self.now_ns);
+            self.notes.extend(recorded(call, moved));
+        }
+        running.ended = running.over_ns.is_some() && !busy;
+        if command_aborted && !over && !self.is_halting() {
+            return self.loses(index);
+        }
+        if first && !command_aborted {
+            self.notes.extend(self.stands_on(index));
+            self.takes(index)?;
+            return self.refuse_endless(index);
+        }
+        Ok(())
+    }
+
+    /// A block has said what is wrong.
+    fn failed(&self, index: usize, error: SmcError) -> Result<(), Box<Finding>> {
+        let Some(Running { call, .. }) = self.calls.get(index) else { return Ok(()) };
+        let axis = self.axes.get(call.axis).map_or("", |moved| moved.name.as_str());
+        let message = format!("{} of axis {axis}: {}", call.name, told(error));
+        let mut finding = Finding::error(Rule::FunctionBlock, call.place(), message);
+        finding.axis = Some(axis.to_owned());
+        let more = format!("`twin explain {}` says more", error.number());
+        let start = call.block.cam_start().filter(|_| error == SmcError::CiMasterOutOfScale);
+        let master = call.master.and_then(|master| self.axes.get(master));
+        finding.hint = Some(if error.name().ends_with("_VELACC_VALUES") {
+            format!("velocity, acceleration and deceleration have to be greater than 0; {more}")
+        } else if let (Some(start), Some(master)) = (start, master) {
+            format!("{}; {more}", watch::beside(start, master))
+        } else {
+            more
+        });
+        Err(finding.into())
+    }
+
+    /// The tappets on which the master of a cam stands that begins.
+    fn stands_on(&self, index: usize) -> Option<Finding> {
+        let call = &self.calls.get(index)?.call;
+        let groups = call.block.stood_on();
+        let name = |axis: usize| self.axes.get(axis).map_or("", |moved| moved.name.as_str());
+        let (slave, master) = (name(call.axis), name(call.master?));
+        (!groups.is_empty()).then(|| starts_on_tappets(call.place(), [slave, master], &groups))
+    }
+}
+
+/// Whether a block has to be called in the next cycle, too.
+fn is_called(calls: &[Running], index: usize) -> bool {
+    let Some(running) = calls.get(index) else { return false };
+    match running.begun_ns {
+        Some(_) => !running.ended,
+        // A cam that its axis has left for another one does not come to its end any more.
+        None => running.behind.and_then(|cam| calls.get(cam)).is_some_and(|cam| !cam.ended),
+    }
+}
+
+/// What a block that is done has recorded, if it is one that does.
+fn recorded(call: &Call, moved: &Moved) -> Option<Finding> {
+    let (position, Moved { name, unit, .. }) = (call.block.recorded()?, moved);
+    let message = format!("{} has recorded axis {name} at {position:.6} {unit}", call.name);
+    let mut note = Finding::error(Rule::FunctionBlock, call.place(), message);
+    (note.severity, note.axis) = (Severity::Note, Some(name.clone()));
+    Some(note)
+}
+
+/// An error in words.
+pub(super) fn told(error: SmcError) -> String {
+    format!("{} ({}): {}", error.name(), error.number(), error.text(Language::English))
+}

@@ -1,0 +1,64 @@
+//! Where the axes of a job start.
+
+use super::{Begins, Call, Start};
+use crate::check::no_axes;
+use crate::coupled::Coupled;
+use crate::finding::{Finding, Rule};
+use crate::machine::Machine;
+use twin_kinematics::AxisVector;
+use twin_motion::Place;
+
+/// Where the axes start, in their units: where programs start, but for what the job has `said`. The cams of the machine file
+/// that add to where their slaves stand have done so then, and are laid there.
+///
+/// # Errors
+/// If that is nowhere, a slave of the machine file cannot be where its master has it, or the job says that it is elsewhere.
+pub(super) fn starts(
+    machine: &Machine,
+    said: &[Start],
+    calls: &mut [Call],
+) -> Result<Vec<f64>, Box<Finding>> {
+    let first = Place { line: 1, block: None };
+    let all = (0..machine.axes.len()).all(|axis| said.iter().any(|start| start.axis == axis));
+    // Slaves come to where their masters have them below, wherever the job puts these.
+    let axes = match machine.start_without_slaves() {
+        Some(axes) => axes,
+        // Nothing of it counts.
+        None if all => machine.middle(),
+        None => {
+            let message = "the machine cannot be where its file says that programs start (start_mm): say in [[start]] where \
+                           every axis starts";
+            return Err(Finding::error(Rule::Reach, first, message.to_owned()).into());
+        }
+    };
+    let shown = machine.axes.iter().zip(axes.iter()).map(|(axis, value)| axis.from_si(*value));
+    let mut start: Vec<_> = shown.collect();
+    for Start { axis, position, .. } in said {
+        if let Some(slot) = start.get_mut(*axis) {
+            *slot = *position;
+        }
+    }
+    if machine.couplings.is_empty() {
+        return Ok(start);
+    }
+    // Slaves start where their masters have them.
+    let values = machine.axes.iter().zip(&start).map(|(axis, value)| axis.to_si(*value));
+    let own = AxisVector::from_values(values);
+    let coupled = Coupled::at_rest(machine, own).map_err(|error| no_axes(first, &error))?;
+    for Start { line, axis, .. } in said {
+        let place = Place { line: *line, block: None };
+        crate::coupled::begins_at(machine, *axis, &own, &coupled)
+            .map_err(|error| no_axes(place, &error))?;
+    }
+    let shown = machine.axes.iter().zip(coupled.iter()).map(|(axis, value)| axis.from_si(*value));
+    let own = std::mem::replace(&mut start, shown.collect());
+    for call in calls.iter_mut().filter(|call| call.begins == Begins::Standing) {
+        let before_and_now = own.get(call.axis).zip(start.get(call.axis));
+        if call.block.cam_start().is_some_and(|begins| begins.relative)
+            && let Some((before, now)) = before_and_now
+        {
+            call.block.lay(before - now);
+        }
+    }
+    Ok(start)
+}
