@@ -42,6 +42,8 @@ mod hostile_tests;
 mod kind;
 #[cfg(test)]
 mod machine_tests;
+#[cfg(test)]
+mod mistake_tests;
 mod order;
 mod pace;
 mod probe;

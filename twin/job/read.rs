@@ -6,7 +6,9 @@ use super::probe::{JobTrigger, When};
 use super::values::Values;
 use super::{Begins, Call, Job, VirtualAxis, cam_before, order};
 use crate::machine::section::{Section, parse};
-use crate::machine::{AxisKind, CamAxis, CamSelection, CoupledBy, Coupling, Machine, Problem};
+use crate::machine::{
+    AxisKind, CamAxis, CamSelection, CoupledBy, Coupling, FileKind, Machine, Problem,
+};
 use crate::ring;
 use crate::tappets::{MOST_SIGNALS, Tracks};
 use std::path::Path;
@@ -47,9 +49,7 @@ pub(super) struct Reader<'t> {
 
 impl Reader<'_> {
     fn job(mut self, root: &Section<'_>, machine: &Machine) -> Option<Job> {
-        if !root.has("blocks") && ["elements", "table", "tappets"].iter().any(|key| root.has(key)) {
-            root.complain("this is a cam, no job: `twin cam check` looks at it".to_owned());
-            root.accept_all();
+        if FileKind::Job.refuses(root) {
             return None;
         }
         // For people.
@@ -77,7 +77,7 @@ impl Reader<'_> {
         let mut previous = Vec::new();
         let calls = sections.iter().map(|section| {
             let call = self.call(section, &previous);
-            previous.extend(call.as_ref().map(|call| (call.name, call.axis)));
+            previous.extend(self.named(section));
             call
         });
         let calls: Vec<_> = calls.collect();
@@ -155,10 +155,18 @@ impl Reader<'_> {
             if let Some(name) = name {
                 if self.axes.iter().any(|axis| axis.name == name) {
                     section.complain_at("name", format!("there is an axis \"{name}\" already"));
+                } else {
+                    let name = name.to_owned();
+                    self.axes.push(Known { name: name.clone(), kind, max_acceleration });
+                    found.push(VirtualAxis {
+                        name,
+                        unit,
+                        period,
+                        max_acceleration,
+                        max_jerk,
+                        start,
+                    });
                 }
-                self.axes.push(Known { name: name.to_owned(), kind, max_acceleration });
-                let name = name.to_owned();
-                found.push(VirtualAxis { name, unit, period, max_acceleration, max_jerk, start });
             }
             section.finish();
         }
@@ -176,6 +184,10 @@ impl Reader<'_> {
                 let key = format!("position_{}", known.kind.unit());
                 Some(When::Passes(axis, section.required_number(&key, -FAR..=FAR)?))
             });
+            if section.has("axis") && passes.is_none() {
+                // Without its axis nobody knows the unit of its position.
+                section.accept_all();
+            }
             if section.has("at_s") == section.has("axis") {
                 let message = "a trigger comes `at_s`, or where an `axis` passes a position";
                 section.complain(message.to_owned());
@@ -185,8 +197,9 @@ impl Reader<'_> {
                 let when = at.or(passes).unwrap_or(When::At(0.0));
                 if found.iter().any(|trigger| trigger.name == name) {
                     section.complain_at("name", format!("there is a trigger \"{name}\" already"));
+                } else {
+                    found.push(JobTrigger { name: name.to_owned(), when });
                 }
-                found.push(JobTrigger { name: name.to_owned(), when });
             }
             section.finish();
         }
@@ -230,33 +243,40 @@ impl Reader<'_> {
         found
     }
 
+    /// Name and axis of a block, whatever else is wrong with it.
+    fn named(&self, section: &Section<'_>) -> Option<(&'static str, usize)> {
+        let [block, axis] = ["block", "axis"].map(|key| section.glance_at_text(key));
+        let (name, _) = BLOCKS.into_iter().find(|(name, _)| Some(*name) == block)?;
+        let axis = self.axes.iter().position(|one| Some(one.name.as_str()) == axis)?;
+        Some((name, axis))
+    }
+
     /// A block behind the `previous` ones, of which name and axis are known.
     pub(super) fn call(&self, section: &Section<'_>, previous: &[(&str, usize)]) -> Option<Call> {
         let names = BLOCKS.map(|(name, kind)| (name, (name, kind)));
-        let (Some((name, kind)), Some((axis, known))) =
-            (section.required_choice("block", &names), self.axis(section, "axis"))
-        else {
-            // The other keys depend on both: one complaint is enough.
+        let (block, axis) = (section.required_choice("block", &names), self.axis(section, "axis"));
+        let begins = begins(section);
+        let follows = block.is_some_and(|(_, kind)| kind.follows());
+        let master = if follows { self.axis(section, "master") } else { None };
+        let of_master = master.map(|(_, known)| known);
+        let (Some((name, kind)), Some((axis, known))) = (block, axis) else {
+            // Most keys depend on both: of these one complaint is enough.
+            if let Some((_, kind)) = block {
+                kind.whatever_axis(section, of_master, self.path);
+            }
             section.accept_all();
             return None;
         };
-        let master = if kind.follows() {
-            let Some(master) = self.axis(section, "master") else {
-                section.accept_all();
-                return None;
-            };
-            if master.0 == axis {
-                section
-                    .complain_at("master", format!("axis \"{}\" cannot follow itself", known.name));
-            }
-            Some(master)
-        } else {
-            None
-        };
-        let triggers = &self.triggers;
-        let inputs = Values { section, known, master: master.map(|(_, known)| known), triggers };
+        if master.is_some_and(|(master, _)| master == axis) {
+            section.complain_at("master", format!("axis \"{}\" cannot follow itself", known.name));
+        }
+        let inputs = Values { section, known, master: of_master, triggers: &self.triggers };
         let block = kind.block(&inputs, self.path);
-        let begins = begins(section);
+        if follows && master.is_none() {
+            // Keys in units of a master that nobody knows.
+            section.accept_all();
+            return None;
+        }
         let ends = || cam_before(previous.iter().copied(), axis).is_some();
         if begins == Begins::EndOfProfile && !ends() {
             let name = &known.name;

@@ -13,3 +13,4 @@ mod random;
 mod sampled;
 mod shown;
 mod tuned;
+mod words;

@@ -7,7 +7,7 @@ use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::command::show::table;
 use crate::command::{Failure, Status};
 use crate::finding;
-use crate::number::{at_most, beside, significant};
+use crate::number::{at_most, beside, readable};
 use clap::ValueEnum;
 use comfy_table::CellAlignment;
 use std::io::{self, Write};
@@ -73,7 +73,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 
 /// Six significant digits.
 fn short(value: f64) -> String {
-    significant(value, 6)
+    readable(value, 6)
 }
 
 fn tell(
