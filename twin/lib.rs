@@ -37,6 +37,7 @@ pub mod tappets;
 pub mod workspace;
 
 mod advice;
+mod bounded;
 mod by_hand;
 mod chart;
 mod in_loop;

@@ -1,4 +1,4 @@
-//! Numbers as text for other programs.
+//! Numbers as text, for other programs and for people.
 
 /// `value` with `digits` significant digits, in plain decimal notation, without trailing zeros. Not finite values
 /// come out as Rust writes them.
@@ -20,9 +20,29 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// Below this, and from [`LARGE`] on, zeros would hide what a number says.
+const SMALL: f64 = 1e-9;
+/// See [`SMALL`].
+const LARGE: f64 = 1e15;
+
+/// The same for people: with a power of ten where zeros would hide what it says.
+pub fn readable(value: f64, digits: usize) -> String {
+    if value == 0.0 || !value.is_finite() || (SMALL..LARGE).contains(&value.abs()) {
+        return significant(value, digits);
+    }
+    let scientific = format!("{value:.*e}", digits.saturating_sub(1));
+    match scientific.split_once('e') {
+        Some((mantissa, exponent)) if mantissa.contains('.') => {
+            let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
+            format!("{mantissa}e{exponent}")
+        }
+        _ => scientific,
+    }
+}
+
 /// The same for what may not be exceeded: no more than `value`, but for rounding.
 pub fn at_most(value: f64, digits: usize) -> String {
-    let near = significant(value, digits);
+    let near = readable(value, digits);
     if near.parse().is_ok_and(|near: f64| near <= value + 1e-12 * value.abs()) {
         return near;
     }
@@ -30,22 +50,43 @@ pub fn at_most(value: f64, digits: usize) -> String {
     let scientific = format!("{value:.17e}");
     let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
     let kept: String = mantissa.chars().take(digits + 1).collect();
-    format!("{kept}e{exponent}").parse().map_or(near, |kept| significant(kept, digits))
+    format!("{kept}e{exponent}").parse().map_or(near, |kept| readable(kept, digits))
 }
 
 /// A part of what a value stands beside that is rounding.
 const DUST: f64 = 1e-12;
 
-/// `value` with `digits` significant digits beside values as large as `scale`: what is rounding of these is 0.
+/// `value` beside values as large as `scale`: what is rounding of these is 0.
+pub fn without_dust(value: f64, scale: f64) -> f64 {
+    if value.abs() <= DUST * scale.abs() { 0.0 } else { value }
+}
+
+/// The same for people, with `digits` significant digits.
 pub fn beside(value: f64, scale: f64, digits: usize) -> String {
-    if value.abs() <= DUST * scale.abs() { "0".to_owned() } else { significant(value, digits) }
+    readable(without_dust(value, scale), digits)
+}
+
+/// `value` with so many decimals; what is rounded to nothing has no sign.
+pub fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(digits) if digits.bytes().all(|digit| matches!(digit, b'0' | b'.')) => {
+            digits.to_owned()
+        }
+        _ => text,
+    }
 }
 
 /// A value and a limit that it exceeds, with six significant digits, or as many more as it takes to tell them apart.
 pub fn apart(value: f64, limit: f64) -> [String; 2] {
-    let told = |digits: usize| [value, limit].map(|number| significant(number, digits));
+    let told = |digits: usize| [value, limit].map(|number| readable(number, digits));
     let differs = |[one, other]: &[String; 2]| one != other;
     (6..17).map(told).find(differs).unwrap_or_else(|| told(17))
+}
+
+/// So many of what is called so in the singular.
+pub fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Nanoseconds as seconds, exactly.
@@ -58,13 +99,46 @@ pub fn exact_seconds(time_ns: i64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{apart, at_most, beside, exact_seconds, significant};
+    use super::{apart, at_most, beside, exact_seconds, fixed, readable, significant};
+
+    #[test]
+    fn people_get_powers_of_ten_instead_of_zeros() {
+        for (value, text) in [
+            (6e-16, "6e-16"),
+            (-1.234_567_8e300, "-1.23457e300"),
+            (9.999_999_9e-10, "1e-9"),
+            (1e-9, "0.000000001"),
+            (999_999_000_000_000.0, "999999000000000"),
+            (1e15, "1e15"),
+            (0.0, "0"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(readable(value, 6), text);
+        }
+        assert_eq!(at_most(5.999_999_96e-16, 6), "5.99999e-16");
+        assert_eq!(at_most(6e-16, 6), "6e-16");
+        assert_eq!(apart(2e-12, 1.999_999_9e-12), ["2e-12", "1.9999999e-12"]);
+    }
+
+    #[test]
+    fn nothing_has_no_sign() {
+        for (value, decimals, text) in [
+            (-0.04, 1, "0.0"),
+            (-0.0, 1, "0.0"),
+            (-0.4, 0, "0"),
+            (-0.05, 2, "-0.05"),
+            (-10.0, 1, "-10.0"),
+            (0.04, 1, "0.0"),
+        ] {
+            assert_eq!(fixed(value, decimals), text);
+        }
+    }
 
     #[test]
     fn dust_is_nothing_and_what_exceeds_is_more() {
         assert_eq!(beside(4.4e-16, 360.0, 6), "0");
         assert_eq!(beside(-4.4e-16, -1.0, 6), "0");
-        assert_eq!(beside(4.4e-16, 1e-15, 6), "0.00000000000000044");
+        assert_eq!(beside(4.4e-16, 1e-15, 6), "4.4e-16");
         assert_eq!(beside(0.0, 0.0, 6), "0");
         assert_eq!(beside(1.999_999_967, 1.0, 6), "2");
         assert_eq!(apart(205.123_456_789, 205.0), ["205.123", "205"]);

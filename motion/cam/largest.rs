@@ -149,6 +149,10 @@ impl Curve {
             }
             peak = exceeds(value);
         }
+        // And no farther above than twice: what is far less than what it is taken from is lost in its rounding.
+        while value > 1e-100 && exceeds(value / 2.0).value > limit {
+            value /= 2.0;
+        }
         for _ in 0..400 {
             let here = motion(value);
             let (at, d) = self.peak_and_derivatives(quantity, &here);

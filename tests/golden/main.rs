@@ -12,6 +12,8 @@
 )]
 
 mod cam;
+mod cam_extremes;
+mod cam_forms;
 mod check_limits;
 mod collision;
 mod compare;

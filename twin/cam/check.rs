@@ -3,7 +3,7 @@
 use super::CamFile;
 pub use super::usage::{AxisLimits, CamUse, unit_fits};
 use crate::finding::{Finding, Rule, Severity};
-use crate::number::{apart, at_most, beside, significant};
+use crate::number::{apart, at_most, beside, readable};
 use serde_json::{Value, json};
 use twin_motion::Place;
 use twin_motion::cam::{
@@ -129,7 +129,7 @@ impl<'a> CamCheck<'a> {
         if unbounded && (low.is_finite() || high.is_finite()) && self.file.period.is_none() {
             let message = format!(
                 "the slave gains {} {} in every pass of the cam and leaves its limits, {low} to {high}",
-                significant(self.file.cam.curve().rise(), 6),
+                readable(self.file.cam.curve().rise(), 6),
                 self.unit(0)
             );
             self.add(Rule::AxisPosition, Severity::Error, message, None, "");
@@ -201,7 +201,7 @@ impl<'a> CamCheck<'a> {
             let severity = self.severity(derivative);
             let message = format!(
                 "the slave's {name} jumps by {} {} at master {} {}",
-                significant(jump.by, 6),
+                readable(jump.by, 6),
                 self.unit(derivative),
                 self.place(jump.master),
                 self.file.master.unit(),
@@ -243,7 +243,7 @@ impl<'a> CamCheck<'a> {
             "the pass ends at master {} {} and is not repeated: the slave stays there, its {name} jumps by {} {}",
             self.place(jump.master),
             self.file.master.unit(),
-            significant(jump.by, 6),
+            readable(jump.by, 6),
             self.unit(derivative),
         );
         let hint = format!(
@@ -276,6 +276,11 @@ impl<'a> CamCheck<'a> {
             let y = self.file.cam.curve().at(tappet.master).position;
             (tappet, self.using.master_at(tappet.master), self.using.slave_at(y))
         })
+    }
+
+    /// Whether the cam is passed again and again.
+    pub fn is_repeated(&self) -> bool {
+        self.using.repeated
     }
 
     /// When the master passes a tappet, s after the pass began, going forwards at its velocity; none of a tappet that is

@@ -1,6 +1,7 @@
 //! Tables of numbers with or without a header, and with the lines they come from.
 
 use super::CamFileError;
+use crate::number::counted;
 use std::path::Path;
 
 /// More rows are not read.
@@ -14,6 +15,8 @@ const LARGEST: f64 = 1e15;
 pub(super) struct Columns {
     /// The header, if there is one.
     pub(super) names: Option<Vec<String>>,
+    /// Its line, from 1.
+    pub(super) header: u64,
     /// Numbers and the line they stand in, from 1; all rows are as long.
     pub(super) rows: Vec<(u64, Vec<f64>)>,
 }
@@ -37,7 +40,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
         .flexible(true)
         .trim(csv::Trim::All)
         .from_reader(bytes);
-    let mut columns = Columns { names: None, rows: Vec::new() };
+    let mut columns = Columns { names: None, header: 1, rows: Vec::new() };
     let mut width = None;
     let mut record = csv::StringRecord::new();
     loop {
@@ -69,12 +72,14 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
             } else {
                 ""
             };
-            return Err(wrong(line, format!("{found} columns instead of {expected}{comma}")));
+            let found = counted(found, "column");
+            return Err(wrong(line, format!("{found} instead of {expected}{comma}")));
         }
         if columns.names.is_none()
             && columns.rows.is_empty()
             && record.iter().all(|text| number(text).is_none())
         {
+            columns.header = line;
             columns.names = Some(
                 record.iter().map(|name| name.trim_start_matches('\u{feff}').to_owned()).collect(),
             );

@@ -1,9 +1,11 @@
 //! Cams as CSV: positions, or points with velocity and acceleration.
 
 use super::columns::{self, Columns};
+use super::csv_units;
 use super::file::pair_table;
 use super::toml_writer::Number;
 use super::{CamFile, CamFileError};
+use crate::number::counted;
 use std::path::Path;
 use twin_motion::cam::file::clean;
 use twin_motion::cam::{Interpolation, Knot, Shape};
@@ -19,8 +21,11 @@ pub(super) fn csv_shape(
     for (found, expected) in read.names.iter().flatten().zip(names) {
         if columns::plain(found) != expected {
             let message = format!("column `{found}` stands where `{expected}` should");
-            return Err(wrong(1, message));
+            return Err(wrong(read.header, message));
         }
+    }
+    if let Some(names) = &read.names {
+        csv_units::check(names).map_err(|message| wrong(read.header, message))?;
     }
     let mut before: Option<(u64, f64)> = None;
     let mut pairs = Vec::with_capacity(read.rows.len());
@@ -32,11 +37,7 @@ pub(super) fn csv_shape(
                 knots.push(Knot { master, slave, velocity, acceleration });
             }
             _ => {
-                let message = format!(
-                    "{} columns; expected master and slave, or these with velocity and acceleration",
-                    row.len()
-                );
-                return Err(wrong(*line, message));
+                return Err(wrong(*line, other_width(row.len(), read.names.as_deref())));
             }
         }
         let master = row.first().copied().unwrap_or_default();
@@ -51,6 +52,14 @@ pub(super) fn csv_shape(
     } else {
         Ok(pair_table(pairs, interpolation))
     }
+}
+
+/// What is wrong with so many columns.
+fn other_width(width: usize, names: Option<&[String]>) -> String {
+    let found = counted(width, "column");
+    let more = names.and_then(|names| names.get(4..)).filter(|more| !more.is_empty());
+    let leave = more.map_or(String::new(), |more| format!(": leave out `{}`", more.join("`, `")));
+    format!("{found}; expected master and slave, or these with velocity and acceleration{leave}")
 }
 
 /// A table as CSV: its pairs, or the points of a polynomial with velocity and acceleration; `points` positions of a curve

@@ -5,11 +5,11 @@ use super::csv_form::{csv_of, csv_shape};
 use super::form::unit_of;
 use super::toml_form::{self, TomlCam};
 use super::{AxisScale, CamFileError, Coupling, write_toml};
+use crate::bounded;
 use crate::machine::MachineFileError;
 use crate::machine::problem::read_text;
 use crate::machine::section;
 use crate::number::significant;
-use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use twin_motion::cam::file::{
@@ -86,6 +86,15 @@ impl CamFile {
     /// Whether it carries tappets only: its curve is none that anybody has drawn.
     pub fn is_tappets_only(&self) -> bool {
         self.source.as_ref().is_some_and(|source| source.kind == Kind::Tappets)
+    }
+
+    /// Why it means nothing to be told how it goes on between its points, if so: only tables as text leave that open.
+    pub fn no_interpolation(&self) -> Option<&'static str> {
+        match (self.cam.shape(), self.form) {
+            (Shape::Polynomial(_), _) => Some("it has polynomials between its points"),
+            (_, Form::Csv | Form::Ascii) => None,
+            _ => Some("the file says itself how it goes on between its points"),
+        }
     }
 
     /// Reads a cam. Tables as text are interpolated as `interpolation` says; TOML and `.CAM` files say it themselves.
@@ -295,7 +304,7 @@ fn stem(path: &Path) -> String {
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>, CamFileError> {
-    fs::read(path).map_err(|source| CamFileError::Read { path: path.to_owned(), source })
+    bounded::read(path).map_err(|source| CamFileError::Read { path: path.to_owned(), source })
 }
 
 fn compile(path: &Path, source: &Source) -> Result<Cam, CamFileError> {
@@ -338,6 +347,9 @@ pub fn write_file(
 ) -> Result<Vec<u8>, CamFileError> {
     let unsayable = |message| CamFileError::Unsayable { path: target.to_owned(), message };
     match Form::of(target)? {
+        Form::Csv | Form::Ascii if file.is_tappets_only() => {
+            Err(unsayable("tappets alone have no positions; write them as .toml, .txt or .cam"))
+        }
         Form::Toml => Ok(file.to_toml()?.into_bytes()),
         Form::Words if file.coupling != Coupling::default() => {
             Err(unsayable("lines of words have no [coupling]; write it as .toml"))

@@ -69,6 +69,9 @@ pub struct Coupling {
     pub wanted: Option<[f64; 4]>,
 }
 
+/// A scaling that is nearer to 0 is none: it is 0 but for rounding, and what is divided by it is nowhere.
+pub const LEAST_SCALING: f64 = 1e-15;
+
 /// Keys of [`Coupling::wanted`].
 pub const WANTED: [&str; 4] = [
     "wanted_master_offset",

@@ -3,6 +3,8 @@
 use super::columns;
 use super::form::{AxisScale, unit_of};
 use super::{CamFile, CamFileError};
+use crate::bounded;
+use crate::number::counted;
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -84,7 +86,8 @@ impl RecordedRun {
             None if width == 3 => vec![Column::Time(1.0), Column::Master, Column::Slave],
             None => {
                 let message = format!(
-                    "{width} columns without a header; expected time, master and slave, or a header that names them"
+                    "{} without a header; expected time, master and slave, or a header that names them",
+                    counted(width, "column")
                 );
                 return Err(wrong(1, message));
             }
@@ -218,7 +221,7 @@ impl RecordedRun {
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>, CamFileError> {
-    std::fs::read(path).map_err(|source| CamFileError::ReadRun { path: path.to_owned(), source })
+    bounded::read(path).map_err(|source| CamFileError::ReadRun { path: path.to_owned(), source })
 }
 
 fn column(name: &str) -> Result<Column, String> {

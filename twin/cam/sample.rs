@@ -2,7 +2,7 @@
 
 use super::CamFile;
 use super::check::CamUse;
-use crate::number::beside;
+use crate::number::{significant, without_dust};
 use std::io::{self, Write};
 use twin_motion::cam::Bounds;
 
@@ -111,7 +111,8 @@ pub fn write(
     let curve = file.cam.curve();
     let scales = scales(file, using);
     let told = |value: f64, column: usize| {
-        beside(value, scales.get(column).copied().unwrap_or_default(), DIGITS)
+        let scale = scales.get(column).copied().unwrap_or_default();
+        significant(without_dust(value, scale), DIGITS)
     };
     for place in sampling.places(curve.start(), curve.end()) {
         let row = at(file, using, place);

@@ -2,11 +2,12 @@
 
 use super::form::Coupling;
 use super::toml_coupling::coupling;
+use super::toml_table;
+use crate::machine::FileKind;
 use crate::machine::section::Section;
 use std::ops::{Range, RangeInclusive};
 use twin_motion::cam::{
-    Action, Cam, CamError, Compile, Element, Equidistant, Interpolation, Kind, Knot, PairTable,
-    Passage, Scale, Shape, Source, TableScale, Tappet, VariableType,
+    Action, Cam, CamError, Compile, Element, Kind, Knot, Passage, Scale, Shape, Source, Tappet,
 };
 
 /// Numbers of a file.
@@ -49,9 +50,7 @@ impl OutOfOrder {
 
 /// Reads a cam; one that says no name has `usual`, that of its file.
 pub(super) fn read(root: &Section<'_>, usual: &str) -> Option<TomlCam> {
-    if let Some(other) = another(root) {
-        root.complain(other.to_owned());
-        root.accept_all();
+    if FileKind::Cam.refuses(root) {
         return None;
     }
     let name = if root.has("name") {
@@ -85,15 +84,16 @@ pub(super) fn read(root: &Section<'_>, usual: &str) -> Option<TomlCam> {
     // Of what is wrong by itself nothing more is said: without it the others make no cam.
     let mut whole = [elements.len(), tappets.len()] == sections.each_ref().map(Vec::len);
     tappets.sort_by(|one, other| one.0.master.total_cmp(&other.0.master));
+    let section = root.section("table");
     let mut table = None;
     if root.has("table") {
-        if !elements.is_empty() {
+        if !sections[0].is_empty() {
             let message = "`table` and `elements` describe the cam twice: leave one of them out";
             root.complain_at("table", message.to_owned());
         }
-        let section = root.section("table");
-        table = Some(shape(&section, master.as_ref()?, period.is_some())?);
-        section.finish();
+        table = toml_table::shape(&section, master.as_ref(), period.is_some());
+        whole &= table.is_some();
+        section.check_unknown();
     } else if kind == Kind::Cam && !root.has("elements") {
         root.complain("the cam has no `elements` and no `table`".to_owned());
         whole = false;
@@ -128,20 +128,9 @@ pub(super) fn read(root: &Section<'_>, usual: &str) -> Option<TomlCam> {
         Err(error) => {
             let elements: Vec<_> = elements.into_iter().map(|(_, span)| span).collect();
             let tappets: Vec<_> = tappets.into_iter().map(|(_, span)| span).collect();
-            complain_of(error, root, &elements, &tappets, table.is_some());
+            complain_of(error, root, &elements, &tappets, table.is_some().then_some(&section));
             None
         }
-    }
-}
-
-/// What a file is that is no cam.
-fn another(root: &Section<'_>) -> Option<&'static str> {
-    if root.has("blocks") {
-        Some("this is a job, no cam: `twin cam run` runs it")
-    } else if root.has("axes") {
-        Some("this is a machine file, no cam")
-    } else {
-        None
     }
 }
 
@@ -151,8 +140,9 @@ fn complain_of(
     root: &Section<'_>,
     elements: &[Range<usize>],
     tappets: &[Range<usize>],
-    is_table: bool,
+    table: Option<&Section<'_>>,
 ) {
+    let is_table = table.is_some();
     let place = match error {
         CamError::OutsideScale { what: "tappet", index, .. }
         | CamError::TappetTime { index, .. } => tappets.get(index - 1).cloned(),
@@ -162,6 +152,14 @@ fn complain_of(
             if !is_table =>
         {
             elements.get(index - 1).cloned()
+        }
+        CamError::OutsideType { index, .. }
+        | CamError::Fraction { index, .. }
+        | CamError::NotAscending { index, .. }
+            if is_table =>
+        {
+            let item = table.and_then(|table| toml_table::span_of_item(table, index - 1));
+            item.or_else(|| Some(root.span_of("table")))
         }
         CamError::EndMissing { .. } => Some(root.span_of("master")),
         _ if is_table => Some(root.span_of("table")),
@@ -264,9 +262,10 @@ fn tappet(section: &Section<'_>) -> Option<(Tappet, Range<usize>)> {
     let actions =
         [("on", Action::On), ("off", Action::Off), ("invert", Action::Invert), ("timed", timed)];
     let mut action = section.required_choice("action", &actions);
-    if let Some(Action::Timed { delay_ns, duration_ns }) = &mut action {
-        *delay_ns = section.number("delay_us", TAPPET_US).map_or(0, nanoseconds);
-        *duration_ns = nanoseconds(section.required_number("duration_us", TAPPET_US)?);
+    if action == Some(timed) {
+        let delay_ns = section.number("delay_us", TAPPET_US).map_or(0, nanoseconds);
+        let duration = section.required_number("duration_us", TAPPET_US).map(nanoseconds);
+        action = duration.map(|duration_ns| Action::Timed { delay_ns, duration_ns });
     }
     section.check_unknown();
     let group = i16::try_from(group?).ok()?;
@@ -276,64 +275,4 @@ fn tappet(section: &Section<'_>) -> Option<(Tappet, Range<usize>)> {
 #[expect(clippy::cast_possible_truncation, reason = "a day at most")]
 fn nanoseconds(us: f64) -> i64 {
     (us * 1e3).round() as i64
-}
-
-/// `[table]`: numbers at equal distances of the master, or pairs.
-fn shape(section: &Section<'_>, master: &Scale, periodic: bool) -> Option<Shape> {
-    let interpolations = [("linear", Interpolation::Linear), ("cubic", Interpolation::Cubic)];
-    let interpolation = section.choice("interpolation", &interpolations).unwrap_or_default();
-    let kinds = VariableType::ALL.map(|kind| (kind.name(), kind));
-    let variable = section.choice("type", &kinds).unwrap_or(VariableType::Lreal);
-    let table_scale = |key: &str| {
-        if !section.has(key) {
-            section.accept(key);
-            return Some(TableScale::IDENTITY);
-        }
-        let [min, max, table_min, table_max] = section.numbers::<4>(key, ANY)?;
-        Some(TableScale { min, max, table_min, table_max })
-    };
-    let slave = table_scale("slave_scale")?;
-    let periodic = section.flag("periodic").unwrap_or(periodic);
-    match [section.has("values"), section.has("pairs")] {
-        [true, false] => {
-            let values = section.list("values", &ANY)?;
-            let (start, end) = (master.min, master.max);
-            let table =
-                Equidistant { variable, start, end, periodic, slave, interpolation, values };
-            Some(Shape::Equidistant(table))
-        }
-        [false, true] => {
-            let scale = table_scale("master_scale")?;
-            let pairs = section.pairs("pairs", &ANY)?;
-            let ends =
-                [pairs.first(), pairs.last()].map(|pair| pair.map(|pair| scale.position(pair[0])));
-            let size = (master.max - master.min).abs();
-            for (what, found, expected) in
-                [("begin", ends[0], master.min), ("end", ends[1], master.max)]
-            {
-                if let Some(found) = found.filter(|found| (found - expected).abs() > 1e-9 * size) {
-                    let message = format!(
-                        "`pairs` {what} at master {found}; the scale of the master at {expected}"
-                    );
-                    section.complain_at("pairs", message);
-                    return None;
-                }
-            }
-            Some(Shape::Pairs(PairTable {
-                variable,
-                master: scale,
-                slave,
-                periodic,
-                interpolation,
-                pairs,
-            }))
-        }
-        _ => {
-            section.complain(
-                "[table] needs `values` at equal distances of the master, or `pairs`".to_owned(),
-            );
-            section.accept_all();
-            None
-        }
-    }
 }

@@ -3,6 +3,7 @@
 pub(super) use super::findings::findings;
 use crate::check::Progress;
 use crate::machine::{Axis, Machine};
+use crate::number::fixed;
 use crate::physics::MotorLoad;
 use crate::report::{AxisPeak, Peak, seconds};
 pub(super) use crate::table::table;
@@ -106,7 +107,7 @@ const HUGE: f64 = 1e5;
 pub(super) fn amount(value: f64, decimals: usize, unit: &str) -> String {
     let space = if unit.is_empty() { "" } else { " " };
     if value.abs() < HUGE {
-        format!("{value:.decimals$}{space}{unit}")
+        format!("{}{space}{unit}", fixed(value, decimals))
     } else if value < 0.0 {
         format!("< -{HUGE:.0}{space}{unit}")
     } else {
@@ -159,7 +160,7 @@ pub(super) fn advance(bar: &ProgressBar, progress: &Progress) {
 
 /// The software limits of an axis in its unit, or that it goes round and round.
 pub(super) fn limits(axis: &Axis) -> String {
-    let show = |value: f64| format!("{:.1}", axis.from_si(value));
+    let show = |value: f64| fixed(axis.from_si(value), 1);
     match axis.period {
         Some(period) if !axis.limited => format!("modulo {}", show(period)),
         _ => {
@@ -178,6 +179,8 @@ mod tests {
         assert_eq!(amount(99_999.94, 1, "mm"), "99999.9 mm");
         assert_eq!(amount(1.0e20, 4, "mm"), "> 100000 mm");
         assert_eq!(amount(-3.0e7, 1, ""), "< -100000");
+        // An axis that is at 0 but for rounding is at 0.
+        assert_eq!(amount(-1e-12, 1, "mm"), "0.0 mm");
         assert_eq!(amount(f64::NAN, 4, "W"), "> 100000 W");
     }
 }

@@ -1,6 +1,7 @@
 //! What tappets switch, as a table.
 
 use super::show::table;
+use crate::number::fixed;
 use crate::report::seconds;
 use crate::tappets::{MasterPlace, Switched, TappetSwitch};
 use comfy_table::{Cell, CellAlignment};
@@ -43,7 +44,7 @@ pub(super) fn write(out: &mut impl Write, switched: &Switched) -> io::Result<()>
         let name = signals.get(*signal).map_or_else(String::new, ToString::to_string);
         let master = master.as_ref().map_or_else(String::new, |master| {
             let MasterPlace { axis, position, unit } = master;
-            format!("{axis} at {position:.3} {unit}")
+            format!("{axis} at {} {unit}", fixed(*position, 3))
         });
         let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
         vec![

@@ -3,8 +3,9 @@
 use super::block::{Called, alone, following, on_cam, set_position};
 use super::direct::{Gaps, direct};
 use super::probe::{abort, probe};
-use super::read::FAR;
+use super::read::{FAR, Known};
 use super::values::Values;
+use crate::machine::section::Section;
 use crate::machine::{CamSelection, read_cam, read_ratio};
 use std::path::Path;
 use twin_motion::axis::{
@@ -85,6 +86,19 @@ impl Kind {
     /// Whether its axis follows another one.
     pub(super) fn follows(self) -> bool {
         matches!(self, Self::CamIn | Self::GearIn | Self::GearInPos | Self::Phasing)
+    }
+
+    /// Tells what is wrong with a block of which nobody knows the axis, and so the units of its keys.
+    pub(super) fn whatever_axis(self, section: &Section<'_>, master: Option<&Known>, path: &Path) {
+        match self {
+            Self::CamIn => {
+                read_cam(section, path, None, master.map(Known::as_cam));
+            }
+            Self::GearIn | Self::GearInPos => {
+                read_ratio(section);
+            }
+            _ => {}
+        }
     }
 
     /// The block with the inputs that the file says; cams are named as from `path`.
@@ -228,7 +242,8 @@ fn super_imposed(of: &Values<'_>) -> Option<Box<dyn Called>> {
 
 /// A cam with everything that the block is told.
 fn cam_in(of: &Values<'_>, path: &Path) -> Option<Box<dyn Called>> {
-    let selection = read_cam(of.section, path, of.known.as_cam(), of.master?.as_cam())?;
+    let (slave, master) = (Some(of.known.as_cam()), of.master.map(Known::as_cam));
+    let selection = read_cam(of.section, path, slave, master)?;
     let CamSelection { table, mut input, out_of_order } = selection;
     // What neither the block nor its cam's file says is that of every block.
     let unsaid = |name: &str, value: f64| {

@@ -45,6 +45,8 @@ mod kind;
 #[cfg(test)]
 mod machine_tests;
 #[cfg(test)]
+mod mistake_tests;
+#[cfg(test)]
 mod order_tests;
 mod pace;
 mod probe;

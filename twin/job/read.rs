@@ -6,7 +6,9 @@ use super::probe::{JobTrigger, When};
 use super::values::Values;
 use super::{Begins, Call, CamsBefore, Job, Start, VirtualAxis};
 use crate::machine::section::{Section, parse};
-use crate::machine::{AxisKind, CamAxis, CamSelection, CoupledBy, Coupling, Machine, Problem};
+use crate::machine::{
+    AxisKind, CamAxis, CamSelection, CoupledBy, Coupling, FileKind, Machine, Problem,
+};
 use crate::tappets::{MOST_SIGNALS, Tracks};
 use std::path::Path;
 use twin_motion::axis::profile::RampType;
@@ -63,9 +65,7 @@ pub(super) struct Reader<'t> {
 
 impl Reader<'_> {
     fn job(mut self, root: &Section<'_>, machine: &Machine) -> Option<Job> {
-        if !root.has("blocks") && ["elements", "table", "tappets"].iter().any(|key| root.has(key)) {
-            root.complain("this is a cam, no job: `twin cam check` looks at it".to_owned());
-            root.accept_all();
+        if FileKind::Job.refuses(root) {
             return None;
         }
         // For people.
@@ -93,8 +93,8 @@ impl Reader<'_> {
         let mut cams = CamsBefore::default();
         let calls = (0..).zip(&sections).map(|(index, section)| {
             let call = self.call(section, &cams);
-            if let Some(call) = &call {
-                cams.pass(index, call.name, call.axis);
+            if let Some((name, axis)) = self.named(section) {
+                cams.pass(index, name, axis);
             }
             call
         });
@@ -150,10 +150,18 @@ impl Reader<'_> {
             if let Some(name) = name {
                 if self.axes.iter().any(|axis| axis.name == name) {
                     section.complain_at("name", format!("there is an axis \"{name}\" already"));
+                } else {
+                    let name = name.to_owned();
+                    self.axes.push(Known { name: name.clone(), kind, max_acceleration });
+                    found.push(VirtualAxis {
+                        name,
+                        unit,
+                        period,
+                        max_acceleration,
+                        max_jerk,
+                        start,
+                    });
                 }
-                self.axes.push(Known { name: name.to_owned(), kind, max_acceleration });
-                let name = name.to_owned();
-                found.push(VirtualAxis { name, unit, period, max_acceleration, max_jerk, start });
             }
             section.finish();
         }
@@ -171,6 +179,10 @@ impl Reader<'_> {
                 let key = format!("position_{}", known.kind.unit());
                 Some(When::Passes(axis, section.required_number(&key, -FAR..=FAR)?))
             });
+            if section.has("axis") && passes.is_none() {
+                // Without its axis nobody knows the unit of its position.
+                section.accept_all();
+            }
             if section.has("at_s") == section.has("axis") {
                 let message = "a trigger comes `at_s`, or where an `axis` passes a position";
                 section.complain(message.to_owned());
@@ -180,8 +192,9 @@ impl Reader<'_> {
                 let when = at.or(passes).unwrap_or(When::At(0.0));
                 if found.iter().any(|trigger| trigger.name == name) {
                     section.complain_at("name", format!("there is a trigger \"{name}\" already"));
+                } else {
+                    found.push(JobTrigger { name: name.to_owned(), when });
                 }
-                found.push(JobTrigger { name: name.to_owned(), when });
             }
             section.finish();
         }
@@ -221,33 +234,40 @@ impl Reader<'_> {
         found
     }
 
+    /// Name and axis of a block, whatever else is wrong with it.
+    fn named(&self, section: &Section<'_>) -> Option<(&'static str, usize)> {
+        let [block, axis] = ["block", "axis"].map(|key| section.glance_at_text(key));
+        let (name, _) = BLOCKS.into_iter().find(|(name, _)| Some(*name) == block)?;
+        let axis = self.axes.iter().position(|one| Some(one.name.as_str()) == axis)?;
+        Some((name, axis))
+    }
+
     /// A block behind those that have passed the `cams` of the axes.
     pub(super) fn call(&self, section: &Section<'_>, cams: &CamsBefore) -> Option<Call> {
         let names = BLOCKS.map(|(name, kind)| (name, (name, kind)));
-        let (Some((name, kind)), Some((axis, known))) =
-            (section.required_choice("block", &names), self.axis(section, "axis"))
-        else {
-            // The other keys depend on both: one complaint is enough.
+        let (block, axis) = (section.required_choice("block", &names), self.axis(section, "axis"));
+        let begins = begins(section);
+        let follows = block.is_some_and(|(_, kind)| kind.follows());
+        let master = if follows { self.axis(section, "master") } else { None };
+        let of_master = master.map(|(_, known)| known);
+        let (Some((name, kind)), Some((axis, known))) = (block, axis) else {
+            // Most keys depend on both: of these one complaint is enough.
+            if let Some((_, kind)) = block {
+                kind.whatever_axis(section, of_master, self.path);
+            }
             section.accept_all();
             return None;
         };
-        let master = if kind.follows() {
-            let Some(master) = self.axis(section, "master") else {
-                section.accept_all();
-                return None;
-            };
-            if master.0 == axis {
-                section
-                    .complain_at("master", format!("axis \"{}\" cannot follow itself", known.name));
-            }
-            Some(master)
-        } else {
-            None
-        };
-        let triggers = &self.triggers;
-        let inputs = Values { section, known, master: master.map(|(_, known)| known), triggers };
+        if master.is_some_and(|(master, _)| master == axis) {
+            section.complain_at("master", format!("axis \"{}\" cannot follow itself", known.name));
+        }
+        let inputs = Values { section, known, master: of_master, triggers: &self.triggers };
         let block = kind.block(&inputs, self.path);
-        let begins = begins(section);
+        if follows && master.is_none() {
+            // Keys in units of a master that nobody knows.
+            section.accept_all();
+            return None;
+        }
         if begins == Begins::EndOfProfile && cams.of(axis).is_none() {
             let name = &known.name;
             let message = format!(

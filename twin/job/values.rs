@@ -61,10 +61,10 @@ impl Values<'_> {
 
     /// Acceleration and deceleration; the same, if one is said.
     pub(super) fn accelerations(&self) -> Option<[f64; 2]> {
-        let acceleration = self.acceleration("acceleration")?;
+        let acceleration = self.acceleration("acceleration");
         let key = format!("{}_per_s2", self.key("deceleration"));
-        let deceleration = self.section.number(&key, 1e-6..=FAR).unwrap_or(acceleration);
-        Some([acceleration, deceleration])
+        let deceleration = self.section.number(&key, 1e-6..=FAR);
+        Some([acceleration?, deceleration.or(acceleration)?])
     }
 
     /// Velocity (by this name), acceleration and deceleration.

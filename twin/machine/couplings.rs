@@ -154,39 +154,21 @@ fn one(section: &Section<'_>, path: &Path, axes: &[Axis], is_gear: bool) -> Opti
         }
         found
     });
-    let (Some(slave), Some(master)) = (slave, master) else {
-        // What else is wrong is told as well; without an axis the units of a cam's keys are not known.
-        if is_gear {
-            read_ratio(section);
-        } else {
-            section.accept_all();
-            if let Some(name) = section.required_text("cam") {
-                let cam = path.parent().unwrap_or(Path::new("")).join(name);
-                if let Err(error) = CamFile::load(&cam, Interpolation::Linear) {
-                    complain(section, &cam, error);
-                }
-            }
-        }
-        return None;
-    };
-    if slave == master {
-        section.complain_at("master", "an axis cannot follow itself".to_owned());
-    }
-    let [Some(slave_axis), Some(master_axis)] = [slave, master].map(|index| axes.get(index)) else {
-        return None;
-    };
+    // What else is wrong is told as well.
     let by = if is_gear {
-        let (numerator, denominator) = read_ratio(section)?;
-        CoupledBy::Gear(numerator, denominator.unsigned_abs())
+        let ratio = read_ratio(section);
+        ratio.map(|(numerator, denominator)| CoupledBy::Gear(numerator, denominator.unsigned_abs()))
     } else {
-        CoupledBy::Cam(Box::new(read_cam(
-            section,
-            path,
-            CamAxis::of(slave_axis),
-            CamAxis::of(master_axis),
-        )?))
+        let [slave, master] =
+            [slave, master].map(|index| index.and_then(|index| axes.get(index)).map(CamAxis::of));
+        read_cam(section, path, slave, master).map(|cam| CoupledBy::Cam(Box::new(cam)))
     };
-    (slave != master).then_some(Coupling { axis: slave, master, by })
+    let (axis, master) = (slave?, master?);
+    if axis == master {
+        section.complain_at("master", "an axis cannot follow itself".to_owned());
+        return None;
+    }
+    Some(Coupling { axis, master, by: by? })
 }
 
 /// Sorted so that whoever is followed comes first; none if there is a ring.
@@ -204,12 +186,13 @@ pub(crate) fn read_ratio(section: &Section<'_>) -> Option<(i32, i32)> {
     let most = i64::from(i32::MAX);
     let numerator = section.required_integer("ratio_numerator", -most..=most);
     let denominator = section.integer("ratio_denominator", 1..=most);
-    if section.has("ratio_denominator") && denominator.is_none() {
-        return None;
-    }
+    let wrong = section.has("ratio_denominator") && denominator.is_none();
     if numerator == Some(0) {
         let message = "`ratio_numerator` is 0: the slave would never move; it must not be 0";
         section.complain_at("ratio_numerator", message.to_owned());
+        return None;
+    }
+    if wrong {
         return None;
     }
     let denominator = denominator.unwrap_or(1);
@@ -232,14 +215,14 @@ impl<'a> CamAxis<'a> {
 }
 
 /// A cam and how the slave comes onto it; `path` is the file that names it. What is not said is as the cam's own
-/// file says, but for the three flags of `MC_CamTableSelect`, which are true.
+/// file says, but for the three flags of `MC_CamTableSelect`, which are true. Of an axis that is not known there are no keys: what
+/// else is wrong is told.
 pub(crate) fn read_cam(
     section: &Section<'_>,
     path: &Path,
-    slave_axis: CamAxis<'_>,
-    master_axis: CamAxis<'_>,
+    slave: Option<CamAxis<'_>>,
+    master: Option<CamAxis<'_>>,
 ) -> Option<CamSelection> {
-    let (slave, master) = (slave_axis.kind, master_axis.kind);
     let between = [("linear", Interpolation::Linear), ("cubic", Interpolation::Cubic)];
     let between = section.choice("interpolation", &between).unwrap_or(Interpolation::Linear);
     let file = section.required_text("cam").and_then(|name| {
@@ -247,8 +230,9 @@ pub(crate) fn read_cam(
         let file = CamFile::load(&path, between);
         let file = file.map_err(|error| complain(section, &path, error)).ok()?;
         for (which, scale, axis) in
-            [("slave", &file.slave, slave_axis), ("master", &file.master, master_axis)]
+            [("slave", &file.slave, slave), ("master", &file.master, master)]
         {
+            let Some(axis) = axis else { continue };
             if !unit_fits(scale, axis.kind) {
                 let CamAxis { name, kind } = axis;
                 let (unit, own) = (scale.unit(), kind.unit());
@@ -256,6 +240,13 @@ pub(crate) fn read_cam(
                     format!("{}: the {which} is in {unit}, axis {name} in {own}", path.display());
                 section.complain_at("cam", message);
             }
+        }
+        if section.has("interpolation")
+            && let Some(why) = file.no_interpolation()
+        {
+            let message =
+                format!("{}: {why}; `interpolation` is for .csv and .asc", path.display());
+            section.complain_at("interpolation", message);
         }
         Some(file)
     });
@@ -266,8 +257,9 @@ pub(crate) fn read_cam(
     let [periodic, master_absolute, slave_absolute] =
         ["periodic", "master_absolute", "slave_absolute"].map(|key| flag(key, true));
     let start_mode = section.choice("start_mode", &START_MODES).unwrap_or(own.start_mode);
-    let number = |(key, own): (&str, f64), kind: AxisKind, suffix: &str, least: f64| {
-        section.number(&format!("{key}_{}{suffix}", kind.unit()), least..=FAR).unwrap_or(own)
+    let number = |(key, own): (&str, f64), axis: Option<CamAxis<'_>>, suffix: &str, least: f64| {
+        let key = axis.map(|axis| format!("{key}_{}{suffix}", axis.kind.unit()));
+        key.and_then(|key| section.number(&key, least..=FAR)).unwrap_or(own)
     };
     let scaling = |key, own| section.number(key, -FAR..=FAR).unwrap_or(own);
     let input = CamInput {
@@ -287,6 +279,10 @@ pub(crate) fn read_cam(
         tappet_hysteresis: number(("tappet_hysteresis", own.tappet_hysteresis), master, "", 0.0),
         tappet_dead_time_s: section.number("dead_time_s", -FAR..=FAR).unwrap_or(dead_time_s),
     };
+    if slave.is_none() || master.is_none() {
+        section.accept_all();
+        return None;
+    }
     let file = file?;
     let named = file.path.display();
     let out_of_order = file.out_of_order.as_ref().map(|said| format!("{named}: {said}"));

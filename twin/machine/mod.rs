@@ -7,6 +7,7 @@ mod counting;
 mod couplings;
 mod direction;
 mod drives;
+mod file_kind;
 mod frame;
 mod geometry;
 mod limits;
@@ -35,6 +36,7 @@ use drives::Seen;
 pub use drives::{
     Bim2AxEntry, DeviceEntry, DriveFamily, InterpCncEntry, ModuleEncoder, Parity, SmartDriveEntry,
 };
+pub(crate) use file_kind::FileKind;
 pub use limits::{AxisLimit, PathLimits, VelocityLimit, VelocityLimits, VelocitySource};
 pub(crate) use problem::Shown;
 pub use problem::{Elsewhere, MachineFileError, Problem};
@@ -210,6 +212,9 @@ impl Machine {
 }
 
 fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
+    if FileKind::Machine.refuses(root) {
+        return None;
+    }
     let name = root.required_text("name");
     let drives = root.sections("drives");
     let devices: Vec<_> = drives.iter().map(drives::read).collect();

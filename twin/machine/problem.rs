@@ -1,5 +1,6 @@
 //! What can be wrong with a machine file, and with others of its kind.
 
+use crate::bounded;
 use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode};
 use std::fmt;
 use std::ops::Range;
@@ -139,7 +140,7 @@ impl Diagnostic for Shown {
 
 /// The text of a file.
 pub(crate) fn read_text(what: &'static str, path: &Path) -> Result<String, MachineFileError> {
-    let text = std::fs::read(path).and_then(|bytes| {
+    let text = bounded::read(path).and_then(|bytes| {
         String::from_utf8(bytes).map_err(|error| {
             std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error())
         })

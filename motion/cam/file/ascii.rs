@@ -16,7 +16,7 @@ pub enum AsciiError {
     #[error(transparent)]
     Io(#[from] io::Error),
     /// A line has more or fewer columns than it should.
-    #[error("line {line}: {found} columns instead of {expected}")]
+    #[error("line {line}: {found} column{} instead of {expected}", if *.found == 1 { "" } else { "s" })]
     Columns {
         /// Which line, from 1.
         line: usize,

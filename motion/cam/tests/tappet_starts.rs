@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// latest one pass on.
 #[test]
 fn a_tappet_under_the_master_at_the_start_waits_for_a_passage() {
-    for (way, acts) in [
+    for (way, times) in [
         // Away, and once round to it.
         (&[50.0, 60.0, 409.0][..], 0),
         (&[50.0, 60.0, 410.0], 1),
@@ -21,7 +21,7 @@ fn a_tappet_under_the_master_at_the_start_waits_for_a_passage() {
         // It stands on, and then goes.
         (&[50.0, 50.0, 60.0], 0),
     ] {
-        assert_eq!(acts(Passage::Every, 0.0, way), [acts; 2], "{way:?}");
+        assert_eq!(acts(Passage::Every, 0.0, way), [times; 2], "{way:?}");
     }
     let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)];
     let places = [(1, 0.0), (2, 360.0), (3, 50.0)];
@@ -39,5 +39,5 @@ fn a_tappet_under_the_master_at_the_start_waits_for_a_passage() {
     assert_eq!(stood(false, 0.0), [1]);
     assert_eq!(stood(false, 360.0), [2]);
     assert_eq!(stood(true, 50.0), [3]);
-    assert_eq!(stood(true, 50.000_000_1), []);
+    assert!(stood(true, 50.000_000_1).is_empty());
 }

@@ -18,9 +18,10 @@ use crate::chart::{
 };
 use crate::number::beside;
 use crate::page::{FAINT, INK, MARK, color, fine, font, resized, stroke};
-use lines::{curve, line_of};
+use lines::{curve, line_of, thinned};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::collections::HashSet;
 use twin_motion::cam::SlaveLimits;
 
 /// Height of a row of curves, pixels.
@@ -30,6 +31,8 @@ const BAR: f64 = 14.0;
 const BETWEEN: f64 = 6.0;
 /// Room for the numbers and the name of the master, pixels.
 const MASTERS: f64 = 50.0;
+/// Dots of a run that are no farther apart are one, pixels.
+const DOTS: f64 = 0.5;
 /// Values that are less are rounding.
 const DUST: f64 = 1e-12;
 
@@ -126,7 +129,8 @@ impl<'a> Page<'a> {
             page.add(name, format!("{unit}{per}"), curves, sides, limits);
         }
         if recorded.errors.iter().any(|errors| !errors.is_empty()) {
-            let curves = recorded.errors.iter().map(|errors| vec![errors.clone()]).collect();
+            let curves =
+                recorded.errors.iter().map(|errors| vec![thinned(errors, range)]).collect();
             page.add(ERROR, unit.to_owned(), curves, Vec::new(), vec![0.0]);
         }
         page
@@ -235,8 +239,13 @@ impl<'a> Page<'a> {
         let at: Vec<_> = self.ticks().into_iter().map(|(x, _)| x).collect();
         row.draw_over(root, &at, [name, &format!("({unit})")])?;
         if *name == "position" {
+            // Where one is already another one changes nothing.
+            let mut drawn = HashSet::new();
             for (master, slave) in &self.recorded.points {
                 let place = (fine(self.x(*master)), fine(row.y(*slave / scale)));
+                if !drawn.insert([place.0, place.1].map(|place| place / fine(DOTS))) {
+                    continue;
+                }
                 root.draw(&Circle::new(place, stroke(1.5), MARK.mix(0.55).filled()))?;
             }
         }

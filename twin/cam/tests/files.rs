@@ -14,7 +14,7 @@ fn read(text: &str) -> Result<CamFile, CamFileError> {
 }
 
 /// Messages with the words they are about.
-fn problems(text: &str) -> Vec<(String, String)> {
+pub(super) fn problems(text: &str) -> Vec<(String, String)> {
     let Err(CamFileError::Toml(crate::machine::MachineFileError::Content { problems, .. })) =
         read(text)
     else {

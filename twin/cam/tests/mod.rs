@@ -14,3 +14,4 @@ mod sampled;
 mod shown;
 mod starts;
 mod tuned;
+mod words;

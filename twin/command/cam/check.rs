@@ -7,7 +7,7 @@ use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::command::show::table;
 use crate::command::{Failure, Status};
 use crate::finding;
-use crate::number::{at_most, beside, significant};
+use crate::number::{at_most, beside, readable};
 use clap::ValueEnum;
 use comfy_table::CellAlignment;
 use std::io::{self, Write};
@@ -78,7 +78,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 
 /// Six significant digits.
 fn short(value: f64) -> String {
-    significant(value, 6)
+    readable(value, 6)
 }
 
 fn tell(
@@ -242,9 +242,8 @@ fn tappets(out: &mut impl Write, file: &CamFile, check: &CamCheck<'_>) -> io::Re
         rows.add_row(cells.into_iter().chain(position).chain([after]));
     }
     writeln!(out, "{rows}")?;
-    let at_begin = |(tappet, ..): (&Tappet, _, _)| check.passed_after(tappet) == Some(0.0);
-    if check.tappets().any(at_begin) {
-        let again = if check.using.repeated { ", in the next pass" } else { "" };
+    if check.tappets().any(|(tappet, ..)| check.passed_after(tappet) == Some(0.0)) {
+        let again = if check.is_repeated() { ", in the next pass" } else { "" };
         writeln!(
             out,
             "a tappet acts where the master comes to it: one on which it starts when it comes there again{again}"

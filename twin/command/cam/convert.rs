@@ -1,16 +1,15 @@
 //! `twin cam convert`: a cam in another form.
 
-use super::options::{Between, load, magnitude};
+use super::options::{self, Between, load, magnitude};
+use super::reduced::{ROUNDING, Wish, reduced, unusable};
 use crate::cam::{CamFile, Form, lost, write_file};
 use crate::command::whole;
 use crate::command::{Failure, Status};
 use crate::number::significant;
 use clap::ValueEnum;
 use std::path::PathBuf;
-use twin_motion::cam::file::reduce;
 use twin_motion::cam::{
-    Cam, CamError, Compile, Curve, Interpolation, PairTable, Peak, Shape, Source, TableScale,
-    VariableType,
+    Cam, Compile, Curve, Interpolation, Peak, Source, TableScale, VariableType,
 };
 
 /// Write a cam in another form: what it is read and written as say the endings of the files
@@ -34,11 +33,11 @@ pub(super) struct Arguments {
     #[arg(long, value_enum)]
     table: Option<TableKind>,
 
-    /// So many points for a table, or for positions written as .asc or .csv
+    /// So many points for a table that is made, or for positions written as .asc or .csv
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1_048_576))]
     points: Option<u32>,
 
-    /// Leave out points of a table of pairs that straight lines between the others miss by no more than this, u
+    /// Leave out points of a table as long as the slave is no farther than this from where the cam has it, u
     #[arg(long, value_name = "U", value_parser = magnitude)]
     tolerance: Option<f64>,
 
@@ -50,9 +49,9 @@ pub(super) struct Arguments {
     #[arg(long)]
     force: bool,
 
-    /// Between the points of tables that are made, or read from .csv and .asc
-    #[arg(long, value_enum, default_value = "linear")]
-    interpolation: Between,
+    /// Between the points of tables that are made, or read from .csv and .asc [default: linear; with --tolerance as it was]
+    #[arg(long, value_enum)]
+    interpolation: Option<Between>,
 }
 
 const AFTER_HELP: &str = "\
@@ -91,19 +90,24 @@ impl From<Numbers> for VariableType {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    Form::of(&arguments.to).map_err(Box::new)?;
+    let form = Form::of(&arguments.to).map_err(Box::new)?;
     let from = [arguments.from.as_path()];
     whole::check_targets(None, from, [("OUT", arguments.to.as_path())])?;
     whole::refuse_existing(&arguments.to, arguments.force)?;
-    let mut file = load(&arguments.from, arguments.interpolation)?;
+    let as_text = matches!(form, Form::Csv | Form::Ascii);
+    let mut file = read(arguments, as_text)?;
     let whole_curve = file.cam.curve().clone();
     if let Some(kind) = arguments.table {
         file.cam = compiled(&file, kind, arguments)?;
         file.source = None;
     }
+    let made = file.clone();
     if let Some(tolerance) = arguments.tolerance {
-        let (cam, before) = reduced(&file, tolerance, arguments)?;
-        tell!("{before} points became {}", cam.shape().len());
+        // What is read as text again has straight lines between its points.
+        let between = arguments.interpolation.or(as_text.then_some(Between::Linear));
+        let wish = Wish { whole: &whole_curve, tolerance, between };
+        let cam = reduced(&file, &wish)?;
+        tell!("{} points became {}", file.cam.shape().len(), cam.shape().len());
         file.cam = cam;
         file.source = None;
     }
@@ -111,13 +115,42 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let positions = if arguments.table.is_none() { points } else { None };
     let bytes = write_file(&file, &arguments.to, positions).map_err(Box::new)?;
     whole::write(&arguments.to, &bytes)?;
-    tell(&file, &whole_curve, arguments)?;
+    tell(&made, &whole_curve, arguments)?;
     Ok(Status::Fit)
+}
+
+/// Reads the cam, and refuses options that would do nothing for it.
+fn read(arguments: &Arguments, as_text: bool) -> Result<CamFile, Failure> {
+    let Arguments { table, points, tolerance, .. } = arguments;
+    let usage = |message: &str| Err(Failure::Usage(message.to_owned()));
+    if points.is_some() && table.is_none() {
+        if !as_text {
+            return usage(
+                "--points is for tables that are made (--table), and for positions written as .csv or .asc",
+            );
+        }
+        if tolerance.is_some() {
+            return usage(
+                "--points writes positions at equal distances, --tolerance leaves some out: give one of them, or --table",
+            );
+        }
+    }
+    let makes_a_table = table.is_some() || tolerance.is_some();
+    let file = if makes_a_table {
+        options::read(&arguments.from, arguments.interpolation)?
+    } else {
+        load(&arguments.from, arguments.interpolation)?
+    };
+    if makes_a_table && file.is_tappets_only() {
+        let message = "this cam has tappets alone: there is no curve to make a table of";
+        return Err(Failure::Usage(format!("{}: {message}", arguments.from.display())));
+    }
+    Ok(file)
 }
 
 /// How many points there are, and how far what was written is from what was read.
 fn tell(file: &CamFile, whole: &Curve, arguments: &Arguments) -> Result<(), Failure> {
-    let again = CamFile::load(&arguments.to, arguments.interpolation.into()).map_err(Box::new)?;
+    let again = CamFile::load(&arguments.to, interpolation(arguments)).map_err(Box::new)?;
     let Peak { value: far, master: at } = whole.largest_distance(again.cam.curve());
     for line in lost(file, &again) {
         tell!("{}: lost: {line}", arguments.to.display());
@@ -125,7 +158,7 @@ fn tell(file: &CamFile, whole: &Curve, arguments: &Arguments) -> Result<(), Fail
     let unit = file.slave.unit();
     // Rounding of decimals that were cleaned moves nothing.
     let height = whole.extremes().position.magnitude();
-    let difference = if far <= 1e-13 * height {
+    let difference = if far <= ROUNDING * height {
         "the slave is where it was everywhere".to_owned()
     } else {
         format!(
@@ -136,6 +169,10 @@ fn tell(file: &CamFile, whole: &Curve, arguments: &Arguments) -> Result<(), Fail
     };
     tell!("{}: {} points; {difference}", arguments.to.display(), again.cam.shape().len());
     Ok(())
+}
+
+fn interpolation(arguments: &Arguments) -> Interpolation {
+    arguments.interpolation.map_or(Interpolation::Linear, Interpolation::from)
 }
 
 fn compiled(file: &CamFile, kind: TableKind, arguments: &Arguments) -> Result<Cam, Failure> {
@@ -157,43 +194,10 @@ fn compiled(file: &CamFile, kind: TableKind, arguments: &Arguments) -> Result<Ca
         }
     };
     let (master, slave) = (scale(curve.start(), curve.end()), scale(range.min, range.max));
-    let interpolation = Interpolation::from(arguments.interpolation);
+    let interpolation = interpolation(arguments);
     let mode = match kind {
         TableKind::Equidistant => Compile::Equidistant { points, variable, slave, interpolation },
         TableKind::Pairs => Compile::Elements { points, variable, master, slave, interpolation },
     };
     source.compile(mode).map_err(|error| unusable(file, &error))
-}
-
-/// With fewer points; and how many there were.
-fn reduced(file: &CamFile, tolerance: f64, arguments: &Arguments) -> Result<(Cam, usize), Failure> {
-    let pairs: Vec<[f64; 2]> = match file.cam.shape() {
-        Shape::Pairs(table) => {
-            let pair = |[x, y]: &[f64; 2]| [table.master.position(*x), table.slave.position(*y)];
-            table.pairs.iter().map(pair).collect()
-        }
-        Shape::Equidistant(_) => {
-            let curve = file.cam.curve();
-            curve.joints().map(|x| [x, curve.at(x).position]).collect()
-        }
-        Shape::Polynomial(_) => {
-            let message = "--tolerance is for tables: this cam has points with velocity and acceleration; \
-                           make a table of it with --table pairs --points N";
-            return Err(Failure::Usage(message.to_owned()));
-        }
-    };
-    let shape = Shape::Pairs(PairTable {
-        variable: VariableType::Lreal,
-        master: TableScale::IDENTITY,
-        slave: TableScale::IDENTITY,
-        periodic: file.repeated,
-        interpolation: arguments.interpolation.into(),
-        pairs: reduce(&pairs, tolerance),
-    });
-    let cam = Cam::new(file.cam.name(), shape, file.cam.tappets().to_vec());
-    Ok((cam.map_err(|error| unusable(file, &error))?, pairs.len()))
-}
-
-fn unusable(file: &CamFile, error: &CamError) -> Failure {
-    Failure::Usage(format!("{}: {error}", file.path.display()))
 }

@@ -4,6 +4,7 @@ mod check;
 mod convert;
 mod options;
 mod plot;
+mod reduced;
 mod sample;
 
 pub(super) use options::{

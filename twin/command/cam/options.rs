@@ -1,7 +1,7 @@
 //! Options: how a cam is read and used, what its master does, what its slave can do.
 
 use crate::cam::check::{AxisLimits, CamUse, unit_fits};
-use crate::cam::{CamFile, Coupling};
+use crate::cam::{CamFile, Coupling, LEAST_SCALING};
 use crate::command::Failure;
 use crate::machine::Machine;
 use clap::ValueEnum;
@@ -39,10 +39,16 @@ fn velocity(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A factor that is not 0.
+/// A factor that is not next to 0.
 fn factor(text: &str) -> Result<f64, String> {
     let number = number(text)?;
-    if number == 0.0 { Err("a scaling of 0 moves nothing".to_owned()) } else { Ok(number) }
+    if number == 0.0 {
+        Err("a scaling of 0 moves nothing".to_owned())
+    } else if number.abs() < LEAST_SCALING {
+        Err(format!("{text} is nearer to 0 than {LEAST_SCALING:e}, the least scaling"))
+    } else {
+        Ok(number)
+    }
 }
 
 /// How tables go on between their points.
@@ -64,8 +70,22 @@ impl From<Between> for Interpolation {
 }
 
 /// Reads a cam.
-pub(in crate::command) fn load(path: &Path, between: Between) -> Result<CamFile, Failure> {
-    let file = CamFile::load(path, between.into()).map_err(Box::new)?;
+pub(in crate::command) fn load(path: &Path, between: Option<Between>) -> Result<CamFile, Failure> {
+    let file = read(path, between)?;
+    if between.is_some()
+        && let Some(why) = file.no_interpolation()
+    {
+        let message =
+            format!("{}: {why}; --interpolation is for tables in .csv and .asc", path.display());
+        return Err(Failure::Usage(message));
+    }
+    Ok(file)
+}
+
+/// The same where what is told of the interpolation is for something else, too.
+pub(super) fn read(path: &Path, between: Option<Between>) -> Result<CamFile, Failure> {
+    let interpolation = between.map_or(Interpolation::Linear, Interpolation::from);
+    let file = CamFile::load(path, interpolation).map_err(Box::new)?;
     if let Some(out_of_order) = &file.out_of_order {
         tell!("{}: {out_of_order}", path.display());
     }
@@ -100,9 +120,9 @@ pub(in crate::command) struct UseOptions {
     #[arg(long)]
     once: bool,
 
-    /// Between the points of tables read from .csv and .asc
-    #[arg(long, value_enum, default_value = "linear")]
-    pub(in crate::command) interpolation: Between,
+    /// Between the points of tables read from .csv and .asc [default: linear]
+    #[arg(long, value_enum)]
+    pub(in crate::command) interpolation: Option<Between>,
 }
 
 impl UseOptions {

@@ -5,7 +5,7 @@ use crate::cam::check::CamCheck;
 use crate::cam::picture::{Recorded, Shown, draw};
 use crate::command::whole;
 use crate::command::{Failure, Status};
-use crate::number::{at_most, significant};
+use crate::number::{at_most, readable};
 use std::path::PathBuf;
 use twin_motion::cam::Largest;
 
@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let limits = arguments.limits.limits(&file)?;
     let using = arguments.coupling.using(&file, arguments.master.motion(), limits);
     let check = CamCheck::new(&file, using);
-    let short = |value: f64| significant(value, 6);
+    let short = |value: f64| readable(value, 6);
     let fastest = match &check.largest {
         Ok(Largest { value, limited: Some((quantity, place)) }) => format!(
             "; at most {} {}/s: {quantity} at {}",

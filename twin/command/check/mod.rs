@@ -12,6 +12,7 @@ use crate::check::{self, CheckOptions, Outcome};
 use crate::finding;
 use crate::limit::Limits;
 use crate::machine::{Machine, Scenario};
+use crate::number::counted;
 use crate::program::ProgramFile;
 use crate::report::{CheckReport, seconds};
 use clearance::ClearanceFiles;
@@ -233,9 +234,7 @@ pub(super) fn summary(
     let errors = count(finding::Severity::Error);
     let warnings = count(finding::Severity::Warning);
     let verdict = if errors == 0 { "fit for the machine" } else { "NOT fit for the machine" };
-    let plural =
-        |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
-    write!(out, "{verdict}: {}, {}", plural(errors, "error"), plural(warnings, "warning"))?;
+    write!(out, "{verdict}: {}, {}", counted(errors, "error"), counted(warnings, "warning"))?;
     if outcome.findings_left_out > 0 {
         write!(out, " (and {} findings more, left out)", outcome.findings_left_out)?;
     }

@@ -6,7 +6,7 @@ use crate::command::{following, show};
 use crate::machine::{
     Axis, Bim2AxEntry, DriveFamily, InterpCncEntry, Machine, VelocityLimit, VelocitySource,
 };
-use crate::number::significant;
+use crate::number::{fixed, significant};
 use crate::workspace::{Cut, Example, MeasureAt, Section};
 use comfy_table::{Cell, CellAlignment};
 use nalgebra::Point3;
@@ -94,11 +94,8 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     let zero = AxisVector::zeros(machine.axes.len());
     if let Ok(pose) = machine.kinematics.forward(&zero) {
         let tip = pose.position * 1e3;
-        writeln!(
-            out,
-            "tool tip with all axes at 0: ({:.3}, {:.3}, {:.3}) mm in the machine frame",
-            tip.x, tip.y, tip.z
-        )?;
+        let [x, y, z] = [tip.x, tip.y, tip.z].map(|value| fixed(value, 3));
+        writeln!(out, "tool tip with all axes at 0: ({x}, {y}, {z}) mm in the machine frame")?;
     }
     Ok(())
 }
@@ -217,7 +214,7 @@ fn positions(machine: &Machine, axes: &AxisVector) -> String {
     let axes = machine.axes.iter().zip(axes.iter());
     let axes: Vec<_> = axes
         .map(|(axis, position)| {
-            format!("{} {:.3} {}", axis.name, axis.from_si(*position), axis.unit())
+            format!("{} {} {}", axis.name, fixed(axis.from_si(*position), 3), axis.unit())
         })
         .collect();
     axes.join(", ")
@@ -261,8 +258,10 @@ fn workspace(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
     let (min, max) = (workspace.extent.min * 1e3, workspace.extent.max * 1e3);
     writeln!(
         out,
-        "within the software limits: x {:.1} … {:.1}, y {:.1} … {:.1}, z {:.1} … {:.1} mm (tool tip, machine frame)",
-        min.x, max.x, min.y, max.y, min.z, max.z
+        "within the software limits: x {}, y {}, z {} mm (tool tip, machine frame)",
+        range(min.x, max.x),
+        range(min.y, max.y),
+        range(min.z, max.z)
     )?;
     if workspace.turns_tool {
         let direction = workspace.space.direction().to_degrees();
@@ -296,19 +295,21 @@ fn sentence(section: &Section<'_>) -> String {
             Cut::Vertical { .. } => ("along it", "z"),
         };
         format!(
-            ", {along} {:.1} … {:.1}, {up} {:.1} … {:.1} mm",
-            low.x * 1e3,
-            high.x * 1e3,
-            low.y * 1e3,
-            high.y * 1e3
+            ", {along} {}, {up} {} mm",
+            range(low.x * 1e3, high.x * 1e3),
+            range(low.y * 1e3, high.y * 1e3)
         )
     });
     format!("{}: {:.1} cm²{extent}", section.cut, section.within.area() * 1e4)
 }
 
 fn point(at: &Point3<f64>) -> String {
-    let [x, y, z] = [at.x, at.y, at.z].map(|value| value * 1e3);
-    format!("X{x:.1} Y{y:.1} Z{z:.1}")
+    let [x, y, z] = [at.x, at.y, at.z].map(|value| fixed(value * 1e3, 1));
+    format!("X{x} Y{y} Z{z}")
+}
+
+fn range(low: f64, high: f64) -> String {
+    format!("{} … {}", fixed(low, 1), fixed(high, 1))
 }
 
 /// Slower than this an axis stands, degrees or mm per second: rounding.

@@ -6,6 +6,7 @@ use crate::command::Failure;
 use crate::command::options::unreadable;
 use crate::finding::{Finding, Severity};
 use crate::m_function::Acknowledgement;
+use crate::number::fixed;
 use crate::program::{Dialect, ProgramItem};
 use crate::report::seconds;
 use nalgebra::Point3;
@@ -61,14 +62,15 @@ fn write_figures(job: &Job<'_>, info: &ProgramInfo, out: &mut dyn Write) -> io::
     writeln!(out, "length           {:.3} mm ({rapid:.3} rapid, {cut:.3} cut)", rapid + cut)?;
     let point = |point: Option<Point3<f64>>| {
         point.map_or("–".to_owned(), |point| {
-            let point = point * 1e3;
-            format!("X {:.3}  Y {:.3}  Z {:.3} mm", point.x, point.y, point.z)
+            let [x, y, z] = [point.x, point.y, point.z].map(|value| fixed(value * 1e3, 3));
+            format!("X {x}  Y {y}  Z {z} mm")
         })
     };
     writeln!(out, "start            {}", point(info.start))?;
     writeln!(out, "end              {}", point(info.end))?;
     if let Some(bounds) = &info.bounds {
-        let range = |low: f64, high: f64| format!("{:.3} … {:.3}", low * 1e3, high * 1e3);
+        let range =
+            |low: f64, high: f64| format!("{} … {}", fixed(low * 1e3, 3), fixed(high * 1e3, 3));
         let x = range(bounds.min.x, bounds.max.x);
         let y = range(bounds.min.y, bounds.max.y);
         let z = range(bounds.min.z, bounds.max.z);

@@ -5,6 +5,7 @@ use crate::command::show;
 use crate::emulated::CATCH_UP;
 use crate::hardware::Attached;
 use crate::machine::{Axis, DriveFamily, Machine};
+use crate::number::fixed;
 use crate::startup::{self, way_in_all};
 use comfy_table::{Cell, CellAlignment};
 use twin_drives::bim2ax::ModuleAxis;
@@ -90,7 +91,7 @@ pub(super) fn moves(
         for (slot, (index, axis)) in machine.axes_of(*device).enumerate() {
             let unit = axis.unit();
             let stands = found.and_then(|found| startup::position(axis, slot, &found));
-            let mut stands = stands.map_or("?".to_owned(), |at| format!("{at:.3} {unit}"));
+            let mut stands = stands.map_or("?".to_owned(), |at| format!("{} {unit}", fixed(at, 3)));
             if to_home.contains(&index) {
                 let way = way_in_all(axis) / axis.increments_per_si().abs();
                 stands = format!("{stands}, homes first: {:.1} {unit} at most", axis.from_si(way));
@@ -110,7 +111,7 @@ pub(super) fn moves(
                 entry.port.clone().unwrap_or_default(),
                 stands,
                 homing,
-                format!("{:.3} {unit}", axis.from_si(begins)),
+                format!("{} {unit}", fixed(axis.from_si(begins), 3)),
                 speed(axis.max_velocity * asked.approach),
                 speed(peak),
             ];

@@ -117,6 +117,12 @@ impl<'a> Section<'a> {
         self.look_up(key).map_or_else(|| self.span.clone(), Spanned::span)
     }
 
+    /// Where entry `index` of the array `key` is, from 0; complains about nothing and leaves the key unknown.
+    pub(crate) fn span_of_item(&self, key: &str, index: usize) -> Option<Range<usize>> {
+        let array = self.look_up(key)?.get_ref().as_array()?;
+        array.iter().nth(index).map(Spanned::span)
+    }
+
     /// The text of `key`, if that is what it is; complains about nothing and leaves the key unknown.
     pub(crate) fn glance_at_text(&self, key: &str) -> Option<&'a str> {
         self.look_up(key)?.get_ref().as_str()

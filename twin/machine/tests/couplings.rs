@@ -145,7 +145,21 @@ fn places_of_what_cannot_follow() {
     for said in ["there is no axis \"Q\"", "`ratio_numerator` is 0", "unknown key"] {
         assert!(found.iter().any(|(_, told, _)| told.contains(said)), "{said}: {found:#?}");
     }
-    let cam = "[[cams]]\naxis = \"Q\"\nmaster = \"X\"\ncam = \"none.toml\"\n";
+    let cam =
+        "[[cams]]\naxis = \"Q\"\nmaster = \"X\"\ncam = \"none.toml\"\nstart_mode = \"ramp\"\n";
     let found = problems(&with(cam));
-    assert!(found.iter().any(|(_, told, _)| told.contains("(error 2200)")), "{found:#?}");
+    for said in ["there is no axis \"Q\"", "(error 2200)", "`start_mode` is \"ramp\""] {
+        assert!(found.iter().any(|(_, told, _)| told.contains(said)), "{said}: {found:#?}");
+    }
+    // An axis that is there has its keys, whatever the other one is.
+    let cam =
+        "[[cams]]\naxis = \"Z\"\nmaster = \"Q\"\ncam = \"none.toml\"\nslave_offset_mm = \"3\"\n";
+    let found = problems(&with(cam));
+    assert!(found.iter().any(|(_, told, _)| told.contains("`slave_offset_mm`")), "{found:#?}");
+    let ratio =
+        "[[gears]]\naxis = \"Z\"\nmaster = \"X\"\nratio_numerator = 0\nratio_denominator = 0\n";
+    let found = problems(&with(ratio));
+    for said in ["`ratio_numerator` is 0", "`ratio_denominator` is 0"] {
+        assert!(found.iter().any(|(_, told, _)| told.contains(said)), "{said}: {found:#?}");
+    }
 }

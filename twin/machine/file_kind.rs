@@ -1,0 +1,51 @@
+//! Files that are taken for files of another kind.
+
+use super::section::Section;
+
+/// What a file in TOML is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FileKind {
+    Machine,
+    Job,
+    Cam,
+}
+
+impl FileKind {
+    /// Whether a file that should be of this kind is of another one, which is told then, and nothing else.
+    pub(crate) fn refuses(self, root: &Section<'_>) -> bool {
+        if self.is(root) {
+            return false;
+        }
+        let Some(other) =
+            [Self::Machine, Self::Job, Self::Cam].into_iter().find(|kind| kind.is(root))
+        else {
+            return false;
+        };
+        let hint = match other {
+            Self::Machine => "",
+            Self::Job => ": `twin cam run` runs it",
+            Self::Cam => ": `twin cam check` looks at it",
+        };
+        root.complain(format!("this is a {}, no {}{hint}", other.name(), self.name()));
+        root.accept_all();
+        true
+    }
+
+    /// By keys that only this kind has.
+    fn is(self, root: &Section<'_>) -> bool {
+        let keys: &[&str] = match self {
+            Self::Machine => &["axes"],
+            Self::Job => &["blocks"],
+            Self::Cam => &["elements", "table", "tappets"],
+        };
+        keys.iter().any(|key| root.has(key))
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Machine => "machine file",
+            Self::Job => "job",
+            Self::Cam => "cam",
+        }
+    }
+}
