@@ -43,6 +43,7 @@ mod run_limits;
 mod shop;
 mod surroundings;
 mod targets;
+mod tune_alike;
 mod tune_cam;
 mod tune_least;
 mod tune_limits;

@@ -293,9 +293,9 @@ fn a_shape_lets_the_master_go_faster() {
     }
     assert_eq!(std::fs::read_to_string(desk.path("lift.toml")).expect("there"), LIFT);
     desk.twin(&["tune", "cam", "lift.toml", "--reshape", "121:1", "--max-velocity", "9"])
-        .ended(1, "no point stands at master 121");
+        .ended(2, "no point stands at master 121");
     desk.twin(&["tune", "cam", "lift.toml", "--reshape", "120:1"])
-        .ended(1, "no limit of the slave");
+        .ended(2, "no limit of the slave");
     desk.twin(&["tune", "cam", "lift.toml"]).ended(2, "nothing is to be found");
 }
 
@@ -407,7 +407,7 @@ fn mistakes_are_told() {
     desk.write("lift.toml", LIFT);
     let tune = |more: &[&str]| desk.twin(&[&["tune", "cam", "lift.toml"], more].concat());
     tune(&["--find", "slave-scaling"]).ended(2, "none is given");
-    tune(&["--ramp-in", "0,35"]).ended(1, "a ramp needs a limit of the slave's velocity");
+    tune(&["--ramp-in", "0,35"]).ended(2, "a ramp needs a limit of the slave's velocity");
     desk.twin(&["cam", "check", "lift.toml", "--master-velocity", "-5"])
         .ended(2, "-5 is less than 0: the master's velocity is told without its sign");
     // 0 to 100 into 0 to 70.

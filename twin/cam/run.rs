@@ -110,8 +110,16 @@ impl RecordedRun {
             Column::Tappet(group) => Some(*group),
             _ => None,
         });
-        let mut run =
-            Self { groups: groups.collect(), samples: Vec::with_capacity(read.rows.len()) };
+        let groups: Vec<_> = groups.collect();
+        let mut sorted = groups.clone();
+        sorted.sort_unstable();
+        if let Some(same) = sorted.chunk_by(|a, b| a == b).find(|same| same.len() > 1)
+            && let [group, ..] = same
+        {
+            let message = format!("{} columns `tappet_{group}`; there must be one", same.len());
+            return Err(wrong(1, message));
+        }
+        let mut run = Self { groups, samples: Vec::with_capacity(read.rows.len()) };
         for (line, row) in &read.rows {
             let mut sample = RunSample {
                 line: *line,

@@ -93,8 +93,11 @@ pub enum FitError {
         /// Which.
         unknowns: Vec<&'static str>,
     },
-    /// Two different answers fit alike.
-    #[error("{} and {} fit alike as {unknown}", Short(*.one), Short(*.other))]
+    /// Two different answers fit alike, and what the fit began with does not say which is meant.
+    #[error(
+        "{} and {} fit alike as {unknown}, and none is clearly nearer to {}, with which the search began",
+        Short(*.one), Short(*.other), Short(*.begun)
+    )]
     Ambiguous {
         /// Of what.
         unknown: &'static str,
@@ -102,6 +105,21 @@ pub enum FitError {
         one: f64,
         /// The other one.
         other: f64,
+        /// What was given of it.
+        begun: f64,
+    },
+    /// What fits best is not where it is looked for.
+    #[error(
+        "{} fits best as {unknown}, which is not between {} and {}",
+        Short(*.value), Short(.between[0]), Short(.between[1])
+    )]
+    Beyond {
+        /// Of what.
+        unknown: &'static str,
+        /// What fits best.
+        value: f64,
+        /// Where it is looked for.
+        between: [f64; 2],
     },
     /// The master does not move.
     #[error("the master stands at {} in all {samples} samples: nothing tells {}", Short(*.master), .unknowns.join(" and "))]

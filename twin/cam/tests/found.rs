@@ -320,6 +320,10 @@ fn runs_that_are_none() {
     for (text, message) in [
         ("time,master,slave\n0,1,2\n0,2,3\n", "line 3: time 0 s is not later than 0 s in line 2"),
         ("time,master\n0,1\n", "0 columns `slave`; there must be one"),
+        (
+            "time,tappet_2,master,tappet_1,slave,tappet_1\n0,0,1,0,1,1\n",
+            "line 1: 2 columns `tappet_1`; there must be one",
+        ),
         ("time_h,master,slave\n0,1,2\n", "`h` is no unit of time"),
         ("time,master,slave,tappet_x\n0,1,2,0\n", "names no group"),
         ("time,master,slave,tappet_1\n0,1,2,0.5\n", "line 2: tappet_1 is 0.5; it must be 0 or 1"),

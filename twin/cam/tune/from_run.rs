@@ -27,7 +27,22 @@ pub fn fit_run(
     free: Free,
     scaling_range: f64,
 ) -> Result<Fit, TuneError> {
-    let fitted = |free| fit_free(file, using, run, free, scaling_range);
+    fit_run_between(file, using, run, free, scaling_range, [None; 4])
+}
+
+/// The same where it is known between what `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` are.
+///
+/// # Errors
+/// As [`fit_run`].
+pub fn fit_run_between(
+    file: &CamFile,
+    using: &CamUse,
+    run: &RecordedRun,
+    free: Free,
+    scaling_range: f64,
+    between: [Option<[f64; 2]>; 4],
+) -> Result<Fit, TuneError> {
+    let fitted = |free| fit_free(file, using, run, free, (scaling_range, between));
     let error = match fitted(free) {
         Ok(found) => return Ok(found),
         Err(error) => error,
@@ -60,7 +75,7 @@ fn fit_free(
     using: &CamUse,
     run: &RecordedRun,
     free: Free,
-    scaling_range: f64,
+    (scaling_range, between): (f64, [Option<[f64; 2]>; 4]),
 ) -> Result<Fit, TuneError> {
     let input = &using.coupling.input;
     let options = FitOptions {
@@ -71,6 +86,7 @@ fn fit_free(
         slave_offset: input.slave_offset,
         slave_scaling: input.slave_scaling,
         repeated: using.repeated,
+        between,
     };
     let samples: Vec<_> = run
         .samples

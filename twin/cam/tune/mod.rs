@@ -15,7 +15,9 @@ mod tappets;
 
 pub use bounded::{Limited, Told, Within, exceeds, limited, refuses, scalings, within_limits};
 pub use correct::{Deviation, as_fitted, corrected, wanted, wants, with_exactly, within};
-pub use from_run::{Seen, errors, fit_run, rms, rounded, switchings, tappet_dead_time, unwound};
+pub use from_run::{
+    Seen, errors, fit_run, fit_run_between, rms, rounded, switchings, tappet_dead_time, unwound,
+};
 pub use kept::{Kept, KeptTappet, keep_tappets, passed_at, told_at};
 pub use minimise::{Least, Minimised, minimise};
 pub use recorded::{master_motion, travel};
@@ -39,7 +41,7 @@ use twin_motion::cam::{CamError, CamTable, Element, Knot, LimitError, Shape, Sta
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TuneError {
     /// Offsets and scalings.
-    #[error("offsets and scalings: {0}")]
+    #[error("offsets and scalings: {}{}", .0, meant(.0))]
     Fit(#[source] FitError),
     /// Samples that do not fit the others.
     #[error("offsets and scalings: the slave is far from where the other samples have it in {}", lines(.outliers))]
@@ -226,6 +228,26 @@ pub enum TuneError {
         /// Why.
         why: String,
     },
+}
+
+impl TuneError {
+    /// Whether the call is at fault, not cam or data: a limit is not given that is needed, or no point is where one is to be moved.
+    pub fn is_of_call(&self) -> bool {
+        matches!(
+            self,
+            Self::NoPoint { .. }
+                | Self::NoPoints
+                | Self::Reshape(ReshapeError::NoLimit)
+                | Self::Ramp(RampError::NoLimit { .. })
+        )
+    }
+}
+
+/// What to do where several answers fit alike.
+fn meant(error: &FitError) -> String {
+    let FitError::Ambiguous { unknown, .. } = error else { return String::new() };
+    let name = if *unknown == "MasterScaling" { "master-scaling" } else { "master-offset" };
+    format!(": --find {name}=FROM..TO says which of them is meant")
 }
 
 /// `points stand at 0, 180, 360; `, if they are not too many for that.

@@ -54,8 +54,9 @@ pub(super) struct Arguments {
     pub(super) slave: SlaveColumn,
 
     /// What is to be found, of master-offset, master-scaling, slave-offset and slave-scaling: in the run, or, without one, within
-    /// the limits [default: both offsets with a run]. With --minimise acceleration or jerk each may have an interval, like
-    /// slave-scaling=0.9..1.1, and both offsets are found in a run whatever is named
+    /// the limits [default: both offsets with a run]. Each may have an interval, like slave-scaling=0.9..1.1: in a run it says which
+    /// is meant of answers that fit alike; with --minimise acceleration or jerk it is for what is made smallest, and both offsets are
+    /// found in a run whatever is named
     #[arg(long, value_name = "NAME[=FROM..TO]", value_delimiter = ',', value_parser = sought)]
     pub(super) find: Vec<Sought>,
 
@@ -241,6 +242,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     report.started = started.map(|(_, by)| by);
     match tuned(arguments, &file, recorded.as_ref(), &mut report) {
         Ok(()) => {}
+        Err(error) if error.is_of_call() => return Err(Failure::Usage(error.to_string())),
         Err(error) => {
             report.refused = Some(error.to_string());
             report

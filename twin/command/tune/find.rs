@@ -1,7 +1,7 @@
 //! Finds what `twin tune cam` is asked for, one thing after the other.
 
 use super::cam::Arguments;
-use super::least::Shown;
+use super::least::{Shown, intervals};
 use super::outcome::with_knots;
 use super::report::Report;
 use super::words::SlaveColumn;
@@ -9,8 +9,8 @@ use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{
-    self, Deviation, Least, Told, TuneError, Within, errors, fit_run, limited, minimise, ramp,
-    ramp_wish, run_dead_time, shape, within_limits,
+    self, Deviation, Least, Told, TuneError, Within, errors, fit_run_between, limited, minimise,
+    ramp, ramp_wish, run_dead_time, shape, within_limits,
 };
 use twin_motion::axis::profile::State;
 use twin_motion::cam::file::clean;
@@ -145,13 +145,9 @@ fn from_run(
     // The slave is where it is wanted but for what is to be found.
     let reference = if measured { tune::wanted(&before) } else { before };
     report.error_before = Some(tune::rms(&errors(file, &reference, run)));
-    let found = fit_run(
-        file,
-        &reference,
-        run,
-        arguments.free(),
-        arguments.scaling_range.unwrap_or(USUAL_RANGE),
-    )?;
+    let range = arguments.scaling_range.unwrap_or(USUAL_RANGE);
+    let found =
+        fit_run_between(file, &reference, run, arguments.free(), range, arguments.between())?;
     let did = tune::as_fitted(&before, &found);
     if measured {
         let (after, by) = tune::corrected(file, &before, &found);
@@ -183,6 +179,11 @@ fn from_run(
 }
 
 impl Arguments {
+    /// Between what a run is to tell its values; with a peak to be smallest intervals are for that.
+    fn between(&self) -> [Option<[f64; 2]>; 4] {
+        if self.least.quantity().is_some() { [None; 4] } else { intervals(&self.find) }
+    }
+
     /// `MasterScaling` without an interval of its own stays within the range that was said.
     fn within_range(&self, mut least: Least, before: &CamUse, corrected: &CamUse) -> Least {
         let [_, scaling, ..] = &mut least.sought;

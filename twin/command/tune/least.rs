@@ -72,6 +72,11 @@ pub(super) fn sought(text: &str) -> Result<Sought, String> {
     Ok(Sought { what: what.1, between: between.transpose()? })
 }
 
+/// Intervals of what is sought, in the order of the inputs.
+pub(super) fn intervals(find: &[Sought]) -> [Option<[f64; 2]>; 4] {
+    NAMES.map(|(_, what)| find.iter().find(|sought| sought.what == what)?.between)
+}
+
 /// How far tappets may move; without a second number the slave stays where it is at them.
 fn tolerance(text: &str) -> Result<[f64; 2], String> {
     let part = |text: &str| if text.trim() == "any" { Ok(f64::INFINITY) } else { magnitude(text) };
@@ -188,8 +193,8 @@ impl LeastOptions {
             "--minimise error needs a --run, against which the slave has an error"
         } else if of_run {
             "--master-travel run is where the master goes in a --run, and there is none"
-        } else if find.iter().any(|sought| sought.between.is_some()) && !peak {
-            "an interval of --find is for --minimise acceleration and jerk"
+        } else if find.iter().any(|sought| sought.between.is_some()) && !(peak || with_run) {
+            "an interval of --find is for --minimise acceleration and jerk, or for a --run"
         } else if peak && find.is_empty() && !within {
             "--minimise acceleration and jerk need what to --find, or a --ramp-in with --within: a ramp without it is as short as the limits allow"
         } else if peak && ramps && !within {

@@ -5,6 +5,7 @@ mod find;
 mod least;
 mod limited;
 mod object;
+mod other;
 mod outcome;
 mod peaks;
 mod report;

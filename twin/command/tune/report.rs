@@ -324,6 +324,7 @@ impl<'a> Report<'a> {
                      what is wanted (--slave wanted: the run is the motion wanted)"
                 )?;
             }
+            self.tell_other(out, fit)?;
             let tense = if self.wanted.is_some() { "would be" } else { "is" };
             let MasterMotion { velocity, acceleration, .. } = self.before.master;
             let master = self.file.master.unit();

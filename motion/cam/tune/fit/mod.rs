@@ -2,8 +2,10 @@
 //!
 //! slave = `SlaveScaling` · y(master · `MasterScaling` + `MasterOffset`) + `SlaveOffset`. For given values of the master
 //! the other two follow from a line, so these are looked for on a grid first; the best of every valley is then improved by
-//! Gauss and Newton's method with exact derivatives, all together.
+//! Gauss and Newton's method with exact derivatives, all together. Which of several bottoms is taken that fit alike is in
+//! `motion/cam/tune/fit/choice.rs`.
 
+mod choice;
 mod correlation;
 mod draws;
 mod growth;
@@ -18,6 +20,7 @@ mod width;
 use super::super::curve::Curve;
 use super::chance::correlation_exceeds;
 use super::{Estimate, FitError};
+use choice::Fitted;
 use nalgebra::{DMatrix, DVector};
 use width::Widths;
 
@@ -64,7 +67,7 @@ const NAMES: [&str; 4] = ["MasterOffset", "MasterScaling", "SlaveOffset", "Slave
 pub struct FitOptions {
     /// What is looked for.
     pub free: Free,
-    /// `MasterOffset`, u: the value if it is not looked for.
+    /// `MasterOffset`, u: the value if it is not looked for; else the nearest of those that fit alike is taken.
     pub master_offset: f64,
     /// `MasterScaling`: the value, or about which it is looked for.
     pub master_scaling: f64,
@@ -72,10 +75,14 @@ pub struct FitOptions {
     pub scaling_range: f64,
     /// `SlaveOffset`, u: the value if it is not looked for.
     pub slave_offset: f64,
-    /// `SlaveScaling`: the value if it is not looked for.
+    /// `SlaveScaling`: the value if it is not looked for; else its sign is taken where both fit alike.
     pub slave_scaling: f64,
     /// Whether the cam is put end to end.
     pub repeated: bool,
+    /// Between what `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` are where one is meant of several answers that
+    /// fit alike; offsets of the master are so but for whole passes of a cam that is put end to end. `MasterScaling` is looked for
+    /// there instead of within its range.
+    pub between: [Option<[f64; 2]>; 4],
 }
 
 impl Default for FitOptions {
@@ -89,6 +96,7 @@ impl Default for FitOptions {
             slave_offset: 0.0,
             slave_scaling: 1.0,
             repeated: true,
+            between: [None; 4],
         }
     }
 }
@@ -96,7 +104,7 @@ impl Default for FitOptions {
 /// What a recorded run tells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
-    /// `MasterOffset`, u; of a cam that is put end to end, the one next to 0.
+    /// `MasterOffset`, u; of a cam that is put end to end, the one next to 0, or to the middle of where it is looked for.
     pub master_offset: Estimate,
     /// `MasterScaling`.
     pub master_scaling: Estimate,
@@ -116,6 +124,10 @@ pub struct Fit {
     pub shows_correlation: bool,
     /// The largest part that the bias of noise in the master's positions may have in a half width; the widths hold it.
     pub bias: f64,
+    /// Another answer that the samples do not tell from this one: `MasterOffset`, `MasterScaling`, `SlaveOffset` and
+    /// `SlaveScaling`. That of this one has the sign of the one that the fit began with, and its `MasterOffset` is clearly nearer to
+    /// that; the other one is the next repeat of the cam, or the cam with a mirrored slave.
+    pub other: Option<[f64; 4]>,
 }
 
 impl Fit {
@@ -146,14 +158,6 @@ const CHANCE: f64 = 1e-4;
 const QUIET: usize = 8;
 
 type Parameters = [f64; 4];
-
-/// Bottoms of valleys: the deepest one, and all.
-struct Fitted {
-    /// What it leaves over.
-    left: f64,
-    best: Parameters,
-    answers: Vec<(f64, Parameters)>,
-}
 
 /// Finds offsets and scalings.
 ///
@@ -210,13 +214,10 @@ impl Problem<'_> {
         self.free.iter().filter_map(|index| NAMES.get(*index).copied()).collect()
     }
 
-    /// Down into all valleys.
+    /// Down into all valleys, and the answer among their bottoms.
     fn solved(&self, options: &FitOptions) -> Option<Fitted> {
-        let mut answers: Vec<(f64, Parameters)> =
-            self.valleys(options).into_iter().filter_map(|start| self.descend(start)).collect();
-        answers.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (left, best) = answers.first().copied()?;
-        Some(Fitted { left, best, answers })
+        let bottoms = self.valleys(options).into_iter().filter_map(|start| self.descend(start));
+        self.chosen(bottoms.collect(), options)
     }
 
     fn width(&self) -> f64 {
@@ -271,11 +272,7 @@ impl Problem<'_> {
     }
 
     fn report(&self, fitted: &Fitted, options: &FitOptions) -> Result<Fit, FitError> {
-        let Fitted { left, mut best, ref answers } = *fitted;
-        let unknowns = self.free.len();
-        let freedom = self.samples.len() - unknowns;
-        #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
-        let variance = left / freedom as f64;
+        let Fitted { left, best, other, .. } = *fitted;
         let (matrix, _) = self.normal(best, self.samples);
         let inverse = self.invert(&matrix)?;
         let step = self.rounded_to(best);
@@ -283,15 +280,10 @@ impl Problem<'_> {
         self.refuse_unexplained(left)?;
         let over = self.left_over(best, &inverse, step);
         self.refuse_contradiction(best, left, &over)?;
-        self.refuse_second(left, &best, answers, variance)?;
-        if self.repeated && self.free.contains(&0) {
-            // Whole passes are the same cam, up to what it gains.
-            let passes = (best[0] / self.width()).round();
-            if passes != 0.0 && (self.curve.rise() == 0.0 || self.free.contains(&2)) {
-                best[0] -= passes * self.width();
-                best[2] += best[3] * passes * self.curve.rise();
-            }
+        if let Some(refused) = &fitted.refused {
+            return Err(refused.clone());
         }
+        let best = self.folded(best, options);
         let Widths { half, bias } = self.widths(best, &inverse, &over);
         let quantum = over.quantum;
         let mut estimates = best.map(Estimate::given);
@@ -314,6 +306,7 @@ impl Problem<'_> {
             quantum,
             shows_correlation: self.shows_correlation(quantum),
             bias,
+            other: other.map(|other| self.folded(other, options)),
         })
     }
 

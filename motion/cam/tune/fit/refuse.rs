@@ -1,15 +1,15 @@
-//! Answers that are none: the data contradict the cam, themselves, or fit another one alike.
+//! Answers that are none: the data contradict the cam, or themselves.
 
 use super::super::super::curve::Range;
 use super::super::FitError;
 use super::super::chance::fisher_exceeds;
 use super::over::Over;
-use super::{CHANCE, FitOptions, Free, NAMES, Parameters, Problem, Sample};
+use super::{CHANCE, FitOptions, Free, Parameters, Problem, Sample};
 
 /// Of the spread of the slave this part at most may be left over.
 const UNEXPLAINED: f64 = 0.5;
 /// Two answers fit alike if the worse one leaves over less than this many times what chance does.
-const ALIKE: f64 = 25.0;
+pub(super) const ALIKE: f64 = 25.0;
 /// With so many degrees of freedom what is left over is known well enough for that.
 const MANY: f64 = 20.0;
 /// A slave that moves by no more than this part of what it does on the cam rests, but for noise.
@@ -108,33 +108,5 @@ impl Problem<'_> {
         let slope = self.curve.extremes().velocity.magnitude() * options.slave_scaling.abs();
         let most = slope * scaling * way;
         (moved > TOO_FAR * most).then(|| FitError::TooFar { moved, way, most, width: self.width() })
-    }
-
-    /// Whether another valley is as deep as the best one.
-    pub(super) fn refuse_second(
-        &self,
-        left: f64,
-        best: &Parameters,
-        answers: &[(f64, Parameters)],
-        variance: f64,
-    ) -> Result<(), FitError> {
-        for (other_left, other) in answers {
-            for index in self.free {
-                let (Some(one), Some(two)) = (best.get(*index), other.get(*index)) else {
-                    continue;
-                };
-                let scale = [self.width(), 1.0, f64::INFINITY, f64::INFINITY];
-                let scale = scale.get(*index).copied().unwrap_or(1.0);
-                let mut apart = (one - two).abs() / scale;
-                if self.repeated && *index == 0 {
-                    apart = (apart - apart.round()).abs();
-                }
-                if apart > 1e-3 && other_left - left <= ALIKE * variance {
-                    let unknown = NAMES.get(*index).copied().unwrap_or_default();
-                    return Err(FitError::Ambiguous { unknown, one: *one, other: *two });
-                }
-            }
-        }
-        Ok(())
     }
 }

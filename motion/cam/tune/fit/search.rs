@@ -4,8 +4,11 @@ use super::{FitOptions, Free, Parameters, Problem};
 
 /// Samples that the search looks at; the fit then takes them all.
 const SEARCHED: usize = 256;
-/// Valleys that are gone down.
+/// Valleys that are gone down, of each sign of the slave's scaling: those of the other one would crowd them out.
 const VALLEYS: usize = 6;
+/// So many of the others are gone down, too, as they are next to what is in effect, or to the middle of where the offset is looked
+/// for: a cam may repeat itself more often.
+const NEAREST: usize = 3;
 
 impl Problem<'_> {
     /// Starts at the bottom of the best valleys of a grid over what concerns the master.
@@ -20,8 +23,11 @@ impl Problem<'_> {
         let scalings = if master_scaling {
             // So fine that the ends of the run differ by a small part of the cam.
             let range = options.scaling_range.abs() * options.master_scaling.abs();
+            let about = [options.master_scaling - range, options.master_scaling + range];
+            let given = options.between[1].filter(|ends| ends.iter().all(|end| end.is_finite()));
+            let [from, to] = given.unwrap_or(about);
             let step = self.width() / 24.0 / (high - low).max(f64::MIN_POSITIVE);
-            steps(options.master_scaling - range, options.master_scaling + range, step, 60)
+            steps(from, to, step, 60)
         } else {
             vec![options.master_scaling]
         };
@@ -58,7 +64,17 @@ impl Problem<'_> {
             }
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        found.into_iter().take(VALLEYS).map(|(_, start)| start).collect()
+        let (mirrored, kept): (Vec<_>, Vec<_>) =
+            found.into_iter().partition(|(_, p)| p[3] * options.slave_scaling < 0.0);
+        let near = options.offset_near().unwrap_or(options.master_offset);
+        let mut starts = Vec::new();
+        for mut found in [kept, mirrored] {
+            let mut rest = found.split_off(VALLEYS.min(found.len()));
+            let far = |p: &Parameters| self.apart(p[0], near);
+            rest.sort_by(|(_, a), (_, b)| far(a).total_cmp(&far(b)));
+            starts.extend(found.into_iter().chain(rest.into_iter().take(NEAREST)));
+        }
+        starts.into_iter().map(|(_, start)| start).collect()
     }
 
     /// The best slave offset and scaling for given values of the master.

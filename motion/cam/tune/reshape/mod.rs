@@ -11,6 +11,7 @@
 
 mod program;
 pub(super) mod rows;
+mod scale;
 mod short;
 mod weight;
 
@@ -22,6 +23,7 @@ use super::super::largest::{Largest, LimitError};
 use crate::short::Short;
 use clarabel::solver::SolverStatus;
 use program::Problem;
+use scale::scaled;
 use short::shortened;
 use weight::Weights;
 
@@ -132,7 +134,7 @@ const TRIALS: usize = 40;
 const ROUNDS: usize = 30;
 /// A peak that exceeds what the program found by less than this part is none.
 const PEAK: f64 = 1e-7;
-/// The last step in velocity, as a part of it, that is worth another trial.
+/// The last step in velocity, or in a peak, as a part of it, that is worth another trial, or to move a point.
 const GAIN: f64 = 1e-7;
 
 /// A position beyond its limit by less than this part of the cam's height is rounding.
@@ -156,6 +158,7 @@ pub fn reshape(knots: &[Knot], wish: &Wish) -> Result<Reshaped, ReshapeError> {
     if before.limited.is_none() {
         return Err(ReshapeError::NoLimit);
     }
+    let wish = &scaled(knots, wish)?;
     let mut problem = Problem::new(knots, wish, &Weights::fastest(wish, 1.0));
     let mut best = Reshaped { knots: knots.to_vec(), before, after: before, programs: 0 };
     // What leaves its way as it is has to be changed, whatever that costs.
@@ -183,6 +186,11 @@ pub fn reshape(knots: &[Knot], wish: &Wish) -> Result<Reshaped, ReshapeError> {
     if !kept {
         return Err(ReshapeError::NoShape);
     }
+    best.programs = problem.programs;
+    // What is gained beyond that is in the last digits of the solver, and no reason to move a point.
+    if best.after.value <= before.value * (1.0 + GAIN) && keeps_position(knots, wish)? {
+        return Ok(Reshaped { knots: knots.to_vec(), after: before, ..best });
+    }
     let faster = best.after.value >= before.value;
     let least = (best.after.value * (1.0 - LOSS)).max(if faster { before.value } else { 0.0 });
     let reached = |knots: &[Knot]| largest(&Curve::polynomial(knots).ok()?, wish).ok();
@@ -191,7 +199,6 @@ pub fn reshape(knots: &[Knot], wish: &Wish) -> Result<Reshaped, ReshapeError> {
             && keeps_position(knots, wish).unwrap_or(false)
     });
     best.after = largest(&Curve::polynomial(&best.knots)?, wish)?;
-    best.programs = problem.programs;
     Ok(best)
 }
 
@@ -231,6 +238,7 @@ pub fn soften(
     let before = peak(knots)?;
     let mut best = Softened { knots: knots.to_vec(), before, after: before, programs: 0 };
     let weights = Weights::gentlest(wish, velocity, quantity, before.value);
+    let wish = &scaled(knots, wish)?;
     let mut problem = Problem::new(knots, wish, &weights);
     let stays = keeps_position(knots, wish)?;
     if problem.unknowns.is_empty() || before.value == 0.0 {
@@ -259,7 +267,7 @@ pub fn soften(
             reached.value <= wish.limits.of(other) * (1.0 + KEPT)
         }))
     };
-    if after.value < before.value || !stays || !kept(knots)? {
+    if after.value < before.value * (1.0 - GAIN) || !stays || !kept(knots)? {
         let gentler = after.value <= before.value;
         let most =
             (after.value * (1.0 + LOSS)).min(if gentler { before.value } else { f64::INFINITY });

@@ -42,6 +42,28 @@ fn resting() -> Curve {
     .expect("a curve")
 }
 
+/// Two dwells of a quarter each: down is up with a mirrored slave.
+fn double_dwell() -> Curve {
+    Curve::polynomial(&[
+        Knot::at_rest(0.0, 0.0),
+        Knot::at_rest(90.0, 100.0),
+        Knot::at_rest(180.0, 100.0),
+        Knot::at_rest(270.0, 0.0),
+        Knot::at_rest(360.0, 0.0),
+    ])
+    .expect("a curve")
+}
+
+/// Up, and down as it came.
+fn rise_return() -> Curve {
+    Curve::polynomial(&[
+        Knot::at_rest(0.0, 0.0),
+        Knot::at_rest(180.0, 100.0),
+        Knot::at_rest(360.0, 0.0),
+    ])
+    .expect("a curve")
+}
+
 /// What is recorded.
 #[derive(Clone, Copy)]
 struct Case {
@@ -255,6 +277,24 @@ fn rounded_with_noise_that_goes_on_and_all_unknowns() {
 fn noise_with_all_unknowns() {
     for (correlation, samples) in [(0.0, 120), (0.3, 400), (0.5, 500)] {
         Case { free: ALL, noise: 0.1, correlation, samples, ..STILL }.holds(&HITS);
+    }
+}
+
+/// Cams that a mirrored slave fits as well, half a cam on: that answer is told beside the right one, in every run.
+#[test]
+fn cams_whose_return_mirrors_their_rise() {
+    let free = Free { master_scaling: false, ..ALL };
+    for curve in [double_dwell as fn() -> Curve, rise_return] {
+        let found = Case { curve, free, noise: 0.1, ..STILL }.holds(&HITS);
+        for fit in found {
+            let [offset, scaling, shift, factor] = fit.other.expect("mirrored");
+            let on = (offset - fit.master_offset.value).rem_euclid(360.0);
+            assert!((on - 180.0).abs() < 0.1 && scaling == 1.0, "{fit:?}");
+            // 100 − y(x + 180) = y(x).
+            let (shift_as, factor_as) = (fit.slave_offset.value, fit.slave_scaling.value);
+            assert!((factor + factor_as).abs() < 1e-3, "{fit:?}");
+            assert!((shift - (shift_as + 100.0 * factor_as)).abs() < 0.1, "{fit:?}");
+        }
     }
 }
 

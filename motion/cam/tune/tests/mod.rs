@@ -3,6 +3,7 @@
 #![expect(clippy::float_cmp, reason = "given, or to be the same bit for bit")]
 
 mod bounded;
+mod choice;
 mod fit;
 mod gentle;
 mod intervals;
