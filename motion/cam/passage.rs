@@ -225,8 +225,10 @@ fn places(master: f64, width: Option<f64>, step: &Move) -> impl Iterator<Item = 
     };
     // One pass more: the quotient may have been rounded over the tappet.
     let (first, by) = if forwards { (pass.floor(), 1.0) } else { (pass.ceil(), -1.0) };
-    // So far away that no number tells one pass from the next there is nothing to be passed.
-    let next = move |pass: &f64| Some(pass + by).filter(|next| (next - pass).abs() > 0.0);
+    // A cam that is passed once has one place. So far away that no number tells one pass from the next there is nothing to be
+    // passed.
+    let goes_on = move |pass: &f64, next: &f64| width.is_some() && (next - pass).abs() > 0.0;
+    let next = move |pass: &f64| Some(pass + by).filter(|next| goes_on(pass, next));
     std::iter::successors(Some(first), next)
         .map(move |pass| place(master, pass, width))
         .take_while(move |at| if forwards { *at <= to } else { *at >= to })

@@ -19,6 +19,24 @@ fn lift(x: f64) -> f64 {
     100.0 * s.powi(3) * (10.0 + s * (6.0 * s - 15.0))
 }
 
+/// The fewest chords of the lift with their ends at equal distances that miss it by no more than this, by trying all of them.
+fn fewest_chords(points: usize, tolerance: f64) -> usize {
+    let place = |index: usize| 360.0 * f64::from(u32::try_from(index).expect("few")) / 99.0;
+    let keeps = |from: usize, to: usize| {
+        let [a, b] = [from, to].map(place);
+        (1..50).map(|step| f64::from(step) / 50.0).all(|share| {
+            let chord = lift(a) + (lift(b) - lift(a)) * share;
+            (chord - lift(a + (b - a) * share)).abs() <= tolerance
+        })
+    };
+    let mut fewest = vec![0];
+    for to in 1..points {
+        let reached = (0..to).filter(|from| keeps(*from, to)).map(|from| fewest[from] + 1);
+        fewest.push(reached.min().expect("neighbours"));
+    }
+    fewest[points - 1]
+}
+
 fn rows(desk: &Desk, name: &str) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(desk.path(name)).expect("written");
     let row = |line: &str| line.split(',').map(|cell| cell.parse().expect("a number")).collect();
@@ -89,9 +107,9 @@ fn tolerances_count_from_the_cam() {
     }
     assert!(far <= 0.1 && far > 0.09, "{far}");
     assert!((far - number(&done, "the slave is ")).abs() < 1e-4, "{far}: {}", done.stderr);
-    // Chords with their ends on the curve miss it by y″·w²/8: the mean of √|y″| over the cam, with which the tolerance
-    // allows 0.1, makes 22 of them. The ends are among a hundred places, which costs some.
-    assert!((22..40).contains(&thin.len()), "{} points", thin.len());
+    // Points are left out one by one from the table's, which may cost some over the fewest that there can be.
+    let fewest = fewest_chords(100, 0.1) + 1;
+    assert!((fewest..=fewest + 3).contains(&thin.len()), "{} points, {fewest}", thin.len());
     let pick = root().join("examples/cams/pick_and_place.toml").display().to_string();
     let done = desk.twin(&[&["cam", "convert", &pick, "pick.toml"], &table[..]].concat());
     done.ended(0, "");
@@ -117,12 +135,13 @@ fn a_table_with_fewer_points_is_otherwise_the_same() {
     let (text, done) = convert("cubic.toml", "thin.toml", &["--tolerance", "0.05"]);
     assert!(text.contains("interpolation = \"cubic\""), "{text}");
     assert!(number(&done, "the slave is ") <= 0.05, "{}", done.stderr);
-    let straight = ["--tolerance", "0.05", "--interpolation", "linear"];
+    // Straight lines between all of the points are 100·5.77/180²·5²/8 mm from the cubics, where these bend most.
+    let straight = ["--tolerance", "0.1", "--interpolation", "linear"];
     let (text, _) = convert("cubic.toml", "straight.toml", &straight);
     assert!(!text.contains("cubic"), "{text}");
     // A table as text is read with straight lines, so these keep the tolerance.
-    let (_, done) = convert("cubic.toml", "thin.asc", &["--tolerance", "0.05"]);
-    assert!(number(&done, "the slave is ") <= 0.05, "{}", done.stderr);
+    let (_, done) = convert("cubic.toml", "thin.asc", &["--tolerance", "0.1"]);
+    assert!(number(&done, "the slave is ") <= 0.1, "{}", done.stderr);
     done.ended(0, "thin.asc: lost: cubics between its points");
     let whole = ["--points", "200", "--type", "int", "--tolerance", "0.1"];
     let (text, done) =

@@ -372,7 +372,7 @@ fn a_ramp_and_what_it_takes() {
     let found = object(&done.stdout);
     let duration = found["ramp"]["duration_s"].as_f64().expect("a duration");
     assert!((duration - 8.0).abs() < 1e-5, "{duration}");
-    desk.twin(&parabolic).ended(1, "a ramp needs a limit of the slave's jerk");
+    desk.twin(&parabolic).ended(2, "a ramp needs a limit of the slave's jerk");
 }
 
 /// An axis has its jerk for the ramp alone: what the cam adds is beyond the limit, and is said.
