@@ -58,6 +58,10 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
                 return Err(wrong(line, message));
             }
         }
+        // A line of blanks says nothing, as an empty one.
+        if record.iter().all(str::is_empty) && (record.len() == 1 || parting == b'\t') {
+            continue;
+        }
         let line = record.position().map_or(0, |at| line_of(at, bytes));
         let number = |text: &str| {
             let text = text.trim_start_matches('\u{feff}');

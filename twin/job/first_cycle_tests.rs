@@ -100,13 +100,14 @@ fn a_slave_that_begins_elsewhere_is_told() {
     {
         assert_eq!(errors(&checked(&machine, name, &text).findings), [] as [&Finding; 0], "{name}");
     }
-    let ramp = "start_mode = \"ramp_in\"\nvelocity_difference_mm_per_s = 50\nacceleration_mm_per_s2 = 500\n";
+    let ramp = "start_mode = \"ramp_in\"\nvelocity_difference_mm_per_s = 50\nacceleration_mm_per_s2 = 500\n\
+                deceleration_mm_per_s2 = 500\n";
     for keys in ["slave_absolute = false\n", ramp] {
         let (_folder, machine) = coupled(&format!("slave_scaling = 0.5\n{keys}"));
         for (name, text) in [("job.toml", start(100.0)), ("begin.cnc", zeroed(100.0))] {
             let outcome = checked(&machine, name, &text);
-            let start = outcome.start.unwrap();
             assert_eq!(errors(&outcome.findings), [] as [&Finding; 0], "{name}, {keys}");
+            let start = outcome.start.unwrap();
             near(start[2], 0.1, 1e-9);
         }
     }

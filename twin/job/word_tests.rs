@@ -67,10 +67,10 @@ fn what_is_wrong_is_said_once_and_where_it_is() {
             &format!("axis = \"{slave}\"\nmaster = \"{master}\"\nratio_numerator = 1\n"),
         )
     };
-    // A ring begins behind a block that has nothing to do with it.
+    // The block that closes a ring is told, behind one that has nothing to do with it.
     let ring = block("MC_Halt", "axis = \"X\"\n") + &gear("Z", "Y") + &gear("Y", "Z");
     let (_, findings) = run(&job(&ring), &machine());
-    assert_eq!((findings.len(), findings[0].line), (1, 4), "{findings:?}");
+    assert_eq!((findings.len(), findings[0].line), (1, 10), "{findings:?}");
     // A trigger that is half said is there for the block that names it.
     let probe = block("MC_TouchProbe", "axis = \"X\"\ntrigger = \"edge\"\n");
     let (_, findings) = run(&job(&format!("[[triggers]]\nname = \"edge\"\n{probe}")), &machine());

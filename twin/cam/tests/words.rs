@@ -103,6 +103,8 @@ fn columns_are_counted() {
     assert_eq!(told("a.asc", "0;0\n1\n"), "line 2: 1 column instead of 2");
     assert_eq!(told("b.asc", "0;0\n1;2;3\n"), "line 2: 3 columns instead of 2");
     assert_eq!(told("c.csv", "0,0\n1\n"), "line 2: 1 column instead of 2");
+    // Lines of blanks are counted, and say nothing.
+    assert_eq!(told("d.csv", "0,0\n \t\n\n1\n\t"), "line 4: 1 column instead of 2");
     let expected = "expected master and slave, or these with velocity and acceleration";
     assert_eq!(told("d.csv", "0\n1\n"), format!("line 1: 1 column; {expected}"));
     assert_eq!(told("e.csv", "0,0,0\n1,0,0\n"), format!("line 1: 3 columns; {expected}"));
