@@ -78,10 +78,14 @@ fn samples_by_time_are_no_points() {
         let found: serde_json::Value = serde_json::from_str(&done.stdout).expect("an object");
         ["min", "max"].map(|end| found["position"][end].as_f64().expect("a number"))
     };
-    assert_eq!(ends("two.csv"), [0.0, 100.0]);
+    let is_whole = |name: &str| {
+        let [least, most] = ends(name);
+        least.abs() < 1e-9 && (most - 100.0).abs() < 1e-9
+    };
+    assert!(is_whole("two.csv"));
     // Points by the master are read as they were.
     desk.twin(&["cam", "convert", "lift.toml", "points.csv"]).ended(0, "where it was everywhere");
-    assert_eq!(ends("points.csv"), [0.0, 100.0]);
+    assert!(is_whole("points.csv"));
     desk.write(
         "other.csv",
         "master_deg,slave_mm,velocity_mm_per_mm,acceleration_mm_per_mm2\n0,0,0,0\n360,9,0,0\n",

@@ -73,7 +73,11 @@ fn checked(machine: &Machine, name: &str, text: &str) -> Outcome {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, text).unwrap();
-    let dialect = if name.ends_with(".toml") { Dialect::Job } else { Dialect::Din66025 };
+    let dialect = if path.extension().is_some_and(|ending| ending == "toml") {
+        Dialect::Job
+    } else {
+        Dialect::Din66025
+    };
     let program = ProgramFile::new(&path, Some(dialect), ReadSettings::default()).unwrap();
     check(machine, &program, CheckOptions::default(), &mut |_| {}).unwrap()
 }

@@ -29,6 +29,7 @@ pub struct Home {
 }
 
 /// Homing by the drive on its way.
+#[expect(clippy::large_enum_variant, reason = "a box would be allocated in a cycle")]
 #[derive(Clone, Debug)]
 pub enum HomeRun {
     /// The drive is told to, and has been for so long without an answer, s.

@@ -36,7 +36,10 @@ pub(super) fn reduced(file: &CamFile, wish: &Wish<'_>) -> Result<Cam, Failure> {
         let mut kept = kept.iter().peekable();
         let mut left = pairs.clone();
         let chosen = pairs.pairs.iter().zip(&positions);
-        let chosen = chosen.filter(|(_, position)| kept.next_if(|kept| kept == position).is_some());
+        // Those that are kept are copies.
+        let bits = |position: &[f64; 2]| position.map(f64::to_bits);
+        let chosen = chosen
+            .filter(|(_, position)| kept.next_if(|kept| bits(kept) == bits(position)).is_some());
         left.pairs = chosen.map(|(pair, _)| *pair).collect();
         of_table(file, left)
     };

@@ -22,7 +22,7 @@ impl Report<'_> {
                 "samples": self.samples, "rms_before": self.error_before, "rms_after": self.error_after,
                 "correlation": fit.correlation,
                 "quantum": fit.quantum, "bias": fit.bias, "shows_correlation": fit.shows_correlation,
-                "other": self.other_json(fit),
+                "other": Self::other_json(fit),
             })
         });
         let dead_time = self.dead_time.as_ref().map(|(found, count)| {

@@ -42,7 +42,7 @@ impl Report<'_> {
     }
 
     /// The same as an object.
-    pub(super) fn other_json(&self, fit: &Fit) -> Value {
+    pub(super) fn other_json(fit: &Fit) -> Value {
         let Some(other) = fit.other else { return Value::Null };
         let names = Self::estimates(fit).map(|(name, _)| name.to_owned());
         let values = names.into_iter().zip(other.map(|value| json!(value)));

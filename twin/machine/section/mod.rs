@@ -120,7 +120,7 @@ impl<'a> Section<'a> {
     /// Where entry `index` of the array `key` is, from 0; complains about nothing and leaves the key unknown.
     pub(crate) fn span_of_item(&self, key: &str, index: usize) -> Option<Range<usize>> {
         let array = self.look_up(key)?.get_ref().as_array()?;
-        array.iter().nth(index).map(Spanned::span)
+        array.get(index).map(Spanned::span)
     }
 
     /// The text of `key`, if that is what it is; complains about nothing and leaves the key unknown.
