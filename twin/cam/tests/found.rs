@@ -191,7 +191,7 @@ fn truths_of_a_thousand_runs_lie_in_their_intervals() {
         let dead =
             tappet_dead_time(&use_it, &seen, run.between_s()).expect("a dead time").dead_time_s;
         run.samples = run.samples.into_iter().step_by(20).collect();
-        let found = fit_run(&file, &use_it, &run, free, 0.05)
+        let found = fit_run(&file, &use_it, &run, free, 0.05, [None; 4])
             .unwrap_or_else(|error| panic!("{seed}: {error}"));
         hits[0] += usize::from(found.master_offset.holds(truth[0]));
         hits[1] += usize::from(found.slave_offset.holds(truth[1]));
@@ -239,7 +239,7 @@ fn scalings_of_a_thousand_files_lie_in_their_intervals() {
         std::fs::write(&path, text).expect("written");
         let run = RecordedRun::load(&path).expect("a run");
         assert_eq!((run.samples.len(), run.samples[0].line), (160, 3));
-        let found = fit_run(&file, &use_it, &run, Free::ALL, 0.05)
+        let found = fit_run(&file, &use_it, &run, Free::ALL, 0.05, [None; 4])
             .unwrap_or_else(|error| panic!("{seed}: {error}"));
         assert!(found.is_noise(160), "{seed}");
         let all =
@@ -259,10 +259,10 @@ fn samples_that_are_off_are_told_with_their_lines() {
     let free = Free { master_scaling: false, slave_scaling: false, ..Free::ALL };
     let mut run = run(&mut Random(3), [30.0, 4.0, 0.01], 0.2);
     run.samples = run.samples.into_iter().step_by(40).collect();
-    assert!(fit_run(&file, &use_it, &run, free, 0.05).is_ok());
+    assert!(fit_run(&file, &use_it, &run, free, 0.05, [None; 4]).is_ok());
     run.samples[17].slave += 6.0;
     run.samples[31].slave -= 3.0;
-    let error = fit_run(&file, &use_it, &run, free, 0.05).expect_err("outliers");
+    let error = fit_run(&file, &use_it, &run, free, 0.05, [None; 4]).expect_err("outliers");
     let TuneError::Outliers { outliers } = &error else { panic!("{error}") };
     let lines: Vec<_> = outliers.iter().map(|(line, _)| *line).collect();
     assert_eq!(lines, [run.samples[17].line, run.samples[31].line]);

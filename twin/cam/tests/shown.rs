@@ -64,7 +64,7 @@ const PLANT: Plant = Plant { lag: 0.005, gain: 1.02, shift: 3.0 };
 fn tuned(file: &CamFile, use_it: &CamUse) -> (CamUse, CamUse, Minimised) {
     let run = recorded(file, &use_it.coupling, &PLANT, 0.0);
     let free = Free { master_scaling: false, ..Free::ALL };
-    let fit = fit_run(file, &wanted(use_it), &run, free, 0.05).expect("a fit");
+    let fit = fit_run(file, &wanted(use_it), &run, free, 0.05, [None; 4]).expect("a fit");
     let (corrected, deviation) = corrected(file, use_it, &fit);
     let least = Least {
         quantity: Quantity::Jerk,
@@ -113,7 +113,7 @@ fn a_start_is_where_the_slave_was_told_to_be() {
     let use_it = using(&file, VELOCITY, AxisLimits::NONE);
     let run = recorded(&file, &use_it.coupling, &PLANT, 0.0);
     let free = Free { master_scaling: false, ..Free::ALL };
-    let fit = fit_run(&file, &wanted(&use_it), &run, free, 0.05).expect("a fit");
+    let fit = fit_run(&file, &wanted(&use_it), &run, free, 0.05, [None; 4]).expect("a fit");
     let (_, deviation) = corrected(&file, &use_it, &fit);
     let mut begins = driven(60, 0.0, |time| 7.0 + 90.0 * time);
     let mut random = Random(9);

@@ -52,7 +52,7 @@ pub(super) fn uneven() -> String {
 const FREE: Free = Free { master_scaling: false, ..Free::ALL };
 
 fn tuned(file: &CamFile, use_it: &CamUse, run: &RecordedRun) -> CamUse {
-    let fit = fit_run(file, &wanted(use_it), run, FREE, 0.05).expect("a fit");
+    let fit = fit_run(file, &wanted(use_it), run, FREE, 0.05, [None; 4]).expect("a fit");
     corrected(file, use_it, &fit).0
 }
 

@@ -15,26 +15,13 @@ use twin_motion::cam::tune::{
 };
 use twin_motion::cam::{Action, Passage, Tappet};
 
-/// Finds offsets and scalings in a run, beginning with those in use.
+/// Finds offsets and scalings in a run, beginning with those in use; `between` says between what `MasterOffset`, `MasterScaling`,
+/// `SlaveOffset` and `SlaveScaling` are, where that is known.
 ///
 /// # Errors
 /// [`TuneError::Fit`] if the run does not say them, or contradicts the cam or itself; [`TuneError::Missing`] if it would not
 /// with a scaling that is not looked for.
 pub fn fit_run(
-    file: &CamFile,
-    using: &CamUse,
-    run: &RecordedRun,
-    free: Free,
-    scaling_range: f64,
-) -> Result<Fit, TuneError> {
-    fit_run_between(file, using, run, free, scaling_range, [None; 4])
-}
-
-/// The same where it is known between what `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` are.
-///
-/// # Errors
-/// As [`fit_run`].
-pub fn fit_run_between(
     file: &CamFile,
     using: &CamUse,
     run: &RecordedRun,

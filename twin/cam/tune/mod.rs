@@ -15,9 +15,7 @@ mod tappets;
 
 pub use bounded::{Limited, Told, Within, exceeds, limited, refuses, scalings, within_limits};
 pub use correct::{Deviation, as_fitted, corrected, wanted, wants, with_exactly, within};
-pub use from_run::{
-    Seen, errors, fit_run, fit_run_between, rms, rounded, switchings, tappet_dead_time, unwound,
-};
+pub use from_run::{Seen, errors, fit_run, rms, rounded, switchings, tappet_dead_time, unwound};
 pub use kept::{Kept, KeptTappet, keep_tappets, passed_at, told_at};
 pub use minimise::{Least, Minimised, minimise};
 pub use recorded::{master_motion, travel};

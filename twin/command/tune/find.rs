@@ -9,8 +9,8 @@ use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{
-    self, Deviation, Least, Told, TuneError, Within, errors, fit_run_between, limited, minimise,
-    ramp, ramp_wish, run_dead_time, shape, within_limits,
+    self, Deviation, Least, Told, TuneError, Within, errors, fit_run, limited, minimise, ramp,
+    ramp_wish, run_dead_time, shape, within_limits,
 };
 use twin_motion::axis::profile::State;
 use twin_motion::cam::file::clean;
@@ -146,8 +146,7 @@ fn from_run(
     let reference = if measured { tune::wanted(&before) } else { before };
     report.error_before = Some(tune::rms(&errors(file, &reference, run)));
     let range = arguments.scaling_range.unwrap_or(USUAL_RANGE);
-    let found =
-        fit_run_between(file, &reference, run, arguments.free(), range, arguments.between())?;
+    let found = fit_run(file, &reference, run, arguments.free(), range, arguments.between())?;
     let did = tune::as_fitted(&before, &found);
     if measured {
         let (after, by) = tune::corrected(file, &before, &found);

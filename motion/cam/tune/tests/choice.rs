@@ -1,8 +1,8 @@
 //! Which of the answers that fit alike is taken: by the sign of the slave's scaling, and by how near it is.
 
-use super::Random;
+use super::{Random, at_rest};
+use crate::cam::Curve;
 use crate::cam::tune::{Fit, FitError, FitOptions, Free, Sample, fit};
-use crate::cam::{Curve, Knot};
 
 const SLAVE: Free = Free { master_scaling: false, ..Free::ALL };
 const OFFSETS: Free = Free { slave_scaling: false, ..SLAVE };
@@ -10,16 +10,13 @@ const OFFSETS: Free = Free { slave_scaling: false, ..SLAVE };
 /// So many equal lifts of 50 one behind the other on 360.
 fn lifts(count: i32) -> Curve {
     let half = 180.0 / f64::from(count);
-    let knot = |index: i32| {
-        Knot::at_rest(half * f64::from(index), if index % 2 == 0 { 0.0 } else { 50.0 })
-    };
-    Curve::polynomial(&(0..=2 * count).map(knot).collect::<Vec<_>>()).expect("a curve")
+    let point = |index: i32| (half * f64::from(index), if index % 2 == 0 { 0.0 } else { 50.0 });
+    at_rest(&(0..=2 * count).map(point).collect::<Vec<_>>())
 }
 
 /// Up in a third of the cam, down in the rest: nothing but itself fits it.
 fn slanting() -> Curve {
-    let knots = [(0.0, 0.0), (120.0, 100.0), (360.0, 0.0)];
-    Curve::polynomial(&knots.map(|(master, slave)| Knot::at_rest(master, slave))).expect("a curve")
+    at_rest(&[(0.0, 0.0), (120.0, 100.0), (360.0, 0.0)])
 }
 
 /// Two turns; the truth is `MasterOffset`, `SlaveOffset` and `SlaveScaling`.

@@ -1,6 +1,6 @@
 //! Offsets, scalings and dead times from made-up runs.
 
-use super::Random;
+use super::{Random, at_rest};
 use crate::cam::tune::{FitError, FitOptions, Free, Sample, Switching, dead_time, fit};
 use crate::cam::{Curve, Knot};
 
@@ -11,14 +11,7 @@ const HITS: std::ops::RangeInclusive<usize> = 922..=978;
 
 /// A lift with a rest, one turn.
 fn lift() -> Curve {
-    Curve::polynomial(&[
-        Knot::at_rest(0.0, 0.0),
-        Knot::at_rest(110.0, 80.0),
-        Knot::at_rest(160.0, 80.0),
-        Knot::at_rest(230.0, 30.0),
-        Knot::at_rest(360.0, 0.0),
-    ])
-    .expect("a curve")
+    at_rest(&[(0.0, 0.0), (110.0, 80.0), (160.0, 80.0), (230.0, 30.0), (360.0, 0.0)])
 }
 
 fn run(random: &mut Random, curve: &Curve, truth: [f64; 4], noise: f64, count: u32) -> Vec<Sample> {
@@ -218,14 +211,7 @@ fn what_data_do_not_say_is_not_fitted() {
         .collect();
     assert!(fit(&curve, &still, &free(true, true, false, false)).is_err());
     // A cam of two equal halves fits twice: 10 and 190, and 95 is as good as half-way between them.
-    let twice = Curve::polynomial(&[
-        Knot::at_rest(0.0, 0.0),
-        Knot::at_rest(90.0, 50.0),
-        Knot::at_rest(180.0, 0.0),
-        Knot::at_rest(270.0, 50.0),
-        Knot::at_rest(360.0, 0.0),
-    ])
-    .expect("a curve");
+    let twice = at_rest(&[(0.0, 0.0), (90.0, 50.0), (180.0, 0.0), (270.0, 50.0), (360.0, 0.0)]);
     let samples = run(&mut random, &twice, truth, 0.1, 100);
     let half_way = FitOptions { master_offset: 95.0, ..FitOptions::default() };
     let error = fit(&twice, &samples, &half_way).expect_err("two answers");

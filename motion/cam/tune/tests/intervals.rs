@@ -1,9 +1,9 @@
 //! The sentence that tuning stands by: of 1,000 seeded trials 95 % have the truth within the interval that is stated, whatever
 //! recordings are like: dwells, steps of any size, noise that goes on, jitter of the master, all unknowns.
 
-use super::Random;
+use super::{Random, at_rest};
+use crate::cam::Curve;
 use crate::cam::tune::{Fit, FitError, FitOptions, Free, Sample, fit};
-use crate::cam::{Curve, Knot};
 use std::ops::RangeInclusive;
 
 const TRIALS: u64 = 1000;
@@ -21,47 +21,22 @@ const ALL: Free = Free::ALL;
 
 /// Up, a dwell, down more slowly, another dwell.
 fn dwelling() -> Curve {
-    Curve::polynomial(&[
-        Knot::at_rest(0.0, 0.0),
-        Knot::at_rest(110.0, 80.0),
-        Knot::at_rest(180.0, 80.0),
-        Knot::at_rest(310.0, 0.0),
-        Knot::at_rest(360.0, 0.0),
-    ])
-    .expect("a curve")
+    at_rest(&[(0.0, 0.0), (110.0, 80.0), (180.0, 80.0), (310.0, 0.0), (360.0, 0.0)])
 }
 
 /// Up and down at once, then a dwell of three quarters.
 fn resting() -> Curve {
-    Curve::polynomial(&[
-        Knot::at_rest(0.0, 0.0),
-        Knot::at_rest(40.0, 80.0),
-        Knot::at_rest(90.0, 0.0),
-        Knot::at_rest(360.0, 0.0),
-    ])
-    .expect("a curve")
+    at_rest(&[(0.0, 0.0), (40.0, 80.0), (90.0, 0.0), (360.0, 0.0)])
 }
 
 /// Two dwells of a quarter each: down is up with a mirrored slave.
 fn double_dwell() -> Curve {
-    Curve::polynomial(&[
-        Knot::at_rest(0.0, 0.0),
-        Knot::at_rest(90.0, 100.0),
-        Knot::at_rest(180.0, 100.0),
-        Knot::at_rest(270.0, 0.0),
-        Knot::at_rest(360.0, 0.0),
-    ])
-    .expect("a curve")
+    at_rest(&[(0.0, 0.0), (90.0, 100.0), (180.0, 100.0), (270.0, 0.0), (360.0, 0.0)])
 }
 
 /// Up, and down as it came.
 fn rise_return() -> Curve {
-    Curve::polynomial(&[
-        Knot::at_rest(0.0, 0.0),
-        Knot::at_rest(180.0, 100.0),
-        Knot::at_rest(360.0, 0.0),
-    ])
-    .expect("a curve")
+    at_rest(&[(0.0, 0.0), (180.0, 100.0), (360.0, 0.0)])
 }
 
 /// What is recorded.

@@ -13,6 +13,14 @@ mod ramp_in;
 mod ramp_jerk;
 mod reshape;
 
+use crate::cam::{Curve, Knot};
+
+/// A cam that rests at these masters, each with its slave.
+fn at_rest(points: &[(f64, f64)]) -> Curve {
+    let knot = |(master, slave): &(f64, f64)| Knot::at_rest(*master, *slave);
+    Curve::polynomial(&points.iter().map(knot).collect::<Vec<_>>()).expect("a curve")
+}
+
 /// Numbers that come again with their seed (splitmix64).
 pub(super) struct Random(pub(super) u64);
 
