@@ -5,7 +5,6 @@
 //! Gauss and Newton's method with exact derivatives, all together.
 
 mod correlation;
-mod draws;
 mod growth;
 mod outliers;
 mod over;

@@ -10,7 +10,6 @@
 //! slave stays where it is at every tappet, too.
 
 mod program;
-pub(super) mod rows;
 mod weight;
 
 use super::super::bounds::{Factors, MasterMotion, Peak, Quantity, SlaveLimits};

@@ -10,6 +10,7 @@ mod noise;
 mod ramp_best;
 mod ramp_in;
 mod ramp_jerk;
+mod ramp_witness;
 mod reshape;
 
 /// Numbers that come again with their seed (splitmix64).
