@@ -60,11 +60,6 @@ impl Bridge {
         self.pieces
     }
 
-    /// The velocity it begins with.
-    pub(crate) fn velocity(&self) -> f64 {
-        self.velocity
-    }
-
     /// What is still to go, velocity and acceleration `t` seconds after the begin; whether it is over.
     pub(crate) fn at(&self, t: f64) -> (f64, f64, f64, bool) {
         let (mut gone, mut velocity, mut left) = (0.0, self.velocity, t);

@@ -123,6 +123,18 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
     }
 }
 
+/// Pictures are SVG, and their files say so.
+///
+/// # Errors
+/// [`Failure::Usage`] if the file has another ending than `.svg`.
+pub(super) fn check_picture(path: &Path) -> Result<(), Failure> {
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg")) {
+        return Ok(());
+    }
+    let message = format!("{}: pictures are SVG; give the file an ending .svg", path.display());
+    Err(Failure::Usage(message))
+}
+
 /// Whether files can be written: nothing over the `program`, if there is one, or what else is `read`, and nothing twice. `targets` are
 /// given with the options that name them.
 ///

@@ -9,16 +9,12 @@
 mod along;
 mod bounded;
 mod chance;
+mod convex;
 mod dead_time;
+mod draws;
 mod fit;
 mod gentle;
-mod ramp_course;
-mod ramp_gentle;
-mod ramp_in;
-mod ramp_program;
-mod ramp_search;
-mod ramp_shown;
-mod ramp_wish;
+mod ramp;
 mod reshape;
 mod start;
 mod student;
@@ -31,8 +27,9 @@ pub use chance::student_exceeds;
 pub use dead_time::{DeadTime, Switching, dead_time};
 pub use fit::{Fit, FitOptions, Free, Sample, fit};
 pub use gentle::{Bound, Gentle, GentleError, GentleWish, gentle};
-pub use ramp_in::{Held, RampError, RampGoal, RampIn, RampWish, ramp_in};
-pub use ramp_shown::{RampMoment, RampShown, on_cam, ramp_shown};
+pub use ramp::{
+    Held, RampError, RampGoal, RampIn, RampMoment, RampShown, RampWish, on_cam, ramp_in, ramp_shown,
+};
 pub use reshape::{ReshapeError, Reshaped, Softened, Tolerance, Wish, reshape, soften};
 pub use student::student_975;
 

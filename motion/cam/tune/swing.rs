@@ -1,10 +1,11 @@
 //! Extremes of a polynomial and a sine together: what a cam and a sigmoid ramp beside it reach.
 //!
-//! There is no closed form, but between two places a function exceeds the larger one of its values there by no more than the
-//! largest curvature by an eighth of their distance's square. Stretches that cannot hold the extreme are left out, the
-//! others are halved, until nothing is left to be gained but rounding.
+//! There is no closed form, but about its middle a stretch is a parabola, but for no more than the largest third derivative by a
+//! sixth of half its length, cubed. Stretches that cannot hold the extreme are left out. Where both together only grow, only
+//! fall, or are bent upwards, an end is greatest; where they are bent downwards there is one place, which Newton's steps
+//! find. What is none of these is halved.
 
-use super::super::polynomial::{Coefficients, Extremes, extremes, value};
+use super::super::polynomial::{Coefficients, Extremes, extremes, shifted, value};
 
 /// A sine beside a polynomial: `amplitude` · sin(`phase` + `angular` · u).
 #[derive(Clone, Copy, Debug, Default)]
@@ -18,6 +19,9 @@ pub(super) struct Swing {
 const LEFT: f64 = 1e-12;
 /// Halvings for one extreme. Where these are not enough what is told is beyond the extreme, never within.
 const MOST: usize = 20_000;
+/// Newton's steps, at most, for a place that is known to within a part of its stretch.
+const STEPS: usize = 60;
+const NEAR: f64 = 1e-9;
 
 impl Swing {
     /// Value of both together.
@@ -43,42 +47,106 @@ impl Swing {
 
     fn greatest(&self, c: &Coefficients, width: f64) -> (f64, f64) {
         let size = c.iter().rev().fold(0.0, |sum, c| sum * width + c.abs()) + self.amplitude.abs();
-        let ends = [(0.0, self.value(c, 0.0)), (width, self.value(c, width))];
-        let mut best = if ends[0].1 >= ends[1].1 { ends[0] } else { ends[1] };
-        let mut left = vec![ends];
+        let mut best = (0.0, f64::NEG_INFINITY);
+        let include = |best: &mut (f64, f64), u: f64| {
+            let at = self.value(c, u);
+            if at > best.1 {
+                *best = (u, at);
+            }
+        };
+        include(&mut best, 0.0);
+        include(&mut best, width);
+        let half = width / 2.0;
+        let mut left = vec![Stretch { middle: half, half, c: shifted(c, half) }];
         let mut halved = 0;
-        while let Some([(from, at_from), (to, at_to)]) = left.pop() {
-            let long = to - from;
-            let beyond = at_from.max(at_to) + self.curvature(c, to) * long * long / 8.0;
-            if beyond <= best.1 + LEFT * size {
+        while let Some(stretch) = left.pop() {
+            let Stretch { middle, half, .. } = stretch;
+            let Bent { value, slope, bend, rate } = self.bent(&stretch);
+            let rest = rate * half * half * half / 6.0;
+            let top = if bend < 0.0 && slope.abs() <= -bend * half {
+                value - slope * slope / (2.0 * bend)
+            } else {
+                value + slope.abs() * half + bend * half * half / 2.0
+            };
+            if top + rest <= best.1 + LEFT * size {
                 continue;
             }
-            let middle = f64::midpoint(from, to);
-            let at_middle = self.value(c, middle);
-            halved += 1;
-            if halved > MOST || middle <= from || middle >= to {
-                best = (middle, best.1.max(beyond));
-                continue;
+            let turn = rate * half;
+            let monotone = slope.abs() >= (bend.abs() + turn / 2.0) * half;
+            if monotone || bend >= turn {
+                include(&mut best, middle - half);
+                include(&mut best, middle + half);
+            } else if bend <= -turn {
+                include(&mut best, self.top(c, [middle - half, middle + half]));
+            } else if halved > MOST || middle - half >= middle {
+                best = (middle, best.1.max(top + rest));
+            } else {
+                halved += 1;
+                let half = half / 2.0;
+                let part =
+                    |by: f64| Stretch { middle: middle + by, half, c: shifted(&stretch.c, by) };
+                // The better half first: it is the sooner the best there is.
+                let by = if slope > 0.0 { half } else { -half };
+                left.extend([part(-by), part(by)]);
             }
-            if at_middle > best.1 {
-                best = (middle, at_middle);
-            }
-            let halves =
-                [[(from, at_from), (middle, at_middle)], [(middle, at_middle), (to, at_to)]];
-            // The better half first: it is the sooner the best there is.
-            let [one, other] = halves;
-            if at_from > at_to { left.extend([other, one]) } else { left.extend([one, other]) }
         }
         best
     }
 
-    /// What the second derivative does not exceed on [0, `to`].
-    fn curvature(&self, c: &Coefficients, to: f64) -> f64 {
-        let [_, _, c2, c3, c4, c5, c6] = c.map(f64::abs);
-        let of_polynomial =
-            2.0 * c2 + to * (6.0 * c3 + to * (12.0 * c4 + to * (20.0 * c5 + to * 30.0 * c6)));
-        of_polynomial + self.amplitude.abs() * self.angular * self.angular
+    /// How both together are bent about the middle of a stretch.
+    fn bent(&self, Stretch { middle, half, c }: &Stretch) -> Bent {
+        let (sin, cos) = (self.phase + self.angular * middle).sin_cos();
+        let [sin, cos] = [sin, cos].map(|by| self.amplitude * by);
+        let angular = self.angular;
+        let [c0, c1, c2, c3, c4, c5, c6] = *c;
+        let third = 6.0 * c3.abs()
+            + half * (24.0 * c4.abs() + half * (60.0 * c5.abs() + half * 120.0 * c6.abs()));
+        Bent {
+            value: c0 + sin,
+            slope: c1 + angular * cos,
+            bend: 2.0 * c2 - angular * angular * sin,
+            rate: third + self.amplitude.abs() * angular.abs().powi(3),
+        }
     }
+
+    /// Where a stretch that is bent downwards is greatest.
+    fn top(&self, c: &Coefficients, [from, to]: [f64; 2]) -> f64 {
+        let (mut low, mut high) = (from, to);
+        let mut u = f64::midpoint(from, to);
+        for _ in 0..STEPS {
+            let here = Stretch { middle: u, half: 0.0, c: shifted(c, u) };
+            let Bent { slope, bend, .. } = self.bent(&here);
+            if slope > 0.0 {
+                low = u;
+            } else {
+                high = u;
+            }
+            let newton = u - slope / bend;
+            let next =
+                if newton > low && newton < high { newton } else { f64::midpoint(low, high) };
+            // The value is off by the square of that.
+            if (next - u).abs() <= NEAR * (to - from) {
+                return next;
+            }
+            u = next;
+        }
+        u
+    }
+}
+
+/// A stretch, and the polynomial counted from its middle on.
+struct Stretch {
+    middle: f64,
+    half: f64,
+    c: Coefficients,
+}
+
+/// Value and derivatives in the middle of a stretch, and what the third one does not exceed in all of it.
+struct Bent {
+    value: f64,
+    slope: f64,
+    bend: f64,
+    rate: f64,
 }
 
 #[cfg(test)]

@@ -31,12 +31,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    if arguments.output.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("svg")) {
-        return Err(Failure::Usage(format!(
-            "{}: pictures are SVG; give the file an ending .svg",
-            arguments.output.display()
-        )));
-    }
+    whole::check_picture(&arguments.output)?;
     let read = [arguments.cam.as_path()].into_iter().chain(arguments.limits.machine_file());
     whole::check_targets(None, read, [("--output", arguments.output.as_path())])?;
     let file = load(&arguments.cam, arguments.coupling.interpolation)?;

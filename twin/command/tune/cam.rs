@@ -2,7 +2,7 @@
 
 use super::find::tuned;
 use super::least::{Find, LeastOptions, Shown, Sought, sought};
-use super::outcome::{apply, moved, picture, too_jerky};
+use super::outcome::{apply, moved, picture};
 use super::report::Report;
 use super::start::Started;
 use super::words::{Format, Goal, Ramp, SlaveColumn, part, point, start};
@@ -186,6 +186,7 @@ impl Arguments {
         if let Some((_, path)) = other {
             whole::refuse_existing(path, self.force)?;
         }
+        self.output.as_deref().map_or(Ok(()), whole::check_picture)?;
         let picture = self.output.as_deref().map(|path| ("--output", path));
         whole::check_targets(None, read.into_iter().flatten(), picture.into_iter().chain(other))
     }
@@ -258,9 +259,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         // The limits are kept on the way of the master; what lies beside it is not passed.
         check.findings.retain(|finding| !tune::exceeds(finding));
     }
-    check
-        .findings
-        .extend(report.ramp.as_ref().and_then(|(_, ramp)| too_jerky(&file, ramp, &report.after)));
     // What was given on the command line belongs to what was found.
     let in_file = CamUse { coupling: file.coupling, ..before };
     let knots = report.shaped.as_ref().map(|shaped| (&file, shaped.knots.as_slice()));

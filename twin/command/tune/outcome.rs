@@ -1,7 +1,6 @@
 //! What is made of what was found: the cam with other points, a picture, the file.
 
 use super::report::Report;
-use crate::cam::check::CamUse;
 use crate::cam::picture::{
     CamPictureError, RampPicture, Recorded, Shown, draw, draw_ramp, stacked,
 };
@@ -10,11 +9,7 @@ use crate::cam::tune::ramp_of;
 use crate::cam::{CamFile, Form, edit};
 use crate::command::Failure;
 use crate::command::whole;
-use crate::finding::{Finding, Rule};
-use crate::number::{at_most, significant};
 use std::path::Path;
-use twin_motion::Place;
-use twin_motion::cam::tune::RampIn;
 use twin_motion::cam::{Cam, Shape};
 
 /// The cam with other points.
@@ -137,27 +132,4 @@ fn has_tappets(one: &Cam, other: &Cam) -> bool {
         tappets
     });
     one == other
-}
-
-/// A ramp with limited jerk that is beyond the limit with the cam's own jerk: of the axis it has the limit alone.
-pub(super) fn too_jerky(file: &CamFile, ramp: &RampIn, using: &CamUse) -> Option<Finding> {
-    let (limit, slave) = (using.limits.motion.jerk, file.slave.unit());
-    if ramp.peak_jerk <= limit * (1.0 + 1e-9) {
-        return None;
-    }
-    let message = format!(
-        "on the ramp the slave's jerk with that of the cam reaches {} {slave}/s³ ({} allowed)",
-        significant(ramp.peak_jerk, 6),
-        significant(limit, 6)
-    );
-    let mut finding = Finding::error(Rule::AxisJerk, Place::default(), message);
-    let left = limit - ramp.peak_cam_jerk;
-    finding.hint = (left > 0.0).then(|| {
-        format!(
-            "with {} {slave}/s³ for the ramp (fMaxJerk of the slave's axis) both together keep the limit; --within S --minimise jerk \
-             finds the least",
-            at_most(left, 6)
-        )
-    });
-    Some(finding)
 }

@@ -40,7 +40,8 @@ impl Report<'_> {
                 self.slave(limit)
             )?;
         }
-        writeln!(out, "  {} linear programs", shaped.programs)
+        let plural = if shaped.programs == 1 { "" } else { "s" };
+        writeln!(out, "  {} linear program{plural}", shaped.programs)
     }
 
     /// The smallest peak, and what holds the values.

@@ -1,11 +1,8 @@
 //! The quadratic program of a step: offset of the master, offset and scaling of the slave.
 
+use super::super::convex;
 use super::super::gentle::region::Region;
 use super::{Aim, Bound, Problem, Values};
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT,
-};
 use nalgebra::{DMatrix, DVector};
 
 /// Of the units in which the program is solved: so nearly rows that hold it are kept by what they alone say.
@@ -141,31 +138,22 @@ impl Program {
 
     fn by_clarabel<'r>(&self, rows: &'r [Row]) -> Option<(DVector<f64>, Vec<&'r Row>)> {
         let n = self.unknowns.len();
-        let upper = sparse(n, n, |row, column| {
-            if row <= column { self.matrix.get((row, column)).copied() } else { None }
-        });
-        let sides = sparse(rows.len(), n, |row, column| {
-            rows.get(row).and_then(|row| row.factors.get(column)).copied().filter(|by| *by != 0.0)
-        });
-        let room: Vec<f64> = rows.iter().map(|row| row.room).collect();
         // In units of the way that is left, so that the last digits count however short it is.
         let scale = self.slope.amax().max(f64::MIN_POSITIVE);
-        let cost: Vec<f64> = self.slope.iter().map(|slope| slope / scale).collect();
-        let right: Vec<f64> = room.iter().map(|room| room / scale).collect();
-        let cones = [SupportedConeT::NonnegativeConeT(rows.len())];
-        let settings: DefaultSettings<f64> =
-            DefaultSettingsBuilder::default().verbose(false).build().unwrap_or_default();
-        let mut solver =
-            DefaultSolver::new(&upper, &cost, &sides, &right, &cones, settings).ok()?;
-        solver.solve();
-        let solution = &solver.solution;
-        if !matches!(solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
-            return None;
+        let mut program =
+            convex::Program::new(self.slope.iter().map(|slope| slope / scale).collect());
+        program.curve((0..n).map(|row| {
+            let entries = self.matrix.row(row).into_iter().copied().enumerate();
+            entries.skip(row).collect()
+        }));
+        for row in rows {
+            program.most(row.factors.iter().copied().enumerate(), row.room / scale);
         }
+        let solution = program.solved().ok()?;
         let mut active: Vec<(f64, &Row)> = rows
             .iter()
-            .zip(solution.z.iter().zip(&solution.s))
-            .filter(|(_, (push, slack))| push > slack)
+            .zip(solution.push.iter().zip(&solution.left))
+            .filter(|(_, (push, left))| push > left)
             .map(|(row, (push, _))| (*push, row))
             .collect();
         active.sort_by(|one, other| other.0.total_cmp(&one.0));
@@ -206,23 +194,4 @@ impl Program {
         let finite = found.iter().all(|value| value.is_finite());
         finite.then(|| (z, found.rows(n, held).iter().copied().collect()))
     }
-}
-
-/// A sparse matrix of what `entry` says of rows and columns.
-fn sparse(
-    rows: usize,
-    columns: usize,
-    entry: impl Fn(usize, usize) -> Option<f64>,
-) -> CscMatrix<f64> {
-    let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
-    for column in 0..columns {
-        for row in 0..rows {
-            if let Some(value) = entry(row, column) {
-                indices.push(row);
-                values.push(value);
-            }
-        }
-        starts.push(values.len());
-    }
-    CscMatrix::new(rows, columns, starts, indices, values)
 }

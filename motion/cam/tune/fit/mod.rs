@@ -7,7 +7,6 @@
 
 mod choice;
 mod correlation;
-mod draws;
 mod growth;
 mod outliers;
 mod over;

@@ -7,7 +7,7 @@
 //! Bootstrap, 1993, §6.5). Where the steps lie is not known, nor how far they are from one dwell to another, but by what the
 //! run tells itself.
 
-use super::draws::Draws;
+use super::super::draws::Draws;
 use super::over::{Known, LAGS};
 use nalgebra::{DMatrix, DVector};
 

@@ -10,7 +10,6 @@
 //! slave stays where it is at every tappet, too.
 
 mod program;
-pub(super) mod rows;
 mod scale;
 mod short;
 mod weight;

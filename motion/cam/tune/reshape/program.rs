@@ -2,13 +2,10 @@
 
 use super::super::super::knot::{Derivatives, Knot, Piece};
 use super::super::super::polynomial::{Coefficients, extremes};
-use super::rows::Rows;
+use super::super::convex::Program;
 use super::weight::Weights;
 use super::{PEAK, POSITION, ROUNDS, ReshapeError, Wish};
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT,
-};
+use clarabel::solver::SolverStatus;
 
 /// What may be changed: which value of which point, and of which other one with it.
 #[derive(Clone, Copy, Debug)]
@@ -213,8 +210,9 @@ impl<'a> Problem<'a> {
     fn program(&mut self, weights: &Weights) -> Result<(Vec<f64>, f64), ReshapeError> {
         self.programs += 1;
         let n = self.unknowns.len();
-        let mut rows = Rows::new(n + 1);
-        // Held places first: what is equal.
+        let mut costs = vec![0.0; n];
+        costs.push(1.0);
+        let mut program = Program::new(costs);
         for held in &self.wish.held {
             let piece = self.knots.partition_point(|knot| knot.master <= *held).max(1) - 1;
             let piece = piece.min(self.knots.len() - 2);
@@ -222,10 +220,9 @@ impl<'a> Problem<'a> {
             let (_, factors) = self.form(piece, held - from.master, &|d| d.position);
             let size = factors.iter().map(|(_, factor)| factor.abs()).fold(0.0, f64::max);
             if size > 0.0 {
-                rows.add(factors.into_iter().map(|(column, f)| (column, f / size)), 0.0);
+                program.equal(factors.into_iter().map(|(column, f)| (column, f / size)), 0.0);
             }
         }
-        let equal = rows.count();
         for place in &self.places {
             let Some(weight) = weights.rows.get(place.row) else { continue };
             let [a, b, c] = weight.factors;
@@ -236,7 +233,7 @@ impl<'a> Problem<'a> {
                 // What counts is the part that is made small, the others keep their limits.
                 let (part, most) =
                     if weight.counts { (-1.0, 0.0) } else { (0.0, 1.0 - self.margin) };
-                rows.add(entries.chain([(n, part)]), most - sign * constant);
+                program.most(entries.chain([(n, part)]), most - sign * constant);
             }
         }
         let [lowest, highest] = self.wish.position;
@@ -250,36 +247,21 @@ impl<'a> Problem<'a> {
             for (sign, limit) in [(1.0, highest), (-1.0, -lowest)] {
                 if limit.is_finite() {
                     let entries = factors.iter().map(|(column, f)| (*column, sign * f / size));
-                    rows.add(entries, (limit - sign * constant) / size - MARGIN);
+                    program.most(entries, (limit - sign * constant) / size - MARGIN);
                 }
             }
         }
         for column in 0..n {
-            rows.add([(column, 1.0)].into_iter(), 1.0);
-            rows.add([(column, -1.0)].into_iter(), 1.0);
+            program.most([(column, 1.0)], 1.0);
+            program.most([(column, -1.0)], 1.0);
         }
-        let unequal = rows.count() - equal;
-        let (matrix, right) = rows.into_matrix();
-        let mut cost = vec![0.0; n];
-        cost.push(1.0);
-        let cones = [SupportedConeT::ZeroConeT(equal), SupportedConeT::NonnegativeConeT(unequal)];
-        let settings: DefaultSettings<f64> =
-            DefaultSettingsBuilder::default().verbose(false).build().unwrap_or_default();
-        let none = CscMatrix::zeros((n + 1, n + 1));
-        let solver = DefaultSolver::new(&none, &cost, &matrix, &right, &cones, settings);
-        let Ok(mut solver) = solver else {
-            return Err(ReshapeError::NotSolved { status: SolverStatus::Unsolved });
-        };
-        solver.solve();
-        let status = solver.solution.status;
-        if matches!(status, SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible) {
-            return Err(ReshapeError::NoShape);
-        }
-        if !matches!(status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
-            return Err(ReshapeError::NotSolved { status });
-        }
-        let mut shares = std::mem::take(&mut solver.solution.x);
-        let part = shares.pop().unwrap_or(f64::INFINITY);
-        Ok((shares, part))
+        let mut found = program.solved().map_err(|status| match status {
+            SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => {
+                ReshapeError::NoShape
+            }
+            status => ReshapeError::NotSolved { status },
+        })?;
+        let part = found.x.pop().unwrap_or(f64::INFINITY);
+        Ok((found.x, part))
     }
 }

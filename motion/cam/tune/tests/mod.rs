@@ -11,6 +11,7 @@ mod noise;
 mod ramp_best;
 mod ramp_in;
 mod ramp_jerk;
+mod ramp_witness;
 mod reshape;
 
 use crate::cam::{Curve, Knot};

@@ -1,10 +1,11 @@
 //! Ramps against the best that others found: an independent search, and a brute one with the exact evaluation.
 
-use super::super::ramp_in::Problem;
+use super::super::ramp::Problem;
 use super::Random;
 use super::ramp_in::{lift, limits, moving, wish};
+use super::ramp_witness::witness;
 use crate::axis::profile::RampType;
-use crate::cam::tune::{RampGoal, RampIn, RampWish, ramp_in};
+use crate::cam::tune::{RampGoal, RampWish, ramp_in};
 use crate::cam::{Knot, Quantity, SlaveLimits};
 
 /// `examples/cams/pick_and_place.toml`.
@@ -44,7 +45,7 @@ fn no_ramp_is_longer_than_one_that_is_known() {
         let wish = pick(start, limits(velocity, acceleration));
         // The known one is within the limits, and as quick as it was measured.
         let [v, up, down] = by;
-        let problem = Problem { wish: &wish, most: f64::INFINITY };
+        let problem = Problem::new(&wish).expect("a start");
         let other = problem.ramp([v, up, down, f64::INFINITY]).expect("a ramp");
         assert!(problem.keeps(&other), "{start:?}: {other:?}");
         assert!((other.duration_s - measured).abs() < 3e-3, "{start:?}: {other:?}");
@@ -68,7 +69,7 @@ fn no_ramp_is_harder_than_one_that_is_known() {
         let wish = RampWish { goal: within(within_s), ..wish };
         let mut known: f64 = known;
         if let Some([v, up, down]) = by {
-            let problem = Problem { wish: &wish, most: 300.0 };
+            let problem = Problem::new(&wish).expect("a start");
             let other = problem.ramp([v, up, down, f64::INFINITY]).expect("a ramp");
             assert!(other.duration_s <= within_s && problem.keeps(&other), "{other:?}");
             known = known.max(other.peak_acceleration);
@@ -80,7 +81,7 @@ fn no_ramp_is_harder_than_one_that_is_known() {
 }
 
 /// A start onto one of both cams that random numbers make.
-fn start(seed: u64, ramp: RampType) -> RampWish {
+pub(super) fn start(seed: u64, ramp: RampType) -> RampWish {
     let mut random = Random(seed + 4100);
     let sign = if seed.is_multiple_of(4) { -1.0 } else { 1.0 };
     let master = moving(random.between(0.0, 360.0), sign * random.between(40.0, 220.0));
@@ -94,41 +95,6 @@ fn start(seed: u64, ramp: RampType) -> RampWish {
     RampWish { ramp, ..wish(knots, master, slave, most) }
 }
 
-/// The best of so many values, half of them anywhere, half of them nearer and nearer to the best.
-fn witness(
-    wish: &RampWish,
-    most: f64,
-    count: u32,
-    score: &dyn Fn(&RampIn) -> f64,
-) -> Option<RampIn> {
-    let problem = Problem { wish, most };
-    let mut random = Random(77);
-    let mut best: Option<RampIn> = None;
-    let limits = wish.limits;
-    for index in 0..count {
-        let near = best.filter(|_| index > count / 2);
-        let values = match near {
-            None => {
-                let mut two = |low, high| random.between(low, high).exp2();
-                let pull = limits.acceleration;
-                [limits.velocity * two(-5.0, 2.0), pull * two(-8.0, 1.0), pull * two(-8.0, 1.0)]
-            }
-            Some(best) => {
-                let left = 1.0 - f64::from(index) / f64::from(count);
-                [best.velocity_difference, best.acceleration, best.deceleration]
-                    .map(|value| value * (random.normal() * (0.002 + left * left)).exp())
-            }
-        };
-        let [velocity, up, down] = values;
-        let Ok(found) = problem.ramp([velocity.min(most), up, down, limits.jerk]) else { continue };
-        let better = best.is_none_or(|best| score(&found) < score(&best));
-        if better && problem.keeps(&found) && score(&found).is_finite() {
-            best = Some(found);
-        }
-    }
-    best
-}
-
 const TRIALS: u32 = 20_000;
 
 /// Nothing that is tried at random, and then nearer and nearer to the best of it, is sooner.
@@ -137,7 +103,7 @@ fn no_ramp_of_many_is_sooner() {
     let mut worse = Vec::new();
     for seed in 0..40 {
         let wish = start(seed, RampType::Trapezoid);
-        let other = witness(&wish, f64::INFINITY, TRIALS, &|ramp| ramp.duration_s);
+        let other = witness(&wish, TRIALS, 77);
         match (ramp_in(&wish), other) {
             (Ok(found), Some(other)) if found.duration_s > other.duration_s * 1.002 => {
                 worse.push(format!("{seed}: {found:?}, but {other:?}"));
@@ -159,12 +125,8 @@ fn no_ramp_of_many_is_gentler() {
         let Ok(soonest) = ramp_in(&wish) else { continue };
         let within_s =
             soonest.duration_s * (1.2 + 0.2 * f64::from(u32::try_from(seed % 5).unwrap()));
-        let most = wish.limits.velocity;
-        let score = |ramp: &RampIn| {
-            if ramp.duration_s <= within_s { ramp.peak_acceleration } else { f64::INFINITY }
-        };
         let wish = RampWish { goal: within(within_s), ..wish };
-        let other = witness(&wish, most, TRIALS, &score);
+        let other = witness(&wish, TRIALS, 77);
         match (ramp_in(&wish), other) {
             (Ok(found), Some(other))
                 if found.peak_acceleration > other.peak_acceleration * 1.002 =>

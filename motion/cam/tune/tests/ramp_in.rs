@@ -171,9 +171,19 @@ fn what_leaves_no_ramp_is_refused() {
     let soonest = RampGoal::Soonest;
     let none = refused(&lift(), SlaveLimits::NONE, soonest);
     assert_eq!(none, RampError::NoLimit { what: "velocity", value: f64::INFINITY });
-    // In the middle of the lift the cam asks for 1.875 · 100/180 u/s per u/s of the master.
-    let error = refused(&lift(), limits(50.0, 1e6), soonest);
-    assert!(matches!(error, RampError::NoRoom { what: "velocity", .. }), "{error}");
+    // A cam that always goes at half of the master's velocity.
+    let rises = |master: f64, slave: f64| Knot { velocity: 0.5, ..Knot::at_rest(master, slave) };
+    let error = refused(&[rises(0.0, 0.0), rises(360.0, 180.0)], limits(49.0, 1e6), soonest);
+    let RampError::NoRoom { what: "velocity", peak, limit: 49.0 } = error else {
+        panic!("{error}")
+    };
+    assert!((peak - 50.0).abs() < 1e-9, "{error}");
+    // In the middle of the lift the cam asks for 1.875 · 100/180 u/s per u/s of the master, but a ramp that comes late onto it,
+    // where it is slow, keeps half of that.
+    let late = wish(&lift(), moving(90.0, 100.0), rest, limits(50.0, 1e6));
+    let found = ramp_in(&late).expect("a ramp");
+    let [seconds, velocity, _] = driven(&late, &found, 100_000);
+    assert!((seconds - found.duration_s).abs() <= 1.1e-4 && velocity <= 50.0 * (1.0 + 1e-9));
     let error = refused(
         &lift(),
         limits(500.0, 1e4),

@@ -256,3 +256,31 @@ fn no_gentle_ramp_has_a_velocity_beyond_the_axis() {
         assert!(gentle >= 2, "{ramp:?}: {gentle}");
     }
 }
+
+/// The limit of the jerk is one of ramp and cam together: where the cam takes more than half of it the ramp has the rest, by
+/// driving it. With all of it both together would be beyond.
+#[test]
+fn ramp_and_cam_keep_the_jerk_together() {
+    let mut beyond = 0;
+    for (seed, ramp) in
+        (0..10).flat_map(|seed| [RampType::Parabolic, RampType::Sigmoid].map(|ramp| (seed, ramp)))
+    {
+        let wish = start(seed, ramp);
+        // y = 100·(10·u³ − 15·u⁴ + 6·u⁵), u = x/180, has its largest jerk, 60·100/180³, at its ends.
+        let of_cam = 6000.0 * (wish.master.velocity / 180.0).abs().powi(3);
+        let jerk = (1.7 * of_cam).max(2000.0);
+        let wish = RampWish { limits: SlaveLimits { jerk, ..wish.limits }, ..wish };
+        let goal = RampGoal::Gentlest { within_s: 6.0, least: Quantity::Acceleration };
+        for goal in [RampGoal::Soonest, goal] {
+            let wish = RampWish { goal, ..wish.clone() };
+            let found = ramp_in(&wish).unwrap_or_else(|error| panic!("{seed} {ramp:?}: {error}"));
+            assert!(found.peak_jerk <= jerk * (1.0 + 1e-9), "{seed} {ramp:?}: {found:?}");
+            let Driven { peaks: [.., reached], .. } = driven(&wish, &found);
+            assert!(reached <= jerk * (1.0 + 1e-6), "{seed} {ramp:?}: {reached} {found:?}");
+            let Driven { peaks: [.., with_all], .. } =
+                driven(&wish, &RampIn { ramp_jerk: jerk, ..found });
+            beyond += u32::from(with_all > 1.01 * jerk);
+        }
+    }
+    assert!(beyond >= 10, "{beyond}");
+}

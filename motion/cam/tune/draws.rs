@@ -1,6 +1,7 @@
 //! Numbers as if by chance, the same in every run of the program.
 
 /// Steele, Lea and Flood's `SplitMix64` (Fast Splittable Pseudorandom Number Generators, OOPSLA 2014).
+#[derive(Debug)]
 pub(super) struct Draws(u64);
 
 impl Draws {

@@ -1,7 +1,7 @@
 //! What is wished of a ramp, what came of it, and why there is none.
 
-use super::super::coupling::CouplingError;
-use super::super::selection::{CamInput, CamTable};
+use super::super::super::coupling::CouplingError;
+use super::super::super::selection::{CamInput, CamTable};
 use crate::axis::profile::{ProfileError, RampType, State};
 use crate::cam::{Quantity, SlaveLimits};
 use crate::short::Short;
@@ -36,7 +36,7 @@ pub struct RampWish {
     /// time of a cycle, or [`RampType::Parabolic`] or [`RampType::Sigmoid`] with the jerk of the limits.
     pub ramp: RampType,
     /// What the slave may do; velocity and acceleration finite, with parabolic and sigmoid ramps the jerk as well. `MC_CamIn`
-    /// has no input for the jerk of a ramp: with these that of the cam comes beside it, and the limit holds for each.
+    /// has no input for the jerk of a ramp: the axis's own is found so that this limit holds for ramp and cam together.
     pub limits: SlaveLimits,
     /// Least and greatest position of the slave, u; infinite where there is no limit.
     pub position: [f64; 2],
@@ -55,7 +55,8 @@ pub struct RampIn {
     pub acceleration: f64,
     /// `Deceleration`, u/s².
     pub deceleration: f64,
-    /// The jerk of the slave's axis that belongs to it, u/s³: that of the limits, or less where the smallest jerk is wished.
+    /// The jerk of the slave's axis that belongs to it, u/s³: that of the limits, or less where the smallest jerk is wished or the
+    /// cam needs a part of it.
     /// Without meaning for trapezoid ramps.
     pub ramp_jerk: f64,
     /// When the slave is on its cam, s after the start.
@@ -112,12 +113,12 @@ pub enum RampError {
         /// What it is.
         value: f64,
     },
-    /// No ramp that was found stays within the positions of the slave, or is gentle enough for its jerk.
+    /// No ramp that was found keeps this limit beside all others.
     #[error("no ramp keeps the slave's {what}: it reaches {}, its limit is {}", Short(*.reached), Short(*.limit))]
     Beyond {
-        /// Position or jerk.
+        /// Position, velocity, acceleration or jerk.
         what: &'static str,
-        /// The position that a ramp with all of the acceleration reaches, u, or the jerk of the gentlest one, u/s³.
+        /// The position that the soonest ramp reaches without that limit, u, or the smallest peak, u/s, u/s² or u/s³.
         reached: f64,
         /// What is allowed.
         limit: f64,

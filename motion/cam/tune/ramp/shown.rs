@@ -1,10 +1,8 @@
 //! A ramp moment by moment, for pictures.
 
-use super::super::coupling::CamCoupling;
-use super::super::selection::{CamInput, StartMode};
-use super::ramp_course::{Pull, Way};
-use super::ramp_in::{Problem, Values};
-use super::ramp_wish::{RampError, RampIn, RampWish};
+use super::course::{Pull, Way};
+use super::problem::{Problem, values};
+use super::wish::{RampError, RampIn, RampWish};
 use crate::axis::profile::State;
 
 /// A moment of a start.
@@ -35,13 +33,9 @@ const MOMENTS: u16 = 60;
 /// # Errors
 /// [`RampError`] if the coupling does not start with them.
 pub fn ramp_shown(wish: &RampWish, ramp: &RampIn) -> Result<RampShown, RampError> {
-    let problem = Problem { wish, most: f64::INFINITY };
-    let values: Values =
-        [ramp.velocity_difference, ramp.acceleration, ramp.deceleration, ramp.ramp_jerk];
-    let way = problem.way(values)?;
-    let Some(Way { place, mut velocity, pieces }) = way else {
-        return Ok(RampShown { duration_s: 0.0, stretches: Vec::new() });
-    };
+    let problem = Problem::new(wish)?;
+    let Way { mut velocity, pieces } = problem.way(values(ramp))?;
+    let place = problem.place;
     let from = problem.cam_at(place);
     let (mut time_s, mut gone) = (0.0, 0.0);
     let mut stretches = Vec::new();
@@ -83,16 +77,13 @@ pub fn ramp_shown(wish: &RampWish, ramp: &RampIn) -> Result<RampShown, RampError
 /// # Errors
 /// [`RampError`] if the coupling does not start.
 pub fn on_cam(wish: &RampWish, time_s: f64) -> Result<State, RampError> {
-    let problem = Problem { wish, most: f64::INFINITY };
-    let input = CamInput { start_mode: StartMode::Absolute, ..wish.input };
-    let RampWish { table, master, slave, .. } = wish;
-    let place = CamCoupling::start(table.clone(), input, master, slave, 0)?.place();
-    Ok(problem.cam_at(place + problem.speed() * time_s))
+    let problem = Problem::new(wish)?;
+    Ok(problem.cam_at(problem.place + problem.speed() * time_s))
 }
 
 impl Problem<'_> {
     /// Where the cam has the slave with the master here, on its scale.
-    fn cam_at(&self, place: f64) -> State {
+    pub(super) fn cam_at(&self, place: f64) -> State {
         let RampWish { table, input, slave, .. } = self.wish;
         let at = if table.periodic { self.curve().repeated(place) } else { self.curve().at(place) };
         let (factor, speed) = (input.slave_scaling, self.speed());

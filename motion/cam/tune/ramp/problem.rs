@@ -1,0 +1,196 @@
+//! A start with a ramp: what values make of it, and whether that keeps the limits.
+
+use super::super::super::bridge::Bridge;
+use super::super::super::coupling::CamCoupling;
+use super::super::super::curve::Curve;
+use super::super::super::selection::{CamInput, StartMode};
+use super::course::{Course, Way};
+use super::wish::{RampError, RampGoal, RampIn, RampWish};
+use crate::axis::gear::{Approach, Gap};
+use crate::axis::profile::{AxisLimits, RampType};
+use crate::cam::SlaveLimits;
+
+/// Of a limit this part is rounding.
+pub(super) const ROUNDING: f64 = 1e-12;
+
+/// What a ramp is made of: velocity, acceleration, deceleration and jerk; without meaning the jerk of trapezoid ones.
+pub(in crate::cam::tune) type Values = [f64; 4];
+
+pub(super) fn values(ramp: &RampIn) -> Values {
+    [ramp.velocity_difference, ramp.acceleration, ramp.deceleration, ramp.ramp_jerk]
+}
+
+/// A wish, and where slave and cam are at the start.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::cam::tune) struct Problem<'a> {
+    pub(super) wish: &'a RampWish,
+    /// `VelocityDiff` is no more: a gentle ramp has none beyond the axis's own velocity, even where the cam comes towards the
+    /// slave, which then stays below it.
+    pub(super) most: f64,
+    /// Where the master is on the scale of the cam.
+    pub(super) place: f64,
+    gap: Gap,
+}
+
+impl<'a> Problem<'a> {
+    /// # Errors
+    /// [`RampError::Coupling`] if the coupling does not start.
+    pub(in crate::cam::tune) fn new(wish: &'a RampWish) -> Result<Self, RampError> {
+        let RampWish { table, input, master, slave, limits, goal, .. } = wish;
+        let mode = match input.start_mode {
+            StartMode::Absolute | StartMode::Relative => StartMode::RampIn,
+            directed => directed,
+        };
+        let input = CamInput { start_mode: StartMode::Absolute, ..*input };
+        let coupling = CamCoupling::start(table.clone(), input, master, slave, 0)?;
+        let on_cam = coupling.output().slave;
+        let gap = Gap {
+            distance: on_cam.position - slave.position,
+            velocity: slave.velocity - on_cam.velocity,
+            acceleration: slave.acceleration - on_cam.acceleration,
+            period: table.slave_period,
+            mode,
+        };
+        let most = match goal {
+            RampGoal::Soonest => f64::INFINITY,
+            RampGoal::Gentlest { .. } => limits.velocity,
+        };
+        Ok(Self { wish, most, place: coupling.place(), gap })
+    }
+
+    /// Without a largest `VelocityDiff`.
+    pub(super) fn free(self) -> Self {
+        Self { most: f64::INFINITY, ..self }
+    }
+
+    /// The same start with another wish.
+    pub(super) fn with<'b>(&self, wish: &'b RampWish) -> Problem<'b> {
+        Problem { wish, most: self.most, place: self.place, gap: self.gap }
+    }
+
+    pub(super) fn curve(&self) -> &Curve {
+        self.wish.table.cam.curve()
+    }
+
+    /// How fast the master moves on the scale of the cam.
+    pub(super) fn speed(&self) -> f64 {
+        self.wish.master.velocity * self.wish.input.master_scaling
+    }
+
+    /// Whether the acceleration changes by a jerk, which is then one of the values.
+    pub(super) fn limited(&self) -> bool {
+        self.wish.ramp != RampType::Trapezoid
+    }
+
+    /// How far the slave is from its cam, how much faster, and by how much it is accelerated more, as magnitudes: of a rotary
+    /// slave on the way that is shortest.
+    pub(super) fn gap(&self) -> [f64; 3] {
+        let Gap { distance, velocity, acceleration, period, .. } = self.gap;
+        let turns = period.map_or(0.0, |period| (distance / period).round() * period);
+        let pull = if self.limited() { acceleration } else { 0.0 };
+        [distance - turns, velocity, pull].map(f64::abs)
+    }
+
+    /// What the values are at most, as logarithms.
+    pub(super) fn most_values(&self) -> Values {
+        let jerk = if self.limited() { self.wish.limits.jerk.ln() } else { f64::INFINITY };
+        [self.most.ln(), f64::INFINITY, f64::INFINITY, jerk]
+    }
+
+    /// What positions are compared with, u: how far the slave is from its cam, and how far it goes on it.
+    pub(super) fn span(&self) -> f64 {
+        let [distance, ..] = self.gap();
+        let y = self.curve().extremes().position;
+        (distance + (y.max - y.min) * self.wish.input.slave_scaling.abs()).max(f64::MIN_POSITIVE)
+    }
+
+    /// No ramp is over sooner, s: with all that the axis and the motion of the cam allow.
+    pub(super) fn least_time(&self) -> f64 {
+        let [distance, velocity, _] = self.gap();
+        let [of_velocity, of_acceleration] = self.cam_peaks();
+        let most = self.wish.limits.velocity.max(self.wish.slave.velocity.abs()) + of_velocity;
+        let pull = self.wish.limits.acceleration + of_acceleration;
+        let root = (velocity * velocity + 2.0 * pull * distance).sqrt();
+        (distance / most).max(velocity / pull).max((root - velocity) / pull)
+    }
+
+    /// Largest velocity and acceleration of the cam.
+    pub(super) fn cam_peaks(&self) -> [f64; 2] {
+        let (speed, factor) = (self.speed(), self.wish.input.slave_scaling);
+        let found = self.curve().extremes();
+        [
+            (found.velocity.magnitude() * speed * factor).abs(),
+            (found.acceleration.magnitude() * speed * speed * factor).abs(),
+        ]
+    }
+
+    /// A ramp of these values, and exactly what comes of it.
+    pub(in crate::cam::tune) fn ramp(&self, values: Values) -> Result<RampIn, RampError> {
+        Ok(self.course(values)?.ramp)
+    }
+
+    /// The same, stretch by stretch.
+    pub(super) fn course(&self, values: Values) -> Result<Course, RampError> {
+        let [velocity_difference, acceleration, deceleration, ramp_jerk] = values;
+        let slave = self.wish.slave;
+        let ramp = RampIn {
+            velocity_difference,
+            acceleration,
+            deceleration,
+            ramp_jerk,
+            duration_s: 0.0,
+            peak_velocity: slave.velocity.abs(),
+            peak_acceleration: 0.0,
+            peak_jerk: 0.0,
+            peak_cam_jerk: 0.0,
+            positions: [slave.position; 2],
+        };
+        let mut course =
+            Course { ramp, stretches: Vec::new(), reached: Vec::new(), steps: Vec::new() };
+        self.follow(&self.way(values)?, &mut course);
+        Ok(course)
+    }
+
+    /// The motion of a ramp of these values, on top of the cam's.
+    pub(super) fn way(
+        &self,
+        [velocity, acceleration, deceleration, jerk]: Values,
+    ) -> Result<Way, RampError> {
+        let RampWish { table, input, master, slave, ramp, .. } = self.wish;
+        let pieces = if *ramp == RampType::Trapezoid {
+            let input = CamInput {
+                start_mode: self.gap.mode,
+                velocity_difference: velocity,
+                acceleration,
+                deceleration,
+                ..*input
+            };
+            let coupling = CamCoupling::start(table.clone(), input, master, slave, 0)?;
+            let bridge = coupling.bridge().into_iter().flat_map(Bridge::pieces);
+            bridge.map(|(duration, pull)| [duration, pull, 0.0, 0.0]).collect()
+        } else {
+            let limits = AxisLimits { velocity, acceleration, deceleration, jerk };
+            let (approach, _) = Approach::new(self.gap, limits, *ramp)?;
+            approach.profile().stretches().collect()
+        };
+        Ok(Way { velocity: self.gap.velocity, pieces })
+    }
+
+    /// Whether a ramp keeps all limits. The jerk is that of ramp and cam together; that of a ramp is the axis's, which has one
+    /// of its own.
+    pub(in crate::cam::tune) fn keeps(&self, ramp: &RampIn) -> bool {
+        let SlaveLimits { velocity, acceleration, jerk } = self.wish.limits;
+        // What the slave moves at from before is not the ramp's doing.
+        let velocity = velocity.max(self.wish.slave.velocity.abs());
+        let [low, high] = self.wish.position;
+        let [least, greatest] = ramp.positions;
+        let room = ROUNDING * least.abs().max(greatest.abs());
+        least >= low - room
+            && greatest <= high + room
+            && ramp.velocity_difference <= self.most
+            && !(self.limited() && ramp.ramp_jerk > jerk)
+            && ramp.peak_jerk <= jerk * (1.0 + ROUNDING)
+            && ramp.peak_velocity <= velocity * (1.0 + ROUNDING)
+            && ramp.peak_acceleration <= acceleration * (1.0 + ROUNDING)
+    }
+}
