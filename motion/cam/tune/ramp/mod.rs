@@ -50,6 +50,9 @@ const STEP: f64 = 1.26;
 const PARTS: f64 = 12.0;
 const EVEN: i32 = 16;
 const FAR_STEPS: usize = 6;
+/// Twice the time is no gain if the ramp is gentler by less than this part, and if it is none so often, no more is looked at.
+const NEXT: f64 = 1e-3;
+const IDLE: usize = 3;
 /// A ramp that is sooner by this part is sooner.
 const HELD: f64 = 1e-3;
 
@@ -131,25 +134,54 @@ impl Problem<'_> {
     }
 
     /// The ramp with the smallest peak of one quantity that takes a time at most.
+    ///
+    /// Shorter times are looked at first, from each of them to the next twice as long and the same ones for all wishes: the best
+    /// ramp that takes less is one of those that the next search begins with. So who has more time does not end in a worse
+    /// valley than who has less.
     fn gentlest(&self, within_s: f64, least: Quantity) -> Result<RampIn, RampError> {
-        let aim = Aim { least: Some(least), within_s };
-        let mut search = Search::new(self, aim);
-        for time in self.times().take_while(|time| *time < within_s) {
-            search.sow(time);
+        let (mut before, mut idle) = (None, 0);
+        let (cycle_s, least_s) = (self.wish.cycle_s, self.least_time());
+        let shorter = (0..).map(|octave| cycle_s * 2.0_f64.powi(octave));
+        let aim = |within_s| Aim { least: Some(least), within_s };
+        for time in shorter.take_while(|time| *time < within_s).filter(|time| *time > least_s) {
+            let found = self.gentle_search(aim(time), before)?;
+            let gains = match (before, found) {
+                (Some(before), Some(found)) => {
+                    aim(time).of(&found) < aim(time).of(&before) * (1.0 - NEXT)
+                }
+                _ => true,
+            };
+            idle = if gains { 0 } else { idle + 1 };
+            before = found;
+            if idle == IDLE {
+                break;
+            }
         }
-        search.sow(within_s);
-        search.run()?;
-        if search.best().is_none() {
+        let mut found = self.gentle_search(aim(within_s), before)?;
+        if found.is_none() {
             // One that is soon enough is one that can be made gentler.
             let soonest = self.soonest()?.map_or_else(|| Err(self.refusal()?), Ok)?;
             if soonest.duration_s > within_s {
                 return Err(self.too_late(&soonest, within_s)?);
             }
-            search.begin_with(&soonest);
-            search.run()?;
+            found = self.gentle_search(aim(within_s), Some(soonest))?;
         }
-        let found = search.best().map_or_else(|| Err(self.refusal()?), Ok)?;
-        self.settled(found, &aim)
+        let found = found.map_or_else(|| Err(self.refusal()?), Ok)?;
+        self.settled(found, &aim(within_s))
+    }
+
+    /// The best ramp in a time at most, from ramps of all shorter times on and from one that is known.
+    fn gentle_search(&self, aim: Aim, known: Option<RampIn>) -> Result<Option<RampIn>, RampError> {
+        let mut search = Search::new(self, aim);
+        for time in self.times().take_while(|time| *time < aim.within_s) {
+            search.sow(time);
+        }
+        search.sow(aim.within_s);
+        if let Some(known) = known {
+            search.begin_with(&known);
+        }
+        search.run()?;
+        Ok(search.best())
     }
 
     /// Says whether it is the largest `VelocityDiff` that makes a ramp late.
