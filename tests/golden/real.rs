@@ -367,6 +367,71 @@ fn a_board_alone_runs_to_its_end() {
     assert!(board.counters().iter().all(|counter| counter.abs() <= 1));
 }
 
+/// What the program switches is told before it is asked whether it may, how late it was afterwards.
+#[test]
+fn outputs_are_named_before_anything_moves() {
+    let desk = Desk::new();
+    alone(&desk, "interpcnc", &[]);
+    let outputs = "
+[[m_functions]]
+m = 3
+outputs_on = [1, 2]
+outputs_off = [5]
+
+[[m_functions]]
+m = 4
+outputs_off = [1]
+
+[[cams]]
+axis = \"Y\"
+master = \"X\"
+cam = \"cam.toml\"
+
+[[tappet_outputs]]
+axis = \"Y\"
+group = 7
+output = 4
+
+[[tappet_outputs]]
+axis = \"Y\"
+group = 8
+output = 6
+";
+    let machine = std::fs::read_to_string(desk.path("mixture.toml")).expect("readable");
+    desk.write("mixture.toml", &(machine + outputs));
+    desk.write(
+        "cam.toml",
+        "master = { min = 0, max = 100, unit = \"mm\" }
+slave = { min = 0, max = 50, unit = \"mm\" }
+elements = [{ master = 0, slave = 0 }, { master = 100, slave = 50 }]
+tappets = [{ group = 7, master = 5, passage = \"every\", action = \"invert\" }]
+",
+    );
+    let program = "% switches\nN10 G1 X10 F5 E50 E-50\nN20 M3\nN30 G1 X0\n";
+    desk.write("switches.cnc", program);
+    let running = a_board(&desk.path("device"));
+    desk.twin(&["drive", "interpcnc", "--port", "device", "--deadline", "2000", "unlock"])
+        .ended(0, "");
+    let of_program =
+        "M3 of the program switches on outputs 1, 2 and off output 5 of device `board`";
+    let of_tappet = "output 4 of device `board` follows tappet 7 of Y";
+    let asked = desk.twin(&Shop::arguments("switches.cnc", "--homed"));
+    asked.ended(2, of_program);
+    asked.ended(2, of_tappet);
+    // M4 and tappet 8 are not in it.
+    assert!(!asked.stderr.contains("M4") && !asked.stderr.contains("output 6"), "{}", asked.stderr);
+    let done = desk.twin(&Shop::arguments("switches.cnc", "--homed --yes --report run.json"));
+    done.ended(0, of_program);
+    // Three by M3; tappet 7 is passed there and back.
+    let said = "device `board`: outputs switched 5 times, confirmed ";
+    assert!(done.stdout.contains(said), "{}", done.stdout);
+    let late = &desk.read("run.json")["switched_outputs"]["board"];
+    assert_eq!(late["count"], 5);
+    let [mean, latest] = ["mean_late_ms", "max_late_ms"].map(|key| number(&late[key]));
+    assert!(0.0 < mean && mean <= latest, "{late}");
+    running.stop().expect("it runs");
+}
+
 #[test]
 fn a_bus_alone_runs_to_its_end() {
     let desk = Desk::new();

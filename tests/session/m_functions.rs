@@ -155,6 +155,10 @@ fn outputs_follow_tappets() {
     let ending = run_puppet(&machine, puppet, &program, &mut recorder, &|| 0);
     assert!(ending.stopped.is_none(), "{:?}", ending.stopped);
     assert_eq!(*outputs.lock().unwrap(), [(4, true), (4, false)]);
+    let [(device, switched)] = &ending.switched[..] else { panic!("{:?}", ending.switched) };
+    assert_eq!((device.as_str(), switched.count), ("board", 2));
+    // Nothing is switched before it is due.
+    assert!(0.0 < switched.mean_ms() && switched.mean_ms() <= switched.latest_ms(), "{switched:?}");
 }
 
 #[test]

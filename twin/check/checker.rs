@@ -10,6 +10,7 @@ use crate::machine::{DirectionRule, Machine};
 use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
 use crate::tappets::Switched;
+use std::collections::BTreeSet;
 use twin_kinematics::{AxisSource, AxisVector, Kinematics};
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
@@ -220,6 +221,7 @@ impl<'m> Checker<'m> {
             clearances: Clearances::default(),
             following: None,
             tappets: Switched::default(),
+            m_calls: BTreeSet::new(),
         }
     }
 }

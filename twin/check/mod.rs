@@ -39,6 +39,7 @@ pub use following::{PredictedFollowing, PredictedTraffic, wire_rates};
 pub use options::{CheckFailure, CheckOptions};
 use rehearsal::Rehearsal;
 pub(crate) use sentence::{beyond_position, no_axes, out_of_order, starts_on_tappets, unreachable};
+use std::collections::BTreeSet;
 use twin_kinematics::AxisVector;
 use way::Way;
 pub use way::{BlockClearance, Clearances};
@@ -76,6 +77,8 @@ pub struct Outcome {
     pub following: Option<PredictedFollowing>,
     /// What the tappets of cams switch.
     pub tappets: Switched,
+    /// Numbers of the M functions that are executed.
+    pub m_calls: BTreeSet<u16>,
 }
 
 /// How far a check has come.
@@ -144,10 +147,13 @@ fn checked(
     let rules = Acknowledgement::for_check(machine, acknowledge);
     let mut items = Planning::new(machine, program, limits, rules)?;
     checker.begin(items.job());
-    let (mut countdown, mut switched) = (0u32, Switched::default());
+    let (mut countdown, mut switched, mut m_calls) = (0u32, Switched::default(), BTreeSet::new());
     while let Some(item) = items.next() {
         let setpoint = match item {
-            PlanItem::Tool(tool) => checker.tool(&tool),
+            PlanItem::Tool(tool) => {
+                m_calls.extend(tool.m_function);
+                checker.tool(&tool)
+            }
             PlanItem::Axes(setpoint) => Some(*checker.axes(&setpoint)),
             PlanItem::Diagnostic(finding) => {
                 checker.findings.add(None, finding);
@@ -191,30 +197,14 @@ fn checked(
         Some(rehearsal) => rehearsal.finish(&mut checker)?,
         None => PlantRecord::default(),
     };
-    for blow in &record.blows {
-        checker.findings.add(Some(About::Simulated), sentence::ran_into(machine, blow));
-    }
-    for touch in record.touches.iter().filter_map(|touch| sentence::touched(machine, touch)) {
-        checker.findings.add(Some(About::Simulated), touch);
-    }
-    for miss in &record.missed {
-        checker.findings.add(Some(About::Simulated), sentence::missed(miss));
-    }
-    for finding in faults_to_come(machine, &record) {
-        checker.findings.add(Some(About::Simulated), finding);
-    }
-    for happening in &record.happenings {
-        if let Some(finding) = sentence::happened(machine, happening) {
-            checker.findings.add(Some(About::Axis(happening.axis)), finding);
-        }
-    }
+    simulated(machine, &record, &mut checker);
     (switched.signals, switched.lost) = signals(&items, &checker);
     if switched.lost > 0 {
         checker.findings.add(None, sentence::lost_tappets(switched.lost));
     }
     let predicted = following.and_then(FollowingBeside::finish);
     let mut outcome = checker.finish();
-    outcome.tappets = switched;
+    (outcome.tappets, outcome.m_calls) = (switched, m_calls);
     if let Some((predicted, findings, left_out)) = predicted {
         outcome.following = Some(predicted);
         outcome.findings.extend(findings);
@@ -244,6 +234,27 @@ pub(crate) fn is_hidden(stepped: f64, velocities: [f64; 2], at_rest: bool, most:
 
 fn exceeds(value: f64, limit: f64) -> bool {
     value.abs() > limit * (1.0 + ROUNDING)
+}
+
+/// What has become of the simulated machine.
+fn simulated(machine: &Machine, record: &PlantRecord, checker: &mut Checker<'_>) {
+    for blow in &record.blows {
+        checker.findings.add(Some(About::Simulated), sentence::ran_into(machine, blow));
+    }
+    for touch in record.touches.iter().filter_map(|touch| sentence::touched(machine, touch)) {
+        checker.findings.add(Some(About::Simulated), touch);
+    }
+    for miss in &record.missed {
+        checker.findings.add(Some(About::Simulated), sentence::missed(miss));
+    }
+    for finding in faults_to_come(machine, record) {
+        checker.findings.add(Some(About::Simulated), finding);
+    }
+    for happening in &record.happenings {
+        if let Some(finding) = sentence::happened(machine, happening) {
+            checker.findings.add(Some(About::Axis(happening.axis)), finding);
+        }
+    }
 }
 
 /// What tappets switch, and how many were lost.

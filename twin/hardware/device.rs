@@ -239,7 +239,7 @@ impl Device {
 
     /// None if there is nothing to be switched; false if the session is gone.
     fn switch_next(&mut self) -> Result<Option<bool>, HardwareError> {
-        let Ok(Switch { output, on }) = self.switches.try_recv() else { return Ok(None) };
+        let Ok(Switch { output, on, due_ns }) = self.switches.try_recv() else { return Ok(None) };
         // Even if it is not confirmed it may be on.
         if on {
             self.on.insert(output);
@@ -248,7 +248,7 @@ impl Device {
         if !on {
             self.on.remove(&output);
         }
-        Ok(Some(self.tell(Event::Switched)))
+        Ok(Some(self.tell(Event::Switched { late_ns: self.stream.now_ns() - due_ns })))
     }
 
     /// A program that ends early leaves no spindle running; what cannot be switched off is told.

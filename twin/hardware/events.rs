@@ -11,8 +11,10 @@ pub(super) enum Event {
     /// Enabled, and the axes stand at the start of the program.
     Ready,
     Sample(Sample),
-    /// The device has confirmed an output.
-    Switched,
+    /// The device has confirmed an output, so much after it was due.
+    Switched {
+        late_ns: i64,
+    },
     /// Outputs that could not be switched off at an early end.
     LeftOn(Vec<u8>),
     /// The device has not confirmed that it stops.
@@ -28,9 +30,9 @@ pub(super) enum Event {
 impl Hardware {
     /// Takes what the devices have said.
     pub(super) fn listen(&mut self) {
-        let heard = self.heard.iter_mut().zip(&mut self.last);
+        let heard = self.heard.iter_mut().zip(&mut self.last).zip(&mut self.switched);
         let tracks = self.tracks.iter_mut().zip(heard);
-        for (unit, (track, (of_unit, last))) in self.units.iter_mut().zip(tracks) {
+        for (unit, (track, ((of_unit, last), switched))) in self.units.iter_mut().zip(tracks) {
             loop {
                 match unit.event() {
                     Ok(Some(Event::Sample(sample))) => {
@@ -52,7 +54,10 @@ impl Hardware {
                     Ok(Some(Event::Restarted(certain))) => {
                         self.restarted.push(restarted(&unit.device, certain));
                     }
-                    Ok(Some(Event::Switched)) => self.switching = self.switching.saturating_sub(1),
+                    Ok(Some(Event::Switched { late_ns })) => {
+                        self.switching = self.switching.saturating_sub(1);
+                        switched.include(late_ns);
+                    }
                     Ok(Some(Event::AtRest)) => {
                         unit.ended = true;
                         track.ended = true;

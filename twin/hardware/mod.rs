@@ -7,6 +7,7 @@ mod guard;
 mod heard;
 mod merge;
 mod stream;
+mod switched;
 #[cfg(test)]
 mod tests;
 mod unit;
@@ -24,6 +25,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+pub use switched::SwitchedOutputs;
 use twin_drives::Drive;
 use twin_kinematics::AxisVector;
 use unit::Unit;
@@ -76,8 +78,19 @@ pub struct Hardware {
     clock: Option<Clock>,
     /// How often each has been heard of since.
     heard: Vec<Heard>,
+    /// How late outputs of each were switched.
+    switched: Vec<SwitchedOutputs>,
     /// When each was heard of last, and where its axes were.
     last: Vec<Option<(i64, Positions)>>,
+}
+
+/// Which of the drives M functions switch outputs of: the first InterpCNC board, or the first one where there is none.
+pub fn switching_drive(machine: &Machine, drives: &[Attached]) -> Option<usize> {
+    let board = drives.iter().position(|attached| {
+        let entry = machine.drives.get(attached.device);
+        entry.is_some_and(|entry| matches!(entry.family, DriveFamily::InterpCnc(_)))
+    });
+    board.or_else(|| (!drives.is_empty()).then_some(0))
 }
 
 /// An output to be switched.
@@ -85,6 +98,8 @@ pub struct Hardware {
 struct Switch {
     output: u8,
     on: bool,
+    /// Set-point at which it is due, ns.
+    due_ns: i64,
 }
 
 impl Hardware {
@@ -103,17 +118,15 @@ impl Hardware {
     ) -> Result<Self, HardwareError> {
         drives.iter().try_for_each(|attached| guard::check(machine, attached.device))?;
         let early = Arc::new(AtomicBool::new(false));
-        let boards = drives.iter().position(|attached| {
-            let entry = machine.drives.get(attached.device);
-            entry.is_some_and(|entry| matches!(entry.family, DriveFamily::InterpCnc(_)))
-        });
+        let switching_unit = switching_drive(machine, &drives).unwrap_or_default();
         // From the first one on they are stopped together if another one does not start.
         let mut hardware = Self {
             tracks: drives.iter().map(|_| Track::default()).collect(),
             heard: vec![Heard::default(); drives.len()],
+            switched: vec![SwitchedOutputs::default(); drives.len()],
             last: vec![None; drives.len()],
             units: Vec::with_capacity(drives.len()),
-            switching_unit: boards.unwrap_or(0),
+            switching_unit,
             axes: machine.axes.len(),
             switching: 0,
             early: Arc::clone(&early),
@@ -214,25 +227,25 @@ impl Hardware {
     }
 
     /// Switches outputs of the first InterpCNC board, or of the first device where there is none, between two exchanges that
-    /// follow the stream. Those that it has switched on it switches off again if the program ends early, and where the drives
-    /// are stopped or fail.
-    pub fn switch(&mut self, on: &[u8], off: &[u8]) {
+    /// follow the stream; due with the set-point at `due_ns`. Those that it has switched on it switches off again if the program
+    /// ends early, and where the drives are stopped or fail.
+    pub fn switch(&mut self, on: &[u8], off: &[u8], due_ns: i64) {
         let all = off.iter().map(|output| (*output, false)).chain(on.iter().map(|o| (*o, true)));
         for (output, on) in all {
-            self.switch_of(self.switching_unit, output, on);
+            self.switch_of(self.switching_unit, Switch { output, on, due_ns });
         }
     }
 
     /// Switches an output of the device that is `device` in [`Machine::drives`], as [`Self::switch`] does; nothing if it is not
     /// among these drives.
-    pub fn switch_output(&mut self, device: usize, output: u8, on: bool) {
+    pub fn switch_output(&mut self, device: usize, output: u8, on: bool, due_ns: i64) {
         if let Some(unit) = self.units.iter().position(|unit| unit.index == device) {
-            self.switch_of(unit, output, on);
+            self.switch_of(unit, Switch { output, on, due_ns });
         }
     }
 
-    fn switch_of(&mut self, unit: usize, output: u8, on: bool) {
-        match self.units.get(unit).map(|unit| unit.switch(output, on)) {
+    fn switch_of(&mut self, unit: usize, switch: Switch) {
+        match self.units.get(unit).map(|unit| unit.switch(switch)) {
             Some(Ok(true)) => self.switching += 1,
             // A device that has ended has nothing to confirm: the session hears of it.
             Some(Ok(false)) | None => {}
@@ -259,6 +272,13 @@ impl Hardware {
     pub fn heard(&self) -> Vec<(String, Heard)> {
         let units = self.units.iter().zip(&self.heard);
         units.map(|(unit, heard)| (unit.device.clone(), *heard)).collect()
+    }
+
+    /// How late outputs were switched, of the devices, by their names, that have switched any.
+    pub fn switched(&self) -> Vec<(String, SwitchedOutputs)> {
+        let units = self.units.iter().zip(&self.switched);
+        let some = units.filter(|(_, switched)| switched.count > 0);
+        some.map(|(unit, switched)| (unit.device.clone(), *switched)).collect()
     }
 
     /// Where the axes of each device were when it was last heard of, of those that have been since the program began.

@@ -434,9 +434,9 @@ fn outputs_that_nobody_switches_are_told() {
     stand(&mut hardware, 60_000);
     hardware.follow(Clock::start());
     // While the driver waits for its device, at most 64 wait.
-    (0..32).for_each(|_| hardware.switch(&[1], &[2]));
+    (0..32).for_each(|_| hardware.switch(&[1], &[2], 0));
     assert!(hardware.feedback().is_ok() && !hardware.has_switched());
-    hardware.switch(&[3], &[]);
+    hardware.switch(&[3], &[], 0);
     let told = hardware.feedback().map(|_| ()).unwrap_err();
     assert!(
         matches!(&told, HardwareError::Outputs { device, output: 3, .. } if device == "board"),

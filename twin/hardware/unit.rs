@@ -229,12 +229,13 @@ impl Unit {
     ///
     /// # Errors
     /// If too many wait already.
-    pub(super) fn switch(&self, output: u8, on: bool) -> Result<bool, HardwareError> {
-        match self.switches.try_send(Switch { output, on }) {
+    pub(super) fn switch(&self, switch: Switch) -> Result<bool, HardwareError> {
+        match self.switches.try_send(switch) {
             Ok(()) => Ok(true),
             Err(TrySendError::Disconnected(_)) => Ok(false),
             Err(TrySendError::Full(_)) => {
                 let (device, waiting) = (self.device.clone(), WAITING_SWITCHES);
+                let output = switch.output;
                 Err(HardwareError::Outputs { device, output, waiting })
             }
         }

@@ -122,6 +122,9 @@ pub struct RunReport {
     pub override_changes: Vec<OverrideChangeReport>,
     /// How often the drives were heard of, if there were any.
     pub drive_samples: Option<DriveSamplesReport>,
+    /// How late outputs were switched, of each device, by its name, that has switched any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub switched_outputs: Option<PerAxis<SwitchedOutputsReport>>,
     /// How late the cycles were taken up, of a run in step with the wall clock.
     pub cycle_lateness: Option<LatenessReport>,
     /// Errors of the tool tip.
@@ -178,6 +181,17 @@ pub struct DeviceSamplesReport {
     pub per_s: f64,
     /// Longest time without one, ms.
     pub longest_gap_ms: f64,
+}
+
+/// How late outputs of one device were switched: from the set-point at which they were due until the device confirmed it.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub struct SwitchedOutputsReport {
+    /// Number of switchings, by M functions and by tappets.
+    pub count: u32,
+    /// How late they were on average, ms.
+    pub mean_late_ms: f64,
+    /// The latest, ms.
+    pub max_late_ms: f64,
 }
 
 /// How late the cycles of a run in step with the wall clock were taken up.

@@ -7,6 +7,7 @@ use crate::m_function::{MCall, MFunction};
 use crate::machine::Machine;
 use crate::physics::PhysicsError;
 use crate::plant::Plant;
+use crate::setpoint::AxisSetpoint;
 use crate::tappets::{Signal, TappetBits};
 
 /// The outputs of `machine` that follow one of `signals`: index of the signal, device, output.
@@ -32,18 +33,20 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, '_, P> {
         self.m_call = Some(call);
         let switched = self.switches(call.number);
         if let (Some(function), Some(hardware)) = (switched, &mut self.hardware) {
-            hardware.switch(&function.outputs_on, &function.outputs_off);
+            hardware.switch(&function.outputs_on, &function.outputs_off, call.since_ns);
         }
         observer.m_function(&call, self.items.waits_for_word() && switched.is_none());
     }
 
     /// Outputs follow their tappets. They are switched when the set-point is due, and take as long as the wire does:
     /// `dead_time_s` of the cam makes up for that.
-    pub(super) fn switch_tappet_outputs(&mut self, before: TappetBits, now: TappetBits) {
+    pub(super) fn switch_tappet_outputs(&mut self, before: TappetBits, now: &AxisSetpoint) {
         let Some(hardware) = &mut self.hardware else { return };
-        for (signal, on) in now.changed(before) {
+        for (signal, on) in now.tappets.changed(before) {
             let followers = self.tappet_outputs.iter().filter(|(index, ..)| *index == signal);
-            followers.for_each(|(_, device, output)| hardware.switch_output(*device, *output, on));
+            followers.for_each(|(_, device, output)| {
+                hardware.switch_output(*device, *output, on, now.time_ns);
+            });
         }
     }
 

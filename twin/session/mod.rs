@@ -12,7 +12,7 @@ mod run;
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
 use crate::coupled::AxesError;
-use crate::hardware::{Hardware, HardwareError, Heard, LastHeard};
+use crate::hardware::{Hardware, HardwareError, Heard, LastHeard, SwitchedOutputs};
 use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledge, Acknowledgement, MCall};
 use crate::machine::{Machine, SimulationError};
@@ -116,6 +116,8 @@ pub struct Ending {
     pub punctuality: Option<Punctuality>,
     /// How often each device, by its name, was heard of.
     pub heard: Vec<(String, Heard)>,
+    /// How late outputs of devices, by their names, were switched.
+    pub switched: Vec<(String, SwitchedOutputs)>,
     /// Where the axes of each device were when it was last heard of.
     pub last_heard: Vec<LastHeard>,
     /// Outputs of the drives that are perhaps still on although the run has ended early.
@@ -143,6 +145,7 @@ impl Ending {
             late_plans: 0,
             punctuality: None,
             heard: Vec::new(),
+            switched: Vec::new(),
             last_heard: Vec::new(),
             left_on: Vec::new(),
             not_stopped: Vec::new(),

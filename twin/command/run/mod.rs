@@ -4,6 +4,7 @@ mod agreed;
 mod axis_watch;
 mod interrupt;
 mod keys;
+mod outputs;
 mod perform;
 mod prompt;
 mod startup;

@@ -2,7 +2,7 @@
 
 use super::agreed::{Asked, allowance, homing_speeds, moves};
 use super::interrupt::Interrupt;
-use super::{APPROACH, tell_not_stopped};
+use super::{APPROACH, outputs, tell_not_stopped};
 use crate::check::Outcome;
 use crate::command::Failure;
 use crate::command::drive::consent::Consent;
@@ -140,6 +140,9 @@ pub(super) fn real(
     let asked = Asked { outcome, start, approach, homing };
     tell!("{}", moves(machine, &positions, &to_home, &asked));
     tell!("{}", allowance());
+    for output in outputs::switched(machine, &drives, outcome) {
+        tell!("{output}");
+    }
     for note in lost_answers(machine, outcome) {
         tell!("{note}");
     }

@@ -1,6 +1,6 @@
 //! What a run has to say at its end: the summary for people and the report for programs.
 
-use super::Done;
+use super::{Done, outputs};
 use crate::check::Outcome;
 use crate::command::whole::{WholeFile, unwritable};
 use crate::command::{Failure, show};
@@ -102,6 +102,9 @@ pub(super) fn summary(out: &mut impl Write, machine: &Machine, done: &Done<'_>) 
             }
         }
     }
+    for line in outputs::lateness(&ending.switched) {
+        writeln!(out, "{line}")?;
+    }
     let mut table = show::table();
     table.set_header(["error", "max", "rms", "line of max"]);
     let mut rows = |name: &str, statistics: &ErrorStatistics, scale: f64, unit: &str| {
@@ -155,6 +158,7 @@ impl Report<'_> {
             executed_s: seconds(ending.executed_ns),
             override_changes: ending.overrides.iter().map(OverrideChangeReport::new).collect(),
             drive_samples: (samples.count > 0).then(|| samples_report(samples, &ending.heard)),
+            switched_outputs: outputs::report(&ending.switched),
             cycle_lateness: ending.punctuality.as_ref().map(LatenessReport::new),
             tool_error_mm: ComparisonReport::new(tool, 1e3),
             axis_error: PerAxis(

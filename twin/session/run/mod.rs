@@ -172,6 +172,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         let not_stopped = told.map(|told| told.not_stopped().to_vec()).unwrap_or_default();
         let restarted = told.map(|told| told.restarted().to_vec()).unwrap_or_default();
         let heard = told.map(Hardware::heard).unwrap_or_default();
+        let switched = told.map(Hardware::switched).unwrap_or_default();
         let last_heard = told.map(Hardware::last_heard).unwrap_or_default();
         let left_on = told.map(|told| told.left_on().to_vec()).unwrap_or_default();
         let stopping = hardware.filter(Hardware::is_running);
@@ -187,6 +188,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             late_plans,
             punctuality,
             heard,
+            switched,
             last_heard,
             left_on,
             not_stopped,
@@ -275,7 +277,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
                 self.begin_m_function(call, observer);
             }
             let before = before.map(|before| before.tappets).unwrap_or_default();
-            self.switch_tappet_outputs(before, setpoint.tappets);
+            self.switch_tappet_outputs(before, &setpoint);
             let feedback = self.twin.command_before(&setpoint, &self.planned);
             let feedback = feedback.and_then(|()| self.twin.feedback());
             for news in self.twin.news() {
