@@ -19,6 +19,9 @@ pub trait Motion {
     const STATE: AxisState;
     /// Whether it keeps the axis after its end until Execute falls (`MC_Stop`).
     const LOCKS: bool = false;
+    /// Whether each set-point goes on from that of the cycle before, not along a plan: where another block has come to its end in
+    /// the cycle in which it begins, that end is this cycle's set-point.
+    const GOES_ON: bool = false;
     /// Whether the inputs are set-points that count every cycle, not only at the rising edge (`SMC_Follow…`).
     const LIVE: bool = false;
 
@@ -109,6 +112,8 @@ struct Taken<M: Motion> {
     owner: i64,
     /// `wDriveId` of the axis.
     drive: i64,
+    /// This cycle's set-point is there already ([`Motion::GOES_ON`]).
+    waits: bool,
 }
 
 impl<M: Motion + Clone> Block<M> {
@@ -160,7 +165,8 @@ impl<M: Motion + Clone> Block<M> {
     }
 
     fn begin(&mut self, axis: &mut Axis, with: M::With) {
-        let own = self.taken.take().is_some_and(|taken| axis.owns(taken.owner));
+        let same = |taken: Taken<M>| taken.drive == axis.values.drive_id && axis.owns(taken.owner);
+        let own = self.taken.take().is_some_and(same);
         let start = axis.start();
         let admitted = if own { Ok(()) } else { self.inputs.admitted(axis) };
         let planned = admitted.and_then(|()| Ok(self.inputs.plan(start, axis, with)?));
@@ -173,6 +179,7 @@ impl<M: Motion + Clone> Block<M> {
                     run,
                     owner,
                     drive: axis.values.drive_id,
+                    waits: M::GOES_ON && start.lead == 0.0,
                 });
             }
             Err(refusal) => {
@@ -185,7 +192,7 @@ impl<M: Motion + Clone> Block<M> {
     }
 
     fn advance(&mut self, axis: &mut Axis, with: M::With) {
-        let Some(Taken { inputs, run, owner, drive }) = &mut self.taken else { return };
+        let Some(Taken { inputs, run, owner, drive, waits }) = &mut self.taken else { return };
         let (owner, drive) = (*owner, *drive);
         let latched = if M::LIVE { &self.inputs } else { &*inputs };
         if drive != axis.values.drive_id {
@@ -200,6 +207,10 @@ impl<M: Motion + Clone> Block<M> {
                 self.latch.end(axis.loss().map_or(Outcome::Aborted, failed), axis);
             }
             return;
+        }
+        if std::mem::take(waits) {
+            axis.drive_to(axis.base);
+            return self.latch.reopen();
         }
         match latched.step(run, axis, with) {
             Ok(progress) => {

@@ -5,7 +5,7 @@ use super::math::fmod;
 use super::profile::{AxisLimits, Profile, State};
 
 /// Positions closer than this part of a period are the same.
-const SAME: f64 = 1e-9;
+pub(super) const SAME: f64 = 1e-9;
 
 /// Direction of a motion (`MC_Direction`). Absolute moves of linear axes ignore it.
 #[doc(alias = "MC_Direction")]

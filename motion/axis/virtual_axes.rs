@@ -48,7 +48,9 @@ impl TimeAxis {
         let State { mut position, velocity: before, .. } = self.axis.saved;
         let mut change = 0.0;
         if rising {
-            self.speed = self.time_override;
+            if self.time_override.is_finite() {
+                self.speed = self.time_override;
+            }
             self.ramp = [self.speed; 2];
             // Counting anew is no motion.
             self.axis.zero -= position;

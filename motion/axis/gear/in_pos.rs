@@ -155,16 +155,18 @@ impl Motion for GearInPos {
     type With = Master;
     type Run = GearInPosRun;
     const STATE: AxisState = AxisState::SynchronizedMotion;
+    const GOES_ON: bool = true;
 
     fn plan(&self, _start: Start, _axis: &Axis, master: Master) -> Result<GearInPosRun, SmcError> {
         let places =
             [self.master_sync_position, self.slave_sync_position, self.master_start_distance];
-        // The manual has no error of this block's own for wrong inputs; it shows MC_GearIn's.
+        // The manual has no error of this block's own for wrong inputs: it shows MC_GearIn's for the ratio, and for places that of
+        // a parameter that is not valid.
         if self.ratio_denominator == 0 {
             return Err(SmcError::GiRatioDenom);
         }
         if !places.iter().all(|place| place.is_finite()) || self.master_start_distance < 0.0 {
-            return Err(SmcError::GiInvalidAcc);
+            return Err(SmcError::WpParamInvalid);
         }
         Ok(GearInPosRun { master, unwound: master.position, phase: Phase::Waiting })
     }

@@ -46,8 +46,9 @@ impl Motion for Phasing {
     type With = Master;
     type Run = PhasingRun;
     const STATE: AxisState = AxisState::SynchronizedMotion;
+    const GOES_ON: bool = true;
 
-    fn plan(&self, _start: Start, axis: &Axis, master: Master) -> Result<PhasingRun, SmcError> {
+    fn plan(&self, start: Start, axis: &Axis, master: Master) -> Result<PhasingRun, SmcError> {
         let rotary_without_period = |period: Option<f64>| period.is_some_and(|it| it <= 0.0);
         if rotary_without_period(axis.period()) || rotary_without_period(master.period) {
             return Err(SmcError::PhRotaryaxisPeriod0);
@@ -58,8 +59,7 @@ impl Motion for Phasing {
             .map_err(|_invalid| SmcError::PhInvalidVelaccdec)?;
         let shift_takes = shift.duration();
         let follower = Follower::new(master, self.limits(axis));
-        // The first set-point is that of this cycle, from the last one's.
-        Ok(PhasingRun { follower, slave: axis.saved, shift: None, shift_takes })
+        Ok(PhasingRun { follower, slave: start.state, shift: None, shift_takes })
     }
 
     /// At least: the shift comes when the velocities are the same.

@@ -29,6 +29,7 @@ impl Motion for GearIn {
     type With = Master;
     type Run = Follower;
     const STATE: AxisState = AxisState::SynchronizedMotion;
+    const GOES_ON: bool = true;
 
     fn plan(&self, _start: Start, axis: &Axis, master: Master) -> Result<Follower, SmcError> {
         let valid = |value: f64| value > 0.0 && value.is_finite();

@@ -292,14 +292,13 @@ impl ControlAxis {
     /// Calls it, for a cycle, with `bEnable` and its axis. Not enabled, it gives the axis back, which halts where it
     /// stands; from motion that is an error 30, as for every block that is not called any more.
     pub fn call(&mut self, enable: bool, axis: &mut Axis) -> ControlOutputs {
-        if !enable && axis.set_velocity() == 0.0 {
-            if let Some(owner) = self.block.owner() {
-                axis.release(owner);
-            }
-            self.block = Block::new(self.block.inputs);
-            return ControlOutputs::default();
-        }
         if !enable {
+            let owner = self.block.owner().filter(|owner| axis.owns(*owner));
+            // In motion the axis is left to itself; what another block has taken is none of this one's business any more.
+            if owner.is_none() || axis.set_velocity() == 0.0 {
+                owner.into_iter().for_each(|owner| axis.release(owner));
+                self.block = Block::new(self.block.inputs);
+            }
             return ControlOutputs::default();
         }
         let shown = self.block.call(true, axis);

@@ -10,7 +10,7 @@ pub(super) const ANSWER_S: f64 = 1.0;
 
 /// Homing by the drive itself (`MC_Home`, manual 5.3).
 ///
-/// 170 unless the axis stands still, 171 if the drive does not begin, 172 if it stops answering, 173 if it cannot stop.
+/// 170 unless the axis stands still, 140 for a position that is no finite number (the manual has no error for it), 171 if the drive does not begin, 172 if it stops answering, 173 if it cannot stop.
 ///
 /// The set position follows the drive meanwhile. When the drive is done, its positions count from the reference, and a
 /// shift of the zero is gone.
@@ -52,6 +52,9 @@ impl Motion for Home {
     }
 
     fn plan(&self, _start: Start, _axis: &Axis, (): ()) -> Result<HomeRun, SmcError> {
+        if !self.position.is_finite() {
+            return Err(SmcError::WpParamInvalid);
+        }
         Ok(HomeRun::Asked(0.0))
     }
 
@@ -117,6 +120,7 @@ impl Axis {
     #[doc(alias = "MC_SetPosition")]
     pub fn shift_zero(&mut self, position: f64, relative: bool) -> Result<(), SmcError> {
         if !position.is_finite() {
+            self.report(SmcError::WpParamInvalid);
             return Err(SmcError::WpParamInvalid);
         }
         let shift = if relative { position } else { position - self.values.set_position };

@@ -59,6 +59,7 @@ impl Axis {
         if self.values.real_controller_mode != ControllerMode::Torque.number()
             || !torque.is_finite()
         {
+            self.report(SmcError::StWrongControllerMode);
             return Err(SmcError::StWrongControllerMode);
         }
         let most = self.values.max_torque;

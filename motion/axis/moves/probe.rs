@@ -17,27 +17,35 @@ pub struct Trigger {
     pub number: i64,
     /// `bInput`: TRUE latches; without fast latching (the manual's table has it the wrong way round).
     pub input: bool,
-    /// `bActive`: a block waits for it.
-    active: bool,
+    /// Who waits for it (`bActive`), 0 for nobody, and how many have so far.
+    owner: u64,
+    owners: u64,
 }
 
 impl Trigger {
     /// A trigger of the drive.
     #[must_use]
     pub fn of_drive(number: i64) -> Self {
-        Self { fast_latching: true, number, input: false, active: false }
+        Self { fast_latching: true, number, input: false, owner: 0, owners: 0 }
     }
 
     /// An input of the program.
     #[must_use]
     pub fn of_program() -> Self {
-        Self { fast_latching: false, number: -1, input: false, active: false }
+        Self { fast_latching: false, number: -1, input: false, owner: 0, owners: 0 }
     }
 
     /// Whether a block waits for it (`bActive`).
     #[must_use]
     pub fn is_active(&self) -> bool {
-        self.active
+        self.owner != 0
+    }
+
+    /// Gives it to a block that waits from now on, and says who that is.
+    fn claim(&mut self) -> u64 {
+        self.owners = self.owners.wrapping_add(1).max(1);
+        self.owner = self.owners;
+        self.owner
     }
 }
 
@@ -58,6 +66,8 @@ pub struct TouchProbe {
 #[derive(Clone, Copy, Debug)]
 struct Waiting {
     window: Option<[f64; 2]>,
+    /// Who it is for its trigger.
+    owner: u64,
 }
 
 /// What [`TouchProbe`] shows.
@@ -83,26 +93,24 @@ impl TouchProbe {
         let begins = self.latch.rises(execute);
         if begins {
             // Anew: what it waited for itself does not stand in its way.
-            if self.waiting.take().is_some() {
+            if self.waiting.take().is_some_and(|waiting| waiting.owner == trigger.owner) {
                 free(axis, trigger);
             }
             match self.begin(axis, trigger) {
-                Ok(()) => self.waiting = Some(Waiting { window: self.window }),
+                Ok(owner) => self.waiting = Some(Waiting { window: self.window, owner }),
                 Err(error) => self.latch.end(Outcome::Failed(error), axis),
             }
         }
         // What the drive tells in the cycle in which the block begins it has latched before, for another one.
-        if let Some(Waiting { window }) =
-            self.waiting.filter(|_| !(begins && trigger.fast_latching))
-        {
-            self.wait(window, axis, trigger);
+        if let Some(waiting) = self.waiting.filter(|_| !(begins && trigger.fast_latching)) {
+            self.wait(waiting, axis, trigger);
         }
         let outputs = self.latch.outputs(self.waiting.is_some());
         Probed { outputs, recorded_position: self.recorded }
     }
 
-    fn begin(&self, axis: &mut Axis, trigger: &mut Trigger) -> Result<(), SmcError> {
-        if trigger.active || (trigger.fast_latching && axis.capture.is_some()) {
+    fn begin(&self, axis: &mut Axis, trigger: &mut Trigger) -> Result<u64, SmcError> {
+        if trigger.is_active() || (trigger.fast_latching && axis.capture.is_some()) {
             return Err(SmcError::TpTriggeroccupied);
         }
         if trigger.fast_latching {
@@ -122,11 +130,16 @@ impl TouchProbe {
         axis.values.trigger_number = trigger.number;
         axis.values.start_capturing = true;
         axis.values.capture_occurred = false;
-        trigger.active = true;
-        Ok(())
+        Ok(trigger.claim())
     }
 
-    fn wait(&mut self, window: Option<[f64; 2]>, axis: &mut Axis, trigger: &mut Trigger) {
+    fn wait(&mut self, waiting: Waiting, axis: &mut Axis, trigger: &mut Trigger) {
+        let Waiting { window, owner } = waiting;
+        // Somebody has let go of it, and perhaps another block waits for it since.
+        if trigger.owner != owner {
+            self.waiting = None;
+            return self.latch.end(Outcome::Aborted, axis);
+        }
         let here = axis.act_position();
         let latched = if trigger.fast_latching {
             axis.captured.map(|position| axis.in_program(position))
@@ -134,9 +147,7 @@ impl TouchProbe {
             let inside = window.is_none_or(|window| is_inside(window, here, axis));
             (trigger.input && inside).then_some(here)
         };
-        let outcome = if !trigger.active {
-            Outcome::Aborted
-        } else if let Some(position) = latched {
+        let outcome = if let Some(position) = latched {
             self.recorded = position;
             axis.values.captured_position = position;
             axis.values.capture_occurred = true;
@@ -154,7 +165,7 @@ impl TouchProbe {
 
 /// Nobody waits for the trigger any more.
 fn free(axis: &mut Axis, trigger: &mut Trigger) {
-    trigger.active = false;
+    trigger.owner = 0;
     axis.values.start_capturing = false;
     if trigger.fast_latching {
         axis.capture = None;
@@ -182,7 +193,7 @@ impl AbortTrigger {
     /// Calls it, for a cycle, with Execute, the axis and the trigger; 410 if nobody waits for it.
     pub fn call(&mut self, execute: bool, axis: &mut Axis, trigger: &mut Trigger) -> Outputs {
         if self.latch.rises(execute) {
-            let outcome = if trigger.active {
+            let outcome = if trigger.is_active() {
                 free(axis, trigger);
                 Outcome::Done
             } else {

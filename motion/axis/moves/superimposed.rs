@@ -37,7 +37,8 @@ pub struct MoveSuperImposed {
 pub struct SuperImposed {
     /// The inputs; taken over at the next rising edge.
     pub inputs: MoveSuperImposed,
-    taken: Option<(Planned, i64)>,
+    /// What goes on, who that is, and `wDriveId` of the axis.
+    taken: Option<(Planned, i64, i64)>,
     latch: Latch,
 }
 
@@ -51,23 +52,25 @@ impl SuperImposed {
     /// Who it is while it moves the axis on top of another block, or alone.
     #[must_use]
     pub fn owner(&self) -> Option<i64> {
-        self.taken.as_ref().map(|(_, owner)| *owner)
+        self.taken.as_ref().map(|(_, owner, _)| *owner)
     }
 
     /// How long what goes on in it takes from its beginning, s.
     #[must_use]
     pub fn duration(&self) -> Option<f64> {
-        self.taken.as_ref().map(|(planned, _)| planned.duration())
+        self.taken.as_ref().map(|(planned, ..)| planned.duration())
     }
 
     /// Calls it, for a cycle, with Execute and its axis.
     pub fn call(&mut self, execute: bool, axis: &mut Axis) -> Outputs {
         if self.latch.rises(execute) {
-            let own = self.taken.take().is_some_and(|(_, owner)| axis.overlay_owner == owner);
+            let own = self.taken.take().is_some_and(|(_, owner, drive)| {
+                axis.overlay_owner == owner && axis.values.drive_id == drive
+            });
             match self.begin(axis) {
                 Ok(planned) => {
                     let owner = axis.claim_overlay(planned.target());
-                    self.taken = Some((planned, owner));
+                    self.taken = Some((planned, owner, axis.values.drive_id));
                 }
                 Err(refusal) => {
                     // The edge has ended what was on top (manual 5.2 b), with a velocity that nobody takes on.
@@ -94,8 +97,12 @@ impl SuperImposed {
     }
 
     fn advance(&mut self, axis: &mut Axis) {
-        let Some((planned, owner)) = &mut self.taken else { return };
-        let owner = *owner;
+        let Some((planned, owner, drive)) = &mut self.taken else { return };
+        let (owner, drive) = (*owner, *drive);
+        if drive != axis.values.drive_id {
+            self.taken = None;
+            return self.latch.end(Outcome::Failed(SmcError::AxisRefChangedDuringOperation), axis);
+        }
         if axis.overlay_owner != owner {
             self.taken = None;
             let outcome = axis.loss().map_or(Outcome::Aborted, Outcome::Failed);

@@ -1,5 +1,6 @@
 //! Motion through the points of a table.
 
+use crate::axis::direction::SAME;
 use crate::axis::ownership::Start;
 use crate::axis::profile::{MOST_POINTS, ProfilePoint, ProfileTable, TableProfile};
 use crate::axis::{Axis, AxisState, Motion, Progress, SmcError, Stage};
@@ -88,6 +89,22 @@ impl TableRun {
     }
 }
 
+/// Whole turns, u, by which the positions of a rotary axis count from another place than it stands: it begins within one period,
+/// and a first point without time may say the same place on the next one, as may one that stands a hair before the end of its
+/// period mean its begin.
+fn whole_turns(table: &ProfileTable<'_>, start: Start, axis: &Axis) -> f64 {
+    let Some(period) = axis.period() else { return 0.0 };
+    let position = start.state.position;
+    let first = table.points.first().filter(|point| point.delta_time == 0.0);
+    let same = match first {
+        Some(point) => table.offset + table.scale * point.value,
+        None => axis.to_drive(0.0),
+    };
+    let turns = (position - same) / period;
+    let near = (turns - turns.round()).abs() < SAME;
+    if first.is_some() || near { turns.round() * period } else { 0.0 }
+}
+
 impl Motion for PositionProfile {
     type With = ();
     type Run = TableRun;
@@ -97,6 +114,7 @@ impl Motion for PositionProfile {
         let mut table = self.0.table(SmcError::PpArraysize, SmcError::PpStep0ms)?;
         if table.absolute {
             table.offset = axis.to_drive(table.offset);
+            table.offset += whole_turns(&table, start, axis);
         }
         let profile = TableProfile::positions(start.state, table);
         Ok(TableRun::new(profile.map_err(|_invalid| SmcError::PpStep0ms)?, start, axis))

@@ -9,6 +9,9 @@ pub const MOST_POINTS: usize = 100;
 /// Part of the larger value by which the first point may be off the state that the motion starts from.
 const SAME: f64 = 1e-9;
 
+/// A sum of which less than this part of what was added is left is 0, but for rounding.
+const ROUNDED: f64 = 1e-12;
+
 /// A point of a table (`SMC_TP`, `SMC_TV`, `SMC_TA`).
 #[doc(alias = "SMC_TP")]
 #[doc(alias = "SMC_TV")]
@@ -114,12 +117,17 @@ impl TableProfile {
         let nodes = nodes(from, table, from.acceleration)?;
         let acceleration = nodes.first.unwrap_or(from.acceleration);
         let mut profile = Self::empty(State { acceleration, ..from });
+        let mut added = from.velocity.abs();
         for &(step, acceleration) in &nodes.points {
-            let jerk = (acceleration - profile.end.acceleration) / step;
-            profile.push(step, profile.end, jerk);
+            let before = profile.end;
+            let jerk = (acceleration - before.acceleration) / step;
+            profile.push(step, before, jerk);
             profile.end.acceleration = acceleration;
+            added += (profile.end.velocity - before.velocity).abs();
         }
-        let end = State { acceleration: 0.0, ..profile.end };
+        // Accelerations that cancel out end at rest.
+        let velocity = unless_rounded(profile.end.velocity, added);
+        let end = State { velocity, acceleration: 0.0, ..profile.end };
         profile.ended(end)
     }
 
@@ -188,7 +196,10 @@ fn nodes(from: State, table: ProfileTable, start: f64) -> Result<Nodes, ProfileE
     let base = if table.absolute { 0.0 } else { start };
     let mut nodes = Nodes { first: None, points: Vec::with_capacity(count) };
     for (index, point) in table.points.iter().enumerate() {
-        let value = finite("value of a point", base + table.offset + table.scale * point.value)?;
+        let scaled = table.scale * point.value;
+        let summed = base.abs() + table.offset.abs() + scaled.abs();
+        let value = unless_rounded(base + table.offset + scaled, summed);
+        let value = finite("value of a point", value)?;
         let step = finite("time of a point", point.delta_time)?;
         if step > 0.0 {
             nodes.points.push((step, value));
@@ -199,6 +210,11 @@ fn nodes(from: State, table: ProfileTable, start: f64) -> Result<Nodes, ProfileE
         }
     }
     Ok(nodes)
+}
+
+/// A sum of numbers that are `added` together without their signs; 0 if nothing but rounding is left of them.
+fn unless_rounded(sum: f64, added: f64) -> f64 {
+    if sum.abs() <= ROUNDED * added { 0.0 } else { sum }
 }
 
 /// A first point must be where the motion is.
