@@ -156,10 +156,10 @@ impl Encoder {
     /// position. `set` (`bSet`, `fSetValue`) makes the present position that value, u.
     pub fn call(&mut self, raw: u32, set: Option<f64>) -> EncoderOutputs {
         if self.config.ratio[1] == 0 {
-            return EncoderOutputs { valid: false, error: Some(SmcError::EncDenomZero) };
+            return self.refused(SmcError::EncDenomZero);
         }
         if self.axis.owner() != 0 {
-            return EncoderOutputs { valid: false, error: Some(SmcError::EncAxisusedbyotherfb) };
+            return self.refused(SmcError::EncAxisusedbyotherfb);
         }
         let known = self.last.is_some();
         self.counted += self.travel(raw);
@@ -189,6 +189,14 @@ impl Encoder {
         self.axis.values.communication = true;
         self.axis.watch_encoder_limits();
         EncoderOutputs { valid: true, error: None }
+    }
+
+    /// An error that is shown as long as what is wrong is: the axis keeps it once.
+    fn refused(&mut self, error: SmcError) -> EncoderOutputs {
+        if self.axis.read_fb_error() != Some(error) {
+            self.axis.report(error);
+        }
+        EncoderOutputs { valid: false, error: Some(error) }
     }
 
     /// The axis, to be followed; its actual values count.

@@ -152,7 +152,7 @@ fn a_step_of_the_velocity_is_no_jump_of_positions() {
     assert!(rig.cycle(|axis| block.call(true, axis)).stop_ipo);
 }
 
-fn control_by_position(gap_velocity: f64) -> ControlAxis {
+pub(super) fn control_by_position(gap_velocity: f64) -> ControlAxis {
     ControlAxis::new(ControlAxisBy {
         setpoint: Follow::Position(0.0),
         avoid_gaps: true,

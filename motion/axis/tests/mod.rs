@@ -15,6 +15,7 @@ mod gears;
 mod homing;
 mod invariants;
 mod jerk;
+mod kept_apart;
 mod latched;
 mod parameters;
 mod rig;

@@ -1,6 +1,7 @@
 //! Motion through the points of a table (manual 5.3).
 
-use super::rig::{CYCLE, linear};
+use super::invariants::Random;
+use super::rig::{CYCLE, linear, rotary};
 use crate::axis::profile::ProfilePoint;
 use crate::axis::{
     AccelerationProfile, AxisState, Block, Points, PositionProfile, SmcError, VelocityProfile,
@@ -53,6 +54,69 @@ fn velocity_and_acceleration_profiles_are_integrated() {
     assert_eq!(rig.axis.state(), AxisState::ContinuousMotion);
     rig.cycle(|axis| block.call(true, axis));
     assert!((rig.axis.set_position() - 70.0 - 30.0 * CYCLE).abs() < 1e-9);
+}
+
+/// What goes up and comes down by the same ends at rest, though the sum of its parts is rounded.
+#[test]
+fn profiles_that_cancel_out_end_at_rest() {
+    let mut random = Random(5);
+    for _ in 0..300 {
+        let mut rig = linear();
+        let steps: Vec<_> = (0..3).map(|_| random.between(0.05, 0.4)).collect();
+        let [up, flat, down] =
+            [steps[0], steps[1], steps[2]].map(|step| (step * 1e3).round() * 1e-3);
+        let rate = (random.between(1.0, 20.0) * 10.0).round() * 0.1;
+        let there = [(up, rate), (flat, rate), (down, 0.0)];
+        let back = there.map(|(step, rate)| (step, -rate));
+        let mut block = Block::new(AccelerationProfile(points(&[there, back].concat())));
+        rig.until(|axis| block.call(true, axis).done);
+        assert_eq!((rig.axis.set_velocity(), rig.axis.state()), (0.0, AxisState::Standstill));
+        // The trapezoid's area, twice; each half takes its whole time with the mean velocity that symmetry gives it.
+        let velocity = rate * (0.5 * (up + down) + flat);
+        let gained = velocity * (up + flat + down);
+        assert!((rig.axis.set_position() - gained).abs() < 1e-9, "{there:?}");
+        // A last velocity of 0 once it is scaled: 0.1 of 10·v, and an offset of −v.
+        let v = rate;
+        let mut table = points(&[(up, 500.0), (down, 10.0 * v)]);
+        (table.scale, table.offset) = (0.1, -v);
+        let mut block = Block::new(VelocityProfile(table));
+        rig.until(|axis| block.call(true, axis).done);
+        assert_eq!((rig.axis.set_velocity(), rig.axis.state()), (0.0, AxisState::Standstill));
+    }
+}
+
+/// Positions of a rotary axis: where it stands a hair before the end of its period is 0, and a first point says which of the
+/// same places is meant.
+#[test]
+fn a_profile_of_a_rotary_axis_begins_where_it_stands() {
+    let stands = |place: f64| {
+        let mut rig = rotary();
+        let mut there = super::framework::to(place);
+        rig.until(|axis| there.call(true, axis).done);
+        rig
+    };
+    let hair = 360.0 - 6e-14;
+    for (place, table, way) in [
+        (hair, points(&[(1.0, 10.0)]), 10.0),
+        (hair, points(&[(0.0, 0.0), (1.0, 10.0)]), 10.0),
+        (hair, points(&[(0.0, 360.0), (1.0, 350.0)]), -10.0),
+        (0.0, points(&[(0.0, 360.0), (1.0, 350.0)]), -10.0),
+        (0.0, points(&[(1.0, 350.0)]), 350.0),
+        (350.0, points(&[(1.0, 10.0)]), -340.0),
+        (350.0, points(&[(0.0, -10.0), (1.0, 10.0)]), 20.0),
+    ] {
+        let mut rig = stands(place);
+        let mut block = Block::new(PositionProfile(table.clone()));
+        let (mut travelled, mut last) = (0.0, rig.axis.total().position);
+        rig.until(|axis| {
+            let done = block.call(true, axis).done;
+            let way = axis.total().position - last;
+            travelled += way - 360.0 * (way / 360.0).round();
+            last = axis.total().position;
+            done
+        });
+        assert!((travelled - way).abs() < 1e-9, "{place} {table:?}: {travelled}");
+    }
 }
 
 /// One point is enough; one without time says where the motion begins, and nothing more.

@@ -18,14 +18,14 @@ mod random;
 mod tables;
 
 use super::rig::CYCLE;
-use crate::axis::profile::RampType;
+use crate::axis::profile::{RampType, State};
 use crate::axis::{
     Axis, AxisConfig, AxisState, DigitalCamSwitch, Movement, Outputs, Power, Reset, VirtualDrive,
 };
 use called::Called;
 use checker::{Checker, Limits, Promise};
 use lead::Lead;
-use random::Random;
+pub(super) use random::Random;
 use std::fmt::Write as _;
 
 /// Largest velocity of an axis, u/s; blocks are given half of it.
@@ -71,6 +71,8 @@ struct Run {
     without_power: u32,
     /// The block that has taken the axis in this cycle, and may have come to its end already.
     taker: Option<usize>,
+    /// Where a block has brought the axis to rest in this cycle, and given it back.
+    ended: Option<State>,
     /// Outputs along the axis, and what the first one was.
     switch: DigitalCamSwitch,
     switched: Vec<bool>,
@@ -111,6 +113,7 @@ impl Run {
             around,
             without_power: 0,
             taker: None,
+            ended: None,
             switch: coupled::switches(),
             switched: Vec::new(),
             followed: 0.0,
@@ -151,6 +154,7 @@ impl Run {
     ) -> Result<(), String> {
         let was_moving = self.mover();
         self.taker = None;
+        self.ended = None;
         self.disturb();
         self.axis.begin_cycle(&self.drive.feedback());
         checker.states(&mut self.axis)?;
@@ -179,6 +183,7 @@ impl Run {
         self.resets += u32::from(self.reset.call(in_error && !forgotten, &mut self.axis).done);
         checker.states(&mut self.axis)?;
         self.drive.follow(&self.axis.end_cycle());
+        self.keeps_the_end()?;
         let mover = self.mover().map(|index| self.blocks[index].name());
         checker.called(&mut self.axis, ("", true), mover)?;
         self.see_switches()?;
@@ -198,6 +203,26 @@ impl Run {
                 name(self.taker)
             )
         })
+    }
+
+    /// Whoever begins in the cycle in which another block has come to its end goes on from there: the drive gets that set-point.
+    /// But set-points that count every cycle, and cams, are where their program or their curve has them.
+    fn keeps_the_end(&self) -> Result<(), String> {
+        let Some(ended) = self.ended else { return Ok(()) };
+        let taker = self.taker.map_or("", |index| self.blocks[index].name());
+        let elsewhere = ["Follow", "ControlAxis", "CamIn"].iter().any(|it| taker.contains(it));
+        let left = [AxisState::ErrorStop, AxisState::PowerOff, AxisState::Homing];
+        let on_top = self.axis.overlay_owner != 0;
+        if elsewhere || on_top || left.contains(&self.axis.state()) {
+            return Ok(());
+        }
+        let now = self.axis.total();
+        let way = now.position - ended.position;
+        let way = self.axis.period().map_or(way, |it| way - it * (way / it).round());
+        if way.abs() > 1e-9 || now.velocity != 0.0 {
+            return Err(format!("a block has ended at {ended:?}, {taker} makes it {now:?}"));
+        }
+        Ok(())
     }
 
     fn call_blocks(
@@ -229,6 +254,11 @@ impl Run {
                 .map_err(|what| format!("{}: {what}", block.name()))?;
             if self.axis.values.owners != owners && block.on_top().is_none() {
                 self.taker = Some(index);
+                self.ended = self.ended.filter(|_| self.axis.owner() != 0);
+            }
+            let nobody = self.axis.owner() == 0 && self.axis.overlay_owner == 0;
+            if shown.done && was_owned[0] != 0 && nobody {
+                self.ended = Some(self.axis.total());
             }
             self.calls += 1;
             spoil(self.calls, &mut self.axis, &mut shown);

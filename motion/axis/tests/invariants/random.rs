@@ -3,7 +3,7 @@
 use crate::axis::Direction;
 
 /// The same in every run (splitmix64).
-pub(super) struct Random(pub(super) u64);
+pub(in crate::axis::tests) struct Random(pub(in crate::axis::tests) u64);
 
 impl Random {
     pub(super) fn next(&mut self) -> u64 {
@@ -15,7 +15,7 @@ impl Random {
     }
 
     /// In [from, to).
-    pub(super) fn between(&mut self, from: f64, to: f64) -> f64 {
+    pub(in crate::axis::tests) fn between(&mut self, from: f64, to: f64) -> f64 {
         let part = u32::try_from(self.next() >> 32).unwrap();
         from + (to - from) * f64::from(part) / (f64::from(u32::MAX) + 1.0)
     }
