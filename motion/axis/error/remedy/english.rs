@@ -11,7 +11,7 @@ pub(super) const fn remedy(error: E) -> &'static str {
             "check the wire, its ends and the power of every drive on it, then reset the axis group"
         }
         E::DiSwlimitsExceeded => {
-            "reset the axis with MC_Reset and move it back between fSWLimitNegative and fSWLimitPositive; correct the target, or the limits if they are wrong"
+            "reset the axis with MC_Reset and move it back between fSWLimitNegative and fSWLimitPositive; correct the target, or the limits if they are wrong; with hardware limits watched, an open limit switch is this error, too"
         }
         E::RegulatorOrStartNotSet => {
             "call MC_Power with Enable, bRegulatorOn and bDriveStart TRUE and wait for Status before the axis is moved"

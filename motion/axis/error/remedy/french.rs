@@ -11,7 +11,7 @@ pub(super) const fn remedy(error: E) -> &'static str {
             "vérifier la ligne, ses extrémités et l'alimentation de tous ses entraînements, puis réinitialiser le groupe d'axes"
         }
         E::DiSwlimitsExceeded => {
-            "réinitialiser l'axe avec MC_Reset et le ramener entre fSWLimitNegative et fSWLimitPositive ; corriger la cible, ou les limites si elles sont fausses"
+            "réinitialiser l'axe avec MC_Reset et le ramener entre fSWLimitNegative et fSWLimitPositive ; corriger la cible, ou les limites si elles sont fausses ; si les fins de course sont surveillés, un fin de course ouvert donne aussi cette erreur"
         }
         E::RegulatorOrStartNotSet => {
             "appeler MC_Power avec Enable, bRegulatorOn et bDriveStart à TRUE et attendre Status avant de déplacer l'axe"

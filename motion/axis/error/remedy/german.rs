@@ -11,7 +11,7 @@ pub(super) const fn remedy(error: E) -> &'static str {
             "Leitung, ihre Enden und die Versorgung aller Antriebe daran prüfen, dann die Achsgruppe zurücksetzen"
         }
         E::DiSwlimitsExceeded => {
-            "die Achse mit MC_Reset zurücksetzen und zwischen fSWLimitNegative und fSWLimitPositive zurückfahren; das Ziel berichtigen, oder die Grenzen, wenn sie falsch sind"
+            "die Achse mit MC_Reset zurücksetzen und zwischen fSWLimitNegative und fSWLimitPositive zurückfahren; das Ziel berichtigen, oder die Grenzen, wenn sie falsch sind; wo Endschalter überwacht werden, meldet ein offener ebenfalls diesen Fehler"
         }
         E::RegulatorOrStartNotSet => {
             "MC_Power mit Enable, bRegulatorOn und bDriveStart TRUE aufrufen und auf Status warten, bevor die Achse bewegt wird"
