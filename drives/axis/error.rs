@@ -1,6 +1,6 @@
 //! What goes wrong with an axis, by the manual's numbers (9.3) where it has one.
 
-use super::mode::{ControlType, ControllerMode};
+use super::mode::ControlType;
 
 /// What goes wrong with an axis. Values are in the unit of who asked: technical units, or increments.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -60,12 +60,6 @@ pub enum AxisError {
         /// Where it should be.
         target: f64,
     },
-    /// The device does not have this mode (`SMC_SCM_NOT_SUPPORTED`).
-    #[error("controller mode {mode:?} is not supported")]
-    ControllerMode {
-        /// The mode.
-        mode: ControllerMode,
-    },
     /// The device does not exchange these values.
     #[error("control type {control:?} is not supported")]
     ControlType {
@@ -95,19 +89,6 @@ pub enum AxisError {
         /// The position, units or increments.
         position: f64,
     },
-    /// A counter shows what it cannot, or has jumped by half its range, so that its sense is unknown.
-    #[error("the encoder shows {counter} after {before}, of {modulo}")]
-    EncoderJump {
-        /// Shown before.
-        before: u32,
-        /// Shown now.
-        counter: u32,
-        /// Where it wraps.
-        modulo: u64,
-    },
-    /// The ratio of an encoder has denominator 0 (`SMC_ENC_DENOM_ZERO`).
-    #[error("dwRatioTechUnitsDenom of the encoder is 0")]
-    EncoderDenominator,
     /// The log file cannot be opened (`SMC_ADL_FILE_CANNOT_BE_OPENED`).
     #[error("the log file cannot be opened: {reason}")]
     LogNotOpened {
@@ -139,19 +120,16 @@ impl AxisError {
             Self::SoftwareLimit { .. } | Self::HardwareLimit { .. } => Some(10),
             Self::HomingValue { .. } => Some(50),
             Self::NeedsHardwareLimit => Some(51),
-            Self::ControllerMode { .. } => Some(70),
             Self::StartUp { .. } => Some(80),
             Self::Gearing { .. } => Some(90),
             Self::Powered => Some(91),
             Self::LogNotOpened { .. } => Some(2100),
             Self::LogOverrun { .. } => Some(2101),
-            Self::EncoderDenominator => Some(5000),
             Self::Travel { .. }
             | Self::SwitchPassed { .. }
             | Self::NotArrived { .. }
             | Self::ControlType { .. }
             | Self::Overflow { .. }
-            | Self::EncoderJump { .. }
             | Self::LogNotWritten { .. } => None,
         }
     }

@@ -7,14 +7,12 @@
 
 pub mod backup;
 mod decimal;
-mod encoder;
 mod error;
 mod gearing;
 mod group;
 pub mod homing;
 mod limits;
 mod log;
-mod maths;
 mod maxima;
 mod mode;
 mod modulo;
@@ -23,16 +21,14 @@ mod times;
 mod tracking;
 
 pub use decimal::DecimalRatio;
-pub use encoder::{Encoder, EncoderOptions, EncoderState};
 pub use error::AxisError;
 pub use gearing::{Direction, Gearing, Movement};
 pub use group::{AxisGroup, GroupPhase, GroupTask, StartStep};
 pub use limits::{AxisLimits, LimitWatch, SetValues, SoftwareMaxima};
 pub use log::{DiagnosticLog, LogFormat, LogSelection, LogValues};
-pub use maths::{atan2, fmod, sgn};
 pub use maxima::{MaxSetAccDec, MaxSetVelocity, Maximum};
-pub use mode::{ControlType, ControllerMode};
-pub use modulo::{Modulo, Place, Unwrapped};
+pub use mode::ControlType;
+pub use modulo::{Modulo, Place};
 pub use ratio::Ratio;
 pub use times::TaskTimes;
 pub use tracking::TrackingError;

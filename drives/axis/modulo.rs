@@ -106,53 +106,6 @@ impl Modulo {
     }
 }
 
-/// Adds up a counter that wraps (`dwEncoderModulo`: 0 for 32 bits, 16#10000 for 16).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Unwrapped {
-    modulo: u64,
-    last: u32,
-    total: i64,
-}
-
-impl Unwrapped {
-    /// A counter that wraps at `modulo` (0: 2^32) and shows `counter` now, which counts as the same position.
-    ///
-    /// # Errors
-    /// [`AxisError::EncoderJump`] if it cannot show that.
-    pub fn new(modulo: u32, counter: u32) -> Result<Self, AxisError> {
-        let modulo = if modulo == 0 { 1 << 32 } else { modulo.into() };
-        if u64::from(counter) >= modulo {
-            return Err(AxisError::EncoderJump { before: counter, counter, modulo });
-        }
-        Ok(Self { modulo, last: counter, total: counter.into() })
-    }
-
-    /// What the counter shows now; the position, of the two ways there the shorter one.
-    ///
-    /// # Errors
-    /// [`AxisError::EncoderJump`] if it cannot show that, or has gone half its range: then either way is as long.
-    /// [`AxisError::Overflow`] at the end of 64 bits. In both cases nothing is added.
-    pub fn update(&mut self, counter: u32) -> Result<i64, AxisError> {
-        let modulo = i64::try_from(self.modulo).unwrap_or(1 << 32);
-        let way = (i64::from(counter) - i64::from(self.last)).rem_euclid(modulo);
-        if i64::from(counter) >= modulo || 2 * way == modulo {
-            let (before, modulo) = (self.last, self.modulo);
-            return Err(AxisError::EncoderJump { before, counter, modulo });
-        }
-        let step = if 2 * way > modulo { way - modulo } else { way };
-        #[expect(clippy::cast_precision_loss, reason = "for a message")]
-        let overflow = AxisError::Overflow { position: self.total as f64 };
-        self.total = self.total.checked_add(step).ok_or(overflow)?;
-        self.last = counter;
-        Ok(self.total)
-    }
-
-    /// The position.
-    pub fn total(&self) -> i64 {
-        self.total
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -208,23 +161,6 @@ mod tests {
         }
     }
 
-    /// 2.1.4: 16#10000 is a counter of 16 bits, 0 one of 32.
-    #[test]
-    fn counters_are_added_up_over_their_ends() {
-        let mut short = Unwrapped::new(0x1_0000, 65_000).unwrap();
-        assert_eq!(
-            [65_535, 0, 3000, 40, 65_000].map(|shown| short.update(shown).unwrap()),
-            [65_535, 65_536, 68_536, 65_576, 65_000]
-        );
-        let half = short.update(65_000 - 32_768);
-        assert!(matches!(half, Err(AxisError::EncoderJump { modulo: 0x1_0000, .. })), "{half:?}");
-        assert!(short.update(0x1_0000).is_err() && Unwrapped::new(0x1000, 0x1000).is_err());
-        assert_eq!(short.total(), 65_000, "nothing was added");
-        let mut long = Unwrapped::new(0, 5).unwrap();
-        assert_eq!(long.update(u32::MAX), Ok(-1));
-        assert!(long.update(0x7FFF_FFFF).is_err());
-    }
-
     proptest! {
         /// Whole numbers say it otherwise: turns·period ≤ position < (turns + 1)·period, and the rest is the position.
         #[test]
@@ -242,18 +178,6 @@ mod tests {
             let expected = rest as f64 / f64::from(per);
             prop_assert!((position - expected).abs() <= 1e-15 * f64::from(period) + 1e-15 * expected);
             prop_assert!((0.0..f64::from(period)).contains(&position));
-        }
-
-        /// A counter of 12 bits that is looked at often enough tells where the axis is, however far it goes.
-        #[test]
-        fn a_walk_is_followed(steps in proptest::collection::vec(-2047_i64..2048, 1..200)) {
-            let mut counter = Unwrapped::new(0x1000, 0).unwrap();
-            let mut position = 0_i64;
-            for step in steps {
-                position += step;
-                let shown = u32::try_from(position.rem_euclid(0x1000)).unwrap();
-                prop_assert_eq!(counter.update(shown), Ok(position));
-            }
         }
     }
 }

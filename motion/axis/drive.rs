@@ -71,13 +71,17 @@ pub enum Homing {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ControllerMode {
     /// 1 `SMC_torque`.
+    #[doc(alias = "SMC_torque")]
     Torque,
     /// 2 `SMC_velocity`.
+    #[doc(alias = "SMC_velocity")]
     Velocity,
     /// 3 `SMC_position`.
+    #[doc(alias = "SMC_position")]
     #[default]
     Position,
     /// 4 `SMC_current`.
+    #[doc(alias = "SMC_current")]
     Current,
 }
 

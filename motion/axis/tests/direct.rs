@@ -311,7 +311,7 @@ fn masters_without_a_drive_tell_their_acceleration() {
     assert_eq!(turning, [(0.0, 0.0), (30.0 / CYCLE, 0.0), (30.0 / CYCLE, 0.0)]);
 }
 
-fn encoder(modulo: u32, ratio: [i64; 2]) -> Encoder {
+pub(super) fn encoder(modulo: u32, ratio: [i64; 2]) -> Encoder {
     Encoder::new(EncoderConfig {
         id: 1,
         ratio,

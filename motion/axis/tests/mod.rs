@@ -8,6 +8,7 @@
 mod blocks;
 mod cam_starts;
 mod cams;
+mod counters;
 mod direct;
 mod examples;
 mod framework;

@@ -279,3 +279,20 @@ fn the_direction_is_that_of_the_set_velocity() {
     rig.until(|axis| on.call(true, axis).done);
     assert_eq!((direction(&rig), rig.axis.set_velocity()), (-1, -5.0));
 }
+
+/// `SMC_CONTROLLER_MODE` (manual 2.2.4).
+#[test]
+fn controller_modes_have_the_manuals_numbers() {
+    use crate::axis::ControllerMode;
+    let modes = [
+        ControllerMode::Torque,
+        ControllerMode::Velocity,
+        ControllerMode::Position,
+        ControllerMode::Current,
+    ];
+    for (number, mode) in (1..).zip(modes) {
+        assert_eq!((mode.number(), ControllerMode::from_number(number)), (number, Some(mode)));
+    }
+    assert_eq!([0, 5].map(ControllerMode::from_number), [None, None]);
+    assert_eq!(ControllerMode::default(), ControllerMode::Position);
+}
