@@ -129,6 +129,7 @@ fn moves_that_start_beyond_the_limits_are_as_fast() {
         case.from.acceleration *= 3.0 * random.unit();
     }
     if let Some(comparison) = compare(&cases, |_, _| true) {
-        assert!(comparison.count >= 20_000, "{comparison:?}");
+        // Ruckig has no motion for the worst of them.
+        assert!(comparison.count >= 29_000 && comparison.refused < 300, "{comparison:?}");
     }
 }
