@@ -4,7 +4,7 @@ use super::axis::{Axis, AxisKind};
 use super::problem::{Elsewhere, MachineFileError};
 use super::section::Section;
 use crate::cam::check::unit_fits;
-use crate::cam::{CamFile, CamFileError, START_MODES};
+use crate::cam::{CamFile, CamFileError, START_MODES, no_scaling};
 use crate::ring;
 use crate::tappets::MOST_SIGNALS;
 use std::collections::BTreeSet;
@@ -261,7 +261,13 @@ pub(crate) fn read_cam(
         let key = axis.map(|axis| format!("{key}_{}{suffix}", axis.kind.unit()));
         key.and_then(|key| section.number(&key, least..=FAR)).unwrap_or(own)
     };
-    let scaling = |key, own| section.number(key, -FAR..=FAR).unwrap_or(own);
+    let scaling = |key: &str, own| {
+        let said = section.number(key, -FAR..=FAR);
+        if let Some(message) = said.and_then(|said| no_scaling(&format!("`{key}`"), said)) {
+            section.complain_at(key, message);
+        }
+        said.unwrap_or(own)
+    };
     let input = CamInput {
         master_offset: number(("master_offset", own.master_offset), master, "", -FAR),
         master_scaling: scaling("master_scaling", own.master_scaling),
