@@ -2,7 +2,7 @@
 
 use super::JobSetpoints;
 use super::tests::{START, job, machine, moves, near, run, time};
-use crate::finding::Rule;
+use crate::finding::{Finding, Rule};
 use crate::planning::PlanItem;
 use crate::setpoint::AxisSetpoint;
 
@@ -120,4 +120,38 @@ fn a_cam_ramps_in_with_the_acceleration_of_its_axis() {
     let slow = with("acceleration_mm_per_s2 = 500");
     assert_eq!(slow, with("acceleration_mm_per_s2 = 500\ndeceleration_mm_per_s2 = 500"));
     assert_ne!(slow, setpoints);
+}
+
+fn told(text: &str) -> Vec<Finding> {
+    let (_, findings) = run(&job(text), &machine());
+    findings
+}
+
+/// On X at 20 mm/s from 0 s on (0.4 mm less for its 500 mm/s²): 30 mm on top at 10 mm/s from 0.2 s on, of which 7.9 mm are done at
+/// 1 s, and 10 mm back from there; a cycle is 0.01 mm. How the two stand in the file changes nothing.
+#[test]
+fn what_moves_on_top_is_taken_over_where_the_job_says_when() {
+    let moves_on =
+        block("MC_MoveVelocity", "velocity_mm_per_s = 20\nacceleration_mm_per_s2 = 500\nat_s = 0");
+    let on_top = |distance: f64, at: &str| {
+        let rates = "velocity_difference_mm_per_s = 10\nacceleration_mm_per_s2 = 500";
+        block("MC_MoveSuperImposed", &format!("distance_mm = {distance:?}\n{rates}\n{at}"))
+    };
+    let blocks = [on_top(30.0, "at_s = 0.2"), on_top(-10.0, "at_s = 1")];
+    for order in [[0, 1], [1, 0]] {
+        let [one, other] = order.map(|index: usize| blocks[index].clone());
+        let setpoints = moves(&format!("duration_s = 3\n{START}{moves_on}{one}{other}"));
+        let over = setpoints.iter().find(|one| time(one) >= 2.5 - 1e-9).unwrap();
+        near(over.axes.position[0] * 1e3, 100.0 + 20.0 * 2.5 - 0.4 + 7.9 - 10.0, 0.0101);
+        near(over.axes.velocity[0] * 1e3, 20.0, 1e-9);
+    }
+    // One that begins in the same cycle has taken over from nobody who has moved.
+    let found = told(&format!(
+        "duration_s = 3\n{START}{moves_on}{}{}",
+        on_top(30.0, "at_s = 0.2"),
+        on_top(-10.0, "with_previous = true")
+    ));
+    let [finding] = found.as_slice() else { panic!("{found:?}") };
+    let words = "MC_MoveSuperImposed of axis X has lost its axis to MC_MoveSuperImposed (line 22)";
+    assert!(finding.message.starts_with(words), "{finding:?}");
 }

@@ -105,8 +105,10 @@ impl Job {
 }
 
 /// Blocks that leave their axis to what moves it: what moves on top of that, what moves its zero, and what looks at it.
-const ON_TOP: [&str; 4] =
-    ["MC_MoveSuperImposed", "MC_SetPosition", "MC_TouchProbe", "MC_AbortTrigger"];
+const ON_TOP: [&str; 4] = [SUPERIMPOSED, "MC_SetPosition", "MC_TouchProbe", "MC_AbortTrigger"];
+
+/// The block that moves its axis on top of another one, and that one of its kind takes over from.
+const SUPERIMPOSED: &str = "MC_MoveSuperImposed";
 
 /// Of each axis the block that moves it last of those read so far, by its number, if that is an `MC_CamIn`: the one whose
 /// `EndOfProfile` a block behind them waits for. Blocks of other axes, such as the master's, may stand between them.

@@ -1,7 +1,7 @@
 //! When a job is over: everything is done and stands, or waits for what never comes.
 
 use super::super::read::LONGEST;
-use super::super::{Call, ON_TOP};
+use super::super::{Call, ON_TOP, SUPERIMPOSED};
 use super::moved::Moved;
 use super::{Engine, Running};
 use crate::finding::{Finding, Rule};
@@ -69,7 +69,8 @@ impl Engine {
         let takes = |(other, running): (usize, &Running)| {
             running.begun_ns.is_none()
                 && running.call.axis == call.axis
-                && !ON_TOP.contains(&running.call.name)
+                && (!ON_TOP.contains(&running.call.name)
+                    || [running.call.name, call.name] == [SUPERIMPOSED; 2])
                 && !self.schedule.waits_for(index, other)
         };
         if self.duration_ns.is_some() || self.calls.iter().enumerate().any(takes) {

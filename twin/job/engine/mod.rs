@@ -9,7 +9,7 @@ mod schedule;
 mod watch;
 
 use super::block::Fired;
-use super::{Begins, Call, CamsBefore, Job, ON_TOP};
+use super::{Begins, Call, CamsBefore, Job, ON_TOP, SUPERIMPOSED};
 use crate::finding::{Finding, Rule};
 use crate::machine::Machine;
 use crate::report::seconds;

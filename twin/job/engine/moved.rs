@@ -34,6 +34,8 @@ pub(super) struct Moved {
     pub(super) jumped: f64,
     /// The block that has taken it last.
     pub(super) taken_by: Option<usize>,
+    /// The block that has begun last to move it on top of that.
+    pub(super) topped_by: Option<usize>,
 }
 
 /// What an axis is made from: name, period, largest velocity, acceleration and jerk, and where it starts.
@@ -84,6 +86,7 @@ impl Moved {
             shown,
             halt: None,
             taken_by: None,
+            topped_by: None,
             max_acceleration: acceleration,
             max_velocity: velocity,
             jumped: 0.0,
