@@ -2,7 +2,7 @@
 
 use std::fmt;
 use twin_motion::axis::{
-    Axis, Block, CamIn, Master, Motion, Outputs, SuperImposed, Trigger as Input,
+    Axis, Block, CamIn, GearInPos, Master, Motion, Outputs, SuperImposed, Trigger as Input,
 };
 use twin_motion::cam::{StartMode, TappetData, Trigger};
 
@@ -53,6 +53,11 @@ pub(super) trait Called: fmt::Debug + Send {
         None
     }
 
+    /// Where its master has to come for it to begin to couple, in the master's unit, as long as it waits for that.
+    fn awaits(&self) -> Option<f64> {
+        None
+    }
+
     /// `EndOfProfile` of the last call.
     fn ends_profile(&self) -> bool {
         false
@@ -60,6 +65,11 @@ pub(super) trait Called: fmt::Debug + Send {
 
     /// Of a cam whose elements do not stand by ascending masters: its file, line, and which.
     fn out_of_order(&self) -> Option<&str> {
+        None
+    }
+
+    /// The trigger of the job that it waits for, by its number.
+    fn trigger(&self) -> Option<usize> {
         None
     }
 
@@ -230,6 +240,29 @@ impl Called for SuperImposed {
     fn lasts(&self) -> Option<f64> {
         self.duration()
     }
+}
+
+/// A block whose axis is in gear with another one from a place on.
+#[derive(Debug)]
+struct InGearFrom(Block<GearInPos>);
+
+impl Called for InGearFrom {
+    fn call(&mut self, execute: bool, axis: &mut Axis, with: With<'_>) -> Outputs {
+        match with.master {
+            Some(master) => self.0.call_with(execute, axis, master),
+            None => Outputs::default(),
+        }
+    }
+
+    fn awaits(&self) -> Option<f64> {
+        let run = self.0.running()?;
+        (!run.is_coupling()).then_some(self.0.inputs.master_sync_position)
+    }
+}
+
+/// A block whose axis is in gear with another one from a place on.
+pub(super) fn in_gear_from(inputs: GearInPos) -> Box<dyn Called> {
+    Box::new(InGearFrom(Block::new(inputs)))
 }
 
 /// A block of `inputs` that moves an axis by itself.

@@ -1,6 +1,6 @@
 //! Which blocks a job may call, and what they are told.
 
-use super::block::{Called, alone, following, on_cam, set_position};
+use super::block::{Called, alone, following, in_gear_from, on_cam, set_position};
 use super::direct::{Gaps, direct};
 use super::probe::{abort, probe};
 use super::read::{FAR, Known};
@@ -142,7 +142,7 @@ impl Kind {
                 let master = of.of_master("master_sync_position");
                 let distance = of.optional_of_master("master_start_distance", 0.0..=FAR);
                 let (ratio_numerator, ratio_denominator) = ratio?;
-                following(GearInPos {
+                in_gear_from(GearInPos {
                     ratio_numerator,
                     ratio_denominator,
                     master_sync_position: master?,

@@ -76,6 +76,7 @@ impl Engine {
         let over = running.over_ns.is_some();
         if (done || command_aborted) && !over {
             running.over_ns = Some(self.now_ns);
+            self.changed_ns = self.now_ns;
             self.schedule.over(index, self.now_ns);
             self.notes.extend(recorded(call, moved));
         }

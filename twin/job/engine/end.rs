@@ -39,6 +39,9 @@ impl Engine {
                 let message = format!("{name} waits for ever: its axis and its master stand");
                 return Err(Finding::error(Rule::FunctionBlock, place, message).into());
             }
+            if !stand && !ends && self.nothing_is_due() {
+                self.refuse_to_wait(self.open)?;
+            }
             return self.in_time();
         }
         let endless = |moved: &&Moved| moved.axis.state() == AxisState::ContinuousMotion;

@@ -14,6 +14,9 @@ const SWITCHING_ON: usize = 3;
 /// Jerk of an axis whose limit nobody gives, in terms of its acceleration: it is up within a tenth of a second.
 const JERK: f64 = 10.0;
 
+/// An acceleration that is less, in terms of the largest one, is 0 but for rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// An axis with its drive.
 #[derive(Debug)]
 pub(super) struct Moved {
@@ -143,6 +146,11 @@ impl Moved {
         if let Some(halt) = &mut self.halt {
             halt.call(true, &mut self.axis);
         }
+    }
+
+    /// Whether its velocity stays, but for what rounding makes of the acceleration 0.
+    pub(super) fn is_steady(&self) -> bool {
+        self.state.acceleration.abs() <= ROUNDING * self.max_acceleration
     }
 
     pub(super) fn stands(&self) -> bool {
