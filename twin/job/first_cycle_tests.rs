@@ -218,7 +218,7 @@ fn phasing_ends_a_gear_and_leads() {
     let (setpoints, findings) = run(&job(text), &machine());
     let [note] = findings.as_slice() else { panic!("{findings:?}") };
     assert_eq!((note.severity, note.line), (Severity::Note, 17));
-    let words = "MC_Phasing ends MC_GearIn of axis X (line 6) and couples it 1:1 with web";
+    let words = "MC_Phasing ends MC_GearIn of axis X (line 7) and couples it 1:1 with web";
     assert!(note.message.starts_with(words), "{}", note.message);
     let at = |seconds: f64| {
         let one = setpoints.iter().find(|one| one.time_ns >= nanoseconds(seconds)).unwrap();

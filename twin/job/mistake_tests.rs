@@ -94,6 +94,18 @@ fn scalings_of_nothing_are_refused() {
     }
 }
 
+/// A file of another kind has no line to show beside the job's own.
+#[test]
+fn a_job_that_is_named_as_a_cam_is_told_once() {
+    let text = format!(
+        "{SHAFT}[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"shaft\"\ncam = \"job.toml\"\n"
+    );
+    let (_, findings) = run(&job(&text), &machine());
+    let [finding] = findings.as_slice() else { panic!("{findings:#?}") };
+    assert!(finding.message.ends_with("this is a job, no cam: `twin cam run` runs it"));
+    assert_eq!((finding.line, finding.elsewhere.is_none()), (9, true));
+}
+
 /// What stands twice is named once among what there is.
 #[test]
 fn names_that_are_given_twice_are_listed_once() {

@@ -302,6 +302,13 @@ fn complain(section: &Section<'_>, path: &Path, error: CamFileError) {
     let said = error.to_string();
     let named = path.display().to_string();
     if let CamFileError::Toml(MachineFileError::Content { path, text, problems, .. }) = error {
+        // What is about the whole of a file has no line in it to show.
+        if let [whole] = problems.as_slice()
+            && whole.span.is_empty()
+        {
+            section.complain_at("cam", format!("{named}: {}", whole.message));
+            return;
+        }
         let elsewhere = Elsewhere { path, text, problems };
         section.complain_elsewhere("cam", elsewhere);
         return;
