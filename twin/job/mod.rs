@@ -91,6 +91,11 @@ pub(crate) struct Job {
     calls: Vec<Call>,
 }
 
+/// The blocks that jobs call, by the names of the manual.
+pub(crate) fn block_names() -> impl Iterator<Item = &'static str> {
+    kind::BLOCKS.iter().map(|(name, _)| *name)
+}
+
 impl Job {
     /// Every axis: name, period and unit.
     fn masters(&self, machine: &Machine) -> Vec<(String, Option<f64>, &'static str)> {

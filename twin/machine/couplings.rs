@@ -236,8 +236,12 @@ pub(crate) fn read_cam(
             if !unit_fits(scale, axis.kind) {
                 let CamAxis { name, kind } = axis;
                 let (unit, own) = (scale.unit(), kind.unit());
-                let message =
-                    format!("{}: the {which} is in {unit}, axis {name} in {own}", path.display());
+                let time = ["s", "ms", "sec"].contains(&unit) && which == "master";
+                let time = if time { NO_TIME } else { "" };
+                let message = format!(
+                    "{}: the {which} is in {unit}, axis {name} in {own}{time}",
+                    path.display()
+                );
                 section.complain_at("cam", message);
             }
         }
@@ -296,6 +300,10 @@ pub(crate) fn read_cam(
     let table = CamTable { periodic, master_absolute, slave_absolute, ..CamTable::new(cam) };
     Some(CamSelection { table, input, out_of_order })
 }
+
+/// What helps a cam over time.
+const NO_TIME: &str = ": no axis is time itself; a linear axis that MC_MoveVelocity moves with 1 mm/s counts seconds in mm, so that the \
+                       unit of the master is mm";
 
 /// What is wrong with a cam's file: in a line, and, where its lines are known, with these.
 fn complain(section: &Section<'_>, path: &Path, error: CamFileError) {
