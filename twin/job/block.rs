@@ -73,6 +73,11 @@ pub(super) trait Called: fmt::Debug + Send {
         None
     }
 
+    /// What its axis gains in every pass of a cam that goes on at its end because nothing is said, in its unit.
+    fn gain_unsaid(&self) -> Option<f64> {
+        None
+    }
+
     /// A position that it has recorded, for as long as it is done.
     fn recorded(&self) -> Option<f64> {
         None
@@ -95,35 +100,39 @@ pub(super) struct CamStart {
 
 /// A block whose axis follows a cam.
 #[derive(Debug)]
-struct OnCam(Block<CamIn>, Option<String>);
+struct OnCam {
+    block: Block<CamIn>,
+    out_of_order: Option<String>,
+    gain_unsaid: Option<f64>,
+}
 
 impl Called for OnCam {
     fn call(&mut self, execute: bool, axis: &mut Axis, with: With<'_>) -> Outputs {
         match with.master {
-            Some(master) => self.0.call_with(execute, axis, master),
+            Some(master) => self.block.call_with(execute, axis, master),
             None => Outputs::default(),
         }
     }
 
     fn groups(&self) -> Vec<i16> {
-        let cam = self.0.inputs.table.as_ref().map(|table| &table.cam);
+        let cam = self.block.inputs.table.as_ref().map(|table| &table.cam);
         cam.into_iter().flat_map(|cam| cam.tappets()).map(|tappet| tappet.group).collect()
     }
 
     fn tappets(&self) -> Option<&TappetData> {
-        self.0.running().map(|run| &run.coupling().output().tappets)
+        self.block.running().map(|run| &run.coupling().output().tappets)
     }
 
     fn dead_time(&self) -> f64 {
-        self.0.inputs.input.tappet_dead_time_s
+        self.block.inputs.input.tappet_dead_time_s
     }
 
     fn out_of_order(&self) -> Option<&str> {
-        self.1.as_deref()
+        self.out_of_order.as_deref()
     }
 
     fn cam_start(&self) -> Option<CamStart> {
-        let CamIn { table, input } = &self.0.inputs;
+        let CamIn { table, input } = &self.block.inputs;
         let relative = input.start_mode == StartMode::Relative
             || table.as_ref().is_some_and(|table| !table.slave_absolute);
         let laid = table.as_ref().is_some_and(|table| !table.master_absolute);
@@ -139,16 +148,20 @@ impl Called for OnCam {
     }
 
     fn lay(&mut self, by: f64) {
-        self.0.inputs.input.slave_offset += by;
+        self.block.inputs.input.slave_offset += by;
     }
 
     fn stood_on(&self) -> Vec<i16> {
-        let run = self.0.running().into_iter();
+        let run = self.block.running().into_iter();
         run.flat_map(|run| run.coupling().stood_on()).map(|tappet| tappet.group).collect()
     }
 
     fn ends_profile(&self) -> bool {
-        self.0.running().is_some_and(|run| run.coupling().output().end_of_profile)
+        self.block.running().is_some_and(|run| run.coupling().output().end_of_profile)
+    }
+
+    fn gain_unsaid(&self) -> Option<f64> {
+        self.gain_unsaid
     }
 }
 
@@ -176,8 +189,12 @@ pub(super) fn set_position(position: f64, relative: bool) -> Box<dyn Called> {
 }
 
 /// A block whose axis follows a cam, of whose file something may be told.
-pub(super) fn on_cam(inputs: CamIn, out_of_order: Option<String>) -> Box<dyn Called> {
-    Box::new(OnCam(Block::new(inputs), out_of_order))
+pub(super) fn on_cam(
+    inputs: CamIn,
+    out_of_order: Option<String>,
+    gain_unsaid: Option<f64>,
+) -> Box<dyn Called> {
+    Box::new(OnCam { block: Block::new(inputs), out_of_order, gain_unsaid })
 }
 
 /// A tappet that has acted.

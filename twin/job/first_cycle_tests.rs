@@ -231,3 +231,23 @@ fn phasing_ends_a_gear_and_leads() {
 fn nanoseconds(seconds: f64) -> i64 {
     (seconds * 1e9).round() as i64
 }
+
+/// Twice 60 mm backwards in every pass of a cam that goes on because nothing is said.
+#[test]
+fn what_a_cam_gains_because_nothing_is_said_is_told() {
+    let cam = "name = \"g\"\nmaster = { min = 0, max = 100, unit = \"mm\" }\nslave = { min = 0, max = 60, unit = \"mm\" }\n\
+               elements = [{ master = 0, slave = 0 }, { master = 100, slave = 60 }]\n";
+    for (keys, told) in [("", true), ("periodic = true\n", false), ("periodic = false\n", false)] {
+        let job = job(&format!(
+            "[[virtual_axes]]\nname = \"web\"\nkind = \"linear\"\n[[start]]\naxis = \"X\"\nposition_mm = 0\n[[blocks]]\n\
+             block = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"web\"\ncam = \"g.toml\"\nslave_scaling = -2\n{keys}"
+        ));
+        std::fs::write(job.folder.path().join("g.toml"), cam).unwrap();
+        let (_, findings) = run(&job, &machine());
+        assert_eq!(findings.len(), usize::from(told), "{findings:?}");
+        for note in findings {
+            assert_eq!((note.severity, note.line), (Severity::Note, 8));
+            assert!(note.message.ends_with("the slave gains -120 mm in every pass"), "{note:?}");
+        }
+    }
+}

@@ -44,6 +44,8 @@ pub struct CamSelection {
     pub input: CamInput,
     /// Of a cam whose elements do not stand by ascending masters: its file, which element, and its line.
     pub out_of_order: Option<String>,
+    /// What the slave gains in every pass, in its unit, of a cam that is put end to end because nothing is said.
+    pub gain_unsaid: Option<f64>,
 }
 
 impl Coupling {
@@ -296,9 +298,12 @@ pub(crate) fn read_cam(
     let file = file?;
     let named = file.path.display();
     let out_of_order = file.out_of_order.as_ref().map(|said| format!("{named}: {said}"));
+    let rise = file.cam.curve().rise() * input.slave_scaling * input.master_scaling.signum();
+    let unsaid = periodic && !section.has("periodic") && file.period.is_none() && !file.repeated;
+    let gain_unsaid = (unsaid && rise != 0.0).then_some(rise);
     let cam = Arc::new(file.cam);
     let table = CamTable { periodic, master_absolute, slave_absolute, ..CamTable::new(cam) };
-    Some(CamSelection { table, input, out_of_order })
+    Some(CamSelection { table, input, out_of_order, gain_unsaid })
 }
 
 /// What helps a cam over time.
