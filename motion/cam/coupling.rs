@@ -68,9 +68,7 @@ impl CamCoupling {
             let (min, max) = (curve.start(), curve.end());
             return Err(CouplingError::MasterOutOfRange { master: x, min, max });
         }
-        let width = curve.end() - curve.start();
-        let repeated = table.periodic.then_some(width);
-        let watch = Watch::new(table.cam.tappets(), input.tappet_hysteresis, repeated);
+        let watch = Watch::of(&table.cam, input.tappet_hysteresis, table.periodic);
         let unwrap = Unwrap::new(table.master_period, master.position);
         let (_, passes) = if table.periodic { curve.wrap(x) } else { (x, 0.0) };
         let relative = input.start_mode == StartMode::Relative || !table.slave_absolute;
@@ -236,8 +234,8 @@ impl CamCoupling {
     /// The tappets on which the master stood at the start: they have not been passed by that, and act when it comes to them again.
     pub fn stood_on(&self) -> impl Iterator<Item = &Tappet> {
         let curve = self.table.cam.curve();
-        let width = self.table.periodic.then(|| curve.end() - curve.start());
-        self.table.cam.tappets().iter().filter(move |tappet| tappet.is_at(self.began, width))
+        let seam = self.table.periodic.then(|| [curve.start(), curve.end()]);
+        self.table.cam.tappets().iter().filter(move |tappet| tappet.is_at(self.began, seam))
     }
 
     /// Offset1 and Offset2 of the manual (4.6.2): the slave is at y(x + Offset1) + Offset2, before it is scaled.
@@ -277,8 +275,7 @@ impl CamCoupling {
                 return Err(CouplingError::OtherSize { what, found, expected });
             }
         }
-        let width = self.table.periodic.then(|| cam.curve().end() - cam.curve().start());
-        self.watch = Watch::new(cam.tappets(), self.input.tappet_hysteresis, width);
+        self.watch = Watch::of(&cam, self.input.tappet_hysteresis, self.table.periodic);
         if self.table.periodic {
             (_, self.passes) = cam.curve().wrap(self.x);
         }

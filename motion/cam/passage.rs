@@ -7,8 +7,13 @@
 //! The manual speaks of a passage only, and gives the bit a value of its own to begin with (`bInitValue`, 5.5). So a master
 //! that stands on a tappet when the cam begins (`MC_CamIn`, `Enable` of `SMC_CAMRegister`) has not come to it: the tappet acts
 //! when the master comes to it again, on a periodic cam at the begin of the next pass. [`Tappet::is_at`] finds them.
+//!
+//! Where a cam is put end to end, the end of one pass and the begin of the next are one place. A pass is over before the next one
+//! begins: forwards what stands at the end acts first, backwards what stands at the begin.
 
+use super::reference::Cam;
 use super::tappet::{Action, Passage, Tappet};
+use std::cmp::Ordering;
 
 /// A tappet that acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,14 +46,37 @@ pub(crate) struct Watch {
     hysteresis: f64,
     /// Width of the cam, if it is put end to end.
     width: Option<f64>,
-    /// What acts in a cycle; kept for its memory.
-    found: Vec<(f64, Trigger)>,
+    /// Begin and end of the cam, if it is put end to end: one place, whatever the width is rounded to.
+    seam: Option<[f64; 2]>,
+    /// What acts in a cycle, where, and whether that is the end of a pass; kept for its memory.
+    found: Vec<(Stands, Trigger)>,
+}
+
+/// Where a tappet stands: in which of the passes that meet at a seam, too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Stands {
+    at: f64,
+    ends_pass: bool,
+}
+
+impl Stands {
+    /// In the order of a master that goes forwards.
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.at.total_cmp(&other.at).then_with(|| other.ends_pass.cmp(&self.ends_pass))
+    }
 }
 
 impl Watch {
     pub(crate) fn new(tappets: &[Tappet], hysteresis: f64, width: Option<f64>) -> Self {
         let tappets = tappets.iter().map(|tappet| (*tappet, None)).collect();
-        Self { tappets, hysteresis: hysteresis.abs(), width, found: Vec::new() }
+        Self { tappets, hysteresis: hysteresis.abs(), width, seam: None, found: Vec::new() }
+    }
+
+    /// Watches those of a cam, that is put end to end or not.
+    pub(crate) fn of(cam: &Cam, hysteresis: f64, repeated: bool) -> Self {
+        let [start, end] = [cam.curve().start(), cam.curve().end()];
+        let seam = repeated.then_some([start, end]);
+        Self { seam, ..Self::new(cam.tappets(), hysteresis, repeated.then_some(end - start)) }
     }
 
     /// What acts in this cycle, in order.
@@ -69,20 +97,22 @@ impl Watch {
                 Passage::Negative => !forwards,
                 Passage::Every => true,
             };
-            for at in places(tappet.master, self.width, &step).filter(|at| step.reaches(*at)) {
+            let (master, ends_pass) = tappet.first_place(self.seam);
+            for at in places(master, self.width, &step).filter(|at| step.reaches(*at)) {
                 // What has acted and not been left does not act again.
                 if wanted && *held != Some(at) {
                     *held = Some(at);
                     let Tappet { group, action, .. } = *tappet;
                     let time_ns = step.time_at(at);
-                    self.found.push((at, Trigger { group, action, time_ns }));
+                    let stands = Stands { at, ends_pass };
+                    self.found.push((stands, Trigger { group, action, time_ns }));
                 }
             }
             if held.is_some_and(|at| (step.to - at).abs() > self.hysteresis) {
                 *held = None;
             }
         }
-        self.found.sort_by(|(a, _), (b, _)| if forwards { a.total_cmp(b) } else { b.total_cmp(a) });
+        self.found.sort_by(|(a, _), (b, _)| if forwards { a.cmp(b) } else { b.cmp(a) });
         self.found.iter().map(|(_, trigger)| *trigger)
     }
 }
@@ -197,14 +227,26 @@ impl LookAhead {
 }
 
 impl Tappet {
-    /// Whether it stands at x of a cam, that is put end to end by its width if there is one.
+    /// Whether it stands at x of a cam, that is put end to end if begin and end are given.
     #[expect(
         clippy::float_cmp,
         reason = "a place that is reached to the last digit, as in every cycle"
     )]
-    pub(crate) fn is_at(&self, x: f64, width: Option<f64>) -> bool {
-        let pass = width.map_or(0.0, |width| ((x - self.master) / width).round());
-        place(self.master, pass, width) == x
+    pub(crate) fn is_at(&self, x: f64, seam: Option<[f64; 2]>) -> bool {
+        let width = seam.map(|[start, end]| end - start);
+        let (master, _) = self.first_place(seam);
+        let pass = width.map_or(0.0, |width| ((x - master) / width).round());
+        place(master, pass, width) == x
+    }
+
+    /// A place from which all others are whole passes apart, and whether it ends a pass: at the end of a cam that is put end to
+    /// end it is that of the begin, so that both are the same to the last digit.
+    #[expect(clippy::float_cmp, reason = "the end of the cam is told to the last digit")]
+    fn first_place(&self, seam: Option<[f64; 2]>) -> (f64, bool) {
+        match seam {
+            Some([start, end]) if self.master == end => (start, true),
+            _ => (self.master, false),
+        }
     }
 }
 

@@ -100,11 +100,10 @@ impl CamRegister {
                 return Err(RegisterError::NoSuchGroup { index, group: tappet.group, most });
             }
         }
-        let width = cam.curve().end() - cam.curve().start();
         let mut groups: Vec<_> = cam.tappets().iter().map(|tappet| tappet.group).collect();
         groups.sort_unstable();
         groups.dedup();
-        let watch = Watch::new(cam.tappets(), input.hysteresis, Some(width));
+        let watch = Watch::of(&cam, input.hysteresis, true);
         let bits = groups.into_iter().map(|group| (group, TappetBit::default())).collect();
         Ok(Self {
             cam,

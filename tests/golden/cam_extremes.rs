@@ -28,7 +28,7 @@ fn numbers_next_to_nothing_are_told() {
     }
     for factor in ["1e-300", "-1e-16", "5e-324"] {
         check(&["--master-scaling", factor])
-            .ended(2, &format!("{factor} is nearer to 0 than 1e-15, the least scaling"));
+            .ended(2, &format!("the scaling is {factor}; 1e-15 is the least scaling"));
     }
 }
 

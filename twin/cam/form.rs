@@ -72,6 +72,19 @@ pub struct Coupling {
 /// A scaling that is nearer to 0 is none: it is 0 but for rounding, and what is divided by it is nowhere.
 pub const LEAST_SCALING: f64 = 1e-15;
 
+/// Why a number is no scaling, of whatever `name` it is: 0, or nothing but its rounding, or none at all.
+pub(crate) fn no_scaling(name: &str, value: f64) -> Option<String> {
+    if value == 0.0 {
+        Some(format!("{name} is 0; nothing would move"))
+    } else if !value.is_finite() {
+        Some(format!("{name} is {value}; it must be a finite number"))
+    } else if value.abs() < LEAST_SCALING {
+        Some(format!("{name} is {value:e}; {LEAST_SCALING:e} is the least scaling"))
+    } else {
+        None
+    }
+}
+
 /// Keys of [`Coupling::wanted`].
 pub const WANTED: [&str; 4] = [
     "wanted_master_offset",

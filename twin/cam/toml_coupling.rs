@@ -1,6 +1,6 @@
 //! `[coupling]` of cams in TOML: what `MC_CamIn` gets.
 
-use super::form::{Coupling, LEAST_SCALING, START_MODES, WANTED};
+use super::form::{Coupling, START_MODES, WANTED, no_scaling};
 use super::toml_form::ANY;
 use crate::machine::section::Section;
 use twin_motion::cam::{CamInput, StartMode};
@@ -53,14 +53,10 @@ pub(super) fn coupling(section: &Section<'_>) -> Option<Coupling> {
         (two, wanted[1].filter(|_| section.has(two))),
         (four, wanted[3].filter(|_| section.has(four))),
     ] {
-        let Some(value) = value.filter(|value| value.abs() < LEAST_SCALING) else { continue };
-        let message = if value == 0.0 {
-            format!("`{key}` is 0; nothing would move")
-        } else {
-            format!("`{key}` is {value:e}; {LEAST_SCALING:e} is the least scaling")
-        };
-        section.complain_at(key, message);
-        moves = false;
+        if let Some(message) = value.and_then(|value| no_scaling(&format!("`{key}`"), value)) {
+            section.complain_at(key, message);
+            moves = false;
+        }
     }
     let input = CamInput {
         master_offset: master_offset?,

@@ -54,6 +54,8 @@ pub(crate) fn starts_on_tappets(
     [slave, master]: [&str; 2],
     groups: &[i16],
 ) -> Finding {
+    // On a periodic cam a group may have a tappet at the end and one at the begin.
+    let groups: BTreeSet<_> = groups.iter().collect();
     let listed: Vec<_> = groups.iter().map(ToString::to_string).collect();
     let (plural, act) = if groups.len() == 1 { ("", "it acts") } else { ("s", "they act") };
     let message = format!(

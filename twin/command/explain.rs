@@ -3,17 +3,19 @@
 use super::show::table;
 use super::{Failure, Status};
 use crate::finding::Rule;
+use crate::job::block_names;
 use clap::ValueEnum;
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 use twin_motion::axis::{Language, SmcError};
 
 /// Explain errors of SoftMotion (`SMC_ERROR`) by number or name, and the rules of `twin check`: what they mean, which blocks
-/// raise them, and what to do about it
+/// raise them, and what to do about it; and of blocks which errors they raise
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct Arguments {
-    /// Numbers (626), names (`SMC_CI_MASTER_OUT_OF_SCALE`, with or without `SMC_`, in any case) or rules (axis-velocity)
+    /// Numbers (626), names (`SMC_CI_MASTER_OUT_OF_SCALE`, with or without `SMC_`, in any case), rules (axis-velocity) or blocks (`MC_CamIn`)
     #[arg(value_name = "NUMBER|NAME", required_unless_present = "list", conflicts_with = "list")]
     what: Vec<String>,
 
@@ -82,6 +84,8 @@ enum Format {
 enum Topic {
     Error(SmcError),
     Rule(Rule),
+    /// A function block, by its name.
+    Block(&'static str),
 }
 
 impl Topic {
@@ -94,7 +98,14 @@ impl Topic {
         match self {
             Self::Error(error) => error.name(),
             Self::Rule(rule) => rule.name(),
+            Self::Block(name) => name,
         }
+    }
+
+    /// The blocks that jobs call, and those that errors name.
+    fn blocks() -> impl Iterator<Item = Self> {
+        let errors = SmcError::ALL.iter().flat_map(|error| raisers(*error));
+        block_names().chain(errors).map(Self::Block)
     }
 
     /// By number or name; else what to say of it.
@@ -109,9 +120,26 @@ impl Topic {
             let name = topic.name().to_uppercase();
             name == wanted || name.strip_prefix("SMC_") == Some(&wanted)
         };
-        Self::all().find(same).ok_or_else(|| near_name(text))
+        Self::all().chain(Self::blocks()).find(same).ok_or_else(|| near_name(text))
     }
 }
+
+/// The blocks by which an error is raised, by their names; those that stand for many of them are none.
+fn raisers(error: SmcError) -> impl Iterator<Item = &'static str> {
+    let names = error.raised_by().split(", ");
+    names.filter(|name| ["MC_", "SMC_"].iter().any(|prefix| name.starts_with(prefix)))
+}
+
+/// What a block raises: errors of its own, under the name of the manual or of PLCopen, then those that blocks of its kind raise.
+fn raised_in(block: &str) -> impl Iterator<Item = SmcError> {
+    let plain = |name: &str| name.trim_start_matches('S').to_uppercase();
+    let name = plain(block);
+    let own = move |error: &SmcError| raisers(*error).any(|raiser| plain(raiser) == name);
+    SmcError::ALL.iter().copied().filter(own)
+}
+
+/// Where the inputs of blocks stand.
+const KEYS: &str = "docs/guide.md, \"Jobs: cams and gears on a machine\"";
 
 /// The numbers below and above.
 fn near_number(number: i64) -> String {
@@ -135,15 +163,19 @@ fn near_name(text: &str) -> String {
         let part = if wanted.len() >= 3 && name.contains(wanted) { 1.0 } else { 0.0 };
         strsim::jaro_winkler(wanted, name).max(part)
     };
-    let mut near: Vec<_> = Topic::all().map(|topic| (alike(topic), topic.name())).collect();
+    let all = Topic::all().chain(Topic::blocks());
+    let mut near: Vec<_> = all.map(|topic| (alike(topic), topic.name())).collect();
     near.retain(|(alike, _)| *alike > 0.75);
     near.sort_by(|one, other| other.0.total_cmp(&one.0));
-    let names: Vec<_> = near.into_iter().take(SUGGESTIONS).map(|(_, name)| name).collect();
+    let mut names: Vec<_> = near.into_iter().map(|(_, name)| name).collect();
+    let mut seen = BTreeSet::new();
+    names.retain(|name| seen.insert(*name));
+    names.truncate(SUGGESTIONS);
     let help = match names.as_slice() {
         [] => "twin explain --list shows all of them".to_owned(),
         names => format!("did you mean {}?", names.join(" or ")),
     };
-    format!("`{text}` is no name of an SMC_ERROR and no rule; {help}")
+    format!("`{text}` is no name of an SMC_ERROR, of a block or of a rule; {help}")
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
@@ -200,6 +232,25 @@ fn tell(out: &mut impl Write, topic: Topic, texts: Texts, behind: bool) -> io::R
             }
             Ok(())
         }
+        Topic::Block(name) => {
+            writeln!(out, "{name} (block)")?;
+            let language = *texts.languages().first().unwrap_or(&Language::English);
+            let mut none = true;
+            for error in raised_in(name) {
+                none = false;
+                let text = error.text(language);
+                writeln!(out, "  {} {}: {text}", error.number(), error.name())?;
+            }
+            if none {
+                writeln!(out, "  no error of its own")?;
+            }
+            let general = "  and what every block, or every block that moves, raises: 20, 31, 32";
+            writeln!(out, "{general}; `twin explain NUMBER` says what to do")?;
+            if block_names().any(|block| block == name) {
+                writeln!(out, "  what it is told in a job: {KEYS}")?;
+            }
+            Ok(())
+        }
     }
 }
 
@@ -246,6 +297,12 @@ fn object(topic: Topic) -> Value {
                 "fr": error.remedy(Language::French),
             },
         }),
+        Topic::Block(name) => {
+            let errors: Vec<_> = raised_in(name)
+                .map(|error| json!({ "number": error.number(), "name": error.name() }))
+                .collect();
+            json!({ "block": name, "errors": errors, "in_jobs": block_names().any(|block| block == name) })
+        }
         Topic::Rule(rule) => {
             let [meaning, remedy] = rule.meaning();
             let of_cams = rule
@@ -295,7 +352,7 @@ fn list(out: &mut impl Write, texts: Texts, format: Format) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Texts, Topic};
+    use super::{Texts, Topic, raised_in};
     use twin_motion::axis::SmcError;
 
     #[test]
@@ -306,6 +363,27 @@ mod tests {
         }
         assert_eq!(Topic::find("ci_Master_out_of_scale"), expected);
         assert_eq!(Topic::find("Axis-Velocity").map(Topic::name), Ok("axis-velocity"));
+    }
+
+    /// Numbers and raisers of manual 9.3; `SMC_GearInPos` is `MC_GearInPos` by the name of `PLCopen`.
+    #[test]
+    fn blocks_have_their_errors() {
+        for (block, expected) in [
+            ("MC_CamIn", &[625, 626, 627, 628][..]),
+            ("mc_gearinpos", &[775]),
+            ("SMC_GearInPos", &[775]),
+            ("MC_ReadParameter", &[130, 131]),
+            ("MC_CamOut", &[]),
+        ] {
+            let Ok(Topic::Block(name)) = Topic::find(block) else { panic!("{block}") };
+            assert!(name.eq_ignore_ascii_case(block));
+            let found: Vec<_> = raised_in(name).map(SmcError::number).collect();
+            for number in expected {
+                assert!(found.contains(number), "{block}: {found:?}");
+            }
+            assert!(!expected.is_empty() || found.iter().all(|number| *number > 600), "{found:?}");
+        }
+        assert!(Topic::find("MC_CamInn").expect_err("unknown").contains("did you mean MC_CamIn"));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 use twin_motion::axis::{
-    Axis, Block, CamIn, Master, Motion, Outputs, SuperImposed, Trigger as Input,
+    Axis, Block, CamIn, GearInPos, Master, Motion, Outputs, SuperImposed, Trigger as Input,
 };
 use twin_motion::cam::{StartMode, TappetData, Trigger};
 
@@ -53,6 +53,11 @@ pub(super) trait Called: fmt::Debug + Send {
         None
     }
 
+    /// Where its master has to come for it to begin to couple, in the master's unit, as long as it waits for that.
+    fn awaits(&self) -> Option<f64> {
+        None
+    }
+
     /// `EndOfProfile` of the last call.
     fn ends_profile(&self) -> bool {
         false
@@ -60,6 +65,16 @@ pub(super) trait Called: fmt::Debug + Send {
 
     /// Of a cam whose elements do not stand by ascending masters: its file, line, and which.
     fn out_of_order(&self) -> Option<&str> {
+        None
+    }
+
+    /// The trigger of the job that it waits for, by its number.
+    fn trigger(&self) -> Option<usize> {
+        None
+    }
+
+    /// What its axis gains in every pass of a cam that goes on at its end because nothing is said, in its unit.
+    fn gain_unsaid(&self) -> Option<f64> {
         None
     }
 
@@ -85,35 +100,39 @@ pub(super) struct CamStart {
 
 /// A block whose axis follows a cam.
 #[derive(Debug)]
-struct OnCam(Block<CamIn>, Option<String>);
+struct OnCam {
+    block: Block<CamIn>,
+    out_of_order: Option<String>,
+    gain_unsaid: Option<f64>,
+}
 
 impl Called for OnCam {
     fn call(&mut self, execute: bool, axis: &mut Axis, with: With<'_>) -> Outputs {
         match with.master {
-            Some(master) => self.0.call_with(execute, axis, master),
+            Some(master) => self.block.call_with(execute, axis, master),
             None => Outputs::default(),
         }
     }
 
     fn groups(&self) -> Vec<i16> {
-        let cam = self.0.inputs.table.as_ref().map(|table| &table.cam);
+        let cam = self.block.inputs.table.as_ref().map(|table| &table.cam);
         cam.into_iter().flat_map(|cam| cam.tappets()).map(|tappet| tappet.group).collect()
     }
 
     fn tappets(&self) -> Option<&TappetData> {
-        self.0.running().map(|run| &run.coupling().output().tappets)
+        self.block.running().map(|run| &run.coupling().output().tappets)
     }
 
     fn dead_time(&self) -> f64 {
-        self.0.inputs.input.tappet_dead_time_s
+        self.block.inputs.input.tappet_dead_time_s
     }
 
     fn out_of_order(&self) -> Option<&str> {
-        self.1.as_deref()
+        self.out_of_order.as_deref()
     }
 
     fn cam_start(&self) -> Option<CamStart> {
-        let CamIn { table, input } = &self.0.inputs;
+        let CamIn { table, input } = &self.block.inputs;
         let relative = input.start_mode == StartMode::Relative
             || table.as_ref().is_some_and(|table| !table.slave_absolute);
         let laid = table.as_ref().is_some_and(|table| !table.master_absolute);
@@ -129,16 +148,20 @@ impl Called for OnCam {
     }
 
     fn lay(&mut self, by: f64) {
-        self.0.inputs.input.slave_offset += by;
+        self.block.inputs.input.slave_offset += by;
     }
 
     fn stood_on(&self) -> Vec<i16> {
-        let run = self.0.running().into_iter();
+        let run = self.block.running().into_iter();
         run.flat_map(|run| run.coupling().stood_on()).map(|tappet| tappet.group).collect()
     }
 
     fn ends_profile(&self) -> bool {
-        self.0.running().is_some_and(|run| run.coupling().output().end_of_profile)
+        self.block.running().is_some_and(|run| run.coupling().output().end_of_profile)
+    }
+
+    fn gain_unsaid(&self) -> Option<f64> {
+        self.gain_unsaid
     }
 }
 
@@ -166,8 +189,12 @@ pub(super) fn set_position(position: f64, relative: bool) -> Box<dyn Called> {
 }
 
 /// A block whose axis follows a cam, of whose file something may be told.
-pub(super) fn on_cam(inputs: CamIn, out_of_order: Option<String>) -> Box<dyn Called> {
-    Box::new(OnCam(Block::new(inputs), out_of_order))
+pub(super) fn on_cam(
+    inputs: CamIn,
+    out_of_order: Option<String>,
+    gain_unsaid: Option<f64>,
+) -> Box<dyn Called> {
+    Box::new(OnCam { block: Block::new(inputs), out_of_order, gain_unsaid })
 }
 
 /// A tappet that has acted.
@@ -230,6 +257,29 @@ impl Called for SuperImposed {
     fn lasts(&self) -> Option<f64> {
         self.duration()
     }
+}
+
+/// A block whose axis is in gear with another one from a place on.
+#[derive(Debug)]
+struct InGearFrom(Block<GearInPos>);
+
+impl Called for InGearFrom {
+    fn call(&mut self, execute: bool, axis: &mut Axis, with: With<'_>) -> Outputs {
+        match with.master {
+            Some(master) => self.0.call_with(execute, axis, master),
+            None => Outputs::default(),
+        }
+    }
+
+    fn awaits(&self) -> Option<f64> {
+        let run = self.0.running()?;
+        (!run.is_coupling()).then_some(self.0.inputs.master_sync_position)
+    }
+}
+
+/// A block whose axis is in gear with another one from a place on.
+pub(super) fn in_gear_from(inputs: GearInPos) -> Box<dyn Called> {
+    Box::new(InGearFrom(Block::new(inputs)))
 }
 
 /// A block of `inputs` that moves an axis by itself.

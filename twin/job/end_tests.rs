@@ -2,7 +2,7 @@
 
 use super::JobSetpoints;
 use super::tests::{START, job, machine, moves, near, run, time};
-use crate::finding::Rule;
+use crate::finding::{Finding, Rule};
 use crate::planning::PlanItem;
 use crate::setpoint::AxisSetpoint;
 
@@ -120,4 +120,130 @@ fn a_cam_ramps_in_with_the_acceleration_of_its_axis() {
     let slow = with("acceleration_mm_per_s2 = 500");
     assert_eq!(slow, with("acceleration_mm_per_s2 = 500\ndeceleration_mm_per_s2 = 500"));
     assert_ne!(slow, setpoints);
+}
+
+fn told(text: &str) -> Vec<Finding> {
+    let (_, findings) = run(&job(text), &machine());
+    findings
+}
+
+/// On X at 20 mm/s from 0 s on (0.4 mm less for its 500 mm/s²): 30 mm on top at 10 mm/s from 0.2 s on, of which 7.9 mm are done at
+/// 1 s, and 10 mm back from there; a cycle is 0.01 mm. How the two stand in the file changes nothing.
+#[test]
+fn what_moves_on_top_is_taken_over_where_the_job_says_when() {
+    let moves_on =
+        block("MC_MoveVelocity", "velocity_mm_per_s = 20\nacceleration_mm_per_s2 = 500\nat_s = 0");
+    let on_top = |distance: f64, at: &str| {
+        let rates = "velocity_difference_mm_per_s = 10\nacceleration_mm_per_s2 = 500";
+        block("MC_MoveSuperImposed", &format!("distance_mm = {distance:?}\n{rates}\n{at}"))
+    };
+    let blocks = [on_top(30.0, "at_s = 0.2"), on_top(-10.0, "at_s = 1")];
+    for order in [[0, 1], [1, 0]] {
+        let [one, other] = order.map(|index: usize| blocks[index].clone());
+        let setpoints = moves(&format!("duration_s = 3\n{START}{moves_on}{one}{other}"));
+        let over = setpoints.iter().find(|one| time(one) >= 2.5 - 1e-9).unwrap();
+        near(over.axes.position[0] * 1e3, 100.0 + 20.0 * 2.5 - 0.4 + 7.9 - 10.0, 0.0101);
+        near(over.axes.velocity[0] * 1e3, 20.0, 1e-9);
+    }
+    // One that begins in the same cycle has taken over from nobody who has moved.
+    let found = told(&format!(
+        "duration_s = 3\n{START}{moves_on}{}{}",
+        on_top(30.0, "at_s = 0.2"),
+        on_top(-10.0, "with_previous = true")
+    ));
+    let [finding] = found.as_slice() else { panic!("{found:?}") };
+    let words = "MC_MoveSuperImposed of axis X has lost its axis to MC_MoveSuperImposed (line 22)";
+    assert!(finding.message.starts_with(words), "{finding:?}");
+}
+
+const WEB: &str =
+    "[[virtual_axes]]\nname = \"web\"\nkind = \"linear\"\nmax_acceleration_mm_per_s2 = 500\n";
+
+fn web(velocity: f64, direction: &str) -> String {
+    format!(
+        "[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"web\"\nvelocity_mm_per_s = {velocity:?}\ndirection = \"{direction}\"\n"
+    )
+}
+
+fn in_gear(place: f64, more: &str) -> String {
+    block(
+        "SMC_GearInPos",
+        &format!(
+            "master = \"web\"\nratio_numerator = 1\nratio_denominator = 2\nmaster_sync_position_mm = {place:?}\n\
+             slave_sync_position_mm = 110\nmaster_start_distance_mm = 10\n{more}"
+        ),
+    )
+}
+
+/// A place that the master has left behind never comes: that is told as soon as it is known, 0.1 s into the job, whichever way
+/// it goes and also by way of another gear; not where a block that begins at a time may turn it.
+#[test]
+fn who_waits_for_a_place_behind_its_master_is_told_at_once() {
+    let halt = "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"web\"\n";
+    for (direction, place, sign) in [("positive", -200.0, 1.0), ("negative", 200.0, -1.0)] {
+        let job = job(&format!("{START}{WEB}{}{}{halt}", web(50.0, direction), in_gear(place, "")));
+        let (setpoints, findings) = run(&job, &machine());
+        let [finding] = findings.as_slice() else { panic!("{findings:?}") };
+        let words = format!(
+            "SMC_GearInPos of axis X waits for ever: its master web moves away from {place} mm with 50.000 mm/s"
+        );
+        assert!(finding.message.starts_with(&words), "{finding:?}");
+        let told = (finding.rule, finding.line, finding.axis.as_deref());
+        assert_eq!(told, (Rule::FunctionBlock, 17, Some("X")));
+        near(time(setpoints.last().unwrap()), 50.0 / 500.0, 4e-3);
+        // In the direction of the place all is well, and so it is where the master turns at a time.
+        moves(&format!("{START}{WEB}{}{}{halt}", web(50.0, direction), in_gear(-place, "")));
+        let back = if sign > 0.0 { "negative" } else { "positive" };
+        let turns = format!("{}at_s = 1\n", web(50.0, back));
+        let gear = in_gear(place, "at_s = 0.2");
+        let after = "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"web\"\nat_s = 8\n";
+        moves(&format!("{START}{WEB}{}{gear}{turns}{after}", web(50.0, direction)));
+    }
+    // X follows Y, which is in gear with the web.
+    let between =
+        "[[blocks]]\nblock = \"MC_GearIn\"\naxis = \"Y\"\nmaster = \"web\"\nratio_numerator = 1\n";
+    let gear = in_gear(20.0, "").replace("\"web\"", "\"Y\"");
+    let found = told(&format!("{START}{WEB}{between}{}{gear}", web(50.0, "positive")));
+    let [finding] = found.as_slice() else { panic!("{found:?}") };
+    assert!(finding.message.contains("its master Y moves away from 20 mm"), "{finding:?}");
+}
+
+/// A trigger that has been TRUE is not again, and a place behind an axis is not passed.
+#[test]
+fn probes_whose_trigger_never_comes_are_told_at_once() {
+    let probe = block("MC_TouchProbe", "trigger = \"t\"");
+    for (when, words) in [
+        ("at_s = 0.05", "its trigger has been TRUE at 0.05 s"),
+        ("axis = \"web\"\nposition_mm = -3", "axis web moves away from -3 mm"),
+    ] {
+        let trigger = format!("[[triggers]]\nname = \"t\"\n{when}\n");
+        let job = job(&format!("{START}{WEB}{trigger}{}{probe}", web(50.0, "positive")));
+        let (setpoints, findings) = run(&job, &machine());
+        let [finding] = findings.as_slice() else { panic!("{findings:?}") };
+        assert!(finding.message.contains(words), "{finding:?}");
+        near(time(setpoints.last().unwrap()), 50.0 / 500.0, 6e-3);
+    }
+}
+
+/// Two that wait for what never comes: 600 s after the last change, at 0.1 s. A place that is farther away than that is waited
+/// for: 40 m at 50 mm/s are 800 s.
+#[test]
+fn a_job_in_which_nothing_changes_is_ended() {
+    let late = "[[triggers]]\nname = \"t\"\nat_s = 0.05\n";
+    let probe = |keys: &str| block("MC_TouchProbe", &format!("trigger = \"t\"\n{keys}"));
+    let both = format!(
+        "{START}{WEB}{late}{}{}{}",
+        web(50.0, "positive"),
+        in_gear(-200.0, ""),
+        probe("with_previous = true")
+    );
+    let (setpoints, findings) = run(&job(&both), &machine());
+    let [finding] = findings.as_slice() else { panic!("{findings:?}") };
+    let words = "SMC_GearInPos of axis X waits for ever: nothing has changed for 600 s; axis web goes on with 50.000 mm/s";
+    assert_eq!((finding.message.as_str(), finding.line), (words, 20));
+    near(time(setpoints.last().unwrap()), 600.1, 0.01);
+    let halt = "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"web\"\n";
+    let setpoints =
+        moves(&format!("{START}{WEB}{}{}{halt}", web(50.0, "positive"), in_gear(4e4, "")));
+    assert!(time(setpoints.last().unwrap()) > 800.0);
 }

@@ -189,3 +189,65 @@ blocks = [
         assert!(recorded.iter().any(is_there), "{expected}: {recorded:?}");
     }
 }
+
+/// A group with a tappet at the end and one at the begin of a periodic cam is named once.
+#[test]
+fn groups_that_the_master_stands_on_are_named_once() {
+    let cam = CAM.replace("group = 2, master = 25", "group = 1, master = 100");
+    let job = job(
+        "[[virtual_axes]]\nname = \"web\"\nkind = \"linear\"\n[[start]]\naxis = \"X\"\nposition_mm = 0\n\
+                   [[blocks]]\nblock = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"web\"\ncam = \"hill.toml\"\n",
+    );
+    std::fs::write(job.folder.path().join("hill.toml"), cam).unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/gantry3.toml");
+    let (_, findings) = run(&job, &Machine::load(&shipped).unwrap());
+    let [note] = findings.as_slice() else { panic!("{findings:?}") };
+    assert_eq!(note.severity, Severity::Note);
+    assert!(note.message.contains("stands on the tappet of group 1 when"), "{}", note.message);
+}
+
+/// From half the velocity of its master X comes to all of it, 50 mm/s, within 25/500 s, in which it falls back by 0.625 mm; then it leads
+/// by 5 mm more. That its gear has ended is told.
+#[test]
+fn phasing_ends_a_gear_and_leads() {
+    let text = "duration_s = 3\n[[virtual_axes]]\nname = \"web\"\nkind = \"linear\"\nmax_acceleration_mm_per_s2 = 500\n\
+                [[blocks]]\nblock = \"MC_GearIn\"\naxis = \"X\"\nmaster = \"web\"\nratio_numerator = 1\nratio_denominator = 2\n\
+                [[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"web\"\nvelocity_mm_per_s = 50\n\
+                [[blocks]]\nblock = \"MC_Phasing\"\naxis = \"X\"\nmaster = \"web\"\nphase_shift_mm = 5\nvelocity_mm_per_s = 10\n\
+                acceleration_mm_per_s2 = 500\nat_s = 0.5\n";
+    let (setpoints, findings) = run(&job(text), &machine());
+    let [note] = findings.as_slice() else { panic!("{findings:?}") };
+    assert_eq!((note.severity, note.line), (Severity::Note, 17));
+    let words = "MC_Phasing ends MC_GearIn of axis X (line 7) and couples it 1:1 with web";
+    assert!(note.message.starts_with(words), "{}", note.message);
+    let at = |seconds: f64| {
+        let one = setpoints.iter().find(|one| one.time_ns >= nanoseconds(seconds)).unwrap();
+        one.axes.position[0] * 1e3 - 50.0 * seconds
+    };
+    near(at(2.0) - at(0.5), 5.0 - 0.625, 0.06);
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "some seconds")]
+fn nanoseconds(seconds: f64) -> i64 {
+    (seconds * 1e9).round() as i64
+}
+
+/// Twice 60 mm backwards in every pass of a cam that goes on because nothing is said.
+#[test]
+fn what_a_cam_gains_because_nothing_is_said_is_told() {
+    let cam = "name = \"g\"\nmaster = { min = 0, max = 100, unit = \"mm\" }\nslave = { min = 0, max = 60, unit = \"mm\" }\n\
+               elements = [{ master = 0, slave = 0 }, { master = 100, slave = 60 }]\n";
+    for (keys, told) in [("", true), ("periodic = true\n", false), ("periodic = false\n", false)] {
+        let job = job(&format!(
+            "[[virtual_axes]]\nname = \"web\"\nkind = \"linear\"\n[[start]]\naxis = \"X\"\nposition_mm = 0\n[[blocks]]\n\
+             block = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"web\"\ncam = \"g.toml\"\nslave_scaling = -2\n{keys}"
+        ));
+        std::fs::write(job.folder.path().join("g.toml"), cam).unwrap();
+        let (_, findings) = run(&job, &machine());
+        assert_eq!(findings.len(), usize::from(told), "{findings:?}");
+        for note in findings {
+            assert_eq!((note.severity, note.line), (Severity::Note, 8));
+            assert!(note.message.ends_with("the slave gains -120 mm in every pass"), "{note:?}");
+        }
+    }
+}

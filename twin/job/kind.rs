@@ -1,6 +1,6 @@
 //! Which blocks a job may call, and what they are told.
 
-use super::block::{Called, alone, following, on_cam, set_position};
+use super::block::{Called, alone, following, in_gear_from, on_cam, set_position};
 use super::direct::{Gaps, direct};
 use super::probe::{abort, probe};
 use super::read::{FAR, Known};
@@ -142,7 +142,7 @@ impl Kind {
                 let master = of.of_master("master_sync_position");
                 let distance = of.optional_of_master("master_start_distance", 0.0..=FAR);
                 let (ratio_numerator, ratio_denominator) = ratio?;
-                following(GearInPos {
+                in_gear_from(GearInPos {
                     ratio_numerator,
                     ratio_denominator,
                     master_sync_position: master?,
@@ -244,7 +244,7 @@ fn super_imposed(of: &Values<'_>) -> Option<Box<dyn Called>> {
 fn cam_in(of: &Values<'_>, path: &Path) -> Option<Box<dyn Called>> {
     let (slave, master) = (Some(of.known.as_cam()), of.master.map(Known::as_cam));
     let selection = read_cam(of.section, path, slave, master)?;
-    let CamSelection { table, mut input, out_of_order } = selection;
+    let CamSelection { table, mut input, out_of_order, gain_unsaid } = selection;
     // What neither the block nor its cam's file says is that of every block.
     let unsaid = |name: &str, value: f64| {
         value == 0.0 && !of.section.has(&format!("{}_per_s2", of.key(name)))
@@ -255,5 +255,5 @@ fn cam_in(of: &Values<'_>, path: &Path) -> Option<Box<dyn Called>> {
     if unsaid("deceleration", input.deceleration) {
         input.deceleration = input.acceleration;
     }
-    Some(on_cam(CamIn { table: Some(table), input }, out_of_order))
+    Some(on_cam(CamIn { table: Some(table), input }, out_of_order, gain_unsaid))
 }

@@ -74,6 +74,38 @@ fn a_mistake_makes_no_other() {
     );
 }
 
+/// As `twin cam check` refuses them.
+#[test]
+fn scalings_of_nothing_are_refused() {
+    let cam = include_str!("../../examples/cams/pick_and_place.toml");
+    for (key, value, words) in [
+        ("master_scaling", "0", "`master_scaling` is 0; nothing would move"),
+        ("slave_scaling", "0.0", "`slave_scaling` is 0; nothing would move"),
+        ("master_scaling", "-1e-16", "`master_scaling` is -1e-16; 1e-15 is the least scaling"),
+    ] {
+        let text = format!(
+            "{SHAFT}[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"shaft\"\ncam = \"c.toml\"\n{key} = {value}\n"
+        );
+        let job = job(&text);
+        std::fs::write(job.folder.path().join("c.toml"), cam).unwrap();
+        let (_, findings) = run(&job, &machine());
+        let [finding] = findings.as_slice() else { panic!("{findings:#?}") };
+        assert_eq!((finding.message.as_str(), finding.line), (words, 10));
+    }
+}
+
+/// A file of another kind has no line to show beside the job's own.
+#[test]
+fn a_job_that_is_named_as_a_cam_is_told_once() {
+    let text = format!(
+        "{SHAFT}[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"shaft\"\ncam = \"job.toml\"\n"
+    );
+    let (_, findings) = run(&job(&text), &machine());
+    let [finding] = findings.as_slice() else { panic!("{findings:#?}") };
+    assert!(finding.message.ends_with("this is a job, no cam: `twin cam run` runs it"));
+    assert_eq!((finding.line, finding.elsewhere.is_none()), (9, true));
+}
+
 /// What stands twice is named once among what there is.
 #[test]
 fn names_that_are_given_twice_are_listed_once() {

@@ -91,6 +91,11 @@ pub(crate) struct Job {
     calls: Vec<Call>,
 }
 
+/// The blocks that jobs call, by the names of the manual.
+pub(crate) fn block_names() -> impl Iterator<Item = &'static str> {
+    kind::BLOCKS.iter().map(|(name, _)| *name)
+}
+
 impl Job {
     /// Every axis: name, period and unit.
     fn masters(&self, machine: &Machine) -> Vec<(String, Option<f64>, &'static str)> {
@@ -105,8 +110,10 @@ impl Job {
 }
 
 /// Blocks that leave their axis to what moves it: what moves on top of that, what moves its zero, and what looks at it.
-const ON_TOP: [&str; 4] =
-    ["MC_MoveSuperImposed", "MC_SetPosition", "MC_TouchProbe", "MC_AbortTrigger"];
+const ON_TOP: [&str; 4] = [SUPERIMPOSED, "MC_SetPosition", "MC_TouchProbe", "MC_AbortTrigger"];
+
+/// The block that moves its axis on top of another one, and that one of its kind takes over from.
+const SUPERIMPOSED: &str = "MC_MoveSuperImposed";
 
 /// Of each axis the block that moves it last of those read so far, by its number, if that is an `MC_CamIn`: the one whose
 /// `EndOfProfile` a block behind them waits for. Blocks of other axes, such as the master's, may stand between them.

@@ -38,6 +38,10 @@ impl Called for Probe {
     fn recorded(&self) -> Option<f64> {
         self.recorded
     }
+
+    fn trigger(&self) -> Option<usize> {
+        Some(self.trigger)
+    }
 }
 
 /// Lets go of a trigger, by its number.

@@ -309,7 +309,7 @@ fn standing(machine: &Machine, coupling: &Coupling, line: u32) -> Call {
         CoupledBy::Cam(selection) => {
             let CamSelection { table, input, .. } = &**selection;
             // Of its file the check tells.
-            ("MC_CamIn", on_cam(CamIn { table: Some(table.clone()), input: *input }, None))
+            ("MC_CamIn", on_cam(CamIn { table: Some(table.clone()), input: *input }, None, None))
         }
     };
     let (axis, master) = (coupling.axis, Some(coupling.master));

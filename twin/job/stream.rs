@@ -6,8 +6,9 @@ use super::pace::{Bears, Pace};
 use super::start::starts;
 use super::{Call, read};
 use crate::check::out_of_order;
-use crate::finding::{Finding, Rule};
+use crate::finding::{Finding, Rule, Severity};
 use crate::machine::{Axis, Machine, Problem};
+use crate::number::significant;
 use crate::planning::PlanItem;
 use crate::program::ProgramFile;
 use crate::report::seconds;
@@ -106,7 +107,7 @@ impl<'m> JobSetpoints<'m> {
                 setpoints.tracks = job.tracks.clone();
                 setpoints.masters = job.masters(machine);
                 setpoints.problems =
-                    job.calls.iter().filter_map(|call| told(call, machine)).collect();
+                    job.calls.iter().flat_map(|call| told(call, &setpoints.masters)).collect();
                 setpoints.blocks = u64::try_from(job.calls.len()).unwrap_or(u64::MAX);
                 let start = match starts(machine, &job.starts, &mut job.calls) {
                     Ok(start) => start,
@@ -315,10 +316,28 @@ impl<'m> JobSetpoints<'m> {
     }
 }
 
-/// A cam of a block whose elements do not stand by ascending masters.
-fn told(call: &Call, machine: &Machine) -> Option<Finding> {
-    let axis = machine.axes.get(call.axis).map(|axis| axis.name.clone());
-    Some(out_of_order(call.place(), axis, call.block.out_of_order()?))
+/// What is to be told of a block's cam before anything moves: that its elements do not stand by ascending masters, and that it goes on
+/// at its end, and elsewhere than it began, because nothing is said. `axes` are names, periods and units.
+fn told(
+    call: &Call,
+    axes: &[(String, Option<f64>, &'static str)],
+) -> impl Iterator<Item = Finding> {
+    let axis = axes.get(call.axis);
+    let name = axis.map(|(name, ..)| name.clone());
+    let elements = call.block.out_of_order();
+    let elements = elements.map(|told| out_of_order(call.place(), name.clone(), told));
+    let gain = call.block.gain_unsaid().map(|gain| {
+        let message = format!(
+            "nothing is said of `periodic`, so that the cam goes on at its end: the slave gains {} {} in every pass",
+            significant(gain, 6),
+            axis.map_or("", |(_, _, unit)| unit)
+        );
+        let mut note = Finding::error(Rule::FunctionBlock, call.place(), message);
+        (note.severity, note.axis) = (Severity::Note, name);
+        note.hint = Some("`periodic = false` has the slave stay at the end of the cam".to_owned());
+        note
+    });
+    elements.into_iter().chain(gain)
 }
 
 impl Iterator for JobSetpoints<'_> {

@@ -208,3 +208,40 @@ fn tappets_of_the_machine_file_switch_in_programs() {
     let place = found.tappets.switches[0].place;
     assert_eq!((place.line, place.block), (2, Some(10)));
 }
+
+/// Off at the end, on at the begin of a cam of 100 mm: forwards a pass is over before the next one begins, so that the signal is on
+/// from the first seam on; backwards, where both count negative passages, it has been switched off last. How the lines stand
+/// changes nothing.
+#[test]
+fn a_pass_is_over_before_the_next_one_begins() {
+    let tappet = |place: f64, passage: &str, action: &str| {
+        format!(
+            "{{ group = 1, master = {place:?}, passage = \"{passage}\", action = \"{action}\" }}"
+        )
+    };
+    for swapped in [false, true] {
+        for (passage, velocity, expected) in [
+            ("positive", 200.0, vec![(1, true, 0.1 + (100.0 - 60.0) / 200.0)]),
+            ("negative", -200.0, vec![]),
+        ] {
+            let mut both = [tappet(0.0, passage, "on"), tappet(100.0, passage, "off")];
+            if swapped {
+                both.reverse();
+            }
+            let cam =
+                CAM.replace("max = 1000", "max = 100").replace("master = 1000", "master = 100");
+            let (head, _) = cam.split_once("tappets").unwrap();
+            let cam = format!("{head}tappets = [{}]\n", both.join(", "));
+            // 10 mm until it is up.
+            let way = JOB.replace("name = \"web\"\n", "name = \"web\"\nstart_mm = 50\n");
+            let way = way.replace(
+                "s = 200\n",
+                &format!("s = {}\ndirection = \"{passage}\"\n", f64::abs(velocity)),
+            );
+            let job = job(&way);
+            std::fs::write(job.folder.path().join("flat.toml"), cam).unwrap();
+            let outcome = outcome(&machine(), &job.program);
+            assert_told(&outcome.tappets, &expected, |time| 60.0 + 200.0 * (time - 0.1));
+        }
+    }
+}

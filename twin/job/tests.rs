@@ -492,3 +492,34 @@ fn units_of_a_cam_are_those_of_its_axes() {
         assert_eq!(found.map(|one| one.line), Some(line), "{findings:?}");
     }
 }
+
+/// A cam over seconds, 0 to 40 mm in 2 s on the quintic 10u³ − 15u⁴ + 6u⁵, whose master counts them in mm: half a millisecond late. In s
+/// there is no such axis, and the message says what helps.
+#[test]
+fn a_cam_over_time_has_a_master_with_a_millimetre_a_second() {
+    let text = "[[start]]\naxis = \"X\"\nposition_mm = 0\n[[virtual_axes]]\nname = \"time\"\nkind = \"linear\"\nmax_acceleration_mm_per_s2 = 1000\n\
+                [[blocks]]\nblock = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"time\"\ncam = \"t.toml\"\nperiodic = false\n\
+                [[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"time\"\nvelocity_mm_per_s = 1\n\
+                [[blocks]]\nblock = \"MC_Halt\"\naxis = \"time\"\nat_s = 3\n";
+    let cam = |unit: &str| {
+        format!(
+            "name = \"t\"\nmaster = {{ min = 0, max = 2, unit = \"{unit}\" }}\nslave = {{ min = 0, max = 40, unit = \"mm\" }}\n\
+             elements = [{{ master = 0, slave = 0 }}, {{ master = 2, slave = 40 }}]\n"
+        )
+    };
+    let job = job(text);
+    let path = job.folder.path().join("t.toml");
+    std::fs::write(&path, cam("mm")).unwrap();
+    let (setpoints, findings) = run(&job, &machine());
+    assert_eq!(findings, []);
+    for one in setpoints.iter().filter(|one| (0.01..2.5).contains(&time(one))) {
+        let u = ((time(one) - 0.0005) / 2.0).min(1.0);
+        let expected = 40.0 * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u);
+        // 37.5 mm/s at most, and the block begins within a cycle.
+        near(one.axes.position[0] * 1e3, expected, 0.06);
+    }
+    std::fs::write(&path, cam("s")).unwrap();
+    let (_, findings) = run(&job, &machine());
+    let [finding] = &findings[..] else { panic!("{findings:?}") };
+    assert!(finding.message.contains("MC_MoveVelocity moves with 1 mm/s"), "{finding:?}");
+}

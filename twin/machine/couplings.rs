@@ -4,7 +4,7 @@ use super::axis::{Axis, AxisKind};
 use super::problem::{Elsewhere, MachineFileError};
 use super::section::Section;
 use crate::cam::check::unit_fits;
-use crate::cam::{CamFile, CamFileError, START_MODES};
+use crate::cam::{CamFile, CamFileError, START_MODES, no_scaling};
 use crate::ring;
 use crate::tappets::MOST_SIGNALS;
 use std::collections::BTreeSet;
@@ -44,6 +44,8 @@ pub struct CamSelection {
     pub input: CamInput,
     /// Of a cam whose elements do not stand by ascending masters: its file, which element, and its line.
     pub out_of_order: Option<String>,
+    /// What the slave gains in every pass, in its unit, of a cam that is put end to end because nothing is said.
+    pub gain_unsaid: Option<f64>,
 }
 
 impl Coupling {
@@ -236,8 +238,12 @@ pub(crate) fn read_cam(
             if !unit_fits(scale, axis.kind) {
                 let CamAxis { name, kind } = axis;
                 let (unit, own) = (scale.unit(), kind.unit());
-                let message =
-                    format!("{}: the {which} is in {unit}, axis {name} in {own}", path.display());
+                let time = ["s", "ms", "sec"].contains(&unit) && which == "master";
+                let time = if time { NO_TIME } else { "" };
+                let message = format!(
+                    "{}: the {which} is in {unit}, axis {name} in {own}{time}",
+                    path.display()
+                );
                 section.complain_at("cam", message);
             }
         }
@@ -261,7 +267,13 @@ pub(crate) fn read_cam(
         let key = axis.map(|axis| format!("{key}_{}{suffix}", axis.kind.unit()));
         key.and_then(|key| section.number(&key, least..=FAR)).unwrap_or(own)
     };
-    let scaling = |key, own| section.number(key, -FAR..=FAR).unwrap_or(own);
+    let scaling = |key: &str, own| {
+        let said = section.number(key, -FAR..=FAR);
+        if let Some(message) = said.and_then(|said| no_scaling(&format!("`{key}`"), said)) {
+            section.complain_at(key, message);
+        }
+        said.unwrap_or(own)
+    };
     let input = CamInput {
         master_offset: number(("master_offset", own.master_offset), master, "", -FAR),
         master_scaling: scaling("master_scaling", own.master_scaling),
@@ -286,16 +298,30 @@ pub(crate) fn read_cam(
     let file = file?;
     let named = file.path.display();
     let out_of_order = file.out_of_order.as_ref().map(|said| format!("{named}: {said}"));
+    let rise = file.cam.curve().rise() * input.slave_scaling * input.master_scaling.signum();
+    let unsaid = periodic && !section.has("periodic") && file.period.is_none() && !file.repeated;
+    let gain_unsaid = (unsaid && rise != 0.0).then_some(rise);
     let cam = Arc::new(file.cam);
     let table = CamTable { periodic, master_absolute, slave_absolute, ..CamTable::new(cam) };
-    Some(CamSelection { table, input, out_of_order })
+    Some(CamSelection { table, input, out_of_order, gain_unsaid })
 }
+
+/// What helps a cam over time.
+const NO_TIME: &str = ": no axis is time itself; a linear axis that MC_MoveVelocity moves with 1 mm/s counts seconds in mm, so that the \
+                       unit of the master is mm";
 
 /// What is wrong with a cam's file: in a line, and, where its lines are known, with these.
 fn complain(section: &Section<'_>, path: &Path, error: CamFileError) {
     let said = error.to_string();
     let named = path.display().to_string();
     if let CamFileError::Toml(MachineFileError::Content { path, text, problems, .. }) = error {
+        // What is about the whole of a file has no line in it to show.
+        if let [whole] = problems.as_slice()
+            && whole.span.is_empty()
+        {
+            section.complain_at("cam", format!("{named}: {}", whole.message));
+            return;
+        }
         let elsewhere = Elsewhere { path, text, problems };
         section.complain_elsewhere("cam", elsewhere);
         return;

@@ -2,7 +2,10 @@
 
 use super::tappets::{acts, tappet};
 use crate::axis::profile::State;
-use crate::cam::{Action, Cam, CamCoupling, CamInput, CamTable, Knot, Passage, Shape};
+use crate::cam::{
+    Action, Cam, CamCoupling, CamInput, CamRegister, CamTable, Knot, Passage, RegisterInput, Shape,
+    TappetValue,
+};
 use std::sync::Arc;
 
 /// A master that stands on a tappet when the cam begins has not come to it: it acts when that happens, from either side, at the
@@ -40,4 +43,68 @@ fn a_tappet_under_the_master_at_the_start_waits_for_a_passage() {
     assert_eq!(stood(false, 360.0), [2]);
     assert_eq!(stood(true, 50.0), [3]);
     assert!(stood(true, 50.000_000_1).is_empty());
+}
+
+/// Off at the end of a pass comes before on at the begin of the next one, forwards, and after it backwards: the bit is on after a
+/// seam that is passed forwards, and off after one that is passed backwards. How the lines stand, how often the cam has been
+/// passed, and how its width is rounded change nothing.
+#[test]
+fn a_pass_is_over_before_the_next_one_begins() {
+    // 0.1 + (0.7 − 0.1) is not 0.7 as numbers are rounded.
+    for [start, end] in [[0.0, 100.0], [0.1, 0.7], [-3.3, 7.7], [1e6 + 0.1, 1e6 + 0.3]] {
+        let width = end - start;
+        for passage in [Passage::Every, Passage::Positive, Passage::Negative] {
+            for swapped in [false, true] {
+                let mut tappets = vec![
+                    tappet(1, start, passage, Action::On),
+                    tappet(1, end, passage, Action::Off),
+                ];
+                if swapped {
+                    tappets.reverse();
+                }
+                let knots = vec![Knot::at_rest(start, 0.0), Knot::at_rest(end, 0.0)];
+                let cam = Cam::new("seam", Shape::Polynomial(knots), tappets).expect("a cam");
+                let cam = Arc::new(cam);
+                for forwards in [true, false] {
+                    let counts = match passage {
+                        Passage::Positive => forwards,
+                        Passage::Negative => !forwards,
+                        Passage::Every => true,
+                    };
+                    // From the middle of a pass to that of the next; the last one to the seam itself, and on.
+                    let by = if forwards { width } else { -width };
+                    let middle = start.midpoint(end);
+                    let mut way: Vec<_> =
+                        (0..20).map(|pass| middle + f64::from(pass) * by).collect();
+                    way.extend([20.0, 20.5].map(|passes| middle + (passes - 0.5) * by));
+                    let found = both(&cam, &way);
+                    let expected: Vec<_> =
+                        (0..way.len()).map(|step| step > 0 && counts && forwards).collect();
+                    assert_eq!(
+                        found,
+                        [expected.clone(), expected],
+                        "{start} {end} {passage:?} {swapped} {forwards}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// The bit of group 1 after each position, of a register and of a coupling.
+fn both(cam: &Arc<Cam>, way: &[f64]) -> [Vec<bool>; 2] {
+    let mut register = CamRegister::new(cam.clone(), RegisterInput::default()).expect("tappets");
+    let mut value = TappetValue::new(1, false, false);
+    let at = |position: &f64| State::resting(*position);
+    let (table, input) = (CamTable::new(cam.clone()), CamInput::default());
+    let start = at(way.first().expect("a way"));
+    let mut coupling = CamCoupling::start(table, input, &start, &start, 0).expect("on the cam");
+    let mut found = [Vec::new(), Vec::new()];
+    for (now_ns, position) in (0..).zip(way) {
+        register.step(*position, 0.0, now_ns);
+        found[0].push(register.bit(1).expect("group 1"));
+        let coupled = coupling.step(&at(position), now_ns).expect("somewhere");
+        found[1].push(value.step(&coupled.tappets));
+    }
+    found
 }

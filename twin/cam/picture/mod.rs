@@ -5,6 +5,7 @@ mod lines;
 mod ramp;
 mod stack;
 
+use bars::alternates;
 pub(super) use bars::on_stretches;
 pub use ramp::{RampPicture, draw_ramp};
 pub use stack::stacked;
@@ -33,6 +34,8 @@ const BETWEEN: f64 = 6.0;
 const MASTERS: f64 = 50.0;
 /// Dots of a run that are no farther apart are one, pixels.
 const DOTS: f64 = 0.5;
+/// Of tappets whose signal has a period of two passes.
+const OTHER_WAY_ROUND: &str = " in the first pass; the next one is the other way round";
 /// Values that are less are rounding.
 const DUST: f64 = 1e-12;
 
@@ -353,10 +356,13 @@ impl<'a> Page<'a> {
         }
         // As the bars are drawn.
         for (index, group) in (1..).zip(groups) {
-            let what = match groups {
-                [_] => "tappets that are on".to_owned(),
-                _ => format!("tappets of group {group} that are on"),
+            let which = match groups {
+                [_] => String::new(),
+                _ => format!(" of group {group}"),
             };
+            let turns = self.cams.last().is_some_and(|shown| alternates(shown, *group));
+            let when = if turns { OTHER_WAY_ROUND } else { "" };
+            let what = format!("tappets{which} that are on{when}");
             items.push((Sign::Patch(color_of(index)), what));
         }
         items

@@ -1,8 +1,12 @@
 //! Numbers of pictures, whatever their size.
 
 use super::found::{LIFT, cam, using};
+use crate::cam::CamFile;
 use crate::cam::check::AxisLimits;
-use crate::cam::picture::{Recorded, Shown, draw};
+use crate::cam::picture::{Recorded, Shown, draw, on_stretches};
+use std::sync::Arc;
+use twin_motion::axis::profile::State;
+use twin_motion::cam::{CamCoupling, CamInput, CamTable, TappetValue};
 
 /// Where the dots of a recorded run are, and the highest place of the first curve.
 fn dots_and_top(picture: &str) -> (Vec<f64>, f64) {
@@ -66,4 +70,74 @@ fn rounding_and_zeros_are_not_told() {
     assert!(has(&without, "0 … 100") && has(&without, "-0.5 … 0.5"), "{without}");
     assert!(has(&without, "error of the slave") && !has(&without, "limit"), "{without}");
     assert!(has(&drawn(AxisLimits { position: [-5.0, 110.0], ..AxisLimits::NONE }), "limit"));
+}
+
+/// What is drawn of tappets that only invert is the first pass of a run, which begins with all off and on the tappet at its begin; and
+/// if every pass is the other way round, the picture says so. The witness is the block itself, from the begin of the cam on, forwards and
+/// back.
+#[test]
+fn tappets_that_invert_are_drawn_as_in_the_first_pass() {
+    for (tappets, turns) in [
+        (&[100.0][..], true),
+        (&[0.0], true),
+        (&[50.0, 200.0, 300.0], true),
+        (&[50.0, 200.0], false),
+        (&[0.0, 360.0], false),
+        (&[0.0, 90.0, 360.0], true),
+    ] {
+        let told: Vec<_> = tappets
+            .iter()
+            .map(|at| format!("{{ group = 3, master = {at:?}, action = \"invert\" }}"))
+            .collect();
+        let text = format!("{}\ntappets = [{}]\n", without_tappets(), told.join(", "));
+        let file = cam(&text);
+        for scaling in [1.0, -1.0] {
+            let mut use_it = using(&file, 1.0, AxisLimits::NONE);
+            (use_it.repeated, use_it.coupling.input.master_scaling) = (true, scaling);
+            let shown = Shown { file: &file, using: &use_it, name: "inverts" };
+            let drawn = on_stretches(&shown, 3);
+            let passes = of_a_run(&file, scaling);
+            for (pass, found) in passes.iter().enumerate() {
+                for (place, on) in found {
+                    let bar = drawn.iter().any(|[begin, end]| (*begin..=*end).contains(place));
+                    let other = turns && pass % 2 == 1;
+                    assert_eq!(*on, bar ^ other, "{tappets:?} {scaling} {pass} {place} {drawn:?}");
+                }
+            }
+            let picture = draw("inverts", "", &[shown], &Recorded::default()).expect("a picture");
+            let words =
+                "tappets that are on in the first pass; the next one is the other way round";
+            let says = picture.lines().any(|line| line.trim() == words);
+            assert_eq!(says, turns, "{tappets:?}");
+        }
+    }
+}
+
+fn without_tappets() -> &'static str {
+    LIFT.split("tappets = [").next().expect("a cam")
+}
+
+/// The bit of group 3 in the middle of every degree, pass by pass.
+fn of_a_run(file: &CamFile, scaling: f64) -> Vec<Vec<(f64, bool)>> {
+    let at = |degrees: f64| State::resting(scaling * degrees);
+    let begin = if scaling < 0.0 { 360.0 } else { 0.0 };
+    let input = CamInput { master_scaling: scaling, master_offset: begin, ..CamInput::default() };
+    let table = CamTable::new(Arc::new(file.cam.clone()));
+    let mut run = CamCoupling::start(table, input, &at(0.0), &at(0.0), 0).expect("on the cam");
+    let mut bit = TappetValue::new(3, false, false);
+    let mut passes = Vec::new();
+    let mut now_ns = 0;
+    for pass in 0..3 {
+        let mut found = Vec::new();
+        for degree in 0..360 {
+            let along = f64::from(degree) + 0.5;
+            now_ns += 1_000_000;
+            // The master goes forwards, and the cam the way of the scaling.
+            let way = f64::from(pass) * 360.0 + along;
+            let told = run.step(&State::resting(way), now_ns).expect("somewhere").tappets;
+            found.push((if scaling < 0.0 { 360.0 - along } else { along }, bit.step(&told)));
+        }
+        passes.push(found);
+    }
+    passes
 }

@@ -86,11 +86,21 @@ fn positions_and_jumps_are_found() {
         "{ master = 180, slave = 100 }, { master = 360, slave = 0 }]",
         "{ master = 360, slave = 100 }]",
     );
-    let file = cam(&text.replace(", period = 100", ""));
+    let gains = cam(&text.replace(", period = 100", ""));
     use_it.repeated = true;
-    let check = CamCheck::new(&file, use_it);
+    let check = CamCheck::new(&gains, use_it);
     assert_eq!(check.findings.len(), 1);
     assert!(check.findings[0].message.contains("gains 100 mm in every pass"));
+    // Backwards at twice the scale, with one limit that is a number and one that is none.
+    let mut twice = use_it;
+    twice.coupling.input.slave_scaling = 2.0;
+    twice.coupling.input.master_scaling = -1.0;
+    let check = CamCheck::new(&gains, twice);
+    assert_eq!(check.gain(), Some(-200.0));
+    twice.limits.position = [f64::NEG_INFINITY, 50.0];
+    let check = CamCheck::new(&gains, twice);
+    let words = "the slave gains -200 mm in every pass of the cam and leaves its greatest position, 50 mm, sooner or later";
+    assert_eq!(check.findings[0].message, words);
     // y′ of the triangle jumps from 1 to −1, times the velocity of the master.
     let table = "name = \"t\"\nmaster = { min = 0, max = 20 }\nslave = { min = 0, max = 10 }\n[table]\npairs = [[0, 0], [10, 10], [20, 0]]\n";
     let file = cam(table);

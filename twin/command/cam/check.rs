@@ -139,6 +139,10 @@ fn tell(
         }
     }
     writeln!(out, "{rows}")?;
+    if let Some(gain) = check.gain() {
+        let gain = short(gain);
+        writeln!(out, "positions are those of the first pass: every pass gains {gain} {slave}")?;
+    }
     let smooth = match check.smoothness() {
         "C2" => "C2: position, velocity and acceleration are continuous",
         "C1" => "C1: position and velocity are continuous, the acceleration jumps",

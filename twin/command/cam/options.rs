@@ -1,7 +1,7 @@
 //! Options: how a cam is read and used, what its master does, what its slave can do.
 
 use crate::cam::check::{AxisLimits, CamUse, unit_fits};
-use crate::cam::{CamFile, Coupling, LEAST_SCALING};
+use crate::cam::{CamFile, Coupling, no_scaling};
 use crate::command::Failure;
 use crate::machine::Machine;
 use clap::ValueEnum;
@@ -42,13 +42,7 @@ fn velocity(text: &str) -> Result<f64, String> {
 /// A factor that is not next to 0.
 fn factor(text: &str) -> Result<f64, String> {
     let number = number(text)?;
-    if number == 0.0 {
-        Err("a scaling of 0 moves nothing".to_owned())
-    } else if number.abs() < LEAST_SCALING {
-        Err(format!("{text} is nearer to 0 than {LEAST_SCALING:e}, the least scaling"))
-    } else {
-        Ok(number)
-    }
+    no_scaling("the scaling", number).map_or(Ok(number), Err)
 }
 
 /// How tables go on between their points.

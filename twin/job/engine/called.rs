@@ -9,6 +9,9 @@ use crate::finding::{Finding, Rule, Severity};
 use twin_motion::axis::{Language, Master, Outputs, SmcError};
 use twin_motion::cam::Trigger;
 
+/// The block that takes its axis from a gear or cam to follow 1:1.
+const PHASING: &str = "MC_Phasing";
+
 impl Engine {
     /// Calls the blocks of an axis; at the end of the job it is halted, before its slaves look at it.
     pub(super) fn call_on(&mut self, axis: usize) -> Result<(), Box<Finding>> {
@@ -76,6 +79,7 @@ impl Engine {
         let over = running.over_ns.is_some();
         if (done || command_aborted) && !over {
             running.over_ns = Some(self.now_ns);
+            self.changed_ns = self.now_ns;
             self.schedule.over(index, self.now_ns);
             self.notes.extend(recorded(call, moved));
         }
@@ -85,6 +89,7 @@ impl Engine {
         }
         if first && !command_aborted {
             self.notes.extend(self.stands_on(index));
+            self.notes.extend(self.ends_a_coupling(index));
             self.takes(index)?;
             return self.refuse_endless(index);
         }
@@ -109,6 +114,26 @@ impl Engine {
             more
         });
         Err(finding.into())
+    }
+
+    /// What `MC_Phasing` does to the gear or cam that its axis has followed by until now: it ends that, whatever its ratio.
+    fn ends_a_coupling(&self, index: usize) -> Option<Finding> {
+        let call = &self.calls.get(index)?.call;
+        let moved = self.axes.get(call.axis)?;
+        let before = &self.calls.get(moved.taken_by?)?.call;
+        let (name, master) = (&moved.name, self.axes.get(call.master?)?);
+        if call.name != PHASING || before.name == PHASING {
+            return None;
+        }
+        before.master?;
+        let message = format!(
+            "{PHASING} ends {} of axis {name} (line {}) and couples it 1:1 with {}; then `phase_shift_{}` changes the \
+             distance of both, positive so that {name} leads by so much more",
+            before.name, before.line, master.name, moved.unit
+        );
+        let mut note = Finding::error(Rule::FunctionBlock, call.place(), message);
+        (note.severity, note.axis) = (Severity::Note, Some(name.clone()));
+        Some(note)
     }
 
     /// The tappets on which the master of a cam stands that begins.

@@ -1,7 +1,7 @@
 //! When a job is over: everything is done and stands, or waits for what never comes.
 
 use super::super::read::LONGEST;
-use super::super::{Call, ON_TOP};
+use super::super::{Call, ON_TOP, SUPERIMPOSED};
 use super::moved::Moved;
 use super::{Engine, Running};
 use crate::finding::{Finding, Rule};
@@ -39,6 +39,9 @@ impl Engine {
                 let message = format!("{name} waits for ever: its axis and its master stand");
                 return Err(Finding::error(Rule::FunctionBlock, place, message).into());
             }
+            if !stand && !ends && self.nothing_is_due() {
+                self.refuse_to_wait(self.open)?;
+            }
             return self.in_time();
         }
         let endless = |moved: &&Moved| moved.axis.state() == AxisState::ContinuousMotion;
@@ -69,7 +72,8 @@ impl Engine {
         let takes = |(other, running): (usize, &Running)| {
             running.begun_ns.is_none()
                 && running.call.axis == call.axis
-                && !ON_TOP.contains(&running.call.name)
+                && (!ON_TOP.contains(&running.call.name)
+                    || [running.call.name, call.name] == [SUPERIMPOSED; 2])
                 && !self.schedule.waits_for(index, other)
         };
         if self.duration_ns.is_some() || self.calls.iter().enumerate().any(takes) {

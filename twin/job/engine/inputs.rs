@@ -32,6 +32,11 @@ impl Inputs {
         !self.when.iter().any(|when| matches!(when, When::At(time) if nanoseconds(*time) >= now_ns))
     }
 
+    /// When one is TRUE.
+    pub(super) fn when(&self, trigger: usize) -> Option<When> {
+        self.when.get(trigger).copied()
+    }
+
     /// Looks at time and axes at the begin of a cycle. Each is TRUE for the first cycle that sees what it waits for.
     pub(super) fn see(&mut self, begin_ns: i64, cycle_ns: i64, axes: &[Moved]) {
         for ((when, trigger), before) in

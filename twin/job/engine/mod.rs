@@ -6,10 +6,11 @@ mod inputs;
 mod moved;
 mod order;
 mod schedule;
+mod vain;
 mod watch;
 
 use super::block::Fired;
-use super::{Begins, Call, CamsBefore, Job, ON_TOP};
+use super::{Begins, Call, CamsBefore, Job, ON_TOP, SUPERIMPOSED};
 use crate::finding::{Finding, Rule};
 use crate::machine::Machine;
 use crate::report::seconds;
@@ -69,6 +70,8 @@ pub(super) struct Engine {
     duration_ns: Option<i64>,
     /// When something moved or began last.
     moved_ns: i64,
+    /// When an axis changed its velocity or a block began or was over last.
+    changed_ns: i64,
     /// The block that has begun last.
     line: u32,
     /// How often blocks have been called.
@@ -152,6 +155,7 @@ impl Engine {
             cycle_ns,
             now_ns: 0,
             moved_ns: 0,
+            changed_ns: 0,
             duration_ns: job.duration.map(nanoseconds),
             #[cfg(test)]
             called: 0,
@@ -242,6 +246,9 @@ impl Engine {
         if !self.axes.iter().all(Moved::stands) {
             self.moved_ns = self.now_ns;
         }
+        if !self.axes.iter().all(Moved::is_steady) {
+            self.changed_ns = self.now_ns;
+        }
         let failed = self.axes.iter().find_map(|moved| Some((moved, moved.axis.error_id()?)));
         match failed {
             Some((moved, id)) => {
@@ -275,7 +282,7 @@ impl Engine {
         running.begun_ns = Some(now_ns);
         let axis = running.call.axis;
         self.line = running.call.line.max(1);
-        self.moved_ns = now_ns;
+        (self.moved_ns, self.changed_ns) = (now_ns, now_ns);
         self.unbegun = self.unbegun.saturating_sub(1);
         self.began.push(index);
         self.schedule.begun(index, now_ns);

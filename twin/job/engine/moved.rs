@@ -14,6 +14,9 @@ const SWITCHING_ON: usize = 3;
 /// Jerk of an axis whose limit nobody gives, in terms of its acceleration: it is up within a tenth of a second.
 const JERK: f64 = 10.0;
 
+/// An acceleration that is less, in terms of the largest one, is 0 but for rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// An axis with its drive.
 #[derive(Debug)]
 pub(super) struct Moved {
@@ -34,6 +37,8 @@ pub(super) struct Moved {
     pub(super) jumped: f64,
     /// The block that has taken it last.
     pub(super) taken_by: Option<usize>,
+    /// The block that has begun last to move it on top of that.
+    pub(super) topped_by: Option<usize>,
 }
 
 /// What an axis is made from: name, period, largest velocity, acceleration and jerk, and where it starts.
@@ -84,6 +89,7 @@ impl Moved {
             shown,
             halt: None,
             taken_by: None,
+            topped_by: None,
             max_acceleration: acceleration,
             max_velocity: velocity,
             jumped: 0.0,
@@ -140,6 +146,11 @@ impl Moved {
         if let Some(halt) = &mut self.halt {
             halt.call(true, &mut self.axis);
         }
+    }
+
+    /// Whether its velocity stays, but for what rounding makes of the acceleration 0.
+    pub(super) fn is_steady(&self) -> bool {
+        self.state.acceleration.abs() <= ROUNDING * self.max_acceleration
     }
 
     pub(super) fn stands(&self) -> bool {

@@ -2,7 +2,7 @@
 
 use super::super::block::CamStart;
 use super::moved::Moved;
-use super::{Begins, Call, Engine, ON_TOP, STOP};
+use super::{Begins, Call, Engine, ON_TOP, STOP, SUPERIMPOSED};
 use crate::finding::{Finding, Rule};
 use crate::number::significant;
 use crate::report::seconds;
@@ -53,6 +53,9 @@ impl Engine {
     pub(super) fn takes(&mut self, index: usize) -> Result<(), Box<Finding>> {
         let Some(call) = self.calls.get(index).map(|running| &running.call) else { return Ok(()) };
         let Some(moved) = self.axes.get_mut(call.axis) else { return Ok(()) };
+        if call.name == SUPERIMPOSED {
+            moved.topped_by = Some(index);
+        }
         // On top of what moves the axis: that goes on.
         if ON_TOP.contains(&call.name) {
             return Ok(());
@@ -117,8 +120,10 @@ impl Engine {
             return Ok(());
         }
         let Some(moved) = self.axes.get(call.axis) else { return Ok(()) };
-        let taker = moved.taken_by.filter(|taker| *taker != index);
-        let taker = taker.and_then(|taker| self.calls.get(taker));
+        // What moves on top ends with what it moves on, and for the next one on top.
+        let topped_by = moved.topped_by.filter(|_| call.name == SUPERIMPOSED);
+        let takers = topped_by.into_iter().chain(moved.taken_by).filter(|taker| *taker != index);
+        let taker = takers.filter_map(|taker| self.calls.get(taker)).max_by_key(|it| it.begun_ns);
         let later = taker.is_some_and(|taker| taker.begun_ns > loser.begun_ns);
         let meant = taker.is_some_and(|taker| {
             taker.call.begins != Begins::Next || TAKES_OVER.contains(&taker.call.name)

@@ -163,3 +163,32 @@ fn places_of_what_cannot_follow() {
         assert!(found.iter().any(|(_, told, _)| told.contains(said)), "{said}: {found:#?}");
     }
 }
+
+/// What `[coupling]` of a cam's file and `--master-scaling` refuse, `[[cams]]` refuse at the same key.
+#[test]
+fn scalings_of_nothing_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("machine.toml");
+    std::fs::write(folder.path().join("c.txt"), "cam c\nmaster 0 9\nslave 0 9\nline 0 0 9 9\n")
+        .unwrap();
+    let cams = "[[cams]]\naxis = \"X\"\nmaster = \"Y\"\ncam = \"c.txt\"\n";
+    for key in ["master_scaling", "slave_scaling"] {
+        for (value, said) in [
+            ("0", "is 0; nothing would move"),
+            ("-0.0", "is 0; nothing would move"),
+            ("-9e-16", "is -9e-16; 1e-15 is the least scaling"),
+            ("inf", "is inf"),
+            ("nan", "is nan"),
+        ] {
+            let text = with(&format!("{cams}{key} = {value}\n"));
+            let found = Machine::parse(&path, &text).expect_err("no machine");
+            let [problem] = found.as_slice() else { panic!("{found:?}") };
+            assert!(problem.message.starts_with(&format!("`{key}` {said}")), "{problem:?}");
+            let told = text.get(problem.span.clone()).unwrap();
+            assert!(told.contains(key) || told.contains(value), "{told}");
+        }
+        for value in ["1e-15", "-1e-15"] {
+            assert!(Machine::parse(&path, &with(&format!("{cams}{key} = {value}\n"))).is_ok());
+        }
+    }
+}

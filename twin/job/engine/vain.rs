@@ -1,0 +1,140 @@
+//! Blocks that wait for what never comes, while axes move on without end.
+//!
+//! Where everything stands, a block that waits does so for ever. Where an axis is at constant velocity and nothing ends that, it may
+//! wait for a place, and that one comes or does not: of the places that blocks wait for it is known at once. Whatever else may
+//! be waited for, where nothing has changed for [`UNCHANGED_NS`] nothing will.
+
+use super::super::Begins;
+use super::super::probe::When;
+use super::{Engine, Running, nanoseconds};
+use crate::finding::{Finding, Rule};
+use crate::number::significant;
+use crate::report::seconds;
+use twin_motion::Place;
+use twin_motion::axis::AxisState;
+
+/// Where nothing is due and every axis has kept its velocity for so long, nothing will change any more, ns.
+const UNCHANGED_NS: i64 = 600_000_000_000;
+
+/// Blocks in which a slave moves as its master does once they are done.
+const GEARS: [&str; 4] = ["MC_GearIn", "SMC_GearInPos", "MC_GearInPos", "MC_Phasing"];
+
+/// Whether what a block waits for comes.
+enum Comes {
+    Never(String),
+    Later,
+    Unknown,
+}
+
+impl Engine {
+    /// The first block that is not over waits in vain.
+    pub(super) fn refuse_to_wait(&self, index: usize) -> Result<(), Box<Finding>> {
+        let under_way = |running: &Running| running.begun_ns.is_some() && running.over_ns.is_none();
+        let all = || self.calls.iter().enumerate().filter(|(_, running)| under_way(running));
+        let Some(waits) = self.calls.get(index) else { return Ok(()) };
+        let alone = || all().all(|(other, _)| other == index) && !self.waits_for_a_profile();
+        let why = match self.comes(waits) {
+            Comes::Never(why) if alone() => why,
+            _ if self.now_ns - self.changed_ns <= UNCHANGED_NS => return Ok(()),
+            _ => {
+                let later = all().any(|(_, running)| matches!(self.comes(running), Comes::Later));
+                if later || self.waits_for_a_profile() {
+                    return Ok(());
+                }
+                let moves = self.axes.iter().find(|moved| !moved.stands());
+                let moves = moves.map_or(String::new(), |moved| {
+                    format!(
+                        "; axis {} goes on with {:.3} {}/s",
+                        moved.name, moved.state.velocity, moved.unit
+                    )
+                });
+                format!("nothing has changed for {:.0} s{moves}", seconds(UNCHANGED_NS))
+            }
+        };
+        let name = self.axes.get(waits.call.axis).map_or("", |moved| moved.name.as_str());
+        let message = format!("{} of axis {name} waits for ever: {why}", waits.call.name);
+        let place = Place { line: waits.call.line, block: None };
+        let mut finding = Finding::error(Rule::FunctionBlock, place, message);
+        finding.axis = Some(name.to_owned());
+        finding.hint = Some(
+            "give the job a `duration_s`, or have a block begin meanwhile (`at_s`) that changes that"
+                .to_owned(),
+        );
+        Err(finding.into())
+    }
+
+    /// Whether a block waits for the end of a cam that its axis is on, whose master moves.
+    fn waits_for_a_profile(&self) -> bool {
+        self.calls.iter().any(|running| {
+            let cam = running.behind.and_then(|cam| self.calls.get(cam));
+            let on_it = cam.is_some_and(|cam| cam.begun_ns.is_some() && !cam.ended);
+            let master = cam.and_then(|cam| self.axes.get(cam.call.master?));
+            running.call.begins == Begins::EndOfProfile
+                && running.begun_ns.is_none()
+                && on_it
+                && master.is_some_and(|master| !master.stands())
+        })
+    }
+
+    /// Whether what a block under way waits for comes.
+    fn comes(&self, running: &Running) -> Comes {
+        let call = &running.call;
+        if let (Some(place), Some(master)) = (call.block.awaits(), call.master) {
+            return self.comes_to(master, place, "its master");
+        }
+        if let Some(trigger) = call.block.trigger() {
+            return match self.inputs.when(trigger) {
+                Some(When::Passes(axis, place)) => self.comes_to(axis, place, "axis"),
+                // It is TRUE in the cycle that begins then or next.
+                Some(When::At(time)) if nanoseconds(time) + 2 * self.cycle_ns < self.now_ns => {
+                    let time = significant(time, 6);
+                    Comes::Never(format!("its trigger has been TRUE at {time} s, and is not again"))
+                }
+                Some(When::At(_)) => Comes::Later,
+                None => Comes::Unknown,
+            };
+        }
+        let begun_ns = running.begun_ns.unwrap_or(self.now_ns);
+        let lasts = call.block.lasts().map(|time| begun_ns.saturating_add(nanoseconds(time)));
+        if lasts.is_some_and(|end| end >= self.now_ns) { Comes::Later } else { Comes::Unknown }
+    }
+
+    /// Whether an axis comes to a place, as it moves now.
+    fn comes_to(&self, axis: usize, place: f64, which: &str) -> Comes {
+        let Some(moved) = self.axes.get(axis) else { return Comes::Unknown };
+        let velocity = moved.state.velocity;
+        if velocity == 0.0 {
+            return Comes::Unknown;
+        }
+        let ahead = (place - moved.axis.set_position()) * velocity.signum();
+        if moved.axis.period().is_some() || ahead >= 0.0 {
+            return Comes::Later;
+        }
+        if !self.goes_on(axis, self.axes.len()) {
+            return Comes::Unknown;
+        }
+        let (name, unit) = (&moved.name, moved.unit);
+        Comes::Never(format!(
+            "{which} {name} moves away from {} {unit} with {:.3} {unit}/s, and nothing ends that",
+            significant(place, 6),
+            velocity.abs()
+        ))
+    }
+
+    /// Whether an axis is at constant velocity, and stays there as long as no other block begins: by itself, or in a gear of no
+    /// more than `depth` that leads to such a one.
+    fn goes_on(&self, axis: usize, depth: usize) -> bool {
+        let Some(moved) = self.axes.get(axis).filter(|moved| moved.is_steady()) else {
+            return false;
+        };
+        let taker = moved.taken_by.and_then(|taker| self.calls.get(taker));
+        let Some(taker) = taker.filter(|taker| taker.over_ns.is_some()) else { return false };
+        match (moved.axis.state(), taker.call.master) {
+            (AxisState::ContinuousMotion, _) => true,
+            (AxisState::SynchronizedMotion, Some(master)) => {
+                depth > 0 && GEARS.contains(&taker.call.name) && self.goes_on(master, depth - 1)
+            }
+            _ => false,
+        }
+    }
+}
