@@ -124,16 +124,31 @@ impl<'a> CamCheck<'a> {
     fn find(&mut self) {
         let limits = self.using.limits;
         let [low, high] = limits.position;
-        let unbounded = self.using.repeated && self.file.cam.curve().rise() != 0.0;
-        // What gains in every pass goes everywhere: only an axis with a period follows it.
-        if unbounded && (low.is_finite() || high.is_finite()) && self.file.period.is_none() {
-            let message = format!(
-                "the slave gains {} {} in every pass of the cam and leaves its limits, {low} to {high}",
-                readable(self.file.cam.curve().rise(), 6),
-                self.unit(0)
-            );
-            self.add(Rule::AxisPosition, Severity::Error, message, None, "");
-        } else if !unbounded {
+        // What gains in every pass goes everywhere: only an axis without limits of its position follows it.
+        if let Some(rise) = self.using.gain(self.file) {
+            if self.using.is_limited() {
+                let unit = self.unit(0);
+                let rise = readable(rise * self.using.factors().slave, 6);
+                let period = self.file.period.map_or(String::new(), |period| {
+                    format!(": an axis with limits does not go round, whatever the period of the cam's file ({period} {unit}) says")
+                });
+                let ends = match [low, high].map(f64::is_finite) {
+                    [true, true] => format!("{low} to {high}"),
+                    [true, false] => format!("at least {low}"),
+                    _ => format!("at most {high}"),
+                };
+                let message = format!(
+                    "the slave gains {rise} {unit} in every pass of the cam and leaves its limits, {ends}{period}"
+                );
+                self.add(
+                    Rule::AxisPosition,
+                    Severity::Error,
+                    message,
+                    None,
+                    "--once passes it once",
+                );
+            }
+        } else {
             let Range { min, at_min, max, at_max } = self.bounds.position;
             // What stands on a limit but for rounding keeps it.
             let room = ROUNDING * (max - min).max(min.abs()).max(max.abs());
