@@ -47,6 +47,7 @@ mod tune_alike;
 mod tune_cam;
 mod tune_least;
 mod tune_limits;
+mod tune_recorded;
 mod tune_start;
 mod tune_tappets;
 mod urdf;

@@ -124,30 +124,39 @@ impl<'a> CamCheck<'a> {
     /// What the slave gains in every pass in which the master goes forwards, of a cam that is put end to end; none if that is nothing.
     pub fn gain(&self) -> Option<f64> {
         let input = &self.using.coupling.input;
-        let gain =
-            self.file.cam.curve().rise() * input.slave_scaling * input.master_scaling.signum();
-        (self.using.repeated && gain != 0.0).then_some(gain)
+        let rise = self.using.gain(self.file)?;
+        Some(rise * input.slave_scaling * input.master_scaling.signum())
     }
 
     fn find(&mut self) {
         let limits = self.using.limits;
         let [low, high] = limits.position;
-        let gain = self.gain();
-        // What gains in every pass goes everywhere: only an axis with a period follows it.
-        let bounded = low.is_finite() || high.is_finite();
-        if let Some(gain) = gain.filter(|_| bounded && self.file.period.is_none()) {
-            let unit = self.unit(0);
-            let limits = match [low, high].map(|limit| (limit.is_finite(), readable(limit, 6))) {
-                [(true, low), (true, high)] => format!("limits, {low} to {high} {unit}"),
-                [(true, low), _] => format!("least position, {low} {unit}"),
-                [_, (_, high)] => format!("greatest position, {high} {unit}"),
-            };
-            let message = format!(
-                "the slave gains {} {unit} in every pass of the cam and leaves its {limits}, sooner or later",
-                readable(gain, 6),
-            );
-            self.add(Rule::AxisPosition, Severity::Error, message, None, "");
-        } else if gain.is_none() {
+        // What gains in every pass goes everywhere: only an axis without limits of its position follows it.
+        if let Some(gain) = self.gain() {
+            if self.using.is_limited() {
+                let unit = self.unit(0);
+                let limit = |limit: f64| (limit.is_finite(), readable(limit, 6));
+                let limits = match [low, high].map(limit) {
+                    [(true, low), (true, high)] => format!("limits, {low} to {high} {unit}"),
+                    [(true, low), _] => format!("least position, {low} {unit}"),
+                    [_, (_, high)] => format!("greatest position, {high} {unit}"),
+                };
+                let period = self.file.period.map_or(String::new(), |period| {
+                    format!(": an axis with limits does not go round, whatever the period of the cam's file ({period} {unit}) says")
+                });
+                let message = format!(
+                    "the slave gains {} {unit} in every pass of the cam and leaves its {limits}, sooner or later{period}",
+                    readable(gain, 6),
+                );
+                self.add(
+                    Rule::AxisPosition,
+                    Severity::Error,
+                    message,
+                    None,
+                    "--once passes it once",
+                );
+            }
+        } else {
             let Range { min, at_min, max, at_max } = self.bounds.position;
             // What stands on a limit but for rounding keeps it.
             let room = ROUNDING * (max - min).max(min.abs()).max(max.abs());

@@ -41,7 +41,7 @@ impl CamUse {
         let width = curve.end() - curve.start();
         let passes = ((self.place_at(master) - curve.start()) / width).floor();
         let gained = passes * curve.rise() * self.coupling.input.slave_scaling;
-        let turns = self.limits.period.or(file.period).map(|period| gained / period);
+        let turns = self.slave_period(file).map(|period| gained / period);
         let round = turns.is_some_and(|turns| (turns - turns.round()).abs() <= WHOLE);
         let mut told = *self;
         let input = &mut told.coupling.input;

@@ -1,6 +1,6 @@
 //! How a cam is used: what its master does, offsets and scalings, and what its slave can do.
 
-use super::{AxisScale, Coupling};
+use super::{AxisScale, CamFile, Coupling};
 use crate::machine::{Axis, AxisKind};
 use twin_motion::cam::{Factors, MasterMotion, SlaveLimits};
 
@@ -66,6 +66,40 @@ pub struct CamUse {
 }
 
 impl CamUse {
+    /// The period of the slave's axis, if it goes round: that of the machine's axis, or the cam file's. An axis with limits of its
+    /// position does not go round, whatever the file says.
+    pub fn slave_period(&self, file: &CamFile) -> Option<f64> {
+        self.limits.period.or(file.period.filter(|_| !self.is_limited()))
+    }
+
+    /// Whether the slave's position is limited.
+    pub fn is_limited(&self) -> bool {
+        self.limits.position.iter().any(|limit| limit.is_finite())
+    }
+
+    /// How much the slave gains in every pass of a cam that is put end to end, on the scale of the cam; none if it comes back, or
+    /// is passed once.
+    pub fn gain(&self, file: &CamFile) -> Option<f64> {
+        let rise = file.cam.curve().rise();
+        (self.repeated && rise != 0.0).then_some(rise)
+    }
+
+    /// The same motion with a `MasterOffset` that is nearest to another one: of a cam that is put end to end it may be whole passes
+    /// more or less, with what the slave gains in them in `SlaveOffset`.
+    #[must_use]
+    pub fn beside(&self, other: &Self, file: &CamFile) -> Self {
+        let curve = file.cam.curve();
+        let mut moved = *self;
+        let input = &mut moved.coupling.input;
+        let width = curve.end() - curve.start();
+        let passes = ((input.master_offset - other.coupling.input.master_offset) / width).round();
+        if self.repeated && passes != 0.0 && passes.is_finite() {
+            input.master_offset -= passes * width;
+            input.slave_offset += passes * curve.rise() * input.slave_scaling;
+        }
+        moved
+    }
+
     /// Factors of master and slave.
     pub fn factors(&self) -> Factors {
         let input = &self.coupling.input;

@@ -296,7 +296,9 @@ impl ControlAxis {
             let owner = self.block.owner().filter(|owner| axis.owns(*owner));
             // In motion the axis is left to itself; what another block has taken is none of this one's business any more.
             if owner.is_none() || axis.set_velocity() == 0.0 {
-                owner.into_iter().for_each(|owner| axis.release(owner));
+                if let Some(owner) = owner {
+                    axis.release(owner);
+                }
                 self.block = Block::new(self.block.inputs);
             }
             return ControlOutputs::default();

@@ -34,7 +34,7 @@ pub fn dead_time(seen: &[Switching], with_offset: bool) -> Result<DeadTime, FitE
     let unknowns = if with_offset { 2 } else { 1 };
     let needed = unknowns + 2;
     if seen.len() < needed {
-        return Err(FitError::TooFew { found: seen.len(), needed, unknowns });
+        return Err(FitError::TooFewSwitchings { found: seen.len(), needed });
     }
     for (index, each) in (1..).zip(seen) {
         let wrong = |what, value: f64| Err(FitError::NoNumber { index, what, value });

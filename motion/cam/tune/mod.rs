@@ -71,6 +71,17 @@ pub enum FitError {
         /// For how many unknowns.
         unknowns: usize,
     },
+    /// Too few switchings.
+    #[error(
+        "{found} switching{} too few for a dead time: {needed} are needed",
+        if *.found == 1 { " is" } else { "s are" }
+    )]
+    TooFewSwitchings {
+        /// How many were seen.
+        found: usize,
+        /// How many are needed.
+        needed: usize,
+    },
     /// Nothing is to be found.
     #[error("nothing is left to be found")]
     NothingFree,

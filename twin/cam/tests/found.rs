@@ -299,7 +299,7 @@ fn a_run_says_how_far_the_slave_was() {
     let none = RecordedRun { groups: Vec::new(), ..run };
     let error =
         tappet_dead_time(&use_it, &switchings(&file, &use_it, &none), 0.002).expect_err("none");
-    assert_eq!(error, TuneError::DeadTime(FitError::TooFew { found: 0, needed: 3, unknowns: 1 }));
+    assert_eq!(error, TuneError::DeadTime(FitError::TooFewSwitchings { found: 0, needed: 3 }));
 }
 
 /// An output that something else switches, half a second behind its tappet, is told with its line.

@@ -15,3 +15,4 @@ mod shown;
 mod starts;
 mod tuned;
 mod words;
+mod wound;

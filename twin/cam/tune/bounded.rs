@@ -192,14 +192,14 @@ fn wish(
     free: Free,
 ) -> Result<BoundedWish, TuneError> {
     let mut position = using.limits.position;
-    let rise = file.cam.curve().rise();
-    if using.repeated && rise != 0.0 {
-        if file.period.is_none() && position.iter().any(|limit| limit.is_finite()) {
+    if let Some(rise) = using.gain(file) {
+        if using.is_limited() {
+            let rise = rise * using.coupling.input.slave_scaling;
             let [rise, low, high] = [rise, position[0], position[1]].map(|u| significant(u, 6));
             let why = format!("the slave gains {rise} in every pass and leaves {low} to {high}");
             return Err(TuneError::NoRoom { what: "offset or scaling", why });
         }
-        // An axis with a period goes everywhere.
+        // An axis without limits goes everywhere.
         position = [f64::NEG_INFINITY, f64::INFINITY];
     }
     let (limits, repeated) = (using.limits.motion, using.repeated);

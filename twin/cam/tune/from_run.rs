@@ -7,7 +7,6 @@ use super::TuneError;
 use super::course::Course;
 use super::tappets::{CHANCE, refuse_contradictory, refuse_random};
 use crate::number::significant;
-use std::borrow::Cow;
 use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{
     DeadTime, Estimate, Fit, FitError, FitOptions, Free, Sample, Switching, dead_time, fit,
@@ -164,15 +163,8 @@ pub struct Seen {
     pub switching: Switching,
 }
 
-/// A run whose master goes on where its positions begin again: recorded within its period it is unwound, so that it passes the
-/// tappets of a cam that is put end to end.
-pub fn unwound<'a>(file: &CamFile, using: &CamUse, run: &'a RecordedRun) -> Cow<'a, RecordedRun> {
-    let curve = file.cam.curve();
-    let turn = (curve.end() - curve.start()) / using.coupling.input.master_scaling.abs();
-    if using.repeated { run.unwound(turn) } else { Cow::Borrowed(run) }
-}
-
-/// What the outputs of a run tell of the tappets that switch them; its master is to be [`unwound`].
+/// What the outputs of a run tell of the tappets that switch them; its master is to be unwound
+/// ([`super::unwound`]).
 ///
 /// An output that changes between two samples is taken to change half way between, and the tappet to be passed when the
 /// master, on straight lines between the samples, was there. Whose tappet it was is the nearest one that switches so in the

@@ -12,10 +12,12 @@ mod shape;
 mod start;
 mod tappet_error;
 mod tappets;
+mod units;
+mod wound;
 
 pub use bounded::{Limited, Told, Within, exceeds, limited, refuses, scalings, within_limits};
 pub use correct::{Deviation, as_fitted, corrected, wanted, wants, with_exactly, within};
-pub use from_run::{Seen, errors, fit_run, rms, rounded, switchings, tappet_dead_time, unwound};
+pub use from_run::{Seen, errors, fit_run, rms, rounded, switchings, tappet_dead_time};
 pub use kept::{Kept, KeptTappet, keep_tappets, passed_at, told_at};
 pub use minimise::{Least, Minimised, minimise};
 pub use recorded::{master_motion, travel};
@@ -23,6 +25,8 @@ pub use shape::{PointTolerance, ShapeGoal, Shaped, shape};
 pub use start::{Begin, begin, started_at};
 pub use tappet_error::{OutputError, Part, SwitchingPart};
 pub use tappets::run_dead_time;
+pub use units::{passes_too_often, refuse_stroke};
+pub use wound::{Unwound, unwound};
 
 use super::check::CamUse;
 use super::edit::Change;
@@ -74,6 +78,20 @@ pub enum TuneError {
         error: Box<TuneError>,
         /// What is to be looked for.
         with: &'static str,
+    },
+    /// A slave that seems to be in other units.
+    #[error(
+        "offsets and scalings: the slave makes {strokes} of the stroke that is wanted (SlaveScaling {}): {guess} If that is its \
+         scaling, --find slave-scaling=FROM..TO says so",
+        significant(*.scaling, 4)
+    )]
+    Stroke {
+        /// What was found.
+        scaling: f64,
+        /// How many strokes that is.
+        strokes: String,
+        /// What may be the matter.
+        guess: String,
     },
     /// The dead time of tappets.
     #[error("dead time of the tappets: {0}")]
@@ -280,8 +298,8 @@ pub fn ramp_wish(
     let mut table = CamTable::new(Arc::new(file.cam.clone()));
     table.periodic = using.repeated;
     // An axis of a machine file says itself whether it goes round.
-    let of_cam = file.period.filter(|_| file.cam.curve().rise() != 0.0);
-    table.slave_period = using.limits.period.or(of_cam);
+    let goes_on = using.limits.period.is_some() || file.cam.curve().rise() != 0.0;
+    table.slave_period = using.slave_period(file).filter(|_| goes_on);
     let mut input = using.coupling.input;
     if matches!(input.start_mode, StartMode::Absolute | StartMode::Relative) {
         input.start_mode = StartMode::RampIn;

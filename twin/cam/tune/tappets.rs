@@ -5,9 +5,10 @@ use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::RecordedRun;
 use super::TuneError;
-use super::from_run::{Seen, median, switchings, tappet_dead_time, unwound};
+use super::from_run::{Seen, median, switchings, tappet_dead_time};
 use super::passed::refuse_count;
 use super::tappet_error::{OutputError, Part, SwitchingPart};
+use super::wound::unwound;
 use twin_motion::cam::tune::{DeadTime, student_exceeds};
 
 /// What noise does in one run of so many is told.
@@ -38,7 +39,7 @@ pub fn run_dead_time(
     if let Some(group) = run.groups.iter().find(|group| !has.contains(group)) {
         return Err(OutputError::NoGroup { group: *group, has }.into());
     }
-    let run = &*unwound(file, using, run);
+    let run = &*unwound(file, using, run, None).run;
     let counted =
         (0..run.groups.len()).try_for_each(|output| refuse_count(file, using, run, output));
     let seen = switchings(file, using, run);

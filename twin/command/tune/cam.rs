@@ -53,6 +53,11 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value = "measured", requires = "run")]
     pub(super) slave: SlaveColumn,
 
+    /// The master of the run is recorded within this period, u [default: what its positions jump back by, if that is whole passes of
+    /// the cam, or turns]
+    #[arg(long, value_name = "U", requires = "run", value_parser = positive)]
+    master_period: Option<f64>,
+
     /// What is to be found, of master-offset, master-scaling, slave-offset and slave-scaling: in the run, or, without one, within
     /// the limits [default: both offsets with a run]. Each may have an interval, like slave-scaling=0.9..1.1: in a run it says which
     /// is meant of answers that fit alike; with --minimise acceleration or jerk it is for what is made smallest, and both offsets are
@@ -232,6 +237,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let load_run = |path| RecordedRun::load_for(&file, path);
     let recorded = arguments.run.as_deref().map(load_run).transpose().map_err(Box::new)?;
     let mut before = arguments.coupling.using(&file, arguments.master.motion(), limits);
+    let wound = recorded.as_ref().map(|run| {
+        let tune::Unwound { run, master, slave } =
+            tune::unwound(&file, &before, run, arguments.master_period);
+        (run.into_owned(), [master, slave])
+    });
+    let (recorded, wound) = wound.map_or((None, [None; 2]), |(run, wound)| (Some(run), wound));
     let shown = recorded.as_ref().and_then(|run| tune::master_motion(&file, &before, run));
     before.master = arguments.master.motion_or(shown.unwrap_or(before.master));
     let started = arguments.started().map(|master| (master, Started::Given)).or_else(|| {
@@ -240,6 +251,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     });
     before.start = started.map(|(master, _)| master);
     let mut report = Report::new(&file, before);
+    report.wound = wound;
     report.started = started.map(|(_, by)| by);
     match tuned(arguments, &file, recorded.as_ref(), &mut report) {
         Ok(()) => {}

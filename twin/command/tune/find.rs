@@ -14,7 +14,7 @@ use crate::cam::tune::{
 };
 use twin_motion::axis::profile::State;
 use twin_motion::cam::file::clean;
-use twin_motion::cam::tune::{Fit, RampGoal};
+use twin_motion::cam::tune::{Fit, FitError, RampGoal};
 use twin_motion::cam::{Quantity, StartMode};
 
 /// Within this part of itself `MasterScaling` is looked for in a run, if nothing else is said.
@@ -147,6 +147,10 @@ fn from_run(
     report.error_before = Some(tune::rms(&errors(file, &reference, run)));
     let range = arguments.scaling_range.unwrap_or(USUAL_RANGE);
     let found = fit_run(file, &reference, run, arguments.free(), range, arguments.between())?;
+    if measured {
+        let [.., said] = intervals(&arguments.find);
+        tune::refuse_stroke(file, &reference, &found, said)?;
+    }
     let did = tune::as_fitted(&before, &found);
     if measured {
         let (after, by) = tune::corrected(file, &before, &found);
@@ -166,13 +170,21 @@ fn from_run(
     if !run.groups.is_empty() {
         // The tappets of a slave that was measured are where the coupling in effect has them.
         let register = if measured { before } else { did };
-        let (found, seen) = run_dead_time(file, &register, run)?;
-        let time = found.dead_time_s;
-        // What is compensated to within what the run tells stays.
-        if !time.holds(before.coupling.dead_time_s) {
-            report.after.coupling.dead_time_s = tune::rounded(time);
+        match run_dead_time(file, &register, run) {
+            Ok((found, seen)) => {
+                let time = found.dead_time_s;
+                // What is compensated to within what the run tells stays.
+                if !time.holds(before.coupling.dead_time_s) {
+                    report.after.coupling.dead_time_s = tune::rounded(time);
+                }
+                report.dead_time = Some((found, seen));
+            }
+            // Too few of them are no reason to keep back what the slave tells.
+            Err(few @ TuneError::DeadTime(FitError::TooFewSwitchings { .. })) => {
+                report.no_dead_time = Some(few.to_string());
+            }
+            Err(error) => return Err(error),
         }
-        report.dead_time = Some((found, seen));
     }
     Ok(deviation)
 }

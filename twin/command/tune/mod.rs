@@ -8,6 +8,7 @@ mod object;
 mod other;
 mod outcome;
 mod peaks;
+mod recorded;
 mod report;
 mod start;
 mod tappets;

@@ -1,7 +1,7 @@
 //! What was found as an object.
 
 use super::report::Report;
-use crate::cam::tune::ShapeGoal;
+use crate::cam::tune::{self, ShapeGoal};
 use serde_json::{Value, json};
 use twin_motion::axis::profile::RampType;
 use twin_motion::cam::tune::Estimate;
@@ -28,6 +28,7 @@ impl Report<'_> {
         let dead_time = self.dead_time.as_ref().map(|(found, count)| {
             json!({ "dead_time_s": estimate(found.dead_time_s), "switchings": count })
         });
+        let [master_period, slave_period] = self.wound;
         let shape = self.shaped.as_ref().map(|shaped| {
             let what = match self.goal {
                 Some(ShapeGoal::Peak(quantity)) => format!("peak {quantity}"),
@@ -72,11 +73,16 @@ impl Report<'_> {
         json!({
             "cam": self.file.cam.name(),
             "file": self.file.path.display().to_string(),
-            "master": { "velocity": self.before.master.velocity, "acceleration": self.before.master.acceleration },
+            "master": {
+                "velocity": self.before.master.velocity, "acceleration": self.before.master.acceleration, "period": master_period,
+                "passes_too_often_per_s": fit.as_ref().and_then(|_| tune::passes_too_often(self.file, &self.before)),
+            },
+            "slave_period": slave_period,
             "slave": fit.as_ref().map(|_| if self.wanted.is_some() { "measured" } else { "wanted" }),
             "fit": fit, "limited": self.limited.as_ref().map(|limited| self.limited_json(limited)),
             "within": self.within.as_ref().map(|held| self.within_json(held)), "start": self.start_json(),
-            "least": least, "dead_time": dead_time, "shape": shape, "ramp": ramp,
+            "least": least, "dead_time": dead_time,
+            "no_dead_time": self.no_dead_time, "shape": shape, "ramp": ramp,
             "tappets": self.tappets_json(),
             "coupling": numbers.into_iter().collect::<serde_json::Map<_, _>>(),
             "lines": { "coupling": file, "inputs": block, "points": self.points(), "tappets": self.moved_tappets() },

@@ -35,9 +35,11 @@ pub(super) fn picture(
     run: Option<&RecordedRun>,
 ) -> Result<(), Failure> {
     let mut recorded = Recorded::default();
+    // Whole passes on is the same cam, and beside what was it is compared.
+    let drawn = report.after.beside(&report.before, file);
     if let Some(run) = run {
         // On one pass of the cam, where the picture is.
-        let using = &report.after;
+        let using = &drawn;
         let input = &using.coupling.input;
         let place = |master: f64| {
             let x = master * input.master_scaling + input.master_offset;
@@ -58,7 +60,7 @@ pub(super) fn picture(
     }
     let shown = [
         Shown { file, using: &report.before, name: "before" },
-        Shown { file: after, using: &report.after, name: "after" },
+        Shown { file: after, using: &drawn, name: "after" },
     ];
     let heading = format!("{} ({})", file.cam.name(), file.path.display());
     let failed = |error: CamPictureError| Failure::Usage(error.to_string());

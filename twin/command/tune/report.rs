@@ -38,6 +38,10 @@ pub(super) struct Report<'a> {
     pub(super) error_after: Option<f64>,
     /// The dead time, and how many switchings told it.
     pub(super) dead_time: Option<(DeadTime, usize)>,
+    /// Why outputs do not tell it.
+    pub(super) no_dead_time: Option<String>,
+    /// After what the positions of master and slave of the run begin again, where they do.
+    pub(super) wound: [Option<f64>; 2],
     /// What the limits left of what the run tells.
     pub(super) limited: Option<Limited>,
     /// Changed to keep the limits, and what holds each value.
@@ -75,6 +79,8 @@ impl<'a> Report<'a> {
             error_before: None,
             error_after: None,
             dead_time: None,
+            no_dead_time: None,
+            wound: [None; 2],
             limited: None,
             within: None,
             least: None,
@@ -334,6 +340,7 @@ impl<'a> Report<'a> {
                 short(velocity),
                 short(acceleration)
             )?;
+            self.tell_recorded(out)?;
             writeln!(
                 out,
                 "{} samples; the slave's error was {} {slave} rms and {tense} {} {slave}",
@@ -359,6 +366,9 @@ impl<'a> Report<'a> {
                     short((fit.bias * 100.0).round())
                 )?;
             }
+        }
+        if let Some(why) = &self.no_dead_time {
+            writeln!(out, "{why}; it is left as it is")?;
         }
         if let Some((found, count)) = &self.dead_time {
             let Estimate { value, half_width } = found.dead_time_s;

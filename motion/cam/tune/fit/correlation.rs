@@ -3,12 +3,19 @@
 //! As autoregression of what is left over, of an order that the data choose by Akaike's criterion: den Haan and Levin, A
 //! Practitioner's Guide to Robust Covariance Matrix Estimation (Handbook of Statistics 15, 1997). The lags of a kernel would
 //! have to be cut off, which makes the variance too small.
+//!
+//! Where samples are few, the criterion overlooks weak correlation, and higher orders that chance has made undo some of what is
+//! there. So it is asked what noise of the first order does as well, with the bias taken out that a correlation of few samples has
+//! beside what fitting takes, −2·ρ/n (Marriott and Pope, Bias in the Estimation of Autocorrelations, Biometrika 41, 1954;
+//! Kendall, the same volume), and the larger one of both variances counts.
 
 /// The largest order.
 const ORDERS: usize = 8;
 /// Beyond so many lags, or below so much, correlations do not count.
 const LAGS: usize = 400;
 const SMALL: f64 = 1e-3;
+/// Noise of the first order does not go on more strongly.
+const MOST_OF_FIRST: f64 = 0.95;
 /// A partial correlation that is larger is none of noise.
 const MOST: f64 = 0.98;
 
@@ -48,6 +55,17 @@ pub(super) fn correlations(covariances: &[f64], samples: usize) -> Vec<f64> {
         }
     }
     found
+}
+
+/// Correlations of noise of the first order, with that of neighbours as so many samples show it; none if it is not above 0.
+pub(super) fn first_order(beside: f64, samples: f64) -> Vec<f64> {
+    let known = beside > 0.0;
+    if !known {
+        return Vec::new();
+    }
+    let beside = (beside * (1.0 + 2.0 / samples)).min(MOST_OF_FIRST);
+    let next = |value: &f64| Some(value * beside).filter(|value| *value >= SMALL);
+    std::iter::successors(Some(beside), next).take(LAGS).collect()
 }
 
 /// Factors of the best order, by Levinson's and Durbin's recursion.
@@ -93,12 +111,12 @@ pub(super) fn inflation(shares: &[f64], correlations: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{correlations, inflation};
+    use super::{correlations, first_order, inflation};
 
     /// Of a first order with ρ the correlations are ρʰ, and the variance of the mean is (1 + ρ)/(1 − ρ) times that of
     /// independent noise.
     #[test]
-    fn first_order() {
+    fn first_order_in_closed_form() {
         let rho: f64 = 0.3;
         let covariances: Vec<f64> = (0..=8).map(|lag| 2.0 * rho.powi(lag)).collect();
         let found = correlations(&covariances, 400);
@@ -107,6 +125,19 @@ mod tests {
         }
         let more = inflation(&vec![1.0; 100_000], &found);
         assert!((more / (1.3 / 0.7) - 1.0).abs() < 1e-3, "{more}");
+    }
+
+    /// ρ + 2·ρ/n, and on in powers of it; a mean of many has (1 + ρ)/(1 − ρ) of the variance.
+    #[test]
+    fn first_order_of_few() {
+        let found = first_order(0.4, 50.0);
+        let rho: f64 = 0.4 * 1.04;
+        for (lag, value) in (1..).zip(&found) {
+            assert!((value - rho.powi(lag)).abs() < 1e-12, "{lag}: {value}");
+        }
+        let more = inflation(&vec![1.0; 100_000], &found);
+        assert!((more / ((1.0 + rho) / (1.0 - rho)) - 1.0).abs() < 3e-3, "{more}");
+        assert!(first_order(-0.4, 50.0).is_empty() && first_order(f64::NAN, 50.0).is_empty());
     }
 
     /// A second order whose correlations follow r(h) = 0.5·r(h − 1) − 0.4·r(h − 2), r(1) = 0.5/1.4.

@@ -143,12 +143,20 @@ impl Fit {
         if samples < FEW {
             return correlation_exceeds(self.correlation, samples) > CHANCE;
         }
-        self.correlation.abs() <= STRONG
+        #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
+        let by_chance = BY_CHANCE * ((1.0 - STRONG * STRONG) / samples as f64).sqrt();
+        // What rounding may have by chance is none of it already.
+        let by_chance = if self.quantum > 0.0 { 0.0 } else { by_chance };
+        self.correlation.abs() <= (STRONG + by_chance).min(STRONGEST)
     }
 }
 
-/// A correlation beyond this is no noise: that of so many samples and more of independent noise is 4 standard deviations less.
+/// Noise with a correlation beyond this is none: that of so many samples and more of independent noise is 4 standard deviations
+/// less.
 const STRONG: f64 = 0.6;
+/// So many standard deviations (Bartlett's) more are by chance, in all but one run of twenty, but never so much as this.
+const BY_CHANCE: f64 = 1.645;
+const STRONGEST: f64 = 0.7;
 const FEW: usize = Fit::SAMPLES;
 /// What is told of few samples noise does in one run of so many.
 const CHANCE: f64 = 1e-4;
@@ -276,7 +284,7 @@ impl Problem<'_> {
         let inverse = self.invert(&matrix)?;
         let step = self.rounded_to(best);
         self.refuse_outliers(fitted, options, step)?;
-        self.refuse_unexplained(left)?;
+        self.refuse_unexplained(best, left)?;
         let over = self.left_over(best, &inverse, step);
         self.refuse_contradiction(best, left, &over)?;
         if let Some(refused) = &fitted.refused {

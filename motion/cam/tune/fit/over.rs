@@ -1,6 +1,6 @@
 //! What is left over of the samples: how it grows with the slope, goes on from sample to sample, and what of it is rounding.
 
-use super::correlation::correlations;
+use super::correlation::{correlations, first_order};
 use super::growth::Growth;
 use super::rounding::{Noise, Steps, Tried, clear, dot, far, tried};
 use super::{FEW, Parameters, Problem};
@@ -54,8 +54,9 @@ pub(super) struct Known {
 pub(super) struct Over {
     pub(super) known: Vec<Known>,
     pub(super) growth: Option<Growth>,
-    /// Correlations at the lags 1, 2, …
+    /// Correlations at the lags 1, 2, …, of the order that the samples choose, and of the first one.
     pub(super) correlations: Vec<f64>,
+    pub(super) first: Vec<f64>,
     /// By how much more of it is fitted away than of noise that is independent.
     pub(super) taken: f64,
     /// As [`super::Fit::correlation`].
@@ -98,6 +99,7 @@ impl Problem<'_> {
             known,
             growth,
             correlations: Vec::new(),
+            first: Vec::new(),
             taken: 1.0,
             correlation: 0.0,
             quantum: 0.0,
@@ -136,6 +138,12 @@ impl Over {
             let mended: Vec<f64> =
                 covariances.iter().zip(hats).map(|(c, hat)| c + variance * hat).collect();
             self.found(correlations(&mended, samples));
+            #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
+            let count = samples as f64;
+            self.first = match mended.as_slice() {
+                [square, beside, ..] => first_order(beside / square, count),
+                _ => Vec::new(),
+            };
         }
     }
 
@@ -209,6 +217,11 @@ impl Over {
                 deviation: ((rather + rounding) / count).sqrt(),
                 correlation: (next / of_noise.max(least)).clamp(0.0, 0.9),
             };
+            // Rounding hides its part of it.
+            let part_of_noise = if all > 0.0 { of_noise / all } else { 0.0 };
+            self.first =
+                if samples < FEW { Vec::new() } else { first_order(noise.correlation, count) };
+            self.first.iter_mut().for_each(|value| *value *= part_of_noise);
             // What no recording that was tried has; less is no harm.
             let [low, high] = now.beside;
             let beyond = (beside - high - (high - low) / 2.0).max(0.0);
@@ -223,7 +236,7 @@ impl Over {
             self.rounded = last;
             self.quantum = if hidden <= TOLD { step } else { 0.0 };
         } else {
-            (self.correlations, self.taken) = (Vec::new(), 1.0);
+            (self.correlations, self.first, self.taken) = (Vec::new(), Vec::new(), 1.0);
         }
     }
 }

@@ -18,7 +18,7 @@ const RESTING: f64 = 0.05;
 const TOO_FAR: f64 = 1.5;
 
 impl Problem<'_> {
-    pub(super) fn refuse_unexplained(&self, left: f64) -> Result<(), FitError> {
+    pub(super) fn refuse_unexplained(&self, p: Parameters, left: f64) -> Result<(), FitError> {
         let sum = |of: &dyn Fn(&Sample) -> f64| {
             self.samples.iter().map(|s| s.weight * of(s)).sum::<f64>()
         };
@@ -26,7 +26,25 @@ impl Problem<'_> {
         let mean = sum(&|s| s.slave) / weights;
         let spread = (sum(&|s| (s.slave - mean).powi(2)) / weights).sqrt();
         let rms = (left / weights).sqrt();
+        // One line of the slave is told where it rests as well: noise is all that is to be seen of its spread there.
+        let spread = if self.is_line() { spread.max(self.seen_at_rest(p)) } else { spread };
         if rms > UNEXPLAINED * spread { Err(FitError::Unexplained { rms, spread }) } else { Ok(()) }
+    }
+
+    /// Whether offset or scaling of the slave alone is looked for.
+    fn is_line(&self) -> bool {
+        matches!(self.free, [2] | [3])
+    }
+
+    /// The spread of a slave that follows the cam, where the cam has it rest and noise hides it: so that the noise which is allowed
+    /// there is the same part of the cam's height as that of a slave that counts as resting. 0 where the cam moves it.
+    fn seen_at_rest(&self, p: Parameters) -> f64 {
+        let Range { min, max, .. } = self.curve.extremes().position;
+        let height = (max - min) * p[3].abs();
+        let ends = (f64::INFINITY, f64::NEG_INFINITY);
+        let model = self.samples.iter().map(|sample| self.model(p, sample.master).0);
+        let (low, high) = model.fold(ends, |(a, b), y| (a.min(y), b.max(y)));
+        if high - low <= RESTING * height { RESTING * height / UNEXPLAINED } else { 0.0 }
     }
 
     /// Lets both halves have their own answers and looks whether that leaves over much less.
@@ -85,6 +103,10 @@ impl Problem<'_> {
 
     /// What to say if the slave rests, so that nothing was found.
     pub(super) fn resting(&self, options: &FitOptions) -> Option<FitError> {
+        // Where it rests tells one line of it.
+        if self.is_line() {
+            return None;
+        }
         let slaves = self.samples.iter().map(|sample| sample.slave);
         let (low, high) =
             slaves.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| (a.min(s), b.max(s)));

@@ -25,7 +25,7 @@ pub(super) struct Widths {
 impl Problem<'_> {
     /// `inverse` is that of the normal matrix at `p`.
     pub(super) fn widths(&self, p: Parameters, inverse: &DMatrix<f64>, over: &Over) -> Widths {
-        let Over { known, growth, correlations, taken, rounded, .. } = over;
+        let Over { known, growth, correlations, first, taken, rounded, .. } = over;
         let samples = known.len();
         #[expect(clippy::cast_precision_loss, reason = "counts of samples and unknowns")]
         let freedom = (samples - self.free.len()) as f64;
@@ -54,7 +54,7 @@ impl Problem<'_> {
             let usual = variance * inverse.get((index, index)).copied().unwrap_or_default();
             let own = if samples < FEW { own.max(usual) } else { own };
             let own = own.max(rounding * square);
-            let more = inflation(&by_noise, correlations);
+            let more = inflation(&by_noise, correlations).max(inflation(&by_noise, first));
             // What rounding adds beyond errors that are independent.
             let shared = rounded.as_ref().map_or(0.0, |(_, tried)| {
                 tried.variances.get(index).copied().unwrap_or_default() - rounding * square

@@ -1,10 +1,11 @@
 //! The linear program of a shape, and the places it looks at.
 
+use super::super::super::curve::Curve;
 use super::super::super::knot::{Derivatives, Knot, Piece};
 use super::super::super::polynomial::{Coefficients, extremes};
 use super::super::convex::Program;
 use super::weight::Weights;
-use super::{PEAK, POSITION, ROUNDS, ReshapeError, Wish};
+use super::{KEPT_AT_TAPPETS, PEAK, POSITION, ROUNDS, ReshapeError, Wish};
 use clarabel::solver::SolverStatus;
 
 /// What may be changed: which value of which point, and of which other one with it.
@@ -32,6 +33,9 @@ pub(super) struct Problem<'a> {
     places: Vec<Place>,
     /// Pieces and places in them where the slave's position is limited.
     positions: Vec<(usize, f64)>,
+    /// How far the slave goes, and how far from 0 it is at most: beside them, changes of its position are rounding.
+    height: f64,
+    reach: f64,
     /// So far from limits that only have to be kept what is solved stays.
     margin: f64,
     pub(super) programs: usize,
@@ -39,6 +43,8 @@ pub(super) struct Problem<'a> {
 
 /// Of the tolerances: so far from a limit of the position what is solved stays, so that Clarabel's last digits keep it.
 const MARGIN: f64 = 1e-6;
+/// Rows of positions are divided by no less than this part of the cam's reach: rounding would be as large as what they say.
+const NARROWEST: f64 = 1e-9;
 /// Of a limit of the motion that only has to be kept: more than peaks that are not looked at again exceed it.
 const MARGIN_OF_LIMITS: f64 = 2.0 * PEAK;
 
@@ -90,7 +96,12 @@ impl<'a> Problem<'a> {
             .flatten()
             .collect();
         let margin = MARGIN_OF_LIMITS;
-        Self { knots, wish, unknowns, places, positions, margin, programs: 0 }
+        let (height, reach) = Curve::polynomial(knots).map_or((0.0, 0.0), |curve| {
+            let found = curve.extremes().position;
+            let height = found.max - found.min;
+            (height, height.max(found.magnitude()))
+        });
+        Self { knots, wish, unknowns, places, positions, height, reach, margin, programs: 0 }
     }
 
     /// The points that make the largest part of a limit smallest, a little within the limits that only have to be kept; on them,
@@ -218,9 +229,10 @@ impl<'a> Problem<'a> {
             let piece = piece.min(self.knots.len() - 2);
             let Some(from) = self.knots.get(piece) else { continue };
             let (_, factors) = self.form(piece, held - from.master, &|d| d.position);
-            let size = factors.iter().map(|(_, factor)| factor.abs()).fold(0.0, f64::max);
-            if size > 0.0 {
-                program.equal(factors.into_iter().map(|(column, f)| (column, f / size)), 0.0);
+            // Where nothing moves the slave by more than it may be off, as at an end that stays, nothing has to hold it.
+            let most: f64 = factors.iter().map(|(_, factor)| factor.abs()).sum();
+            if most > KEPT_AT_TAPPETS * self.height {
+                program.equal(factors.into_iter().map(|(column, f)| (column, f / most)), 0.0);
             }
         }
         for place in &self.places {
@@ -239,11 +251,12 @@ impl<'a> Problem<'a> {
         let [lowest, highest] = self.wish.position;
         for (piece, u) in &self.positions {
             let (constant, factors) = self.form(*piece, *u, &|d| d.position);
-            let size: f64 = factors.iter().map(|(_, factor)| factor.abs()).sum();
-            // What no unknown moves is as it is.
-            if size == 0.0 {
+            let most: f64 = factors.iter().map(|(_, factor)| factor.abs()).sum();
+            // What no unknown moves by more than rounding is as it is: what keeps the limits is looked at in the end.
+            if most <= POSITION * self.reach {
                 continue;
             }
+            let size = most.max(NARROWEST * self.reach);
             for (sign, limit) in [(1.0, highest), (-1.0, -lowest)] {
                 if limit.is_finite() {
                     let entries = factors.iter().map(|(column, f)| (*column, sign * f / size));

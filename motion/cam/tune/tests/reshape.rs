@@ -115,6 +115,39 @@ fn random_cams_get_faster_within_their_tolerances() {
     }
 }
 
+/// A rise of 50 to a free point and back, both ends at rest and fixed, wherever the point is: limits of the position that the
+/// slave does not come near to, and tappets where the ends hold it anyway, change nothing of what is found.
+#[test]
+fn what_the_ends_hold_is_no_condition() {
+    for place in 1..36_i32 {
+        let middle = 10.0 * f64::from(place);
+        let knots =
+            [Knot::at_rest(0.0, 0.0), Knot::at_rest(middle, 50.0), Knot::at_rest(360.0, 0.0)];
+        let free = Tolerance { slave: 1.0, velocity: 0.2, acceleration: 0.01 };
+        let none = Tolerance::default();
+        let plain = wish(vec![none, free, none], SlaveLimits::NONE);
+        let found = |wish: &Wish| {
+            let found = soften(&knots, wish, Quantity::Acceleration, 100.0);
+            found.unwrap_or_else(|error| panic!("{middle}: {error}")).after.value
+        };
+        let best = found(&plain);
+        for (position, held) in [
+            ([-1000.0, 1000.0], vec![]),
+            ([f64::NEG_INFINITY, 1000.0], vec![]),
+            ([f64::NEG_INFINITY, f64::INFINITY], vec![0.0]),
+            ([f64::NEG_INFINITY, f64::INFINITY], vec![360.0]),
+            ([-1000.0, 1000.0], vec![0.0, 360.0]),
+        ] {
+            let with = found(&Wish { position, held: held.clone(), ..plain.clone() });
+            let apart = (with / best - 1.0).abs();
+            assert!(apart < 1e-6, "{middle} {position:?} {held:?}: {with} {best}");
+        }
+        // A tappet at the free point holds it.
+        let held = found(&Wish { held: vec![middle], ..plain.clone() });
+        assert!(held > best * (1.0 + 1e-3), "{middle}: {held} {best}");
+    }
+}
+
 /// A point that is free in its height, between two that stay at rest: the faster, the higher it goes, and beyond 60 it may not.
 /// From rest to rest over a free middle the slave overshoots, too: exactly its greatest position is kept.
 #[test]

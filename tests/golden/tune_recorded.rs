@@ -1,0 +1,194 @@
+//! `twin tune cam` and how a run was recorded: in other units, with few switchings, within the periods of its axes.
+
+use crate::process::{Desk, number};
+use serde_json::Value;
+use std::fmt::Write;
+
+fn object(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
+}
+
+const CAM: &str = r#"name = "lift"
+master = { min = 0, max = 360, unit = "deg" }
+slave = { min = 0, max = 50, unit = "mm", period = 50 }
+elements = [
+  { master = 0, slave = 0 },
+  { master = 90, slave = 50 },
+  { master = 120, slave = 50 },
+  { master = 360, slave = 0 },
+]
+tappets = [
+  { group = 1, master = 100, passage = "positive", action = "on" },
+  { group = 1, master = 200, passage = "positive", action = "off" },
+]
+"#;
+
+/// The quintics of points at rest.
+fn place(at: f64) -> f64 {
+    let lift = |part: f64| part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part);
+    match at.rem_euclid(360.0) {
+        at if at < 90.0 => 50.0 * lift(at / 90.0),
+        at if at < 120.0 => 50.0,
+        at => 50.0 * (1.0 - lift((at - 120.0) / 240.0)),
+    }
+}
+
+/// Within ± 0.05 mm; bits mixed so that neighbours have nothing to do with each other.
+fn noise(index: u32) -> f64 {
+    let mixed = u64::from(index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40;
+    0.1 * (f64::from(u32::try_from(mixed).expect("24 bits")) / 16_777_216.0 - 0.5)
+}
+
+/// So many samples every 2 ms at 360 deg/s of a slave 0.02 mm beside its cam, in units of `size` mm, and an output 10 ms late; the
+/// time in units of `unit` s.
+fn recorded(count: u32, size: f64, time_name: &str) -> String {
+    let mut text = format!("{time_name},master_deg,slave_mm,tappet_1\n");
+    for index in 0..count {
+        let time = f64::from(index) * 0.002;
+        let slave = (place(360.0 * time + 1.2) + 0.02 + noise(index)) / size;
+        let on = (100.0..200.0).contains(&(360.0 * (time - 0.01)).rem_euclid(360.0));
+        writeln!(text, "{time},{},{slave:.7},{}", 360.0 * time, u8::from(on)).expect("text");
+    }
+    text
+}
+
+const FIND: &str = "master-offset,slave-offset,slave-scaling";
+
+/// A slave in inch makes 1/25.4 of its stroke: that is asked about, and taken only if somebody says so.
+#[test]
+fn a_slave_in_other_units_is_told() {
+    let desk = Desk::new();
+    desk.write("cam.toml", CAM);
+    let tune =
+        |find: &str| desk.twin(&["tune", "cam", "cam.toml", "--run", "run.csv", "--find", find]);
+    for (size, words) in [
+        (25.4, "makes 1/25.4"),
+        (25.4, "is it recorded in inch, and the cam in mm?"),
+        // A slave that goes 1 % too far as well.
+        (25.4 / 1.01, "is it recorded in inch, and the cam in mm?"),
+        (1000.0, "is it recorded in m, and the cam in mm?"),
+        (7.0, "of the stroke that is wanted"),
+        (0.4, "is it recorded in mm?"),
+    ] {
+        desk.write("run.csv", &recorded(1000, size, "time_s"));
+        tune(FIND).ended(1, words);
+    }
+    desk.write("run.csv", &recorded(1000, 25.4, "time_s"));
+    tune("master-offset,slave-offset,slave-scaling=0.03..0.05").ended(0, "");
+    desk.write("run.csv", &recorded(1000, 0.9, "time_s"));
+    tune(FIND).ended(0, "");
+}
+
+/// 500 passes of the cam a second are no machine's.
+#[test]
+fn a_time_in_other_units_is_told() {
+    let desk = Desk::new();
+    desk.write("cam.toml", CAM);
+    for (name, said) in [("time_ms", true), ("time_s", false)] {
+        desk.write("run.csv", &recorded(1000, 1.0, name));
+        let tune = |more: &[&str]| {
+            desk.twin(
+                &[
+                    &[
+                        "tune",
+                        "cam",
+                        "cam.toml",
+                        "--run",
+                        "run.csv",
+                        "--find",
+                        "master-offset,slave-offset",
+                    ],
+                    more,
+                ]
+                .concat(),
+            )
+        };
+        let told = object(&tune(&["--format", "json"]).stdout);
+        let passes = &told["master"]["passes_too_often_per_s"];
+        assert_eq!(passes.is_null(), !said, "{name}: {passes}");
+        if said {
+            assert!((number(passes) / 1000.0 - 1.0).abs() < 0.01, "{passes}");
+        }
+        assert_eq!(tune(&[]).stdout.contains("passes of the cam a second"), said);
+    }
+}
+
+/// An output that switched twice tells no dead time; offsets are proposed all the same.
+#[test]
+fn few_switchings_keep_nothing_back() {
+    let desk = Desk::new();
+    desk.write("cam.toml", CAM);
+    // 100 and 200 deg are passed once.
+    desk.write("run.csv", &recorded(400, 1.0, "time_s"));
+    let tune = |more: &[&str]| {
+        desk.twin(
+            &[&["tune", "cam", "cam.toml", "--run", "run.csv", "--find", FIND], more].concat(),
+        )
+    };
+    let done = tune(&["--write"]);
+    done.ended(0, "");
+    let said = "2 switchings are too few for a dead time: 3 are needed";
+    assert!(done.stdout.contains(said), "{}", done.stdout);
+    assert!(done.stdout.contains("MasterOffset := 358."), "{}", done.stdout);
+    desk.write("cam.toml", CAM);
+    let told = object(&tune(&["--format", "json"]).stdout);
+    assert!(told["dead_time"].is_null() && told["refused"].is_null(), "{told}");
+    assert!(told["no_dead_time"].as_str().expect("why").contains("2 switchings"));
+    assert!((number(&told["fit"]["estimates"]["MasterOffset"]["value"]) - 1.2).abs() < 0.1);
+}
+
+/// A master within 0 to 360 of which the scaling is looked for, and one within a period that has to be told.
+#[test]
+fn a_master_within_its_period_goes_on() {
+    let desk = Desk::new();
+    desk.write("cam.toml", CAM);
+    let run = |period: f64| {
+        let mut text = String::from("time_s,master_deg,slave_mm\n");
+        for index in 0..1500_u32 {
+            let master = 0.72 * f64::from(index);
+            let slave = place(1.005 * master + 1.2) + noise(index);
+            writeln!(text, "{},{},{slave}", 0.002 * f64::from(index), master.rem_euclid(period))
+                .expect("text");
+        }
+        text
+    };
+    let tune = |more: &[&str]| {
+        let find = "master-offset,master-scaling,slave-offset";
+        let all =
+            ["tune", "cam", "cam.toml", "--run", "run.csv", "--format", "json", "--find", find];
+        object(&desk.twin(&[&all, more].concat()).stdout)
+    };
+    for (period, more) in [(360.0, &[][..]), (500.0, &["--master-period", "500"])] {
+        desk.write("run.csv", &run(period));
+        let told = tune(more);
+        assert_eq!(number(&told["master"]["period"]), period);
+        let found = &told["fit"]["estimates"]["MasterScaling"];
+        assert!(
+            (number(&found["value"]) - 1.005).abs() <= number(&found["half_width_95"]),
+            "{found}"
+        );
+    }
+}
+
+/// A slave that gains leaves limits of its position, whatever period its cam's file has; one that passes its cam once keeps them.
+#[test]
+fn what_gains_leaves_its_limits() {
+    let desk = Desk::new();
+    desk.write(
+        "rise.toml",
+        "name = \"rise\"\nmaster = { min = 0, max = 100, unit = \"mm\" }\nslave = { unit = \"mm\", period = 300 }\n\
+         elements = [ { master = 0, slave = 0 }, { master = 100, slave = 300 } ]\n",
+    );
+    let machine = crate::root().join("machines/gantry3.toml").display().to_string();
+    let words = "the slave gains 300 mm in every pass of the cam and leaves its";
+    let check = |more: &[&str]| desk.twin(&[&["cam", "check", "rise.toml"], more].concat());
+    check(&["--position-max", "200"]).ended(1, words);
+    check(&["--position-max", "200"]).ended(1, "an axis with limits does not go round");
+    check(&["-m", &machine, "--axis", "X"]).ended(1, words);
+    check(&["--once", "--position-max", "300"]).ended(0, "");
+    check(&["--once", "--position-max", "200"]).ended(1, "its limit is 200 mm");
+    check(&[]).ended(0, "");
+    let find = ["tune", "cam", "rise.toml", "--find", "slave-scaling", "--position-max", "1000"];
+    desk.twin(&find).ended(1, "the slave gains 300 in every pass and leaves");
+}
