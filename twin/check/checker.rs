@@ -30,6 +30,8 @@ pub(super) struct Checker<'m> {
     last: Option<AxisSetpoint>,
     start: Option<AxisVector>,
     duration_ns: i64,
+    /// Set-points that the machine cannot take.
+    untaken: i64,
     /// Axes that follow blocks, gears or cams, and no path.
     free: Vec<bool>,
     jumps: CamJumps<'m>,
@@ -54,6 +56,7 @@ impl<'m> Checker<'m> {
             last: None,
             start: None,
             duration_ns: 0,
+            untaken: 0,
             free: free_axes(machine, is_job),
             jumps: CamJumps::new(machine),
             told_missing: [false; EXTRA_AXES.len()],
@@ -95,6 +98,7 @@ impl<'m> Checker<'m> {
             Err(error) => {
                 self.findings.add(None, no_axes(tool.place, &error));
                 self.last = None;
+                self.untaken += 1;
                 None
             }
         }
@@ -213,6 +217,7 @@ impl<'m> Checker<'m> {
             elements: 0,
             length: 0.0,
             duration_ns: self.duration_ns,
+            untaken_ns: self.untaken.saturating_mul(self.machine.cycle_ns),
             peaks: self.peaks,
             findings,
             findings_left_out,

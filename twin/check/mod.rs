@@ -61,6 +61,8 @@ pub struct Outcome {
     pub length: f64,
     /// Duration, ns.
     pub duration_ns: i64,
+    /// For so long of it the machine cannot take the set-points, and nothing else is known of the axes, ns.
+    pub untaken_ns: i64,
     /// Largest values per axis, machine-file order.
     pub peaks: Vec<AxisPeak>,
     /// What was found, worst first.

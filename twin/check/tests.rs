@@ -7,6 +7,7 @@ use super::{CheckFailure, CheckOptions, Outcome, check};
 use crate::finding::{Finding, Rule, Severity, unfit};
 use crate::machine::Machine;
 use crate::program::{Dialect, ProgramFile};
+use crate::report::seconds;
 use crate::settings::ReadSettings;
 use std::fmt::Write;
 use std::path::Path;
@@ -487,4 +488,7 @@ fn an_unreachable_point_is_one_finding() {
     // 450 mm is as far as the arms reach; towards it they stretch, ever faster.
     let outcome = checked(SCARA2, "% far\nN10 G1 X600 F60\n");
     assert_eq!(only(&outcome).rule, Rule::Reach);
+    // From there on the axes are not known: 150 mm at 60 mm/s, and 0.3 s more as the last 18 mm are braked with 100 mm/s².
+    near(seconds(outcome.untaken_ns), 150.0 / 60.0 + 0.3, 1e-3);
+    assert_eq!(fit(SCARA2, "% near\nN10 G1 X310 F60\n").untaken_ns, 0);
 }

@@ -229,6 +229,13 @@ pub(super) fn summary(
         writeln!(out, "{} (as planned)", least.told(machine))?;
     }
     tappets::write(out, &outcome.tappets)?;
+    if outcome.untaken_ns > 0 {
+        let left_out = seconds(outcome.untaken_ns);
+        writeln!(
+            out,
+            "for {left_out:.3} s of the program the machine cannot take the set-points: the tables leave them out"
+        )?;
+    }
     let count =
         |severity| outcome.findings.iter().filter(|finding| finding.severity == severity).count();
     let errors = count(finding::Severity::Error);
