@@ -99,7 +99,8 @@ impl Way<'_> {
             for (value, (by, free)) in truth.iter_mut().zip(wide) {
                 *value += if free { random.between(-by, by) } else { 0.0 };
             }
-            let begin = random.between(0.0, 359.0);
+            // Offsets count from where positions are recorded, so it begins within both kinds of periods.
+            let begin = random.between(5.0, 175.0);
             let sample = |index: u32| {
                 let time_s = f64::from(index) * 0.004;
                 let master = begin + self.velocity * time_s;

@@ -2,6 +2,7 @@
 
 use super::super::FitError;
 use super::super::chance::student_exceeds;
+use super::growth::MEDIAN;
 use super::{FitOptions, Fitted, Parameters, Problem, Sample};
 
 /// A sample is told as an outlier if no more than one run in a million has one as far by chance.
@@ -37,14 +38,35 @@ impl Problem<'_> {
             let samples = self.evened(fitted.best, &growth);
             let even = Problem { samples: &samples, ..*self };
             return match even.solved(options) {
-                Some(fitted) => even.refuse_far(&fitted, options, step),
+                Some(fitted) => {
+                    even.refuse_far(&fitted, options, (step, even.steep_variance(fitted.best)))
+                }
                 None => Ok(()),
             };
         }
-        self.refuse_far(fitted, options, step)
+        self.refuse_far(fitted, options, (step, 0.0))
     }
 
-    fn refuse_far(&self, fitted: &Fitted, options: &FitOptions, step: f64) -> Result<(), FitError> {
+    /// The variance of what is left over of the steeper half, by weight and median. Where the cam hardly moves the slave, noise may be
+    /// far less than what is reckoned with there, and would make the rest of it seem far off.
+    fn steep_variance(&self, p: Parameters) -> f64 {
+        let steep = |s: &Sample| self.slope(p, s).abs();
+        let mut both: Vec<(f64, f64)> =
+            self.samples.iter().map(|s| (steep(s), self.over(p, s).abs())).collect();
+        both.sort_by(|a, b| b.0.total_cmp(&a.0));
+        both.truncate(both.len().div_ceil(2));
+        both.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let median = both.get(both.len() / 2).map_or(0.0, |(_, over)| *over);
+        (median / MEDIAN).powi(2)
+    }
+
+    /// Positions may be rounded to `step`, and the variance of what is left over is `variance` at least.
+    fn refuse_far(
+        &self,
+        fitted: &Fitted,
+        options: &FitOptions,
+        (step, variance): (f64, f64),
+    ) -> Result<(), FitError> {
         let most = (self.samples.len() / ONE_IN).clamp(1, MOST);
         let weight = self.samples.iter().map(|s| s.weight).fold(0.0, f64::max);
         let floor = (ROUNDING * self.size()).max(STEPS * step * weight.sqrt());
@@ -62,7 +84,7 @@ impl Problem<'_> {
             if some.least_chance(&offs, most - round) > CHANCE {
                 break;
             }
-            let Some(mut far) = some.farthest(&offs, floor) else { break };
+            let Some(mut far) = some.farthest(&offs, (floor, variance)) else { break };
             let (index, _) = left.remove(far.index);
             far.index = index;
             let chance = far.chance;
@@ -123,8 +145,9 @@ impl Problem<'_> {
         Some(self.samples.iter().map(off).collect())
     }
 
-    /// The sample with the largest studentized residual, of those that are off by more than `floor`; none if there are too few.
-    fn farthest(&self, offs: &[Off], floor: f64) -> Option<Far> {
+    /// The sample with the largest studentized residual, of those that are off by more than `floor`, where the variance is `least` at
+    /// least; none if there are too few.
+    fn farthest(&self, offs: &[Off], (floor, least): (f64, f64)) -> Option<Far> {
         let freedom = offs.len().checked_sub(self.free.len() + 1).filter(|n| *n > 0)?;
         let square: f64 = offs.iter().map(|off| off.over.powi(2)).sum();
         #[expect(clippy::cast_precision_loss, reason = "counts of samples")]
@@ -141,7 +164,7 @@ impl Problem<'_> {
                 continue;
             }
             // With its own part of what is left over taken out.
-            let rest = (square - residual * residual / free).max(0.0) / freedom;
+            let rest = ((square - residual * residual / free).max(0.0) / freedom).max(least);
             let t = residual.abs() / (rest * free).sqrt();
             if farthest.is_none_or(|(_, other)| t > other) {
                 farthest = Some((index, t));
@@ -251,7 +274,7 @@ mod tests {
                     let some = Problem { samples: &left, ..whole };
                     let (_, best) = some.descend(BEST).expect("a fit");
                     let offs = some.offs(best).expect("determined");
-                    let far = some.farthest(&offs, 0.0).expect("a sample");
+                    let far = some.farthest(&offs, (0.0, 0.0)).expect("a sample");
                     assert!(far.chance >= bound, "{seed}: {} {bound}", far.chance);
                     let part = random.share() * 0.999;
                     #[expect(
