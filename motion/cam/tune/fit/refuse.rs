@@ -33,7 +33,7 @@ impl Problem<'_> {
 
     /// Whether offset or scaling of the slave alone is looked for.
     fn is_line(&self) -> bool {
-        matches!(self.free, [2] | [3])
+        matches!(self.free, [2 | 3])
     }
 
     /// The spread of a slave that follows the cam, where the cam has it rest and noise hides it: so that the noise which is allowed
