@@ -1,6 +1,6 @@
 //! `twin cam` as a process: what it prints is known in closed form.
 
-use crate::process::Desk;
+use crate::process::{Desk, object};
 use crate::root;
 use serde_json::Value;
 
@@ -21,10 +21,6 @@ fn desk() -> Desk {
     let desk = Desk::new();
     desk.write("lift.toml", LIFT);
     desk
-}
-
-fn object(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
 }
 
 #[track_caller]

@@ -1,6 +1,6 @@
 //! Jobs as a process: blocks, cams and gears through check, simulated machine and drives.
 
-use crate::process::Desk;
+use crate::process::{Desk, number};
 use crate::root;
 
 /// 0 to 40 mm over half a turn from rest to rest, and back.
@@ -52,10 +52,6 @@ fn desk(velocity: f64) -> Desk {
     desk.write("lift.toml", LIFT);
     desk.write("job.toml", &job(velocity));
     desk
-}
-
-fn number(value: &serde_json::Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
 /// The cam's slope is 15/8 · 40 mm / 180° at most: with 360°/s that is 150 mm/s. Y goes with 10 mm/s.

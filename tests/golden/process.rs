@@ -177,6 +177,12 @@ pub(crate) fn has_keys(value: &Value, keys: &[&str]) {
     assert_eq!(found, wanted);
 }
 
+/// What a program has printed as JSON.
+#[track_caller]
+pub(crate) fn object(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
+}
+
 pub(crate) fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
 }

@@ -1,7 +1,6 @@
 //! `twin tune cam` on cams that a run fits in more than one place.
 
-use crate::process::Desk;
-use serde_json::Value;
+use crate::process::{Desk, object};
 use std::fmt::Write;
 
 /// A cam of points at rest, 100 mm up and down as often as it says, with dwells between.
@@ -40,10 +39,6 @@ fn recorded(points: &[(f64, f64)], [offset, shift, factor]: [f64; 3]) -> String 
         writeln!(text, "{time},{master},{slave:.6}").expect("text");
     }
     text
-}
-
-fn object(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
 }
 
 const DOUBLE_DWELL: [(f64, f64); 5] =

@@ -1,7 +1,6 @@
 //! `twin tune cam` as a process, on runs whose truth is known.
 
-use crate::process::Desk;
-use serde_json::Value;
+use crate::process::{Desk, object};
 use std::fmt::Write;
 
 const LIFT: &str = r#"name = "lift"  # as drawn
@@ -50,10 +49,6 @@ fn recorded() -> String {
             .expect("text");
     }
     text
-}
-
-fn object(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
 }
 
 #[test]

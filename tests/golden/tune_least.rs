@@ -1,7 +1,6 @@
 //! `twin tune cam` for the smallest peak: offsets, scalings and ramps, in closed form; and what is written over nothing.
 
-use crate::process::Desk;
-use serde_json::Value;
+use crate::process::{Desk, number, object};
 use std::f64::consts::PI;
 use std::fmt::Write;
 
@@ -21,14 +20,6 @@ tappets = [
 "#;
 
 const REST: &str = "name = \"rest\"\nmaster = { min = 0, max = 100 }\nslave = { min = 0, max = 20, period = 20 }\nelements = [{ master = 0, slave = 10 }]\n";
-
-fn object(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
-}
 
 /// From rest to rest y‴ is 60·h/w³ at most: most between 120 and 180, where 30 mm are gone in 60 deg. Tappets 150 deg apart that
 /// may move by 2 each make a master scaling of 150/154 at least, and the jerk grows with its cube.

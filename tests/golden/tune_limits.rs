@@ -1,7 +1,6 @@
 //! `twin tune cam` within limits: what a run tells as far as they let it, and the least change that keeps them.
 
-use crate::process::Desk;
-use serde_json::Value;
+use crate::process::{Desk, number, object};
 use std::fmt::Write;
 
 /// The shipped cam that picks and places, from its points alone.
@@ -60,14 +59,6 @@ fn recorded(shift: f64, factor: f64) -> String {
         writeln!(text, "{},{at},{slave}", 0.003 * f64::from(index)).expect("text");
     }
     text
-}
-
-fn object(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
 }
 
 const TUNE: [&str; 11] = [

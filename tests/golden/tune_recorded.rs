@@ -1,12 +1,7 @@
 //! `twin tune cam` and how a run was recorded: in other units, with few switchings, within the periods of its axes.
 
-use crate::process::{Desk, number};
-use serde_json::Value;
+use crate::process::{Desk, number, object};
 use std::fmt::Write;
-
-fn object(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
-}
 
 const CAM: &str = r#"name = "lift"
 master = { min = 0, max = 360, unit = "deg" }

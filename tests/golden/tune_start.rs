@@ -1,6 +1,6 @@
 //! `twin tune cam` and `twin cam check` about the start: what is proposed starts, or is not proposed (error 626).
 
-use crate::process::Desk;
+use crate::process::{Desk, number, object};
 use serde_json::Value;
 use std::fmt::Write;
 
@@ -40,14 +40,6 @@ fn recorded(first: f64, samples: u32) -> String {
             .expect("text");
     }
     text
-}
-
-fn object(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
 }
 
 const TUNE: [&str; 7] = ["tune", "cam", "lift.toml", "--run", "run.csv", "--find", "master-offset"];

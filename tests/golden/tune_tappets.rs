@@ -1,13 +1,9 @@
 //! `twin tune cam` and tappets: they stay where they are on the master, in closed form.
 
-use crate::process::{Desk, number};
+use crate::process::{Desk, number, object};
 use crate::tune_least::LIFT;
 use serde_json::Value;
 use std::fmt::Write;
-
-fn object(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
-}
 
 /// The shipped cam without its coupling.
 fn pick_and_place() -> String {
