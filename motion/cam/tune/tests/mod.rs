@@ -6,6 +6,7 @@ mod bounded;
 mod choice;
 mod fit;
 mod gentle;
+mod going_on;
 mod intervals;
 mod noise;
 mod ramp_best;
