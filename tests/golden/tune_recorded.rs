@@ -64,7 +64,7 @@ fn a_slave_in_other_units_is_told() {
         (25.4 / 1.01, "is it recorded in inch, and the cam in mm?"),
         (1000.0, "is it recorded in m, and the cam in mm?"),
         (7.0, "of the stroke that is wanted"),
-        (0.4, "is it recorded in mm?"),
+        (0.4, "is it recorded in other units than the cam's?"),
     ] {
         desk.write("run.csv", &recorded(1000, size, "time_s"));
         tune(FIND).ended(1, words);

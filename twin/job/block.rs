@@ -53,7 +53,7 @@ pub(super) trait Called: fmt::Debug + Send {
         None
     }
 
-    /// Where its master has to come for it to begin to couple, in the master's unit, as long as it waits for that.
+    /// Where its master has to come for it to be coupled, in the master's unit, as long as it is not.
     fn awaits(&self) -> Option<f64> {
         None
     }
@@ -272,8 +272,7 @@ impl Called for InGearFrom {
     }
 
     fn awaits(&self) -> Option<f64> {
-        let run = self.0.running()?;
-        (!run.is_coupling()).then_some(self.0.inputs.master_sync_position)
+        self.0.running().map(|_| self.0.inputs.master_sync_position)
     }
 }
 

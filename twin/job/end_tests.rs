@@ -2,7 +2,7 @@
 
 use super::JobSetpoints;
 use super::tests::{START, job, machine, moves, near, run, time};
-use crate::finding::{Finding, Rule};
+use crate::finding::{Finding, Rule, Severity};
 use crate::planning::PlanItem;
 use crate::setpoint::AxisSetpoint;
 
@@ -185,7 +185,7 @@ fn who_waits_for_a_place_behind_its_master_is_told_at_once() {
         let (setpoints, findings) = run(&job, &machine());
         let [finding] = findings.as_slice() else { panic!("{findings:?}") };
         let words = format!(
-            "SMC_GearInPos of axis X waits for ever: its master web moves away from {place} mm with 50.000 mm/s"
+            "SMC_GearInPos of axis X waits for ever: its master web moves away from {place} mm with 50 mm/s"
         );
         assert!(finding.message.starts_with(&words), "{finding:?}");
         let told = (finding.rule, finding.line, finding.axis.as_deref());
@@ -239,11 +239,39 @@ fn a_job_in_which_nothing_changes_is_ended() {
     );
     let (setpoints, findings) = run(&job(&both), &machine());
     let [finding] = findings.as_slice() else { panic!("{findings:?}") };
-    let words = "SMC_GearInPos of axis X waits for ever: nothing has changed for 600 s; axis web goes on with 50.000 mm/s";
+    let words = "SMC_GearInPos of axis X waits for ever: nothing has changed for 600 s; axis web goes on with 50 mm/s";
     assert_eq!((finding.message.as_str(), finding.line), (words, 20));
     near(time(setpoints.last().unwrap()), 600.1, 0.01);
     let halt = "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"web\"\n";
     let setpoints =
         moves(&format!("{START}{WEB}{}{}{halt}", web(50.0, "positive"), in_gear(4e4, "")));
     assert!(time(setpoints.last().unwrap()) > 800.0);
+}
+
+/// What comes is waited for: a trigger that is passed at constant velocity, and which the probe sees a cycle later; a gear whose
+/// slave begins so gently that nothing seems to change, 700 s after the begin; a phase shift of 620 s, behind which the velocity
+/// on top is braked.
+#[test]
+fn what_comes_is_waited_for() {
+    let halt = "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"web\"\n";
+    let whole = |text: &str| {
+        let (setpoints, findings) = run(&job(text), &machine());
+        assert!(findings.iter().all(|it| it.severity != Severity::Error), "{findings:?}");
+        time(setpoints.last().unwrap())
+    };
+    let probe = block("MC_TouchProbe", "trigger = \"t\"");
+    for (place, direction) in [(5.0, "positive"), (123.37, "positive"), (-50.0, "negative")] {
+        let trigger =
+            format!("[[triggers]]\nname = \"t\"\naxis = \"web\"\nposition_mm = {place:?}\n");
+        let ends = whole(&format!("{START}{WEB}{trigger}{}{probe}{halt}", web(50.0, direction)));
+        // Up to speed in 0.1 s and 2.5 mm, to the place, and braked in 0.1 s.
+        near(ends, 0.1 + (f64::abs(place) - 2.5) / 50.0 + 0.1, 5e-3);
+    }
+    let gear = in_gear(70.0, "");
+    let ends = whole(&format!("{START}{WEB}{}{gear}{halt}", web(0.1, "positive")));
+    near(ends, 70.0 / 0.1, 0.01);
+    let shift = "master = \"web\"\nphase_shift_mm = 31\nvelocity_mm_per_s = 0.05\n";
+    let shift = block("MC_Phasing", shift);
+    let ends = whole(&format!("{START}{WEB}{}{shift}{halt}", web(1.0, "positive")));
+    near(ends, 31.0 / 0.05, 0.1);
 }

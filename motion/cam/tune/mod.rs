@@ -141,7 +141,7 @@ pub enum FitError {
     },
     /// The slave does not move: the run shows a dwell of the cam alone.
     #[error(
-        "the slave rests in all of the run (it moves {}, the cam {}): a dwell does not tell {}",
+        "the slave rests in all of the run (it moves {}, the cam {}): a dwell does not tell {}; if it does not rest, is it recorded in other units?",
         Short(*.moved), Short(*.height), .unknowns.join(" and ")
     )]
     Resting {

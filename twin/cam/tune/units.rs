@@ -43,7 +43,7 @@ pub fn refuse_stroke(
     let near = |size: f64| known + DEVIATION / size;
     let other = units.iter().find(|(_, size)| (strokes - 1.0 / size).abs() <= near(*size));
     let guess = other.map_or_else(
-        || format!("is it recorded in {unit}?"),
+        || "is it recorded in other units than the cam's?".to_owned(),
         |(name, _)| format!("is it recorded in {name}, and the cam in {unit}?"),
     );
     let strokes = if strokes < 1.0 {

@@ -16,6 +16,9 @@ use twin_motion::axis::AxisState;
 /// Where nothing is due and every axis has kept its velocity for so long, nothing will change any more, ns.
 const UNCHANGED_NS: i64 = 600_000_000_000;
 
+/// A place that an axis has passed is seen by who waits for it within so many cycles.
+const SEEN: f64 = 4.0;
+
 /// Blocks in which a slave moves as its master does once they are done.
 const GEARS: [&str; 4] = ["MC_GearIn", "SMC_GearInPos", "MC_GearInPos", "MC_Phasing"];
 
@@ -43,10 +46,8 @@ impl Engine {
                 }
                 let moves = self.axes.iter().find(|moved| !moved.stands());
                 let moves = moves.map_or(String::new(), |moved| {
-                    format!(
-                        "; axis {} goes on with {:.3} {}/s",
-                        moved.name, moved.state.velocity, moved.unit
-                    )
+                    let velocity = significant(moved.state.velocity, 4);
+                    format!("; axis {} goes on with {velocity} {}/s", moved.name, moved.unit)
                 });
                 format!("nothing has changed for {:.0} s{moves}", seconds(UNCHANGED_NS))
             }
@@ -95,8 +96,11 @@ impl Engine {
             };
         }
         let begun_ns = running.begun_ns.unwrap_or(self.now_ns);
-        let lasts = call.block.lasts().map(|time| begun_ns.saturating_add(nanoseconds(time)));
-        if lasts.is_some_and(|end| end >= self.now_ns) { Comes::Later } else { Comes::Unknown }
+        // Of some that is the least: MC_Phasing has to come to its master's velocity, too.
+        let lasts =
+            |time: f64| begun_ns.saturating_add(nanoseconds(time)).saturating_add(UNCHANGED_NS);
+        let ends = call.block.lasts().map(lasts);
+        if ends.is_some_and(|end| end >= self.now_ns) { Comes::Later } else { Comes::Unknown }
     }
 
     /// Whether an axis comes to a place, as it moves now.
@@ -107,7 +111,8 @@ impl Engine {
             return Comes::Unknown;
         }
         let ahead = (place - moved.axis.set_position()) * velocity.signum();
-        if moved.axis.period().is_some() || ahead >= 0.0 {
+        let passes = SEEN * seconds(self.cycle_ns) * velocity.abs();
+        if moved.axis.period().is_some() || ahead >= -passes {
             return Comes::Later;
         }
         if !self.goes_on(axis, self.axes.len()) {
@@ -115,9 +120,9 @@ impl Engine {
         }
         let (name, unit) = (&moved.name, moved.unit);
         Comes::Never(format!(
-            "{which} {name} moves away from {} {unit} with {:.3} {unit}/s, and nothing ends that",
+            "{which} {name} moves away from {} {unit} with {} {unit}/s, and nothing ends that",
             significant(place, 6),
-            velocity.abs()
+            significant(velocity.abs(), 4)
         ))
     }
 

@@ -122,7 +122,8 @@ impl Engine {
         let Some(moved) = self.axes.get(call.axis) else { return Ok(()) };
         // What moves on top ends with what it moves on, and for the next one on top.
         let topped_by = moved.topped_by.filter(|_| call.name == SUPERIMPOSED);
-        let takers = topped_by.into_iter().chain(moved.taken_by).filter(|taker| *taker != index);
+        // Of two that began in the same cycle it is the one on top.
+        let takers = moved.taken_by.into_iter().chain(topped_by).filter(|taker| *taker != index);
         let taker = takers.filter_map(|taker| self.calls.get(taker)).max_by_key(|it| it.begun_ns);
         let later = taker.is_some_and(|taker| taker.begun_ns > loser.begun_ns);
         let meant = taker.is_some_and(|taker| {
