@@ -11,7 +11,7 @@ use nalgebra::SVector;
 const SHARE: f64 = 0.5;
 /// Between two blends there is nothing, or more than this part of the narrower one: in less the third derivative would come and go
 /// within microseconds.
-const SLIVER: f64 = 0.06;
+pub(super) const SLIVER: f64 = 0.06;
 /// No blend is narrower on either side, m.
 const NARROWEST: f64 = 1e-15;
 /// Nor than so many times what the coordinates may be off.

@@ -1,6 +1,7 @@
 //! Random paths of everything there is: what must hold at every joint.
 
 use super::*;
+use crate::limit::course::width::SLIVER;
 use crate::path::{AxisMask, Cubic, Ellipse};
 use nalgebra::Vector2;
 use proptest::prelude::*;
@@ -233,7 +234,8 @@ proptest! {
     }
 
     /// A blend is as wide as half of the shorter element, or uses the tolerance up, or would be off by more than that if
-    /// it were a tenth wider; or the path bends too much, or the blend is slow already.
+    /// it were a tenth wider; or the path bends too much, or the blend is slow already; or it leaves as little between itself and
+    /// the blend before as may be left at least.
     #[test]
     fn as_wide_as_it_may_be(path in path(), options in options()) {
         let course = course(path, options);
@@ -264,7 +266,11 @@ proptest! {
             }
             let step = (b.element().start_tangent() - a.element().end_tangent()).norm();
             let limited = used > 0.85 || beyond > 0.85 || bend - step > 0.3 || slowest < 0.2;
-            prop_assert!(d == most || limited, "{d} of {most}, {used}, {beyond}, {bend}, {slowest}");
+            let (head, rounding) = (a.head_end(), 1.0 + 1e-9);
+            let beside_head = head > 0.0
+                && a.length() - head - d <= SLIVER * most.min(head) * rounding;
+            let wide = d == most || limited || beside_head;
+            prop_assert!(wide, "{d} of {most}, {used}, {beyond}, {bend}, {slowest}, {head}");
         }
     }
 
