@@ -6,4 +6,5 @@ pub(crate) mod bench;
 mod device;
 mod group;
 mod homing;
+mod net;
 pub(crate) mod peer;

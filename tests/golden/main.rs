@@ -32,6 +32,7 @@ mod job_steps;
 mod limit;
 mod machine;
 mod motors;
+mod net;
 mod path;
 mod process;
 mod real;

@@ -99,7 +99,7 @@ impl Bim2AxDrive {
     }
 
     /// The same on a runtime of the caller's, whose time may be virtual.
-    pub(super) fn on(
+    pub(crate) fn on(
         runtime: Runtime,
         port: &str,
         memory: impl Memory + 'static,

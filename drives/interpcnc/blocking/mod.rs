@@ -64,6 +64,11 @@ impl InterpCncDrive {
             let _inside = runtime.enter();
             InterpCnc::open(port, options)?.alone()
         };
+        Ok(Self::on(runtime, board, options))
+    }
+
+    /// The drive of an opened board, on a runtime whose time may be virtual.
+    pub(crate) fn on(runtime: Runtime, board: InterpCnc, options: &InterpCncOptions) -> Self {
         let follower = Follower::new(&options.axes, options.line);
         let buffered = match options.following {
             Following::Retargeted => None,
@@ -73,7 +78,7 @@ impl InterpCncDrive {
         };
         let (homing, commanded) = (Homing::default(), [None; MAX_DRIVE_AXES]);
         let encoder = Watched::new(options);
-        Ok(Self { board, follower, buffered, homing, encoder, commanded, wiring: None, runtime })
+        Self { board, follower, buffered, homing, encoder, commanded, wiring: None, runtime }
     }
 
     /// The board itself, for everything that not all drives can do, and the runtime for its calls. What moves axes

@@ -87,13 +87,18 @@ impl SmartDriveBus {
             let _inside = runtime.enter();
             SmartDrive::open(port, options)?
         };
+        Ok(Self::on(runtime, bus, options))
+    }
+
+    /// The drive of an opened bus, on a runtime whose time may be virtual.
+    pub(crate) fn on(runtime: Runtime, bus: SmartDrive, options: &SmartDriveOptions) -> Self {
         let follower = Follower::new(&options.axes, RESPONSE);
         let (zeros, homing) = ([0; MAX_DRIVE_AXES], Default::default());
         let outdated = [false; MAX_DRIVE_AXES];
         let (sent, standing, commanded) = (Vec::new(), Vec::new(), [None; MAX_DRIVE_AXES]);
         let frozen = [Frozen::default(); MAX_DRIVE_AXES];
         let witnessed = (0, 0);
-        Ok(Self {
+        Self {
             bus,
             follower,
             zeros,
@@ -105,7 +110,7 @@ impl SmartDriveBus {
             standing,
             witnessed,
             runtime,
-        })
+        }
     }
 
     /// Homes these axes (indices of the arrays), all at once, and returns when they are home; their positions are those

@@ -1,0 +1,9 @@
+% curves: arcs by centre and radius, a helix, an ellipse, a parabola
+N10 G92 X200 Y40 Z10
+N20 F80 E700 E-700
+N30 G2 X220 Y40 I10 J0
+N40 G3 X240 Y60 R20
+N50 G2 X240 Y60 Z12 I-6 J0 F60
+N60 G8 X216 Y60 I-12 J0 K0 R0.5
+N70 G6 X196 Y70 I-10 J15
+N80 G1 X190 Y40

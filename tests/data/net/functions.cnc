@@ -1,0 +1,7 @@
+% M functions, switch points, dwells
+N10 G92 X200 Y40 Z10
+N20 M3
+N30 G1 X230 F60 E500 E-500 H1 L10
+N50 G1 Y60 H-1 L-5
+N60 M5
+N70 G1 X205

@@ -1,0 +1,147 @@
+//! The net: hashes of what every program makes on every machine, so that moved code cannot change behaviour unseen.
+//!
+//! The programs of `tests/data/net` and the shipped examples, each on every shipped machine: set-points, `check` and
+//! `limit` as JSON. The hashes are not correctness; independent expectations are in the other tests. They say that a
+//! change which should change nothing did change nothing. A change that is meant to change a verdict or a message
+//! rewrites them in a commit of its own:
+//!
+//! ```sh
+//! TWIN_NET=write cargo test -p twin --test golden -- net
+//! ```
+//!
+//! `TWIN_NET_OUTPUT=DIR` keeps the hashed texts, so that those of two commits can be compared line by line.
+
+use crate::process::BINARY;
+use crate::root;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Mutex;
+use std::{env, fs, thread};
+
+/// What is hashed of each program on each machine: a name, the command and what follows the program and the machine.
+const OUTPUTS: [(&str, &str, &[&str]); 3] = [
+    ("setpoints", "path", &["--format", "setpoints"]),
+    ("check", "check", &["--format", "json"]),
+    ("limit", "limit", &["--format", "json"]),
+];
+
+/// Significant digits that count: other processors may differ in the last bits of sines and solutions.
+const DIGITS: usize = 6;
+/// Numbers below this are rounding errors of 0.
+const ZERO: f64 = 1e-7;
+
+/// The files in `folder` with one of these endings, sorted.
+fn files(folder: &str, endings: &[&str]) -> Vec<PathBuf> {
+    let listed = fs::read_dir(root().join(folder)).expect("the folder is there");
+    let mut files: Vec<_> = listed
+        .map(|entry| entry.expect("readable").path())
+        .filter(|path| {
+            path.extension().is_some_and(|ending| endings.iter().any(|one| ending == *one))
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().expect("a file").to_string_lossy().into_owned()
+}
+
+/// `text` with every number rounded to [`DIGITS`] significant digits.
+fn rounded(text: &str) -> String {
+    let numeric = |c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+' | 'e' | 'E');
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(start) = rest.find(|c: char| c.is_ascii_digit() || c == '-') {
+        out.push_str(&rest[..start]);
+        let tail = &rest[start..];
+        let token = &tail[..tail.find(|c| !numeric(c)).unwrap_or(tail.len())];
+        match token.parse::<f64>() {
+            Ok(value) if value.abs() < ZERO => out.push('0'),
+            Ok(value) => write!(out, "{value:.*e}", DIGITS - 1).expect("a string"),
+            Err(_) => out.push_str(token),
+        }
+        rest = &tail[token.len()..];
+    }
+    out + rest
+}
+
+/// Standard output and exit status of one command, rounded.
+fn output(command: &str, program: &Path, machine: &Path, options: &[&str]) -> String {
+    let folder = program.parent().expect("a folder");
+    let ran = Command::new(BINARY)
+        .arg(command)
+        .arg(program.file_name().expect("a file"))
+        .arg("--machine")
+        .arg(machine)
+        .args(options)
+        .current_dir(folder)
+        .output()
+        .expect("the binary runs");
+    let text = String::from_utf8_lossy(&ran.stdout);
+    // Paths of machine files depend on where the checkout is.
+    let text = text.replace(&root().display().to_string(), "");
+    format!("{}\n{}", rounded(&text), ran.status)
+}
+
+#[test]
+fn no_behaviour_changes_unseen() {
+    let programs: Vec<_> = files("tests/data/net", &["cnc", "ngc"])
+        .into_iter()
+        .chain(files("examples", &["cnc", "ngc"]))
+        .collect();
+    let machines = files("machines", &["toml"]);
+    let work: Vec<_> = programs
+        .iter()
+        .flat_map(|program| machines.iter().map(move |machine| (program, machine)))
+        .collect();
+    let kept = env::var_os("TWIN_NET_OUTPUT").map(PathBuf::from);
+    let next = Mutex::new(work.iter());
+    let found = Mutex::new(BTreeMap::new());
+    let cores = thread::available_parallelism().map_or(1, usize::from);
+    thread::scope(|scope| {
+        for _ in 0..cores {
+            scope.spawn(|| {
+                loop {
+                    let Some((program, machine)) = next.lock().expect("no panic").next() else {
+                        return;
+                    };
+                    for (name, command, options) in OUTPUTS {
+                        let text = output(command, program, machine, options);
+                        let key = format!("{}\t{}\t{name}", stem(program), stem(machine));
+                        if let Some(folder) = &kept {
+                            let file = folder.join(key.replace('\t', "-"));
+                            fs::write(file, &text).expect("TWIN_NET_OUTPUT is a folder");
+                        }
+                        let hash = crc32fast::hash(text.as_bytes());
+                        found.lock().expect("no panic").insert(key, format!("{hash:08x}"));
+                    }
+                }
+            });
+        }
+    });
+    let found = found.into_inner().expect("no panic");
+    let path = root().join("tests/data/net/expected.tsv");
+    if env::var_os("TWIN_NET").is_some_and(|value| value == "write") {
+        let lines: String = found.iter().map(|(key, hash)| format!("{key}\t{hash}\n")).collect();
+        fs::write(&path, lines).expect("writable");
+    }
+    let text = fs::read_to_string(&path).expect("the hashes are there");
+    let expected: BTreeMap<_, _> = text
+        .lines()
+        .filter_map(|line| line.rsplit_once('\t'))
+        .map(|(key, hash)| (key.to_owned(), hash.to_owned()))
+        .collect();
+    let keys = expected.keys().chain(found.keys()).collect::<std::collections::BTreeSet<_>>();
+    let changed: Vec<_> =
+        keys.into_iter().filter(|key| expected.get(*key) != found.get(*key)).cloned().collect();
+    assert!(
+        changed.is_empty(),
+        "{} of {} outputs changed (see the head of tests/golden/net.rs):\n{}",
+        changed.len(),
+        expected.len(),
+        changed.join("\n")
+    );
+}
