@@ -1,6 +1,5 @@
 //! What a person would look at when a drive does not do what it should.
 
-use crate::hardware::HardwareError;
 use std::io::{self, ErrorKind};
 use twin_drives::bim2ax::bits::{message, uc};
 use twin_drives::smartdrive::RejectCode;
@@ -102,20 +101,6 @@ pub(crate) fn advice_in_run(error: &DriveError) -> Option<&'static str> {
         }
         other => return advice(other),
     })
-}
-
-/// What to look at, or to do next, when the drives of a run cannot go on.
-pub(crate) fn of_hardware(error: &HardwareError) -> Option<&'static str> {
-    match error {
-        HardwareError::Bare(error) => advice_in_run(error),
-        HardwareError::Drive { source, .. } => advice_in_run(source),
-        HardwareError::Silent { .. } => Some(
-            "look at its cable and its supply. When it answers again, `status` tells whether it has been off or locked: then its \
-             axes have to be homed (--home); if it has not, its positions still hold, and the program can be run again. A slow \
-             adapter needs larger `answer_deadline_ms` and `longest_silence_ms` of its [[drives]]",
-        ),
-        _ => None,
-    }
 }
 
 /// What has not ended in time, by what it was.

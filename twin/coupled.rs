@@ -60,6 +60,13 @@ pub enum AxesError {
     },
 }
 
+impl Machine {
+    /// Where the tool is and the axes are when a program starts that does not say where, if that can be reached.
+    pub fn start_axes(&self) -> Option<AxisVector> {
+        Coupled::at_rest(self, self.start_without_slaves()?).ok()
+    }
+}
+
 /// The couplings of a machine under way.
 #[derive(Clone, Debug)]
 pub(crate) struct Coupled<'m> {

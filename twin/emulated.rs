@@ -1,7 +1,7 @@
 //! Emulators of the drives a machine file names, in this process, with the real driver connected to them.
 
+use crate::attached::Attached;
 use crate::clock::Clock;
-use crate::hardware::Attached;
 use crate::machine::{
     Axis, Bim2AxEntry, DeviceEntry, DriveFamily, InterpCncEntry, Machine, Parity, SmartDriveEntry,
 };

@@ -1,6 +1,6 @@
 //! What is found wrong with a program, and where.
 
-use crate::machine::Elsewhere;
+use crate::section::Elsewhere;
 use serde::Serialize;
 use std::ops::Range;
 use std::sync::Arc;

@@ -7,19 +7,6 @@ use std::time::Duration;
 use twin_motion::Place;
 use twin_motion::limit::MTimes;
 
-/// `[[m_functions]]` of a machine file: what an M function switches.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct MFunction {
-    /// Its number.
-    pub number: u16,
-    /// Outputs of the drives that it switches on, from 1.
-    pub outputs_on: Vec<u8>,
-    /// Outputs that it switches off.
-    pub outputs_off: Vec<u8>,
-    /// How long it takes from its beginning until the path goes on, ns: a spindle comes up to speed.
-    pub time_ns: i64,
-}
-
 /// Who says that an M function is done if the machine file does not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Acknowledge {

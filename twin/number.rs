@@ -97,6 +97,17 @@ pub fn exact_seconds(time_ns: i64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
+/// To 12 significant digits: what conversion between units adds beyond is noise (239.99999999999997).
+pub fn rounded(value: f64) -> f64 {
+    significant(value, 12).parse().unwrap_or(value)
+}
+
+/// Nanoseconds as seconds.
+#[expect(clippy::cast_precision_loss, reason = "a program of 104 days would lose a nanosecond")]
+pub fn seconds(time_ns: i64) -> f64 {
+    time_ns as f64 * 1e-9
+}
+
 #[cfg(test)]
 mod tests {
     use super::{apart, at_most, beside, exact_seconds, fixed, readable, significant};

@@ -1,13 +1,14 @@
 //! What a run looks like: feeds the view with the programmed path and with what twin and drives do.
 
+use crate::axis_kind::AxisKind;
 use crate::compare::Measured;
 use crate::job::JobSetpoints;
-use crate::machine::{AxisKind, Machine, SimulationError};
+use crate::machine::{Machine, SimulationError};
 use crate::physics::{ClearanceScan, MotorState};
-use crate::planning::PlanItem;
 use crate::program::{Dialect, ElementItem, Elements, ProgramFile};
 use crate::session::{DriveSample, TwinCycle};
 use crate::setpoint::Transformer;
+use crate::setpoint_source::PlanItem;
 use crate::tappets::TappetBits;
 use nalgebra::{Isometry3, Point3};
 use std::collections::VecDeque;

@@ -8,6 +8,10 @@ use twin_kinematics::{AxisMotion, AxisSource, AxisVector, Kinematics, Pose, Tool
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
 
+/// How far ahead of the wall clock set-points are planned for drives, ns. A device that retargets thirty times a
+/// second needs to see its next turning point; a stop requested by the user takes effect after this time.
+pub const HORIZON_NS: i64 = 250_000_000;
+
 /// Where every axis shall be at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisSetpoint {

@@ -1,6 +1,5 @@
 //! The simulated machine as a plant.
 
-use crate::hardware::HORIZON_NS;
 use crate::in_loop::DrivesInLoop;
 use crate::machine::{
     Collision, FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError,
@@ -11,6 +10,7 @@ use crate::physics::{
 };
 use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord, ProbeMiss, ProbeTouch};
 use crate::setpoint::AxisSetpoint;
+use crate::setpoint::HORIZON_NS;
 use crate::touch_probe::TouchProbe;
 use std::collections::{BTreeMap, VecDeque};
 use twin_kinematics::{AxisMotion, AxisVector};

@@ -30,9 +30,12 @@ fn setpoints(machine: &Machine) -> Vec<ToolSetpoint> {
     let root =
         Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace is above the crate");
     let path = root.join("examples/plate.cnc");
-    let program =
-        ProgramFile::new(&path, Some(Dialect::Din66025), twin::settings::ReadSettings::default())
-            .expect("a known dialect");
+    let program = ProgramFile::new(
+        &path,
+        Some(Dialect::Din66025),
+        twin::program::settings::ReadSettings::default(),
+    )
+    .expect("a known dialect");
     let items = program
         .open(machine, twin::m_function::Acknowledgement::default())
         .expect("shipped with the product");

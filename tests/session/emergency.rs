@@ -9,8 +9,8 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use twin::m_function::Acknowledge;
 use twin::machine::Machine;
+use twin::program::settings::ReadSettings;
 use twin::session::{Answer, Ending, Stopped};
-use twin::settings::ReadSettings;
 use twin_kinematics::AxisVector;
 
 /// The SCARA with jerks that are limited: 60000°/s³ in A and B, 100 m/s³ in Z.

@@ -1,6 +1,6 @@
 //! What goes wrong with the files of cams.
 
-use crate::machine::MachineFileError;
+use crate::section::MachineFileError;
 use std::io;
 use std::path::PathBuf;
 use twin_motion::cam::CamError;

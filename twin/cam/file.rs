@@ -6,10 +6,10 @@ use super::form::unit_of;
 use super::toml_form::{self, TomlCam};
 use super::{AxisScale, CamFileError, Coupling, write_toml};
 use crate::bounded;
-use crate::machine::MachineFileError;
-use crate::machine::problem::read_text;
-use crate::machine::section;
 use crate::number::significant;
+use crate::section;
+use crate::section::MachineFileError;
+use crate::section::read_text;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use twin_motion::cam::file::{

@@ -2,7 +2,7 @@
 
 use super::form::{Coupling, START_MODES, WANTED, no_scaling};
 use super::toml_form::ANY;
-use crate::machine::section::Section;
+use crate::section::Section;
 use twin_motion::cam::{CamInput, StartMode};
 
 pub(super) fn coupling(section: &Section<'_>) -> Option<Coupling> {

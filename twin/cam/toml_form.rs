@@ -3,8 +3,8 @@
 use super::form::Coupling;
 use super::toml_coupling::coupling;
 use super::toml_table;
-use crate::machine::FileKind;
-use crate::machine::section::Section;
+use crate::section::FileKind;
+use crate::section::Section;
 use std::ops::{Range, RangeInclusive};
 use twin_motion::cam::{
     Action, Cam, CamError, Compile, Element, Kind, Knot, Passage, Scale, Shape, Source, Tappet,

@@ -1,7 +1,7 @@
 //! `[table]` of cams in TOML: numbers at equal distances of the master, or pairs.
 
 use super::toml_form::ANY;
-use crate::machine::section::Section;
+use crate::section::Section;
 use std::ops::Range;
 use twin_motion::cam::{
     Equidistant, Interpolation, PairTable, Scale, Shape, TableScale, VariableType,

@@ -1,7 +1,7 @@
 //! How a cam is used: what its master does, offsets and scalings, and what its slave can do.
 
 use super::{AxisScale, CamFile, Coupling};
-use crate::machine::{Axis, AxisKind};
+use crate::axis_kind::AxisKind;
 use twin_motion::cam::{Factors, MasterMotion, SlaveLimits};
 
 /// What the slave can do, u; infinite where there is no limit.
@@ -22,23 +22,6 @@ impl AxisLimits {
         motion: SlaveLimits::NONE,
         period: None,
     };
-
-    /// Those of an axis of a machine, in degrees or mm.
-    pub fn of(axis: &Axis) -> Self {
-        Self {
-            position: if axis.limited {
-                axis.position_limits.map(|limit| axis.from_si(limit))
-            } else {
-                Self::NONE.position
-            },
-            motion: SlaveLimits {
-                velocity: axis.from_si(axis.max_velocity),
-                acceleration: axis.from_si(axis.max_acceleration),
-                jerk: axis.max_jerk.map_or(f64::INFINITY, |jerk| axis.from_si(jerk)),
-            },
-            period: axis.period.map(|period| axis.from_si(period)),
-        }
-    }
 }
 
 /// Whether a scale that names its unit fits an axis.

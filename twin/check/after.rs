@@ -1,10 +1,11 @@
 //! What only a run shows.
 
-use super::{exceeds, sentence};
+use super::messages;
 use crate::compare::Comparison;
 use crate::finding::Finding;
 use crate::machine::Machine;
 use crate::plant::{Happening, PlantRecord};
+use crate::tolerance::exceeds;
 
 /// What the simulated machine did in a run, where an axis was farther from its set-points than its machine file allows.
 pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Finding> {
@@ -12,26 +13,26 @@ pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Findi
     let beyond = axes.filter_map(|(axis, statistics)| {
         let (error, place) = statistics.twin.maximum()?;
         let limit = axis.max_following_error.filter(|limit| exceeds(error, *limit))?;
-        Some(sentence::too_far(axis, place, error, limit))
+        Some(messages::too_far(axis, place, error, limit))
     });
     beyond.collect()
 }
 
 /// The faults that a run to its end has not begun.
 pub fn faults_to_come(machine: &Machine, record: &PlantRecord) -> Vec<Finding> {
-    record.faults_to_come.iter().map(|fault| sentence::never_began(machine, fault)).collect()
+    record.faults_to_come.iter().map(|fault| messages::never_began(machine, fault)).collect()
 }
 
 /// One thing that happened to the simulated machine, in words.
 pub fn happening(machine: &Machine, happening: &Happening) -> Option<Finding> {
-    sentence::happened(machine, happening)
+    messages::happened(machine, happening)
 }
 
 /// What happened to the simulated machine in a run.
 pub fn happenings(machine: &Machine, record: &PlantRecord) -> Vec<Finding> {
-    let blows = record.blows.iter().map(|blow| sentence::ran_into(machine, blow));
-    let others = record.happenings.iter().filter_map(|one| sentence::happened(machine, one));
-    let touches = record.touches.iter().filter_map(|touch| sentence::touched(machine, touch));
-    let missed = record.missed.iter().map(sentence::missed);
+    let blows = record.blows.iter().map(|blow| messages::ran_into(machine, blow));
+    let others = record.happenings.iter().filter_map(|one| messages::happened(machine, one));
+    let touches = record.touches.iter().filter_map(|touch| messages::touched(machine, touch));
+    let missed = record.missed.iter().map(messages::missed);
     blows.chain(touches).chain(missed).chain(others).collect()
 }

@@ -3,8 +3,8 @@
 use crate::finding::{Finding, Rule, Severity};
 use crate::job::JobSetpoints;
 use crate::machine::{Axis, CoupledBy, Machine};
+use crate::number::seconds;
 use crate::number::significant;
-use crate::report::seconds;
 use crate::setpoint::AxisSetpoint;
 use twin_kinematics::AxisVector;
 use twin_motion::cam::Joints;

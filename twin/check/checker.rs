@@ -3,13 +3,17 @@
 use super::cam_jumps::CamJumps;
 use super::findings::{About, Findings};
 use super::instant::Instant;
-use super::{Clearances, Outcome, exceeds, is_hidden, no_axes, sentence};
+use super::messages;
+use super::{Clearances, Outcome};
 use crate::finding::{self, Finding};
 use crate::job::JobSetpoints;
 use crate::machine::{DirectionRule, Machine};
-use crate::report::{AxisPeak, Peak, seconds};
+use crate::messages::no_axes;
+use crate::number::seconds;
+use crate::peak::{AxisPeak, Peak};
 use crate::setpoint::{AxisSetpoint, Transformer};
 use crate::tappets::Switched;
+use crate::tolerance::{exceeds, is_hidden};
 use std::collections::BTreeSet;
 use twin_kinematics::{AxisSource, AxisVector, Kinematics};
 use twin_motion::Place;
@@ -82,14 +86,14 @@ impl<'m> Checker<'m> {
                 && self.machine.direction.additional() != Some(number)
                 && told.is_some_and(|told| !std::mem::replace(told, true))
             {
-                self.findings.add(None, sentence::no_additional_axis(tool.place, letter));
+                self.findings.add(None, messages::no_additional_axis(tool.place, letter));
             }
         }
         match self.transformer.axes(tool, None) {
             Ok(setpoint) => {
                 if self.start.is_none() {
                     for (names, groups) in self.transformer.stood_on_tappets() {
-                        let told = sentence::starts_on_tappets(tool.place, names, &groups);
+                        let told = crate::messages::starts_on_tappets(tool.place, names, &groups);
                         self.findings.add(None, told);
                     }
                 }
@@ -125,27 +129,29 @@ impl<'m> Checker<'m> {
                 if setpoint.feed.is_none()
                     && let Some(velocity) = rapids
                 {
-                    finding.hint = Some(sentence::rapid_hint(velocity));
+                    finding.hint = Some(messages::rapid_hint(velocity));
                 }
                 self.findings.add(Some(About::Axis(index)), finding);
             };
             let [low, high] = peak.position.unwrap_or([now.position; 2]);
             peak.position = Some([low.min(now.position), high.max(now.position)]);
-            if let Some(finding) = sentence::beyond_position(axis, setpoint.place, now.position) {
+            if let Some(finding) =
+                crate::messages::beyond_position(axis, setpoint.place, now.position)
+            {
                 report(finding);
             }
 
             let limit = axis.max_velocity;
             peak.velocity.include(now.velocity, setpoint.place);
             if exceeds(now.velocity, faster * limit) {
-                let mut finding = sentence::too_fast(axis, setpoint.place, now.velocity);
+                let mut finding = messages::too_fast(axis, setpoint.place, now.velocity);
                 finding.largest_feed_mm_per_s = now.feed_for_velocity(before.as_ref(), limit);
                 report(finding);
             }
             let limit = axis.max_acceleration;
             peak.acceleration.include(now.acceleration, setpoint.place);
             if exceeds(now.acceleration, harder * limit) {
-                let mut finding = sentence::too_hard(axis, setpoint.place, now.acceleration);
+                let mut finding = messages::too_hard(axis, setpoint.place, now.acceleration);
                 finding.largest_feed_mm_per_s = now.feed_for_acceleration(before.as_ref(), limit);
                 report(finding);
             }
@@ -162,7 +168,7 @@ impl<'m> Checker<'m> {
             if is_hidden(stepped, [now.velocity, before.velocity], at_rest, most) {
                 peak.velocity.include(stepped, of_cycle);
                 if exceeds(stepped, most) {
-                    report(sentence::too_fast(axis, of_cycle, stepped));
+                    report(messages::too_fast(axis, of_cycle, stepped));
                 }
             }
             // A tool that turns with the path turns at once where that has a corner too small to stop at. Neither velocity
@@ -177,7 +183,7 @@ impl<'m> Checker<'m> {
                 && exceeds(jump, harder * limit)
             {
                 peak.acceleration.include(jump, of_cycle);
-                report(sentence::too_hard(axis, of_cycle, jump));
+                report(messages::too_hard(axis, of_cycle, jump));
             }
             let jerk = (now.acceleration - before.acceleration) / cycle;
             // An acceleration that comes up is of this block, one that ends of the one before.
@@ -185,7 +191,7 @@ impl<'m> Checker<'m> {
             let place = if rises { now.place } else { before.place };
             peak.jerk.include(jerk, place);
             if let Some(limit) = axis.max_jerk.filter(|limit| exceeds(jerk, jerkier * *limit)) {
-                report(sentence::too_jerky(axis, place, jerk, limit));
+                report(messages::too_jerky(axis, place, jerk, limit));
             }
         }
         setpoint
@@ -198,11 +204,11 @@ impl<'m> Checker<'m> {
         for (index, ((axis, peak), (wanted, actual))) in axes.zip(pairs).enumerate() {
             let error = (actual - wanted).abs();
             peak.following_error.get_or_insert(Peak::default()).include(error, setpoint.place);
-            if let Some(finding) = sentence::ran_away(axis, setpoint.place, *wanted, *actual) {
+            if let Some(finding) = messages::ran_away(axis, setpoint.place, *wanted, *actual) {
                 self.findings.add(Some(About::Axis(index)), finding);
             }
             if let Some(limit) = axis.max_following_error.filter(|limit| exceeds(error, *limit)) {
-                let finding = sentence::too_far(axis, setpoint.place, error, limit);
+                let finding = messages::too_far(axis, setpoint.place, error, limit);
                 self.findings.add(Some(About::Axis(index)), finding);
             }
         }
@@ -210,8 +216,8 @@ impl<'m> Checker<'m> {
 
     pub(super) fn finish(self) -> Outcome {
         let (mut findings, findings_left_out) = self.findings.into_list();
-        sentence::leave_out_consequences(&mut findings);
-        sentence::leave_out_nearness(&mut findings);
+        messages::leave_out_consequences(&mut findings);
+        messages::leave_out_nearness(&mut findings);
         finding::sort(&mut findings);
         Outcome {
             elements: 0,
@@ -237,7 +243,7 @@ fn out_of_order(machine: &Machine) -> Findings {
     for coupling in &machine.couplings {
         if let Some(told) = coupling.out_of_order() {
             let axis = machine.axes.get(coupling.axis).map(|axis| axis.name.clone());
-            let finding = sentence::out_of_order(Place::default(), axis, told);
+            let finding = crate::messages::out_of_order(Place::default(), axis, told);
             findings.add(Some(About::Axis(coupling.axis)), finding);
         }
     }

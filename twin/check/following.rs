@@ -1,14 +1,15 @@
 //! How well the drives will follow: their rehearsal beside the check, before anything moves.
 
 use super::findings::{About, Findings};
-use super::{exceeds, sentence};
+use super::messages;
 use crate::compare::{Measured, Statistics};
 use crate::finding::Finding;
-use crate::hardware::HORIZON_NS;
 use crate::in_loop::DrivesInLoop;
 use crate::machine::Machine;
-use crate::report::seconds;
+use crate::number::seconds;
+use crate::setpoint::HORIZON_NS;
 use crate::setpoint::{AxisSetpoint, resting_behind};
+use crate::tolerance::exceeds;
 use std::collections::VecDeque;
 use std::io;
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -89,7 +90,7 @@ impl<'m> Follower<'m> {
             let error = (asked - wanted).abs();
             statistics.include(error, place);
             if let Some(limit) = axis.max_following_error.filter(|limit| exceeds(error, *limit)) {
-                let finding = sentence::drive_too_far(axis, place, error, limit);
+                let finding = messages::drive_too_far(axis, place, error, limit);
                 self.findings.add(Some(About::Axis(index)), finding);
             }
         }

@@ -11,9 +11,9 @@ mod following;
 #[cfg(test)]
 mod following_tests;
 mod instant;
+mod messages;
 mod options;
 mod rehearsal;
-mod sentence;
 #[cfg(test)]
 mod tests;
 mod way;
@@ -24,11 +24,12 @@ use crate::finding::{self, Finding};
 use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
 use crate::machine::Machine;
+use crate::peak::AxisPeak;
 use crate::physics::MotorLoad;
-use crate::planning::{PlanItem, Planning};
+use crate::planning::Planning;
 use crate::plant::PlantRecord;
 use crate::program::{Dialect, ProgramFile};
-use crate::report::AxisPeak;
+use crate::setpoint_source::PlanItem;
 use crate::tappets::{Signal, Switched};
 pub use after::{faults_to_come, following_errors, happening, happenings};
 use checker::Checker;
@@ -38,14 +39,10 @@ use following::FollowingBeside;
 pub use following::{PredictedFollowing, PredictedTraffic, wire_rates};
 pub use options::{CheckFailure, CheckOptions};
 use rehearsal::Rehearsal;
-pub(crate) use sentence::{beyond_position, no_axes, out_of_order, starts_on_tappets, unreachable};
 use std::collections::BTreeSet;
 use twin_kinematics::AxisVector;
 use way::Way;
 pub use way::{BlockClearance, Clearances};
-
-/// A value may exceed its limit by this fraction before it counts: rounding, not motion.
-const ROUNDING: f64 = 1e-9;
 
 /// By which factors set-points may exceed velocities, accelerations and jerks of axes: the controller's own not at all; those
 /// within the limits of the axes by what may happen between the places at which these are asked for.
@@ -202,7 +199,7 @@ fn checked(
     simulated(machine, &record, &mut checker);
     (switched.signals, switched.lost) = signals(&items, &checker);
     if switched.lost > 0 {
-        checker.findings.add(None, sentence::lost_tappets(switched.lost));
+        checker.findings.add(None, messages::lost_tappets(switched.lost));
     }
     let predicted = following.and_then(FollowingBeside::finish);
     let mut outcome = checker.finish();
@@ -226,34 +223,22 @@ fn checked(
     Ok(outcome)
 }
 
-/// Whether the velocity `stepped`, by the difference of two cycles, is told by nothing else. A jump of the set-point (G92, or the
-/// direction of the tool at a corner) has no velocity of its own: neither of the `velocities` then is beyond `most`, or the path
-/// rests at both ends.
-pub(crate) fn is_hidden(stepped: f64, velocities: [f64; 2], at_rest: bool, most: f64) -> bool {
-    let told = velocities.into_iter().any(|velocity| exceeds(velocity, most));
-    at_rest || (exceeds(stepped, most) && !told)
-}
-
-fn exceeds(value: f64, limit: f64) -> bool {
-    value.abs() > limit * (1.0 + ROUNDING)
-}
-
 /// What has become of the simulated machine.
 fn simulated(machine: &Machine, record: &PlantRecord, checker: &mut Checker<'_>) {
     for blow in &record.blows {
-        checker.findings.add(Some(About::Simulated), sentence::ran_into(machine, blow));
+        checker.findings.add(Some(About::Simulated), messages::ran_into(machine, blow));
     }
-    for touch in record.touches.iter().filter_map(|touch| sentence::touched(machine, touch)) {
+    for touch in record.touches.iter().filter_map(|touch| messages::touched(machine, touch)) {
         checker.findings.add(Some(About::Simulated), touch);
     }
     for miss in &record.missed {
-        checker.findings.add(Some(About::Simulated), sentence::missed(miss));
+        checker.findings.add(Some(About::Simulated), messages::missed(miss));
     }
     for finding in faults_to_come(machine, record) {
         checker.findings.add(Some(About::Simulated), finding);
     }
     for happening in &record.happenings {
-        if let Some(finding) = sentence::happened(machine, happening) {
+        if let Some(finding) = messages::happened(machine, happening) {
             checker.findings.add(Some(About::Axis(happening.axis)), finding);
         }
     }

@@ -1,6 +1,7 @@
 //! A program on the simulated machine.
 
-use super::{Checker, sentence};
+use super::Checker;
+use super::messages;
 use crate::machine::{Machine, Scenario, SimulationError};
 use crate::physics::PhysicsError;
 use crate::plant::{Plant, PlantRecord};
@@ -82,7 +83,7 @@ impl<'m> Rehearsal<'m> {
                 Ok(twin) => twin,
                 // How deep is told by whoever looks at set-points.
                 Err(SimulationError { error: PhysicsError::Overlap { parts, .. }, .. }) => {
-                    let note = sentence::starts_inside(self.machine, setpoint.place, parts);
+                    let note = messages::starts_inside(self.machine, setpoint.place, parts);
                     checker.findings.add(None, note);
                     self.lost = true;
                     return Ok(());
@@ -107,7 +108,7 @@ impl<'m> Rehearsal<'m> {
                     return Ok(());
                 }
                 let error = SimulationError::of(self.machine, error);
-                checker.findings.add(None, sentence::lost(setpoint.place, &error));
+                checker.findings.add(None, messages::lost(setpoint.place, &error));
             }
         }
         Ok(())

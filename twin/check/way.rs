@@ -1,7 +1,7 @@
 //! What is in the way of the machine.
 
 use super::findings::{About, Findings};
-use super::sentence;
+use super::messages;
 use crate::machine::{Machine, SimulationError};
 use crate::physics::{Clearance, ClearanceScan, Part};
 use crate::setpoint::AxisSetpoint;
@@ -123,9 +123,9 @@ impl Way {
         for one in &self.near {
             let about = Some(About::Parts(one.parts));
             if one.distance < -TOUCHING {
-                findings.add(about, sentence::in_the_way(machine, place, one));
+                findings.add(about, messages::in_the_way(machine, place, one));
             } else if self.wanted > 0.0 && one.distance < self.wanted && !may_touch(&one.parts) {
-                findings.add(about, sentence::too_near(machine, place, one, self.wanted));
+                findings.add(about, messages::too_near(machine, place, one, self.wanted));
             }
         }
         if self.found.least.is_none_or(|least| now.is_nearer_than(&least)) {

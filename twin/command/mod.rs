@@ -24,11 +24,11 @@ mod underline;
 mod view;
 mod whole;
 
-use crate::advice::{advice, advice_in_run, of_hardware};
+use crate::advice::{advice, advice_in_run};
 use crate::cam::CamFileError;
 use crate::check::CheckFailure;
-use crate::machine::MachineFileError;
 use crate::program::ProgramFile;
+use crate::section::MachineFileError;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use miette::MietteDiagnostic;
@@ -171,7 +171,7 @@ pub(crate) enum Failure {
     Dialect(#[from] crate::program::DialectError),
     /// The program's variables.
     #[error(transparent)]
-    Variables(#[from] crate::settings::VariablesError),
+    Variables(#[from] crate::program::settings::VariablesError),
     /// The simulated machine.
     #[error("the simulated machine cannot be built: {0}")]
     Physics(#[from] crate::machine::SimulationError),
@@ -295,7 +295,7 @@ impl Failure {
         match self {
             Self::Drive(error) => advice(error),
             Self::Motion { source, .. } => advice(source),
-            Self::Hardware(error) => of_hardware(error),
+            Self::Hardware(error) => error.advice(),
             Self::Homing(error) => error.of_drive().and_then(advice_in_run),
             _ => None,
         }

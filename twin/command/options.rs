@@ -3,9 +3,11 @@
 use super::Failure;
 use crate::m_function::Acknowledge;
 use crate::machine::{Machine, Scenario, tool_table_problem};
+use crate::program::settings;
+use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
-use crate::session::{MOST_OVERRIDE, override_factor};
-use crate::settings::{self, ReadSettings};
+use crate::session::override_factor;
+use crate::setpoint_source::MOST_OVERRIDE;
 use std::fs::File;
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::num::NonZeroUsize;

@@ -2,7 +2,7 @@
 
 use crate::check::Progress;
 use crate::clock::Clock;
-use crate::report::seconds;
+use crate::number::seconds;
 use std::io::{self, IsTerminal, Write};
 
 const MINUTE_NS: i64 = 60_000_000_000;

@@ -2,7 +2,7 @@
 
 use super::show::table;
 use crate::number::fixed;
-use crate::report::seconds;
+use crate::number::seconds;
 use crate::tappets::{MasterPlace, Switched, TappetSwitch};
 use comfy_table::{Cell, CellAlignment};
 use std::io::{self, Write};

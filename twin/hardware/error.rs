@@ -1,5 +1,6 @@
 //! Why drives cannot go on.
 
+use crate::advice::advice_in_run;
 use crate::machine::{Axis, DriveFamily, Machine};
 use twin_drives::DriveError;
 
@@ -243,5 +244,21 @@ mod tests {
             Names { bus: false, axes: vec![(0, "A".to_owned()), (1, "B".to_owned())], ..bus };
         let told = module.tell(DriveError::AxisMessages { at: at(0), axis: 2, messages: 1 });
         assert!(told.to_string().starts_with("device `line`, axis B: "), "{told}");
+    }
+}
+
+impl HardwareError {
+    /// What to look at, or to do next, when the drives of a run cannot go on.
+    pub(crate) fn advice(&self) -> Option<&'static str> {
+        match self {
+            Self::Bare(error) => advice_in_run(error),
+            Self::Drive { source, .. } => advice_in_run(source),
+            Self::Silent { .. } => Some(
+                "look at its cable and its supply. When it answers again, `status` tells whether it has been off or locked: then its \
+                 axes have to be homed (--home); if it has not, its positions still hold, and the program can be run again. A slow \
+                 adapter needs larger `answer_deadline_ms` and `longest_silence_ms` of its [[drives]]",
+            ),
+            _ => None,
+        }
     }
 }

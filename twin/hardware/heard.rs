@@ -1,6 +1,6 @@
 //! How often devices are heard of.
 
-use crate::report::seconds;
+use crate::number::seconds;
 
 /// How often something was heard of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -12,6 +12,7 @@ mod switched;
 mod tests;
 mod unit;
 
+use crate::attached::Attached;
 use crate::clock::Clock;
 use crate::machine::{DriveFamily, Machine};
 use crate::plant::{AxisFeedback, Plant};
@@ -26,32 +27,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 pub use switched::SwitchedOutputs;
-use twin_drives::Drive;
 use twin_kinematics::AxisVector;
 use unit::Unit;
-
-/// How far ahead of the wall clock set-points are planned for drives, ns. A device that retargets thirty times a
-/// second needs to see its next turning point; a stop requested by the user takes effect after this time.
-pub const HORIZON_NS: i64 = 250_000_000;
 
 /// How long devices may take to stop until those are named that have not confirmed it: longer than ramps take, and then a hard
 /// stop with the same patience.
 const LONGEST_STOP: Duration = Duration::from_secs(25);
-
-/// A device that axes of a machine hang on, and the driver that speaks to it. The axes of its arrays are those axes, in the
-/// order of the machine file.
-pub struct Attached {
-    /// Index into [`Machine::drives`].
-    pub device: usize,
-    /// The driver.
-    pub drive: Box<dyn Drive>,
-}
-
-impl std::fmt::Debug for Attached {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} ({})", self.drive.describe(), self.device)
-    }
-}
 
 /// Drives at work.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! The planned motion in increments, shared between session and device.
 
-use super::HORIZON_NS;
 use crate::clock::Clock;
+use crate::setpoint::HORIZON_NS;
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use twin_drives::{IncrementMotion, MAX_DRIVE_AXES, SetpointStream};

@@ -1,6 +1,6 @@
 //! How late outputs are switched.
 
-use crate::report::seconds;
+use crate::number::seconds;
 
 /// How many outputs of a device were switched, and how long after the set-points at which they were due.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -7,11 +7,13 @@
 )]
 
 use super::stream::Stream;
-use super::{Attached, Guarded, HORIZON_NS, Hardware, HardwareError};
+use super::{Guarded, Hardware, HardwareError};
+use crate::attached::Attached;
 use crate::clock::Clock;
 use crate::machine::Machine;
 use crate::plant::{AxisFeedback, Plant};
 use crate::setpoint::AxisSetpoint;
+use crate::setpoint::HORIZON_NS;
 use crate::tappets::TappetBits;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};

@@ -7,11 +7,12 @@
 #[cfg(test)]
 mod tests;
 
+use crate::axis_kind::AxisKind;
 use crate::emulated;
-use crate::hardware::HORIZON_NS;
-use crate::machine::{AxisKind, Counting, DeviceEntry, Machine};
-use crate::report::seconds;
+use crate::machine::{Counting, DeviceEntry, Machine};
+use crate::number::seconds;
 use crate::setpoint::AxisSetpoint;
+use crate::setpoint::HORIZON_NS;
 use std::collections::VecDeque;
 use twin_drives::{IncrementMotion, Rehearsal, SetpointStream};
 use twin_kinematics::{AxisMotion, AxisVector};

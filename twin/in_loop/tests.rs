@@ -2,13 +2,13 @@
 
 use crate::check::{CheckOptions, Outcome, check, wire_rates};
 use crate::finding::{Rule, Severity, unfit};
-use crate::hardware::HORIZON_NS;
 use crate::machine::Machine;
+use crate::peak::AxisPeak;
 use crate::plant::Plant;
+use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
-use crate::report::AxisPeak;
 use crate::setpoint::AxisSetpoint;
-use crate::settings::ReadSettings;
+use crate::setpoint::HORIZON_NS;
 use crate::simulated::Simulated;
 use crate::tappets::TappetBits;
 use nalgebra::Point3;
@@ -74,7 +74,7 @@ fn setpoints(machine: &Machine, speed: f64, rate: f64) -> VecDeque<AxisSetpoint>
     let mut setpoints = VecDeque::new();
     let mut time_ns = 0;
     loop {
-        let time = crate::report::seconds(time_ns);
+        let time = crate::number::seconds(time_ns);
         if time > duration {
             break;
         }
@@ -166,7 +166,7 @@ fn bim2ax_modules_go_from_point_to_point() {
     let came = moved(&mixed(), speed, rate);
     let error = farthest(&came, 0);
     assert!(error > 0.4 * speed * 11e-3, "{error}");
-    assert!(error < speed * crate::report::seconds(HORIZON_NS), "{error}");
+    assert!(error < speed * crate::number::seconds(HORIZON_NS), "{error}");
     // It stands several times on the way, and there both axes have arrived together: on the line, but for whole increments
     // and what the servos have not caught up with yet.
     let stands = came.windows(2).filter(|pair| {

@@ -4,8 +4,8 @@ use super::JobSetpoints;
 use super::tests::{START, job, machine, moves, near, run, time};
 use crate::check::{CheckOptions, check};
 use crate::finding::{Finding, Rule, Severity};
-use crate::planning::PlanItem;
 use crate::setpoint::AxisSetpoint;
+use crate::setpoint_source::PlanItem;
 
 /// mm, mm/s, mm/s².
 fn x(setpoint: &AxisSetpoint) -> [f64; 3] {

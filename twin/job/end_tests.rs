@@ -3,8 +3,8 @@
 use super::JobSetpoints;
 use super::tests::{START, job, machine, moves, near, run, time};
 use crate::finding::{Finding, Rule, Severity};
-use crate::planning::PlanItem;
 use crate::setpoint::AxisSetpoint;
+use crate::setpoint_source::PlanItem;
 
 fn ends(setpoints: &[AxisSetpoint]) -> f64 {
     let last = setpoints.last().unwrap();

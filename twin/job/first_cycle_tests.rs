@@ -4,8 +4,8 @@ use super::tests::{job, machine, near, run};
 use crate::check::{CheckOptions, Outcome, check};
 use crate::finding::{Finding, Rule, Severity};
 use crate::machine::Machine;
+use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
-use crate::settings::ReadSettings;
 use std::path::Path;
 use tempfile::TempDir;
 

@@ -4,8 +4,8 @@ use super::CamsBefore;
 use super::kind::BLOCKS;
 use super::read::{Known, Lines, Reader};
 use super::tests::machine;
-use crate::machine::AxisKind;
-use crate::machine::section::{Section, parse};
+use crate::axis_kind::AxisKind;
+use crate::section::{Section, parse};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 use super::JobSetpoints;
 use super::tests::{job, machine};
 use crate::machine::Machine;
-use crate::planning::PlanItem;
+use crate::setpoint_source::PlanItem;
 use proptest::prelude::*;
 use std::sync::LazyLock;
 

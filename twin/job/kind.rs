@@ -5,8 +5,8 @@ use super::direct::{Gaps, direct};
 use super::probe::{abort, probe};
 use super::read::{FAR, Known};
 use super::values::Values;
-use crate::machine::section::Section;
 use crate::machine::{CamSelection, read_cam, read_ratio};
+use crate::section::Section;
 use std::path::Path;
 use twin_motion::axis::{
     AccelerationProfile, CamIn, Decouple, Direction, GearIn, GearInPos, Halt, Home, MoveAbsolute,

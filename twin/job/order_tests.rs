@@ -3,8 +3,8 @@
 use super::JobSetpoints;
 use super::tests::{START, job, machine, moves, near, run};
 use crate::finding::{Finding, Rule};
-use crate::planning::PlanItem;
 use crate::setpoint::AxisSetpoint;
+use crate::setpoint_source::PlanItem;
 
 fn gear(slave: &str, master: &str, keys: &str) -> String {
     format!(

@@ -5,10 +5,10 @@ use super::kind::BLOCKS;
 use super::probe::{JobTrigger, When};
 use super::values::Values;
 use super::{Begins, Call, CamsBefore, Job, Start, VirtualAxis};
-use crate::machine::section::{Section, parse};
-use crate::machine::{
-    AxisKind, CamAxis, CamSelection, CoupledBy, Coupling, FileKind, Machine, Problem,
-};
+use crate::axis_kind::AxisKind;
+use crate::machine::{CamAxis, CamSelection, CoupledBy, Coupling, Machine};
+use crate::section::{FileKind, Problem};
+use crate::section::{Section, parse};
 use crate::tappets::{MOST_SIGNALS, Tracks};
 use std::path::Path;
 use twin_motion::axis::profile::RampType;

@@ -1,10 +1,10 @@
 //! Where the axes of a job start.
 
 use super::{Begins, Call, Start};
-use crate::check::no_axes;
 use crate::coupled::Coupled;
 use crate::finding::{Finding, Rule};
 use crate::machine::Machine;
+use crate::messages::no_axes;
 use twin_kinematics::AxisVector;
 use twin_motion::Place;
 

@@ -4,8 +4,8 @@
 use super::tests::{job, machine};
 use crate::check::{CheckOptions, Outcome, check};
 use crate::machine::Machine;
+use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
-use crate::settings::ReadSettings;
 use crate::tappets::Switched;
 use std::path::Path;
 use twin_motion::interpolate::Override;

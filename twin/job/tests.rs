@@ -5,10 +5,10 @@
 use super::JobSetpoints;
 use crate::finding::{Finding, Rule};
 use crate::machine::Machine;
-use crate::planning::PlanItem;
+use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use crate::setpoint::AxisSetpoint;
-use crate::settings::ReadSettings;
+use crate::setpoint_source::PlanItem;
 use std::path::Path;
 
 /// The axes X, Y and Z of the shipped gantry, in mm.
@@ -52,7 +52,7 @@ pub(super) fn moves(text: &str) -> Vec<AxisSetpoint> {
 
 /// s.
 pub(super) fn time(setpoint: &AxisSetpoint) -> f64 {
-    crate::report::seconds(setpoint.time_ns)
+    crate::number::seconds(setpoint.time_ns)
 }
 
 pub(super) fn near(actual: f64, expected: f64, tolerance: f64) {

@@ -4,7 +4,7 @@ use super::direct::Point;
 use super::kind::Asks;
 use super::probe::JobTrigger;
 use super::read::{FAR, Known, LONGEST};
-use crate::machine::section::Section;
+use crate::section::Section;
 use twin_motion::axis::profile::{MOST_POINTS, ProfilePoint};
 use twin_motion::axis::{Direction, Follow, Points};
 

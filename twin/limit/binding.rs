@@ -1,6 +1,7 @@
 //! Which limit holds the path back.
 
-use crate::machine::{Axis, AxisKind};
+use crate::axis_kind::AxisKind;
+use crate::machine::Axis;
 
 /// What of an axis is limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -4,12 +4,12 @@
 use super::machine_path::{AxisRules, MachinePath, efforts, overloaded};
 use super::watch::Watch;
 use super::{Binding, LimitFailure, ProfileItem, ProfileSample};
-use crate::check::is_hidden;
 use crate::m_function::Acknowledgement;
 use crate::machine::Machine;
+use crate::number::seconds;
 use crate::program::{ProgramFile, ProgramItem, Setpoints};
-use crate::report::seconds;
 use crate::setpoint::Transformer;
+use crate::tolerance::is_hidden;
 use twin_kinematics::{AxisMotion, AxisVector};
 use twin_motion::interpolate::{Status, ToolSetpoint};
 

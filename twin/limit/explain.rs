@@ -3,8 +3,8 @@
 use super::plan::{LimitRules, Profile};
 use super::{Binding, ProfileSample, Quantity};
 use crate::machine::{Machine, PathLimits, VelocitySource};
+use crate::number::seconds;
 use crate::physics::TorqueAlongPath;
-use crate::report::seconds;
 use twin_kinematics::AxisVector;
 use twin_motion::limit::course::CourseElement;
 use twin_motion::limit::{

@@ -3,8 +3,8 @@
 use crate::check::{CheckOptions, check};
 use crate::limit::Limits;
 use crate::machine::Machine;
+use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
-use crate::settings::ReadSettings;
 use std::path::Path;
 
 fn gantry(gears: &str) -> Machine {
@@ -40,7 +40,7 @@ fn seconds(machine: &Machine, limits: Limits) -> Result<f64, Vec<String>> {
     let outcome = check(machine, &program, options, &mut |_| {}).unwrap();
     let errors = outcome.findings.iter().filter(|one| one.rule.name() != "feed-reduced");
     let errors: Vec<_> = errors.map(|one| one.message.clone()).collect();
-    if errors.is_empty() { Ok(crate::report::seconds(outcome.duration_ns)) } else { Err(errors) }
+    if errors.is_empty() { Ok(crate::number::seconds(outcome.duration_ns)) } else { Err(errors) }
 }
 
 /// From rest to rest over 60 mm with this velocity and acceleration of X, mm/s and mm/s².

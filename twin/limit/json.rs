@@ -3,8 +3,10 @@
 use super::{Binding, Change, LimitSummary, LineLoss};
 use crate::finding::Finding;
 use crate::machine::{Axis, Machine};
+use crate::number::rounded;
+use crate::peak::AxisPeakReport;
+use crate::per_axis::PerAxis;
 use crate::program::ProgramFile;
-use crate::report::{AxisPeakReport, PerAxis, rounded};
 
 /// The summary as JSON.
 #[derive(Clone, Debug, serde::Serialize)]

@@ -3,7 +3,8 @@
 use super::lines::{LineShare, LineShares};
 use super::losses::Losses;
 use super::{Binding, ProfileSample};
-use crate::report::{AxisPeak, seconds};
+use crate::number::seconds;
+use crate::peak::AxisPeak;
 use std::collections::BTreeMap;
 use twin_motion::Place;
 

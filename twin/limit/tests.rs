@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::machine::Machine;
+use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile, ProgramItem};
 use crate::setpoint::Transformer;
-use crate::settings::ReadSettings;
 use std::path::{Path, PathBuf};
 use twin_kinematics::AxisVector;
 use twin_motion::Place;
@@ -165,7 +165,7 @@ fn waiting_loses_nothing() {
     assert_eq!(
         summary_of(&machine, &[]),
         LimitSummary {
-            peaks: vec![crate::report::AxisPeak::default(); 3],
+            peaks: vec![crate::peak::AxisPeak::default(); 3],
             windows: Windows { count: 3, failed: 1, exceeded: 2 },
             override_factor: 1.0,
             ..LimitSummary::default()

@@ -3,8 +3,8 @@
 use super::{Binding, Change, LimitSummary, Limits};
 use crate::machine::{Axis, Machine};
 use crate::number::significant;
+use crate::peak::Peak;
 use crate::program::ProgramFile;
-use crate::report::Peak;
 use crate::table::table;
 use comfy_table::{Cell, CellAlignment, Color, Table};
 use std::io::{self, Write};

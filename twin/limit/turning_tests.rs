@@ -142,7 +142,7 @@ fn set_points_turn_as_planned() {
     let path = folder.path().join("program.cnc");
     std::fs::write(&path, text).unwrap();
     let dialect = Some(crate::program::Dialect::Din66025);
-    let settings = crate::settings::ReadSettings::default();
+    let settings = crate::program::settings::ReadSettings::default();
     let program = crate::program::ProgramFile::new(&path, dialect, settings).unwrap();
     let mut profile = Profile::new(&program, &machine, LimitRules::default()).unwrap();
     let mut transformer = Transformer::new(&machine);

@@ -1,9 +1,9 @@
 //! What is wrong at set-points, told once per line.
 
-use crate::check::{beyond_position, no_axes};
 use crate::coupled::AxesError;
 use crate::finding::{Finding, Rule};
 use crate::machine::{Axis, Machine};
+use crate::messages::{beyond_position, no_axes};
 use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
 use twin_motion::Place;

@@ -4,55 +4,13 @@ use super::axis_drive::{self, AxisDrive};
 use super::counting::Counting;
 use super::drives::Seen;
 use super::limits::{DriveLimits, VelocityLimits, read_headroom};
-use super::section::Section;
 use super::simulated::{self, SimulatedAxis, SimulatedMotor};
+use crate::axis_kind::AxisKind;
+use crate::section::Section;
 use std::ops::Range;
 
 /// Farthest position of an axis, degrees or mm.
 const MOST: f64 = 1e6;
-
-/// Whether an axis turns or slides.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AxisKind {
-    /// Positions in rad, shown in degrees.
-    Rotary,
-    /// Positions in m, shown in mm.
-    Linear,
-}
-
-impl AxisKind {
-    /// The unit that people read and write.
-    pub const fn unit(self) -> &'static str {
-        match self {
-            Self::Rotary => "deg",
-            Self::Linear => "mm",
-        }
-    }
-
-    /// The unit of what its motor gives.
-    pub const fn effort_unit(self) -> &'static str {
-        match self {
-            Self::Rotary => "Nm",
-            Self::Linear => "N",
-        }
-    }
-
-    /// What its motor gives, in a word.
-    pub const fn effort_name(self) -> &'static str {
-        match self {
-            Self::Rotary => "torque",
-            Self::Linear => "force",
-        }
-    }
-
-    /// One such unit in SI.
-    pub const fn scale(self) -> f64 {
-        match self {
-            Self::Rotary => std::f64::consts::PI / 180.0,
-            Self::Linear => 1e-3,
-        }
-    }
-}
 
 /// One axis of the machine. SI inside.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! The drive of an axis as `[[axes]]` says it: which one, how many increments it makes, what it has to know.
 
-use super::AxisKind;
 use super::counting::Counting;
 use super::drives::{Abilities, Seen};
-use super::section::Section;
+use crate::axis_kind::AxisKind;
+use crate::section::Section;
 
 /// How many increments of a drive one unit of the axis is, as an exact ratio (the manual's
 /// `dwRatioTechUnitsDenom` / `iRatioTechUnitsNum`).

@@ -1,6 +1,6 @@
 //! `[program]` and `[rs274]`: what programs find when they begin.
 
-use super::section::Section;
+use crate::section::Section;
 use std::fs::File;
 use std::path::Path;
 use twin_motion::path::ExtraPosition;

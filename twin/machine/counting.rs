@@ -1,7 +1,7 @@
 //! Positions of an axis as what its drive counts, and back, by the exact ratio of the machine file.
 
-use super::AxisKind;
 use super::axis_drive::IncrementRatio;
+use crate::axis_kind::AxisKind;
 use twin_drives::axis::DecimalRatio;
 
 /// How the drive of an axis counts.

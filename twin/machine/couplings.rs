@@ -1,11 +1,12 @@
 //! `[[gears]]` and `[[cams]]`: axes that follow others from the beginning of every program (`MC_GearIn`, `MC_CamIn`, manual 5.4).
 
-use super::axis::{Axis, AxisKind};
-use super::problem::{Elsewhere, MachineFileError};
-use super::section::Section;
+use super::axis::Axis;
+use crate::axis_kind::AxisKind;
 use crate::cam::check::unit_fits;
 use crate::cam::{CamFile, CamFileError, START_MODES, no_scaling};
 use crate::ring;
+use crate::section::Section;
+use crate::section::{Elsewhere, MachineFileError};
 use crate::tappets::MOST_SIGNALS;
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Which way the tool points, for machines that can turn it.
 
 use super::geometry::additional;
-use super::section::Section;
+use crate::section::Section;
 use twin_kinematics::ToPath;
 use twin_motion::interpolate::ToolSetpoint;
 use twin_motion::path::EXTRA_AXES;

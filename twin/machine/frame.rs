@@ -1,6 +1,6 @@
 //! `[work_frame]`: where the program's frame lies in the machine frame.
 
-use super::section::Section;
+use crate::section::Section;
 use nalgebra::{Point3, Vector3};
 use twin_kinematics::{Cuboid, WorkFrame};
 

@@ -1,9 +1,9 @@
 //! What limits the axes and the tool when the feed is planned, and where that is said. Plain data, SI.
 
 use super::conditions::PreparationInputs;
-use super::section::Section;
 use super::{Axis, Machine, SimulationError};
 use crate::physics::{AxisLoad, PathDynamics};
+use crate::section::Section;
 use std::ops::RangeInclusive;
 use twin_drives::interpcnc::registers::MAX_SPEED_HZ;
 

@@ -1,9 +1,21 @@
 //! `[[m_functions]]`: what M functions switch.
 
-use super::section::Section;
-use crate::m_function::MFunction;
+use crate::section::Section;
 use std::ops::RangeInclusive;
 use twin_drives::interpcnc::registers::OUTPUTS;
+
+/// `[[m_functions]]` of a machine file: what an M function switches.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MFunction {
+    /// Its number.
+    pub number: u16,
+    /// Outputs of the drives that it switches on, from 1.
+    pub outputs_on: Vec<u8>,
+    /// Outputs that it switches off.
+    pub outputs_off: Vec<u8>,
+    /// How long it takes from its beginning until the path goes on, ns: a spindle comes up to speed.
+    pub time_ns: i64,
+}
 
 /// Outputs of the board.
 const OUTPUT: RangeInclusive<i64> = 1..=OUTPUTS as i64;

@@ -1,5 +1,6 @@
 //! The machine file: one TOML file that describes a machine. `machines/*.toml` are commented as documentation.
 
+mod around;
 mod axis;
 mod axis_drive;
 mod conditions;
@@ -7,16 +8,13 @@ mod counting;
 mod couplings;
 mod direction;
 mod drives;
-mod file_kind;
 mod frame;
 mod geometry;
 mod limits;
 mod m_functions;
 mod payload;
-pub(crate) mod problem;
 mod refusal;
 mod scenario;
-pub(crate) mod section;
 mod simulated;
 mod surroundings;
 mod tappet_outputs;
@@ -24,7 +22,8 @@ mod tappet_outputs;
 mod tests;
 mod tool;
 
-pub use axis::{Axis, AxisKind};
+use crate::section::FileKind;
+pub use axis::Axis;
 pub use axis_drive::{AxisDrive, IncrementRatio, Switches};
 pub(crate) use conditions::said as tool_table_problem;
 pub use conditions::{PreparationInputs, ProgramConditions};
@@ -36,10 +35,8 @@ use drives::Seen;
 pub use drives::{
     Bim2AxEntry, DeviceEntry, DriveFamily, InterpCncEntry, ModuleEncoder, Parity, SmartDriveEntry,
 };
-pub(crate) use file_kind::FileKind;
 pub use limits::{AxisLimit, PathLimits, VelocityLimit, VelocityLimits, VelocitySource};
-pub(crate) use problem::Shown;
-pub use problem::{Elsewhere, MachineFileError, Problem};
+pub use m_functions::MFunction;
 pub use refusal::SimulationError;
 pub use scenario::{FaultAt, FaultKind, FaultStart, Scenario};
 pub use simulated::{
@@ -47,13 +44,10 @@ pub use simulated::{
 };
 pub use surroundings::Collision;
 
-use crate::coupled::Coupled;
-use crate::m_function::MFunction;
-use crate::probe;
+use crate::section::{self, MachineFileError, Problem, Section, read_text};
 use crate::tappets::TappetOutput;
 use axis::AxisEntry;
 use nalgebra::{Point3, Vector3};
-use section::Section;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tool::Tool;
@@ -120,7 +114,7 @@ impl Machine {
     /// With everything that is wrong with it.
     pub fn load(path: &Path) -> Result<Self, MachineFileError> {
         let what = "machine file";
-        let text = problem::read_text(what, path)?;
+        let text = read_text(what, path)?;
         Self::parse(path, &text).map_err(|problems| MachineFileError::Content {
             what,
             path: path.to_owned(),
@@ -136,7 +130,7 @@ impl Machine {
     pub fn parse(path: &Path, text: &str) -> Result<Self, Vec<Problem>> {
         let machine = section::parse(text, |root| read(path, root))?;
         let mut machine = Self { dimensions: dimensions(text), ..machine };
-        machine.conditions.rs274.surroundings = probe::surroundings(&machine);
+        machine.conditions.rs274.surroundings = around::surroundings(&machine);
         Ok(machine)
     }
 
@@ -184,12 +178,7 @@ impl Machine {
         AxisVector::from_values(self.axes.iter().map(middle))
     }
 
-    /// Where the tool is and the axes are when a program starts that does not say where, if that can be reached.
-    pub fn start_axes(&self) -> Option<AxisVector> {
-        Coupled::at_rest(self, self.start_without_slaves()?).ok()
-    }
-
-    /// The same before slaves are put where their masters have them.
+    /// Axis positions at a start that the program leaves open, before slaves are put where their masters have them.
     pub(crate) fn start_without_slaves(&self) -> Option<AxisVector> {
         let mut axes = self.kinematics.inverse(&self.start_pose(), &self.middle()).ok()?;
         // The transform knows nothing of additional axes: they start where the file says.

@@ -1,7 +1,7 @@
 //! `[payload]`: what the tool holds, as a mass; it has no shape.
 
-use super::section::Section;
 use super::tool::Tool;
+use crate::section::Section;
 use nalgebra::{Matrix3, Point3, Vector3};
 use std::ops::RangeInclusive;
 use twin_urdf::Inertial;

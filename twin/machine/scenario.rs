@@ -12,9 +12,10 @@
 //! # backlash_mm = 0.2       # loose_belt: play that is added (backlash_deg); default 0
 //! ```
 
-use super::problem::{MachineFileError, Problem, read_text};
-use super::section::{self, Section};
 use super::{Axis, Machine};
+use crate::section;
+use crate::section::Section;
+use crate::section::{MachineFileError, Problem, read_text};
 use std::path::Path;
 
 /// What goes wrong.

@@ -1,8 +1,8 @@
 //! `[[obstacles]]` and `[collision]`: what is around the machine, and what may touch what.
 
 use super::Machine;
-use super::section::Section;
 use crate::physics::{ClearanceScan, Obstacle, ObstacleKind, Part, PhysicsError, Surroundings};
+use crate::section::Section;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::ops::RangeInclusive;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! `[[tappet_outputs]]`: outputs of drives that follow the tappets of cams.
 
 use super::drives::{Kind, Seen};
-use super::section::Section;
+use crate::section::Section;
 use crate::tappets::TappetOutput;
 use twin_drives::interpcnc::registers::OUTPUTS as BOARD_OUTPUTS;
 use twin_drives::smartdrive::OUTPUTS as SMARTDRIVE_OUTPUTS;

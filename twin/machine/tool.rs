@@ -1,6 +1,6 @@
 //! `[tool]`: what the machine holds.
 
-use super::section::Section;
+use crate::section::Section;
 use nalgebra::Vector3;
 use std::ops::RangeInclusive;
 use twin_urdf::ToolShape;

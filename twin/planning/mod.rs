@@ -4,44 +4,19 @@
 mod beside;
 mod within;
 
-use crate::finding::Finding;
 use crate::job::JobSetpoints;
 use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledgement, MCall};
 use crate::machine::Machine;
-use crate::program::{Dialect, Findings, ProgramFile, ProgramItem, Setpoints};
-use crate::session::MOST_OVERRIDE;
-use crate::setpoint::{AxisSetpoint, Transformer};
+use crate::program::{Dialect, Findings, ProgramFile, Setpoints};
+use crate::setpoint::Transformer;
+use crate::setpoint_source::MOST_OVERRIDE;
+use crate::setpoint_source::PlanItem;
 use crate::tappets::Signal;
 use beside::Beside;
-use std::io;
 use std::task::Poll;
 use std::thread::Scope;
-use twin_motion::interpolate::ToolSetpoint;
 use within::WithinAxes;
-
-/// What comes out of a program, one after the other.
-#[derive(Debug)]
-pub(crate) enum PlanItem {
-    /// Where the tool shall be at the next instant, which the transform makes axes of.
-    Tool(ToolSetpoint),
-    /// Where the axes shall be then.
-    Axes(Box<AxisSetpoint>),
-    /// What is wrong with the program.
-    Diagnostic(Finding),
-    /// The file cannot be read any further.
-    Io(io::Error),
-}
-
-impl From<ProgramItem> for PlanItem {
-    fn from(item: ProgramItem) -> Self {
-        match item {
-            ProgramItem::Setpoint(tool) => Self::Tool(tool),
-            ProgramItem::Diagnostic(finding) => Self::Diagnostic(finding),
-            ProgramItem::Io(error) => Self::Io(error),
-        }
-    }
-}
 
 /// The set-points of a program, as the controller itself plans them or within the limits of the axes.
 #[derive(Debug)]
@@ -209,7 +184,7 @@ impl<'m> Planning<'m> {
     }
 
     /// Multiplies programmed velocities by `factor` from the next set-point on that can be had so; below
-    /// [`LEAST_OVERRIDE`](crate::session::LEAST_OVERRIDE) the path is held.
+    /// [`LEAST_OVERRIDE`](crate::setpoint_source::LEAST_OVERRIDE) the path is held.
     pub(crate) fn set_override(&mut self, factor: f64) {
         match &mut self.0 {
             Plan::Controller(setpoints) => setpoints.set_override(factor),

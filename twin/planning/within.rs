@@ -1,13 +1,13 @@
 //! A program within the limits of the axes, set-point by set-point.
 
 use super::beside::{Beside, Fault};
-use crate::check::unreachable;
 use crate::finding::{Finding, Rule};
 use crate::limit::{LimitFailure, LimitRules, Profile, ProfileItem, not_solved};
 use crate::m_function::{Acknowledgement, MCall, Waiting};
 use crate::machine::Machine;
+use crate::messages::unreachable;
 use crate::program::{Findings, Halt, ProgramFile, ProgramItem};
-use crate::session::LEAST_OVERRIDE;
+use crate::setpoint_source::LEAST_OVERRIDE;
 use std::io;
 use std::num::NonZeroU32;
 use std::sync::Arc;

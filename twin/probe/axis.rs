@@ -8,8 +8,8 @@
 
 use super::board::{BoardRefusal, BoardSearch};
 use crate::machine::{Machine, SimulationError};
+use crate::number::seconds;
 use crate::physics::PhysicsError;
-use crate::report::seconds;
 use crate::simulated::Simulated;
 use twin_kinematics::{AxisMotion, AxisVector};
 

@@ -1,15 +1,15 @@
 //! Probing moves above a plane, against what a plane has in closed form.
 
-use super::*;
+use crate::approach::{Approach, Clearance, RELEASE, TOUCH};
 use crate::check::{CheckOptions, Outcome, check};
 use crate::finding::{Finding, Rule, Severity};
 use crate::machine::Machine;
+use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ElementItem, ProgramFile};
-use crate::settings::ReadSettings;
 use std::path::Path;
 use twin_motion::Place;
-use twin_motion::path::{ElementKind, PathElement, ProbeOutcome, Probing};
-use twin_motion::rs274::Surroundings;
+use twin_motion::path::{ElementKind, PathElement, ProbeOutcome, ProbeTrip, Probing};
+use twin_motion::rs274::{Position, ProbePath, ProbeTarget, Surroundings};
 
 /// Start at 0, 0, 20; Z from -60 to 120 mm.
 const GANTRY3: &str = include_str!("../../machines/gantry3.toml");

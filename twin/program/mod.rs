@@ -2,6 +2,7 @@
 
 mod dialect;
 mod operations;
+pub mod settings;
 mod source;
 mod stream;
 
@@ -13,7 +14,7 @@ pub(crate) use stream::{Findings, Prepared};
 
 use crate::m_function::Acknowledgement;
 use crate::machine::{Machine, ProgramConditions};
-use crate::settings::ReadSettings;
+use settings::ReadSettings;
 use source::{Counted, Decoded, Decoder, Ledger};
 use std::cell::RefCell;
 use std::fs::File;

@@ -1,20 +1,23 @@
 //! The report as JSON: the shape is part of the command-line contract.
 
-mod peaks;
+mod drives;
+mod motor_load;
 mod rest;
+mod tappets;
 
 use crate::check::{BlockClearance, Outcome};
 use crate::compare::{ErrorStatistics, Statistics};
-use crate::drive_report::{AxisMaximaReport, PredictedFollowingReport};
 use crate::finding::Finding;
 use crate::machine::{Axis, Machine};
-use crate::number::significant;
+use crate::number::{rounded, seconds};
+use crate::peak::AxisPeakReport;
+use crate::per_axis::PerAxis;
 use crate::program::ProgramFile;
 use crate::session::{OverrideChange, Punctuality};
-use crate::tappet_report::TappetsReport;
-pub use peaks::{AxisPeak, AxisPeakReport, MotorLoadReport, Peak};
+pub use drives::{AxisMaximaReport, PredictedFollowingReport};
+pub use motor_load::MotorLoadReport;
 pub use rest::RestReport;
-use serde::ser::{Serialize, SerializeMap, Serializer};
+use tappets::TappetsReport;
 
 /// What `twin check` writes per program, and `twin run` as part of its report.
 #[derive(Clone, Debug, serde::Serialize)]
@@ -273,35 +276,4 @@ impl AxisErrorReport {
     pub fn new(axis: &Axis, statistics: &ErrorStatistics) -> Self {
         Self { unit: axis.unit(), comparison: ComparisonReport::new(statistics, axis.from_si(1.0)) }
     }
-}
-
-/// A map from axis names to values, in machine-file order.
-#[derive(Clone, Debug)]
-pub struct PerAxis<T>(pub Vec<(String, T)>);
-
-impl<T> PerAxis<T> {
-    fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-}
-
-impl<T: Serialize> Serialize for PerAxis<T> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for (name, value) in &self.0 {
-            map.serialize_entry(name, value)?;
-        }
-        map.end()
-    }
-}
-
-/// To 12 significant digits: what conversion between units adds beyond is noise (239.99999999999997).
-pub(crate) fn rounded(value: f64) -> f64 {
-    significant(value, 12).parse().unwrap_or(value)
-}
-
-/// Nanoseconds as seconds.
-#[expect(clippy::cast_precision_loss, reason = "a program of 104 days would lose a nanosecond")]
-pub fn seconds(time_ns: i64) -> f64 {
-    time_ns as f64 * 1e-9
 }

@@ -1,8 +1,9 @@
 //! Where the axes of a run came to rest that was stopped.
 
-use super::{PerAxis, rounded, seconds};
 use crate::compare::Measured;
 use crate::machine::Machine;
+use crate::number::{rounded, seconds};
+use crate::per_axis::PerAxis;
 use crate::session::Rest;
 
 /// Where the axes came to rest.

@@ -1,7 +1,7 @@
 //! The way to rest off the path: every axis brakes as hard as it may, each for itself.
 
 use crate::machine::Machine;
-use crate::report::seconds;
+use crate::number::seconds;
 use crate::setpoint::AxisSetpoint;
 use std::f64::consts::TAU;
 use twin_kinematics::{AxisMotion, Kinematics, ToolMotion};

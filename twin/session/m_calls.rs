@@ -3,7 +3,8 @@
 use super::run::Run;
 use super::{Answer, Observer, Stopped};
 use crate::hardware::Hardware;
-use crate::m_function::{MCall, MFunction};
+use crate::m_function::MCall;
+use crate::machine::MFunction;
 use crate::machine::Machine;
 use crate::physics::PhysicsError;
 use crate::plant::Plant;

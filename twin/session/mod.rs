@@ -21,9 +21,7 @@ use crate::planning::Planning;
 use crate::plant::{Plant, PlantRecord};
 use crate::program::ProgramFile;
 use crate::setpoint::AxisSetpoint;
-pub use overrides::{
-    LEAST_OVERRIDE, MOST_OVERRIDE, OverrideAt, OverrideAtError, OverrideChange, override_factor,
-};
+pub use overrides::{OverrideAt, OverrideAtError, OverrideChange, override_factor};
 pub use punctuality::Punctuality;
 pub use rest::{Rest, whereabouts};
 use run::Run;

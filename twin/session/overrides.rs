@@ -1,15 +1,10 @@
 //! The override while a program runs: what is asked for, and when the path follows.
 
 use crate::planning::Planning;
+use crate::setpoint_source::{LEAST_OVERRIDE, MOST_OVERRIDE};
 use std::collections::VecDeque;
 use std::str::FromStr;
 use std::time::Duration;
-use twin_motion::interpolate::Override;
-
-/// The least override that moves anything; less is a feed hold.
-pub const LEAST_OVERRIDE: f64 = Override::LEAST;
-/// The largest override.
-pub const MOST_OVERRIDE: f64 = 2.0;
 
 /// An override from a time on.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,7 +8,7 @@ const LONGEST_US: u64 = 60_000_000;
 /// How late the cycles of a run were taken up, each against the instant at which it was due on the session's clock.
 ///
 /// Set-points are planned ahead, so a late cycle is no late command to a drive until it is later than the horizon of the
-/// plan ([`crate::hardware::HORIZON_NS`]); it is how well this computer keeps time.
+/// plan ([`crate::setpoint::HORIZON_NS`]); it is how well this computer keeps time.
 #[derive(Clone, Debug)]
 pub struct Punctuality {
     /// µs, three digits; none if there is no room for it.

@@ -3,7 +3,7 @@
 use crate::compare::Measured;
 use crate::hardware::LastHeard;
 use crate::machine::Machine;
-use crate::report::seconds;
+use crate::number::seconds;
 use crate::setpoint::AxisSetpoint;
 use std::fmt::Write;
 use twin_motion::Place;

@@ -1,9 +1,9 @@
 //! Homing before a run, axis by axis.
 
 use super::{Still, position};
+use crate::attached::Attached;
 use crate::by_hand;
 use crate::clock::Clock;
-use crate::hardware::Attached;
 use crate::machine::{Axis, DriveFamily, Machine};
 use twin_drives::{Drive, DriveError, HomingWays, MAX_DRIVE_AXES, Sample};
 

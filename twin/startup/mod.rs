@@ -12,9 +12,9 @@ mod looker;
 mod parameters;
 mod switches;
 
+use crate::attached::Attached;
 use crate::by_hand;
 use crate::clock::Clock;
-use crate::hardware::Attached;
 use crate::machine::{Axis, Machine};
 pub use homing::{HomingError, home, home_by_hand, longest_way, way_in_all};
 use looker::Looker;

@@ -1,7 +1,8 @@
 //! How far the tool gets, by going through the positions of the axes.
 
 use super::space::Space;
-use crate::machine::{Axis, AxisKind};
+use crate::axis_kind::AxisKind;
+use crate::machine::Axis;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::PI;
 use twin_kinematics::{AxisVector, Kinematics};

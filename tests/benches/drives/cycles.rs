@@ -8,9 +8,9 @@ use twin::hardware::Hardware;
 use twin::limit::Limits;
 use twin::m_function::Acknowledge;
 use twin::machine::Machine;
+use twin::program::settings::ReadSettings;
 use twin::program::{Dialect, ProgramFile};
 use twin::session::{Answer, DriveSample, Observer, Punctuality, Session, TwinCycle};
-use twin::settings::ReadSettings;
 use twin::simulated::Simulated;
 
 /// Part of their largest velocity with which axes come to the start.

@@ -3,8 +3,8 @@
 use super::machines::{on_board, on_bus, on_module};
 use twin::clock::Clock;
 use twin::emulated::{Emulator, connect};
-use twin::hardware::HORIZON_NS;
 use twin::machine::Machine;
+use twin::setpoint::HORIZON_NS;
 use twin_drives::{IncrementMotion, MAX_DRIVE_AXES, SetpointStream};
 
 /// How long the drives follow, s.

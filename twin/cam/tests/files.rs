@@ -15,7 +15,7 @@ fn read(text: &str) -> Result<CamFile, CamFileError> {
 
 /// Messages with the words they are about.
 pub(super) fn problems(text: &str) -> Vec<(String, String)> {
-    let Err(CamFileError::Toml(crate::machine::MachineFileError::Content { problems, .. })) =
+    let Err(CamFileError::Toml(crate::section::MachineFileError::Content { problems, .. })) =
         read(text)
     else {
         panic!("{:?}", read(text));

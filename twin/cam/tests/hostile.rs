@@ -3,7 +3,7 @@
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::sample::{Sampling, write};
 use crate::cam::{CamFile, CamFileError};
-use crate::machine::MachineFileError;
+use crate::section::MachineFileError;
 use proptest::prelude::*;
 use std::path::Path;
 use twin_motion::cam::file::{AsciiError, TextError};

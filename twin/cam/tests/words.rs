@@ -2,7 +2,7 @@
 
 use super::files::problems;
 use crate::cam::{CamFile, CamFileError};
-use crate::machine::MachineFileError;
+use crate::section::MachineFileError;
 use std::path::Path;
 use twin_motion::cam::Interpolation;
 

@@ -11,7 +11,7 @@ use super::super::check::{CamUse, unit_fits};
 use super::super::run::{RecordedRun, RunSample};
 use super::errors;
 use super::from_run::median;
-use crate::machine::AxisKind;
+use crate::axis_kind::AxisKind;
 use std::borrow::Cow;
 
 /// Periods of so many passes or turns are known again.

@@ -6,9 +6,9 @@ use crate::chart::{
 };
 use crate::check::BlockClearance;
 use crate::machine::Machine;
+use crate::number::seconds;
 use crate::page::{INK, MARK, fine, font, resized, stroke};
 use crate::physics::Part;
-use crate::report::seconds;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use twin_motion::Place;

@@ -3,10 +3,10 @@
 use crate::cam::check::{AxisLimits, CamUse, unit_fits};
 use crate::cam::{CamFile, Coupling, no_scaling};
 use crate::command::Failure;
-use crate::machine::Machine;
+use crate::machine::{Axis, Machine};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
-use twin_motion::cam::{Interpolation, MasterMotion};
+use twin_motion::cam::{Interpolation, MasterMotion, SlaveLimits};
 
 /// A finite number.
 pub(in crate::command) fn number(text: &str) -> Result<f64, String> {
@@ -265,5 +265,22 @@ fn of_machine(path: &Path, name: &str, file: &CamFile) -> Result<AxisLimits, Fai
         );
         return Err(Failure::Usage(message));
     }
-    Ok(AxisLimits::of(axis))
+    Ok(slave_limits(axis))
+}
+
+/// Limits of an axis of a machine as those of a slave, in degrees or mm.
+fn slave_limits(axis: &Axis) -> AxisLimits {
+    AxisLimits {
+        position: if axis.limited {
+            axis.position_limits.map(|limit| axis.from_si(limit))
+        } else {
+            AxisLimits::NONE.position
+        },
+        motion: SlaveLimits {
+            velocity: axis.from_si(axis.max_velocity),
+            acceleration: axis.from_si(axis.max_acceleration),
+            jerk: axis.max_jerk.map_or(f64::INFINITY, |jerk| axis.from_si(jerk)),
+        },
+        period: axis.period.map(|period| axis.from_si(period)),
+    }
 }

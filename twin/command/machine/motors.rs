@@ -83,8 +83,8 @@ fn friction(axis: &Axis) -> String {
 /// Of rotor and gear, at the axis.
 fn inertia(axis: &Axis) -> String {
     let unit = match axis.kind {
-        crate::machine::AxisKind::Rotary => "kg·m²",
-        crate::machine::AxisKind::Linear => "kg",
+        crate::axis_kind::AxisKind::Rotary => "kg·m²",
+        crate::axis_kind::AxisKind::Linear => "kg",
     };
     if axis.simulated.armature <= 0.0 {
         return "–".to_owned();

@@ -142,7 +142,7 @@ pub(super) fn write(
         l: details.and_then(|details| details.parameters.l).map(number),
         parameters: details.and_then(|details| details.parameters.o).map(|all| all.map(number)),
         dwell_s: match element.kind {
-            ElementKind::Dwell { time_ns } => Some(number(crate::report::seconds(time_ns))),
+            ElementKind::Dwell { time_ns } => Some(number(crate::number::seconds(time_ns))),
             _ => None,
         },
         probe: match element.kind {
@@ -209,7 +209,7 @@ pub(super) fn write_setpoint(out: &mut dyn Write, setpoint: &ToolSetpoint) -> io
     let extra = EXTRA_AXES.into_iter().zip(setpoint.extra.position);
     let tangent = setpoint.tangent();
     let row = SetpointRow {
-        time_s: number(crate::report::seconds(setpoint.time_ns)),
+        time_s: number(crate::number::seconds(setpoint.time_ns)),
         line: setpoint.place.line,
         block: setpoint.place.block,
         status: match setpoint.status {

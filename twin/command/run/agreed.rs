@@ -1,9 +1,9 @@
 //! What is said before real drives move: where from and to, how fast, and what one lost answer would do.
 
+use crate::attached::Attached;
 use crate::check::Outcome;
 use crate::command::show;
 use crate::emulated::CATCH_UP;
-use crate::hardware::Attached;
 use crate::machine::{Axis, DriveFamily, Machine};
 use crate::number::fixed;
 use crate::startup::{self, way_in_all};

@@ -3,9 +3,9 @@
 
 use crate::command::Failure;
 use crate::command::whole::WholeFile;
-use crate::drive_report::AxisMaximaReport;
 use crate::machine::{Axis, Machine};
-use crate::report::seconds;
+use crate::number::seconds;
+use crate::report::AxisMaximaReport;
 use crate::session::{DriveSample, TwinCycle};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};

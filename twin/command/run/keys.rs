@@ -1,6 +1,7 @@
 //! Keys that change the override while a program runs.
 
-use crate::session::{Answer, MOST_OVERRIDE};
+use crate::session::Answer;
+use crate::setpoint_source::MOST_OVERRIDE;
 use rustix::termios::{
     LocalModes, OptionalActions, SpecialCodeIndex, Termios, tcgetattr, tcsetattr,
 };

@@ -17,7 +17,6 @@ use super::options::{
 };
 use super::progress::ProgressLines;
 use super::{Failure, Status, check, following, show, whole};
-use crate::advice::of_hardware;
 use crate::check::{CheckOptions, Outcome};
 use crate::finding;
 use crate::limit::Limits;
@@ -215,7 +214,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         tell!("{line}");
     }
     if let Some(Stopped::Drives { source, .. }) = &done.ending.stopped
-        && let Some(advice) = of_hardware(source)
+        && let Some(advice) = source.advice()
     {
         tell!("help: {advice}");
     }

@@ -1,10 +1,13 @@
 //! What is said of outputs: before real drives are let go, which ones the program switches, and afterwards how late they were.
 
+use crate::attached::Attached;
 use crate::check::Outcome;
-use crate::hardware::{Attached, SwitchedOutputs, switching_drive};
-use crate::m_function::MFunction;
+use crate::hardware::{SwitchedOutputs, switching_drive};
+use crate::machine::MFunction;
 use crate::machine::Machine;
-use crate::report::{PerAxis, SwitchedOutputsReport, rounded};
+use crate::number::rounded;
+use crate::per_axis::PerAxis;
+use crate::report::SwitchedOutputsReport;
 
 /// The outputs that the program switches by M functions and by tappets, a line per cause; nothing if it switches none.
 pub(super) fn switched(machine: &Machine, drives: &[Attached], outcome: &Outcome) -> Vec<String> {

@@ -3,12 +3,13 @@
 use super::agreed::{Asked, allowance, homing_speeds, moves};
 use super::interrupt::Interrupt;
 use super::{APPROACH, outputs, tell_not_stopped};
+use crate::attached::Attached;
 use crate::check::Outcome;
 use crate::command::Failure;
 use crate::command::drive::consent::Consent;
 use crate::command::following::lost_answers;
 use crate::emulated::Emulator;
-use crate::hardware::{Attached, Guarded, Hardware};
+use crate::hardware::{Guarded, Hardware};
 use crate::machine::{Axis, Machine};
 use crate::real;
 use crate::startup::{self, Check, Homed, Looked, Needs, Verdict};

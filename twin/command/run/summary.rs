@@ -5,13 +5,15 @@ use crate::check::Outcome;
 use crate::command::whole::{WholeFile, unwritable};
 use crate::command::{Failure, show};
 use crate::compare::{Comparison, ErrorStatistics, Statistics};
-use crate::drive_report::AxisMaximaReport;
 use crate::hardware::Heard;
 use crate::machine::Machine;
+use crate::number::seconds;
+use crate::per_axis::PerAxis;
 use crate::program::ProgramFile;
+use crate::report::AxisMaximaReport;
 use crate::report::{
     AxisErrorReport, CheckReport, ComparisonReport, DeviceSamplesReport, DriveSamplesReport,
-    LatenessReport, OverrideChangeReport, PerAxis, RestReport, RunReport, seconds,
+    LatenessReport, OverrideChangeReport, RestReport, RunReport,
 };
 use crate::session::Ending;
 use std::io::{self, Write};

@@ -4,8 +4,8 @@ use super::super::Call;
 use super::super::block::{Fired, With};
 use super::moved::Moved;
 use super::{Engine, Running, STOP, watch};
-use crate::check::starts_on_tappets;
 use crate::finding::{Finding, Rule, Severity};
+use crate::messages::starts_on_tappets;
 use twin_motion::axis::{Language, Master, Outputs, SmcError};
 use twin_motion::cam::Trigger;
 

@@ -5,8 +5,8 @@ use super::super::{Call, ON_TOP, SUPERIMPOSED};
 use super::moved::Moved;
 use super::{Engine, Running};
 use crate::finding::{Finding, Rule};
+use crate::number::seconds;
 use crate::number::significant;
-use crate::report::seconds;
 use twin_motion::Place;
 use twin_motion::axis::AxisState;
 

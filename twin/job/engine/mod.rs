@@ -13,7 +13,7 @@ use super::block::Fired;
 use super::{Begins, Call, CamsBefore, Job, ON_TOP, SUPERIMPOSED};
 use crate::finding::{Finding, Rule};
 use crate::machine::Machine;
-use crate::report::seconds;
+use crate::number::seconds;
 use called::told;
 use inputs::Inputs;
 use moved::{Moved, Moving, assumed_jerks};

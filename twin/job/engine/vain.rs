@@ -8,8 +8,8 @@ use super::super::Begins;
 use super::super::probe::When;
 use super::{Engine, Running, nanoseconds};
 use crate::finding::{Finding, Rule};
+use crate::number::seconds;
 use crate::number::significant;
-use crate::report::seconds;
 use twin_motion::Place;
 use twin_motion::axis::AxisState;
 

@@ -1,14 +1,14 @@
 //! Draws a profile.
 
 use super::{FEED, FIRST_AXIS, Highest, KINDS, PATH, PER_AXIS, Picture};
+use crate::axis_kind::AxisKind;
 use crate::chart::{
     Area, Failure, GAP, LEFT, LINE, RIGHT, Row, Sign, Strips, TOP, WIDTH, color_of, dashes, legend,
     legend_places, title, words,
 };
 use crate::limit::text::{self, digits, percent};
-use crate::machine::AxisKind;
+use crate::number::seconds;
 use crate::page::{INK, MARK, color, fine, font, resized, stroke};
-use crate::report::seconds;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 

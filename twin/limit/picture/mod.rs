@@ -6,7 +6,7 @@ mod draw;
 use super::{Binding, ProfileSample};
 use crate::chart::{COLUMNS, Envelope, Failure, Input};
 use crate::machine::Axis;
-use crate::report::Peak;
+use crate::peak::Peak;
 
 /// Curves before those of the axes: velocity along the path and programmed feed, mm/s.
 const PATH: usize = 0;

@@ -1,7 +1,7 @@
 //! BIM2AX modules.
 
 use super::{Abilities, ModuleEncoder, assumptions, encoder, microseconds};
-use crate::machine::section::Section;
+use crate::section::Section;
 use twin_drives::bim2ax::{Assumptions, ByteOrder, DriveMode, MOST_POSITION};
 
 /// What the file says of a module, whose axes are alike.

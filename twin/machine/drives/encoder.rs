@@ -1,7 +1,7 @@
 //! `[drives.encoder]`: what a device is told of the encoders on its axes, so that it compares them with its counters.
 
 use super::Kind;
-use crate::machine::section::Section;
+use crate::section::Section;
 use twin_drives::bim2ax::{DriveMode, ModuleAxis};
 use twin_drives::interpcnc::{BoardAxis, EncoderOptions};
 

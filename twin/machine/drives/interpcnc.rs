@@ -1,7 +1,7 @@
 //! InterpCNC boards.
 
 use super::{Abilities, assumptions, encoder, microseconds};
-use crate::machine::section::Section;
+use crate::section::Section;
 use twin_drives::interpcnc::registers::MAX_SPEED_HZ;
 use twin_drives::interpcnc::{Assumptions, EncoderOptions, Following};
 

@@ -5,7 +5,7 @@ mod encoder;
 mod interpcnc;
 mod smartdrive;
 
-use super::section::Section;
+use crate::section::Section;
 pub use bim2ax::Bim2AxEntry;
 pub use encoder::ModuleEncoder;
 pub(super) use encoder::check as check_encoder;

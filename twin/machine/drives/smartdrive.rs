@@ -1,7 +1,7 @@
 //! SmartDRIVE buses.
 
 use super::{Abilities, assumptions, microseconds};
-use crate::machine::section::Section;
+use crate::section::Section;
 use twin_drives::smartdrive::{Assumptions, StepsPerTurn};
 
 /// What the file says of the drives on a bus, which are alike.

@@ -1,7 +1,7 @@
 //! `[kinematics]`: the dimensions of a machine, as designed and as measured.
 
 use super::kind::{Family, Kind};
-use crate::machine::section::Section;
+use crate::section::Section;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 use twin_kinematics::gantry::{

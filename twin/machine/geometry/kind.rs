@@ -1,6 +1,6 @@
 //! The kinds of machines, and what their axes are called.
 
-use crate::machine::AxisKind;
+use crate::axis_kind::AxisKind;
 
 /// What kinds have in common in a machine file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

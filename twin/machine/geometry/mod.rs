@@ -10,10 +10,11 @@ mod urdf;
 
 pub(super) use sources::additional;
 
-use super::axis::{Axis, AxisEntry, AxisKind};
+use super::axis::{Axis, AxisEntry};
 use super::direction::DirectionRule;
-use super::section::Section;
 use super::tool::Tool;
+use crate::axis_kind::AxisKind;
+use crate::section::Section;
 use design::LENGTH_MM;
 use kind::{KINDS, Kind};
 use model::Body;

@@ -2,8 +2,8 @@
 
 use super::design::{Design, LENGTH_MM};
 use super::kind::{Family, Kind};
-use crate::machine::section::Section;
 use crate::machine::tool::Tool;
+use crate::section::Section;
 use nalgebra::Vector3;
 use std::ops::RangeInclusive;
 use twin_urdf::{

@@ -1,9 +1,9 @@
 //! What moves each axis of a machine.
 
 use super::kind::Kind;
-use crate::machine::AxisKind;
+use crate::axis_kind::AxisKind;
 use crate::machine::axis::AxisEntry;
-use crate::machine::section::Section;
+use crate::section::Section;
 use twin_kinematics::{AxisSource, Coordinate};
 use twin_motion::path::EXTRA_AXES;
 

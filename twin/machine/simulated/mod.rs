@@ -3,13 +3,13 @@
 mod motor;
 mod shaft;
 
-use super::axis::AxisKind;
-use super::section::Section;
+use crate::axis_kind::AxisKind;
 use crate::physics::{
     AxisDriveParameters, BrakeParameters, EffortFeedForward, ElasticTransmission,
     FrictionParameters, Motor, NoiseParameters, OverloadParameters, ServoParameters,
     StepperParameters, SwitchParameters,
 };
+use crate::section::Section;
 use motor::Motors;
 use shaft::{elastic, needs_shaft, shaft};
 

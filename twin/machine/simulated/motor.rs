@@ -2,12 +2,12 @@
 
 use super::shaft::{Shaft, needs_shaft};
 use super::{FeedForward, SimulatedMotor, SimulatedServo};
-use crate::machine::axis::AxisKind;
-use crate::machine::section::Section;
+use crate::axis_kind::AxisKind;
 use crate::physics::{
     BrakeParameters, EffortCurve, EncoderParameters, EncoderSide, FrictionParameters,
     OverloadParameters, ServoParameters, StepperParameters,
 };
+use crate::section::Section;
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 

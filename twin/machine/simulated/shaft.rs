@@ -1,9 +1,9 @@
 //! `[axes.physics.transmission]`: from the motor's shaft to the axis.
 
 use super::SimulatedTransmission;
-use crate::machine::axis::AxisKind;
-use crate::machine::section::Section;
+use crate::axis_kind::AxisKind;
 use crate::physics::EffortCurve;
+use crate::section::Section;
 use std::f64::consts::TAU;
 
 /// Where a spring's damping is not known.

@@ -19,9 +19,9 @@ mod surroundings;
 mod survival;
 mod urdf;
 
-use super::{
-    Axis, AxisKind, DriveFamily, InterpCncEntry, Machine, MachineFileError, Parity, Problem,
-};
+use super::{Axis, DriveFamily, InterpCncEntry, Machine, Parity};
+use crate::axis_kind::AxisKind;
+use crate::section::{MachineFileError, Problem};
 use std::path::Path;
 use twin_drives::interpcnc::Following;
 use twin_kinematics::{AxisVector, Kinematics, Pose};

@@ -1,7 +1,8 @@
 //! Scenarios, right and wrong.
 
 use super::{GANTRY3, load};
-use crate::machine::{FaultAt, FaultKind, FaultStart, Machine, Problem, Scenario};
+use crate::machine::{FaultAt, FaultKind, FaultStart, Machine, Scenario};
+use crate::section::Problem;
 
 const MOTORS: &str = include_str!("../../../machines/gantry3_motors.toml");
 

@@ -1,7 +1,7 @@
 //! Files that nobody would write are survived.
 
 use super::{GANTRY3, SCARA2, parse};
-use crate::machine::MachineFileError;
+use crate::section::MachineFileError;
 use proptest::prelude::*;
 
 /// Whatever comes of `text`, it comes without a panic, and can be shown.

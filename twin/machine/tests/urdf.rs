@@ -1,9 +1,10 @@
 //! Machine files that point to a URDF.
 
 use super::{Problem, workspace};
-use crate::machine::{Machine, MachineFileError};
+use crate::machine::Machine;
 use crate::physics::{AxisDriveParameters, PhysicsError, PhysicsMachine, ServoParameters};
 use crate::plant::Plant;
+use crate::section::MachineFileError;
 use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
 use crate::tappets::TappetBits;

@@ -1,6 +1,6 @@
 //! Masses of links of which a URDF does not say them.
 
-use crate::machine::section::Section;
+use crate::section::Section;
 use std::ops::RangeInclusive;
 use twin_urdf::{JointKind, Model};
 

@@ -1,6 +1,6 @@
-//! What is around a machine, as its probe finds it.
+//! Surroundings of a machine for probing moves: clearance of its tool to the obstacles of its file.
 
-use super::{Approach, Clearance};
+use crate::approach::{Approach, Clearance};
 use crate::machine::{DirectionRule, Machine};
 use crate::physics::ClearanceScan;
 use nalgebra::Vector3;

@@ -2,7 +2,9 @@
 
 use crate::check::PredictedFollowing;
 use crate::machine::{Axis, Machine};
-use crate::report::{PerAxis, StatisticsReport, rounded};
+use crate::number::rounded;
+use crate::per_axis::PerAxis;
+use crate::report::StatisticsReport;
 use twin_drives::axis::Maximum;
 
 /// How well the drives will follow, as their rehearsal foresees it.

@@ -1,6 +1,6 @@
-//! Files that are taken for files of another kind.
+//! Kind of a TOML file, recognised by its keys, so that a file of another kind is refused by its name.
 
-use super::section::Section;
+use super::Section;
 
 /// What a file in TOML is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

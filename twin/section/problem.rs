@@ -1,4 +1,4 @@
-//! What can be wrong with a machine file, and with others of its kind.
+//! Problems of a TOML file: place, message and help, and their diagnostics.
 
 use crate::bounded;
 use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode};

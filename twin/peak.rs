@@ -1,8 +1,7 @@
-//! The largest values that were asked of axes, and what their motors gave.
+//! Peaks: the largest position, velocity, acceleration and jerk asked of each axis, with their lines.
 
-use super::rounded;
 use crate::machine::Axis;
-use crate::physics::MotorLoad;
+use crate::number::rounded;
 use twin_motion::Place;
 
 /// A value, its limit and where it was found. SI.
@@ -112,47 +111,6 @@ impl AxisPeakReport {
                 unit: axis.kind.effort_unit(),
                 peak: plain(effort.value, axis.effort_limit(), effort),
             }),
-        }
-    }
-}
-
-/// What the motor of one axis gave in the simulated machine, at the axis.
-#[derive(Clone, Debug, serde::Serialize)]
-pub struct MotorLoadReport {
-    effort_unit: &'static str,
-    peak_effort: f64,
-    rms_effort: f64,
-    /// Largest effort the motor has, if that is known.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    effort_limit: Option<f64>,
-    /// Largest effort against that, %.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    utilisation_percent: Option<f64>,
-    peak_power_w: f64,
-    rms_power_w: f64,
-    driving_energy_j: f64,
-    braking_energy_j: f64,
-    /// Largest losses of the winding, smoothed by its thermal time constant, against those it bears for ever, %.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    warmth_percent: Option<f64>,
-}
-
-impl MotorLoadReport {
-    /// For one axis.
-    pub fn new(axis: &Axis, load: &MotorLoad) -> Self {
-        Self {
-            effort_unit: axis.kind.effort_unit(),
-            peak_effort: rounded(load.peak_effort),
-            rms_effort: rounded(load.rms_effort),
-            effort_limit: axis.effort_limit().map(rounded),
-            utilisation_percent: axis
-                .effort_limit()
-                .map(|limit| rounded(load.peak_effort / limit * 100.0)),
-            peak_power_w: rounded(load.peak_power),
-            rms_power_w: rounded(load.rms_power),
-            driving_energy_j: rounded(load.driving_energy),
-            braking_energy_j: rounded(load.braking_energy),
-            warmth_percent: load.peak_warmth.map(|warmth| rounded(warmth * 100.0)),
         }
     }
 }

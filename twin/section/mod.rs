@@ -1,8 +1,12 @@
-//! Reads values out of TOML tables, so that every complaint knows its place in the file.
+//! TOML reader of machine files, jobs and cams: every value knows its place, every complaint names it.
 
+mod file_kind;
 mod numbers;
+mod problem;
 
-use super::problem::{Elsewhere, Problem};
+pub(crate) use file_kind::FileKind;
+pub use problem::{Elsewhere, MachineFileError, Problem};
+pub(crate) use problem::{Shown, read_text};
 use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;

@@ -1,11 +1,11 @@
 //! What a report says of tappets.
 
-use crate::report::{rounded, seconds};
+use crate::number::{rounded, seconds};
 use crate::tappets::{MasterPlace, Switched, TappetSwitch};
 
 /// What the tappets of one slave and group switched.
 #[derive(Clone, Debug, serde::Serialize)]
-pub struct TappetsReport {
+pub(super) struct TappetsReport {
     /// Every group of every slave.
     signals: Vec<SignalReport>,
     /// In the order of time.

@@ -1,0 +1,118 @@
+//! Trip point of a probing move (RS274: G38.2 to G38.5) by the clearances along it.
+//!
+//! The surroundings of a machine come from its file. Every reader of a program on a machine uses them
+//! ([`crate::machine::ProgramConditions::rs274`]), so that check, run, limit, path and view see the same path.
+
+use std::fmt;
+use twin_motion::path::ProbeTrip;
+use twin_motion::rs274::{Position, ProbePath, ProbeTarget};
+
+/// Nearer than this is touching, m: the rounding of distances.
+pub(crate) const TOUCH: f64 = 1e-8;
+
+/// Farther than this is free again, m. More than [`TOUCH`], so that what has just been touched is not left by rounding.
+pub(crate) const RELEASE: f64 = 1e-6;
+
+/// How well the place of a trip is found along the move, m.
+const PLACE: f64 = 1e-9;
+
+/// Nothing thinner than this is sure to be found, m.
+const SHORTEST_STEP: f64 = 1e-5;
+
+/// Longest step along a move, m: what is far from everything may come near to it faster than the tool moves.
+const LONGEST_STEP: f64 = 1e-3;
+
+/// A move is looked at in no more places than this on the way to its trip.
+const MOST_STEPS: f64 = 1e6;
+
+/// How near a machine is to what its probe could touch.
+pub trait Clearance: fmt::Debug {
+    /// The distance with the point whose path it is at `at` (the frame of the path: that of the program's `[work_frame]`), m; 0 or
+    /// less where it touches. `point_from_tip` (m) is from the tip of the tool in force (G43) to that point. None where the machine
+    /// cannot be, or where nothing is known.
+    fn at(&mut self, at: &Position, point_from_tip: &[f64; 3]) -> Option<f64>;
+}
+
+/// Finds where a probing move trips by the distances along it.
+///
+/// It walks in steps of half the distance that is left, but none below ten micrometres, and halves the step in which the
+/// probe trips. Where the machine cannot be the way ends: what is wrong there is told by whoever moves the axes.
+#[derive(Debug)]
+pub struct Approach<C> {
+    clearance: C,
+}
+
+impl<C: Clearance> Approach<C> {
+    /// Among what `clearance` knows.
+    pub fn new(clearance: C) -> Self {
+        Self { clearance }
+    }
+}
+
+impl<C: Clearance> ProbeTarget for Approach<C> {
+    fn trip(&mut self, path: &ProbePath) -> Option<f64> {
+        let tip = &path.point_from_tip;
+        let tripped = |distance: f64| match path.trips {
+            ProbeTrip::Touch => distance <= TOUCH,
+            ProbeTrip::Release => distance > RELEASE,
+        };
+        let mut distance = self.clearance.at(&between(path, 0.0), tip)?;
+        if tripped(distance) {
+            return Some(0.0);
+        }
+        let length = length(path);
+        if length <= 0.0 {
+            return None;
+        }
+        let shortest = SHORTEST_STEP.max(length / MOST_STEPS);
+        let mut before = 0.0;
+        while before < 1.0 {
+            let step = match path.trips {
+                ProbeTrip::Touch => (0.5 * distance).clamp(shortest, LONGEST_STEP.max(shortest)),
+                // What touches says nothing of how far it is from being free.
+                ProbeTrip::Release => shortest,
+            };
+            let mut behind = (before + step / length).min(1.0);
+            distance = self.clearance.at(&between(path, behind), tip)?;
+            if !tripped(distance) {
+                before = behind;
+                continue;
+            }
+            while (behind - before) * length > PLACE {
+                let middle = before.midpoint(behind);
+                if middle <= before || middle >= behind {
+                    break;
+                }
+                if tripped(self.clearance.at(&between(path, middle), tip)?) {
+                    behind = middle;
+                } else {
+                    before = middle;
+                }
+            }
+            return Some(behind);
+        }
+        None
+    }
+}
+
+/// Length of a move, m; where only rotary axes move a millimetre a degree.
+fn length(path: &ProbePath) -> f64 {
+    let norm = |from: [f64; 3], to: [f64; 3]| {
+        from.iter().zip(to).map(|(from, to)| (to - from).powi(2)).sum::<f64>().sqrt()
+    };
+    let linear = norm(path.start.linear, path.end.linear);
+    linear.max(norm(path.start.rotary, path.end.rotary) * 1e-3)
+}
+
+/// Where all axes are at `part` of a move.
+fn between(path: &ProbePath, part: f64) -> Position {
+    let of = |from: [f64; 3], to: [f64; 3]| {
+        let mut at = from;
+        for (at, to) in at.iter_mut().zip(to) {
+            *at += (to - *at) * part;
+        }
+        at
+    };
+    let linear = of(path.start.linear, path.end.linear);
+    Position { linear, rotary: of(path.start.rotary, path.end.rotary) }
+}

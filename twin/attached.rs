@@ -1,0 +1,18 @@
+//! Device of the machine file together with its opened driver.
+
+use twin_drives::Drive;
+
+/// A device that axes of a machine hang on, and the driver that speaks to it. The axes of its arrays are those axes, in the
+/// order of the machine file.
+pub struct Attached {
+    /// Index into [`Machine::drives`](crate::machine::Machine::drives).
+    pub device: usize,
+    /// The driver.
+    pub drive: Box<dyn Drive>,
+}
+
+impl std::fmt::Debug for Attached {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} ({})", self.drive.describe(), self.device)
+    }
+}

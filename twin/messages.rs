@@ -1,0 +1,101 @@
+//! Messages of findings that check, limit, planning and jobs share: what is wrong, with value and limit.
+
+use crate::coupled::AxesError;
+use crate::finding::{Finding, Rule, Severity};
+use crate::machine::Axis;
+use crate::tolerance::ROUNDING;
+use std::collections::BTreeSet;
+use twin_kinematics::KinematicsError;
+use twin_motion::Place;
+
+/// A set-point without axis positions.
+pub(crate) fn no_axes(place: Place, error: &AxesError) -> Finding {
+    match error {
+        AxesError::Kinematics(error) => unreachable(place, error),
+        AxesError::Moved { axis, from, to, unit, .. } => {
+            let mut finding = Finding::error(Rule::Coupling, place, error.to_string());
+            finding.axis = Some(axis.clone());
+            finding.with_value(*to, *from, unit)
+        }
+        AxesError::Begins { axis, from, at, unit, .. } => {
+            let mut finding = Finding::error(Rule::Coupling, place, error.to_string());
+            finding.axis = Some(axis.clone());
+            finding.hint =
+                Some("leave the slave out, or lay the cam there (`slave_offset_…`)".to_owned());
+            finding.with_value(*from, *at, unit)
+        }
+        AxesError::Cam { axis, .. } => {
+            let mut finding = Finding::error(Rule::Coupling, place, error.to_string());
+            finding.axis = Some(axis.clone());
+            finding
+        }
+    }
+}
+
+/// A cam whose elements do not stand by ascending masters: they are taken so, but whoever wrote them may have meant another one.
+pub(crate) fn out_of_order(place: Place, axis: Option<String>, told: &str) -> Finding {
+    let mut finding = Finding::error(Rule::CamContinuity, place, told.to_owned());
+    (finding.severity, finding.axis) = (Severity::Warning, axis);
+    finding
+}
+
+/// A master that stands on tappets of its slave's cam when that begins.
+pub(crate) fn starts_on_tappets(
+    place: Place,
+    [slave, master]: [&str; 2],
+    groups: &[i16],
+) -> Finding {
+    // On a periodic cam a group may have a tappet at the end and one at the begin.
+    let groups: BTreeSet<_> = groups.iter().collect();
+    let listed: Vec<_> = groups.iter().map(ToString::to_string).collect();
+    let (plural, act) = if groups.len() == 1 { ("", "it acts") } else { ("s", "they act") };
+    let message = format!(
+        "axis {master} stands on the tappet{plural} of group{plural} {} when the cam of {slave} begins: {act} when the axis comes \
+         there, not where it starts",
+        listed.join(", ")
+    );
+    let mut finding = Finding::error(Rule::FunctionBlock, place, message);
+    (finding.severity, finding.axis) = (Severity::Note, Some(slave.to_owned()));
+    finding
+}
+
+/// A set-point that the kinematics refuses.
+pub(crate) fn unreachable(place: Place, error: &KinematicsError) -> Finding {
+    let (rule, what) = match error {
+        KinematicsError::Singular { .. } => {
+            (Rule::Singularity, "the tool cannot go on as programmed")
+        }
+        _ => (Rule::Reach, "the tool cannot be there"),
+    };
+    let finding = Finding::error(rule, place, format!("{what}: {error}"));
+    match error {
+        KinematicsError::Unreachable { distance, reach: [near, far], .. } => {
+            let limit = if distance < near { near } else { far };
+            finding.with_value(distance * 1e3, limit * 1e3, "mm")
+        }
+        _ => finding,
+    }
+}
+
+/// An axis beyond its software limits.
+pub(crate) fn beyond_position(axis: &Axis, place: Place, position: f64) -> Option<Finding> {
+    let [low, high] = axis.position_limits;
+    let tolerance = ROUNDING * (high - low);
+    let limit = if position < low - tolerance {
+        low
+    } else if position > high + tolerance {
+        high
+    } else {
+        return None;
+    };
+    let (value, limit, unit) = (axis.from_si(position), axis.from_si(limit), axis.unit());
+    let side = if position < low { "below" } else { "above" };
+    let message = format!(
+        "axis {} at {value:.3} {unit} is {side} its software limit of {limit:.3} {unit}",
+        axis.name
+    );
+    let mut finding =
+        Finding::error(Rule::AxisPosition, place, message).with_value(value, limit, unit);
+    finding.axis = Some(axis.name.clone());
+    Some(finding)
+}

@@ -1,0 +1,35 @@
+//! Items of a set-point source, whatever plans them: controller, axis limits or a job.
+
+use crate::finding::Finding;
+use crate::program::ProgramItem;
+use crate::setpoint::AxisSetpoint;
+use std::io;
+use twin_motion::interpolate::{Override, ToolSetpoint};
+
+/// The least override that moves anything; less is a feed hold.
+pub const LEAST_OVERRIDE: f64 = Override::LEAST;
+/// The largest override.
+pub const MOST_OVERRIDE: f64 = 2.0;
+
+/// What comes out of a program, one after the other.
+#[derive(Debug)]
+pub(crate) enum PlanItem {
+    /// Where the tool shall be at the next instant, which the transform makes axes of.
+    Tool(ToolSetpoint),
+    /// Where the axes shall be then.
+    Axes(Box<AxisSetpoint>),
+    /// What is wrong with the program.
+    Diagnostic(Finding),
+    /// The file cannot be read any further.
+    Io(io::Error),
+}
+
+impl From<ProgramItem> for PlanItem {
+    fn from(item: ProgramItem) -> Self {
+        match item {
+            ProgramItem::Setpoint(tool) => Self::Tool(tool),
+            ProgramItem::Diagnostic(finding) => Self::Diagnostic(finding),
+            ProgramItem::Io(error) => Self::Io(error),
+        }
+    }
+}
