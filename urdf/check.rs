@@ -1,4 +1,4 @@
-//! What no URDF may say.
+//! Checks of a model: names, order, finite numbers, positive masses and measures.
 
 use crate::{Inertial, Joint, Model, Part, Solid, SolidShape, TIP_NAME, UrdfError};
 use nalgebra::Isometry3;
@@ -6,7 +6,7 @@ use std::collections::HashSet;
 
 impl Model {
     /// That links and joints are in the order that [`Model`] promises and have names of their own.
-    pub(super) fn check_tree(&self) -> Result<(), UrdfError> {
+    pub(crate) fn check_tree(&self) -> Result<(), UrdfError> {
         if self.links.len() != self.joints.len() + 1 {
             return Err(UrdfError::Count { links: self.links.len(), joints: self.joints.len() });
         }
@@ -53,7 +53,7 @@ fn is_finite(origin: &Isometry3<f64>) -> bool {
 }
 
 /// That every number of a joint is one.
-pub(super) fn check_joint(joint: &Joint) -> Result<(), UrdfError> {
+pub(crate) fn check_joint(joint: &Joint) -> Result<(), UrdfError> {
     let details = &joint.details;
     let soft = details.safety.iter().flat_map(|safety| {
         safety.soft_limits.into_iter().chain([safety.k_position, safety.k_velocity])
@@ -81,7 +81,7 @@ pub(super) fn check_joint(joint: &Joint) -> Result<(), UrdfError> {
     Ok(())
 }
 
-pub(super) fn check_solid(link: &str, solid: &Solid) -> Result<(), UrdfError> {
+pub(crate) fn check_solid(link: &str, solid: &Solid) -> Result<(), UrdfError> {
     let part = || Part::Link(link.to_owned());
     if !is_finite(&solid.origin) {
         return Err(UrdfError::NotFinite { part: part(), what: "the origin of a solid" });

@@ -5,14 +5,17 @@
 //! [`Model::link_poses`] says where its links are; where they go round in circles, [`JointPositions`] closes them.
 
 mod bind;
+mod check;
 mod error;
 mod generate;
 mod inertial;
 mod loops;
 mod mesh;
+mod mimic;
 mod model;
 mod pose;
 mod read;
+mod rotation;
 #[cfg(test)]
 mod tests;
 mod write;
@@ -25,11 +28,11 @@ pub use generate::{
 };
 pub use loops::{JointPositions, LoopError};
 pub use mesh::{Mesh, MeshError};
+pub use mimic::Following;
 pub use model::{
     Calibration, Inertial, Joint, JointDetails, JointDrive, JointKind, Link, Loop, Model,
     SafetyController, Solid, SolidShape, Tip,
 };
-pub use pose::Following;
 pub use read::{Loaded, UrdfNote, UrdfOptions, UrdfWarning};
 
 /// Name of the link that marks the tool tip in URDF text, and of the joint that fixes it.

@@ -1,4 +1,4 @@
-//! Where the links of a machine are when its axes are somewhere.
+//! Link poses of a machine from the positions of its axes.
 
 use crate::{Joint, JointDrive, JointKind, JointPositions, LoopError, Model};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion};
@@ -18,24 +18,6 @@ impl JointDrive {
     }
 }
 
-/// A joint whose position is `multiplier` times that of the joint `leader`, which mimics none, and `offset` more.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Following {
-    /// Index into [`Model::joints`]; the joint itself, if it mimics none.
-    pub leader: usize,
-    /// m or rad per m or rad of the leader.
-    pub multiplier: f64,
-    /// m or rad.
-    pub offset: f64,
-}
-
-impl Following {
-    /// The position with the leader at `position`.
-    pub(crate) fn position(&self, position: f64) -> f64 {
-        self.multiplier * position + self.offset
-    }
-}
-
 impl Joint {
     /// Pose of the child link in the parent link with the joint at `position` (m or rad).
     pub fn transform(&self, position: f64) -> Isometry3<f64> {
@@ -52,23 +34,6 @@ impl Joint {
 }
 
 impl Model {
-    /// Whom the joint `index` follows in the end, where joints mimic joints that mimic others. `None` if there is no such
-    /// joint, or if they go round in a circle.
-    pub fn following(&self, index: usize) -> Option<Following> {
-        let mut found = Following { leader: index, multiplier: 1.0, offset: 0.0 };
-        for _ in 0..=self.joints.len() {
-            let JointDrive::Mimic { joint, multiplier, offset } =
-                self.joints.get(found.leader)?.drive
-            else {
-                return Some(found);
-            };
-            found.offset += found.multiplier * offset;
-            found.multiplier *= multiplier;
-            found.leader = joint;
-        }
-        None
-    }
-
     /// The position of the joint `index` (m or rad) with the machine's axes at `axes` (m or rad, machine-file order). An
     /// axis beyond their end stands at 0, a passive joint at rest.
     pub fn joint_position(&self, index: usize, axes: &[f64]) -> f64 {

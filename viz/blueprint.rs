@@ -14,8 +14,8 @@ use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, components, d
 use crate::bounds::Bounds;
 use crate::error::VizError;
 use crate::frame::{Axis, AxisUnit};
-use crate::scene::motors::MotorPlot;
-use crate::scene::{Playback, TIME};
+use crate::motor_plot::MotorPlot;
+use crate::timeline::{Playback, TIME};
 use crate::units::{f32_of, mm, mm_f32, point_mm, vector_mm};
 
 /// Half the height of the camera's view, rad: rerun's camera sees 55° from top to bottom.

@@ -31,9 +31,11 @@ mod blueprint;
 mod bounds;
 mod error;
 mod frame;
+mod motor_plot;
 mod palette;
 mod scene;
 mod server;
+mod timeline;
 mod units;
 mod workspace;
 
@@ -42,6 +44,7 @@ pub use frame::{
     Axis, AxisUnit, ClearanceFrame, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, Obstacle,
     PathStrip, Program,
 };
-pub use scene::{Playback, Scene, SceneOptions, Setup};
+pub use scene::{Scene, SceneOptions, Setup};
 pub use server::{DEFAULT_ADDRESS, Viewer, view_recording};
+pub use timeline::Playback;
 pub use workspace::{Mark, SheetLine, WorkspaceView, show_workspace};

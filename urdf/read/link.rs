@@ -2,9 +2,9 @@
 
 use super::document::{At, OriginPlace, Places};
 use super::{Reader, UrdfNote, packages};
+use crate::check::{check_inertial, check_measures};
 use crate::inertial::turned;
 use crate::mesh::load_first;
-use crate::write::{check_inertial, check_measures};
 use crate::{Inertial, Link, Mesh, Part, Solid, SolidShape, UrdfError};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashMap;

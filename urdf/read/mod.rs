@@ -20,6 +20,7 @@ mod schema;
 mod tree;
 
 use crate::error::Place;
+use crate::rotation::rotation_from_rpy;
 use crate::{Joint, JointDrive, JointKind, Model, Part, TIP_NAME, Tip, UrdfError, UrdfFileError};
 use document::{At, OriginPlace, Places};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -318,7 +319,7 @@ impl<'a> Reader<'a> {
             };
         }
         let angles = pose.rpy.map(|angle| self.right_angle(angle));
-        let mut rotation = turned(angles);
+        let mut rotation = rotation_from_rpy(angles);
         for (given, taken) in pose.rpy.iter().zip(angles) {
             if given.to_bits() != taken.to_bits() {
                 let note = UrdfNote::RightAngle { part: part.clone(), given: *given, taken };
@@ -345,9 +346,4 @@ impl<'a> Reader<'a> {
         let nearest = (angle / FRAC_PI_2).round() * FRAC_PI_2;
         if (angle - nearest).abs() <= self.options.right_angle_tolerance { nearest } else { angle }
     }
-}
-
-/// R = Rz(yaw)·Ry(pitch)·Rx(roll).
-pub(crate) fn turned([roll, pitch, yaw]: [f64; 3]) -> UnitQuaternion<f64> {
-    UnitQuaternion::from_euler_angles(roll, pitch, yaw)
 }

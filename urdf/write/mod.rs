@@ -20,17 +20,14 @@
 //! URDF 1.0 cannot say "no limit" (an absent one is read as 0), and the readers most in use refuse anything newer. So
 //! the text is URDF 1.0 where every prismatic or revolute joint has all limits and no other, and 1.2 otherwise.
 
-mod check;
 mod xml;
 
-pub(crate) use check::{check_inertial, check_measures};
-
-use crate::read::turned;
+use crate::check::{check_inertial, check_joint, check_solid};
+use crate::rotation::rotation_from_rpy;
 use crate::{
     Inertial, Joint, JointDrive, JointKind, Loop, Model, QUATERNION, SolidShape, TIP_NAME,
     UrdfError,
 };
-use check::{check_joint, check_solid};
 use nalgebra::{Isometry3, Vector3};
 use xml::Xml;
 
@@ -293,7 +290,7 @@ fn write_origin(xml: &mut Xml, origin: &Isometry3<f64>) {
     let angles = roll_pitch_yaw(origin);
     xml.open("origin").numbers("xyz", origin.translation.vector.into()).numbers("rpy", angles);
     let [x, y, z, w] = origin.rotation.coords.into();
-    let back: [f64; 4] = turned(angles).coords.into();
+    let back: [f64; 4] = rotation_from_rpy(angles).coords.into();
     // −0 is 0.
     let bits = |values: [f64; 4]| values.map(|value| (value + 0.0).to_bits());
     if bits(back) != bits([x, y, z, w]) {

@@ -29,14 +29,16 @@ use crate::blueprint::{self, Layout};
 use crate::bounds::Bounds;
 use crate::error::VizError;
 use crate::frame::{Axis, Deviation, DrivesFrame, Frame, Obstacle, PathStrip, Program};
+use crate::motor_plot::MotorPlot;
 use crate::palette;
 use crate::server::Viewer;
+use crate::timeline::{LINE, Playback, TIME};
 use clearance::ClearanceTrack;
 use destination::Destination;
 use due::Due;
 use machine::Machine;
-use motors::{MotorPlot, MotorSeries};
-pub use options::{Playback, SceneOptions};
+use motors::MotorSeries;
+pub use options::SceneOptions;
 use program::Excerpt;
 use series::{AxisSeries, Series};
 use signals::Signals;
@@ -44,10 +46,6 @@ use track::ToolTrack;
 
 /// Name under which the viewer groups our recordings.
 pub(crate) const APPLICATION: &str = "twin";
-/// Timeline: since the start of the program.
-pub(crate) const TIME: &str = "time";
-/// Timeline: line of the program file.
-pub(crate) const LINE: &str = "line";
 /// Poses are shown 50 times a second of program time; a screen does not show more.
 const POSE_INTERVAL_NS: i64 = 20_000_000;
 /// Height of what the close-up of the tool shows, m.

@@ -2,10 +2,11 @@
 
 use rerun::{RecordingStream, Scalars, SeriesLines, TimeColumn};
 
-use super::{At, LINE, TIME};
+use super::At;
 use crate::error::VizError;
 use crate::frame::{Axis, AxisUnit};
 use crate::palette;
+use crate::timeline::{LINE, TIME};
 use crate::units::mm;
 
 /// Width of the lines in the plots, points.

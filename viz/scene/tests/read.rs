@@ -7,7 +7,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes as layout;
 use rerun::log::{Chunk, LogMsg};
 use rerun::{ComponentDescriptor, components};
 
-use crate::scene::{LINE, TIME};
+use crate::timeline::{LINE, TIME};
 
 /// What a recording holds.
 pub(crate) struct Read {
