@@ -67,7 +67,7 @@ impl MotorPlot {
         }
     }
 
-    fn unit(self) -> &'static str {
+    pub(crate) fn unit(self) -> &'static str {
         match self {
             Self::Force => "N",
             Self::Torque => "Nm",

@@ -5,6 +5,7 @@
 //! It reads files only and depends on no crate of the workspace, so that it builds in seconds. Every check lists all
 //! offenders at once, as `file:line: what`.
 
+mod circles;
 mod coverage;
 mod dependencies;
 mod hygiene;

@@ -5,7 +5,7 @@ use rerun::RecordingStream;
 use super::At;
 use super::series::Series;
 use crate::error::VizError;
-use crate::frame::{Axis, AxisUnit, MotorFrame};
+use crate::frame::{Axis, MotorFrame};
 use crate::motor_plot::MotorPlot;
 use crate::palette;
 
