@@ -11,13 +11,9 @@
 //! assert_eq!(error.text(Language::English), "the master is outside the range of the cam");
 //! ```
 
-mod english;
-mod french;
-mod german;
 #[cfg(test)]
 mod manual;
 mod number;
-mod remedy;
 #[cfg(test)]
 mod tests;
 
@@ -38,32 +34,50 @@ pub enum Language {
     French,
 }
 
+/// One row per error: number, name, then raisers, text and remedy in English, German and French. The manual has no
+/// remedies; they are ours.
+const TABLE: &str = include_str!("errors.tsv");
+
+/// The first of three columns of [`TABLE`], one per language.
+#[derive(Clone, Copy, Debug)]
+enum Columns {
+    RaisedBy = 2,
+    Text = 5,
+    Remedy = 8,
+}
+
 impl SmcError {
-    /// Which blocks raise it: names of blocks as they are, the words for several of them in this language.
+    /// What it means, in a language (`SMC_ErrorString`, manual 9.2.1).
+    #[doc(alias = "SMC_ErrorString")]
+    #[must_use]
+    pub fn text(self, language: Language) -> &'static str {
+        self.cell(Columns::Text, language)
+    }
+
+    /// What to do about it, in a language.
+    #[must_use]
+    pub fn remedy(self, language: Language) -> &'static str {
+        self.cell(Columns::Remedy, language)
+    }
+
+    /// The blocks that raise it, in English.
+    #[must_use]
+    pub fn raised_by(self) -> &'static str {
+        self.raised_by_in(Language::English)
+    }
+
+    /// The blocks that raise it: their names, or words for several blocks in this language.
     #[must_use]
     pub fn raised_by_in(self, language: Language) -> &'static str {
-        let english = self.raised_by();
-        let [german, french] = match english {
-            "every block" => ["jedem Baustein", "tous les blocs"],
-            "motion blocks" => ["Bewegungsbausteinen", "les blocs de mouvement"],
-            "drive interface" => ["der Antriebsschnittstelle", "l'interface d'entraînement"],
-            "blocks that take a cam" => {
-                ["Bausteinen, die eine Kurvenscheibe bekommen", "les blocs qui reçoivent une came"]
-            }
-            "blocks that take a CNC program" => [
-                "Bausteinen, die ein CNC-Programm bekommen",
-                "les blocs qui reçoivent un programme CNC",
-            ],
-            "blocks that take a queue" => {
-                ["Bausteinen, die eine Warteschlange bekommen", "les blocs qui reçoivent une queue"]
-            }
-            name => [name; 2],
-        };
-        match language {
-            Language::English => english,
-            Language::German => german,
-            Language::French => french,
-        }
+        self.cell(Columns::RaisedBy, language)
+    }
+
+    /// One cell of its row; empty where the table has none.
+    fn cell(self, columns: Columns, language: Language) -> &'static str {
+        let number = self.number().to_string();
+        let mut rows = TABLE.lines().map(|row| row.split('\t'));
+        let row = rows.find(|row| row.clone().next() == Some(&number));
+        row.and_then(|mut row| row.nth(columns as usize + language as usize)).unwrap_or_default()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Every number of the manual is there, with its name, in three languages.
 
-use super::{Language, SmcError};
+use super::{Language, SmcError, TABLE};
 
 /// The numbers of manual 9.3.
 const MANUAL: [u16; 113] = [
@@ -22,6 +22,19 @@ fn every_number_of_the_manual_is_there() {
     assert_eq!(SmcError::ALL.len(), MANUAL.len());
     let known = (0..=u16::MAX).filter(|number| SmcError::from_number(*number).is_some());
     assert!(known.eq(MANUAL), "a number too many");
+}
+
+/// The table has a row per error, in the order of the numbers, with its name and a text in every column.
+#[test]
+fn every_error_has_its_row() {
+    let rows: Vec<Vec<_>> = TABLE.lines().skip(1).map(|row| row.split('\t').collect()).collect();
+    let heads: Vec<_> = rows.iter().map(|row| (row[0].to_owned(), row[1])).collect();
+    let errors = SmcError::ALL.iter().map(|error| (error.number().to_string(), error.name()));
+    assert_eq!(heads, errors.collect::<Vec<_>>());
+    for row in rows {
+        assert_eq!(row.len(), 11, "{row:?}");
+        assert!(row.iter().all(|cell| !cell.is_empty() && cell.trim() == *cell), "{row:?}");
+    }
 }
 
 #[test]
