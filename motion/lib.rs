@@ -17,6 +17,7 @@ pub mod interpolate;
 pub mod limit;
 pub mod path;
 pub mod prepare;
+pub mod profile;
 pub mod refeed;
 pub mod rs274;
 pub mod svg;

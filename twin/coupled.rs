@@ -3,7 +3,7 @@
 use crate::machine::{Axis, CamSelection, CoupledBy, Coupling, Machine};
 use crate::tappets::{MasterPlace, Signal, TappetBits, Tracks};
 use twin_kinematics::{AxisMotion, AxisSource, AxisVector, KinematicsError};
-use twin_motion::axis::profile::State;
+use twin_motion::profile::State;
 use twin_motion::cam::{CamCoupling, CamTable, CouplingError, StartMode};
 
 /// A slave that the program moves itself by less is left alone, mm or degrees: the transform rounds.

@@ -2,7 +2,7 @@
 
 use super::latch::{Latch, Outcome, Outputs};
 use super::ownership::{Refusal, Start};
-use super::profile::State;
+use crate::profile::State;
 use super::state::AxisState;
 use super::{Axis, Master, SmcError};
 use std::fmt;

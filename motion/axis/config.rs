@@ -1,6 +1,6 @@
 //! How an axis is configured (manual 2.1.3).
 
-use super::profile::RampType;
+use crate::profile::RampType;
 
 /// Linear, or rotary with a period (`iMovementType`, `fPositionPeriod`).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Beginning and end of a cycle, and what the axis does on its own.
 
 use super::drive::{Command, ControllerMode, Feedback};
-use super::profile::{Profile, RampType, State};
+use crate::profile::{Profile, RampType, State};
 use super::single::DriveReport;
 use super::state::AxisState;
 use super::{Axis, SmcError};
@@ -229,7 +229,7 @@ impl Axis {
         } else {
             let limits = self.implicit_limits();
             let velocity = limits.velocity.max(self.saved.velocity.abs());
-            let limits = super::profile::AxisLimits { velocity, ..limits };
+            let limits = crate::profile::AxisLimits { velocity, ..limits };
             // Without a valid jerk it brakes without one.
             let profile = Profile::halt(self.saved, limits, self.ramp)
                 .or_else(|_invalid| Profile::halt(self.saved, limits, RampType::Trapezoid));

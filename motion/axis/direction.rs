@@ -2,7 +2,7 @@
 
 use super::Axis;
 use super::math::fmod;
-use super::profile::{AxisLimits, Profile, State};
+use crate::profile::{AxisLimits, Profile, State};
 
 /// Positions closer than this part of a period are the same.
 pub(super) const SAME: f64 = 1e-9;

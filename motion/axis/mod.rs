@@ -21,13 +21,12 @@ mod direction;
 mod drive;
 mod error;
 mod errors;
-pub(crate) mod gear;
+mod gear;
 mod latch;
 mod master;
 mod math;
 mod moves;
 mod ownership;
-pub mod profile;
 mod single;
 mod state;
 #[cfg(test)]

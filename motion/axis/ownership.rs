@@ -1,7 +1,7 @@
 //! One owner at a time (`iOwner`, `iNoOwner`; manual 5.2).
 
 use super::config::Movement;
-use super::profile::State;
+use crate::profile::State;
 use super::state::AxisState;
 use super::{Axis, SmcError};
 

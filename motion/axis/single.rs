@@ -5,7 +5,7 @@ use super::config::{AxisConfig, Movement};
 use super::drive::{Answer, Capture, ControllerMode, Transfer};
 use super::errors::BlockErrors;
 use super::math::fmod;
-use super::profile::{AxisLimits, Profile, RampType, State};
+use crate::profile::{AxisLimits, Profile, RampType, State};
 use super::state::AxisState;
 
 /// An axis (`AXIS_REF`, manual 2.4), cycle by cycle.

@@ -1,6 +1,6 @@
 //! Axes that nothing drives: the time and an encoder (manual 2.1.4, 2.2.6, 2.2.9).
 
-use super::profile::State;
+use crate::profile::State;
 use super::{Axis, AxisConfig, AxisState, Movement, SmcError};
 
 /// An axis whose position is the time, s (`SMC_TimeAxisFB`, manual 2.2.6).

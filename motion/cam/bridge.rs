@@ -1,5 +1,5 @@
 //! The way from where a slave is to its cam (`ramp_in`, manual 4.6.1), under limited velocity and accelerations. That of
-//! an axis with limited jerk is laid by `motion/axis/gear/approach.rs`: a coupling knows no axis.
+//! an axis with limited jerk is laid by `motion/cam/approach.rs`: a coupling knows no axis.
 
 /// A motion that ends at rest: pieces of constant acceleration, as fast as velocity and accelerations allow.
 #[derive(Clone, Copy, Debug, PartialEq)]

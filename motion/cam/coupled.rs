@@ -1,7 +1,7 @@
 //! What couplings are told and give: states of axes, tappets that acted, and why one does not start.
 
 use super::passage::Trigger;
-use crate::axis::profile::State;
+use crate::profile::State;
 use crate::short::Short;
 
 /// Whether a state is one that an axis may have.

@@ -13,7 +13,7 @@ use super::reference::Cam;
 use super::selection::{CamInput, CamTable, StartMode};
 use super::tappet::Tappet;
 use super::unwrap::Unwrap;
-use crate::axis::profile::State;
+use crate::profile::State;
 use std::sync::Arc;
 
 /// A slave on its cam, cycle by cycle.

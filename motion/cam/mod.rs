@@ -7,6 +7,7 @@
 //! Everything is in the axes' technical units u. There is no clock: who works cycle by cycle is told the time.
 
 mod apart;
+mod approach;
 mod bit;
 mod bounds;
 mod bridge;
@@ -34,6 +35,7 @@ pub mod tune;
 pub(crate) mod unwrap;
 mod value;
 
+pub(crate) use approach::{Approach, Gap};
 pub use bit::{MAX_PULSES, TappetBit};
 pub use bounds::{Bounds, Factors, MasterMotion, Peak, Quantity, SlaveLimits};
 pub use coupling::{

@@ -2,7 +2,7 @@
 
 use super::arc;
 use super::block::{Block, columns_of};
-use super::decoder::Output;
+use super::output::Output;
 use super::error::DecodeError;
 use super::word::{Letter, Motion, Word};
 use crate::path::{Cubic, Ellipse, Shape};

@@ -1,7 +1,7 @@
 //! The last steps to path elements, for which one has to know the next: ends of preparation, splines, switches.
 
 use super::block::{Request, SwitchPlace};
-use super::decoder::Output;
+use super::output::Output;
 use super::error::DecodeError;
 use crate::path::{
     Cubic, Details, ElementKind, Marks, PathElement, Shape, Switch, cardinal_tangent, end_tangent,

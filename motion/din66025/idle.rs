@@ -1,7 +1,7 @@
 //! Words that their block does not use.
 
 use super::block::Block;
-use super::decoder::Output;
+use super::output::Output;
 use super::error::DecodeError;
 use super::word::{Command, Letter, Word};
 

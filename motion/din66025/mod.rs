@@ -41,6 +41,7 @@ mod emit;
 mod error;
 mod idle;
 mod lexer;
+mod output;
 mod refeed;
 mod scan;
 mod state;

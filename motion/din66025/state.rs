@@ -2,7 +2,7 @@
 
 use super::block::{Block, Operand, columns_of};
 use super::curve::CurveWords;
-use super::decoder::Output;
+use super::output::Output;
 use super::emit::Emitter;
 use super::error::DecodeError;
 use super::idle;

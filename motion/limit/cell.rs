@@ -29,6 +29,17 @@ pub(super) struct Sample {
 }
 
 impl Sample {
+    /// All half planes, in the order of their numbers: with `further` ones behind those along the path.
+    pub(super) fn rows(&self, further: usize) -> [Row; ALONG + MOST_FURTHER_ROWS] {
+        let mut rows = [Row::default(); ALONG + MOST_FURTHER_ROWS];
+        let (along, others) = rows.split_at_mut(ALONG);
+        along.copy_from_slice(&self.along);
+        for (row, further) in others.iter_mut().zip(&self.further).take(further) {
+            *row = further.tangent(self.reference);
+        }
+        rows
+    }
+
     /// The bound of u̇².
     pub(super) fn cap(&self) -> f64 {
         self.cap.v2

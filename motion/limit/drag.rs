@@ -1,8 +1,6 @@
 //! Half planes that bend with the velocity: what drags on an axis grows with u̇, not with u̇².
 
-use super::axis_path::MOST_FURTHER_ROWS;
 use super::bound::Row;
-use super::cell::{ALONG, Sample};
 
 /// Where drag is that of a velocity below this part of the largest that it leaves possible, it counts as that.
 const LEAST: f64 = 1e-4;
@@ -47,19 +45,6 @@ impl DragRow {
     fn usable(&self, reference: f64) -> f64 {
         let most = 1.0 / self.drag;
         if reference < most { reference.max(LEAST * most) } else { most }
-    }
-}
-
-impl Sample {
-    /// All half planes, in the order of their numbers: with `further` ones behind those along the path.
-    pub(super) fn rows(&self, further: usize) -> [Row; ALONG + MOST_FURTHER_ROWS] {
-        let mut rows = [Row::default(); ALONG + MOST_FURTHER_ROWS];
-        let (along, others) = rows.split_at_mut(ALONG);
-        along.copy_from_slice(&self.along);
-        for (row, further) in others.iter_mut().zip(&self.further).take(further) {
-            *row = further.tangent(self.reference);
-        }
-        rows
     }
 }
 

@@ -4,7 +4,6 @@ use super::asked::Asked;
 use super::bound::{CapSource, Constraint, JerkRow, Row, number};
 use super::convex::{Cone, Origin, Program};
 use super::grid::{End, Grid};
-use super::smooth::Known;
 use std::ops::Range;
 
 /// Cones, and rows of cells at rest, less active than this at the guess are left out.
@@ -20,6 +19,18 @@ const AT_ENDS: f64 = 0.04;
 const SLOWER: f64 = 0.3;
 /// Where a row of a jerk limit is active, so much of it is the jerk: the rest is the tangent.
 const JERK_SHARE: f64 = 2.0 / 3.0;
+
+/// How well a guess is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Known {
+    /// It is no solution of the program yet.
+    #[default]
+    Rough,
+    /// One of a program that is not quite this.
+    Nearly,
+    /// One of this program, up to what has changed since.
+    Well,
+}
 
 /// Rows less active than this at the guess are left out at first.
 #[derive(Clone, Copy, Debug)]

@@ -10,6 +10,7 @@ mod ellipse;
 mod marks;
 mod operations;
 mod plane;
+mod point;
 mod probing;
 pub mod queue;
 mod shape;
@@ -29,7 +30,8 @@ pub use marks::Marks;
 pub use operations::{OperationError, Similarity, reversed};
 pub use plane::Plane;
 pub use probing::{ProbeOutcome, ProbeTrip, Probing};
-pub use shape::{PathPoint, Shape};
+pub use point::PathPoint;
+pub use shape::Shape;
 
 use crate::Place;
 use nalgebra::{Point3, Vector3};

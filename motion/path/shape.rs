@@ -1,6 +1,6 @@
 //! Geometry of a path element: position and derivatives over path length.
 
-use super::{Arc, Cubic, Ellipse};
+use super::{Arc, Cubic, Ellipse, PathPoint};
 use nalgebra::{Point3, Vector2, Vector3};
 
 /// Geometry of an element. Parametrised by the path length `s` in m from its start.
@@ -90,27 +90,6 @@ impl Shape {
             Self::Line { start, end } => direction(start, end),
             _ => self.at(self.length()).tangent,
         }
-    }
-}
-
-/// Position and its derivatives with respect to path length.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PathPoint {
-    /// Position, m.
-    pub position: Point3<f64>,
-    /// First derivative: the unit tangent (zero on an element of length zero).
-    pub tangent: Vector3<f64>,
-    /// Second derivative: curvature times the unit normal, 1/m.
-    pub curvature: Vector3<f64>,
-    /// Third derivative, 1/m²: zero on a line, −κ² times the tangent on a circle, and zero where a curve stands still.
-    pub curvature_rate: Vector3<f64>,
-}
-
-impl PathPoint {
-    /// A point from which nothing leads on.
-    pub(crate) fn resting(position: Point3<f64>) -> Self {
-        let zero = Vector3::zeros();
-        Self { position, tangent: zero, curvature: zero, curvature_rate: zero }
     }
 }
 

@@ -12,7 +12,7 @@
 
 use super::LengthUnit;
 use super::block::{Block, Letter};
-use super::decoder::Output;
+use super::output::Output;
 use super::error::{DecodeError, Problem};
 use super::state::State;
 use super::word::Cycle;

@@ -1,16 +1,13 @@
 //! Reads a program line by line.
 
 use super::block::Block;
-use super::error::{DecodeError, Diagnostic, Failure, Item, Problem};
+use super::error::{DecodeError, Failure, Item, Problem};
 use super::lexer::{self, Line};
 use super::options::{DecoderOptions, PathMode, Position};
 use super::state::State;
 use crate::Place;
-use crate::path::PathElement;
-use std::collections::VecDeque;
 use std::io::{self, BufRead, Read};
 use std::iter::FusedIterator;
-use std::ops::Range;
 
 /// The longest line that is read, its end included, bytes.
 pub const MAX_LINE_BYTES: usize = 1 << 16;
@@ -224,31 +221,3 @@ impl<R: BufRead> Iterator for Decoder<R> {
 }
 
 impl<R: BufRead> FusedIterator for Decoder<R> {}
-
-/// What a line gives: few items, but for canned cycles, in order.
-#[derive(Debug, Default)]
-pub(super) struct Output {
-    pub(super) items: VecDeque<Result<Item, Failure>>,
-    place: Place,
-}
-
-impl Output {
-    /// The block at hand.
-    pub(super) fn place(&self) -> Place {
-        self.place
-    }
-
-    pub(super) fn element(&mut self, element: PathElement) {
-        self.items.push_back(Ok(Item::Element(element)));
-    }
-
-    pub(super) fn warning(&mut self, columns: Option<Range<usize>>, error: DecodeError) {
-        let diagnostic = Diagnostic { place: self.place, columns, error };
-        self.items.push_back(Ok(Item::Warning(diagnostic)));
-    }
-
-    fn error(&mut self, columns: Option<Range<usize>>, error: DecodeError) {
-        let diagnostic = Diagnostic { place: self.place, columns, error };
-        self.items.push_back(Err(diagnostic.into()));
-    }
-}

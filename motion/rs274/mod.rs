@@ -56,6 +56,7 @@ mod error;
 mod lexer;
 mod offsets;
 mod options;
+mod output;
 mod probe;
 mod refeed;
 mod state;

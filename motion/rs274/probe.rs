@@ -1,7 +1,7 @@
 //! Probing: G38.2 to G38.5, and what there is to touch.
 
 use super::block::{Block, Letter, Letters};
-use super::decoder::Output;
+use super::output::Output;
 use super::error::{DecodeError, Problem};
 use super::options::Position;
 use super::state::State;

@@ -2,7 +2,7 @@
 
 use super::block::{Block, Letter, Letters};
 use super::cycle::Series;
-use super::decoder::Output;
+use super::output::Output;
 use super::error::{DecodeError, Problem};
 use super::offsets::{Location, Offsets};
 use super::options::{DecoderOptions, LengthUnit, PathMode, Position};

@@ -2,7 +2,7 @@
 
 use super::arc::Ends;
 use super::block::{Block, Letter, Letters};
-use super::decoder::Output;
+use super::output::Output;
 use super::error::{DecodeError, Problem};
 use super::offsets::Location;
 use super::options::Position;

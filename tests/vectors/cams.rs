@@ -2,7 +2,7 @@
 
 use super::vector::{Vector, check};
 use std::sync::Arc;
-use twin_motion::axis::profile::State;
+use twin_motion::profile::State;
 use twin_motion::cam::{
     Action, Cam, CamCoupling, CamInput, CamRegister, CamTable, Curve, Derivatives, Equidistant,
     Factors, Interpolation, Knot, MasterMotion, PairTable, Passage, RegisterInput, Shape,

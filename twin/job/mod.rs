@@ -70,7 +70,7 @@ use block::Called;
 use probe::JobTrigger;
 use std::collections::BTreeMap;
 use twin_motion::Place;
-use twin_motion::axis::profile::RampType;
+use twin_motion::profile::RampType;
 
 /// A job as it is written, for one machine.
 #[derive(Debug)]

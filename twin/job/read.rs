@@ -11,7 +11,7 @@ use crate::section::{FileKind, Problem};
 use crate::section::{Section, parse};
 use crate::tappets::{MOST_SIGNALS, Tracks};
 use std::path::Path;
-use twin_motion::axis::profile::RampType;
+use twin_motion::profile::RampType;
 use twin_motion::axis::{CamIn, GearIn};
 
 /// Longest time in a job, s: a day.

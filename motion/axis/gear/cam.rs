@@ -1,8 +1,7 @@
 //! `MC_CamIn`.
 
-use super::approach::{Approach, Gap};
 use crate::axis::ownership::Start;
-use crate::axis::profile::{AxisLimits, ProfileError, RampType, State};
+use crate::profile::{AxisLimits, ProfileError, RampType, State};
 use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
 use crate::cam::{CamCoupling, CamInput, CamTable, CouplingError, StartMode};
 

@@ -1,6 +1,6 @@
 //! A slave that takes up a multiple of its master's velocity.
 
-use crate::axis::profile::{AxisLimits, Profile, ProfileError, RampType, State};
+use crate::profile::{AxisLimits, Profile, ProfileError, RampType, State};
 use crate::axis::{Axis, Master};
 
 /// Where a slave stands to its master.

@@ -1,7 +1,7 @@
 //! `SMC_GearInPos`.
 
 use crate::axis::ownership::Start;
-use crate::axis::profile::{AxisLimits, Profile, RampType, State};
+use crate::profile::{AxisLimits, Profile, RampType, State};
 use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
 
 /// Velocity and position follow the master from a place on (`SMC_GearInPos`, manual 5.4). `done` is `InSync`, `StartSync`

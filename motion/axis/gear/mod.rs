@@ -1,17 +1,17 @@
 //! Axes that follow another one (manual 5.4) and switches along an axis (manual 5.5).
 
-mod approach;
 mod cam;
 mod follower;
 mod in_pos;
 mod phasing;
 mod switch;
 mod switched;
+mod track;
 mod velocity;
 
-pub(crate) use approach::{Approach, Gap};
 pub use cam::{CamIn, CamRun};
 pub use in_pos::{GearInPos, GearInPosRun};
 pub use phasing::Phasing;
-pub use switch::{CamSwitch, DigitalCamSwitch, SwitchDirection, SwitchOutputs, TappetMode, Track};
+pub use switch::{DigitalCamSwitch, SwitchOutputs, TappetMode};
+pub use track::{CamSwitch, SwitchDirection, Track};
 pub use velocity::{Decouple, GearIn};

@@ -3,7 +3,7 @@
 use super::follower::Follower;
 use crate::axis::moves::Planned;
 use crate::axis::ownership::Start;
-use crate::axis::profile::{AxisLimits, State};
+use crate::profile::{AxisLimits, State};
 use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
 
 /// A slave at a constant distance from its master (`MC_Phasing`, manual 5.4).

@@ -4,7 +4,7 @@
 //! position ── ahead by an advance ─▶ on from its begin to its end ── later by a delay ─▶ output
 //! ```
 
-use super::switch::{CamSwitch, SwitchDirection, Track};
+use super::track::{CamSwitch, SwitchDirection, Track};
 use crate::cam::passage::{Heading, Lead, LookAhead, Move, Watch};
 use crate::cam::{Action, MAX_PULSES, Passage, Tappet, TappetBit};
 

@@ -2,7 +2,7 @@
 
 use super::Planned;
 use crate::axis::ownership::Start;
-use crate::axis::profile::{AxisLimits, Profile};
+use crate::profile::{AxisLimits, Profile};
 use crate::axis::{Axis, AxisState, Direction, Motion, Progress, SmcError, Stage};
 
 /// To a position with a velocity there, and on with it (`SMC_MoveContinuousAbsolute`, manual 5.3).

@@ -1,7 +1,7 @@
 //! Set-points straight from a program (manual 2.2.5).
 
 use crate::axis::ownership::Start;
-use crate::axis::profile::{AxisLimits, Profile, State};
+use crate::profile::{AxisLimits, Profile, State};
 use crate::axis::{Axis, AxisState, Block, Motion, Progress, SmcError, Stage};
 
 /// A set-point that a program gives every cycle. Nothing is checked by the `SMC_Follow…` blocks, but that it is a number:

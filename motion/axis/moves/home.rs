@@ -2,7 +2,7 @@
 
 use super::Planned;
 use crate::axis::ownership::{Refusal, Start};
-use crate::axis::profile::State;
+use crate::profile::State;
 use crate::axis::{Axis, AxisState, Homing, Motion, Progress, SmcError, Stage};
 
 /// How long a drive may take to answer, s; the manual names no time.

@@ -2,7 +2,7 @@
 
 use super::Planned;
 use crate::axis::ownership::Start;
-use crate::axis::profile::State;
+use crate::profile::State;
 use crate::axis::{Axis, AxisState, Direction, Motion, Progress, SmcError, Stage};
 use std::collections::VecDeque;
 

@@ -1,7 +1,7 @@
 //! A planned motion on its way.
 
 use crate::axis::ownership::Start;
-use crate::axis::profile::{AxisLimits, Profile, ProfileError};
+use crate::profile::{AxisLimits, Profile, ProfileError};
 use crate::axis::{Axis, Progress, Stage};
 
 /// A profile and how far it has come.

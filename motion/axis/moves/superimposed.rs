@@ -3,7 +3,7 @@
 use super::Planned;
 use crate::axis::latch::{Latch, Outcome, Outputs};
 use crate::axis::ownership::{Refusal, Start};
-use crate::axis::profile::State;
+use crate::profile::State;
 use crate::axis::{Axis, AxisState, SmcError, Stage};
 
 /// A distance on top of the motion there is (`MC_MoveSuperImposed`, manual 5.3).

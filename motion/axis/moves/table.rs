@@ -2,7 +2,7 @@
 
 use crate::axis::direction::SAME;
 use crate::axis::ownership::Start;
-use crate::axis::profile::{MOST_POINTS, ProfilePoint, ProfileTable, TableProfile};
+use crate::profile::{MOST_POINTS, ProfilePoint, ProfileTable, TableProfile};
 use crate::axis::{Axis, AxisState, Motion, Progress, SmcError, Stage};
 
 /// Points over time (`MC_TP_REF`, `MC_TV_REF`, `MC_TA_REF`) and how a block reads them.

@@ -3,7 +3,7 @@
 use super::blocks::endless;
 use super::framework::to;
 use super::rig::{CYCLE, Rig, linear, rotary};
-use crate::axis::profile::RampType;
+use crate::profile::RampType;
 use crate::axis::{Axis, AxisConfig, Block, CamIn, SmcError};
 use crate::cam::{Action, Cam, CamInput, CamTable, Knot, Passage, Shape, StartMode, Tappet};
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! Homing onto a switch (manual 2.2.7), and by the drive (5.3).
 
 use super::rig::{CYCLE, Rig, linear};
-use crate::axis::profile::RampType;
+use crate::profile::RampType;
 use crate::axis::{
     AxisConfig, AxisState, Block, Direction, Home, Homing, HomingBySwitch, HomingMode, SmcError,
 };

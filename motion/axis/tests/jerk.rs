@@ -3,7 +3,7 @@
 
 use super::blocks::endless;
 use super::rig::{CYCLE, Rig};
-use crate::axis::profile::RampType;
+use crate::profile::RampType;
 use crate::axis::{
     Axis, AxisConfig, Block, CamIn, GearInPos, GearInPosRun, MoveVelocity, Movement,
 };

@@ -4,7 +4,7 @@ use super::direct::control_by_position;
 use super::framework::to;
 use super::gears::{gear, pair};
 use super::rig::{Rig, linear};
-use crate::axis::profile::RampType;
+use crate::profile::RampType;
 use crate::axis::{
     AbortTrigger, AxisConfig, AxisState, Block, ControlAxis, ControlOutputs, GearInPos, Home,
     Phasing, SmcError, Stop, TouchProbe, Trigger,

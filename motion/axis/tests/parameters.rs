@@ -3,7 +3,7 @@
 use super::blocks::endless;
 use super::framework::to;
 use super::rig::{CYCLE, Rig, linear};
-use crate::axis::profile::RampType;
+use crate::profile::RampType;
 use crate::axis::{
     Answer, AxisConfig, AxisState, Block, ControllerMode, Direction, MoveVelocity, ParameterNumber,
     ReadParameter, SetControllerMode, SmcError, TouchProbe, Transfer, Trigger, WriteParameter,

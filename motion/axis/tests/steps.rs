@@ -3,7 +3,7 @@
 use super::blocks::endless;
 use super::framework::to;
 use super::rig::{self, CYCLE, Rig, linear, rotary};
-use crate::axis::profile::RampType;
+use crate::profile::RampType;
 use crate::axis::{
     AxisConfig, AxisState, Block, CamIn, ControlAxisBy, ControllerMode, Follow, GearIn, GearInPos,
     GearInPosRun, Home, MoveVelocity, SetControllerMode, Watched,

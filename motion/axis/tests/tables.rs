@@ -2,7 +2,7 @@
 
 use super::invariants::Random;
 use super::rig::{CYCLE, linear, rotary};
-use crate::axis::profile::ProfilePoint;
+use crate::profile::ProfilePoint;
 use crate::axis::{
     AccelerationProfile, AxisState, Block, Points, PositionProfile, SmcError, VelocityProfile,
 };

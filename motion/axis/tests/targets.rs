@@ -3,7 +3,7 @@
 use super::blocks::endless;
 use super::framework::to;
 use super::rig::{self, Rig, linear, rotary};
-use crate::axis::profile::{ProfilePoint, RampType};
+use crate::profile::{ProfilePoint, RampType};
 use crate::axis::{
     AxisConfig, Block, Direction, Halt, MoveAbsolute, MoveAdditive, MoveContinuousAbsolute,
     MoveRelative, MoveVelocity, Points, PositionProfile, SmcError, Stop,

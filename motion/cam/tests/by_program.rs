@@ -1,6 +1,6 @@
 //! The manual's example of a cam that a program fills (4.7.1).
 
-use crate::axis::profile::State;
+use crate::profile::State;
 use crate::cam::{
     Cam, CamCoupling, CamError, CamInput, CamTable, Interpolation, PairTable, Shape, TableScale,
     VariableType,

@@ -1,6 +1,6 @@
 //! Starts, ramps, ends and changes of cams (manual 4.6).
 
-use crate::axis::profile::State;
+use crate::profile::State;
 use crate::cam::{
     Action, Cam, CamCoupling, CamInput, CamTable, CouplingError, Element, Factors, Knot,
     MasterMotion, Passage, Shape, StartMode, Tappet, slave_set_position,

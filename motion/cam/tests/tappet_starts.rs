@@ -1,7 +1,7 @@
 //! Tappets on which the master stands when the cam begins (manual 4.4.2).
 
 use super::tappets::{acts, tappet};
-use crate::axis::profile::State;
+use crate::profile::State;
 use crate::cam::{
     Action, Cam, CamCoupling, CamInput, CamRegister, CamTable, Knot, Passage, RegisterInput, Shape,
     TappetValue,

@@ -1,6 +1,6 @@
 //! Tappets and registers (manual 4.4.2, 5.5).
 
-use crate::axis::profile::State;
+use crate::profile::State;
 use crate::cam::{
     Action, Cam, CamCoupling, CamInput, CamRegister, CamTable, Knot, Passage, RegisterInput, Shape,
     Tappet, TappetBit, TappetValue, Trigger,

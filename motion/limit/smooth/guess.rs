@@ -3,6 +3,7 @@
 use super::pairs;
 use crate::limit::asked::Asked;
 use crate::limit::convex::Origin;
+use crate::limit::rows::Known;
 
 /// The next guess is not below this part of the one before.
 const FLOOR: f64 = 0.05;
@@ -12,18 +13,6 @@ const MOVED: f64 = 0.1;
 /// time that there are such rows again.
 const AROUND: usize = 3;
 pub(super) const MOST_AROUND: usize = 48;
-
-/// How well a guess is known.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::limit) enum Known {
-    /// It is no solution of the program yet.
-    #[default]
-    Rough,
-    /// One of a program that is not quite this.
-    Nearly,
-    /// One of this program, up to what has changed since.
-    Well,
-}
 
 /// What a window is solved about.
 #[derive(Clone, Debug, Default)]

@@ -28,7 +28,7 @@ mod costs;
 mod guess;
 
 use guess::MOST_AROUND;
-pub(super) use guess::{Broken, Guess, Known};
+pub(super) use guess::{Broken, Guess};
 
 use super::bound::{CapSource, Constraint};
 use super::convex::{NotSolved, Origin, Program};

@@ -5,7 +5,7 @@ use crate::cam::CamFile;
 use crate::cam::check::AxisLimits;
 use crate::cam::picture::{Recorded, Shown, draw, on_stretches};
 use std::sync::Arc;
-use twin_motion::axis::profile::State;
+use twin_motion::profile::State;
 use twin_motion::cam::{CamCoupling, CamInput, CamTable, TappetValue};
 
 /// Where the dots of a recorded run are, and the highest place of the first curve.

@@ -5,8 +5,8 @@ use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::sample::{MOST, Sampling, reach, write};
 use crate::cam::tune::{ramp, ramp_wish};
 use crate::finding::{Rule, Severity};
-use twin_motion::axis::profile::RampType;
-use twin_motion::axis::profile::State;
+use twin_motion::profile::RampType;
+use twin_motion::profile::State;
 use twin_motion::cam::tune::RampGoal;
 use twin_motion::cam::{MasterMotion, SlaveLimits};
 

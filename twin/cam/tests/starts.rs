@@ -7,7 +7,7 @@ use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{TuneError, begin, started_at};
 use crate::finding::Rule;
 use std::sync::Arc;
-use twin_motion::axis::profile::State;
+use twin_motion::profile::State;
 use twin_motion::cam::{CamCoupling, CamTable, CouplingError};
 
 /// 100 forwards in every pass.

@@ -33,7 +33,7 @@ use super::edit::Change;
 use super::{CamFile, WANTED};
 use crate::number::significant;
 use std::sync::Arc;
-use twin_motion::axis::profile::{RampType, State};
+use twin_motion::profile::{RampType, State};
 use twin_motion::cam::tune::{
     FitError, GentleError, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
 };

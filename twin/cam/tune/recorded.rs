@@ -4,7 +4,7 @@ use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample};
 use super::correct::Deviation;
-use twin_motion::axis::profile::State;
+use twin_motion::profile::State;
 use twin_motion::cam::MasterMotion;
 
 /// Samples that a parabola is laid through, and how few of them say anything.

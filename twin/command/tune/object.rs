@@ -3,7 +3,7 @@
 use super::report::Report;
 use crate::cam::tune::{self, ShapeGoal};
 use serde_json::{Value, json};
-use twin_motion::axis::profile::RampType;
+use twin_motion::profile::RampType;
 use twin_motion::cam::tune::Estimate;
 
 impl Report<'_> {

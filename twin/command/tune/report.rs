@@ -9,7 +9,7 @@ use crate::cam::tune::{Begin, Kept, Limited, Minimised, ShapeGoal, Shaped};
 use crate::command::show::table;
 use crate::number::{beside, significant};
 use std::io::{self, Write};
-use twin_motion::axis::profile::RampType;
+use twin_motion::profile::RampType;
 use twin_motion::cam::tune::{Bound, DeadTime, Estimate, Fit, RampIn, RampWish};
 use twin_motion::cam::{MasterMotion, Quantity};
 

@@ -5,7 +5,7 @@ use super::list;
 use crate::cam::tune::{PointTolerance, ShapeGoal};
 use crate::command::cam::{magnitude, number, positive};
 use clap::ValueEnum;
-use twin_motion::axis::profile::RampType;
+use twin_motion::profile::RampType;
 use twin_motion::cam::Quantity;
 use twin_motion::cam::tune::Tolerance;
 

@@ -5,7 +5,7 @@ use super::State;
 use crate::finding::{Finding, Rule, Severity};
 use crate::number::significant;
 use twin_motion::Place;
-use twin_motion::axis::profile::RampType;
+use twin_motion::profile::RampType;
 use twin_motion::axis::{Axis, AxisConfig, AxisState, Block, Halt, Movement, Power, VirtualDrive};
 
 /// Cycles until a drive has its power.

@@ -3,7 +3,7 @@
 use super::checker::{Limits, Promise};
 use super::random::Random;
 use super::{alone, coupled, direct, homed, others, tables};
-use crate::axis::profile::State;
+use crate::profile::State;
 use crate::axis::{Axis, Block, Master, Motion, Outputs};
 use std::any::type_name;
 

@@ -2,7 +2,7 @@
 
 use super::legal::{self, Keeper};
 use super::{FASTEST, JERK, STEEPEST};
-use crate::axis::profile::{RampType, State};
+use crate::profile::{RampType, State};
 use crate::axis::tests::rig::CYCLE;
 use crate::axis::{Axis, AxisState, Outputs};
 use std::cmp::Ordering;

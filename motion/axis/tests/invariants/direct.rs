@@ -5,7 +5,7 @@ use super::called::{Begun, Called, Moving, any, moving};
 use super::checker::{Limits, Promise};
 use super::random::Random;
 use super::{CYCLE, FASTEST, STEEPEST};
-use crate::axis::profile::State;
+use crate::profile::State;
 use crate::axis::{Axis, ControlAxisBy, Follow, Motion, Outputs};
 use std::any::type_name;
 

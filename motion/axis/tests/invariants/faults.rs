@@ -3,7 +3,7 @@
 use super::called::{self, Called};
 use super::planted::{self, OfCam, Owning};
 use super::{Around, KINDS, Run, alone, coupled};
-use crate::axis::profile::RampType;
+use crate::profile::RampType;
 use crate::axis::{Axis, AxisState, Movement, Outputs};
 
 #[test]

@@ -3,7 +3,7 @@
 use super::called::{Called, Moving, own};
 use super::checker::Promise;
 use super::random::Random;
-use crate::axis::profile::{RampType, State};
+use crate::profile::{RampType, State};
 use crate::axis::{Axis, GearInPos, GearInPosRun, Master, Motion, Outputs, fmod};
 use std::any::type_name;
 

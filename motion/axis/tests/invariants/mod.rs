@@ -18,7 +18,7 @@ mod random;
 mod tables;
 
 use super::rig::CYCLE;
-use crate::axis::profile::{RampType, State};
+use crate::profile::{RampType, State};
 use crate::axis::{
     Axis, AxisConfig, AxisState, DigitalCamSwitch, Movement, Outputs, Power, Reset, VirtualDrive,
 };

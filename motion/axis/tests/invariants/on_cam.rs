@@ -4,7 +4,7 @@ use super::JERK;
 use super::called::{Called, Moving};
 use super::checker::Promise;
 use super::random::Random;
-use crate::axis::profile::RampType;
+use crate::profile::RampType;
 use crate::axis::{Axis, CamIn, CamRun, Master, Motion, Outputs};
 use crate::cam::{Action, CamTable, Passage, Tappet, TappetValue, Trigger};
 use std::any::type_name;

@@ -9,7 +9,7 @@ use super::on_cam::{Cams, OnCam};
 use super::random::Random;
 use super::{coupled, tables};
 use crate::axis::ownership::{Refusal, Start};
-use crate::axis::profile::State;
+use crate::profile::State;
 use crate::axis::{self, Axis, AxisState, Master, Motion, Outputs, Points, Progress, SmcError};
 use crate::cam::{Action, Cam, CamTable, Knot, Shape, Tappet};
 use std::sync::Arc;

@@ -5,7 +5,7 @@ use super::called::{Begun, Called, limited};
 use super::checker::{Limits, Promise};
 use super::random::Random;
 use crate::axis::Points;
-use crate::axis::profile::ProfilePoint;
+use crate::profile::ProfilePoint;
 use crate::axis::{AccelerationProfile, PositionProfile, VelocityProfile};
 
 /// Some steps of random size, smaller than `size`.

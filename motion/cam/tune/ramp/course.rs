@@ -6,7 +6,7 @@ use super::super::swing::Swing;
 use super::passes::parts;
 use super::problem::Problem;
 use super::wish::RampIn;
-use crate::axis::profile::RampType;
+use crate::profile::RampType;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// The motion of a ramp.

@@ -32,7 +32,7 @@ pub use shown::{RampMoment, RampShown, on_cam, ramp_shown};
 pub use wish::{Held, RampError, RampGoal, RampIn, RampWish};
 
 use super::super::bounds::{Quantity, SlaveLimits};
-use crate::axis::profile::RampType;
+use crate::profile::RampType;
 use place::Aim;
 #[cfg(not(test))]
 use problem::Problem;

@@ -6,8 +6,8 @@ use super::super::super::curve::Curve;
 use super::super::super::selection::{CamInput, StartMode};
 use super::course::{Course, Way};
 use super::wish::{RampError, RampGoal, RampIn, RampWish};
-use crate::axis::gear::{Approach, Gap};
-use crate::axis::profile::{AxisLimits, RampType};
+use crate::cam::{Approach, Gap};
+use crate::profile::{AxisLimits, RampType};
 use crate::cam::SlaveLimits;
 
 /// Of a limit this part is rounding.

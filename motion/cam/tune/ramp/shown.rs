@@ -3,7 +3,7 @@
 use super::course::{Pull, Way};
 use super::problem::{Problem, values};
 use super::wish::{RampError, RampIn, RampWish};
-use crate::axis::profile::State;
+use crate::profile::State;
 
 /// A moment of a start.
 #[derive(Clone, Copy, Debug, PartialEq)]

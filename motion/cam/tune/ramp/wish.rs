@@ -2,7 +2,7 @@
 
 use super::super::super::coupling::CouplingError;
 use super::super::super::selection::{CamInput, CamTable};
-use crate::axis::profile::{ProfileError, RampType, State};
+use crate::profile::{ProfileError, RampType, State};
 use crate::cam::{Quantity, SlaveLimits};
 use crate::short::Short;
 

@@ -4,7 +4,7 @@ use super::super::ramp::Problem;
 use super::Random;
 use super::ramp_in::{lift, limits, moving, wish};
 use super::ramp_witness::witness;
-use crate::axis::profile::RampType;
+use crate::profile::RampType;
 use crate::cam::tune::{RampGoal, RampWish, ramp_in};
 use crate::cam::{Knot, Quantity, SlaveLimits};
 

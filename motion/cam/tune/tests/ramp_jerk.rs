@@ -2,8 +2,8 @@
 
 use super::Random;
 use super::ramp_in::{dwell, lift, moving, wish};
-use crate::axis::gear::{Approach, Gap};
-use crate::axis::profile::{AxisLimits, RampType, State};
+use crate::cam::{Approach, Gap};
+use crate::profile::{AxisLimits, RampType, State};
 use crate::cam::tune::{RampError, RampGoal, RampIn, RampWish, ramp_in};
 use crate::cam::{Knot, Quantity, SlaveLimits, StartMode};
 use std::f64::consts::PI;

@@ -3,7 +3,7 @@
 
 use super::super::ramp::Problem;
 use super::Random;
-use crate::axis::profile::RampType;
+use crate::profile::RampType;
 use crate::cam::tune::{RampGoal, RampIn, RampWish, ramp_in};
 use crate::cam::{Quantity, SlaveLimits};
 

@@ -1,7 +1,7 @@
 //! Braking less at first: for ways between the straight ramp and the one over a constant velocity.
 
 use super::{MOST_STEPS, Way};
-use crate::axis::profile::rates::Rates;
+use crate::profile::rates::Rates;
 
 /// What the axis does with the acceleration −α instead of its first one.
 #[derive(Clone, Copy, Debug)]

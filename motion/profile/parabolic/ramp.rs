@@ -10,8 +10,8 @@
 //! acceleration may be the smaller of them only. What would be more there is two such humps, which meet at velocity 0
 //! with this acceleration. Downwards all is the mirror image.
 
-use crate::axis::profile::rates::Rates;
-use crate::axis::profile::segment::Track;
+use crate::profile::rates::Rates;
+use crate::profile::segment::Track;
 
 /// The acceleration goes from one value up to a peak and down to another one.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,7 +1,7 @@
 //! Limits of a million different proportions: whatever comes out is finite and ends where it should.
 
 use super::random::Random;
-use crate::axis::profile::{AxisLimits, Profile, ProfileError, RampType, State};
+use crate::profile::{AxisLimits, Profile, ProfileError, RampType, State};
 
 #[test]
 fn limits_of_all_proportions_end_where_they_should_or_are_refused() {

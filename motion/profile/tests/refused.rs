@@ -1,6 +1,6 @@
 //! What is not planned, and how that is said.
 
-use crate::axis::profile::{AxisLimits, Profile, ProfileError, RampType, State};
+use crate::profile::{AxisLimits, Profile, ProfileError, RampType, State};
 
 const GOOD: AxisLimits =
     AxisLimits { velocity: 10.0, acceleration: 20.0, deceleration: 30.0, jerk: 400.0 };

@@ -1,7 +1,7 @@
 //! Ramps of constant acceleration.
 
 use super::{close, limits, sampled};
-use crate::axis::profile::{AxisLimits, Profile, RampType, State};
+use crate::profile::{AxisLimits, Profile, RampType, State};
 use proptest::prelude::*;
 
 fn moving(position: f64, velocity: f64) -> State {
