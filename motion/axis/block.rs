@@ -2,9 +2,9 @@
 
 use super::latch::{Latch, Outcome, Outputs};
 use super::ownership::{Refusal, Start};
-use crate::profile::State;
 use super::state::AxisState;
 use super::{Axis, Master, SmcError};
+use crate::profile::State;
 use std::fmt;
 
 /// What a block does with its axis, as inputs that are taken over at a rising edge of Execute.

@@ -1,10 +1,10 @@
 //! Beginning and end of a cycle, and what the axis does on its own.
 
 use super::drive::{Command, ControllerMode, Feedback};
-use crate::profile::{Profile, RampType, State};
 use super::single::DriveReport;
 use super::state::AxisState;
 use super::{Axis, SmcError};
+use crate::profile::{Profile, RampType, State};
 
 impl Axis {
     /// Takes in what the drive says (the drive interface before the program).

@@ -1,9 +1,9 @@
 //! One owner at a time (`iOwner`, `iNoOwner`; manual 5.2).
 
 use super::config::Movement;
-use crate::profile::State;
 use super::state::AxisState;
 use super::{Axis, SmcError};
+use crate::profile::State;
 
 /// Why a block does not get the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

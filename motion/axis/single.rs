@@ -5,8 +5,8 @@ use super::config::{AxisConfig, Movement};
 use super::drive::{Answer, Capture, ControllerMode, Transfer};
 use super::errors::BlockErrors;
 use super::math::fmod;
-use crate::profile::{AxisLimits, Profile, RampType, State};
 use super::state::AxisState;
+use crate::profile::{AxisLimits, Profile, RampType, State};
 
 /// An axis (`AXIS_REF`, manual 2.4), cycle by cycle.
 ///

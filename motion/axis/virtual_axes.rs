@@ -1,7 +1,7 @@
 //! Axes that nothing drives: the time and an encoder (manual 2.1.4, 2.2.6, 2.2.9).
 
-use crate::profile::State;
 use super::{Axis, AxisConfig, AxisState, Movement, SmcError};
+use crate::profile::State;
 
 /// An axis whose position is the time, s (`SMC_TimeAxisFB`, manual 2.2.6).
 ///

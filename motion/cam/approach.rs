@@ -1,7 +1,7 @@
 //! The way onto a cam under limited jerk (`ramp_in`, manual 4.6.1).
 
-use crate::profile::{AxisLimits, Profile, ProfileError, RampType, State};
 use super::selection::StartMode;
+use crate::profile::{AxisLimits, Profile, ProfileError, RampType, State};
 
 /// What the slave still has to go to its cam, as a motion of its own on top of the cam's: from the difference of
 /// position, velocity and acceleration that there is to none, with the axis's ramps. Nothing steps, and beside the cam's

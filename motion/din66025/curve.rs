@@ -2,8 +2,8 @@
 
 use super::arc;
 use super::block::{Block, columns_of};
-use super::output::Output;
 use super::error::DecodeError;
+use super::output::Output;
 use super::word::{Letter, Motion, Word};
 use crate::path::{Cubic, Ellipse, Shape};
 use nalgebra::{Point2, Point3};

@@ -3,6 +3,7 @@
 use super::block::{Block, Complaints};
 use super::error::{DecodeError, Failure, Item, Problem};
 use super::lexer;
+use super::output::Output;
 use super::state::{JumpTo, State};
 use super::variables::Variables;
 use super::word::Word;

@@ -1,8 +1,8 @@
 //! The last steps to path elements, for which one has to know the next: ends of preparation, splines, switches.
 
 use super::block::{Request, SwitchPlace};
-use super::output::Output;
 use super::error::DecodeError;
+use super::output::Output;
 use crate::path::{
     Cubic, Details, ElementKind, Marks, PathElement, Shape, Switch, cardinal_tangent, end_tangent,
 };

@@ -1,8 +1,8 @@
 //! Words that their block does not use.
 
 use super::block::Block;
-use super::output::Output;
 use super::error::DecodeError;
+use super::output::Output;
 use super::word::{Command, Letter, Word};
 
 /// Words that hold for one block and may have nothing to act on in it.

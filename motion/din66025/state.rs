@@ -2,10 +2,10 @@
 
 use super::block::{Block, Operand, columns_of};
 use super::curve::CurveWords;
-use super::output::Output;
 use super::emit::Emitter;
 use super::error::DecodeError;
 use super::idle;
+use super::output::Output;
 use super::variables::{INT, Variables};
 use super::word::{Command, Letter, Motion, Word};
 use crate::Place;

@@ -29,8 +29,8 @@ pub use ellipse::{Ellipse, EllipseError};
 pub use marks::Marks;
 pub use operations::{OperationError, Similarity, reversed};
 pub use plane::Plane;
-pub use probing::{ProbeOutcome, ProbeTrip, Probing};
 pub use point::PathPoint;
+pub use probing::{ProbeOutcome, ProbeTrip, Probing};
 pub use shape::Shape;
 
 use crate::Place;

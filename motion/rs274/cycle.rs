@@ -12,8 +12,8 @@
 
 use super::LengthUnit;
 use super::block::{Block, Letter};
-use super::output::Output;
 use super::error::{DecodeError, Problem};
+use super::output::Output;
 use super::state::State;
 use super::word::Cycle;
 

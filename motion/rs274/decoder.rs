@@ -4,6 +4,7 @@ use super::block::Block;
 use super::error::{DecodeError, Failure, Item, Problem};
 use super::lexer::{self, Line};
 use super::options::{DecoderOptions, PathMode, Position};
+use super::output::Output;
 use super::state::State;
 use crate::Place;
 use std::io::{self, BufRead, Read};

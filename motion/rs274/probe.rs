@@ -1,9 +1,9 @@
 //! Probing: G38.2 to G38.5, and what there is to touch.
 
 use super::block::{Block, Letter, Letters};
-use super::output::Output;
 use super::error::{DecodeError, Problem};
 use super::options::Position;
+use super::output::Output;
 use super::state::State;
 use crate::Place;
 use crate::path::{ElementKind, MParameters, ProbeOutcome, ProbeTrip, Probing};

@@ -2,10 +2,10 @@
 
 use super::block::{Block, Letter, Letters};
 use super::cycle::Series;
-use super::output::Output;
 use super::error::{DecodeError, Problem};
 use super::offsets::{Location, Offsets};
 use super::options::{DecoderOptions, LengthUnit, PathMode, Position};
+use super::output::Output;
 use super::probe::ProbeTarget;
 use super::tool_table::ToolTable;
 use super::word::{Cycle, Motion, OneShot};

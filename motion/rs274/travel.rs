@@ -2,10 +2,10 @@
 
 use super::arc::Ends;
 use super::block::{Block, Letter, Letters};
-use super::output::Output;
 use super::error::{DecodeError, Problem};
 use super::offsets::Location;
 use super::options::Position;
+use super::output::Output;
 use super::state::State;
 use super::word::{Motion, OneShot};
 use crate::path::{Details, ElementKind, ExtraAxes, MParameters, PathElement, Shape};

@@ -180,7 +180,6 @@ fn options_that_would_do_nothing_are_refused() {
     let itself = "the file says itself how it goes on between its points; --interpolation is for";
     for (from, to, more, said) in [
         ("lift.toml", "x.toml", &["--points", "10"][..], "--points is for tables that are made"),
-        ("lift.toml", "x.cam", &["--points", "10"], "--points is for tables that are made"),
         ("table.toml", "x.toml", &["--points", "10"], "--points is for tables that are made"),
         (
             "table.toml",
@@ -190,7 +189,7 @@ fn options_that_would_do_nothing_are_refused() {
         ),
         ("lift.toml", "x.toml", &["--interpolation", "cubic"], polynomials),
         ("points.csv", "x.toml", &["--interpolation", "linear"], polynomials),
-        ("table.toml", "x.cam", &["--interpolation", "cubic"], itself),
+        ("table.toml", "x.toml", &["--interpolation", "cubic"], itself),
         ("marks.toml", "x.toml", &table, "this cam has tappets alone: there is no curve"),
         ("marks.toml", "x.csv", &[], "tappets alone have no positions"),
         ("marks.toml", "x.asc", &["--points", "9"], "tappets alone have no positions"),
@@ -214,12 +213,33 @@ fn options_that_would_do_nothing_are_refused() {
         .ended(1, "job.toml:10:");
 }
 
+/// Binary `.cam` files and lines of words are neither read nor written: the message names the forms and the way out.
+#[test]
+fn other_forms_are_refused() {
+    let desk = desk();
+    let forms = "cams are read and written as .toml, .csv or .asc (ASCII table of SoftMotion)";
+    desk.write("lift.txt", "cam lift\nmaster 0 360\nslave 0 100\npoint 0 0\npoint 360 0\n");
+    desk.write("lift.CAM", "\u{95}CAM\r\n");
+    for (name, instead) in [
+        ("lift.CAM", "export a binary .cam file as ASCII table from the program that wrote it"),
+        ("lift.txt", "rename a table of lines `master;slave` to .asc, write other cams as .toml"),
+    ] {
+        let said = format!("{name}: {forms}; {instead}");
+        desk.twin(&["cam", "check", name]).ended(2, &said);
+        desk.twin(&["cam", "convert", name, "new.toml"]).ended(2, &said);
+        assert!(!desk.path("new.toml").exists());
+        std::fs::remove_file(desk.path(name)).expect("it was written");
+        desk.twin(&["cam", "convert", "lift.toml", name]).ended(2, &said);
+        assert!(!desk.path(name).exists());
+    }
+}
+
 /// A device has no end, whatever its name says that it is.
 #[cfg(unix)]
 #[test]
 fn what_has_no_end_is_no_cam() {
     let desk = desk();
-    for name in ["z.asc", "z.csv", "z.toml", "z.cam", "z.txt"] {
+    for name in ["z.asc", "z.csv", "z.toml"] {
         std::os::unix::fs::symlink("/dev/zero", desk.path(name)).expect("a link");
         desk.twin(&["cam", "check", name]).ended(2, "it is longer than 268435456 bytes");
     }

@@ -2,15 +2,18 @@
 
 use crate::section::MachineFileError;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use twin_motion::cam::CamError;
-use twin_motion::cam::file::{AsciiError, CamReadError, CamWriteError, TextError};
+use twin_motion::cam::file::AsciiError;
 
 /// Why a cam cannot be read from a file, or written to one.
 #[derive(Debug, thiserror::Error)]
 pub enum CamFileError {
-    /// The ending says no format.
-    #[error("{}: cams are read and written as .toml, .csv, .cam, .asc or .txt", path.display())]
+    /// The ending is not that of a form of cams.
+    #[error(
+        "{}: cams are read and written as .toml, .csv or .asc (ASCII table of SoftMotion){}",
+        path.display(), instead(path)
+    )]
     Ending {
         /// The file.
         path: PathBuf,
@@ -34,14 +37,6 @@ pub enum CamFileError {
     /// A TOML file says something that is not right.
     #[error(transparent)]
     Toml(#[from] MachineFileError),
-    /// A cam in lines of words does.
-    #[error("{}: {source}", path.display())]
-    Text {
-        /// The file.
-        path: PathBuf,
-        /// What, with its line.
-        source: TextError,
-    },
     /// A table as text does.
     #[error("{}: {source}", path.display())]
     Ascii {
@@ -49,14 +44,6 @@ pub enum CamFileError {
         path: PathBuf,
         /// What, with its line.
         source: AsciiError,
-    },
-    /// A `.CAM` file does.
-    #[error("{}: {source}", path.display())]
-    Binary {
-        /// The file.
-        path: PathBuf,
-        /// What, with its byte.
-        source: CamReadError,
     },
     /// A table with commas has something else than it should.
     #[error("{}: line {line}: {message}", path.display())]
@@ -76,20 +63,22 @@ pub enum CamFileError {
         /// Why.
         source: CamError,
     },
-    /// A cam does not fit into a file.
-    #[error("{}: {source}", path.display())]
-    Large {
+    /// Tappets without a curve are to be written as a table.
+    #[error("{}: tappets alone have no positions; write them as .toml", path.display())]
+    TappetsOnly {
         /// The file.
         path: PathBuf,
-        /// Why.
-        source: CamWriteError,
     },
-    /// A cam cannot be said in a format.
-    #[error("{}: {message}", path.display())]
-    Unsayable {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        message: &'static str,
-    },
+}
+
+/// How a cam in a form that is not read gets into one that is.
+fn instead(path: &Path) -> &'static str {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        Some("cam") => "; export a binary .cam file as ASCII table from the program that wrote it",
+        Some("txt") => {
+            "; rename a table of lines `master;slave` to .asc, write other cams as .toml"
+        }
+        _ => "",
+    }
 }

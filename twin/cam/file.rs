@@ -12,13 +12,9 @@ use crate::section::MachineFileError;
 use crate::section::read_text;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use twin_motion::cam::file::{
-    Beside, read_ascii, read_beside as read_binary, read_text as read_words, write_ascii,
-    write_beside as write_binary, write_text,
-};
+use twin_motion::cam::file::{read_ascii, write_ascii};
 use twin_motion::cam::{
-    Cam, CamInput, Compile, Interpolation, Kind, PairTable, Scale, Shape, Source, TableScale,
-    VariableType,
+    Cam, Element, Interpolation, Kind, PairTable, Scale, Shape, Source, TableScale, VariableType,
 };
 
 /// How a cam is written.
@@ -26,14 +22,10 @@ use twin_motion::cam::{
 pub enum Form {
     /// `.toml`: by hand, with everything a cam has.
     Toml,
-    /// `.txt`: by hand, a line for everything.
-    Words,
     /// `.csv`: positions, or points with velocity and acceleration, with a header.
     Csv,
     /// `.asc`: positions, `master;slave` in each line (manual 4.4.3).
     Ascii,
-    /// `.cam`: bit for bit (manual 10.3).
-    Binary,
 }
 
 impl Form {
@@ -45,10 +37,8 @@ impl Form {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         match ending.as_deref() {
             Some("toml") => Ok(Self::Toml),
-            Some("txt") => Ok(Self::Words),
             Some("csv") => Ok(Self::Csv),
             Some("asc") => Ok(Self::Ascii),
-            Some("cam") => Ok(Self::Binary),
             _ => Err(CamFileError::Ending { path: path.to_owned() }),
         }
     }
@@ -63,7 +53,7 @@ pub struct CamFile {
     pub form: Form,
     /// The cam.
     pub cam: Cam,
-    /// What people edit; none of tables and of `.CAM` files of version 1.0.
+    /// Points, lines and tappets; none of tables.
     pub source: Option<Source>,
     /// Whether it is put end to end, as far as the file says so: by the slave's period, by a table's flag, or by an end that
     /// goes on as the begin does.
@@ -76,7 +66,7 @@ pub struct CamFile {
     pub slave: AxisScale,
     /// `[coupling]`; what it is by default if the file does not say.
     pub coupling: Coupling,
-    /// The text, of those that are text.
+    /// The text of a TOML file.
     pub text: Option<String>,
     /// Of a TOML file whose elements do not stand by ascending masters: which one, with its line.
     pub out_of_order: Option<String>,
@@ -97,7 +87,7 @@ impl CamFile {
         }
     }
 
-    /// Reads a cam. Tables as text are interpolated as `interpolation` says; TOML and `.CAM` files say it themselves.
+    /// Reads a cam. Tables as text are interpolated as `interpolation` says; TOML files say it themselves.
     ///
     /// # Errors
     /// [`CamFileError`] with file, line, value and limit.
@@ -114,13 +104,6 @@ impl CamFile {
                 })?;
                 Self::from_toml(path, text)
             }
-            Form::Words => {
-                let text = String::from_utf8_lossy(&bytes(path)?).into_owned();
-                let source = read_words(&text)
-                    .map_err(|source| CamFileError::Text { path: path.to_owned(), source })?;
-                let cam = compile(path, &source)?;
-                Ok(Self::of_source(path, form, source, cam, text))
-            }
             Form::Csv => {
                 let read = columns::read(path, &bytes(path)?)?;
                 let mut file = Self::of_table(path, form, csv_shape(path, &read, interpolation)?)?;
@@ -133,15 +116,6 @@ impl CamFile {
                 let pairs = read_ascii(bytes(path)?.as_slice())
                     .map_err(|source| CamFileError::Ascii { path: path.to_owned(), source })?;
                 Self::of_table(path, form, pair_table(pairs, interpolation))
-            }
-            Form::Binary => {
-                let (cam, beside) = read_binary(bytes(path)?.as_slice())
-                    .map_err(|source| CamFileError::Binary { path: path.to_owned(), source })?;
-                let mut file = Self::of_cam(path, form, cam);
-                if let Some(beside) = beside {
-                    file.take(&beside);
-                }
-                Ok(file)
             }
         }
     }
@@ -156,7 +130,7 @@ impl CamFile {
                 let out_of_order = out_of_order.map(|element| element.told(&text));
                 let repeated = source.period.is_some()
                     || table.as_ref().is_some_and(|table| periodic(table) == Some(true));
-                let mut file = Self::of_source(path, Form::Toml, source, cam, text);
+                let mut file = Self::of_source(path, source, cam, text);
                 (file.coupling, file.repeated) = (coupling, repeated);
                 file.out_of_order = out_of_order;
                 if table.is_some() {
@@ -171,10 +145,10 @@ impl CamFile {
         }
     }
 
-    fn of_source(path: &Path, form: Form, source: Source, cam: Cam, text: String) -> Self {
+    fn of_source(path: &Path, source: Source, cam: Cam, text: String) -> Self {
         Self {
             path: path.to_owned(),
-            form,
+            form: Form::Toml,
             cam,
             repeated: source.period.is_some(),
             period: source.period,
@@ -190,72 +164,30 @@ impl CamFile {
     fn of_table(path: &Path, form: Form, shape: Shape) -> Result<Self, CamFileError> {
         let cam = Cam::new(&stem(path), shape, Vec::new())
             .map_err(|source| CamFileError::Cam { path: path.to_owned(), source })?;
-        Ok(Self::of_cam(path, form, cam))
-    }
-
-    fn of_cam(path: &Path, form: Form, cam: Cam) -> Self {
         let curve = cam.curve();
         let slave = curve.extremes().position;
-        let scale = AxisScale::bare;
         let goes_on = curve.real_jumps(true).into_iter().all(|jump| jump.is_none());
-        Self {
+        Ok(Self {
             path: path.to_owned(),
             form,
             repeated: periodic(cam.shape()).unwrap_or(goes_on),
             period: None,
-            master: scale(curve.start(), curve.end()),
-            slave: scale(slave.min, slave.max),
+            master: AxisScale::bare(curve.start(), curve.end()),
+            slave: AxisScale::bare(slave.min, slave.max),
             source: None,
             coupling: Coupling::default(),
             text: None,
             out_of_order: None,
             cam,
-        }
+        })
     }
 
-    /// What a `.CAM` file says beside the cam.
-    fn take(&mut self, beside: &Beside) {
-        self.source = beside.source(&self.cam);
-        (self.master, self.slave) = ((&beside.master).into(), (&beside.slave).into());
-        (self.period, self.repeated) = (beside.period, beside.repeated);
-        let dead_time_s = beside.input.tappet_dead_time_s;
-        let input = CamInput { tappet_dead_time_s: 0.0, ..beside.input };
-        self.coupling = Coupling { input, dead_time_s, wanted: beside.wanted };
-    }
-
-    /// What a `.CAM` file says beside the cam.
-    fn beside(&self) -> Beside {
-        let frame = self.source.clone().unwrap_or_else(|| self.frame());
-        Beside {
-            kind: frame.kind,
-            master: frame.master,
-            slave: frame.slave,
-            period: self.period,
-            repeated: self.repeated,
-            elements: self.source.as_ref().map(|source| source.elements.clone()),
-            input: CamInput {
-                tappet_dead_time_s: self.coupling.dead_time_s,
-                ..self.coupling.input
-            },
-            wanted: self.coupling.wanted,
-        }
-    }
-
-    /// What people could edit of it: its own source, or its points and tappets.
-    ///
-    /// # Errors
-    /// [`CamFileError::Unsayable`] of tables, which have no elements.
-    pub fn to_source(&self) -> Result<Source, CamFileError> {
-        if let Some(source) = &self.source {
-            return Ok(source.clone());
-        }
-        let mut source = self.frame();
-        let Shape::Polynomial(knots) = self.cam.shape() else {
-            let message = "a table has no points and lines; write it as .toml, .csv, .cam or .asc";
-            return Err(CamFileError::Unsayable { path: self.path.clone(), message });
-        };
-        source.elements = knots.iter().copied().map(twin_motion::cam::Element::Point).collect();
-        Ok(source)
+    /// Its points, lines and tappets: its own source, or the points of a polynomial; none of a table.
+    pub fn to_source(&self) -> Option<Source> {
+        let Shape::Polynomial(knots) = self.cam.shape() else { return None };
+        let points = || knots.iter().copied().map(Element::Point).collect();
+        let source = self.source.clone();
+        Some(source.unwrap_or_else(|| Source { elements: points(), ..self.frame() }))
     }
 
     /// Whether it consists of points and is put end to end, back to where it began: any period says so then.
@@ -287,13 +219,10 @@ impl CamFile {
     }
 
     /// It as TOML.
-    ///
-    /// # Errors
-    /// None that is known: tables are written as tables.
-    pub fn to_toml(&self) -> Result<String, CamFileError> {
-        match self.cam.shape() {
-            Shape::Polynomial(_) => Ok(write_toml(&self.to_source()?, None, &self.coupling)),
-            table => Ok(write_toml(&self.frame(), Some(table), &self.coupling)),
+    pub fn to_toml(&self) -> String {
+        match self.to_source() {
+            Some(source) => write_toml(&source, None, &self.coupling),
+            None => write_toml(&self.frame(), Some(self.cam.shape()), &self.coupling),
         }
     }
 }
@@ -305,11 +234,6 @@ fn stem(path: &Path) -> String {
 
 fn bytes(path: &Path) -> Result<Vec<u8>, CamFileError> {
     bounded::read(path).map_err(|source| CamFileError::Read { path: path.to_owned(), source })
-}
-
-fn compile(path: &Path, source: &Source) -> Result<Cam, CamFileError> {
-    let cam = source.compile(Compile::Polynomial);
-    cam.map_err(|source| CamFileError::Cam { path: path.to_owned(), source })
 }
 
 fn periodic(shape: &Shape) -> Option<bool> {
@@ -336,38 +260,29 @@ pub(super) fn pair_table(pairs: Vec<[f64; 2]>, interpolation: Interpolation) -> 
 /// Positions that are written of a curve if nothing else is said.
 const POINTS: usize = 361;
 
-/// What is written into a file of this form.
+/// The bytes of a file in the form that its ending says.
 ///
 /// # Errors
-/// [`CamFileError`] if the form cannot say it, or it is larger than a file may be.
+/// [`CamFileError`] if the form is unknown or cannot hold the cam.
 pub fn write_file(
     file: &CamFile,
     target: &Path,
     points: Option<usize>,
 ) -> Result<Vec<u8>, CamFileError> {
-    let unsayable = |message| CamFileError::Unsayable { path: target.to_owned(), message };
-    match Form::of(target)? {
-        Form::Csv | Form::Ascii if file.is_tappets_only() => {
-            Err(unsayable("tappets alone have no positions; write them as .toml, .txt or .cam"))
-        }
-        Form::Toml => Ok(file.to_toml()?.into_bytes()),
-        Form::Words if file.coupling != Coupling::default() => {
-            Err(unsayable("lines of words have no [coupling]; write it as .toml"))
-        }
-        Form::Words => Ok(write_text(&file.to_source()?).into_bytes()),
+    let form = Form::of(target)?;
+    if form != Form::Toml && file.is_tappets_only() {
+        return Err(CamFileError::TappetsOnly { path: target.to_owned() });
+    }
+    match form {
+        Form::Toml => Ok(file.to_toml().into_bytes()),
         Form::Csv => Ok(csv_of(file, points).into_bytes()),
         Form::Ascii => {
             let mut bytes = Vec::new();
-            match (file.cam.shape(), points) {
-                (Shape::Pairs(table), None) => {
-                    for [x, y] in &table.pairs {
-                        let (x, y) = (table.master.position(*x), table.slave.position(*y));
-                        write!(bytes, "{x};{y}\r\n").map_err(|source| CamFileError::Read {
-                            path: target.to_owned(),
-                            source,
-                        })?;
-                    }
-                }
+            let written = match (file.cam.shape(), points) {
+                (Shape::Pairs(table), None) => table.pairs.iter().try_for_each(|[x, y]| {
+                    let (x, y) = (table.master.position(*x), table.slave.position(*y));
+                    write!(bytes, "{x};{y}\r\n")
+                }),
                 (shape, points) => {
                     let own = match shape {
                         // Where the first number comes again it is a point, too.
@@ -377,16 +292,10 @@ pub fn write_file(
                         _ => POINTS,
                     };
                     write_ascii(file.cam.curve(), points.unwrap_or(own), &mut bytes)
-                        .map_err(|source| CamFileError::Read { path: target.to_owned(), source })?;
                 }
-            }
-            Ok(bytes)
-        }
-        Form::Binary => {
-            let mut bytes = Vec::new();
-            write_binary(&file.cam, &file.beside(), &mut bytes)
-                .map_err(|source| CamFileError::Large { path: target.to_owned(), source })?;
-            Ok(bytes)
+            };
+            let path = || target.to_owned();
+            written.map_err(|source| CamFileError::Read { path: path(), source }).map(|()| bytes)
         }
     }
 }

@@ -72,7 +72,7 @@ fn elements(lines: &mut Vec<String>, from: &CamFile, to: &CamFile) {
     let (before, after) = (from.cam.tappets().len(), to.cam.tappets().len());
     if before > after {
         lines.push(format!(
-            "this form has no tappets; {} of {} are left behind (.toml, .txt and .cam have them)",
+            "this form has no tappets; {} of {} are left behind (.toml has them)",
             before - after,
             from.path.display()
         ));

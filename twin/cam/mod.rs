@@ -1,4 +1,4 @@
-//! Cams in files: written by hand as TOML, tables of positions as CSV or text, and `.CAM`; checked, drawn and tuned.
+//! Cams in files: TOML by hand, tables as CSV or SoftMotion's ASCII; checked, drawn and tuned.
 //!
 //! `examples/cams/*.toml` are commented as documentation of the format.
 

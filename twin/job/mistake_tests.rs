@@ -25,7 +25,7 @@ const SHAFT: &str =
 fn an_axis_that_nobody_knows_hides_nothing() {
     let cam = |axes: &str| {
         format!(
-            "{SHAFT}[[blocks]]\nblock = \"MC_CamIn\"\n{axes}cam = \"none.cam\"\nstart_mode = \"ramp\"\nperiodic = 1\n\
+            "{SHAFT}[[blocks]]\nblock = \"MC_CamIn\"\n{axes}cam = \"none.toml\"\nstart_mode = \"ramp\"\nperiodic = 1\n\
              at_s = -1\nslave_offset_mm = \"3\"\nmaster_offset_deg = \"9\"\n"
         )
     };
@@ -56,8 +56,8 @@ fn an_axis_that_nobody_knows_hides_nothing() {
 #[test]
 fn a_mistake_makes_no_other() {
     let text = format!(
-        "{SHAFT}[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"shaft\"\ncam = \"none.cam\"\n[[blocks]]\n\
-         block = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"shaft\"\ncam = \"none.cam\"\nat_end_of_profile = true\n"
+        "{SHAFT}[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"shaft\"\ncam = \"none.toml\"\n[[blocks]]\n\
+         block = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"shaft\"\ncam = \"none.toml\"\nat_end_of_profile = true\n"
     );
     let found = told(&text);
     assert!(found.len() == 2 && found.iter().all(|one| one.contains("(error 2200)")), "{found:#?}");

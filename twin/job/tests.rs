@@ -126,12 +126,12 @@ fn a_slave_in_gear_keeps_its_ratio() {
 fn a_slave_on_its_cam_is_where_the_cam_says() {
     let job = job(&format!(
         "duration_s = 2\n{SHAFT}[[start]]\naxis = \"X\"\nposition_mm = 0\n[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"X\"\n\
-         master = \"shaft\"\ncam = \"hump.cam.txt\"\n[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"shaft\"\n\
+         master = \"shaft\"\ncam = \"hump.cam.toml\"\n[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"shaft\"\n\
          velocity_deg_per_s = 360\nacceleration_deg_per_s2 = 360000\n"
     ));
-    let cam =
-        "cam hump\nmaster 0 360\nslave 0 40\npoint 0 0\npoint 180 40\npoint 360 0\nperiod 360\n";
-    std::fs::write(job.folder.path().join("hump.cam.txt"), cam).unwrap();
+    let cam = "master = { min = 0, max = 360 }\nslave = { min = 0, max = 40, period = 360 }\n\
+        elements = [{ master = 0, slave = 0 }, { master = 180, slave = 40 }, { master = 360, slave = 0 }]\n";
+    std::fs::write(job.folder.path().join("hump.cam.toml"), cam).unwrap();
     let (setpoints, findings) = run(&job, &machine());
     assert_eq!(findings, []);
     let shape = |turn: f64| {
@@ -338,9 +338,9 @@ fn mistakes_are_told_with_their_lines() {
             "two [[start]] say where axis \"X\" starts",
         ),
         (
-            "[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"Y\"\ncam = \"none.cam\"\n",
+            "[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"Y\"\ncam = \"none.toml\"\n",
             5,
-            "none.cam",
+            "none.toml",
         ),
         (
             "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"X\"\nat_s = 1\nafter_s = 1\n",

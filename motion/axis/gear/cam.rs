@@ -1,9 +1,9 @@
 //! `MC_CamIn`.
 
 use crate::axis::ownership::Start;
-use crate::profile::{AxisLimits, ProfileError, RampType, State};
 use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
-use crate::cam::{CamCoupling, CamInput, CamTable, CouplingError, StartMode};
+use crate::cam::{Approach, CamCoupling, CamInput, CamTable, CouplingError, Gap, StartMode};
+use crate::profile::{AxisLimits, ProfileError, RampType, State};
 
 /// The slave follows a cam (`MC_CamIn`, manual 5.4); `done` is `InSync`. What `MC_CamTableSelect` gives is a
 /// [`CamTable`]; the periods of master and slave are those of the axes.

@@ -1,7 +1,7 @@
 //! A slave that takes up a multiple of its master's velocity.
 
-use crate::profile::{AxisLimits, Profile, ProfileError, RampType, State};
 use crate::axis::{Axis, Master};
+use crate::profile::{AxisLimits, Profile, ProfileError, RampType, State};
 
 /// Where a slave stands to its master.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,8 @@
 //! `SMC_GearInPos`.
 
 use crate::axis::ownership::Start;
-use crate::profile::{AxisLimits, Profile, RampType, State};
 use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
+use crate::profile::{AxisLimits, Profile, RampType, State};
 
 /// Velocity and position follow the master from a place on (`SMC_GearInPos`, manual 5.4). `done` is `InSync`, `StartSync`
 /// is [`GearInPosRun::is_coupling`] and `Active` is [`Block::is_active`](crate::axis::Block::is_active).

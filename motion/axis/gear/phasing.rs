@@ -3,8 +3,8 @@
 use super::follower::Follower;
 use crate::axis::moves::Planned;
 use crate::axis::ownership::Start;
-use crate::profile::{AxisLimits, State};
 use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
+use crate::profile::{AxisLimits, State};
 
 /// A slave at a constant distance from its master (`MC_Phasing`, manual 5.4).
 ///

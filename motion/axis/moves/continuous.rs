@@ -2,8 +2,8 @@
 
 use super::Planned;
 use crate::axis::ownership::Start;
-use crate::profile::{AxisLimits, Profile};
 use crate::axis::{Axis, AxisState, Direction, Motion, Progress, SmcError, Stage};
+use crate::profile::{AxisLimits, Profile};
 
 /// To a position with a velocity there, and on with it (`SMC_MoveContinuousAbsolute`, manual 5.3).
 ///

@@ -2,8 +2,8 @@
 
 use super::Planned;
 use crate::axis::ownership::{Refusal, Start};
-use crate::profile::State;
 use crate::axis::{Axis, AxisState, Homing, Motion, Progress, SmcError, Stage};
+use crate::profile::State;
 
 /// How long a drive may take to answer, s; the manual names no time.
 pub(super) const ANSWER_S: f64 = 1.0;

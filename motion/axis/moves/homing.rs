@@ -2,8 +2,8 @@
 
 use super::Planned;
 use crate::axis::ownership::Start;
-use crate::profile::State;
 use crate::axis::{Axis, AxisState, Direction, Motion, Progress, SmcError, Stage};
+use crate::profile::State;
 use std::collections::VecDeque;
 
 /// In which order homing sets the reference and stops, and which way it leaves the switch (`SMC_HOMING_MODE`).

@@ -1,8 +1,8 @@
 //! A planned motion on its way.
 
 use crate::axis::ownership::Start;
-use crate::profile::{AxisLimits, Profile, ProfileError};
 use crate::axis::{Axis, Progress, Stage};
+use crate::profile::{AxisLimits, Profile, ProfileError};
 
 /// A profile and how far it has come.
 #[derive(Clone, Debug)]

@@ -3,8 +3,8 @@
 use super::Planned;
 use crate::axis::latch::{Latch, Outcome, Outputs};
 use crate::axis::ownership::{Refusal, Start};
-use crate::profile::State;
 use crate::axis::{Axis, AxisState, SmcError, Stage};
+use crate::profile::State;
 
 /// A distance on top of the motion there is (`MC_MoveSuperImposed`, manual 5.3).
 ///

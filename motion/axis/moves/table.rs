@@ -2,8 +2,8 @@
 
 use crate::axis::direction::SAME;
 use crate::axis::ownership::Start;
-use crate::profile::{MOST_POINTS, ProfilePoint, ProfileTable, TableProfile};
 use crate::axis::{Axis, AxisState, Motion, Progress, SmcError, Stage};
+use crate::profile::{MOST_POINTS, ProfilePoint, ProfileTable, TableProfile};
 
 /// Points over time (`MC_TP_REF`, `MC_TV_REF`, `MC_TA_REF`) and how a block reads them.
 #[doc(alias = "MC_TP_Array")]

@@ -3,9 +3,9 @@
 use super::blocks::endless;
 use super::framework::to;
 use super::rig::{CYCLE, Rig, linear, rotary};
-use crate::profile::RampType;
 use crate::axis::{Axis, AxisConfig, Block, CamIn, SmcError};
 use crate::cam::{Action, Cam, CamInput, CamTable, Knot, Passage, Shape, StartMode, Tappet};
+use crate::profile::RampType;
 use std::sync::Arc;
 
 fn cam(knots: &[Knot]) -> CamTable {

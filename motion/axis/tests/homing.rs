@@ -1,10 +1,10 @@
 //! Homing onto a switch (manual 2.2.7), and by the drive (5.3).
 
 use super::rig::{CYCLE, Rig, linear};
-use crate::profile::RampType;
 use crate::axis::{
     AxisConfig, AxisState, Block, Direction, Home, Homing, HomingBySwitch, HomingMode, SmcError,
 };
+use crate::profile::RampType;
 
 /// The switch is closed below this drive position, u.
 const SWITCH: f64 = -2.0;

@@ -3,11 +3,11 @@
 
 use super::blocks::endless;
 use super::rig::{CYCLE, Rig};
-use crate::profile::RampType;
 use crate::axis::{
     Axis, AxisConfig, Block, CamIn, GearInPos, GearInPosRun, MoveVelocity, Movement,
 };
 use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
+use crate::profile::RampType;
 use proptest::prelude::*;
 use std::sync::Arc;
 

@@ -3,11 +3,11 @@
 use super::blocks::endless;
 use super::framework::to;
 use super::rig::{CYCLE, Rig, linear};
-use crate::profile::RampType;
 use crate::axis::{
     Answer, AxisConfig, AxisState, Block, ControllerMode, Direction, MoveVelocity, ParameterNumber,
     ReadParameter, SetControllerMode, SmcError, TouchProbe, Transfer, Trigger, WriteParameter,
 };
+use crate::profile::RampType;
 
 #[test]
 fn blocks_read_and_write_by_number() {

@@ -3,12 +3,12 @@
 use super::blocks::endless;
 use super::framework::to;
 use super::rig::{self, CYCLE, Rig, linear, rotary};
-use crate::profile::RampType;
 use crate::axis::{
     AxisConfig, AxisState, Block, CamIn, ControlAxisBy, ControllerMode, Follow, GearIn, GearInPos,
     GearInPosRun, Home, MoveVelocity, SetControllerMode, Watched,
 };
 use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
+use crate::profile::RampType;
 use std::sync::Arc;
 
 fn gear() -> Block<GearIn> {

@@ -1,10 +1,10 @@
 //! The manual's example of a cam that a program fills (4.7.1).
 
-use crate::profile::State;
 use crate::cam::{
     Cam, CamCoupling, CamError, CamInput, CamTable, Interpolation, PairTable, Shape, TableScale,
     VariableType,
 };
+use crate::profile::State;
 use std::sync::Arc;
 
 /// `SMC_CAMTable_UINT_128_1` with `Table[i][0] := Table[i][1] := REAL_TO_UINT(i / 127.0 * 65536)`, both scales 0 … 360 u for

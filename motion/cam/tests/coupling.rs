@@ -1,10 +1,10 @@
 //! Starts, ramps, ends and changes of cams (manual 4.6).
 
-use crate::profile::State;
 use crate::cam::{
     Action, Cam, CamCoupling, CamInput, CamTable, CouplingError, Element, Factors, Knot,
     MasterMotion, Passage, Shape, StartMode, Tappet, slave_set_position,
 };
+use crate::profile::State;
 use proptest::prelude::*;
 use std::sync::Arc;
 

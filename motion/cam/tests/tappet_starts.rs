@@ -1,11 +1,11 @@
 //! Tappets on which the master stands when the cam begins (manual 4.4.2).
 
 use super::tappets::{acts, tappet};
-use crate::profile::State;
 use crate::cam::{
     Action, Cam, CamCoupling, CamInput, CamRegister, CamTable, Knot, Passage, RegisterInput, Shape,
     TappetValue,
 };
+use crate::profile::State;
 use std::sync::Arc;
 
 /// A master that stands on a tappet when the cam begins has not come to it: it acts when that happens, from either side, at the

@@ -1,10 +1,10 @@
 //! Tappets and registers (manual 4.4.2, 5.5).
 
-use crate::profile::State;
 use crate::cam::{
     Action, Cam, CamCoupling, CamInput, CamRegister, CamTable, Knot, Passage, RegisterInput, Shape,
     Tappet, TappetBit, TappetValue, Trigger,
 };
+use crate::profile::State;
 use proptest::prelude::*;
 use std::sync::Arc;
 

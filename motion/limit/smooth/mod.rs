@@ -34,7 +34,7 @@ use super::bound::{CapSource, Constraint};
 use super::convex::{NotSolved, Origin, Program};
 use super::gain::{Gain, gains};
 use super::grid::{End, Grid};
-use super::rows::{Around, Place, Screen, Writer};
+use super::rows::{Around, Known, Place, Screen, Writer};
 use std::ops::Range;
 
 /// A c that is to be positive is at least this part of the guess.

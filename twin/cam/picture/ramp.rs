@@ -10,10 +10,10 @@ use crate::page::{FAINT, INK, MARK, color, fine, font, resized, stroke};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use twin_motion::profile::State;
 use twin_motion::cam::tune::{
     RampError, RampIn, RampMoment, RampShown, RampWish, on_cam, ramp_shown,
 };
+use twin_motion::profile::State;
 
 /// Height of a row of curves, pixels.
 const HEIGHT: f64 = 190.0;

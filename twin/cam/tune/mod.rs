@@ -33,11 +33,11 @@ use super::edit::Change;
 use super::{CamFile, WANTED};
 use crate::number::significant;
 use std::sync::Arc;
-use twin_motion::profile::{RampType, State};
 use twin_motion::cam::tune::{
     FitError, GentleError, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
 };
 use twin_motion::cam::{CamError, CamTable, Element, Knot, LimitError, Shape, StartMode};
+use twin_motion::profile::{RampType, State};
 
 /// Why something is not tuned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -8,15 +8,13 @@ use crate::command::{Failure, Status};
 use crate::number::significant;
 use clap::ValueEnum;
 use std::path::PathBuf;
-use twin_motion::cam::{
-    Cam, Compile, Curve, Interpolation, Peak, Source, TableScale, VariableType,
-};
+use twin_motion::cam::{Cam, Compile, Curve, Interpolation, Peak, TableScale, VariableType};
 
 /// Write a cam in another form: what it is read and written as say the endings of the files
 ///
-/// .toml and .cam keep everything: curve, straight lines, tappets, scales with units, [coupling]. .txt keeps points, lines,
-/// tappets and scales, and refuses a cam with a [coupling]. .csv keeps points with velocity and acceleration or the pairs of a
-/// table, and units in its header; .asc positions alone. What a form does not keep is told line by line.
+/// .toml keeps everything: curve, straight lines, tappets, scales with units, [coupling]. .csv keeps points with velocity and
+/// acceleration or the pairs of a table, and units in its header; .asc (ASCII table of SoftMotion) positions alone. What a form
+/// does not keep is reported line by line.
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct Arguments {
@@ -24,7 +22,7 @@ pub(super) struct Arguments {
     #[arg(value_name = "IN")]
     from: PathBuf,
 
-    /// What it is written to: .toml, .csv, .asc, .cam or .txt
+    /// What it is written to: .toml, .csv or .asc
     #[arg(value_name = "OUT")]
     to: PathBuf,
 
@@ -57,8 +55,8 @@ pub(super) struct Arguments {
 const AFTER_HELP: &str = "\
 Examples:
   twin cam convert measured.asc cam.toml --tolerance 0.01
-  twin cam convert examples/cams/pick_and_place.toml pick.cam
-  twin cam convert examples/cams/pick_and_place.toml pick.cam --table pairs --points 128 --type int";
+  twin cam convert examples/cams/pick_and_place.toml pick.asc --points 721
+  twin cam convert examples/cams/pick_and_place.toml table.toml --table pairs --points 128 --type int";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum TableKind {
@@ -176,7 +174,10 @@ fn interpolation(arguments: &Arguments) -> Interpolation {
 }
 
 fn compiled(file: &CamFile, kind: TableKind, arguments: &Arguments) -> Result<Cam, Failure> {
-    let source: Source = file.to_source().map_err(Box::new)?;
+    let Some(source) = file.to_source() else {
+        let message = "a table has no points and lines that another table could be made of";
+        return Err(Failure::Usage(format!("{}: {message}", file.path.display())));
+    };
     let Some(points) = arguments.points else {
         return Err(Failure::Usage("--table needs --points".to_owned()));
     };

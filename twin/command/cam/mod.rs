@@ -19,7 +19,7 @@ use std::fmt;
 /// Check cams against the limits of their slaves, sample them, write them in other forms, draw them
 ///
 /// Cams are read from .toml (examples/cams are commented as documentation of the format), .csv (master, slave, or with
-/// velocity and acceleration), .asc (tables of SoftMotion, a line `master;slave` per point), .cam and .txt files.
+/// velocity and acceleration) and .asc files (ASCII tables of SoftMotion, a line `master;slave` per point).
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     #[command(subcommand)]

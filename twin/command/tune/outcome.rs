@@ -110,7 +110,7 @@ pub(super) fn apply(
             if report.shaped.is_some() {
                 other.source = None;
             }
-            other.to_toml().map_err(Box::new)?
+            other.to_toml()
         }
     };
     // What is written is what was found, or nothing is written.

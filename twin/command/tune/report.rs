@@ -9,9 +9,9 @@ use crate::cam::tune::{Begin, Kept, Limited, Minimised, ShapeGoal, Shaped};
 use crate::command::show::table;
 use crate::number::{beside, significant};
 use std::io::{self, Write};
-use twin_motion::profile::RampType;
 use twin_motion::cam::tune::{Bound, DeadTime, Estimate, Fit, RampIn, RampWish};
 use twin_motion::cam::{MasterMotion, Quantity};
+use twin_motion::profile::RampType;
 
 /// Six significant digits.
 pub(super) fn short(value: f64) -> String {

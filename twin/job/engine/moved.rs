@@ -5,8 +5,8 @@ use super::State;
 use crate::finding::{Finding, Rule, Severity};
 use crate::number::significant;
 use twin_motion::Place;
-use twin_motion::profile::RampType;
 use twin_motion::axis::{Axis, AxisConfig, AxisState, Block, Halt, Movement, Power, VirtualDrive};
+use twin_motion::profile::RampType;
 
 /// Cycles until a drive has its power.
 const SWITCHING_ON: usize = 3;

@@ -56,12 +56,12 @@ fn the_program_must_not_move_a_slave() {
 #[test]
 fn a_cam_drives_an_axis_that_drives_another() {
     let folder = tempfile::tempdir().unwrap();
-    let cam = "cam ramp\nmaster 0 100\nslave 0 200\nline 0 0 100 200\n";
-    std::fs::write(folder.path().join("ramp.txt"), cam).unwrap();
+    let cam = "master = { min = 0, max = 100 }\nelements = [{ from = [0, 0], to = [100, 200] }]\n";
+    std::fs::write(folder.path().join("ramp.toml"), cam).unwrap();
     // The gear stands before the cam whose slave is its master.
     let text = with(
         "[[gears]]\naxis = \"Z\"\nmaster = \"Y\"\nratio_numerator = 1\nratio_denominator = 10\n[[cams]]\naxis = \"Y\"\n\
-         master = \"X\"\ncam = \"ramp.txt\"\nperiodic = false\nslave_offset_mm = 5\n",
+         master = \"X\"\ncam = \"ramp.toml\"\nperiodic = false\nslave_offset_mm = 5\n",
     );
     let machine = Machine::parse(&folder.path().join("machine.toml"), &text).unwrap();
     let rest = AxisVector::from_values([0.01, 0.0, 0.0]);
@@ -83,11 +83,11 @@ fn a_cam_drives_an_axis_that_drives_another() {
 #[test]
 fn a_cam_knows_the_period_of_its_master() {
     let folder = tempfile::tempdir().unwrap();
-    let cam = "cam turn\nmaster 0 360\nslave 0 36\nline 0 0 360 36\n";
-    std::fs::write(folder.path().join("turn.txt"), cam).unwrap();
+    let cam = "master = { min = 0, max = 360 }\nelements = [{ from = [0, 0], to = [360, 36] }]\n";
+    std::fs::write(folder.path().join("turn.toml"), cam).unwrap();
     let text = format!(
         "{}[[axes]]\nname = \"C\"\nrole = \"P\"\nkind = \"rotary\"\nperiod_deg = 360\nmax_velocity_deg_per_s = 360\n\
-         max_acceleration_deg_per_s2 = 3600\n[[cams]]\naxis = \"Y\"\nmaster = \"C\"\ncam = \"turn.txt\"\nperiodic = false\n",
+         max_acceleration_deg_per_s2 = 3600\n[[cams]]\naxis = \"Y\"\nmaster = \"C\"\ncam = \"turn.toml\"\nperiodic = false\n",
         super::programs::without_drive()
     );
     let machine = Machine::parse(&folder.path().join("machine.toml"), &text).unwrap();
@@ -128,7 +128,7 @@ fn what_cannot_follow_is_told() {
         "[[gears]]\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 0\n",
         "`ratio_numerator` is 0: the slave would never move",
     );
-    said("[[cams]]\naxis = \"X\"\nmaster = \"Y\"\ncam = \"none.cam\"\n", "none.cam");
+    said("[[cams]]\naxis = \"X\"\nmaster = \"Y\"\ncam = \"none.toml\"\n", "none.toml");
     said("[[cams]]\naxis = \"X\"\nmaster = \"Y\"\n", "lacks `cam`");
     assert!(Machine::load(Path::new("none.toml")).is_err());
 }
@@ -169,9 +169,9 @@ fn places_of_what_cannot_follow() {
 fn scalings_of_nothing_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("machine.toml");
-    std::fs::write(folder.path().join("c.txt"), "cam c\nmaster 0 9\nslave 0 9\nline 0 0 9 9\n")
-        .unwrap();
-    let cams = "[[cams]]\naxis = \"X\"\nmaster = \"Y\"\ncam = \"c.txt\"\n";
+    let cam = "master = { min = 0, max = 9 }\nelements = [{ from = [0, 0], to = [9, 9] }]\n";
+    std::fs::write(folder.path().join("c.toml"), cam).unwrap();
+    let cams = "[[cams]]\naxis = \"X\"\nmaster = \"Y\"\ncam = \"c.toml\"\n";
     for key in ["master_scaling", "slave_scaling"] {
         for (value, said) in [
             ("0", "is 0; nothing would move"),

@@ -3,8 +3,8 @@
 use super::checker::{Limits, Promise};
 use super::random::Random;
 use super::{alone, coupled, direct, homed, others, tables};
-use crate::profile::State;
 use crate::axis::{Axis, Block, Master, Motion, Outputs};
+use crate::profile::State;
 use std::any::type_name;
 
 /// A block that can be called.

@@ -2,9 +2,9 @@
 
 use super::legal::{self, Keeper};
 use super::{FASTEST, JERK, STEEPEST};
-use crate::profile::{RampType, State};
 use crate::axis::tests::rig::CYCLE;
 use crate::axis::{Axis, AxisState, Outputs};
+use crate::profile::{RampType, State};
 use std::cmp::Ordering;
 
 /// One begun execution of a block, from its edge on.

@@ -5,8 +5,8 @@ use super::called::{Begun, Called, Moving, any, moving};
 use super::checker::{Limits, Promise};
 use super::random::Random;
 use super::{CYCLE, FASTEST, STEEPEST};
-use crate::profile::State;
 use crate::axis::{Axis, ControlAxisBy, Follow, Motion, Outputs};
+use crate::profile::State;
 use std::any::type_name;
 
 /// A block that takes set-points as they are.

@@ -3,8 +3,8 @@
 use super::called::{Called, Moving, own};
 use super::checker::Promise;
 use super::random::Random;
-use crate::profile::{RampType, State};
 use crate::axis::{Axis, GearInPos, GearInPosRun, Master, Motion, Outputs, fmod};
+use crate::profile::{RampType, State};
 use std::any::type_name;
 
 /// A block that couples as a gear with a place does.

@@ -18,10 +18,10 @@ mod random;
 mod tables;
 
 use super::rig::CYCLE;
-use crate::profile::{RampType, State};
 use crate::axis::{
     Axis, AxisConfig, AxisState, DigitalCamSwitch, Movement, Outputs, Power, Reset, VirtualDrive,
 };
+use crate::profile::{RampType, State};
 use called::Called;
 use checker::{Checker, Limits, Promise};
 use lead::Lead;

@@ -4,9 +4,9 @@ use super::JERK;
 use super::called::{Called, Moving};
 use super::checker::Promise;
 use super::random::Random;
-use crate::profile::RampType;
 use crate::axis::{Axis, CamIn, CamRun, Master, Motion, Outputs};
 use crate::cam::{Action, CamTable, Passage, Tappet, TappetValue, Trigger};
+use crate::profile::RampType;
 use std::any::type_name;
 
 /// [`CYCLE`], ns.

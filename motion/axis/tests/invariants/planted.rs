@@ -9,9 +9,9 @@ use super::on_cam::{Cams, OnCam};
 use super::random::Random;
 use super::{coupled, tables};
 use crate::axis::ownership::{Refusal, Start};
-use crate::profile::State;
 use crate::axis::{self, Axis, AxisState, Master, Motion, Outputs, Points, Progress, SmcError};
 use crate::cam::{Action, Cam, CamTable, Knot, Shape, Tappet};
+use crate::profile::State;
 use std::sync::Arc;
 
 /// A block that is another one but for what is written here.

@@ -5,8 +5,8 @@ use super::called::{Begun, Called, limited};
 use super::checker::{Limits, Promise};
 use super::random::Random;
 use crate::axis::Points;
-use crate::profile::ProfilePoint;
 use crate::axis::{AccelerationProfile, PositionProfile, VelocityProfile};
+use crate::profile::ProfilePoint;
 
 /// Some steps of random size, smaller than `size`.
 fn points(random: &mut Random, size: f64, end: Option<f64>) -> Points {

@@ -6,9 +6,9 @@ use super::super::super::curve::Curve;
 use super::super::super::selection::{CamInput, StartMode};
 use super::course::{Course, Way};
 use super::wish::{RampError, RampGoal, RampIn, RampWish};
+use crate::cam::SlaveLimits;
 use crate::cam::{Approach, Gap};
 use crate::profile::{AxisLimits, RampType};
-use crate::cam::SlaveLimits;
 
 /// Of a limit this part is rounding.
 pub(super) const ROUNDING: f64 = 1e-12;

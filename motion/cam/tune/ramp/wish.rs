@@ -2,8 +2,8 @@
 
 use super::super::super::coupling::CouplingError;
 use super::super::super::selection::{CamInput, CamTable};
-use crate::profile::{ProfileError, RampType, State};
 use crate::cam::{Quantity, SlaveLimits};
+use crate::profile::{ProfileError, RampType, State};
 use crate::short::Short;
 
 /// What a ramp is to be best in.

@@ -4,9 +4,9 @@ use super::super::ramp::Problem;
 use super::Random;
 use super::ramp_in::{lift, limits, moving, wish};
 use super::ramp_witness::witness;
-use crate::profile::RampType;
 use crate::cam::tune::{RampGoal, RampWish, ramp_in};
 use crate::cam::{Knot, Quantity, SlaveLimits};
+use crate::profile::RampType;
 
 /// `examples/cams/pick_and_place.toml`.
 fn pick_and_place() -> [Knot; 7] {

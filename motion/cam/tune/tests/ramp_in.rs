@@ -1,11 +1,11 @@
 //! Ramps: as soon as can be where that is known in closed form, and held against the coupling itself.
 
 use super::Random;
-use crate::profile::{RampType, State};
 use crate::cam::tune::{RampError, RampGoal, RampIn, RampWish, ramp_in};
 use crate::cam::{
     Cam, CamCoupling, CamInput, CamTable, Knot, Quantity, Shape, SlaveLimits, StartMode,
 };
+use crate::profile::{RampType, State};
 use std::sync::Arc;
 
 pub(super) fn limits(velocity: f64, acceleration: f64) -> SlaveLimits {

@@ -2,10 +2,10 @@
 
 use super::Random;
 use super::ramp_in::{dwell, lift, moving, wish};
-use crate::cam::{Approach, Gap};
-use crate::profile::{AxisLimits, RampType, State};
 use crate::cam::tune::{RampError, RampGoal, RampIn, RampWish, ramp_in};
+use crate::cam::{Approach, Gap};
 use crate::cam::{Knot, Quantity, SlaveLimits, StartMode};
+use crate::profile::{AxisLimits, RampType, State};
 use std::f64::consts::PI;
 
 fn least_jerk(within_s: f64) -> RampGoal {

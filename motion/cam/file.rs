@@ -1,11 +1,10 @@
-//! Tables of positions as text (manual 4.4.3): a line per point, `master;slave`.
+//! ASCII tables of cams (manual 4.4.3): one line `master;slave` per point, read, written and thinned out.
 
-use super::super::curve::Curve;
-use super::super::knot::Knot;
+use super::curve::Curve;
 use std::io::{self, BufRead, Write};
 
 /// The most lines a table may have.
-pub const MAX_LINES: usize = 1 << 22;
+const MAX_LINES: usize = 1 << 22;
 /// The longest line, bytes.
 const MAX_LINE: usize = 1000;
 
@@ -63,7 +62,7 @@ pub enum AsciiError {
     },
 }
 
-const COLUMNS: [&str; 4] = ["master", "slave", "velocity", "acceleration"];
+const COLUMNS: [&str; 2] = ["master", "slave"];
 
 /// Writes `points` positions of a curve, both ends included, one to a line that ends with CR LF (manual 4.4.3). The numbers
 /// are the shortest that read back as they were, without the last digits of rounding. Less than 2 points are 2.
@@ -99,28 +98,9 @@ pub fn clean(value: f64) -> f64 {
 ///
 /// # Errors
 /// [`AsciiError`] with the line.
-pub fn read_ascii(reader: impl BufRead) -> Result<Vec<[f64; 2]>, AsciiError> {
-    rows::<2>(reader)
-}
-
-/// Reads points with velocity and acceleration, in four columns, otherwise as [`read_ascii`].
-///
-/// # Errors
-/// [`AsciiError`] with the line.
-pub fn read_knots(reader: impl BufRead) -> Result<Vec<Knot>, AsciiError> {
-    let rows = rows::<4>(reader)?;
-    let knot = |[master, slave, velocity, acceleration]: [f64; 4]| Knot {
-        master,
-        slave,
-        velocity,
-        acceleration,
-    };
-    Ok(rows.into_iter().map(knot).collect())
-}
-
 #[expect(clippy::float_cmp, reason = "the same number or another one")]
-fn rows<const N: usize>(mut reader: impl BufRead) -> Result<Vec<[f64; N]>, AsciiError> {
-    let mut rows: Vec<(usize, [f64; N])> = Vec::new();
+pub fn read_ascii(mut reader: impl BufRead) -> Result<Vec<[f64; 2]>, AsciiError> {
+    let mut rows: Vec<(usize, [f64; 2])> = Vec::new();
     let mut bytes = Vec::new();
     for line in 1.. {
         bytes.clear();
@@ -141,13 +121,13 @@ fn rows<const N: usize>(mut reader: impl BufRead) -> Result<Vec<[f64; N]>, Ascii
         }
         rows.push((line, row(line, text)?));
     }
-    rows.sort_by(|(_, a), (_, b)| first(a).total_cmp(&first(b)));
+    rows.sort_by(|(_, a), (_, b)| a[0].total_cmp(&b[0]));
     for pair in rows.windows(2) {
-        if let [(before, a), (line, b)] = pair
-            && first(a) == first(b)
+        if let [(before, [a, _]), (line, [b, _])] = pair
+            && a == b
         {
             let [before, line] = [*before.min(line), *before.max(line)];
-            return Err(AsciiError::Twice { line, before, master: first(a) });
+            return Err(AsciiError::Twice { line, before, master: *a });
         }
     }
     if rows.len() < 2 {
@@ -156,16 +136,12 @@ fn rows<const N: usize>(mut reader: impl BufRead) -> Result<Vec<[f64; N]>, Ascii
     Ok(rows.into_iter().map(|(_, row)| row).collect())
 }
 
-fn first<const N: usize>(row: &[f64; N]) -> f64 {
-    row.first().copied().unwrap_or(f64::NAN)
-}
-
-fn row<const N: usize>(line: usize, text: &str) -> Result<[f64; N], AsciiError> {
+fn row(line: usize, text: &str) -> Result<[f64; 2], AsciiError> {
     let found = text.split([';', ':']).count();
-    if found != N {
-        return Err(AsciiError::Columns { line, expected: N, found });
+    if found != COLUMNS.len() {
+        return Err(AsciiError::Columns { line, expected: COLUMNS.len(), found });
     }
-    let mut row = [0.0; N];
+    let mut row = [0.0; 2];
     for ((slot, text), column) in row.iter_mut().zip(text.split([';', ':'])).zip(COLUMNS) {
         let text = text.trim();
         let number = text.replacen(',', ".", 1).parse().ok();
