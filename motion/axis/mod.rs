@@ -53,9 +53,9 @@ pub use moves::{
     AbortTrigger, AccelerationProfile, AxisStatus, ControlAxis, ControlAxisBy, ControlOutputs,
     Follow, Halt, Home, HomingBySwitch, HomingMode, MoveAbsolute, MoveAdditive,
     MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative, MoveSuperImposed, MoveVelocity,
-    ParameterNumber, Planned, Points, PositionProfile, Power, PowerStatus, Probed, ReadParameter,
-    Reset, SetControllerMode, Stop, SuperImposed, TableRun, TouchProbe, Trigger, VelocityProfile,
-    Watched, WriteParameter,
+    ParameterNumber, Planned, PlannedMotion, Points, PositionProfile, Power, PowerStatus, Probed,
+    ReadParameter, Reset, SetControllerMode, Stop, SuperImposed, TableRun, TouchProbe, Trigger,
+    VelocityProfile, Watched, WriteParameter,
 };
 pub use ownership::{Refusal, Start};
 pub use single::Axis;

@@ -1,8 +1,8 @@
 //! To a position, and on from there.
 
-use super::Planned;
+use super::{Planned, PlannedMotion};
 use crate::axis::ownership::Start;
-use crate::axis::{Axis, AxisState, Direction, Motion, Progress, SmcError, Stage};
+use crate::axis::{Axis, AxisState, Direction, SmcError, Stage};
 use crate::profile::{AxisLimits, Profile};
 
 /// To a position with a velocity there, and on with it (`SMC_MoveContinuousAbsolute`, manual 5.3).
@@ -27,12 +27,11 @@ pub struct MoveContinuousAbsolute {
     pub direction: Direction,
 }
 
-impl Motion for MoveContinuousAbsolute {
-    type With = ();
-    type Run = Planned;
+impl PlannedMotion for MoveContinuousAbsolute {
     const STATE: AxisState = AxisState::ContinuousMotion;
+    const END: Stage = Stage::Reached;
 
-    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+    fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError> {
         if self.direction == Direction::Fastest {
             return Err(SmcError::McaDirectionNotApplicable);
         }
@@ -43,14 +42,6 @@ impl Motion for MoveContinuousAbsolute {
         let target = axis.to_drive(self.position);
         let target = self.direction.unwound(axis, start.state, target, limits, end_velocity);
         on_from(target, end_velocity, limits, start, axis).ok_or(SmcError::McaInvalidVelaccValues)
-    }
-
-    fn duration(run: &Planned) -> Option<f64> {
-        Some(run.duration())
-    }
-
-    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        Ok(run.step(axis, Stage::Reached))
     }
 }
 
@@ -74,26 +65,17 @@ pub struct MoveContinuousRelative {
     pub deceleration: f64,
 }
 
-impl Motion for MoveContinuousRelative {
-    type With = ();
-    type Run = Planned;
+impl PlannedMotion for MoveContinuousRelative {
     const STATE: AxisState = AxisState::ContinuousMotion;
+    const END: Stage = Stage::Reached;
 
-    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+    fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError> {
         let sign = self.end_velocity_direction.sign(axis, start.state);
         let sign = sign.ok_or(SmcError::McrInvalidDirection)?;
         let end_velocity = speed(self.end_velocity).ok_or(SmcError::McrInvalidVelaccValues)? * sign;
         let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
         let target = start.state.position + self.distance;
         on_from(target, end_velocity, limits, start, axis).ok_or(SmcError::McrInvalidVelaccValues)
-    }
-
-    fn duration(run: &Planned) -> Option<f64> {
-        Some(run.duration())
-    }
-
-    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        Ok(run.step(axis, Stage::Reached))
     }
 }
 

@@ -23,7 +23,7 @@ pub use home::Home;
 pub use homing::{HomingBySwitch, HomingMode};
 pub use mode::SetControllerMode;
 pub use parameter::{ParameterNumber, ReadParameter, WriteParameter};
-pub use planned::Planned;
+pub use planned::{Planned, PlannedMotion};
 pub use power::{Power, PowerStatus};
 pub use probe::{AbortTrigger, Probed, TouchProbe, Trigger};
 pub use reset::{AxisStatus, Reset};

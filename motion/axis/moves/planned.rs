@@ -1,7 +1,7 @@
-//! A planned motion on its way.
+//! Motion along one profile that is planned at the edge.
 
-use crate::axis::ownership::Start;
-use crate::axis::{Axis, Progress, Stage};
+use crate::axis::ownership::{Refusal, Start};
+use crate::axis::{Axis, AxisState, Motion, Progress, SmcError, Stage};
 use crate::profile::{AxisLimits, Profile, ProfileError};
 
 /// A profile and how far it has come.
@@ -71,5 +71,57 @@ impl Planned {
             self.profile.at(self.time)
         };
         Progress { setpoint, stage: if ended { end } else { Stage::Busy } }
+    }
+}
+
+/// A [`Motion`] along one profile, planned at the rising edge of Execute.
+pub trait PlannedMotion {
+    /// State of the axis meanwhile. In `discrete_motion` the profile's end is the axis's target; in `stopping` the block keeps
+    /// the axis until Execute falls.
+    const STATE: AxisState;
+    /// The end of the profile: [`Stage::Done`] gives the axis back, with [`Stage::Reached`] the block goes on.
+    const END: Stage;
+
+    /// As [`Motion::admitted`].
+    ///
+    /// # Errors
+    ///
+    /// A [`Refusal`].
+    fn admitted(&self, axis: &Axis) -> Result<(), Refusal> {
+        axis.admits(Self::STATE)
+    }
+
+    /// As [`Motion::plan`].
+    ///
+    /// # Errors
+    ///
+    /// The manual's error for inputs that are not valid.
+    fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError>;
+}
+
+impl<M: PlannedMotion> Motion for M {
+    type With = ();
+    type Run = Planned;
+    const STATE: AxisState = M::STATE;
+    const LOCKS: bool = matches!(M::STATE, AxisState::Stopping);
+
+    fn admitted(&self, axis: &Axis) -> Result<(), Refusal> {
+        PlannedMotion::admitted(self, axis)
+    }
+
+    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+        PlannedMotion::plan(self, start, axis)
+    }
+
+    fn aim(run: &Planned) -> Option<f64> {
+        (M::STATE == AxisState::DiscreteMotion).then(|| run.target())
+    }
+
+    fn duration(run: &Planned) -> Option<f64> {
+        Some(run.duration())
+    }
+
+    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+        Ok(run.step(axis, M::END))
     }
 }

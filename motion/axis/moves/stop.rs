@@ -1,8 +1,8 @@
 //! `MC_Stop` and `MC_Halt`.
 
-use super::Planned;
+use super::{Planned, PlannedMotion};
 use crate::axis::ownership::{Refusal, Start};
-use crate::axis::{Axis, AxisState, Motion, Progress, SmcError, Stage};
+use crate::axis::{Axis, AxisState, SmcError, Stage};
 
 /// Brakes and locks the axis (`MC_Stop`, manual 5.3).
 ///
@@ -14,11 +14,9 @@ pub struct Stop {
     pub deceleration: f64,
 }
 
-impl Motion for Stop {
-    type With = ();
-    type Run = Planned;
+impl PlannedMotion for Stop {
     const STATE: AxisState = AxisState::Stopping;
-    const LOCKS: bool = true;
+    const END: Stage = Stage::Done;
 
     fn admitted(&self, axis: &Axis) -> Result<(), Refusal> {
         match axis.state() {
@@ -29,17 +27,9 @@ impl Motion for Stop {
         }
     }
 
-    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+    fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError> {
         Planned::halt(self.deceleration, start, axis)
             .map_err(|_invalid| SmcError::MsInvalidAccdecValues)
-    }
-
-    fn duration(run: &Planned) -> Option<f64> {
-        Some(run.duration())
-    }
-
-    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        Ok(run.step(axis, Stage::Done))
     }
 }
 
@@ -51,26 +41,13 @@ pub struct Halt {
     pub deceleration: f64,
 }
 
-impl Motion for Halt {
-    type With = ();
-    type Run = Planned;
+impl PlannedMotion for Halt {
     const STATE: AxisState = AxisState::DiscreteMotion;
+    const END: Stage = Stage::Done;
 
     // The manual has no error of MC_Halt's own; it shows MC_Stop's.
-    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+    fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError> {
         Planned::halt(self.deceleration, start, axis)
             .map_err(|_invalid| SmcError::MsInvalidAccdecValues)
-    }
-
-    fn aim(run: &Planned) -> Option<f64> {
-        Some(run.target())
-    }
-
-    fn duration(run: &Planned) -> Option<f64> {
-        Some(run.duration())
-    }
-
-    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        Ok(run.step(axis, Stage::Done))
     }
 }

@@ -1,8 +1,8 @@
 //! Moves to a position and by a distance.
 
-use super::Planned;
+use super::{Planned, PlannedMotion};
 use crate::axis::ownership::Start;
-use crate::axis::{Axis, AxisState, Direction, Motion, Progress, SmcError, Stage};
+use crate::axis::{Axis, AxisState, Direction, SmcError, Stage};
 
 /// To a position (`MC_MoveAbsolute`, manual 5.3).
 ///
@@ -23,28 +23,15 @@ pub struct MoveAbsolute {
     pub direction: Direction,
 }
 
-impl Motion for MoveAbsolute {
-    type With = ();
-    type Run = Planned;
+impl PlannedMotion for MoveAbsolute {
     const STATE: AxisState = AxisState::DiscreteMotion;
+    const END: Stage = Stage::Done;
 
-    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+    fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError> {
         let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
         let target = axis.to_drive(self.position);
         let target = self.direction.unwound(axis, start.state, target, limits, 0.0);
         Planned::to(target, limits, start, axis).map_err(|_invalid| SmcError::MaInvalidVelaccValues)
-    }
-
-    fn aim(run: &Planned) -> Option<f64> {
-        Some(run.target())
-    }
-
-    fn duration(run: &Planned) -> Option<f64> {
-        Some(run.duration())
-    }
-
-    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        Ok(run.step(axis, Stage::Done))
     }
 }
 
@@ -62,27 +49,14 @@ pub struct MoveRelative {
     pub deceleration: f64,
 }
 
-impl Motion for MoveRelative {
-    type With = ();
-    type Run = Planned;
+impl PlannedMotion for MoveRelative {
     const STATE: AxisState = AxisState::DiscreteMotion;
+    const END: Stage = Stage::Done;
 
-    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+    fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError> {
         let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
         Planned::to(start.state.position + self.distance, limits, start, axis)
             .map_err(|_invalid| SmcError::MrInvalidVelaccValues)
-    }
-
-    fn aim(run: &Planned) -> Option<f64> {
-        Some(run.target())
-    }
-
-    fn duration(run: &Planned) -> Option<f64> {
-        Some(run.duration())
-    }
-
-    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        Ok(run.step(axis, Stage::Done))
     }
 }
 
@@ -103,27 +77,14 @@ pub struct MoveAdditive {
     pub deceleration: f64,
 }
 
-impl Motion for MoveAdditive {
-    type With = ();
-    type Run = Planned;
+impl PlannedMotion for MoveAdditive {
     const STATE: AxisState = AxisState::DiscreteMotion;
+    const END: Stage = Stage::Done;
 
-    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+    fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError> {
         let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
         let from = start.aim.unwrap_or(start.state.position);
         Planned::to(from + self.distance, limits, start, axis)
             .map_err(|_invalid| SmcError::MadInvalidVelaccValues)
-    }
-
-    fn aim(run: &Planned) -> Option<f64> {
-        Some(run.target())
-    }
-
-    fn duration(run: &Planned) -> Option<f64> {
-        Some(run.duration())
-    }
-
-    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        Ok(run.step(axis, Stage::Done))
     }
 }

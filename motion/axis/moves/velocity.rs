@@ -1,8 +1,8 @@
 //! Endless motion.
 
-use super::Planned;
+use super::{Planned, PlannedMotion};
 use crate::axis::ownership::Start;
-use crate::axis::{Axis, AxisState, Direction, Motion, Progress, SmcError, Stage};
+use crate::axis::{Axis, AxisState, Direction, SmcError, Stage};
 
 /// Moves on with a velocity until something else moves the axis (`MC_MoveVelocity`, manual 5.3).
 ///
@@ -20,12 +20,11 @@ pub struct MoveVelocity {
     pub direction: Direction,
 }
 
-impl Motion for MoveVelocity {
-    type With = ();
-    type Run = Planned;
+impl PlannedMotion for MoveVelocity {
     const STATE: AxisState = AxisState::ContinuousMotion;
+    const END: Stage = Stage::Reached;
 
-    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+    fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError> {
         let sign = self.direction.sign(axis, start.state);
         let sign = sign.ok_or(SmcError::MvDirectionNotApplicable)?;
         // A velocity of 0 brakes; a limit has to be positive.
@@ -33,13 +32,5 @@ impl Motion for MoveVelocity {
         let limits = axis.limits(limit, self.acceleration, self.deceleration);
         Planned::to_velocity(sign * self.velocity, limits, start, axis)
             .map_err(|_invalid| SmcError::MvInvalidAccdecValues)
-    }
-
-    fn duration(run: &Planned) -> Option<f64> {
-        Some(run.duration())
-    }
-
-    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        Ok(run.step(axis, Stage::Reached))
     }
 }
