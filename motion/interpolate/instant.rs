@@ -48,11 +48,6 @@ impl Instant {
         self.ns < ns || (self.ns == ns && self.fraction <= 0.0)
     }
 
-    /// The first whole nanosecond not before it.
-    pub(crate) fn ceil_ns(self) -> i64 {
-        self.ns.saturating_add(i64::from(self.fraction > 0.0))
-    }
-
     /// Time from here to `ns`, s.
     #[expect(
         clippy::cast_precision_loss,

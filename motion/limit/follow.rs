@@ -1,14 +1,15 @@
 //! Set-points along the planned motion, one per cycle.
 
-use super::ahead::{Ahead, Replan};
+use super::axis_path::AxisPath;
 use super::course::{Bearing, CourseElement};
-use super::planner::{Leg, LimitError, Planned};
+use super::planner::{Leg, LimitError, Planned, Planner};
 use super::stretch::Progress;
 use crate::interpolate::instant::Instant;
 use crate::interpolate::switches::SwitchBoard;
 use crate::interpolate::{ExtraMotion, Heading, Status, ToolSetpoint};
 use crate::path::{ElementKind, ExtraPoint, PathPoint};
-use std::collections::{BTreeMap, VecDeque};
+use crate::prepare::CheckedElement;
+use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::num::NonZeroU32;
 use std::sync::Arc;
@@ -33,21 +34,44 @@ pub struct MTimes {
     pub otherwise: i64,
 }
 
+/// A plan that can be made anew from where it is executed next.
+///
+/// [`Planner`] is one that plans when its next item is asked for. A session with a thread for planning has one of its own that
+/// hands items and calls to and fro.
+pub trait Replan {
+    /// [`Planner::set_override`], for what follows.
+    fn set_override(&mut self, factor: f64);
+
+    /// [`Planner::abandon`].
+    fn abandon(&mut self);
+}
+
+impl<I, E, A> Replan for Planner<I, E, A>
+where
+    I: Iterator<Item = Result<CheckedElement, E>>,
+    A: AxisPath,
+{
+    fn set_override(&mut self, factor: f64) {
+        Planner::set_override(self, factor);
+    }
+
+    fn abandon(&mut self) {
+        Planner::abandon(self);
+    }
+}
+
 /// Turns the planned motion into one set-point per cycle, as [`crate::interpolate::Interpolator`] does with unlimited
 /// paths: the first is the start of the path at time 0, the last its end at the first cycle at or after the exact end time. A
-/// dwell takes its time, a jump takes a cycle, and so does an M function unless [`Self::with_m_times`] or
-/// [`Self::with_acknowledgement`] says otherwise.
+/// dwell takes its time, a jump takes a cycle, and so does an M function unless [`Self::with_m_times`] says
+/// otherwise.
 ///
 /// After an error the path goes on from rest with what follows. Where it is held its set-points stay, [`Status::Waiting`].
 #[derive(Debug)]
-pub struct Follower<P: Iterator> {
-    pub(super) plan: P,
-    /// What comes after the current.
-    pub(super) queue: VecDeque<P::Item>,
-    pub(super) ahead: Ahead,
-    pub(super) cycle_ns: i64,
-    pub(super) now_ns: i64,
-    pub(super) current: Option<Current>,
+pub struct Follower<P> {
+    plan: P,
+    cycle_ns: i64,
+    now_ns: i64,
+    current: Option<Current>,
     /// When the last leg ended.
     reached: Instant,
     board: SwitchBoard,
@@ -59,30 +83,26 @@ pub struct Follower<P: Iterator> {
     /// The element at hand, and where on it the path comes to rest next.
     last: Option<(Arc<CourseElement>, f64)>,
     m_times: MTimes,
-    /// M functions last until somebody says that they are done.
-    pub(super) acknowledging: bool,
     /// The path ends where it rests next.
-    pub(super) stopping: bool,
+    stopping: bool,
     over: bool,
 }
 
 #[derive(Debug)]
-pub(super) enum Current {
+enum Current {
     Along { leg: Leg, start: Instant, end: Instant },
-    Still { from_ns: i64, until_ns: i64 },
+    Still { until_ns: i64 },
     Held { until_ns: i64 },
 }
 
 impl<P, E> Follower<P>
 where
-    P: Iterator<Item = Result<Planned, LimitError<E>>> + Replan<E>,
+    P: Iterator<Item = Result<Planned, LimitError<E>>> + Replan,
 {
     /// Follows `plan` with a cycle of `cycle_ns`, ns.
     pub fn new(plan: P, cycle_ns: NonZeroU32) -> Self {
         Self {
             plan,
-            queue: VecDeque::new(),
-            ahead: Ahead::default(),
             cycle_ns: i64::from(cycle_ns.get()),
             now_ns: 0,
             current: None,
@@ -93,7 +113,6 @@ where
             way: 0.0,
             last: None,
             m_times: MTimes::default(),
-            acknowledging: false,
             stopping: false,
             over: false,
         }
@@ -120,11 +139,30 @@ where
         self.reached.seconds()
     }
 
+    /// Multiplies programmed velocities by `factor`: [`Planner::set_override`]. From the item that is executed next the path
+    /// brakes, or is faster, as fast as the limits of the axes allow. 0 is a feed hold: the path comes to rest as early as it can,
+    /// on the path, and its set-points stay until another factor lets it go on.
+    pub fn set_override(&mut self, factor: f64) {
+        self.stopping = false;
+        self.plan.set_override(factor);
+        if let Some(Current::Held { until_ns }) = &mut self.current {
+            // The path need not wait for the end of the cycle.
+            *until_ns = self.now_ns;
+        }
+    }
+
+    /// As an override of 0, and then the path ends where it rests. A pause that is under way ends at the next set-point.
+    pub fn stop(&mut self) {
+        self.set_override(0.0);
+        self.stopping = true;
+        if let Some(Current::Still { until_ns }) = &mut self.current {
+            *until_ns = (*until_ns).min(self.now_ns);
+        }
+    }
+
     /// Takes over what comes next; false at the end.
     fn advance(&mut self) -> Result<bool, LimitError<E>> {
-        self.plan_ahead();
-        let next = self.queue.pop_front().or_else(|| self.plan.next());
-        let Some(next) = next.transpose()? else { return Ok(false) };
+        let Some(next) = self.plan.next().transpose()? else { return Ok(false) };
         self.current = Some(match next {
             Planned::Leg(leg) => {
                 self.enter(&leg.element, leg.from + leg.stretch.length());
@@ -133,9 +171,8 @@ where
             }
             Planned::Pause(element) => {
                 self.enter(&element, 0.0);
-                let takes = self.pause_ns(&element).unwrap_or(i64::MAX);
-                let until_ns = self.now_ns.saturating_add(takes);
-                Current::Still { from_ns: self.now_ns, until_ns }
+                let until_ns = self.now_ns.saturating_add(self.pause_ns(&element));
+                Current::Still { until_ns }
             }
             Planned::Hold { element, at } => {
                 if self.last.is_none() {
@@ -151,17 +188,16 @@ where
         Ok(true)
     }
 
-    /// How long a pause takes, ns; `None`: until somebody says that it is over.
-    pub(super) fn pause_ns(&self, element: &CourseElement) -> Option<i64> {
+    /// Duration of a pause, ns.
+    fn pause_ns(&self, element: &CourseElement) -> i64 {
         match element.element().kind {
-            ElementKind::Dwell { time_ns } => Some(time_ns.max(self.cycle_ns)),
-            ElementKind::MFunction { .. } if self.acknowledging => None,
+            ElementKind::Dwell { time_ns } => time_ns.max(self.cycle_ns),
             ElementKind::MFunction { number } => {
                 let MTimes { of, otherwise } = &self.m_times;
                 let takes = of.get(&number).copied().unwrap_or(*otherwise).max(0);
-                Some(takes.saturating_add(self.cycle_ns))
+                takes.saturating_add(self.cycle_ns)
             }
-            _ => Some(self.cycle_ns),
+            _ => self.cycle_ns,
         }
     }
 
@@ -269,7 +305,7 @@ fn extra_motion(extra: &ExtraPoint, progress: &Progress) -> ExtraMotion {
 
 impl<P, E> Iterator for Follower<P>
 where
-    P: Iterator<Item = Result<Planned, LimitError<E>>> + Replan<E>,
+    P: Iterator<Item = Result<Planned, LimitError<E>>> + Replan,
 {
     type Item = Result<Followed, LimitError<E>>;
 
@@ -292,7 +328,7 @@ where
                     self.current = Some(Current::Along { leg, start, end });
                     return Some(Ok(followed));
                 }
-                Some(Current::Still { until_ns, .. } | Current::Held { until_ns })
+                Some(Current::Still { until_ns } | Current::Held { until_ns })
                     if self.now_ns >= until_ns =>
                 {
                     self.reached = Instant::at_ns(until_ns);

@@ -9,7 +9,6 @@
 //! followed: [`LinearSolver`] where accelerations alone are limited (there it is left with what two passes cannot prove),
 //! [`SmoothSolver`] where jerks are as well.
 
-mod ahead;
 mod asked;
 mod axis_path;
 mod bound;
@@ -33,14 +32,13 @@ mod smooth;
 mod spliced;
 mod stretch;
 
-pub use ahead::{Ahead, Replan};
 pub use axis_path::{AxisPath, AxisPoint, KinematicPath, MOST_FURTHER_ROWS, axis_point};
 pub use bound::{
     AxisLimits, Cap, CapSource, Constraint, Disc, FIRST_FURTHER_ROW, JerkRow, Rates, Row,
 };
 pub use convex::NotSolved;
 pub use drag::DragRow;
-pub use follow::{Followed, Follower, MTimes};
+pub use follow::{Followed, Follower, MTimes, Replan};
 pub use gain::Gain;
 pub use grid::{CellEnd, Grid};
 pub use linear::{LinearProfile, LinearSolver};

@@ -262,11 +262,6 @@ impl<E: Clone> Spliced<E> {
         self.asked
     }
 
-    /// The number of the item that is executed next.
-    pub fn next_number(&self) -> u64 {
-        self.next
-    }
-
     /// Items below this number will not be asked back.
     pub fn needs(&self) -> u64 {
         self.fork.min(self.next)

@@ -12,7 +12,7 @@ use std::time::Instant;
 use twin_kinematics::MachineAxes;
 use twin_motion::Place;
 use twin_motion::interpolate::Status;
-use twin_motion::limit::{Ahead, Followed, Follower, KinematicPath, LimitError, Planned, Planner};
+use twin_motion::limit::{Followed, Follower, KinematicPath, LimitError, Planned, Planner};
 use twin_motion::path::{ElementKind, PathElement, Shape};
 use twin_motion::prepare::{CheckError, CheckVelocities, CheckedElement};
 
@@ -277,8 +277,8 @@ fn with_m_function() -> Vec<PathElement> {
     ]
 }
 
-/// Set-points with what is done to the follower at some of them; the last, and how many.
-fn follow(ahead: Ahead, mut act: impl FnMut(usize, &mut Following)) -> Vec<Followed> {
+/// Set-points with what is done to the follower at some of them.
+fn follow(mut act: impl FnMut(usize, &mut Following)) -> Vec<Followed> {
     let checked = CheckVelocities::new(with_m_function().into_iter().map(Ok::<_, CheckError>), PI);
     let settings = gantry(true);
     let planner = Planner::new(
@@ -287,7 +287,7 @@ fn follow(ahead: Ahead, mut act: impl FnMut(usize, &mut Following)) -> Vec<Follo
         settings.options(),
     );
     let cycle = NonZeroU32::new(1_000_000).unwrap();
-    let mut follower = Follower::new(planner, cycle).with_ahead(ahead).with_acknowledgement();
+    let mut follower = Follower::new(planner, cycle);
     let mut all: Vec<Followed> = Vec::new();
     while let Some(followed) = follower.next() {
         all.push(followed.unwrap());
@@ -306,62 +306,31 @@ type Upstream = Box<dyn Iterator<Item = Result<CheckedElement, CheckError>>>;
 type Following = Follower<Planner<Upstream, CheckError, KinematicPath<MachineAxes>>>;
 
 #[test]
-fn an_m_function_waits_to_be_acknowledged() {
-    for ahead in [Ahead::default(), Ahead::PLANNING_BESIDE] {
-        let mut shown = 0;
-        let all = follow(ahead, |_, follower| {
-            shown += 1;
-            // Nobody is listening before it is shown; the second call is one too many.
-            if shown % 1000 == 0 {
-                follower.acknowledge();
-                follower.acknowledge();
-            }
-        });
-        let waiting = all.iter().filter(|followed| followed.tool.m_function == Some(7)).count();
-        let first = all.iter().position(|followed| followed.tool.m_function == Some(7)).unwrap();
-        assert_eq!((first + waiting) % 1000, 0, "{first} {waiting}");
-        assert!(waiting > 100);
-        let last = all.last().unwrap();
-        assert_eq!(last.tool.status, Status::Finished);
-        assert!((last.tool.way - 0.09).abs() < 1e-12, "{}", last.tool.way);
-    }
-}
-
-#[test]
 fn a_held_follower_stays_and_goes_on() {
-    for ahead in [Ahead::default(), Ahead::PLANNING_BESIDE] {
-        let all = follow(ahead, |count, follower| match count {
-            200 => follower.set_override(0.0),
-            // Held; still held at rest.
-            700 => {
-                assert!(follower.is_held());
-                follower.set_override(0.0);
-            }
-            1000 => {
-                assert!(follower.is_held());
-                follower.set_override(0.5);
-            }
-            1050 => follower.set_override(2.0),
-            _ => follower.acknowledge(),
-        });
-        let rests = all[700].tool;
-        assert_eq!((rests.status, rests.m_function), (Status::Waiting, None));
-        assert!(rests.path_velocity <= 0.0);
-        assert_eq!(rests.position, all[999].tool.position);
-        assert_ne!(rests.position, all[1040].tool.position);
-        let last = all.last().unwrap();
-        assert_eq!(last.tool.position, Point3::new(0.06, 0.05, 0.0));
-        assert!((last.tool.way - 0.09).abs() < 1e-12, "{}", last.tool.way);
-        let most = all.iter().skip(1400).map(|followed| followed.tool.path_velocity);
-        let most = most.fold(0.0, f64::max);
-        assert!(most <= 0.2 * 1.001, "{most}");
-        assert_eq!(all.iter().filter(|followed| followed.tool.m_function.is_some()).count(), 1);
-    }
+    let all = follow(|count, follower| match count {
+        // Held; still held at rest.
+        200 | 700 => follower.set_override(0.0),
+        1000 => follower.set_override(0.5),
+        1050 => follower.set_override(2.0),
+        _ => {}
+    });
+    let rests = all[700].tool;
+    assert_eq!((rests.status, rests.m_function), (Status::Waiting, None));
+    assert!(rests.path_velocity <= 0.0);
+    assert_eq!(rests.position, all[999].tool.position);
+    assert_ne!(rests.position, all[1040].tool.position);
+    let last = all.last().unwrap();
+    assert_eq!(last.tool.position, Point3::new(0.06, 0.05, 0.0));
+    assert!((last.tool.way - 0.09).abs() < 1e-12, "{}", last.tool.way);
+    let most = all.iter().skip(1400).map(|followed| followed.tool.path_velocity);
+    let most = most.fold(0.0, f64::max);
+    assert!(most <= 0.2 * 1.001, "{most}");
+    assert_eq!(all.iter().filter(|followed| followed.tool.m_function.is_some()).count(), 1);
 }
 
 #[test]
 fn a_stop_leaves_the_rest_undone() {
-    let all = follow(Ahead::PLANNING_BESIDE, |count, follower| {
+    let all = follow(|count, follower| {
         if count == 50 {
             follower.stop();
         }

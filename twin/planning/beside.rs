@@ -235,10 +235,7 @@ impl Iterator for Beside<'_> {
     }
 }
 
-impl Replan<Fault> for Beside<'_> {
-    /// It hands out one item at a time, and never more than is executed.
-    fn take_back(&mut self, _planned: Vec<Result<Planned, LimitError<Fault>>>) {}
-
+impl Replan for Beside<'_> {
     fn set_override(&mut self, factor: f64) {
         let request = self.spliced.set_override(factor);
         self.send(request);
