@@ -126,38 +126,24 @@ impl CamFile {
     /// [`CamFileError::Toml`] with everything that is wrong with it.
     pub fn from_toml(path: &Path, text: String) -> Result<Self, CamFileError> {
         match section::parse(&text, |root| toml_form::read(root, &stem(path))) {
-            Ok(TomlCam { source, table, coupling, cam, out_of_order }) => {
-                let out_of_order = out_of_order.map(|element| element.told(&text));
-                let repeated = source.period.is_some()
-                    || table.as_ref().is_some_and(|table| periodic(table) == Some(true));
-                let mut file = Self::of_source(path, source, cam, text);
-                (file.coupling, file.repeated) = (coupling, repeated);
-                file.out_of_order = out_of_order;
-                if table.is_some() {
-                    file.source = None;
-                }
-                Ok(file)
-            }
+            Ok(TomlCam { source, table, coupling, cam, out_of_order }) => Ok(Self {
+                path: path.to_owned(),
+                form: Form::Toml,
+                repeated: source.period.is_some()
+                    || table.as_ref().is_some_and(|table| periodic(table) == Some(true)),
+                period: source.period,
+                master: (&source.master).into(),
+                slave: (&source.slave).into(),
+                coupling,
+                source: table.is_none().then_some(source),
+                out_of_order: out_of_order.map(|element| element.told(&text)),
+                text: Some(text),
+                cam,
+            }),
             Err(problems) => {
                 let path = path.to_owned();
                 Err(MachineFileError::Content { what: "cam", path, text, problems }.into())
             }
-        }
-    }
-
-    fn of_source(path: &Path, source: Source, cam: Cam, text: String) -> Self {
-        Self {
-            path: path.to_owned(),
-            form: Form::Toml,
-            cam,
-            repeated: source.period.is_some(),
-            period: source.period,
-            master: (&source.master).into(),
-            slave: (&source.slave).into(),
-            coupling: Coupling::default(),
-            source: Some(source),
-            text: Some(text),
-            out_of_order: None,
         }
     }
 

@@ -123,7 +123,7 @@ pub(super) fn read(root: &Section<'_>, usual: &str) -> Option<TomlCam> {
             if bare && kind == Kind::Cam {
                 source.scale_slave(Some(cam.curve()));
             }
-            Some(TomlCam { source, table, coupling: coupling?, cam, out_of_order })
+            Some(TomlCam { source, table, coupling, cam, out_of_order })
         }
         Err(error) => {
             let elements: Vec<_> = elements.into_iter().map(|(_, span)| span).collect();
