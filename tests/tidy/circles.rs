@@ -212,7 +212,8 @@ impl<'ast> Visit<'ast> for Reader<'_> {
         visit::visit_macro(self, invoked);
         let text = invoked.tokens.to_string().replace(' ', "");
         for (place, _) in text.match_indices("crate::") {
-            let path = text[place..].split(|c: char| !(c.is_alphanumeric() || matches!(c, '_' | ':')));
+            let path =
+                text[place..].split(|c: char| !(c.is_alphanumeric() || matches!(c, '_' | ':')));
             let segments = path.take(1).flat_map(|path| path.split("::"));
             let segments: Vec<_> = segments.map(str::to_owned).collect();
             self.path(&segments);

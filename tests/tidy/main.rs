@@ -15,3 +15,4 @@ mod names;
 mod orphans;
 mod paths;
 mod tree;
+mod words;
