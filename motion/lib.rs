@@ -20,7 +20,6 @@ pub mod prepare;
 pub mod profile;
 pub mod refeed;
 pub mod rs274;
-pub mod svg;
 
 mod number;
 mod place;

@@ -74,7 +74,7 @@ fn pictures_of_long_tables_are_short() {
     let top = position.iter().min_by(|one, other| one.1.total_cmp(&other.1)).expect("a point");
     let bottom = position.iter().max_by(|one, other| one.1.total_cmp(&other.1)).expect("a point");
     assert!(
-        (top.0 - at(0.25)).abs() <= 1.0 && (bottom.0 - at(0.75)).abs() <= 1.0,
+        (top.0 - at(0.25)).abs() <= 0.1 && (bottom.0 - at(0.75)).abs() <= 0.1,
         "{top:?} {bottom:?}"
     );
     // 80 mm from top to bottom, the band beside 2 mm: in every fifth of a hundredth of the width.
@@ -84,7 +84,7 @@ fn pictures_of_long_tables_are_short() {
         let [from, to] = [0, 1].map(|more| at(f64::from(part + more) / 500.0));
         let inside: Vec<_> = position.iter().filter(|(x, _)| (from..=to).contains(x)).collect();
         for sign in [-1.0, 1.0] {
-            let reached = inside.iter().any(|(_, y)| (y - (middle + sign * unit)).abs() <= 0.2);
+            let reached = inside.iter().any(|(_, y)| (y - (middle + sign * unit)).abs() <= 0.02);
             assert!(reached, "part {part}: {inside:?}");
         }
     }

@@ -33,7 +33,7 @@ use crate::setpoint_source::PlanItem;
 use crate::tappets::{Signal, Switched};
 pub use after::{faults_to_come, following_errors, happening, happenings};
 use checker::Checker;
-pub use clearance::{ClearanceCsv, ClearancePicture, ClearancePictureError};
+pub use clearance::{ClearanceCsv, ClearancePicture};
 use findings::About;
 use following::FollowingBeside;
 pub use following::{PredictedFollowing, PredictedTraffic, wire_rates};

@@ -219,9 +219,6 @@ pub(crate) enum Failure {
     /// The workspace of a machine.
     #[error(transparent)]
     Workspace(#[from] crate::workspace::WorkspaceError),
-    /// Its picture.
-    #[error(transparent)]
-    Svg(#[from] crate::workspace::PictureError),
     /// A file that was to be written.
     #[error("cannot write {path}: {source}")]
     Write {

@@ -39,7 +39,7 @@ pub use csv::ProfileCsv;
 pub use json::LimitReport;
 pub use lines::{LineShare, write_lines};
 pub use machine_path::{AxisRules, MachinePath, MachinePathError};
-pub use picture::{Picture, PictureError};
+pub use picture::Picture;
 pub use plan::{LimitFailure, LimitRules, Profile, ProfileItem};
 pub(crate) use plan::{not_solved, planner};
 pub use sample::ProfileSample;

@@ -1,6 +1,6 @@
 //! Colours for the singularity measure.
 
-use plotters::prelude::{RGBColor, ViridisRGB};
+use crate::plot::Color;
 
 /// The measure in bands of colour, from dark (0) to bright: viridis, which people with any colour vision can read, and
 /// which stays in order without colours.
@@ -38,29 +38,27 @@ impl Scale {
         (1..self.bands).rev().find(|band| measure >= self.least(*band)).unwrap_or(0)
     }
 
-    /// Red, green and blue of a band.
-    pub fn color(&self, band: u32) -> [u8; 3] {
+    /// The colour of a band.
+    pub fn color(&self, band: u32) -> Color {
         self.shade(self.step * (f64::from(band) + 0.5))
     }
 
-    /// Red, green and blue of a measure, without bands.
-    pub fn shade(&self, measure: f64) -> [u8; 3] {
-        let part = measure / (self.step * f64::from(self.bands));
-        let RGBColor(red, green, blue) = ViridisRGB::get_color(part.clamp(0.0, 1.0));
-        [red, green, blue]
+    /// The colour of a measure, without bands.
+    pub fn shade(&self, measure: f64) -> Color {
+        Color::viridis(measure / (self.step * f64::from(self.bands)))
     }
 }
 
 /// Colours of axes that are beyond their software limits, by place in the machine (Okabe and Ito 2008).
-pub(super) const BEYOND: [[u8; 3]; 8] = [
-    [230, 159, 0],
-    [204, 121, 167],
-    [86, 180, 233],
-    [213, 94, 0],
-    [0, 158, 115],
-    [240, 228, 66],
-    [0, 114, 178],
-    [120, 120, 120],
+pub(super) const BEYOND: [Color; 8] = [
+    Color::rgb(230, 159, 0),
+    Color::rgb(204, 121, 167),
+    Color::rgb(86, 180, 233),
+    Color::rgb(213, 94, 0),
+    Color::rgb(0, 158, 115),
+    Color::rgb(240, 228, 66),
+    Color::rgb(0, 114, 178),
+    Color::rgb(120, 120, 120),
 ];
 
 #[cfg(test)]
@@ -80,7 +78,7 @@ mod tests {
         }
         // From dark to bright.
         let scale = Scale::up_to(1.0);
-        let bright = |band| scale.color(band).map(u32::from).iter().sum::<u32>();
+        let bright = |band| scale.color(band).channels().map(u32::from).iter().sum::<u32>();
         assert!((1..20).all(|band| bright(band) > bright(band - 1)));
     }
 }

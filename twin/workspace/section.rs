@@ -4,6 +4,7 @@ use super::extent::Extent;
 use super::grid::Grid;
 use super::region::{self, Region};
 use super::space::{Sample, Space, State};
+use crate::plot::short;
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 use std::fmt;
 
@@ -37,28 +38,16 @@ impl fmt::Display for Cut {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Horizontal { height } => {
-                write!(f, "horizontal section at z {} mm", Short(height * 1e3))
+                write!(f, "horizontal section at z {} mm", short(height * 1e3))
             }
             Self::Vertical { through, azimuth } => write!(
                 f,
                 "vertical section through x {}, y {} mm at {}°",
-                Short(through.x * 1e3),
-                Short(through.y * 1e3),
-                Short(azimuth.to_degrees())
+                short(through.x * 1e3),
+                short(through.y * 1e3),
+                short(azimuth.to_degrees())
             ),
         }
-    }
-}
-
-/// A number for people: no more than three digits behind the point.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Short(pub(super) f64);
-
-impl fmt::Display for Short {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let text = format!("{:.3}", self.0);
-        let text = text.trim_end_matches('0').trim_end_matches('.');
-        f.write_str(if text == "-0" { "0" } else { text })
     }
 }
 

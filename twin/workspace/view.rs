@@ -23,8 +23,11 @@ pub fn show(
     let region = &section.within;
     let in_space = |at: &Point2<f64>| section.plane.point(at);
     let scale = Scale::up_to(section.best.map_or(0.0, |best| best.measure));
-    let colors: Vec<_> =
-        region.corners.iter().map(|at| scale.shade(section.sample(at).measure)).collect();
+    let colors: Vec<_> = region
+        .corners
+        .iter()
+        .map(|at| scale.shade(section.sample(at).measure).channels())
+        .collect();
     let corners: Vec<_> = region.corners.iter().map(in_space).collect();
 
     let reach = section.region_by_state(&|state| state != State::OutOfReach);

@@ -1,32 +1,28 @@
-//! The picture of a start with a ramp: what the slave does before and after over the time, beside its cam.
+//! The picture of a start with a ramp: what the slave does before and after over the time, next to its cam.
 
-use super::{CamPictureError, reach};
-use crate::chart::{
-    Area, Failure, GAP, LEFT, RIGHT, Row, Sign, TOP, WIDTH, color_of, dashes, legend,
-    legend_places, line, ticks, title, words,
-};
 use crate::number::{beside, significant};
-use crate::page::{FAINT, INK, MARK, color, fine, font, resized, stroke};
-use plotters::element::DashedPathElement;
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+use crate::plot::{
+    Across, BACK, Chart, Color, Legend, MARK, Point, Row, Shape, Sign, Stroke, reach,
+};
 use twin_motion::cam::tune::{
     RampError, RampIn, RampMoment, RampShown, RampWish, on_cam, ramp_shown,
 };
 use twin_motion::profile::State;
+use twin_motion::profile::State;
 
 /// Height of a row of curves, pixels.
 const HEIGHT: f64 = 190.0;
-/// Room for the numbers and the name of the time, pixels.
-const TIMES: f64 = 50.0;
 /// Behind the end of the ramp the slave is shown on its cam for this part of the time.
 const BEHIND: f64 = 0.12;
 /// A ramp before that takes longer than this many times the one after is shown as far as that.
 const LONGEST: f64 = 4.0;
 /// Points of the cam's curve.
 const POINTS: u32 = 600;
-/// Limits that are farther away than this many times what is reached would make a line of the curve.
-const FAR: f64 = 4.0;
+
+const CAM: Color = Color::rgb(44, 140, 80);
+
+const QUANTITIES: [(&str, &str); 3] =
+    [("position", ""), ("velocity", "/s"), ("acceleration", "/s²")];
 
 /// A start to be drawn.
 #[derive(Debug)]
@@ -41,115 +37,146 @@ pub struct RampPicture<'a> {
     pub units: [&'a str; 2],
 }
 
-/// Draws a start as SVG.
+/// A chart of a start.
 ///
 /// # Errors
-/// What plotters says, or why there is no such start.
-pub fn draw_ramp(
+/// If there is no such start.
+pub fn ramp_chart(
     heading: &str,
     below: &str,
     picture: &RampPicture<'_>,
-) -> Result<String, CamPictureError> {
-    let wrong = |error: RampError| CamPictureError(error.to_string());
-    let page = Page::new(picture).map_err(wrong)?;
-    page.draw(heading, below).map_err(|error| CamPictureError(error.to_string()))
+) -> Result<Chart, RampError> {
+    let RampPicture { wish, units, .. } = *picture;
+    let after = ramp_shown(wish, &picture.after)?;
+    let before = picture.before.as_ref().map(|ramp| ramp_shown(wish, ramp)).transpose()?;
+    let longer = before.as_ref().map_or(0.0, |before| before.duration_s);
+    let longest = longer.min(LONGEST * after.duration_s).max(after.duration_s);
+    // A slave that is on its cam already is shown for a second.
+    let end_s = if longest > 0.0 { longest * (1.0 + BEHIND) } else { 1.0 };
+    let start = Start { wish, end_s, cam: cam(wish, end_s, &after)? };
+    let duration = before.as_ref().map(|it| it.duration_s);
+    let ramps = [(before, BACK), (Some(after), Color::series(0))];
+    let rows = QUANTITIES.into_iter().enumerate();
+    let rows: Vec<_> = rows
+        .map(|(index, (name, per))| start.row(name, &format!("{}{per}", units[1]), &ramps, index))
+        .collect();
+
+    let on_cam = |duration: Option<f64>| match duration {
+        Some(seconds) => {
+            format!("with the ramp, on its cam after {} s", significant(seconds, 4))
+        }
+        None => "without a ramp, a jump".to_owned(),
+    };
+    let line = |color| Sign::Line(Stroke::solid(color, 2.2));
+    let mut legend: Legend = vec![(Sign::Line(Stroke::dashed(CAM, 1.4)), "cam".to_owned())];
+    legend.push((line(BACK), format!("before: {}", on_cam(duration))));
+    let [_, (after, color)] = &ramps;
+    let after = after.as_ref().map(|it| it.duration_s);
+    legend.push((line(*color), format!("after: {}", on_cam(after))));
+    if rows.iter().any(Row::shows_limit) {
+        legend.push((Sign::Line(Stroke::dashed(MARK, 1.4)), "limit".to_owned()));
+    }
+    let name = format!(
+        "time (s); the master goes on from {} {1} with {2} {1}/s",
+        significant(wish.master.position, 6),
+        units[0],
+        significant(wish.master.velocity, 6)
+    );
+    Ok(Chart {
+        title: heading.to_owned(),
+        subtitle: below.to_owned(),
+        across: Across::new([0.0, end_s], name),
+        rows,
+        strips: Vec::new(),
+        legend,
+    })
 }
 
-/// Pieces of a line over the time.
-type Pieces = Vec<Vec<(f64, f64)>>;
-
-struct Strip {
-    name: &'static str,
-    unit: String,
-    row: Row,
-    cam: Vec<(f64, f64)>,
-    before: Pieces,
-    after: Pieces,
-    limits: Vec<f64>,
-    /// Limits that are too far away.
-    far: Option<f64>,
+/// The cam over the time, on the turn of a rotary slave on which the ramp comes onto it.
+fn cam(wish: &RampWish, end_s: f64, after: &RampShown) -> Result<Vec<(f64, State)>, RampError> {
+    let last = after.stretches.last().and_then(|stretch| stretch.last());
+    let by = match last {
+        Some(last) => last.cam.position - on_cam(wish, last.time_s)?.position,
+        None => 0.0,
+    };
+    let times = (0..=POINTS).map(|index| end_s * f64::from(index) / f64::from(POINTS));
+    let state = |time_s: f64| {
+        let mut state = on_cam(wish, time_s)?;
+        state.position += by;
+        Ok((time_s, state))
+    };
+    times.map(state).collect()
 }
 
-struct Page<'a> {
-    picture: &'a RampPicture<'a>,
-    end_s: f64,
-    durations: [Option<f64>; 2],
-    strips: Vec<Strip>,
-    bottom: f64,
-}
-
-const QUANTITIES: [(&str, &str); 3] =
-    [("position", ""), ("velocity", "/s"), ("acceleration", "/s²")];
-
-fn of(state: &State) -> [f64; 3] {
-    [state.position, state.velocity, state.acceleration]
-}
-
+#[expect(clippy::indexing_slicing, reason = "of three quantities")]
 fn part(state: &State, quantity: usize) -> f64 {
-    of(state).get(quantity).copied().unwrap_or_default()
+    [state.position, state.velocity, state.acceleration][quantity]
 }
 
-/// What was before stands back.
-const BEFORE: [u8; 3] = [160, 166, 176];
-const OF_CAM: [u8; 3] = [44, 140, 80];
+/// A start that is being drawn.
+struct Start<'a> {
+    wish: &'a RampWish,
+    end_s: f64,
+    cam: Vec<(f64, State)>,
+}
 
-impl<'a> Page<'a> {
-    fn new(picture: &'a RampPicture<'a>) -> Result<Self, RampError> {
-        let wish = picture.wish;
-        let after = ramp_shown(wish, &picture.after)?;
-        let before = picture.before.as_ref().map(|ramp| ramp_shown(wish, ramp)).transpose()?;
-        let longer = before.as_ref().map_or(0.0, |before| before.duration_s);
-        let longest = longer.min(LONGEST * after.duration_s).max(after.duration_s);
-        // A slave that is on its cam already is shown for a second.
-        let end_s = if longest > 0.0 { longest * (1.0 + BEHIND) } else { 1.0 };
-        let mut cam = Vec::new();
-        for index in 0..=POINTS {
-            let time_s = end_s * f64::from(index) / f64::from(POINTS);
-            cam.push((time_s, on_cam(wish, time_s)?));
-        }
-        // The turn of a rotary slave on which it comes onto its cam.
-        let last = after.stretches.last().and_then(|stretch| stretch.last());
-        if let Some(last) = last {
-            let by = last.cam.position - on_cam(wish, last.time_s)?.position;
-            for (_, state) in &mut cam {
-                state.position += by;
-            }
-        }
-        let durations = [before.as_ref().map(|it| it.duration_s), Some(after.duration_s)];
-        let mut page = Self { picture, end_s, durations, strips: Vec::new(), bottom: TOP };
-        for (index, (name, per)) in QUANTITIES.into_iter().enumerate() {
-            let of_cam: Vec<_> =
-                cam.iter().map(|(time, state)| (*time, part(state, index))).collect();
-            let after = page.slave(&after, &cam, index);
-            let before = if let Some(before) = &before {
-                page.slave(before, &cam, index)
-            } else {
+impl Start<'_> {
+    fn row(
+        &self,
+        name: &str,
+        unit: &str,
+        ramps: &[(Option<RampShown>, Color)],
+        quantity: usize,
+    ) -> Row {
+        let cam: Vec<Point> =
+            self.cam.iter().map(|(time, state)| (*time, part(state, quantity))).collect();
+        let lines: Vec<_> = ramps
+            .iter()
+            .map(|(ramp, _)| match ramp {
+                Some(ramp) => self.slave(ramp, quantity),
                 // Without a ramp it jumps at once.
-                let from = (0.0, part(&wish.slave, index));
-                vec![std::iter::once(from).chain(of_cam.iter().copied()).collect()]
-            };
-            let unit = format!("{}{per}", picture.units[1]);
-            page.add((name, unit), of_cam, [before, after], index);
+                None => [&[(0.0, part(&self.wish.slave, quantity))], cam.as_slice()].concat(),
+            })
+            .collect();
+        let (velocity, acceleration) = (self.wish.limits.velocity, self.wish.limits.acceleration);
+        let limits = match quantity {
+            0 => self.wish.position,
+            1 => [-velocity, velocity],
+            _ => [-acceleration, acceleration],
+        };
+        let values = lines.iter().flatten().chain(&cam).map(|(_, value)| *value);
+        let mut row = Row::fitted(name, unit, HEIGHT, reach(values), &limits);
+        let scale = row.scale();
+        for (line, (ramp, color)) in lines.into_iter().zip(ramps) {
+            // From here on the slave is on its cam.
+            let duration = ramp.as_ref().map(|ramp| ramp.duration_s);
+            if let Some(end) = duration.filter(|end| *end <= self.end_s) {
+                let thin = Stroke::solid(color.with_opacity(0.6), 0.9);
+                row.shapes.push(Shape::Upright(end, thin));
+            }
+            if let Some([low, high]) = reach(line.iter().map(|(_, value)| value / scale)) {
+                let [low, high] = [low, high].map(|value| beside(value, high - low, 4));
+                row.notes.push((format!("{low} … {high}"), *color));
+            }
+            row.shapes.push(Shape::Line(line, Stroke::solid(*color, 1.8)));
         }
-        Ok(page)
+        row.shapes.push(Shape::Line(cam, Stroke::dashed(CAM, 1.2)));
+        row
     }
 
     /// What the slave does: the ramp, and its cam behind it.
-    fn slave(&self, shown: &RampShown, cam: &[(f64, State)], quantity: usize) -> Pieces {
-        let inside = |stretch: &Vec<_>| {
-            let moments = stretch.iter().filter(|moment: &&RampMoment| moment.time_s <= self.end_s);
-            let line = moments.map(|moment| (moment.time_s, part(&moment.slave, quantity)));
-            line.collect::<Vec<_>>()
-        };
-        let mut line: Vec<_> = vec![(0.0, part(&self.picture.wish.slave, quantity))];
-        line.extend(shown.stretches.iter().flat_map(inside));
+    fn slave(&self, shown: &RampShown, quantity: usize) -> Vec<Point> {
+        let moments = shown.stretches.iter().flatten();
+        let moments = moments.filter(|moment: &&RampMoment| moment.time_s <= self.end_s);
+        let mut line: Vec<_> = vec![(0.0, part(&self.wish.slave, quantity))];
+        line.extend(moments.map(|moment| (moment.time_s, part(&moment.slave, quantity))));
         // A ramp before may come onto its cam a turn away.
         let last = shown.stretches.last().and_then(|stretch| stretch.last());
         let by = last.filter(|_| quantity == 0).map_or(0.0, |last| {
-            let near = cam.iter().min_by(|one, other| {
+            let near = self.cam.iter().min_by(|one, other| {
                 (one.0 - last.time_s).abs().total_cmp(&(other.0 - last.time_s).abs())
             });
-            let period = self.picture.wish.table.slave_period.filter(|period| *period > 0.0);
+            let period = self.wish.table.slave_period.filter(|period| *period > 0.0);
             match (near, period) {
                 (Some((_, state)), Some(period)) => {
                     ((last.slave.position - state.position) / period).round() * period
@@ -157,150 +184,8 @@ impl<'a> Page<'a> {
                 _ => 0.0,
             }
         });
-        let behind = cam.iter().filter(|(time, _)| *time > shown.duration_s);
+        let behind = self.cam.iter().filter(|(time, _)| *time > shown.duration_s);
         line.extend(behind.map(|(time, state)| (*time, part(state, quantity) + by)));
-        vec![line]
-    }
-
-    fn add(
-        &mut self,
-        (name, unit): (&'static str, String),
-        cam: Vec<(f64, f64)>,
-        [before, after]: [Pieces; 2],
-        quantity: usize,
-    ) {
-        let wish = self.picture.wish;
-        let (velocity, acceleration) = (wish.limits.velocity, wish.limits.acceleration);
-        let limits = match quantity {
-            0 => wish.position,
-            1 => [-velocity, velocity],
-            _ => [-acceleration, acceleration],
-        };
-        let pieces = before.iter().chain(&after).flatten().chain(&cam);
-        let [low, high] = reach(pieces.map(|(_, value)| *value)).unwrap_or([0.0, 1.0]);
-        let size = low.abs().max(high.abs());
-        let finite = limits.into_iter().filter(|limit| limit.is_finite());
-        let (near, far): (Vec<_>, Vec<_>) =
-            finite.partition(|limit| quantity == 0 || limit.abs() <= FAR * size);
-        let [low, high] = reach(near.iter().copied().chain([low, high])).unwrap_or([low, high]);
-        let room = (high - low) * 0.1;
-        let range = if high > low { [low - room, high + room] } else { [low - 1.0, high + 1.0] };
-        let row = Row { top: self.bottom, height: HEIGHT, range };
-        let far = far.last().copied();
-        self.strips.push(Strip { name, unit, row, cam, before, after, limits: near, far });
-        self.bottom += HEIGHT + GAP;
-    }
-
-    fn x(&self, time_s: f64) -> f64 {
-        LEFT + time_s / self.end_s * (RIGHT - LEFT)
-    }
-
-    fn ticks(&self) -> Vec<(f64, String)> {
-        let ticks = ticks(0.0, self.end_s, 10.0);
-        ticks.into_iter().map(|(value, text)| (self.x(value), text)).collect()
-    }
-
-    fn draw(&self, heading: &str, below: &str) -> Result<String, Failure> {
-        let items = self.items();
-        let times = self.bottom - GAP;
-        let end = times + TIMES + 18.0 + legend_places(&items).1;
-        let size = (stroke(WIDTH), stroke(end));
-        let mut text = String::new();
-        {
-            let root = SVGBackend::with_string(&mut text, size).into_drawing_area();
-            root.fill(&WHITE)?;
-            title(&root, heading, below)?;
-            for strip in &self.strips {
-                self.strip(&root, strip)?;
-            }
-            self.times(&root, times)?;
-            legend(&root, &items, times + TIMES + 14.0)?;
-            root.present()?;
-        }
-        Ok(resized(&text, size))
-    }
-
-    fn strip(&self, root: &Area<'_>, strip: &Strip) -> Result<(), Failure> {
-        let Strip { name, unit, row, cam, before, after, limits, far } = strip;
-        let at: Vec<_> = self.ticks().into_iter().map(|(x, _)| x).collect();
-        row.draw_over(root, &at, [name, &format!("({unit})")])?;
-        for (duration, shade) in self.durations.into_iter().zip([color(BEFORE), color_of(0)]) {
-            // From here on the slave is on its cam.
-            if let Some(x) = duration.filter(|end| *end <= self.end_s).map(|end| self.x(end)) {
-                let style = shade.mix(0.6).stroke_width(stroke(0.9));
-                line(root, [(x, row.top), (x, row.bottom())], style)?;
-            }
-        }
-        for (pieces, shade) in [(before, color(BEFORE)), (after, color_of(0))] {
-            for piece in pieces.iter().flat_map(|piece| row.within(piece)) {
-                let style = shade.stroke_width(stroke(1.8));
-                root.draw(&PathElement::new(self.points(row, &piece), style))?;
-            }
-        }
-        for piece in row.within(cam) {
-            let style = color(OF_CAM).stroke_width(stroke(1.2));
-            let points = self.points(row, &piece);
-            root.draw(&DashedPathElement::new(points, fine(4.0), fine(4.0), style))?;
-        }
-        for limit in limits {
-            dashes(root, [(LEFT, row.y(*limit)), (RIGHT, row.y(*limit))], MARK)?;
-        }
-        // Beside the row: what the slave reaches, and limits that have no room in it.
-        let mut y = row.top + 9.0;
-        for (pieces, shade) in [(before, color(BEFORE)), (after, color_of(0))] {
-            if let Some([low, high]) = reach(pieces.iter().flatten().map(|(_, value)| *value)) {
-                let size = high - low;
-                let text = format!("{} … {}", beside(low, size, 4), beside(high, size, 4));
-                words(root, &text, (RIGHT + 12.0, y), shade)?;
-                y += 18.0;
-            }
-        }
-        if let Some(far) = far {
-            words(root, &format!("limit {}", significant(*far, 4)), (RIGHT + 12.0, y), MARK)?;
-        }
-        Ok(())
-    }
-
-    fn points(&self, row: &Row, piece: &[(f64, f64)]) -> Vec<(i32, i32)> {
-        let points = piece.iter().map(|(time, value)| (fine(self.x(*time)), fine(row.y(*value))));
-        let mut points: Vec<_> = points.collect();
-        points.dedup();
-        points
-    }
-
-    fn times(&self, root: &Area<'_>, y: f64) -> Result<(), Failure> {
-        let style = font(13.0, INK).pos(Pos::new(HPos::Center, VPos::Top));
-        for (x, text) in self.ticks() {
-            line(root, [(x, y), (x, y + 4.0)], FAINT.stroke_width(stroke(0.8)))?;
-            root.draw_text(&text, &style, (fine(x), fine(y + 7.0)))?;
-        }
-        let master = self.picture.wish.master;
-        let unit = self.picture.units[0];
-        let name = format!(
-            "time (s); the master goes on from {} {unit} with {} {unit}/s",
-            significant(master.position, 6),
-            significant(master.velocity, 6)
-        );
-        let style = font(14.0, INK).pos(Pos::new(HPos::Center, VPos::Top));
-        root.draw_text(&name, &style, (fine(LEFT.midpoint(RIGHT)), fine(y + 26.0)))
-    }
-
-    fn items(&self) -> Vec<(Sign, String)> {
-        let on_cam = |duration: Option<f64>| match duration {
-            Some(seconds) => {
-                format!("with the ramp, on its cam after {} s", significant(seconds, 4))
-            }
-            None => "without a ramp, a jump".to_owned(),
-        };
-        let [before, after] = self.durations;
-        let mut items = vec![
-            (Sign::Dashes(color(OF_CAM)), "cam".to_owned()),
-            (Sign::Line(color(BEFORE)), format!("before: {}", on_cam(before))),
-            (Sign::Line(color_of(0)), format!("after: {}", on_cam(after))),
-        ];
-        if self.strips.iter().any(|strip| !strip.limits.is_empty()) {
-            items.push((Sign::Dashes(MARK), "limit".to_owned()));
-        }
-        items
+        line
     }
 }

@@ -8,4 +8,4 @@ mod picture;
 mod tests;
 
 pub use csv::ClearanceCsv;
-pub use picture::{ClearancePicture, ClearancePictureError};
+pub use picture::ClearancePicture;

@@ -43,12 +43,12 @@ fn picture(samples: &[BlockClearance]) -> String {
     for sample in samples {
         picture.include(sample);
     }
-    picture.draw("part.ngc").unwrap()
+    picture.draw("part.ngc")
 }
 
 /// Whether these words, and no others beside them, are somewhere in a picture.
 fn says(picture: &str, words: &str) -> bool {
-    picture.contains(&format!(">\n{words}\n</text>"))
+    picture.contains(&format!(">{words}</text>"))
 }
 
 /// Each time a block is run through has a row, with where it was nearest.

@@ -2,7 +2,7 @@
 
 use super::options::{LimitOptions, MasterOptions, UseOptions, load};
 use crate::cam::check::CamCheck;
-use crate::cam::picture::{Recorded, Shown, draw};
+use crate::cam::picture::{Recorded, Shown, cam_chart};
 use crate::command::whole;
 use crate::command::{Failure, Status};
 use crate::number::{at_most, readable};
@@ -57,8 +57,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let name = file.cam.name().to_owned();
     let shown = Shown { file: &file, using: &using, name: &name };
     let heading = format!("{name} ({})", file.path.display());
-    let text = draw(&heading, &below, &[shown], &Recorded::default())
-        .map_err(|error| Failure::Usage(error.to_string()))?;
-    whole::write(&arguments.output, text.as_bytes())?;
+    let chart = cam_chart(&heading, &below, &[shown], &Recorded::default());
+    whole::write(&arguments.output, chart.svg().as_bytes())?;
     Ok(Status::Fit)
 }

@@ -58,7 +58,6 @@ impl<'m> ClearanceFiles<'m> {
         }
         if let Some(picture) = self.picture {
             let text = picture.draw(&program.path().display().to_string());
-            let text = text.map_err(|error| Failure::Usage(error.to_string()))?;
             for path in self.pictures {
                 whole::write(path, text.as_bytes())?;
             }

@@ -69,8 +69,7 @@ impl<'m> Outputs<'m> {
                 Limits::Axes => machine.name.clone(),
                 Limits::Softmotion => format!("{} as its controller plans it", machine.name),
             };
-            let text =
-                picture.draw(&name, &machine).map_err(|error| Failure::Usage(error.to_string()))?;
+            let text = picture.draw(&name, &machine);
             for path in self.pictures {
                 whole::write(path, text.as_bytes())?;
             }

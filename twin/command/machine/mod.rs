@@ -133,7 +133,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         _ => &facts.horizontal,
     };
     if let Some(path) = &arguments.svg {
-        let text = picture(&facts.workspace, section, facts.example.as_ref())?;
+        let text = picture(&facts.workspace, section, facts.example.as_ref());
         whole::write(path, text.as_bytes())?;
     }
     let viewer = show(arguments, &facts, section)?;

@@ -7,6 +7,7 @@ mod jsonl;
 mod numbers;
 mod options;
 mod output;
+mod picture;
 mod setpoints;
 mod svg;
 

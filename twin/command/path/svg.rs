@@ -2,6 +2,7 @@
 
 use super::Job;
 use super::output::stdio;
+use super::picture::Picture;
 use crate::command::Failure;
 use crate::command::options::unreadable;
 use crate::m_function::Acknowledgement;
@@ -9,7 +10,6 @@ use crate::number::seconds;
 use crate::program::ProgramItem;
 use std::io::Write;
 use twin_motion::info::ProgramInfo;
-use twin_motion::svg::Picture;
 
 /// Between the crosses that show where the tool is, ns (manual 3.5).
 const CROSSES_NS: i64 = 100_000_000;
@@ -35,7 +35,7 @@ pub(super) fn picture(job: &mut Job<'_>, out: &mut dyn Write) -> Result<(), Fail
             Ok(())
         })?;
     }
-    let mut picture = Picture::new(out, info.bounds, job.name).map_err(stdio)?;
+    let mut picture = Picture::new(out, info.bounds, job.name);
     if job.prepare {
         let before = program.elements(conditions).map_err(failed)?;
         job.take(before, |element| picture.before(&element).map_err(stdio))?;

@@ -1,14 +1,13 @@
 //! What is made of what was found: the cam with other points, a picture, the file.
 
 use super::report::Report;
-use crate::cam::picture::{
-    CamPictureError, RampPicture, Recorded, Shown, draw, draw_ramp, stacked,
-};
+use crate::cam::picture::{RampPicture, Recorded, Shown, cam_chart, ramp_chart};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::ramp_of;
 use crate::cam::{CamFile, Form, edit};
 use crate::command::Failure;
 use crate::command::whole;
+use crate::plot::charts;
 use std::path::Path;
 use twin_motion::cam::{Cam, Shape};
 
@@ -63,7 +62,6 @@ pub(super) fn picture(
         Shown { file: after, using: &drawn, name: "after" },
     ];
     let heading = format!("{} ({})", file.cam.name(), file.path.display());
-    let failed = |error: CamPictureError| Failure::Usage(error.to_string());
     // A ramp alone leaves the cam as it is.
     let changed = report.fit.is_some()
         || report.dead_time.is_some()
@@ -72,7 +70,7 @@ pub(super) fn picture(
         || report.shaped.is_some();
     let mut pages = Vec::new();
     if changed || report.ramp.is_none() {
-        pages.push(draw(&heading, &report.headline(), &shown, &recorded).map_err(failed)?);
+        pages.push(cam_chart(&heading, &report.headline(), &shown, &recorded));
     }
     if let (Some((_, ramp)), Some(wish)) = (&report.ramp, &report.start) {
         let picture = RampPicture {
@@ -82,9 +80,13 @@ pub(super) fn picture(
             units: [file.master.unit(), file.slave.unit()],
         };
         let heading = format!("start onto {heading}");
-        pages.push(draw_ramp(&heading, &report.headline(), &picture).map_err(failed)?);
+        let chart = ramp_chart(&heading, &report.headline(), &picture);
+        pages
+            .push(chart.map_err(|error| {
+                Failure::Usage(format!("the picture cannot be drawn: {error}"))
+            })?);
     }
-    whole::write(path, stacked(&pages).as_bytes())
+    whole::write(path, charts(&pages).as_bytes())
 }
 
 /// Writes what was found: into the text of a TOML file, comments kept, or as a new one.

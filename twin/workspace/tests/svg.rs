@@ -13,7 +13,7 @@ fn a_picture_names_what_it_shows() {
     let workspace = Workspace::survey(&machine, &View::default()).unwrap();
     let horizontal = workspace.horizontal();
     let example = workspace.example(&horizontal).unwrap().unwrap();
-    let text = picture(&workspace, &horizontal, Some(&example)).unwrap();
+    let text = picture(&workspace, &horizontal, Some(&example));
     let words = [
         "Workspace of scara2",
         "horizontal section at z 20 mm; 4885 cm²",
@@ -31,21 +31,19 @@ fn a_picture_names_what_it_shows() {
     }
     // At this height Z is within its limits everywhere.
     assert!(!text.contains("Z beyond"));
-    // Ten of the numbers inside are a pixel.
     let (width, height) = (attribute(&text, "width"), attribute(&text, "height"));
     assert!(
         (700.0..900.0).contains(&width) && (700.0..900.0).contains(&height),
         "{width} {height}"
     );
-    assert!(text.contains(&format!(r#"viewBox="0 0 {} {}""#, width * 10.0, height * 10.0)));
+    assert!(text.contains(&format!(r#"viewBox="0 0 {width} {height}""#)));
     // Every band of the measure has its colour, in the section and in the scale.
     let scale = Scale::up_to(horizontal.best.unwrap().measure);
     for band in 0..scale.bands() {
-        let [red, green, blue] = scale.color(band);
-        let color = format!("#{red:02X}{green:02X}{blue:02X}");
+        let color = scale.color(band).to_string();
         assert!(text.matches(&color).count() >= 2, "{band}: {color}");
     }
-    let vertical = picture(&workspace, &workspace.vertical().unwrap(), None).unwrap();
+    let vertical = picture(&workspace, &workspace.vertical().unwrap(), None);
     assert!(vertical.contains("Z beyond its limits") && vertical.contains("z (mm)"));
     assert!(!vertical.contains("worked example"));
 }
@@ -56,27 +54,22 @@ fn what_is_out_of_reach_is_not_filled() {
     let machine = machine("scara2.toml");
     let workspace = Workspace::survey(&machine, &View::default()).unwrap();
     let horizontal = workspace.horizontal();
-    let text = picture(&workspace, &horizontal, None).unwrap();
-    let [red, green, blue] = Scale::up_to(horizontal.best.unwrap().measure).color(0);
-    let color = format!("#{red:02X}{green:02X}{blue:02X}");
-    let line = text.lines().find(|line| line.starts_with("<polygon") && line.contains(&color));
-    let (_, points) = line.unwrap().split_once("points=\"").unwrap();
-    let points = points.split('"').next().unwrap().split_whitespace().map(|point| {
-        let (x, y) = point.split_once(',').unwrap();
+    let text = picture(&workspace, &horizontal, None);
+    let color = Scale::up_to(horizontal.best.unwrap().measure).color(0).to_string();
+    let area = text.lines().find(|line| line.contains("measure") && line.contains(&color));
+    let (_, commands) = area.unwrap().split_once("d=\"M").unwrap();
+    // Closed lines through places in mm.
+    let commands = commands.split('"').next().unwrap().trim_end_matches('Z');
+    let place = |place: &str| {
+        let (x, y) = place.split_once(' ').unwrap();
         (x.parse::<f64>().unwrap(), y.parse::<f64>().unwrap())
-    });
-    let points: Vec<_> = points.collect();
-    // Scale and origin from the outermost points: the arms reach 450 mm to the right, upwards and downwards.
-    let most = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::NEG_INFINITY, f64::max);
-    let right = most(&mut points.iter().map(|(x, _)| *x));
-    let bottom = most(&mut points.iter().map(|(_, y)| *y));
-    let top = -most(&mut points.iter().map(|(_, y)| -y));
-    let pixels_per_mm = (bottom - top) / 900.0;
-    // How often a polygon goes around a point.
-    let winding = |x_mm: f64, y_mm: f64| {
-        let x = right + (x_mm - 450.0) * pixels_per_mm + 0.5;
-        let y = top.midpoint(bottom) - y_mm * pixels_per_mm + 0.5;
-        let sides = points.iter().zip(points.iter().cycle().skip(1));
+    };
+    let loops: Vec<Vec<_>> =
+        commands.split("ZM").map(|one| one.split('L').map(place).collect()).collect();
+    // How often they go around a point.
+    let winding = |x: f64, y: f64| {
+        let (x, y) = (x + 0.05, y + 0.05);
+        let sides = loops.iter().flat_map(|one| one.iter().zip(one.iter().cycle().skip(1)));
         sides.fold(0_i32, |count, ((x1, y1), (x2, y2))| {
             let side = (x2 - x1) * (y - y1) - (x - x1) * (y2 - y1);
             if *y1 <= y && *y2 > y && side > 0.0 {

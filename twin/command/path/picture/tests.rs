@@ -1,7 +1,7 @@
 use super::*;
-use crate::din66025::{Decoder, DecoderOptions, Item};
-use crate::info::ProgramInfo;
 use nalgebra::Point3;
+use twin_motion::din66025::{Decoder, DecoderOptions, Item};
+use twin_motion::info::ProgramInfo;
 
 fn elements(program: &str) -> Vec<PathElement> {
     let decoder = Decoder::new(program.as_bytes(), DecoderOptions::default());
@@ -20,7 +20,7 @@ fn picture(
 ) -> String {
     let mut info = ProgramInfo::default();
     path.iter().chain(before).for_each(|element| info.element(element));
-    let mut picture = Picture::new(Vec::new(), info.bounds, title).unwrap();
+    let mut picture = Picture::new(Vec::new(), info.bounds, title);
     for element in before {
         picture.before(element).unwrap();
     }
@@ -86,18 +86,18 @@ fn curves_as_commands() {
 fn upright_arcs() {
     let (start, end) = (Point3::origin(), Point3::new(0.02, 0.0, 0.0));
     let center = Point3::new(0.01, 0.0, 0.0);
-    let arc = crate::path::Arc::in_plane(
-        crate::path::Plane::Zx,
+    let arc = twin_motion::path::Arc::in_plane(
+        twin_motion::path::Plane::Zx,
         start,
         end,
         center,
         std::f64::consts::PI,
     );
-    let shape = crate::path::Shape::Arc(arc);
+    let shape = twin_motion::path::Shape::Arc(arc);
     let commands = curves::commands(&shape);
     assert_eq!(commands.len(), 32);
     assert!(
-        commands.iter().all(|(_, point)| point.y == 0.0 && (0.0..=20.0 + 1e-9).contains(&point.x))
+        commands.iter().all(|(_, point)| point.1 == 0.0 && (0.0..=20.0 + 1e-9).contains(&point.0))
     );
 }
 
@@ -123,7 +123,7 @@ fn what_is_drawn_has_its_legend() {
     ] {
         assert!(svg.contains(&format!(">{text}</text>")), "{text}");
     }
-    assert_eq!(svg.matches("<circle class=\"switch\"").count(), 2);
+    assert_eq!(svg.matches("r=\"3.5\"").count(), 2);
     assert_eq!(data(&svg, "cross").len(), 1);
     assert!(!picture("", &[], &path[..1], &[]).contains(">switch<"));
 }
@@ -151,13 +151,17 @@ fn splines_have_their_hulls() {
 fn the_path_is_inside_the_page() {
     for (x, y) in [(100.0, 50.0), (0.001, 1000.0), (1e-9, 1e-9), (0.0, 0.0), (5e4, 10.0)] {
         let bounds = Bounds { min: Point3::new(-x, 7.0, 0.0), max: Point3::new(x, 7.0 + y, 0.0) };
-        let page = Page::new(Some(bounds));
-        let [low, high] =
-            [bounds.min, bounds.max].map(|corner| page.pixels(curves::point(&corner)));
-        let size = page.size();
-        assert!(low.x >= 64.0 && high.x <= size.x - 24.0, "{low:?} {high:?} {size:?}");
-        assert!(high.y >= 56.0 && low.y <= size.y - 64.0, "{low:?} {high:?} {size:?}");
-        assert!(low.y >= high.y && size.x <= 1100.0 && size.y <= 1130.0);
+        let mut map = map(Some(bounds), "");
+        let [low, high] = [bounds.min, bounds.max].map(|corner| map.pixels(curves::point(&corner)));
+        let head = map.take();
+        let size = |key: &str| -> f64 {
+            let (_, rest) = head.split_once(&format!(" {key}=\"")).unwrap();
+            rest.split('"').next().unwrap().parse().unwrap()
+        };
+        let (width, height) = (size("width"), size("height"));
+        assert!(low.0 >= 76.0 && high.0 <= width - 24.0, "{low:?} {high:?} {width}");
+        assert!(high.1 >= 56.0 && low.1 <= height - 64.0, "{low:?} {high:?} {height}");
+        assert!(low.1 >= high.1 && width <= 1110.0 && height <= 1250.0, "{width} {height}");
     }
 }
 
@@ -168,22 +172,12 @@ fn nothing_and_absurdities() {
     assert!(empty.contains("no path"));
     let far = f64::MAX;
     let bounds = Bounds { min: Point3::new(-far, f64::NAN, 0.0), max: Point3::new(far, far, far) };
-    let mut picture = Picture::new(Vec::new(), Some(bounds), "far").unwrap();
-    let line = crate::path::Shape::Line { start: bounds.min, end: bounds.max };
-    let element = PathElement::new(crate::Place::default(), ElementKind::Cut, line);
+    let mut picture = Picture::new(Vec::new(), Some(bounds), "far");
+    let line = twin_motion::path::Shape::Line { start: bounds.min, end: bounds.max };
+    let element = PathElement::new(twin_motion::Place::default(), ElementKind::Cut, line);
     picture.element(&element).unwrap();
     picture.cross(&bounds.min).unwrap();
     assert_well_formed(&String::from_utf8(picture.finish().unwrap()).unwrap());
-}
-
-/// Lines of the grid lie at whole multiples of 1, 2 or 5 times a power of ten.
-#[test]
-fn round_steps() {
-    for (least, step) in [(1.0, 1.0), (1.1, 2.0), (2.1, 5.0), (7.0, 10.0), (0.03, 0.05)] {
-        assert!((page::step(least) - step).abs() < 1e-12, "{least}");
-    }
-    assert_eq!(page::ticks(-3.0, 10.0, 5.0).collect::<Vec<_>>(), [0.0, 5.0]);
-    assert_eq!(page::ticks(20.0, 40.0, 20.0).collect::<Vec<_>>(), [20.0, 40.0, 60.0]);
 }
 
 /// Long paths get no more arrows than short ones.

@@ -1,42 +1,26 @@
-//! Shapes as commands of SVG paths, in mm and with Y upwards: the page turns it over.
+//! Shapes as commands of SVG paths, in mm and with Y upwards.
 
-use crate::path::{Cubic, Plane, Shape};
+use crate::plot::{Point, hull, number};
 use nalgebra::Point3;
 use std::f64::consts::FRAC_PI_2;
-use std::fmt;
+use twin_motion::path::{Cubic, Plane, Shape};
 
-/// Upright arcs are drawn as so many lines per quarter.
+/// Lines per quarter of an upright arc.
 const LINES_PER_QUARTER: f64 = 16.0;
 
-/// A point of the picture, mm.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Point {
-    pub(super) x: f64,
-    pub(super) y: f64,
-}
-
+/// A place as the picture has it, mm.
 pub(super) fn point(at: &Point3<f64>) -> Point {
-    Point { x: at.x * 1e3, y: at.y * 1e3 }
+    (at.x * 1e3, at.y * 1e3)
 }
 
-impl fmt::Display for Point {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", number(self.x), number(self.y))
-    }
-}
-
-/// `value` to a tenth of a micrometre, as short as it goes.
-pub(super) fn number(value: f64) -> String {
-    // What is no number would spoil the whole picture.
-    let value = if value.is_finite() { value } else { 0.0 };
-    let text = format!("{value:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+/// A place as SVG commands have it.
+pub(super) fn place((x, y): Point) -> String {
+    format!("{} {}", number(x), number(y))
 }
 
 /// The commands that draw a shape from its start, each with the point it leads to.
 pub(super) fn commands(shape: &Shape) -> Vec<(String, Point)> {
-    let line = |to: Point| (format!("L{to}"), to);
+    let line = |to: Point| (format!("L{}", place(to)), to);
     match shape {
         Shape::Line { end, .. } => vec![line(point(end))],
         Shape::Arc(arc) if arc.plane() == Plane::Xy => {
@@ -55,7 +39,7 @@ pub(super) fn commands(shape: &Shape) -> Vec<(String, Point)> {
         }
         Shape::Cubic(cubic) => {
             let [_, first, second, end] = control_points(cubic);
-            vec![(format!("C{first} {second} {end}"), end)]
+            vec![(format!("C{} {} {}", place(first), place(second), place(end)), end)]
         }
     }
 }
@@ -64,33 +48,12 @@ pub(super) fn commands(shape: &Shape) -> Vec<(String, Point)> {
 fn control_points(cubic: &Cubic) -> [Point; 4] {
     let control = |[a, b, c, _]: [f64; 4]| [(a + b / 3.0) * 1e3, (a + (2.0 * b + c) / 3.0) * 1e3];
     let ([x1, x2], [y1, y2]) = (control(cubic.x()), control(cubic.y()));
-    let [first, second] = [Point { x: x1, y: y1 }, Point { x: x2, y: y2 }];
-    [point(&cubic.start()), first, second, point(&cubic.end())]
+    [point(&cubic.start()), (x1, y1), (x2, y2), point(&cubic.end())]
 }
 
-/// The corners of the smallest convex polygon around those points, counter-clockwise (manual 3.5): the curve lies in
-/// it. Fewer than three if they are in line.
+/// The convex polygon around those points (manual 3.5): the curve lies in it. Fewer than three corners if they are in line.
 pub(super) fn convex_hull(cubic: &Cubic) -> Vec<Point> {
-    let mut points = control_points(cubic);
-    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-    let mut hull = half_hull(points.iter());
-    hull.extend(half_hull(points.iter().rev()));
-    hull
-}
-
-/// From the first to the last of `points`, always turning left; the last one left out, with which the other half begins.
-fn half_hull<'a>(points: impl Iterator<Item = &'a Point>) -> Vec<Point> {
-    let mut hull: Vec<Point> = Vec::new();
-    for point in points {
-        while let [.., a, b] = hull.as_slice()
-            && (b.x - a.x) * (point.y - a.y) <= (b.y - a.y) * (point.x - a.x)
-        {
-            hull.pop();
-        }
-        hull.push(*point);
-    }
-    hull.pop();
-    hull
+    hull(control_points(cubic).to_vec())
 }
 
 /// Ends of equally long pieces.
@@ -116,6 +79,6 @@ fn arcs(
     let count = (sweep.abs() / FRAC_PI_2 - 1e-9).ceil();
     let [long, across, direction] = [long, across, direction_deg].map(number);
     pieces(shape, count)
-        .map(|end| (format!("A{long} {across} {direction} 0 {sense} {end}"), end))
+        .map(|end| (format!("A{long} {across} {direction} 0 {sense} {}", place(end)), end))
         .collect()
 }
