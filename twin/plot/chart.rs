@@ -1,6 +1,6 @@
 //! Charts: rows and strips over a common axis.
 
-use super::color::{Color, FAINT, INK, Stroke};
+use super::color::{BACK, Color, FAINT, INK, Stroke};
 use super::page::{self, Head, Legend, TEXT};
 use super::row::Row;
 use super::series::Stretches;
@@ -106,10 +106,11 @@ impl Strip {
         }
         // Of narrow stretches some have a number, with a tick, clear of those in wide ones.
         let mut last = f64::NEG_INFINITY;
-        for (begin, _, number) in numbers.iter() {
+        for (begin, end, number) in numbers.iter() {
             let room = half(number) + 4.0 * per_pixel;
             let [left, right] = [begin - room, begin + room];
-            let is_free = left >= last
+            let is_free = end - begin < 2.0 * room
+                && left >= last
                 && left >= span[0]
                 && right <= span[1]
                 && wide.iter().all(|[from, to]| right <= *from || left >= *to);
@@ -126,7 +127,7 @@ impl Strip {
         for (begin, end, color) in &self.parts {
             svg.rectangle((across(*begin), top), (across(*end), bottom), *color);
         }
-        svg.rectangle((LEFT, top), (RIGHT, bottom), Stroke::solid(FAINT, 0.8));
+        svg.rectangle((LEFT, top), (RIGHT, bottom), Stroke::solid(BACK, 0.8));
         for x in self.marks.iter().map(|at| across(*at)) {
             svg.line((x, top - 2.0), (x, bottom + 2.0), Stroke::solid(INK, 1.3));
         }

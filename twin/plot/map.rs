@@ -1,7 +1,7 @@
 //! Maps: paths, regions and marks at equal scale, in mm.
 
 use super::Point;
-use super::color::{Color, FAINT, GRID, INK, Paint, Stroke};
+use super::color::{BACK, Color, FAINT, GRID, INK, Paint, Stroke};
 use super::page::{self, Head, Legend, Sign};
 use super::svg::{Anchor, Svg, number};
 use super::ticks::{short, ticks};
@@ -17,7 +17,7 @@ const LOWEST: f64 = 150.0;
 /// The page is at least this wide, pixels: title and legend need it.
 const NARROWEST: f64 = 780.0;
 /// Lines of the grid are about this far apart, pixels.
-const APART: f64 = 65.0;
+const APART: f64 = 52.0;
 /// Bends of lines that are not seen, pixels.
 const UNSEEN: f64 = 0.15;
 
@@ -246,7 +246,7 @@ impl Map {
         self.svg.close();
         let (corner, size) = (self.corner, self.size);
         let end = (corner.0 + size.0, corner.1 + size.1);
-        self.svg.rectangle(corner, end, Stroke::solid(FAINT, 0.8));
+        self.svg.rectangle(corner, end, Stroke::solid(BACK, 0.8));
         let (places, height) = page::legend_places(legend, self.page.0 - LEFT - 12.0);
         if !places.is_empty() {
             let top = self.page.1 - height + 6.0;

@@ -11,7 +11,7 @@ pub(super) const TEXT: f64 = 13.5;
 /// Height of a line of the legend and of notes, pixels.
 pub(super) const LINE: f64 = 19.0;
 /// Width of a letter as a part of its size, on average: without a font there is no exact one.
-const LETTER: f64 = 0.52;
+const LETTER: f64 = 0.56;
 
 /// What stands before a word of the legend, and what marks a place.
 #[derive(Clone, Copy, Debug, PartialEq)]

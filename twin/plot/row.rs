@@ -2,7 +2,7 @@
 
 use super::Point;
 use super::chart::{LEFT, RIGHT};
-use super::color::{Color, FAINT, GRID, INK, MARK, Stroke};
+use super::color::{BACK, Color, GRID, INK, MARK, Stroke};
 use super::page::{LINE, TEXT, width};
 use super::series::thinned;
 use super::svg::{Anchor, Svg};
@@ -126,7 +126,7 @@ impl Row {
     /// The power of ten that numbers are divided by where they would have no room next to the row.
     fn power(&self) -> i32 {
         let most = self.range[0].abs().max(self.range[1].abs());
-        if most >= 1e5 || (most > DUST && most < 5e-3) {
+        if most >= 1e4 || (most > DUST && most < 5e-3) {
             #[expect(clippy::cast_possible_truncation, reason = "a power of ten")]
             let power = (most.log10() / 3.0).floor() as i32 * 3;
             return power;
@@ -164,9 +164,9 @@ impl Row {
             svg.line((*x, top), (*x, bottom), grid);
         }
         let middle = top + self.height / 2.0;
-        svg.text((19.0, middle), 14.0, INK, Anchor::Upwards, &self.name);
+        svg.text((11.0, middle), 14.0, INK, Anchor::Upwards, &self.name);
         let unit = format!("({}{})", power_of_ten(self.power()), self.unit);
-        svg.text((37.0, middle), 14.0, INK, Anchor::Upwards, &unit);
+        svg.text((29.0, middle), 14.0, INK, Anchor::Upwards, &unit);
 
         svg.open_window((LEFT, top), (RIGHT - LEFT, self.height));
         for shape in &self.shapes {
@@ -176,7 +176,7 @@ impl Row {
             svg.line((LEFT, y(*limit)), (RIGHT, y(*limit)), Stroke::dashed(MARK, 1.1));
         }
         svg.close();
-        svg.rectangle((LEFT, top), (RIGHT, bottom), Stroke::solid(FAINT, 0.8));
+        svg.rectangle((LEFT, top), (RIGHT, bottom), Stroke::solid(BACK, 0.8));
         self.labels(svg, top, across, &y);
 
         let far = self.limits.iter().filter(|limit| !self.has(**limit));

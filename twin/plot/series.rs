@@ -48,7 +48,7 @@ pub(super) fn thinned(line: &[Point], [from, to]: [f64; 2]) -> Vec<Point> {
         let by = |one: &(usize, &Point), other: &(usize, &Point)| one.1.1.total_cmp(&other.1.1);
         let gap = run.iter().enumerate().find(|(_, point)| point.1.is_nan());
         let chosen =
-            [finite().next(), finite().min_by(by), finite().max_by(by), finite().last(), gap];
+            [finite().next(), finite().min_by(by), finite().max_by(by), finite().next_back(), gap];
         let mut chosen: Vec<_> = chosen.into_iter().flatten().collect();
         chosen.sort_unstable_by_key(|(index, _)| *index);
         chosen.dedup_by_key(|(index, _)| *index);

@@ -211,7 +211,8 @@ impl<W: Write> Picture<W> {
         for rise in [-reach, reach] {
             let to = (x + reach, y + rise);
             self.go_to(Style::Cross, (x - reach, y - rise))?;
-            self.commands.push_str(&format!("L{}", place(to)));
+            self.commands += "L";
+            self.commands += &place(to);
             self.line = Some((Style::Cross, to));
         }
         Ok(())
@@ -241,10 +242,12 @@ impl<W: Write> Picture<W> {
         for (at, way) in arrows.kept {
             map.head(at, way, ARROW);
         }
-        functions.kept.into_iter().for_each(|at| map.sign(at, FUNCTION));
-        switches.kept.into_iter().for_each(|at| map.sign(at, SWITCH));
-        end.into_iter().for_each(|at| map.sign(at, END));
-        start.into_iter().for_each(|at| map.sign(at, START));
+        let functions = functions.kept.into_iter().map(|at| (at, FUNCTION));
+        let switches = switches.kept.into_iter().map(|at| (at, SWITCH));
+        let ends = end.map(|at| (at, END)).into_iter().chain(start.map(|at| (at, START)));
+        for (at, sign) in functions.chain(switches).chain(ends) {
+            map.sign(at, sign);
+        }
         out.write_all(map.finish(&legend).as_bytes())?;
         out.flush()?;
         Ok(out)
@@ -282,7 +285,8 @@ impl<W: Write> Picture<W> {
             self.close()?;
         }
         if self.line.is_none_or(|(_, at)| at != start) {
-            self.commands.push_str(&format!("M{}", place(start)));
+            self.commands += "M";
+            self.commands += &place(start);
             self.line = Some((style, start));
         }
         if !self.used.contains(&style) {
