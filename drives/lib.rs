@@ -3,15 +3,17 @@
 //! This crate knows increments, registers and wires; it never learns which machine hangs on the axes.
 
 mod assumed;
-pub mod axis;
+pub mod backup;
 pub mod bim2ax;
 mod clock;
 mod control;
+mod decimal_ratio;
 mod device;
 mod drive;
 mod error;
 mod fault;
 mod follow;
+pub mod homing;
 pub mod interpcnc;
 mod kept;
 mod pause;
@@ -31,6 +33,7 @@ mod transport;
 pub use assumed::{Assumed, AssumedError};
 pub use clock::{Accelerated, Clock, Speed};
 pub use control::Control;
+pub use decimal_ratio::DecimalRatio;
 pub use device::{
     AxisSignals, Bits, DeviceLimits, Identity, ParameterId, ParameterInfo, Signals, UnitIdentity,
     Values,

@@ -3,7 +3,7 @@
 use super::bench::{Bench, bim2ax, interpcnc, quick_interpcnc, smartdrive};
 use crate::{
     Drive, ParameterId, ParameterInfo, Values,
-    axis::backup::{Format, plan, read, write_parameters},
+    backup::{Format, plan, read, write_parameters},
 };
 
 /// Another value that the parameter takes.

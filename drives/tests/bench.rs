@@ -4,13 +4,13 @@ use std::{any::Any, time::Duration, time::Instant};
 
 use crate::{
     Control, Drive, IncrementMotion, SetpointStream,
-    axis::homing::Switch,
     bim2ax::{
         self, Bim2AxDrive, Bim2AxDriveOptions, Contact, MemoryFile, ModuleAxis,
         bits::coefficient,
         emulator::{Eeprom, EmulatedModule},
         parameter::{AxisParameter, Parameter},
     },
+    homing::Switch,
     interpcnc::{
         self, AxisOptions, BoardAxis, InterpCncDrive, InterpCncOptions,
         emulator::{EmulatedBoard, Wire},

@@ -6,11 +6,9 @@ use super::bench::{Bench, FAR, HOME, bim2ax, interpcnc, smartdrive};
 use crate::{
     Action, Drive, DriveError, Exchange, Identity, Increments, MAX_DRIVE_AXES, ParameterId, Sample,
     SetpointStream, Signals,
-    axis::{
-        AxisError, Direction,
-        homing::{
-            HomingError, HomingMode, HomingOptions, HomingReport, HomingRun, Switch, home_by_switch,
-        },
+    homing::{
+        Direction, HomingError, HomingFault, HomingMode, HomingOptions, HomingReport, HomingRun,
+        Switch, home_by_switch,
     },
 };
 
@@ -103,7 +101,7 @@ fn ends_where_it_should(start: impl Fn() -> Bench) {
     // No further than the user says: here the switch does not come.
     let short = HomingOptions { max_fast_way: 200.0, ..options(HomingMode::default()) };
     let error = home(&mut bench, short).unwrap_err();
-    let travel = |error: &AxisError| matches!(error, AxisError::Travel { travel, .. } if (*travel - 200.0).abs() < 1.0);
+    let travel = |error: &HomingFault| matches!(error, HomingFault::Travel { travel, .. } if (*travel - 200.0).abs() < 1.0);
     assert!(matches!(&error, HomingError::Axis { axis: 0, error } if travel(error)), "{error}");
     assert_eq!(position(&mut bench), -200);
     // A switch in the wrong direction.

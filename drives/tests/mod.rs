@@ -4,7 +4,6 @@ mod assumptions;
 mod backup;
 pub(crate) mod bench;
 mod device;
-mod group;
 mod homing;
 mod net;
 pub(crate) mod peer;

@@ -24,7 +24,8 @@ pub struct Largest {
 }
 
 impl Largest {
-    fn take(&mut self, value: f64, time: u32) {
+    /// Takes a value with its stamp into account.
+    pub fn update(&mut self, value: f64, time: u32) {
         if value.abs() > self.value {
             *self = Self { value: value.abs(), time };
         }
@@ -34,13 +35,13 @@ impl Largest {
     /// `reset` it is 0. `time` is any stamp.
     #[doc(alias = "SMC_GetMaxSetVelocity")]
     pub fn set_velocity(&mut self, axis: &Axis, reset: bool, time: u32) {
-        if reset { *self = Self::default() } else { self.take(axis.set_velocity(), time) }
+        if reset { *self = Self::default() } else { self.update(axis.set_velocity(), time) }
     }
 
     /// Largest set acceleration or deceleration, u/s² (`SMC_GetMaxSetAccDec`, manual 2.2.8).
     #[doc(alias = "SMC_GetMaxSetAccDec")]
     pub fn set_acceleration(&mut self, axis: &Axis, reset: bool, time: u32) {
-        if reset { *self = Self::default() } else { self.take(axis.set_acceleration(), time) }
+        if reset { *self = Self::default() } else { self.update(axis.set_acceleration(), time) }
     }
 }
 
@@ -72,8 +73,18 @@ impl TrackingError {
         self.sent.truncate(usize::from(self.dead_time_cycles) + 1);
         // Before there is one that old, the oldest stands for it.
         let Some(set) = self.sent.back() else { return };
-        let error = set - axis.act_position();
-        self.error = axis.period().map_or(error, |it| error - it * (error / it).round());
-        if reset { self.largest = Largest::default() } else { self.largest.take(self.error, time) }
+        self.error = tracking_error(*set, axis.act_position(), axis.period());
+        if reset {
+            self.largest = Largest::default();
+        } else {
+            self.largest.update(self.error, time);
+        }
     }
+}
+
+/// Set position less actual position; the shorter way round on an axis with a period.
+#[must_use]
+pub fn tracking_error(set: f64, actual: f64, period: Option<f64>) -> f64 {
+    let error = set - actual;
+    period.map_or(error, |it| error - it * (error / it).round())
 }

@@ -36,7 +36,7 @@ mod virtual_axes;
 pub use axis_ref::{Access, PARAMETERS, Parameter, Value};
 pub use block::{Block, Motion, Progress, Stage};
 pub use config::{AxisConfig, Movement};
-pub use diagnose::{Largest, TrackingError};
+pub use diagnose::{Largest, TrackingError, tracking_error};
 pub use direction::Direction;
 pub use drive::{
     Answer, Capture, Command, ControllerMode, Feedback, Homing, Transfer, VirtualDrive,

@@ -3,8 +3,8 @@
 use std::{f64::consts::PI, sync::OnceLock, thread, time::Duration};
 
 use twin_drives::{
-    Action, Axes, Clock, Direction, DriveError, IncrementMotion, MAX_DRIVE_AXES, Sample,
-    SetpointStream, WireFault, axis::Ratio,
+    Action, Axes, Clock, DecimalRatio, Direction, DriveError, IncrementMotion, MAX_DRIVE_AXES,
+    Sample, SetpointStream, WireFault,
 };
 
 use crate::{
@@ -42,8 +42,8 @@ pub(crate) const PAUSE: Duration = Duration::from_millis(10);
 pub(crate) const SENSES: [i64; 2] = [1, -1];
 
 /// Units of an axis to increments: no binary fraction.
-fn ratio() -> Ratio {
-    Ratio::new(3, 250).expect("neither is 0")
+fn ratio() -> DecimalRatio {
+    DecimalRatio::new(250, 3.0, 0).expect("neither is 0")
 }
 
 /// What became of what was being done.
@@ -160,7 +160,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
     /// Where the axes stand, if that is where the driver has sent them last, where the devices were to go, and `units`,
     /// the last set-point, by the exact ratio.
     fn ends(&mut self, units: f64) -> Result<Vec<i64>, String> {
-        let last = ratio().increments(units).map_err(|error| error.to_string())?;
+        let last = ratio().increments(units).ok_or_else(|| format!("{units} cannot be counted"))?;
         let commanded = self.drive().commanded();
         let count = self.drive().axis_count();
         let truth = self.truth();

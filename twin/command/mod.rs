@@ -200,10 +200,10 @@ pub(crate) enum Failure {
     },
     /// Parameters of a drive on file.
     #[error(transparent)]
-    Backup(Box<twin_drives::axis::backup::BackupError>),
+    Backup(Box<twin_drives::backup::BackupError>),
     /// Parameters that are given back to a drive.
     #[error(transparent)]
-    Restore(Box<twin_drives::axis::backup::RestoreError>),
+    Restore(Box<twin_drives::backup::RestoreError>),
     /// The file of a cam.
     #[error(transparent)]
     Cam(#[from] Box<crate::cam::CamFileError>),
@@ -241,14 +241,14 @@ pub(crate) enum Failure {
     Usage(String),
 }
 
-impl From<twin_drives::axis::backup::BackupError> for Failure {
-    fn from(error: twin_drives::axis::backup::BackupError) -> Self {
+impl From<twin_drives::backup::BackupError> for Failure {
+    fn from(error: twin_drives::backup::BackupError) -> Self {
         Self::Backup(Box::new(error))
     }
 }
 
-impl From<twin_drives::axis::backup::RestoreError> for Failure {
-    fn from(error: twin_drives::axis::backup::RestoreError) -> Self {
+impl From<twin_drives::backup::RestoreError> for Failure {
+    fn from(error: twin_drives::backup::RestoreError) -> Self {
         Self::Restore(Box::new(error))
     }
 }

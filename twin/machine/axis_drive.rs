@@ -5,13 +5,12 @@ use super::drives::{Abilities, Seen};
 use crate::axis_kind::AxisKind;
 use crate::section::Section;
 
-/// How many increments of a drive one unit of the axis is, as an exact ratio (the manual's
+/// Increments of a drive per unit of the axis, as an exact ratio (the manual's
 /// `dwRatioTechUnitsDenom` / `iRatioTechUnitsNum`).
 ///
-/// What is reckoned with it is a [`twin_drives::axis::DecimalRatio`], by [`Counting`]. Not
-/// [`twin_drives::axis::Ratio`], which is a fraction of whole numbers in 32 bits, as SoftMotion's blocks hand it on: a
-/// machine file says what its builder reads off the gear, the belt and the encoder, 10^12 increments and 9.525 mm among it,
-/// and what of that fits 32 bits would have to be refused or rounded.
+/// [`Counting`] converts with it, by a [`twin_drives::DecimalRatio`]. The manual's fraction of whole numbers in 32 bits is
+/// not enough: a machine file gives what its builder reads off the gear, the belt and the encoder, up to 10^12 increments
+/// per 9.525 mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IncrementRatio {
     /// Increments …

@@ -2,7 +2,7 @@
 
 use super::axis_drive::IncrementRatio;
 use crate::axis_kind::AxisKind;
-use twin_drives::axis::DecimalRatio;
+use twin_drives::DecimalRatio;
 
 /// How the drive of an axis counts.
 ///
@@ -25,7 +25,7 @@ impl Counting {
             AxisKind::Linear => 3,
             AxisKind::Rotary => 0,
         };
-        let ratio = DecimalRatio::new(ratio.increments, ratio.per_units, power).ok()?;
+        let ratio = DecimalRatio::new(ratio.increments, ratio.per_units, power)?;
         Some(Self { kind, ratio, most })
     }
 
@@ -53,7 +53,7 @@ impl Counting {
             AxisKind::Linear => si,
             AxisKind::Rotary => si / self.kind.scale(),
         });
-        counted.ok().filter(|count| count.unsigned_abs() <= self.most.unsigned_abs())
+        counted.filter(|count| count.unsigned_abs() <= self.most.unsigned_abs())
     }
 
     /// Increments of a position of a plan, which may lie between whole ones; `None` if the counter does not go so far.

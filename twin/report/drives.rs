@@ -5,7 +5,7 @@ use crate::machine::{Axis, Machine};
 use crate::number::rounded;
 use crate::per_axis::PerAxis;
 use crate::report::StatisticsReport;
-use twin_drives::axis::Maximum;
+use twin_motion::axis::Largest;
 
 /// How well the drives will follow, as their rehearsal foresees it.
 #[derive(Clone, Debug, serde::Serialize)]
@@ -87,8 +87,8 @@ struct MaximumReport {
 impl AxisMaximaReport {
     /// Of an axis: its tracking error against the set position so many cycles ago, its set velocity and acceleration; stamps are
     /// in ms.
-    pub fn new(axis: &Axis, dead_time_cycles: u8, maxima: [Maximum; 3]) -> Self {
-        let report = |most: Maximum| MaximumReport {
+    pub fn new(axis: &Axis, dead_time_cycles: u8, maxima: [Largest; 3]) -> Self {
+        let report = |most: Largest| MaximumReport {
             max: rounded(most.value),
             time_s: rounded(f64::from(most.time) * 1e-3),
         };

@@ -4,7 +4,6 @@ use super::in_units;
 use super::looker::Looker;
 use crate::by_hand;
 use crate::machine::{Axis, DriveFamily, Machine};
-use twin_drives::axis::SoftwareMaxima;
 use twin_drives::{DeviceLimits, Drive, DriveError};
 
 /// What is left where the device does not limit the way of an axis: the words that end such a message.
@@ -66,16 +65,16 @@ impl Looker<'_> {
         Ok(())
     }
 
-    /// Ramps that are gentler than what a plan may ask for: the axis falls behind it there. Speeds are parameters, which are looked
-    /// at as such.
+    /// Ramps that are gentler than what a plan may ask for: the axis falls behind it there. Speeds are checked as parameters.
     fn maxima(&mut self, axis: &Axis, limits: &DeviceLimits) {
-        let [velocity, most] =
-            [axis.max_velocity, axis.max_acceleration].map(|si| axis.from_si(si));
-        let maxima = SoftwareMaxima { velocity, acceleration: most, deceleration: most };
+        let wanted = axis.from_si(axis.max_acceleration);
         let per_unit = axis.increments_per_si() * axis.to_si(1.0);
         let unit = axis.unit();
-        for (what, device, wanted) in maxima.beyond(limits, per_unit) {
-            if what != "velocity" {
+        let pairs = [("acceleration", limits.acceleration), ("deceleration", limits.deceleration)];
+        for (what, device) in pairs {
+            let device = device.map(|increments| (increments / per_unit).abs());
+            // Ratios are rounded; a limit that is met is not exceeded.
+            if let Some(device) = device.filter(|most| wanted > most * (1.0 + 1e-12)) {
                 let told = format!(
                     "axis {}: the device's {what} is {device:.1} {unit}/s² at most, plans may ask for {wanted:.1} {unit}/s² \
                      (max_acceleration): where they do it falls behind",

@@ -7,7 +7,6 @@ use crate::by_hand;
 use crate::clock::Clock;
 use crate::machine::{Axis, DriveFamily, Machine};
 use std::time::Duration;
-use twin_drives::axis::StartStep;
 use twin_drives::{Drive, DriveError, Increments, ParameterInfo, SetpointStream};
 
 /// What is said of an axis that is homed by the user's word alone and counts 0: its device may have lost its position since.
@@ -64,37 +63,29 @@ impl<'a> Looker<'a> {
         self.add_with(false, error.to_string(), help.into_iter().collect());
     }
 
-    /// A step of the start-up.
+    /// All steps of the start-up: identity, parameters, limits, whether it may be enabled, whether it is homed.
     ///
     /// # Errors
-    /// If the device does not answer as it should. What is not as it must be is a check that has failed.
-    pub(super) fn step(
+    /// If the device does not answer as it should; the later steps are left out then. A value that is not as it must be is
+    /// a failed check.
+    pub(super) fn look(
         &mut self,
-        step: StartStep,
-        (machine, index, drive): (&Machine, usize, &mut dyn Drive),
+        machine: &Machine,
+        index: usize,
+        drive: &mut dyn Drive,
     ) -> Result<(), DriveError> {
         let stream = Still(Clock::start());
-        match step {
-            // Whoever looks has opened the port.
-            StartStep::Connecting => Ok(()),
-            StartStep::Identity => self.identity(machine, drive),
-            StartStep::Parameters => {
-                self.parameters(machine, (index, drive))?;
-                self.stored_line((machine, index), drive)
-            }
-            StartStep::Limits => {
-                self.limits(machine, (index, drive))?;
-                self.switches(machine, (index, drive))
-            }
-            StartStep::Enabling => self.may_be_enabled((machine, index), drive, stream),
-            StartStep::Homed => {
-                self.homed(machine, drive, stream)?;
-                if let Some(position) = self.looked.position {
-                    self.stands(&position);
-                }
-                Ok(())
-            }
+        self.identity(machine, drive)?;
+        self.parameters(machine, (index, drive))?;
+        self.stored_line((machine, index), drive)?;
+        self.limits(machine, (index, drive))?;
+        self.switches(machine, (index, drive))?;
+        self.may_be_enabled((machine, index), drive, stream)?;
+        self.homed(machine, drive, stream)?;
+        if let Some(position) = self.looked.position {
+            self.stands(&position);
         }
+        Ok(())
     }
 
     /// That nothing keeps the device from being enabled; where its axes stand.

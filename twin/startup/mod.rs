@@ -1,9 +1,8 @@
-//! What must be known of drives before they move. Each device goes through the start-up of SoftMotion's axis groups
-//! ([`AxisGroup`], 2.2.2): connected, who it is, its parameters against the machine file, its limits, that it may be enabled,
-//! and that it is homed.
+//! Checks of the drives before they move, in the order in which SoftMotion starts an axis group (2.2.2): identity,
+//! parameters against the machine file, limits, whether the device may be enabled, whether it is homed.
 //!
-//! A device is a group of its own: what is wrong with one keeps nobody from looking at the others, and a check that fails is
-//! told with all others instead of ending the start-up. Only a device that does not answer ends that of its group.
+//! Each device is checked on its own, and all failed checks are reported together. Only a device that does not answer ends
+//! its checks early.
 
 mod homing;
 mod limits;
@@ -19,7 +18,6 @@ use crate::machine::{Axis, Machine};
 pub use homing::{HomingError, home, home_by_hand, longest_way, way_in_all};
 use looker::Looker;
 use std::fmt;
-use twin_drives::axis::{AxisGroup, GroupTask};
 use twin_drives::{IncrementMotion, Increments, MAX_DRIVE_AXES, SetpointStream};
 
 /// What a check has come to.
@@ -126,16 +124,12 @@ impl SetpointStream for Still {
 /// Looks at a device. Nothing moves and nothing is changed. `needs` are in machine-file order. A device that does not answer is
 /// not asked any further.
 pub fn look(machine: &Machine, attached: &mut Attached, needs: &[Needs]) -> Looked {
-    let Some(entry) = machine.drives.get(attached.device) else { return Looked::default() };
-    let mut group = AxisGroup::new([entry.name.clone()]);
+    if machine.drives.get(attached.device).is_none() {
+        return Looked::default();
+    }
     let mut looker = Looker::new(machine, attached.device, needs);
-    while let Some(GroupTask::Start { step, .. }) = group.task() {
-        let done = looker.step(step, (machine, attached.device, &mut *attached.drive));
-        // A deadline that is missed is the last word of a device.
-        group.report(done.map_err(|error| {
-            looker.failed(&error);
-            error.to_string()
-        }));
+    if let Err(error) = looker.look(machine, attached.device, &mut *attached.drive) {
+        looker.failed(&error);
     }
     let mut looked = looker.looked;
     say_once(&mut looked.checks);

@@ -6,7 +6,7 @@ use crate::command::whole::{WholeFile, refuse_existing};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use twin_drives::Drive;
-use twin_drives::axis::backup::{BackupError, Format, plan, read, write_parameters};
+use twin_drives::backup::{BackupError, Format, plan, read, write_parameters};
 
 /// What is done with a file of parameters.
 #[derive(Clone, Debug, clap::Subcommand)]

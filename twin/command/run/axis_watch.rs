@@ -1,5 +1,5 @@
-//! What SoftMotion's diagnosis blocks tell of axes in a run: logs (`SMC_AxisDiagnosticLog`), the tracking error with dead time
-//! (`SMC_GetTrackingError`) and the largest set values (`SMC_GetMaxSetVelocity`, `SMC_GetMaxSetAccDec`).
+//! SoftMotion's diagnosis of axes during a run: logs (`SMC_AxisDiagnosticLog`), tracking error with dead time
+//! (`SMC_GetTrackingError`), largest set values (`SMC_GetMaxSetVelocity`, `SMC_GetMaxSetAccDec`).
 
 use crate::command::Failure;
 use crate::command::whole::WholeFile;
@@ -8,18 +8,23 @@ use crate::number::seconds;
 use crate::report::AxisMaximaReport;
 use crate::session::{DriveSample, TwinCycle};
 use std::collections::VecDeque;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use twin_drives::axis::{
-    AxisError, DiagnosticLog, LogFormat, LogSelection, LogValues, MaxSetAccDec, MaxSetVelocity,
-    Maximum, SetValues, TrackingError,
-};
 use twin_kinematics::AxisVector;
+use twin_motion::axis::{Largest, tracking_error};
 
 /// Cycles whose set positions are remembered: the longest dead time, and how late drives may be heard of.
 const REMEMBERED: usize = 4000;
-/// Records that the buffer of a log has room for in any case.
-const RECORDS: u32 = 16;
+/// Values of a record, in the manual's order (10.4).
+const VALUES: [&str; 6] = [
+    "set-position",
+    "act-position",
+    "set-velocity",
+    "act-velocity",
+    "set-acceleration",
+    "act-acceleration",
+];
 
 /// What is watched of axes.
 #[derive(Clone, Debug, clap::Args)]
@@ -40,7 +45,8 @@ pub(super) struct AxisWatchOptions {
 #[derive(Clone, Debug)]
 struct AxisLog {
     axis: String,
-    selection: LogSelection,
+    /// Which of [`VALUES`].
+    selection: [bool; VALUES.len()],
     file: PathBuf,
 }
 
@@ -57,25 +63,13 @@ impl FromStr for AxisLog {
                 "expected AXIS=VALUES:FILE, like X=set-position,act-position:x.log".to_owned()
             );
         };
-        let mut selection = LogSelection::default();
+        let mut selection = [false; VALUES.len()];
         for value in values.split(',') {
-            let all = value == "all";
-            let mut known = all;
-            let mut choose = |name: &str, slot: &mut bool| {
-                known |= value == name;
-                *slot |= all || value == name;
-            };
-            choose("set-position", &mut selection.set_position);
-            choose("act-position", &mut selection.act_position);
-            choose("set-velocity", &mut selection.set_velocity);
-            choose("act-velocity", &mut selection.act_velocity);
-            choose("set-acceleration", &mut selection.set_acceleration);
-            choose("act-acceleration", &mut selection.act_acceleration);
-            if !known {
-                return Err(format!(
-                    "`{value}` is none of all, set-position, act-position, set-velocity, act-velocity, set-acceleration, \
-                     act-acceleration"
-                ));
+            if value != "all" && !VALUES.contains(&value) {
+                return Err(format!("`{value}` is none of all, {}", VALUES.join(", ")));
+            }
+            for (chosen, name) in selection.iter_mut().zip(VALUES) {
+                *chosen |= value == "all" || value == name;
             }
         }
         Ok(Self { axis: axis.to_owned(), selection, file: file.into() })
@@ -102,32 +96,19 @@ impl AxisWatchOptions {
                 let (name, names) = (&wanted.axis, names.join(", "));
                 Failure::Usage(format!("--log-axis: there is no axis `{name}`; there are {names}"))
             })?;
-            let file = WholeFile::create(&wanted.file)?;
-            let log = DiagnosticLog::start(|| Ok(file), wanted.selection, &LogFormat::default());
-            let log = log.map_err(|error| unlogged(&error))?;
-            logs.push(Log { axis, out: log, waiting: 0, last: None });
+            let out = WholeFile::create(&wanted.file)?;
+            logs.push(Log { axis, selection: wanted.selection, out, last: None });
         }
-        let tracking = TrackingError::new(0);
-        let (velocity, acceleration) = (MaxSetVelocity::default(), MaxSetAccDec::default());
-        let one = Watched {
-            tracking,
-            velocity: (velocity, Maximum::default()),
-            acceleration: (acceleration, Maximum::default()),
-        };
         Ok(AxisWatch {
             machine,
             drives,
             dead_time: self.tracking_error,
             set: VecDeque::new(),
-            axes: machine.axes.iter().map(|_| one.clone()).collect(),
+            axes: vec![Watched::default(); machine.axes.len()],
             logs,
             failure: None,
         })
     }
-}
-
-fn unlogged(error: &AxisError) -> Failure {
-    Failure::Usage(format!("--log-axis: {error}"))
 }
 
 /// Axes under watch.
@@ -141,24 +122,23 @@ pub(super) struct AxisWatch<'m> {
     set: VecDeque<(i64, AxisVector)>,
     axes: Vec<Watched>,
     logs: Vec<Log>,
-    /// What has gone wrong first.
-    failure: Option<AxisError>,
+    /// The first error of a log.
+    failure: Option<io::Error>,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Watched {
-    tracking: TrackingError,
-    velocity: (MaxSetVelocity, Maximum),
-    acceleration: (MaxSetAccDec, Maximum),
+    tracking: Largest,
+    velocity: Largest,
+    acceleration: Largest,
 }
 
 struct Log {
     axis: usize,
-    out: DiagnosticLog<WholeFile>,
-    /// Records in the buffer.
-    waiting: u32,
+    selection: [bool; VALUES.len()],
+    out: WholeFile,
     /// The record before, and when.
-    last: Option<(i64, LogValues)>,
+    last: Option<(i64, [f64; VALUES.len()])>,
 }
 
 /// Milliseconds since the start, which stamps of maxima are.
@@ -180,12 +160,8 @@ impl AxisWatch<'_> {
                 let of = |values: &AxisVector| {
                     axis.from_si(values.get(index).copied().unwrap_or_default())
                 };
-                let (velocity, acceleration) = (of(&set.velocity), of(&set.acceleration));
-                let values = SetValues { velocity, acceleration };
-                let (velocity, largest) = &mut watched.velocity;
-                *largest = velocity.update(true, false, &values, stamp(time_ns));
-                let (acceleration, largest) = &mut watched.acceleration;
-                *largest = acceleration.update(true, false, &values, stamp(time_ns));
+                watched.velocity.update(of(&set.velocity), stamp(time_ns));
+                watched.acceleration.update(of(&set.acceleration), stamp(time_ns));
             }
         }
         if !self.drives {
@@ -208,9 +184,10 @@ impl AxisWatch<'_> {
             if let Some(then) = then {
                 let axes = self.machine.axes.iter().zip(&mut self.axes);
                 for ((axis, watched), (set, actual)) in axes.zip(then.iter().zip(actual.iter())) {
-                    let pair = (axis.from_si(*set), axis.from_si(*actual));
+                    let [set, actual] = [set, actual].map(|si| axis.from_si(*si));
                     let period = axis.period.map(|period| axis.from_si(period));
-                    watched.tracking.update(true, false, pair, period, stamp(time_ns));
+                    let error = tracking_error(set, actual, period);
+                    watched.tracking.update(error, stamp(time_ns));
                 }
             }
         }
@@ -226,10 +203,8 @@ impl AxisWatch<'_> {
     pub(super) fn maxima(&self) -> Option<Vec<(String, AxisMaximaReport)>> {
         let dead_time_cycles = self.dead_time?;
         let axes = self.machine.axes.iter().zip(&self.axes).map(|(axis, watched)| {
-            let (tracking, velocity, acceleration) =
-                (watched.tracking.most(), watched.velocity.1, watched.acceleration.1);
-            let report =
-                AxisMaximaReport::new(axis, dead_time_cycles, [tracking, velocity, acceleration]);
+            let maxima = [watched.tracking, watched.velocity, watched.acceleration];
+            let report = AxisMaximaReport::new(axis, dead_time_cycles, maxima);
             (axis.name.clone(), report)
         });
         Some(axes.collect())
@@ -237,50 +212,44 @@ impl AxisWatch<'_> {
 
     /// Closes the logs.
     pub(super) fn finish(self) -> Result<(), Failure> {
-        let mut failure = self.failure;
-        let mut files = Vec::with_capacity(self.logs.len());
-        for mut log in self.logs {
-            match log.out.close() {
-                Ok(file) => files.extend(file),
-                Err(error) => {
-                    failure.get_or_insert(error);
-                }
-            }
-        }
-        files.into_iter().try_for_each(WholeFile::finish)?;
-        failure.map_or(Ok(()), |error| Err(unlogged(&error)))
+        self.logs.into_iter().try_for_each(|log| log.out.finish())?;
+        let unwritten = |error| {
+            let message = format!("--log-axis: the log file cannot be written: {error}");
+            Err(Failure::Usage(message))
+        };
+        self.failure.map_or(Ok(()), unwritten)
     }
 }
 
 impl Log {
-    /// Velocities and accelerations are those since the record before.
+    /// Writes a record, TAB between its values and CR LF at its end. Velocities and accelerations are those since the record
+    /// before.
     fn record(
         &mut self,
         axis: &Axis,
         time_ns: i64,
         [set, actual]: [&AxisVector; 2],
-    ) -> Result<(), AxisError> {
+    ) -> io::Result<()> {
         let of =
             |values: &AxisVector| axis.from_si(values.get(self.axis).copied().unwrap_or_default());
-        let mut values =
-            LogValues { set_position: of(set), act_position: of(actual), ..LogValues::default() };
-        if let Some((before_ns, before)) = self.last {
+        let positions = [of(set), of(actual)];
+        let (mut velocities, mut accelerations) = ([0.0; 2], [0.0; 2]);
+        if let Some((before_ns, [p, q, v, w, ..])) = self.last {
             let since = seconds(time_ns - before_ns);
             if since <= 0.0 {
                 return Ok(());
             }
-            values.set_velocity = (values.set_position - before.set_position) / since;
-            values.act_velocity = (values.act_position - before.act_position) / since;
-            values.set_acceleration = (values.set_velocity - before.set_velocity) / since;
-            values.act_acceleration = (values.act_velocity - before.act_velocity) / since;
+            let per_s = |now: [f64; 2], before: [f64; 2]| {
+                [(now[0] - before[0]) / since, (now[1] - before[1]) / since]
+            };
+            velocities = per_s(positions, [p, q]);
+            accelerations = per_s(velocities, [v, w]);
         }
+        let [[p, q], [v, w], [a, b]] = [positions, velocities, accelerations];
+        let values = [p, q, v, w, a, b];
         self.last = Some((time_ns, values));
-        self.out.record(&values)?;
-        self.waiting += 1;
-        if self.waiting >= RECORDS {
-            self.waiting = 0;
-            self.out.write_to_file()?;
-        }
-        Ok(())
+        let chosen = values.iter().zip(self.selection).filter(|(_, chosen)| *chosen);
+        let texts: Vec<_> = chosen.map(|(value, _)| value.to_string()).collect();
+        write!(self.out, "{}\r\n", texts.join("\t"))
     }
 }

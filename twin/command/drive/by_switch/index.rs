@@ -3,7 +3,7 @@
 use super::BySwitch;
 use crate::command::Failure;
 use twin_drives::Signals;
-use twin_drives::axis::homing::HomingMode;
+use twin_drives::homing::HomingMode;
 
 /// Waits for the edge of an index pulse.
 pub(super) struct Index {

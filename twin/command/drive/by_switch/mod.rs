@@ -9,8 +9,9 @@ use crate::clock::Clock;
 use crate::command::Failure;
 use crate::command::run::Interrupt;
 use crate::startup::Still;
-use twin_drives::axis::Direction;
-use twin_drives::axis::homing::{HomingMode, HomingOptions, HomingRun, Switch, home_by_switch};
+use twin_drives::homing::{
+    Direction, HomingMode, HomingOptions, HomingRun, Switch, home_by_switch,
+};
 use twin_drives::{Drive, DriveError, MAX_DRIVE_AXES, SetpointStream};
 use words::Told;
 
@@ -277,7 +278,7 @@ impl BySwitch {
 #[cfg(test)]
 mod tests {
     use super::{delay_ms, mode};
-    use twin_drives::axis::homing::HomingMode;
+    use twin_drives::homing::HomingMode;
 
     #[test]
     fn all_six_modes_can_be_said() {

@@ -4,8 +4,7 @@ use crate::clock::Clock;
 use crate::command::Failure;
 use crate::command::run::Interrupt;
 use crate::startup::Still;
-use twin_drives::axis::AxisError;
-use twin_drives::axis::homing::{HomingError, Switch};
+use twin_drives::homing::{HomingError, HomingFault, Switch};
 use twin_drives::{Drive, SetpointStream, Signals};
 
 /// Which axis is homed onto what.
@@ -20,9 +19,9 @@ pub(super) struct Told<'a> {
 }
 
 /// What the manual's blocks say, by the options that they come from.
-pub(super) fn axis_error(error: &AxisError) -> String {
+pub(super) fn axis_error(error: &HomingFault) -> String {
     match error {
-        AxisError::NeedsHardwareLimit => {
+        HomingFault::NeedsHardwareLimit => {
             "modes 4, 5 and 6 go on in their direction and need the limit switches: without --ignore-limits and --on-limit"
                 .to_owned()
         }
@@ -74,7 +73,7 @@ impl Told<'_> {
     /// Without the axis, whose only name is that of its drive.
     fn why(&self, error: &HomingError, drive: &mut dyn Drive, interrupt: &Interrupt) -> String {
         match error {
-            HomingError::Axis { error: error @ AxisError::Travel { .. }, .. } => {
+            HomingError::Axis { error: error @ HomingFault::Travel { .. }, .. } => {
                 format!("{error}{}", self.looked_for(drive))
             }
             HomingError::Axis { error, .. } => axis_error(error),

@@ -1,7 +1,6 @@
 //! The sequence: what is seen, what is to be done.
 
-use super::{History, HomingOptions};
-use crate::axis::AxisError;
+use super::{History, HomingFault, HomingOptions};
 
 /// Looks without motion after which an axis that has been sent off counts as arrived: the first may be from before it
 /// began to move.
@@ -102,7 +101,7 @@ impl Homing {
     ///
     /// # Errors
     /// As [`HomingOptions::check`].
-    pub fn new(options: &HomingOptions) -> Result<Self, AxisError> {
+    pub fn new(options: &HomingOptions) -> Result<Self, HomingFault> {
         options.check()?;
         // A look before the delayed one may be late.
         let keep_ns = delay_ns(options.signal_delay).saturating_add(1_000_000_000);
@@ -124,17 +123,17 @@ impl Homing {
     /// What is to be done.
     ///
     /// # Errors
-    /// [`AxisError::Travel`] if switch or index do not come within the way; [`AxisError::SwitchPassed`];
-    /// [`AxisError::HardwareLimit`] on a limit switch that is not to be ignored; [`AxisError::NotArrived`]. Homing has
+    /// [`HomingFault::Travel`] if switch or index do not come within the way; [`HomingFault::SwitchPassed`];
+    /// [`HomingFault::HardwareLimit`] on a limit switch that is not to be ignored; [`HomingFault::NotArrived`]. Homing has
     /// failed then: the axis is to be stopped.
-    pub fn step(&mut self, seen: &Seen) -> Result<Order, AxisError> {
+    pub fn step(&mut self, seen: &Seen) -> Result<Order, HomingFault> {
         self.history.push(seen.time_ns, seen.position);
         let ended = matches!(self.phase, Phase::Declared | Phase::Returning | Phase::Done);
         if let Some(positive) = seen.limit
             && !self.options.ignore_hardware_limit
             && !ended
         {
-            return Err(AxisError::HardwareLimit { position: seen.position, positive });
+            return Err(HomingFault::HardwareLimit { position: seen.position, positive });
         }
         self.looks_at_rest = if seen.moving { 0 } else { self.looks_at_rest.saturating_add(1) };
         match self.phase {
@@ -151,7 +150,7 @@ impl Homing {
     }
 
     fn sign(&self) -> f64 {
-        self.options.direction.sign().into()
+        self.options.direction.sign()
     }
 
     /// Sends the axis off.
@@ -174,18 +173,18 @@ impl Homing {
     }
 
     /// Fails if the axis has come to rest, at the end of its way or before.
-    fn arrived(&self, seen: &Seen, end: f64, what: &'static str) -> Result<Order, AxisError> {
+    fn arrived(&self, seen: &Seen, end: f64, what: &'static str) -> Result<Order, HomingFault> {
         if self.looks_at_rest < LOOKS_AT_REST {
             return Ok(Order::Wait);
         }
         let travel = (end - self.from).abs();
         if (seen.position - end).abs() > 1.0_f64.max(1e-9 * travel) {
-            return Err(AxisError::NotArrived { position: seen.position, target: end });
+            return Err(HomingFault::NotArrived { position: seen.position, target: end });
         }
-        Err(AxisError::Travel { what, from: self.from, travel })
+        Err(HomingFault::Travel { what, from: self.from, travel })
     }
 
-    fn fast(&mut self, seen: &Seen, end: f64) -> Result<Order, AxisError> {
+    fn fast(&mut self, seen: &Seen, end: f64) -> Result<Order, HomingFault> {
         if seen.open {
             return self.arrived(seen, end, "the home switch");
         }
@@ -193,13 +192,13 @@ impl Homing {
         Ok(Order::Stop)
     }
 
-    fn braking(&mut self, seen: &Seen) -> Result<Order, AxisError> {
+    fn braking(&mut self, seen: &Seen) -> Result<Order, HomingFault> {
         if seen.moving {
             return Ok(Order::Wait);
         }
         let reverses = self.options.mode.reverses();
         if seen.open && !reverses {
-            return Err(AxisError::SwitchPassed { position: seen.position });
+            return Err(HomingFault::SwitchPassed { position: seen.position });
         }
         let sense = if reverses { -self.sign() } else { self.sign() };
         let way = sense * self.options.max_slow_way;
@@ -208,7 +207,7 @@ impl Homing {
         Ok(order)
     }
 
-    fn slow(&mut self, seen: &Seen, end: f64, closed: bool) -> Result<Order, AxisError> {
+    fn slow(&mut self, seen: &Seen, end: f64, closed: bool) -> Result<Order, HomingFault> {
         if !closed || !seen.open {
             self.phase = Phase::Slow { end, closed: closed || !seen.open };
             let what = if closed { "the edge of the home switch" } else { "the home switch" };
@@ -226,7 +225,7 @@ impl Homing {
         Ok(Order::Stop)
     }
 
-    fn index(&mut self, seen: &Seen, end: f64) -> Result<Order, AxisError> {
+    fn index(&mut self, seen: &Seen, end: f64) -> Result<Order, HomingFault> {
         if seen.index.is_none() {
             return self.arrived(seen, end, "the index pulse");
         }
@@ -255,12 +254,12 @@ impl Homing {
         Order::Go { target: 0.0, velocity: self.options.velocity_fast }
     }
 
-    fn returning(&mut self, seen: &Seen) -> Result<Order, AxisError> {
+    fn returning(&mut self, seen: &Seen) -> Result<Order, HomingFault> {
         if self.looks_at_rest < LOOKS_AT_REST {
             return Ok(Order::Wait);
         }
         if seen.position.abs() > 1.0 {
-            return Err(AxisError::NotArrived { position: seen.position, target: 0.0 });
+            return Err(HomingFault::NotArrived { position: seen.position, target: 0.0 });
         }
         self.phase = Phase::Done;
         Ok(Order::Done)

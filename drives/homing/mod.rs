@@ -10,6 +10,7 @@
 //! way that the user gives.
 
 mod execute;
+mod fault;
 mod history;
 mod legs;
 mod sequence;
@@ -17,10 +18,28 @@ mod sequence;
 mod tests;
 
 pub use execute::{HomingError, HomingReport, HomingRun, Switch, home_by_switch};
+pub use fault::HomingFault;
 pub use history::History;
 pub use sequence::{Homing, Order, Seen};
 
-use super::{AxisError, Direction};
+/// `nDirection`: the direction in which the switch is sought.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Direction {
+    /// 1.
+    #[default]
+    Positive,
+    /// −1.
+    Negative,
+}
+
+impl Direction {
+    fn sign(self) -> f64 {
+        match self {
+            Self::Positive => 1.0,
+            Self::Negative => -1.0,
+        }
+    }
+}
 
 /// `SMC_HOMING_MODE`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -85,7 +104,7 @@ impl HomingMode {
 }
 
 /// Inputs of `SMC_Homing`. Positions and velocities are in any unit, the same for all; [`home_by_switch`] takes
-/// increments ([`super::Ratio::increments_of`] makes them of technical units).
+/// increments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HomingOptions {
     /// `fHomePosition`: position of the reference, u.
@@ -142,9 +161,9 @@ impl HomingOptions {
     /// Checks what cannot be done.
     ///
     /// # Errors
-    /// [`AxisError::HomingValue`] (50) for velocities, accelerations and ways that are not above 0, a delay below 0 and
-    /// a home position that is no number; [`AxisError::NeedsHardwareLimit`] (51).
-    pub fn check(&self) -> Result<(), AxisError> {
+    /// [`HomingFault::Value`] (50) for velocities, accelerations and ways that are not above 0, a delay below 0 and
+    /// a home position that is no number; [`HomingFault::NeedsHardwareLimit`] (51).
+    pub fn check(&self) -> Result<(), HomingFault> {
         let above = [
             ("fVelocitySlow", self.velocity_slow),
             ("fVelocityFast", self.velocity_fast),
@@ -159,9 +178,9 @@ impl HomingOptions {
         let home = ("fHomePosition", self.home_position);
         let bad = bad.or((!home.1.is_finite()).then_some(home));
         match bad {
-            Some((what, value)) => Err(AxisError::HomingValue { what, value }),
+            Some((what, value)) => Err(HomingFault::Value { what, value }),
             None if !self.mode.reverses() && self.ignore_hardware_limit => {
-                Err(AxisError::NeedsHardwareLimit)
+                Err(HomingFault::NeedsHardwareLimit)
             }
             None => Ok(()),
         }

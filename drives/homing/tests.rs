@@ -3,7 +3,6 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::axis::AxisError;
 
 /// An axis that goes at constant speed and stops at once or after a way; its switch is pressed from `low` to `high`.
 struct Axis {
@@ -80,7 +79,7 @@ impl Axis {
     }
 
     /// Homes; positions are the new ones afterwards.
-    fn home(&mut self, options: &HomingOptions) -> Result<Homing, AxisError> {
+    fn home(&mut self, options: &HomingOptions) -> Result<Homing, HomingFault> {
         let mut homing = Homing::new(options)?;
         let mut before = self.position;
         for _ in 0..1_000_000 {
@@ -182,7 +181,7 @@ fn an_axis_may_begin_on_its_switch_or_pass_it() {
     assert!((homing.reference().unwrap() + 40.0).abs() <= LOOK, "it came back");
     let mut past = Axis { coasts: 30.0, ..Axis::new() };
     let error = past.home(&options(HomingMode::FastSlowSStop)).unwrap_err();
-    assert!(matches!(error, AxisError::SwitchPassed { .. }), "{error}");
+    assert!(matches!(error, HomingFault::SwitchPassed { .. }), "{error}");
 }
 
 #[test]
@@ -190,12 +189,12 @@ fn it_goes_no_further_than_it_may() {
     let far = Axis { low: -1e9, high: -300.0, ..Axis::new() };
     let mut axis = far;
     let error = axis.home(&options(HomingMode::default())).unwrap_err();
-    let expected = AxisError::Travel { what: "the home switch", from: 0.0, travel: 200.0 };
+    let expected = HomingFault::Travel { what: "the home switch", from: 0.0, travel: 200.0 };
     assert_eq!((error, axis.extremes), (expected, (-200.0, 0.0)));
     // A switch that stays closed.
     let mut axis = Axis { low: -1e9, high: 1e9, ..Axis::new() };
     let error = axis.home(&options(HomingMode::default())).unwrap_err();
-    assert!(matches!(error, AxisError::Travel { what: "the edge of the home switch", .. }));
+    assert!(matches!(error, HomingFault::Travel { what: "the edge of the home switch", .. }));
     assert_eq!(
         (axis.extremes, options(HomingMode::default()).longest_ways()),
         ((0.0, 80.0), (200.0, 80.0))
@@ -204,7 +203,7 @@ fn it_goes_no_further_than_it_may() {
     let mut axis = Axis::new();
     let forwards = options(HomingMode::FastSlowISStop);
     let error = axis.home(&forwards).unwrap_err();
-    assert!(matches!(error, AxisError::Travel { what: "the index pulse", .. }), "{error}");
+    assert!(matches!(error, HomingFault::Travel { what: "the index pulse", .. }), "{error}");
     let (forth, back) = forwards.longest_ways();
     assert!(axis.extremes.0 >= -forth && back.abs() < f64::EPSILON);
 }
@@ -213,7 +212,7 @@ fn it_goes_no_further_than_it_may() {
 fn limit_switches_end_it_unless_they_are_ignored() {
     let mut axis = Axis { limit: Some((-41.0, false)), ..Axis::new() };
     let error = axis.home(&options(HomingMode::default())).unwrap_err();
-    assert!(matches!(error, AxisError::HardwareLimit { positive: false, .. }), "{error}");
+    assert!(matches!(error, HomingFault::HardwareLimit { positive: false, .. }), "{error}");
     let mut axis = Axis { limit: Some((-41.0, false)), ..Axis::new() };
     let ignoring = HomingOptions { ignore_hardware_limit: true, ..options(HomingMode::default()) };
     assert!(axis.home(&ignoring).is_ok());

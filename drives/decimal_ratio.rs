@@ -1,11 +1,8 @@
-//! Increments of a device and units of its user, by any ratio that can be written down in decimals.
+//! Exact ratio of increments to units, written in decimals as machine files give it.
 //!
-//! [`super::Ratio`] is a fraction of whole numbers in 32 bits, as SoftMotion's blocks hand it on. A machine file says what
-//! its builder reads off gear, belt and encoder: 10000 increments per 3 mm, 3200 per 3.14159265358979 mm. Both ways are
-//! exact here, too, but for one rounding at the end, so nothing adds up however far an axis goes and however often.
-
-use super::AxisError;
-use super::ratio::parts;
+//! A machine file says what its builder reads off gear, belt and encoder: 10000 increments per 3 mm, 3200 per
+//! 3.14159265358979 mm. Both ways are exact but for one rounding at the end, so nothing adds up however far an axis goes
+//! and however often.
 
 /// increments = units · `increments` / `per_units`, exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,28 +21,19 @@ impl DecimalRatio {
     ///
     /// `per_units` counts as the shortest decimal that is read as this number: 9.525 is 9525/1000, as whoever wrote it meant.
     ///
-    /// # Errors
-    /// [`AxisError::Gearing`] (90) if one of them is 0, `per_units` is negative, not finite or not between 10⁻¹² and 10¹⁵, or
-    /// `power` is more than 9.
-    pub fn new(increments: i64, per_units: f64, power: u32) -> Result<Self, AxisError> {
-        let wrong = |what, value| AxisError::Gearing { what, value };
-        if increments == 0 {
-            return Err(wrong("increments", 0.0));
-        }
-        if power > 9 {
-            return Err(wrong("power of ten", power.into()));
-        }
-        let units = || wrong("units", per_units);
-        if !(1e-12..=1e15).contains(&per_units) {
-            return Err(units());
+    /// `None` if one of them is 0, `per_units` is negative, not finite or not between 10⁻¹² and 10¹⁵, or `power` is more
+    /// than 9.
+    pub fn new(increments: i64, per_units: f64, power: u32) -> Option<Self> {
+        if increments == 0 || power > 9 || !(1e-12..=1e15).contains(&per_units) {
+            return None;
         }
         // Never with an exponent; the shortest that is read back as the same number.
         let text = per_units.to_string();
         let (whole, decimals) = text.split_once('.').unwrap_or((&text, ""));
-        let digits: u64 = format!("{whole}{decimals}").parse().map_err(|_digits| units())?;
-        let places = u32::try_from(decimals.len()).map_err(|_places| units())?;
+        let digits: u64 = format!("{whole}{decimals}").parse().ok()?;
+        let places = u32::try_from(decimals.len()).ok()?;
         if digits == 0 {
-            return Err(units());
+            return None;
         }
         let (numerator, denominator) = lowest(increments.unsigned_abs(), digits);
         let mut ratio =
@@ -57,7 +45,7 @@ impl DecimalRatio {
             (ratio.numerator, ratio.denominator) = lowest(numerator, denominator);
             ratio.power -= 1;
         }
-        Ok(ratio)
+        Some(ratio)
     }
 
     /// Increments, not whole ones, of a position, velocity or acceleration: the number nearest to them.
@@ -70,17 +58,13 @@ impl DecimalRatio {
         self.converted(increments, Way::ToUnits)
     }
 
-    /// The whole increments nearest to a position; those half-way go to the even one.
-    ///
-    /// # Errors
-    /// [`AxisError::Overflow`] if there are no such increments.
-    pub fn increments(self, units: f64) -> Result<i64, AxisError> {
-        let overflow = || AxisError::Overflow { position: units };
+    /// The whole increments nearest to a position, the even one of two; `None` if they do not fit 63 bits.
+    pub fn increments(self, units: f64) -> Option<i64> {
         if !units.is_finite() {
-            return Err(overflow());
+            return None;
         }
-        let size = self.divided(units.abs(), Way::ToIncrements).nearest().ok_or_else(overflow)?;
-        Ok(if units.is_sign_negative() == self.negative { size } else { -size })
+        let size = self.divided(units.abs(), Way::ToIncrements).nearest()?;
+        Some(if units.is_sign_negative() == self.negative { size } else { -size })
     }
 
     fn converted(self, value: f64, way: Way) -> f64 {
@@ -122,6 +106,15 @@ impl DecimalRatio {
         }
         wide.quotient(exponent)
     }
+}
+
+/// Mantissa and exponent: `value` = mantissa · 2^exponent. `value` is finite and not negative.
+fn parts(value: f64) -> (u64, i32) {
+    let bits = value.to_bits();
+    let fraction = bits & ((1 << 52) - 1);
+    // 11 bits.
+    let raised = i32::try_from(bits >> 52 & 0x7FF).unwrap_or(0);
+    if raised == 0 { (fraction, -1074) } else { (fraction | 1 << 52, raised - 1075) }
 }
 
 /// From what to what.
@@ -281,10 +274,10 @@ mod tests {
         let ratio = DecimalRatio::new(10_000, 3.0, 0).unwrap();
         for k in (0..=100_000_i32).step_by(7) {
             let (units, whole) = (3.0 * f64::from(k), 10_000 * i64::from(k));
-            assert_eq!(ratio.increments(units), Ok(whole));
-            assert_eq!(ratio.increments(units + 1.0), Ok(whole + 3333));
-            assert_eq!(ratio.increments(units + 2.0), Ok(whole + 6667));
-            assert_eq!(ratio.increments(-units - 2.0), Ok(-whole - 6667));
+            assert_eq!(ratio.increments(units), Some(whole));
+            assert_eq!(ratio.increments(units + 1.0), Some(whole + 3333));
+            assert_eq!(ratio.increments(units + 2.0), Some(whole + 6667));
+            assert_eq!(ratio.increments(-units - 2.0), Some(-whole - 6667));
             #[expect(clippy::cast_precision_loss, reason = "10^9")]
             let increments = whole as f64;
             assert_eq!(ratio.increments_of(units).to_bits(), increments.to_bits());
@@ -300,12 +293,12 @@ mod tests {
         // 400 increments per 9.525 mm (3/8 inch): 9.525 m are 400000, to the last bit, and 9.525 itself is no binary number.
         let pitch = DecimalRatio::new(400, 9.525, MILLIMETRES).unwrap();
         assert_eq!((pitch.numerator, pitch.denominator, pitch.power), (16_000_000, 381, 0));
-        assert_eq!(pitch.increments(9.525), Ok(400_000));
+        assert_eq!(pitch.increments(9.525), Some(400_000));
         // Round a pulley of 10 mm: 3200·10^16 / 314159265358979, which is more than 64 bits have room for.
         let pulley = DecimalRatio::new(-3200, 31.415_926_535_897_9, MILLIMETRES).unwrap();
         assert!(pulley.power > 0, "{pulley:?}");
-        assert_eq!(pulley.increments(31_415.926_535_897_9), Ok(-3_200_000_000));
-        assert_eq!(pulley.increments(-31_415.926_535_897_9 / 2.0), Ok(1_600_000_000));
+        assert_eq!(pulley.increments(31_415.926_535_897_9), Some(-3_200_000_000));
+        assert_eq!(pulley.increments(-31_415.926_535_897_9 / 2.0), Some(1_600_000_000));
         assert_eq!(pulley.units_of(-3_200_000_000.0).to_bits(), 31_415.926_535_897_9_f64.to_bits());
         assert_eq!(
             pulley.increments_of(31_415.926_535_897_9).to_bits(),
@@ -314,14 +307,13 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_counted_is_an_error() {
+    fn what_cannot_be_counted_is_refused() {
         let ratio = DecimalRatio::new(1 << 31, 1.0, 0).unwrap();
         for units in [1e10, -1e10, 1e300, f64::INFINITY, f64::NAN, 4_294_967_296.0] {
-            let found = ratio.increments(units);
-            assert!(matches!(found, Err(AxisError::Overflow { .. })), "{units}: {found:?}");
+            assert_eq!(ratio.increments(units), None, "{units}");
         }
-        assert_eq!(ratio.increments(4_294_967_295.5), Ok(i64::MAX - (1 << 30) + 1));
-        assert_eq!(ratio.increments(1e-300), Ok(0));
+        assert_eq!(ratio.increments(4_294_967_295.5), Some(i64::MAX - (1 << 30) + 1));
+        assert_eq!(ratio.increments(1e-300), Some(0));
         assert!(ratio.increments_of(f64::NAN).is_nan());
         let reversed = DecimalRatio::new(-1, 1.0, 0).unwrap();
         assert_eq!(reversed.units_of(f64::INFINITY).to_bits(), f64::NEG_INFINITY.to_bits());
@@ -331,11 +323,14 @@ mod tests {
         assert_eq!(found, [0, 2, 2, 0, -2, -2]);
         // A little less and a little more than half of an increment, by a ratio without an end.
         let third = DecimalRatio::new(1, 3.0, 0).unwrap();
-        assert_eq!([1.5, 1.5_f64.next_up()].map(|units| third.increments(units)), [Ok(0), Ok(1)]);
+        assert_eq!(
+            [1.5, 1.5_f64.next_up()].map(|units| third.increments(units)),
+            [Some(0), Some(1)]
+        );
     }
 
     #[test]
-    fn impossible_ratios_are_refused_with_90() {
+    fn impossible_ratios_are_refused() {
         for (increments, units, power) in [
             (0, 1.0, 0),
             (1, 0.0, 0),
@@ -346,8 +341,11 @@ mod tests {
             (1, 1e-13, 0),
             (1, 1.0, 10),
         ] {
-            let refused = DecimalRatio::new(increments, units, power).unwrap_err();
-            assert_eq!(refused.number(), Some(90), "{increments} per {units}");
+            assert_eq!(
+                DecimalRatio::new(increments, units, power),
+                None,
+                "{increments} per {units}"
+            );
         }
     }
 
@@ -363,11 +361,11 @@ mod tests {
             let position = n as f64 / 1024.0;
             let exact = i128::from(n) * i128::from(increments) * 1_000_000_000;
             match ratio.increments(position) {
-                Ok(found) => {
+                Some(found) => {
                     let away = exact - 1024 * i128::from(found) * i128::from(nano);
                     prop_assert!(away.abs() <= 512 * i128::from(nano));
                 }
-                Err(_) => prop_assert!(exact.abs() / (1024 * i128::from(nano)) >= 1 << 62),
+                None => prop_assert!(exact.abs() / (1024 * i128::from(nano)) >= 1 << 62),
             }
         }
 
@@ -397,7 +395,7 @@ mod tests {
             let ratio = DecimalRatio::new(increments, units, MILLIMETRES).unwrap();
             #[expect(clippy::cast_precision_loss, reason = "45 bits")]
             let back = ratio.increments(ratio.units_of(counted as f64));
-            prop_assert_eq!(back, Ok(counted));
+            prop_assert_eq!(back, Some(counted));
         }
     }
 }

@@ -6,10 +6,8 @@
 use std::fmt;
 
 use super::legs::Legs;
-use super::{Homing, HomingOptions, Order, Seen};
-use crate::{
-    Bits, Drive, DriveError, Increments, MAX_DRIVE_AXES, SetpointStream, Signals, axis::AxisError,
-};
+use super::{Homing, HomingFault, HomingOptions, Order, Seen};
+use crate::{Bits, Drive, DriveError, Increments, MAX_DRIVE_AXES, SetpointStream, Signals};
 
 /// Which signal of a device a switch is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,7 +84,7 @@ pub enum HomingError {
         /// Index of the arrays.
         axis: usize,
         /// What.
-        error: AxisError,
+        error: HomingFault,
     },
     /// What the device did.
     #[error(transparent)]
