@@ -1,12 +1,9 @@
 //! What every drive family offers the twin.
 
 use crate::{
-    Action, Clock, DeviceLimits, DriveError, Exchange, Identity, ParameterId, ParameterInfo,
-    Signals,
+    Action, Clock, DeviceLimits, DriveError, Exchange, Identity, MAX_DRIVE_AXES, ParameterId,
+    ParameterInfo, Signals,
 };
-
-/// The largest number of axes one device has (InterpCNC: X Y Z A B).
-pub const MAX_DRIVE_AXES: usize = 5;
 
 /// Whole increments (steps) per axis of one device.
 pub type Increments = [i64; MAX_DRIVE_AXES];

@@ -35,14 +35,13 @@ pub use clock::{Accelerated, Clock, Speed};
 pub use control::Control;
 pub use decimal_ratio::DecimalRatio;
 pub use device::{
-    AxisSignals, Bits, DeviceLimits, Identity, ParameterId, ParameterInfo, Signals, UnitIdentity,
-    Values,
+    AxisSignals, Bits, DeviceLimits, Identity, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Signals,
+    UnitIdentity, Values,
 };
 pub use drive::{
-    Commanded, Drive, HomingWays, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample,
-    SetpointStream,
+    Commanded, Drive, HomingWays, IncrementMotion, Increments, Sample, SetpointStream,
 };
-pub use error::{Action, Axes, DriveError, EmulatorError, Exchange, ProtocolFault};
+pub use error::{Action, Axes, DeviceFault, DriveError, EmulatorError, Exchange, ProtocolFault};
 pub use fault::{Direction, FaultRule, FaultyWire, When, WireFault};
 pub use port::Port;
 pub use question::OpenQuestion;

@@ -1,4 +1,4 @@
-//! What stands where a device's port is looked for: what the operating system says about a wrong one explains little.
+//! Check of the path at which a port is expected, as the errors of the operating system explain little.
 
 use std::{
     fs, io,
@@ -8,7 +8,8 @@ use std::{
 
 use tokio_serial::{SerialPortBuilder, SerialPortBuilderExt, SerialStream};
 
-use crate::bim2ax::FILE_LENGTH;
+/// Bytes of a memory file, in which an emulated module on a bus lives.
+pub(crate) const FILE_LENGTH: usize = 0x405;
 
 /// What something else stands in the place of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

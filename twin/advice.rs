@@ -2,8 +2,8 @@
 
 use std::io::{self, ErrorKind};
 use twin_drives::bim2ax::bits::{message, uc};
-use twin_drives::smartdrive::RejectCode;
-use twin_drives::{Action, DriveError, Exchange, ProtocolFault};
+use twin_drives::smartdrive::{self, RejectCode};
+use twin_drives::{Action, DriveError, Exchange, ProtocolFault, bim2ax};
 
 /// After an emergency stop.
 pub(crate) const RELEASE: &str =
@@ -20,15 +20,7 @@ pub(crate) const NOBODY: &str = "is the device powered, are A and B of the line 
 /// What to look at, or to do next, after an error; actions are those of `twin drive`. None where the error says it all.
 pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
     Some(match error {
-        DriveError::Rejected { at, reason: RejectCode::BadParams } if is_move(at) => {
-            "is the target within `get Trj_PosMin` and `get Trj_PosMax` (both 0: no limits), and are speed and rates within \
-             `get Trj_VelMax`, `get Trj_AccMax` and `get Trj_DecMax`?"
-        }
-        DriveError::Identity { .. } => {
-            "is the module plugged in and powered, is it at this offset (--map, or `map_offset` of the machine file), or is its \
-             emulator running? FFh is what an empty bus says. Axes that were moving go on to their targets: use the \
-             emergency stop where they may not"
-        }
+        DriveError::Device { at, .. } => return of_fault(error, at),
         DriveError::Timeout { at, .. } if at.station == 0 => {
             "is the module powered, and does its software run? Is it at this offset (--map), or is its emulator \
              running? A slow bus needs a longer --deadline"
@@ -52,9 +44,6 @@ pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
             "`unlock`, then `home`: a board that has been locked or without power does not know where its axes are"
         }
         DriveError::EnableOpen { .. } => RELEASE,
-        DriveError::Alarm { .. } => {
-            "remove the cause, then `unlock`, which clears the alarm and makes the position 0, then `home`"
-        }
         DriveError::Mode { .. } => {
             "the drive has been off or has started anew, and has lost its position: `unlock`, then `home`"
         }
@@ -64,15 +53,10 @@ pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
         }
         DriveError::LimitSwitch { .. } => "`jog` the axis off its limit switch, slowly",
         DriveError::Unfinished { at, .. } => return Some(unfinished(at)),
-        DriveError::CardMessages { .. } if error.takes_writes_only() => CHECK_SUM,
         DriveError::EncoderDiffers { .. } => {
             "something holds the axis, it goes faster than its motor can, or its encoder does not count as it is said to (`[drives.encoder]` \
              of the machine file, parameters of a module; the other way round?). Where it is is not known any more: free it, then `home`. \
              An absolute encoder of a module keeps its own zero: store its offset at home (parameters $30, $31)"
-        }
-        DriveError::EncoderFault { .. } => {
-            "look at the encoder, its cable and its plug, then `reset` the module, which clears the fault, and `home` the axis; \
-             `get encoder-definition-1` (or -2) tells what kind it is to be"
         }
         DriveError::Unsupported { what, .. } if what.starts_with("encoder") => {
             "without `[drives.encoder]` in the machine file the run begins, and held shafts are not seen"
@@ -81,8 +65,39 @@ pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
             "something else has stopped it: `twin drive … stop` in another window, another master, a limit or a switch. `status` \
              tells what the device says now"
         }
-        DriveError::AxisMessages { messages, .. } => return of_axis(*messages),
-        DriveError::ByteOrder { .. } => "--little-endian, or `byte_order` of the machine file",
+        _ => return None,
+    })
+}
+
+/// What to look at after a fault that a device reports in the terms of its family.
+fn of_fault(error: &DriveError, at: &Exchange) -> Option<&'static str> {
+    match error.fault() {
+        Some(smartdrive::Fault::Rejected(RejectCode::BadParams)) if is_move(at) => {
+            return Some(
+                "is the target within `get Trj_PosMin` and `get Trj_PosMax` (both 0: no limits), and are speed and rates within \
+                 `get Trj_VelMax`, `get Trj_AccMax` and `get Trj_DecMax`?",
+            );
+        }
+        Some(smartdrive::Fault::Rejected(_)) | None => {}
+        Some(smartdrive::Fault::Alarm(_)) => {
+            return Some(
+                "remove the cause, then `unlock`, which clears the alarm and makes the position 0, then `home`",
+            );
+        }
+    }
+    Some(match error.fault()? {
+        bim2ax::Fault::Identity { .. } => {
+            "is the module plugged in and powered, is it at this offset (--map, or `map_offset` of the machine file), or is its \
+             emulator running? FFh is what an empty bus says. Axes that were moving go on to their targets: use the \
+             emergency stop where they may not"
+        }
+        bim2ax::Fault::CardMessages { .. } if error.takes_writes_only() => CHECK_SUM,
+        bim2ax::Fault::Encoder { .. } => {
+            "look at the encoder, its cable and its plug, then `reset` the module, which clears the fault, and `home` the axis; \
+             `get encoder-definition-1` (or -2) tells what kind it is to be"
+        }
+        bim2ax::Fault::AxisMessages { messages, .. } => return of_axis(*messages),
+        bim2ax::Fault::ByteOrder => "--little-endian, or `byte_order` of the machine file",
         _ => return None,
     })
 }
@@ -184,7 +199,7 @@ mod tests {
     fn a_refused_target_tells_which_parameters_to_look_at() {
         let refused = |action, reason| {
             let at = Exchange { port: "bus".into(), station: 2, action };
-            advice(&DriveError::Rejected { at, reason })
+            advice(&DriveError::device(at, smartdrive::Fault::Rejected(reason)))
         };
         let go_to = Action::Atb { code: 0x63, name: "GOTO" };
         let told = refused(go_to, RejectCode::BadParams).expect("something to look at");

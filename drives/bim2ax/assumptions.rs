@@ -66,7 +66,7 @@ pub struct Assumptions {
     /// What homing does that begins on a cam it does not clear (§4). Default the edge is taken.
     pub cam_start: CamStart,
     /// The counter goes on counting through homing instead of being 0 at its end (§4). The driver reads it, and tells
-    /// when it is not so ([`crate::DriveError::HomeCount`]). Default false.
+    /// when it is not so ([`super::Fault::HomeCount`]). Default false.
     pub homing_keeps_position: bool,
     /// A move that is abandoned costs homing (§4). The driver reads message bit 4. Default false.
     pub abandon_loses_homing: bool,

@@ -25,7 +25,7 @@ pub fn describe_messages(messages: u16) -> String {
 }
 
 /// What the fault bits of "Message codeur" say (2.2.4).
-pub(crate) fn describe_encoder(messages: u16) -> String {
+pub(super) fn describe_encoder(messages: u16) -> String {
     let known = [
         (encoder_message::DIVISOR_ZERO, "its divisor is 0"),
         (
@@ -44,7 +44,7 @@ pub(crate) fn describe_encoder(messages: u16) -> String {
 }
 
 /// What the error bits of "Messages carte" say.
-pub(crate) fn describe_card(messages: u32) -> String {
+pub(super) fn describe_card(messages: u32) -> String {
     let known = [
         (card::CHECKSUM, "check sum of the EEPROM is wrong"),
         (card::BAD_WRITE, "parameter cannot be written, or not with this value"),

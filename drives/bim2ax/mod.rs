@@ -19,6 +19,7 @@ mod describe;
 mod drive;
 mod driver;
 pub mod emulator;
+mod fault;
 mod follow;
 pub mod memory;
 mod mode;
@@ -37,12 +38,10 @@ pub use axis::{
     AxisSettings, Bench, Contact, EncoderBench, EncoderKind, MOST_POSITION, REFERENCES,
 };
 pub use describe::describe_messages;
-pub(crate) use describe::{describe_card, describe_encoder};
 pub use drive::Bim2AxDrive;
 pub use driver::{Bim2Ax, Bim2AxOptions, BusStamp, Identity, Move, Start};
-pub use memory::{
-    ByteOrder, FILE_LENGTH, MappedMemory, Master, Memory, MemoryFile, SharedModule, file_offset,
-};
+pub use fault::Fault;
+pub use memory::{ByteOrder, MappedMemory, Master, Memory, MemoryFile, SharedModule, file_offset};
 pub use mode::DriveMode;
 pub use options::Bim2AxDriveOptions;
 pub use parameter::ModuleAxis;

@@ -1,4 +1,4 @@
-//! What devices of every family tell about themselves: who they are, inputs, parameters and limits.
+//! Description of a device, whatever its family: identity, inputs, parameters and limits.
 
 mod identity;
 mod limits;
@@ -7,6 +7,8 @@ mod signals;
 
 pub use identity::{Identity, UnitIdentity};
 pub use limits::DeviceLimits;
-pub(crate) use parameter::find;
 pub use parameter::{ParameterId, ParameterInfo, Values};
 pub use signals::{AxisSignals, Bits, Signals};
+
+/// The largest number of axes one device has (InterpCNC: X Y Z A B).
+pub const MAX_DRIVE_AXES: usize = 5;

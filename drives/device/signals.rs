@@ -1,6 +1,6 @@
 //! Digital inputs and outputs.
 
-use crate::MAX_DRIVE_AXES;
+use super::MAX_DRIVE_AXES;
 
 /// A set of digital signals, each with the name its maker gives it.
 ///

@@ -2,22 +2,21 @@
 
 mod at;
 mod axes;
+mod device_fault;
 mod emulator;
 mod exchange;
-mod meaning;
+mod parameter;
 
-use std::{io, time::Duration};
+use std::{fmt::Display, io, time::Duration};
 
-use self::meaning::{exception_meaning, reject_meaning, with_unit};
+pub(crate) use self::parameter::find_parameter;
 pub use self::{
     axes::Axes,
+    device_fault::DeviceFault,
     emulator::EmulatorError,
     exchange::{Action, Exchange, ProtocolFault},
 };
-use crate::{
-    ParameterId, Values,
-    smartdrive::{Alarms, RejectCode},
-};
+use crate::{ParameterId, Values};
 
 /// A device that did not do what it was asked to, with the reason.
 #[derive(Debug, thiserror::Error)]
@@ -46,31 +45,15 @@ pub enum DriveError {
         /// What is wrong with it.
         fault: ProtocolFault,
     },
-    /// The device refused the request.
-    #[error("{at}: refused with exception {code}, {}", exception_meaning(*code))]
+    /// The device reports a fault in the terms of its family.
+    #[error("{at}: {fault}")]
     Device {
         /// Where.
         at: Exchange,
-        /// Modbus exception code.
-        code: u8,
+        /// Which.
+        fault: Box<dyn DeviceFault>,
     },
-    /// The device refused the command (SmartDRIVE).
-    #[error("{at}: refused, {}", reject_meaning(*reason))]
-    Rejected {
-        /// Where.
-        at: Exchange,
-        /// Its reason.
-        reason: RejectCode,
-    },
-    /// The device is in alarm and has switched its power off (SmartDRIVE).
-    #[error("{at}: the drive is in alarm, {alarms}")]
-    Alarm {
-        /// Where.
-        at: Exchange,
-        /// Alarms it shows.
-        alarms: Alarms,
-    },
-    /// The device is not in the mode in which it obeys, or does not leave it (SmartDRIVE).
+    /// The device is not in the mode in which it obeys, or does not leave it.
     #[error("{at}: the drive is in mode {found}, not in {expected}")]
     Mode {
         /// Where.
@@ -80,19 +63,19 @@ pub enum DriveError {
         /// Number of the mode it is in; 31 while it changes.
         found: u8,
     },
-    /// The motor was blocked (SmartDRIVE).
+    /// The motor was blocked.
     #[error("{at}: the motor has stalled")]
     Stalled {
         /// Where.
         at: Exchange,
     },
-    /// Homing has ended without a home position (SmartDRIVE).
+    /// Homing has ended without a home position.
     #[error("{at}: homing has not found its switch")]
     NotHomed {
         /// Where.
         at: Exchange,
     },
-    /// The device is not what it should be, or set otherwise than it should be (SmartDRIVE).
+    /// The device is not what it should be, or set otherwise than it should be.
     #[error("{at}: {name} is {found}, not {}", with_unit(expected, unit))]
     Parameter {
         /// Where.
@@ -106,7 +89,7 @@ pub enum DriveError {
         /// What it is.
         found: i64,
     },
-    /// A value is beyond what the command can say (SmartDRIVE).
+    /// A value is beyond what the command can say.
     #[error("{at}: {what} = {} is impossible ({low} to {high})", with_unit(value, unit))]
     Value {
         /// Where.
@@ -122,7 +105,7 @@ pub enum DriveError {
         /// Largest value possible.
         high: f64,
     },
-    /// An output that the device should have switched is as it was (SmartDRIVE).
+    /// An output that the device should have switched is as it was.
     #[error("{at}: the drive has confirmed it, and the output is still {}", if *on { "off" } else { "on" })]
     NotSwitched {
         /// Where.
@@ -192,29 +175,6 @@ pub enum DriveError {
         /// Which.
         axes: Axes,
     },
-    /// Homing has ended on its switch, and the counter shows something else than what is assumed of the device: a module that
-    /// does not make it 0, or makes it 0 where it is expected to count on (BIM2AX, assumption `homing_keeps_position`).
-    #[error(
-        "{at}: {axis} is home and counts {found} {}, {}",
-        axis.unit(),
-        if *counted_on {
-            format!("after {before} a moment ago: its counter has not counted on, as `homing_keeps_position` assumes")
-        } else {
-            "not 0: does it count on through homing (assumption `homing_keeps_position`)?".to_owned()
-        }
-    )]
-    HomeCount {
-        /// Where.
-        at: Exchange,
-        /// Which.
-        axis: Axes,
-        /// Whether the counter is expected to count on through homing.
-        counted_on: bool,
-        /// What it counted last on its way, increments.
-        before: i64,
-        /// What it counts at home, increments.
-        found: i64,
-    },
     /// The shaft of an axis is not where its counter says, by its encoder: it is held, steps are lost, or the encoder does not
     /// count as it is said to.
     #[error(
@@ -236,16 +196,6 @@ pub enum DriveError {
         tolerance: u32,
         /// What the encoder itself shows, points, where the device does not tell increments.
         points: Option<i32>,
-    },
-    /// An encoder, or the module that reads it, says that it does not work (BIM2AX).
-    #[error("{at}: the encoder of axis {axis}: {}", crate::bim2ax::describe_encoder(*messages))]
-    EncoderFault {
-        /// Where.
-        at: Exchange,
-        /// Axis, from 1.
-        axis: u8,
-        /// "Message codeur".
-        messages: u16,
     },
     /// The input that a probing move awaited did not come.
     #[error("{at}: the probe has found nothing")]
@@ -313,50 +263,6 @@ pub enum DriveError {
         /// Largest value that fits.
         high: f64,
     },
-    /// Another device than expected is there, or none.
-    #[error("{at}: identifier {found:02X}h found instead of {expected:02X}h")]
-    Identity {
-        /// Where.
-        at: Exchange,
-        /// Identifier of the device expected.
-        expected: u8,
-        /// What was read.
-        found: u8,
-    },
-    /// The module's software does not run: it has just been switched on or reset.
-    #[error(
-        "{at}: the module's software does not run: wait until it has started, or look at its supply"
-    )]
-    NotRunning {
-        /// Where.
-        at: Exchange,
-    },
-    /// The module's numbers are not in the byte order that is set.
-    #[error(
-        "{at}: the bytes of the module's numbers come in the other order: set the byte order to the other one"
-    )]
-    ByteOrder {
-        /// Where.
-        at: Exchange,
-    },
-    /// An axis of a module does not do what was asked, or has stopped by itself.
-    #[error("{at}: axis {axis}: {}", crate::bim2ax::describe_messages(*messages))]
-    AxisMessages {
-        /// Where.
-        at: Exchange,
-        /// Axis, from 1.
-        axis: u8,
-        /// The module's message bits for it.
-        messages: u16,
-    },
-    /// A module refuses a parameter order, or obeys no orders at all.
-    #[error("{at}: {}", crate::bim2ax::describe_card(*messages))]
-    CardMessages {
-        /// Where.
-        at: Exchange,
-        /// The module's message bits.
-        messages: u32,
-    },
     /// The device has no such function.
     #[error("{at}: the device has no {what}")]
     Unsupported {
@@ -407,6 +313,11 @@ pub enum DriveError {
         /// Largest value possible.
         high: u32,
     },
+}
+
+/// A value with its unit: "5 steps", or "5" for what has no unit.
+fn with_unit(value: impl Display, unit: &str) -> String {
+    if unit.is_empty() { value.to_string() } else { format!("{value} {unit}") }
 }
 
 #[cfg(test)]

@@ -1,6 +1,10 @@
 //! What the messages say.
 
 use super::*;
+use crate::{
+    bim2ax, interpcnc,
+    smartdrive::{self, Alarms, RejectCode},
+};
 
 fn at() -> Exchange {
     let action = Action::Command { number: 80, name: "independent move" };
@@ -14,9 +18,9 @@ fn every_message_names_port_station_and_command() {
         DriveError::Transport { at: at(), source: io::ErrorKind::BrokenPipe.into() },
         DriveError::Timeout { at: at(), deadline: Duration::from_millis(250) },
         DriveError::Protocol { at: at(), fault: ProtocolFault::Garbled },
-        DriveError::Device { at: at(), code: 3 },
-        DriveError::Rejected { at: at(), reason: RejectCode::Working },
-        DriveError::Alarm { at: at(), alarms: Alarms::STALL },
+        DriveError::device(at(), interpcnc::Exception(3)),
+        DriveError::device(at(), smartdrive::Fault::Rejected(RejectCode::Working)),
+        DriveError::device(at(), smartdrive::Fault::Alarm(Alarms::STALL)),
         DriveError::Mode { at: at(), expected: 3, found: 0 },
         DriveError::Stalled { at: at() },
         DriveError::NotHomed { at: at() },
@@ -31,13 +35,8 @@ fn every_message_names_port_station_and_command() {
         DriveError::Unfinished { at: at(), patience: Duration::from_secs(3) },
         DriveError::NotArrived { at: at(), axis: Axes::Numbers(2), target: 5, found: 4 },
         DriveError::HomingFailed { at: at(), axes: Axes::Letters(3) },
-        DriveError::HomeCount {
-            at: at(),
-            axis: Axes::Numbers(1),
-            counted_on: false,
-            before: 5,
-            found: 4,
-        },
+        bim2ax::Fault::HomeCount { axis: Axes::Numbers(1), counted_on: false, before: 5, found: 4 }
+            .at(at()),
         DriveError::EncoderDiffers {
             at: at(),
             axis: Axes::Letters(1),
@@ -47,17 +46,17 @@ fn every_message_names_port_station_and_command() {
             tolerance: 3,
             points: Some(9),
         },
-        DriveError::EncoderFault { at: at(), axis: 1, messages: 2 },
+        bim2ax::Fault::Encoder { axis: 1, messages: 2 }.at(at()),
         DriveError::ProbeFailed { at: at() },
         DriveError::EepromFailed { at: at() },
         DriveError::ParameterDiffers { at: at(), number: 4, unit: "", expected: 5, found: 4 },
         DriveError::NotKept { at: at(), address: 4360, written: 5, found: 4 },
         DriveError::NotWritten { at: at(), axis: Axes::Letters(4), written: 5, found: 4 },
-        DriveError::Identity { at: at(), expected: 0x4E, found: 0xFF },
-        DriveError::NotRunning { at: at() },
-        DriveError::ByteOrder { at: at() },
-        DriveError::AxisMessages { at: at(), axis: 1, messages: 0x4000 },
-        DriveError::CardMessages { at: at(), messages: 8 },
+        bim2ax::Fault::Identity { expected: 0x4E, found: 0xFF }.at(at()),
+        bim2ax::Fault::NotRunning.at(at()),
+        bim2ax::Fault::ByteOrder.at(at()),
+        bim2ax::Fault::AxisMessages { axis: 1, messages: 0x4000 }.at(at()),
+        bim2ax::Fault::CardMessages { messages: 8 }.at(at()),
         DriveError::Range {
             at: at(),
             register: 4103,
@@ -77,17 +76,6 @@ fn every_message_names_port_station_and_command() {
         assert!(text.contains("/dev/ttyUSB0, address 7: command 80 (independent move)"), "{text}");
         assert_eq!(*error.at(), at());
     }
-}
-
-#[test]
-fn modules_on_a_bus_have_no_station() {
-    let action = Action::Order { bits: 0x0100, name: "hard stop" };
-    let at = Exchange { port: "/dev/uio0".into(), station: 0, action };
-    let text = DriveError::AxisMessages { at, axis: 2, messages: 0x0A00 }.to_string();
-    assert_eq!(
-        text,
-        "/dev/uio0: order $0100 (hard stop): axis 2: phase open, power absent, homing not done"
-    );
 }
 
 #[test]

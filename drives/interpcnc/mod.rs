@@ -11,6 +11,7 @@ mod blocking;
 mod command;
 mod driver;
 pub mod emulator;
+mod exception;
 mod follow;
 mod options;
 pub mod parameters;
@@ -28,6 +29,7 @@ pub use assumptions::{Assumptions, BAUD_RATES, BaudCode, BoardStop, ExceptionCod
 pub use blocking::InterpCncDrive;
 pub use command::{AxisValues, BadCommand, Command, CommandRegisters, MoveProfile};
 pub use driver::{BoardState, HomeAxis, Identity, InterpCnc, ProbeMove, Recipes, Snapshot};
+pub use exception::Exception;
 pub use options::{AxisOptions, EncoderOptions, Following, InterpCncOptions, Line, Parity};
 pub use questions::OPEN_QUESTIONS;
 pub use registers::{AxisMask, BoardAxis};

@@ -10,7 +10,7 @@ use tokio::{
 use tokio_serial::{DataBits, FlowControl, Parity, StopBits};
 
 use super::{
-    BAUD, BadFrame, Command, Execution, RejectCode, SmartDriveOptions,
+    BAUD, BadFrame, Command, Execution, Fault, RejectCode, SmartDriveOptions,
     frame::{Answer, answer_length, encode},
     search::Search,
     wire_time,
@@ -172,7 +172,7 @@ impl SmartDrive {
                         attempts += 1;
                         continue;
                     }
-                    return Err(DriveError::Rejected { at, reason });
+                    return Err(Fault::Rejected(reason).at(at));
                 }
                 done => return done,
             }

@@ -7,7 +7,7 @@
 use tokio::time::sleep;
 
 use super::{
-    Command, Mode, SmartDrive,
+    Command, Fault, Mode, SmartDrive,
     frame::{Answer, encode},
     parameters::{CID, PID},
     requests::no_clock,
@@ -131,9 +131,9 @@ impl SmartDrive {
     ) -> Result<Answer, DriveError> {
         for _ in 0..SURE_ROUNDS {
             let outcome = self.ask(address, command).await;
-            if !matches!(outcome, Ok(_) | Err(DriveError::Rejected { .. }))
-                || self.witness(address, &command).await?
-            {
+            let answered =
+                outcome.as_ref().err().is_none_or(|error| Fault::rejection(error).is_some());
+            if !answered || self.witness(address, &command).await? {
                 return outcome;
             }
         }

@@ -38,7 +38,7 @@ impl SmartDrive {
     /// READ: a variable.
     ///
     /// # Errors
-    /// As [`SmartDrive::send`]; [`crate::DriveError::Rejected`] if there is no such variable.
+    /// As [`SmartDrive::send`]; [`super::Fault::Rejected`] if there is no such variable.
     pub async fn read(&mut self, address: u8, variable: u16) -> Result<i64, DriveError> {
         let number = self.ask_surely(address, Command::Read { variable }).await?.number();
         Ok(variable_at(variable).map_or(number.into(), |entry| entry.value(number.cast_unsigned())))
@@ -47,7 +47,7 @@ impl SmartDrive {
     /// WRITE: changes a variable; its value afterwards.
     ///
     /// # Errors
-    /// As [`SmartDrive::send`]; [`crate::DriveError::Rejected`] if there is no such variable or it cannot be written.
+    /// As [`SmartDrive::send`]; [`super::Fault::Rejected`] if there is no such variable or it cannot be written.
     pub async fn write_variable(
         &mut self,
         address: u8,
@@ -61,7 +61,7 @@ impl SmartDrive {
     /// GET: the three copies of a parameter, 32-bit ones in two steps.
     ///
     /// # Errors
-    /// As [`SmartDrive::send`]; [`crate::DriveError::Rejected`] if there is no such parameter.
+    /// As [`SmartDrive::send`]; [`super::Fault::Rejected`] if there is no such parameter.
     pub async fn parameter(
         &mut self,
         address: u8,
@@ -84,7 +84,7 @@ impl SmartDrive {
     ///
     /// # Errors
     /// As [`SmartDrive::send`]; [`crate::DriveError::Value`] if the parameter cannot have this value, or the drive does
-    /// not show it afterwards; [`crate::DriveError::Rejected`] if the drive does not have the parameter.
+    /// not show it afterwards; [`super::Fault::Rejected`] if the drive does not have the parameter.
     pub async fn set_parameter(
         &mut self,
         address: u8,

@@ -13,6 +13,7 @@ mod blocking;
 mod command;
 mod driver;
 pub mod emulator;
+mod fault;
 mod follow;
 pub mod frame;
 mod in_step;
@@ -39,6 +40,7 @@ pub use assumptions::{
 pub use blocking::{OUTPUTS, SmartDriveBus};
 pub use command::{Command, Init, IoUpdate, LoadSource, Mode};
 pub use driver::SmartDrive;
+pub use fault::Fault;
 pub use memory::{Accelerations, ParameterValue};
 pub use options::{ADDRESSES, AxisOptions, BAUD, Execution, SmartDriveOptions, wire_time};
 pub use questions::OPEN_QUESTIONS;

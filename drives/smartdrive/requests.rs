@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use tokio::time::{sleep, timeout};
 
-use super::{Alarms, Command, Init, IoUpdate, Mode, SmartDrive, TrajectoryFlags, frame::Answer};
+use super::{
+    Alarms, Command, Fault, Init, IoUpdate, Mode, SmartDrive, TrajectoryFlags, frame::Answer,
+};
 use crate::{Clock, DriveError, Stamp};
 
 /// Time between two looks at a drive that takes its time.
@@ -163,7 +165,7 @@ impl SmartDrive {
         let at = self.at(address, command.action());
         match outcome {
             Ok(Ok(None)) => Ok(mode),
-            Ok(Ok(Some(alarms))) => Err(DriveError::Alarm { at, alarms }),
+            Ok(Ok(Some(alarms))) => Err(Fault::Alarm(alarms).at(at)),
             Ok(Err(error)) => Err(error),
             Err(_) => Err(DriveError::Mode { at, expected: Mode::Remote.number(), found: mode }),
         }
@@ -217,7 +219,7 @@ impl SmartDrive {
     /// GOTO: to `target` µsteps, with at most these rpm and rpm/s (0: the largest), or the largest of both.
     ///
     /// # Errors
-    /// As [`SmartDrive::send`]; [`crate::DriveError::Rejected`] if the target is outside the drive's limits.
+    /// As [`SmartDrive::send`]; [`Fault::Rejected`] if the target is outside the drive's limits.
     pub async fn go_to(
         &mut self,
         address: u8,
@@ -255,7 +257,7 @@ impl SmartDrive {
     /// Homes and returns when it is done; the position then.
     ///
     /// # Errors
-    /// As [`SmartDrive::send`]; [`crate::DriveError::Alarm`], [`crate::DriveError::Mode`] or
+    /// As [`SmartDrive::send`]; [`Fault::Alarm`], [`crate::DriveError::Mode`] or
     /// [`crate::DriveError::NotHomed`] if it fails, [`crate::DriveError::Unfinished`] if it goes on for longer than
     /// [`SmartDriveOptions::homing`](crate::smartdrive::SmartDriveOptions::homing).
     pub async fn home(&mut self, address: u8) -> Result<i32, DriveError> {
@@ -278,9 +280,7 @@ impl SmartDrive {
         };
         let outcome = timeout(patience, running).await;
         match outcome {
-            Ok(Ok(state)) if !state.alarms.is_empty() => {
-                Err(DriveError::Alarm { at, alarms: state.alarms })
-            }
+            Ok(Ok(state)) if !state.alarms.is_empty() => Err(Fault::Alarm(state.alarms).at(at)),
             // One that has started anew meanwhile says that it is done, too.
             Ok(Ok(state)) if state.mode != Mode::Remote.number() => {
                 let (expected, found) = (Mode::Remote.number(), state.mode);

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use tokio::time::{sleep, timeout};
 
-use super::{Command, DriveState, SmartDrive, TrajectoryFlags, requests::LOOK};
+use super::{Command, DriveState, Fault, SmartDrive, TrajectoryFlags, requests::LOOK};
 use crate::{Action, Axes, DriveError};
 
 impl SmartDrive {
@@ -35,7 +35,7 @@ impl SmartDrive {
     /// GOTO, and waits until the drive stands there. Speed and rate are as for [`SmartDrive::go_to`].
     ///
     /// # Errors
-    /// As [`SmartDrive::go_to`] and [`SmartDrive::rested`]; [`DriveError::Alarm`], [`DriveError::Stalled`] or
+    /// As [`SmartDrive::go_to`] and [`SmartDrive::rested`]; [`Fault::Alarm`], [`DriveError::Stalled`] or
     /// [`DriveError::NotArrived`] if it does not get there.
     pub async fn travel(
         &mut self,
@@ -48,7 +48,7 @@ impl SmartDrive {
         let state = self.rested(address, patience).await?;
         let at = self.at(address, Command::GoTo { target, profile }.action());
         if !state.alarms.is_empty() {
-            return Err(DriveError::Alarm { at, alarms: state.alarms });
+            return Err(Fault::Alarm(state.alarms).at(at));
         }
         if state.flags.contains(TrajectoryFlags::STALLED) {
             return Err(DriveError::Stalled { at });

@@ -11,7 +11,7 @@
 //! * InterpCNC and BIM2AX without encoders do not know that a shaft is held; with one it is told, and a soft stop tells what
 //!   it sees when the axis stands.
 
-use twin_drives::{Direction, DriveError, WireFault};
+use twin_drives::{Direction, DriveError, WireFault, bim2ax, smartdrive};
 
 use crate::{
     faults::{DeviceFault, Doing, Family, Fault},
@@ -48,21 +48,34 @@ pub(crate) enum Cause {
 impl Cause {
     pub(crate) fn of(error: &DriveError) -> Option<Self> {
         let text = error.to_string();
+        match error.fault() {
+            Some(smartdrive::Fault::Rejected(_)) => return Some(Self::Refused),
+            Some(smartdrive::Fault::Alarm(_)) => return Some(Self::Alarm),
+            None => {}
+        }
+        if let Some(fault) = error.fault() {
+            return Some(match fault {
+                bim2ax::Fault::NotRunning => Self::Reset,
+                bim2ax::Fault::Identity { .. } => Self::Gone,
+                bim2ax::Fault::AxisMessages { .. } if text.contains("power absent") => Self::Alarm,
+                bim2ax::Fault::AxisMessages { .. } if text.contains("phases off") => Self::Reset,
+                bim2ax::Fault::AxisMessages { .. } if text.contains("order") => Self::Refused,
+                bim2ax::Fault::AxisMessages { .. } if text.contains("stopped hard") => {
+                    Self::StoppedHard
+                }
+                _ => return None,
+            });
+        }
         Some(match error {
             DriveError::Timeout { .. } | DriveError::Protocol { .. } => Self::NoAnswer,
-            DriveError::Device { .. } | DriveError::Rejected { .. } => Self::Refused,
+            DriveError::Device { .. } => Self::Refused,
             DriveError::Locked { .. } | DriveError::EnableOpen { .. } => Self::Locked,
-            DriveError::Alarm { .. } | DriveError::Stalled { .. } => Self::Alarm,
-            DriveError::Mode { .. } | DriveError::NotRunning { .. } => Self::Reset,
-            DriveError::Identity { .. } => Self::Gone,
+            DriveError::Stalled { .. } => Self::Alarm,
+            DriveError::Mode { .. } => Self::Reset,
             DriveError::Moving { .. } | DriveError::Unfinished { .. } => Self::Unfinished,
             DriveError::NotArrived { .. } => Self::Elsewhere,
             DriveError::EncoderDiffers { .. } if text.contains("by its encoder") => Self::Encoder,
             DriveError::NotHomed { .. } | DriveError::HomingFailed { .. } => Self::NotHomed,
-            DriveError::AxisMessages { .. } if text.contains("power absent") => Self::Alarm,
-            DriveError::AxisMessages { .. } if text.contains("phases off") => Self::Reset,
-            DriveError::AxisMessages { .. } if text.contains("order") => Self::Refused,
-            DriveError::AxisMessages { .. } if text.contains("stopped hard") => Self::StoppedHard,
             _ => return None,
         })
     }

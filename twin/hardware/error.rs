@@ -242,7 +242,10 @@ mod tests {
         // A module says which of its axes, from 1.
         let module =
             Names { bus: false, axes: vec![(0, "A".to_owned()), (1, "B".to_owned())], ..bus };
-        let told = module.tell(DriveError::AxisMessages { at: at(0), axis: 2, messages: 1 });
+        let told = module.tell(DriveError::device(
+            at(0),
+            twin_drives::bim2ax::Fault::AxisMessages { axis: 2, messages: 1 },
+        ));
         assert!(told.to_string().starts_with("device `line`, axis B: "), "{told}");
     }
 }

@@ -7,6 +7,7 @@ use crate::by_hand;
 use crate::clock::Clock;
 use crate::machine::{Axis, DriveFamily, Machine};
 use std::time::Duration;
+use twin_drives::bim2ax::Fault;
 use twin_drives::{Drive, DriveError, Increments, ParameterInfo, SetpointStream};
 
 /// What is said of an axis that is homed by the user's word alone and counts 0: its device may have lost its position since.
@@ -279,7 +280,7 @@ impl<'a> Looker<'a> {
             Err(
                 DriveError::Locked { .. } | DriveError::Mode { .. } | DriveError::EnableOpen { .. },
             ) => (false, None),
-            Err(DriveError::AxisMessages { .. }) => (true, None),
+            Err(error) if matches!(error.fault(), Some(Fault::AxisMessages { .. })) => (true, None),
             Ok(sample) => (true, Some(sample.position)),
             Err(error) => return Err(error),
         };

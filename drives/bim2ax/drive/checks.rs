@@ -4,6 +4,7 @@ use super::{
     Action, Bim2AxDrive, BusStamp, Clock, DriveError, Duration, FAULTS, Following, NOT_READY,
     Positions, STRAY_LOOKS, message, no_clock,
 };
+use crate::bim2ax::Fault;
 
 /// A leg that lasts so much longer than it should, ns, does not end.
 const OVERDUE_NS: i64 = 1_000_000_000;
@@ -132,11 +133,7 @@ impl Bim2AxDrive {
             let messages = seen.messages.get(axis.index()).copied().unwrap_or(0);
             if wrong(messages) {
                 let axis = u8::try_from(axis.number()).unwrap_or(0);
-                return Err(DriveError::AxisMessages {
-                    at: self.module.at(action),
-                    axis,
-                    messages,
-                });
+                return Err(Fault::AxisMessages { axis, messages }.at(self.module.at(action)));
             }
         }
         Ok(())

@@ -21,7 +21,7 @@ use super::{
 };
 use crate::{
     bim2ax::{
-        AxisSettings,
+        AxisSettings, Fault,
         bits::{definition, encoder_message, message},
         parameter::{AxisParameter, Parameter},
     },
@@ -126,7 +126,7 @@ impl Bim2AxDrive {
     /// Holds a look at the counters against the encoders, which are looked at now. `clock` is that of the look.
     ///
     /// # Errors
-    /// [`DriveError::EncoderDiffers`], [`DriveError::EncoderFault`]; or if the module does not answer.
+    /// [`DriveError::EncoderDiffers`], [`Fault::Encoder`]; or if the module does not answer.
     pub(super) fn watch_encoders(
         &mut self,
         (seen, stamp): &(Positions, BusStamp),
@@ -152,7 +152,7 @@ impl Bim2AxDrive {
             if messages & FAULTS != 0 || messages & KINDS == 0 || unplugged {
                 let axis = u8::try_from(axis.number()).unwrap_or(0);
                 let at = self.module.at(Action::ReadState);
-                return Err(DriveError::EncoderFault { at, axis, messages });
+                return Err(Fault::Encoder { axis, messages }.at(at));
             }
             let (counter, encoder) = (at(seen, *axis), at(&shown, *axis));
             let homed = has(seen, *axis, message::HOMED);

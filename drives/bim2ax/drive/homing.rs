@@ -3,7 +3,10 @@
 use std::time::Duration;
 
 use super::{AXES, Bim2AxDrive, BusStamp, Positions, STRAY_LOOKS, no_clock};
-use crate::{Action, DriveError, HomingWays, MAX_DRIVE_AXES, bim2ax::bits::message};
+use crate::{
+    Action, DriveError, HomingWays, MAX_DRIVE_AXES,
+    bim2ax::{Fault, bits::message},
+};
 
 /// A counter that counts on through homing goes no further between two looks than the axis does at its start-stop speed, but
 /// for when exactly each look was: so much more, µsteps.
@@ -81,13 +84,13 @@ impl Bim2AxDrive {
         let Some((place, _, found, before)) = found else { return Ok(()) };
         let (at, axis) = (self.module.at(Action::ReadState), self.names(1 << place));
         let (before, found) = (before.into(), found.into());
-        Err(DriveError::HomeCount { at, axis, counted_on, before, found })
+        Err(Fault::HomeCount { axis, counted_on, before, found }.at(at))
     }
 
     /// Homes the axes in use, both at a time, and waits for the end.
     ///
     /// # Errors
-    /// If an axis does not start, has not ended after `patience`, or has not found its cam; [`DriveError::HomeCount`].
+    /// If an axis does not start, has not ended after `patience`, or has not found its cam; [`Fault::HomeCount`].
     pub fn home(&mut self, patience: Duration) -> Result<(), DriveError> {
         self.forget();
         self.encoders.forget();

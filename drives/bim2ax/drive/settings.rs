@@ -10,7 +10,7 @@ use crate::{
         parameter::{AxisParameter, Parameter, Range},
         zone::Positions,
     },
-    device::find,
+    error::find_parameter,
 };
 
 /// Inputs of an axis, as the messages show them (2.2.1).
@@ -163,7 +163,7 @@ impl Bim2AxDrive {
         let parameter = self.known(id, true)?;
         let all = self.all_parameters()?;
         let at = || self.parameter_at(id, true);
-        let info = find(all, id, at)?;
+        let info = find_parameter(all, id, at)?;
         info.check(value, at)?;
         let Some(bits) = bits(value) else {
             return Err(DriveError::ParameterValue { at: at(), id, value, values: info.values });

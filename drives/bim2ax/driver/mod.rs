@@ -17,7 +17,7 @@ use tokio::time::{sleep, timeout};
 pub use programmed::{Move, Start};
 
 use super::{
-    AXES, Assumptions, ByteOrder, ModuleAxis,
+    AXES, Assumptions, ByteOrder, Fault, ModuleAxis,
     bits::card,
     memory::{BIM2AX_BOCM, Memory, RECEIPT_ORDERS, Window},
     parameter::Parameter,
@@ -146,10 +146,8 @@ impl Bim2Ax {
     /// of its EEPROM is wrong.
     pub async fn identify(&mut self, clock: &dyn Clock) -> Result<Identity, DriveError> {
         let known = self.identify_any(clock).await?;
-        known.ok_or_else(|| DriveError::CardMessages {
-            at: self.at(Action::Identify),
-            messages: card::CHECKSUM,
-        })
+        let unsound = Fault::CardMessages { messages: card::CHECKSUM };
+        known.ok_or_else(|| unsound.at(self.at(Action::Identify)))
     }
 
     /// The same; `None` of a module the check sum of whose EEPROM is wrong. It takes no orders and tells no parameters, so
@@ -168,12 +166,11 @@ impl Bim2Ax {
             _ => self.window.stranger(),
         };
         if let Some(found) = self.bus(action, found)? {
-            let at = self.at(action);
-            return Err(DriveError::Identity { at, expected: BIM2AX_BOCM, found });
+            return Err(Fault::Identity { expected: BIM2AX_BOCM, found }.at(self.at(action)));
         }
         let (bytes, told) = self.look_at_card(clock).await?;
         if told.is_some_and(|order| order != self.options.byte_order) {
-            return Err(DriveError::ByteOrder { at: self.at(action) });
+            return Err(Fault::ByteOrder.at(self.at(action)));
         }
         let card_messages = ParameterExchange::decode(&bytes, self.options.byte_order).messages;
         if card_messages & card::CHECKSUM != 0 {
@@ -184,7 +181,7 @@ impl Bim2Ax {
             rating_ma = self.rating(clock).await?;
         }
         if !RATINGS_MA.contains(&rating_ma) {
-            return Err(DriveError::ByteOrder { at: self.at(action) });
+            return Err(Fault::ByteOrder.at(self.at(action)));
         }
         let version = self.parameter(Parameter::Version, clock).await?;
         self.version = u16::try_from(version).unwrap_or(0);
@@ -230,12 +227,11 @@ impl Bim2Ax {
         }
         // Where nobody is, everything reads as if the software did not run.
         let stranger = self.window.stranger();
-        Err(match self.bus(action, stranger)? {
-            Some(found) => {
-                DriveError::Identity { at: self.at(action), expected: BIM2AX_BOCM, found }
-            }
-            None => DriveError::NotRunning { at: self.at(action) },
-        })
+        let fault = match self.bus(action, stranger)? {
+            Some(found) => Fault::Identity { expected: BIM2AX_BOCM, found },
+            None => Fault::NotRunning,
+        };
+        Err(fault.at(self.at(action)))
     }
 
     /// Waits until no late answer can come any more, if one can.

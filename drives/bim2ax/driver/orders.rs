@@ -9,7 +9,7 @@ use super::{
 use crate::{
     Axes,
     bim2ax::{
-        EntryOrder,
+        EntryOrder, Fault,
         bits::{message, uc},
     },
 };
@@ -175,7 +175,7 @@ impl Bim2Ax {
                 }
                 let at = self.at(Action::Order { bits: order, name });
                 let axis = u8::try_from(axis.number()).unwrap_or(0);
-                return Err(DriveError::AxisMessages { at, axis, messages });
+                return Err(Fault::AxisMessages { axis, messages }.at(at));
             }
         }
         Ok(())

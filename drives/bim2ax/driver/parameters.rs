@@ -11,7 +11,7 @@ use super::{
 use crate::{
     ProtocolFault,
     bim2ax::{
-        AxisSettings, DriveMode, REFERENCES,
+        AxisSettings, DriveMode, Fault, REFERENCES,
         parameter::{AxisParameter, Parameter, order},
     },
 };
@@ -43,7 +43,7 @@ impl Bim2Ax {
         // With a wrong check sum parameters can still be written.
         let harmless = if asked.order == order::WRITE { card::CHECKSUM } else { 0 };
         if errors & !harmless != 0 {
-            return Err(DriveError::CardMessages { at: self.at(action), messages: errors });
+            return Err(Fault::CardMessages { messages: errors }.at(self.at(action)));
         }
         Ok(answer)
     }
@@ -66,11 +66,12 @@ impl Bim2Ax {
         let (number, action) = Self::parameter_action(parameter, false);
         let asked = ParameterExchange { order: order::READ, number, ..Default::default() };
         match self.read_once(action, asked, clock).await {
-            Err(
-                DriveError::Timeout { .. }
-                | DriveError::Protocol { .. }
-                | DriveError::CardMessages { .. },
-            ) => self.read_once(action, asked, clock).await,
+            Err(DriveError::Timeout { .. } | DriveError::Protocol { .. }) => {
+                self.read_once(action, asked, clock).await
+            }
+            Err(error) if matches!(error.fault(), Some(Fault::CardMessages { .. })) => {
+                self.read_once(action, asked, clock).await
+            }
             done => done,
         }
     }
@@ -206,7 +207,7 @@ impl Bim2Ax {
         stopped.unwrap_or_else(|_| Err(DriveError::Timeout { at: self.at(action), deadline }))?;
         let deadline = self.options.reset_deadline;
         let runs = timeout(deadline, self.until_running(action, true)).await;
-        runs.unwrap_or_else(|_| Err(DriveError::NotRunning { at: self.at(action) }))
+        runs.unwrap_or_else(|_| Err(Fault::NotRunning.at(self.at(action))))
     }
 
     /// Looks until the module's software runs, or until it does not.

@@ -5,7 +5,10 @@ use std::time::Duration;
 use super::{Action, Bim2Ax, Clock, DriveError, ModuleAxis, Positions, Start};
 use crate::{
     Axes, Exchange,
-    bim2ax::bits::{message, uc},
+    bim2ax::{
+        Fault,
+        bits::{message, uc},
+    },
 };
 
 /// What keeps a motor from getting current.
@@ -24,7 +27,10 @@ impl Bim2Ax {
         match self.set_phases(axes, true, clock).await {
             // Modules from before revision D do not know that order; a motor test switches phases on, too, and clears
             // faults that are gone (7.6).
-            Err(DriveError::AxisMessages { messages, .. }) if messages & FAULTS == 0 => {
+            Err(error)
+                if matches!(error.fault(), Some(Fault::AxisMessages { messages, .. })
+                    if messages & FAULTS == 0) =>
+            {
                 self.test_motors(axes, clock).await
             }
             done => done,
@@ -34,7 +40,7 @@ impl Bim2Ax {
     /// Homes axes and waits until both stand, which they do within `patience`; what they say then.
     ///
     /// # Errors
-    /// [`DriveError::Unfinished`] if one still moves after `patience`, [`DriveError::AxisMessages`] if one is not homed when
+    /// [`DriveError::Unfinished`] if one still moves after `patience`, [`Fault::AxisMessages`] if one is not homed when
     /// both stand; else as [`Bim2Ax::home`] and [`Bim2Ax::rested`].
     pub async fn home_to_end(
         &mut self,
@@ -60,7 +66,7 @@ impl Bim2Ax {
     /// it stands there, which it does within `patience`.
     ///
     /// # Errors
-    /// [`DriveError::AxisMessages`] with the reason if it stands elsewhere (end switch, limit, motor), or
+    /// [`Fault::AxisMessages`] with the reason if it stands elsewhere (end switch, limit, motor), or
     /// [`DriveError::NotArrived`] if it tells none; else as [`Bim2Ax::start`] and [`Bim2Ax::rested`].
     pub async fn travel(
         &mut self,
@@ -95,6 +101,6 @@ impl Bim2Ax {
             return Ok(());
         }
         let axis = u8::try_from(axis.number()).unwrap_or(0);
-        Err(DriveError::AxisMessages { at: self.at(Action::ReadState), axis, messages })
+        Err(Fault::AxisMessages { axis, messages }.at(self.at(Action::ReadState)))
     }
 }

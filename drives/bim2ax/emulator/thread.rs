@@ -16,10 +16,11 @@ use super::{Control, Eeprom, Module, ModuleOptions, Surroundings};
 use crate::{
     Accelerated, Clock, EmulatorError, Speed,
     bim2ax::memory::{
-        BIM2AX_BOCM, FILE_LENGTH, HOST_PAGE, IDENTIFIER, INTERRUPT, MODULE_PAGE, Mapping,
-        PAGE_REGISTER, RECEIPTS, WINDOW_LENGTH, file_offset,
+        BIM2AX_BOCM, HOST_PAGE, IDENTIFIER, INTERRUPT, MODULE_PAGE, Mapping, PAGE_REGISTER,
+        RECEIPTS, WINDOW_LENGTH, file_offset,
     },
     kept::{Keeper, replace},
+    port::FILE_LENGTH,
 };
 
 /// Said of a file that is none.

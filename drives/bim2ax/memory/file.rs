@@ -17,15 +17,12 @@
 
 use std::{fs::OpenOptions, io, path::Path};
 
-use crate::Port;
+use crate::{Port, port::FILE_LENGTH};
 
 use super::{
     HOST_PAGE, IDENTIFIER, INTERRUPT, Mapping, Master, Memory, PAGE_REGISTER, WINDOW_LENGTH,
     offsets,
 };
-
-/// Length of the file.
-pub const FILE_LENGTH: usize = 0x405;
 
 /// Offsets in the file beyond the RAM.
 pub mod file_offset {

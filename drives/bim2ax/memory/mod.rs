@@ -19,7 +19,7 @@ mod window;
 
 use std::io;
 
-pub use file::{FILE_LENGTH, MemoryFile, file_offset};
+pub use file::{MemoryFile, file_offset};
 pub use mapped::MappedMemory;
 pub(crate) use mapped::Mapping;
 pub use master::Master;

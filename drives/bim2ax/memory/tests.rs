@@ -84,7 +84,7 @@ fn eight_pages_lie_behind_the_window_and_the_page_reads_back_as_status() {
 fn a_memory_file_has_all_pages_and_counts_interrupts() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("module");
-    let mut image = [0; FILE_LENGTH];
+    let mut image = [0; crate::port::FILE_LENGTH];
     image[file_offset::STATUS] = 1;
     image[file_offset::IDENTIFIER] = BIM2AX_BOCM;
     fs::write(&path, image).unwrap();

@@ -4,6 +4,7 @@ use super::{
     drive::{Plan, virtual_drive},
     *,
 };
+use crate::bim2ax::Fault;
 use crate::{
     Axes, Direction, Drive, DriveError, FaultRule, SetpointStream, When, WireFault,
     bim2ax::{
@@ -259,7 +260,7 @@ fn an_encoder_that_counts_the_wrong_way_or_is_broken_is_told() {
     drive.sample(&plan).unwrap();
     device.module().set_surroundings(&broken);
     let told = rests(&mut drive, &plan).unwrap_err();
-    assert!(matches!(told, DriveError::EncoderFault { axis: 1, .. }), "{told}");
+    assert!(matches!(told.fault(), Some(Fault::Encoder { axis: 1, .. })), "{told}");
     assert!(told.to_string().contains("the encoder of axis 1: fault"), "{told}");
 
     // The bit of the plug is a fault where it comes; a module without plugs shows it from the start, as all of these do.
@@ -275,7 +276,7 @@ fn an_encoder_that_counts_the_wrong_way_or_is_broken_is_told() {
     let told = drive.sample(&plan).unwrap_err();
     let plug = encoder_message::PLUG;
     assert!(
-        matches!(told, DriveError::EncoderFault { messages, .. } if messages & plug != 0),
+        matches!(told.fault(), Some(Fault::Encoder { messages, .. }) if messages & plug != 0),
         "{told}"
     );
 }

@@ -1,6 +1,7 @@
 //! Parameters, EEPROM, RESET, plugs and encoders, through the driver in virtual time.
 
 use super::*;
+use crate::bim2ax::Fault;
 use crate::{
     DriveError,
     bim2ax::{
@@ -15,9 +16,9 @@ fn axis_1(parameter: AxisParameter) -> Parameter {
 
 #[track_caller]
 fn messages(error: &DriveError) -> u32 {
-    match error {
-        DriveError::CardMessages { messages, .. } => *messages,
-        other => panic!("{other}"),
+    match error.fault() {
+        Some(Fault::CardMessages { messages }) => *messages,
+        _ => panic!("{error}"),
     }
 }
 

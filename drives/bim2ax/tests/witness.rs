@@ -4,10 +4,12 @@
 use std::path::Path;
 
 use super::*;
+use crate::bim2ax::Fault;
+use crate::tests::fault_of;
 use crate::{
     DriveError, Speed,
     bim2ax::{
-        EncoderBench, EncoderKind, FILE_LENGTH, MemoryFile, Move, Start,
+        EncoderBench, EncoderKind, MemoryFile, Move, Start,
         bits::{bloc, card, encoder_message, message, uc},
         emulator::{EmulatedModule, EmulatorOptions, Event},
     },
@@ -102,7 +104,7 @@ fn another_host_finds_everything_in_the_emulated_module_as_it_reads_the_manual()
 async fn the_driver_has_everything_done_by_another_module() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("module");
-    std::fs::write(&path, [0; FILE_LENGTH]).unwrap();
+    std::fs::write(&path, [0; crate::port::FILE_LENGTH]).unwrap();
     let Some(mut other) = witness("module", &path) else { return };
     assert_eq!(other.line(), "ready");
 
@@ -159,7 +161,7 @@ async fn parameters(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
     assert_eq!(written, 0x38);
     let refused = driver.set_parameter(Parameter::Rating, 1, clock).await;
     assert!(
-        matches!(refused, Err(DriveError::CardMessages { messages: card::BAD_WRITE, .. })),
+        matches!(fault_of(&refused), Some(Fault::CardMessages { messages: card::BAD_WRITE, .. })),
         "{refused:?}"
     );
 }
@@ -180,7 +182,7 @@ async fn moves(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
     driver.start([Some(by), None], clock).await.unwrap();
     // The first is under way for 1.5 s.
     let second = driver.start([Some(Start::to(0)), None], clock).await;
-    let Err(DriveError::AxisMessages { messages, axis: 1, .. }) = second else {
+    let Some(Fault::AxisMessages { messages, axis: 1, .. }) = fault_of(&second) else {
         // An acknowledgement is that of the move before.
         assert!(second.is_ok(), "{second:?}");
         let (seen, _) = driver.positions(clock).await.unwrap();
@@ -255,7 +257,7 @@ async fn switches(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
         let moving = driver.set_parameter(of(AxisParameter::Approach, ModuleAxis::One), 1, clock);
         let moving = moving.await;
         assert!(
-            matches!(moving, Err(DriveError::CardMessages { messages: card::MOVING, .. })),
+            matches!(fault_of(&moving), Some(Fault::CardMessages { messages: card::MOVING, .. })),
             "{moving:?}"
         );
         driver.manual_stop(clock).await.unwrap();
@@ -264,7 +266,10 @@ async fn switches(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
         let (_, messages) = rest(driver, clock).await;
         assert_ne!(messages[1] & switch, 0);
         let beyond = driver.manual(ModuleAxis::Two, plus, clock).await;
-        assert!(matches!(beyond, Err(DriveError::AxisMessages { axis: 2, .. })), "{beyond:?}");
+        assert!(
+            matches!(fault_of(&beyond), Some(Fault::AxisMessages { axis: 2, .. })),
+            "{beyond:?}"
+        );
     }
     driver.home(&[ModuleAxis::Two], clock).await.unwrap();
     assert_eq!(rest(driver, clock).await.0[1], 0);

@@ -10,7 +10,9 @@
 use super::{BoardState, InterpCncDrive, Stamp, counter, no_clock};
 use crate::{
     Action, Axes, Clock, DriveError,
-    interpcnc::{BoardAxis, EncoderOptions, Following, InterpCncOptions, registers::Status},
+    interpcnc::{
+        BoardAxis, EncoderOptions, Exception, Following, InterpCncOptions, registers::Status,
+    },
     ramp::seconds,
     shaft::{Apart, Passed, Shaft, Watching},
 };
@@ -99,9 +101,9 @@ impl InterpCncDrive {
         }
         match self.points(clock) {
             // Such an address does not exist ("Traitement des erreurs").
-            Err(DriveError::Device { at, code: 2 }) => {
+            Err(error) if Exception::code_of(&error) == Some(2) => {
                 let what = "encoder: boards have one from V2.1D on";
-                Err(DriveError::Unsupported { at, what })
+                Err(DriveError::Unsupported { at: error.at().clone(), what })
             }
             told => told.map(drop),
         }

@@ -4,7 +4,7 @@ use super::{InterpCncDrive, no_clock};
 use crate::{
     Action, AxisSignals, Bits, Clock, DeviceLimits, DriveError, Exchange, Identity, MAX_DRIVE_AXES,
     ParameterId, ParameterInfo, Signals, UnitIdentity,
-    device::find,
+    error::find_parameter,
     interpcnc::{
         parameters::{self, FIRST_PARAMETER, PARAMETERS},
         registers::{BoardAxis, MAX_SPEED_HZ},
@@ -150,7 +150,7 @@ impl InterpCncDrive {
     }
 
     pub(super) fn read_parameter(&mut self, id: ParameterId) -> Result<i64, DriveError> {
-        find(self.all_parameters(), id, || self.parameter_at(id, false))?;
+        find_parameter(self.all_parameters(), id, || self.parameter_at(id, false))?;
         let value = self.runtime.block_on(self.board.parameter(id.number, &no_clock))?;
         Ok(value.into())
     }
@@ -176,7 +176,7 @@ impl InterpCncDrive {
         value: i64,
     ) -> Result<(), DriveError> {
         let at = || self.parameter_at(id, true);
-        let info = find(self.all_parameters(), id, at)?;
+        let info = find_parameter(self.all_parameters(), id, at)?;
         info.check(value, at)?;
         let Ok(bits) = u32::try_from(value) else {
             return Err(DriveError::ParameterValue { at: at(), id, value, values: info.values });

@@ -16,7 +16,7 @@ use crate::pause::Pause;
 use crate::ramp::whole_ns;
 use crate::{
     Action, Clock, DriveError, ProtocolFault, Stamp,
-    interpcnc::{Command, emulator::seal, registers::COMMAND},
+    interpcnc::{Command, Exception, emulator::seal, registers::COMMAND},
 };
 
 impl InterpCnc {
@@ -137,7 +137,7 @@ impl InterpCnc {
             }
             Ok(Ok(Err(code))) => {
                 (self.in_step, self.late) = (true, late);
-                return Err(DriveError::Device { at, code: code.into() });
+                return Err(DriveError::device(at, Exception(code.into())));
             }
             Ok(Err(Error::Protocol(mismatch))) => {
                 DriveError::Protocol { at, fault: fault(&mismatch) }

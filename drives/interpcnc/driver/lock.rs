@@ -1,6 +1,7 @@
 //! Boards that are locked.
 
 use super::{Clock, Command, DriveError, InterpCnc};
+use crate::interpcnc::Exception;
 
 impl InterpCnc {
     /// Clears "Board Locked" (command 66) and checks that it is cleared. Where the board keeps the segments that waited
@@ -26,11 +27,11 @@ impl InterpCnc {
     /// What an error of a request that locked boards refuse means, where they do so with an exception: with that exception,
     /// that the board is locked, if it says so. Others may refuse with the same number: a full buffer, a broken EEPROM.
     pub(super) async fn if_locked(&mut self, error: DriveError, clock: &dyn Clock) -> DriveError {
-        let DriveError::Device { at, code } = &error else { return error };
-        if self.options().assumptions.locked_exception != Some(*code) {
+        let Some(code) = Exception::code_of(&error) else { return error };
+        if self.options().assumptions.locked_exception != Some(code) {
             return error;
         }
-        let action = at.action;
+        let action = error.at().action;
         match self.state(clock).await {
             Ok((state, _)) => self.check_obeys(&state, action).err().unwrap_or(error),
             // What the board has refused says more than that it does not answer any more.

@@ -6,7 +6,7 @@ use super::InterpCnc;
 use crate::{
     Action, Clock, DriveError,
     interpcnc::{
-        Line, Parity,
+        Exception, Line, Parity,
         parameters::{self, FIRST_PARAMETER, PARAMETERS},
         registers::{
             FIRST_RECIPE, FIRST_USER_MEMORY, RECIPE_INDEX, RECIPE_PAGE, RECIPE_PAGES,
@@ -57,7 +57,7 @@ impl InterpCnc {
         let station = self.parameter(parameters::MODBUS_ADDRESS, clock).await?;
         let has_recipes = match self.read_holding("recipe size", RECIPE_SIZE, 1, clock).await {
             Ok(_) => true,
-            Err(DriveError::Device { .. }) => false,
+            Err(error) if Exception::code_of(&error).is_some() => false,
             Err(error) => return Err(error),
         };
         let baud = self.options().assumptions.baud_code.decode(speed);
@@ -152,8 +152,8 @@ impl InterpCnc {
         let action = Action::Write { what, address, count };
         let failure = self.options().assumptions.exceptions.failure;
         match self.write_holding(what, address, values, clock).await {
-            Err(DriveError::Device { at, code }) if code == failure => {
-                return Err(DriveError::EepromFailed { at });
+            Err(error) if Exception::code_of(&error) == Some(failure) => {
+                return Err(DriveError::EepromFailed { at: error.at().clone() });
             }
             written => written?,
         }

@@ -6,6 +6,8 @@ use std::time::Duration;
 use tokio::time::sleep;
 
 use super::board::{Hand, no_clock, profile, with_board};
+use crate::interpcnc::Exception;
+use crate::tests::fault_of;
 use crate::{
     Direction, DriveError, FaultRule, When, WireFault,
     interpcnc::{
@@ -102,10 +104,7 @@ fn one_harmed_frame(fault: WireFault, direction: Direction, doing: Doing) {
             let refused =
                 matches!(fault, WireFault::Refuse { .. }) && direction == Direction::Request;
             if refused {
-                assert!(
-                    matches!(asked, Err(DriveError::Device { code: 4, .. })),
-                    "{case}: {asked:?}"
-                );
+                assert!(matches!(fault_of(&asked), Some(Exception(4))), "{case}: {asked:?}");
             } else {
                 assert!(asked.is_ok(), "{case}: {asked:?}");
             }
@@ -124,12 +123,11 @@ fn one_harmed_frame(fault: WireFault, direction: Direction, doing: Doing) {
                 assert!(executed, "{case}: a move is lost unnoticed");
             } else {
                 assert!(
-                    matches!(
-                        moved,
-                        Err(DriveError::Timeout { .. }
-                            | DriveError::Protocol { .. }
-                            | DriveError::Device { code: 4, .. })
-                    ),
+                    fault_of(&moved) == Some(&Exception(4))
+                        || matches!(
+                            moved,
+                            Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })
+                        ),
                     "{case}: {moved:?}"
                 );
             }
@@ -139,7 +137,7 @@ fn one_harmed_frame(fault: WireFault, direction: Direction, doing: Doing) {
             let stopped = driver.ramp_stop(LONG, &no_clock).await;
             hand.send(Control::NoFaults).await.unwrap();
             if refused {
-                assert!(matches!(stopped, Err(DriveError::Device { code: 4, .. })), "{case}");
+                assert!(matches!(fault_of(&stopped), Some(Exception(4))), "{case}");
                 driver.ramp_stop(LONG, &no_clock).await.unwrap();
             } else {
                 assert!(stopped.is_ok(), "{case}: {stopped:?}");

@@ -7,6 +7,8 @@ use tokio::{
     time::sleep,
 };
 
+use crate::interpcnc::Exception;
+use crate::tests::fault_of;
 use crate::{
     Action, DriveError, ProtocolFault,
     interpcnc::{
@@ -194,14 +196,15 @@ fn vectors_20_and_21_are_the_state() {
 #[test]
 fn an_exception_is_an_error_with_its_code_and_command() {
     let (_, outcome) = exchange(move_x(20_000, 5), &vector(29));
-    let Err(DriveError::Device { at, code: 2 }) = outcome else { panic!("{outcome:?}") };
+    assert_eq!(fault_of(&outcome), Some(&Exception(2)));
+    let error = outcome.unwrap_err();
+    let at = error.at();
     assert_eq!(
         (at.station, at.action),
         (1, Action::Command { number: 80, name: "independent move" })
     );
-    let message = DriveError::Device { at, code: 2 }.to_string();
     assert_eq!(
-        message,
+        error.to_string(),
         "wire, address 1: command 80 (independent move): refused with exception 2, invalid address"
     );
 }
@@ -283,7 +286,7 @@ fn the_exception_of_a_locked_board_is_told_as_such_where_it_is_known() {
             tokio::join!(driver.send(&command, &no_clock), board).0.unwrap_err()
         });
         let as_locked = matches!(told, DriveError::Locked { .. });
-        let as_refused = matches!(told, DriveError::Device { code: 6, .. });
+        let as_refused = matches!(told.fault(), Some(Exception(6)));
         assert_eq!((as_locked, as_refused), (locked, !locked), "{known:?}: {told}");
     }
 }

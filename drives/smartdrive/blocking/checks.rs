@@ -8,7 +8,7 @@ use super::{SmartDriveBus, no_clock};
 use crate::{
     Action, Axes, DriveError,
     smartdrive::{
-        AxisOptions, Command, DriveState, Mode, RejectCode, TrajectoryFlags, ZeroRate,
+        AxisOptions, Command, DriveState, Fault, Mode, RejectCode, TrajectoryFlags, ZeroRate,
         parameters::{
             ACCELERATION_MAX, CID, DECELERATION_MAX, FULL_STEPS, PID, STEP_DIVISOR, VELOCITY_MAX,
         },
@@ -30,7 +30,7 @@ impl SmartDriveBus {
         let at = || self.bus.at(address, action);
         let expected = Mode::Remote.number();
         if !state.alarms.is_empty() {
-            Err(DriveError::Alarm { at: at(), alarms: state.alarms })
+            Err(Fault::Alarm(state.alarms).at(at()))
         } else if state.mode != expected {
             Err(DriveError::Mode { at: at(), expected, found: state.mode })
         } else if state.flags.contains(TrajectoryFlags::STALLED) {
@@ -44,18 +44,12 @@ impl SmartDriveBus {
 
     /// A refusal for the mode is an alarm if there is one.
     pub(super) fn explain(&mut self, address: u8, error: DriveError) -> DriveError {
-        match error {
-            DriveError::Rejected { at, reason: RejectCode::BadMode } => {
-                let action = at.action;
-                match self.state(address, &no_clock) {
-                    Ok((state, _)) => self
-                        .check(address, &state, action)
-                        .err()
-                        .unwrap_or(DriveError::Rejected { at, reason: RejectCode::BadMode }),
-                    Err(error) => error,
-                }
-            }
-            error => error,
+        if Fault::rejection(&error) != Some(RejectCode::BadMode) {
+            return error;
+        }
+        match self.state(address, &no_clock) {
+            Ok((state, _)) => self.check(address, &state, error.at().action).err().unwrap_or(error),
+            Err(error) => error,
         }
     }
 
@@ -151,13 +145,13 @@ impl SmartDriveBus {
         if ![Mode::Off.number(), Mode::Changing.number()].contains(&state.mode) {
             match self.runtime.block_on(self.bus.send(address, off, &no_clock)) {
                 // It has heard the first one and is changing its mode, whatever it shows: what comes of that is asked next.
-                Err(DriveError::Rejected { reason: RejectCode::Working, .. }) => {}
+                Err(error) if Fault::rejection(&error) == Some(RejectCode::Working) => {}
                 sent => drop(sent?),
             }
         }
         let found = match self.runtime.block_on(self.bus.changed(address, off)) {
             Ok(found) => found,
-            Err(DriveError::Alarm { .. }) => return Ok(()),
+            Err(error) if matches!(error.fault(), Some(Fault::Alarm(_))) => return Ok(()),
             Err(error) => return Err(error),
         };
         let expected = Mode::Off.number();

@@ -4,7 +4,7 @@ use super::{SmartDriveBus, no_clock};
 use crate::{
     Action, Axes, AxisSignals, Bits, Clock, DeviceLimits, DriveError, Exchange, Identity,
     MAX_DRIVE_AXES, ParameterId, ParameterInfo, Signals, UnitIdentity,
-    device::find,
+    error::find_parameter,
     smartdrive::{
         IoUpdate, SetEffect, StepsPerTurn, ZeroRate,
         parameters::{
@@ -152,7 +152,7 @@ impl SmartDriveBus {
     }
 
     pub(super) fn read_parameter(&mut self, id: ParameterId) -> Result<i64, DriveError> {
-        find(self.all_parameters(), id, || self.parameter_at(id, false))?;
+        find_parameter(self.all_parameters(), id, || self.parameter_at(id, false))?;
         self.value(id.station, id.number)
     }
 
@@ -160,7 +160,7 @@ impl SmartDriveBus {
     pub(super) fn unsaved(&mut self, ids: &[ParameterId]) -> Result<Vec<ParameterId>, DriveError> {
         let mut unsaved = Vec::new();
         for id in ids {
-            find(self.all_parameters(), *id, || self.parameter_at(*id, false))?;
+            find_parameter(self.all_parameters(), *id, || self.parameter_at(*id, false))?;
             let asked = self.bus.parameter(id.station, id.number);
             let copies = self.runtime.block_on(asked)?;
             if copies.working != copies.saved {
@@ -176,7 +176,7 @@ impl SmartDriveBus {
         value: i64,
     ) -> Result<(), DriveError> {
         let at = || self.parameter_at(id, true);
-        find(self.all_parameters(), id, at)?.check(value, at)?;
+        find_parameter(self.all_parameters(), id, at)?.check(value, at)?;
         let index = self.axes().position(|address| address == id.station).unwrap_or(0);
         match self.bus.options().assumptions.set_effect {
             SetEffect::AtOnce => {}

@@ -12,6 +12,8 @@ use super::{
     requests::with_spoilt,
     wire::{axis, no_clock},
 };
+use crate::smartdrive::Fault;
+use crate::tests::fault_of;
 use crate::{
     Drive, DriveError, ParameterId,
     smartdrive::{
@@ -118,10 +120,10 @@ fn the_driver_copes_with_every_alternative() {
                 if assumed.clamps_targets {
                     assert_eq!(rest(bus).await, 70_000);
                 } else {
-                    let Err(DriveError::Rejected { reason, .. }) = beyond else {
+                    let Some(Fault::Rejected(reason)) = fault_of(&beyond) else {
                         panic!("{beyond:?}")
                     };
-                    assert_eq!(reason, RejectCode::BadParams);
+                    assert_eq!(*reason, RejectCode::BadParams);
                 }
                 let home = if assumed.home_position == HomePosition::IsOffset { -50 } else { 0 };
                 assert_eq!(bus.home(1).await.unwrap(), home, "{assumed:?}");
@@ -160,8 +162,8 @@ fn what_a_drive_has_not_heard_is_sent_again_where_it_says_so() {
                 (true, true) => assert!(stepped.is_ok(), "{stepped:?}"),
                 (true, false) => {
                     assert!(matches!(
-                        stepped,
-                        Err(DriveError::Rejected { reason: RejectCode::Generic, .. })
+                        fault_of(&stepped),
+                        Some(Fault::Rejected(RejectCode::Generic))
                     ));
                 }
                 _ => assert!(matches!(stepped, Err(DriveError::Timeout { .. })), "{stepped:?}"),

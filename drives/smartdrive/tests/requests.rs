@@ -12,6 +12,8 @@ use tokio::{
 };
 
 use super::wire::{axis, no_clock, run};
+use crate::smartdrive::Fault;
+use crate::tests::fault_of;
 use crate::{
     DriveError,
     smartdrive::{
@@ -110,7 +112,7 @@ fn modes_change_and_alarms_are_told() {
         let serving = serve(far, vec![device], &wire, &clock, messages);
         let testing = async {
             let refused = bus.set_mode(1, Some(Mode::Remote)).await;
-            let Err(DriveError::Alarm { alarms, .. }) = &refused else { panic!("{refused:?}") };
+            let Some(Fault::Alarm(alarms)) = fault_of(&refused) else { panic!("{refused:?}") };
             assert_eq!(alarms.to_string(), "undervoltage");
             control.send(Event::Supply(24).to(0)).await.unwrap();
             bus.set_mode(1, Some(Mode::Remote)).await.unwrap();
@@ -142,8 +144,8 @@ fn parameters_are_read_set_saved_and_loaded() {
             assert!(matches!(refused, Err(DriveError::Value { .. })), "{index}: {refused:?}");
         }
         let missing = bus.parameter(1, 45).await;
-        let Err(DriveError::Rejected { reason, .. }) = missing else { panic!("{missing:?}") };
-        assert_eq!(reason, RejectCode::NotAvailable);
+        let Some(Fault::Rejected(reason)) = fault_of(&missing) else { panic!("{missing:?}") };
+        assert_eq!(*reason, RejectCode::NotAvailable);
     });
 }
 
@@ -155,7 +157,7 @@ fn variables_and_outputs_are_read_and_written() {
         let update = IoUpdate { set: 0b100, ..IoUpdate::default() };
         assert_eq!(bus.io(1, update).await.unwrap().levels, 0b110);
         let refused = bus.write_variable(1, 75, 0).await;
-        assert!(matches!(refused, Err(DriveError::Rejected { .. })), "{refused:?}");
+        assert!(matches!(fault_of(&refused), Some(Fault::Rejected(_))), "{refused:?}");
     });
 }
 
@@ -191,9 +193,10 @@ fn every_motion_is_made() {
         assert!(matches!(silent, Err(DriveError::Timeout { .. })), "{silent:?}");
         assert_eq!(bus.state(1, &no_clock).await.unwrap().0.mode, 0);
         let refused = bus.go_to(1, 0, None).await;
-        let Err(DriveError::Rejected { at, reason }) = refused else { panic!("{refused:?}") };
-        assert_eq!(reason, RejectCode::BadMode);
-        assert_eq!(at.action, Command::GoTo { target: 0, profile: None }.action());
+        let Some(Fault::Rejected(reason)) = fault_of(&refused) else { panic!("{refused:?}") };
+        assert_eq!(*reason, RejectCode::BadMode);
+        let Err(error) = &refused else { panic!("{refused:?}") };
+        assert_eq!(error.at().action, Command::GoTo { target: 0, profile: None }.action());
     });
 }
 
@@ -214,7 +217,7 @@ fn homing_ends_at_home_or_says_why_not() {
         bus.set_parameter(1, 100, -777).await.unwrap();
         assert_eq!(bus.home(1).await.unwrap(), -777);
         let alarm = bus.home(2).await;
-        let Err(DriveError::Alarm { alarms, .. }) = alarm else { panic!("{alarm:?}") };
+        let Some(Fault::Alarm(alarms)) = fault_of(&alarm) else { panic!("{alarm:?}") };
         assert_eq!(alarms.to_string(), "homing timeout");
     });
     with_devices(&[lost(314)], async |bus| {

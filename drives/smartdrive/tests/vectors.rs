@@ -4,8 +4,10 @@
 use std::collections::BTreeSet;
 
 use super::wire::{attached, exchange, received, run};
+use crate::smartdrive::Fault;
+use crate::tests::fault_of;
 use crate::{
-    Action, DriveError,
+    Action,
     smartdrive::{
         Command, Init, IoUpdate, LoadSource, Mode, RejectCode,
         emulator::{Device, DeviceOptions, Input},
@@ -92,9 +94,10 @@ fn the_driver_produces_every_command_and_understands_every_answer() {
     }
     for (number, expected) in [(34, RejectCode::BadMode), (35, RejectCode::Working)] {
         let (bytes, outcome) = exchange(go_to(3200, None), &vector(number));
-        let Err(DriveError::Rejected { at, reason }) = outcome else { panic!("{outcome:?}") };
-        assert_eq!((reason, at.station), (expected, 1));
-        assert_eq!(at.action, Action::Atb { code: 0x23, name: "GOTO" });
+        let Some(Fault::Rejected(reason)) = fault_of(&outcome) else { panic!("{outcome:?}") };
+        let Err(error) = &outcome else { panic!("{outcome:?}") };
+        assert_eq!((*reason, error.at().station), (expected, 1));
+        assert_eq!(error.at().action, Action::Atb { code: 0x23, name: "GOTO" });
         ledger.note(&bytes, Some(&vector(number)));
     }
     // 18: sent, and no answer waited for.

@@ -4,6 +4,8 @@
 use std::time::Duration;
 
 use super::wire::axis;
+use crate::smartdrive::Fault;
+use crate::tests::fault_of;
 use crate::{
     Clock, DriveError,
     smartdrive::{
@@ -118,9 +120,9 @@ fn open(device: &mut Peer) -> SmartDrive {
 }
 
 fn refusal<T: std::fmt::Debug>(outcome: Result<T, DriveError>) -> RejectCode {
-    match outcome {
-        Err(DriveError::Rejected { reason, .. }) => reason,
-        other => panic!("{other:?}"),
+    match fault_of(&outcome) {
+        Some(Fault::Rejected(reason)) => *reason,
+        _ => panic!("{outcome:?}"),
     }
 }
 

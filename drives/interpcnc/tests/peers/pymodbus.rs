@@ -5,6 +5,8 @@ use std::{env, ffi::OsString, process::Command as Process, sync::Arc, time::Dura
 use tokio_serial::SerialStream;
 
 use super::board;
+use crate::interpcnc::Exception;
+use crate::tests::fault_of;
 use crate::{
     DriveError,
     interpcnc::{
@@ -249,20 +251,14 @@ async fn the_driver_tells_every_exception_of_pymodbus() {
     let clock = &wall_clock();
     for expected in [1, 2, 3, 4, 6] {
         assert_eq!(peer.have(&format!("refuse {expected}")), "done");
-        match driver.state(clock).await {
-            Err(DriveError::Device { code, .. }) => assert_eq!(code, expected),
-            other => panic!("{other:?}"),
-        }
+        assert_eq!(fault_of(&driver.state(clock).await), Some(&Exception(expected)));
         assert_eq!(peer.have(&format!("refuse {expected}")), "done");
-        match driver.send(&Command::RampStop, clock).await {
-            Err(DriveError::Device { code, .. }) => assert_eq!(code, expected),
-            other => panic!("{other:?}"),
-        }
+        assert_eq!(
+            fault_of(&driver.send(&Command::RampStop, clock).await),
+            Some(&Exception(expected))
+        );
         assert_eq!(peer.have(&format!("refuse {expected}")), "done");
-        match driver.set_output(1, true, clock).await {
-            Err(DriveError::Device { code, .. }) => assert_eq!(code, expected),
-            other => panic!("{other:?}"),
-        }
+        assert_eq!(fault_of(&driver.set_output(1, true, clock).await), Some(&Exception(expected)));
     }
     // A locked board confirms the switching of an output and leaves it alone.
     let locked = driver.set_output(1, true, clock).await;

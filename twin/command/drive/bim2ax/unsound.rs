@@ -9,6 +9,7 @@ use super::show::{positions, unsound_scan};
 use super::{Action, restarted};
 use crate::advice::CHECK_SUM;
 use crate::command::{Failure, Status};
+use twin_drives::bim2ax::Fault;
 use twin_drives::bim2ax::bits::card;
 use twin_drives::{Action as Doing, DriveError, Exchange};
 
@@ -39,7 +40,8 @@ pub(super) fn carry_out(
                 station: 0,
                 action: Doing::Identify,
             };
-            return Err(DriveError::CardMessages { at, messages: card::CHECKSUM }.into());
+            let unsound = Fault::CardMessages { messages: card::CHECKSUM };
+            return Err(DriveError::device(at, unsound).into());
         }
     }
     Ok(Status::Fit)

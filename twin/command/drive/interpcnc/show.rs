@@ -8,7 +8,7 @@ use crate::command::{Failure, Status};
 use std::ops::RangeInclusive;
 use twin_drives::DriveError;
 use twin_drives::interpcnc::registers::{INPUTS, MAX_ANALOG, OUTPUTS, Status as Bits};
-use twin_drives::interpcnc::{BoardAxis, InterpCnc, Snapshot};
+use twin_drives::interpcnc::{BoardAxis, Exception, InterpCnc, Snapshot};
 
 pub(super) fn scan(
     session: &Session,
@@ -31,7 +31,7 @@ pub(super) fn scan(
             }
             Err(Failure::Drive(DriveError::Timeout { .. })) => {}
             // It is there, and has not what was asked.
-            Err(Failure::Drive(DriveError::Device { .. })) => {
+            Err(Failure::Drive(error)) if error.fault::<Exception>().is_some() => {
                 table.add_row([right(address), "not told".into(), "not told".into()]);
                 found += 1;
             }
@@ -126,7 +126,7 @@ pub(super) fn inputs(session: &Session, board: &mut InterpCnc) -> Result<(), Fai
             table.add_row([right("pulses B"), right(b)]);
         }
         // Boards have them from V2.1D on.
-        Err(Failure::Drive(DriveError::Device { .. })) => {}
+        Err(Failure::Drive(error)) if error.fault::<Exception>().is_some() => {}
         Err(other) => return Err(other),
     }
     say!("{table}");

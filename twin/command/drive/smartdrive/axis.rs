@@ -2,7 +2,7 @@
 
 use super::super::session::{BRAKING, Stands, Stopping, no_clock};
 use std::sync::Arc;
-use twin_drives::smartdrive::{DriveState, Mode, SmartDrive};
+use twin_drives::smartdrive::{DriveState, Fault, Mode, SmartDrive};
 use twin_drives::{Action as Doing, DriveError, Exchange};
 
 /// One drive of a bus.
@@ -26,10 +26,8 @@ impl Stopping for Axis {
     async fn soft_stop(&mut self) -> Result<(), DriveError> {
         match self.bus.stop(self.address, 0).await {
             // A drive that is off or in alarm refuses; then it does not move.
-            Ok(_) | Err(DriveError::Rejected { .. }) => {
-                self.bus.rested(self.address, BRAKING).await.map(|_| ())
-            }
-            Err(error) => Err(error),
+            Err(error) if !matches!(error.fault(), Some(Fault::Rejected(_))) => Err(error),
+            _ => self.bus.rested(self.address, BRAKING).await.map(|_| ()),
         }
     }
 
