@@ -2,7 +2,7 @@
 //!
 //! This crate knows increments, registers and wires; it never learns which machine hangs on the axes.
 
-mod assumed;
+mod assumptions;
 pub mod backup;
 pub mod bim2ax;
 mod clock;
@@ -19,7 +19,6 @@ mod kept;
 mod pause;
 mod port;
 mod pty;
-mod question;
 mod ramp;
 mod rehearsal;
 mod shaft;
@@ -30,7 +29,7 @@ mod stamp;
 mod tests;
 mod transport;
 
-pub use assumed::{Assumed, AssumedError};
+pub use assumptions::{Assumed, AssumedError, AssumedValues, OpenQuestion};
 pub use clock::{Accelerated, Clock, Speed};
 pub use control::Control;
 pub use decimal_ratio::DecimalRatio;
@@ -44,6 +43,5 @@ pub use drive::{
 pub use error::{Action, Axes, DeviceFault, DriveError, EmulatorError, Exchange, ProtocolFault};
 pub use fault::{Direction, FaultRule, FaultyWire, When, WireFault};
 pub use port::Port;
-pub use question::OpenQuestion;
 pub use rehearsal::{Rehearsal, WireRates};
 pub use stamp::Stamp;

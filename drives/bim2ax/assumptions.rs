@@ -1,7 +1,9 @@
-//! What the manual leaves open about the module, and what is assumed instead.
+//! Assumptions about the module where the manual is silent.
 //!
 //! Paragraphs are those of the digest that the tests list (`drives/tests/assumptions.rs`). The byte order, which the
 //! manual does not say either, is an option of its own on both sides ([`super::ByteOrder`]): it comes before all else.
+
+use crate::assumptions::{Choice, FLAG, assumptions};
 
 /// In which order the zones are taken that the entries at $70 to $73 name, from version 15 on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,57 +40,62 @@ impl Default for Corrections {
     }
 }
 
-/// What is assumed where the manual is silent. The emulated module behaves by it, and the driver expects it where it
-/// matters to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(clippy::struct_excessive_bools, reason = "independent facts, each so or not")]
-pub struct Assumptions {
-    /// From version 15 on: one interrupt refreshes all zones, not only the one asked for (§2). The driver reads only what
-    /// it has asked for. Default true.
-    pub refreshes_all: bool,
-    /// From version 15 on: entries at $70 to $73 are carried out again with every interrupt until they are cleared (§2).
-    /// The driver clears them. Default true.
-    pub keeps_entries: bool,
-    /// In which order the zones of the entries are taken (§2). The driver writes zone by zone where that is not as
-    /// listed. Default as listed.
-    pub entry_order: EntryOrder,
-    /// An interrupt counts only with bit 0 of the interrupt status (page 7, $01), which the driver always sets (§2).
-    /// Default true.
-    pub needs_status: bool,
-    /// The order 0 ends every move, with ramp, not only manual ones (§4). The driver then gives no order to one axis
-    /// while the other makes a move that would be ended. Default false.
-    pub zero_ends_every_move: bool,
-    /// The bit of a manual move that is repeated while it runs is refused as a second order, with message bit 14; the move
-    /// goes on (§4). Default false.
-    pub refuses_repeats: bool,
-    /// An order that is refused because of the move under way ends that move, with ramp (§4). Default false.
-    pub refusal_stops: bool,
-    /// What homing does that begins on a cam it does not clear (§4). Default the edge is taken.
-    pub cam_start: CamStart,
-    /// The counter goes on counting through homing instead of being 0 at its end (§4). The driver reads it, and tells
-    /// when it is not so ([`super::Fault::HomeCount`]). Default false.
-    pub homing_keeps_position: bool,
-    /// A move that is abandoned costs homing (§4). The driver reads message bit 4. Default false.
-    pub abandon_loses_homing: bool,
-    /// A holding current that is written acts at once, not after RESET as the others (§6); the phases are on at once
-    /// either way. Default false.
-    pub holding_current_at_once: bool,
-}
-
-impl Default for Assumptions {
-    fn default() -> Self {
-        Self {
-            refreshes_all: true,
-            keeps_entries: true,
-            entry_order: EntryOrder::Listed,
-            needs_status: true,
-            zero_ends_every_move: false,
-            refuses_repeats: false,
-            refusal_stops: false,
-            cam_start: CamStart::EdgeTaken,
-            homing_keeps_position: false,
-            abandon_loses_homing: false,
-            holding_current_at_once: false,
-        }
+assumptions! {
+    /// What is assumed where the manual is silent. The emulated device behaves by it, and the driver expects it where it
+    /// matters to it.
+    #[expect(clippy::struct_excessive_bools, reason = "independent facts, each so or not")]
+    pub struct Assumptions {
+        refreshes_all: bool = true, FLAG,
+            (40, "Does an interrupt refresh all zones?",
+                "only the one asked for", "reads only what it has asked for");
+        keeps_entries: bool = true, FLAG,
+            (41, "Are entries that are left over written again?",
+                "forgotten once taken", "clears them");
+        entry_order: EntryOrder = EntryOrder::Listed,
+            Choice(&[("listed", EntryOrder::Listed), ("by-number", EntryOrder::ByNumber)]),
+            (42, "In which order are entries taken?",
+                "by number of the zone", "writes zone by zone");
+        needs_status: bool = true, FLAG,
+            (44, "Does an interrupt need bit 0 of the interrupt status?",
+                "counts without it", "always sets it");
+        zero_ends_every_move: bool = false, FLAG,
+            (93, "Does the order 0 end every move?",
+                "every move, not only manual ones", "gives no order that would end the move of the other axis");
+        refuses_repeats: bool = false, FLAG,
+            (93, "Does repeating its bit keep a manual move?",
+                "it goes on, with message bit 14", "repeats it, and looks at the messages of the axis ordered");
+        refusal_stops: bool = false, FLAG,
+            (94, "What becomes of the move under way when an order is refused?",
+                "it ends", "says that the order was refused");
+        cam_start: CamStart = CamStart::EdgeTaken,
+            Choice(&[("edge-taken", CamStart::EdgeTaken), ("far-edge", CamStart::FarEdge)]),
+            (95, "What does homing do on a cam that is not cleared?",
+                "crosses it to the other edge", "waits for the end and message bit 4");
+        homing_keeps_position: bool = false, FLAG,
+            (95, "What is the position after homing?",
+                "what it was, counted on", "reads it, and tells where it is not so");
+        abandon_loses_homing: bool = false, FLAG,
+            (100, "Does abandoning a move keep homing?",
+                "homing is lost", "reads message bit 4");
+        holding_current_at_once: bool = false, FLAG,
+            (166, "When does a new holding current act?",
+                "at once", "says whether a restart is needed");
+    }
+    others {
+        "ModuleOptions.byte_order" = "Big",
+            (15, "In which byte order are the module's numbers?",
+                "little", "Bim2AxOptions.byte_order");
+        "Bim2AxOptions.byte_order" = "Big",
+            (15, "In which byte order does the driver read and write them?",
+                "little", "finds a wrong one without changing anything");
+        "ModuleOptions.interrupt_ns" = "300000",
+            (44, "How long does an interrupt take?",
+                "any time", "waits Bim2AxOptions.pause between looks");
+        "ModuleOptions.phases_on_order" = "true",
+            (0, "Does the module know the order for phases on?",
+                "no, before revision D", "tests the motor instead");
+        "ModuleOptions.corrections" = "Corrections { most: 3, tolerance: 2 }",
+            (0, "From which difference between encoder and counter on, and how often, is a move corrected?",
+                "any number and difference, also never", "shows that there was a correction, and asks for no number");
     }
 }

@@ -11,7 +11,6 @@
 //!
 //! Source: "Module BIM2AX-BOCM, Manuel d'utilisation", MUT/0712/0206D, revision D of May 2013.
 
-mod assumed;
 mod assumptions;
 mod axis;
 pub mod bits;
@@ -25,7 +24,6 @@ pub mod memory;
 mod mode;
 mod options;
 pub mod parameter;
-mod questions;
 mod rehearsal;
 #[cfg(test)]
 mod tests;
@@ -45,7 +43,6 @@ pub use memory::{ByteOrder, MappedMemory, Master, Memory, MemoryFile, SharedModu
 pub use mode::DriveMode;
 pub use options::Bim2AxDriveOptions;
 pub use parameter::ModuleAxis;
-pub use questions::OPEN_QUESTIONS;
 pub use rehearsal::{Bim2AxRehearsal, RehearsalOptions};
 
 /// Axes of a module.

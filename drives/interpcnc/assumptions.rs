@@ -1,4 +1,4 @@
-//! What manual and published sources leave open about the board, and what is assumed instead.
+//! Assumptions about the board where manual and published sources are silent.
 //!
 //! Paragraphs are those of the digest that the tests list (`drives/tests/assumptions.rs`).
 
@@ -8,6 +8,7 @@ use super::{
     options::{Line, Parity},
     parameters,
 };
+use crate::assumptions::{Choice, FLAG, Microseconds, Number, OrNone, assumptions};
 
 /// How an axis is brought to rest when the board does it by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,103 +79,107 @@ impl OutputCode {
     }
 }
 
-/// Exception codes whose use the manual does not tell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ExceptionCodes {
-    /// Outside the map, reserved, read only, or outside a recipe. Default 2.
-    pub address: u8,
-    /// Counts, coil values, axis masks, unknown commands, speeds of 0. Default 3.
-    pub value: u8,
-    /// Full command buffer, an axis that is busy with a move of the other kind, EEPROM failure. Default 4.
-    pub failure: u8,
-}
+const STOP: Choice<BoardStop> =
+    Choice(&[("at-once", BoardStop::AtOnce), ("on-ramp", BoardStop::OnRamp)]);
+const BAUD: Choice<BaudCode> =
+    Choice(&[("raw", BaudCode::Raw), ("hundreds", BaudCode::Hundreds), ("index", BaudCode::Index)]);
+const CODE: Number<u8> = Number(1..=255, "(code)");
+const TIME_NS: Number<i64> = Number(0..=10_000_000_000, "ns");
 
-/// What is assumed where the manual is silent. The emulated board behaves by it, and the driver expects it where it
-/// matters to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is a question of its own, answered by yes or no"
-)]
-pub struct Assumptions {
-    /// Segments that wait in the command buffer; the one that is carried out is not in it (§2). Default 64.
-    pub buffer_segments: u16,
-    /// Whether arguments absent from a command keep their last value; else they are 0 (§2). Default true.
-    pub arguments_stay: bool,
-    /// What coil 288 reads on a locked board; writing the opposite tries to unlock (§1). Default true.
-    pub lock_coil: bool,
-    /// Silence that ends a frame; none: what "MODBUS over serial line" asks for ([`Line::silence`]) (§1). Default none.
-    pub silence: Option<Duration>,
-    /// Registers that one frame reads at most (§1). Default 125, as Modbus has it.
-    pub most_read: u16,
-    /// Registers that one frame writes at most (§1). Default 123, as Modbus has it.
-    pub most_written: u16,
-    /// Parameter with the acceleration and deceleration of interpolated moves, 1000 steps/s² (§2). Default 4.
-    pub segment_acceleration: u16,
-    /// Parameter with the start and stop frequency of interpolated moves, steps/s (§2). Default 5.
-    pub segment_start_stop: u16,
-    /// Whether broadcasts (station 0) are carried out; they are never answered. If not, the driver sends none (§1).
-    /// Default true.
-    pub broadcasts: bool,
-    /// Exception to motion commands and output writes on a locked board; none: they are answered as usual and do
-    /// nothing. The driver says that the board is locked either way (§3). Default none.
-    pub locked_exception: Option<u8>,
-    /// Whether a motion command for an axis in a move of the other kind (independent, interpolated) is refused with
-    /// [`ExceptionCodes::failure`]; else it is answered as usual and does nothing, and a move by hand looks before it sends one;
-    /// a run has its board for itself and sends moves of one kind alone.
-    /// Default true.
-    pub busy_axis_refuses: bool,
-    /// How axes stop when ENABLE is lost (§3). Default at once.
-    pub enable_loss: BoardStop,
-    /// Whether segments that wait when ENABLE is lost are carried out once the board is unlocked; the driver then
-    /// empties the buffer (command 43) before it unlocks (§3). Default false: the buffer is emptied.
-    pub enable_loss_keeps_segments: bool,
-    /// How an axis stops that runs onto its limit switch. Default at once.
-    pub limit_stop: BoardStop,
-    /// How long B22 to B26 read 0 when a retargeted move reverses (firmware before 5.31), ns; 0: never. Default 0.
-    pub reversal_gap_ns: i64,
-    /// Whether command 71 homes its axes one after the other, X first; else all at once. Default false.
-    pub home_one_by_one: bool,
-    /// How parameter 101 says the speed (§4). Default raw.
-    pub baud_code: BaudCode,
-    /// Whether parameters 101 to 103 count from the next power-up on; else at once. Default true.
-    pub line_at_restart: bool,
-    /// What parameters 87, 92, 93, 94 hold. Default masks.
-    pub output_code: OutputCode,
-    /// Time that writing one register to the EEPROM takes, ns. Default 5 ms, as serial EEPROMs need for a page.
-    pub eeprom_write_ns: i64,
-    /// Whether a write to a failing EEPROM is also refused with [`ExceptionCodes::failure`]. Default true.
-    pub eeprom_refuses: bool,
-    /// Exception codes (§5). Default 2, 3, 4.
-    pub exceptions: ExceptionCodes,
-}
-
-impl Default for Assumptions {
-    fn default() -> Self {
-        Self {
-            buffer_segments: 64,
-            arguments_stay: true,
-            lock_coil: true,
-            silence: None,
-            most_read: 125,
-            most_written: 123,
-            segment_acceleration: parameters::DEFAULT_ACCELERATION,
-            segment_start_stop: parameters::DEFAULT_START_STOP,
-            broadcasts: true,
-            locked_exception: None,
-            busy_axis_refuses: true,
-            enable_loss: BoardStop::AtOnce,
-            enable_loss_keeps_segments: false,
-            limit_stop: BoardStop::AtOnce,
-            reversal_gap_ns: 0,
-            home_one_by_one: false,
-            baud_code: BaudCode::Raw,
-            line_at_restart: true,
-            output_code: OutputCode::Mask,
-            eeprom_write_ns: 5_000_000,
-            eeprom_refuses: true,
-            exceptions: ExceptionCodes { address: 2, value: 3, failure: 4 },
-        }
+assumptions! {
+    /// What is assumed where the manual is silent. The emulated device behaves by it, and the driver expects it where it
+    /// matters to it.
+    #[expect(clippy::struct_excessive_bools, reason = "each is a question of its own, answered by yes or no")]
+    pub struct Assumptions {
+        buffer_segments: u16 = 64, Number(1..=1024, "segments"),
+            (97, "How many segments wait in the buffer?",
+                "fewer, more", "keeps fewer in the board");
+        arguments_stay: bool = true, FLAG,
+            (77, "What are arguments absent from a command?",
+                "0", "always writes all of them");
+        lock_coil: bool = true, FLAG,
+            (23, "What does coil 288 read on a locked board?",
+                "0 when locked", "reads it so");
+        silence: Option<Duration> = None, OrNone(Microseconds(1..=1_000_000)),
+            (11, "What silence ends a frame?",
+                "any; none is that of Modbus over serial line", "keeps it between frames");
+        most_read: u16 = 125, Number(1..=125, "registers"),
+            (11, "How many registers does one frame read at most?",
+                "fewer", "reads in several frames; asks for 12, those of one sample");
+        most_written: u16 = 123, Number(1..=123, "registers"),
+            (11, "How many registers does one frame write at most?",
+                "fewer", "writes in several frames; asks for 14, those of one command");
+        segment_acceleration: u16 = parameters::DEFAULT_ACCELERATION, Number(0..=383, "(number of a parameter)"),
+            (97, "Which parameter has the acceleration of segments?",
+                "any other", "compares it with what it plans by");
+        segment_start_stop: u16 = parameters::DEFAULT_START_STOP, Number(0..=383, "(number of a parameter)"),
+            (97, "Which parameter has their start frequency?",
+                "any other", "compares it with what it plans by");
+        broadcasts: bool = true, FLAG,
+            (11, "Are broadcasts carried out?",
+                "ignored", "sends none where they are ignored");
+        locked_exception: Option<u8> = None, OrNone(CODE),
+            (107, "What is a motion command to a locked board answered with?",
+                "an exception", "says that the board is locked");
+        busy_axis_refuses: bool = true, FLAG,
+            (0, "What becomes of a move of an axis that is in a move of the other kind, independent or interpolated?",
+                "it is answered as usual and does nothing", "looks before it sends one, and says that the axis moves");
+        enable_loss: BoardStop = BoardStop::AtOnce, STOP,
+            (107, "How do axes stop when ENABLE is lost?",
+                "on their ramps", "sees them stop");
+        enable_loss_keeps_segments: bool = false, FLAG,
+            (107, "Are segments that wait then forgotten?",
+                "carried out after unlocking", "empties the buffer before it unlocks");
+        limit_stop: BoardStop = BoardStop::AtOnce, STOP,
+            (0, "How does an axis stop that runs onto its limit switch?",
+                "on its ramp", "sees it stop");
+        reversal_gap_ns: i64 = 0, TIME_NS,
+            (0, "How long is no motion shown when a move reverses?",
+                "some time, before firmware 5.31", "looks several times");
+        home_one_by_one: bool = false, FLAG,
+            (0, "Does command 71 home its axes one by one?",
+                "X first, then Y and so on", "waits for the end of all");
+        baud_code: BaudCode = BaudCode::Raw, BAUD,
+            (111, "How does parameter 101 say the speed?",
+                "hundreds of b/s, an index", "reads and writes it so");
+        line_at_restart: bool = true, FLAG,
+            (0, "When do parameters 101 to 103 count?",
+                "at once", "speaks as its own options say");
+        output_code: OutputCode = OutputCode::Mask, Choice(&[("mask", OutputCode::Mask), ("number", OutputCode::Number)]),
+            (0, "What do parameters 87, 92, 93 and 94 hold?",
+                "the number of an output", "hands the number on");
+        eeprom_write_ns: i64 = 5_000_000, TIME_NS,
+            (0, "How long does writing a register to the EEPROM take?",
+                "any time", "waits longer");
+        eeprom_refuses: bool = true, FLAG,
+            (0, "Is a write to a broken EEPROM refused?",
+                "accepted, and B15 tells", "looks at both");
+        exceptions_address: u8 = 2, CODE,
+            (113, "With what is a word outside a recipe refused?",
+                "any codes", "says the code");
+        exceptions_value: u8 = 3, CODE,
+            (117, "With what is an impossible value refused?",
+                "any codes", "says the code");
+        exceptions_failure: u8 = 4, CODE,
+            (97, "With what is a segment for a full buffer refused?",
+                "any codes", "tells an EEPROM failure by its code, others as they are");
+    }
+    others {
+        "BoardOptions.station" = "1",
+            (7, "What station is a board that nobody has set?",
+                "1 to 247", "InterpCncOptions.station");
+        "BoardOptions.line" = "Line { baud: 115200, parity: None }",
+            (7, "At which speed and parity?",
+                "4800 to 256000 b/s, even, odd", "InterpCncOptions.line");
+        "InterpCncOptions.station" = "1",
+            (7, "What station does the driver speak to?",
+                "1 to 247", "speaks to it");
+        "InterpCncOptions.line" = "Line { baud: 115200, parity: None }",
+            (7, "At which speed and parity does the driver speak?",
+                "4800 to 256000 b/s, even, odd", "opens the port so");
+        "InterpCncOptions.most_segments" = "8",
+            (97, "How many segments does the driver keep in the board?",
+                "1 to the size of the buffer", "waits before it sends more");
     }
 }
 

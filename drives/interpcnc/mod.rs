@@ -5,7 +5,6 @@
 //!
 //! Source: "Carte d'axe SOPROLEC InterpCNC V2.1, Protocole de communication MODBUS" (firmware up to 5.30).
 
-mod assumed;
 mod assumptions;
 mod blocking;
 mod command;
@@ -16,7 +15,6 @@ mod follow;
 mod options;
 pub mod parameters;
 mod port;
-mod questions;
 pub mod registers;
 mod rehearsal;
 #[cfg(test)]
@@ -25,12 +23,11 @@ mod tests;
 mod vectors;
 
 pub use crate::Stamp;
-pub use assumptions::{Assumptions, BAUD_RATES, BaudCode, BoardStop, ExceptionCodes, OutputCode};
+pub use assumptions::{Assumptions, BAUD_RATES, BaudCode, BoardStop, OutputCode};
 pub use blocking::InterpCncDrive;
 pub use command::{AxisValues, BadCommand, Command, CommandRegisters, MoveProfile};
 pub use driver::{BoardState, HomeAxis, Identity, InterpCnc, ProbeMove, Recipes, Snapshot};
 pub use exception::Exception;
 pub use options::{AxisOptions, EncoderOptions, Following, InterpCncOptions, Line, Parity};
-pub use questions::OPEN_QUESTIONS;
 pub use registers::{AxisMask, BoardAxis};
 pub use rehearsal::{InterpCncRehearsal, Prediction, predict, rehearse};

@@ -1,4 +1,4 @@
-//! What the manual leaves open about the drives, and what is assumed instead.
+//! Assumptions about the drives where the manual is silent.
 //!
 //! Paragraphs are those of the digest that the tests list (`drives/tests/assumptions.rs`).
 
@@ -6,6 +6,7 @@ use super::{
     RejectCode,
     parameters::{ACCELERATION_CURRENT, DECELERATION_SETPOINT},
 };
+use crate::assumptions::{Choice, FLAG, assumptions};
 
 /// What a drive makes of a frame for itself whose check sum or length is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,73 +114,122 @@ pub enum SetEffect {
     RestartsMode,
 }
 
-/// What is assumed where the manual is silent. The emulated drive behaves by it, and the driver expects it where it
-/// matters to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "questions that have nothing to do with each other"
-)]
-pub struct Assumptions {
-    /// What becomes of a frame with a wrong check sum or length (§1). The driver sends any command again that is
-    /// refused so. Default silence.
-    pub bad_frame: BadFrame,
-    /// With what a command is refused whose code goes with another length of data (§2). Default BADPARAMS.
-    pub wrong_length: RejectCode,
-    /// With what a code is refused that is none (§2). Default NOTAVAILABLE.
-    pub unknown_code: RejectCode,
-    /// How many bytes of data an answer has, column RR (§5). The driver awaits as many. Default four.
-    pub answer_length: AnswerLength,
-    /// Bits in both bytes of IOUPDATE (§2); the driver sends none. Default unchanged.
-    pub both_bits: BothBits,
-    /// While a mode changes the drive is silent instead of answering PING, READ and GET and refusing the rest as
-    /// WORKING (§2). The driver waits for it either way. Default false.
-    pub silent_while_changing: bool,
-    /// Speeds and rates beyond their ceilings are refused as BADPARAMS instead of clamped (§2). The driver asks for no
-    /// more than its options say, which its start-up check compares with the ceilings. Default false.
-    pub refuses_beyond_ceilings: bool,
-    /// Where STEP counts from (§2). Default the set-point.
-    pub step_from: StepFrom,
-    /// Targets outside the position limits are moved to the limit instead of refused as BADPARAMS (§2). The driver tells
-    /// either. Default false.
-    pub clamps_targets: bool,
-    /// How LIMP and LIMN stop (§2). Default with `DecLim`.
-    pub limit_stop: LimitStop,
-    /// What `PosOffset` is to homing (§2). Default the position of the switch.
-    pub home_position: HomePosition,
-    /// Each word of a 32-bit parameter counts as soon as it is set, instead of both with the high one (§4), which the
-    /// driver sets last. Default false.
-    pub applies_words_at_once: bool,
-    /// Variables of 16 bits with sign fill the upper half of the answer with their sign; else it is 0 (§4). The driver
-    /// reads both. Default true.
-    pub extends_signs: bool,
-    /// Where `Acc_Current` is (§5). Default 86.
-    pub acc_current: AccCurrent,
-    /// What a `DecMax` or `DecLim` of 0 means (§5). Default `AccMax`.
-    pub zero_rate: ZeroRate,
-    /// When SET takes effect (§5). Default at once.
-    pub set_effect: SetEffect,
-}
+const CODES: Choice<RejectCode> = Choice(&[
+    ("generic", RejectCode::Generic),
+    ("working", RejectCode::Working),
+    ("bad-mode", RejectCode::BadMode),
+    ("bad-params", RejectCode::BadParams),
+    ("not-available", RejectCode::NotAvailable),
+]);
 
-impl Default for Assumptions {
-    fn default() -> Self {
-        Self {
-            bad_frame: BadFrame::Silent,
-            wrong_length: RejectCode::BadParams,
-            unknown_code: RejectCode::NotAvailable,
-            answer_length: AnswerLength::Four,
-            both_bits: BothBits::Unchanged,
-            silent_while_changing: false,
-            refuses_beyond_ceilings: false,
-            step_from: StepFrom::Setpoint,
-            clamps_targets: false,
-            limit_stop: LimitStop::Emergency,
-            home_position: HomePosition::IsOffset,
-            applies_words_at_once: false,
-            extends_signs: true,
-            acc_current: AccCurrent::At86,
-            zero_rate: ZeroRate::AsAcceleration,
-            set_effect: SetEffect::AtOnce,
-        }
+assumptions! {
+    /// What is assumed where the manual is silent. The emulated device behaves by it, and the driver expects it where it
+    /// matters to it.
+    #[expect(clippy::struct_excessive_bools, reason = "questions that have nothing to do with each other")]
+    pub struct Assumptions {
+        bad_frame: BadFrame = BadFrame::Silent, Choice(&[
+                ("silent", BadFrame::Silent),
+                ("generic", BadFrame::Refused(RejectCode::Generic)),
+                ("working", BadFrame::Refused(RejectCode::Working)),
+                ("bad-mode", BadFrame::Refused(RejectCode::BadMode)),
+                ("bad-params", BadFrame::Refused(RejectCode::BadParams)),
+                ("not-available", BadFrame::Refused(RejectCode::NotAvailable)),
+            ]),
+            (13, "What becomes of a frame with a wrong check sum or length?",
+                "refused", "sends any command again that is refused so");
+        wrong_length: RejectCode = RejectCode::BadParams, CODES,
+            (75, "With what is a wrong length of data refused?",
+                "any other code", "never sends one");
+        unknown_code: RejectCode = RejectCode::NotAvailable, CODES,
+            (75, "With what is an unknown code refused?",
+                "any other code", "never sends one");
+        answer_length: AnswerLength = AnswerLength::Four,
+            Choice(&[("four", AnswerLength::Four), ("as-command", AnswerLength::AsCommand)]),
+            (139, "What is the column RR, and how long are the data of an answer?",
+                "as long as those of the command", "awaits so many bytes");
+        both_bits: BothBits = BothBits::Unchanged,
+            Choice(&[("unchanged", BothBits::Unchanged), ("set", BothBits::Set), ("clear", BothBits::Clear)]),
+            (75, "What does an output do whose bit is in CLR and in SET?",
+                "set, cleared", "sends such bits in neither");
+        silent_while_changing: bool = false, FLAG,
+            (79, "Does a device answer while its mode changes?",
+                "silence", "asks until it is over");
+        refuses_beyond_ceilings: bool = false, FLAG,
+            (83, "What becomes of speeds and rates beyond their ceilings?",
+                "refused as BADPARAMS", "asks for no more than its own");
+        step_from: StepFrom = StepFrom::Setpoint,
+            Choice(&[("setpoint", StepFrom::Setpoint), ("target", StepFrom::Target)]),
+            (83, "What does STEP count from?",
+                "the target of the move under way", "hands the distance on; follows and moves by GOTO");
+        clamps_targets: bool = false, FLAG,
+            (83, "What becomes of targets outside the position limits?",
+                "moved to the limit", "says where the drive stands instead");
+        limit_stop: LimitStop = LimitStop::Emergency, Choice(&[
+                ("emergency", LimitStop::Emergency),
+                ("deceleration", LimitStop::Deceleration),
+                ("at-once", LimitStop::AtOnce),
+            ]),
+            (83, "How does a drive stop on LIMP and LIMN?",
+                "with DecMax, without ramp", "sees it stop");
+        home_position: HomePosition = HomePosition::IsOffset,
+            Choice(&[("is-offset", HomePosition::IsOffset), ("goes-offset", HomePosition::GoesOffset)]),
+            (85, "What is PosOffset to homing?",
+                "the way to go on by, to position 0", "takes the position that the drive shows");
+        applies_words_at_once: bool = false, FLAG,
+            (93, "When does a 32-bit parameter change?",
+                "with each of its words", "sets the high word last");
+        extends_signs: bool = true, FLAG,
+            (126, "Are signs of 16-bit variables extended?",
+                "0 in the upper half", "reads the lower half");
+        acc_current: AccCurrent = AccCurrent::At86,
+            Choice(&[("86", AccCurrent::At86), ("85", AccCurrent::At85)]),
+            (143, "Where is Acc_Current?",
+                "85, and Dec_Setpoint cannot be read", "reads it there");
+        zero_rate: ZeroRate = ZeroRate::AsAcceleration,
+            Choice(&[("as-acceleration", ZeroRate::AsAcceleration), ("unlimited", ZeroRate::Unlimited)]),
+            (147, "What is a DecMax or DecLim of 0?",
+                "no ceiling", "checks its own deceleration by it");
+        set_effect: SetEffect = SetEffect::AtOnce, Choice(&[
+                ("at-once", SetEffect::AtOnce),
+                ("with-mode", SetEffect::WithMode),
+                ("restarts-mode", SetEffect::RestartsMode),
+            ]),
+            (148, "When does SET take effect?",
+                "when a mode begins, or it begins the mode anew", "chooses the mode anew when enabled, or waits for it");
+    }
+    others {
+        "Wire.frame_timeout" = "5ms",
+            (9, "What silence ends a frame that is not whole?",
+                "any; 86.8 µs on the device", "writes every frame in one piece");
+        "SmartDriveOptions.silence" = "0ns",
+            (9, "What silence does the driver keep before a command?",
+                "any", "waits so long after an answer");
+        "Wire.response" = "2ms",
+            (10, "How long does a device take for its answer?",
+                "0 to 50 ms", "waits up to its deadline");
+        "SmartDriveOptions.deadline" = "100ms",
+            (10, "How long does the driver wait for an answer?",
+                "any", "gives up then");
+        "Wire.execution" = "OnArrival",
+            (10, "When in that time does a device carry a command out?",
+                "in the middle, before the answer", "stamps samples so");
+        "SmartDriveOptions.execution" = "Between",
+            (10, "When does the driver take it to be carried out?",
+                "on arrival, before the answer", "stamps samples so");
+        "DeviceOptions.configured_mode" = "Off",
+            (77, "Which mode does power-up choose?",
+                "any other", "looks at the mode before it chooses one");
+        "DeviceOptions.mode_change" = "250ms",
+            (79, "How long does a change of mode take?",
+                "any time", "waits SmartDriveOptions.mode_change at most");
+        "DeviceOptions.boot" = "300ms",
+            (79, "How long is a device silent after RESET?",
+                "any time", "returns at once, and gets no answer meanwhile");
+        "DeviceOptions.homing" = "HomingOptions { input: Go, positive: false, timeout: 30s }",
+            (85, "Where is the home switch, in which direction, how long is it sought?",
+                "any input, both directions, any time", "waits SmartDriveOptions.homing at most");
+        "DeviceOptions.layout" = "Diagram",
+            (0, "Which layout have the trajectory flags?",
+                "table", "reads both");
     }
 }

@@ -7,7 +7,6 @@
 //!
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB".
 
-mod assumed;
 mod assumptions;
 mod blocking;
 mod command;
@@ -21,7 +20,6 @@ mod memory;
 mod motion;
 mod options;
 pub mod parameters;
-mod questions;
 mod rehearsal;
 mod requests;
 mod search;
@@ -43,7 +41,6 @@ pub use driver::SmartDrive;
 pub use fault::Fault;
 pub use memory::{Accelerations, ParameterValue};
 pub use options::{ADDRESSES, AxisOptions, BAUD, Execution, SmartDriveOptions, wire_time};
-pub use questions::OPEN_QUESTIONS;
 pub use rehearsal::{BusDelays, SmartDriveRehearsal};
 pub use requests::{DriveState, IoState};
 pub use status::{Alarms, RejectCode, Status, TagLayout, TrajectoryFlags};

@@ -212,7 +212,7 @@ fn check<A: Assumed + PartialEq + std::fmt::Debug>(listed: &[(&str, &str)]) {
             assumptions.set(name, value).expect("it can be so");
             assert_ne!(assumptions, A::default(), "{name} = {value} is usual");
         }
-        let allowed = A::allowed(name).expect("it can be something");
+        let allowed = A::values(name).expect("it can be something").allowed;
         for choice in allowed.split(" or ").filter(|_| !allowed.contains(" to ")) {
             let mut assumptions = A::default();
             assumptions.set(name, choice).expect("it is allowed");

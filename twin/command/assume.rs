@@ -71,16 +71,18 @@ fn list<A: Assumed>() -> String {
     table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
     table.set_header(["name", "it can be", "assumed", "question of the manual"]);
     for name in A::NAMES {
-        let question = A::question(name);
-        let unit = A::unit(name);
+        let (Some(values), Some(question)) = (A::values(name), A::question(name)) else {
+            continue;
+        };
+        let unit = values.unit;
         let with_unit = |text: String| {
             if unit.is_empty() { text } else { format!("{text} {unit}") }
         };
         table.add_row([
             (*name).to_owned(),
-            with_unit(A::allowed(name).unwrap_or_default()),
-            with_unit(A::usual(name).unwrap_or_default()),
-            question.map_or("", |question| question.question).to_owned(),
+            with_unit(values.allowed),
+            with_unit(values.usual),
+            question.question.to_owned(),
         ]);
     }
     table.to_string()

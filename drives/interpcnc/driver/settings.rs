@@ -150,7 +150,7 @@ impl InterpCnc {
     ) -> Result<(), DriveError> {
         let count = u16::try_from(values.len()).unwrap_or(u16::MAX);
         let action = Action::Write { what, address, count };
-        let failure = self.options().assumptions.exceptions.failure;
+        let failure = self.options().assumptions.exceptions_failure;
         match self.write_holding(what, address, values, clock).await {
             Err(error) if Exception::code_of(&error) == Some(failure) => {
                 return Err(DriveError::EepromFailed { at: error.at().clone() });

@@ -62,9 +62,9 @@ impl Refusal {
         match self {
             Self::Silence => None,
             Self::Function => Some(1),
-            Self::Address => Some(assumed.exceptions.address),
-            Self::Value => Some(assumed.exceptions.value),
-            Self::Failure => Some(assumed.exceptions.failure),
+            Self::Address => Some(assumed.exceptions_address),
+            Self::Value => Some(assumed.exceptions_value),
+            Self::Failure => Some(assumed.exceptions_failure),
             Self::Locked => assumed.locked_exception,
         }
     }

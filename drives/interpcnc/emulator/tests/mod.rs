@@ -11,7 +11,7 @@ mod segments;
 
 use super::{rtu::seal, *};
 use crate::interpcnc::{
-    BoardStop, Command, ExceptionCodes, MoveProfile, parameters,
+    BoardStop, Command, MoveProfile, parameters,
     vectors::{bytes, vector},
 };
 

@@ -249,8 +249,13 @@ fn assumptions_can_be_others() {
         assert_eq!(board.counters()[0], if keeps { end } else { stands });
     }
     // Codes of one's own.
-    let exceptions = ExceptionCodes { address: 11, value: 12, failure: 13 };
-    let mut board = with(Assumptions { exceptions, buffer_segments: 0, ..usual });
+    let mut board = with(Assumptions {
+        exceptions_address: 11,
+        exceptions_value: 12,
+        exceptions_failure: 13,
+        buffer_segments: 0,
+        ..usual
+    });
     assert_eq!(refusal(&mut board, "01 06 19 ED 00 01"), Some(11));
     assert_eq!(write(&mut board, &[5]), Some(12));
     assert_eq!(write(&mut board, &[6, 1, 0, 5000, 0, 9]), Some(13));
