@@ -50,6 +50,7 @@ pub(super) trait Stopping {
 }
 
 /// A runtime for the calls of one command.
+#[derive(Debug)]
 pub(super) struct Session {
     runtime: Runtime,
 }

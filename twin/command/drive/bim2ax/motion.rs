@@ -1,96 +1,110 @@
-//! What moves the axes of a module, and what they have to be like before.
+//! Motion of the axes of a module by hand, and their state before.
 
-use super::super::consent::Consent;
-use super::super::session::{Session, no_clock};
+use super::super::family::Travel;
+use super::super::session::no_clock;
 use super::super::words;
-use super::module::{Module, of};
+use super::Module;
+use super::card::of;
 use crate::command::Failure;
 use std::time::Duration;
 use twin_drives::bim2ax::bits::message;
 use twin_drives::bim2ax::zone::Positions;
 use twin_drives::bim2ax::{AxisSettings, MOST_POSITION, ModuleAxis};
 
-pub(super) fn unlock(
-    session: &Session,
-    module: &mut Module,
-    axes: &[ModuleAxis],
-) -> Result<(), Failure> {
-    standing(session, module, "unlock")?;
-    session.ask(module.driver.energise(axes, &no_clock))?;
-    say!("motors have current");
-    Ok(())
-}
-
-/// What both axes say, none of which moves.
-pub(super) fn standing(
-    session: &Session,
-    module: &mut Module,
-    what: &str,
-) -> Result<Positions, Failure> {
-    let (seen, _) = session.ask(module.driver.positions(&no_clock))?;
-    if seen.messages.iter().any(|messages| messages & message::MOVING != 0) {
-        let port = &module.port;
-        return Err(Failure::Usage(format!("{port}: an axis moves: `stop` before `{what}`")));
-    }
-    Ok(seen)
-}
-
-/// What the module's parameters say about an axis.
-fn settings(
-    session: &Session,
-    module: &mut Module,
-    axis: ModuleAxis,
-) -> Result<AxisSettings, Failure> {
-    session.ask(module.driver.axis_settings(axis, &no_clock))
-}
-
-pub(super) fn home(
-    session: &Session,
-    module: &mut Module,
-    consent: Consent,
-    axes: &[ModuleAxis],
-    timeout: Option<Duration>,
-) -> Result<(), Failure> {
-    use twin_drives::bim2ax::bits::coefficient::HOME_PLUS;
-    let seen = standing(session, module, "home")?;
-    let mut said = Vec::with_capacity(axes.len());
-    let mut patience = Duration::ZERO;
-    for axis in axes {
-        let of_axis = settings(session, module, *axis)?;
-        let sign = if of_axis.has(HOME_PLUS) { "+" } else { "-" };
-        // Whatever the fast speed is (5.1).
-        let speed = of_axis.start_stop();
-        let longest = timeout.unwrap_or_else(|| homing_time(&of_axis));
-        patience = patience.max(longest);
-        let way = longest.as_secs_f64() * speed;
-        let (from, _) = of(&seen, *axis);
-        said.push(format!(
-            "axis {} from {from} towards {sign} to its cam, at its start-stop speed of {speed} µsteps/s, {way:.0} µsteps at most",
-            axis.number()
-        ));
-    }
-    let longest = patience.as_secs();
-    consent.ask(&format!("home {}, for {longest} s at most", said.join("; ")))?;
-    let after = session.motion(module, async |module| {
-        module.driver.home_to_end(axes, patience, &no_clock).await
-    })?;
-    let counts_on = module.driver.options().assumptions.homing_keeps_position;
-    for axis in axes {
-        let (number, at) = (axis.number(), of(&after, *axis).0);
-        if !counts_on && at != 0 {
-            return Err(Failure::Usage(format!(
-                "axis {number} is home, and counts {at} instead of 0: does the module count on through homing? Then say so, here and to runs: \
-                 `--assume homing_keeps_position=true`, or `homing_keeps_position = \"true\"` in [drives.assumptions]"
-            )));
+impl Module {
+    /// What both axes say, none of which moves.
+    pub(super) fn standing(&mut self, what: &str) -> Result<Positions, Failure> {
+        let (seen, _) = self.session.ask(self.card.driver.positions(&no_clock))?;
+        if seen.messages.iter().any(|messages| messages & message::MOVING != 0) {
+            let port = &self.card.port;
+            return Err(Failure::Usage(format!("{port}: an axis moves: `stop` before `{what}`")));
         }
-        say!("axis {number} is home, at {at}");
-        if counts_on && at == 0 && of(&seen, *axis).0 != 0 {
-            say!(
-                "note: it counts 0 now, though `homing_keeps_position` is assumed; if its home was not at 0 before, that is wrong"
-            );
-        }
+        Ok(seen)
     }
-    Ok(())
+
+    /// What the module's parameters say about an axis.
+    fn settings(&mut self, axis: ModuleAxis) -> Result<AxisSettings, Failure> {
+        self.session.ask(self.card.driver.axis_settings(axis, &no_clock))
+    }
+
+    pub(super) fn home_axes(
+        &mut self,
+        axes: &[ModuleAxis],
+        timeout: Option<Duration>,
+    ) -> Result<(), Failure> {
+        use twin_drives::bim2ax::bits::coefficient::HOME_PLUS;
+        let seen = self.standing("home")?;
+        let mut said = Vec::with_capacity(axes.len());
+        let mut patience = Duration::ZERO;
+        for axis in axes {
+            let of_axis = self.settings(*axis)?;
+            let sign = if of_axis.has(HOME_PLUS) { "+" } else { "-" };
+            // Whatever the fast speed is (5.1).
+            let speed = of_axis.start_stop();
+            let longest = timeout.unwrap_or_else(|| homing_time(&of_axis));
+            patience = patience.max(longest);
+            let way = longest.as_secs_f64() * speed;
+            let (from, _) = of(&seen, *axis);
+            said.push(format!(
+                "axis {} from {from} towards {sign} to its cam, at its start-stop speed of {speed} µsteps/s, {way:.0} µsteps at most",
+                axis.number()
+            ));
+        }
+        let longest = patience.as_secs();
+        self.consent.ask(&format!("home {}, for {longest} s at most", said.join("; ")))?;
+        let after = self.session.motion(&mut self.card, async |card| {
+            card.driver.home_to_end(axes, patience, &no_clock).await
+        })?;
+        let counts_on = self.card.driver.options().assumptions.homing_keeps_position;
+        for axis in axes {
+            let (number, at) = (axis.number(), of(&after, *axis).0);
+            if !counts_on && at != 0 {
+                return Err(Failure::Usage(format!(
+                    "axis {number} is home, and counts {at} instead of 0: does the module count on through homing? Then say so, here and to runs: \
+                     `--assume homing_keeps_position=true`, or `homing_keeps_position = \"true\"` in [drives.assumptions]"
+                )));
+            }
+            say!("axis {number} is home, at {at}");
+            if counts_on && at == 0 && of(&seen, *axis).0 != 0 {
+                say!(
+                    "note: it counts 0 now, though `homing_keeps_position` is assumed; if its home was not at 0 before, that is wrong"
+                );
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn plan_move(
+        &mut self,
+        axis: ModuleAxis,
+        speed: Option<u16>,
+        target: &dyn Fn(i32) -> Result<i32, Failure>,
+    ) -> Result<Travel<Option<u16>>, Failure> {
+        let seen = self.standing("move")?;
+        let (from, messages) = of(&seen, axis);
+        let target = target(from)?;
+        let settings = self.settings(axis)?;
+        let homed = messages & message::HOMED != 0;
+        within(&settings, (axis, homed), target).map_err(Failure::Usage)?;
+        let per_s = settings.speed(speed.unwrap_or(settings.fast_speed));
+        let number = axis.number();
+        let capped = speed.filter(|speed| *speed > settings.fast_speed);
+        let capped = capped.map_or(String::new(), |speed| {
+            let unit = settings.mode.speed_unit();
+            let fast = settings.fast_speed;
+            format!(" ({speed} is beyond the fast speed, {fast}; in {unit} µsteps/s each)")
+        });
+        let gets =
+            if messages & message::PHASES_OFF == 0 { "" } else { "; its motor gets current" };
+        let question = format!(
+            "move axis {number} from {from} to {target} µsteps at {per_s} µsteps/s{capped}{gets}"
+        );
+        // An axis may approach its target from one side, and go further for that.
+        let way = f64::from(target) - f64::from(from);
+        let distance = way.abs() + 2.0 * f64::from(settings.approach);
+        let patience = words::patience(distance, per_s, settings.rate());
+        Ok(Travel { target, question, profile: speed, patience })
+    }
 }
 
 /// How long homing may take: the way between the soft limits at the start-stop speed, at which all of it goes (5.1).
@@ -108,42 +122,6 @@ fn homing_time(axis: &AxisSettings) -> Duration {
         + f64::from(axis.origin_stop);
     let time = Duration::try_from_secs_f64((way / axis.start_stop()).max(0.0)).unwrap_or(MOST);
     Duration::from_secs(time.as_secs() + 10).clamp(USUAL, MOST)
-}
-
-pub(super) fn travel(
-    session: &Session,
-    module: &mut Module,
-    consent: Consent,
-    axis: ModuleAxis,
-    target: i32,
-    speed: Option<u16>,
-) -> Result<(), Failure> {
-    let seen = standing(session, module, "move")?;
-    let (from, messages) = of(&seen, axis);
-    let of_axis = settings(session, module, axis)?;
-    let homed = messages & message::HOMED != 0;
-    within(&of_axis, (axis, homed), target).map_err(Failure::Usage)?;
-    let per_s = of_axis.speed(speed.unwrap_or(of_axis.fast_speed));
-    let number = axis.number();
-    let capped = speed.filter(|speed| *speed > of_axis.fast_speed);
-    let capped = capped.map_or(String::new(), |speed| {
-        let unit = of_axis.mode.speed_unit();
-        let fast = of_axis.fast_speed;
-        format!(" ({speed} is beyond the fast speed, {fast}; in {unit} µsteps/s each)")
-    });
-    let gets = if messages & message::PHASES_OFF == 0 { "" } else { "; its motor gets current" };
-    consent.ask(&format!(
-        "move axis {number} from {from} to {target} µsteps at {per_s} µsteps/s{capped}{gets}"
-    ))?;
-    // An axis may approach its target from one side, and go further for that.
-    let way = f64::from(target) - f64::from(from);
-    let distance = way.abs() + 2.0 * f64::from(of_axis.approach);
-    let patience = words::patience(distance, per_s, of_axis.rate());
-    session.motion(module, async |module| {
-        module.driver.travel(axis, (target, speed), patience, &no_clock).await
-    })?;
-    say!("axis {number} stands at {target}");
-    Ok(())
 }
 
 /// No axis goes beyond what its counter holds; of one that is homed the soft limits count: the module would brake there, short

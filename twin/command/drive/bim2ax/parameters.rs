@@ -2,7 +2,8 @@
 
 use super::super::session::{Session, no_clock};
 use super::super::words::{self, right};
-use crate::command::{Failure, show};
+use crate::command::Failure;
+use comfy_table::Cell;
 use twin_drives::Values;
 use twin_drives::bim2ax::parameter::{AxisParameter, Parameter, Range};
 use twin_drives::bim2ax::{Bim2Ax, DriveMode, ModuleAxis};
@@ -11,11 +12,11 @@ use twin_drives::bim2ax::{Bim2Ax, DriveMode, ModuleAxis};
 const MOST_RATING_MA: i64 = 5000;
 
 /// All numbers there can be: $0 to $41, $62 and $63.
-fn all() -> impl Iterator<Item = Parameter> {
+pub(super) fn all() -> impl Iterator<Item = Parameter> {
     (0..=0x63).filter_map(Parameter::from_number)
 }
 
-fn find(text: &str) -> Result<Parameter, Failure> {
+pub(super) fn find(text: &str) -> Result<Parameter, Failure> {
     if let Some(number) = words::integer(text) {
         let parameter = u16::try_from(number).ok().and_then(Parameter::from_number);
         return parameter.ok_or_else(|| {
@@ -74,10 +75,9 @@ fn in_hex(values: &Values) -> String {
 pub(super) fn set_unseen(
     session: &Session,
     module: &mut Bim2Ax,
-    text: &str,
+    parameter: Parameter,
     value: i64,
 ) -> Result<(), Failure> {
-    let parameter = find(text)?;
     // It does not tell its rating either, and refuses itself what is too much for it.
     let (_, bits) = wanted(parameter, (value, ""), MOST_RATING_MA)?;
     session.ask(module.set_parameter(parameter, bits, &no_clock))?;
@@ -125,7 +125,7 @@ fn unit(parameter: Parameter, per_step: [bool; 2]) -> &'static str {
 }
 
 /// Whether the speeds of each axis are in whole steps.
-fn per_step(session: &Session, module: &mut Bim2Ax) -> Result<[bool; 2], Failure> {
+pub(super) fn per_step(session: &Session, module: &mut Bim2Ax) -> Result<[bool; 2], Failure> {
     let mut found = [false; 2];
     for (axis, place) in ModuleAxis::ALL.into_iter().zip(&mut found) {
         let mode = Parameter::Axis(AxisParameter::Mode, axis);
@@ -136,39 +136,29 @@ fn per_step(session: &Session, module: &mut Bim2Ax) -> Result<[bool; 2], Failure
     Ok(found)
 }
 
-pub(super) fn get(
+/// Number, name, value, unit.
+pub(super) fn row(
     session: &Session,
     module: &mut Bim2Ax,
-    wanted: Option<&str>,
-) -> Result<(), Failure> {
-    let wanted = match wanted {
-        Some(text) => vec![find(text)?],
-        None => all().collect(),
-    };
-    let per_step = per_step(session, module)?;
-    let mut table = show::table();
-    table.set_header(["number", "name", "value", "unit"]);
-    for parameter in wanted {
-        let value = session.ask(module.parameter(parameter, &no_clock))?;
-        let number = parameter.number().unwrap_or_default();
-        table.add_row([
-            right(format!("${number:02X}")),
-            parameter.word().into(),
-            right(shown(parameter, value)),
-            unit(parameter, per_step).into(),
-        ]);
-    }
-    say!("{table}");
-    Ok(())
+    parameter: Parameter,
+    per_step: [bool; 2],
+) -> Result<Vec<Cell>, Failure> {
+    let value = session.ask(module.parameter(parameter, &no_clock))?;
+    let number = parameter.number().unwrap_or_default();
+    Ok(vec![
+        right(format!("${number:02X}")),
+        parameter.word().into(),
+        right(shown(parameter, value)),
+        unit(parameter, per_step).into(),
+    ])
 }
 
 pub(super) fn set(
     session: &Session,
     module: &mut Bim2Ax,
-    text: &str,
+    parameter: Parameter,
     value: i64,
 ) -> Result<(), Failure> {
-    let parameter = find(text)?;
     let rating = session.ask(module.parameter(Parameter::Rating, &no_clock))?;
     let per_step = per_step(session, module)?;
     let of_value = unit(parameter, per_step);

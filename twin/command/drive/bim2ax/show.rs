@@ -2,7 +2,7 @@
 
 use super::super::session::{Session, no_clock};
 use super::super::words::{self, on_off};
-use super::module::{Module, of};
+use super::card::{Card, of};
 use crate::advice;
 use crate::command::{Failure, show};
 use twin_drives::bim2ax::bits::{card, encoder_message, message};
@@ -70,7 +70,7 @@ pub(super) fn status(seen: &Positions) -> Result<(), Failure> {
     Ok(())
 }
 
-pub(super) fn inputs(session: &Session, module: &mut Module) -> Result<(), Failure> {
+pub(super) fn inputs(session: &Session, module: &mut Card) -> Result<(), Failure> {
     let (seen, _) = session.ask(module.driver.positions(&no_clock))?;
     let mut table = show::table();
     table.set_header(["axis", "+ end switch", "- end switch", "home cam"]);
@@ -85,7 +85,7 @@ pub(super) fn inputs(session: &Session, module: &mut Module) -> Result<(), Failu
 }
 
 /// The encoders that the module has recognised.
-fn encoders(session: &Session, module: &mut Module) -> Result<(), Failure> {
+fn encoders(session: &Session, module: &mut Card) -> Result<(), Failure> {
     const KINDS: [(u16, &str); 3] = [
         (encoder_message::INCREMENTAL, "incremental"),
         (encoder_message::SSI, "SSI"),

@@ -92,6 +92,11 @@ pub(super) struct BySwitch {
     home_position: i32,
 }
 
+/// Why more than one axis is not homed by a switch.
+pub(super) fn one_at_a_time() -> Failure {
+    Failure::Usage("home --by-switch homes one axis at a time".to_owned())
+}
+
 fn mode(text: &str) -> Result<HomingMode, String> {
     let mode = text.parse().ok().and_then(HomingMode::from_number);
     mode.ok_or_else(|| "the modes are 0, 1, 2, 4, 5 and 6".to_owned())

@@ -1,26 +1,28 @@
 //! Parameter 86: an axis that goes along with X, whatever moves X.
 
-use super::super::session::{Session, no_clock};
+use super::super::session::no_clock;
+use super::Board;
 use crate::command::Failure;
+use twin_drives::interpcnc::BoardAxis;
 use twin_drives::interpcnc::parameters::COUPLING;
-use twin_drives::interpcnc::{BoardAxis, InterpCnc};
 
-/// The axis that goes along where these are moved.
-///
-/// # Errors
-/// If one of them is itself such an axis: alone it would be driven away from X, on whose carriage it is.
-pub(super) fn follower(
-    session: &Session,
-    board: &mut InterpCnc,
-    axes: &[BoardAxis],
-    what: &str,
-) -> Result<Option<BoardAxis>, Failure> {
-    let concerned = [BoardAxis::X, BoardAxis::A, BoardAxis::B];
-    if !axes.iter().any(|axis| concerned.contains(axis)) {
-        return Ok(None);
+impl Board {
+    /// The axis that goes along where these are moved.
+    ///
+    /// # Errors
+    /// If one of them is itself such an axis: alone it would be driven away from X, on whose carriage it is.
+    pub(super) fn follower(
+        &mut self,
+        axes: &[BoardAxis],
+        what: &str,
+    ) -> Result<Option<BoardAxis>, Failure> {
+        let concerned = [BoardAxis::X, BoardAxis::A, BoardAxis::B];
+        if !axes.iter().any(|axis| concerned.contains(axis)) {
+            return Ok(None);
+        }
+        let code = self.session.ask(self.board.parameter(COUPLING, &no_clock))?;
+        of_code(code, axes, what).map_err(Failure::Usage)
     }
-    let code = session.ask(board.parameter(COUPLING, &no_clock))?;
-    of_code(code, axes, what).map_err(Failure::Usage)
 }
 
 fn of_code(code: u32, axes: &[BoardAxis], what: &str) -> Result<Option<BoardAxis>, String> {

@@ -5,33 +5,37 @@ mod motion;
 mod parameters;
 mod show;
 
-use super::by_switch::BySwitch;
-use super::consent::{Beforehand, Consent};
-use super::on_file::OnFile;
+use super::action::Command;
+use super::by_switch::{BySwitch, one_at_a_time};
+use super::consent::Consent;
+use super::family::{Family, Nothing, Travel};
 use super::session::{BRAKING, Session, no_clock};
 use super::words;
-use crate::command::assume::Assume;
 use crate::command::{Failure, Status};
-use coupled::{beside, follower};
-use motion::{Way, home, standing, tell_follower, travel};
-use parameters::{get, set};
-use show::{Output, inputs, output, outputs, scan, status};
+use comfy_table::Cell;
+use coupled::beside;
+use parameters::Known;
+use show::Output;
 use std::ops::RangeInclusive;
 use std::time::Duration;
+use twin_drives::Drive;
 use twin_drives::interpcnc::registers::MAX_SPEED_HZ;
 use twin_drives::interpcnc::{
-    AxisOptions, BoardAxis, InterpCnc, InterpCncDrive, InterpCncOptions, Line, Parity,
+    AxisOptions, BoardAxis, InterpCnc, InterpCncDrive, InterpCncOptions, Line, MoveProfile, Parity,
 };
 
-/// SOPROLEC InterpCNC V2.1: five step axes X Y Z A B on Modbus RTU; positions in steps
-///
-/// For instance, with `twin emulate interpcnc --link /tmp/board` in another window:
-///   twin drive interpcnc --port /tmp/board status
-///   twin drive interpcnc --port /tmp/board unlock
-///   twin drive interpcnc --port /tmp/board move X 4000 --speed 2000
+/// A board.
+#[derive(Debug)]
+pub(super) struct Board {
+    session: Session,
+    board: InterpCnc,
+    consent: Consent,
+    /// The axis that goes along with the one that is moved.
+    follower: Option<BoardAxis>,
+}
+
 #[derive(Debug, clap::Args)]
-#[command(verbatim_doc_comment)]
-pub(super) struct Arguments {
+pub(super) struct LineOptions {
     /// Serial port, like /dev/ttyUSB0, or the link of `twin emulate interpcnc`
     #[arg(long, value_name = "PATH")]
     port: String,
@@ -55,15 +59,6 @@ pub(super) struct Arguments {
     /// Longest time an answer may take, ms
     #[arg(long, value_name = "MS", default_value = "250", value_parser = words::milliseconds)]
     deadline: Duration,
-
-    #[command(flatten)]
-    consent: Beforehand,
-
-    #[command(flatten)]
-    assume: Assume,
-
-    #[command(subcommand)]
-    action: Action,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -73,103 +68,34 @@ enum ParityOption {
     Odd,
 }
 
-#[derive(Debug, clap::Subcommand)]
-enum Action {
-    /// Ask which addresses answer; changes nothing
-    Scan {
-        /// Addresses to ask, FIRST-LAST within 1-247; each that is not there takes two deadlines and more
-        #[arg(long, visible_alias = "stations", default_value = "1-16", value_parser = addresses)]
-        addresses: RangeInclusive<u8>,
-    },
-    /// Show lock, positions and errors; changes nothing
-    Status,
-    /// Clear "Board Locked" and the errors of homing and probing; moves nothing
-    Unlock,
-    /// Let axes search their home switches, as the board's parameters say (command 71; asks first)
-    Home {
-        /// Axes, like X Y
-        #[arg(required = true, value_parser = axis)]
-        axes: Vec<BoardAxis>,
+#[derive(Debug, clap::Args)]
+pub(super) struct Scan {
+    /// Addresses to ask, FIRST-LAST within 1-247; each that is not there takes two deadlines and more
+    #[arg(long, visible_alias = "stations", default_value = "1-16", value_parser = addresses)]
+    addresses: RangeInclusive<u8>,
+}
 
-        /// Longest way of each to its switch, steps
-        #[arg(long, default_value_t = 100_000, value_name = "STEPS", allow_negative_numbers = true, value_parser = clap::value_parser!(i32).range(1..))]
-        max_stroke: i32,
+#[derive(Debug, clap::Args)]
+pub(super) struct Home {
+    /// Axes, like X Y
+    #[arg(required = true, value_parser = axis)]
+    axes: Vec<BoardAxis>,
 
-        #[command(flatten)]
-        by_switch: BySwitch,
+    /// Longest way of each to its switch, steps
+    #[arg(long, default_value_t = 100_000, value_name = "STEPS", allow_negative_numbers = true, value_parser = clap::value_parser!(i32).range(1..))]
+    max_stroke: i32,
+}
 
-        #[command(flatten)]
-        consent: Consent,
-    },
-    #[command(flatten)]
-    OnFile(OnFile),
-    /// Move one axis by a distance, steps (asks first)
-    Jog {
-        /// X, Y, Z, A or B
-        #[arg(value_parser = axis)]
-        axis: BoardAxis,
-
-        /// Steps; below 0: backwards
-        #[arg(allow_negative_numbers = true, value_name = "STEPS")]
-        distance: i32,
-
-        #[command(flatten)]
-        ramps: Ramps,
-
-        #[command(flatten)]
-        consent: Consent,
-    },
-    /// Move one axis to a position, steps (asks first)
-    Move {
-        /// X, Y, Z, A or B
-        #[arg(value_parser = axis)]
-        axis: BoardAxis,
-
-        /// Where to, steps
-        #[arg(allow_negative_numbers = true, value_name = "STEPS")]
-        position: i32,
-
-        #[command(flatten)]
-        ramps: Ramps,
-
-        #[command(flatten)]
-        consent: Consent,
-    },
-    /// Bring all axes to rest on their ramps (command 42)
-    Stop {
-        /// Without ramps, and lock the board (command 43); steps may be lost
-        #[arg(long)]
-        now: bool,
-    },
-    /// Show a parameter, or all that are known
-    Get {
-        /// Name, or number 0 to 383
-        parameter: Option<String>,
-    },
-    /// Change a parameter: the board keeps it in its EEPROM at once; its axes must be at rest
-    Set {
-        /// Name, or number 0 to 383
-        parameter: String,
-
-        /// New value, decimal or 0x1F
-        #[arg(allow_negative_numbers = true, value_parser = words::value)]
-        value: i64,
-    },
-    /// Say that there is nothing to do: the board keeps parameters when they are set
-    Save,
-    /// Show inputs, encoder and pulse counters
-    Inputs,
-    /// Show outputs, also the analog ones, after switching or setting some
-    Outputs {
-        /// Outputs to switch, 1 to 32, like 3=on 4=off; analog outputs to set, A1 or A2 to 0 to 1023, like A1=512
-        #[arg(value_name = "N=on|off", value_parser = output)]
-        outputs: Vec<Output>,
-    },
+#[derive(Debug, clap::Args)]
+pub(super) struct Axis {
+    /// X, Y, Z, A or B
+    #[arg(value_parser = axis)]
+    axis: BoardAxis,
 }
 
 /// Speed and ramps of a move.
 #[derive(Clone, Copy, Debug, clap::Args)]
-struct Ramps {
+pub(super) struct Ramps {
     /// Speed, steps/s
     #[arg(long, default_value_t = 1000, value_name = "HZ", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPEED_HZ)))]
     speed: u32,
@@ -187,6 +113,13 @@ struct Ramps {
     deceleration: u16,
 }
 
+#[derive(Debug, clap::Args)]
+pub(super) struct Outputs {
+    /// Outputs to switch, 1 to 32, like 3=on 4=off; analog outputs to set, A1 or A2 to 0 to 1023, like A1=512
+    #[arg(value_name = "N=on|off", value_parser = show::output)]
+    outputs: Vec<Output>,
+}
+
 fn axis(text: &str) -> Result<BoardAxis, String> {
     let named = |axis: &BoardAxis| axis.to_string().eq_ignore_ascii_case(text);
     BoardAxis::ALL.into_iter().find(named).ok_or_else(|| "the axes are X, Y, Z, A, B".to_owned())
@@ -196,114 +129,166 @@ fn addresses(text: &str) -> Result<RangeInclusive<u8>, String> {
     words::addresses(text, 1..=247)
 }
 
-impl Arguments {
-    /// Whether what the action asks about may be done.
-    fn consent(&self) -> Consent {
-        self.consent.or(match &self.action {
-            Action::Home { consent, .. }
-            | Action::Jog { consent, .. }
-            | Action::Move { consent, .. } => Some(*consent),
-            Action::OnFile(on_file) => on_file.consent(),
-            _ => None,
-        })
-    }
-
-    /// The board as runs drive it, of which these axes are in use.
-    fn drive(&self, axes: &[BoardAxis]) -> Result<InterpCncDrive, Failure> {
-        let axes = axes.iter().copied().map(AxisOptions::new).collect();
-        let options = InterpCncOptions { axes, ..self.options(self.address)? };
-        Ok(InterpCncDrive::open(&self.port, &options)?)
-    }
-
-    fn options(&self, station: u8) -> Result<InterpCncOptions, Failure> {
-        let parity = match self.parity {
-            ParityOption::None => Parity::None,
-            ParityOption::Even => Parity::Even,
-            ParityOption::Odd => Parity::Odd,
-        };
-        Ok(InterpCncOptions {
-            assumptions: self.assume.take()?,
-            station,
-            line: Line { baud: self.baud, parity },
-            deadline: self.deadline,
-            worst_latency: 2 * self.deadline,
-            echo: self.echo,
-            ..InterpCncOptions::new(BoardAxis::ALL.map(AxisOptions::new).to_vec())
-        })
+impl Board {
+    /// The board at an address.
+    fn at(command: &Command<Self>, station: u8) -> Result<Self, Failure> {
+        let options = options(command, station, &BoardAxis::ALL)?;
+        let session = Session::start()?;
+        let board = session.inside(|| InterpCnc::open(&command.line.port, &options))?;
+        Ok(Self { session, board, consent: command.consent(), follower: None })
     }
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    let session = Session::start()?;
-    let open = |station| {
-        let options = arguments.options(station)?;
-        session.inside(|| InterpCnc::open(&arguments.port, &options))
+/// Settings of the driver for a board at an address, of which these axes are in use.
+fn options(
+    command: &Command<Board>,
+    station: u8,
+    axes: &[BoardAxis],
+) -> Result<InterpCncOptions, Failure> {
+    let line = &command.line;
+    let parity = match line.parity {
+        ParityOption::None => Parity::None,
+        ParityOption::Even => Parity::Even,
+        ParityOption::Odd => Parity::Odd,
     };
-    if let Action::Scan { addresses } = &arguments.action {
-        return scan(&session, addresses.clone(), open);
+    Ok(InterpCncOptions {
+        assumptions: command.assume.take()?,
+        station,
+        line: Line { baud: line.baud, parity },
+        deadline: line.deadline,
+        worst_latency: 2 * line.deadline,
+        echo: line.echo,
+        ..InterpCncOptions::new(axes.iter().copied().map(AxisOptions::new).collect())
+    })
+}
+
+/// The board as runs drive it, of which these axes are in use.
+fn drive(command: &Command<Board>, axes: &[BoardAxis]) -> Result<InterpCncDrive, Failure> {
+    let line = &command.line;
+    Ok(InterpCncDrive::open(&line.port, &options(command, line.address, axes)?)?)
+}
+
+impl Family for Board {
+    type Line = LineOptions;
+    type Scan = Scan;
+    type Unlock = Nothing;
+    type Home = Home;
+    type Axis = Axis;
+    type Ramps = Ramps;
+    type Outputs = Outputs;
+    type Profile = MoveProfile;
+    type Parameter = Known;
+
+    const UNIT: &'static str = "steps";
+    const KEEPS: Option<&'static str> =
+        Some("an InterpCNC keeps parameters in its EEPROM when they are set: nothing to do");
+    const NO_RESET: Option<&'static str> =
+        Some("an InterpCNC is not restarted by a command: switch it off and on");
+    const COLUMNS: &'static [&'static str] = &["number", "name", "value", "unit"];
+
+    fn open(command: &Command<Self>) -> Result<Self, Failure> {
+        Self::at(command, command.line.address)
     }
-    let consent = arguments.consent();
-    match &arguments.action {
-        Action::OnFile(on_file) => {
-            // Some parameters end or bend what moves.
-            if matches!(on_file, OnFile::Restore { .. }) {
-                standing(&session, &mut open(arguments.address)?, "restore")?;
-            }
-            on_file.carry_out(&mut arguments.drive(&BoardAxis::ALL)?, consent)?;
-            return Ok(Status::Fit);
+
+    fn drive(command: &Command<Self>, restore: bool) -> Result<Box<dyn Drive>, Failure> {
+        // Some parameters end or bend what moves.
+        if restore {
+            Self::open(command)?.standing("restore")?;
         }
-        Action::Home { axes, by_switch, .. } if by_switch.is_wanted() => {
-            let [axis] = **axes else {
-                let message = "home --by-switch homes one axis at a time";
-                return Err(Failure::Usage(message.to_owned()));
-            };
-            let follower = follower(&session, &mut open(arguments.address)?, &[axis], "home")?;
-            let also = beside(follower);
-            let space = if also.is_empty() { "" } else { " " };
-            let name = format!("axis {axis}{space}{also}");
-            by_switch.carry_out(&mut arguments.drive(&[axis])?, (&name, "steps"), consent)?;
-            tell_follower(&session, &mut open(arguments.address)?, follower)?;
-            return Ok(Status::Fit);
-        }
-        Action::Save => {
-            say!("an InterpCNC keeps parameters in its EEPROM when they are set: nothing to do");
-            return Ok(Status::Fit);
-        }
-        _ => {}
+        Ok(Box::new(drive(command, &BoardAxis::ALL)?))
     }
-    let mut board = open(arguments.address)?;
-    match &arguments.action {
-        Action::Scan { .. } | Action::OnFile(_) | Action::Save => {}
-        Action::Status => status(&session.ask(board.snapshot(&no_clock))?)?,
-        Action::Unlock => {
-            session.ask(board.clear_errors(true, true, &no_clock))?;
-            session.ask(board.unlock(&no_clock))?;
-            say!("unlocked");
-        }
-        Action::Home { axes, max_stroke, .. } => {
-            home(&session, &mut board, consent, axes, *max_stroke)?;
-        }
-        Action::Jog { axis, distance, ramps, .. } => {
-            travel(&session, &mut board, consent, *axis, Way::By(*distance), *ramps)?;
-        }
-        Action::Move { axis, position: target, ramps, .. } => {
-            travel(&session, &mut board, consent, *axis, Way::To(*target), *ramps)?;
-        }
-        Action::Stop { now } => {
-            let state = if *now {
-                session.ask(board.stop_and_lock(&no_clock))?
-            } else {
-                session.ask(board.ramp_stop(BRAKING, &no_clock))?
-            };
-            say!("at rest at {}", state.positions.map(|one| one.to_string()).join(", "));
-        }
-        Action::Get { parameter } => get(&session, &mut board, parameter.as_deref())?,
-        Action::Set { parameter, value } => {
-            standing(&session, &mut board, "set")?;
-            set(&session, &mut board, parameter, *value)?;
-        }
-        Action::Inputs => inputs(&session, &mut board)?,
-        Action::Outputs { outputs: wanted } => outputs(&session, &mut board, wanted)?,
+
+    fn scan(command: &Command<Self>, scan: &Scan) -> Result<Status, Failure> {
+        show::scan(scan.addresses.clone(), |station| Self::at(command, station))
     }
-    Ok(Status::Fit)
+
+    fn home_by_switch(
+        command: &Command<Self>,
+        home: &Home,
+        by_switch: &BySwitch,
+    ) -> Result<(), Failure> {
+        let [axis] = *home.axes else { return Err(one_at_a_time()) };
+        let follower = Self::open(command)?.follower(&[axis], "home")?;
+        let also = beside(follower);
+        let space = if also.is_empty() { "" } else { " " };
+        let name = format!("axis {axis}{space}{also}");
+        let named = (name.as_str(), Self::UNIT);
+        by_switch.carry_out(&mut drive(command, &[axis])?, named, command.consent())?;
+        Self { follower, ..Self::open(command)? }.tell_follower()
+    }
+
+    fn status(&mut self) -> Result<(), Failure> {
+        show::status(&self.session.ask(self.board.snapshot(&no_clock))?)
+    }
+
+    fn unlock(&mut self, _: &Nothing) -> Result<(), Failure> {
+        self.session.ask(self.board.clear_errors(true, true, &no_clock))?;
+        self.session.ask(self.board.unlock(&no_clock))?;
+        say!("unlocked");
+        Ok(())
+    }
+
+    fn home(&mut self, home: &Home) -> Result<(), Failure> {
+        self.home_axes(&home.axes, home.max_stroke)
+    }
+
+    fn axis_name(axis: &Axis) -> String {
+        format!("axis {}", axis.axis)
+    }
+
+    fn plan(
+        &mut self,
+        axis: &Axis,
+        ramps: &Ramps,
+        target: &dyn Fn(i32) -> Result<i32, Failure>,
+    ) -> Result<Travel<MoveProfile>, Failure> {
+        self.plan_move(axis.axis, *ramps, target)
+    }
+
+    fn travel(&mut self, axis: &Axis, to: &Travel<MoveProfile>) -> Result<(), Failure> {
+        self.session.motion(&mut self.board, async |board| {
+            board.move_axis(axis.axis, &to.profile, to.patience, &no_clock).await
+        })
+    }
+
+    fn tell_follower(&mut self) -> Result<(), Failure> {
+        self.tell_where_the_follower_stands()
+    }
+
+    fn stop(&mut self, now: bool) -> Result<String, Failure> {
+        let state = if now {
+            self.session.ask(self.board.stop_and_lock(&no_clock))?
+        } else {
+            self.session.ask(self.board.ramp_stop(BRAKING, &no_clock))?
+        };
+        Ok(format!("at rest at {}", state.positions.map(|one| one.to_string()).join(", ")))
+    }
+
+    fn find(text: &str) -> Result<Known, Failure> {
+        parameters::find(text)
+    }
+
+    fn parameters() -> Vec<Known> {
+        parameters::known()
+    }
+
+    fn row(&mut self, one: &Known) -> Result<Vec<Cell>, Failure> {
+        let value = self.session.ask(self.board.parameter(one.number, &no_clock))?;
+        let Known { number, name, unit } = one;
+        Ok(vec![words::right(number), name.into(), words::right(value), (*unit).into()])
+    }
+
+    fn set(&mut self, parameter: &Known, value: &str) -> Result<(), Failure> {
+        let value = words::value(value).map_err(Failure::Usage)?;
+        self.standing("set")?;
+        parameters::set(&self.session, &mut self.board, parameter, value)
+    }
+
+    fn inputs(&mut self) -> Result<(), Failure> {
+        show::inputs(&self.session, &mut self.board)
+    }
+
+    fn outputs(&mut self, outputs: &Outputs) -> Result<(), Failure> {
+        show::outputs(&self.session, &mut self.board, &outputs.outputs)
+    }
 }

@@ -1,10 +1,10 @@
-//! What moves the axes of an InterpCNC board.
+//! Motion of the axes of an InterpCNC board by hand.
 
-use super::super::consent::Consent;
-use super::super::session::{BRAKING, Session, Stands, Stopping, no_clock};
+use super::super::family::Travel;
+use super::super::session::{BRAKING, Stands, Stopping, no_clock};
 use super::super::words;
-use super::Ramps;
-use super::coupled::{beside, follower};
+use super::coupled::beside;
+use super::{Board, Ramps};
 use crate::command::Failure;
 use std::time::Duration;
 use twin_drives::interpcnc::registers::Status;
@@ -33,168 +33,135 @@ impl Stopping for InterpCnc {
     }
 }
 
-/// The state of a board that obeys and none of whose axes moves.
-fn obeying(session: &Session, board: &mut InterpCnc, what: &str) -> Result<BoardState, Failure> {
-    let state = standing(session, board, what)?;
-    board.check_obeys(&state, Action::ReadState)?;
-    Ok(state)
-}
-
-/// The state of a board none of whose axes moves.
-pub(super) fn standing(
-    session: &Session,
-    board: &mut InterpCnc,
-    what: &str,
-) -> Result<BoardState, Failure> {
-    let (state, _) = session.ask(board.state(&no_clock))?;
-    if state.status.moving().is_empty() && !state.status.has(Status::HOMING_IN_PROGRESS) {
-        return Ok(state);
-    }
-    Err(Failure::Usage(format!("an axis moves: `stop` before `{what}`")))
-}
-
 /// Where an axis stands.
-pub(super) fn of(state: &BoardState, axis: BoardAxis) -> i32 {
+fn of(state: &BoardState, axis: BoardAxis) -> i32 {
     state.positions.get(axis.index()).copied().unwrap_or(0)
 }
 
-/// Where an axis goes from where it stands, steps.
-#[derive(Clone, Copy)]
-pub(super) enum Way {
-    To(i32),
-    By(i32),
-}
-
-/// The target of an axis.
-fn target(axis: BoardAxis, from: i32, way: Way) -> Result<i32, Failure> {
-    let distance = match way {
-        Way::To(target) => return Ok(target),
-        Way::By(distance) => distance,
-    };
-    from.checked_add(distance).ok_or_else(|| {
-        Failure::Usage(format!("axis {axis} at {from} cannot go {distance} steps further"))
-    })
-}
-
-pub(super) fn travel(
-    session: &Session,
-    board: &mut InterpCnc,
-    consent: Consent,
-    axis: BoardAxis,
-    way: Way,
-    ramps: Ramps,
-) -> Result<(), Failure> {
-    let state = obeying(session, board, "move")?;
-    let follower = follower(session, board, &[axis], "move")?;
-    let from = of(&state, axis);
-    let target = target(axis, from, way)?;
-    let also = match follower {
-        Some(follower) => {
-            let at = of(&state, follower);
-            // By the same steps; a counter that overflows starts again at the other end.
-            let end = at.wrapping_add(target.wrapping_sub(from));
-            format!(", {} from {at} to {end}", beside(Some(follower)))
-        }
-        None => String::new(),
-    };
-    consent.ask(&format!(
-        "move axis {axis} from {from} to {target} steps at {} steps/s{also}",
-        ramps.speed
-    ))?;
-    let profile = MoveProfile {
-        start_stop_hz: ramps.start_stop,
-        acceleration_khz_per_s: ramps.acceleration,
-        speed_hz: ramps.speed,
-        deceleration_khz_per_s: ramps.deceleration,
-        target,
-    };
-    let slowest = 1000.0 * f64::from(ramps.acceleration.min(ramps.deceleration));
-    let distance = f64::from(target) - f64::from(from);
-    let patience = words::patience(distance, ramps.speed.into(), slowest);
-    session
-        .motion(board, async |board| board.move_axis(axis, &profile, patience, &no_clock).await)?;
-    say!("axis {axis} stands at {target}");
-    tell_follower(session, board, follower)
-}
-
-/// Says where the axis stands that has gone along.
-pub(super) fn tell_follower(
-    session: &Session,
-    board: &mut InterpCnc,
-    follower: Option<BoardAxis>,
-) -> Result<(), Failure> {
-    if let Some(axis) = follower {
-        let (state, _) = session.ask(board.state(&no_clock))?;
-        say!("axis {axis}, which has gone along, stands at {}", of(&state, axis));
+impl Board {
+    /// The state of a board that obeys and none of whose axes moves.
+    fn obeying(&mut self, what: &str) -> Result<BoardState, Failure> {
+        let state = self.standing(what)?;
+        self.board.check_obeys(&state, Action::ReadState)?;
+        Ok(state)
     }
-    Ok(())
-}
 
-pub(super) fn home(
-    session: &Session,
-    board: &mut InterpCnc,
-    consent: Consent,
-    axes: &[BoardAxis],
-    max_stroke: i32,
-) -> Result<(), Failure> {
-    let state = obeying(session, board, "home")?;
-    let follower = follower(session, board, axes, "home")?;
-    let mut strokes = AxisValues::default();
-    let mut said = Vec::with_capacity(axes.len());
-    let mut patience = Duration::ZERO;
-    for axis in axes {
-        let mut parameter = |number| session.ask(board.parameter(number, &no_clock));
-        let input = parameter(parameters::home_input(*axis))?;
-        let speed = parameter(parameters::home_speed(*axis))?;
-        let positive = parameter(parameters::home_direction(*axis))? == 1;
-        if input == 0 {
-            let name = axis.to_string().to_lowercase();
-            let message = format!(
-                "axis {axis} has no home switch: `set home-input-{name} N` says at which input it is"
-            );
-            return Err(Failure::Usage(message));
+    /// The state of a board none of whose axes moves.
+    pub(super) fn standing(&mut self, what: &str) -> Result<BoardState, Failure> {
+        let (state, _) = self.session.ask(self.board.state(&no_clock))?;
+        if state.status.moving().is_empty() && !state.status.has(Status::HOMING_IN_PROGRESS) {
+            return Ok(state);
         }
-        if let Some(stroke) = strokes.get_mut(axis.index()) {
-            *stroke = Some(max_stroke);
-        }
-        let from = of(&state, *axis);
-        let sign = if positive { "+" } else { "-" };
-        let also = match follower.filter(|_| *axis == BoardAxis::X) {
+        Err(Failure::Usage(format!("an axis moves: `stop` before `{what}`")))
+    }
+
+    pub(super) fn plan_move(
+        &mut self,
+        axis: BoardAxis,
+        ramps: Ramps,
+        target: &dyn Fn(i32) -> Result<i32, Failure>,
+    ) -> Result<Travel<MoveProfile>, Failure> {
+        let state = self.obeying("move")?;
+        self.follower = self.follower(&[axis], "move")?;
+        let from = of(&state, axis);
+        let target = target(from)?;
+        let also = match self.follower {
             Some(follower) => {
-                format!(", {} from {}", beside(Some(follower)), of(&state, follower))
+                let at = of(&state, follower);
+                // By the same steps; a counter that overflows starts again at the other end.
+                let end = at.wrapping_add(target.wrapping_sub(from));
+                format!(", {} from {at} to {end}", beside(Some(follower)))
             }
             None => String::new(),
         };
-        said.push(format!(
-            "axis {axis} from {from} towards {sign} until input {input} says so, {max_stroke} steps at most, at {speed} steps/s{also}"
-        ));
-        // There, and off the switch much slower; axes may go one after the other.
-        patience +=
-            words::patience(max_stroke.into(), speed.max(1).into(), f64::from(speed.max(1)));
+        let speed = ramps.speed;
+        let question =
+            format!("move axis {axis} from {from} to {target} steps at {speed} steps/s{also}");
+        let profile = MoveProfile {
+            start_stop_hz: ramps.start_stop,
+            acceleration_khz_per_s: ramps.acceleration,
+            speed_hz: speed,
+            deceleration_khz_per_s: ramps.deceleration,
+            target,
+        };
+        let slowest = 1000.0 * f64::from(ramps.acceleration.min(ramps.deceleration));
+        let distance = f64::from(target) - f64::from(from);
+        let patience = words::patience(distance, speed.into(), slowest);
+        Ok(Travel { target, question, profile, patience })
     }
-    let patience = patience.saturating_add(Duration::from_mins(1));
-    let longest = patience.as_secs();
-    consent.ask(&format!("home {}, for {longest} s at most", said.join("; ")))?;
-    let state = session
-        .motion(board, async |board| board.home_machine(&strokes, patience, &no_clock).await)?;
-    let zeroes = session.ask(board.parameter(parameters::ZERO_AFTER_HOMING, &no_clock))? == 1;
-    for axis in axes {
-        let position = of(&state, *axis);
-        if zeroes && position != 0 {
-            return Err(Failure::Usage(format!(
-                "axis {axis} is home, and counts {position} instead of 0, though parameter {} is 1 (zero-after-homing): has something \
-                 else moved it or written its counter? `status`, then `home` again",
-                parameters::ZERO_AFTER_HOMING
-            )));
+
+    /// Says where the axis stands that has gone along.
+    pub(super) fn tell_where_the_follower_stands(&mut self) -> Result<(), Failure> {
+        if let Some(axis) = self.follower {
+            let (state, _) = self.session.ask(self.board.state(&no_clock))?;
+            say!("axis {axis}, which has gone along, stands at {}", of(&state, axis));
         }
-        say!("axis {axis} is home, at {position}");
+        Ok(())
     }
-    tell_follower(session, board, follower)?;
-    if !zeroes {
-        say!(
-            "note: the board leaves its counters as they are (zero-after-homing is 0), so that they do not count from home; a run wants \
-             `set zero-after-homing 1`, and homing after that"
-        );
+
+    pub(super) fn home_axes(&mut self, axes: &[BoardAxis], max_stroke: i32) -> Result<(), Failure> {
+        let state = self.obeying("home")?;
+        self.follower = self.follower(axes, "home")?;
+        let follower = self.follower;
+        let mut strokes = AxisValues::default();
+        let mut said = Vec::with_capacity(axes.len());
+        let mut patience = Duration::ZERO;
+        for axis in axes {
+            let mut parameter = |number| self.session.ask(self.board.parameter(number, &no_clock));
+            let input = parameter(parameters::home_input(*axis))?;
+            let speed = parameter(parameters::home_speed(*axis))?;
+            let positive = parameter(parameters::home_direction(*axis))? == 1;
+            if input == 0 {
+                let name = axis.to_string().to_lowercase();
+                let message = format!(
+                    "axis {axis} has no home switch: `set home-input-{name} N` says at which input it is"
+                );
+                return Err(Failure::Usage(message));
+            }
+            if let Some(stroke) = strokes.get_mut(axis.index()) {
+                *stroke = Some(max_stroke);
+            }
+            let from = of(&state, *axis);
+            let sign = if positive { "+" } else { "-" };
+            let also = match follower.filter(|_| *axis == BoardAxis::X) {
+                Some(follower) => {
+                    format!(", {} from {}", beside(Some(follower)), of(&state, follower))
+                }
+                None => String::new(),
+            };
+            said.push(format!(
+                "axis {axis} from {from} towards {sign} until input {input} says so, {max_stroke} steps at most, at {speed} steps/s{also}"
+            ));
+            // There, and off the switch much slower; axes may go one after the other.
+            patience +=
+                words::patience(max_stroke.into(), speed.max(1).into(), f64::from(speed.max(1)));
+        }
+        let patience = patience.saturating_add(Duration::from_mins(1));
+        let longest = patience.as_secs();
+        self.consent.ask(&format!("home {}, for {longest} s at most", said.join("; ")))?;
+        let state = self.session.motion(&mut self.board, async |board| {
+            board.home_machine(&strokes, patience, &no_clock).await
+        })?;
+        let zeroes =
+            self.session.ask(self.board.parameter(parameters::ZERO_AFTER_HOMING, &no_clock))? == 1;
+        for axis in axes {
+            let position = of(&state, *axis);
+            if zeroes && position != 0 {
+                return Err(Failure::Usage(format!(
+                    "axis {axis} is home, and counts {position} instead of 0, though parameter {} is 1 (zero-after-homing): has something \
+                     else moved it or written its counter? `status`, then `home` again",
+                    parameters::ZERO_AFTER_HOMING
+                )));
+            }
+            say!("axis {axis} is home, at {position}");
+        }
+        self.tell_where_the_follower_stands()?;
+        if !zeroes {
+            say!(
+                "note: the board leaves its counters as they are (zero-after-homing is 0), so that they do not count from home; a run wants \
+                 `set zero-after-homing 1`, and homing after that"
+            );
+        }
+        Ok(())
     }
-    Ok(())
 }

@@ -2,8 +2,8 @@
 //! The vendor's names (`EE_…`) are understood.
 
 use super::super::session::{Session, no_clock};
-use super::super::words::{self, right};
-use crate::command::{Failure, show};
+use super::super::words;
+use crate::command::Failure;
 use std::time::Duration;
 use twin_drives::interpcnc::parameters as numbers;
 use twin_drives::interpcnc::{Assumptions, BAUD_RATES, BoardAxis, InterpCnc, Parity};
@@ -13,13 +13,13 @@ const STORING: Duration = Duration::from_secs(5);
 
 /// A parameter.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Known {
+pub(in crate::command::drive) struct Known {
     /// Number, 0 to 383.
-    number: u16,
+    pub(super) number: u16,
     /// Name.
-    name: String,
+    pub(super) name: String,
     /// Unit, or what the numbers mean.
-    unit: &'static str,
+    pub(super) unit: &'static str,
 }
 
 /// Number and unit, or what the numbers mean, of those that are there once.
@@ -48,7 +48,7 @@ const SINGLE: [(u16, &str); 21] = [
 ];
 
 /// All that are known, by number.
-fn known() -> Vec<Known> {
+pub(super) fn known() -> Vec<Known> {
     let of_axes = BoardAxis::ALL.into_iter().flat_map(|axis| {
         let (minus, plus) = (numbers::limit_input(axis, false), numbers::limit_input(axis, true));
         [
@@ -70,7 +70,7 @@ fn known() -> Vec<Known> {
 }
 
 /// A parameter by its name or number.
-fn find(text: &str) -> Result<Known, Failure> {
+pub(super) fn find(text: &str) -> Result<Known, Failure> {
     let all = known();
     let number = match words::integer(text) {
         Some(number) => {
@@ -91,32 +91,12 @@ fn find(text: &str) -> Result<Known, Failure> {
     }
 }
 
-pub(super) fn get(
-    session: &Session,
-    board: &mut InterpCnc,
-    name: Option<&str>,
-) -> Result<(), Failure> {
-    let wanted = match name {
-        Some(name) => vec![find(name)?],
-        None => known(),
-    };
-    let mut table = show::table();
-    table.set_header(["number", "name", "value", "unit"]);
-    for one in wanted {
-        let value = session.ask(board.parameter(one.number, &no_clock))?;
-        table.add_row([right(one.number), one.name.into(), right(value), one.unit.into()]);
-    }
-    say!("{table}");
-    Ok(())
-}
-
 pub(super) fn set(
     session: &Session,
     board: &mut InterpCnc,
-    name: &str,
+    one: &Known,
     value: i64,
 ) -> Result<(), Failure> {
-    let one = find(name)?;
     let named = format!("{} (parameter {})", one.name, one.number);
     let values = numbers::values(one.number);
     words::check_value(&named, value, (&values, one.unit))?;

@@ -2,6 +2,7 @@
 
 use super::super::session::{Session, no_clock};
 use super::super::words::{self, on_off, right};
+use super::Board;
 use crate::advice;
 use crate::command::show;
 use crate::command::{Failure, Status};
@@ -11,15 +12,14 @@ use twin_drives::interpcnc::registers::{INPUTS, MAX_ANALOG, OUTPUTS, Status as B
 use twin_drives::interpcnc::{BoardAxis, Exception, InterpCnc, Snapshot};
 
 pub(super) fn scan(
-    session: &Session,
     addresses: RangeInclusive<u8>,
-    open: impl Fn(u8) -> Result<InterpCnc, Failure>,
+    open: impl Fn(u8) -> Result<Board, Failure>,
 ) -> Result<Status, Failure> {
     let mut table = show::table();
     table.set_header(["address", "line by its parameters", "recipes, command 78"]);
     let mut found = 0;
     for address in addresses {
-        let mut board = open(address)?;
+        let Board { session, mut board, .. } = open(address)?;
         match session.ask(board.identify(&no_clock)) {
             Ok(identity) => {
                 let line = identity.line.map_or("unknown codes".to_owned(), |line| {

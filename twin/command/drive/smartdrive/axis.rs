@@ -1,18 +1,28 @@
 //! One drive of a bus.
 
-use super::super::session::{BRAKING, Stands, Stopping, no_clock};
+use super::super::consent::Consent;
+use super::super::session::{BRAKING, Session, Stands, Stopping, no_clock};
 use std::sync::Arc;
 use twin_drives::smartdrive::{DriveState, Fault, Mode, SmartDrive};
 use twin_drives::{Action as Doing, DriveError, Exchange};
 
+/// One drive of a bus, with what the command line says about it.
+#[derive(Debug)]
+pub(in crate::command::drive) struct Axis {
+    pub(super) session: Session,
+    pub(super) station: Station,
+    pub(super) consent: Consent,
+}
+
 /// One drive of a bus.
-pub(super) struct Axis {
+#[derive(Debug)]
+pub(super) struct Station {
     pub(super) bus: SmartDrive,
     pub(super) port: Arc<str>,
     pub(super) address: u8,
 }
 
-impl Axis {
+impl Station {
     pub(super) fn at(&self) -> Exchange {
         Exchange { port: Arc::clone(&self.port), station: self.address, action: Doing::ReadState }
     }
@@ -22,7 +32,7 @@ impl Axis {
     }
 }
 
-impl Stopping for Axis {
+impl Stopping for Station {
     async fn soft_stop(&mut self) -> Result<(), DriveError> {
         match self.bus.stop(self.address, 0).await {
             // A drive that is off or in alarm refuses; then it does not move.

@@ -1,29 +1,13 @@
-//! What moves a SmartDRIVE, and what it has to be like before.
+//! Motion of a SmartDRIVE by hand, and its state before.
 
-use super::super::consent::Consent;
-use super::super::session::Session;
+use super::super::family::Travel;
 use super::super::words;
 use super::Ramps;
-use super::axis::Axis;
+use super::axis::{Axis, Station};
 use super::show::{mode, turns};
 use crate::command::Failure;
 use twin_drives::smartdrive::parameters::{self, FULL_STEPS, STEP_DIVISOR};
 use twin_drives::smartdrive::{DriveState, Mode};
-
-/// The state of a drive that obeys and does not move.
-pub(super) fn standing(
-    session: &Session,
-    axis: &mut Axis,
-    what: &str,
-) -> Result<DriveState, Failure> {
-    let state = session.ask(axis.state())?;
-    if turns(&state) {
-        let message =
-            format!("{}: it moves, which `{what}` could end or spoil: `stop` first", axis.at());
-        return Err(Failure::Usage(message));
-    }
-    Ok(state)
-}
 
 /// No drive goes beyond its position limits, which count where the lower is below the upper.
 fn within([low, high]: [i64; 2], target: i32) -> Result<(), String> {
@@ -41,68 +25,84 @@ fn within([low, high]: [i64; 2], target: i32) -> Result<(), String> {
     ))
 }
 
-/// The same, which has to obey the bus.
-fn obeying(session: &Session, axis: &mut Axis, what: &str) -> Result<DriveState, Failure> {
-    let state = standing(session, axis, what)?;
-    if state.mode != Mode::Remote.number() {
-        let message = format!("{}: it is in mode {}: `unlock` first", axis.at(), mode(state.mode));
-        return Err(Failure::Usage(message));
+impl Axis {
+    /// The state of a drive that does not move.
+    pub(super) fn standing(&mut self, what: &str) -> Result<DriveState, Failure> {
+        let state = self.session.ask(self.station.state())?;
+        if turns(&state) {
+            let at = self.station.at();
+            let message =
+                format!("{at}: it moves, which `{what}` could end or spoil: `stop` first");
+            return Err(Failure::Usage(message));
+        }
+        Ok(state)
     }
-    Ok(state)
-}
 
-pub(super) fn home(session: &Session, axis: &mut Axis, consent: Consent) -> Result<(), Failure> {
-    let from = obeying(session, axis, "home")?.position;
-    let address = axis.address;
-    let mut working =
-        |index| session.ask(axis.bus.parameter(address, index)).map(|copies| copies.working);
-    let enter = working(parameters::VELOCITY_ENTER_HOME)?;
-    let offset = working(parameters::POSITION_OFFSET)?;
-    let configured = working(parameters::HOME_CONFIGURATION)?;
-    let longest = axis.bus.options().homing.as_secs();
-    consent.ask(&format!(
-        "home the axis at address {address} from {from} to its switch, which is at {offset} µsteps, at {enter} rpm, for {longest} s \
-         at most, in the direction that the drive is set to (CfgHome is {configured}, which its manual does not explain: the \
-         axis may go either way)"
-    ))?;
-    let position = session.motion(axis, async |axis| axis.bus.home(address).await)?;
-    say!("home, at {position}");
-    Ok(())
-}
+    /// The same, which has to obey the bus.
+    fn obeying(&mut self, what: &str) -> Result<DriveState, Failure> {
+        let state = self.standing(what)?;
+        if state.mode != Mode::Remote.number() {
+            let (at, mode) = (self.station.at(), mode(state.mode));
+            let message = format!("{at}: it is in mode {mode}: `unlock` first");
+            return Err(Failure::Usage(message));
+        }
+        Ok(state)
+    }
 
-pub(super) fn travel(
-    session: &Session,
-    axis: &mut Axis,
-    consent: Consent,
-    target: i32,
-    ramps: Ramps,
-) -> Result<(), Failure> {
-    let from = obeying(session, axis, "move")?.position;
-    let address = axis.address;
-    let mut working = |index| {
-        let value = session.ask(axis.bus.parameter(address, index))?.working;
-        Ok::<u16, Failure>(u16::try_from(value).unwrap_or(u16::MAX))
-    };
-    let largest = [working(parameters::VELOCITY_MAX)?, working(parameters::ACCELERATION_MAX)?];
-    let turn = f64::from(working(FULL_STEPS)?) * f64::from(working(STEP_DIVISOR)?);
-    let mut limit =
-        |index| session.ask(axis.bus.parameter(address, index)).map(|copies| copies.working);
-    let limits = [limit(parameters::POSITION_MIN)?, limit(parameters::POSITION_MAX)?];
-    within(limits, target).map_err(|why| Failure::Usage(format!("{}: {why}", axis.at())))?;
-    let [speed, acceleration] = largest;
-    // More than its ceilings no drive does.
-    let speed = ramps.speed.map_or(speed, |wanted| wanted.min(speed));
-    let acceleration = ramps.acceleration.map_or(acceleration, |wanted| wanted.min(acceleration));
-    consent.ask(&format!(
-        "move the axis at address {address} from {from} to {target} µsteps at {speed} rpm"
-    ))?;
-    let per_s = |rpm: u16| f64::from(rpm.max(1)) * turn / 60.0;
-    let distance = f64::from(target) - f64::from(from);
-    let patience = words::patience(distance, per_s(speed), per_s(acceleration));
-    let profile = Some((speed, acceleration));
-    session.motion(axis, async |axis| axis.bus.travel(address, target, profile, patience).await)?;
-    say!("stands at {target}");
-    Ok(())
+    /// The working value of a parameter.
+    fn working(&mut self, index: u16) -> Result<i64, Failure> {
+        let Station { bus, address, .. } = &mut self.station;
+        Ok(self.session.ask(bus.parameter(*address, index))?.working)
+    }
+
+    pub(super) fn home_axis(&mut self) -> Result<(), Failure> {
+        let from = self.obeying("home")?.position;
+        let address = self.station.address;
+        let enter = self.working(parameters::VELOCITY_ENTER_HOME)?;
+        let offset = self.working(parameters::POSITION_OFFSET)?;
+        let configured = self.working(parameters::HOME_CONFIGURATION)?;
+        let longest = self.station.bus.options().homing.as_secs();
+        self.consent.ask(&format!(
+            "home the axis at address {address} from {from} to its switch, which is at {offset} µsteps, at {enter} rpm, for {longest} s \
+             at most, in the direction that the drive is set to (CfgHome is {configured}, which its manual does not explain: the \
+             axis may go either way)"
+        ))?;
+        let position = self
+            .session
+            .motion(&mut self.station, async |station| station.bus.home(address).await)?;
+        say!("home, at {position}");
+        Ok(())
+    }
+
+    pub(super) fn plan_move(
+        &mut self,
+        ramps: Ramps,
+        target: &dyn Fn(i32) -> Result<i32, Failure>,
+    ) -> Result<Travel<(u16, u16)>, Failure> {
+        let from = self.obeying("move")?.position;
+        let target = target(from)?;
+        let narrow = |value: i64| u16::try_from(value).unwrap_or(u16::MAX);
+        let speed = narrow(self.working(parameters::VELOCITY_MAX)?);
+        let acceleration = narrow(self.working(parameters::ACCELERATION_MAX)?);
+        let full_steps = narrow(self.working(FULL_STEPS)?);
+        let turn = f64::from(full_steps) * f64::from(narrow(self.working(STEP_DIVISOR)?));
+        let low = self.working(parameters::POSITION_MIN)?;
+        let limits = [low, self.working(parameters::POSITION_MAX)?];
+        let at = self.station.at();
+        within(limits, target).map_err(|why| Failure::Usage(format!("{at}: {why}")))?;
+        // More than its ceilings no drive does.
+        let speed = ramps.speed.map_or(speed, |wanted| wanted.min(speed));
+        let acceleration =
+            ramps.acceleration.map_or(acceleration, |wanted| wanted.min(acceleration));
+        let address = self.station.address;
+        let question = format!(
+            "move the axis at address {address} from {from} to {target} µsteps at {speed} rpm"
+        );
+        let per_s = |rpm: u16| f64::from(rpm.max(1)) * turn / 60.0;
+        let distance = f64::from(target) - f64::from(from);
+        let patience = words::patience(distance, per_s(speed), per_s(acceleration));
+        Ok(Travel { target, question, profile: (speed, acceleration), patience })
+    }
 }
 
 #[cfg(test)]

@@ -2,20 +2,20 @@
 
 use super::super::session::{Session, no_clock};
 use super::super::words::{self, right};
-use super::axis::Axis;
-use super::motion::standing;
-use crate::command::{Failure, show};
+use super::axis::{Axis, Station};
+use crate::command::Failure;
+use comfy_table::Cell;
 use twin_drives::DriveError;
 use twin_drives::smartdrive::parameters::{self, ADDRESS, Entry, Kind, PARAMETERS, VARIABLES};
 
 /// A parameter or a variable.
 #[derive(Clone, Copy)]
-enum Found {
+pub(in crate::command::drive) enum Found {
     Parameter(&'static Entry),
     Variable(&'static Entry),
 }
 
-fn find(text: &str) -> Result<Found, Failure> {
+pub(super) fn find(text: &str) -> Result<Found, Failure> {
     if let Some(number) = words::integer(text) {
         let entry = PARAMETERS.iter().find(|entry| i64::from(entry.index) == number);
         return entry.map(Found::Parameter).ok_or_else(|| {
@@ -52,97 +52,92 @@ fn number(entry: &Entry, text: &str) -> Result<i64, String> {
     })
 }
 
-pub(super) fn get(session: &Session, axis: &mut Axis, name: Option<&str>) -> Result<(), Failure> {
-    let wanted: Vec<Found> = if let Some(name) = name {
-        vec![find(name)?]
-    } else {
-        let variables = VARIABLES.iter().map(Found::Variable);
-        PARAMETERS.iter().map(Found::Parameter).chain(variables).collect()
-    };
-    let address = axis.address;
-    let mut table = show::table();
-    table.set_header(["number", "name", "value", "saved", "factory", "unit"]);
-    for one in wanted {
-        let (entry, number, value, saved, factory) = match one {
-            Found::Parameter(entry) => {
-                let copies = session.ask(axis.bus.parameter(address, entry.index))?;
-                let [saved, factory] = [copies.saved, copies.factory].map(|one| one.to_string());
-                (entry, entry.index.to_string(), copies.working, saved, factory)
-            }
-            Found::Variable(entry) => {
-                let value = session.ask(axis.bus.read(address, entry.index))?;
-                let none = || "–".to_owned();
-                (entry, format!("variable {}", entry.index), value, none(), none())
-            }
-        };
-        table.add_row([
-            right(number),
-            entry.name.into(),
-            right(value),
-            right(saved),
-            right(factory),
-            entry.unit.into(),
-        ]);
-    }
-    say!("{table}");
-    Ok(())
+/// All parameters, then all variables.
+pub(super) fn all() -> Vec<Found> {
+    let variables = VARIABLES.iter().map(Found::Variable);
+    PARAMETERS.iter().map(Found::Parameter).chain(variables).collect()
 }
 
-pub(super) fn set(
+/// Number, name, value, saved, factory, unit.
+pub(super) fn row(
     session: &Session,
-    axis: &mut Axis,
-    name: &str,
-    value: &str,
-) -> Result<(), Failure> {
+    axis: &mut Station,
+    found: Found,
+) -> Result<Vec<Cell>, Failure> {
     let address = axis.address;
-    let found = find(name)?;
-    let (Found::Parameter(entry) | Found::Variable(entry)) = found;
-    if !entry.writable {
-        return Err(Failure::Usage(format!("{} ({}) is read-only", entry.name, entry.index)));
-    }
-    let value = number(entry, value).map_err(Failure::Usage)?;
-    // Ceilings and steps of a turn count from now on, for what moves already, too.
-    if matches!(found, Found::Parameter(_)) {
-        standing(session, axis, "set")?;
-    }
-    let named = format!("{} ({})", entry.name, entry.index);
-    words::check_value(&named, value, (&entry.values(), entry.unit))?;
-    let new_address = u8::try_from(value)
-        .ok()
-        .filter(|_| entry.index == ADDRESS && matches!(found, Found::Parameter(_)));
-    if let Some(new) = new_address.filter(|new| *new != address) {
-        // Two at one address can be told apart by their cables alone.
-        match session.ask(axis.bus.state(new, &no_clock)) {
-            Err(Failure::Drive(DriveError::Timeout { .. })) => {}
-            Ok(_) | Err(Failure::Drive(DriveError::Protocol { .. })) => {
-                return Err(Failure::Usage(format!(
-                    "{named} = {new}: another drive of the line answers at address {new} already"
-                )));
-            }
-            Err(other) => return Err(other),
-        }
-    }
-    let (entry, old, new) = match found {
+    let (entry, number, value, saved, factory) = match found {
         Found::Parameter(entry) => {
-            let old = session.ask(axis.bus.parameter(address, entry.index))?.working;
-            (entry, old, session.ask(axis.bus.set_parameter(address, entry.index, value))?.working)
+            let copies = session.ask(axis.bus.parameter(address, entry.index))?;
+            let [saved, factory] = [copies.saved, copies.factory].map(|one| one.to_string());
+            (entry, entry.index.to_string(), copies.working, saved, factory)
         }
         Found::Variable(entry) => {
-            let wanted = u32::try_from(value)
-                .ok()
-                .filter(|_| entry.accepts(value))
-                .ok_or_else(|| Failure::Usage(format!("{} cannot be {value}", entry.name)))?;
-            let old = session.ask(axis.bus.read(address, entry.index))?;
-            (entry, old, session.ask(axis.bus.write_variable(address, entry.index, wanted))?)
+            let value = session.ask(axis.bus.read(address, entry.index))?;
+            let none = || "–".to_owned();
+            (entry, format!("variable {}", entry.index), value, none(), none())
         }
     };
-    say!("{} ({}): {}", entry.name, entry.index, words::changed(old, new, entry.unit));
-    if let Some(new) = new_address.filter(|new| *new != address) {
-        say!(
-            "from now on the drive is spoken to with --address {new}; `--address {new} save` makes it keep that when it is switched off"
-        );
+    let [number, saved, factory] = [number, saved, factory].map(right);
+    Ok(vec![number, entry.name.into(), right(value), saved, factory, entry.unit.into()])
+}
+
+impl Axis {
+    /// Sets a parameter or a variable.
+    pub(super) fn set_parameter(&mut self, found: Found, value: &str) -> Result<(), Failure> {
+        let address = self.station.address;
+        let (Found::Parameter(entry) | Found::Variable(entry)) = found;
+        if !entry.writable {
+            return Err(Failure::Usage(format!("{} ({}) is read-only", entry.name, entry.index)));
+        }
+        let value = number(entry, value).map_err(Failure::Usage)?;
+        // Ceilings and steps of a turn count from now on, for what moves already, too.
+        if matches!(found, Found::Parameter(_)) {
+            self.standing("set")?;
+        }
+        let Self { session, station, .. } = self;
+        let named = format!("{} ({})", entry.name, entry.index);
+        words::check_value(&named, value, (&entry.values(), entry.unit))?;
+        let new_address = u8::try_from(value)
+            .ok()
+            .filter(|_| entry.index == ADDRESS && matches!(found, Found::Parameter(_)));
+        if let Some(new) = new_address.filter(|new| *new != address) {
+            // Two at one address can be told apart by their cables alone.
+            match session.ask(station.bus.state(new, &no_clock)) {
+                Err(Failure::Drive(DriveError::Timeout { .. })) => {}
+                Ok(_) | Err(Failure::Drive(DriveError::Protocol { .. })) => {
+                    return Err(Failure::Usage(format!(
+                        "{named} = {new}: another drive of the line answers at address {new} already"
+                    )));
+                }
+                Err(other) => return Err(other),
+            }
+        }
+        let (entry, old, new) = match found {
+            Found::Parameter(entry) => {
+                let old = session.ask(station.bus.parameter(address, entry.index))?.working;
+                (
+                    entry,
+                    old,
+                    session.ask(station.bus.set_parameter(address, entry.index, value))?.working,
+                )
+            }
+            Found::Variable(entry) => {
+                let wanted = u32::try_from(value)
+                    .ok()
+                    .filter(|_| entry.accepts(value))
+                    .ok_or_else(|| Failure::Usage(format!("{} cannot be {value}", entry.name)))?;
+                let old = session.ask(station.bus.read(address, entry.index))?;
+                (entry, old, session.ask(station.bus.write_variable(address, entry.index, wanted))?)
+            }
+        };
+        say!("{} ({}): {}", entry.name, entry.index, words::changed(old, new, entry.unit));
+        if let Some(new) = new_address.filter(|new| *new != address) {
+            say!(
+                "from now on the drive is spoken to with --address {new}; `--address {new} save` makes it keep that when it is switched off"
+            );
+        }
+        Ok(())
     }
-    Ok(())
 }
 
 #[cfg(test)]

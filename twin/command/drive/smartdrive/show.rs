@@ -2,7 +2,7 @@
 
 use super::super::session::Session;
 use super::super::words::{on_off, right};
-use super::axis::Axis;
+use super::axis::Station;
 use crate::command::Failure;
 use crate::command::show;
 use twin_drives::smartdrive::{Command, DriveState, IoUpdate, Mode, TrajectoryFlags};
@@ -86,7 +86,7 @@ pub(super) fn next(state: &DriveState) -> Option<&'static str> {
     }
 }
 
-pub(super) fn inputs(session: &Session, axis: &mut Axis) -> Result<(), Failure> {
+pub(super) fn inputs(session: &Session, axis: &mut Station) -> Result<(), Failure> {
     let seen = session.ask(axis.bus.io(axis.address, IoUpdate::default()))?;
     let mut table = show::table();
     table.set_header(["input", "level", "caught, active", "caught, inverse"]);
@@ -100,7 +100,7 @@ pub(super) fn inputs(session: &Session, axis: &mut Axis) -> Result<(), Failure> 
 
 pub(super) fn outputs(
     session: &Session,
-    axis: &mut Axis,
+    axis: &mut Station,
     switches: &[(String, bool)],
 ) -> Result<(), Failure> {
     let mut update = IoUpdate::default();

@@ -1,8 +1,6 @@
 //! The module, and how it is stopped.
 
 use super::super::session::{BRAKING, Stands, Stopping, no_clock};
-use super::Arguments;
-use crate::command::Failure;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::time::{Instant, sleep};
@@ -19,7 +17,8 @@ pub(super) fn of(seen: &Positions, axis: ModuleAxis) -> (i32, u16) {
 }
 
 /// The module and its name.
-pub(super) struct Module {
+#[derive(Debug)]
+pub(super) struct Card {
     pub(super) driver: Bim2Ax,
     pub(super) port: Arc<str>,
     /// Another program is its master.
@@ -34,14 +33,8 @@ const LOOK: Duration = Duration::from_millis(5);
 /// It is stopped at most so many times.
 const MOST_STOPS: u32 = 20;
 
-impl Module {
-    pub(super) fn open(arguments: &Arguments) -> Result<Self, Failure> {
-        let (port, memory, options) = arguments.memory()?;
-        let beside = memory.is_beside();
-        Ok(Self::new(port, memory, options, beside))
-    }
-
-    fn new(
+impl Card {
+    pub(super) fn new(
         port: Arc<str>,
         memory: impl Memory + 'static,
         mut options: Bim2AxOptions,
@@ -117,7 +110,7 @@ impl Module {
     }
 }
 
-impl Stopping for Module {
+impl Stopping for Card {
     async fn soft_stop(&mut self) -> Result<(), DriveError> {
         self.driver.abandon(&no_clock).await?;
         self.driver.rested(BRAKING, &no_clock).await.map(|_| ())
@@ -178,7 +171,7 @@ mod tests {
         let now = move || clock.now_ns() + on_for_ns;
         let memory = Falling { module: SharedModule::new(module, now), questions };
         let options = Bim2AxOptions { deadline, ..Bim2AxOptions::default() };
-        let mut module = Module::new("module".into(), memory, options, true);
+        let mut module = Card::new("module".into(), memory, options, true);
         runtime.expect("a runtime").block_on(module.stands())
     }
 
