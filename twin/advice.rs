@@ -1,23 +1,23 @@
-//! What a person would look at when a drive does not do what it should.
+//! Troubleshooting hints for drive errors: the next check or step.
 
 use std::io::{self, ErrorKind};
 use twin_drives::bim2ax::bits::{message, uc};
 use twin_drives::smartdrive::{self, RejectCode};
 use twin_drives::{Action, DriveError, Exchange, ProtocolFault, bim2ax};
 
-/// After an emergency stop.
+/// Hint after an emergency stop.
 pub(crate) const RELEASE: &str =
     "release the emergency stop (close the ENABLE input), then `unlock`, then `home`";
 
-/// A module the check sum of whose EEPROM is wrong.
+/// Hint on a module whose EEPROM has a checksum fault.
 pub(crate) const CHECK_SUM: &str = "`restore FILE` gives it the parameters of a backup; without one `set` each of both axes; then `reset`, and \
                                     `get` to see what it has; until then nothing moves";
 
-/// Where nobody answers.
+/// Hint where no device answers.
 pub(crate) const NOBODY: &str = "is the device powered, are A and B of the line swapped, are baud rate and parity those of \
                                  the device?";
 
-/// What to look at, or to do next, after an error; actions are those of `twin drive`. None where the error says it all.
+/// Hint after a drive error: the next check or step, in commands of `twin drive`. None where the error says it all.
 pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
     Some(match error {
         DriveError::Device { at, .. } => return of_fault(error, at),
@@ -172,7 +172,7 @@ fn port(at: &Exchange, error: &io::Error) -> Option<&'static str> {
     }
 }
 
-/// What the messages of a module's axis ask for.
+/// Hint on the message bits of a module's axis.
 pub(crate) fn of_axis(messages: u16) -> Option<&'static str> {
     let any = |bits: u16| messages & bits != 0;
     if any(message::POWER_ABSENT | message::PHASE_OPEN | message::PHASE_SHORT) {

@@ -25,7 +25,7 @@ const LONGEST_STEP: f64 = 1e-3;
 /// A move is looked at in no more places than this on the way to its trip.
 const MOST_STEPS: f64 = 1e6;
 
-/// How near a machine is to what its probe could touch.
+/// Distance of a machine from the surfaces that its probe can touch.
 pub trait Clearance: fmt::Debug {
     /// The distance with the point whose path it is at `at` (the frame of the path: that of the program's `[work_frame]`), m; 0 or
     /// less where it touches. `point_from_tip` (m) is from the tip of the tool in force (G43) to that point. None where the machine

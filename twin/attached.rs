@@ -2,7 +2,7 @@
 
 use twin_drives::Drive;
 
-/// A device that axes of a machine hang on, and the driver that speaks to it. The axes of its arrays are those axes, in the
+/// A device of the machine file and its driver. The axes of its arrays are the machine axes that it drives, in the
 /// order of the machine file.
 pub struct Attached {
     /// Index into [`Machine::drives`](crate::machine::Machine::drives).

@@ -1,6 +1,6 @@
 //! Kind of an axis, rotary or linear, and its units.
 
-/// Whether an axis turns or slides.
+/// Kind of an axis, rotary or linear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisKind {
     /// Positions in rad, shown in degrees.
@@ -26,7 +26,7 @@ impl AxisKind {
         }
     }
 
-    /// What its motor gives, in a word.
+    /// Name of the motor's effort: torque or force.
     pub const fn effort_name(self) -> &'static str {
         match self {
             Self::Rotary => "torque",

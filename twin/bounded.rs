@@ -1,4 +1,4 @@
-//! Files that are read whole, as long as they are no longer than anybody writes.
+//! Limited file reading: read a whole file, up to a maximum size.
 
 use std::fs::File;
 use std::io::{self, Read};

@@ -1,4 +1,4 @@
-//! What `twin drive` is told to do what a start-up check asks for: commands to copy.
+//! Repair commands: `twin drive` command lines that correct what a start-up check has found, for the user to copy.
 
 use crate::emulated::software_limits;
 use crate::machine::{Axis, DriveFamily, Machine, Parity};
@@ -8,11 +8,11 @@ use twin_drives::bim2ax::{ByteOrder, MOST_POSITION, ModuleAxis};
 use twin_drives::interpcnc::parameters;
 use twin_drives::smartdrive::parameters::{PARAMETERS, POSITION_MAX, POSITION_MIN};
 
-/// How the line begins that says what makes parameters count.
+/// Beginning of the line that makes set parameters take effect.
 pub(crate) const THEN: &str = "then:";
 
-/// `twin drive FAMILY --port …` for a device of the machine file, with all that its line needs; `address` is that of a drive
-/// on a bus.
+/// The command `twin drive FAMILY --port …` for a device of the machine file, with all options of its line; `address`
+/// is that of a drive on a bus.
 pub(crate) fn command(machine: &Machine, device: usize, address: usize) -> Option<String> {
     let entry = machine.drives.get(device)?;
     let port = quoted(entry.port.as_deref().unwrap_or("PORT"));

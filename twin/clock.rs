@@ -1,4 +1,4 @@
-//! The only place that reads the time.
+//! Monotonic session clock: the only place that reads the time.
 
 use std::time::{Duration, Instant};
 

@@ -1,4 +1,4 @@
-//! How far the twin and the drives are from the set-points, and from each other.
+//! Tracking errors of twin and drives: maximum and root mean square, against the set-points and against each other.
 
 use crate::machine::Machine;
 use nalgebra::Point3;
@@ -47,7 +47,7 @@ pub struct ErrorStatistics {
     pub drives_against_twin: Statistics,
 }
 
-/// Where the axes were found and where the tool is then.
+/// Measured axis positions and the tool position that follows from them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
     /// Axis positions, m or rad.

@@ -1,4 +1,4 @@
-//! Axes that follow others by the gears and cams of the machine file, while a program moves the tool.
+//! Axis couplings: slaves that follow masters by the gears and cams of the machine file while a program moves the tool.
 
 use crate::machine::{Axis, CamSelection, CoupledBy, Coupling, Machine};
 use crate::tappets::{MasterPlace, Signal, TappetBits, Tracks};
@@ -9,7 +9,7 @@ use twin_motion::profile::State;
 /// A slave that the program moves itself by less is left alone, mm or degrees: the transform rounds.
 const UNMOVED: f64 = 1e-6;
 
-/// Why there are no axis positions.
+/// Errors that leave a set-point without axis positions.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AxesError {
     /// The machine cannot bring the tool there.
@@ -61,7 +61,7 @@ pub enum AxesError {
 }
 
 impl Machine {
-    /// Where the tool is and the axes are when a program starts that does not say where, if that can be reached.
+    /// Axis positions at the default start of programs, if the machine can reach it.
     pub fn start_axes(&self) -> Option<AxisVector> {
         Coupled::at_rest(self, self.start_without_slaves()?).ok()
     }
@@ -96,14 +96,15 @@ struct Running {
 }
 
 impl<'m> Coupled<'m> {
-    /// Those of `machine`, before a program begins, which must not put a slave of a cam where its master does not have it.
+    /// Couplings of `machine` before a program begins. The program must not start a slave of a cam away from its place
+    /// on the cam.
     pub(crate) fn for_program(machine: &'m Machine) -> Self {
         let start =
             if machine.couplings.is_empty() { None } else { machine.start_without_slaves() };
         Self { start, ..Self::new(machine) }
     }
 
-    /// Those of `machine`, before they begin.
+    /// Couplings of `machine`, before they begin.
     pub(crate) fn new(machine: &'m Machine) -> Self {
         let sources = machine.kinematics.sources();
         let moves_tool = machine.couplings.iter().any(|coupling| {
@@ -129,12 +130,12 @@ impl<'m> Coupled<'m> {
         }
     }
 
-    /// Whether the tool is elsewhere than the program says.
+    /// True if the tool is elsewhere than the program says.
     pub(crate) fn moves_tool(&self) -> bool {
         self.moves_tool
     }
 
-    /// What the tappets have switched, as of the last set-point.
+    /// Signals of the tappets, as of the last set-point.
     pub(crate) fn tappets(&self) -> TappetBits {
         self.tappets
     }
@@ -149,7 +150,7 @@ impl<'m> Coupled<'m> {
         self.tracks.lost()
     }
 
-    /// The couplings whose masters stood on tappets at the first set-point, each with the groups of these.
+    /// The couplings whose masters were on tappets at the first set-point, each with the tappet groups.
     pub(crate) fn stood_on_tappets(&self) -> impl Iterator<Item = (&'m Coupling, Vec<i16>)> {
         self.machine.couplings.iter().zip(&self.running).filter_map(|(coupling, running)| {
             let stood = running.cam.iter().flat_map(|cam| cam.stood_on());
@@ -158,7 +159,7 @@ impl<'m> Coupled<'m> {
         })
     }
 
-    /// Where the master that switched a signal last is, as of the last set-point.
+    /// Position of the master that switched a signal last, as of the last set-point.
     pub(crate) fn tappet_master(&self, signal: usize) -> Option<MasterPlace> {
         let index = self.tracks.master(signal)?;
         let axis = self.machine.axes.get(index)?;
@@ -248,7 +249,7 @@ impl<'m> Coupled<'m> {
         Ok(())
     }
 
-    /// Where the slaves are while the axes rest at `axes`.
+    /// Axis positions with slaves, while the axes rest at `axes`.
     pub(crate) fn at_rest(machine: &Machine, axes: AxisVector) -> Result<AxisVector, AxesError> {
         let mut motion = AxisMotion::at_rest(axes);
         Coupled::new(machine).apply(&mut motion, 0)?;

@@ -1,4 +1,4 @@
-//! What is found wrong with a program, and where.
+//! Findings: faults of a program, each with its rule, severity, line, value and limit.
 
 use crate::section::Elsewhere;
 use serde::Serialize;
@@ -119,7 +119,7 @@ impl Rule {
         }
     }
 
-    /// What it means, and what to do about it.
+    /// Meaning and remedy of the rule.
     pub const fn meaning(self) -> [&'static str; 2] {
         match self {
             Self::Syntax => [
@@ -223,7 +223,7 @@ impl Rule {
 }
 
 impl Rule {
-    /// What it means of a cam and of a job, and what to do about it there; none if it is not about them, or the same.
+    /// Meaning and remedy of the rule for cams and jobs; none if it does not concern them, or is the same.
     pub const fn of_cams(self) -> Option<[&'static str; 2]> {
         Some(match self {
             Self::AxisPosition => [
@@ -251,7 +251,7 @@ impl Rule {
     }
 }
 
-/// How bad a finding is. Ordered: the worst is the greatest.
+/// Severity of a finding. Ordered: the worst is the greatest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
@@ -266,15 +266,15 @@ pub enum Severity {
 /// One thing found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
-    /// Which rule.
+    /// The rule.
     pub rule: Rule,
-    /// How bad.
+    /// The severity.
     pub severity: Severity,
     /// Line of the program file, from 1.
     pub line: u32,
     /// N word of the block, if it has one.
     pub block: Option<u32>,
-    /// What is wrong, with value and limit.
+    /// The fault, with value and limit.
     pub message: String,
     /// The axis concerned.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -291,13 +291,13 @@ pub struct Finding {
     /// The largest feed with which this would not be found, mm/s, where that has a closed form.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_feed_mm_per_s: Option<f64>,
-    /// What to do about it, for people.
+    /// Remedy, for people.
     #[serde(skip)]
     pub hint: Option<String>,
     /// Bytes of the line to underline.
     #[serde(skip)]
     pub columns: Option<Range<usize>>,
-    /// What is wrong with the file that is named there, for people.
+    /// Problems of the file that is named there, for people.
     #[serde(skip)]
     pub elsewhere: Option<Arc<Elsewhere>>,
 }

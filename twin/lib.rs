@@ -1,6 +1,6 @@
 //! A physics-backed digital twin for CNC machines.
 //!
-//! This library is what the `twin` command is made of; ARCHITECTURE.md says how it hangs together.
+//! This library contains the code of the `twin` command; ARCHITECTURE.md describes its parts.
 
 #[macro_use]
 mod tell;

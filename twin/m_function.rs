@@ -1,4 +1,4 @@
-//! M functions: what they switch, and who says that they are done (`SMC_Interpolator.bAcknM`, manual 6.2.9).
+//! M functions: the outputs they switch, and their acknowledgement (`SMC_Interpolator.bAcknM`, manual 6.2.9).
 
 use crate::machine::Machine;
 use std::collections::BTreeMap;
@@ -7,7 +7,7 @@ use std::time::Duration;
 use twin_motion::Place;
 use twin_motion::limit::MTimes;
 
-/// Who says that an M function is done if the machine file does not.
+/// Acknowledgement of M functions that the machine file does not define.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Acknowledge {
     /// Nobody needs to: it takes one cycle.
@@ -46,7 +46,7 @@ impl FromStr for Acknowledge {
     }
 }
 
-/// How M functions are acknowledged while a program is read.
+/// Acknowledgement rules of M functions while a program is read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Acknowledgement {
     otherwise: Wait,
@@ -68,7 +68,8 @@ impl Default for Wait {
 }
 
 impl Acknowledgement {
-    /// For a check: whom or what nobody can ask takes no time.
+    /// Rules for a check: M functions of the machine file take their time, and those that the user would acknowledge
+    /// take none.
     pub fn for_check(machine: &Machine, acknowledge: Acknowledge) -> Self {
         let otherwise = match acknowledge {
             Acknowledge::Auto | Acknowledge::Prompt => Wait::default(),
@@ -91,7 +92,7 @@ impl Acknowledgement {
         all
     }
 
-    /// How long M functions take; those that somebody has to acknowledge no time.
+    /// Durations of M functions; those that the user acknowledges take no time.
     pub(crate) fn times(&self) -> MTimes {
         let time = |wait: &Wait| match wait {
             Wait::Time(time_ns) => *time_ns,
@@ -108,10 +109,10 @@ impl Acknowledgement {
     }
 }
 
-/// An M function at which the path stands.
+/// An M function at which the path waits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MCall {
-    /// How many there were before, in the order in which they are run.
+    /// Number of M functions before it, in execution order.
     pub index: u64,
     /// Its number.
     pub number: u16,
@@ -135,12 +136,12 @@ impl Waiting {
         Self { rules, ..Self::default() }
     }
 
-    /// The one at which the path stands.
+    /// The M function at which the path waits.
     pub(crate) fn call(&self) -> Option<MCall> {
         self.call
     }
 
-    /// Whether the path goes on only when [`Self::tell`] is called.
+    /// True if the path goes on only when [`Self::tell`] is called.
     pub(crate) fn for_word(&self) -> bool {
         !self.told && self.call.is_some_and(|call| self.rules.of(call.number) == Wait::Told)
     }
@@ -150,7 +151,7 @@ impl Waiting {
         self.told = true;
     }
 
-    /// Whether the M function of the last set-point, at `now_ns`, is done at the next.
+    /// True if the M function of the last set-point, at `now_ns`, is done at the next.
     pub(crate) fn is_over(&self, now_ns: i64) -> bool {
         self.call.is_some_and(|call| match self.rules.of(call.number) {
             Wait::Time(time_ns) => now_ns.saturating_sub(call.since_ns) >= time_ns,
@@ -158,7 +159,7 @@ impl Waiting {
         })
     }
 
-    /// Takes notice of the next set-point, after what was due has been done.
+    /// Observes the next set-point, after due acknowledgements.
     pub(crate) fn see(&mut self, was_over: bool, number: Option<u16>, place: Place, now_ns: i64) {
         if was_over || number.is_none() {
             self.call = None;

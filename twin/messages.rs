@@ -1,4 +1,4 @@
-//! Messages of findings that check, limit, planning and jobs share: what is wrong, with value and limit.
+//! Messages of findings that check, limit, planning and jobs share: the fault, with value and limit.
 
 use crate::coupled::AxesError;
 use crate::finding::{Finding, Rule, Severity};
@@ -32,14 +32,15 @@ pub(crate) fn no_axes(place: Place, error: &AxesError) -> Finding {
     }
 }
 
-/// A cam whose elements do not stand by ascending masters: they are taken so, but whoever wrote them may have meant another one.
+/// A cam whose elements are not in order of ascending masters. They are sorted, but the author may have meant another
+/// cam.
 pub(crate) fn out_of_order(place: Place, axis: Option<String>, told: &str) -> Finding {
     let mut finding = Finding::error(Rule::CamContinuity, place, told.to_owned());
     (finding.severity, finding.axis) = (Severity::Warning, axis);
     finding
 }
 
-/// A master that stands on tappets of its slave's cam when that begins.
+/// A master that is on tappets of its slave's cam when the cam begins.
 pub(crate) fn starts_on_tappets(
     place: Place,
     [slave, master]: [&str; 2],

@@ -1,4 +1,4 @@
-//! Numbers as text, for other programs and for people.
+//! Number formatting, for other programs and for people.
 
 /// `value` with `digits` significant digits, in plain decimal notation, without trailing zeros. Not finite values
 /// come out as Rust writes them.
@@ -25,7 +25,7 @@ const SMALL: f64 = 1e-9;
 /// See [`SMALL`].
 const LARGE: f64 = 1e15;
 
-/// The same for people: with a power of ten where zeros would hide what it says.
+/// As [`significant`], for people: with a power of ten where zeros would hide the digits.
 pub fn readable(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() || (SMALL..LARGE).contains(&value.abs()) {
         return significant(value, digits);
@@ -40,7 +40,7 @@ pub fn readable(value: f64, digits: usize) -> String {
     }
 }
 
-/// The same for what may not be exceeded: no more than `value`, but for rounding.
+/// As [`readable`], for a value that must not be exceeded: no more than `value` except for rounding.
 pub fn at_most(value: f64, digits: usize) -> String {
     let near = readable(value, digits);
     if near.parse().is_ok_and(|near: f64| near <= value + 1e-12 * value.abs()) {
@@ -56,17 +56,17 @@ pub fn at_most(value: f64, digits: usize) -> String {
 /// A part of what a value stands beside that is rounding.
 const DUST: f64 = 1e-12;
 
-/// `value` beside values as large as `scale`: what is rounding of these is 0.
+/// `value`, or 0 if it is rounding of values as large as `scale`.
 pub fn without_dust(value: f64, scale: f64) -> f64 {
     if value.abs() <= DUST * scale.abs() { 0.0 } else { value }
 }
 
-/// The same for people, with `digits` significant digits.
+/// As [`without_dust`], for people, with `digits` significant digits.
 pub fn beside(value: f64, scale: f64, digits: usize) -> String {
     readable(without_dust(value, scale), digits)
 }
 
-/// `value` with so many decimals; what is rounded to nothing has no sign.
+/// `value` with `decimals` decimals, without a sign if it rounds to 0.
 pub fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
@@ -84,7 +84,7 @@ pub fn apart(value: f64, limit: f64) -> [String; 2] {
     (6..17).map(told).find(differs).unwrap_or_else(|| told(17))
 }
 
-/// So many of what is called so in the singular.
+/// A count with its noun, `what` being the singular.
 pub fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }

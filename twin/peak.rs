@@ -1,4 +1,4 @@
-//! Peaks: the largest position, velocity, acceleration and jerk asked of each axis, with their lines.
+//! Peaks: the largest position, velocity, acceleration and jerk commanded to each axis, with their lines.
 
 use crate::machine::Axis;
 use crate::number::rounded;
@@ -9,7 +9,7 @@ use twin_motion::Place;
 pub struct Peak {
     /// The largest absolute value.
     pub value: f64,
-    /// Where.
+    /// Its place.
     pub place: Place,
 }
 

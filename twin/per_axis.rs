@@ -7,7 +7,7 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 pub struct PerAxis<T>(pub Vec<(String, T)>);
 
 impl<T> PerAxis<T> {
-    /// Whether it holds nothing.
+    /// True if it holds nothing.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

@@ -1,4 +1,4 @@
-//! What a run looks like: feeds the view with the programmed path and with what twin and drives do.
+//! Live view of a run: sends the programmed path and the motion of twin and drives to the view.
 
 use crate::axis_kind::AxisKind;
 use crate::compare::Measured;
@@ -35,7 +35,7 @@ const BATCH: usize = 2000;
 /// More of a program's text than this is not shown beside the machine, bytes.
 const MAX_TEXT: u64 = 8 << 20;
 
-/// The view of a run; does nothing if nobody asked for one.
+/// The live view of a run; does nothing if none was requested.
 #[derive(Debug)]
 pub struct Picture<'m> {
     machine: &'m Machine,
@@ -273,7 +273,7 @@ impl<'m> Picture<'m> {
     }
 }
 
-/// Why there is no view.
+/// Errors that leave a run without a view.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
     /// The recording or the page.
@@ -287,7 +287,7 @@ pub enum PictureError {
     Read(#[from] std::io::Error),
 }
 
-/// What is around a machine, for the view.
+/// Obstacles around a machine, for the view.
 pub(crate) fn obstacles(machine: &Machine) -> Vec<Obstacle<'_>> {
     let collision = machine.collision.iter();
     let obstacles = collision.flat_map(|collision| &collision.surroundings.obstacles);

@@ -1,4 +1,4 @@
-//! What set-points can be sent to: a simulated machine or drives.
+//! Plant: the interface of anything that follows set-points, a simulated machine or drives.
 
 use crate::machine::FaultAt;
 use crate::physics::{EventKind, MotorLoad, MotorState, Part};
@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
 use twin_motion::Place;
 
-/// Where the axes were found at one instant.
+/// Measured axis positions at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisFeedback {
     /// Since the start of the program, ns.
@@ -16,14 +16,14 @@ pub struct AxisFeedback {
     pub position: AxisVector,
 }
 
-/// Something that happened beside the motion, and the block at which it did.
+/// An event besides the motion, and its block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Happening {
     /// The block in which the set-point was.
     pub place: Place,
     /// The axis, in machine-file order.
     pub axis: usize,
-    /// What it was; what happened to an axis more than once in a line is one, with all steps that were lost.
+    /// Its kind. Repeated events of an axis in one line count as one, with the sum of lost steps.
     pub kind: EventKind,
 }
 
@@ -32,9 +32,9 @@ pub struct Happening {
 pub struct Blow {
     /// The block in which the set-point was.
     pub place: Place,
-    /// What ran into what.
+    /// The parts that collided.
     pub parts: [Part; 2],
-    /// How fast they came towards each other, m/s.
+    /// Approach speed, m/s.
     pub speed: f64,
     /// The largest force between them while the machine came to a stop, mean over a cycle, N.
     pub force: f64,
@@ -45,7 +45,7 @@ pub struct Blow {
 pub struct ProbeTouch {
     /// The block in which the set-point was.
     pub place: Place,
-    /// Where the axes were found at the end of the cycle, m or rad.
+    /// Measured axis positions at the end of the cycle, m or rad.
     pub position: AxisVector,
 }
 
@@ -58,22 +58,22 @@ pub struct ProbeMiss {
     pub nearest: f64,
 }
 
-/// What a plant tells of a whole run.
+/// Record of a plant for a whole run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlantRecord {
-    /// What happened, in the order of lines.
+    /// Events, in the order of lines.
     pub happenings: Vec<Happening>,
-    /// Faults that were asked for and have not begun.
+    /// Faults of the scenario that have not begun.
     pub faults_to_come: Vec<FaultAt>,
-    /// Where probes touched something.
+    /// Touches of probes.
     pub touches: Vec<ProbeTouch>,
-    /// Where probes should have touched something and have not.
+    /// Probing moves that should have touched something and have not.
     pub missed: Vec<ProbeMiss>,
-    /// What was run into.
+    /// Collisions.
     pub blows: Vec<Blow>,
-    /// How often more happened than is kept.
+    /// Number of events that are not kept.
     pub left_out: u64,
-    /// What the motors gave, in machine-file order; none where it is not known.
+    /// Motor loads, in machine-file order; none where they are not known.
     pub loads: Vec<MotorLoad>,
 }
 

@@ -1,4 +1,4 @@
-//! Threads that must not wait for others.
+//! Thread priority: real-time scheduling for threads that talk to drives, ordinary scheduling for long computations.
 
 use thread_priority::unix::{set_thread_priority_and_policy, thread_native_id};
 use thread_priority::{
@@ -12,7 +12,7 @@ const PRIORITY: u8 = 10;
 /// As nice as any other program.
 const ORDINARY: u8 = 48;
 
-/// Runs the calling thread as any other program, although it was started by one that does not wait: what reckons for long.
+/// Gives the calling thread ordinary scheduling, for long computations in threads that a real-time thread has started.
 ///
 /// # Errors
 /// Where threads cannot be told apart.

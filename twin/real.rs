@@ -1,4 +1,4 @@
-//! The real drives of a machine file, on the ports that it names.
+//! Real drives: opens the ports of a machine file and connects the drivers.
 
 use crate::advice::advice_in_run;
 use crate::emulated::{driver_options, module_options, smartdrive_axis};
@@ -15,7 +15,7 @@ use twin_drives::interpcnc::{InterpCncDrive, InterpCncOptions};
 use twin_drives::smartdrive::{SmartDriveBus, SmartDriveOptions};
 use twin_drives::{Action, Drive, DriveError, Exchange};
 
-/// Why no real drive can be had.
+/// Errors that leave a device without a driver.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The machine file does not say where it is.
@@ -37,7 +37,7 @@ pub enum OpenError {
 }
 
 impl OpenError {
-    /// What can be done about it.
+    /// Remedy.
     pub fn advice(&self) -> Option<String> {
         match self {
             Self::NoPort { .. } => None,
@@ -48,8 +48,8 @@ impl OpenError {
     }
 }
 
-/// How long the driver of a device waits for an answer, and how long after that before it asks again, lest an answer that is
-/// late be taken for another.
+/// Response timeout of the driver of a device, and the pause before it asks again. The pause keeps a late response from
+/// being taken for another.
 pub(crate) fn waits(device: &DeviceEntry) -> [Duration; 2] {
     let said = device.answer_ms.map(|time_ms| Duration::from_millis(time_ms.into()));
     let usual = match &device.family {
@@ -133,7 +133,7 @@ fn module(
     Bim2AxDrive::new(port, memory, &options)
 }
 
-/// The memory of a module, a device or an emulator's file, of which nobody else may be the master meanwhile.
+/// The memory of a module, a device or an emulator's file, locked against other masters.
 ///
 /// # Errors
 /// If it cannot be opened, or another program is its master.
@@ -143,7 +143,7 @@ pub(crate) fn module_memory(path: &Path, map_offset: Option<u64>) -> io::Result<
     Ok(ModuleMemory::Device { memory, _master: Master::of_device(path, start)? })
 }
 
-/// The same, but beside a master where there is another one: for a stop, which has to get through.
+/// As [`module_memory`], also if another program is the master: for a stop, which has to get through.
 ///
 /// # Errors
 /// If it cannot be opened.
@@ -182,7 +182,7 @@ impl std::fmt::Debug for ModuleMemory {
 }
 
 impl ModuleMemory {
-    /// Whether another program is the master of the module.
+    /// True if another program is the master of the module.
     pub(crate) fn is_beside(&self) -> bool {
         matches!(self, Self::Beside(_))
     }

@@ -1,9 +1,9 @@
-//! Rings of axes that follow each other.
+//! Coupling cycles: axes that follow each other in a ring.
 
 use std::collections::VecDeque;
 
-/// A ring of axes that follow each other, from master to slave; the axis of the least number that is in one stands at its
-/// begin and again at its end. `couplings` are masters with their slaves. None if nobody follows itself.
+/// Finds a coupling cycle, from master to slave. It begins and ends with the axis of the least number that is in a
+/// cycle. `couplings` are masters with their slaves. None if there is no cycle.
 pub(crate) fn find(couplings: &[(usize, usize)]) -> Option<Vec<usize>> {
     let mut axes: Vec<_> = couplings.iter().map(|(master, _)| *master).collect();
     axes.sort_unstable();
@@ -32,7 +32,7 @@ fn back_to(axis: usize, couplings: &[(usize, usize)]) -> Option<Vec<usize>> {
     None
 }
 
-/// It in words: `X -> Y -> X`.
+/// The cycle in words: `X -> Y -> X`.
 pub(crate) fn told<'n>(ring: &[usize], name: impl Fn(usize) -> &'n str) -> String {
     ring.iter().map(|axis| name(*axis)).collect::<Vec<_>>().join(" -> ")
 }

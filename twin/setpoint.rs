@@ -1,4 +1,4 @@
-//! Set-points per axis: the one stream that physics and drives both get.
+//! Axis set-points, one per cycle: the stream that physics and drives both receive, and the transform that produces it.
 
 use crate::coupled::{AxesError, Coupled};
 use crate::m_function::MCall;
@@ -8,11 +8,11 @@ use twin_kinematics::{AxisMotion, AxisSource, AxisVector, Kinematics, Pose, Tool
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
 
-/// How far ahead of the wall clock set-points are planned for drives, ns. A device that retargets thirty times a
+/// Planning horizon of set-points for drives, ahead of the wall clock, ns. A device that retargets thirty times a
 /// second needs to see its next turning point; a stop requested by the user takes effect after this time.
 pub const HORIZON_NS: i64 = 250_000_000;
 
-/// Where every axis shall be at one instant.
+/// Set-points of all axes at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisSetpoint {
     /// Since the start of the program, ns.
@@ -23,15 +23,15 @@ pub struct AxisSetpoint {
     pub axes: AxisMotion,
     /// The tool in the machine frame.
     pub tool: ToolMotion,
-    /// The M function at which the path stands.
+    /// The M function at which the path waits.
     pub m_call: Option<MCall>,
     /// Velocity along the path, m/s.
     pub path_velocity: f64,
     /// Programmed velocity along the path, m/s; `None` on a rapid.
     pub feed: Option<f64>,
-    /// Whether the tool is on its way to touch something.
+    /// True during a probing move.
     pub probing: bool,
-    /// What the tappets of cams have switched on, in the order of the program's signals.
+    /// Tappet signals that are on, in the order of the program's signals.
     pub tappets: TappetBits,
 }
 
@@ -72,12 +72,12 @@ impl<'m> Transformer<'m> {
         Self { machine, near: machine.middle(), has_additional, coupled }
     }
 
-    /// What tappets switch: the bits of the set-points in their order.
+    /// Signals of the tappets: the bits of the set-points in their order.
     pub(crate) fn signals(&self) -> &[Signal] {
         self.coupled.signals()
     }
 
-    /// Where the master that switched a signal last is at the last set-point.
+    /// Position of the master that switched a signal last, at the last set-point.
     pub(crate) fn tappet_master(&self, signal: usize) -> Option<MasterPlace> {
         self.coupled.tappet_master(signal)
     }
@@ -87,8 +87,8 @@ impl<'m> Transformer<'m> {
         self.coupled.lost_tappets()
     }
 
-    /// Slaves and their masters, by name, that stood on tappets of the cam between them at the first set-point, with the groups
-    /// of these.
+    /// Slaves and masters, by name, whose master was on tappets of their cam at the first set-point, with the tappet
+    /// groups.
     pub(crate) fn stood_on_tappets(&self) -> impl Iterator<Item = ([&'m str; 2], Vec<i16>)> {
         let machine = self.machine;
         let name = |index: usize| machine.axes.get(index).map_or("", |axis| axis.name.as_str());

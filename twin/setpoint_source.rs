@@ -1,4 +1,4 @@
-//! Items of a set-point source, whatever plans them: controller, axis limits or a job.
+//! Items of a set-point source, which may be the controller, the axis-limited plan or a job.
 
 use crate::finding::Finding;
 use crate::program::ProgramItem;
@@ -11,7 +11,7 @@ pub const LEAST_OVERRIDE: f64 = Override::LEAST;
 /// The largest override.
 pub const MOST_OVERRIDE: f64 = 2.0;
 
-/// What comes out of a program, one after the other.
+/// Items of a program, one after the other.
 #[derive(Debug)]
 pub(crate) enum PlanItem {
     /// Where the tool shall be at the next instant, which the transform makes axes of.

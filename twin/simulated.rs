@@ -1,4 +1,4 @@
-//! The simulated machine as a plant.
+//! Simulated machine as a plant: one simulated cycle per set-point.
 
 use crate::in_loop::DrivesInLoop;
 use crate::machine::{
@@ -92,7 +92,7 @@ impl Simulated {
         })
     }
 
-    /// The same with faults to come, and the noise of a seed.
+    /// The machine with faults to come, and the noise of a seed.
     #[must_use]
     pub fn in_scenario(self, scenario: &Scenario) -> Self {
         let physics = self.physics.with_seed(scenario.seed);
@@ -104,7 +104,7 @@ impl Simulated {
         &self.physics
     }
 
-    /// Whether the tool touches anything where the axes are; stock, too.
+    /// Result true if the tool touches anything at the present axis positions, including stock.
     pub(crate) fn touches(&mut self) -> Result<bool, PhysicsError> {
         let position = self.physics.axis_state().position;
         self.probe.as_mut().map_or(Ok(false), |probe| probe.touches(&position))

@@ -1,4 +1,4 @@
-//! Tables for people.
+//! Tables on a terminal.
 
 use comfy_table::{ContentArrangement, LineStyle, Table, TableStyle};
 use std::io::{self, IsTerminal};

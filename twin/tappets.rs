@@ -1,15 +1,15 @@
-//! What the tappets of cams switch while they are run (manual 4.4.2, `SMC_GetTappetValue` 5.5).
+//! Tappet signals of the cams that run (manual 4.4.2, `SMC_GetTappetValue` 5.5).
 //!
-//! Every group of tappets of a slave is a signal, off at the beginning (`bInitValue`). It is asked for at every set-point, as
-//! the block is in every cycle: a switching has the time of the set-point at which it is seen first. A slave that changes its
+//! Every tappet group of a slave is one signal, initially off (`bInitValue`). It is evaluated at every set-point, as
+//! the block is in every cycle. A switching has the time of the first set-point that shows it. A slave that changes its
 //! cam keeps its signals (`bSetInitValueAtReset` is FALSE).
 
 use twin_motion::cam::{TappetBit, TappetData, Trigger};
 
-/// As many signals as one program may have.
+/// Largest number of signals of one program.
 pub const MOST_SIGNALS: usize = 64;
 
-/// What the tappets of one group switch.
+/// Signal of one tappet group.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Signal {
     /// Name of the slave whose cam has the tappets.
@@ -42,7 +42,7 @@ pub struct TappetOutput {
 pub struct TappetBits(u64);
 
 impl TappetBits {
-    /// Whether the signal `index` is on.
+    /// True if the signal `index` is on.
     pub fn is_on(self, index: usize) -> bool {
         index < MOST_SIGNALS && self.0 >> index & 1 == 1
     }
@@ -61,7 +61,7 @@ impl TappetBits {
     }
 }
 
-/// Where a master is, for people.
+/// Position of a master, for people.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MasterPlace {
     /// Name of the axis.
@@ -91,7 +91,7 @@ struct Track {
 }
 
 impl Tracks {
-    /// A signal more, if there is none yet for this group of this slave; false if there are too many.
+    /// Adds a signal for this group of this slave, if there is none yet; false if there are too many.
     pub(crate) fn add(&mut self, slave: usize, name: &str, group: i16) -> bool {
         if self.find(slave, group).is_some() {
             return true;
@@ -123,7 +123,8 @@ impl Tracks {
         }
     }
 
-    /// What the cam between `slave` and `master` has told in a cycle, whose clock is `later_ns` behind the program's.
+    /// Takes the tappet actions of the cam between `slave` and `master` in a cycle, whose clock is `later_ns` behind
+    /// the program's.
     pub(crate) fn take_all(
         &mut self,
         (slave, master): (usize, usize),
@@ -147,7 +148,7 @@ impl Tracks {
         self.lost
     }
 
-    /// What the signals are at the set-point at `time_ns`.
+    /// States of the signals at the set-point at `time_ns`.
     pub(crate) fn at(&mut self, time_ns: i64) -> TappetBits {
         let mut bits = TappetBits::default();
         for (index, track) in self.of_signals.iter_mut().enumerate() {
@@ -171,9 +172,9 @@ pub struct TappetSwitch {
     pub on: bool,
     /// Set-point at which it is seen, ns.
     pub time_ns: i64,
-    /// Where the program is then.
+    /// Place in the program.
     pub place: twin_motion::Place,
-    /// Where the master is then.
+    /// Position of the master then.
     pub master: Option<MasterPlace>,
 }
 
@@ -187,9 +188,9 @@ pub struct Switched {
     pub signals: Vec<Signal>,
     /// The first [`MOST_SWITCHES`] switchings, in the order of time.
     pub switches: Vec<TappetSwitch>,
-    /// How often each signal was switched.
+    /// Number of switchings of each signal.
     pub counts: Vec<u64>,
-    /// How many switchings were not kept.
+    /// Number of switchings that were not kept.
     pub left_out: u64,
     /// Tappets that did not act because there were too many in a cycle.
     pub lost: u64,

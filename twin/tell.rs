@@ -1,4 +1,4 @@
-//! What is said on standard error.
+//! Standard error output that never fails.
 
 use std::fmt::Arguments;
 use std::io::{self, Write};

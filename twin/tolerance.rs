@@ -1,17 +1,17 @@
-//! Comparison of values with limits: rounding, and jumps that have no velocity of their own.
+//! Limit comparison with a rounding tolerance, and detection of set-point jumps that have no velocity of their own.
 
 /// A value may exceed its limit by this fraction before it counts: rounding, not motion.
 pub(crate) const ROUNDING: f64 = 1e-9;
 
-/// Whether the velocity `stepped`, by the difference of two cycles, is told by nothing else. A jump of the set-point (G92, or the
-/// direction of the tool at a corner) has no velocity of its own: neither of the `velocities` then is beyond `most`, or the path
-/// rests at both ends.
+/// True if only the position difference of two cycles shows the velocity `stepped`. A jump of the set-point (G92, or
+/// the direction of the tool at a corner) has no velocity of its own: neither of the `velocities` then is beyond
+/// `most`, or the path rests at both ends.
 pub(crate) fn is_hidden(stepped: f64, velocities: [f64; 2], at_rest: bool, most: f64) -> bool {
     let told = velocities.into_iter().any(|velocity| exceeds(velocity, most));
     at_rest || (exceeds(stepped, most) && !told)
 }
 
-/// Whether `value` exceeds `limit` by more than rounding.
+/// True if `value` exceeds `limit` by more than rounding.
 pub(crate) fn exceeds(value: f64, limit: f64) -> bool {
     value.abs() > limit * (1.0 + ROUNDING)
 }

@@ -1,4 +1,4 @@
-//! The tool of the simulated machine as a touch probe.
+//! Touch probe: the tool of the simulated machine during a probing move.
 
 use crate::physics::{ClearanceScan, Part, PhysicsError, YieldingTool};
 use crate::plant::{ProbeMiss, ProbeTouch};
@@ -37,10 +37,10 @@ struct Search {
     nearest: f64,
 }
 
-/// What a cycle has brought.
+/// Result of a cycle.
 #[derive(Debug)]
 pub(crate) struct Felt {
-    /// What the tool gives way to from now on.
+    /// Parts without contact force against the tool from now on.
     pub(crate) yielding: YieldingTool,
     pub(crate) touch: Option<ProbeTouch>,
     pub(crate) missed: Option<ProbeMiss>,
@@ -52,14 +52,15 @@ impl TouchProbe {
         Self { scan, reach: TOUCH + resolution, touching: None, search: None }
     }
 
-    /// Whether the tool touches anything where the axes are; stock, too.
+    /// Result true if the tool touches anything at the present axis positions, including stock.
     pub(crate) fn touches(&mut self, position: &AxisVector) -> Result<bool, PhysicsError> {
         let nearest = self.scan.nearest(position)?;
         Ok(nearest.is_some_and(|nearest| nearest.distance <= self.reach))
     }
 
-    /// What the probe feels where the axes are. Behind its move it gives way to what it touched alone, and is stiff when it has come
-    /// free of that, or has gone too far into it. Drives that follow `late` come to the end of the move while the plan waits there.
+    /// Probe state at the present axis positions. After its move the probe yields only to the part that it touched, and
+    /// is stiff when it has come free of that, or has gone too far into it. Drives that follow `late` come to the end
+    /// of the move while the plan waits there.
     pub(crate) fn feel(
         &mut self,
         setpoint: &AxisSetpoint,

@@ -12,7 +12,7 @@ const SECTIONS: [&str; 4] =
     ["CAM (manual 4)", "SM_DriveBasic.lib", "SM_PLCopen.lib", "SM_FileFBs.lib"];
 /// Names of tables of examples, and types of variables that are said by words in a file.
 const OF_FILES: &str = "SMC_TYPE_";
-const CRATES: [&str; 2] = ["motion/", "drives/"];
+const CRATES: [&str; 3] = ["motion/", "drives/", "twin/"];
 
 /// Names without a place where they are found.
 fn check(tree: &Tree) -> io::Result<Vec<Offence>> {
@@ -38,7 +38,7 @@ fn check(tree: &Tree) -> io::Result<Vec<Offence>> {
         for name in names(item).filter(|name| !name.starts_with(OF_FILES) && !known.contains(*name))
         {
             let what = format!(
-                "`{name}` works, and nothing of motion or drives has its name or `#[doc(alias = \"{name}\")]`"
+                "`{name}` works, and nothing of motion, drives or twin has its name or `#[doc(alias = \"{name}\")]`"
             );
             offences.push(Offence::new(PAGE, index + 1, what));
         }

@@ -1,4 +1,4 @@
-//! What only a run shows.
+//! Run findings: following errors, faults and collisions that only a run shows.
 
 use super::messages;
 use crate::compare::Comparison;
@@ -7,7 +7,7 @@ use crate::machine::Machine;
 use crate::plant::{Happening, PlantRecord};
 use crate::tolerance::exceeds;
 
-/// What the simulated machine did in a run, where an axis was farther from its set-points than its machine file allows.
+/// Following errors of the simulated machine in a run that are beyond the limits of the machine file.
 pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Finding> {
     let axes = machine.axes.iter().zip(&comparison.axes);
     let beyond = axes.filter_map(|(axis, statistics)| {
@@ -28,7 +28,7 @@ pub fn happening(machine: &Machine, happening: &Happening) -> Option<Finding> {
     messages::happened(machine, happening)
 }
 
-/// What happened to the simulated machine in a run.
+/// Events of the simulated machine in a run.
 pub fn happenings(machine: &Machine, record: &PlantRecord) -> Vec<Finding> {
     let blows = record.blows.iter().map(|blow| messages::ran_into(machine, blow));
     let others = record.happenings.iter().filter_map(|one| messages::happened(machine, one));

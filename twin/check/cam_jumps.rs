@@ -1,4 +1,4 @@
-//! Jumps of the machine file's cams, where a program makes a master pass them.
+//! Jumps of the machine file's cams at the master positions that a program passes.
 
 use crate::finding::{Finding, Rule, Severity};
 use crate::job::JobSetpoints;
@@ -37,7 +37,7 @@ struct Watched<'m> {
 }
 
 impl<'m> CamJumps<'m> {
-    /// Those of `machine`.
+    /// Cam jumps of `machine`.
     pub(super) fn new(machine: &'m Machine) -> Self {
         let watched = |coupling: &'m crate::machine::Coupling| {
             let CoupledBy::Cam(selection) = &coupling.by else { return None };
@@ -64,7 +64,7 @@ impl<'m> CamJumps<'m> {
         self.cams.retain(|cam| !job.disturbs(cam.axis, cam.master));
     }
 
-    /// What jumps on the way to this set-point: the slave's axis, and what is to be told of it.
+    /// Cams that jump on the way to this set-point: the slave's axis, and the finding.
     pub(super) fn look(&mut self, setpoint: &AxisSetpoint) -> Vec<(usize, Finding)> {
         let mut found = Vec::new();
         for cam in &mut self.cams {

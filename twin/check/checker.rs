@@ -1,4 +1,4 @@
-//! Looks at every set-point of a program: limits of the axes, jumps, and what the simulated machine makes of it.
+//! Set-point checks: axis limits, jumps, and the deviation of the simulated machine.
 
 use super::cam_jumps::CamJumps;
 use super::findings::{About, Findings};
@@ -20,7 +20,7 @@ use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
 use twin_motion::path::EXTRA_AXES;
 
-/// Looks at every set-point.
+/// Checker of every set-point.
 #[derive(Debug)]
 pub(super) struct Checker<'m> {
     machine: &'m Machine,
@@ -67,7 +67,7 @@ impl<'m> Checker<'m> {
         }
     }
 
-    /// What is checked is this job, or none.
+    /// Starts the check of this job, or of a program where there is none.
     pub(super) fn begin(&mut self, job: Option<&JobSetpoints<'_>>) {
         if let Some(job) = job {
             self.jumps.leave_out(job);
@@ -108,7 +108,7 @@ impl<'m> Checker<'m> {
         }
     }
 
-    /// Looks at a set-point of the axes, and hands it back.
+    /// Checks a set-point of the axes, and returns it.
     pub(super) fn axes<'s>(&mut self, setpoint: &'s AxisSetpoint) -> &'s AxisSetpoint {
         self.duration_ns = setpoint.time_ns;
         let last = self.last.replace(*setpoint);

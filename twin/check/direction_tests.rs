@@ -1,4 +1,4 @@
-//! Tools that turn with the path.
+//! Tests of tools that turn with the path.
 
 use super::Outcome;
 use super::tests::checked as outcome;

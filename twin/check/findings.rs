@@ -1,4 +1,4 @@
-//! Findings of one program, bounded in number.
+//! Findings of one program, with a maximum number per severity.
 
 use crate::finding::{Finding, Rule, Severity};
 use crate::physics::Part;
@@ -12,7 +12,7 @@ pub(super) const MAX_FINDINGS: usize = 1000;
 /// line.
 const REMEMBERED: usize = 64;
 
-/// What a finding is about, beside its line and rule.
+/// Subject of a finding besides its line and rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum About {
     /// An axis, in machine-file order.

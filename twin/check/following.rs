@@ -1,4 +1,4 @@
-//! How well the drives will follow: their rehearsal beside the check, before anything moves.
+//! Following-error prediction: the drives' response to the set-points, computed in simulated time during the check.
 
 use super::findings::{About, Findings};
 use super::messages;
@@ -21,24 +21,24 @@ const BATCH: usize = 256;
 /// Batches that may wait for it.
 const WAITING: usize = 4;
 
-/// How well the drives will follow a program, as far as that is theirs: the times on their wires and their profile generators.
-/// What a busy computer adds is not in it, nor what motors make of it.
+/// Following-error prediction for a program: the effect of the timing on the wires and of the drives' profile
+/// generators. It does not include delays of a busy computer or the response of the motors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PredictedFollowing {
     /// Of the tool tip from where the set-points have it, m.
     pub tool: Statistics,
     /// Of each axis from its set-points, m or rad, machine-file order; none of an axis without drive.
     pub axes: Vec<Option<Statistics>>,
-    /// Of each device on which axes hang.
+    /// Traffic of each device that drives axes.
     pub devices: Vec<PredictedTraffic>,
 }
 
-/// How much is said on the wire of a device.
+/// Predicted traffic on the wire of a device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PredictedTraffic {
     /// Index into [`Machine::drives`].
     pub device: usize,
-    /// What its wire carries at most.
+    /// Largest rates that its wire carries.
     pub rates: WireRates,
     /// Commands and samples together while the program runs, 1/s.
     pub exchanges_per_s: f64,
@@ -121,14 +121,14 @@ impl<'m> Follower<'m> {
     }
 }
 
-/// What the wires of the drives of `machine` carry at most, device by device (index into [`Machine::drives`]).
+/// Largest rates that the wires of the drives of `machine` carry, device by device (index into [`Machine::drives`]).
 pub fn wire_rates(machine: &Machine) -> Vec<(usize, WireRates)> {
     let drives = DrivesInLoop::all(machine);
     let rehearsals = drives.iter().flat_map(DrivesInLoop::rehearsals);
     rehearsals.map(|(device, rehearsal)| (device, rehearsal.rates())).collect()
 }
 
-/// The drives' rehearsal in a thread beside the check, of which it takes about as long as the check itself.
+/// Following-error prediction in a background thread. It takes about as long as the check itself.
 #[derive(Debug)]
 pub(super) struct FollowingBeside<'scope> {
     batch: Vec<AxisSetpoint>,
@@ -167,7 +167,7 @@ impl<'scope> FollowingBeside<'scope> {
         }
     }
 
-    /// What will come of it, with its findings and how many were left out.
+    /// The prediction, with its findings and the number of findings that were left out.
     pub(super) fn finish(self) -> Option<(PredictedFollowing, Vec<Finding>, u64)> {
         let Self { batch, sender, thread } = self;
         sender.send(batch).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Predictions of how well drives follow: against closed forms, and that they are told where they belong.
+//! Tests of following-error predictions against closed forms, and of the places that report them.
 
 use super::following::Follower;
 use super::{CheckOptions, Outcome, check, wire_rates};

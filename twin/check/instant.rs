@@ -1,4 +1,4 @@
-//! What set-points ask of one axis, and with which feed they would ask for less.
+//! Motion of one axis at one set-point, and the largest feed that keeps it within a limit.
 
 use crate::setpoint::AxisSetpoint;
 use twin_kinematics::AxisVector;
@@ -53,8 +53,8 @@ impl Instant {
         (along(self).abs() <= limit).then_some(feed * 1e3)
     }
 
-    /// The acceleration that positions ask for from cycle to cycle beyond what both velocities explain; of an axis `free` of
-    /// any path that beyond the mean of both, and that of velocities that step.
+    /// Acceleration that follows from the positions of two cycles beyond the one that both velocities explain. For an
+    /// axis `free` of any path it is the acceleration beyond the mean of both, and that of velocities that step.
     pub(super) fn jump(&self, before: &Self, cycle: f64, free: bool) -> f64 {
         let stepped = (self.position - before.position) / cycle;
         if free {

@@ -1,4 +1,4 @@
-//! Messages of the check: what is wrong, with value and limit.
+//! Messages of the check: the fault, with value and limit.
 
 use crate::axis_kind::AxisKind;
 use crate::finding::{Finding, Rule, Severity};
@@ -89,7 +89,7 @@ pub(super) fn too_far(axis: &Axis, place: Place, error: f64, limit: f64) -> Find
     too_much(axis, Rule::FollowingError, &quantity, place, error, limit)
 }
 
-/// What to do about a rapid in RS274 that is too fast, whose velocity is `velocity`, m/s.
+/// Hint on a rapid in RS274 that is too fast, whose velocity is `velocity`, m/s.
 pub(super) fn rapid_hint(velocity: f64) -> String {
     let velocity = crate::number::significant(velocity * 1e3, 6);
     format!(
@@ -104,7 +104,7 @@ pub(super) fn drive_too_far(axis: &Axis, place: Place, error: f64, limit: f64) -
     Finding { severity: Severity::Warning, ..finding }
 }
 
-/// Something that happened to the simulated machine; `None` if it is none of the program's business.
+/// An event of the simulated machine; `None` if it does not concern the program.
 pub(super) fn happened(machine: &Machine, happening: &Happening) -> Option<Finding> {
     let Happening { place, axis, kind } = *happening;
     let axis = machine.axes.get(axis)?;
@@ -223,7 +223,7 @@ pub(super) fn missed(miss: &ProbeMiss) -> Finding {
     Finding::error(Rule::Probe, miss.place, message).with_value(nearest, 0.0, "mm")
 }
 
-/// A fault that was asked for and has not begun.
+/// A fault of the scenario that has not begun.
 pub(super) fn never_began(machine: &Machine, fault: &FaultAt) -> Finding {
     let (line, when) = match fault.start {
         FaultStart::Time(time_ns) => (1, format!("at {} s", seconds(time_ns))),
@@ -249,7 +249,7 @@ pub(super) fn lost(place: Place, error: &SimulationError) -> Finding {
     Finding::error(Rule::FollowingError, place, message)
 }
 
-/// What is run into was near before.
+/// Removes clearance warnings about parts that also collide.
 pub(super) fn leave_out_nearness(findings: &mut Vec<Finding>) {
     let is_collision = |finding: &&Finding| finding.rule == Rule::Collision;
     let hits = findings.iter().filter(is_collision);
@@ -262,7 +262,7 @@ pub(super) fn leave_out_nearness(findings: &mut Vec<Finding>) {
     });
 }
 
-/// On the way to a point that cannot be reached the axes are asked for the impossible, too; no feed would help.
+/// Removes findings about axes near a point that cannot be reached: no feed would help them.
 pub(super) fn leave_out_consequences(findings: &mut Vec<Finding>) {
     let unreachable: BTreeSet<_> = findings
         .iter()

@@ -1,4 +1,4 @@
-//! Validates a program on the virtual machine: everything that must be known before anything moves.
+//! Program check on the virtual machine, before anything moves.
 
 mod after;
 mod cam_jumps;
@@ -49,7 +49,7 @@ pub use way::{BlockClearance, Clearances};
 const CONTROLLER: [f64; 3] = [1.0; 3];
 const WITHIN_AXES: [f64; 3] = [1.001, 1.001, 1.05];
 
-/// What checking a program has told.
+/// Result of a check.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
     /// Number of path elements.
@@ -62,35 +62,35 @@ pub struct Outcome {
     pub untaken_ns: i64,
     /// Largest values per axis, machine-file order.
     pub peaks: Vec<AxisPeak>,
-    /// What was found, worst first.
+    /// Findings, worst first.
     pub findings: Vec<Finding>,
-    /// How many further findings there are.
+    /// Number of further findings.
     pub findings_left_out: u64,
-    /// Where the axes are at the first set-point, m or rad.
+    /// Axis positions at the first set-point, m or rad.
     pub start: Option<AxisVector>,
-    /// What the motors of the simulated machine gave, machine-file order; none if it was not simulated.
+    /// Loads of the simulated motors, machine-file order; none if it was not simulated.
     pub loads: Vec<MotorLoad>,
-    /// How near everything came to what is in the way; none if the machine file speaks of nothing.
+    /// Smallest clearances; none if the machine file has no obstacles and no collision check.
     pub clearances: Clearances,
-    /// How well the drives will follow; none if that was not asked for, there are none, or the machine cannot take a set-point.
+    /// Following-error prediction; none if it was not requested, there are no drives, or the machine cannot take a
+    /// set-point.
     pub following: Option<PredictedFollowing>,
-    /// What the tappets of cams switch.
+    /// Tappet switchings of the cams.
     pub tappets: Switched,
     /// Numbers of the M functions that are executed.
     pub m_calls: BTreeSet<u16>,
 }
 
-/// How far a check has come.
+/// Progress of a check.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
-    /// Bytes of the program's file that are done; none of a job that does not say how long it takes: nobody knows how much is
-    /// to come.
+    /// Bytes of the program's file that are done; none for a job without a duration, whose end is not known.
     pub bytes: Option<u64>,
     /// Time of the program, ns.
     pub time_ns: i64,
 }
 
-/// Checks a whole program. `progress` is told how far it has come.
+/// Checks a whole program. `progress` receives the progress.
 ///
 /// # Errors
 /// If the file cannot be read, the simulated machine cannot be built, or the machine is none whose axes a path can be planned
@@ -104,7 +104,7 @@ pub fn check(
     check_watched(machine, program, options, progress, &mut |_| {})
 }
 
-/// The same; `watch` is told, set-point by set-point, how near everything is to what is in the way.
+/// As [`check`], and gives `watch` the smallest clearance at every set-point.
 ///
 /// # Errors
 /// Those of [`check`].

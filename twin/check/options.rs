@@ -1,11 +1,11 @@
-//! How a program is checked, and why that may not be possible.
+//! Options of a check, and the errors that make a check impossible.
 
 use crate::limit::{LimitFailure, Limits, MachinePathError};
 use crate::m_function::Acknowledge;
 use crate::machine::{Scenario, SimulationError};
 use std::io;
 
-/// Why a program could not be checked.
+/// Errors that make a check impossible.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckFailure {
     /// The file.
@@ -28,16 +28,16 @@ impl From<LimitFailure> for CheckFailure {
     }
 }
 
-/// How a program is checked.
+/// Options of a check.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CheckOptions {
-    /// Whose limits the path is planned with.
+    /// Limits that the path is planned with.
     pub limits: Limits,
     /// Also on the simulated machine.
     pub physics: bool,
-    /// What goes wrong on the simulated machine.
+    /// Faults of the simulated machine.
     pub scenario: Scenario,
-    /// Who acknowledges M functions.
+    /// Acknowledgement of M functions.
     pub acknowledge: Acknowledge,
     /// Also predict how well the drives of the machine file will follow.
     pub drives: bool,

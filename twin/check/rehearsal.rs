@@ -1,4 +1,4 @@
-//! A program on the simulated machine.
+//! Simulation of a program during its check.
 
 use super::Checker;
 use super::messages;
@@ -27,7 +27,7 @@ impl<'m> Rehearsal<'m> {
         Self { machine, scenario, twin: None, lost: false, ahead: VecDeque::new() }
     }
 
-    /// Goes on to the last set-point; what there is to tell of all.
+    /// Simulates up to the last set-point, and returns the record of the whole program.
     pub(super) fn finish(
         mut self,
         checker: &mut Checker<'_>,

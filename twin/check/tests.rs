@@ -1,4 +1,4 @@
-//! Programs on machines, against closed forms.
+//! Tests of program checks against closed forms.
 
 #![expect(clippy::float_cmp, reason = "rounded before, or given")]
 

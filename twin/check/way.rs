@@ -1,4 +1,4 @@
-//! What is in the way of the machine.
+//! Collision check: clearance between machine, obstacles and links at every set-point.
 
 use super::findings::{About, Findings};
 use super::messages;
@@ -13,14 +13,14 @@ const MOST_BLOCKS: usize = 100_000;
 /// How deep parts may be in each other without that being told, m: what stands on something touches it.
 const TOUCHING: f64 = 1e-6;
 
-/// What came nearest to what in one block.
+/// Smallest clearance in one block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockClearance {
     /// The block.
     pub place: Place,
-    /// When, ns since the start of the program.
+    /// Time, ns since the start of the program.
     pub time_ns: i64,
-    /// What, and how near.
+    /// The two parts and their distance.
     pub nearest: Clearance,
     /// It may touch: it is a probe that does, or has not come free yet.
     pub may_touch: bool,
@@ -36,12 +36,12 @@ impl BlockClearance {
         is_same
     }
 
-    /// Whether this is less.
+    /// True if this clearance is smaller.
     pub fn is_nearer_than(&self, other: &Self) -> bool {
         self.nearest.distance < other.nearest.distance
     }
 
-    /// Whether the two are in each other; a probe must not be, either: it ends where it touches.
+    /// True if the two parts overlap. A probe must not overlap, either: it stops where it touches.
     pub fn is_collision(&self) -> bool {
         self.nearest.distance < -TOUCHING
     }
@@ -61,7 +61,7 @@ impl BlockClearance {
     }
 }
 
-/// How near everything came.
+/// Smallest clearances of a program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Clearances {
     /// The least, block by block, in the order in which they were run through; the first hundred thousand.
@@ -70,7 +70,7 @@ pub struct Clearances {
     pub least: Option<BlockClearance>,
 }
 
-/// Looks at every set-point.
+/// Collision check of every set-point.
 #[derive(Debug)]
 pub(super) struct Way {
     scan: ClearanceScan,
@@ -84,7 +84,7 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// `None` if nothing is looked for.
+    /// The collision check of `machine`; `None` if the machine file has none.
     pub(super) fn new(machine: &Machine) -> Result<Option<Self>, SimulationError> {
         let scan = machine.clearance_scan();
         let scan = scan.map_err(|error| SimulationError::of(machine, error))?;
@@ -98,7 +98,7 @@ impl Way {
         }))
     }
 
-    /// How near it is at a set-point; `None` where no links can be, which is another finding.
+    /// Smallest clearance at a set-point; `None` where the links have no pose, which is another finding.
     pub(super) fn look(
         &mut self,
         machine: &Machine,

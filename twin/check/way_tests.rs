@@ -1,4 +1,4 @@
-//! What is in the way of programs, in closed form.
+//! Tests of collision checks against closed forms.
 
 use crate::check::{CheckOptions, Outcome, check};
 use crate::finding::{Finding, Rule, Severity};

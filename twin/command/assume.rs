@@ -1,4 +1,4 @@
-//! `--assume`: what a manual leaves open, answered on the command line.
+//! `--assume` option: assumptions about drives where their manuals leave something open.
 
 use super::{Failure, show};
 use clap::builder::{StringValueParser, TypedValueParser};
@@ -17,7 +17,7 @@ pub(super) struct Assume {
 }
 
 impl Assume {
-    /// The usual assumptions of a family, and what was said.
+    /// The default assumptions of a family, changed by the given ones.
     ///
     /// # Errors
     /// If there is no such assumption or it cannot be so.

@@ -1,4 +1,4 @@
-//! `twin axes`: the transform as a calculator, and one axis of the simulated machine on its own.
+//! `twin axes`: forward and inverse kinematics as a calculator, and probing moves of one axis.
 
 use super::options::MachineOption;
 use super::{Failure, Status, axes_probe};

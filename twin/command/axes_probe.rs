@@ -1,4 +1,4 @@
-//! `twin axes probe`: one axis of the simulated machine searches with its probe.
+//! `twin axes probe`: a probing move of one axis of the simulated machine.
 
 use super::options::{InLoopOption, MachineOption};
 use super::{Failure, Status};

@@ -1,4 +1,4 @@
-//! Findings for people, those of one cause together.
+//! Grouping of findings by cause, for output to people.
 
 use crate::finding::{Finding, Rule, Severity};
 
@@ -49,12 +49,12 @@ pub(super) fn of(findings: &[Finding]) -> Vec<Cause<'_>> {
 }
 
 impl Cause<'_> {
-    /// How many findings there are of it.
+    /// Number of findings with this cause.
     pub(super) fn count(&self) -> usize {
         self.others.len() + 1
     }
 
-    /// In which other lines the same is found, if it is.
+    /// The other lines with the same finding, if there are any.
     pub(super) fn others(&self) -> Option<String> {
         let mut lines = self.others.clone();
         lines.sort_unstable();

@@ -1,4 +1,4 @@
-//! `twin explain`: what a number, a name or a rule means, and what to do about it.
+//! `twin explain`: meaning and remedy of error numbers, error names, rules and blocks.
 
 use super::show::table;
 use super::{Failure, Status};

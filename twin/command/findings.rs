@@ -1,4 +1,4 @@
-//! Findings on a terminal, with the lines they are about.
+//! Findings on a terminal, with the program lines they refer to.
 
 use super::{causes, underline};
 use crate::finding::{Finding, Severity};
@@ -15,7 +15,7 @@ use twin_motion::Place;
 /// How many findings a person is shown.
 const SHOWN_FINDINGS: usize = 20;
 
-/// Shows findings on standard error with the lines they are about, the worst first, and those of one cause once.
+/// Shows findings on standard error with their program lines, the worst first, and findings of one cause once.
 pub(super) fn findings(program: &ProgramFile, findings: &[Finding]) {
     let causes = causes::of(findings);
     let shown = causes.get(..SHOWN_FINDINGS).unwrap_or(&causes);

@@ -1,4 +1,4 @@
-//! How well drives will follow, for people.
+//! Following-error prediction as a table for people.
 
 use super::show::{against, amount, table};
 use crate::check::{Outcome, PredictedFollowing};
@@ -54,13 +54,13 @@ pub(super) fn predicted(machine: &Machine, predicted: &PredictedFollowing) -> Ta
     table
 }
 
-/// What a wire carries, in words.
+/// Rates of a wire, in words.
 pub(super) fn rates(rates: &WireRates) -> String {
     format!("{:.0} commands/s, {:.0} samples/s", rates.commands_per_s, rates.samples_per_s)
 }
 
-/// What one lost answer would cost: nobody corrects the axes of its device until the driver has given it up and asked again,
-/// and an axis whose way of that time is longer than its `max_following_error` stops the run.
+/// Cost of one lost answer. Until the driver has given it up and asked again, the axes of its device are not corrected.
+/// An axis that moves farther than its `max_following_error` in that time stops the run.
 pub(super) fn lost_answers(machine: &Machine, outcome: &Outcome) -> Vec<String> {
     let mut notes = Vec::new();
     for (index, entry) in machine.drives.iter().enumerate() {

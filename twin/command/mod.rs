@@ -1,4 +1,4 @@
-//! The command line: one module per command, exit status as the contract says.
+//! Command line: one module per command, and the exit status of each.
 
 mod assume;
 mod axes;
@@ -35,7 +35,7 @@ use miette::MietteDiagnostic;
 use std::io::Write;
 use std::process::ExitCode;
 
-/// How a command ended, in the order of the exit status.
+/// Result of a command, in the order of the exit status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Status {
     /// 0: done, nothing wrong.
@@ -152,7 +152,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Why a command could not be carried out.
+/// Errors that make a command fail.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
     /// The machine file.

@@ -1,4 +1,4 @@
-//! Options that several commands share.
+//! Command-line options that several commands share.
 
 use super::Failure;
 use crate::m_function::Acknowledge;
@@ -60,7 +60,7 @@ pub(super) struct InLoopOption {
 }
 
 impl InLoopOption {
-    /// Whether it was given.
+    /// True if the option was given.
     pub(super) fn given(self) -> bool {
         self.drives_in_loop
     }
@@ -228,7 +228,7 @@ impl ReadOptions {
         Err(Failure::Usage(format!("{what} is for programs in {whose}, which this is not")))
     }
 
-    /// The dialect asked for, or else guessed.
+    /// The given dialect, or else the guessed one.
     pub(super) fn dialect_of(&self, path: &Path) -> Result<Option<Dialect>, Failure> {
         match self.dialect {
             Some(dialect) => Ok(Some(dialect)),
@@ -236,7 +236,7 @@ impl ReadOptions {
         }
     }
 
-    /// How a program is read; `unit` is that of a tool table.
+    /// Read settings of a program; `unit` is that of a tool table.
     pub(super) fn settings(&self, unit: LengthUnit) -> Result<ReadSettings, Failure> {
         let mut variables = Variables::default();
         if let Some(file) = &self.variables_file {
@@ -275,7 +275,7 @@ fn tools(path: &Path, unit: LengthUnit) -> Result<ToolTable, Failure> {
     table.map_err(|error| Failure::Usage(tool_table_problem(path, &error)))
 }
 
-/// What is about paths has nothing to say of jobs.
+/// Refuses jobs where an option or command is about paths.
 pub(super) fn expect_path(program: &ProgramFile) -> Result<(), Failure> {
     if program.dialect() == Dialect::Job {
         return Err(Failure::Usage(format!(
@@ -307,7 +307,7 @@ pub(super) fn unreadable(path: &Path, source: std::io::Error) -> Failure {
     Failure::Program { path: path.display().to_string(), source }
 }
 
-/// Where a page is served unless told otherwise.
+/// Default address of a page.
 pub(super) const DEFAULT_ADDRESS: &str = "127.0.0.1:9090";
 
 /// An address to serve a page at: `PORT` on this computer only, or `HOST:PORT`.

@@ -1,4 +1,4 @@
-//! Progress of work that takes long, where no terminal shows a bar.
+//! Progress lines of long work, for standard error without a progress bar.
 
 use crate::check::Progress;
 use crate::clock::Clock;
@@ -7,7 +7,7 @@ use std::io::{self, IsTerminal, Write};
 
 const MINUTE_NS: i64 = 60_000_000_000;
 
-/// Progress lines of work that takes long, on standard error, where that is no terminal that shows a bar.
+/// Progress lines of long work on standard error, if that is not a terminal with a progress bar.
 #[derive(Debug)]
 pub(super) struct ProgressLines {
     what: String,
@@ -24,7 +24,7 @@ impl ProgressLines {
         Self { what, clock: Clock::start(), last: (0, 0), silent }
     }
 
-    /// So much of a program of so many bytes has been checked.
+    /// Reports progress of a check of a program of `bytes` bytes.
     pub(super) fn checked(&mut self, progress: &Progress, bytes: u64) {
         let Some(done) = progress.bytes else { return self.set_time(progress.time_ns) };
         self.set(done, bytes);
@@ -40,7 +40,7 @@ impl ProgressLines {
         writeln!(io::stderr(), "{}: at {:.0} s", self.what, seconds(time_ns)).unwrap_or_default();
     }
 
-    /// So much of the whole is done.
+    /// Reports that `done` of `of` parts are done.
     pub(super) fn set(&mut self, done: u64, of: u64) {
         if self.silent {
             return;

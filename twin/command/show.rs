@@ -1,4 +1,4 @@
-//! How things look on a terminal.
+//! Terminal output shared by commands: tables of peaks and loads, coloured cells, progress bars.
 
 pub(super) use super::findings::findings;
 use crate::check::Progress;
@@ -104,7 +104,7 @@ pub(super) fn loads(machine: &Machine, loads: &[MotorLoad]) -> Table {
 /// Numbers beyond this say no more than that something has run away.
 const HUGE: f64 = 1e5;
 
-/// A number with so many decimals and its unit, for a table.
+/// A number with `decimals` decimals and its unit, for a table.
 pub(super) fn amount(value: f64, decimals: usize, unit: &str) -> String {
     let space = if unit.is_empty() { "" } else { " " };
     if value.abs() < HUGE {
@@ -143,7 +143,8 @@ pub(super) fn progress(length: u64, template: &str) -> ProgressBar {
     bar
 }
 
-/// Moves a bar on as a check comes on; where nobody knows how much is to come, it becomes a spinner with the time of the program.
+/// Updates a bar from the progress of a check. If the end is not known, the bar becomes a spinner with the time of the
+/// program.
 pub(super) fn advance(bar: &ProgressBar, progress: &Progress) {
     if let Some(bytes) = progress.bytes {
         bar.set_position(bytes);
@@ -159,7 +160,7 @@ pub(super) fn advance(bar: &ProgressBar, progress: &Progress) {
     bar.tick();
 }
 
-/// The software limits of an axis in its unit, or that it goes round and round.
+/// The software limits of an axis in its unit, or a note that its rotation is unlimited.
 pub(super) fn limits(axis: &Axis) -> String {
     let show = |value: f64| fixed(axis.from_si(value), 1);
     match axis.period {

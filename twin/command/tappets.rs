@@ -1,4 +1,4 @@
-//! What tappets switch, as a table.
+//! Tappet switchings as a table.
 
 use super::show::table;
 use crate::number::fixed;

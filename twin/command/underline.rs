@@ -1,10 +1,11 @@
-//! Which words of a block a finding is about, where the finding itself does not know: the check sees set-points, not
-//! words.
+//! Words of a block to underline for a finding that has no columns of its own.
+//!
+//! The check sees set-points, not words.
 
 use crate::finding::{Finding, Rule};
 use std::ops::Range;
 
-/// What a line of a job says, which has no words but in its comment.
+/// Byte ranges to underline in a line of a job, without its comment.
 pub(super) fn key(line: &str, finding: &Finding) -> Vec<Range<usize>> {
     if finding.columns.is_some() {
         return words(line, finding);

@@ -1,4 +1,4 @@
-//! `twin view`: a recording in the browser.
+//! `twin view`: show a recording in the browser.
 
 use super::{Failure, Status, options, run};
 use std::net::SocketAddr;

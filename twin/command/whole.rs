@@ -1,4 +1,4 @@
-//! Files that take their names when they are whole.
+//! Atomic file writes: data goes to a temporary `.NAME.….part`, which is renamed on success.
 
 use super::Failure;
 use std::ffi::OsString;
@@ -7,8 +7,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// A file that is written beside its name and takes it when it is whole: what has the name already stays until then. Devices and
-/// pipes are written to as they are.
+/// A file under a temporary name that is renamed on success: an existing file of its name stays until then. Devices and
+/// pipes are written to directly.
 #[derive(Debug)]
 pub(super) struct WholeFile {
     out: BufWriter<Out>,
@@ -103,7 +103,7 @@ fn folder_of(path: &Path) -> Option<&Path> {
     path.parent().filter(|folder| !folder.as_os_str().is_empty())
 }
 
-/// Whether a file can have this name: for those that are written after long work.
+/// Checks that a file of this name can be written, before long work.
 ///
 /// # Errors
 /// If not.
@@ -135,8 +135,8 @@ pub(super) fn check_picture(path: &Path) -> Result<(), Failure> {
     Err(Failure::Usage(message))
 }
 
-/// Whether files can be written: nothing over the `program`, if there is one, or what else is `read`, and nothing twice. `targets` are
-/// given with the options that name them.
+/// Checks that files can be written: nothing over the `program`, if there is one, or other `read` files, and nothing
+/// twice. `targets` are given with the options that name them.
 ///
 /// # Errors
 /// [`Failure::Usage`] and [`Failure::Write`], with the option or the name of the file.
@@ -187,7 +187,7 @@ pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     file.finish()
 }
 
-/// Whether both names are of one file, which need not be there yet.
+/// True if both names are of one file, which need not be there yet.
 pub(super) fn is_same(one: &Path, other: &Path) -> bool {
     let real = |path: &Path| {
         let folder = folder_of(path).unwrap_or(Path::new("."));

@@ -1,4 +1,4 @@
-//! What runs on the device's thread.
+//! Device thread: approach, following, finish and stop of one device.
 
 use super::error::Names;
 use super::stream::Stream;
@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, SyncSender, TrySendError};
 use std::time::Duration;
 use twin_drives::{Drive, Increments, MAX_DRIVE_AXES, SetpointStream};
 
-/// What a device's thread is asked to do.
+/// Orders to a device's thread.
 pub(super) const APPROACH: u8 = 0;
 pub(super) const FOLLOW: u8 = 1;
 pub(super) const FINISH: u8 = 2;
@@ -20,7 +20,7 @@ pub(super) const STOP: u8 = 3;
 
 /// A device and its side of the channel.
 pub(super) struct Device {
-    /// What the machine file calls it and its axes.
+    /// Names of the device and its axes in the machine file.
     pub(super) names: Names,
     pub(super) drive: Box<dyn Drive>,
     pub(super) stream: Arc<Stream>,

@@ -1,10 +1,10 @@
-//! Why drives cannot go on.
+//! Errors of the drives during a run.
 
 use crate::advice::advice_in_run;
 use crate::machine::{Axis, DriveFamily, Machine};
 use twin_drives::DriveError;
 
-/// Why the drives cannot go on.
+/// Errors of the drives during a run.
 #[derive(Debug, thiserror::Error)]
 pub enum HardwareError {
     /// A device or its wire, on the way out of its thread.
@@ -152,14 +152,14 @@ pub enum HardwareError {
     },
 }
 
-/// What the machine file calls a device and its axes.
+/// Names of a device and its axes in the machine file.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Names {
     /// The device.
     pub(super) device: String,
     /// Its axes: which one of the device each is (its address, on a bus), and its name.
     pub(super) axes: Vec<(usize, String)>,
-    /// Whether each has an address of its own.
+    /// True if each has an address of its own.
     pub(super) bus: bool,
 }
 
@@ -251,7 +251,7 @@ mod tests {
 }
 
 impl HardwareError {
-    /// What to look at, or to do next, when the drives of a run cannot go on.
+    /// Hint after an error of the drives of a run.
     pub(crate) fn advice(&self) -> Option<&'static str> {
         match self {
             Self::Bare(error) => advice_in_run(error),

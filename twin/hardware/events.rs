@@ -1,11 +1,11 @@
-//! What the threads of the devices tell, and what becomes of it.
+//! Events from the device threads, and their effect in the session.
 
 use super::merge::Measured;
 use super::unit::Unit;
 use super::{Hardware, HardwareError};
 use twin_drives::Sample;
 
-/// What a device's thread tells the session.
+/// Events from a device's thread to the session.
 #[derive(Debug)]
 pub(super) enum Event {
     /// Enabled, and the axes stand at the start of the program.

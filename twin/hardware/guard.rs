@@ -1,8 +1,8 @@
-//! What a run does not wait for: a device that keeps silent while its axes are to move, and an axis that is farther from
-//! its set-points than its machine file allows.
+//! Watchdog of a run: device silence while its axes are to move, and following errors beyond the limits of the machine
+//! file.
 //!
-//! A device that does not answer is asked again before its driver gives it up, and meanwhile the others would go on along
-//! the path without it. So the session hears of it as soon as it lasts too long, and brings all axes to rest.
+//! A driver asks a silent device again before it gives up. Meanwhile the other devices would go on along the path
+//! without it. The session therefore gets an error as soon as the silence lasts too long, and brings all axes to rest.
 
 use super::HardwareError;
 use super::stream::Stream;
@@ -20,7 +20,7 @@ const LEAST_ROUNDS: u32 = 3;
 /// Samples in a row that have to show an axis too far away: the time of one alone may be uncertain.
 const MOST_SAMPLES: u32 = 2;
 
-/// Whose drives a run moves.
+/// Kind of drives that a run moves, real or emulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Guarded {
     /// Real ones.
@@ -41,7 +41,7 @@ struct Limit {
     scale: f64,
 }
 
-/// What is watched of one device.
+/// Watchdog of one device.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Guard {
     silence_ms: Option<u32>,
@@ -79,12 +79,12 @@ impl Guard {
         guard
     }
 
-    /// Whether it watches real drives.
+    /// True if it watches real drives.
     pub(super) fn is_of_real(&self) -> bool {
         self.whose == Some(Guarded::Real)
     }
 
-    /// Whether one of its axes has been found too far away.
+    /// True if the following error of one of its axes has exceeded its limit.
     pub(super) fn is_astray(&self) -> bool {
         self.told_error
     }
@@ -94,7 +94,7 @@ impl Guard {
         (self.heard_ns, self.looked_ns, self.origin) = (now_ns, now_ns, None);
     }
 
-    /// It has been heard of; how far its axes were from their set-points, m or rad.
+    /// Takes a sample of the device with the following errors of its axes, m or rad.
     pub(super) fn heard(
         &mut self,
         (time_ns, moving): (i64, bool),
@@ -124,8 +124,8 @@ impl Guard {
         })
     }
 
-    /// Fails, once for each silence, where it has lasted too long by `now_ns` and the axes, so many, were to move by their
-    /// stream meanwhile: a way out and back is one, too.
+    /// Fails, once for each silence, if it has lasted too long by `now_ns` and the stream was to move any of the first
+    /// `axes` axes meanwhile. A way out and back counts, too.
     pub(super) fn silence(
         &mut self,
         device: &str,

@@ -1,15 +1,15 @@
-//! How often devices are heard of.
+//! Sample statistics of devices: count, rate and longest gap.
 
 use crate::number::seconds;
 
-/// How often something was heard of.
+/// Sample statistics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Heard {
     /// Samples.
     pub count: u32,
     first_ns: i64,
     last_ns: i64,
-    /// Longest time between two of them, ns: while it lasts nobody corrects what is heard of.
+    /// Longest time between two of them, ns; in this time the device is not corrected.
     pub longest_gap_ns: i64,
 }
 
@@ -37,12 +37,12 @@ impl Heard {
     }
 }
 
-/// Where the axes of a device were when it was last heard of.
+/// Axis positions of a device in its last sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LastHeard {
     /// Its name.
     pub device: String,
-    /// When, ns.
+    /// Time, ns.
     pub time_ns: i64,
     /// Its axes in machine-file order, and where they were, m or rad.
     pub axes: Vec<(usize, f64)>,

@@ -1,8 +1,8 @@
-//! Axes that were measured by several devices, each at times of its own, at one time.
+//! Interpolation of axis positions that several devices measured at different times, to one common time.
 //!
-//! A sample tells all axes where its own device has measured, and where the others were then: between their samples
-//! before and after, off the plan by as much as lies between what they were off at those two. So the error of the
-//! interpolation is that of the drives' deviation, not of their motion.
+//! A merged sample has the time of one device's own sample. The positions of the other devices are interpolated between
+//! their samples before and after. The interpolation is that of their deviation from the plan, which is then added to
+//! the planned position. Its error is therefore that of the drives' deviation, not of their motion.
 
 use std::collections::VecDeque;
 use twin_drives::MAX_DRIVE_AXES;
@@ -15,9 +15,9 @@ pub(super) type Positions = [f64; MAX_DRIVE_AXES];
 pub(super) struct Measured {
     /// ns.
     pub(super) time_ns: i64,
-    /// Where the axes were.
+    /// Axis positions.
     pub(super) position: Positions,
-    /// How far that is from the plan.
+    /// Deviation from the plan.
     pub(super) deviation: Positions,
 }
 
@@ -30,7 +30,7 @@ pub(super) struct Track {
     told: usize,
     /// There will be no more: it stays where it was last.
     pub(super) ended: bool,
-    /// The device has failed: nobody knows where its axes have been since.
+    /// True if the device has failed: the positions of its axes since then are not known.
     pub(super) lost: bool,
 }
 
@@ -87,7 +87,8 @@ enum Known<'a> {
     Between(&'a Measured, &'a Measured),
 }
 
-/// The next instant at which all axes are known, and where they were; `planned` is where the plan has those of a device.
+/// The next instant at which all axis positions are known, with these positions; `planned` gives the planned positions
+/// of a device.
 pub(super) fn next(
     tracks: &mut [Track],
     planned: impl Fn(usize, i64) -> Positions,

@@ -1,4 +1,4 @@
-//! The drives as a plant: one thread per device, which follow the same set-points as the simulated machine.
+//! Drives as a plant: one thread per device. The devices follow the same set-points as the simulated machine.
 
 mod device;
 mod error;
@@ -65,7 +65,7 @@ pub struct Hardware {
     last: Vec<Option<(i64, Positions)>>,
 }
 
-/// Which of the drives M functions switch outputs of: the first InterpCNC board, or the first one where there is none.
+/// The drive whose outputs M functions switch: the first InterpCNC board, or the first drive where there is none.
 pub fn switching_drive(machine: &Machine, drives: &[Attached]) -> Option<usize> {
     let board = drives.iter().position(|attached| {
         let entry = machine.drives.get(attached.device);
@@ -124,7 +124,7 @@ impl Hardware {
         Ok(hardware)
     }
 
-    /// True once the drives are enabled and stand at the start of the program.
+    /// True once the drives are enabled and at rest at the start of the program.
     ///
     /// # Errors
     /// If they cannot get there.
@@ -186,8 +186,8 @@ impl Hardware {
         self.failures.extend(failure);
     }
 
-    /// Stops all drives where the plan of real ones has ended before `now_ns`: they stand there, or soon will, and catching up with
-    /// a plan that comes only now would be a leap. Emulated ones leap as far as this computer is late.
+    /// Stops all drives if the plan of real ones has ended before `now_ns`. They are at rest at its end, or soon will
+    /// be, and a later plan would be a jump. Emulated drives jump by the delay of this computer.
     pub fn starved(&mut self, now_ns: i64) -> Option<HardwareError> {
         let starved = self.units.iter().find_map(|unit| unit.starved(now_ns));
         if starved.is_some() {
@@ -234,7 +234,7 @@ impl Hardware {
         }
     }
 
-    /// Whether all outputs have been confirmed.
+    /// True if all outputs have been confirmed.
     pub fn has_switched(&self) -> bool {
         self.switching == 0
     }
@@ -249,20 +249,20 @@ impl Hardware {
         &self.not_stopped
     }
 
-    /// How often each device, by its name, has been heard of since the program began.
+    /// Sample statistics of each device, by its name, since the program began.
     pub fn heard(&self) -> Vec<(String, Heard)> {
         let units = self.units.iter().zip(&self.heard);
         units.map(|(unit, heard)| (unit.device.clone(), *heard)).collect()
     }
 
-    /// How late outputs were switched, of the devices, by their names, that have switched any.
+    /// Switching delays of the devices, by their names, that have switched outputs.
     pub fn switched(&self) -> Vec<(String, SwitchedOutputs)> {
         let units = self.units.iter().zip(&self.switched);
         let some = units.filter(|(_, switched)| switched.count > 0);
         some.map(|(unit, switched)| (unit.device.clone(), *switched)).collect()
     }
 
-    /// Where the axes of each device were when it was last heard of, of those that have been since the program began.
+    /// Last known axis positions of each device that has sent samples since the program began.
     pub fn last_heard(&self) -> Vec<LastHeard> {
         let units = self.units.iter().zip(&self.tracks).zip(&self.last);
         let heard = units.filter_map(|((unit, track), last)| {
@@ -279,8 +279,8 @@ impl Hardware {
         &self.restarted
     }
 
-    /// Stops all devices at once and waits until each has done what it can, but no longer than 25 s;
-    /// [`Self::not_stopped`] and [`Self::left_on`] tell what has come of it.
+    /// Stops all devices at once and waits until each has finished, but no longer than 25 s. [`Self::not_stopped`] and
+    /// [`Self::left_on`] report the result.
     ///
     /// A driver that waits for an answer then is named as not stopped. It goes on trying: dropping this waits for it.
     pub fn abandon(&mut self) {

@@ -1,4 +1,4 @@
-//! The planned motion in increments, shared between session and device.
+//! Set-point stream in increments, shared between session and device.
 
 use crate::clock::Clock;
 use crate::setpoint::HORIZON_NS;
@@ -34,7 +34,7 @@ impl Stream {
         Self { plan: Mutex::new(plan), cycle_ns }
     }
 
-    /// From now on the time is that of `clock`.
+    /// Takes the time from `clock` from now on.
     pub(super) fn start(&self, clock: Clock) {
         self.plan().clock = Some(clock);
     }
@@ -50,7 +50,7 @@ impl Stream {
         }
     }
 
-    /// Plans `motions`, a cycle each, in the place of whatever is planned after `time_ns`.
+    /// Replaces the plan after `time_ns` by `motions`, a cycle each.
     pub(super) fn replace(&self, time_ns: i64, motions: impl Iterator<Item = IncrementMotion>) {
         let mut plan = self.plan();
         let kept = time_ns.div_euclid(self.cycle_ns) + 1 - plan.first;

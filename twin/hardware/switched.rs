@@ -1,8 +1,8 @@
-//! How late outputs are switched.
+//! Delay of switched outputs.
 
 use crate::number::seconds;
 
-/// How many outputs of a device were switched, and how long after the set-points at which they were due.
+/// Number of switched outputs of a device, and their delays after the set-points at which they were due.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SwitchedOutputs {
     /// Switchings that the device has confirmed.
@@ -20,7 +20,7 @@ impl SwitchedOutputs {
         self.count = self.count.saturating_add(1);
     }
 
-    /// How late they were on average, ms; 0 if there were none.
+    /// Mean delay, ms; 0 if there were none.
     pub fn mean_ms(self) -> f64 {
         seconds(self.sum_ns) * 1e3 / f64::from(self.count.max(1))
     }

@@ -1,4 +1,4 @@
-//! Device thread and stream, with a drive made of a few lines.
+//! Tests of device thread and set-point stream with a mock drive.
 
 #![expect(
     clippy::cast_possible_truncation,

@@ -1,4 +1,4 @@
-//! One device: its thread, its stream, and the axes of the machine that hang on it.
+//! One device: its thread, its stream, and the machine axes that it drives.
 
 use super::device::{APPROACH, Device, FINISH, FOLLOW, STOP};
 use super::error::Names;
@@ -24,7 +24,7 @@ const WAITING_SAMPLES: usize = 1024;
 /// Outputs that may wait to be switched: twice those of a board.
 const WAITING_SWITCHES: usize = 64;
 
-/// Where one machine axis is found on the device.
+/// Assignment of one machine axis to an axis of the device.
 #[derive(Clone, Debug)]
 pub(super) struct Mapping {
     /// In machine-file order.
@@ -66,7 +66,7 @@ pub(super) struct Unit {
     pub(super) ready: bool,
     /// It has nothing more to say.
     pub(super) ended: bool,
-    /// What the run does not wait for; nothing unless it is told.
+    /// Watchdog, inactive until the method `guard` is called.
     pub(super) guard: Guard,
 }
 
@@ -133,12 +133,12 @@ impl Unit {
         })
     }
 
-    /// From now on silence and axes that are too far away are told.
+    /// Reports silence and excessive following errors from now on.
     pub(super) fn guard(&mut self, machine: &Machine, whose: Guarded) {
         self.guard = Guard::new(machine, self.index, whose);
     }
 
-    /// Whether the device has been silent for too long by now.
+    /// Error if the device has been silent for too long by now.
     pub(super) fn silence(&mut self, now_ns: i64) -> Option<HardwareError> {
         if self.ended {
             return None;
@@ -146,7 +146,7 @@ impl Unit {
         self.guard.silence(&self.device, now_ns, (&self.stream, self.axes.len()))
     }
 
-    /// Whether its plan has ended before `now_ns`.
+    /// Error if its plan has ended before `now_ns`.
     pub(super) fn starved(&self, now_ns: i64) -> Option<HardwareError> {
         let late_ns = now_ns.saturating_sub(self.stream.end_ns());
         let starved = self.guard.is_of_real() && !self.ended && late_ns > 0;
@@ -163,7 +163,7 @@ impl Unit {
         self.change_order(APPROACH, FOLLOW);
     }
 
-    /// It is to come to rest at the end of its stream.
+    /// Asks the device to come to rest at the end of its stream.
     pub(super) fn finish(&self) {
         self.change_order(FOLLOW, FINISH);
     }
@@ -203,7 +203,7 @@ impl Unit {
         Ok(motion)
     }
 
-    /// Where the plan has its axes at an instant, m or rad.
+    /// Planned positions of its axes at an instant, m or rad.
     pub(super) fn planned(&self, time_ns: i64) -> [f64; MAX_DRIVE_AXES] {
         self.si(self.stream_position(time_ns))
     }
@@ -212,7 +212,7 @@ impl Unit {
         self.stream.at(time_ns).position
     }
 
-    /// Where its axes were found, m or rad.
+    /// Measured positions of its axes, m or rad.
     pub(super) fn measured(&self, sample: &Sample) -> [f64; MAX_DRIVE_AXES] {
         #[expect(clippy::cast_precision_loss, reason = "counters have 32 bits")]
         let counters = sample.position.map(|counter| counter as f64);
@@ -247,7 +247,7 @@ impl Unit {
         self.thread.as_ref().is_some_and(|thread| !thread.is_finished())
     }
 
-    /// What it says next, if anything.
+    /// The next event of its thread, if any.
     pub(super) fn event(&mut self) -> Result<Option<Event>, HardwareError> {
         match self.events.try_recv() {
             Ok(Ok(event)) => Ok(Some(event)),

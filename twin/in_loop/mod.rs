@@ -1,8 +1,8 @@
-//! Drives between set-points and the motors of the simulated machine.
+//! Drives in the loop: driver and device models between the set-points and the motors of the simulated machine.
 //!
-//! A drive does not follow set-points: it makes profiles of its own out of the commands that reach it as fast as its
-//! wire allows. In the loop of the simulated machine stands what driver and device make of the same set-points,
-//! rehearsed in simulated time ([`Rehearsal`]): the motors get what the devices' profile generators ask of them.
+//! A drive does not follow set-points. It generates profiles of its own from the commands that reach it as fast as its
+//! wire allows. In the loop, driver and device process the same set-points in simulated time ([`Rehearsal`]). The
+//! motors receive the output of the devices' profile generators.
 
 #[cfg(test)]
 mod tests;
@@ -65,7 +65,7 @@ impl DrivesInLoop {
         })
     }
 
-    /// The devices that `rehearsal` gives one of, told which and what the machine file says of it; `None` without any.
+    /// The devices for which `rehearsal` returns a simulation, given their index and entry; `None` without any.
     pub(crate) fn rehearsing(
         machine: &Machine,
         rehearsal: impl Fn(usize, &DeviceEntry) -> Option<Box<dyn Rehearsal>>,
@@ -85,8 +85,8 @@ impl DrivesInLoop {
         (!devices.is_empty()).then_some(Self { devices, before: None, cycle_ns })
     }
 
-    /// How near drives in the loop of `machine` come to where they are sent, m: their largest increment, as far as turns move the
-    /// tool. 0 without any.
+    /// Resolution of drives in the loop of `machine`, m: their largest increment, as far as turns move the tool. 0
+    /// without any.
     pub(crate) fn resolution(machine: &Machine) -> f64 {
         let driven = machine.axes.iter().filter(|axis| {
             let device = axis.drive.as_ref().and_then(|drive| machine.drives.get(drive.device));
@@ -107,7 +107,7 @@ impl DrivesInLoop {
         self.devices.iter().map(|device| (device.index, &*device.rehearsal))
     }
 
-    /// Whether what the motors get rests where the plan does, to an increment.
+    /// True if the set-points of the motors are at rest at the end of the plan, to an increment.
     pub(crate) fn have_arrived(&self) -> bool {
         let Some((setpoint, motion)) = &self.before else { return true };
         self.devices.iter().flat_map(|device| &device.axes).all(|place| {
@@ -117,7 +117,7 @@ impl DrivesInLoop {
         })
     }
 
-    /// What the motors get in the cycle that ends with `setpoint`, before those of `ahead`.
+    /// Motion of the motors in the cycle that ends with `setpoint`, before those of `ahead`.
     pub(crate) fn motion(
         &mut self,
         setpoint: &AxisSetpoint,

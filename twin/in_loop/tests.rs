@@ -1,4 +1,4 @@
-//! Drives of every family between set-points and motors: bounds in closed form, from what their wires allow.
+//! Tests of drives of every family in the loop: closed-form error bounds from the timing of their wires.
 
 use crate::check::{CheckOptions, Outcome, check, wire_rates};
 use crate::finding::{Rule, Severity, unfit};

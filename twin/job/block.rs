@@ -1,4 +1,4 @@
-//! Blocks of any kind behind one interface.
+//! Common interface of all function blocks of a job.
 
 use std::fmt;
 use twin_motion::axis::{
@@ -6,7 +6,7 @@ use twin_motion::axis::{
 };
 use twin_motion::cam::{StartMode, TappetData, Trigger};
 
-/// What a block is called with beside its axis.
+/// Inputs of a block call besides its axis.
 #[derive(Debug)]
 pub(super) struct With<'a> {
     /// The axis that it follows.
@@ -84,17 +84,17 @@ pub(super) trait Called: fmt::Debug + Send {
     }
 }
 
-/// How an axis comes onto its cam.
+/// Start of an axis on its cam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CamStart {
-    /// Whether the cam adds to where the axis stands (manual 4.6.1).
+    /// True if the cam is relative to the position of the axis (manual 4.6.1).
     pub(super) relative: bool,
     /// `SlaveOffset`, mm or degrees.
     pub(super) slave_offset: f64,
     /// From where to where its master may be then, mm or degrees; of a cam whose zero is laid to where its master is, how far
     /// from there `MasterOffset` may be.
     pub(super) masters: [f64; 2],
-    /// Whether the zero of the cam is laid to where its master is.
+    /// True if the zero of the cam is the position of its master.
     pub(super) laid: bool,
 }
 
@@ -183,12 +183,12 @@ impl Called for SetPosition {
     }
 }
 
-/// Moves the zero of an axis once, so that it is at `position`, or so much further if that is `relative`.
+/// Block that moves the zero of an axis once, so that the axis is at `position`, or by `position` if `relative`.
 pub(super) fn set_position(position: f64, relative: bool) -> Box<dyn Called> {
     Box::new(SetPosition { position, relative, shown: None })
 }
 
-/// A block whose axis follows a cam, of whose file something may be told.
+/// A block whose axis follows a cam, with notes on the cam's file.
 pub(super) fn on_cam(
     inputs: CamIn,
     out_of_order: Option<String>,
@@ -204,9 +204,9 @@ pub(super) struct Fired {
     pub(super) slave: usize,
     /// The one it follows.
     pub(super) master: usize,
-    /// What it does; its time is that of the job.
+    /// Its action; its time is that of the job.
     pub(super) trigger: Trigger,
-    /// How much ahead of the master it has been looked for, s of the job.
+    /// Dead time by which it acts ahead of the master, s of the job.
     pub(super) dead_time: f64,
 }
 

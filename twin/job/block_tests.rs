@@ -1,4 +1,4 @@
-//! Blocks of jobs that set zeros, follow profiles and go on with a velocity, against closed forms.
+//! Tests of blocks that set zeros, follow profiles or go on with an end velocity, against closed forms.
 
 #![expect(clippy::float_cmp, reason = "what must not move at all")]
 

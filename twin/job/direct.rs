@@ -1,19 +1,19 @@
-//! Set-points straight from the job, cycle by cycle (`SMC_Follow…`, `SMC_ControlAxisBy…`, manual 2.2.5).
+//! Set-points from the job itself, cycle by cycle (`SMC_Follow…`, `SMC_ControlAxisBy…`, manual 2.2.5).
 //!
-//! A controller's program computes them; a job says them as points over time, between which they lie on straight lines, or,
-//! where positions come with their velocities, on cubics through both.
+//! A controller's program computes such set-points. A job gives them as points over time. Between the points they are
+//! on straight lines or, where positions have velocities, on cubics.
 
 use super::block::{Called, With};
 use twin_motion::axis::{Axis, Block, ControlAxisBy, Follow, Outputs, Watched};
 
-/// A point: time after the one before it, s, with what the block is told there.
+/// A point: time after the previous point, s, and the set-point there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Point {
     pub(super) after: f64,
     pub(super) setpoint: Follow,
 }
 
-/// What jumps are bridged with; what is 0 is the axis's own.
+/// Limits for bridging jumps; 0 selects the limit of the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Gaps {
     pub(super) velocity: f64,

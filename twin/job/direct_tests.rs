@@ -1,4 +1,4 @@
-//! Set-points from the job, probes, and cams that are switched between, against closed forms.
+//! Tests of set-points from the job, probes, and changes of cams, against closed forms.
 
 use super::JobSetpoints;
 use super::tests::{START, job, machine, moves, near, run, time};

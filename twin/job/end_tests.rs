@@ -1,4 +1,4 @@
-//! How jobs end, and what blocks take that is not said, against closed forms.
+//! Tests of the end of jobs and of the defaults of block inputs, against closed forms.
 
 use super::JobSetpoints;
 use super::tests::{START, job, machine, moves, near, run, time};

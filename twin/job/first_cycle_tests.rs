@@ -1,4 +1,4 @@
-//! What happens in the cycle in which a coupling, or a probe, begins.
+//! Tests of the cycle in which a coupling or a probe begins.
 
 use super::tests::{job, machine, near, run};
 use crate::check::{CheckOptions, Outcome, check};

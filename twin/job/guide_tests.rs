@@ -1,4 +1,4 @@
-//! The guide's table of blocks is what jobs take: every block, and every key of each.
+//! Tests that the guide's table of blocks lists every block that jobs accept, with every key.
 
 use super::CamsBefore;
 use super::kind::BLOCKS;

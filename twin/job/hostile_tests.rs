@@ -1,4 +1,4 @@
-//! Jobs that nobody would write are survived, and what is wrong with them has a line of the file.
+//! Fuzz tests: malformed jobs cause no panic, and every finding has a line of the file.
 
 use super::JobSetpoints;
 use super::tests::{job, machine};

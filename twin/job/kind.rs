@@ -1,4 +1,4 @@
-//! Which blocks a job may call, and what they are told.
+//! Function blocks that a job may call, and their inputs.
 
 use super::block::{Called, alone, following, in_gear_from, on_cam, set_position};
 use super::direct::{Gaps, direct};
@@ -47,7 +47,7 @@ pub(super) const BLOCKS: [(&str, Kind); 29] = [
     ("SMC_ControlAxisByPosVel", Kind::ControlAxisBy(Asks::Both)),
 ];
 
-/// What set-points say.
+/// Quantities that set-points give.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Asks {
     Position,
@@ -83,12 +83,12 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// Whether its axis follows another one.
+    /// True if its axis follows another one.
     pub(super) fn follows(self) -> bool {
         matches!(self, Self::CamIn | Self::GearIn | Self::GearInPos | Self::Phasing)
     }
 
-    /// Tells what is wrong with a block of which nobody knows the axis, and so the units of its keys.
+    /// Reports errors of a block whose axis, and with it the units of its keys, is not known.
     pub(super) fn whatever_axis(self, section: &Section<'_>, master: Option<&Known>, path: &Path) {
         match self {
             Self::CamIn => {

@@ -1,4 +1,4 @@
-//! Jobs on machines whose axes are not the coordinates of the tool, against their closed forms.
+//! Tests of jobs on machines whose axes are not the coordinates of the tool, against closed forms.
 
 use super::tests::{job, near, run};
 use crate::machine::Machine;

@@ -1,4 +1,4 @@
-//! All that is wrong with a job is told at once, and each thing once.
+//! Tests that all mistakes of a job are reported together, each once.
 
 use super::tests::{job, machine, run};
 

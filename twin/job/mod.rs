@@ -1,14 +1,14 @@
-//! Jobs: what blocks are called with which axes, one behind the other, as a program of a controller would; cams and gears
-//! included (manual chapters 4 and 5).
+//! Jobs: sequences of function blocks on axes, including cams and gears, as a controller's program calls them (manual
+//! chapters 4 and 5).
 //!
-//! A job is a program like any other: what is written in DIN 66025 as a path is written here as calls of `MC_MoveAbsolute`,
-//! `MC_CamIn` and their like, and gives the same set-points to the simulated machine and to the drives.
+//! A job is a program like any other. A program in DIN 66025 describes a path; a job calls `MC_MoveAbsolute`,
+//! `MC_CamIn` and other blocks. Both give the same set-points to the simulated machine and to the drives.
 //!
 //! ```toml
 //! name = "flying shear"
 //! duration_s = 12                     # then every axis that leads is halted
 //!
-//! [[virtual_axes]]                    # masters that are no axes of the machine
+//! [[virtual_axes]]                    # masters that are not axes of the machine
 //! name = "web"
 //! kind = "rotary"
 //! period_deg = 360

@@ -1,4 +1,4 @@
-//! In which order axes are moved while couplings come and go, and what is asked of blocks that are over.
+//! Tests of the execution order of axes while couplings come and go, and of blocks that are over.
 
 use super::JobSetpoints;
 use super::tests::{START, job, machine, moves, near, run};

@@ -1,8 +1,8 @@
-//! How fast the time of a job passes: the override, and stops on the way.
+//! Time scaling of a job: override and feed hold.
 //!
-//! Cams and gears hold between axes at every time of the job. So the override changes how fast that time passes for all of
-//! them together: velocities by the factor, accelerations by its square. It changes as fast as the acceleration of every axis
-//! allows, and no more suddenly than its jerk.
+//! Cams and gears must hold between axes at every time of the job. The override therefore scales the time of all axes
+//! together: velocities by the factor, accelerations by its square. It changes as fast as the acceleration and jerk of
+//! every axis allow.
 
 use super::engine::State;
 
@@ -15,12 +15,12 @@ const PATIENCE: f64 = 0.5;
 /// How long the factor takes from 1 to 0 then, s.
 const LONGEST_STOP: f64 = 5.0;
 
-/// What an axis bears.
+/// Limits of an axis for the change of pace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bears {
     /// u/s².
     pub(super) acceleration: f64,
-    /// u/s³; infinite if nobody limits it.
+    /// u/s³; infinite without a limit.
     pub(super) jerk: f64,
 }
 
@@ -50,12 +50,12 @@ impl Pace {
         self.wanted = factor.clamp(0.0, 1.0);
     }
 
-    /// Whether time passes as it shall.
+    /// True if time passes at the requested rate.
     pub(super) fn is_as_wanted(&self) -> bool {
         (self.rate - self.wanted).abs() <= SAME
     }
 
-    /// Whether it stands still, and shall.
+    /// True if time is stopped, as requested.
     pub(super) fn stands(&self) -> bool {
         self.rate <= 0.0 && self.wanted <= 0.0
     }
@@ -132,7 +132,7 @@ impl Pace {
         at(self.rate).min(at(end))
     }
 
-    /// How an axis moves between two set-points of the job, `cycle` (s) apart; `before` is the factor a cycle ago.
+    /// State of an axis between two set-points of the job, `cycle` (s) apart; `before` is the factor a cycle ago.
     pub(super) fn between(&self, from: State, to: State, before: f64, cycle: f64) -> State {
         let at = if self.phase == 0.0 { from } else { between(from, to, self.phase, cycle) };
         State {
@@ -143,12 +143,12 @@ impl Pace {
         }
     }
 
-    /// How far it is between two set-points of the job, 0 to 1.
+    /// Phase between two set-points of the job, 0 to 1.
     pub(super) fn phase(&self) -> f64 {
         self.phase
     }
 
-    /// How fast time passes.
+    /// Rate at which time passes.
     pub(super) fn rate(&self) -> f64 {
         self.rate
     }

@@ -1,9 +1,9 @@
-//! Blocks that latch positions (manual 5.3), and the inputs that make them do so.
+//! Touch-probe blocks of jobs (manual 5.3), and their trigger inputs.
 
 use super::block::{Called, With};
 use twin_motion::axis::{AbortTrigger, Axis, Outputs, TouchProbe};
 
-/// When the input of a trigger is TRUE, for a cycle.
+/// Condition under which the input of a trigger is TRUE, for a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum When {
     /// At this time of the job, s.

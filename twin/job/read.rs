@@ -1,4 +1,4 @@
-//! A job's file.
+//! Job file reader.
 
 use super::block::{following, on_cam};
 use super::kind::BLOCKS;
@@ -32,7 +32,7 @@ pub(crate) fn read(text: &str, path: &Path, machine: &Machine) -> Result<Job, Ve
     })
 }
 
-/// What is known of an axis while blocks are read.
+/// Properties of an axis that are known while blocks are read.
 pub(super) struct Known {
     pub(super) name: String,
     pub(super) kind: AxisKind,
@@ -40,7 +40,7 @@ pub(super) struct Known {
     pub(super) max_acceleration: Option<f64>,
 }
 
-/// Where the lines of a file end, so that nothing has to count them for every block.
+/// Line ends of a file, so that lines are not counted for every block.
 #[derive(Debug)]
 pub(super) struct Lines(Vec<usize>);
 

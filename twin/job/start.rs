@@ -1,4 +1,4 @@
-//! Where the axes of a job start.
+//! Start positions of the axes of a job.
 
 use super::{Begins, Call, Start};
 use crate::coupled::Coupled;
@@ -8,8 +8,8 @@ use crate::messages::no_axes;
 use twin_kinematics::AxisVector;
 use twin_motion::Place;
 
-/// Where the axes start, in their units: where programs start, but for what the job has `said`. The cams of the machine file
-/// that add to where their slaves stand have done so then, and are laid there.
+/// Start positions of the axes, in their units: those of programs, except where the job has `said` others. Cams of the
+/// machine file that add to the position of their slaves are laid at the start of programs.
 ///
 /// # Errors
 /// If that is nowhere, a slave of the machine file cannot be where its master has it, or the job says that it is elsewhere.

@@ -1,4 +1,4 @@
-//! The set-points of a job.
+//! Set-point source of a job: one set-point per cycle.
 
 use super::block::Fired;
 use super::engine::{Engine, State};
@@ -76,7 +76,7 @@ impl Instant {
 }
 
 impl<'m> JobSetpoints<'m> {
-    /// The job `program` on `machine`. What is wrong with it comes as findings.
+    /// The job `program` on `machine`. Its errors come as findings.
     ///
     /// # Errors
     /// If it cannot be read.
@@ -143,13 +143,13 @@ impl<'m> JobSetpoints<'m> {
         Some((part * self.bytes as f64) as u64)
     }
 
-    /// How often blocks have been called; none when nothing comes any more.
+    /// Number of block calls; none after the end.
     #[cfg(test)]
     pub(super) fn block_calls(&self) -> Option<u64> {
         self.engine.as_ref().map(Engine::block_calls)
     }
 
-    /// How many blocks it has.
+    /// Number of its blocks.
     pub(crate) fn blocks(&self) -> u64 {
         self.blocks
     }
@@ -159,14 +159,14 @@ impl<'m> JobSetpoints<'m> {
         self.length
     }
 
-    /// From now on the time of the job passes so much slower; more than 1 is 1.
+    /// Scales the time of the job by `factor` from now on; more than 1 is 1.
     pub(crate) fn set_override(&mut self, factor: f64) {
         if !self.stopping {
             self.pace.want(factor);
         }
     }
 
-    /// Whether it passes as it shall.
+    /// True if the time of the job passes at the requested rate.
     pub(crate) fn follows_override(&self) -> bool {
         self.pace.is_as_wanted()
     }
@@ -226,12 +226,12 @@ impl<'m> JobSetpoints<'m> {
         self.tracks.at(time_ns)
     }
 
-    /// Whether blocks take an axis from the `[[cams]]` of the machine file that has it follow `master`, or move their zeros.
+    /// True if blocks release `slave` from its cam on `master` in the machine file, or move the zero of one of them.
     pub(crate) fn disturbs(&self, slave: usize, master: usize) -> bool {
         self.engine.as_ref().is_some_and(|engine| engine.disturbs(slave, master))
     }
 
-    /// What tappets switch: the bits of the set-points in their order.
+    /// Signals of the tappets: the bits of the set-points in their order.
     pub(crate) fn signals(&self) -> &[Signal] {
         self.tracks.signals()
     }
@@ -241,7 +241,7 @@ impl<'m> JobSetpoints<'m> {
         self.lost
     }
 
-    /// Where the master that switched a signal last is at the last set-point.
+    /// Position of the master that switched a signal last, at the last set-point.
     pub(crate) fn tappet_master(&self, signal: usize) -> Option<MasterPlace> {
         let index = self.tracks.master(signal)?;
         let (name, period, unit) = self.masters.get(index)?;

@@ -1,5 +1,7 @@
-//! What tappets switch along jobs and programs, against closed forms: where the master has constant velocity, a tappet is
-//! passed at (its place − where the master was) / velocity, less the dead time.
+//! Tests of tappet switching along jobs and programs, against closed forms.
+//!
+//! Where the master has constant velocity, it passes a tappet at (tappet position − master position) / velocity, less
+//! the dead time.
 
 use super::tests::{job, machine};
 use crate::check::{CheckOptions, Outcome, check};

@@ -1,4 +1,4 @@
-//! Jobs against closed forms.
+//! Tests of jobs against closed forms.
 
 #![expect(clippy::float_cmp, reason = "numbers of the file, and what must not move at all")]
 
@@ -30,7 +30,7 @@ pub(super) fn job(text: &str) -> Job {
     Job { folder, program }
 }
 
-/// Set-points of a job that is right, and what it tells otherwise.
+/// Set-points of a job, and its findings.
 pub(super) fn run(job: &Job, machine: &Machine) -> (Vec<AxisSetpoint>, Vec<Finding>) {
     assert!(job.folder.path().is_dir());
     let mut found = (Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! The inputs of blocks as a job's file says them.
+//! Block inputs as a job file gives them.
 
 use super::direct::Point;
 use super::kind::Asks;
@@ -13,7 +13,7 @@ pub(super) struct Values<'s> {
     pub(super) section: &'s Section<'s>,
     pub(super) known: &'s Known,
     pub(super) master: Option<&'s Known>,
-    /// Those of the job.
+    /// Triggers of the job.
     pub(super) triggers: &'s [JobTrigger],
 }
 
@@ -42,7 +42,7 @@ impl Values<'_> {
         self.section.number(&format!("{name}_{unit}"), range)
     }
 
-    /// An acceleration; that of the axis's limits, if it is not said.
+    /// An acceleration; by default the limit of the axis.
     pub(super) fn acceleration(&self, name: &str) -> Option<f64> {
         let key = format!("{}_per_s2", self.key(name));
         let said = self.section.number(&key, 1e-6..=FAR);
@@ -53,7 +53,7 @@ impl Values<'_> {
         said.or(self.known.max_acceleration)
     }
 
-    /// An acceleration that is needed in some cases only; that of the axis's limits, if it is not said, and 0 without any.
+    /// An acceleration that is needed in some cases only; by default the limit of the axis, and 0 without a limit.
     pub(super) fn optional_acceleration(&self, name: &str) -> f64 {
         let said = self.section.number(&format!("{}_per_s2", self.key(name)), 1e-6..=FAR);
         said.or(self.known.max_acceleration).unwrap_or(0.0)
@@ -86,7 +86,7 @@ impl Values<'_> {
         self.section.choice("direction", &words).unwrap_or(otherwise)
     }
 
-    /// In which direction an axis goes on.
+    /// Direction in which an axis goes on.
     pub(super) fn end_direction(&self) -> Direction {
         let words = [
             ("positive", Direction::Positive),

@@ -1,4 +1,4 @@
-//! What is said of mistakes: once, where they are, and with what is wrong.
+//! Tests of messages about jobs: each mistake once, at its place, with the value that is wrong.
 
 use super::tests::{job, machine, near, run};
 use crate::finding::{Rule, Severity};

@@ -1,9 +1,9 @@
-//! Which limit holds the path back.
+//! Binding limit: the limit of an axis or of the path that determines the velocity at an instant.
 
 use crate::axis_kind::AxisKind;
 use crate::machine::Axis;
 
-/// What of an axis is limited.
+/// Limited quantity of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Quantity {
     /// m/s or rad/s.
@@ -47,8 +47,8 @@ pub enum Binding {
 }
 
 impl Binding {
-    /// What is gained where the limit is `raised` by this part, if the time falls by `rate`, s, as it begins to be raised by
-    /// parts of itself. Where a limit alone decides, the time goes with a power of it: with 1/v, 1/√a and 1/∛j.
+    /// Time gained by a limit `raised` by this part, if `rate` (s) is the derivative of the time by that part. Where a
+    /// limit alone decides, the time goes with a power of it: with 1/v, 1/√a and 1/∛j.
     pub(super) fn gain(self, rate: f64, raised: f64) -> f64 {
         let power = match self {
             Self::Axis { quantity: Quantity::Velocity | Quantity::DriveSpeed, .. }

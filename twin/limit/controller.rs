@@ -1,5 +1,5 @@
-//! A program as the controller itself plans it (`SMC_CheckVelocities`, `SMC_LimitCircularVelocities`, `SMC_Interpolator`):
-//! no axis is asked what it can give. For comparison.
+//! Profile of a program as the controller plans it, without axis limits (`SMC_CheckVelocities`,
+//! `SMC_LimitCircularVelocities`, `SMC_Interpolator`), for comparison.
 
 use super::machine_path::{AxisRules, MachinePath, efforts, overloaded};
 use super::watch::Watch;

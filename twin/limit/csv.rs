@@ -1,4 +1,4 @@
-//! The profile as a table.
+//! Profile as a CSV table.
 
 use super::ProfileSample;
 use crate::machine::Axis;
@@ -97,7 +97,7 @@ impl<'m, W: Write> ProfileCsv<'m, W> {
         self.writer.write_byte_record(record)
     }
 
-    /// Writes what is left and gives the output back.
+    /// Flushes the output and returns it.
     ///
     /// # Errors
     /// If the output cannot be written.

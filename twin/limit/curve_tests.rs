@@ -1,4 +1,4 @@
-//! Programs that curves hold back, against closed forms.
+//! Tests of programs that limits on curves slow down, against closed forms.
 
 use super::effort_tests::{GANTRY3, Limited, edited, limited, near};
 use super::*;

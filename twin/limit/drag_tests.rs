@@ -1,4 +1,5 @@
-//! Viscous friction, H belts and tripods: closed forms of straight lines, and every set-point against inverse dynamics.
+//! Tests of viscous friction, H belts and tripods: closed forms of straight lines, and every set-point against inverse
+//! dynamics.
 
 use super::effort_tests::{GANTRY3, Limited, edited, limited, near, rest_to_rest};
 use super::*;

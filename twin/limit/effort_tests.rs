@@ -1,4 +1,5 @@
-//! Programs that motors hold back: closed forms of straight lines, and every set-point against inverse dynamics.
+//! Tests of programs that motor efforts slow down: closed forms of straight lines, and every set-point against inverse
+//! dynamics.
 
 use super::*;
 use crate::finding::{Finding, Rule};

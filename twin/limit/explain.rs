@@ -1,4 +1,4 @@
-//! Which limit holds the path back.
+//! Search for the binding limit at a sample of the time-optimal plan.
 
 use super::plan::{LimitRules, Profile};
 use super::{Binding, ProfileSample, Quantity};

@@ -1,4 +1,4 @@
-//! The largest feed of every line.
+//! Largest feed of every line that the axes allow at constant velocity.
 
 use super::plan::Profile;
 use super::{Binding, Quantity};
@@ -39,7 +39,7 @@ impl LineFeed {
         LineLimit { line: self.place.line, rapid: self.rapid, feed: self.feed }
     }
 
-    /// What there is to tell if the programmed feed cannot be held.
+    /// Finding if the programmed feed cannot be held.
     pub(super) fn reduced(&self, machine: &Machine) -> Option<Finding> {
         let binding = self.binding.filter(|_| self.feed < self.programmed * (1.0 - SAME))?;
         let (programmed, feed) = (self.programmed * 1e3, self.feed * 1e3);

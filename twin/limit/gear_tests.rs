@@ -1,4 +1,4 @@
-//! Programs on machines with gears and cams, within the limits of all axes, against closed forms.
+//! Tests of programs on machines with gears and cams, within the limits of all axes, against closed forms.
 
 use crate::check::{CheckOptions, check};
 use crate::limit::Limits;

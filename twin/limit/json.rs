@@ -1,4 +1,4 @@
-//! The summary for other programs.
+//! Summary of a plan as JSON.
 
 use super::{Binding, Change, LimitSummary, LineLoss};
 use crate::finding::Finding;
@@ -143,7 +143,7 @@ impl LimitReport {
         }
     }
 
-    /// With what was found wrong with the program.
+    /// The report with the findings of the program.
     #[must_use]
     pub fn with_findings(self, findings: &[Finding]) -> Self {
         Self { findings: findings.to_vec(), ..self }

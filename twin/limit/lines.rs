@@ -1,4 +1,4 @@
-//! Every line of a program and the limits that hold it back.
+//! Lost time per line of a program and per binding limit.
 
 use super::Binding;
 use crate::machine::Axis;
@@ -11,7 +11,7 @@ use twin_motion::Place;
 /// Significant digits of feeds and times.
 const DIGITS: usize = 9;
 
-/// What a limit does to a line.
+/// Effect of a limit on a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineShare {
     /// The block.
@@ -24,7 +24,7 @@ pub struct LineShare {
     pub binding: Option<Binding>,
     /// Time on the line during which it holds back the path, s.
     pub time_s: f64,
-    /// By how much longer that takes than with the programmed feed, s.
+    /// Time lost against the programmed feed, s.
     pub lost_s: f64,
 }
 

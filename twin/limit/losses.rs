@@ -1,4 +1,4 @@
-//! The lines that lose most time, of any number of lines.
+//! Lines that lose most time, found in bounded memory.
 
 use super::LineLoss;
 use std::collections::HashMap;

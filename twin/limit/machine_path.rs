@@ -1,4 +1,4 @@
-//! A machine as feed limiting sees it.
+//! Machine model for time-optimal planning: transform from the program's frame to the axes, and their limits.
 
 use super::slaves::Slaves;
 use crate::machine::{DirectionRule, Machine, SimulationError};
@@ -11,7 +11,7 @@ use twin_motion::limit::{
 };
 use twin_motion::path::ExtraPoint;
 
-/// What can be limited at the axes; everything unless something is switched off.
+/// Limits of the axes that count; all unless some are switched off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct AxisRules {
@@ -31,7 +31,7 @@ impl Default for AxisRules {
     }
 }
 
-/// Why feed limiting is not for a machine.
+/// Errors of a machine that cannot be planned for.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MachinePathError {
     /// Motors are limited, but the masses they move make no sense.
@@ -88,8 +88,8 @@ impl<'m> MachinePath<'m> {
         self.motors.get(row / 2).copied()
     }
 
-    /// What the motors have to give at `position` with the derivatives `first` and `second` by a path parameter, or by
-    /// time; `None` where that is not known.
+    /// Efforts of the motors at `position` with the derivatives `first` and `second` by a path parameter, or by time;
+    /// `None` where they are not known.
     pub(super) fn torque(
         &self,
         position: &AxisVector,

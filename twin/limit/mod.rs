@@ -1,8 +1,8 @@
-//! What feed limiting gives: the profile along the program as a table (CSV) and as a picture (SVG), and the summary for
-//! people and for other programs.
+//! Time-optimal planning of programs: profile as a table (CSV) and as a picture (SVG), and summary for people and for
+//! other programs.
 //!
-//! Everything here takes [`ProfileSample`]s one by one, in the order of time, and holds no more than a page shows,
-//! however long the program is.
+//! All outputs take [`ProfileSample`]s one by one in order of time. Their memory does not grow with the length of the
+//! program.
 
 mod binding;
 mod controller;

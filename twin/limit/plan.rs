@@ -1,4 +1,4 @@
-//! A program within all limits, set-point by set-point.
+//! Time-optimal plan of a program within all limits, set-point by set-point.
 
 use super::feeds::LineFeed;
 use super::machine_path::{AxisRules, MachinePath, MachinePathError, efforts, overloaded};
@@ -22,7 +22,7 @@ use twin_motion::limit::{
 use twin_motion::prepare::CheckedElement;
 use twin_motion::refeed::LineLimit;
 
-/// What is limited.
+/// Limits that count in a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct LimitRules {
@@ -50,7 +50,7 @@ impl Default for LimitRules {
     }
 }
 
-/// Why a program cannot be limited.
+/// Errors that make a plan impossible.
 #[derive(Debug, thiserror::Error)]
 pub enum LimitFailure {
     /// The file.
@@ -103,7 +103,7 @@ pub(crate) fn not_solved(place: Place, error: NotSolved) -> Finding {
     Finding::error(Rule::FeedReduced, place, message)
 }
 
-/// What comes out of [`Profile`].
+/// Items of a [`Profile`].
 #[derive(Debug)]
 pub enum ProfileItem {
     /// The next set-point.
@@ -125,7 +125,7 @@ pub struct Profile<'m> {
     found: Findings,
     pub(super) line: Option<LineFeed>,
     pub(super) lines: Vec<LineLimit>,
-    /// Lines whose feed cannot be held are told, and not kept.
+    /// True if lines whose feed cannot be held are reported, and not kept.
     pub(super) tells_feeds: bool,
     pub(super) watch: Watch<'m>,
     /// The last one.
@@ -169,8 +169,8 @@ impl<'m> Profile<'m> {
         })
     }
 
-    /// For a check: M functions take the time that `rules` give them, and what comes out beside samples tells of every
-    /// line whose feed cannot be held. [`Self::line_limits`] has nothing then.
+    /// Settings for a check. M functions take the time that `rules` give them. Findings report every line whose feed
+    /// cannot be held; [`Self::line_limits`] is then empty.
     pub(crate) fn for_check(self, rules: &Acknowledgement) -> Self {
         let follower = self.follower.with_m_times(rules.times());
         Self { follower, tells_feeds: true, ..self }
@@ -181,22 +181,22 @@ impl<'m> Profile<'m> {
         self.tool.as_ref()
     }
 
-    /// Whether the last sample is the first on its element.
+    /// True if the last sample is the first on its element.
     pub(crate) fn has_entered(&self) -> bool {
         self.entered
     }
 
-    /// What is known of the file.
+    /// Known facts of the file.
     pub(crate) fn file(&self) -> &Findings {
         &self.found
     }
 
-    /// What planning has taken so far.
+    /// Planning effort so far.
     pub fn effort(&self) -> Effort {
         self.follower.plan().effort()
     }
 
-    /// What raising each limit would gain, the most first.
+    /// Time gained by raising each limit, the largest gain first.
     pub fn changes(&self) -> Vec<Change> {
         let mut changes: Vec<Change> = Vec::new();
         for (constraint, time) in self.follower.plan().costs() {
@@ -211,7 +211,7 @@ impl<'m> Profile<'m> {
         changes
     }
 
-    /// How long the path takes, s: exact at the end.
+    /// Duration of the path, s: exact at the end.
     pub fn duration(&self) -> f64 {
         self.follower.duration()
     }

@@ -1,4 +1,4 @@
-//! One instant of a profile.
+//! Profile sample: path and axes at one instant.
 
 use super::Binding;
 use twin_kinematics::AxisVector;
@@ -13,7 +13,7 @@ pub struct ProfileSample {
     pub place: Place,
     /// Way along the path since the start of the program, m.
     pub way: f64,
-    /// The velocity that is programmed here, F or that of rapids, m/s; 0 where the path stands.
+    /// Programmed velocity, F or that of rapids, m/s; 0 where the path is at rest.
     pub feed: f64,
     /// Along the path, m/s.
     pub path_velocity: f64,
@@ -31,6 +31,6 @@ pub struct ProfileSample {
     pub jerk: AxisVector,
     /// Forces or torques of the motors, N or Nm, if they are known.
     pub effort: Option<AxisVector>,
-    /// Which limit holds the path back, if any is known.
+    /// The binding limit, if it is known.
     pub binding: Option<Binding>,
 }

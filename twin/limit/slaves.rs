@@ -1,9 +1,8 @@
-//! Slaves in gear and on cams, as feed limiting sees them: along a path they are known functions of where their masters are,
-//! so that their limits hold, too.
+//! Slaves in gears and on cams in time-optimal planning, so that their limits hold, too.
 //!
-//! With the master at m(s) along the path, a slave on a cam is at f(m), with f′m′, f″m′² + f′m″ and
-//! f‴m′³ + 3f″m′m″ + f′m‴. Ramps onto a cam are left out, and where a cam lies that is about where its master or slave
-//! was at the start follows from where programs start.
+//! Along a path, a slave is a known function of its master. With the master at m(s), a slave on a cam is at f(m), with
+//! f′m′, f″m′² + f′m″ and f‴m′³ + 3f″m′m″ + f′m‴. Ramp-ins onto a cam are left out. The offset of a cam that depends on
+//! the start position of its master or slave follows from the start position of programs.
 
 use crate::machine::{Axis, CamSelection, CoupledBy, Machine};
 use std::sync::Arc;
@@ -88,7 +87,7 @@ impl OnCam {
 }
 
 impl Slaves {
-    /// Those of `machine`.
+    /// Slaves of `machine`.
     pub(super) fn of(machine: &Machine) -> Self {
         let own = if machine.couplings.is_empty() { None } else { machine.start_without_slaves() };
         let own = own.unwrap_or_else(|| machine.middle());
@@ -112,7 +111,7 @@ impl Slaves {
         slaves
     }
 
-    /// Where the axes are by the program alone, of `near`, where they are with their slaves.
+    /// Positions of the axes by the program alone, near `near`, which includes the motion of slaves.
     pub(super) fn without(&self, near: &AxisVector) -> AxisVector {
         let mut own = *near;
         for Link { slave, master, by } in &self.links {
@@ -129,7 +128,7 @@ impl Slaves {
         own
     }
 
-    /// Where the axes are with their slaves, which are at `own` by the program alone.
+    /// Positions of the axes with their slaves, which are at `own` by the program alone.
     pub(super) fn with(&self, own: &AxisVector) -> AxisVector {
         let mut all = *own;
         for Link { slave, master, by } in &self.links {

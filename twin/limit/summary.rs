@@ -1,4 +1,4 @@
-//! What feed limiting has to say about a program.
+//! Summary of a plan: durations, peaks, binding limits, slowest lines, and gains from raised limits.
 
 use super::lines::{LineShare, LineShares};
 use super::losses::Losses;
@@ -31,16 +31,16 @@ impl Limits {
     }
 }
 
-/// What feed limiting has to say about a program.
+/// Summary of a plan.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LimitSummary {
-    /// Whose limits it is planned with.
+    /// Limits that it is planned with.
     pub limits: Limits,
-    /// How long it takes under the limits of the axes, s, where it is planned with others.
+    /// Duration under the limits of the axes, s, where it is planned with others.
     pub duration_under_axes_s: Option<f64>,
-    /// How long the program takes within all limits, s.
+    /// Duration of the program within all limits, s.
     pub duration_s: f64,
-    /// How long it would take if the tool went with the programmed feed all the time, s.
+    /// Duration at the programmed feed all the time, s.
     pub duration_by_feed_s: f64,
     /// Length of the path, m.
     pub length: f64,
@@ -50,13 +50,13 @@ pub struct LimitSummary {
     pub limited_by: Vec<BindingShare>,
     /// The lines that lose most time, the worst first.
     pub lines: Vec<LineLoss>,
-    /// Every line and what holds it back, if that was asked for.
+    /// Every line with its binding limits, if requested.
     pub every_line: Vec<LineShare>,
-    /// The override at the start: the part of the programmed feed that is asked for.
+    /// The override at the start: the requested part of the programmed feed.
     pub override_factor: f64,
-    /// What raising one limit would gain, the most first.
+    /// Gains from raising one limit, the largest first.
     pub changes: Vec<Change>,
-    /// How the convex solver did.
+    /// Statistics of the convex solver.
     pub windows: Windows,
 }
 
@@ -65,28 +65,27 @@ pub struct LimitSummary {
 pub struct Change {
     /// The limit that is raised by [`Self::RAISED`].
     pub binding: Binding,
-    /// By how much shorter the program would be about, s: from the multipliers of the convex programs, as long as no
-    /// other limit takes over.
+    /// Approximate time gained, s: from the multipliers of the convex programs, as long as no other limit takes over.
     pub gain_s: f64,
 }
 
 impl Change {
-    /// By how much limits are raised, as a part of them.
+    /// Raise of a limit, as a part of it.
     pub const RAISED: f64 = 0.2;
 }
 
 /// For how long a limit holds the path back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BindingShare {
-    /// Which; none where it is not known.
+    /// The limit; none where it is not known.
     pub binding: Option<Binding>,
     /// Time during which it does, s.
     pub time_s: f64,
-    /// By how much longer that takes than with the programmed feed, s.
+    /// Time lost against the programmed feed, s.
     pub lost_s: f64,
 }
 
-/// What a line loses.
+/// Time lost on a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineLoss {
     /// The block.
@@ -96,17 +95,17 @@ pub struct LineLoss {
     /// The largest feed that the machine allows on the whole line, m/s: the least of what it allows anywhere on it.
     /// `None` if that is not known.
     pub allowed: Option<f64>,
-    /// How long it takes, s.
+    /// Time on the line, s.
     pub time_s: f64,
-    /// By how much longer than with the programmed feed, s.
+    /// Time lost against the programmed feed, s.
     pub lost_s: f64,
     /// The limit that costs most.
     pub binding: Option<Binding>,
-    /// What that limit costs, s.
+    /// Time that this limit costs, s.
     pub binding_lost_s: f64,
 }
 
-/// How the convex solver did.
+/// Statistics of the convex solver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Windows {
     /// Windows solved, or not.
@@ -159,7 +158,7 @@ impl Summing {
         Self::under(axes, 1.0)
     }
 
-    /// The same under an override, of which the programmed feed is a part.
+    /// As [`Self::new`], under an override `factor` that the programmed feed is multiplied by.
     pub fn under(axes: usize, factor: f64) -> Self {
         let peaks = vec![AxisPeak::default(); axes];
         let summary = LimitSummary { peaks, override_factor: factor, ..LimitSummary::default() };

@@ -1,4 +1,4 @@
-//! Profiles with closed forms, as tables, pictures and summaries.
+//! Tests of profiles with closed forms, as tables, pictures and summaries.
 
 use super::*;
 use crate::machine::Machine;

@@ -1,4 +1,4 @@
-//! The summary for people.
+//! Summary of a plan as text for people.
 
 use super::{Binding, Change, LimitSummary, Limits};
 use crate::machine::{Axis, Machine};

@@ -1,4 +1,4 @@
-//! Tools that turn with the path: closed forms, and every cycle against the limits of all axes.
+//! Tests of tools that turn with the path: closed forms, and every cycle against the limits of all axes.
 
 use super::effort_tests::{Limited, edited, limited};
 use super::*;

@@ -1,4 +1,4 @@
-//! What is wrong at set-points, told once per line.
+//! Faults at set-points of a plan, each reported once per line.
 
 use crate::coupled::AxesError;
 use crate::finding::{Finding, Rule};
@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
 use twin_motion::Place;
 
-/// Looks at set-points. Every fault is told once per line.
+/// Watcher of set-points. Every fault is reported once per line.
 #[derive(Debug)]
 pub(super) struct Watch<'m> {
     axes: &'m [Axis],
@@ -44,7 +44,7 @@ impl<'m> Watch<'m> {
         self.found.push_back(finding);
     }
 
-    /// Looks at the axes.
+    /// Checks the axes against their software limits.
     pub(super) fn positions(&mut self, place: Place, positions: &AxisVector) {
         for ((axis, position), worst) in
             self.axes.iter().zip(positions.iter()).zip(&mut self.beyond)

@@ -21,7 +21,7 @@ struct Around {
     scan: ClearanceScan,
 }
 
-/// What a probe can touch on `machine`; `None` if its file says nothing of what is around it.
+/// Surroundings of `machine` that a probe can touch; `None` if its file has none.
 pub(crate) fn surroundings(machine: &Machine) -> Option<Surroundings> {
     let collision = machine.collision.as_ref()?;
     let scan =

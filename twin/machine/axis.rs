@@ -1,4 +1,4 @@
-//! `[[axes]]`: what each axis of the machine is and can do.
+//! `[[axes]]`: name, kind, limits and drive of each axis of the machine.
 
 use super::axis_drive::{self, AxisDrive};
 use super::counting::Counting;
@@ -24,11 +24,11 @@ pub struct Axis {
     pub position_limits: [f64; 2],
     /// A modulo axis shows its position from 0 up to this, m or rad (`fPositionPeriod`); `None`: as far as it goes.
     pub period: Option<f64>,
-    /// Whether the machine file gives the limits.
+    /// True if the machine file gives the limits.
     pub limited: bool,
     /// m/s or rad/s: the smallest of [`Self::velocity_limits`].
     pub max_velocity: f64,
-    /// What limits its velocity.
+    /// Velocity limits by source.
     pub velocity_limits: VelocityLimits,
     /// m/s² or rad/s².
     pub max_acceleration: f64,
@@ -65,7 +65,7 @@ impl Axis {
         Some(self.simulated.effort_limit).filter(|limit| limit.is_finite())
     }
 
-    /// How its drive counts, exactly.
+    /// Exact position counting of its drive.
     pub fn counting(&self) -> Option<Counting> {
         self.drive.as_ref().map(|drive| drive.counting)
     }
@@ -80,15 +80,15 @@ impl Axis {
     }
 }
 
-/// What `[[axes]]` says beside the axis itself.
+/// Entry of `[[axes]]`: the axis and further keys.
 #[derive(Clone, Debug)]
 pub(super) struct AxisEntry {
     pub(super) axis: Axis,
-    /// What it moves: an output of the transform or a coordinate. Its name, unless `role` says otherwise.
+    /// Output of the transform or coordinate that it moves. Its name, unless `role` says otherwise.
     pub(super) role: String,
-    /// Where the file says so.
+    /// Place of the role in the file.
     pub(super) role_span: Range<usize>,
-    /// Whether it names a drive, right or wrong.
+    /// True if it names a drive, right or wrong.
     pub(super) driven: bool,
     /// The joint of a URDF that it moves.
     pub(super) joint: JointEntry,
@@ -103,9 +103,9 @@ pub(super) struct JointEntry {
     pub(super) reversed: bool,
     /// Position of the joint with the axis at 0, m or rad.
     pub(super) offset: f64,
-    /// Where the file says any of it; where the axis is, if it does not.
+    /// Place of these keys in the file; the place of the axis if there are none.
     pub(super) span: Range<usize>,
-    /// Whether it says any of it.
+    /// True if the file has any of these keys.
     pub(super) given: bool,
 }
 

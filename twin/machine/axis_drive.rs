@@ -1,4 +1,4 @@
-//! The drive of an axis as `[[axes]]` says it: which one, how many increments it makes, what it has to know.
+//! Drive of an axis in `[[axes]]`: device, increments per unit, limit switches and homing direction.
 
 use super::counting::Counting;
 use super::drives::{Abilities, Seen};
@@ -27,27 +27,27 @@ impl IncrementRatio {
     }
 }
 
-/// The drive an axis hangs on.
+/// The drive of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisDrive {
     /// Index into [`super::Machine::drives`].
     pub device: usize,
-    /// Which axis of that device: from 0 (X of an InterpCNC board, 1 of a BIM2AX module), or the address of a SmartDRIVE.
+    /// Axis of that device: from 0 (X of an InterpCNC board, 1 of a BIM2AX module), or the address of a SmartDRIVE.
     pub index: usize,
     /// Increments per unit.
     pub ratio: IncrementRatio,
-    /// The same as it is reckoned with.
+    /// The same ratio in the form for computation.
     pub counting: Counting,
-    /// What the file says of its switches.
+    /// Its switches in the file.
     pub switches: Switches,
 }
 
-/// What the machine file says of the switches of an axis: what its device has to know of them.
+/// Switches of an axis in the machine file, which its device has to know.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Switches {
-    /// Whether there is a limit switch towards smaller positions, and towards larger ones.
+    /// Presence of a limit switch towards smaller positions, and towards larger ones.
     pub limits: Option<[bool; 2]>,
-    /// Whether homing goes towards larger positions.
+    /// Homing direction: true towards larger positions.
     pub home_positive: Option<bool>,
 }
 
@@ -70,7 +70,7 @@ impl Switches {
 }
 
 impl AxisDrive {
-    /// Whether the drive counts down where the axis goes towards larger positions.
+    /// True if the drive counts down where the axis goes towards larger positions.
     pub const fn reversed(&self) -> bool {
         self.ratio.increments < 0
     }
@@ -138,7 +138,7 @@ pub(super) fn read(section: &Section<'_>, kind: AxisKind, devices: &[Seen]) -> O
     Some(AxisDrive { device: found, index: index?, ratio, counting, switches })
 }
 
-/// Whether an increment of the drive is a microstep of the step motor that the simulated machine has.
+/// Checks that an increment of the drive is a microstep of the simulated step motor.
 pub(super) fn check_steps(section: &Section<'_>, unit: &str, increments: f64, microsteps: f64) {
     if (increments.abs() / microsteps - 1.0).abs() > 1e-6 {
         let message = format!(
@@ -150,7 +150,7 @@ pub(super) fn check_steps(section: &Section<'_>, unit: &str, increments: f64, mi
     }
 }
 
-/// Whether the drive can count and step as far and as fast as the axis may go; a step frequency that is given keeps the
+/// Checks that the drive can count and step as far and as fast as the axis may go. A given step frequency keeps the
 /// axis within it.
 pub(super) fn check(
     section: &Section<'_>,

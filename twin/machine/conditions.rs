@@ -1,4 +1,4 @@
-//! `[program]` and `[rs274]`: what programs find when they begin.
+//! `[program]` and `[rs274]`: initial conditions of programs.
 
 use crate::section::Section;
 use std::fs::File;
@@ -22,20 +22,20 @@ const GOUGE_TOLERANCE: f64 = 1e-6;
 /// Keys of the coordinate systems.
 const SYSTEMS: [&str; 9] = ["g54", "g55", "g56", "g57", "g58", "g59", "g59_1", "g59_2", "g59_3"];
 
-/// What programs find when they begin.
+/// Initial conditions of programs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProgramConditions {
-    /// Where a program starts that does not say so itself (G92), work frame, m.
+    /// Default start of programs that do not give one (G92), work frame, m.
     pub start: [f64; 3],
     /// And the additional axes P Q U V W, u.
     pub start_additional: ExtraPosition,
     /// Turns of the path up to this angle are passed without a stop, rad.
     pub angle_tolerance: f64,
-    /// Whether there are stops at all: rapids, sharper turns, M functions and dwells. Only comparisons do without.
+    /// True if there are stops at all: rapids, sharper turns, M functions and dwells. Only comparisons do without.
     pub stops: bool,
-    /// What preparation adds to what programs ask for.
+    /// Inputs of preparation besides those of programs.
     pub preparation: PreparationInputs,
-    /// What an RS274 program finds, in the work frame; its start is that above.
+    /// Initial conditions of an RS274 program, in the work frame; its start is that above.
     pub rs274: rs274::DecoderOptions,
 }
 
@@ -45,7 +45,7 @@ pub struct ProgramConditions {
 pub struct PreparationInputs {
     /// Added to D where the tool radius is corrected, m (`SMC_ToolCorr.dToolRadius`).
     pub tool_radius: f64,
-    /// Coming nearer to the contour than the tool's radius by no more than this is no gouge, m.
+    /// Tolerance of gouges, m: the tool may come nearer to the contour than its radius by this distance.
     pub gouge_tolerance: f64,
     /// Added to D where corners are smoothed, m (`SMC_SmoothPath.dEdgeDistance`).
     pub edge_distance: f64,
@@ -71,7 +71,7 @@ impl Default for PreparationInputs {
 }
 
 impl PreparationInputs {
-    /// What `preparation`, which a program asks for, is with these inputs.
+    /// `preparation`, as requested by a program, with these inputs.
     pub fn complete(&self, preparation: Preparation) -> Preparation {
         Preparation {
             tool_radius: preparation.tool_radius.map(|options| ToolRadiusOptions {
@@ -212,7 +212,7 @@ fn read_rs274(
     options
 }
 
-/// What is wrong with a tool table, with its file and the reason behind.
+/// Message about a tool table, with its file and the reason.
 pub(crate) fn said(path: &Path, error: &ToolTableError) -> String {
     match error {
         ToolTableError::Io(source) => format!("{}: {source}", path.display()),

@@ -1,10 +1,10 @@
-//! Positions of an axis as what its drive counts, and back, by the exact ratio of the machine file.
+//! Conversion between axis positions and drive increments by the exact ratio of the machine file.
 
 use super::axis_drive::IncrementRatio;
 use crate::axis_kind::AxisKind;
 use twin_drives::DecimalRatio;
 
-/// How the drive of an axis counts.
+/// Position counting of the drive of an axis.
 ///
 /// A position is rounded once on its way to increments or back, so that nothing adds up over a run. One in rad becomes
 /// degrees, in which the ratio is given, by a number that is π/180 to 53 bits: 10⁻⁷ of an increment in 10⁹.
@@ -29,7 +29,7 @@ impl Counting {
         Some(Self { kind, ratio, most })
     }
 
-    /// Whether its units are mm or degrees.
+    /// Kind of its units: mm or degrees.
     pub const fn kind(&self) -> AxisKind {
         self.kind
     }
@@ -64,7 +64,7 @@ impl Counting {
         (increments.abs() <= most).then_some(increments)
     }
 
-    /// Position, velocity or acceleration of so many increments, m or rad.
+    /// Position, velocity or acceleration from increments, m or rad.
     pub fn si(&self, increments: f64) -> f64 {
         let units = self.ratio.units_of(increments);
         match self.kind {

@@ -1,4 +1,5 @@
-//! `[[gears]]` and `[[cams]]`: axes that follow others from the beginning of every program (`MC_GearIn`, `MC_CamIn`, manual 5.4).
+//! `[[gears]]` and `[[cams]]`: axis couplings that hold from the start of every program (`MC_GearIn`, `MC_CamIn`,
+//! manual 5.4).
 
 use super::axis::Axis;
 use crate::axis_kind::AxisKind;
@@ -23,11 +24,11 @@ pub struct Coupling {
     pub axis: usize,
     /// The master.
     pub master: usize,
-    /// How.
+    /// Gear or cam.
     pub by: CoupledBy,
 }
 
-/// What couples two axes; values in the units of the axes, mm or degrees.
+/// Coupling of two axes; values in the units of the axes, mm or degrees.
 #[derive(Clone, Debug)]
 pub enum CoupledBy {
     /// A gear: way of the slave per way of the master, numerator and denominator. Positions count from where both start.
@@ -36,21 +37,21 @@ pub enum CoupledBy {
     Cam(Box<CamSelection>),
 }
 
-/// A cam with everything that `MC_CamTableSelect` and `MC_CamIn` are told.
+/// A cam with the inputs of `MC_CamTableSelect` and `MC_CamIn`.
 #[derive(Clone, Debug)]
 pub struct CamSelection {
-    /// What `MC_CamTableSelect` gives.
+    /// Output of `MC_CamTableSelect`.
     pub table: CamTable,
     /// Inputs of `MC_CamIn`.
     pub input: CamInput,
-    /// Of a cam whose elements do not stand by ascending masters: its file, which element, and its line.
+    /// For a cam whose elements are not in order of ascending masters: file, element and line.
     pub out_of_order: Option<String>,
-    /// What the slave gains in every pass, in its unit, of a cam that is put end to end because nothing is said.
+    /// Gain of the slave per period, in its unit, of a cam that is periodic because nothing else is said.
     pub gain_unsaid: Option<f64>,
 }
 
 impl Coupling {
-    /// What couples, in a word.
+    /// Kind of the coupling, in a word.
     pub fn name(&self) -> &'static str {
         match self.by {
             CoupledBy::Gear(..) => "gear",
@@ -58,7 +59,7 @@ impl Coupling {
         }
     }
 
-    /// Of a cam whose elements do not stand by ascending masters: its file, line, and which.
+    /// For a cam whose elements are not in order of ascending masters: file, line and element.
     pub fn out_of_order(&self) -> Option<&str> {
         match &self.by {
             CoupledBy::Gear(..) => None,
@@ -66,7 +67,7 @@ impl Coupling {
         }
     }
 
-    /// What it is, for people.
+    /// Description for people.
     pub fn describe(&self, axes: &[Axis]) -> String {
         let name = |index: usize| axes.get(index).map_or("", |axis| axis.name.as_str());
         let (slave, master) = (name(self.axis), name(self.master));
@@ -207,7 +208,7 @@ pub(crate) fn read_ratio(section: &Section<'_>) -> Option<(i32, i32)> {
 pub(crate) struct CamAxis<'a> {
     /// Its name.
     pub(crate) name: &'a str,
-    /// Whether it is in mm or degrees.
+    /// Kind of its unit, mm or degrees.
     pub(crate) kind: AxisKind,
 }
 
@@ -217,9 +218,9 @@ impl<'a> CamAxis<'a> {
     }
 }
 
-/// A cam and how the slave comes onto it; `path` is the file that names it. What is not said is as the cam's own
-/// file says, but for the three flags of `MC_CamTableSelect`, which are true. Of an axis that is not known there are no keys: what
-/// else is wrong is told.
+/// Reads a cam and its start; `path` is the file that names it. Defaults come from the cam's own file, except for the
+/// three flags of `MC_CamTableSelect`, which are true. For an unknown axis there are no keys with units; other errors
+/// are reported.
 pub(crate) fn read_cam(
     section: &Section<'_>,
     path: &Path,

@@ -1,4 +1,4 @@
-//! Which way the tool points, for machines that can turn it.
+//! Tool direction, for machines that can turn the tool.
 
 use super::geometry::additional;
 use crate::section::Section;
@@ -6,7 +6,7 @@ use twin_kinematics::ToPath;
 use twin_motion::interpolate::ToolSetpoint;
 use twin_motion::path::EXTRA_AXES;
 
-/// Where the direction of the tool comes from (`[kinematics]`, `direction`).
+/// Source of the tool direction (`[kinematics]`, `direction`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DirectionRule {
     /// The path, as `SMC_CalcDirectionFromVector` has it, turned by so much more, rad.

@@ -1,4 +1,4 @@
-//! `[work_frame]`: where the program's frame lies in the machine frame.
+//! `[work_frame]`: pose of the program's frame in the machine frame.
 
 use crate::section::Section;
 use nalgebra::{Point3, Vector3};

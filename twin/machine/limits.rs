@@ -1,4 +1,4 @@
-//! What limits the axes and the tool when the feed is planned, and where that is said. Plain data, SI.
+//! Limits of axes and path for feed planning, each with its source. Plain data, SI.
 
 use super::conditions::PreparationInputs;
 use super::{Axis, Machine, SimulationError};
@@ -16,7 +16,7 @@ const STEP_FREQUENCY_KHZ: RangeInclusive<f64> = 0.1..=MAX_SPEED_HZ as f64 / 1e3;
 /// Largest override headroom, percent: ten times the planned velocity.
 const MOST_HEADROOM_PERCENT: f64 = 90.0;
 
-/// What keeps an axis from being faster.
+/// Source of a velocity limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum VelocitySource {
     /// The axis itself: `max_velocity_…`.
@@ -43,7 +43,7 @@ impl VelocitySource {
 pub struct VelocityLimit {
     /// m/s or rad/s.
     pub value: f64,
-    /// What would have to be raised first.
+    /// Source that would have to be raised first.
     pub source: VelocitySource,
 }
 
@@ -59,7 +59,7 @@ pub struct VelocityLimits {
 }
 
 impl VelocityLimits {
-    /// The one that binds. Of equal ones that of the axis.
+    /// The smallest limit; of equal ones that of the axis.
     pub fn smallest(&self) -> VelocityLimit {
         // Increments and turns are ratios: equal velocities differ by rounding.
         const ROUNDING: f64 = 1e-12;
@@ -77,7 +77,7 @@ impl VelocityLimits {
     }
 }
 
-/// What a plan may ask of an axis: the override headroom is taken off already.
+/// Limits of an axis in a plan, less the override headroom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimit {
     /// Largest velocity, m/s or rad/s.
@@ -90,10 +90,10 @@ pub struct AxisLimit {
     pub headroom: f64,
 }
 
-/// What a plan may ask of the path.
+/// Limits of the path in a plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathLimits {
-    /// How far the path may leave the programmed one to round joints that are passed without a stop, m.
+    /// Largest distance of the path from the programmed one where it rounds joints that are passed without a stop, m.
     pub blend_tolerance: f64,
     /// Largest acceleration of the tool tip, in any direction, m/s²; `None`: not limited.
     pub tool_acceleration: Option<f64>,
@@ -110,7 +110,7 @@ impl Axis {
         self.velocity_limits.smallest()
     }
 
-    /// What a plan may ask of it.
+    /// Its limits in a plan.
     ///
     /// A plan that is run k times as fast has k times its velocities, k² times its accelerations and k³ times its jerks.
     /// With a headroom h, a plan within (1 − h), (1 − h)² and (1 − h)³ of the limits therefore stays within the limits
@@ -128,7 +128,7 @@ impl Axis {
 }
 
 impl Machine {
-    /// What a plan may ask of each axis, in machine-file order, the override headroom taken off.
+    /// Limits of each axis in a plan, in machine-file order, less the override headroom.
     pub fn axis_limits(&self) -> Vec<AxisLimit> {
         self.axes.iter().map(Axis::limit).collect()
     }
@@ -158,7 +158,7 @@ impl Machine {
     }
 }
 
-/// What `[[axes]]` says about its drive and motor, beside the velocity of the axis itself.
+/// Drive and motor limits in `[[axes]]`, besides the velocity of the axis itself.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DriveLimits {
     /// As given, steps/s.

@@ -1,4 +1,4 @@
-//! `[[m_functions]]`: what M functions switch.
+//! `[[m_functions]]`: outputs that M functions switch.
 
 use crate::section::Section;
 use std::ops::RangeInclusive;
@@ -13,14 +13,14 @@ pub struct MFunction {
     pub outputs_on: Vec<u8>,
     /// Outputs that it switches off.
     pub outputs_off: Vec<u8>,
-    /// How long it takes from its beginning until the path goes on, ns: a spindle comes up to speed.
+    /// Time from its beginning until the path goes on, ns: a spindle comes up to speed.
     pub time_ns: i64,
 }
 
 /// Outputs of the board.
 const OUTPUT: RangeInclusive<i64> = 1..=OUTPUTS as i64;
 
-/// Reads them; `drives` tells whether there is a device that has outputs.
+/// Reads the M functions; `drives` is true if there is a device with outputs.
 pub(super) fn read(root: &Section<'_>, drives: bool) -> Vec<MFunction> {
     let mut functions: Vec<MFunction> = Vec::new();
     for section in root.sections("m_functions") {

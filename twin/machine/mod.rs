@@ -1,4 +1,4 @@
-//! The machine file: one TOML file that describes a machine. `machines/*.toml` are commented as documentation.
+//! Machine file: one TOML file that describes a machine. The comments of `machines/*.toml` document it.
 
 mod around;
 mod axis;
@@ -71,35 +71,35 @@ pub struct Machine {
     pub dimensions: toml::Table,
     /// From the tool to the axes and back.
     pub kinematics: Arc<MachineAxes>,
-    /// Where the direction of its tool comes from.
+    /// Source of the tool direction.
     pub direction: DirectionRule,
-    /// What a radian counts in measures of singularity, m.
+    /// Length that stands for a radian in measures of singularity, m.
     pub length_scale: f64,
-    /// Where the program's frame lies.
+    /// Pose of the program's frame.
     pub frame: WorkFrame,
     /// The axes.
     pub axes: Vec<Axis>,
     /// Links and joints, for physics and pictures.
     pub model: Model,
-    /// What of a URDF that the file points to is not as it is written there.
+    /// Deviations of the model from the URDF that the file names.
     pub urdf_warnings: Vec<UrdfWarning>,
-    /// What of the file, or of its URDF, is perhaps not meant as it is written.
+    /// Warnings about the file or its URDF: parts that are perhaps not meant as written.
     pub hints: Vec<String>,
-    /// What the tool holds, in the frame of the flange.
+    /// Payload of the tool, in the frame of the flange.
     pub payload: Option<Inertial>,
-    /// What may be in its way; `None`: nothing is looked for.
+    /// Obstacles and collision check; `None`: no check.
     pub collision: Option<Collision>,
     /// The devices on the wires.
     pub drives: Vec<DeviceEntry>,
-    /// What M functions switch.
+    /// M functions and their outputs.
     pub m_functions: Vec<MFunction>,
-    /// Which outputs follow the tappets of cams.
+    /// Outputs that follow the tappets of cams.
     pub tappet_outputs: Vec<TappetOutput>,
     /// Acceleration of free fall in the machine frame, m/s².
     pub gravity: Vector3<f64>,
-    /// What programs find when they begin.
+    /// Initial conditions of programs.
     pub conditions: ProgramConditions,
-    /// What a plan may ask of the path.
+    /// Limits of the path in a plan.
     pub path_limits: PathLimits,
     /// Axes that follow others, masters before their slaves.
     pub couplings: Vec<Coupling>,
@@ -193,7 +193,7 @@ impl Machine {
         Some(axes)
     }
 
-    /// Where the tool is when a program starts that does not say where, machine frame.
+    /// Tool pose at the default start of programs, machine frame.
     pub fn start_pose(&self) -> Pose {
         let position = Point3::from(self.conditions.start);
         self.frame.pose_to_machine(&Pose { position, direction: self.direction.at_start() })

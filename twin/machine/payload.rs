@@ -1,4 +1,4 @@
-//! `[payload]`: what the tool holds, as a mass; it has no shape.
+//! `[payload]`: mass, centre and inertia of the payload at the tool; it has no shape.
 
 use super::tool::Tool;
 use crate::section::Section;
@@ -15,8 +15,8 @@ const INERTIA: RangeInclusive<f64> = 0.0..=1e6;
 /// A moment of inertia may be larger than the sum of the others by this part of it: numbers are rounded.
 const ROUNDING: f64 = 1e-9;
 
-/// What hangs on the flange beside the `tool`, in the frame of the flange (that of the tool's offset: z up). `None` if the file
-/// says nothing of it, or nothing that can be.
+/// Mass on the flange besides the `tool`, in the frame of the flange (that of the tool's offset: z up). `None` if the
+/// file gives none, or an impossible one.
 pub(super) fn read(root: &Section<'_>, tool: &Tool) -> Option<Inertial> {
     let given = root.has("payload");
     let section = root.section("payload");

@@ -1,4 +1,4 @@
-//! What the simulated machine refuses, in the words of the machine file.
+//! Simulation error: an error of the physics, with the names of the machine file.
 
 use super::Machine;
 use crate::physics::{PhysicsError, Subject};

@@ -1,4 +1,4 @@
-//! A scenario: what goes wrong on purpose, and when.
+//! Scenario: faults of the simulated machine, and their start.
 //!
 //! ```toml
 //! [[faults]]
@@ -18,7 +18,7 @@ use crate::section::Section;
 use crate::section::{MachineFileError, Problem, read_text};
 use std::path::Path;
 
-/// What goes wrong.
+/// Faults that a scenario injects.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scenario {
     /// Of noise.
@@ -32,13 +32,13 @@ pub struct Scenario {
 pub struct FaultAt {
     /// Axis in machine-file order; `None`: all of them.
     pub axis: Option<usize>,
-    /// When.
+    /// Its start.
     pub start: FaultStart,
-    /// What.
+    /// Its kind.
     pub kind: FaultKind,
 }
 
-/// When a fault begins.
+/// Start of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultStart {
     /// So long after the start of the program, ns.

@@ -1,4 +1,4 @@
-//! `[[obstacles]]` and `[collision]`: what is around the machine, and what may touch what.
+//! `[[obstacles]]` and `[collision]`: obstacles around the machine, and pairs of parts for the collision check.
 
 use super::Machine;
 use crate::physics::{ClearanceScan, Obstacle, ObstacleKind, Part, PhysicsError, Surroundings};
@@ -20,18 +20,18 @@ const SCALE: RangeInclusive<f64> = 1e-6..=1e6;
 /// What `leave_out` calls the tool.
 const TOOL: &str = "tool";
 
-/// What is looked for in the way of a machine.
+/// Collision check of a machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collision {
-    /// What is around the machine, and which of all that may touch.
+    /// Obstacles around the machine, and the pairs of parts that may touch.
     pub surroundings: Surroundings,
     /// Nearer than this is worth a warning, m.
     pub clearance: f64,
-    /// Links that are in each other with every axis in the middle of its travel, and are not looked at for that.
+    /// Links that overlap with every axis in the middle of its travel, and are therefore not checked.
     pub overlapping: Vec<[Part; 2]>,
 }
 
-/// What the sections say, before it is known what the machine looks like.
+/// Contents of the sections, before the shape of the machine is known.
 #[derive(Debug)]
 pub(super) struct Entries {
     obstacles: Vec<Obstacle>,
@@ -44,7 +44,7 @@ pub(super) struct Entries {
     clearance: f64,
 }
 
-/// Reads the sections; `None` if the file speaks of nothing that could be touched, or there is something wrong with what it says.
+/// Reads the sections; `None` if the file has neither section, or has errors in them.
 pub(super) fn read(root: &Section<'_>, file: &Path, frame: Option<&WorkFrame>) -> Option<Entries> {
     let given = root.has("obstacles") || root.has("collision");
     let sections = root.sections("obstacles");
@@ -165,7 +165,7 @@ fn shape(section: &Section<'_>, file: &Path) -> Option<SolidShape> {
 }
 
 impl Entries {
-    /// The same for the machine `model`, with what may be in each other because it is so where the machine is at rest.
+    /// Collision check for the machine `model`, without pairs that overlap in the rest pose.
     pub(super) fn of(self, root: &Section<'_>, model: &Model, has_tool: bool) -> Collision {
         let is_taken =
             |name: &str| name == TOOL || model.links.iter().any(|link| link.name == name);
@@ -222,7 +222,7 @@ impl Machine {
         Ok(Some(scan).filter(|scan| !scan.is_empty()))
     }
 
-    /// What of that is described by meshes that are not closed, and at how many edges.
+    /// Meshes of these parts that are not closed, with the number of open edges.
     pub fn open_meshes(&self) -> Vec<(String, usize)> {
         let Some(collision) = &self.collision else { return Vec::new() };
         let links = self.model.links.iter().map(|link| {
@@ -257,7 +257,7 @@ impl Machine {
         Ok(())
     }
 
-    /// What `part` is called.
+    /// Name of `part`.
     pub fn part_name(&self, part: Part) -> String {
         let name = match (&self.collision, part) {
             (_, Part::Tool) => "the tool",

@@ -6,7 +6,7 @@ use crate::tappets::TappetOutput;
 use twin_drives::interpcnc::registers::OUTPUTS as BOARD_OUTPUTS;
 use twin_drives::smartdrive::OUTPUTS as SMARTDRIVE_OUTPUTS;
 
-/// Reads them, where `drives` are the devices, and as many axes hang on each.
+/// Reads the tappet outputs; `drives` are the devices with the number of their axes.
 pub(super) fn read(root: &Section<'_>, drives: &[(&Seen, usize)]) -> Vec<TappetOutput> {
     let mut outputs: Vec<TappetOutput> = Vec::new();
     for section in root.sections("tappet_outputs") {

@@ -1,4 +1,4 @@
-//! `[tool]`: what the machine holds.
+//! `[tool]`: tip, mass and shape of the tool.
 
 use crate::section::Section;
 use nalgebra::Vector3;
@@ -15,7 +15,7 @@ pub(super) struct Tool {
     pub(super) tip: Vector3<f64>,
     /// kg.
     pub(super) mass: f64,
-    /// What it looks like.
+    /// Its shape.
     pub(super) shape: ToolShape,
 }
 

@@ -1,4 +1,4 @@
-//! The efforts of the axes along a path, linear in what a plan of the feed chooses.
+//! Axis efforts along a path, linear in the path acceleration, squared path speed and path speed of a feed plan.
 //!
 //! With a path parameter s, axis positions q(s) and q̇ = q′·ṡ, q̈ = q′·s̈ + q″·ṡ², the equation of motion
 //! `effort = M(q)·q̈ + C(q, q̇)·q̇ + g(q) + friction` becomes, per axis,
@@ -124,11 +124,11 @@ pub struct EffortRow {
     pub speed_v2: f64,
     /// Coefficient of ṡ, at least 0.
     pub speed: f64,
-    /// What is left of the motor's effort, N or Nm; below 0 where weight and dry friction alone exceed it.
+    /// Remaining effort of the motor, N or Nm; below 0 where weight and dry friction alone exceed it.
     pub limit: f64,
 }
 
-/// The effort of one axis at one point of a path, N or Nm per unit of what stands beside it.
+/// The effort of one axis at one point of a path, as coefficients in N or Nm per unit of their variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisEffort {
     /// m: per unit of s̈.
@@ -158,14 +158,14 @@ impl AxisEffort {
         left: 1.0,
     };
 
-    /// What the motor gives at the path acceleration s̈ and the path speed ṡ, without dry friction, N or Nm.
+    /// Motor effort at the path acceleration s̈ and the path speed ṡ, without dry friction, N or Nm.
     pub fn effort(&self, acceleration: f64, speed: f64) -> f64 {
         self.inertia * acceleration
             + (self.centrifugal * speed + self.viscous) * speed
             + self.weight
     }
 
-    /// Whether the motor can hold the axis here, dry friction against it.
+    /// True if the motor can hold the axis here, dry friction against it.
     pub fn holds(&self) -> bool {
         self.spare().into_iter().all(|spare| spare >= 0.0)
     }

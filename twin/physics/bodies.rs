@@ -1,4 +1,4 @@
-//! The links of a model as bodies on moving joints, checked.
+//! Links of a model as bodies on moving joints, with checks of the model.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use twin_kinematics::MAX_AXES;
@@ -7,7 +7,7 @@ use twin_urdf::{JointDrive, JointKind, Link, Model};
 use super::dynamics::JointMatrix;
 use super::error::PhysicsError;
 
-/// How a body moves against its parent: with the joint of this number.
+/// Motion of a body against its parent: with the joint of this number.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Motion {
     Fixed,
@@ -66,9 +66,9 @@ pub(super) struct Body {
 #[derive(Clone, Debug)]
 pub(super) struct Tree {
     pub(super) bodies: Vec<Body>,
-    /// How the joints (rows) move with the axes (columns), where an axis moves more joints than one.
+    /// Motion of the joints (rows) with the axes (columns), where an axis moves more joints than one.
     pub(super) coupling: Option<JointMatrix>,
-    /// How many joints mimic others.
+    /// Number of joints that mimic others.
     pub(super) followers: usize,
 }
 
@@ -166,7 +166,8 @@ impl Tree {
         Ok(Self { bodies, coupling: coupled.then_some(coupling), followers })
     }
 
-    /// That the axes `0..axis_count` tell where every joint is, and the joints where every axis is, unless joints mimic others.
+    /// Checks that the positions of the axes `0..axis_count` determine all joint positions, and the other way round
+    /// unless joints mimic others.
     ///
     /// # Errors
     /// [`PhysicsError::CoupledJoint`].
@@ -186,7 +187,7 @@ impl Tree {
         is_even.then_some(()).ok_or(uneven)
     }
 
-    /// Whether anything moves with `axis`.
+    /// True if anything moves with `axis`.
     pub(super) fn moves_with(&self, axis: usize) -> bool {
         match &self.coupling {
             Some(coupling) => (0..MAX_AXES)

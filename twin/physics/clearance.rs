@@ -1,4 +1,4 @@
-//! How far the machine is from what it must not touch.
+//! Clearance scan: distance of the machine from its surroundings and of its links from each other.
 
 use nalgebra::{Isometry3, Vector3};
 use twin_kinematics::AxisVector;
@@ -13,7 +13,7 @@ use super::pairs::Pairs;
 use super::posed::Posed;
 use super::surroundings::{Part, Surroundings};
 
-/// Looks for what is nearest, pose by pose along a way.
+/// Search for the nearest pair of parts, pose by pose along a way.
 #[derive(Clone, Debug)]
 pub struct ClearanceScan {
     model: Model,
@@ -25,7 +25,7 @@ pub struct ClearanceScan {
 }
 
 impl ClearanceScan {
-    /// Of the links of `model`, which has so many machine axes, among `surroundings`.
+    /// Scan of the links of `model`, moved by its machine axes, among `surroundings`.
     ///
     /// # Errors
     /// [`PhysicsError`] if the model is none that can be simulated, and [`PhysicsError::FlatMesh`].
@@ -78,7 +78,7 @@ impl ClearanceScan {
         })
     }
 
-    /// Whether there is nothing to be near to.
+    /// True if there is no pair of parts to measure.
     pub fn is_empty(&self) -> bool {
         self.distances.is_empty()
     }
@@ -92,7 +92,7 @@ impl ClearanceScan {
         Ok(self.distances.nearest(&self.poses))
     }
 
-    /// The same with the tool shifted by `shift` (m, machine frame): one that hangs there in the place of that of the machine.
+    /// As [`Self::nearest`], with the tool of the machine replaced by one shifted by `shift` (m, machine frame).
     ///
     /// # Errors
     /// Those of [`Self::nearest`].
@@ -126,7 +126,7 @@ impl ClearanceScan {
         Ok(())
     }
 
-    /// How far two parts are apart with the axes at `axes` (m or rad); `None` if that is not looked at.
+    /// Distance of two parts with the axes at `axes` (m or rad); `None` if the pair is not measured.
     ///
     /// # Errors
     /// Those of [`Self::nearest`].

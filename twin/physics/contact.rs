@@ -1,17 +1,19 @@
-//! What contact does to the axes: forces that push and never pull, in joint space.
+//! Contact step: forces that push and never pull, solved in joint space.
 //!
-//! Where bodies are about to touch, each point of contact i has a gap gᵢ and a row Jᵢ of how that opens with the axes. It pushes with
-//! fᵢ = k·max(0, −gᵢ) of the gap at the end of the step (Euler's implicit rule: what is stiff against the step comes to rest
-//! instead of ringing). The velocities v at the end of a step of T are then the minimum of
+//! Each contact point i of bodies about to touch has a gap gᵢ and a row Jᵢ that gives the change of the gap with the
+//! axes. It pushes with fᵢ = k·max(0, −gᵢ) of the gap at the end of the step. This is Euler's implicit rule: contacts
+//! that are stiff for the step come to rest instead of ringing. The velocities v at the end of a step of T are then the
+//! minimum of
 //!
 //! ```text
 //! ½·(v − v₁)ᵀ·M·(v − v₁) + ½·k·Σ max(0, −sᵢ(v))²        sᵢ(v) = gᵢ + T·Jᵢ·(v − v₁)
 //! ```
 //!
-//! with gᵢ where the step ends without contact and v₁ the velocities there. It is convex and smooth and made of parabolas, so
-//! Newton's method with an exact line search ends at it after a few steps, however many points carry the same load (E. Todorov,
-//! "Convex and analytically-invertible dynamics with contacts and constraints", ICRA 2014, has the same primal form). There is no
-//! friction between what touches: a crash or a probe is told by its normal force.
+//! Here gᵢ is the gap at the end of the step without contact, and v₁ are the velocities there. The function is convex,
+//! smooth and piecewise quadratic. Newton's method with an exact line search therefore ends after a few steps, even if
+//! many points carry the same load (E. Todorov, "Convex and analytically-invertible dynamics with contacts and
+//! constraints", ICRA 2014, has the same primal form). Contacts have no friction: the normal force of a crash or a
+//! probe is enough to report it.
 
 use super::dynamics::{JointMatrix, JointVector};
 
@@ -24,9 +26,9 @@ const HALVINGS: usize = 60;
 /// A point of contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
-    /// How its gap opens with the axes, m per m or rad.
+    /// Change of its gap with the axes, m per m or rad.
     pub(super) opening: JointVector,
-    /// Where the step would end without contact, m; below 0: that deep in each other.
+    /// Gap at the end of the step without contact, m; below 0: penetration depth.
     pub(super) gap: f64,
 }
 
@@ -41,7 +43,7 @@ pub(super) struct FreeStep<'a> {
     pub(super) dt: f64,
 }
 
-/// What contact makes of it.
+/// Result of a contact step.
 #[derive(Clone, Debug)]
 pub(super) struct Touched {
     /// Velocities at the end of the step.

@@ -1,7 +1,7 @@
-//! How far parts are from each other at most and at least, measured as rarely as can be.
+//! Distances between parts: lower and upper bounds with as few measurements as possible.
 //!
-//! Between two poses no point of a link goes farther than its frame shifts and turns it. So a pair that was so far apart needs not be
-//! measured again before both together have gone as far.
+//! Between two poses no point of a link moves farther than the shift and turn of its frame allow. A pair at a known
+//! distance is therefore measured again only when both parts together have moved that far.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapier3d_f64::geometry::{Shape, SharedShape};
@@ -19,12 +19,12 @@ use super::penetration;
 use super::solids::{self, Placed};
 use super::surroundings::{Part, Surroundings};
 
-/// How near two parts are.
+/// Distance of two parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance {
     /// m; below 0 they are as deep in each other.
     pub distance: f64,
-    /// Which.
+    /// The parts.
     pub parts: [Part; 2],
     /// The nearest point of each, m, machine frame.
     pub points: [Point3<f64>; 2],
@@ -44,13 +44,13 @@ pub(super) struct Near {
 }
 
 impl Near {
-    /// How far they are apart along the normal with the links at `poses`, m; below 0: in each other.
+    /// Distance along the normal with the links at `poses`, m; below 0: penetration depth.
     pub(super) fn gap(&self, poses: &[Isometry3<f64>]) -> f64 {
         let [first, second] = self.places(poses);
         self.normal.dot(&(second - first))
     }
 
-    /// Where the points are, m, machine frame.
+    /// Positions of the points, m, machine frame.
     pub(super) fn places(&self, poses: &[Isometry3<f64>]) -> [Point3<f64>; 2] {
         let at =
             |link: usize, point: &Point3<f64>| poses.get(link).map_or(*point, |pose| pose * point);
@@ -59,7 +59,7 @@ impl Near {
     }
 }
 
-/// The parts of a machine and of what is around it, and what is known of their distances.
+/// The parts of a machine and its surroundings, with bounds of their distances.
 #[derive(Clone, Debug)]
 pub(super) struct Distances {
     parts: Vec<Measured>,
@@ -130,7 +130,7 @@ impl Distances {
         self.pairs.is_empty()
     }
 
-    /// Notes that the links have gone from one place to another, and tells how far any point went at most, m.
+    /// Records a motion of the links, and returns the largest displacement of any point, m.
     pub(super) fn go(&mut self, from: &[Isometry3<f64>], to: &[Isometry3<f64>]) -> f64 {
         let mut farthest = 0.0_f64;
         let links = from.iter().zip(to).zip(&self.radii);
@@ -263,12 +263,12 @@ impl Distances {
         }
     }
 
-    /// Whether two parts are in each other with the links at `poses`.
+    /// True if two parts overlap with the links at `poses`.
     pub(super) fn meet(&self, numbers: [usize; 2], poses: &[Isometry3<f64>]) -> bool {
         self.measure(numbers, poses).is_some_and(|found| found.distance < 0.0)
     }
 
-    /// How far the parts `parts` are apart with the links at `poses`; `None` if that is not looked at.
+    /// Distance of the parts `parts` with the links at `poses`; `None` if the pair is not measured.
     pub(super) fn between(&self, parts: [Part; 2], poses: &[Isometry3<f64>]) -> Option<f64> {
         let is_it = |pair: &&Pair| {
             let [one, other] = pair.parts.map(|number| self.parts.get(number).map(|it| it.part));

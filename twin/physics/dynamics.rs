@@ -1,11 +1,12 @@
-//! The equation of motion of a tree of links in joint space: `M(q)·a + b(q, v) = effort`.
+//! Equation of motion of a tree of links in joint space: `M(q)·a + b(q, v) = effort`.
 //!
-//! `b` holds gravity, centrifugal and Coriolis terms; `M` has the reflected rotor inertia on its diagonal. Both come from the bodies
-//! that move, one per joint (`folded`). Where nothing turns they are constants.
+//! `b` holds gravity, centrifugal and Coriolis terms. `M` has the reflected rotor inertia on its diagonal. Both are
+//! computed from the moving bodies, one per joint (`folded`). Where nothing turns they are constants.
 //!
-//! Joint `i` here is machine axis `i`, whatever the order of the joints in the model. Where two motors on one belt move two
-//! joints together, joint positions are G·q with a constant G, efforts of the joints become Gᵀ·effort at the motors, and
-//! the inertia Gᵀ·M·G; rotors turn with the motors. Positions, velocities and efforts are those of the axes, always.
+//! Joint `i` here is machine axis `i`, whatever the order of the joints in the model. Two motors on one belt move two
+//! joints together. Joint positions are then G·q with a constant G, the efforts at the motors are Gᵀ·effort of the
+//! joints, and the inertia is Gᵀ·M·G. Rotors turn with the motors. Positions, velocities and efforts are always those
+//! of the axes.
 
 use nalgebra::{SMatrix, SVector, Vector3};
 use twin_kinematics::MAX_AXES;
@@ -63,7 +64,7 @@ impl Dynamics {
         Ok(Self::of_tree(tree, axis_count, gravity, armature))
     }
 
-    /// The same of checked bodies, which need not move with every axis.
+    /// Equation of motion of checked bodies, which need not move with every axis.
     pub(super) fn of_tree(
         tree: Tree,
         axis_count: usize,
@@ -132,7 +133,7 @@ impl Dynamics {
         solve(axes, inertia, &(effort - bias))
     }
 
-    /// The same, and M⁻¹, with 1 on its diagonal where the machine has no axis.
+    /// As [`Self::acceleration`], and M⁻¹, with 1 on its diagonal where the machine has no axis.
     pub(super) fn acceleration_and_mobility(
         &mut self,
         position: &JointVector,

@@ -1,4 +1,4 @@
-//! The equation of motion of a simulated machine of any kind, in the positions of its axes.
+//! Equation of motion of a simulated machine of any kind, in axis positions.
 
 use nalgebra::Vector3;
 use twin_urdf::Model;
@@ -7,7 +7,7 @@ use super::dynamics::{Dynamics, JointMatrix, JointVector};
 use super::error::PhysicsError;
 use super::tripod::TripodDynamics;
 
-/// Links that are a tree, whatever moves their joints, or a tripod.
+/// Equation of motion of a tree of links or of a tripod.
 #[derive(Clone, Debug)]
 pub(super) enum Equation {
     Tree(Box<Dynamics>),

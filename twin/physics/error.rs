@@ -1,11 +1,11 @@
-//! What the physics machine refuses, and why.
+//! Errors of the simulated machine: invalid models, invalid inputs, and failures during motion.
 
 use super::event::Side;
 use super::surroundings::Part;
 use std::fmt;
 use twin_kinematics::MAX_AXES;
 
-/// What an error speaks of, counted from 0: axes in machine-file order, joints and links in that of the model.
+/// Subject of an error, counted from 0: axes in machine-file order, joints and links in that of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// An axis.
@@ -30,8 +30,8 @@ impl fmt::Display for Subject {
     }
 }
 
-/// A machine that cannot be simulated, or an input it cannot follow. Axes, joints and links are counted from 0; whoever knows what
-/// they are called says so with [`Self::said`].
+/// A machine that cannot be simulated, or an input it cannot follow. Axes, joints and links are counted from 0;
+/// [`Self::said`] replaces the numbers by names.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PhysicsError {
     /// The number of values does not fit the number of axes.
@@ -170,7 +170,7 @@ pub enum PhysicsError {
 }
 
 impl PhysicsError {
-    /// What is wrong, with `name` for the axes, joints and links that it speaks of.
+    /// Message of the error, with `name` for the axes, joints and links that it concerns.
     pub fn said(&self, name: impl Fn(Subject) -> String) -> String {
         let axis = |axis| name(Subject::Axis(axis));
         let joint = |joint| name(Subject::Joint(joint));
@@ -256,7 +256,7 @@ impl PhysicsError {
         }
     }
 
-    /// The same of a model in which these joints and links are the joints and links with the numbers `joints` and `links`.
+    /// The same error for a model that has these joints and links under the numbers `joints` and `links`.
     pub(super) fn renumbered(self, joints: &[usize], links: &[usize]) -> Self {
         let joint_of = |joint: usize| joints.get(joint).copied().unwrap_or(joint);
         let link_of = |link: usize| links.get(link).copied().unwrap_or(link);

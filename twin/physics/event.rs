@@ -1,4 +1,4 @@
-//! What happens to a machine beside its motion.
+//! Events of the simulated machine: lost steps, overload, limit switches, brakes, faults.
 
 use super::fault::Fault;
 
@@ -9,11 +9,11 @@ pub struct PhysicsEvent {
     pub time_ns: i64,
     /// The axis, from 0.
     pub axis: usize,
-    /// What it was.
+    /// Its kind.
     pub kind: EventKind,
 }
 
-/// What can happen to an axis.
+/// Kinds of events of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EventKind {
     /// The rotor of a step motor fell behind its field (or was pushed ahead of it, below 0) by more than two full steps, and

@@ -1,4 +1,4 @@
-//! Things that go wrong on purpose.
+//! Fault injection: jams, lost steps, loose belts and power loss.
 
 use super::drive::MotorAtWork;
 use super::event::{EventKind, PhysicsEvent};
@@ -28,7 +28,8 @@ pub enum Fault {
 }
 
 impl PhysicsMachine {
-    /// From now on `axis` has this fault too. False if it cannot have it: there is no such axis, or nothing in it to fail so.
+    /// Injects a fault into `axis`. False if it cannot have the fault: there is no such axis, or it has no part that
+    /// can fail so.
     pub fn fail(&mut self, axis: usize, fault: Fault) -> bool {
         let parts = self.drives.get_mut(axis).zip(self.trains.get_mut(axis));
         let Some((drive, train)) = parts else { return false };

@@ -1,16 +1,17 @@
-//! The links of a tree that move, each with the links fixed to it as one rigid body, and what moving them takes.
+//! Tree dynamics: inertia and efforts of moving links, each merged with the links fixed to it into one rigid body.
 //!
-//! A body's frame has z along the direction of its joint and its origin on the joint; everything about it is said in that frame, in
-//! which its own mass never changes (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, chapters 2, 5 and 6). The points of a body
-//! have the acceleration a + B·r with B = α× + ω×ω×, so that with m, h and J, the sums of its mass, m·r and m·r·rᵀ, it takes
+//! The z axis of a body's frame is the direction of its joint, and its origin is on the joint. All quantities of a body
+//! are given in that frame, in which its own mass distribution is constant (Featherstone, *Rigid Body Dynamics
+//! Algorithms*, 2008, chapters 2, 5 and 6). The points of a body have the acceleration a + B·r with B = α× + ω×ω×. With
+//! m, h and J, the sums of its mass, m·r and m·r·rᵀ, the force and torque are
 //!
 //! ```text
 //! f = m·a + B·h      n = h×a + ε(B·J),  ε(A) = (A₃₂ − A₂₃, A₁₃ − A₃₁, A₂₁ − A₁₂)
 //! ```
 //!
-//! and hands on to its parent f and n + r×f (the recursive Newton–Euler algorithm). The inertia of the joints comes from the bodies
-//! that each one carries, taken as one (the composite-rigid-body algorithm): a unit of its velocity gives them a momentum and an
-//! angular momentum, which every joint below feels.
+//! The body passes f and n + r×f on to its parent (the recursive Newton–Euler algorithm). The inertia of the joints
+//! comes from the bodies that each joint carries, taken as one (the composite-rigid-body algorithm). A unit of joint
+//! velocity gives them a momentum and an angular momentum, which act on every joint below.
 
 use nalgebra::{Matrix3, Vector3};
 use twin_kinematics::MAX_AXES;
@@ -165,7 +166,7 @@ impl Folded {
         Self { bodies, states, inertia }
     }
 
-    /// Whether nothing turns, so that neither the inertia nor the weight depends on where the joints are.
+    /// True if nothing turns. Neither the inertia nor the weight then depends on the joint positions.
     pub(super) fn is_uniform(&self) -> bool {
         self.bodies.iter().all(|body| !body.revolute)
     }

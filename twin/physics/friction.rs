@@ -1,4 +1,4 @@
-//! Friction of a slide, a bearing or a motor.
+//! Friction model of a slide, a bearing or a motor: Coulomb, breakaway, Stribeck and viscous.
 
 /// Friction of one moving part: Coulomb, breakaway with its fall by Stribeck, and viscous.
 ///
@@ -42,7 +42,7 @@ impl FrictionParameters {
         self.coulomb + more * (-ratio * ratio).exp()
     }
 
-    /// Whether there is any dry friction.
+    /// True if there is any dry friction.
     pub(super) fn is_dry(&self) -> bool {
         self.coulomb.max(self.breakaway) > 0.0
     }
@@ -77,7 +77,7 @@ pub(super) const REST: f64 = 1e-12;
 /// The part of the most that holds which has to be left for a part to be held: more than what rounding leaves where it breaks away.
 const LEFT: f64 = 1e-9;
 
-/// What dry friction does over a short time.
+/// Effect of dry friction over a short time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum DryFriction {
     /// Nothing.

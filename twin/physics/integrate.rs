@@ -1,9 +1,11 @@
-//! Motion over one short step: joints by the equation of motion, rotors behind elastic transmissions beside it.
+//! Time integration over one short step: joints by the equation of motion, together with rotors behind elastic
+//! transmissions.
 //!
-//! Classical Runge–Kutta of fourth order. Motors, springs and friction are part of the right-hand side. Laws change where
-//! something stops or breaks away, or teeth meet, so a step ends there (`stop`) and another one takes the rest of the time: whatever
-//! moves is opposed as long as it moves, and what stands is held or breaks away as `settle` says. So no step is across anything but
-//! smooth motion, and its error is of fifth order wherever it happens to begin.
+//! The method is classical Runge–Kutta of fourth order. Motors, springs and friction are part of the right-hand side.
+//! The laws change where something stops or breaks away, or where teeth meet. A step therefore ends there (`stop`), and
+//! another one takes the rest of the time. Friction opposes a part as long as it moves; `settle` decides whether a part
+//! at rest is held or breaks away. Every step thus covers smooth motion only. Its error is of fifth order, wherever it
+//! begins.
 
 use twin_kinematics::MAX_AXES;
 
@@ -69,7 +71,7 @@ impl MachineState {
     }
 }
 
-/// When in a step.
+/// Stage of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Stage {
     Start,
@@ -93,13 +95,13 @@ impl Stage {
     }
 }
 
-/// What moves the axes.
+/// Motors of the axes.
 pub(super) trait Motors {
     /// The efforts of all motors that are there and move so, N or Nm at the axes.
     fn efforts(&self, stage: Stage, motors: &JointState) -> JointVector;
 }
 
-/// What is between one motor and its axis.
+/// Transmission between one motor and its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Train {
     /// Of the axis, and of all that is joined to it rigidly.
@@ -158,16 +160,16 @@ pub(super) struct Step<'a, M: ?Sized> {
     motors: &'a M,
     /// What else pushes the axes, N or Nm.
     disturbance: &'a JointVector,
-    /// How many axes there are.
+    /// Number of axes.
     pub(super) axes: usize,
     springs: Springs,
-    /// Whether there is dry friction.
+    /// True if there is dry friction.
     pub(super) dry: bool,
     /// s.
     pub(super) dt: f64,
 }
 
-/// What pushes the axes and motors at some time, N or Nm.
+/// Efforts on axes and motors at some time, N or Nm.
 pub(super) struct Pushed {
     pub(super) axes: JointVector,
     /// Only of motors behind springs.
@@ -176,15 +178,15 @@ pub(super) struct Pushed {
     effort: JointVector,
 }
 
-/// Where a part of a step ends.
+/// End of a part of a step.
 pub(super) struct Arrival {
     pub(super) state: MachineState,
     /// At this part of the step.
     pub(super) until: f64,
     effort: JointVector,
-    /// How everything changed at its beginning.
+    /// Derivative of the state at its beginning.
     pub(super) first: MachineState,
-    /// What holds what sticks.
+    /// Forces that hold sticking parts.
     pub(super) holding: Holding,
 }
 
@@ -301,7 +303,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         Some((slope, pushed.effort))
     }
 
-    /// What pushes everything at `state`, but for what holds what sticks.
+    /// Efforts on all parts at `state`, except the forces that hold sticking parts.
     #[inline]
     pub(super) fn pushed(&self, stage: Stage, state: &MachineState, dry: &Dry) -> Pushed {
         let MachineState { axes, motors } = state;

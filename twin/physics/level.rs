@@ -1,36 +1,38 @@
-//! The equation of motion of a tripod whose platform stays level, in closed form.
+//! Delta dynamics: equation of motion of a tripod with a level platform, in closed form.
 //!
-//! **Where it is.** Both rods of a pair share their direction s, |s| = L, from the carriage down to the platform, which does not turn:
-//! with t the pair's carriage seen from the platform's middle, h its height and p = (w, z) the place of the platform, s = (w − t, z − h). All
-//! |t| are the same length e and Σt = 0, so that the three |s|² = L² are, with ζ and δ what z and the h are above the mean of the h,
+//! **Position.** Both rods of a pair share their direction s, |s| = L, from the carriage down to the platform, which
+//! does not turn. Let t be the pair's carriage as seen from the middle of the platform, h its height, and p = (w, z)
+//! the position of the platform. Then s = (w − t, z − h). All |t| have the same length e, and Σt = 0. With ζ and δ the
+//! heights of z and of the h above the mean of the h, the three equations |s|² = L² are
 //!
 //! ```text
 //! w = a·ζ + b,  a = −2·Σδ·t / 3e²,  b = Σδ²·t / 3e²      (1 + a²)·ζ² + 2·a·b·ζ + b² + Σδ²/3 + e² − L² = 0
 //! ```
 //!
-//! of which the lower ζ is the machine's. The rods never point up: that would be another way of assembly.
+//! The lower ζ is the machine's. The rods never point up: that would be another way of assembly.
 //!
-//! **How it moves.** With the positions q of the carriages and K the matrix of the rows s/sz,
+//! **Motion.** With the positions q of the carriages and K the matrix of the rows s/sz,
 //!
 //! ```text
 //! q̇ = K·ṗ      q̈ = K·p̈ + k,  k = ṡ·ṡ/sz
 //! ```
 //!
-//! Each carriage is felt with A = its mass, that of its rotor and m₁₁ of its rods, and with b = m₁₂ of its rods by the platform, which
-//! is felt with μ = its mass and m₂₂ of all rods (rods as in `tripod`); W and w are the masses that hang on carriage and platform.
-//! The efforts are
+//! Each carriage has the inertia A, the sum of its mass, its rotor and m₁₁ of its rods. It is coupled to the platform
+//! by b = m₁₂ of its rods. The platform has the inertia μ, the sum of its mass and m₂₂ of all rods (rods as in
+//! `tripod`). W and w are the masses that hang on carriage and platform. The efforts are
 //!
 //! ```text
 //! τ = A·q̈ + b·p̈z − gz·W + K⁻ᵀ·F      F = μ·p̈ + ẑ·(b·q̈) − g·w
 //! ```
 //!
-//! and Kᵀ times that, with q̈ put in, is a symmetric system of three equations for p̈:
+//! Multiplied by Kᵀ and with q̈ inserted, this is a symmetric system of three equations for p̈:
 //!
 //! ```text
 //! (Kᵀ·A·K + Kᵀ·b·ẑᵀ + ẑ·bᵀ·K + μ)·p̈ = Kᵀ·(τ + gz·W − A·k) − ẑ·(b·k) + g·w
 //! ```
 //!
-//! whose matrix N also gives the mobility of the carriages, K·N⁻¹·Kᵀ. Nothing is inverted but what carries the platform.
+//! Its matrix N also gives the mobility of the carriages, K·N⁻¹·Kᵀ. Only three-by-three matrices of the platform are
+//! inverted.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
@@ -39,7 +41,7 @@ use super::dynamics::{Dynamics, JointMatrix, JointVector, at};
 use super::linkage::RodBody;
 use super::tripod::Carriage;
 
-/// A tripod with a level platform, and the axes beside it.
+/// A tripod with a level platform, and additional axes.
 #[derive(Clone, Debug)]
 pub(super) struct LevelTripod {
     axes: [usize; 3],
@@ -160,7 +162,7 @@ impl LevelTripod {
         Some(self.with_carriages(others, &found))
     }
 
-    /// The same, and the inverse of the inertia, with 1 on its diagonal where the machine has no axis.
+    /// As [`Self::acceleration`], and the inverse of the inertia, with 1 on its diagonal where the machine has no axis.
     pub(super) fn acceleration_and_mobility(
         &mut self,
         position: &JointVector,

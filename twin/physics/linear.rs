@@ -1,5 +1,7 @@
-//! Linear equations of the axes, no larger than the machine has axes: M = L·D·Lᵀ with 1 on the diagonal of L, which takes no
-//! roots and, for as few axes as a machine has, no loops when compiled.
+//! Linear solver for the equations of the axes: M = L·D·Lᵀ with 1 on the diagonal of L.
+//!
+//! The systems are no larger than the number of axes. The factorisation needs no square roots and, for so few axes, no
+//! loops when compiled.
 
 use twin_kinematics::MAX_AXES;
 

@@ -1,4 +1,4 @@
-//! What of a model with closed loops is a tripod.
+//! Tripod recognition in a model with closed loops.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 use twin_kinematics::tripod::{Tripod, TripodDeviations, TripodDimensions};
@@ -26,7 +26,7 @@ pub(super) struct RodBody {
     pub(super) length: f64,
     /// m₁₁, m₁₂ and m₂₂, kg.
     pub(super) masses: [f64; 3],
-    /// What of its mass hangs on its upper and on its lower end, kg.
+    /// Parts of its mass at its upper and at its lower end, kg.
     pub(super) shares: [f64; 2],
 }
 
@@ -43,9 +43,9 @@ pub(super) struct Linkage {
 /// A rod as the model has it.
 pub(super) struct Hanging<'m> {
     pub(super) slide: &'m Joint,
-    /// By which it swings first; its place is that of the upper end.
+    /// Its first joint; the origin of this joint is the upper end.
     pub(super) swing: &'m Joint,
-    /// By which it swings then; its child is the rod.
+    /// Its second joint; its child is the rod.
     pub(super) tilt: &'m Joint,
     /// Its lower end in its own frame, and in that of the platform.
     pub(super) ends: [Point3<f64>; 2],
@@ -147,7 +147,7 @@ pub(super) fn platform(model: &Model) -> Option<usize> {
     same.then_some(*platform)
 }
 
-/// All rods: first that which carries the platform. `None` if the model is no tripod.
+/// All rods, first the one that carries the platform. `None` if the model is not a tripod.
 pub(super) fn hanging(model: &Model) -> Option<Vec<Hanging<'_>>> {
     let platform = platform(model)?;
     let in_place = |joint: &&Joint| joint.origin.translation.vector.norm() <= ROUNDING;

@@ -1,6 +1,6 @@
-//! What an axis has asked of its motor: forces, powers, energy.
+//! Motor load of an axis: forces, powers, energy.
 
-/// What a motor has given since the machine was made.
+/// Motor load since the machine was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotorLoad {
     /// For how long, s.
@@ -17,12 +17,12 @@ pub struct MotorLoad {
     pub driving_energy: f64,
     /// Energy taken back while braking, J.
     pub braking_energy: f64,
-    /// Largest losses of the winding against those it bears for ever, smoothed with its thermal time constant (I²t); 1 is what
-    /// it bears. `None` where that is not known.
+    /// Largest losses of the winding relative to the continuous limit, smoothed with its thermal time constant (I²t).
+    /// `None` where they are not known.
     pub peak_warmth: Option<f64>,
 }
 
-/// What a motor does in a cycle; efforts at the axis (behind the gear).
+/// State of a motor in a cycle; efforts at the axis (behind the gear).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotorState {
     /// Force or torque, mean over the cycle, N or Nm.
@@ -31,15 +31,16 @@ pub struct MotorState {
     pub effort_limit: Option<f64>,
     /// Mechanical power, mean over the cycle, W; less than 0 while it brakes.
     pub power: f64,
-    /// Losses of the winding against those it bears for ever, smoothed with its thermal time constant (I²t), at the end of the
-    /// cycle; 1 is what it bears. `None` where that is not known.
+    /// Losses of the winding relative to the continuous limit, smoothed with its thermal time constant (I²t), at the
+    /// end of the cycle. `None` where they are not known.
     pub warmth: Option<f64>,
-    /// How far the field of a step motor is ahead of its rotor at the end of the cycle, full steps; `None` of other motors.
+    /// Load angle of a step motor: lead of the field over the rotor at the end of the cycle, full steps; `None` of
+    /// other motors.
     pub load_angle: Option<f64>,
 }
 
 impl MotorState {
-    /// How much of what it could give it gives: 1 is all. `None` without a limit, or where the limit leaves nothing to give.
+    /// Utilisation: effort relative to the effort limit; 1 is all. `None` without a limit, or where the limit is 0.
     pub fn utilisation(&self) -> Option<f64> {
         let limit = self.effort_limit.filter(|limit| *limit > 0.0)?;
         Some(self.effort.abs() / limit)
@@ -80,7 +81,7 @@ impl LoadSums {
         self.warmth = Some(self.warmth.map_or(warmth, |most| most.max(warmth)));
     }
 
-    /// What they say.
+    /// The load from these sums.
     pub(super) fn load(&self) -> MotorLoad {
         let rms = |sum: f64| if self.duration > 0.0 { (sum / self.duration).sqrt() } else { 0.0 };
         MotorLoad {

@@ -1,4 +1,4 @@
-//! The machine: what it is made of, and what it says of itself.
+//! Simulated machine: its parts and its state.
 
 use nalgebra::{Isometry3, Vector3};
 use twin_kinematics::{AxisMotion, AxisVector, MAX_AXES};
@@ -17,7 +17,7 @@ use super::touch::Touch;
 use super::world::RapierWorld;
 use super::{axis_vector, checked, joint_vector};
 
-/// What the axes of the machine do at the end of a cycle.
+/// State of the axes at the end of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisState {
     /// Since the machine was made, ns.
@@ -42,7 +42,7 @@ pub struct PhysicsMachine {
     pub(super) world: RapierWorld,
     pub(super) drives: Vec<AxisDrive>,
     pub(super) joints: MachineState,
-    /// How far motors were ahead of their axes when they were homed.
+    /// Lead of the motors over their axes at homing.
     pub(super) homed: JointVector,
     pub(super) loads: [LoadSums; MAX_AXES],
     pub(super) events: Vec<PhysicsEvent>,
@@ -162,7 +162,7 @@ impl PhysicsMachine {
         })
     }
 
-    /// The same with the equation of motion taken in steps of at most `longest` s, however fast that goes.
+    /// The machine with steps of the equation of motion of at most `longest` s, whatever the computing time.
     #[must_use]
     pub fn with_steps_of(mut self, longest: f64) -> Self {
         let mut factor = 1_u32;
@@ -175,7 +175,7 @@ impl PhysicsMachine {
         self
     }
 
-    /// The same with noise from another seed; it is 0 otherwise.
+    /// The machine with noise from another seed; the seed is 0 otherwise.
     #[must_use]
     pub fn with_seed(mut self, seed: u64) -> Self {
         for (axis, drive) in self.drives.iter_mut().enumerate() {
@@ -194,18 +194,18 @@ impl PhysicsMachine {
         &self.setpoint
     }
 
-    /// Where the motors are, as far as they have turned since they were homed, m or rad at the axes. Without elastic
-    /// transmissions that is where the axes are.
+    /// Motor positions relative to homing, m or rad at the axes. Without elastic transmissions they are the axis
+    /// positions.
     pub fn motor_position(&self) -> AxisVector {
         axis_vector(&(self.joints.motors.position - self.homed), self.drives.len())
     }
 
-    /// What the motor of `axis` has given so far.
+    /// Load of the motor of `axis` so far.
     pub fn motor_load(&self, axis: usize) -> MotorLoad {
         self.loads.get(axis).map(LoadSums::load).unwrap_or_default()
     }
 
-    /// What the motor of `axis` did in the last cycle; nothing if there is no such axis.
+    /// State of the motor of `axis` in the last cycle; nothing if there is no such axis.
     pub fn motor_state(&self, axis: usize) -> MotorState {
         let Some(drive) = self.drives.get(axis) else { return MotorState::default() };
         let of = |values: &AxisVector| values.get(axis).copied().unwrap_or_default();
@@ -218,7 +218,7 @@ impl PhysicsMachine {
         }
     }
 
-    /// How far the field of the step motor of `axis` is ahead of its rotor, in full steps; `None` of other motors.
+    /// Load angle of the step motor of `axis`: lead of the field over the rotor, in full steps; `None` of other motors.
     pub fn load_angle(&self, axis: usize) -> Option<f64> {
         match &self.drives.get(axis)?.motor {
             MotorAtWork::Stepper(stepper) => {

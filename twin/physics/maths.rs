@@ -1,7 +1,7 @@
-//! The one place where nalgebra's types become rapier's (glam's) and back.
+//! Conversion between nalgebra's types and rapier's (glam's), in one place.
 //!
-//! Every conversion copies components; nothing is normalised or rounded, so a value that goes there and back is the
-//! same to the bit.
+//! Every conversion copies components. Nothing is normalised or rounded, so a value that is converted there and back is
+//! the same to the bit.
 
 #[cfg(test)]
 use nalgebra::Matrix3;
@@ -55,7 +55,7 @@ pub(super) fn pose_from_rapier(pose: &Pose) -> Isometry3<f64> {
     )
 }
 
-/// How far a point of a body goes at most that is within `radius` (m) of its origin, m.
+/// Largest displacement of any point of a body within `radius` (m) of its origin, m.
 pub(super) fn way(from: &Isometry3<f64>, to: &Isometry3<f64>, radius: f64) -> f64 {
     let shift = to.translation.vector - from.translation.vector;
     // The chord of a turn, and less rounding near none than of an angle.

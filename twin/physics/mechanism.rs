@@ -1,4 +1,4 @@
-//! What motors give along a path of a machine of any kind.
+//! Motor efforts along a path for a machine of any kind.
 
 use nalgebra::Vector3;
 use twin_urdf::Model;
@@ -8,7 +8,7 @@ use super::equation::Equation;
 use super::error::PhysicsError;
 use super::tripod::TripodDynamics;
 
-/// Links that are a tree, whatever moves their joints, or a tripod.
+/// Mechanism: a tree of links or a tripod.
 #[derive(Clone, Debug)]
 pub(super) enum Mechanism {
     /// The same without gravity, so that it takes nothing from the digits of the rest, and with it.

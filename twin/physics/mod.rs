@@ -1,4 +1,4 @@
-//! The simulated machine: links with mass on driven joints, in double precision.
+//! Simulated machine: links with mass on driven joints, in double precision.
 //!
 //! ```text
 //! AxisMotion (set-point) ─▶ drives ── effort ─▶ rotors, springs, joints ─▶ rapier world ─▶ AxisState, link poses
@@ -6,20 +6,20 @@
 //!                             └──────────────── position, velocity ────────────────────┘
 //! ```
 //!
-//! Axes are integrated in joint space, where a micrometre is no matter of solver iterations; rapier owns the bodies and finds
-//! what they touch; what contact does is solved in joint space again, the same for chains and for links that go round in circles.
-//! One cycle of length T (1 ms):
+//! Axes are integrated in joint space, where accuracy does not depend on solver iterations. rapier owns the bodies and
+//! the shapes for contact detection. Contact is solved in joint space again, in the same way for chains and for closed
+//! loops of links. One cycle of length T (1 ms):
 //!
-//! 1. rapier has looked what is near to what, as far as the machine may come in a cycle (`world`).
-//! 2. In short steps (`stepping`) the drives (`drive`) run their loops when they are due, and the equation of motion
-//!    (`dynamics`, `tripod`, `integrate`) takes the joints, and rotors behind springs (`transmission`), from q, v to q₁, v₁. What
-//!    pushed in the step before pushes on.
-//! 3. If something would be in something else at q₁, forces are found that keep it out, and where they leave the machine
+//! 1. rapier's geometry finds the parts that can come near each other within the cycle (`world`).
+//! 2. In short steps (`stepping`) the drives (`drive`) run their loops when they are due. The equation of motion
+//!    (`dynamics`, `tripod`, `integrate`) takes the joints, and rotors behind springs (`transmission`), from q, v to
+//!    q₁, v₁. Contact forces of the step before go on pushing.
+//! 3. If parts would overlap at q₁, contact forces that keep them apart are computed, and the resulting positions
 //!    (`touch`, `contact`).
-//! 4. rapier's bodies are put where the machine is after the last step.
+//! 4. rapier's bodies are placed at the positions after the last step.
 //!
 //! [`PhysicsMachine::link_poses`] reads the bodies.
-//! Two runs with the same inputs give the same bits.
+//! Two runs with the same inputs give the same result to the bit.
 
 mod along_path;
 mod bodies;
@@ -90,8 +90,8 @@ pub use transmission::ElasticTransmission;
 use dynamics::JointVector;
 use equation::Equation;
 
-/// The inertia that each axis of `model` feels at `position` while the others stand still (kg or kg·m²), without
-/// rotors: what [`ServoParameters::tuned`] wants.
+/// The inertia of each axis of `model` at `position` while the others are at rest (kg or kg·m²), without rotors: input
+/// of [`ServoParameters::tuned`].
 ///
 /// # Errors
 /// Those of [`PhysicsMachine::new`] that concern the model, and [`PhysicsError::Input`].

@@ -1,4 +1,4 @@
-//! Noise: what an encoder adds to positions, and forces that nothing else in the model makes.
+//! Noise of encoder positions, and disturbance forces on axes.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -43,12 +43,12 @@ impl Noise {
         *self = Self::new(self.parameters, seed, axis);
     }
 
-    /// What the encoder adds now, m or rad.
+    /// Next noise of the encoder, m or rad.
     pub(super) fn position(&mut self) -> f64 {
         self.sample(self.parameters.position)
     }
 
-    /// What pushes the axis now, N or Nm.
+    /// Next disturbance of the axis, N or Nm.
     pub(super) fn effort(&mut self) -> f64 {
         self.sample(self.parameters.effort)
     }

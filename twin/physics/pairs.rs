@@ -1,10 +1,10 @@
-//! Who may touch whom.
+//! Pairs of parts that may touch each other.
 
 use twin_urdf::Model;
 
 use super::surroundings::{Part, Surroundings};
 
-/// The parts of a machine and of what is around it, numbered, and the pairs among them that may touch.
+/// The numbered parts of a machine and its surroundings, and the pairs of them that may touch.
 #[derive(Clone, Debug)]
 pub(super) struct Pairs {
     /// With the link whose frame each is in; 0 is the machine frame.
@@ -54,7 +54,7 @@ impl Pairs {
         (other < self.parts.len()).then(|| one * self.parts.len() + other)
     }
 
-    /// Whether two parts of these numbers may touch.
+    /// True if two parts of these numbers may touch.
     pub(super) fn may_touch(&self, one: usize, other: usize) -> bool {
         let place = self.place(one, other);
         place.and_then(|place| self.may_touch.get(place)).copied().unwrap_or_default()

@@ -1,15 +1,17 @@
-//! The passive joints of a tripod, in closed form: where the platform is, everything else is.
+//! Passive joints of a tripod in closed form, from the pose of the platform.
 //!
-//! A rod swings about a direction a and then about b, at right angles to it, and that turns its direction e from straight down its own
-//! frame to u: the second turn takes e to a v, the first v to u, and neither changes the component along its own direction,
+//! A rod swings about a direction a and then about b, at right angles to it. This turns its direction e, straight down
+//! in its own frame, to u. The second turn takes e to a v, the first takes v to u, and neither changes the component
+//! along its own direction:
 //!
 //! ```text
 //! v = (a·u)·a + (b·e)·b + γ·a×b,    γ² = |u|² − (a·u)² − (b·e)²
 //! ```
 //!
-//! (Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation*, 1994, section 3.2, subproblem 2.) γ is 0 where the rod is in
-//! line with a, which hangs it the other way round, so that its sign is that of the rest pose. The three turns about one point that
-//! carry the platform are two of that kind, which bring the direction c of the third where it is, and the third.
+//! (Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation*, 1994, section 3.2, subproblem 2.) γ
+//! is 0 where the rod is in line with a. Beyond that the rod is mounted the other way round, so the sign of γ is that
+//! of the rest pose. Three turns about one point carry the platform. The first two are of that kind and bring the
+//! direction c of the third to its place; then the third follows.
 
 use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use twin_urdf::{Joint, JointDrive, Model};
@@ -89,14 +91,15 @@ pub(super) struct PassiveJoints {
 }
 
 impl PassiveJoints {
-    /// Of `model`; `None` if it is no tripod, or its joints are not at right angles.
+    /// Passive joints of `model`; `None` if it is not a tripod, or its joints are not at right angles.
     pub(super) fn of(model: &Model) -> Option<Self> {
         let hanging = hanging(model)?;
         let rods = hanging.iter().map(|rod| Rod::of(model, rod)).collect::<Option<_>>()?;
         Some(Self { rods, ball: Ball::of(model)? })
     }
 
-    /// Puts those of `values`, one per joint of the model, where they are with the axes at `axes` and the platform at `platform`.
+    /// Sets the passive joints in `values`, one per joint of the model, for the axes at `axes` and the platform at
+    /// `platform`.
     pub(super) fn follow(&self, axes: &[f64], platform: &Isometry3<f64>, values: &mut [f64]) {
         let mut carrier = None;
         for rod in &self.rods {

@@ -1,8 +1,8 @@
-//! How deep convex bodies are in each other.
+//! Penetration depth of convex bodies.
 //!
-//! The depth is the least over all directions of how far one would have to go in that direction to come free. parry's own answer (EPA)
-//! is good between polyhedra; where a round side is deep in something it may be many times too large. So the directions of
-//! both bodies' own axes are tried beside its, which are those in which cylinders and boxes come free.
+//! The depth is the smallest distance, over all directions, that one body has to move to come free. parry's own answer
+//! (EPA) is good between polyhedra. Where a round side is deep in something, it may be many times too large. The
+//! directions of both bodies' own axes are therefore tried as well: cylinders and boxes come free in these.
 
 use nalgebra::{Point3, Vector3};
 use rapier3d_f64::geometry::Shape;
@@ -11,13 +11,13 @@ use rapier3d_f64::parry::query::contact;
 
 use super::maths;
 
-/// How deep two bodies are in each other where they are.
+/// Penetration of two bodies.
 pub(super) struct Penetration {
     /// m.
     pub(super) depth: f64,
     /// The point of the first that is deepest in the second, and where it would come out, machine frame, m.
     pub(super) points: [Point3<f64>; 2],
-    /// Where they are in each other, machine frame, m: in the middle of what the boxes around them share.
+    /// Position of the overlap, machine frame, m: the middle of the intersection of their bounding boxes.
     pub(super) middle: Point3<f64>,
     /// The way that the second would have to go.
     pub(super) normal: Vector3<f64>,

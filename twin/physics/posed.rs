@@ -1,5 +1,5 @@
-//! Where the links of a machine are with its axes anywhere: of trees, of those in which joints mimic others, and of tripods, whose links go
-//! round in circles.
+//! Forward kinematics: poses of all links for given axis positions, for trees, mimic joints and tripods with closed
+//! loops.
 
 use nalgebra::Isometry3;
 use twin_urdf::{JointDrive, JointPositions, Model};
@@ -51,7 +51,7 @@ impl Posed {
         Self { axis_count: tripod.axis_count(), positions, passive }
     }
 
-    /// Fills `poses` with those of the links of `model` in the machine frame, the axes at `position`.
+    /// Fills `poses` with the link poses of `model` in the machine frame, with the axes at `position`.
     ///
     /// # Errors
     /// [`PhysicsError::Apart`].

@@ -1,4 +1,4 @@
-//! The set-point between two cycles.
+//! Set-point interpolation between two cycles.
 
 use twin_kinematics::AxisMotion;
 

@@ -1,8 +1,9 @@
-//! What dry friction does: what moves is opposed, what stands is held or breaks away.
+//! Dry friction: it opposes moving parts, and holds parts at rest until they break away.
 //!
-//! Of all forces within ± the dry friction of axes that stand, those are taken that leave as little acceleration as they can, as
-//! Moreau and Stewart–Trinkle do with velocities (projected Gauss–Seidel). What they hold stays where it is to the last bit, by
-//! whatever force that takes from then on, until that is more than friction has (`stop`): nothing creeps.
+//! The friction solver takes the forces within ± the dry friction of the axes at rest that leave the least
+//! acceleration, as Moreau and Stewart–Trinkle do with velocities (projected Gauss–Seidel). A held axis keeps its
+//! position to the last bit, with the force that this takes from then on, until that force exceeds the friction
+//! (`stop`). Nothing creeps.
 
 use twin_kinematics::MAX_AXES;
 
@@ -14,17 +15,17 @@ use super::linear::solve;
 /// Sweeps of the friction solver; it converges in one or two unless several axes stick against each other.
 const MAX_SWEEPS: usize = 100;
 
-/// What dry friction does on both sides of the transmissions.
+/// Dry friction on both sides of the transmissions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Dry {
     pub(super) axes: [DryFriction; MAX_AXES],
     pub(super) motors: [DryFriction; MAX_AXES],
-    /// Which of them stick.
+    /// Sticking axes.
     pub(super) sticking_axes: Sticking,
     sticking_motors: Sticking,
 }
 
-/// How many of some parts stick.
+/// Number of sticking parts: none, some or all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sticking {
     None,
@@ -54,7 +55,7 @@ impl Holding {
     }
 }
 
-/// What goes on until something stops or breaks away, and what holds at its beginning.
+/// Dry friction until the next stop or breakaway, and the holding forces at its beginning.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Settled {
     pub(super) dry: Dry,
@@ -62,7 +63,7 @@ pub(super) struct Settled {
 }
 
 impl<M: Motors + ?Sized> Step<'_, M> {
-    /// What dry friction does from `state` on, at `stage` of the step. What stands is at rest from now on.
+    /// Dry friction from `state` on, at `stage` of the step. Parts at rest have exactly zero velocity from now on.
     pub(super) fn settle(&mut self, state: &mut MachineState, stage: Stage) -> Option<Settled> {
         let mut settled = Settled { dry: Dry::NONE, holding: Holding::none() };
         if !self.dry {
@@ -95,7 +96,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         Some(settled)
     }
 
-    /// What holds what sticks at `state`, at `stage` of the step.
+    /// Forces that hold sticking parts at `state`, at `stage` of the step.
     pub(super) fn holding(
         &mut self,
         stage: Stage,

@@ -1,4 +1,4 @@
-//! Snapshots: the whole machine at one time, to go on from there as often as one likes.
+//! Snapshots: the state of the whole machine at one time, which can be restored any number of times.
 
 use super::machine::PhysicsMachine;
 
@@ -19,7 +19,7 @@ impl PhysicsMachine {
         Snapshot(Box::new(self.clone()))
     }
 
-    /// Puts the machine back to where it was; from there it does the same bits if it is told the same.
+    /// Restores the state of the machine. From there the same inputs give the same result to the bit.
     pub fn restore(&mut self, snapshot: &Snapshot) {
         self.clone_from(&snapshot.0);
     }

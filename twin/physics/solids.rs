@@ -1,4 +1,6 @@
-//! Solids as rapier's shapes. Meshes become convex parts: contact with triangles costs a hundred times as much, and has no inside.
+//! Solids as rapier's shapes, with meshes split into convex parts.
+//!
+//! Contact with triangles costs a hundred times as much, and triangles have no inside.
 
 use std::f64::consts::FRAC_PI_2;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -37,7 +39,7 @@ const FINE: VHACDParameters = VHACDParameters {
     max_convex_hulls: 256,
 };
 
-/// A shape where it is in the frame of what it belongs to.
+/// A shape with its pose in the frame of its part.
 #[derive(Clone)]
 pub(super) struct Placed {
     pub(super) shape: SharedShape,
@@ -45,7 +47,7 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// How far any of it is from the origin at most, m.
+    /// Largest distance of its points from the origin, m.
     pub(super) fn reach(&self) -> f64 {
         let sphere = self.shape.compute_local_bounding_sphere();
         let middle = maths::pose_to_rapier(&self.pose) * sphere.center;
@@ -83,7 +85,8 @@ pub(super) fn placed(solid: &Solid) -> Option<Placed> {
     Some(Placed { shape, pose })
 }
 
-/// Which of the collision solids of the last link of `model` is the tool, if it has one: the one the tip lies on.
+/// Index of the tool among the collision solids of the last link of `model`, if it has one: the solid that the tip lies
+/// on.
 pub(super) fn tool(model: &Model, surroundings: &Surroundings) -> Option<usize> {
     if !surroundings.has_tool {
         return None;
@@ -172,7 +175,7 @@ fn is_convex(mesh: &Mesh, scale: &Vector3<f64>) -> bool {
     })
 }
 
-/// What `part` touches with, in the frame of its link; `tool` is which of the last link's solids is the tool.
+/// Collision shapes of `part`, in the frame of its link; `tool` is the index of the tool among the last link's solids.
 ///
 /// # Errors
 /// [`PhysicsError::FlatMesh`].

@@ -1,4 +1,4 @@
-//! How mass is spread in a frame, and what it takes to move it.
+//! Mass distribution of bodies in a frame, and the wrench that accelerates it.
 
 use nalgebra::{Matrix3, Vector3};
 

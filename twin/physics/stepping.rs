@@ -1,4 +1,4 @@
-//! One cycle of the machine, in steps.
+//! One cycle of the simulated machine, in steps.
 
 use twin_kinematics::{AxisMotion, AxisVector, MAX_AXES};
 

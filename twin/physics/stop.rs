@@ -1,8 +1,8 @@
-//! Where a step has to end because another law holds from there on: where something comes to rest or breaks away, where teeth with
-//! play between them meet or part, and where they cease to push.
+//! Event detection within a step: a part comes to rest or breaks away, or teeth with backlash meet, part or cease to
+//! push.
 //!
-//! Each of these is where a number that goes on smoothly turns its sign. Part of the step is taken again and again until it ends
-//! there: false position by the last two ends.
+//! Another law holds from such an event on, so the step ends there. Each event is the zero of a quantity that changes
+//! smoothly. Part of the step is repeated until it ends at the zero: false position from the last two ends.
 
 use twin_kinematics::MAX_AXES;
 

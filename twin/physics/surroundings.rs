@@ -1,4 +1,4 @@
-//! What is around a machine, and which of all that may touch.
+//! Surroundings of a machine: obstacles, and parts that may touch each other.
 
 use nalgebra::{Isometry3, Vector3};
 use twin_urdf::{Model, Solid, SolidShape};
@@ -15,7 +15,7 @@ pub enum Part {
 }
 
 impl Part {
-    /// What it is called.
+    /// Its name.
     pub fn name<'a>(self, model: &'a Model, surroundings: &'a Surroundings) -> &'a str {
         let link = |index: usize| model.links.get(index).map(|link| link.name.as_str());
         let obstacle = |index: usize| surroundings.obstacles.get(index);
@@ -30,15 +30,15 @@ impl Part {
 /// Something that does not move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Obstacle {
-    /// What it is called where it is touched.
+    /// Its name in messages.
     pub name: String,
-    /// Whether the tool may be in it.
+    /// Its kind: fixture or stock.
     pub kind: ObstacleKind,
-    /// What it is made of, machine frame.
+    /// Its solids, machine frame.
     pub solids: Vec<Solid>,
 }
 
-/// What the tool may do with an obstacle.
+/// Kind of an obstacle for the tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ObstacleKind {
     /// A fixture, a table, a wall: nothing may touch it.
@@ -48,7 +48,7 @@ pub enum ObstacleKind {
     Stock,
 }
 
-/// What the tool gives way to, as a touch probe does to what it touches: there is no force between them.
+/// Parts without contact force against the tool, such as those that a touch probe has touched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum YieldingTool {
     /// Nothing.
@@ -61,7 +61,7 @@ pub enum YieldingTool {
 }
 
 impl YieldingTool {
-    /// Whether there is no force between the two.
+    /// True if there is no force between the two.
     pub(super) fn gives_way(self, parts: [Option<Part>; 2]) -> bool {
         if !parts.contains(&Some(Part::Tool)) {
             return false;
@@ -77,13 +77,13 @@ impl YieldingTool {
 /// All that is around a machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surroundings {
-    /// What does not move.
+    /// Obstacles.
     pub obstacles: Vec<Obstacle>,
-    /// Whether links may touch each other. Links that a joint joins never do.
+    /// True if links are checked against each other. Links that a joint joins never are.
     pub among_links: bool,
-    /// Whether the solid of the last link that the tip lies on is a tool; it is a part of that link otherwise.
+    /// True if the solid of the last link that the tip lies on is a tool; it is a part of that link otherwise.
     pub has_tool: bool,
-    /// Pairs that are not looked at.
+    /// Excluded pairs.
     pub left_out: Vec<[Part; 2]>,
     /// Force per depth at each point of contact, N/m.
     pub stiffness: f64,
@@ -102,7 +102,7 @@ impl Default for Surroundings {
 }
 
 impl Surroundings {
-    /// That of steel on steel where a tool holder meets a vice, some square millimetres, N/m.
+    /// Default contact stiffness, N/m: steel on steel where a tool holder meets a vice, some square millimetres.
     pub const STIFFNESS: f64 = 1e8;
 
     /// A floor whose top is at z = `top` (m, machine frame), 10 m square.
@@ -118,12 +118,12 @@ impl Surroundings {
         Self { obstacles: vec![floor], ..Self::default() }
     }
 
-    /// Whether the file says that the two are not looked at.
+    /// True if the file excludes this pair.
     pub(super) fn names(&self, [one, other]: [Part; 2]) -> bool {
         self.left_out.iter().any(|left| *left == [one, other] || *left == [other, one])
     }
 
-    /// Whether the two may not touch, as far as that is not a matter of joints.
+    /// True if this pair is excluded, apart from pairs that joints exclude.
     pub(super) fn leaves_out(&self, pair: [Part; 2]) -> bool {
         let [one, other] = pair;
         let stock = |part| match part {

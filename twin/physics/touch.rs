@@ -1,15 +1,15 @@
-//! What touches what in the machine, step by step.
+//! Contact handling in each step: pairs that touch, lasting contact forces, and collisions.
 //!
-//! What lasts of a contact pushes on through the next step of length h, as an effort τ at the axes: drives, springs and dry friction
-//! feel it. Without it the step would end at v₁ = v − h·M⁻¹·τ and q₁ = q − ½·h²·M⁻¹·τ, and if nothing is in each other there,
-//! nothing pushes any more. Otherwise `contact` is asked twice:
+//! A lasting contact force acts through the next step of length h as an effort τ at the axes: drives, springs and dry
+//! friction respond to it. Without it the step would end at v₁ = v − h·M⁻¹·τ and q₁ = q − ½·h²·M⁻¹·τ. If no parts
+//! overlap there, the force ends. Otherwise `contact` is called twice:
 //!
-//! - for what lasts, a new τ: what keeps the forces of the step, v₁ − v₀ from its beginning on, from pressing anything into
-//!   anything. It moves the axes by ½·h²·M⁻¹·τ.
-//! - for all of it, blows included, which act from the beginning of the step on.
+//! - for the lasting force, a new τ. It keeps the other forces of the step, v₁ − v₀ from its beginning on, from
+//!   pressing parts into each other. It moves the axes by ½·h²·M⁻¹·τ.
+//! - for all contact forces, impacts included, which act from the beginning of the step on.
 //!
-//! So what presses against something in balance stays where it is, and what hits something comes to rest in a step or two.
-//! rapier has looked what is near at the beginning of the cycle, as far as the machine may come in it.
+//! A body that presses against another in balance therefore stays in place. A body that hits another comes to rest in a
+//! step or two. Nearby pairs were found at the beginning of the cycle, as far as the machine may move in it.
 
 use nalgebra::Point3;
 
@@ -30,13 +30,13 @@ const RIGID: f64 = 1e6;
 /// Two parts that push each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Which.
+    /// The parts.
     pub parts: [Part; 2],
     /// All points of contact together, mean over the last cycle, N.
     pub force: f64,
     /// The middle of the force, m, machine frame.
     pub point: Point3<f64>,
-    /// How deep they are in each other, m.
+    /// Penetration depth, m.
     pub depth: f64,
 }
 
@@ -45,9 +45,9 @@ pub struct Contact {
 pub struct Collision {
     /// End of the cycle in which they touched, ns since the machine was made.
     pub time_ns: i64,
-    /// How fast they came towards each other, m/s.
+    /// Approach speed, m/s.
     pub speed: f64,
-    /// What happened in that cycle.
+    /// The contact in that cycle.
     pub contact: Contact,
 }
 
@@ -62,11 +62,11 @@ struct Held {
     depth: f64,
 }
 
-/// What goes on between the parts of a machine and what is around it.
+/// Contact state between the parts of a machine and its surroundings.
 #[derive(Clone, Debug)]
 pub(super) struct Touch {
     stiffness: f64,
-    /// What lasts of it, at the axes, N or Nm.
+    /// Lasting contact effort at the axes, N or Nm.
     pub(super) push: JointVector,
     contacts: Vec<Contact>,
     /// Those of the cycle before.
@@ -113,7 +113,7 @@ impl PhysicsMachine {
         self.world.yielding = yielding;
     }
 
-    /// What touches what, after the last cycle.
+    /// Contacts after the last cycle.
     pub fn contacts(&self) -> &[Contact] {
         &self.touch.contacts
     }
@@ -130,8 +130,7 @@ impl PhysicsMachine {
         self.touch.contacts.clear();
     }
 
-    /// Where the machine is after a step of `dt` s that would take it from `from` to `free` if nothing touched anything else than
-    /// before.
+    /// State after a step of `dt` s that would take the machine from `from` to `free` without new contacts.
     pub(super) fn touched(
         &mut self,
         from: &MachineState,

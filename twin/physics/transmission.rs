@@ -1,4 +1,4 @@
-//! Gears, belts and screws that give way: a spring with play between motor and axis.
+//! Elastic transmissions: gears, belts and screws as a spring with backlash between motor and axis.
 
 /// The part of the play over which damping sets in.
 const ONSET: f64 = 0.1;
@@ -27,7 +27,7 @@ impl ElasticTransmission {
         Self { stiffness, damping: 2.0 * ratio * (stiffness * reduced).sqrt(), backlash }
     }
 
-    /// What the axis feels of a motor that is `twist` (m or rad) ahead and gets ahead by `rate`.
+    /// Effort on the axis from a motor that is `twist` (m or rad) ahead, with the rate `rate` of the twist.
     pub(super) fn effort(&self, twist: f64, rate: f64) -> f64 {
         let Self { stiffness, damping, backlash } = *self;
         if backlash <= 0.0 {
@@ -37,8 +37,8 @@ impl ElasticTransmission {
         side * push.max(0.0)
     }
 
-    /// Which side of the teeth is wound up (1 where the motor drives upwards, 0 within the play), and what spring and damping make of
-    /// that: less than 0 where teeth do not push because they part faster than the spring unwinds.
+    /// Loaded side of the teeth (1 where the motor drives upwards, 0 within the play), and the effort of spring and
+    /// damping there. It is less than 0 where teeth do not push because they part faster than the spring unwinds.
     pub(super) fn push(&self, twist: f64, rate: f64) -> (f64, f64) {
         let Self { stiffness, damping, backlash } = *self;
         let wound = twist - twist.clamp(-0.5 * backlash, 0.5 * backlash);
@@ -50,8 +50,8 @@ impl ElasticTransmission {
         (side, stiffness * wound + damping * engaged * rate * side)
     }
 
-    /// How far the motor is ahead of the axis, as far as it gets from one twist to another, where another law begins; there is nothing
-    /// like it without backlash.
+    /// Edges of the play between two twists: leads of the motor at which another law begins. There are none without
+    /// backlash.
     pub(super) fn edges_between(&self, one: f64, other: f64) -> impl Iterator<Item = f64> + use<> {
         let (low, high) = (one.min(other), one.max(other));
         let half = 0.5 * self.backlash;
@@ -59,12 +59,12 @@ impl ElasticTransmission {
         [-engaged, -half, half, engaged].into_iter().filter(move |side| (low..=high).contains(side))
     }
 
-    /// Whether `twist` (m or rad) is more than play.
+    /// True if `twist` (m or rad) is more than play.
     pub(super) fn is_wound(&self, twist: f64) -> bool {
         twist.abs() > 0.5 * self.backlash
     }
 
-    /// How far the motor is ahead where the axis feels `effort` at rest.
+    /// Lead of the motor where the axis feels `effort` at rest.
     pub(super) fn twist(&self, effort: f64) -> f64 {
         if effort == 0.0 {
             return 0.0;

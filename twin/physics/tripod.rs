@@ -1,18 +1,20 @@
-//! The equation of motion of a tripod: three carriages, six rods, a platform.
+//! Tripod (delta) dynamics: equation of motion of three carriages, six rods and a platform.
 //!
 //! ```text
 //! effort = rotors + carriages + what the rods pull at their upper ends + Jᵀ·(platform and what the rods pull at it)
 //! ```
 //!
-//! **Rods.** A rod hangs in ball joints, is the same all around and does not spin about itself: nothing ever turns it that
-//! way. Its kinetic energy is then ½·(m₁₁·u̇² + 2·m₁₂·u̇·l̇ + m₂₂·l̇²) of the velocities u̇, l̇ of its ends, with constant
+//! **Rods.** A rod hangs in ball joints, is rotationally symmetric and does not spin about its own axis, as nothing
+//! ever turns it that way. Its kinetic energy is then ½·(m₁₁·u̇² + 2·m₁₂·u̇·l̇ + m₂₂·l̇²) of the velocities u̇, l̇ of
+//! its ends, with constant
 //!
 //! ```text
 //! m₂₂ = m·c² + I/L²      m₁₂ = m·c·(1 − c) − I/L²      m₁₁ = m·(1 − c)² + I/L²
 //! ```
 //!
-//! m its mass, c how far its centre of mass is along it (as a part of the length L), I its inertia across it about that. So it
-//! is, exactly, a force m₁₁·ü + m₁₂·l̈ − (1 − c)·m·g at its upper end and m₁₂·ü + m₂₂·l̈ − c·m·g at its lower end.
+//! Here m is its mass, c the position of its centre of mass along it (as a part of the length L), and I its inertia
+//! across it about that centre. The rod is therefore, exactly, a force m₁₁·ü + m₁₂·l̈ − (1 − c)·m·g at its upper end
+//! and m₁₂·ü + m₂₂·l̈ − c·m·g at its lower end.
 //!
 //! **Closed loops.** With s a rod from its upper to its lower end, r its lower end from the reference point of the platform
 //! and ω the angular velocity of the platform, no rod changes its length:
@@ -21,11 +23,12 @@
 //! s·(ṗ + ω×r) = sz·q̇      s·(p̈ + α×r) = sz·q̈ − ṡ·ṡ − s·(ω×(ω×r))
 //! ```
 //!
-//! six equations with one matrix A for the motion (ω, ṗ) of the platform: J = A⁻¹·D, D the sz of every rod in the column of
-//! its carriage. By virtual power the wrench of everything on the platform is felt at the carriages as Jᵀ times it. All rods
-//! are told apart, so that platforms that tilt because nothing was made to measure are no other case.
+//! These are six equations with one matrix A for the motion (ω, ṗ) of the platform: J = A⁻¹·D, where D has the sz of
+//! every rod in the column of its carriage. By virtual power, the wrench of everything on the platform acts on the
+//! carriages as Jᵀ times it. Every rod is treated separately, so platforms that tilt because of manufacturing errors
+//! need no special case.
 //!
-//! Held against a derivation by others, checked against a model of 24 degrees of freedom with its loops closed.
+//! Compared with an independent derivation, and with a model of 24 degrees of freedom with its loops closed.
 
 use nalgebra::{Isometry3, Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 use twin_kinematics::tripod::{CalibratedTripod, Rod, Tripod};
@@ -46,7 +49,7 @@ pub(super) struct Carriage {
     pub(super) mass: f64,
 }
 
-/// The equation of motion of one tripod, additional axes beside it included.
+/// The equation of motion of one tripod, including additional axes.
 #[derive(Clone, Debug)]
 pub(super) struct TripodDynamics {
     axis_count: usize,
@@ -95,8 +98,8 @@ impl From<Vector6<f64>> for Twist {
 }
 
 impl TripodDynamics {
-    /// Of `model`, the loops of which are those of a tripod, with the axes `0..axis_count` under `gravity` (m/s²,
-    /// machine frame), and with `armature` (kg) added to what each moves.
+    /// Equation of motion of `model`, whose loops are those of a tripod, with the axes `0..axis_count` under `gravity`
+    /// (m/s², machine frame), and with `armature` (kg) added to what each moves.
     ///
     /// # Errors
     /// [`PhysicsError::UnknownMechanism`] if it is none, [`PhysicsError::UnevenRod`], [`PhysicsError::MassProperties`], and
@@ -151,7 +154,7 @@ impl TripodDynamics {
         })
     }
 
-    /// All rods told apart, whatever they are.
+    /// Uses the general equation with separate rods, even if a closed form applies.
     #[cfg(test)]
     pub(super) fn tell_rods_apart(&mut self) {
         (self.level, self.closed) = (None, None);
@@ -175,7 +178,7 @@ impl TripodDynamics {
         platform.map_err(|_apart| PhysicsError::Apart)
     }
 
-    /// Where everything is with the axes at `position`.
+    /// State of all parts with the axes at `position`.
     ///
     /// # Errors
     /// [`PhysicsError::Apart`] where the rods do not meet, or do not hold the platform.
@@ -266,7 +269,7 @@ impl TripodDynamics {
         efforts
     }
 
-    /// The efforts that axes beside the tripod add to [`Self::efforts`]; none of them feels where another is.
+    /// The efforts that additional axes add to [`Self::efforts`]; they do not depend on the tripod.
     pub(super) fn beside(
         &mut self,
         position: &JointVector,
@@ -312,7 +315,7 @@ impl TripodDynamics {
         solve(self.axis_count, &inertia, &(effort - bias))
     }
 
-    /// The same, and the inverse of the inertia, with 1 on its diagonal where the machine has no axis.
+    /// As [`Self::acceleration`], and the inverse of the inertia, with 1 on its diagonal where the machine has no axis.
     pub(super) fn acceleration_and_mobility(
         &mut self,
         position: &JointVector,

@@ -1,9 +1,10 @@
-//! The rapier world: the links of the machine as bodies, and where these are near to each other and to what is around them.
+//! The rapier world: links of the machine as bodies, and their near points to each other and to obstacles.
 //!
-//! The machine is where its equation of motion says, and every body is put there. Of all parts that may touch, those are looked at that
-//! may have come near to each other (`distances`); rapier's geometry (parry) tells where they would touch. What contact does to the
-//! motion is a matter of `contact`, in joint space: rapier's own solver closes loops to a fraction of a micrometre only,
-//! lets 89 N press its bodies 50 to 150 µm into each other, and keeps points of contact while bodies slip by up to a millimetre.
+//! Joint positions come from the equation of motion; collision bodies are placed from them each cycle. Pairs of parts
+//! that may have come near each other are examined (`distances`). rapier's geometry (parry) finds the points where they
+//! would touch. `contact` computes the effect on the motion in joint space. rapier's own solver is not used: it closes
+//! loops to a fraction of a micrometre only, lets 89 N press its bodies 50 to 150 µm into each other, and keeps points
+//! of contact while bodies slip by up to a millimetre.
 
 use nalgebra::Isometry3;
 use rapier3d_f64::dynamics::{RigidBodyBuilder, RigidBodyHandle, RigidBodySet};
@@ -44,7 +45,7 @@ pub(super) struct RapierWorld {
     around: Option<Around>,
     /// How far is looked, m.
     reach: f64,
-    /// What the tool gives way to.
+    /// Parts without contact force against the tool.
     pub(super) yielding: YieldingTool,
 }
 
@@ -121,7 +122,7 @@ impl RapierWorld {
         Ok(())
     }
 
-    /// What a part of this number is.
+    /// The part of this number.
     pub(super) fn part(&self, number: usize) -> Option<Part> {
         self.around.as_ref()?.pairs.part(number)
     }
@@ -147,7 +148,7 @@ impl RapierWorld {
         Ok(())
     }
 
-    /// Where the links would be with the axes at `position`.
+    /// Link poses with the axes at `position`; nothing moves.
     ///
     /// # Errors
     /// [`PhysicsError::Apart`].
@@ -159,7 +160,7 @@ impl RapierWorld {
         Ok(&self.moved)
     }
 
-    /// Whether two parts of these numbers are in each other with the axes at `position`.
+    /// Result true if two parts of these numbers overlap with the axes at `position`.
     ///
     /// # Errors
     /// [`PhysicsError::Apart`].
@@ -173,7 +174,7 @@ impl RapierWorld {
         Ok(around.is_some_and(|around| around.distances.meet(numbers, &self.moved)))
     }
 
-    /// Fills `found` with what is near to what.
+    /// Fills `found` with the near points of nearby pairs.
     pub(super) fn near(&self, found: &mut Vec<Near>) {
         found.clear();
         let Some(Around { pairs, distances, near }) = &self.around else { return };
@@ -185,7 +186,7 @@ impl RapierWorld {
         }
     }
 
-    /// Where the links are, the base first.
+    /// Link poses, the base first.
     pub(super) fn poses(&self) -> &[Isometry3<f64>] {
         &self.poses
     }

@@ -1,4 +1,4 @@
-//! The plan within the limits of the axes beside its execution: in a thread of its own where time passes by itself.
+//! Background planner: axis-limited planning in its own thread while the run executes the plan.
 
 use crate::finding::Finding;
 use crate::limit::{LimitFailure, LimitRules, planner};
@@ -16,7 +16,7 @@ use twin_motion::limit::{
 };
 use twin_motion::prepare::CheckedElement;
 
-/// What is wrong with the program. It may be told again after another override.
+/// Fault of the program. It may be reported again after another override.
 pub(super) type Fault = Arc<Halt>;
 
 type Share = fn(Result<CheckedElement, Halt>) -> Result<CheckedElement, Fault>;
@@ -75,7 +75,7 @@ pub(super) struct Beside<'m> {
     /// A request that has found no room.
     unsent: Option<Request<Fault>>,
     findings: VecDeque<Finding>,
-    /// Whether it waits for what is not planned yet.
+    /// True if it waits for a piece that is not planned yet.
     pub(super) waits: bool,
 }
 
@@ -122,7 +122,7 @@ impl<'m> Beside<'m> {
         Self { spliced, link, unsent: None, findings: VecDeque::new(), waits: true }
     }
 
-    /// Whether nothing of the plan is there yet.
+    /// True if nothing of the plan is there yet.
     pub(super) fn is_pending(&mut self) -> bool {
         self.exchange();
         self.spliced.is_new() && !matches!(self.link, Link::Gone)
@@ -133,12 +133,12 @@ impl<'m> Beside<'m> {
         self.findings.pop_front()
     }
 
-    /// Whether the path follows what was asked for last.
+    /// True if the path follows the last request.
     pub(super) fn follows(&self) -> bool {
         self.spliced.follows()
     }
 
-    /// How many plans have come too late so far.
+    /// Number of plans that came too late so far.
     pub(super) fn late(&self) -> u64 {
         self.spliced.late()
     }

@@ -1,5 +1,6 @@
-//! The set-points of a program, by whatever planning: the same for a check and for a run, so that what is run is what was
-//! checked.
+//! Set-points of a program from any planner.
+//!
+//! A check and a run take the same set-points, so the run executes exactly what was checked.
 
 mod beside;
 mod within;
@@ -51,8 +52,8 @@ impl<'m> Planning<'m> {
         })
     }
 
-    /// As [`Self::new`], for a run, in which the override may change. Where it is `paced`, so that nobody can wait while a window
-    /// of the path is planned, that is done in a thread of `scope`, ahead. It ends when the planning is dropped.
+    /// As [`Self::new`], for a run, in which the override may change. If it is `paced`, planning cannot block: a
+    /// background planner in a thread of `scope` then plans ahead. It ends when the planning is dropped.
     ///
     /// # Errors
     /// As [`Self::new`], and if no thread can be had.
@@ -78,7 +79,7 @@ impl<'m> Planning<'m> {
         Ok(Self(Plan::Axes(Box::new(WithinAxes::for_run(machine, plan, rules)))))
     }
 
-    /// What comes next; with `waits`, or where no thread is ahead, it is there when this returns.
+    /// The next item; with `waits`, or without a background planner, it is ready when this returns.
     pub(crate) fn poll(&mut self, waits: bool) -> Poll<Option<PlanItem>> {
         match &mut self.0 {
             Plan::Controller(setpoints) => Poll::Ready(setpoints.next().map(PlanItem::from)),
@@ -87,7 +88,7 @@ impl<'m> Planning<'m> {
         }
     }
 
-    /// What the tappets of the program switch: the bits of its set-points in their order, those of a path being of `transformer`.
+    /// Signals of the tappets: the bits of the set-points in their order. Those of a path are of `transformer`.
     pub(crate) fn signals<'t>(&'t self, transformer: &'t Transformer<'_>) -> &'t [Signal] {
         match &self.0 {
             Plan::Controller(_) | Plan::Axes(_) => transformer.signals(),
@@ -103,7 +104,7 @@ impl<'m> Planning<'m> {
         }
     }
 
-    /// Bytes of the file that are done; none if nobody knows how much is to come.
+    /// Bytes of the file that are done; none if the end is not known.
     pub(crate) fn bytes_done(&self) -> Option<u64> {
         match &self.0 {
             Plan::Controller(setpoints) => Some(setpoints.bytes_read()),
@@ -147,7 +148,7 @@ impl<'m> Planning<'m> {
         }
     }
 
-    /// The M function at which the last set-point stands.
+    /// The M function at which the path waits at the last set-point.
     pub(crate) fn m_call(&self) -> Option<MCall> {
         match &self.0 {
             Plan::Controller(setpoints) => setpoints.m_call(),
@@ -156,7 +157,7 @@ impl<'m> Planning<'m> {
         }
     }
 
-    /// Whether the path goes on only when [`Self::acknowledge`] is called.
+    /// True if the path goes on only when [`Self::acknowledge`] is called.
     pub(crate) fn waits_for_word(&self) -> bool {
         match &self.0 {
             Plan::Controller(setpoints) => setpoints.waits_for_word(),
@@ -201,12 +202,12 @@ impl<'m> Planning<'m> {
         }
     }
 
-    /// Whether it brakes as hard as the axes allow.
+    /// True if it brakes as hard as the axes allow.
     pub(crate) fn is_within_axes(&self) -> bool {
         matches!(self.0, Plan::Axes(_))
     }
 
-    /// Whether the last set-point follows what was asked for last.
+    /// True if the last set-point follows the last override request.
     pub(crate) fn follows_override(&self) -> bool {
         match &self.0 {
             Plan::Controller(setpoints) => setpoints.follows_override(),

@@ -1,4 +1,4 @@
-//! A program within the limits of the axes, set-point by set-point.
+//! Axis-limited planning: set-points of a program within the limits of the axes.
 
 use super::beside::{Beside, Fault};
 use crate::finding::{Finding, Rule};
@@ -30,7 +30,7 @@ pub(super) struct WithinAxes<'m> {
 }
 
 impl<'m> WithinAxes<'m> {
-    /// As it is checked: everything is there when it is asked for.
+    /// Planning for a check: every item is ready when it is requested.
     pub(super) fn for_check(
         machine: &'m Machine,
         program: &ProgramFile,
@@ -58,7 +58,7 @@ impl<'m> WithinAxes<'m> {
         }
     }
 
-    /// What is known of the file as it is checked.
+    /// Known facts of the file during a check.
     pub(super) fn file(&self) -> Option<&Findings> {
         match &self.motion {
             Motion::Checked(profile) => Some(profile.file()),
@@ -116,7 +116,7 @@ impl<'m> WithinAxes<'m> {
         Some(tool)
     }
 
-    /// What comes next; with `waits`, or in a check, it is there when this returns.
+    /// The next item; with `waits`, or in a check, it is ready when this returns.
     pub(super) fn poll(&mut self, waits: bool) -> Poll<Option<ProgramItem>> {
         if self.waiting.for_word()
             && let Some(tool) = self.wait()

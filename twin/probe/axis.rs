@@ -1,10 +1,10 @@
-//! A probing move of one axis: command 40 of InterpCNC (`ICNC_CMD_PROBE`), and what a PLC does with `MC_MoveVelocity`,
-//! `MC_TouchProbe` and `MC_Stop`.
+//! Probing move of one axis: command 40 of InterpCNC (`ICNC_CMD_PROBE`), or `MC_MoveVelocity`, `MC_TouchProbe` and
+//! `MC_Stop` of a PLC.
 //!
-//! The axis speeds up from its start velocity, goes on until the probe trips, and is brought to rest by its deceleration. Where it
-//! was when the probe tripped is latched before that. Without a trip it comes to rest at the end of its stroke.
+//! The axis accelerates from its start velocity, moves until the probe trips, and decelerates to rest. Its position at
+//! the trip is latched. Without a trip it comes to rest at the end of its stroke.
 //!
-//! An axis on an InterpCNC board that is in the loop of the simulated machine is moved by the board itself.
+//! If the axis is on an InterpCNC board in the loop of the simulated machine, the board itself moves it.
 
 use super::board::{BoardRefusal, BoardSearch};
 use crate::machine::{Machine, SimulationError};
@@ -13,12 +13,12 @@ use crate::physics::PhysicsError;
 use crate::simulated::Simulated;
 use twin_kinematics::{AxisMotion, AxisVector};
 
-/// What the axis is asked for. m or rad, and s.
+/// Parameters of a probing move. m or rad, and s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisProbe {
     /// The axis, in machine-file order.
     pub axis: usize,
-    /// How far it goes at most, with the sign of the direction.
+    /// Longest way, with the sign of the direction.
     pub stroke: f64,
     /// Velocity at the first and behind the last moment; what a step motor starts and stops at.
     pub start_velocity: f64,
@@ -28,11 +28,12 @@ pub struct AxisProbe {
     pub acceleration: f64,
     /// To rest.
     pub deceleration: f64,
-    /// Where a trip counts (`WindowOnly`, `FirstPosition`, `LastPosition` of `MC_TouchProbe`); none: everywhere.
+    /// Window in which a trip counts (`WindowOnly`, `FirstPosition`, `LastPosition` of `MC_TouchProbe`); none:
+    /// everywhere.
     pub window: Option<[f64; 2]>,
 }
 
-/// How it ended.
+/// Result of a probing move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AxisProbeEnd {
     /// The probe tripped.
@@ -48,7 +49,7 @@ pub enum AxisProbeEnd {
     AlreadyTripped,
 }
 
-/// Why it was not carried out.
+/// Errors that make a probing move impossible.
 #[derive(Debug, thiserror::Error)]
 pub enum AxisProbeError {
     /// The simulated machine.
@@ -59,7 +60,7 @@ pub enum AxisProbeError {
     Board(#[from] BoardRefusal),
 }
 
-/// What moves the axis.
+/// Mover of the axis during the search.
 pub(super) trait Search {
     /// Lets a cycle pass, `dt` s; `tripped` once the probe has.
     fn advance(&mut self, cycle_ns: i64, dt: f64, tripped: bool);

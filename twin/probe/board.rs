@@ -1,4 +1,4 @@
-//! Command 40 on the axis's own board: the emulated InterpCNC of the machine file moves the axis, the probe of the
+//! Command 40 on the axis's own board: the emulated InterpCNC of the machine file moves the axis. The probe of the
 //! simulated machine is its input.
 
 use super::axis::{AxisProbe, Search};
@@ -10,7 +10,7 @@ use twin_drives::interpcnc::{AxisValues, Command};
 /// The input that the probe is wired to; which one it is makes no difference to an axis.
 const INPUT: u8 = 1;
 
-/// Why a board does not carry out command 40.
+/// Reasons for which a board does not execute command 40.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BoardRefusal {
     /// An argument that the command cannot say.

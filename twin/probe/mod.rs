@@ -1,4 +1,4 @@
-//! Probing by one axis of the simulated machine, and what boards refuse of a probing move.
+//! Probing moves of one axis of the simulated machine, and arguments that boards reject.
 
 mod axis;
 mod board;

@@ -1,4 +1,4 @@
-//! Probing moves above a plane, against what a plane has in closed form.
+//! Tests of probing moves above a plane against closed forms.
 
 use crate::approach::{Approach, Clearance, RELEASE, TOUCH};
 use crate::check::{CheckOptions, Outcome, check};

@@ -1,4 +1,4 @@
-//! Probes among what a machine file says is there, in closed form.
+//! Tests of probing moves among the obstacles of a machine file against closed forms.
 
 use super::{AxisProbe, AxisProbeEnd};
 use crate::check::{CheckOptions, Outcome, check};

@@ -1,4 +1,4 @@
-//! In which language a program is written.
+//! Dialect of a program: DIN 66025, RS274, queue file, job or drawing.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -20,7 +20,7 @@ pub enum Dialect {
     Dxf,
 }
 
-/// Why a program's dialect cannot be read.
+/// Errors that leave a program without a dialect.
 #[derive(Debug, thiserror::Error)]
 pub enum DialectError {
     /// Nothing tells which dialect it is.
@@ -43,7 +43,7 @@ impl Dialect {
         }
     }
 
-    /// The dialect that a file's ending or, where that says nothing, its beginning tells.
+    /// The dialect by a file's ending or, if that is not enough, by its beginning.
     ///
     /// # Errors
     /// If the file cannot be read.

@@ -1,4 +1,4 @@
-//! A program file and the stages it streams through.
+//! Program file and the stages that process it as a stream.
 
 mod dialect;
 mod operations;
@@ -72,7 +72,8 @@ impl Stamp {
 }
 
 impl ProgramFile {
-    /// The program at `path`, read by `settings`. Should the file change from now on, reading it is an error: what is run must be what was checked.
+    /// The program at `path`, read by `settings`. If the file changes from now on, reading it is an error: the run must
+    /// execute what was checked.
     ///
     /// # Errors
     /// If the dialect is not known.
@@ -96,17 +97,17 @@ impl ProgramFile {
         Self { path: path.to_owned(), dialect: Dialect::Dxf, settings, stamp: None, made }
     }
 
-    /// Where it is.
+    /// Its path.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// How it is read, beyond its dialect.
+    /// Its read settings besides the dialect.
     pub fn settings(&self) -> &ReadSettings {
         &self.settings
     }
 
-    /// How it is read.
+    /// Its dialect.
     pub fn dialect(&self) -> Dialect {
         self.dialect
     }
@@ -124,7 +125,7 @@ impl ProgramFile {
         Ok(std::fs::metadata(&self.path)?.len())
     }
 
-    /// The whole text, of what is short: a job.
+    /// The whole text of a job, which is short.
     ///
     /// # Errors
     /// If it cannot be read, has changed, or is no text.
@@ -191,7 +192,7 @@ impl ProgramFile {
         Ok(Setpoints::new(interpolator, notices, ledger, self.settings.inputs, acknowledgement))
     }
 
-    /// Its path after preparation, with transition velocities, for feed limiting; and what is found on the way.
+    /// Its path after preparation, with transition velocities, for time-optimal planning, and its findings.
     ///
     /// # Errors
     /// If it cannot be opened.
@@ -206,7 +207,7 @@ impl ProgramFile {
         Ok((prepared, Findings::new(notices, ledger)))
     }
 
-    /// Whether preparation leads the path elsewhere.
+    /// Result true if preparation changes the path.
     ///
     /// # Errors
     /// If it cannot be read.
@@ -324,7 +325,7 @@ impl ProgramFile {
         Ok((decoded, ledger))
     }
 
-    /// How it is read if it is written in DIN 66025.
+    /// Decoder options for DIN 66025.
     pub(crate) fn din66025_options(
         &self,
         conditions: &ProgramConditions,
@@ -339,7 +340,7 @@ impl ProgramFile {
         }
     }
 
-    /// How it is read if it is written in RS274.
+    /// Decoder options for RS274.
     pub(crate) fn rs274_options(&self, conditions: &ProgramConditions) -> rs274::DecoderOptions {
         let ReadSettings { skip_suppressed, tools, .. } = self.settings.clone();
         let mut options = rs274::DecoderOptions {

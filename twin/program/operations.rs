@@ -1,4 +1,4 @@
-//! What is done to a path before it is prepared (manual 3.3 and 6.3).
+//! Path operations before preparation: split, scale, rotate, translate, linearise, reverse (manual 3.3 and 6.3).
 
 use super::source::{Decoded, Halt};
 use nalgebra::Vector3;
@@ -8,8 +8,8 @@ use twin_motion::path::{
     Chords, ExtraPosition, Linearise, MapPath, OperationError, PathElement, Similarity, SplitAt,
 };
 
-/// What is done to a path, in this order: an object is cut in two, the path is scaled, turned and moved, its curves are
-/// made lines, and it is reversed.
+/// Operations on a path, in this order: cut an object in two; scale, turn and move the path; replace its curves by
+/// lines; reverse it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Operations {
     /// The object of this number, from 0, is cut in two at this part of its length, 0 to 1.

@@ -1,4 +1,4 @@
-//! How a program is read, beyond its dialect: suppressed blocks, variables, jumps.
+//! Read settings of a program besides its dialect: suppressed blocks, variables, jumps.
 
 use crate::program::Operations;
 use std::io;
@@ -8,18 +8,18 @@ use twin_motion::din66025::{DEFAULT_JUMPS, Variables};
 use twin_motion::interpolate::{DEFAULT_WINDOW, Inputs};
 use twin_motion::rs274::ToolTable;
 
-/// How a program is read.
+/// Read settings of a program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadSettings {
     /// Leave out blocks that begin with `/`.
     pub skip_suppressed: bool,
-    /// What `$name$` stands for.
+    /// Values of `$name$`.
     pub variables: Variables,
     /// Jumps (G20) a program may take before it counts as endless.
     pub jumps: u32,
     /// Tools of RS274 programs, in place of those of the machine file.
     pub tools: Option<ToolTable>,
-    /// What is done to the path before it is prepared.
+    /// Operations on the path before it is prepared.
     pub operations: Operations,
     /// Override and velocity profile; whether M functions are acknowledged is said elsewhere.
     pub inputs: Inputs,
@@ -41,7 +41,7 @@ impl Default for ReadSettings {
     }
 }
 
-/// Why variables cannot be had.
+/// Errors in variables.
 #[derive(Debug, thiserror::Error)]
 pub enum VariablesError {
     /// The file.

@@ -1,4 +1,4 @@
-//! The program's text: read, counted, decoded, its diagnostics taken out.
+//! Program text source: reads, counts and decodes the text, and separates its diagnostics.
 
 use super::Stamp;
 use super::stream::FileFacts;
@@ -16,7 +16,7 @@ use twin_motion::path::{ElementKind, Marks, OperationError, PathElement, ProbeOu
 use twin_motion::prepare::{CheckError, CornerError, Incompatible, Notice, ToolRadiusError};
 use twin_motion::{din66025, rs274};
 
-/// What the stages leave behind for whoever reads the stream.
+/// Facts and findings that the stages record for the reader of the stream.
 #[derive(Debug, Default)]
 pub(super) struct Ledger {
     pub(super) bytes: u64,
@@ -48,7 +48,7 @@ impl Ledger {
     }
 }
 
-/// Counts what is read, and stops if somebody writes to the file meanwhile.
+/// Reader that counts bytes, and fails if the file changes meanwhile.
 #[derive(Debug)]
 pub(super) struct Counted {
     pub(super) file: File,
@@ -71,7 +71,7 @@ impl Seek for Counted {
     }
 }
 
-/// What ends a stream early.
+/// Reasons that end a stream early.
 #[derive(Debug)]
 pub(crate) enum Halt {
     Io(io::Error),
@@ -127,7 +127,7 @@ impl From<CornerError> for Halt {
     }
 }
 
-/// What preparation has noticed, as a finding: where the tool damages the part that is an error.
+/// Notice of preparation as a finding; it is an error where the tool damages the part.
 pub(super) fn noticed(notice: &Notice) -> Finding {
     let place = notice.place();
     let (rule, severity) = match notice {
@@ -144,7 +144,7 @@ pub(super) fn incompatible(error: Incompatible, place: Place) -> Finding {
     Finding::error(Rule::Syntax, place, format!("{error} in one program"))
 }
 
-/// What reads a program's file.
+/// Decoder of a program's file.
 #[derive(Debug)]
 pub(super) enum Decoder {
     Din66025(Box<din66025::Decoder<BufReader<Counted>>>),
@@ -214,7 +214,7 @@ impl Decoder {
 pub(crate) struct Decoded {
     pub(super) decoder: Decoder,
     pub(super) ledger: Rc<RefCell<Ledger>>,
-    /// After an element that nobody would wait for, only diagnostics follow.
+    /// True after an element with an absurd duration; only diagnostics follow.
     pub(super) halted: bool,
     /// Marks of what has not been prepared for, because the file cannot be looked through first.
     pub(super) unforeseen: Marks,

@@ -1,4 +1,4 @@
-//! The program as a stream of path elements or set-points, with what is found on the way.
+//! Program as a stream of path elements or set-points, with the findings on the way.
 
 use super::operations::Operated;
 use super::source::{Halt, Ledger, noticed};
@@ -35,13 +35,13 @@ impl Elements {
         self.ledger.borrow().elements
     }
 
-    /// What is known of the file when all of it has been read.
+    /// Known facts of the file after all of it has been read.
     pub fn facts(&self) -> Facts {
         Facts(Rc::clone(&self.ledger))
     }
 }
 
-/// What is known of a file when all of it has been read.
+/// Known facts of a file after all of it has been read.
 #[derive(Debug)]
 pub struct Facts(Rc<RefCell<Ledger>>);
 
@@ -50,12 +50,12 @@ pub struct Facts(Rc<RefCell<Ledger>>);
 pub struct FileFacts {
     /// The name it gives itself.
     pub name: Option<String>,
-    /// Lines read; 0 if it is no text.
+    /// Lines read; 0 if the file is not text.
     pub lines: u32,
 }
 
 impl Facts {
-    /// What is known by now.
+    /// Facts known by now.
     pub fn take(&self) -> FileFacts {
         self.0.borrow().facts.clone()
     }
@@ -76,7 +76,7 @@ fn found(ledger: &RefCell<Ledger>, notices: &Notices) -> Option<Finding> {
     finding.or_else(|| notices.take().map(|notice| noticed(&notice)))
 }
 
-/// What is found on the way of a path that somebody else follows.
+/// Findings of a path that another planner follows.
 #[derive(Debug)]
 pub(crate) struct Findings {
     notices: Notices,
@@ -114,7 +114,7 @@ impl Findings {
     }
 }
 
-/// What comes out of [`Elements`].
+/// Items of [`Elements`].
 #[derive(Debug)]
 pub enum ElementItem {
     /// The next element.
@@ -160,7 +160,7 @@ pub struct Setpoints {
 
 type Planned = Interpolator<LookAhead<Prepared, Halt>, Halt>;
 
-/// What comes out of [`Setpoints`].
+/// Items of [`Setpoints`].
 #[derive(Debug)]
 pub enum ProgramItem {
     /// The next set-point.
@@ -183,12 +183,12 @@ impl Setpoints {
         Self { interpolator, notices, ledger, inputs, waiting, now_ns: 0 }
     }
 
-    /// The M function at which the last set-point stands.
+    /// The M function at which the path waits at the last set-point.
     pub fn m_call(&self) -> Option<MCall> {
         self.waiting.call()
     }
 
-    /// Whether the path goes on only when [`Self::acknowledge`] is called.
+    /// True if the path goes on only when [`Self::acknowledge`] is called.
     pub fn waits_for_word(&self) -> bool {
         self.waiting.for_word()
     }
@@ -215,7 +215,7 @@ impl Setpoints {
         }
     }
 
-    /// Whether the override that was asked for last is in effect.
+    /// True if the last requested override is in effect.
     pub fn follows_override(&self) -> bool {
         self.inputs.slow_stop || self.interpolator.override_factor() == self.inputs.override_factor
     }

@@ -1,4 +1,4 @@
-//! What a report says of drives.
+//! Report of drives: following-error prediction and axis maxima.
 
 use crate::check::PredictedFollowing;
 use crate::machine::{Axis, Machine};
@@ -7,7 +7,7 @@ use crate::per_axis::PerAxis;
 use crate::report::StatisticsReport;
 use twin_motion::axis::Largest;
 
-/// How well the drives will follow, as their rehearsal foresees it.
+/// Following-error prediction of the drives.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct PredictedFollowingReport {
     /// Of the tool tip.
@@ -68,7 +68,7 @@ impl PredictedFollowingReport {
     }
 }
 
-/// What SoftMotion's diagnosis blocks tell of an axis, in its unit.
+/// Results of SoftMotion's diagnosis blocks for an axis, in its unit.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub struct AxisMaximaReport {
     unit: &'static str,

@@ -1,4 +1,4 @@
-//! The report as JSON: the shape is part of the command-line contract.
+//! Report as JSON: its shape is part of the command-line contract.
 
 mod drives;
 mod motor_load;
@@ -19,7 +19,7 @@ pub use motor_load::MotorLoadReport;
 pub use rest::RestReport;
 use tappets::TappetsReport;
 
-/// What `twin check` writes per program, and `twin run` as part of its report.
+/// Report of `twin check` per program, which is also a part of the report of `twin run`.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct CheckReport {
     program: String,
@@ -81,7 +81,7 @@ impl CheckReport {
     }
 }
 
-/// What came nearest to what.
+/// Smallest clearance and its parts.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct ClearanceReport {
     least_mm: f64,
@@ -105,36 +105,36 @@ impl ClearanceReport {
     }
 }
 
-/// What `twin run` writes.
+/// Report of `twin run`.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct RunReport {
-    /// The same object as `twin check` writes.
+    /// The report of `twin check`.
     #[serde(flatten)]
     pub check: CheckReport,
-    /// Whether the program ran to its end, and if not, why.
+    /// True if the program ran to its end.
     pub completed: bool,
-    /// Why it did not.
+    /// Reason of a stop.
     pub stopped_because: Option<String>,
-    /// Where the axes came to rest, if it was stopped.
+    /// Rest positions of the axes, if the run was stopped.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rest: Option<RestReport>,
     /// Time of the last set-point that was sent, s.
     pub executed_s: f64,
-    /// How the override changed while the program ran.
+    /// Changes of the override while the program ran.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub override_changes: Vec<OverrideChangeReport>,
-    /// How often the drives were heard of, if there were any.
+    /// Sample statistics of the drives, if there were any.
     pub drive_samples: Option<DriveSamplesReport>,
-    /// How late outputs were switched, of each device, by its name, that has switched any.
+    /// Switching delays of each device, by its name, that has switched outputs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub switched_outputs: Option<PerAxis<SwitchedOutputsReport>>,
-    /// How late the cycles were taken up, of a run in step with the wall clock.
+    /// Cycle lateness of a run in step with the wall clock.
     pub cycle_lateness: Option<LatenessReport>,
     /// Errors of the tool tip.
     pub tool_error_mm: ComparisonReport,
     /// Errors per axis, in the axis's unit.
     pub axis_error: PerAxis<AxisErrorReport>,
-    /// What SoftMotion's diagnosis blocks tell, if that was asked for.
+    /// Results of SoftMotion's diagnosis blocks, if they were requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axis_maxima: Option<PerAxis<AxisMaximaReport>>,
 }
@@ -142,11 +142,11 @@ pub struct RunReport {
 /// A change of the override.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub struct OverrideChangeReport {
-    /// When it was asked for, s since the start of the program.
+    /// Time of the request, s since the start of the program.
     pub asked_s: f64,
-    /// What was asked for, %; 0 is a feed hold.
+    /// Requested override, %; 0 is a feed hold.
     pub override_percent: f64,
-    /// How long after that the path began to follow, s; null if it never did.
+    /// Time from the request until the path began to follow, s; null if it never did.
     pub followed_after_s: Option<f64>,
 }
 
@@ -162,20 +162,20 @@ impl OverrideChangeReport {
     }
 }
 
-/// How often the drives were heard of.
+/// Sample statistics of the drives.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct DriveSamplesReport {
     /// Number of samples, of all devices.
     pub count: u32,
     /// Mean rate of all together, 1/s.
     pub per_s: f64,
-    /// Longest time without a sample of one device, ms: while it lasts nobody corrects its axes.
+    /// Longest time without a sample of one device, ms; in this time its axes are not corrected.
     pub longest_gap_ms: f64,
-    /// The same of each, by its name in the machine file.
+    /// Statistics of each device, by its name in the machine file.
     pub devices: PerAxis<DeviceSamplesReport>,
 }
 
-/// How often one device was heard of.
+/// Sample statistics of one device.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub struct DeviceSamplesReport {
     /// Number of samples.
@@ -186,18 +186,18 @@ pub struct DeviceSamplesReport {
     pub longest_gap_ms: f64,
 }
 
-/// How late outputs of one device were switched: from the set-point at which they were due until the device confirmed it.
+/// Switching delays of one device: from the set-point at which an output was due until the device confirmed it.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub struct SwitchedOutputsReport {
     /// Number of switchings, by M functions and by tappets.
     pub count: u32,
-    /// How late they were on average, ms.
+    /// Mean delay, ms.
     pub mean_late_ms: f64,
     /// The latest, ms.
     pub max_late_ms: f64,
 }
 
-/// How late the cycles of a run in step with the wall clock were taken up.
+/// Cycle lateness of a run in step with the wall clock.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub struct LatenessReport {
     /// Number of cycles.

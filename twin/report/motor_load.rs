@@ -4,7 +4,7 @@ use crate::machine::Axis;
 use crate::number::rounded;
 use crate::physics::MotorLoad;
 
-/// What the motor of one axis gave in the simulated machine, at the axis.
+/// Load of the motor of one axis in the simulated machine, at the axis.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct MotorLoadReport {
     effort_unit: &'static str,

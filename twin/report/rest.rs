@@ -1,4 +1,4 @@
-//! Where the axes of a run came to rest that was stopped.
+//! Report of the rest positions of a stopped run.
 
 use crate::compare::Measured;
 use crate::machine::Machine;
@@ -6,7 +6,7 @@ use crate::number::{rounded, seconds};
 use crate::per_axis::PerAxis;
 use crate::session::Rest;
 
-/// Where the axes came to rest.
+/// Rest positions of the axes.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct RestReport {
     /// When the user asked for it, s since the start of the program; null if something else stopped the run.

@@ -1,9 +1,9 @@
-//! What a report says of tappets.
+//! Report of tappet switchings.
 
 use crate::number::{rounded, seconds};
 use crate::tappets::{MasterPlace, Switched, TappetSwitch};
 
-/// What the tappets of one slave and group switched.
+/// Tappet switchings of all slaves and groups.
 #[derive(Clone, Debug, serde::Serialize)]
 pub(super) struct TappetsReport {
     /// Every group of every slave.

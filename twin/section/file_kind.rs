@@ -2,7 +2,7 @@
 
 use super::Section;
 
-/// What a file in TOML is.
+/// Kind of a TOML file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FileKind {
     Machine,
@@ -11,7 +11,7 @@ pub(crate) enum FileKind {
 }
 
 impl FileKind {
-    /// Whether a file that should be of this kind is of another one, which is told then, and nothing else.
+    /// True if a file that should be of this kind is of another one. That is then reported, and nothing else.
     pub(crate) fn refuses(self, root: &Section<'_>) -> bool {
         if self.is(root) {
             return false;

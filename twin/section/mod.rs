@@ -1,4 +1,4 @@
-//! TOML reader of machine files, jobs and cams: every value knows its place, every complaint names it.
+//! TOML reader of machine files, jobs and cams: every value knows its place, and every error names it.
 
 mod file_kind;
 mod numbers;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Gathers what is wrong with a file, so that a user sees all of it at once.
+/// Collector of the errors of a file, so that a user sees all of them at once.
 #[derive(Debug, Default)]
 pub(crate) struct Complaints {
     list: RefCell<Vec<Problem>>,
@@ -37,7 +37,7 @@ impl Complaints {
     }
 }
 
-/// What `read` makes of the text of a file.
+/// Parses a file's text and passes its root section to `read`.
 ///
 /// # Errors
 /// With everything that is wrong with it, in file order.
@@ -55,7 +55,7 @@ pub(crate) fn parse<T>(
     result.filter(|_| problems.is_empty()).ok_or(problems)
 }
 
-/// One table of the file. Remembers which keys were asked for: the others are unknown keys.
+/// One table of the file. It records the keys that are read: the others are unknown keys.
 #[derive(Debug)]
 pub(crate) struct Section<'a> {
     name: String,
@@ -94,7 +94,7 @@ impl<'a> Section<'a> {
         self.complaints.add(self.span_of(key), message, help);
     }
 
-    /// The keys that have been asked for.
+    /// The keys that have been read.
     #[cfg(test)]
     pub(crate) fn asked_for(&self) -> std::collections::BTreeSet<String> {
         self.known.borrow().iter().cloned().collect()
@@ -116,12 +116,12 @@ impl<'a> Section<'a> {
         self.complaints.add(span.clone(), message, None);
     }
 
-    /// Where the value of `key` is; where the section is, if the key is absent.
+    /// Place of the value of `key`; that of the section, if the key is absent.
     pub(crate) fn span_of(&self, key: &str) -> Range<usize> {
         self.look_up(key).map_or_else(|| self.span.clone(), Spanned::span)
     }
 
-    /// Where entry `index` of the array `key` is, from 0; complains about nothing and leaves the key unknown.
+    /// Place of entry `index` of the array `key`, from 0; complains about nothing and leaves the key unknown.
     pub(crate) fn span_of_item(&self, key: &str, index: usize) -> Option<Range<usize>> {
         let array = self.look_up(key)?.get_ref().as_array()?;
         array.get(index).map(Spanned::span)
@@ -136,7 +136,7 @@ impl<'a> Section<'a> {
         self.look_up(key).is_some()
     }
 
-    /// Notes that `key` is known, whatever it is.
+    /// Marks `key` as known, without reading it.
     pub(crate) fn accept(&self, key: &str) {
         self.value(key);
     }
@@ -249,7 +249,7 @@ impl<'a> Section<'a> {
         self.choice(key, choices)
     }
 
-    /// Where it is.
+    /// Place of the section.
     pub(crate) fn span(&self) -> Range<usize> {
         self.span.clone()
     }
@@ -293,7 +293,7 @@ impl<'a> Section<'a> {
         self.known.borrow_mut().extend(keys);
     }
 
-    /// To be called when everything has been read: keys nobody asked for are unknown.
+    /// Ends reading: reports keys that were not read as unknown.
     pub(crate) fn finish(self) {
         self.check_unknown();
     }

@@ -1,4 +1,4 @@
-//! Numbers of tables: of their kind, and within their range.
+//! Numbers of TOML tables, checked for type and range.
 
 use super::Section;
 use std::ops::{Range, RangeInclusive};

@@ -12,15 +12,15 @@ use std::sync::Arc;
 pub struct Problem {
     /// Bytes of the text.
     pub span: Range<usize>,
-    /// What is wrong.
+    /// The fault.
     pub message: String,
-    /// What would be right, where that can be guessed.
+    /// Suggested correction, where one can be guessed.
     pub help: Option<String>,
-    /// What is wrong with the file that is named here.
+    /// Problems of the file that is named here.
     pub elsewhere: Option<Arc<Elsewhere>>,
 }
 
-/// What is wrong with a file that another one names.
+/// Problems of a file that another one names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Elsewhere {
     /// The file.
@@ -57,7 +57,7 @@ fn shown(path: &Path, text: &str, problem: &Problem) -> Shown {
     Shown { problem: problem.clone(), source, others }
 }
 
-/// Why a machine file, or a scenario for one, cannot be used.
+/// Errors of a machine file, or of a scenario for one.
 #[derive(Debug, thiserror::Error)]
 pub enum MachineFileError {
     /// The file cannot be read.

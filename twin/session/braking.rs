@@ -1,4 +1,4 @@
-//! The way to rest off the path: every axis brakes as hard as it may, each for itself.
+//! Braking off the path: every axis stops on its own at its largest deceleration and jerk.
 
 use crate::machine::Machine;
 use crate::number::seconds;

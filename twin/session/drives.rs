@@ -1,4 +1,4 @@
-//! What the drives of a run say, and what becomes of it where they fail.
+//! Feedback and failures of the drives of a run.
 
 use super::run::{Plan, Run};
 use super::{DriveSample, Observer, Stopped};
@@ -13,8 +13,8 @@ use std::time::Duration;
 const LONGEST_SETTLING: Duration = Duration::from_secs(10);
 
 impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
-    /// The drives are off the path or nobody knows where they are: the simulated machine has nothing to gain from staying on
-    /// it. That the drives fail is worth more words than that the user has stopped them before.
+    /// Handles a failure of the drives. They are off the path or their positions are not known, so the simulated
+    /// machine need not stay on it. A failure of the drives replaces an earlier stop by the user as the reason.
     pub(super) fn lose_drives(&mut self, source: HardwareError) {
         let place = match &source {
             HardwareError::TooFar { time_ns, .. } => self.history.place(*time_ns),
@@ -39,8 +39,8 @@ impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
         self.brake();
     }
 
-    /// Whoever plans has been kept waiting for longer than what is planned for the drives lasts: what is overdue is followed by
-    /// none of them, for it would be a leap.
+    /// Handles a plan that ended before the drives did. No drive follows overdue set-points, because that would be a
+    /// jump.
     pub(super) fn lose_overdue(&mut self, now_ns: i64) {
         if self.plan != Plan::GoesOn {
             return;
@@ -61,7 +61,7 @@ impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
         }
     }
 
-    /// Takes what the drives have said and compares what is comparable.
+    /// Takes the samples of the drives, and compares them with set-points and simulated machine.
     pub(super) fn listen(&mut self, observer: &mut dyn Observer) {
         let failure = loop {
             match self.hardware.as_mut().map(Plant::feedback) {

@@ -1,4 +1,4 @@
-//! What set-points and simulated machine were a short while ago.
+//! History of set-points and twin positions, for comparison with late samples of the drives.
 
 use crate::compare::Measured;
 use crate::machine::Machine;

@@ -1,4 +1,4 @@
-//! What M functions and tappets switch in a run under way, and who says that M functions are done.
+//! Outputs that M functions and tappets switch during a run, and the acknowledgement of M functions.
 
 use super::run::Run;
 use super::{Answer, Observer, Stopped};
@@ -21,12 +21,12 @@ pub(super) fn tappet_outputs(machine: &Machine, signals: &[Signal]) -> Vec<(usiz
 }
 
 impl<'a, P: Plant<Error = PhysicsError>> Run<'a, '_, P> {
-    /// Whether the plan goes on only when an M function is acknowledged. A stop does not wait for that.
+    /// True if the plan waits for the acknowledgement of an M function. A stop does not wait for it.
     pub(super) fn waits_for_word(&self) -> bool {
         self.stopped.is_none() && self.items.waits_for_word()
     }
 
-    /// Takes notice of an M function that is executed now.
+    /// Starts an M function that is executed now.
     pub(super) fn begin_m_function(&mut self, call: MCall, observer: &mut dyn Observer) {
         if self.m_call.is_some_and(|last| last.index == call.index) {
             return;
@@ -57,8 +57,8 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, '_, P> {
         self.machine.m_functions.iter().find(|function| function.number == number)
     }
 
-    /// Lets the path go on if the M function at which it stands is done: the drives have switched what it switches and
-    /// its time is over, or the user says so.
+    /// Lets the path go on if the M function at which it waits is done: the drives have switched its outputs and its
+    /// time is over, or the user acknowledges it.
     pub(super) fn acknowledge(&mut self, observer: &mut dyn Observer) {
         // First it has to be executed: the plan is ahead.
         let Some(call) = self.m_call.filter(|call| self.items.m_call() == Some(*call)) else {

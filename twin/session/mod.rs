@@ -1,4 +1,4 @@
-//! A run: the same set-points to the simulated machine and to the drives, and what both make of them.
+//! Run session: sends the same set-points to the simulated machine and to the drives, and compares their responses.
 
 mod braking;
 mod drives;
@@ -39,18 +39,18 @@ const ROUND_NS: i64 = 1_000_000;
 pub struct TwinCycle<'a> {
     /// The set-point.
     pub setpoint: &'a AxisSetpoint,
-    /// Where the set-point has the tool.
+    /// Tool and axes of the set-point.
     pub wanted: &'a Measured,
-    /// Where the simulated machine is.
+    /// Tool and axes of the simulated machine.
     pub twin: &'a Measured,
-    /// What its motors did in the cycle, in machine-file order; none where it is not known.
+    /// States of its motors in the cycle, in machine-file order; none where they are not known.
     pub motors: &'a [MotorState],
 }
 
 /// One sample of the drives.
 #[derive(Clone, Copy, Debug)]
 pub struct DriveSample<'a> {
-    /// When, ns since the start of the program.
+    /// Time, ns since the start of the program.
     pub time_ns: i64,
     /// The block in which the set-point was then.
     pub place: Place,
@@ -62,7 +62,7 @@ pub struct DriveSample<'a> {
     pub drives: &'a Measured,
 }
 
-/// Who watches a run.
+/// Observer of a run.
 pub trait Observer {
     /// A cycle of the simulated machine.
     fn twin(&mut self, cycle: &TwinCycle<'_>);
@@ -80,7 +80,7 @@ pub trait Observer {
     }
 }
 
-/// What a user says to an M function.
+/// Answer of the user to an M function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
     /// Nothing yet.
@@ -91,32 +91,32 @@ pub enum Answer {
     Nobody,
 }
 
-/// How a run ended.
+/// Result of a run.
 #[derive(Debug)]
 pub struct Ending {
     /// Errors of twin and drives.
     pub comparison: Comparison,
-    /// What the simulated machine has to tell.
+    /// Record of the simulated machine.
     pub record: PlantRecord,
     /// Time of the last set-point that was executed, ns.
     pub executed_ns: i64,
-    /// Why it did not go to the end of the program.
+    /// Reason of a stop before the end of the program.
     pub stopped: Option<Stopped>,
-    /// Where the axes came to rest, if it did not.
+    /// Rest positions of the axes after a stop.
     pub rest: Option<Rest>,
-    /// Where the axes left the path to come to rest, each at its own limits.
+    /// Place where the axes left the path to come to rest, each at its own limits.
     pub off_path: Option<Place>,
-    /// How the override changed.
+    /// Changes of the override.
     pub overrides: Vec<OverrideChange>,
-    /// How often the path went on as it was planned before because a new plan came too late.
+    /// Number of new plans that came too late, so that the path went on as planned before.
     pub late_plans: u64,
-    /// How late the cycles were taken up, in step with the wall clock.
+    /// Cycle lateness, in step with the wall clock.
     pub punctuality: Option<Punctuality>,
-    /// How often each device, by its name, was heard of.
+    /// Sample statistics of each device, by its name.
     pub heard: Vec<(String, Heard)>,
-    /// How late outputs of devices, by their names, were switched.
+    /// Switching delays of devices, by their names.
     pub switched: Vec<(String, SwitchedOutputs)>,
-    /// Where the axes of each device were when it was last heard of.
+    /// Last known axis positions of each device.
     pub last_heard: Vec<LastHeard>,
     /// Outputs of the drives that are perhaps still on although the run has ended early.
     pub left_on: Vec<u8>,
@@ -152,7 +152,7 @@ impl Ending {
         }
     }
 
-    /// Why it did not go to the end of the program, and how it came to rest, in words.
+    /// Reason of a stop before the end of the program, and the way to rest, in words.
     pub fn reason(&self) -> Option<String> {
         let mut reason = self.stopped.as_ref()?.to_string();
         for cause in &self.restarted {
@@ -167,7 +167,7 @@ impl Ending {
     }
 }
 
-/// Why a run stopped before the end of the program. Twin and drives have come to rest.
+/// Reasons of a stop before the end of the program. Twin and drives have come to rest.
 #[derive(Debug, thiserror::Error)]
 pub enum Stopped {
     /// The user asked for it.
@@ -240,12 +240,12 @@ pub struct Session<'a, P> {
     pub twin: P,
     /// The drives, standing there too.
     pub hardware: Option<Hardware>,
-    /// Whose limits the path is planned with, as it was checked.
+    /// Limits that the path is planned with, as it was checked.
     pub limits: Limits,
-    /// Who acknowledges M functions that the machine file knows nothing of.
+    /// Acknowledgement of M functions that the machine file does not define.
     pub acknowledge: Acknowledge,
-    /// How the override changes, beside what the user asks for meanwhile ([`Observer::new_override`]). A change is asked for before
-    /// the first set-point that is not earlier.
+    /// Scheduled override changes, besides those of the user during the run ([`Observer::new_override`]). A change is
+    /// requested before the first set-point that is not earlier.
     pub overrides: &'a [OverrideAt],
     /// In step with the wall clock; with drives it always is.
     pub realtime: bool,

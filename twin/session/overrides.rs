@@ -1,4 +1,4 @@
-//! The override while a program runs: what is asked for, and when the path follows.
+//! Override changes and feed hold during a run, and the time at which the path follows each.
 
 use crate::planning::Planning;
 use crate::setpoint_source::{LEAST_OVERRIDE, MOST_OVERRIDE};
@@ -9,7 +9,7 @@ use std::time::Duration;
 /// An override from a time on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverrideAt {
-    /// When it is asked for, ns since the start of the program.
+    /// Time of the request, ns since the start of the program.
     pub time_ns: i64,
     /// Factor on all programmed velocities; 0 is a feed hold.
     pub factor: f64,
@@ -50,14 +50,14 @@ pub fn override_factor(text: &str) -> Option<f64> {
 /// A change of the override during a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverrideChange {
-    /// What was asked for.
+    /// The request.
     pub asked: OverrideAt,
-    /// From when on the path has followed it, ns since the start of the program; before, it goes on as it was planned. None if it
-    /// never did: the program was over, or something else was asked for first.
+    /// Time from which the path has followed it, ns since the start of the program; before, it goes on as planned. None
+    /// if it never did: the program was over, or there was another request first.
     pub follows_ns: Option<i64>,
 }
 
-/// What is asked for, and what has become of it.
+/// Override requests and their effects.
 #[derive(Debug)]
 pub(super) struct Overrides {
     schedule: VecDeque<OverrideAt>,
@@ -65,14 +65,14 @@ pub(super) struct Overrides {
 }
 
 impl Overrides {
-    /// With these to come, in their order.
+    /// Override requests that start with this schedule, in order.
     pub(super) fn new(schedule: &[OverrideAt]) -> Self {
         let mut schedule = schedule.to_vec();
         schedule.sort_by_key(|change| change.time_ns);
         Self { schedule: schedule.into(), changes: Vec::new() }
     }
 
-    /// Asks `items` for what is due before the set-point at `time_ns`.
+    /// Applies the scheduled requests that are due before the set-point at `time_ns` to `items`.
     pub(super) fn pursue(&mut self, time_ns: i64, items: &mut Planning<'_>) {
         while let Some(due) = self.schedule.pop_front_if(|next| next.time_ns <= time_ns) {
             self.ask(due, items);
@@ -85,7 +85,7 @@ impl Overrides {
         self.changes.push(OverrideChange { asked, follows_ns: None });
     }
 
-    /// Takes notice of a set-point of `items`.
+    /// Observes a set-point of `items`, and records the time from which the path follows.
     pub(super) fn see(&mut self, time_ns: i64, items: &Planning<'_>) {
         if let Some(last) = self.changes.last_mut()
             && last.follows_ns.is_none()
@@ -95,7 +95,7 @@ impl Overrides {
         }
     }
 
-    /// What was asked for.
+    /// All changes that were requested.
     pub(super) fn into_changes(self) -> Vec<OverrideChange> {
         self.changes
     }

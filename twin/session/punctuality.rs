@@ -1,11 +1,11 @@
-//! How punctual a run is that goes in step with the wall clock.
+//! Cycle lateness of a run in step with the wall clock.
 
 use hdrhistogram::Histogram;
 
 /// Longest lateness that is told apart from longer ones, µs: a minute.
 const LONGEST_US: u64 = 60_000_000;
 
-/// How late the cycles of a run were taken up, each against the instant at which it was due on the session's clock.
+/// Cycle lateness of a run, each cycle against the instant at which it was due on the session's clock.
 ///
 /// Set-points are planned ahead, so a late cycle is no late command to a drive until it is later than the horizon of the
 /// plan ([`crate::setpoint::HORIZON_NS`]); it is how well this computer keeps time.

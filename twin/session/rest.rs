@@ -1,4 +1,4 @@
-//! Where the axes of a run came to rest that was stopped.
+//! Rest positions of the axes of a stopped run.
 
 use crate::compare::Measured;
 use crate::hardware::LastHeard;
@@ -8,20 +8,20 @@ use crate::setpoint::AxisSetpoint;
 use std::fmt::Write;
 use twin_motion::Place;
 
-/// Where the axes came to rest before the end of the program.
+/// Rest positions of the axes before the end of the program.
 #[derive(Clone, Debug)]
 pub struct Rest {
-    /// When the user asked for it, if it was the user, ns.
+    /// Time of the user's request, if the user stopped the run, ns.
     pub asked_ns: Option<i64>,
     /// The first set-point at rest, ns.
     pub time_ns: i64,
     /// Its block.
     pub place: Place,
-    /// Where it is.
+    /// Tool and axes of this set-point.
     pub wanted: Measured,
-    /// Where the simulated machine is in the end, unless it has failed.
+    /// Final position of the simulated machine, unless it has failed.
     pub twin: Option<Measured>,
-    /// Where the drives were when they were last heard of, and when that was, ns.
+    /// Time of the last sample of the drives, ns, and their positions.
     pub drives: Option<(i64, Measured)>,
 }
 
@@ -49,7 +49,7 @@ impl Rest {
     }
 }
 
-/// Where the axes of each device were when it was last heard of, a line each; nothing unless one of them has failed.
+/// Last known axis positions of each device, a line each; nothing unless one of them has failed.
 pub fn whereabouts(machine: &Machine, heard: &[LastHeard]) -> Vec<String> {
     if !heard.iter().any(|one| one.lost) {
         return Vec::new();
@@ -79,13 +79,13 @@ fn positions(machine: &Machine, measured: &Measured) -> String {
 /// Watches where everything rests.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Resting {
-    /// When the user first asked for a stop.
+    /// Time of the user's first stop request.
     pub(super) asked_ns: Option<i64>,
     /// The first of the set-points that are where the last one is.
     setpoint: Option<AxisSetpoint>,
     /// The simulated machine as it was last seen.
     pub(super) twin: Option<Measured>,
-    /// The drives as they were last heard of.
+    /// Time and positions of the last sample of the drives.
     pub(super) drives: Option<(i64, Measured)>,
 }
 
@@ -97,7 +97,7 @@ impl Resting {
         }
     }
 
-    /// Where everything has come to rest; nowhere if nothing was executed. What stood when it was asked for came to rest then.
+    /// Rest positions; none if nothing was executed. Axes that were at rest at the request came to rest then.
     pub(super) fn rest(self) -> Option<Rest> {
         let Self { asked_ns, setpoint, twin, drives } = self;
         let AxisSetpoint { time_ns, place, axes, tool, .. } = setpoint?;

@@ -19,7 +19,7 @@ const SLOWEST: f64 = 0.01;
 /// … and so much for what takes no way, s.
 const LONGEST_REST: f64 = 30.0;
 
-/// Why axes are not homed. Those that moved have been brought to rest.
+/// Errors of homing. Axes that moved have been brought to rest.
 #[derive(Debug, thiserror::Error)]
 pub enum HomingError {
     /// The device or its wire.
@@ -85,7 +85,7 @@ pub enum HomingError {
 }
 
 impl HomingError {
-    /// What its drive has said.
+    /// Error of its drive.
     pub fn of_drive(&self) -> Option<&DriveError> {
         match self {
             Self::Drive { source, .. } | Self::NotStopped { source, .. } => Some(source),
@@ -208,7 +208,7 @@ fn one(
     }
 }
 
-/// How far an axis may go to find its home, increments.
+/// Longest way of an axis to its home, increments.
 pub fn longest_way(axis: &Axis) -> u32 {
     let [low, high] = axis.position_limits;
     let way = ((high - low) * axis.increments_per_si()).abs() * FURTHER;
@@ -217,7 +217,7 @@ pub fn longest_way(axis: &Axis) -> u32 {
     way
 }
 
-/// How far an axis may go in all while it is homed, increments.
+/// Longest way of an axis during homing, out and back, increments.
 pub fn way_in_all(axis: &Axis) -> f64 {
     IN_ALL * f64::from(longest_way(axis))
 }

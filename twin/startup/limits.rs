@@ -1,4 +1,4 @@
-//! The limits that devices keep themselves, and what keeps an axis from its ends where they keep none.
+//! Software limits of devices, checked against the machine file and the program.
 
 use super::in_units;
 use super::looker::Looker;
@@ -6,7 +6,7 @@ use crate::by_hand;
 use crate::machine::{Axis, DriveFamily, Machine};
 use twin_drives::{DeviceLimits, Drive, DriveError};
 
-/// What is left where the device does not limit the way of an axis: the words that end such a message.
+/// End of a message about a device that does not limit the way of an axis: the limits that remain.
 pub(super) fn what_is_left(axis: &Axis) -> String {
     let [least, most] = axis.position_limits.map(|limit| axis.from_si(limit));
     let unit = axis.unit();

@@ -1,4 +1,6 @@
-//! The line that a board has stored: it counts from the next power-up, whatever is spoken to it now.
+//! Stored serial-line settings of a board, checked against the machine file.
+//!
+//! The stored settings take effect at the next power-up, even if the present connection works with others.
 
 use super::looker::Looker;
 use crate::by_hand;
@@ -8,7 +10,7 @@ use twin_drives::interpcnc::{Parity, parameters};
 use twin_drives::{Drive, DriveError, ParameterId};
 
 impl Looker<'_> {
-    /// What the machine file says of the line of a board, against what it has stored.
+    /// Checks the stored line settings of a board against the machine file.
     pub(super) fn stored_line(
         &mut self,
         (machine, index): (&Machine, usize),

@@ -1,4 +1,4 @@
-//! One device, step by step.
+//! Device check: the start-up steps of one device.
 
 use super::parameters::{Must, wanted};
 use super::{Check, Homed, Looked, Needs, Still, Verdict, home_by_hand, position};
@@ -42,12 +42,12 @@ impl<'a> Looker<'a> {
         self.add_with(passed, told, Vec::new());
     }
 
-    /// What the device does not do, or what only the user can judge.
+    /// Adds a note about a missing ability of the device, or about facts that only the user can judge.
     pub(super) fn tell(&mut self, told: String, help: Vec<String>) {
         self.looked.checks.push(Check { verdict: Verdict::Told, told, help });
     }
 
-    /// Who says that an axis, by its place in the machine file, is homed.
+    /// Homing state of an axis, by its place in the machine file, as given by the user or the program.
     pub(super) fn who_homes(&self, index: usize) -> Homed {
         self.needs.get(index).map_or(Homed::Unknown, |needs| needs.homed)
     }

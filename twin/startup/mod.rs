@@ -20,7 +20,7 @@ use looker::Looker;
 use std::fmt;
 use twin_drives::{IncrementMotion, Increments, MAX_DRIVE_AXES, SetpointStream};
 
-/// What a check has come to.
+/// Verdict of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// It is as it must be.
@@ -31,19 +31,19 @@ pub enum Verdict {
     Failed,
 }
 
-/// What was looked at, and whether it is as it must be.
+/// Result of a check.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Check {
-    /// Whether it is.
+    /// The verdict.
     pub verdict: Verdict,
-    /// What was found; if it is not as it must be, also of which device, address, axis and parameter, and what is wanted.
+    /// The finding; for a failed check also the device, address, axis and parameter concerned, and the required value.
     pub told: String,
-    /// What can be done about it: commands to copy, keys of the machine file, where to look.
+    /// Remedies: commands to copy, keys of the machine file, places to look.
     pub help: Vec<String>,
 }
 
 impl Check {
-    /// Whether nothing may move because of it.
+    /// True if the check failed, so that nothing may move.
     pub fn has_failed(&self) -> bool {
         self.verdict == Verdict::Failed
     }
@@ -66,7 +66,7 @@ impl fmt::Display for Check {
     }
 }
 
-/// Who says that an axis is homed whose device does not know.
+/// Source of the homing state of an axis whose device does not know it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Homed {
     /// Nobody.
@@ -79,16 +79,16 @@ pub enum Homed {
     Emulated,
 }
 
-/// What a program asks of an axis.
+/// Requirements of a program on an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Needs {
     /// Smallest and largest position of the program, m or rad; `None` if it moves nothing.
     pub range: Option<[f64; 2]>,
-    /// Who says that it is homed.
+    /// Source of its homing state.
     pub homed: Homed,
 }
 
-/// What was found out about one device.
+/// Results of the start-up checks of one device.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Looked {
     /// In the order of the start-up.
@@ -97,7 +97,7 @@ pub struct Looked {
     pub position: Option<Increments>,
 }
 
-/// A clock and no plan: for looks at drives that follow nothing.
+/// Set-point stream without a plan, for checks of drives at rest.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Still(Clock);
 
@@ -121,8 +121,8 @@ impl SetpointStream for Still {
     }
 }
 
-/// Looks at a device. Nothing moves and nothing is changed. `needs` are in machine-file order. A device that does not answer is
-/// not asked any further.
+/// Checks a device. Nothing moves and nothing is changed. `needs` are in machine-file order. A device that does not
+/// answer is not asked any further.
 pub fn look(machine: &Machine, attached: &mut Attached, needs: &[Needs]) -> Looked {
     if machine.drives.get(attached.device).is_none() {
         return Looked::default();

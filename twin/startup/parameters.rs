@@ -1,4 +1,4 @@
-//! What the parameters of real devices must be for a machine file.
+//! Required parameter values of real devices for a machine file.
 
 use crate::by_hand;
 use crate::emulated::{bim2ax_axis, smartdrive_axis, velocity_within};
@@ -13,7 +13,7 @@ use twin_drives::smartdrive::parameters::{
     ACCELERATION_MAX, DECELERATION_MAX, FULL_STEPS, STEP_DIVISOR, VELOCITY_MAX,
 };
 
-/// What a parameter must be.
+/// Required value of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Must {
     Be(i64),
@@ -70,8 +70,8 @@ enum Key {
 }
 
 impl Wanted {
-    /// What makes device and machine file agree: the commands that set the parameter, and the key that would match what was
-    /// found.
+    /// Remedies for a difference between device and machine file: the commands that set the parameter, and the key that
+    /// would match the value found.
     pub(super) fn help(&self, machine: &Machine, device: usize, found: i64) -> Vec<String> {
         let mut help = by_hand::set(machine, device, self.id, self.must.value(found));
         let name = machine.drives.get(device).map_or("", |entry| &entry.name);

@@ -1,6 +1,6 @@
-//! Limit switches and homing as devices know them, against the machine file.
+//! Limit switches and homing settings of devices, checked against the machine file.
 //!
-//! Of emulated devices nothing is asked here: they have no switches but those that somebody puts there.
+//! Emulated devices are not checked here: they have no switches by default.
 
 use super::Homed;
 use super::limits::what_is_left;

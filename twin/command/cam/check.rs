@@ -1,4 +1,4 @@
-//! `twin cam check`: what a cam asks of its slave.
+//! `twin cam check`: bounds of the slave's motion on a cam, against its limits.
 
 use super::options::{LimitOptions, MasterOptions, UseOptions, load, number};
 use super::show_findings;

@@ -1,4 +1,4 @@
-//! `twin cam convert`: a cam in another form.
+//! `twin cam convert`: convert a cam to another file format.
 
 use super::options::{self, Between, load, magnitude};
 use super::reduced::{ROUNDING, Wish, reduced, unusable};

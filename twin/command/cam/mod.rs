@@ -1,4 +1,4 @@
-//! `twin cam`: cams against the limits of their slaves, as tables, in other forms and as pictures.
+//! `twin cam`: check, sample, convert and plot cams.
 
 mod check;
 mod convert;

@@ -1,4 +1,4 @@
-//! Options: how a cam is read and used, what its master does, what its slave can do.
+//! Options of the `twin cam` commands: reading and use of the cam, motion of the master, limits of the slave.
 
 use crate::cam::check::{AxisLimits, CamUse, unit_fits};
 use crate::cam::{CamFile, Coupling, no_scaling};
@@ -76,7 +76,7 @@ pub(in crate::command) fn load(path: &Path, between: Option<Between>) -> Result<
     Ok(file)
 }
 
-/// The same where what is told of the interpolation is for something else, too.
+/// As [`load`], where the interpolation is also used for something else.
 pub(super) fn read(path: &Path, between: Option<Between>) -> Result<CamFile, Failure> {
     let interpolation = between.map_or(Interpolation::Linear, Interpolation::from);
     let file = CamFile::load(path, interpolation).map_err(Box::new)?;
@@ -134,7 +134,7 @@ impl UseOptions {
         coupling
     }
 
-    /// How `file` is used with a master and limits.
+    /// Use of `file` with a master and limits.
     pub(in crate::command) fn using(
         &self,
         file: &CamFile,
@@ -169,7 +169,7 @@ impl MasterOptions {
         self.motion_or(MasterMotion::default())
     }
 
-    /// What is given counts; else what a run shows.
+    /// The given values, and those of `shown` for the others.
     pub(in crate::command) fn motion_or(&self, shown: MasterMotion) -> MasterMotion {
         MasterMotion {
             velocity: self.master_velocity.unwrap_or(shown.velocity),

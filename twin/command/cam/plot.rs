@@ -1,4 +1,4 @@
-//! `twin cam plot`: a cam as a picture.
+//! `twin cam plot`: plot of a cam.
 
 use super::options::{LimitOptions, MasterOptions, UseOptions, load};
 use crate::cam::check::CamCheck;

@@ -1,4 +1,4 @@
-//! Tables with fewer points.
+//! Cam table reduction: remove points within a tolerance.
 
 use super::options::Between;
 use crate::cam::CamFile;
@@ -15,17 +15,17 @@ const STEPS: usize = 12;
 /// A slave that is so little of the cam's height from where it should be is there.
 pub(super) const ROUNDING: f64 = 1e-13;
 
-/// How a table is to be reduced.
+/// Requirements of a table reduction.
 pub(super) struct Wish<'a> {
     /// The cam that it is held against.
     pub(super) whole: &'a Curve,
-    /// How far the slave may be from it, u.
+    /// Largest deviation of the slave, u.
     pub(super) tolerance: f64,
-    /// Between the points that are left; as it was if nobody says it.
+    /// Interpolation between the remaining points; unchanged if none is given.
     pub(super) between: Option<Between>,
 }
 
-/// The table of `file` with fewer points, of which the slave is no farther than the tolerance from where the whole cam has it.
+/// The table of `file` with fewer points. The slave deviates from the whole cam by no more than the tolerance.
 ///
 /// # Errors
 /// If it is no table, or all of its points are too few.

@@ -1,4 +1,4 @@
-//! `twin cam sample`: a cam as a table.
+//! `twin cam sample`: sample a cam as a table.
 
 use super::options::{MasterOptions, UseOptions, load, positive};
 use crate::cam::check::AxisLimits;

@@ -1,4 +1,4 @@
-//! `--clearance`: how near everything comes along the program, in files.
+//! `--clearance` option: output files with the clearances along the program.
 
 use super::{Arguments, Failure};
 use crate::check::{BlockClearance, ClearanceCsv, ClearancePicture};
@@ -87,7 +87,7 @@ impl Kind {
     }
 }
 
-/// What is found out before anything is checked: whether there is anything to write, and whether it can be written.
+/// Checks before the program check that there are clearances to write, and that the files can be written.
 pub(super) fn check(arguments: &Arguments, machine: &Machine) -> Result<(), Failure> {
     let files = &arguments.clearance;
     if files.is_empty() {

@@ -1,4 +1,4 @@
-//! `twin check`: is the program fit for the machine?
+//! `twin check`: check programs against a machine.
 
 mod clearance;
 

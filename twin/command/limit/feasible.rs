@@ -1,4 +1,4 @@
-//! The program with feeds that the axes can follow.
+//! Feed rewriting: the program with F words that the axes can follow.
 
 use super::Failure;
 use crate::command::options::unreadable;
@@ -47,7 +47,7 @@ pub(super) fn write(
     Ok(refed)
 }
 
-/// What is not fit for the machine is not made so by other feeds.
+/// Reports that no program was written: other feeds do not make an unfit program fit for the machine.
 pub(super) fn tell_none(target: &Path) -> io::Result<()> {
     writeln!(
         io::stderr().lock(),
@@ -56,7 +56,7 @@ pub(super) fn tell_none(target: &Path) -> io::Result<()> {
     )
 }
 
-/// What became of the F words.
+/// Reports the changes of the F words.
 pub(super) fn tell(refed: &Refed, target: &Path) -> io::Result<()> {
     let mut out = io::stderr().lock();
     let Refed { lines, changed, lowered, .. } = refed;

@@ -1,4 +1,4 @@
-//! `twin limit`: how fast the machine can go along the program.
+//! `twin limit`: time-optimal plan of a program within the limits of the machine.
 
 mod feasible;
 mod outputs;

@@ -1,4 +1,4 @@
-//! Profiles in files.
+//! Profile output files of `twin limit`.
 
 use super::Failure;
 use crate::command::whole::{self, WholeFile, unwritable};

@@ -1,10 +1,10 @@
-//! Motors and drives of a machine, for other programs.
+//! Motors, drives and payload of a machine as JSON.
 
 use crate::check::wire_rates;
 use crate::machine::{Axis, DeviceEntry, DriveFamily, FeedForward, Machine, SimulatedMotor};
 use serde_json::{Value, json};
 
-/// What moves an axis of the simulated machine: efforts in N or Nm, friction and inertia at the axis.
+/// Motor of an axis of the simulated machine: efforts in N or Nm, friction and inertia at the axis.
 pub(super) fn motor(axis: &Axis) -> Value {
     let simulated = &axis.simulated;
     let kind = match &simulated.motor {
@@ -44,7 +44,7 @@ pub(super) fn motor(axis: &Axis) -> Value {
     motor
 }
 
-/// Which axis of which drive it hangs on.
+/// Drive of an axis, and the axis of that drive.
 pub(super) fn of_axis(machine: &Machine, axis: &Axis) -> Option<Value> {
     let drive = axis.drive.as_ref()?;
     let device = machine.drives.get(drive.device)?;
@@ -108,7 +108,7 @@ pub(super) fn drives(machine: &Machine) -> Vec<Value> {
     machine.drives.iter().enumerate().map(one).collect()
 }
 
-/// What the tool holds.
+/// Payload of the tool.
 pub(super) fn payload(machine: &Machine) -> Option<Value> {
     machine.payload.as_ref().map(|payload| {
         let center = [payload.center.x, payload.center.y, payload.center.z];

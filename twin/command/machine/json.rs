@@ -1,4 +1,4 @@
-//! A machine for other programs: one object on one line.
+//! Machine description as JSON: one object on one line.
 
 use super::{Facts, devices};
 use crate::machine::{Axis, Collision, CoupledBy, Coupling, Machine};

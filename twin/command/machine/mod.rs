@@ -1,4 +1,4 @@
-//! `twin machine`: what a machine file describes, and what the machine can do.
+//! `twin machine`: check a machine file and describe the machine.
 
 mod devices;
 mod json;

@@ -1,4 +1,4 @@
-//! What moves the axes of the simulated machine, as a table.
+//! Motors, transmissions and payload of the simulated machine as a table.
 
 use crate::command::show;
 use crate::machine::{Axis, FeedForward, Machine, SimulatedMotor};
@@ -6,7 +6,7 @@ use crate::number::significant;
 use comfy_table::{Cell, CellAlignment};
 use std::io::{self, Write};
 
-/// Motors, what is between them and the axes, and what the tool holds.
+/// Writes the table of motors and transmissions, and the payload.
 pub(super) fn write(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     let mut table = show::table();
     table.set_header(["axis", "motor", "gives at most", "friction", "inertia", "between"]);

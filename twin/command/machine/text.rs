@@ -1,4 +1,4 @@
-//! A machine for people.
+//! Machine description as text for people.
 
 use super::{Facts, motors};
 use crate::check::wire_rates;

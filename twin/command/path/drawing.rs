@@ -1,4 +1,4 @@
-//! Drawings as programs.
+//! Import of drawings (DXF) as programs.
 
 use super::numbers::within;
 use crate::command::Failure;
@@ -79,12 +79,12 @@ enum SectionOrder {
 }
 
 impl DrawingOptions {
-    /// Whether there may be several programs.
+    /// True if the drawing may become several programs.
     pub(super) fn is_divided(&self) -> bool {
         matches!(self.one_per, Some(Part::Layer | Part::Section))
     }
 
-    /// For what is no drawing.
+    /// Refuses these options for files that are not drawings.
     pub(super) fn check_unused(&self) -> Result<(), Failure> {
         let numbers = [
             self.join,
@@ -105,7 +105,7 @@ impl DrawingOptions {
         Err(Failure::Usage(message.to_owned()))
     }
 
-    /// The programs in the drawing at `path`, and what is to be known about them.
+    /// The programs in the drawing at `path`, and notes about them.
     pub(super) fn import(
         &self,
         path: &Path,

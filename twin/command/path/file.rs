@@ -1,4 +1,4 @@
-//! Where output goes: standard output, a file, or a folder of files.
+//! Output target: standard output, a file, or a folder of files.
 
 use super::Format;
 use crate::command::Failure;
@@ -7,7 +7,7 @@ use std::fs;
 use std::io::{self, BufWriter, IsTerminal, Stdout, Write};
 use std::path::{Path, PathBuf};
 
-/// Where output goes.
+/// Output target.
 #[derive(Debug)]
 pub(super) enum Target {
     Stdout,
@@ -63,7 +63,7 @@ impl Target {
     }
 }
 
-/// A file that takes its name when it is whole.
+/// An output file, renamed to its name on success.
 #[derive(Debug)]
 pub(super) enum File {
     Stdout(BufWriter<Stdout>),

@@ -1,4 +1,4 @@
-//! A program at a glance (manual 3.3, 6.2.2 and 7).
+//! Program overview: key figures, G-code view and listing (manual 3.3, 6.2.2 and 7).
 
 use super::Job;
 use super::output::stdio;
@@ -32,7 +32,7 @@ pub(super) fn key_figures(job: &mut Job<'_>, out: &mut dyn Write) -> Result<(), 
     write_figures(job, &info, out).map_err(stdio)
 }
 
-/// How long the program runs, if it can be planned; every M function takes a cycle.
+/// Duration of the program, if it can be planned; every M function takes a cycle.
 pub(super) fn duration(job: &Job<'_>) -> Result<Option<i64>, Failure> {
     let failed = |source| unreadable(job.program.path(), source);
     let setpoints = job.program.setpoints(job.conditions, None, Acknowledgement::default());

@@ -1,4 +1,4 @@
-//! Path elements as JSON, one object per line.
+//! Path elements and set-points as JSON, one object per line.
 
 use crate::number::significant;
 use nalgebra::{Point3, Vector3};

@@ -1,4 +1,4 @@
-//! `twin path`: what a program's path is, before and after preparation, and what can be made of it.
+//! `twin path`: print, prepare and convert the path of a program.
 
 mod drawing;
 mod file;

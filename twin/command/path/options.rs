@@ -1,4 +1,4 @@
-//! Options: where the path starts, what preparation is given, what is done to the path.
+//! Options of `twin path`: start position, inputs of preparation, operations on the path.
 
 use super::numbers::{list, within};
 use crate::command::Failure;
@@ -63,7 +63,7 @@ pub(super) struct PreparationOptions {
 }
 
 impl PreparationOptions {
-    /// What is given here takes the place of what `conditions` have.
+    /// Replaces values of `conditions` by those given here.
     pub(super) fn complete(&self, conditions: &mut ProgramConditions) {
         if let Some([x, y, z, additional @ ..]) = self.start {
             conditions.start = [x, y, z].map(|value| value * 1e-3);

@@ -1,4 +1,4 @@
-//! Path elements in the formats that are written element by element.
+//! Writers for the formats that are written element by element.
 
 use super::{Format, Job, jsonl};
 use crate::command::Failure;

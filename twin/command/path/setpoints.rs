@@ -1,4 +1,4 @@
-//! The interpolator at the desk: set-points per cycle, with its inputs changed on the way (manual 6.2.9, 6.6).
+//! Interpolator set-points per cycle, with inputs that change on the way (manual 6.2.9, 6.6).
 
 use super::numbers::within;
 use super::output::stdio;

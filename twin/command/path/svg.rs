@@ -1,4 +1,4 @@
-//! The picture of a path.
+//! Picture of a path as SVG.
 
 use super::Job;
 use super::output::stdio;

@@ -1,4 +1,4 @@
-//! What is said before real drives move: where from and to, how fast, and what one lost answer would do.
+//! Confirmation before real drives move: start and target positions, speeds, and the effect of one lost answer.
 
 use crate::attached::Attached;
 use crate::check::Outcome;
@@ -16,17 +16,17 @@ use twin_drives::smartdrive::parameters::VELOCITY_ENTER_HOME;
 use twin_drives::{Increments, ParameterId};
 use twin_kinematics::AxisVector;
 
-/// What the user is asked to agree to.
+/// Facts that the user is asked to confirm.
 pub(super) struct Asked<'a> {
     pub(super) outcome: &'a Outcome,
     pub(super) start: &'a AxisVector,
     /// Part of its largest velocity that an axis has on its way to the start.
     pub(super) approach: f64,
-    /// Of each axis, m/s or rad/s, where it is homed and its device tells.
+    /// Homing speed of each axis that is homed, m/s or rad/s, if its device reports one.
     pub(super) homing: Vec<Option<f64>>,
 }
 
-/// How fast the devices home axes, by their own parameters, m/s or rad/s.
+/// Homing speeds of the devices, by their own parameters, m/s or rad/s.
 pub(super) fn homing_speeds(
     machine: &Machine,
     drives: &mut [Attached],
@@ -66,7 +66,7 @@ fn homing_parameter(machine: &Machine, axis: &Axis) -> Option<(ParameterId, f64)
     })
 }
 
-/// What will move where and how fast, as a table.
+/// Table of the axes that will move, with their targets and speeds.
 pub(super) fn moves(
     machine: &Machine,
     positions: &[(usize, Option<Increments>)],
@@ -125,7 +125,7 @@ pub(super) fn moves(
     table
 }
 
-/// How much faster than planned an axis may go.
+/// Largest speed of an axis relative to its plan, in words.
 pub(super) fn allowance() -> String {
     format!(
         "an axis that lags behind its set-points may go faster than the program, up to {:.0} % of its largest velocity",

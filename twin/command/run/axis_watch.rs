@@ -43,6 +43,7 @@ pub(super) struct AxisWatchOptions {
 
 /// A log of an axis that is wanted.
 #[derive(Clone, Debug)]
+#[doc(alias = "SMC_AxisDiagnosticLog")]
 struct AxisLog {
     axis: String,
     /// Which of [`VALUES`].
@@ -82,7 +83,7 @@ impl AxisWatchOptions {
         self.log_axis.iter().map(|log| ("--log-axis", log.file.as_path()))
     }
 
-    /// Opens the logs; `drives` says whether drives are heard of.
+    /// Opens the logs; `drives` is true if there are samples of drives.
     pub(super) fn open<'m>(
         &self,
         machine: &'m Machine,
@@ -199,7 +200,7 @@ impl AxisWatch<'_> {
         }
     }
 
-    /// What there is to report, if it is wanted.
+    /// Maxima for the report, if they were requested.
     pub(super) fn maxima(&self) -> Option<Vec<(String, AxisMaximaReport)>> {
         let dead_time_cycles = self.dead_time?;
         let axes = self.machine.axes.iter().zip(&self.axes).map(|(axis, watched)| {

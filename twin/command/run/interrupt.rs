@@ -1,4 +1,4 @@
-//! Ctrl-C, and the signals that ask a program to end.
+//! Ctrl-C and the other signals that end a program.
 
 use crate::command::Failure;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ const USUAL: usize = 3;
 /// As POSIX systems on which `twin` runs number it; tokio has no name for it.
 const SIGTSTP: i32 = if cfg!(target_os = "macos") { 18 } else { 20 };
 
-/// How often somebody has asked for the end.
+/// Number and kinds of the signals that have asked for the end.
 #[derive(Clone, Debug)]
 pub(in crate::command) struct Interrupt {
     count: Arc<AtomicU32>,
@@ -36,18 +36,19 @@ pub(in crate::command) struct Interrupt {
 const NONE: u8 = u8::MAX;
 
 impl Interrupt {
-    /// For what runs a program: Ctrl-C and SIGTERM stop it whoever has started it, and a script that starts it in the background
-    /// has Ctrl-C ignored. Whoever starts it with nohup wants it to go on when the terminal is closed.
+    /// Handler for commands that run a program. Ctrl-C and SIGTERM stop it whoever has started it; a script that starts
+    /// it in the background has Ctrl-C ignored. Under nohup it goes on when the terminal is closed.
     pub(in crate::command) fn catch() -> Result<Self, Failure> {
         Self::catch_but(ignored() & bit(SignalKind::hangup()), USUAL)
     }
 
-    /// For what moves real drives: also what would end or suspend the program and let them go on.
+    /// Handler for commands that move real drives. It also handles signals that would end or suspend the program and
+    /// let the drives go on.
     pub(in crate::command) fn catch_for_drives() -> Result<Self, Failure> {
         Self::catch_but(ignored() & bit(SignalKind::hangup()), KINDS.len())
     }
 
-    /// For what serves others: whoever has started it decides which signals end it.
+    /// Handler for servers: signals that were ignored at the start stay ignored.
     pub(in crate::command) fn catch_as_started() -> Result<Self, Failure> {
         Self::catch_but(ignored(), USUAL)
     }
@@ -90,22 +91,22 @@ impl Interrupt {
         self.count.load(Ordering::Acquire)
     }
 
-    /// What has asked for the end first, as people call it.
+    /// Name of the first signal, for people.
     pub(in crate::command) fn name(&self) -> &'static str {
         called(&self.first)
     }
 
-    /// What has asked for the end last.
+    /// Name of the last signal, for people.
     pub(in crate::command) fn latest(&self) -> &'static str {
         called(&self.last)
     }
 
-    /// What ends the run, where that is nobody at the keyboard.
+    /// Name of the signal that ends the run, unless it is Ctrl-C at the keyboard.
     pub(super) fn signal(&self) -> Option<&'static str> {
         Some(self.name()).filter(|name| !name.starts_with("Ctrl"))
     }
 
-    /// What ends a program that waits for nothing else, for people.
+    /// Instruction for people on how to end a program that waits for nothing else.
     pub(in crate::command) fn how_it_ends(&self) -> &'static str {
         if self.ignored & bit(SignalKind::interrupt()) == 0 {
             "Ctrl-C ends it."

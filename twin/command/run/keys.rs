@@ -1,4 +1,4 @@
-//! Keys that change the override while a program runs.
+//! Override keys: keyboard control of the override and of the feed hold during a run.
 
 use crate::session::Answer;
 use crate::setpoint_source::MOST_OVERRIDE;
@@ -13,7 +13,7 @@ const STEP: f64 = 0.1;
 /// What is known of keys that nobody has looked at yet.
 const KEYS: usize = 64;
 
-/// What there is to say about the keys.
+/// Help text of the keys.
 pub(super) const HELP: &str = "keys: + and - change the override by 10 %, space holds the path and lets it go on, Ctrl-C stops it";
 
 /// Keys of the terminal, one by one; Ctrl-C stays what it is. The terminal is as it was when this is dropped.
@@ -27,7 +27,7 @@ pub(super) struct Keys {
 }
 
 impl Keys {
-    /// Of standard input, with the override at hand; none if that is no terminal.
+    /// Keys of standard input, with the present override; none if that is not a terminal.
     ///
     /// # Errors
     /// If the terminal refuses, or no thread can be had.
@@ -66,12 +66,12 @@ impl Keys {
         (factor.to_bits() != before.to_bits()).then_some(factor)
     }
 
-    /// What was typed before a question is no answer to it.
+    /// Discards what was typed before a question.
     pub(super) fn ask(&mut self) {
         self.entered = false;
     }
 
-    /// Whether Enter was pressed since.
+    /// The answer since the question: done if Enter was pressed.
     pub(super) fn answer(&mut self) -> Answer {
         if std::mem::take(&mut self.entered) {
             return Answer::Done;

@@ -1,4 +1,4 @@
-//! `twin run`: the program on the simulated machine and on the drives at once.
+//! `twin run`: run a program on the simulated machine and on the drives at the same time.
 
 mod agreed;
 mod axis_watch;

@@ -1,4 +1,4 @@
-//! What is said of outputs: before real drives are let go, which ones the program switches, and afterwards how late they were.
+//! Messages about outputs: those that the program switches, before the run, and their delays, after it.
 
 use crate::attached::Attached;
 use crate::check::Outcome;
@@ -43,7 +43,7 @@ fn list(outputs: &[u8]) -> String {
     format!("{plural} {}", numbers.join(", "))
 }
 
-/// How late each device has switched outputs, a line each.
+/// Switching delays of each device, a line each.
 pub(super) fn lateness(switched: &[(String, SwitchedOutputs)]) -> impl Iterator<Item = String> {
     switched.iter().map(|(device, outputs)| {
         let times = if outputs.count == 1 { "once" } else { &format!("{} times", outputs.count) };
@@ -54,7 +54,7 @@ pub(super) fn lateness(switched: &[(String, SwitchedOutputs)]) -> impl Iterator<
     })
 }
 
-/// The same for the report, if anything was switched.
+/// Switching delays for the report, if anything was switched.
 pub(super) fn report(
     switched: &[(String, SwitchedOutputs)],
 ) -> Option<PerAxis<SwitchedOutputsReport>> {

@@ -1,4 +1,4 @@
-//! A checked program is run: drives and view are opened, and everything is brought to rest.
+//! Execution of a checked program: open drives and view, run, and bring everything to rest.
 
 use super::interrupt::Interrupt;
 use super::prompt::Prompt;
@@ -27,7 +27,7 @@ pub(super) struct Done<'m> {
     pub(super) took: f64,
     /// Still open: its page is served as long as it lives.
     pub(super) picture: Picture<'m>,
-    /// Whether everything could be shown and recorded.
+    /// Result of view and recording.
     pub(super) shown: Result<(), Failure>,
 }
 

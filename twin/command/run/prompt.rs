@@ -1,4 +1,4 @@
-//! Asks the user whether an M function is done.
+//! Acknowledgement of M functions by the user.
 
 use crate::session::Answer;
 use std::io::{self, BufRead, IsTerminal};
@@ -12,7 +12,7 @@ pub(super) struct Prompt {
 }
 
 impl Prompt {
-    /// Reads on; what was typed at a terminal before the question is no answer to it.
+    /// Starts reading an answer; discards what was typed at a terminal before the question.
     ///
     /// # Errors
     /// If no thread can be had.
@@ -34,7 +34,7 @@ impl Prompt {
         Ok(())
     }
 
-    /// Whether there has been an answer since.
+    /// The answer since the question, if any.
     pub(super) fn answer(&self) -> Answer {
         match self.lines.as_ref().map(Receiver::try_recv) {
             Some(Ok(())) => Answer::Done,

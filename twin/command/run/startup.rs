@@ -1,4 +1,4 @@
-//! Drives before they move: their start-up checks, what will move where, whether it may, and homing.
+//! Start-up of drives: checks, planned moves, confirmation and homing.
 
 use super::agreed::{Asked, allowance, homing_speeds, moves};
 use super::interrupt::Interrupt;
@@ -76,7 +76,7 @@ pub(super) struct Ready {
     to_home: Vec<usize>,
 }
 
-/// What is said of the drives beforehand is said of the real ones; where nobody knows how fast those answer, that is told.
+/// Bases predictions on the real drives, and reports drives whose response time is not known.
 pub(super) fn expect_real(machine: &mut Machine) {
     for device in &mut machine.drives {
         if !device.expect_real() {
@@ -189,7 +189,7 @@ fn emulated(
 }
 
 impl Ready {
-    /// Homes what is to be homed; the drives are ready to come to the start of the program then.
+    /// Homes the requested axes. The drives are then ready to move to the start of the program.
     pub(super) fn home(
         self,
         machine: &Machine,
@@ -229,7 +229,7 @@ pub(super) fn connect(
     Ok((approach(hardware, interrupt)?, emulators))
 }
 
-/// Homes what is to be homed and brings the axes to the start.
+/// Homes the requested axes and moves all axes to the start.
 pub(super) fn start_real(
     ready: Ready,
     machine: &Machine,

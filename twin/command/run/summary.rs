@@ -1,4 +1,4 @@
-//! What a run has to say at its end: the summary for people and the report for programs.
+//! Result of a run: the summary for people and the report for programs.
 
 use super::{Done, outputs};
 use crate::check::Outcome;
@@ -132,9 +132,9 @@ pub(super) fn summary(out: &mut impl Write, machine: &Machine, done: &Done<'_>) 
     writeln!(out, "{table}")
 }
 
-/// The report somebody may have asked for.
+/// The report of a run, if one was requested.
 pub(super) struct Report<'a> {
-    /// Where to write it; nowhere if nobody asked.
+    /// Path of the report; none if it was not requested.
     pub(super) path: Option<&'a Path>,
     pub(super) machine: &'a Machine,
     pub(super) program: &'a ProgramFile,

@@ -1,4 +1,4 @@
-//! Watches a run, shows it, and passes on what the user wants.
+//! Run observer of the command line: shows progress and passes on the user's input.
 
 use super::axis_watch::AxisWatch;
 use super::keys::{self, Keys};
@@ -21,7 +21,7 @@ pub(super) struct Watcher<'a, 'm> {
     pub(super) last_shown_ns: i64,
     pub(super) samples: Heard,
     pub(super) prompt: Prompt,
-    /// Where there is a terminal.
+    /// Override keys, on a terminal.
     pub(super) keys: Option<Keys>,
 }
 

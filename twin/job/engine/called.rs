@@ -1,4 +1,4 @@
-//! Calls the blocks of an axis, and takes up what they say.
+//! Block calls: calls the blocks of an axis and handles their outputs.
 
 use super::super::Call;
 use super::super::block::{Fired, With};

@@ -1,4 +1,4 @@
-//! When a job is over: everything is done and stands, or waits for what never comes.
+//! End of a job: everything is done and at rest, or `duration_s` has passed.
 
 use super::super::read::LONGEST;
 use super::super::{Call, ON_TOP, SUPERIMPOSED};
@@ -21,7 +21,7 @@ impl Engine {
         self.duration_ns.is_some_and(|end| self.now_ns > end)
     }
 
-    /// Whether everything is done and stands.
+    /// Result true if everything is done and at rest.
     pub(super) fn is_over(&self) -> Result<bool, Box<Finding>> {
         let stand = self.axes.iter().all(Moved::stands);
         if self.is_halting() {

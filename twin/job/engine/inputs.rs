@@ -1,4 +1,4 @@
-//! Inputs of the job's program, which probes wait for: when they are TRUE.
+//! Trigger inputs of probes.
 
 use super::Moved;
 use super::nanoseconds;
@@ -27,17 +27,18 @@ impl Inputs {
         &mut self.triggers
     }
 
-    /// Whether none becomes TRUE by itself from this time on.
+    /// True if no trigger becomes TRUE by time alone from this time on.
     pub(super) fn are_over(&self, now_ns: i64) -> bool {
         !self.when.iter().any(|when| matches!(when, When::At(time) if nanoseconds(*time) >= now_ns))
     }
 
-    /// When one is TRUE.
+    /// Condition under which a trigger is TRUE.
     pub(super) fn when(&self, trigger: usize) -> Option<When> {
         self.when.get(trigger).copied()
     }
 
-    /// Looks at time and axes at the begin of a cycle. Each is TRUE for the first cycle that sees what it waits for.
+    /// Evaluates the triggers at the beginning of a cycle. Each is TRUE for the first cycle in which its condition
+    /// holds.
     pub(super) fn see(&mut self, begin_ns: i64, cycle_ns: i64, axes: &[Moved]) {
         for ((when, trigger), before) in
             self.when.iter().zip(&mut self.triggers).zip(&mut self.before)

@@ -1,4 +1,4 @@
-//! The controller of a job: its axes and blocks, cycle by cycle.
+//! Job engine: the simulated controller with its axes and blocks, cycle by cycle.
 
 mod called;
 mod end;
@@ -22,7 +22,7 @@ use std::collections::BTreeMap;
 use twin_motion::Place;
 use twin_motion::axis::{AxisConfig, SmcError};
 
-/// Where an axis is and how it moves, in its unit; a rotary axis from period to period.
+/// State of motion of an axis, in its unit; a rotary axis from period to period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct State {
     pub(super) position: f64,
@@ -92,7 +92,7 @@ struct Running {
 }
 
 impl Engine {
-    /// Of `job` on `machine`, whose axes stand at `start` (their units).
+    /// Engine of `job` on `machine`, whose axes are at rest at `start` (their units).
     pub(super) fn new(job: Job, machine: &Machine, start: &[f64]) -> Self {
         let cycle_ns = machine.cycle_ns.max(1);
         let config = AxisConfig {
@@ -162,17 +162,17 @@ impl Engine {
         }
     }
 
-    /// How the axes move now, those of the machine first.
+    /// Present states of the axes, those of the machine first.
     pub(super) fn states(&self) -> impl Iterator<Item = State> {
         self.axes.iter().map(|moved| moved.state)
     }
 
-    /// Where the axes are by their own zeros, in the order of their states.
+    /// Positions of the axes from their own zeros, in the order of their states.
     pub(super) fn positions(&self) -> impl Iterator<Item = f64> {
         self.axes.iter().map(|moved| moved.axis.set_position())
     }
 
-    /// Whether blocks take `slave` from what has it follow `master` all the time, or move the zero of one of them.
+    /// True if blocks release `slave` from its standing coupling to `master`, or move the zero of one of them.
     pub(super) fn disturbs(&self, slave: usize, master: usize) -> bool {
         let called = self.calls.iter().map(|running| &running.call);
         called.filter(|call| call.begins != Begins::Standing).any(|call| {
@@ -187,7 +187,7 @@ impl Engine {
         &self.fired
     }
 
-    /// What blocks have told since the last time.
+    /// Notes of blocks since the last call.
     pub(super) fn take_notes(&mut self) -> Vec<Finding> {
         std::mem::take(&mut self.notes)
     }
@@ -212,13 +212,14 @@ impl Engine {
         self.called
     }
 
-    /// How much of the job is done, 0 to 1, where it says how long it takes; how long its blocks take nobody knows before.
+    /// Completed part of the job, 0 to 1, if the job gives its duration. The duration of its blocks is not known in
+    /// advance.
     pub(super) fn progress(&self) -> Option<f64> {
         let duration_ns = self.duration_ns.filter(|duration| *duration > 0)?;
         Some((seconds(self.now_ns) / seconds(duration_ns)).min(1.0))
     }
 
-    /// The next cycle; false if everything is done and stands.
+    /// Executes the next cycle; false if everything is done and at rest.
     ///
     /// # Errors
     /// What a block says is wrong, what never ends.

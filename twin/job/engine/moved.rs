@@ -1,4 +1,4 @@
-//! An axis of a job with its drive, which does as it is told.
+//! Axis of a job with an ideal drive.
 
 use super::super::Job;
 use super::State;
@@ -32,8 +32,8 @@ pub(super) struct Moved {
     pub(super) halt: Option<Block<Halt>>,
     pub(super) max_acceleration: f64,
     pub(super) max_velocity: f64,
-    /// By how much the position has jumped in the last cycle: further than its largest velocity goes in that time, and than
-    /// the velocity it is told to have. 0 if it has not.
+    /// Jump of the position in the last cycle: farther than both its largest velocity and its commanded velocity allow.
+    /// 0 without a jump.
     pub(super) jumped: f64,
     /// The block that has taken it last.
     pub(super) taken_by: Option<usize>,
@@ -41,7 +41,7 @@ pub(super) struct Moved {
     pub(super) topped_by: Option<usize>,
 }
 
-/// What an axis is made from: name, period, largest velocity, acceleration and jerk, and where it starts.
+/// Data of an axis: name, period, largest velocity, acceleration and jerk, and start position.
 pub(super) struct Moving {
     pub(super) name: String,
     pub(super) unit: &'static str,
@@ -148,7 +148,7 @@ impl Moved {
         }
     }
 
-    /// Whether its velocity stays, but for what rounding makes of the acceleration 0.
+    /// True if its velocity is constant, except for rounding of the acceleration.
     pub(super) fn is_steady(&self) -> bool {
         self.state.acceleration.abs() <= ROUNDING * self.max_acceleration
     }
@@ -158,7 +158,7 @@ impl Moved {
     }
 }
 
-/// What nobody has said of the axes that blocks move on ramps with a jerk, and what is taken for it.
+/// Notes on axes without a jerk limit that blocks move on jerk-limited ramps, with the assumed jerk.
 pub(super) fn assumed_jerks(job: &Job, assumed: &[Option<String>]) -> Vec<Finding> {
     let ramp = match job.ramp {
         RampType::Trapezoid => return Vec::new(),

@@ -1,8 +1,9 @@
-//! In which order axes are moved: a master before its slaves, so that these are where it is in the same cycle.
+//! Execution order of axes: a master before its slaves, so that a slave sees its master's position of the same cycle.
 //!
-//! Couplings come and go, so that an axis may lead what it has followed before. So the order is made anew whenever a block
-//! begins, by the couplings that hold then: of each axis the one of the block that moves it last. Where a block takes an axis
-//! from another one, and where one waits for the end of a cam, the other coupling counts, too, in that cycle, if both can.
+//! Couplings come and go, so an axis may become the master of an axis that it followed before. The order is therefore
+//! computed anew whenever a block begins, from the couplings that hold then. The coupling of an axis is that of the
+//! block that moves it last. Where a block takes over an axis, or waits for the end of a cam, the other coupling counts
+//! too in that cycle if both can hold.
 
 use super::super::{Begins, ON_TOP};
 use super::{Engine, Running};

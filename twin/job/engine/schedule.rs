@@ -1,5 +1,7 @@
-//! When blocks begin, without a look at every block in every cycle: those whose time is known stand by it, and the others come
-//! in when what they wait for has happened.
+//! Start times of blocks, without a scan of all blocks in every cycle.
+//!
+//! A block with a known start time is kept with that time. Any other block is added when the event that it waits for
+//! has happened.
 
 use super::super::{Begins, Call};
 use super::nanoseconds;
@@ -14,7 +16,7 @@ pub(super) struct Schedule {
 }
 
 impl Schedule {
-    /// Of `calls` in the order of the file, those of the machine file first.
+    /// Schedule of `calls` in the order of the file, those of the machine file first.
     pub(super) fn new(calls: &[Call]) -> Self {
         let begins: Vec<_> = calls.iter().map(|call| call.begins).collect();
         let of_file = begins.iter().position(|begins| *begins != Begins::Standing);
@@ -37,7 +39,7 @@ impl Schedule {
         Some(index)
     }
 
-    /// Whether no block begins by itself at a time to come.
+    /// True if no block is due at a known later time.
     pub(super) fn is_empty(&self) -> bool {
         self.due.is_empty()
     }
@@ -65,7 +67,7 @@ impl Schedule {
         self.begins.get(index + 1).copied()
     }
 
-    /// Whether a block of the file begins only when this one is over, or behind one that does.
+    /// True if a block of the file begins only when this one is over, or behind one that does.
     pub(super) fn waits_for(&self, index: usize, later: usize) -> bool {
         let between = self.begins.get(index + 1..=later).unwrap_or_default();
         let follows = |begins: &Begins| {

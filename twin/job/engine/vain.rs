@@ -1,8 +1,8 @@
-//! Blocks that wait for what never comes, while axes move on without end.
+//! Deadlock detection: blocks that wait for an event that cannot come while axes go on moving.
 //!
-//! Where everything stands, a block that waits does so for ever. Where an axis is at constant velocity and nothing ends that, it may
-//! wait for a place, and that one comes or does not: of the places that blocks wait for it is known at once. Whatever else may
-//! be waited for, where nothing has changed for [`UNCHANGED_NS`] nothing will.
+//! Where everything is at rest, a waiting block waits for ever. Where an axis moves at constant velocity that nothing
+//! ends, a block may wait for a position of it. Whether the axis reaches that position is known at once. Any other wait
+//! counts as a deadlock if nothing has changed for [`UNCHANGED_NS`].
 
 use super::super::Begins;
 use super::super::probe::When;

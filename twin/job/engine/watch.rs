@@ -1,4 +1,4 @@
-//! Which block has an axis, and who has lost it.
+//! Axis ownership: the block that controls each axis, and the errors of a block that loses its axis.
 
 use super::super::block::CamStart;
 use super::moved::Moved;
@@ -17,7 +17,7 @@ const RELEASES: [&str; 2] = ["MC_CamOut", "MC_GearOut"];
 /// Blocks that are there to take over from others.
 const TAKES_OVER: [&str; 5] = ["MC_Halt", STOP, "MC_MoveAdditive", "MC_CamOut", "MC_GearOut"];
 
-/// What helps a cam that does not start where its master is (error 626).
+/// Hint on a cam that does not start at the position of its master (error 626).
 pub(super) fn beside(start: CamStart, master: &Moved) -> String {
     let Moved { name, unit, state, .. } = master;
     let [from, to] = start.masters.map(|end| significant(end, 6));
@@ -82,7 +82,7 @@ impl Engine {
         Err(finding.into())
     }
 
-    /// A cam that begins elsewhere than its slave stands would make it jump.
+    /// Refuses cams that make their slave jump because they begin away from its position.
     pub(super) fn refuse_jumps(&self) -> Result<(), Box<Finding>> {
         for moved in self.axes.iter().filter(|moved| moved.jumped != 0.0) {
             let taker = moved.taken_by.and_then(|taker| self.calls.get(taker));
@@ -106,7 +106,7 @@ impl Engine {
         Ok(())
     }
 
-    /// What an axis follows by the block that has it.
+    /// Master of an axis by the block that controls it.
     pub(super) fn master(&self, axis: usize) -> Option<&Moved> {
         let taker = self.axes.get(axis)?.taken_by?;
         self.axes.get(self.calls.get(taker)?.call.master?)

@@ -1,10 +1,10 @@
-//! BIM2AX modules.
+//! `[[drives]]` entry of a BIM2AX module.
 
 use super::{Abilities, ModuleEncoder, assumptions, encoder, microseconds};
 use crate::section::Section;
 use twin_drives::bim2ax::{Assumptions, ByteOrder, DriveMode, MOST_POSITION};
 
-/// What the file says of a module, whose axes are alike.
+/// Entry of a module, whose axes are alike.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Bim2AxEntry {
     /// Drive mode (parameters 2 and 3): microsteps, and the unit of speeds.
@@ -13,11 +13,11 @@ pub struct Bim2AxEntry {
     pub start_stop_speed: u16,
     /// Acceleration (parameters $14 and $15), steps/s².
     pub acceleration: u16,
-    /// What is assumed where the manual is silent.
+    /// Assumptions where the manual is silent.
     pub assumptions: Assumptions,
     /// From an order to the begin of its motion, µs.
     pub order_us: u32,
-    /// Where the module's memory begins in the device that is to be mapped; `None` for a memory file.
+    /// Offset of the module's memory in the device that is to be mapped; `None` for a memory file.
     pub map_offset: Option<u64>,
     /// Byte order of the module's numbers.
     pub byte_order: ByteOrder,

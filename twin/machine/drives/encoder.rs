@@ -1,4 +1,4 @@
-//! `[drives.encoder]`: what a device is told of the encoders on its axes, so that it compares them with its counters.
+//! `[drives.encoder]`: encoder parameters of a device for its check of counters against encoders.
 
 use super::Kind;
 use crate::section::Section;
@@ -28,7 +28,7 @@ fn section<'a>(of_device: &Section<'a>) -> Option<Section<'a>> {
     of_device.has("encoder").then(|| of_device.section("encoder"))
 }
 
-/// The encoder of a board, whose axis hangs on it as the `[[axes]]` say.
+/// The encoder of a board; `[[axes]]` gives its axis.
 pub(super) fn of_board(of_device: &Section<'_>) -> Option<EncoderOptions> {
     let said = section(of_device)?;
     let letters = ["X", "Y", "Z", "A", "B"];
@@ -75,7 +75,7 @@ pub(super) fn of_module(of_device: &Section<'_>, mode: DriveMode) -> Option<Modu
     })
 }
 
-/// Whether the axes with an encoder are among those that hang on the device: `names` as the `[[axes]]` say them.
+/// Checks that the axes with an encoder are among those of the device: `names` as in `[[axes]]`.
 pub(in crate::machine) fn check(of_device: &Section<'_>, kind: Option<Kind>, names: &[&str]) {
     // Others do not know the key.
     if !matches!(kind, Some(Kind::InterpCnc | Kind::Bim2Ax)) {

@@ -1,11 +1,11 @@
-//! InterpCNC boards.
+//! `[[drives]]` entry of an InterpCNC board.
 
 use super::{Abilities, assumptions, encoder, microseconds};
 use crate::section::Section;
 use twin_drives::interpcnc::registers::MAX_SPEED_HZ;
 use twin_drives::interpcnc::{Assumptions, EncoderOptions, Following};
 
-/// What the file says of a board.
+/// Entry of a board.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InterpCncEntry {
     /// Modbus station.
@@ -20,11 +20,11 @@ pub struct InterpCncEntry {
     pub start_stop_hz: u16,
     /// Acceleration and deceleration of its ramps, thousand steps/s².
     pub acceleration_khz_per_s: u16,
-    /// What is assumed where the manual is silent.
+    /// Assumptions where the manual is silent.
     pub assumptions: Assumptions,
-    /// How the board follows a plan.
+    /// Method by which the board follows a plan.
     pub following: Following,
-    /// Whether the adapter of the real board hears what it sends.
+    /// True if the adapter of the real board hears what it sends.
     pub echo: bool,
     /// Its encoder, from V2.1D on.
     pub encoder: Option<EncoderOptions>,

@@ -1,4 +1,4 @@
-//! `[[drives]]`: the devices on the wires, each of a family.
+//! `[[drives]]`: the devices that drive axes, each of a drive family.
 
 mod bim2ax;
 mod encoder;
@@ -23,20 +23,20 @@ pub struct DeviceEntry {
     pub name: String,
     /// Serial port of the real device, or file of its memory, if it is given.
     pub port: Option<String>,
-    /// Version of the firmware that the real device must have, as it tells it itself.
+    /// Version of the firmware that the real device must report.
     pub firmware: Option<String>,
     /// Longest time an answer of the real device may take, ms, where it is not the family's usual.
     pub answer_ms: Option<u32>,
-    /// How long it may keep silent while its axes are to move before the run is stopped, ms, where that is said.
+    /// Longest silence while its axes are to move, ms, before the run is stopped; if given.
     pub silence_ms: Option<u32>,
-    /// Time the real device takes to answer, adapter and cable included, µs, where that is known: what is said beforehand of
-    /// a run with real drives reckons with it.
+    /// Response time of the real device, adapter and cable included, µs, if known. Predictions before a run with real
+    /// drives use it.
     pub turnaround_us: Option<u32>,
-    /// Whether it stands between set-points and motors of the simulated machine.
+    /// True if it is in the loop, between set-points and motors of the simulated machine.
     pub in_loop: bool,
-    /// What it is.
+    /// Its family.
     pub family: DriveFamily,
-    /// Names and values of what is assumed of it otherwise than of any device of the family, as the file says them.
+    /// Names and values of its assumptions that differ from the defaults of the family, as in the file.
     pub assumed: Vec<(String, String)>,
 }
 
@@ -51,7 +51,7 @@ pub enum DriveFamily {
     Bim2Ax(Bim2AxEntry),
 }
 
-/// What `kind` says.
+/// Value of `kind`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     InterpCnc,
@@ -66,13 +66,13 @@ impl Kind {
         ("bim2ax", Self::Bim2Ax),
     ];
 
-    /// The kind that a section says, whatever else is wrong with it.
+    /// The kind of a section, even if the section has errors.
     pub(super) fn glance(section: &Section<'_>) -> Option<Self> {
         let said = section.glance_at_text("kind")?;
         Self::ALL.into_iter().find(|(name, _)| *name == said).map(|(_, kind)| kind)
     }
 
-    /// Which axis of the device an axis of the machine hangs on; the keys are those of `[[axes]]`.
+    /// Axis of the device that an axis of the machine uses; the keys are those of `[[axes]]`.
     pub(super) fn axis(self, section: &Section<'_>) -> Option<usize> {
         match self {
             Self::InterpCnc => {
@@ -115,7 +115,7 @@ impl Seen {
     }
 }
 
-/// What a device is able to do, whatever the machine.
+/// Abilities of a device on any machine.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Abilities {
     /// Speeds that an axis may have at its largest velocity, increments/s.
@@ -125,7 +125,7 @@ pub(super) struct Abilities {
 }
 
 impl DeviceEntry {
-    /// What the family is called.
+    /// Name of the family.
     pub fn family_name(&self) -> &'static str {
         match self.family {
             DriveFamily::InterpCnc(_) => "InterpCNC",
@@ -134,7 +134,7 @@ impl DeviceEntry {
         }
     }
 
-    /// Reckons with the real device from now on; false if the file does not say how fast that answers.
+    /// Uses the response time of the real device from now on; false if the file does not give it.
     pub fn expect_real(&mut self) -> bool {
         let Some(turnaround_us) = self.turnaround_us else { return false };
         match &mut self.family {
@@ -145,7 +145,7 @@ impl DeviceEntry {
         true
     }
 
-    /// How long it is reckoned to take for an answer, µs.
+    /// Expected response time, µs.
     pub fn reckoned_us(&self) -> u32 {
         match &self.family {
             DriveFamily::InterpCnc(entry) => entry.turnaround_us,
@@ -154,8 +154,8 @@ impl DeviceEntry {
         }
     }
 
-    /// Where the real device is, which no other can be: its port, and the offset in it of a module that is mapped.
-    /// One port has many names: links in `/dev/serial/by-id` lead to it, and `./` before it changes nothing.
+    /// Place of the real device, which is unique: its port, and the offset in it of a module that is mapped. One port
+    /// has many names: links in `/dev/serial/by-id` lead to it, and `./` before it changes nothing.
     pub(super) fn place(&self) -> Option<(PathBuf, Option<u64>)> {
         let offset = match &self.family {
             DriveFamily::Bim2Ax(entry) => entry.map_offset,
@@ -167,7 +167,7 @@ impl DeviceEntry {
         Some((real.unwrap_or_else(|_| port.to_owned()), offset))
     }
 
-    /// What an axis of the device is called.
+    /// Name of an axis of the device.
     pub fn axis_name(&self, index: usize) -> String {
         match self.family {
             DriveFamily::InterpCnc(_) => {

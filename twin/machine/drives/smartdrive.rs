@@ -1,10 +1,10 @@
-//! SmartDRIVE buses.
+//! `[[drives]]` entry of a SmartDRIVE bus.
 
 use super::{Abilities, assumptions, microseconds};
 use crate::section::Section;
 use twin_drives::smartdrive::{Assumptions, StepsPerTurn};
 
-/// What the file says of the drives on a bus, which are alike.
+/// Entry of the drives on a bus, which are alike.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SmartDriveEntry {
     /// µsteps of a turn of the motor: full steps (parameter 43) times divisor (44).
@@ -17,7 +17,7 @@ pub struct SmartDriveEntry {
     pub acceleration_rpm_per_s: u16,
     /// Deceleration, rpm/s, at most parameter 32; 0: as the acceleration.
     pub deceleration_rpm_per_s: u16,
-    /// What is assumed where the manual is silent.
+    /// Assumptions where the manual is silent.
     pub assumptions: Assumptions,
     /// Time an emulated drive takes to answer, µs.
     pub response_us: u32,

@@ -1,4 +1,4 @@
-//! `[kinematics]`: the dimensions of a machine, as designed and as measured.
+//! `[kinematics]`: nominal dimensions of a machine and their measured deviations.
 
 use super::kind::{Family, Kind};
 use crate::section::Section;

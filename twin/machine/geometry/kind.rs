@@ -1,8 +1,8 @@
-//! The kinds of machines, and what their axes are called.
+//! Kinematic kinds of machines, and the names of their axes.
 
 use crate::axis_kind::AxisKind;
 
-/// What kinds have in common in a machine file.
+/// Families of kinds in a machine file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Family {
     /// Straight axes.
@@ -27,7 +27,7 @@ pub(super) struct Kind {
     pub(super) family: Family,
     /// Names of the transform's outputs, as the manual's blocks name them (dx, dy, dz, dr; da, db; dA, dB, dC).
     pub(super) outputs: &'static [(&'static str, AxisKind)],
-    /// Whether the transform has a say in Z.
+    /// True if the transform determines Z.
     pub(super) moves_z: bool,
 }
 
@@ -75,13 +75,13 @@ pub(super) static KINDS: [Kind; 12] = [
 ];
 
 impl Kind {
-    /// What axes may move: outputs and the coordinate that the transform leaves alone.
+    /// Roles of axes: outputs, and the coordinate that the transform leaves alone.
     pub(super) fn roles(&self) -> Vec<&'static str> {
         let outputs = self.outputs.iter().map(|(output, _)| *output);
         outputs.chain((!self.moves_z).then_some("Z")).collect()
     }
 
-    /// Whether it can turn its tool about the vertical.
+    /// True if it can turn its tool about the vertical.
     pub(super) fn turns_tool(&self) -> bool {
         self.family == Family::Cutter || (self.family == Family::Scara && self.outputs.len() == 3)
     }

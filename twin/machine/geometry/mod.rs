@@ -1,6 +1,6 @@
-//! `[kinematics]` and `[body]`: how the axes move the tool, and what moves with them.
+//! `[kinematics]` and `[body]`: the transform from axes to tool, and the links that move.
 //!
-//! What moves is built from dimensions (`model`), or it is that of a URDF (`urdf`).
+//! The links come from dimensions (`model`) or from a URDF (`urdf`).
 
 mod design;
 mod kind;
@@ -25,12 +25,12 @@ use twin_motion::path::EXTRA_AXES;
 use twin_urdf::{Inertial, MachineJoint, Model, UrdfWarning};
 use urdf::{Given, Source};
 
-/// What follows from `[kinematics]`, `[body]`, `[tool]`, `[payload]` and the axes.
+/// Geometry from `[kinematics]`, `[body]`, `[tool]`, `[payload]` and the axes.
 pub(super) struct Geometry {
     pub(super) kind: &'static str,
     pub(super) kinematics: MachineAxes,
     pub(super) direction: DirectionRule,
-    /// What a radian counts in measures of singularity, m.
+    /// Length that stands for a radian in measures of singularity, m.
     pub(super) length_scale: f64,
     pub(super) model: Model,
     /// The axes, with what a URDF says of their friction.

@@ -1,4 +1,4 @@
-//! `[body]`: what moves with the axes, as links and joints.
+//! `[body]`: moving links and joints of the machine, built from dimensions.
 
 use super::design::{Design, LENGTH_MM};
 use super::kind::{Family, Kind};

@@ -1,4 +1,4 @@
-//! What moves each axis of a machine.
+//! Assignment of transform outputs and coordinates to the axes of a machine.
 
 use super::kind::Kind;
 use crate::axis_kind::AxisKind;
@@ -12,7 +12,7 @@ pub(in crate::machine) fn additional(role: &str) -> Option<u8> {
     (0..).zip(EXTRA_AXES).find(|(_, letter)| letter.to_string() == role).map(|(number, _)| number)
 }
 
-/// What moves each axis; complains where that is not one to one.
+/// Source of each axis; complains where the assignment is not one to one.
 pub(super) fn sources(
     root: &Section<'_>,
     kind: &Kind,

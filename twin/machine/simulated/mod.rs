@@ -13,7 +13,7 @@ use crate::section::Section;
 use motor::Motors;
 use shaft::{elastic, needs_shaft, shaft};
 
-/// What moves an axis of the simulated machine. SI, at the axis (behind the gear).
+/// Motor and transmission of an axis of the simulated machine. SI, at the axis (behind the gear).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulatedAxis {
     /// Largest force or torque up to the axis's largest velocity, N or Nm.
@@ -28,11 +28,11 @@ pub struct SimulatedAxis {
     pub armature: f64,
     /// The motor.
     pub motor: SimulatedMotor,
-    /// What gives way between motor and axis.
+    /// Elastic transmission between motor and axis.
     pub transmission: Option<SimulatedTransmission>,
     /// The holding brake.
     pub brake: Option<BrakeParameters>,
-    /// What the motor bears.
+    /// Overload parameters of the motor.
     pub overload: Option<OverloadParameters>,
     /// Limit and home switches.
     pub switches: SwitchParameters,
@@ -49,7 +49,7 @@ pub enum SimulatedMotor {
     Stepper(StepperParameters),
 }
 
-/// What a machine file says of a servo drive.
+/// Servo drive in a machine file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulatedServo {
     /// Kv, 1/s.
@@ -64,7 +64,7 @@ pub struct SimulatedServo {
     pub parameters: ServoParameters,
 }
 
-/// What is fed forward of torques.
+/// Torque feed-forward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeedForward {
     /// Nothing.
@@ -120,7 +120,7 @@ impl SimulatedAxis {
         }
     }
 
-    /// Whether it has a step motor.
+    /// True if it has a step motor.
     pub fn steps(&self) -> bool {
         matches!(self.motor, SimulatedMotor::Stepper(_))
     }

@@ -1,4 +1,4 @@
-//! `[axes.physics.servo]`, `[axes.physics.stepper]` and what belongs to them: a motor, as said at its shaft.
+//! `[axes.physics.servo]`, `[axes.physics.stepper]` and related keys: a motor, with values at its shaft.
 
 use super::shaft::{Shaft, needs_shaft};
 use super::{FeedForward, SimulatedMotor, SimulatedServo};
@@ -20,7 +20,7 @@ const STEPPER_DAMPING_RATIO: f64 = 0.1;
 /// Where a motor's thermal time constant is not known, s.
 const THERMAL_TIME_S: f64 = 30.0;
 
-/// Reads what is said at the motor's shaft.
+/// Reader of motor values that are given at the shaft.
 pub(super) struct Motors<'s, 'a> {
     pub(super) section: &'s Section<'a>,
     pub(super) kind: AxisKind,
@@ -29,7 +29,7 @@ pub(super) struct Motors<'s, 'a> {
     pub(super) max_velocity: Option<f64>,
 }
 
-/// What is said of a motor, at the axis but for its inertia.
+/// Motor values of a file, at the axis except for the inertia.
 pub(super) struct Said {
     pub(super) motor: SimulatedMotor,
     /// kg·m², at the shaft.

@@ -1,4 +1,4 @@
-//! `[axes.physics.transmission]`: from the motor's shaft to the axis.
+//! `[axes.physics.transmission]`: transmission from the motor's shaft to the axis.
 
 use super::SimulatedTransmission;
 use crate::axis_kind::AxisKind;

@@ -1,10 +1,10 @@
-//! H gantries as their machine files have them, with rotors that are not alike, belts that give way, and gravity from anywhere, beside
-//! equations of motion written for the one belt.
+//! Tests of H gantries against equations of motion of their belt: unequal rotors, elastic belts, gravity in any
+//! direction.
 //!
-//! Motors A and B on pulleys of radius r pull the belt; with A = x + y and B = x − y the forces F and G that it takes from them move the
-//! bridge (M, with all that it carries) and the carriage (m). At the belt of each motor, s, a rigid belt takes from its torque τ what is
-//! left by rotor J and friction c, and one that gives way what its spring k and damper d have, while the motor, p along the belt, goes by
-//! itself:
+//! Motors A and B on pulleys of radius r pull the belt. With A = x + y and B = x − y, their belt forces F and G move
+//! the bridge (M, with all that it carries) and the carriage (m). At the belt of each motor, position s, a rigid belt
+//! transmits the torque τ less rotor J and friction c. An elastic belt transmits the force of its spring k and damper
+//! d, while the motor, at p along the belt, moves independently:
 //!
 //! ```text
 //! M·x″ = F + G + M·gx,    m·y″ = F − G + m·gy

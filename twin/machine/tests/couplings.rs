@@ -1,4 +1,4 @@
-//! Gears and cams of the machine file, and what follows by them.
+//! Tests of gears and cams of the machine file, and of the motion of their slaves.
 
 use super::{Machine, SHORT, load, problems};
 use crate::coupled::{AxesError, Coupled};

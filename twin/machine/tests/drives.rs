@@ -1,4 +1,4 @@
-//! Devices and the axes that hang on them.
+//! Tests of devices and of the axes that they drive.
 
 use super::{DriveFamily, SHORT, edited, load, problems, refused};
 

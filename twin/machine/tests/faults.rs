@@ -1,4 +1,4 @@
-//! Faults of a scenario's text in a machine of a file: they begin when it says, and do what it says.
+//! Tests of scenario faults on machines from files: they begin at their time and have their effect.
 
 use super::load;
 use crate::machine::{Machine, Scenario};

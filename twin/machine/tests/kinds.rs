@@ -1,4 +1,4 @@
-//! Machine files of every kind: the tool is where the links are, whatever the dimensions.
+//! Tests of machine files of every kind: transform and links agree on the tool position for any dimensions.
 
 use super::{edited, load, problems};
 use crate::machine::{DirectionRule, Machine};

@@ -1,4 +1,4 @@
-//! What machine files say about the limits of axes and path.
+//! Tests of the limits of axes and path in machine files.
 
 use super::{GANTRY3, SCARA2, SHORT, edited, load, near, problem, problems, refused};
 use crate::machine::{AxisLimit, Machine, VelocitySource};

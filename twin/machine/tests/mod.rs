@@ -1,4 +1,4 @@
-//! Machine files, right and wrong.
+//! Tests of machine files, valid and invalid.
 
 #![expect(clippy::float_cmp, reason = "given in the file, rounded before, or to be exact")]
 

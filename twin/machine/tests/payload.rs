@@ -1,4 +1,4 @@
-//! What the tool holds, in closed form.
+//! Tests of the payload against closed forms.
 
 use super::{edited, load, problems, workspace};
 use crate::machine::Machine;

@@ -1,4 +1,5 @@
-//! Shipped machines that run into a plate: what is hit is not gone through, and what describes a machine describes one machine then, too.
+//! Tests of shipped machines that run into a plate: nothing passes through it, and all descriptions of one machine
+//! agree in contact.
 
 use super::shipped::{Read, SAME, apart, farthest};
 use super::workspace;

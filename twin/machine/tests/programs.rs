@@ -1,4 +1,4 @@
-//! What machine files say about programs: additional axes, RS274, M functions.
+//! Tests of machine-file settings for programs: additional axes, RS274, M functions.
 
 use super::{Machine, SHORT, load, near, problems};
 use twin_kinematics::{AxisVector, Kinematics};

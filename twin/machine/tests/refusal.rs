@@ -1,4 +1,4 @@
-//! What the simulated machine refuses is said with the names of the machine file.
+//! Tests that simulation errors use the names of the machine file.
 
 use super::{SCARA2, edited, load};
 use crate::machine::{Machine, SimulationError};

@@ -1,4 +1,4 @@
-//! Scenarios, right and wrong.
+//! Tests of scenarios, valid and invalid.
 
 use super::{GANTRY3, load};
 use crate::machine::{FaultAt, FaultKind, FaultStart, Machine, Scenario};

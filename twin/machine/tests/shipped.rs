@@ -1,4 +1,4 @@
-//! Every machine file that is shipped, whatever it may be: one machine in several descriptions, and what is written of it.
+//! Tests of every shipped machine file: its descriptions agree, and its URDF export is valid.
 
 use super::workspace;
 use crate::machine::Machine;

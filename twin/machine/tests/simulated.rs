@@ -1,4 +1,4 @@
-//! What machine files say about motors, transmissions and drives of the simulated machine.
+//! Tests of motors, transmissions and drives of the simulated machine in machine files.
 
 use super::{SHORT, edited, load, problems};
 use crate::machine::{FeedForward, Machine, SimulatedAxis, SimulatedMotor};

@@ -1,4 +1,4 @@
-//! `[[obstacles]]`, `[collision]` and what a tool looks like.
+//! Tests of `[[obstacles]]`, `[collision]` and tool shapes.
 
 use super::*;
 use crate::physics::{ObstacleKind, Part};

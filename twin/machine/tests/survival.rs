@@ -1,4 +1,4 @@
-//! Files that nobody would write are survived.
+//! Fuzz tests: malformed machine files cause no panic.
 
 use super::{GANTRY3, SCARA2, parse};
 use crate::section::MachineFileError;

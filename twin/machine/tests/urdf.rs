@@ -1,4 +1,4 @@
-//! Machine files that point to a URDF.
+//! Tests of machine files that refer to a URDF.
 
 use super::{Problem, workspace};
 use crate::machine::Machine;

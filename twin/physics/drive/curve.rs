@@ -1,4 +1,4 @@
-//! How much effort a motor has at which speed.
+//! Effort curve of a motor: effort over speed.
 
 /// Efforts by speeds, straight in between and constant beyond the ends.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -8,7 +8,7 @@ pub struct EffortCurve {
 }
 
 impl EffortCurve {
-    /// The same at every speed.
+    /// No limit at any speed.
     pub const UNLIMITED: Self = Self { points: Vec::new() };
 
     /// Through `points`: speed and effort. `None` unless speeds rise from 0 or more, and all are finite and not negative.

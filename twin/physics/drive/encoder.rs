@@ -1,6 +1,6 @@
-//! What a drive knows of where its axis is.
+//! Encoder of a drive: measured position of its axis.
 
-/// Which end of the transmission an encoder sits on.
+/// Mounting side of an encoder: motor or axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EncoderSide {
     /// On the motor: blind to what the transmission gives.
@@ -12,7 +12,7 @@ pub enum EncoderSide {
 /// The encoder of an axis. The velocity loop takes the motor's velocity in any case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EncoderParameters {
-    /// Where the position is measured.
+    /// Mounting side.
     pub side: EncoderSide,
     /// One increment, m or rad at the axis; 0 for an ideal one. Encoders of motors have 10³ to 10⁷ increments a turn.
     pub resolution: f64,

@@ -1,4 +1,4 @@
-//! The drive of one axis: motor, what switches and protects it, and what is between it and the axis.
+//! Drive of one axis: motor, brake, overload model, switches, and transmission to the axis.
 
 mod curve;
 mod encoder;
@@ -28,7 +28,7 @@ use overload::Overload;
 /// Parameters of a drive. Efforts in N or Nm, lengths in m or rad, everything at the axis (behind the gear).
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisDriveParameters {
-    /// What moves the axis.
+    /// The motor of the axis.
     pub motor: Motor,
     /// Rotor (and gear) inertia as felt at the axis, gear ratio squared times rotor inertia, kg or kg·m².
     pub armature: f64,
@@ -36,11 +36,11 @@ pub struct AxisDriveParameters {
     pub friction: FrictionParameters,
     /// Friction of the motor and of what turns with it.
     pub motor_friction: FrictionParameters,
-    /// What gives way between motor and axis; `None` if nothing does.
+    /// Elastic transmission between motor and axis; `None` if it is rigid.
     pub transmission: Option<ElasticTransmission>,
     /// A brake on the motor, closed without power.
     pub brake: Option<BrakeParameters>,
-    /// What the motor bears.
+    /// Overload parameters of the motor.
     pub overload: Option<OverloadParameters>,
     /// Switches along the axis.
     pub switches: SwitchParameters,
@@ -48,7 +48,7 @@ pub struct AxisDriveParameters {
     pub noise: NoiseParameters,
 }
 
-/// What moves an axis.
+/// Motor of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motor {
     /// A servo drive.
@@ -60,7 +60,7 @@ pub enum Motor {
 /// A holding brake.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BrakeParameters {
-    /// What it holds, N or Nm at the axis.
+    /// Holding effort, N or Nm at the axis.
     pub effort: f64,
     /// From the loss of power until it holds, s; 20 to 100 ms.
     pub closing_time: f64,
@@ -175,12 +175,12 @@ impl AxisDrive {
         most.is_finite().then_some(most)
     }
 
-    /// How warm the motor is; 1 is what it bears for ever. `None` where that is not known.
+    /// Relative losses of the motor, smoothed; 1 is the continuous limit. `None` where they are not known.
     pub(super) fn warmth(&self) -> Option<f64> {
         self.overload.as_ref().map(Overload::warmth)
     }
 
-    /// What its brake holds now.
+    /// Present holding effort of its brake.
     pub(super) fn braking(&self) -> f64 {
         let closed =
             |brake: &BrakeParameters| self.dead_for.is_some_and(|s| s >= brake.closing_time);

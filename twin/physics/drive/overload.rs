@@ -1,6 +1,6 @@
-//! How warm a motor gets: I²t.
+//! Motor overload model: I²t.
 
-/// What a motor bears for ever, and how long it takes to warm up.
+/// Continuous effort and thermal time constant of a motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverloadParameters {
     /// The effort it can give for ever, N or Nm at the axis.
@@ -19,7 +19,7 @@ impl OverloadParameters {
     }
 }
 
-/// The losses of a motor, smoothed as its winding does: 1 is what it bears for ever.
+/// The losses of a motor, smoothed by its thermal time constant: 1 is the continuous limit.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct Overload {
     parameters: OverloadParameters,
@@ -44,7 +44,7 @@ impl Overload {
         warns
     }
 
-    /// 1 is what it bears for ever.
+    /// Smoothed losses; 1 is the continuous limit.
     pub(in crate::physics) fn warmth(&self) -> f64 {
         self.warmth
     }

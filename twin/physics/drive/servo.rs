@@ -1,4 +1,4 @@
-//! A servo drive: a cascade of loops for position, velocity and current.
+//! Servo drive: cascaded position, velocity and current loops.
 //!
 //! ```text
 //! v_cmd  = ff_v·v_set + Kv·(q_set − q)                                                        every position period
@@ -6,9 +6,9 @@
 //! motor  = effort, `delay` velocity periods later, by a current loop of first order           at all times
 //! ```
 //!
-//! While the effort is limited the integral only moves towards zero error (no wind-up). `balance` is the effort that
-//! holds the axis against gravity where the drive is enabled, the start value a real drive gets before it lets go
-//! of the brake. A current loop that is tuned by cancelling the motor's electrical pole closes to a first-order lag.
+//! While the effort is limited, the integral only moves towards zero error (no wind-up). `balance` is the effort that
+//! holds the axis against gravity when the drive is enabled: the start value that a real drive gets before it releases
+//! the brake. A current loop that is tuned by cancelling the motor's electrical pole closes to a first-order lag.
 
 use super::super::integrate::Stage;
 use super::curve::EffortCurve;
@@ -28,11 +28,11 @@ pub struct ServoParameters {
     pub integral_time: f64,
     /// Part of the set-point's velocity that is fed forward, 0 to 1.
     pub velocity_feed_forward: f64,
-    /// What is fed forward to the effort.
+    /// Effort feed-forward.
     pub effort_feed_forward: EffortFeedForward,
     /// Largest force or torque, N or Nm; infinite for no limit.
     pub effort_limit: f64,
-    /// What is left of it at speed.
+    /// Effort limit over speed.
     pub effort_curve: EffortCurve,
     /// Bandwidth of the current loop, rad/s; infinite if it is there at once. Usually 500 to 3000 Hz.
     pub current_bandwidth: f64,
@@ -42,11 +42,11 @@ pub struct ServoParameters {
     pub velocity_passes: u8,
     /// Velocity periods from measuring to the current set-point, 0 to [`MAX_DELAY`]; digital drives have 1 or 2.
     pub delay: u8,
-    /// What it knows of where the axis is.
+    /// Its encoder.
     pub encoder: EncoderParameters,
 }
 
-/// What a drive knows ahead of the effort a motion takes.
+/// Effort feed-forward of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EffortFeedForward {
     /// Nothing.
@@ -246,7 +246,7 @@ impl ServoDrive {
         self.target + (self.effort - self.target) * (-self.changes * part).exp()
     }
 
-    /// What the motor gives in the step.
+    /// Motor effort in the step.
     pub(super) fn effort(&self, stage: Stage) -> f64 {
         let [middle, end] = self.course;
         match stage {

@@ -1,14 +1,15 @@
-//! A step motor: a magnetic spring between the field, which steps, and the rotor.
+//! Step motor: a magnetic spring between the stepping field and the rotor.
 //!
 //! ```text
 //! δ = (field − rotor) / full step
 //! effort = T(ω)·(sin(π/2·δ) + d·(ω_field − ω)·cos(π/2·δ)), within ± T(ω), − detent·sin(2π·rotor/full step)
 //! ```
 //!
-//! T is the pull-out torque at the speed of the rotor: the most a load can be at that speed. It is reached with the rotor one full
-//! step behind; two behind, effort turns round and the rotor falls to the next place where the field would hold it, four full
-//! steps away: the steps in between are lost for good. Damping (d) is what chopper drives and back-EMF take out of the swing about
-//! the field; it costs no torque in step, and out of step it does not help on average. Acarnley, *Stepping Motors: a guide to theory and practice*, 2002, chapters 2 to 4.
+//! T is the pull-out torque at the speed of the rotor: the largest load at that speed. It is reached with the rotor one
+//! full step behind the field. Two full steps behind, the effort changes sign. The rotor falls to the next position
+//! where the field would hold it, four full steps away, and the steps in between are lost. Damping (d) models chopper
+//! drives and back-EMF, which damp the swing about the field. It costs no torque in step; out of step its average
+//! effect is zero. Acarnley, *Stepping Motors: a guide to theory and practice*, 2002, chapters 2 to 4.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -62,7 +63,7 @@ fn whole(angle: f64) -> f64 {
     3.0 * sin / (angle * (2.0 + cos))
 }
 
-/// Where the field of a motor shall be at one instant.
+/// Set-point of the field of a motor at one instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::physics) struct FieldSetpoint {
     pub(in crate::physics) position: f64,
@@ -138,7 +139,7 @@ impl StepperDrive {
         });
     }
 
-    /// How far the field is ahead of the rotor, in full steps.
+    /// Load angle: lead of the field over the rotor, in full steps.
     pub(in crate::physics) fn load_angle(&self, rotor: f64) -> f64 {
         let [.., end] = self.field;
         (end.position - rotor) / self.parameters.full_step
@@ -159,12 +160,12 @@ impl StepperDrive {
         (behind - before) * 4 + missed
     }
 
-    /// Takes the next so many full steps out of the pulse train, whichever way they go.
+    /// Drops the next `full_steps` full steps of the pulse train, in either direction.
     pub(in crate::physics) fn drop_steps(&mut self, full_steps: f64) {
         self.missing += full_steps;
     }
 
-    /// What the rotor feels at `position` and `velocity`.
+    /// Effort on the rotor at `position` and `velocity`.
     pub(super) fn effort(&self, stage: Stage, position: f64, velocity: f64) -> f64 {
         let [start, middle, end] = &self.field;
         let between = |one: &FieldSetpoint, other: &FieldSetpoint, part: f64| FieldSetpoint {
@@ -186,7 +187,7 @@ impl StepperDrive {
         self.parameters.pull_out.at(velocity) * part * whole(passed) - self.detent(position)
     }
 
-    /// What the rotor feels without current.
+    /// Effort on the rotor without current.
     pub(super) fn detent(&self, position: f64) -> f64 {
         if self.parameters.detent <= 0.0 {
             return 0.0;

@@ -1,6 +1,6 @@
-//! Switches along an axis.
+//! Limit and home switches of an axis.
 
-/// Where the switches of an axis are, m or rad.
+/// Positions of the switches of an axis, m or rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SwitchParameters {
     /// The lower limit switch: on at and below.
@@ -11,7 +11,7 @@ pub struct SwitchParameters {
     pub home: Option<[f64; 2]>,
 }
 
-/// Which switches are on.
+/// States of the switches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SwitchStates {
     /// The lower limit switch.
@@ -23,7 +23,7 @@ pub struct SwitchStates {
 }
 
 impl SwitchParameters {
-    /// Which are on with the axis at `position`.
+    /// States of the switches with the axis at `position`.
     pub(in crate::physics) fn at(&self, position: f64) -> SwitchStates {
         SwitchStates {
             lower: self.lower.is_some_and(|lower| position <= lower),

@@ -1,4 +1,4 @@
-//! Efforts along paths: a peer's inverse dynamics, the power they put in, and what friction may never do to a limit.
+//! Tests of efforts along paths: a peer's inverse dynamics, their mechanical power, and limits with friction.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Motions that have a closed form.
+//! Tests of motions that have a closed form.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,5 +1,6 @@
-//! Machines that are no chain, simulated: H belts in closed form, a tripod against a peer's states. Wherever they go, transform,
-//! model and rapier's bodies agree.
+//! Tests of simulated machines with coupled axes: H belts in closed form, a tripod against a peer's states.
+//!
+//! Transform, model and rapier's bodies agree in every pose.
 
 use proptest::prelude::*;
 use twin_kinematics::Kinematics;

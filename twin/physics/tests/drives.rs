@@ -1,4 +1,4 @@
-//! Drives on the machine, and what the machine refuses.
+//! Tests of drives on the machine, and of errors for machines that cannot be simulated.
 
 use super::super::drive::MotorAtWork;
 use super::*;

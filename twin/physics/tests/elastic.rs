@@ -1,4 +1,4 @@
-//! Springs, play, friction, brakes, encoders and warmth, in closed form.
+//! Tests of springs, backlash, friction, brakes, encoders and motor overload, in closed form.
 
 use std::f64::consts::TAU;
 

@@ -1,5 +1,7 @@
-//! Elastic drives with play and friction on both sides of it on machines of all shapes: against steps of two microseconds of the same
-//! model. (The SCARA is in `elastic.rs`, against a microsecond.)
+//! Tests of elastic drives with backlash and friction on machines of several kinds, against steps of two microseconds
+//! of the same model.
+//!
+//! `elastic.rs` tests the SCARA, against steps of a microsecond.
 
 use std::f64::consts::TAU;
 

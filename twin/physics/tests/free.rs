@@ -1,5 +1,7 @@
-//! Machines that nothing drives keep what no motion may change, over 5 s: energy, and the momenta that their joints let free. What they have
-//! of it is added up here from their dimensions. (The SCARA with two arms is in `reference.rs`.)
+//! Tests of conserved quantities: undriven machines keep energy and free momenta over 5 s.
+//!
+//! The expected values are computed here from the dimensions of the machines. `reference.rs` tests the SCARA with two
+//! arms.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! The closed forms of a tripod whose platform stays level, against all rods told apart and against the loops of its links.
+//! Tests of the closed-form delta dynamics against the general tripod and against the closed loops of its links.
 
 use proptest::prelude::*;
 use twin_kinematics::tripod::{Rod, TripodDeviations};

@@ -1,4 +1,4 @@
-//! Joints that follow others.
+//! Tests of mimic joints.
 
 use nalgebra::{Isometry3, Vector3};
 use twin_urdf::{JointDrive, JointKind, Model};

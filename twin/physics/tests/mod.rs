@@ -1,4 +1,4 @@
-//! Tests of the physics machine: machines made by hand, closed forms, and peers' numbers.
+//! Tests of the simulated machine: machines built by hand, closed forms, and peers' numbers.
 
 mod along_path;
 mod closed_forms;

@@ -1,4 +1,4 @@
-//! Motors and what is between them and their axes, in closed form.
+//! Tests of motors and of the transmissions to their axes, in closed form.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

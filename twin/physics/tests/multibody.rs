@@ -1,9 +1,9 @@
-//! The links of a tree as one multibody of rapier, fixed at its base: a witness that has its own equation of motion.
+//! The links of a tree as one multibody of rapier, fixed at its base: a reference with its own equation of motion.
 //!
-//! Facts about rapier 0.36 that shape this file: it has no call for generalised forces, so an effort is applied as a
-//! pair of forces or torques on the two bodies of the joint (and stays until reset); angular joints get a damping of
-//! 0.1 unasked, which is zeroed; the root has six degrees of freedom until the first forward kinematics finds it
-//! fixed, so nothing is indexed before; bodies would fall asleep in slow motion, so they may not.
+//! Facts about rapier 0.36 that shape this file: it has no call for generalised forces. An effort is therefore applied
+//! as a pair of forces or torques on the two bodies of the joint, and remains until reset. Angular joints get a damping
+//! of 0.1 by default, which is set to zero. The root has six degrees of freedom until the first forward kinematics
+//! finds it fixed, so nothing is indexed before. Bodies in slow motion would fall asleep, so sleeping is disabled.
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use rapier3d_f64::dynamics::{

@@ -1,4 +1,4 @@
-//! Efforts of machines whose axes move things together: an H belt in closed form, a tripod against a peer's derivation and
+//! Tests of efforts of machines with coupled axes: an H belt in closed form, a tripod against a peer's derivation and
 //! against the energy of its links.
 
 use std::f64::consts::FRAC_PI_2;

@@ -1,5 +1,7 @@
-//! Step motors past what they can pull, in closed form: where they fall out of step, where the rotor comes to rest, and how many steps that
-//! costs; and the load angle at which a step is lost.
+//! Tests of step motors beyond their pull-out torque, in closed form: loss of step, rest position of the rotor, number
+//! of lost steps.
+//!
+//! They also test the load angle at which a step is lost.
 
 use std::f64::consts::FRAC_PI_2;
 

@@ -1,4 +1,4 @@
-//! rapier's bodies against our own equation of motion: two formulations of the same machine.
+//! Tests of our equation of motion against rapier's bodies: two formulations of the same machine.
 
 use twin_urdf::{MachineJoint, ScaraDimensions, Solid, SolidShape};
 

@@ -1,7 +1,7 @@
-//! The whole machine against the peers' files, at every millisecond of them, and against what no motion may change.
+//! Tests of the whole machine against the peers' files at every millisecond, and against conserved quantities.
 //!
-//! `scara.rs` has some rows of the files as facts; here are all of them, if the files are there (`TWIN_SHARED` or beside the
-//! workspace).
+//! `scara.rs` has some rows of the files as facts. This file tests all rows, if the files are present (`TWIN_SHARED` or
+//! next to the workspace).
 
 use std::f64::consts::TAU;
 

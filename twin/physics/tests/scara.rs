@@ -1,5 +1,6 @@
-//! The reference SCARA against pinocchio 4.1 (articulated-body algorithm, RK4 with 100 µs; halving that step moves its
-//! tip by 3e-15 m). The numbers are rows of its two runs, copied as facts.
+//! Tests of the reference SCARA against pinocchio 4.1 (articulated-body algorithm, RK4 with 100 µs).
+//!
+//! Halving that step moves pinocchio's tip by 3e-15 m. The numbers are rows of its two runs, copied as facts.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! Machines that go back to where they were, and what becomes of machines that everything happens to.
+//! Tests of snapshots, and of machines under random inputs and faults.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -1,5 +1,7 @@
-//! Places where another law begins, against closed forms and an integration that knows them only as ifs: what breaks away, what comes
-//! to rest, and teeth with play. None of them is at the end of a step.
+//! Tests of event detection within a step: breakaway, rest, and teeth with backlash.
+//!
+//! The references are closed forms, and an integration that knows the events only as conditions. None of the events is
+//! at the end of a step.
 
 use super::elastic::slide;
 use super::*;

@@ -1,4 +1,4 @@
-//! What machines touch: forces of pressing in closed form, blows, and what is near.
+//! Tests of contact: pressing forces in closed form, collisions, and clearances.
 
 use twin_kinematics::Kinematics;
 use twin_kinematics::tripod::{Tripod, TripodDeviations};

@@ -1,4 +1,4 @@
-//! The two halves of the equation of motion against each other, and rapier, on machines nobody would build.
+//! Property tests of forward and inverse dynamics against each other and against rapier, on arbitrary trees.
 
 use proptest::prelude::*;
 

@@ -1,10 +1,12 @@
-//! The equation of motion as sums over all links, each told apart, in the machine frame about its origin: slower, in other frames and by
-//! another formulation than the one in use, which has to agree with it.
+//! Reference equation of motion: sums over all links separately, in the machine frame about its origin.
 //!
-//! A joint contributes one column, the velocity it gives its subtree per unit of joint velocity: `(a, p × a)` for a revolute joint with
-//! direction `a` through `p`, `(0, a)` for a prismatic one. Velocities of all bodies are then plain sums of columns along the branch, and
-//! the derivative of a column is the cross product with the velocity of its body (Featherstone, *Rigid Body Dynamics
-//! Algorithms*, 2008, chapters 2, 5 and 6). The inertia is summed from the bodies' Jacobians.
+//! It is slower than the tree dynamics in use, in other frames and by another formulation. Both must agree.
+//!
+//! A joint contributes one column, the velocity it gives its subtree per unit of joint velocity: `(a, p × a)` for a
+//! revolute joint with direction `a` through `p`, `(0, a)` for a prismatic one. Velocities of all bodies are then plain
+//! sums of columns along the branch, and the derivative of a column is the cross product with the velocity of its body
+//! (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, chapters 2, 5 and 6). The inertia is summed from the bodies'
+//! Jacobians.
 
 use nalgebra::{Translation3, UnitQuaternion};
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! A run under way, in rounds: plan, simulate what is due, listen to the drives.
+//! Run loop: each round plans, simulates the set-points that are due, and reads the drives.
 
 mod stopping;
 
@@ -25,7 +25,7 @@ use std::collections::VecDeque;
 use std::task::Poll;
 use twin_motion::Place;
 
-/// What comes behind the set-points that are planned.
+/// State of the plan: more set-points, or a stop on or off the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Plan {
     /// More of them.
@@ -48,8 +48,8 @@ pub(super) struct Run<'a, 'i, P> {
     realtime: bool,
     /// What set-points are due by, if that is the wall clock.
     clock: Option<Clock>,
-    /// Of the drives, from later than the simulated machine has come: drives are heard of at any time, it is simulated
-    /// once per round.
+    /// Samples of the drives that are later than the simulated machine. Samples arrive at any time; the machine is
+    /// simulated once per round.
     pub(super) samples: VecDeque<AxisFeedback>,
     pub(super) history: History,
     pub(super) comparison: Comparison,
@@ -57,7 +57,7 @@ pub(super) struct Run<'a, 'i, P> {
     punctuality: Option<Punctuality>,
     /// Set-points that are planned and not yet due.
     planned: VecDeque<AxisSetpoint>,
-    /// What comes behind them.
+    /// State of the plan behind them.
     pub(super) plan: Plan,
     pub(super) stopped: Option<Stopped>,
     overrides: Overrides,
@@ -65,7 +65,7 @@ pub(super) struct Run<'a, 'i, P> {
     pub(super) tappet_outputs: Vec<(usize, usize, u8)>,
     /// How often the user has interrupted.
     interrupts: u32,
-    /// Where everything rests.
+    /// Watcher of the rest positions.
     pub(super) resting: Resting,
     /// Where they leave it.
     off_path: Option<Place>,
@@ -76,7 +76,7 @@ pub(super) struct Run<'a, 'i, P> {
 }
 
 impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
-    /// Of `items` on `twin` and `hardware`, which stand at the start.
+    /// Run of `items` on `twin` and `hardware`, which are at rest at the start.
     pub(super) fn new(
         machine: &'a Machine,
         items: Planning<'i>,
@@ -112,12 +112,12 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
     }
 
-    /// With overrides to come.
+    /// The run with scheduled override changes.
     pub(super) fn with_overrides(self, overrides: &[OverrideAt]) -> Self {
         Self { overrides: Overrides::new(overrides), ..self }
     }
 
-    /// Obeys the user, who wants another override.
+    /// Applies an override request of the user.
     pub(super) fn heed_override(&mut self, observer: &mut dyn Observer) {
         if let Some(factor) = observer.new_override()
             && self.plan == Plan::GoesOn
@@ -138,12 +138,12 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
     }
 
-    /// Whether there are set-points left.
+    /// True if there are set-points left.
     pub(super) fn goes_on(&self) -> bool {
         self.plan == Plan::GoesOn || !self.planned.is_empty()
     }
 
-    /// How far ahead of what is due set-points are planned, ns.
+    /// Planning horizon ahead of what is due, ns.
     pub(super) fn horizon_ns(&self) -> i64 {
         let hardware = if self.hardware.is_some() { HORIZON_NS } else { 0 };
         self.twin.horizon_ns().max(hardware)
@@ -159,7 +159,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         self.executed.map_or(Place::default(), |executed| executed.place)
     }
 
-    /// What has come of it.
+    /// Result of the run.
     pub(super) fn ending(self) -> Ending {
         let executed_ns = self.executed_ns();
         let late_plans = self.items.late_plans();
@@ -199,7 +199,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
     }
 
-    /// Plans beyond `until_ns`, and hands the drives what is planned.
+    /// Plans beyond `until_ns`, and sends the plan to the drives.
     pub(super) fn plan(&mut self, until_ns: i64) {
         let paced = self.hardware.is_some() || self.realtime;
         // Before the beginning there is time.
@@ -259,7 +259,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
     }
 
-    /// What is due is taken up now, in step with the wall clock.
+    /// Records the lateness of the cycles that are due, in step with the wall clock.
     pub(super) fn take_up(&mut self, now_ns: i64) {
         let Some(punctuality) = &mut self.punctuality else { return };
         for due in self.planned.iter().take_while(|next| next.time_ns <= now_ns) {
@@ -267,7 +267,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
     }
 
-    /// The simulated machine takes what is due.
+    /// Simulates the set-points that are due.
     pub(super) fn simulate(&mut self, now_ns: i64, observer: &mut dyn Observer) {
         while let Some(setpoint) = self.planned.pop_front_if(|next| next.time_ns <= now_ns) {
             let before = self.executed.replace(setpoint);

@@ -1,4 +1,4 @@
-//! What brings a run to rest before its end: the user, or something that is lost.
+//! Stops before the end of a run, by the user or after a failure.
 
 use super::{Plan, Run};
 use crate::machine::SimulationError;
@@ -8,7 +8,7 @@ use crate::session::Stopped;
 use crate::session::braking::{braking, resting};
 
 impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
-    /// Obeys the user, who has interrupted so many times.
+    /// Handles interrupts of the user, `interrupts` being their number so far.
     pub(in crate::session) fn heed(&mut self, interrupts: u32) {
         while self.interrupts < interrupts {
             self.interrupts += 1;
@@ -30,8 +30,9 @@ impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
         }
     }
 
-    /// From now on every axis brakes at its own limits, on the simulated machine and on the drives. Once the last set-point
-    /// is due there is no plan to be changed: drives that still move are behind theirs, and brake on their own ramps.
+    /// Brakes every axis at its own limits from now on, on the simulated machine and on the drives. After the last
+    /// set-point is due there is no plan to change: drives that still move are behind theirs, and brake on their own
+    /// ramps.
     pub(in crate::session) fn brake(&mut self) {
         if !self.goes_on() {
             if let Some(hardware) = &mut self.hardware {
@@ -50,7 +51,7 @@ impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
         self.come_to_rest();
     }
 
-    /// Every axis brakes at its own limits from the end of what is planned.
+    /// Brakes every axis at its own limits from the end of the plan.
     pub(super) fn come_to_rest(&mut self) {
         self.plan = Plan::Brakes;
         let kept = self.planned.len();
@@ -70,7 +71,7 @@ impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
         }
     }
 
-    /// What brakes as hard as the axes allow is followed to rest.
+    /// Appends set-points at rest after a stop that brakes as hard as the axes allow.
     pub(super) fn settle_stop(&mut self) {
         if self.stopped.is_none() || !self.items.is_within_axes() {
             return;
@@ -86,13 +87,14 @@ impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
         }
     }
 
-    /// No set-points any more that lead to rest on the path: what is planned is still good, and the axes brake from its end.
+    /// Handles a failure of the planner: there are no set-points that lead to rest on the path. The existing plan is
+    /// still good, and the axes brake from its end.
     pub(super) fn lose_plan(&mut self, reason: Stopped) {
         self.stopped.get_or_insert(reason);
         self.come_to_rest();
     }
 
-    /// Nothing to compare with any more: the drives brake, and that is the end.
+    /// Handles a failure of the simulated machine: the drives brake, and the run ends.
     pub(super) fn lose_twin(&mut self, source: SimulationError) {
         self.twin_failed = true;
         self.resting.twin = None;

@@ -1,4 +1,4 @@
-//! Whether the chain of joints and the transform are the same machine.
+//! Consistency check of URDF chain and transform.
 
 use super::{Given, Source, fit};
 use crate::machine::axis::AxisEntry;

@@ -1,4 +1,4 @@
-//! Which dimensions would fit a URDF.
+//! Dimensions that would make the transform fit a URDF.
 
 use super::agree::{Difference, largest, rounded};
 use super::{Given, Source};
@@ -19,7 +19,7 @@ struct Candidate {
     keys: Vec<String>,
 }
 
-/// What to do about a difference, as far as that can be told.
+/// Hint on a difference, as far as one can be given.
 pub(super) fn advice(
     source: &Source,
     given: &Given<'_>,

@@ -1,4 +1,4 @@
-//! Masses of links of which a URDF does not say them.
+//! Masses of URDF links that have none in the URDF.
 
 use crate::section::Section;
 use std::ops::RangeInclusive;

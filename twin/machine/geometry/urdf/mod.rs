@@ -1,9 +1,9 @@
 //! `[body] urdf`: links and joints from a URDF file.
 //!
-//! The file's base stands in the machine frame where `base_mm` and `base_rotation_deg` say; every axis moves the joint that it
-//! names, as it is named itself otherwise; joints that no axis moves are held. Then the chain of joints and the transform
-//! of `[kinematics]` are compared all over the travel of the axes (`agree`): they are two descriptions of one machine,
-//! and a file in which they differ is refused.
+//! `base_mm` and `base_rotation_deg` place the file's base in the machine frame. Every axis moves the joint that it
+//! names, or else the joint of its own name. Joints that no axis moves are held. Then the chain of joints and the
+//! transform of `[kinematics]` are compared over the whole travel of the axes (`agree`). They describe one machine, so
+//! a file in which they differ is refused.
 
 mod agree;
 mod fit;
@@ -30,7 +30,7 @@ const TOLERANCE_MM: f64 = 1e-3;
 /// Limits that are beyond each other by no more than this are the same, in degrees or mm: somebody has rounded them.
 const SAME_LIMIT: f64 = 1e-6;
 
-/// What `[body]` says of a URDF.
+/// URDF keys of `[body]`.
 pub(super) struct Source {
     path: PathBuf,
     options: UrdfOptions,
