@@ -82,8 +82,12 @@ pub fn picture(
     }
     let line = |line: Vec<Point2<f64>>| line.iter().map(mm).collect::<Vec<_>>();
     let [(inner, ..), (outer, ..)] = edges;
-    reach.into_iter().for_each(|edge| map.line("reach", &line(edge), outer));
-    section.within.lines().into_iter().for_each(|edge| map.line("edge", &line(edge), inner));
+    for edge in reach {
+        map.line("reach", &line(edge), outer);
+    }
+    for edge in section.within.lines() {
+        map.line("edge", &line(edge), inner);
+    }
     frame(&mut map, section);
     for (at, sign, _) in marks {
         if let Some(at) = at {
