@@ -1,4 +1,4 @@
-//! Values per axis, without allocation.
+//! Axis vectors: one value per axis in a fixed-size array, without allocation.
 
 use std::fmt;
 use std::ops::{Deref, DerefMut};

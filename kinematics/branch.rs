@@ -1,9 +1,9 @@
-//! Which of several solutions a transform gives, and how far others are.
+//! Branches (solutions) of an inverse transform, and the margins of a pose to the other solutions and to the reach.
 
 use std::fmt;
 
-/// Which of the axis positions that lead to one pose a transform gives. It is part of the transform's value: no call
-/// changes it.
+/// Branch of a transform: the solution that it gives when several axis positions lead to one pose. It is part of the
+/// transform's value: no call changes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Branch {
     /// There is one solution only.
@@ -28,7 +28,7 @@ impl fmt::Display for Branch {
     }
 }
 
-/// How far a pose is from where a transform ends or its solutions meet, m.
+/// Distances of a pose from the edge of the reach and from the place where two solutions meet, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {
     /// To the edge of what the mechanism reaches (arms stretched or folded, tripod rods horizontal), software limits

@@ -1,4 +1,4 @@
-//! What a tool pose consists of.
+//! Coordinates of a tool pose: x, y, z and the direction about the vertical.
 
 use crate::Pose;
 use nalgebra::Vector3;

@@ -3,7 +3,7 @@
 use nalgebra::{Complex, Vector2};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// How a tool stands to its path (`SMC_VECTORDIR`).
+/// Orientation of a tool relative to its path (`SMC_VECTORDIR`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ToPath {
     /// Along the path (`SMC_tangential`).
@@ -18,7 +18,7 @@ pub enum ToPath {
 }
 
 impl ToPath {
-    /// What is added to the direction of the path, rad.
+    /// Angle added to the direction of the path, rad.
     pub const fn offset(self) -> f64 {
         match self {
             Self::Tangential => 0.0,

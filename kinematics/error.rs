@@ -1,4 +1,4 @@
-//! What a transform refuses, and why.
+//! Errors of the transforms: unreachable, singular or invalid poses, and invalid dimensions.
 
 use crate::Coordinate;
 
@@ -11,7 +11,7 @@ pub enum KinematicsError {
     Unreachable {
         /// Tool tip asked for, machine frame, m.
         target: [f64; 3],
-        /// What does not reach.
+        /// The part that does not reach.
         of: ReachOf,
         /// The distance at which the part would have to reach the target, m.
         distance: f64,
@@ -54,7 +54,7 @@ pub enum KinematicsError {
     NotFinite,
 }
 
-/// What does not reach a target, and from where its distance is measured.
+/// The part that does not reach a target, and the meaning of the distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReachOf {
     /// The arms of a SCARA: horizontal distance of the tool tip from the first arm's axis.
@@ -130,7 +130,7 @@ pub enum DimensionError {
     NotFinite,
 }
 
-/// Err if a dimension is no number.
+/// Err if a dimension is not finite.
 pub(crate) fn all_finite<'a>(
     values: impl IntoIterator<Item = &'a f64>,
 ) -> Result<(), DimensionError> {

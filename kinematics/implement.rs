@@ -1,5 +1,5 @@
-//! [`Kinematics`] for every [`Transform`]: a trait cannot be implemented for all transforms at once, because the number of
-//! axes is not part of their type, so a macro does it for each.
+//! Implementation of [`Kinematics`] for every [`Transform`], by a macro: a blanket implementation is impossible,
+//! because the number of axes is not part of a transform's type.
 
 use crate::kinematics::ABSENT;
 use crate::transform::{Differential, Motion, Transform};

@@ -1,10 +1,10 @@
-//! How the tool of a whole machine moves with its axes, and how well it can be moved.
+//! Jacobian of a whole machine and its dexterity: singular values and isotropy.
 
 use crate::{AxisVector, Coordinate, MAX_AXES};
 use nalgebra::SMatrix;
 
-/// How the tool moves with the axes: the velocity of every tool coordinate (m/s or rad/s) per unit velocity of every
-/// axis (m/s or rad/s). Coordinates the machine does not have, and axes that do not move the tool, are 0.
+/// Jacobian: the velocity of every tool coordinate (m/s or rad/s) per unit velocity of every axis (m/s or rad/s).
+/// Coordinates the machine does not have, and axes that do not move the tool, are 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jacobian {
     /// Rows in the order of [`Coordinate::ALL`].
@@ -18,7 +18,7 @@ impl Jacobian {
         Self { entries: SMatrix::zeros(), axes: axes.min(MAX_AXES) }
     }
 
-    /// How many axes it is for.
+    /// Number of axes.
     pub const fn axis_count(&self) -> usize {
         self.axes
     }
@@ -75,7 +75,7 @@ impl Jacobian {
     }
 }
 
-/// How well a machine can move its tool in a pose: the singular values of its Jacobian, made dimensionless.
+/// Dexterity of a machine in a pose: the singular values of its Jacobian, made dimensionless.
 ///
 /// Axes moving with a unit velocity all together (the root of the sum of squares, an axis that turns counting its
 /// rate times the length scale) move the tool with between `smallest` and `largest` of it. A gantry has 1 and 1. Where

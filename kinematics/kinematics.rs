@@ -1,4 +1,4 @@
-//! A transform behind one interface, whatever its number of axes.
+//! [`Kinematics`]: one trait for every transform, with any number of axes.
 
 use crate::{
     AxisMotion, AxisVector, Branch, Coordinate, Dexterity, Jacobian, KinematicsError, Margins,
@@ -6,8 +6,8 @@ use crate::{
 };
 use nalgebra::Vector3;
 
-/// How far a coordinate without an axis may be from 0, m: far below anything a machine can show, far above the
-/// rounding of a work frame.
+/// Tolerance of a coordinate without an axis around 0, m: far below anything a machine can show, far above the rounding
+/// of a work frame.
 pub(crate) const ABSENT: f64 = 1e-9;
 
 /// A transform between the tool pose in the machine frame and a fixed number of axes.
@@ -18,17 +18,17 @@ pub(crate) const ABSENT: f64 = 1e-9;
 /// Every method gives [`KinematicsError::AxisCount`] for axis values that are too few or too many and
 /// [`KinematicsError::NotFinite`] for what is infinite or not a number.
 pub trait Kinematics: std::fmt::Debug + Send + Sync {
-    /// How many axes this transform moves.
+    /// Number of axes that this transform moves.
     fn axis_count(&self) -> usize;
 
     /// The coordinates that this transform turns into axis positions. The other lengths must be 0: they have axes of
     /// their own or none ([`MachineAxes`](crate::MachineAxes)); a direction that the transform does not have is ignored.
     fn coordinates(&self) -> &[Coordinate];
 
-    /// Whether an axis turns (positions in rad) as far as the transform knows.
+    /// True if an axis is rotary (positions in rad), as far as the transform knows.
     fn is_rotary(&self, axis: usize) -> bool;
 
-    /// Whether an axis moves the tool.
+    /// True if an axis moves the tool.
     fn moves_tool(&self, axis: usize) -> bool {
         axis < self.axis_count()
     }
@@ -87,7 +87,7 @@ pub trait Kinematics: std::fmt::Debug + Send + Sync {
         near: &AxisVector,
     ) -> Result<(AxisMotion, AxisVector), KinematicsError>;
 
-    /// How the tool moves with the axes at `axes`.
+    /// Jacobian with the axes at `axes`.
     ///
     /// # Errors
     /// Those of [`Self::forward_motion`].
@@ -103,16 +103,16 @@ pub trait Kinematics: std::fmt::Debug + Send + Sync {
         velocity: &AxisVector,
     ) -> Result<Jacobian, KinematicsError>;
 
-    /// Which solution [`Self::inverse`] gives.
+    /// Branch that [`Self::inverse`] gives.
     fn branch(&self) -> Branch;
 
-    /// On which branch axis positions are.
+    /// Branch of axis positions.
     ///
     /// # Errors
     /// None but those of every method.
     fn branch_at(&self, axes: &AxisVector) -> Result<Branch, KinematicsError>;
 
-    /// How far a pose is from the edge of what the mechanism reaches and from where its solutions meet.
+    /// Margins of a pose to the edge of the reach and to the place where two solutions meet.
     ///
     /// # Errors
     /// [`KinematicsError::NoAxis`].
@@ -126,8 +126,8 @@ pub trait Kinematics: std::fmt::Debug + Send + Sync {
     /// transform's docs say; straight down is −z. z counts only if the transform has it. A tool held before is taken off.
     fn holding(self: Box<Self>, tip: &Vector3<f64>) -> Box<dyn Kinematics>;
 
-    /// How well the tool can be moved with the axes at `axes`; `length` (m) is what a radian counts, as
-    /// [`Self::characteristic_length`] suggests.
+    /// Dexterity with the axes at `axes`; `length` (m) is what a radian counts, as [`Self::characteristic_length`]
+    /// suggests.
     ///
     /// # Errors
     /// Those of [`Self::jacobian`].

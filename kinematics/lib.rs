@@ -1,4 +1,4 @@
-//! `SM_Trafo`: from the tool in space to the axes of the machine, and back.
+//! Kinematic transforms (`SM_Trafo`): from the tool pose to the axes of the machine, and back.
 //!
 //! Everything here is pure mathematics: no I/O, no clock, no allocation on the solve path. Lengths are metres,
 //! angles radians, times seconds.
@@ -7,11 +7,11 @@
 //! *work* is the frame of the program, placed in the machine frame by a [`WorkFrame`].
 //!
 //! The manual's `SMC_TRAFO_x` (path to axes) is [`Kinematics::inverse`], `SMC_TRAFOF_x` (axes to path) is
-//! [`Kinematics::forward`], `SMC_TRAFOV_x` (with velocities) is [`Kinematics::inverse_motion`]. [`Transform`] is the same
-//! for who knows the machine when compiling and needs speed.
+//! [`Kinematics::forward`], `SMC_TRAFOV_x` (with velocities) is [`Kinematics::inverse_motion`]. [`Transform`] is the
+//! same for code that knows the machine at compile time and needs speed.
 //!
-//! A transform of one's own beside those here (manual 11.8) implements [`Kinematics`] and goes wherever they go, into
-//! [`MachineAxes`] with tool and further axes for one: `tests/own_transform` is a turntable under a slide.
+//! A custom transform (manual 11.8) implements [`Kinematics`] and is used like those of this crate, for example in
+//! [`MachineAxes`] with a tool and further axes. Example: `tests/own_transform`, a turntable under a slide.
 
 mod axes;
 mod branch;

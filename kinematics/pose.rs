@@ -1,8 +1,8 @@
-//! The tool in space.
+//! Tool pose, and its motion: velocity, acceleration and jerk.
 
 use nalgebra::{Point3, Vector3};
 
-/// Where the tool tip is and which way the tool points about the vertical.
+/// Pose of a tool: the position of its tip and its direction about the vertical.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Tool tip, m.

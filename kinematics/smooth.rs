@@ -1,4 +1,4 @@
-//! Derivatives of a map along a path, up to the third.
+//! Derivatives of a smooth map along a path, up to the third.
 //!
 //! For y = f(x) with x moving in time,
 //!
@@ -8,15 +8,15 @@
 //!   y⃛ = J·x⃛ + 2·J̇·ẍ + J̈·ẋ
 //! ```
 //!
-//! J̇·ẋ is a quadratic form B(ẋ, ẋ) of the velocities (the second derivative of f), and 2·J̇·ẍ + J̈·ẋ is
-//! 3·B(ẋ, ẍ) + C(ẋ, ẋ, ẋ). Whoever knows how to solve J·ẋ = ẏ can go back, order by order. A serial mechanism is a map
-//! from its axes to the tool, a parallel one a map from the tool to its axes: one trait serves both.
+//! J̇·ẋ is a quadratic form B(ẋ, ẋ) of the velocities (the second derivative of f), and 2·J̇·ẍ + J̈·ẋ is 3·B(ẋ, ẍ) +
+//! C(ẋ, ẋ, ẋ). A solver of J·ẋ = ẏ inverts the map order by order. A serial mechanism is a map from its axes to the
+//! tool, a parallel one a map from the tool to its axes: one trait serves both.
 
 use nalgebra::{SMatrix, SVector};
 
 /// A map with N inputs and N outputs, at one point.
 pub trait SmoothMap<const N: usize> {
-    /// Whether the map has no derivatives at this point.
+    /// True if the map has no derivatives at this point.
     #[inline]
     fn is_singular(&self) -> bool {
         false

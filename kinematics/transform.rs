@@ -1,4 +1,4 @@
-//! A transform as plain mathematics: N tool coordinates, N axes.
+//! [`Transform`]: a transform as plain mathematics, with N tool coordinates and N axes known at compile time.
 
 use crate::smooth::SmoothMap;
 use crate::turn::nearest_turn;
@@ -22,13 +22,13 @@ pub struct Motion<const N: usize> {
 ///
 /// Inputs that are not numbers give errors or answers that are not numbers, never a panic.
 pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'static {
-    /// How tool and axes move together at one point.
+    /// Differential of a transform at one point: rates of the axes for those of the tool, and back.
     type Differential: Differential<N>;
 
     /// The tool coordinates that this transform turns into axis positions, N of them.
     fn coordinates(&self) -> &'static [Coordinate];
 
-    /// Whether an axis turns.
+    /// True for every axis that is rotary.
     fn rotary(&self) -> [bool; N];
 
     /// The tool at the axis positions `axes` (`SMC_TRAFOF_x`).
@@ -69,7 +69,7 @@ pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'st
         }
     }
 
-    /// The tool at `axes`, and how the two move together there.
+    /// The tool at `axes`, and the differential there.
     ///
     /// # Errors
     /// As [`Self::to_tool`].
@@ -78,7 +78,7 @@ pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'st
         axes: &SVector<f64, N>,
     ) -> Result<(SVector<f64, N>, Self::Differential), KinematicsError>;
 
-    /// The axes at `tool` near `near`, and how the two move together there.
+    /// The axes at `tool` near `near`, and the differential there.
     ///
     /// # Errors
     /// As [`Self::to_axes`].
@@ -88,17 +88,17 @@ pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'st
         near: &SVector<f64, N>,
     ) -> Result<(SVector<f64, N>, Self::Differential), KinematicsError>;
 
-    /// Which solution [`Self::to_axes`] gives.
+    /// Branch that [`Self::to_axes`] gives.
     fn branch(&self) -> Branch {
         Branch::Only
     }
 
-    /// On which branch axis positions are.
+    /// Branch of axis positions.
     fn branch_at(&self, _axes: &SVector<f64, N>) -> Branch {
         self.branch()
     }
 
-    /// How far a tool position is from the edge of what the mechanism reaches.
+    /// Margins of a tool position to the edge of the reach.
     fn margins(&self, _tool: &SVector<f64, N>) -> Margins {
         Margins::UNBOUNDED
     }
@@ -161,7 +161,7 @@ pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'st
     }
 }
 
-/// How tool and axes move together at one point.
+/// Differential of a transform at one point: rates of the axes for those of the tool, and back.
 pub trait Differential<const N: usize> {
     /// Axis velocities and accelerations for those of the tool; `None` where the axes cannot follow.
     fn follow(
@@ -183,8 +183,7 @@ pub trait Differential<const N: usize> {
     /// Tool velocity, acceleration and jerk for those of the axes; `None` where the tool is not held.
     fn lead_jerk(&self, axes: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]>;
 
-    /// How the tool moves with the axes: column i is its velocity per unit velocity of axis i. `None` where the tool is
-    /// not held.
+    /// Jacobian: column i is its velocity per unit velocity of axis i. `None` where the tool is not held.
     fn jacobian(&self) -> Option<SMatrix<f64, N, N>>;
 
     /// The derivative of [`Self::jacobian`] by time where the axes move with `axis_velocity`.

@@ -1,4 +1,4 @@
-//! Whole turns of rotary axes.
+//! Whole turns of rotary axes: nearest turn and folding into a period.
 
 /// `value` plus the whole periods (2π for angles in rad) that bring it closest to `near`: the answer is within half a
 /// period of it.

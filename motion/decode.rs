@@ -1,11 +1,11 @@
-//! What every dialect's decoder gives: path elements, and what is wrong with the text.
+//! Decoder output of every dialect: path elements, and diagnostics of the text.
 
 use crate::Place;
 use crate::path::PathElement;
 use std::io;
 use std::ops::Range;
 
-/// What a decoder makes of a program; `E` is what its dialect can find wrong.
+/// Output item of a decoder; `E` is the error type of its dialect.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Item<E> {
     /// The next piece of the path. It starts where the one before ends, bit for bit.
@@ -22,11 +22,11 @@ pub struct Diagnostic<E> {
     pub place: Place,
     /// Bytes of the line to point at, counted from 0; `None` if it is the line as a whole.
     pub columns: Option<Range<usize>>,
-    /// What is wrong.
+    /// The error.
     pub error: E,
 }
 
-/// Why a decoder has no element to give.
+/// Reason why a decoder has no element.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure<E> {
     /// A block is wrong. Decoding goes on with the next one.
@@ -56,7 +56,7 @@ pub enum Rule {
     Probe,
 }
 
-/// What is wrong with a block, in the words of one dialect.
+/// Error of a block in one dialect.
 pub trait TextError: std::error::Error {
     /// The rule it breaks.
     fn rule(&self) -> Rule;

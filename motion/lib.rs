@@ -1,4 +1,4 @@
-//! From a CNC program to time-stamped set-points.
+//! Motion: from a CNC program to time-stamped set-points; single axes and cams.
 //!
 //! One type per stage, each stage an iterator over the one before it, so that memory is bounded by the look-ahead
 //! window and never by the length of the program:

@@ -1,4 +1,4 @@
-//! Numbers of all dialects: `[+-]digits[.digits]`, without exponent (E is a word).
+//! Number parser of all dialects: `[+-]digits[.digits]`, without exponent (E is a word).
 
 /// Powers of ten that are exact.
 const POWERS: [f64; 16] =

@@ -1,4 +1,4 @@
-//! Where in the program something comes from.
+//! Place in a program: line and block number.
 
 use std::fmt;
 

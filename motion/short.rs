@@ -1,9 +1,9 @@
-//! Numbers for messages.
+//! Short number format for messages.
 
 use std::fmt;
 
-/// A number as somebody would write it: without the noise of binary fractions and of lengths that were metres in
-/// between, 6 instead of 5.999999999999999.
+/// A number in short form, as people write it: without the noise of binary fractions and of lengths converted from
+/// metres, 6 instead of 5.999999999999999.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Short(pub(crate) f64);
 

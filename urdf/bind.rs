@@ -1,7 +1,7 @@
-//! A model that has been read, put on the axes of a machine.
+//! Binding of a loaded model to the axes of a machine.
 //!
-//! The position of a joint is ± the position of its axis, and an offset more; both go into the joint, so that afterwards
-//! its position is that of the axis. Joints that no axis moves are held and do not move any more.
+//! A joint position is ± the position of its axis plus an offset. Binding puts sign and offset into the joint, so that
+//! afterwards joint and axis positions are equal. Joints without an axis become fixed.
 
 use crate::{Joint, JointDrive, JointKind, Model};
 use nalgebra::Isometry3;

@@ -1,4 +1,4 @@
-//! Checks of a model: names, order, finite numbers, positive masses and measures.
+//! Validation of a model: names, order, finite numbers, positive masses and measures.
 
 use crate::{Inertial, Joint, Model, Part, Solid, SolidShape, TIP_NAME, UrdfError};
 use nalgebra::Isometry3;

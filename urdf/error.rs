@@ -1,4 +1,4 @@
-//! URDF that is refused, and why.
+//! Errors of reading and writing URDF, with file, line and part.
 
 use crate::MeshError;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub struct UrdfFileError {
     pub path: PathBuf,
     /// From 1.
     pub line: u32,
-    /// What is wrong there.
+    /// The error.
     pub error: Box<UrdfError>,
 }
 
@@ -67,13 +67,13 @@ pub enum UrdfError {
     /// The file cannot be read.
     #[error("cannot be read: {source}")]
     Read {
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
     /// The text is no XML.
     #[error("not URDF: {source}")]
     Xml {
-        /// Why.
+        /// The cause.
         source: roxmltree::Error,
     },
     /// The text is no URDF.
@@ -87,13 +87,13 @@ pub enum UrdfError {
     /// Not `<robot>`.
     #[error("not URDF: the text is a <{found}>, not a <robot>")]
     Root {
-        /// What it is.
+        /// The element found.
         found: String,
     },
     /// Elements within elements beyond anything that URDF has.
     #[error("not URDF: elements are within each other {depth} deep")]
     Deep {
-        /// How deep.
+        /// Depth.
         depth: usize,
     },
     /// An element without something it needs.
@@ -125,9 +125,9 @@ pub enum UrdfError {
         element: String,
         /// The attribute.
         attribute: &'static str,
-        /// What it is.
+        /// The value found.
         value: String,
-        /// What it should be.
+        /// The expected form.
         expected: &'static str,
     },
     /// Roll, pitch and yaw say something else than the quaternion beside them.
@@ -148,7 +148,7 @@ pub enum UrdfError {
         link: String,
         /// As the text names it.
         file: String,
-        /// Where it was looked for.
+        /// Paths that were searched.
         places: Vec<PathBuf>,
     },
     /// A mesh file that cannot be used.
@@ -158,7 +158,7 @@ pub enum UrdfError {
         link: String,
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         #[source]
         error: MeshError,
     },
@@ -167,7 +167,7 @@ pub enum UrdfError {
     NoLeader {
         /// The joint.
         joint: String,
-        /// Which it mimics.
+        /// The joint it mimics.
         leader: String,
     },
     /// A joint that mimics one that does not move, or that does not move itself.
@@ -175,7 +175,7 @@ pub enum UrdfError {
     MimicFixed {
         /// The joint.
         joint: String,
-        /// Which it mimics.
+        /// The joint it mimics.
         leader: String,
     },
     /// Joints that mimic each other.
@@ -198,7 +198,7 @@ pub enum UrdfError {
     /// Two links or two joints of one name.
     #[error("there are two of {part}")]
     Twice {
-        /// Which.
+        /// The link or joint.
         part: Part,
     },
     /// A joint names a link that is not there.
@@ -247,7 +247,7 @@ pub enum UrdfError {
     /// A loop that is not of two points.
     #[error("<twin>: a loop has two points, not {points}")]
     LoopPoints {
-        /// How many it has.
+        /// Number of its points.
         points: usize,
     },
     /// The links and joints of a model are not in order.

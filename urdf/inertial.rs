@@ -76,7 +76,7 @@ impl SolidShape {
         [(-half).into(), half.into()]
     }
 
-    /// What it fills, m³; `None` for a mesh that encloses nothing.
+    /// Volume, m³; `None` for a mesh that encloses nothing.
     pub fn volume(&self) -> Option<f64> {
         Some(match self {
             Self::Box { size } => size.product(),
@@ -122,8 +122,8 @@ impl Solid {
 }
 
 impl Link {
-    /// The mass (kg) of what it looks like at `density` (kg/m³), and how it is distributed; `None` if it looks like nothing,
-    /// or like a mesh that encloses nothing. What lies within two solids counts twice.
+    /// Mass properties of the visible solids at `density` (kg/m³); `None` without solids, or for a mesh that encloses
+    /// nothing. The intersection of two solids counts twice.
     pub fn uniform_at(&self, density: f64) -> Option<Inertial> {
         let parts: Option<Vec<_>> = self
             .visible()
@@ -133,8 +133,8 @@ impl Link {
         Inertial::union(&parts?)
     }
 
-    /// How `mass` (kg) is distributed if all of what it looks like has one density; a point at its origin if it looks like
-    /// nothing.
+    /// Mass properties of the link for a total `mass` (kg), if all its visible solids have one density; a point mass at
+    /// its origin if it has none.
     pub fn uniform_of(&self, mass: f64) -> Inertial {
         let box_volume = |solid: &Solid| {
             let [low, high] = solid.shape.bounds();

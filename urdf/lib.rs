@@ -1,8 +1,8 @@
-//! A machine as links and joints: the one source of geometry for physics and pictures.
+//! Machine models of links and joints: the one source of geometry for physics and pictures.
 //!
 //! A [`Model`] is generated from the dimensions of a machine ([`GantryDimensions`], [`ScaraDimensions`],
 //! [`TripodDimensions`]) or read from URDF ([`Model::from_urdf`]), and written as URDF ([`Model::to_urdf`]).
-//! [`Model::link_poses`] says where its links are; where they go round in circles, [`JointPositions`] closes them.
+//! [`Model::link_poses`] computes the poses of its links; [`JointPositions`] closes kinematic loops.
 
 mod bind;
 mod check;

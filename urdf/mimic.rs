@@ -1,4 +1,4 @@
-//! Mimic joints: the joint that each follows in the end, with multiplier and offset.
+//! Mimic joints: the joint that each finally follows, with multiplier and offset.
 
 use crate::{JointDrive, Model};
 
@@ -21,8 +21,8 @@ impl Following {
 }
 
 impl Model {
-    /// Whom the joint `index` follows in the end, where joints mimic joints that mimic others. `None` if there is no such
-    /// joint, or if they go round in a circle.
+    /// The joint that `index` finally follows, through chains of mimic joints. `None` if there is no such joint, or if
+    /// they go round in a circle.
     pub fn following(&self, index: usize) -> Option<Following> {
         let mut found = Following { leader: index, multiplier: 1.0, offset: 0.0 };
         for _ in 0..=self.joints.len() {

@@ -1,4 +1,4 @@
-//! Links and joints of a machine, with everything physics and pictures need.
+//! Model of a machine: links, joints, solids and inertial properties, for physics and pictures.
 
 use crate::Mesh;
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
@@ -15,7 +15,7 @@ pub struct Model {
     pub links: Vec<Link>,
     /// The joints, `joints[i].child == i + 1`.
     pub joints: Vec<Joint>,
-    /// What holds beside the joints; the positions of passive joints follow from it.
+    /// Loops that close the tree of joints; the positions of passive joints follow from it.
     pub loops: Vec<Loop>,
     /// The link that carries the tool, and the tool tip in its frame, m.
     pub tip: Tip,
@@ -30,7 +30,7 @@ pub struct Loop {
     pub points: [Point3<f64>; 2],
 }
 
-/// Where the tool tip is.
+/// Tool tip: its link and its position there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tip {
     /// Index into [`Model::links`].
@@ -46,19 +46,19 @@ pub struct Link {
     pub name: String,
     /// Mass and inertia; `None` for the base or a massless frame.
     pub inertial: Option<Inertial>,
-    /// What it looks like.
+    /// Visible solids.
     pub solids: Vec<Solid>,
-    /// What it touches others with, where that is not what it looks like; empty: it is. Colours mean nothing here.
+    /// Solids for collisions, if they differ from the visible ones; empty if they do not. Colours mean nothing here.
     pub collision: Vec<Solid>,
 }
 
 impl Link {
-    /// A link that touches others with what it looks like.
+    /// A link whose visible solids are its collision solids.
     pub fn new(name: impl Into<String>, inertial: Option<Inertial>, solids: Vec<Solid>) -> Self {
         Self { name: name.into(), inertial, solids, collision: Vec::new() }
     }
 
-    /// What it touches others with.
+    /// Solids for collisions.
     pub fn collision_solids(&self) -> &[Solid] {
         if self.collision.is_empty() { &self.solids } else { &self.collision }
     }
@@ -115,9 +115,9 @@ pub enum SolidShape {
     },
     /// Triangles from a file.
     Mesh {
-        /// What the file has.
+        /// The mesh of the file.
         mesh: Arc<Mesh>,
-        /// What its coordinates are multiplied by to be m; below 0 mirrors.
+        /// Factor from its coordinates to m; below 0 mirrors.
         scale: Vector3<f64>,
     },
 }
@@ -127,7 +127,7 @@ pub enum SolidShape {
 pub struct Joint {
     /// Unique name; the name of the machine axis that moves it, if a single one does.
     pub name: String,
-    /// Whether and how it moves.
+    /// Kind of motion.
     pub kind: JointKind,
     /// Parent link.
     pub parent: usize,
@@ -137,7 +137,7 @@ pub struct Joint {
     pub origin: Isometry3<f64>,
     /// Direction of motion in the joint frame.
     pub axis: Unit<Vector3<f64>>,
-    /// What says its position. Zero offsets of a machine are inside [`Joint::origin`].
+    /// Source of its position. Zero offsets of a machine are inside [`Joint::origin`].
     pub drive: JointDrive,
     /// Lower and upper position, m or rad.
     pub position_limits: Option<[f64; 2]>,
@@ -145,11 +145,11 @@ pub struct Joint {
     pub velocity_limit: Option<f64>,
     /// N or Nm.
     pub effort_limit: Option<f64>,
-    /// What else URDF says of it.
+    /// Further properties from URDF.
     pub details: JointDetails,
 }
 
-/// What URDF says of a joint beside how it moves and how far.
+/// Further properties of a joint in URDF: damping, friction, safety limits, calibration, motion limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointDetails {
     /// Friction proportional to velocity, N·s/m or Nm·s/rad.
@@ -158,7 +158,7 @@ pub struct JointDetails {
     pub friction: f64,
     /// Limits that keep the joint away from its own.
     pub safety: Option<SafetyController>,
-    /// Where its reference switch is.
+    /// Position of its reference switch.
     pub calibration: Option<Calibration>,
     /// Limits of acceleration, deceleration and jerk (m/s², m/s³; rad alike), since URDF 1.2.
     pub motion_limits: [Option<f64>; 3],
@@ -224,7 +224,7 @@ impl Joint {
     }
 }
 
-/// How a joint moves.
+/// Kind of a joint's motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JointKind {
     /// Rotates about the axis, rad.
@@ -235,7 +235,7 @@ pub enum JointKind {
     Fixed,
 }
 
-/// What the position of a joint (m or rad) follows from. Axes are counted from 0 in the order of the machine file.
+/// Source of a joint's position (m or rad). Axes are counted from 0 in the order of the machine file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum JointDrive {
     /// Nothing: the joint does not move.

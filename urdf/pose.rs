@@ -1,4 +1,4 @@
-//! Link poses of a machine from the positions of its axes.
+//! Forward kinematics of a model: link poses from axis positions.
 
 use crate::{Joint, JointDrive, JointKind, JointPositions, LoopError, Model};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion};

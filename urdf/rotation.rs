@@ -1,4 +1,4 @@
-//! Rotation of URDF: roll, pitch and yaw about the fixed axes, in radians.
+//! Rotations of URDF: roll, pitch and yaw about the fixed axes, in radians.
 
 use nalgebra::UnitQuaternion;
 

@@ -1,9 +1,9 @@
-//! The layout of the page: what is where, so that nobody has to arrange anything to see the comparison.
+//! Page layout (rerun blueprint): the arrangement of 3D views, plots and text, so that no user has to arrange anything.
 //!
-//! Left, large: the machine with the programmed path and the trails; below it the surroundings of the tool, much
-//! enlarged, the program and the names. Right: tool error, axis errors, clearance where it is measured, signals that are switched, speed; in a tab
-//! behind them, where it is known, what the motors do. A layout is a small recording of its own, which rerun calls a
-//! blueprint; its Rust interface does not reach cameras and time ranges, so its archetypes are logged here one by one.
+//! Left, large: the machine with the programmed path and the trails; below it a close-up of the tool, the program and
+//! the names. Right: tool error, axis errors, clearance if it is measured, switched signals, speed; in a tab behind
+//! them the motors, if they are known. A layout is a small recording of its own, which rerun calls a blueprint; its
+//! Rust interface does not reach cameras and time ranges, so its archetypes are logged here one by one.
 
 use nalgebra::Vector3;
 use rerun::blueprint::components as parts;
@@ -28,14 +28,14 @@ const ABOVE: [f64; 3] = [0.0, -0.35, 0.94];
 /// A machine does not fill the sphere around it: the camera may go this much closer than the sphere asks for.
 const CLOSER: f64 = 0.88;
 
-/// What the layout depends on.
+/// Parameters of the layout.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     /// The axes, which may need one plot for degrees and one for mm.
     pub(crate) axes: Vec<Axis>,
-    /// What is known of the motors; nothing where they are not known.
+    /// Plots of the motors; empty if the motors are not known.
     pub(crate) motors: Vec<MotorPlot>,
-    /// How near the machine comes to what it must not touch is known.
+    /// True if the clearance is measured.
     pub(crate) has_clearance: bool,
     /// Signals are switched along the way.
     pub(crate) has_signals: bool,
@@ -54,7 +54,7 @@ pub(crate) fn send(
     send_page(recording, application, playback, |page| page.everything(layout, bounds))
 }
 
-/// Sends the layout of a workspace: machine and section, and beside them what they are.
+/// Sends the layout of a workspace: machine and section, with their description.
 pub(crate) fn send_workspace(
     recording: &RecordingStream,
     application: &'static str,

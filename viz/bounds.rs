@@ -1,4 +1,4 @@
-//! How large the scene is, to place the camera.
+//! Bounding box of the scene, to place the camera.
 
 use nalgebra::{Isometry3, Point3};
 use twin_urdf::Solid;

@@ -1,9 +1,9 @@
-//! What can go wrong while showing.
+//! Errors of writing and showing a recording.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-/// Why a recording could not be written or shown.
+/// Error of writing or showing a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum VizError {
     /// Neither a file nor an address was given.
@@ -15,7 +15,7 @@ pub enum VizError {
     Create {
         /// The file asked for.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
 
@@ -24,7 +24,7 @@ pub enum VizError {
     Begin {
         /// The file asked for.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: rerun::sink::FileSinkError,
     },
 
@@ -33,7 +33,7 @@ pub enum VizError {
     Temporary {
         /// The folder for temporary files.
         folder: PathBuf,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
 
@@ -42,7 +42,7 @@ pub enum VizError {
     Write {
         /// The recording.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: rerun::sink::SinkFlushError,
     },
 
@@ -86,7 +86,7 @@ pub enum VizError {
     Bind {
         /// The address asked for.
         address: SocketAddr,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
 
@@ -95,7 +95,7 @@ pub enum VizError {
     Serve {
         /// The address asked for.
         address: SocketAddr,
-        /// Why.
+        /// The cause.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
 
@@ -108,7 +108,7 @@ pub enum VizError {
     Open {
         /// The file asked for.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
 

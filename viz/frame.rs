@@ -1,4 +1,4 @@
-//! What a scene is told.
+//! Input of a scene: program, obstacles, axes, path pieces, and one frame per instant.
 
 use nalgebra::{Isometry3, Point3};
 use twin_urdf::Solid;
@@ -8,7 +8,7 @@ use twin_urdf::Solid;
 pub struct Program<'a> {
     /// Name of its file.
     pub name: &'a str,
-    /// Its text; the lines around the current one are shown beside the machine.
+    /// Its text; the lines around the current one are shown next to the machine.
     pub text: &'a str,
 }
 
@@ -17,7 +17,7 @@ pub struct Program<'a> {
 pub struct Obstacle<'a> {
     /// Its name in the machine file.
     pub name: &'a str,
-    /// What it is made of, machine frame, m. What is seen through has a colour that says so.
+    /// Its solids, machine frame, m. A transparent one has a colour with alpha below 1.
     pub solids: &'a [Solid],
 }
 
@@ -26,11 +26,11 @@ pub struct Obstacle<'a> {
 pub struct Axis {
     /// Its name in the machine file.
     pub name: String,
-    /// What its error is measured in.
+    /// Unit of its error.
     pub unit: AxisUnit,
 }
 
-/// What the position of an axis is; decides the unit in which its error is shown.
+/// Kind of an axis position; decides the unit in which its error is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisUnit {
     /// rad, shown in degrees.
@@ -39,7 +39,7 @@ pub enum AxisUnit {
     Linear,
 }
 
-/// What a piece of the programmed path is for.
+/// Kind of a piece of the programmed path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MoveKind {
     /// A cutting move (G1, G2, G3, ...).
@@ -48,7 +48,7 @@ pub enum MoveKind {
     Rapid,
     /// A probing move (G38).
     Probe,
-    /// What preparation has made of the moves: shown beside them where they differ.
+    /// Prepared path: shown next to the programmed moves if it differs.
     Prepared,
 }
 
@@ -68,7 +68,7 @@ pub struct Frame<'a> {
     pub time_ns: i64,
     /// Line of the program file, from 1.
     pub line: u32,
-    /// Where the tool should be: set-point in the machine frame, m.
+    /// Set-point of the tool in the machine frame, m.
     pub setpoint: Point3<f64>,
     /// Speed of the set-point along the path, m/s.
     pub path_speed: f64,
@@ -78,26 +78,27 @@ pub struct Frame<'a> {
     pub link_poses: &'a [Isometry3<f64>],
     /// The twin against the set-point.
     pub twin: Deviation<'a>,
-    /// What the motors of the twin do, in the order of the axes; none where that is not known for this instant.
+    /// States of the twin's motors, in the order of the axes; empty if they are not known for this instant.
     pub motors: &'a [MotorFrame],
-    /// How near the twin is to what it must not touch; `None` where that is not measured. Shown if the scene was told of it.
+    /// Clearance of the twin; `None` if it is not measured. Shown if [`Setup::clearance`](crate::Setup::clearance) is
+    /// set.
     pub clearance: Option<ClearanceFrame<'a>>,
-    /// What came back from the drives, if there are any and they have answered for this instant.
+    /// Feedback from the drives, if there are any and they have answered for this instant.
     pub drives: Option<DrivesFrame<'a>>,
 }
 
-/// How near the two parts are that are nearest to each other.
+/// Clearance: the two parts nearest to each other, and their distance.
 #[derive(Clone, Copy, Debug)]
 pub struct ClearanceFrame<'a> {
     /// m; below 0 they are as deep in each other.
     pub distance: f64,
-    /// What they are called.
+    /// Their names.
     pub parts: [&'a str; 2],
     /// The nearest point of each, machine frame, m.
     pub points: [Point3<f64>; 2],
 }
 
-/// What a motor does; efforts at the axis (behind the gear).
+/// State of a motor; efforts at the axis (behind the gear).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotorFrame {
     /// Force or torque, N (of linear axes) or Nm (of rotary ones).
@@ -106,18 +107,18 @@ pub struct MotorFrame {
     pub effort_limit: Option<f64>,
     /// Mechanical power, W; less than 0 while it brakes.
     pub power: f64,
-    /// How much of what it could give it gives, shown in %: 1 is all. `None` if that is not known.
+    /// Effort as a part of the available effort, shown in %: 1 is all. `None` if that is not known.
     pub utilisation: Option<f64>,
-    /// Smoothed losses of its winding (I²t), shown in %: 1 is what it bears for ever. `None` if that is not known.
+    /// Smoothed losses of its winding (I²t), shown in %: 1 is the continuous limit. `None` if that is not known.
     pub warmth: Option<f64>,
-    /// How far the field of a step motor is ahead of its rotor, full steps; `None` of other motors.
+    /// Load angle of a step motor, from its field to its rotor, full steps; `None` for other motors.
     pub load_angle: Option<f64>,
 }
 
-/// How far something is from the set-point.
+/// Deviation from the set-point.
 #[derive(Clone, Copy, Debug)]
 pub struct Deviation<'a> {
-    /// Where it has the tool, in the machine frame, m.
+    /// Its tool position in the machine frame, m.
     pub tool: Point3<f64>,
     /// Distance of that from the set-point, m.
     pub tool_error: f64,
@@ -125,7 +126,7 @@ pub struct Deviation<'a> {
     pub axis_errors: &'a [f64],
 }
 
-/// What came back from the drives.
+/// Feedback from the drives.
 #[derive(Clone, Copy, Debug)]
 pub struct DrivesFrame<'a> {
     /// The drives against the set-point.

@@ -1,4 +1,4 @@
-//! What is shown: the machine moving in 3D, its paths, and how far the twin and the drives are from the set-point.
+//! 3D view and plots of a run: the moving machine, its paths, and the tracking errors of the twin and the drives.
 //!
 //! A [`Scene`] is a [rerun](https://rerun.io) recording being written. It goes to a file ([`SceneOptions::record`]), to
 //! a page in the browser ([`SceneOptions::serve`]), or to both at once. The page is rerun's own web viewer, shipped
@@ -14,12 +14,12 @@
 //! | `program/cuts/<n>`, `program/rapids/<n>` | programmed path | static |
 //! | `program/prepared/<n>` | path after preparation, where the program asks for any | static |
 //! | `trail/{set-point,twin,drives}` | path travelled, in pieces; their newest ends in `trail/newest` | `time`, `line` |
-//! | `tool/{set-point,twin,drives}` | where the tool is | `time`, `line` |
+//! | `tool/{set-point,twin,drives}` | tool position | `time`, `line` |
 //! | `error/tool/{twin,drives,between}` | distance of the tool to the set-point, and between drives and twin, mm | `time`, `line` |
 //! | `error/axis_deg/<axis>/{twin,drives}`, `error/axis_mm/…` | axis position minus set-point | `time`, `line` |
-//! | `motor/force_n/<axis>/{twin,limit}`, `motor/torque_nm/…` | what the motor gives, and the most it could (in the legend until it is clicked at), at the axis | `time`, `line` |
+//! | `motor/force_n/<axis>/{twin,limit}`, `motor/torque_nm/…` | effort of the motor, and its limit (hidden until clicked in the legend), at the axis | `time`, `line` |
 //! | `motor/{power_w,utilisation_percent,warmth_percent,load_angle_full_steps}/<axis>/twin` | mechanical power; effort against what the motor can give; I²t; field of a step motor against its rotor | `time`, `line` |
-//! | `clearance/{twin,wanted}` | between the parts of the twin and its surroundings that are nearest to each other, mm; below 0 they are in each other | `time`, `line` |
+//! | `clearance/{twin,wanted}` | distance between the nearest parts of the twin and its surroundings, mm; below 0 they penetrate each other | `time`, `line` |
 //! | `nearest/{line,points}` | those parts joined where they are nearest, while they are near | `time`, `line` |
 //! | `speed/{set-point,programmed}` | along the path, mm/s | `time`, `line` |
 //! | `workspace/{section,lines,marks}` | a section through the workspace ([`show_workspace`]) | static |

@@ -43,7 +43,7 @@ impl MotorPlot {
         }
     }
 
-    /// Where its series are.
+    /// Entity path of its series.
     pub(crate) fn entity(self) -> &'static str {
         match self {
             Self::Force => "motor/force_n",
@@ -55,7 +55,7 @@ impl MotorPlot {
         }
     }
 
-    /// What is written above it.
+    /// Title of the plot.
     pub(crate) fn title(self) -> &'static str {
         match self {
             Self::Force => "Motor forces at the axes (N)",

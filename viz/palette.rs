@@ -1,21 +1,21 @@
-//! One colour per thing, the same in 3D and in the plots.
+//! Colour palette: one colour per thing, the same in 3D and in the plots.
 //!
 //! From the palette of Okabe and Ito (2008), "Color Universal Design", which people with any colour vision can tell
 //! apart.
 
 use rerun::Color;
 
-/// Where the tool should be: sky blue.
+/// Set-point of the tool: sky blue.
 pub(crate) fn setpoint() -> Color {
     Color::from_rgb(86, 180, 233)
 }
 
-/// Where the physics machine has it: bluish green.
+/// The twin: bluish green.
 pub(crate) fn twin() -> Color {
     Color::from_rgb(0, 178, 130)
 }
 
-/// Where the drives have it: orange.
+/// The drives: orange.
 pub(crate) fn drives() -> Color {
     Color::from_rgb(230, 159, 0)
 }
@@ -30,7 +30,7 @@ pub(crate) fn cut() -> Color {
     Color::from_rgb(190, 196, 204)
 }
 
-/// What cannot be exceeded: light grey, as what is programmed.
+/// Limits: light grey, like programmed values.
 pub(crate) fn limit() -> Color {
     cut()
 }
@@ -50,7 +50,7 @@ pub(crate) fn prepared() -> Color {
     Color::from_rgb(213, 94, 0)
 }
 
-/// How near something is, from `part` 1 (yellow) to what touches, 0 or less (vermilion to red).
+/// Colour of a clearance, from `part` 1 (yellow) to contact, 0 or less (vermilion to red).
 pub(crate) fn nearness(part: f64) -> Color {
     let steps = (1_u16..=16).take_while(|step| part <= 1.0 - f64::from(*step) / 16.0);
     mixed(rapid(), [230, 30, 45], steps.last().unwrap_or(0))

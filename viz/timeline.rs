@@ -1,4 +1,4 @@
-//! Timelines of a recording, and how the viewer plays them.
+//! Timelines of a recording and their playback in the viewer.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ pub(crate) const TIME: &str = "time";
 /// Timeline: line of the program file.
 pub(crate) const LINE: &str = "line";
 
-/// What the viewer does with the time when it opens.
+/// Playback mode of the viewer when it opens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Playback {
     /// Plays from the start of the program at the speed of the machine and waits at the end for more. Right for runs
@@ -21,8 +21,8 @@ pub enum Playback {
 }
 
 impl Playback {
-    /// How much of the program is sent at once, poses and trails. Few large pieces load and replay faster; small ones
-    /// show sooner, and more smoothly, what happens now.
+    /// Program time per batch of poses and trails, ns. Few large pieces load and replay faster; small ones show sooner,
+    /// and more smoothly, what happens now.
     pub(crate) fn rows_ns(self) -> i64 {
         match self {
             Self::FromStart => 2_000_000_000,
@@ -30,7 +30,7 @@ impl Playback {
         }
     }
 
-    /// How much of the program is sent at once, plots.
+    /// Program time per batch of plot values, ns.
     pub(crate) fn series_ns(self) -> i64 {
         match self {
             Self::FromStart => 2_000_000_000,

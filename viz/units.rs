@@ -1,4 +1,4 @@
-//! From the SI inside to the mm and degrees that people read.
+//! Unit conversion from SI to the mm and degrees of the page.
 //!
 //! Positions go to rerun as `f32`: at 1 m that is 0.06 µm, below anything seen in 3D. Errors stay `f64`.
 

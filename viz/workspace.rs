@@ -1,4 +1,4 @@
-//! A section through the workspace of a machine, beside the machine itself.
+//! Recording of a section through the workspace of a machine, together with the machine.
 
 use nalgebra::{Isometry3, Point3};
 use rerun::sink::LogSink;
@@ -35,7 +35,7 @@ pub struct SheetLine {
 pub struct Mark {
     /// Machine frame, m.
     pub point: Point3<f64>,
-    /// What is written beside it.
+    /// Text next to it.
     pub label: &'static str,
     /// Red, green, blue.
     pub color: [u8; 3],
@@ -48,7 +48,7 @@ pub struct WorkspaceView<'a> {
     pub machine: &'a Model,
     /// Poses of its links in the machine frame; as many as it has links.
     pub poses: &'a [Isometry3<f64>],
-    /// What is around it.
+    /// Obstacles around it.
     pub surroundings: &'a [Obstacle<'a>],
     /// Corners of the section's triangles, machine frame, m.
     pub corners: &'a [Point3<f64>],
@@ -56,11 +56,11 @@ pub struct WorkspaceView<'a> {
     pub colors: &'a [[u8; 3]],
     /// The triangles, each by three places in `corners`.
     pub triangles: &'a [[u32; 3]],
-    /// What bounds the section.
+    /// Outlines of the section.
     pub lines: &'a [SheetLine],
     /// Points of interest.
     pub marks: &'a [Mark],
-    /// What is shown, in words (Markdown).
+    /// Description of the view (Markdown).
     pub about: &'a str,
 }
 

@@ -1,4 +1,4 @@
-//! What a tilted frame does to directions.
+//! Directions seen from above through a tilted work frame: the map between the frame's angles and the machine's.
 
 use nalgebra::{Matrix2, Matrix3, Rotation3, Vector2};
 use std::f64::consts::TAU;

@@ -1,4 +1,4 @@
-//! How a cuboid lies, from six points on it (SoftMotion manual 8.3).
+//! Work frame of a cuboid, from six probed points (`SMC_DetermineCuboidBearing`, SoftMotion manual 8.3).
 
 use super::UnitVectors;
 use nalgebra::{Point3, Vector3};
@@ -53,8 +53,8 @@ impl CuboidError {
     }
 }
 
-/// Where the corner of a cuboid is and which way its edges go (`SMC_DetermineCuboidBearing`), from three points on
-/// one of its faces, two on another and one on a third.
+/// Corner and edge directions of a cuboid (`SMC_DetermineCuboidBearing`), from three points on one of its faces, two on
+/// another and one on a third.
 ///
 /// The three faces meet in the corner. An edge has the letters of the two faces that it is part of, and points from
 /// the corner along the cuboid. The work frame ([`WorkFrame::from_cuboid`](crate::WorkFrame::from_cuboid),

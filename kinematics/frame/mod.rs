@@ -1,4 +1,4 @@
-//! Where the work lies in the machine (SoftMotion manual 8.3).
+//! Work frame: position and orientation of the program's coordinates in the machine frame (SoftMotion manual 8.3).
 
 mod above;
 mod cuboid;

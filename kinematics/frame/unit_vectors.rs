@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, Rotation3, UnitQuaternion, Vector3};
 
-/// How far the length of an axis may be from 1, and the cosine between two axes from 0.
+/// Tolerance of unit vectors: the deviation of an axis length from 1, and of the cosine between two axes from 0.
 ///
 /// Axes typed or shown with six decimals pass; axes that are wrong by what any use of a frame would notice (1 µm on
 /// 1 m) do not.
@@ -27,7 +27,7 @@ pub enum FrameError {
     /// Two axes are not perpendicular.
     #[error("the cosine of the angle between axes {} and {} is {cosine}; it must be 0", axes[0], axes[1])]
     NotPerpendicular {
-        /// Which two.
+        /// The two axes.
         axes: [char; 2],
         /// Cosine of the angle between them.
         cosine: f64,

@@ -8,10 +8,10 @@
 //!     └────────────▶ x
 //! ```
 //!
-//! X, Y (and Z) as in [`Gantry`](super::Gantry). Zero pose: with offset R = 0 and R at 0 the tool points along +x. The direction
-//! of the tool is a coordinate of its own here; whoever wants it along the path makes it so with
-//! [`ToPath`](crate::ToPath), as `SMC_CalcDirectionFromVector` does. The flange turns with R: a tool whose tip is beside the axis
-//! of R swings about it, and the axes make up for that.
+//! X, Y (and Z) as in [`Gantry`](super::Gantry). Zero pose: with offset R = 0 and R at 0 the tool points along +x. The
+//! direction of the tool is a coordinate of its own here; [`ToPath`](crate::ToPath) derives it from the path, as
+//! `SMC_CalcDirectionFromVector` does. The flange turns with R: a tool tip next to the axis of R swings about it, and
+//! the axes X and Y compensate for that.
 //!
 //! # Derivation
 //!
@@ -31,7 +31,7 @@ use crate::{Coordinate, KinematicsError};
 use nalgebra::{SVector, Vector2, Vector3};
 use std::f64::consts::TAU;
 
-/// Which way the axis R counts (`iDirectionR`).
+/// Counting direction of the axis R (`iDirectionR`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sense {
     /// As the direction of the tool: counter-clockwise about +z.
@@ -81,7 +81,7 @@ impl<const N: usize> GantryCutter<N> {
         self.offsets.into()
     }
 
-    /// Which way R counts.
+    /// Counting direction of the axis R.
     pub const fn sense(&self) -> Sense {
         self.sense
     }

@@ -1,5 +1,5 @@
-//! Two motors that stand still and one belt around both axes (`SMC_TRAFO_GantryH2`, `SMC_TRAFOF_GantryH2`; SoftMotion
-//! manual 8.2.3). Printers call it "Core XY", LinuxCNC `corexykins`.
+//! H belt gantry: two fixed motors drive one belt around both axes (`SMC_TRAFO_GantryH2`, `SMC_TRAFOF_GantryH2`;
+//! SoftMotion manual 8.2.3). Printers call it "Core XY", LinuxCNC `corexykins`.
 //!
 //! ```text
 //!   A ◯═══════════◯         both drives the same way: y
@@ -10,17 +10,17 @@
 //! ```
 //!
 //! Primed coordinates carry the offset: x' = x + offset X. Zero pose: with offsets 0 the tool tip is at the origin when
-//! both drives are at 0. Which way a belt is laid decides signs and roles; a [`BeltLayout`] exchanges the coordinates, the
-//! drives, or both. There are no branches, no singularities and no bound of reach. The flange keeps its attitude.
+//! both drives are at 0. The layout of the belt decides signs and roles; a [`BeltLayout`] exchanges the coordinates,
+//! the drives, or both. There are no branches, no singularities and no bound of reach. The flange keeps its attitude.
 //!
-//! To home: at the reference, [`GantryH2::home`] says which offsets make the tool be at the origin there.
+//! Homing: at the reference, [`GantryH2::home`] computes the offsets that put the tool at the origin there.
 
 use crate::error::{DimensionError, all_finite};
 use crate::transform::{Linear, Serial, Transform};
 use crate::{Coordinate, KinematicsError};
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-/// How the belt of an H gantry is laid, against the manual's drawing. Both false: as drawn there.
+/// Layout of the belt of an H gantry, relative to the manual's drawing. Both false: as drawn there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BeltLayout {
     /// Both drives the same way move x instead of y: A = x' + y', B = x' − y'.
@@ -82,7 +82,7 @@ impl GantryH2 {
         Self::new(offsets.into(), layout)
     }
 
-    /// How the belt is laid.
+    /// Layout of the belt.
     pub const fn layout(&self) -> BeltLayout {
         self.layout
     }

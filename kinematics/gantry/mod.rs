@@ -1,4 +1,4 @@
-//! Gantries: axes that stand at right angles on each other (SoftMotion manual 8.2.1 to 8.2.3).
+//! Gantries: linear axes at right angles to each other (SoftMotion manual 8.2.1 to 8.2.3).
 
 mod cartesian;
 mod cutter;

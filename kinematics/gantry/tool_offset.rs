@@ -1,4 +1,4 @@
-//! Gantries whose tool is beside the crossing of their axes (`SMC_TRAFO_Gantry2Tool1`, `_Gantry2Tool2` and their
+//! Gantries whose tool is offset from the crossing of their axes (`SMC_TRAFO_Gantry2Tool1`, `_Gantry2Tool2` and their
 //! `TRAFOF`; SoftMotion manual 8.2.2), with two or three axes.
 //!
 //! ```text
@@ -12,8 +12,8 @@
 //!   axis Y = y − A·sin α − B·cos α + offset Y
 //! ```
 //!
-//! The path is that of the tool, so its feed is, too. The manual's Tool1 has B = 0. α is constant: no coordinate turns
-//! this tool. Everything else as in [`Gantry`](super::Gantry).
+//! Path and feed are those of the tool. The manual's Tool1 has B = 0. α is constant: no coordinate turns this tool.
+//! Everything else as in [`Gantry`](super::Gantry).
 
 use super::Gantry;
 use super::view::{GantryToolView, Range};
@@ -22,7 +22,7 @@ use crate::transform::{Serial, Straight, Transform};
 use crate::{Coordinate, KinematicsError};
 use nalgebra::{SVector, Vector2, Vector3};
 
-/// Where a tool is beside the axes that carry it.
+/// Offset of a tool from the axes that carry it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ToolBeside {
     /// The direction from which `ahead` and `left` are counted, from +x counter-clockwise, rad: `dAlpha`.
@@ -34,31 +34,31 @@ pub struct ToolBeside {
 }
 
 impl ToolBeside {
-    /// Where the end of `ahead` is, from the axes: the corner of the manual's triangle, m.
+    /// End of `ahead`, from the axes: the corner of the manual's triangle, m.
     pub fn corner(&self) -> Vector2<f64> {
         Vector2::new(self.angle.cos(), self.angle.sin()) * self.ahead
     }
 
-    /// Where the tool is, from the axes, m.
+    /// Position of the tool, from the axes, m.
     pub fn offset(&self) -> Vector2<f64> {
         self.corner() + Vector2::new(-self.angle.sin(), self.angle.cos()) * self.left
     }
 }
 
-/// A gantry with N axes, 2 or 3, and a tool beside them.
+/// A gantry with N axes, 2 or 3, and a tool offset from their crossing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GantryTool<const N: usize> {
     gantry: Gantry<N>,
     beside: ToolBeside,
 }
 
-/// Two axes along x and y and a tool beside them (`dToolB` = 0: the manual's `Gantry2Tool1`).
+/// Two axes along x and y and a tool offset from them (`dToolB` = 0: the manual's `Gantry2Tool1`).
 pub type Gantry2Tool = GantryTool<2>;
-/// Three axes along x, y and z and a tool beside them.
+/// Three axes along x, y and z and a tool offset from them.
 pub type Gantry3Tool = GantryTool<3>;
 
 impl<const N: usize> GantryTool<N> {
-    /// A gantry whose axes are at `offsets` (m) when they cross at the origin, with a tool beside them.
+    /// A gantry whose axes are at `offsets` (m) when they cross at the origin, with a tool offset from them.
     ///
     /// # Errors
     /// [`DimensionError::NotFinite`].
@@ -73,7 +73,7 @@ impl<const N: usize> GantryTool<N> {
         self.gantry.offsets()
     }
 
-    /// Where the tool is.
+    /// Offset of the tool.
     pub const fn beside(&self) -> &ToolBeside {
         &self.beside
     }

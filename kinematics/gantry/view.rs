@@ -4,7 +4,7 @@
 use super::ToolBeside;
 use nalgebra::Vector2;
 
-/// What the picture shows: `minX`, `maxX`, `minY`, `maxY`, m.
+/// Extent of the picture: `minX`, `maxX`, `minY`, `maxY`, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     /// Left and right edge.
@@ -25,7 +25,7 @@ pub struct GantryView {
     pub ratio: f64,
 }
 
-/// The outputs for gantries with a tool beside their axes.
+/// The outputs for gantries with a tool offset from their axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GantryToolView {
     /// The crossing of the axes.

@@ -1,4 +1,4 @@
-//! Axes that do not fit their transform.
+//! Errors of a machine whose axes do not fit its transform.
 
 use crate::{Coordinate, MAX_AXES};
 
@@ -16,7 +16,7 @@ pub enum MachineAxesError {
     NoSuchOutput {
         /// The output, from 0.
         output: usize,
-        /// How many there are.
+        /// Number of outputs of the transform.
         outputs: usize,
     },
     /// An output of the transform that moves nothing.
@@ -52,7 +52,7 @@ pub enum MachineAxesError {
     /// A tool that no axis can bring to z = 0.
     #[error("a tool {:.3} mm long needs an axis that moves Z", length * 1e3)]
     ToolWithoutZ {
-        /// How far its tip is below the flange, m.
+        /// Distance of its tip below the flange, m.
         length: f64,
     },
     /// The tip of the tool is infinite or not a number.

@@ -1,4 +1,4 @@
-//! The axes of a whole machine: those of a transform and those that are coordinates themselves.
+//! Kinematics of a whole machine: the axes of its transform and the axes that are tool coordinates themselves.
 
 mod error;
 
@@ -12,7 +12,7 @@ use crate::{
 };
 use nalgebra::Vector3;
 
-/// What a machine axis is moved by.
+/// Source of the position of a machine axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisSource {
     /// This output of the transform, from 0.
@@ -36,7 +36,7 @@ pub struct MachineAxes {
     /// Coordinates that move something.
     coordinates: Vec<Coordinate>,
     tool: Vector3<f64>,
-    /// What of the tool the transform does not know.
+    /// Part of the tool that the transform does not use.
     beyond: Vector3<f64>,
     periods: Vec<Option<f64>>,
 }
@@ -121,7 +121,7 @@ impl MachineAxes {
         Ok(self)
     }
 
-    /// What moves each axis, in the order of the machine file.
+    /// Source of each axis position, in the order of the machine file.
     pub fn sources(&self) -> &[AxisSource] {
         &self.sources
     }
@@ -207,7 +207,7 @@ impl MachineAxes {
         if axes.is_finite() { Ok(()) } else { Err(KinematicsError::NotFinite) }
     }
 
-    /// Where axes that are coordinates must be for the tool tip to be at `pose`, and the pose for the transform.
+    /// Positions of the axes that are coordinates for the tool tip at `pose`, and the pose for the transform.
     fn split(&self, pose: &Pose) -> Result<(Vector3<f64>, Pose), KinematicsError> {
         if !pose.is_finite() {
             return Err(KinematicsError::NotFinite);
@@ -248,7 +248,7 @@ impl MachineAxes {
         part
     }
 
-    /// What the transform says of its tool with the other coordinates added.
+    /// Pose of the transform's tool with the other coordinates added.
     fn joined_pose(&self, mut pose: Pose, axes: &AxisVector) -> Pose {
         self.add_coordinates(axes, &mut pose.position.coords);
         pose.position += self.beyond;

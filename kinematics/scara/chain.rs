@@ -1,10 +1,10 @@
-//! Two arms in a plane: what SCARAs with two and with three arms have in common.
+//! Two-arm chain in a plane: the common part of SCARAs with two and with three arms.
 //!
 //! # Derivation
 //!
 //! With r² = x² + y², the law of cosines gives c = cos β = (r² − L1² − L2²) / (2·L1·L2), the manual's formula. An arc
-//! cosine loses half the digits where the arms are nearly stretched or folded, so the two factors of
-//! (2·L1·L2·sin β)² = ((L1 + L2)² − r²)·(r² − (L1 − L2)²) are taken instead; they are also the test of reach:
+//! cosine loses half the digits where the arms are nearly stretched or folded, so the code uses the two factors of
+//! (2·L1·L2·sin β)² = ((L1 + L2)² − r²)·(r² − (L1 − L2)²) instead; they are also the test of reach:
 //!
 //! ```text
 //!   o = (L1 + L2)² − r²,  i = r² − (L1 − L2)²,  k = ±√(o·i) = 2·L1·L2·sin β
@@ -26,7 +26,7 @@
 use nalgebra::Vector2;
 use wide::f64x2;
 
-/// How far off an edge of the reach counts as rounding, in parts of L1 + L2: four units in the last place.
+/// Distance from an edge of the reach that counts as rounding, in parts of L1 + L2: four units in the last place.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Lengths of two arms, the way the second bends, and what follows from them.
@@ -80,7 +80,7 @@ impl TwoArms {
         [(self.first - self.second).abs(), self.first + self.second]
     }
 
-    /// How far a point at distance `r` is from the nearer edge of the reach; negative outside.
+    /// Distance of a point at the radius `r` from the nearer edge of the reach; negative outside.
     pub(super) fn margin(&self, r: f64) -> f64 {
         let [inner, outer] = self.reach();
         // An inner edge that is a point cannot be left inwards, but the arms are folded there all the same.
@@ -191,13 +191,13 @@ impl Pair {
         rates.iter().all(|rate| rate.is_finite()).then_some(rates)
     }
 
-    /// What the rates ν and ω alone contribute to the acceleration of the end.
+    /// Part of the end's acceleration that the rates ν and ω alone cause.
     #[inline]
     pub(super) fn second(&self, nu: f64, omega: f64) -> Vector2<f64> {
         self.u * (-nu * nu) + self.w * (-omega * omega)
     }
 
-    /// What rates and their first derivatives alone contribute to the jerk of the end.
+    /// Part of the end's jerk that the rates and their first derivatives alone cause.
     #[inline]
     pub(super) fn third(&self, [nu, omega]: [f64; 2], change: [f64; 2]) -> Vector2<f64> {
         self.u * (-3.0 * nu * change[0])

@@ -1,4 +1,5 @@
-//! Three arms in a plane, the last held in a direction (`SMC_TRAFO_Scara3`, `SMC_TRAFOF_Scara3`; SoftMotion manual 8.2.5).
+//! SCARA with three arms in a plane, the last one held in a direction (`SMC_TRAFO_Scara3`, `SMC_TRAFOF_Scara3`;
+//! SoftMotion manual 8.2.5).
 //!
 //! ```text
 //!   y ▲            wrist  L3
@@ -12,15 +13,15 @@
 //!   first arm's axis = origin of the machine frame
 //! ```
 //!
-//! Zero pose: α = β = γ = 0, all arms stretched along +x. All angles count counter-clockwise about +z, β and γ relative to
-//! the arm before. dA = α + oA, dB = β + oB, dC = γ + oC. L3 may be 0: the tool then turns about its own axis. z is not this
-//! transform's business.
+//! Zero pose: α = β = γ = 0, all arms stretched along +x. All angles count counter-clockwise about +z, β and γ relative
+//! to the arm before. dA = α + oA, dB = β + oB, dC = γ + oC. L3 may be 0: the tool then turns about its own axis. The
+//! transform does not use z.
 //!
 //! The wrist is at (x − L3·cos δ, y − L3·sin δ); from there on α and β are those of [`Scara2`](super::Scara2), with its branches, its reach
 //! (of the wrist) and its singularities, and γ = δ − α − β.
 //!
-//! A tool beside the end of the last arm turns with it: the frame of the flange has x along the arm, y to its left. The
-//! direction remains that of the arm.
+//! A tool offset from the end of the last arm turns with it: the frame of the flange has x along the arm, y to its
+//! left. The direction remains that of the arm.
 
 use super::ScaraView;
 use super::chain::{Bent, Pair, TwoArms, turned};
@@ -75,7 +76,7 @@ impl Scara3 {
         self.offsets.into()
     }
 
-    /// Which way the elbow bends.
+    /// Bend of the elbow.
     pub const fn elbow(&self) -> Elbow {
         self.elbow
     }

@@ -1,4 +1,4 @@
-//! Two arms in a plane (`SMC_TRAFO_Scara2`, `SMC_TRAFOF_Scara2`; SoftMotion manual 8.2.4).
+//! SCARA with two arms in a plane (`SMC_TRAFO_Scara2`, `SMC_TRAFOF_Scara2`; SoftMotion manual 8.2.4).
 //!
 //! ```text
 //!   y ▲            ● tool tip (x, y)
@@ -14,22 +14,22 @@
 //! ```
 //!
 //! Zero pose: α = β = 0, both arms stretched along +x. Both angles count counter-clockwise about +z, and β is relative
-//! to the first arm. Axis positions carry the offsets of the drives, dA = α + oA and dB = β + oB. z is not this
-//! transform's business. How the angles follow from the tip is derived in `chain.rs` beside this file.
+//! to the first arm. Axis positions carry the offsets of the drives, dA = α + oA and dB = β + oB. The transform does
+//! not use z. `chain.rs` derives the angles from the tip.
 //!
 //! Branch: `bElbowLow` is β ≥ 0 ([`Elbow::Low`]: seen from the base, the elbow lies to the right of the line to the
 //! tool tip), otherwise β ≤ 0. It is part of the value and no call changes it.
 //!
-//! A tool beside the end of the second arm is part of that arm: the frame of the flange has x along the arm, y to its left. β then
-//! counts from the line between the elbow and the tip, also for the branch and the edges of the reach; the axis B
-//! still counts from the arm.
+//! A tool offset from the end of the second arm is part of that arm: the frame of the flange has x along the arm, y to
+//! its left. β then counts from the line between the elbow and the tip, also for the branch and the edges of the reach;
+//! the axis B still counts from the arm.
 //!
 //! # Reach and singularities
 //!
-//! The tool reaches the ring |L1 − L2| ≤ r ≤ L1 + L2, its edges included. A target whose distance is off an edge by
-//! no more than rounding (four units in the last place of L1 + L2, some 10⁻¹⁵ m) counts as on the edge; anything farther is
-//! [`KinematicsError::Unreachable`]. On an edge sin β = 0: the position has one answer, but the axes cannot follow a
-//! velocity ([`KinematicsError::Singular`] unless the tool is at rest), nor is it known there which way they would go.
+//! The tool reaches the ring |L1 − L2| ≤ r ≤ L1 + L2, its edges included. A target whose distance is off an edge by no
+//! more than rounding (four units in the last place of L1 + L2, some 10⁻¹⁵ m) counts as on the edge; anything farther
+//! is [`KinematicsError::Unreachable`]. On an edge sin β = 0: the position has one answer, but the axes cannot follow a
+//! velocity ([`KinematicsError::Singular`] unless the tool is at rest), and the direction of their motion is undefined.
 //! With L1 = L2 the inner edge is the point r = 0, where α is free: the first arm then stays where `near` has it.
 
 use super::ScaraView;
@@ -40,7 +40,7 @@ use crate::transform::{Serial, Transform};
 use crate::{Branch, Coordinate, KinematicsError, Margins};
 use nalgebra::{Vector2, Vector3};
 
-/// Which way the elbow of a SCARA bends.
+/// Bend of the elbow of a SCARA.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Elbow {
     /// β ≥ 0: `bElbowLow`.
@@ -110,7 +110,7 @@ impl Scara2 {
         self.offsets
     }
 
-    /// Which way the elbow bends.
+    /// Bend of the elbow.
     pub const fn elbow(&self) -> Elbow {
         self.elbow
     }

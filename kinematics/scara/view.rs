@@ -6,7 +6,7 @@ use nalgebra::Vector2;
 /// The outputs for a SCARA with N arms. Lengths are parts of the length of all arms together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScaraView<const N: usize> {
-    /// How far each arm is bent against the one before, rad: `dAlpha`, `dBeta`, (`dGamma`).
+    /// Angle of each arm relative to the one before, rad: `dAlpha`, `dBeta`, (`dGamma`).
     pub angles: [f64; N],
     /// The ends of the arms: (`dpx`, `dpy`), (`dppx`, `dppy`,) and last, of a tool at the end of the last arm, (`dnx`, `dny`).
     pub ends: [[f64; 2]; N],

@@ -1,3 +1,5 @@
+//! Tests of tool directions and their rates (`SMC_CalcDirectionFromVector`).
+
 use super::{differences, seeded};
 use crate::{ToPath, direction_rates};
 use nalgebra::Vector2;

@@ -1,6 +1,5 @@
-//! What LinuxCNC's own kinematics modules answer: `tests/data/linuxcnc-kinematics.json`, made by
-//! `tests/peers/linuxcnc_kins.py`. The file says where it comes from and what its conventions are: mm and degrees, for
-//! one.
+//! Comparison with LinuxCNC's kinematics modules: `tests/data/linuxcnc-kinematics.json`, made by
+//! `tests/peers/linuxcnc_kins.py`. The file gives its source and conventions, such as mm and degrees.
 
 use crate::gantry::{BeltLayout, GantryH2};
 use crate::scara::{Elbow, Scara2, Scara3};

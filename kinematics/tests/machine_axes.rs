@@ -1,3 +1,5 @@
+//! Tests of whole machines: order of axes, coordinates without a transform, and refused combinations.
+
 use super::seeded;
 use crate::gantry::Gantry3;
 use crate::scara::{Elbow, Scara2};

@@ -1,4 +1,4 @@
-//! Random machines of every kind, and axis positions at which they work.
+//! Random machines of every kind with valid axis positions, for property tests.
 
 use crate::Transform;
 use crate::gantry::{
@@ -18,7 +18,8 @@ pub(crate) struct Placed<T, const N: usize> {
     pub(crate) axes: SVector<f64, N>,
 }
 
-/// How near the edges of reach axis positions may be, as a part of the machine's size or an angle: well inside or close.
+/// Minimum distance of axis positions from the edges of the reach, as a part of the machine's size or an angle: well
+/// inside or close.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Reach {
     /// Where derivatives are no larger than a hundred or so.

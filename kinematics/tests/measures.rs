@@ -1,4 +1,4 @@
-//! Singularity, margins and branches against closed forms.
+//! Tests of singularity measures, margins and branches against closed forms.
 
 use super::seeded;
 use crate::gantry::{BeltLayout, Gantry3, GantryCutter3, GantryH2, Sense};

@@ -1,4 +1,4 @@
-//! Tests of what needs no file of its own beside the code, and what several tests share.
+//! Tests of the transforms, and the numerical differentiation that several of them share.
 
 mod direction;
 mod frame;

@@ -1,4 +1,4 @@
-//! Scara2: what the vectors and the properties of all transforms do not say.
+//! Tests of `Scara2` beyond the worked vectors and the properties of all transforms.
 
 use super::{differences, seeded};
 use crate::scara::{Elbow, Scara2};

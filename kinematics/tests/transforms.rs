@@ -1,4 +1,4 @@
-//! What must hold for every transform, over random machines and poses.
+//! Properties of every transform over random machines and poses: round trips and derivatives.
 
 use super::machines::{self, Placed, Reach};
 use super::{seeded, three_differences};

@@ -1,4 +1,4 @@
-//! The normalised outputs that no worked vector has, by hand.
+//! Normalised outputs that no worked vector covers, computed by hand.
 
 use crate::Transform;
 use crate::gantry::{Gantry2Tool, Range, ToolBeside};

@@ -1,4 +1,4 @@
-//! A tripod as it was measured: every rod with its own length and ends.
+//! Calibrated tripod: every rod with its own measured length and end points.
 //!
 //! Six rods that are not quite parallel in pairs tilt the platform a little, differently everywhere. With T the tool tip, R the attitude
 //! of the platform, bi the lower rod ends seen from the tip (in the frame of the platform), ai the upper ends with the carriages at height 0
@@ -8,10 +8,11 @@
 //!   si = T + R·bi − ai − qc·ẑ,   |si| = Li,   i = 1 … 6
 //! ```
 //!
-//! are six equations: for R and q where T is given, for R and T where q is. Both are solved by Newton's method from the closed form
-//! of level pairs, to the last digits: steps no longer than rounding. (Where the two solutions of the way from the axes to the tool
-//! all but meet, [`Margins::branch`] near 0, that way may find the other one; it then says that the carriages are apart.) Axis positions carry offsets, as in [`Tripod`](super::Tripod); zero pose,
-//! branch and singularities are that one's.
+//! are six equations: for R and q if T is given, for R and T if q is given. Newton's method solves both, starting at
+//! the closed form of level pairs, until its steps are as small as rounding. (If the two forward solutions nearly meet,
+//! [`Margins::branch`] near 0, the forward solution may converge to the other one; it then reports that the carriages
+//! are apart.) Axis positions carry offsets, as in [`Tripod`](super::Tripod); zero pose, branch and singularities are
+//! the same.
 //!
 //! # Derivatives
 //!

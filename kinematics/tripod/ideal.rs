@@ -1,4 +1,4 @@
-//! The tripod as the manual has it (`SMC_TRAFO_Tripod`, `SMC_TRAFOF_Tripod`; SoftMotion manual 8.2.6).
+//! Ideal tripod in closed form (`SMC_TRAFO_Tripod`, `SMC_TRAFOF_Tripod`; SoftMotion manual 8.2.6).
 //!
 //! The rods of a pair are parallel, so the platform stays level and each pair acts like one rod of length L from the
 //! point at the overhang e·(cos φi, sin φi) on its carriage to the platform's reference point (the middle of the platform, in the plane of its rod ends):
@@ -10,8 +10,8 @@
 //! ```
 //!
 //! Zero pose: none of its own; axis positions less offsets are the heights of the upper rod ends in the machine frame,
-//! positive up, and the platform is below them. Both ways are closed forms; the way from the axes to the tool is where
-//! three spheres of radius L meet, the lower one of two points.
+//! positive up, and the platform is below them. Both directions are closed forms; the forward one intersects three
+//! spheres of radius L and takes the lower of two points.
 //!
 //! # Derivatives
 //!
@@ -25,9 +25,10 @@
 //!
 //! # Reach and singularities
 //!
-//! A carriage reaches as far sideways as its rods are long. There they are horizontal (sz = 0) and the axes cannot follow.
-//! Where the platform is in the plane of the three points on the carriages, the tool is not held: the two solutions of the way from the axes to the
-//! tool meet there. The platform cannot get there but through that state, so the branch never changes.
+//! The sideways reach of a carriage is the length of its rods. At that edge they are horizontal (sz = 0) and the axes
+//! cannot follow. When the platform is in the plane of the three points on the carriages, the rods do not hold the
+//! tool: the two forward solutions meet. The platform reaches the other branch only through that state, so the branch
+//! never changes.
 
 #![expect(
     clippy::inline_always,
@@ -175,7 +176,7 @@ impl Tripod {
     }
 }
 
-/// How high the plane through three points is above `point`, along its normal.
+/// Distance of the plane through three points above `point`, along its normal.
 pub(super) fn plane_above(centers: &[Vector3<f64>; 3], point: &Vector3<f64>) -> f64 {
     let [first, second, third] = centers;
     let normal = (second - first).cross(&(third - first)).normalize();

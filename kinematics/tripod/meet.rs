@@ -1,4 +1,4 @@
-//! Where three spheres meet.
+//! Intersection of three spheres.
 
 use nalgebra::Vector3;
 

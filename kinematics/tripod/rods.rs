@@ -1,4 +1,4 @@
-//! The dimensions of a tripod, as designed and as measured.
+//! Dimensions of a tripod as designed, its measured deviations, and the six rods that follow from them.
 
 use crate::error::{DimensionError, all_finite};
 use nalgebra::Point3;
@@ -28,7 +28,7 @@ pub struct TripodDimensions {
     pub rotation: f64,
 }
 
-/// How far a measured tripod is from its design; each is added to the nominal value. m and rad.
+/// Deviations of a measured tripod from its design; each is added to the nominal value. m and rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TripodDeviations {
     /// Of the directions of the carriages.
@@ -78,7 +78,7 @@ impl TripodDimensions {
         self.rotation + third * FRAC_PI_3
     }
 
-    /// How far the middle of a pair's upper ends is beyond that of its lower ends: the e of the digests, m.
+    /// Overhang: distance of the middle of a pair's upper ends beyond that of its lower ends, e in the manual, m.
     pub(super) fn overhang(&self) -> Result<f64, DimensionError> {
         self.check()?;
         let outer = chord_middle(self.outer_radius, self.rod_distance)?;
@@ -135,7 +135,7 @@ impl TripodDimensions {
     }
 }
 
-/// How far the middle of a chord of the length `distance` is from the middle of a circle.
+/// Distance of the middle of a chord of the length `distance` from the middle of a circle.
 fn chord_middle(radius: f64, distance: f64) -> Result<f64, DimensionError> {
     let half = 0.5 * distance;
     if radius >= half.abs() {

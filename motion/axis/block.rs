@@ -1,4 +1,4 @@
-//! What all blocks that move an axis have in common (PLCopen; manual 5.2).
+//! Function block framework: the common behaviour of all blocks that move an axis (PLCopen; manual 5.2).
 
 use super::latch::{Latch, Outcome, Outputs};
 use super::ownership::{Refusal, Start};
@@ -7,22 +7,22 @@ use super::{Axis, Master, SmcError};
 use crate::profile::State;
 use std::fmt;
 
-/// What a block does with its axis, as inputs that are taken over at a rising edge of Execute.
+/// Motion of a block: the inputs that it takes over at a rising edge of Execute, and their effect on its axis.
 ///
 /// [`Block`] gives it the rules of all blocks.
 pub trait Motion {
-    /// What it needs every cycle beside the axis: nothing, or the [`Master`](super::Master).
+    /// Further input of every cycle: nothing, or the [`Master`](super::Master).
     type With: Copy;
-    /// What goes on between the edge and the end.
+    /// State of the motion between the edge and the end.
     type Run: fmt::Debug + Clone;
     /// State of the axis meanwhile.
     const STATE: AxisState;
-    /// Whether it keeps the axis after its end until Execute falls (`MC_Stop`).
+    /// True if it keeps the axis after its end until Execute falls (`MC_Stop`).
     const LOCKS: bool = false;
-    /// Whether each set-point goes on from that of the cycle before, not along a plan: where another block has come to its end in
-    /// the cycle in which it begins, that end is this cycle's set-point.
+    /// True if each set-point goes on from that of the cycle before, not along a plan: where another block has come to
+    /// its end in the cycle in which it begins, that end is this cycle's set-point.
     const GOES_ON: bool = false;
-    /// Whether the inputs are set-points that count every cycle, not only at the rising edge (`SMC_Follow…`).
+    /// True if the inputs are set-points that count every cycle, not only at the rising edge (`SMC_Follow…`).
     const LIVE: bool = false;
 
     /// Checks the inputs and plans.
@@ -33,17 +33,18 @@ pub trait Motion {
     /// block itself that does, the edge has ended that motion (manual 5.2 b): the axis goes into errorstop with the error.
     fn plan(&self, start: Start, axis: &Axis, with: Self::With) -> Result<Self::Run, SmcError>;
 
-    /// Where the motion ends, if it does, in the drive's coordinates (`fAimPosition`).
+    /// End position of the motion, if there is one, in the drive's coordinates (`fAimPosition`).
     fn aim(_run: &Self::Run) -> Option<f64> {
         None
     }
 
-    /// How long the motion takes from its beginning, s, if that is known then; of an endless one until what was asked for holds.
+    /// Duration of the motion from its beginning, s, if it is known then; of an endless motion the time until it
+    /// reaches its target velocity.
     fn duration(_run: &Self::Run) -> Option<f64> {
         None
     }
 
-    /// Whether the axis may begin; as [`Axis::admits`] if nothing is said.
+    /// Checks that the motion may begin; by default as [`Axis::admits`].
     ///
     /// # Errors
     ///
@@ -52,7 +53,7 @@ pub trait Motion {
         axis.admits(Self::STATE)
     }
 
-    /// What the block shows when the axis goes into errorstop under it with this error.
+    /// Error that the block shows when the axis goes into errorstop under it with this error.
     fn lost(_axis: &Axis, error: SmcError) -> SmcError {
         error
     }
@@ -75,11 +76,11 @@ pub trait Motion {
 pub struct Progress {
     /// The set-point, in the drive's coordinates, unwound.
     pub setpoint: State,
-    /// How far it has come.
+    /// Progress of the motion.
     pub stage: Stage,
 }
 
-/// How far a motion has come.
+/// Progress of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// On the way.
@@ -122,7 +123,7 @@ impl<M: Motion + Clone> Block<M> {
         Self { inputs, taken: None, latch: Latch::default() }
     }
 
-    /// Who it is while it moves the axis (`iOwner`).
+    /// Its owner number while it moves the axis (`iOwner`).
     #[must_use]
     pub fn owner(&self) -> Option<i64> {
         self.taken.as_ref().map(|taken| taken.owner)
@@ -136,13 +137,13 @@ impl<M: Motion + Clone> Block<M> {
         self.taken.is_some()
     }
 
-    /// What goes on in it.
+    /// State of its running motion.
     #[must_use]
     pub fn running(&self) -> Option<&M::Run> {
         self.taken.as_ref().map(|taken| &taken.run)
     }
 
-    /// How long what goes on in it takes from its beginning, s, if that is known ([`Motion::duration`]).
+    /// Duration of its running motion from the beginning, s, if it is known ([`Motion::duration`]).
     #[must_use]
     pub fn duration(&self) -> Option<f64> {
         M::duration(self.running()?)

@@ -1,4 +1,4 @@
-//! How an axis is configured (manual 2.1.3).
+//! Configuration of an axis (manual 2.1.3).
 
 use crate::profile::RampType;
 
@@ -14,7 +14,7 @@ pub enum Movement {
     },
 }
 
-/// What the configuration dialogue of a drive sets (manual 2.1.3).
+/// Configuration of an axis, as set in the dialogue of a drive (manual 2.1.3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisConfig {
     /// Linear or rotary.
@@ -34,15 +34,15 @@ pub struct AxisConfig {
     /// Software limits, negative and positive (`bSWLimitEnable`, `fSWLimitNegative`, `fSWLimitPositive`), u. Linear axes
     /// only.
     pub software_limits: Option<[f64; 2]>,
-    /// Whether an open limit switch is an error (`bHWLimitEnable`). Linear axes only.
+    /// True if an open limit switch is an error (`bHWLimitEnable`). Linear axes only.
     pub hardware_limits: bool,
-    /// Whether the drive can limit a capture to a window of positions.
+    /// True if the drive can limit a capture to a window of positions.
     pub capture_window: bool,
     /// Increments to u: numerator and denominator (`iRatioTechUnitsNum`, `dwRatioTechUnitsDenom`).
     pub ratio: [i64; 2],
     /// Number of the drive (`wId`, `wDriveId`); blocks tell axes by it.
     pub drive_id: u16,
-    /// Whether the configuration made the axis (`bRealDrive`), not a program.
+    /// True if the configuration made the axis (`bRealDrive`), not a program.
     pub real_drive: bool,
 }
 

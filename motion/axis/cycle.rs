@@ -1,4 +1,4 @@
-//! Beginning and end of a cycle, and what the axis does on its own.
+//! Cycle of an axis: reading the drive, supervision, and the command at its end.
 
 use super::drive::{Command, ControllerMode, Feedback};
 use super::single::DriveReport;
@@ -210,7 +210,7 @@ impl Axis {
         self.enter(AxisState::ErrorStop);
     }
 
-    /// Whether a block that was to move the axis has not.
+    /// True if a block that was to move the axis has not.
     fn is_deserted(&self) -> bool {
         let held = self.state == AxisState::Stopping && self.base.velocity == 0.0;
         let owner = self.values.owner != 0 && !self.values.moved_in_this_cycle && !held;

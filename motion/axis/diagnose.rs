@@ -1,11 +1,11 @@
-//! What an axis does, watched (manual 2.2.5, 2.2.8).
+//! Diagnosis of an axis: limits, largest set values and tracking error (manual 2.2.5, 2.2.8).
 
 use super::Axis;
 use super::moves::exceeds;
 use std::collections::VecDeque;
 
 impl Axis {
-    /// Whether the set values exceed `fSWMaxVelocity` (`bCheckVel`) or `fSWMaxAcceleration` and `fSWMaxDeceleration`
+    /// True if the set values exceed `fSWMaxVelocity` (`bCheckVel`) or `fSWMaxAcceleration` and `fSWMaxDeceleration`
     /// (`bCheckAccDec`) (`SMC_CheckLimits`, manual 2.2.5).
     #[doc(alias = "SMC_CheckLimits")]
     #[must_use]
@@ -45,8 +45,8 @@ impl Largest {
     }
 }
 
-/// How far the axis is behind its set position (`SMC_GetTrackingError`, manual 2.2.8), the time that the bus takes
-/// left out.
+/// Tracking error of an axis: the lag behind its set position, without the dead time of the bus
+/// (`SMC_GetTrackingError`, manual 2.2.8).
 #[doc(alias = "SMC_GetTrackingError")]
 #[derive(Clone, Debug, Default)]
 pub struct TrackingError {

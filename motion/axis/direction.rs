@@ -1,4 +1,4 @@
-//! Which way round (manual 5.3).
+//! Direction of a rotary move: positive, negative, shortest, fastest (manual 5.3).
 
 use super::Axis;
 use super::math::fmod;
@@ -51,7 +51,8 @@ impl Direction {
         }
     }
 
-    /// Where to go, unwound, so that the axis ends at `target` u within its period; both in the drive's coordinates.
+    /// Unwound target position with which the axis ends at `target` u within its period; both in the drive's
+    /// coordinates.
     pub(crate) fn unwound(
         self,
         axis: &Axis,

@@ -1,6 +1,6 @@
-//! What an axis and its drive tell each other every cycle, and the drive that does as it is told.
+//! Drive interface: feedback and command of every cycle, and a virtual drive that follows exactly.
 
-/// What the drive says at the beginning of a cycle. Positions are the drive's, without `fOffsetPosition`.
+/// Feedback of the drive at the beginning of a cycle. Positions are the drive's, without `fOffsetPosition`.
 #[expect(clippy::struct_excessive_bools, reason = "each is a signal of its own")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feedback {
@@ -28,18 +28,18 @@ pub struct Feedback {
     pub mode: ControllerMode,
     /// A position the drive has captured for [`Command::capture`], u.
     pub captured: Option<f64>,
-    /// Where the drive's homing stands.
+    /// State of the drive's homing.
     pub homing: Homing,
-    /// What came of the [`Command::transfer`] of the cycle before, once it is known.
+    /// Answer to the [`Command::transfer`] of the cycle before, once it is known.
     pub answer: Option<Answer>,
 }
 
-/// A parameter of the drive itself that is to be read or written.
+/// Transfer of a parameter of the drive: to read or to write it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transfer {
     /// Its number, by the drive's maker.
     pub number: u32,
-    /// What to write; none to read it.
+    /// Value to write; none to read it.
     pub write: Option<f64>,
 }
 
@@ -52,7 +52,7 @@ pub enum Answer {
     Refused,
 }
 
-/// Where a drive's own homing stands.
+/// State of a drive's own homing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Homing {
     /// Not asked for or not begun.
@@ -110,7 +110,7 @@ impl ControllerMode {
     }
 }
 
-/// What the drive is told at the end of a cycle. Positions are the drive's.
+/// Command to the drive at the end of a cycle. Positions are the drive's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Command {
     /// Set position, u; of a rotary axis within its period.
@@ -146,7 +146,7 @@ pub struct Capture {
     pub window: Option<[f64; 2]>,
 }
 
-/// A drive that is where it is told to be, one cycle later (a bus of kind Dummy, manual 2.1.3).
+/// Virtual drive: it reaches its set-point one cycle later (a bus of kind Dummy, manual 2.1.3).
 ///
 /// Its own homing takes one cycle: the reference is where it stands. It has no parameters of its own.
 #[derive(Clone, Copy, Debug)]
@@ -177,18 +177,18 @@ impl VirtualDrive {
         Self { feedback }
     }
 
-    /// What it says now.
+    /// Its present feedback.
     #[must_use]
     pub fn feedback(&self) -> Feedback {
         self.feedback
     }
 
-    /// What it says, to be changed: the way a test makes it fail.
+    /// Its feedback, to be changed by tests that make it fail.
     pub fn feedback_mut(&mut self) -> &mut Feedback {
         &mut self.feedback
     }
 
-    /// Does as it is told.
+    /// Executes a command exactly.
     pub fn follow(&mut self, command: &Command) {
         let it = &mut self.feedback;
         it.regulator_on = command.regulator_on;

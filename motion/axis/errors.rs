@@ -1,9 +1,9 @@
-//! The latest errors of an axis's blocks (manual 9.1).
+//! Error memory of an axis: the latest errors of its blocks (manual 9.1).
 
 use super::{Axis, SmcError};
 use std::collections::VecDeque;
 
-/// How many are kept; the manual names no number.
+/// Number of errors kept; the manual names none.
 const KEPT: usize = 16;
 
 /// Errors that blocks have shown, the oldest first.
@@ -21,7 +21,7 @@ impl Axis {
         self.values.fb_error_id = error.number().into();
     }
 
-    /// Whether blocks of this axis have shown errors that nobody has cleared (`FBErrorOccured` of `MC_ReadStatus`).
+    /// True if blocks of this axis have shown errors that nobody has cleared (`FBErrorOccured` of `MC_ReadStatus`).
     #[doc(alias = "FBErrorOccured")]
     #[must_use]
     pub fn fb_error_occurred(&self) -> bool {

@@ -1,9 +1,9 @@
-//! What a block with Execute shows, and how long (manual 5.2).
+//! Outputs of a block with Execute, and the time for which they stay (manual 5.2).
 
 use super::ownership::Refusal;
 use super::{Axis, SmcError};
 
-/// What a block shows. At most one of `done`, `command_aborted` and `error` is set.
+/// Outputs of a block. At most one of `done`, `command_aborted` and `error` is set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Outputs {
     /// `Done`; of endless motion `InVelocity`, `InEndVelocity`, `InGear` or `InSync`.
@@ -16,7 +16,7 @@ pub struct Outputs {
     pub error: Option<SmcError>,
 }
 
-/// How a block has come to its end, or what it has reached.
+/// Outcome of a block: done (or target reached), aborted, or failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
     Done,
@@ -33,7 +33,7 @@ impl From<Refusal> for Outcome {
     }
 }
 
-/// Execute and what is shown: it stays while Execute is TRUE; if that fell earlier, it shows for one cycle.
+/// Latch of Execute and the outputs: they stay while Execute is TRUE; if it fell earlier, they show for one cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Latch {
     execute: bool,
@@ -62,7 +62,7 @@ impl Latch {
         self.shown = false;
     }
 
-    /// What was asked for holds, and the block goes on.
+    /// The target is reached, and the block goes on.
     pub(crate) fn reach(&mut self) {
         if !self.is_done() {
             self.outcome = Some(Outcome::Done);
@@ -70,7 +70,7 @@ impl Latch {
         }
     }
 
-    /// What was asked for does not hold (any more).
+    /// The target is not reached (any more).
     pub(crate) fn reopen(&mut self) {
         self.outcome = None;
     }
@@ -79,7 +79,7 @@ impl Latch {
         self.outcome == Some(Outcome::Done)
     }
 
-    /// What shows this cycle.
+    /// Outputs of this cycle.
     pub(crate) fn outputs(&mut self, busy: bool) -> Outputs {
         let showing = self.outcome.filter(|_| self.execute || !self.shown);
         self.shown |= showing.is_some();

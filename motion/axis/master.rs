@@ -1,8 +1,8 @@
-//! The axis that another one follows.
+//! Master of a coupling: the motion of the axis that another one follows.
 
 use super::Axis;
 
-/// How a master moves (manual 5.4): by its set values if its `bRegulatorOn` is TRUE, else by its actual ones.
+/// Motion of a master (manual 5.4): by its set values if its `bRegulatorOn` is TRUE, else by its actual ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Master {
     /// Position, u; of a rotary master in [0, period).
@@ -13,14 +13,14 @@ pub struct Master {
     pub acceleration: f64,
     /// Period of a rotary master, u.
     pub period: Option<f64>,
-    /// How much of its position has come from moving its zero, u: no motion.
+    /// Part of its position that comes from moving its zero, u: no motion.
     pub zero: f64,
-    /// Where it stood when the cycle began, u, if it did and a block has moved it since; with the zero it has now.
+    /// Its position when the cycle began at rest, u, if a block has moved it since; with the present zero.
     pub stood: Option<f64>,
 }
 
 impl Master {
-    /// How `axis` moves in this cycle, as far as its blocks have been called.
+    /// Motion of `axis` in this cycle, as far as its blocks have been called.
     #[must_use]
     pub fn of(axis: &Axis) -> Self {
         let values = &axis.values;
@@ -36,8 +36,7 @@ impl Master {
         Self { position, velocity, acceleration, period, zero, stood }
     }
 
-    /// How far it has come since `before`, u: the short way round. Moving its zero (`MC_SetPosition`, a reference) is no
-    /// motion.
+    /// Distance since `before`, u: the short way round. Moving its zero (`MC_SetPosition`, a reference) is no motion.
     #[must_use]
     pub fn travel_since(&self, before: &Self) -> f64 {
         let way = self.position - before.position - (self.zero - before.zero);

@@ -1,4 +1,4 @@
-//! The auxiliary functions (manual 2.2.1).
+//! Auxiliary functions: sign, modulo and arc tangent (manual 2.2.1).
 
 use std::f64::consts::TAU;
 

@@ -1,16 +1,16 @@
-//! Single axes after PLCopen: their state, their parameters and the blocks that move them (manual chapters 2 and 5).
+//! Single axes after PLCopen: state, parameters and motion blocks (manual chapters 2 and 5).
 //!
-//! All quantities are in the technical unit u of the axis, as SoftMotion has them: u, u/s, u/s², u/s³.
+//! All quantities are in the technical unit u of the axis, as in SoftMotion: u, u/s, u/s², u/s³.
 //!
 //! ```text
 //! Feedback ─▶ Axis::begin_cycle ─▶ blocks (Power, MoveAbsolute, GearIn …) ─▶ Axis::end_cycle ─▶ Command
 //! ```
 //!
-//! [`Axis`] is the manual's `AXIS_REF` with its drive interface. [`Block`] gives the rules of function blocks to whatever
-//! is a [`Motion`]. The blocks carry the manual's names without their prefix; the prefixed ones find them in the search
-//! of this documentation (`MC_MoveAbsolute`).
+//! [`Axis`] is the manual's `AXIS_REF` with its drive interface. [`Block`] applies the rules of function blocks to a
+//! [`Motion`]. The blocks have the manual's names without their prefix; the documentation search finds them by the
+//! prefixed names, too (`MC_MoveAbsolute`).
 //!
-//! No clock and no input or output: the cycle time is told, and what the drive says is given.
+//! There is no clock and no input or output: the caller gives the cycle time and the drive's feedback.
 
 mod axis_ref;
 mod block;

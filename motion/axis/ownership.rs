@@ -1,11 +1,11 @@
-//! One owner at a time (`iOwner`, `iNoOwner`; manual 5.2).
+//! Ownership of an axis: one block at a time moves it (`iOwner`, `iNoOwner`; manual 5.2).
 
 use super::config::Movement;
 use super::state::AxisState;
 use super::{Axis, SmcError};
 use crate::profile::State;
 
-/// Why a block does not get the axis.
+/// Reason why a block does not get the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
     /// `MC_Stop` or homing holds the axis: the block shows `CommandAborted`.
@@ -20,10 +20,10 @@ impl From<SmcError> for Refusal {
     }
 }
 
-/// Where a block's motion begins.
+/// Start of a block's motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
-    /// How the axis moves there, in the drive's coordinates; of a rotary axis within one period of the program's.
+    /// Motion of the axis there, in the drive's coordinates; of a rotary axis within one period of the program's.
     pub state: State,
     /// Time of the beginning before this cycle's set-point, s: one cycle, or none where another block has come to its
     /// end in this cycle.
@@ -33,7 +33,7 @@ pub struct Start {
 }
 
 impl Axis {
-    /// Where a block that begins now takes over.
+    /// Start of a block that takes over now.
     ///
     /// It takes over from the set-point of the last cycle and gives this cycle's anew, whatever the block before has
     /// made of it. Where that block has ended in this cycle, it goes on from its end.
@@ -52,7 +52,7 @@ impl Axis {
         Start { state: State { position, ..state }, lead, aim }
     }
 
-    /// Whether a block that moves the axis in `state` may begin.
+    /// Checks that a block that moves the axis in `state` may begin.
     ///
     /// # Errors
     ///
@@ -67,8 +67,8 @@ impl Axis {
         }
     }
 
-    /// Where the discrete motion that there is comes to rest, with what has been added on top, u: of one that moves on top
-    /// of nothing its own target.
+    /// End position of the present discrete motion, with the superimposed distance, u; of a superimposed motion alone
+    /// its own target.
     pub(super) fn pending(&self, on_top: f64) -> Option<f64> {
         if self.values.owner == 0 && self.overlay_owner != 0 {
             return Some(self.base.position + self.overlay_aim);
@@ -76,7 +76,7 @@ impl Axis {
         self.aim.map(|aim| aim + on_top)
     }
 
-    /// Gives the axis to a new owner, in `state`, and says who that is.
+    /// Gives the axis to a new owner, in `state`, and returns its number.
     pub(crate) fn claim(&mut self, state: AxisState, start: Start) -> i64 {
         // A target counts from where the motion begins, also for who takes the axis later in this cycle.
         let from = if start.lead == 0.0 { self.total() } else { self.saved };
@@ -100,7 +100,7 @@ impl Axis {
         self.values.owner
     }
 
-    /// Gives the axis back after the last set-point; it stands still unless something moves on top.
+    /// Releases the axis after the last set-point; it is at standstill unless a superimposed motion runs.
     pub(crate) fn release(&mut self, owner: i64) {
         if self.owns(owner) {
             self.values.owner = 0;
@@ -121,7 +121,7 @@ impl Axis {
         self.enter(AxisState::Standstill);
     }
 
-    /// Whether `owner` has the axis.
+    /// True if `owner` has the axis.
     pub(crate) fn owns(&self, owner: i64) -> bool {
         self.values.owner == owner
     }
@@ -150,8 +150,8 @@ impl Axis {
         self.saved
     }
 
-    /// What a block that has lost the axis shows: the axis's error, 20 where the power went, none where another block
-    /// took it.
+    /// Error of a block that has lost the axis: the axis's error, 20 after loss of power, none if another block took
+    /// it.
     pub(crate) fn loss(&self) -> Option<SmcError> {
         match self.state {
             AxisState::ErrorStop => Some(self.error_of_blocks()),

@@ -1,4 +1,4 @@
-//! The axis: its values, how it moves, and who moves it.
+//! [`Axis`]: an axis with its values, motion and owner (`AXIS_REF`, manual 2.4).
 
 use super::axis_ref::AxisRef;
 use super::config::{AxisConfig, Movement};
@@ -50,9 +50,9 @@ pub struct Axis {
     pub(super) base: State,
     /// Motion on top of it.
     pub(super) overlay: State,
-    /// Who moves on top of it, 0 for nobody.
+    /// Owner of the superimposed motion, 0 for none.
     pub(super) overlay_owner: i64,
-    /// Where that comes to rest, u, while it has an owner.
+    /// End of that motion, u, while it has an owner.
     pub(super) overlay_aim: f64,
     pub(super) overlay_moved: bool,
     /// Base and overlay together when the cycle began.
@@ -65,11 +65,11 @@ pub struct Axis {
     pub(super) went: i64,
     /// Cycles so far, as time, ns.
     pub(super) clock_ns: i64,
-    /// What that has been rounded by, ns.
+    /// Rounding of that time, ns.
     pub(super) clock_rest: f64,
-    /// How far its zero has been moved so far, u: what has changed positions and was no motion.
+    /// Total shift of its zero so far, u: it changes positions without motion.
     pub(super) zero: f64,
-    /// How the axis brakes on its own, and for how long it has, s.
+    /// Braking of the axis on its own, and the time since its start, s.
     pub(super) braking: Option<(Profile, f64)>,
     pub(super) capture: Option<Capture>,
     pub(super) captured: Option<f64>,
@@ -83,12 +83,12 @@ pub struct Axis {
     /// Every step from state to state, for who watches over them.
     #[cfg(test)]
     pub(super) entered: Vec<[AxisState; 2]>,
-    /// How often it has been commanded, and on top of that, for who watches over who does it.
+    /// Number of commands, of the base and of the superimposed motion, for the checker of the tests.
     #[cfg(test)]
     pub(super) commands: [u32; 2],
 }
 
-/// What the drive said this cycle beside its values.
+/// Further feedback of the drive in this cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct DriveReport {
     pub(super) position: f64,
@@ -162,7 +162,7 @@ impl Axis {
         }
     }
 
-    /// What the axis is doing (`nAxisState`).
+    /// State of the axis (`nAxisState`).
     #[must_use]
     pub fn state(&self) -> AxisState {
         self.state
@@ -288,7 +288,7 @@ impl Axis {
         self.wrapped(position + self.values.offset_position)
     }
 
-    /// Whether the last motion was in negative direction.
+    /// True if the last motion was in negative direction.
     pub(super) fn was_negative(&self) -> bool {
         self.went < 0
     }

@@ -1,4 +1,4 @@
-//! What an axis is doing (PLCopen; manual 2.4, 5.2).
+//! State diagram of an axis (PLCopen; manual 2.4, 5.2).
 
 /// State of an axis (`SMC_AXIS_STATE`, parameter 1000 `nAxisState`).
 ///
@@ -62,13 +62,13 @@ impl AxisState {
         }
     }
 
-    /// Whether a block moves the axis here and may be aborted by another one.
+    /// True if a block moves the axis here and may be aborted by another one.
     #[must_use]
     pub const fn is_motion(self) -> bool {
         matches!(self, Self::DiscreteMotion | Self::ContinuousMotion | Self::SynchronizedMotion)
     }
 
-    /// Whether the axis may go from this state to `next` (it may always stay).
+    /// True if the axis may go from this state to `next` (it may always stay).
     #[must_use]
     pub const fn leads_to(self, next: Self) -> bool {
         match (self, next) {

@@ -1,4 +1,4 @@
-//! Axes that nothing drives: the time and an encoder (manual 2.1.4, 2.2.6, 2.2.9).
+//! Virtual axes: time and encoder (manual 2.1.4, 2.2.6, 2.2.9).
 
 use super::{Axis, AxisConfig, AxisState, Movement, SmcError};
 use crate::profile::State;
@@ -128,7 +128,7 @@ pub struct Encoder {
     velocity: Option<f64>,
 }
 
-/// What [`Encoder`] shows.
+/// Outputs of [`Encoder`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EncoderOutputs {
     /// `bValid`: the axis may be followed.

@@ -1,4 +1,4 @@
-//! How far two curves are from each other.
+//! Curve distance: the largest difference between two cams.
 
 use super::bounds::Peak;
 use super::curve::Curve;

@@ -1,11 +1,11 @@
-//! The way onto a cam under limited jerk (`ramp_in`, manual 4.6.1).
+//! Ramp-in onto a cam under limited jerk (`ramp_in`, manual 4.6.1).
 
 use super::selection::StartMode;
 use crate::profile::{AxisLimits, Profile, ProfileError, RampType, State};
 
-/// What the slave still has to go to its cam, as a motion of its own on top of the cam's: from the difference of
-/// position, velocity and acceleration that there is to none, with the axis's ramps. Nothing steps, and beside the cam's
-/// own jerk there is never more than the axis's.
+/// Ramp-in: the slave's remaining distance to its cam, as a motion on top of the cam's. It takes the difference of
+/// position, velocity and acceleration to zero with the axis's ramps. Nothing steps, and its jerk, in addition to the
+/// cam's, never exceeds the axis's.
 #[derive(Clone, Debug)]
 pub(crate) struct Approach {
     profile: Profile,
@@ -13,14 +13,14 @@ pub(crate) struct Approach {
     distance: f64,
 }
 
-/// Where an approach begins, and which way it may go.
+/// Start of an approach, and its permitted direction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Gap {
     /// From the slave to its cam, u.
     pub(crate) distance: f64,
-    /// The slave's velocity beside the cam's, u/s.
+    /// The slave's velocity relative to the cam's, u/s.
     pub(crate) velocity: f64,
-    /// The slave's acceleration beside the cam's, u/s².
+    /// The slave's acceleration relative to the cam's, u/s².
     pub(crate) acceleration: f64,
     /// Of a rotary slave, u.
     pub(crate) period: Option<f64>,
@@ -28,8 +28,7 @@ pub(crate) struct Gap {
 }
 
 impl Approach {
-    /// The way over a gap, and how many periods of a rotary slave the cam lies elsewhere then: so much is to be taken
-    /// from its positions.
+    /// The approach over a gap, and the number of periods of a rotary slave to subtract from the cam's positions.
     ///
     /// # Errors
     ///
@@ -62,7 +61,7 @@ impl Approach {
         &self.profile
     }
 
-    /// How a slave moves `time` s after the beginning whose cam moves like this; none once it is there.
+    /// Motion of the slave `time` s after the beginning, for this motion of the cam; none once it is in sync.
     pub(crate) fn at(&self, time: f64, cam: State) -> Option<State> {
         (time < self.profile.duration()).then(|| {
             let State { position, velocity, acceleration } = self.profile.at(time);

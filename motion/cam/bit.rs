@@ -1,4 +1,4 @@
-//! The bit of a group of tappets (`SMC_GetTappetValue`, manual 4.4.2 and 5.5).
+//! Bit of a tappet group (`SMC_GetTappetValue`, manual 4.4.2 and 5.5).
 
 use super::passage::Trigger;
 use super::tappet::Action;
@@ -60,7 +60,7 @@ impl TappetBit {
         }
     }
 
-    /// What it is now, at the end of a cycle whose triggers it has taken.
+    /// Value at the end of a cycle whose triggers it has taken.
     pub fn at(&mut self, now_ns: i64) -> bool {
         self.run_until(now_ns);
         self.cycle = self.cycle.wrapping_add(1);

@@ -1,4 +1,4 @@
-//! What a cam asks of its slave (`SMC_CAMBounds`, manual 5.5).
+//! Bounds of a cam: largest velocity, acceleration and jerk of its slave (`SMC_CAMBounds`, manual 5.5).
 //!
 //! With y(x) the curve and x the master, the slave's velocity is y′·v, its acceleration y″·v² + y′·a and its jerk
 //! y‴·v³ + 3·y″·v·a + y′·j. For given v, a and j each is a polynomial on every piece, so its extremes are found exactly.
@@ -41,7 +41,7 @@ impl Default for Factors {
     }
 }
 
-/// What `SMC_CAMBounds` gives. Places are master positions of the curve, scaled.
+/// Bounds of a cam (`SMC_CAMBounds`). Places are master positions of the curve, scaled.
 #[doc(alias = "SMC_CAMBounds")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
@@ -82,7 +82,7 @@ impl SlaveLimits {
     }
 }
 
-/// What is limited.
+/// Limited quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The slave's velocity.
@@ -113,7 +113,7 @@ impl fmt::Display for Quantity {
 pub struct Peak {
     /// The magnitude.
     pub value: f64,
-    /// Where, master position of the curve, scaled.
+    /// Its master position on the curve, scaled.
     pub master: f64,
 }
 

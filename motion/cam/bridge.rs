@@ -1,5 +1,5 @@
-//! The way from where a slave is to its cam (`ramp_in`, manual 4.6.1), under limited velocity and accelerations. That of
-//! an axis with limited jerk is laid by `motion/cam/approach.rs`: a coupling knows no axis.
+//! Ramp-in from the slave's position to its cam (`ramp_in`, manual 4.6.1), under limited velocity and accelerations.
+//! `motion/cam/approach.rs` has the ramp-in of an axis with limited jerk: a coupling knows no axis.
 
 /// A motion that ends at rest: pieces of constant acceleration, as fast as velocity and accelerations allow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,7 +10,7 @@ pub(crate) struct Bridge {
     distance: f64,
 }
 
-/// What bridges may use, all greater than 0.
+/// Limits of a bridge, all greater than 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BridgeLimits {
     pub(crate) velocity: f64,
@@ -19,7 +19,7 @@ pub(crate) struct BridgeLimits {
 }
 
 impl BridgeLimits {
-    /// How far a stop from `velocity` goes, with its sign.
+    /// Distance of a stop from `velocity`, with its sign.
     pub(crate) fn stop(&self, velocity: f64) -> f64 {
         velocity * velocity.abs() / (2.0 * self.deceleration)
     }
@@ -60,7 +60,7 @@ impl Bridge {
         self.pieces
     }
 
-    /// What is still to go, velocity and acceleration `t` seconds after the begin; whether it is over.
+    /// Remaining distance, velocity and acceleration `t` seconds after the begin; true if it is over.
     pub(crate) fn at(&self, t: f64) -> (f64, f64, f64, bool) {
         let (mut gone, mut velocity, mut left) = (0.0, self.velocity, t);
         for (duration, acceleration) in self.pieces {

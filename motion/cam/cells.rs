@@ -1,13 +1,14 @@
-//! Which piece of a curve a master is on, in the same few steps wherever it is and without a branch that depends on it.
+//! Piece lookup of a curve: finds the piece of a master position in constant time without data-dependent branches.
 //!
-//! Equal cells say how many pieces begin before each of them. Which cell a master is in is a monotone function of it, in
-//! floating-point numbers too: what begins in an earlier cell begins before the master, what begins in a later one behind
-//! it. So only the pieces that begin in its own cell are left to compare with, and nothing depends on rounding.
+//! Each of the equal cells stores the number of pieces that begin before it. The cell of a master is a monotone
+//! function of its position, in floating-point numbers too: a piece that begins in an earlier cell begins before the
+//! master, one in a later cell behind it. So only the pieces that begin in the master's own cell need a comparison, and
+//! nothing depends on rounding.
 
 /// The fewest cells a curve may have for its pieces.
 const CELLS_PER_PIECE: usize = 8;
 
-/// So many cells a curve may have however few pieces it has: 16 kB.
+/// Number of cells that a curve may always have, however few its pieces: 16 kB.
 const CELLS: usize = 4096;
 
 /// The begins of pieces, found by cells.

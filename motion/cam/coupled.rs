@@ -1,10 +1,10 @@
-//! What couplings are told and give: states of axes, tappets that acted, and why one does not start.
+//! Coupling output: set-point of the slave, tappets that acted, and the errors of a start.
 
 use super::passage::Trigger;
 use crate::profile::State;
 use crate::short::Short;
 
-/// Whether a state is one that an axis may have.
+/// Checks that a state is possible for an axis.
 pub(super) fn check(state: &State, axis: &'static str) -> Result<(), CouplingError> {
     let all = [state.position, state.velocity, state.acceleration];
     match all.into_iter().find(|value| !value.is_finite()) {
@@ -13,7 +13,7 @@ pub(super) fn check(state: &State, axis: &'static str) -> Result<(), CouplingErr
     }
 }
 
-/// Tappets that can be told in one cycle (`SMC_TappetData`); a register has no such limit.
+/// Tappets that can be reported in one cycle (`SMC_TappetData`); a register has no such limit.
 pub const MAX_TRIGGERS: usize = 3;
 
 /// Tappets that acted in a cycle (`SMC_TappetData`): the first [`MAX_TRIGGERS`] of them.
@@ -21,12 +21,12 @@ pub const MAX_TRIGGERS: usize = 3;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TappetData {
     pub(super) triggers: [Option<Trigger>; MAX_TRIGGERS],
-    /// How many more there were, which are lost.
+    /// Number of further ones, which are lost.
     pub lost: usize,
-    /// Whether this is the first cycle after a start of `MC_CamIn`.
+    /// True if this is the first cycle after a start of `MC_CamIn`.
     pub restarted: bool,
-    /// Time of the cycle by the clock that the coupling is told, ns. It has to go on from one coupling to the next: what a
-    /// timed tappet has begun ends by it.
+    /// Time of the cycle by the coupling's clock, ns. It has to go on from one coupling to the next: what a timed
+    /// tappet has begun ends by it.
     pub now_ns: i64,
 }
 
@@ -37,26 +37,26 @@ impl TappetData {
     }
 }
 
-/// What a coupling gives in a cycle.
+/// Output of a coupling in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupled {
     /// The slave's set-point. Its position does not jump at the ends of a period.
     pub slave: State,
-    /// Whether the slave is on the cam.
+    /// True if the slave is on the cam.
     pub in_sync: bool,
-    /// Whether the cam has been left at an end; of one that is put end to end, in this cycle only.
+    /// True if the cam has been left at an end; of one that is put end to end, in this cycle only.
     pub end_of_profile: bool,
     /// Tappets.
     pub tappets: TappetData,
 }
 
-/// Why a coupling does not start.
+/// Reason why a coupling does not start.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CouplingError {
     /// Error 626, `SMC_CI_MASTER_OUT_OF_SCALE`.
     #[error("the master is at {} of the cam, which goes from {} to {} (error 626)", Short(*.master), Short(*.min), Short(*.max))]
     MasterOutOfRange {
-        /// Where, u of the cam.
+        /// Its place, u of the cam.
         master: f64,
         /// Begin of the cam.
         min: f64,
@@ -66,7 +66,7 @@ pub enum CouplingError {
     /// Error 627, `SMC_CI_RAMPIN_NEEDS_VELACC_VALUES`.
     #[error("a start with a ramp needs {name} greater than 0, it is {value} (error 627)")]
     RampNeedsValues {
-        /// Which input.
+        /// The input.
         name: &'static str,
         /// Its value.
         value: f64,
@@ -84,9 +84,9 @@ pub enum CouplingError {
     OtherSize {
         /// Elements or tappets.
         what: &'static str,
-        /// How many the new one has.
+        /// Number in the new cam.
         found: usize,
-        /// How many the old one has.
+        /// Number in the old cam.
         expected: usize,
     },
 }

@@ -1,8 +1,8 @@
-//! A slave that follows a cam (`MC_CamTableSelect`, `MC_CamIn`, `MC_CamOut`, manual 4.6 and 5.4).
+//! Cam coupling: a slave that follows a cam (`MC_CamTableSelect`, `MC_CamIn`, `MC_CamOut`, manual 4.6 and 5.4).
 //!
-//! With x = master · scaling + offset, both of the master, the slave is at scaling · y(x) + offset, both of the slave. A
-//! cam that is put end to end goes on as y(x + Offset1) + Offset2, where the first one loses the width of the cam in
-//! every pass and the second one gains what the cam gains (manual 4.6.2).
+//! With x = master · scaling + offset, both of the master, the slave is at scaling · y(x) + offset, both of the slave.
+//! A periodic cam goes on as y(x + Offset1) + Offset2: in every pass Offset1 loses the width of the cam and Offset2
+//! gains its rise (manual 4.6.2).
 
 use super::bridge::{Bridge, BridgeLimits};
 use super::coupled::check;
@@ -104,7 +104,7 @@ impl CamCoupling {
         Ok(coupling)
     }
 
-    /// From where the slave is, and as it moves, to the cam as it moves.
+    /// Ramp-in from the slave's motion to the cam's motion.
     fn lay_bridge(&mut self, master: &State, slave: &State, limits: &BridgeLimits) {
         let cam = self.on_cam(master);
         let velocity = slave.velocity - cam.velocity;
@@ -123,7 +123,7 @@ impl CamCoupling {
         self.bridge = Some(Bridge::new(distance, velocity, limits));
     }
 
-    /// Where the cam has the slave, bridges aside.
+    /// Motion of the slave on the cam, without bridges.
     fn on_cam(&self, master: &State) -> State {
         let curve = self.table.cam.curve();
         let Derivatives { position, velocity, acceleration, .. } =
@@ -206,12 +206,12 @@ impl CamCoupling {
         self.ended
     }
 
-    /// Says in the last cycle's tappets that it is the first one, for who steps in the cycle of the start.
+    /// Marks the last cycle's tappets as those of the first cycle, for callers that step in the cycle of the start.
     pub(crate) fn mark_restarted(&mut self) {
         self.output.tappets.restarted = true;
     }
 
-    /// What the last cycle, or the start, gave.
+    /// Output of the last cycle, or of the start.
     pub fn output(&self) -> &Coupled {
         &self.output
     }
@@ -226,7 +226,7 @@ impl CamCoupling {
         self.bridge.as_ref()
     }
 
-    /// Where the master is on the scale of the cam, passes included.
+    /// Position of the master on the scale of the cam, passes included.
     pub fn place(&self) -> f64 {
         self.x
     }
@@ -244,8 +244,8 @@ impl CamCoupling {
         (-self.passes * (curve.end() - curve.start()), self.passes * curve.rise())
     }
 
-    /// How far the slave's set-points of the start are from what it did before: the jump of position (on a rotary slave
-    /// the shortest), velocity and acceleration. Cams that are switched between have to match (manual 4.6.2).
+    /// Jump of the slave's set-points at the start, against its motion before: position (on a rotary slave the
+    /// shortest), velocity and acceleration. Cams that are switched between have to match (manual 4.6.2).
     pub fn jump_from(&self, slave: &State) -> State {
         let mut position = self.output.slave.position - slave.position;
         if let Some(period) = self.table.slave_period.filter(|period| *period > 0.0) {
@@ -290,7 +290,7 @@ impl CamCoupling {
     }
 }
 
-/// Where a slave would be if it were coupled now (`SMC_GetCamSlaveSetPosition`, manual 5.5), ramps aside; nothing moves.
+/// Position of a slave if it were coupled now (`SMC_GetCamSlaveSetPosition`, manual 5.5), ramps aside; nothing moves.
 ///
 /// # Errors
 /// As [`CamCoupling::start`].

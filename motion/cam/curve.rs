@@ -1,4 +1,4 @@
-//! Cam curves: what the slave does where the master is.
+//! Cam curve: the slave position as a function of the master position.
 
 use super::cells::Cells;
 use super::error::CamError;
@@ -21,10 +21,10 @@ pub struct Curve {
     cells: Cells,
 }
 
-/// Where two pieces meet with different derivatives.
+/// Jump: two pieces that meet with different derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jump {
-    /// Where, master u.
+    /// Its position, master u.
     pub master: f64,
     /// By how much the value rises there.
     pub by: f64,
@@ -95,17 +95,17 @@ impl Curve {
         self.end
     }
 
-    /// What the slave gains from begin to end, u.
+    /// Rise of the slave from begin to end, u.
     pub fn rise(&self) -> f64 {
         self.rise
     }
 
-    /// Whether the master's range holds `master`, both ends included.
+    /// True if the master's range holds `master`, both ends included.
     pub fn contains(&self, master: f64) -> bool {
         (self.start..=self.end).contains(&master)
     }
 
-    /// Where pieces begin, and the end.
+    /// Begins of the pieces, and the end.
     pub fn joints(&self) -> impl Iterator<Item = f64> + '_ {
         self.pieces.iter().map(|piece| piece.start).chain([self.end])
     }
@@ -210,11 +210,11 @@ impl Curve {
 pub struct Range {
     /// The least value.
     pub min: f64,
-    /// Where it is, master u.
+    /// Its position, master u.
     pub at_min: f64,
     /// The greatest value.
     pub max: f64,
-    /// Where it is, master u.
+    /// Its position, master u.
     pub at_max: f64,
 }
 

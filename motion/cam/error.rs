@@ -1,20 +1,20 @@
-//! What is wrong with a cam.
+//! Errors of cams: invalid points, tables or elements.
 
 use crate::short::Short;
 
-/// Why points, tables or elements make no cam.
+/// Reason why points, tables or elements make no cam.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CamError {
     /// Too few points.
     #[error("a cam needs 2 points, there are {found}")]
     TooFewPoints {
-        /// How many there are.
+        /// Number found.
         found: usize,
     },
     /// Points, elements or table values are more than can be counted here.
     #[error("{found} points are more than the {limit} a cam may have")]
     TooManyPoints {
-        /// How many there are.
+        /// Number found.
         found: usize,
         /// The most there may be.
         limit: usize,
@@ -22,7 +22,7 @@ pub enum CamError {
     /// A value is infinite or not a number.
     #[error("element {index}: {value} is no finite number")]
     NotFinite {
-        /// Which point or line, from 1.
+        /// Number of the point or line, from 1.
         index: usize,
         /// The value.
         value: f64,
@@ -30,7 +30,7 @@ pub enum CamError {
     /// A point or line does not lie behind the one before it.
     #[error("element {index}: master {} does not lie behind {} of the element before", Short(*.master), Short(*.before))]
     NotAscending {
-        /// Which point or line, from 1.
+        /// Number of the point or line, from 1.
         index: usize,
         /// Its master position.
         master: f64,
@@ -43,11 +43,11 @@ pub enum CamError {
         Short(*.value), Short(*.master), Short(*.before)
     )]
     Kink {
-        /// Which element, from 1.
+        /// Number of the element, from 1.
         index: usize,
         /// What differs: slave, velocity or acceleration.
         what: &'static str,
-        /// Where, master.
+        /// Its place, master.
         master: f64,
         /// The value.
         value: f64,
@@ -62,7 +62,7 @@ pub enum CamError {
     OutsideScale {
         /// Element or tappet.
         what: &'static str,
-        /// Which, from 1.
+        /// Its number, from 1.
         index: usize,
         /// Its master position.
         master: f64,
@@ -76,9 +76,9 @@ pub enum CamError {
     EndMissing {
         /// Begin or end.
         what: &'static str,
-        /// Where they do.
+        /// Master position of the elements.
         master: f64,
-        /// Where they should.
+        /// Master position of the scale.
         scale: f64,
     },
     /// A table is to become points and lines.
@@ -87,7 +87,7 @@ pub enum CamError {
     /// A value does not fit the type of a table's variables.
     #[error("value {index}: {} does not fit {kind} ({} to {})", Short(*.value), Short(*.min), Short(*.max))]
     OutsideType {
-        /// Which value, from 1.
+        /// Number of the value, from 1.
         index: usize,
         /// The value, in units of the table.
         value: f64,
@@ -101,7 +101,7 @@ pub enum CamError {
     /// A value has a fraction where the type of a table's variables has whole numbers only.
     #[error("value {index}: {value} is no whole number, as {kind} needs it")]
     Fraction {
-        /// Which value, from 1.
+        /// Number of the value, from 1.
         index: usize,
         /// The value, in units of the table.
         value: f64,
@@ -126,7 +126,7 @@ pub enum CamError {
     /// A tappet's times are negative or no numbers.
     #[error("tappet {index}: {what} of {} ns is less than 0", .value)]
     TappetTime {
-        /// Which, from 1.
+        /// Its number, from 1.
         index: usize,
         /// Delay or duration.
         what: &'static str,

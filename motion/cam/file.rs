@@ -1,4 +1,4 @@
-//! ASCII tables of cams (manual 4.4.3): one line `master;slave` per point, read, written and thinned out.
+//! ASCII tables of cams (manual 4.4.3): one line `master;slave` per point; reading, writing and reduction of points.
 
 use super::curve::Curve;
 use std::io::{self, BufRead, Write};
@@ -8,7 +8,7 @@ const MAX_LINES: usize = 1 << 22;
 /// The longest line, bytes.
 const MAX_LINE: usize = 1000;
 
-/// Why a table cannot be read.
+/// Error of reading a table.
 #[derive(Debug, thiserror::Error)]
 pub enum AsciiError {
     /// The file could not be read.
@@ -17,21 +17,21 @@ pub enum AsciiError {
     /// A line has more or fewer columns than it should.
     #[error("line {line}: {found} column{} instead of {expected}", if *.found == 1 { "" } else { "s" })]
     Columns {
-        /// Which line, from 1.
+        /// Line, from 1.
         line: usize,
-        /// How many there should be.
+        /// Number expected.
         expected: usize,
-        /// How many there are.
+        /// Number found.
         found: usize,
     },
     /// A column holds no finite number.
     #[error("line {line}: {column} `{text}` is no number")]
     NoNumber {
-        /// Which line, from 1.
+        /// Line, from 1.
         line: usize,
-        /// Which column.
+        /// Column.
         column: &'static str,
-        /// What stands there.
+        /// The text found there.
         text: String,
     },
     /// Two lines have the same master position.
@@ -47,17 +47,17 @@ pub enum AsciiError {
     /// A line or the table is too long.
     #[error("line {line}: more than {limit} {what}")]
     TooLong {
-        /// Which line, from 1.
+        /// Line, from 1.
         line: usize,
         /// Bytes or lines.
         what: &'static str,
-        /// How many there may be.
+        /// Largest number allowed.
         limit: usize,
     },
     /// Too few points.
     #[error("a table needs 2 points, there are {found}")]
     TooFew {
-        /// How many there are.
+        /// Number found.
         found: usize,
     },
 }
@@ -87,7 +87,8 @@ pub fn write_ascii(curve: &Curve, points: usize, mut writer: impl Write) -> io::
     writer.flush()
 }
 
-/// A number of twelve digits or less if that is what it is but for rounding, 0.3 for 0.30000000000000004; else as it is.
+/// Cleans rounding noise: returns a number of at most twelve digits if `value` differs from it by rounding only, 0.3
+/// for 0.30000000000000004; else `value`.
 pub fn clean(value: f64) -> f64 {
     let short: f64 = format!("{value:.11e}").parse().unwrap_or(value);
     if (short - value).abs() <= 8.0 * f64::EPSILON * value.abs() { short } else { value }
@@ -186,7 +187,7 @@ pub fn reduce(points: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     kept
 }
 
-/// Whether the line between two points keeps the tolerance at those between them; slopes alone are rounded.
+/// True if the line between two points keeps the tolerance at those between them; slopes alone are rounded.
 fn keeps(from: &[f64; 2], to: &[f64; 2], between: &[[f64; 2]], tolerance: f64) -> bool {
     let slope = (to[1] - from[1]) / (to[0] - from[0]);
     between

@@ -1,8 +1,8 @@
-//! Jumps of a cam that a master passes.
+//! Jumps of a cam at its joints, and those that a master passes.
 
 use super::curve::Curve;
 
-/// Where the slave of a curve jumps, with the curve put end to end or not: what [`Curve::real_jumps`] tells the largest of.
+/// Jumps of a curve's slave, of a periodic curve or not; [`Curve::real_jumps`] gives the largest.
 ///
 /// Of a curve that is not put end to end both ends are among them, where the slave stays from now on, or leaves at once.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,7 +16,7 @@ pub struct Joints {
 /// A place where a slave jumps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joint {
-    /// Where, on the scale of the cam, passes included, u.
+    /// Its place on the scale of the cam, passes included, u.
     pub place: f64,
     /// By how much position (u) and y′ rise there towards greater places; 0 where they do not.
     pub rises: [f64; 2],
@@ -49,7 +49,7 @@ impl Joints {
         Self { places: begin.into_iter().chain(inner).chain(stop).collect(), width, repeated }
     }
 
-    /// Whether the slave jumps nowhere.
+    /// True if the slave does not jump.
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()
     }

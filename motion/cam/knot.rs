@@ -1,4 +1,4 @@
-//! Points of a cam and the polynomials between them.
+//! Points (knots) of a cam and the polynomials between them.
 
 /// A point of a polynomial cam (`SMC_CAMXYVA`, manual 4.7): where the slave is, and how it moves there.
 ///
@@ -64,9 +64,9 @@ pub struct Derivatives {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub(crate) struct Piece {
-    /// Where it begins, master.
+    /// Its begin, master.
     pub(crate) start: f64,
-    /// How long it is, master.
+    /// Its width, master.
     pub(crate) width: f64,
     /// Coefficients in ascending powers of the distance from the start.
     pub(crate) c: [f64; 6],

@@ -1,8 +1,8 @@
-//! How fast the master of a cam may move.
+//! Maximum master velocity and acceleration of a cam under the limits of its slave.
 //!
-//! The largest magnitude of the slave's velocity, acceleration and jerk over all |v|, |a|, |j| of the master up to given
-//! ones is a sum of magnitudes, which is convex and grows with each of them: where it reaches a limit Newton's method,
-//! begun above, comes down to without ever passing it.
+//! The largest magnitude of the slave's velocity, acceleration and jerk over all |v|, |a|, |j| of the master up to
+//! given ones is a sum of magnitudes, which is convex and grows with each of them. Newton's method, started above,
+//! therefore comes down to the point where it reaches a limit without ever passing it.
 
 use super::bounds::{Factors, MasterMotion, Peak, Quantity, SlaveLimits, scaled};
 use super::curve::{Curve, Jump};
@@ -14,11 +14,11 @@ use crate::short::Short;
 pub struct Largest {
     /// Velocity, u/s, or acceleration, u/s²; infinite if nothing limits it.
     pub value: f64,
-    /// What limits it, and where the master is then; none if nothing does.
+    /// Limiting quantity, and the master position; none if nothing limits it.
     pub limited: Option<(Quantity, f64)>,
 }
 
-/// Why no motion of the master is slow enough.
+/// Reason why no motion of the master is slow enough.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LimitError {
     /// The master's acceleration or jerk alone, or its velocity where the acceleration is asked for, asks for too much.
@@ -27,9 +27,9 @@ pub enum LimitError {
     TooMuch {
         /// Of what.
         quantity: Quantity,
-        /// How much it is.
+        /// The peak.
         peak: Peak,
-        /// What is allowed.
+        /// The limit.
         limit: f64,
     },
     /// The curve jumps, so that what comes out is infinite at any velocity.
@@ -37,7 +37,7 @@ pub enum LimitError {
         if matches!(.quantity, Quantity::Velocity) { "" } else if matches!(.quantity, Quantity::Acceleration) { "\u{2032}" } else { "\u{2033}" },
         Short(.jump.by), Short(.jump.master))]
     Unbounded {
-        /// What has no bound.
+        /// The quantity without a bound.
         quantity: Quantity,
         /// The jump of the derivative before.
         jump: Jump,
@@ -45,7 +45,7 @@ pub enum LimitError {
     /// A limit or a magnitude is negative or not a number.
     #[error("{name} is {value}, which is no magnitude")]
     NoMagnitude {
-        /// Which.
+        /// Its name.
         name: &'static str,
         /// Its value.
         value: f64,
@@ -131,7 +131,7 @@ impl Curve {
         Ok(least)
     }
 
-    /// Where the peak reaches `limit`; none if it never does.
+    /// Value at which the peak reaches `limit`; none if it never does.
     fn reach(
         &self,
         quantity: Quantity,
@@ -178,8 +178,8 @@ impl Curve {
         Some(Peak { value, master: peak.master })
     }
 
-    /// Where position, velocity and acceleration jump most, if they do: jumps that are rounding alone are none. With
-    /// `repeated` also from end to begin.
+    /// Largest jumps of position, velocity and acceleration; jumps by rounding alone do not count. With `repeated` also
+    /// from end to begin.
     pub fn real_jumps(&self, repeated: bool) -> [Option<Jump>; 3] {
         let jumps = self.jumps(repeated);
         let [position, velocity, acceleration] = self.jump_sizes();
@@ -187,7 +187,7 @@ impl Curve {
             .map(|(jump, size)| Self::is_jump(jump.by, size).then_some(jump))
     }
 
-    /// How large position, y′ and y″ are, beside which a jump may be rounding alone.
+    /// Magnitudes of position, y′ and y″, relative to which a jump may be rounding alone.
     pub(super) fn jump_sizes(&self) -> [f64; 3] {
         let extremes = self.extremes();
         let width = self.end() - self.start();
@@ -197,14 +197,14 @@ impl Curve {
         [position, velocity, extremes.acceleration.magnitude().max(velocity / width)]
     }
 
-    /// Whether that is more than rounding.
+    /// True if a jump is more than rounding.
     pub(super) fn is_jump(by: f64, size: f64) -> bool {
         by.abs() > ROUNDING * size
     }
 
-    /// What jumps where a pass ends that is not repeated (manual 4.6.1, `Periodic` FALSE): the slave stays where the curve
-    /// leads, so what is left of its velocity and acceleration is gone at once. The pass ends at the end of the range, or,
-    /// with `backwards`, at its begin. What is rounding alone is none.
+    /// Jumps at the end of a pass that is not repeated (manual 4.6.1, `Periodic` FALSE): the slave stays where the
+    /// curve leads, so what is left of its velocity and acceleration is gone at once. The pass ends at the end of the
+    /// range, or, with `backwards`, at its begin. What is rounding alone is none.
     pub fn stop_jumps(&self, backwards: bool) -> [Option<Jump>; 2] {
         let master = if backwards { self.start() } else { self.end() };
         let here = self.at(master);
@@ -238,7 +238,7 @@ impl Curve {
     }
 }
 
-/// How much the peak grows with what is looked for.
+/// Growth of the peak with the unknown.
 fn slope(
     quantity: Quantity,
     at: &MasterMotion,

@@ -1,4 +1,4 @@
-//! The way back from a cam that runs to elements that people can edit (manual 4.5, "load from the controller").
+//! Decompilation of a running cam to elements that people can edit (manual 4.5, "load from the controller").
 
 use super::error::CamError;
 use super::knot::Knot;

@@ -1,10 +1,10 @@
 //! Cams: a slave axis as a function of a master axis (manual 4, 5.4, 5.5, 10.3).
 //!
-//! [`Source`] is what people edit: points, straight lines and tappets on a scale. It is compiled to a [`Cam`], polynomial
-//! or a table, whose [`Curve`] gives the slave's position and derivatives anywhere. [`CamCoupling`] makes a slave follow one
-//! cycle by cycle; [`CamRegister`] switches bits where a master is, without a slave.
+//! [`Source`] is the editable form: points, straight lines and tappets on a scale. It is compiled to a [`Cam`], a
+//! polynomial or a table, whose [`Curve`] gives the slave's position and derivatives. [`CamCoupling`] makes a slave
+//! follow one cycle by cycle; [`CamRegister`] switches bits by the master's position, without a slave.
 //!
-//! Everything is in the axes' technical units u. There is no clock: who works cycle by cycle is told the time.
+//! Everything is in the axes' technical units u. There is no clock: the caller gives the time of each cycle.
 
 mod apart;
 mod approach;

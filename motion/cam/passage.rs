@@ -1,15 +1,15 @@
-//! Which tappets a master passes from cycle to cycle (manual 4.4.2).
+//! Tappets that a master passes from cycle to cycle (manual 4.4.2).
 //!
-//! A tappet is passed in the cycle in which the master comes to it or beyond: it acts once, then not again before the
-//! master has left the band of hysteresis around it. A passage in the direction that it does not count is none. Passages
+//! A tappet is passed in the cycle in which the master reaches it or goes beyond it. It acts once, and not again before
+//! the master has left the hysteresis band around it. A passage in a direction that does not count is ignored. Passages
 //! come in the order in which the master makes them, each with its time, interpolated between the cycles.
 //!
-//! The manual speaks of a passage only, and gives the bit a value of its own to begin with (`bInitValue`, 5.5). So a master
-//! that stands on a tappet when the cam begins (`MC_CamIn`, `Enable` of `SMC_CAMRegister`) has not come to it: the tappet acts
-//! when the master comes to it again, on a periodic cam at the begin of the next pass. [`Tappet::is_at`] finds them.
+//! The manual defines passages only, and gives the bit an initial value (`bInitValue`, 5.5). So a master that is on a
+//! tappet when the cam begins (`MC_CamIn`, `Enable` of `SMC_CAMRegister`) has not passed it: the tappet acts when the
+//! master reaches it again, on a periodic cam at the begin of the next pass. [`Tappet::is_at`] finds them.
 //!
-//! Where a cam is put end to end, the end of one pass and the begin of the next are one place. A pass is over before the next one
-//! begins: forwards what stands at the end acts first, backwards what stands at the begin.
+//! On a periodic cam the end of one pass and the begin of the next are one place. A pass is over before the next one
+//! begins: forwards the tappets at the end act first, backwards those at the begin.
 
 use super::reference::Cam;
 use super::tappet::{Action, Passage, Tappet};
@@ -20,9 +20,9 @@ use std::cmp::Ordering;
 pub struct Trigger {
     /// The group whose bit it acts on.
     pub group: i16,
-    /// What it does.
+    /// Its action.
     pub action: Action,
-    /// When the master was there, ns.
+    /// Time of the passage, ns.
     pub time_ns: i64,
 }
 
@@ -52,7 +52,7 @@ pub(crate) struct Watch {
     found: Vec<(Stands, Trigger)>,
 }
 
-/// Where a tappet stands: in which of the passes that meet at a seam, too.
+/// Place of a tappet, with the pass to which it belongs at a seam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Stands {
     at: f64,
@@ -79,7 +79,7 @@ impl Watch {
         Self { seam, ..Self::new(cam.tappets(), hysteresis, repeated.then_some(end - start)) }
     }
 
-    /// What acts in this cycle, in order.
+    /// Tappets that act in this cycle, in order.
     pub(crate) fn passed(&mut self, step: &Move) -> impl Iterator<Item = Trigger> + '_ {
         let mut step = *step;
         if let Some(width) = self.width {
@@ -138,7 +138,7 @@ impl Move {
     }
 }
 
-/// Which way a master goes.
+/// Direction of a master.
 ///
 /// It turns where it has gone back by more than a slack from the farthest point of the way before: less is the jitter of
 /// an axis that is held there.
@@ -174,7 +174,7 @@ impl Heading {
     }
 }
 
-/// Where tappets are looked for: ahead of the master, by the way it makes within the dead time.
+/// Look-ahead position of tappets: ahead of the master by its distance within the dead time.
 ///
 /// That is where it will be if it goes on as it does. For one that brakes it comes nearer, but nothing is passed backwards
 /// for that: it waits until the master has come up. When the master really turns, by more than the hysteresis, it begins
@@ -187,7 +187,7 @@ pub(crate) struct LookAhead {
     looked: f64,
 }
 
-/// How far ahead is looked, and when a master turns.
+/// Dead time of the look-ahead, and the hysteresis of a reversal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lead {
     pub(crate) dead_time_s: f64,
@@ -206,7 +206,7 @@ impl LookAhead {
         Self { heading, looked: heading.farthest + v * dead_time_s }
     }
 
-    /// Where has been looked last.
+    /// Last look-ahead position.
     pub(crate) fn looked(&self) -> f64 {
         self.looked
     }
@@ -250,7 +250,7 @@ impl Tappet {
     }
 }
 
-/// Where a tappet stands in a pass of a cam.
+/// Place of a tappet in a pass of a cam.
 fn place(master: f64, pass: f64, width: Option<f64>) -> f64 {
     match width {
         Some(width) if pass != 0.0 => master + pass * width,

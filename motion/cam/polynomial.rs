@@ -2,8 +2,7 @@
 //!
 //! A polynomial is monotone between the roots of its derivative, so the roots of the last derivative but one (a line)
 //! part the interval for the one before it, and so on up to the polynomial itself. Nothing is sampled and nothing is
-//! divided by a leading coefficient, which may be 0: a root is a change of sign on a stretch where there can be one
-//! only.
+//! divided by a leading coefficient, which may be 0: a root is a change of sign on an interval that can hold only one.
 
 /// Most coefficients of a polynomial here: degree 6.
 pub(crate) const MOST: usize = 7;

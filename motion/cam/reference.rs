@@ -1,4 +1,4 @@
-//! A cam that can be followed: its description, the curve made of it, and tappets (`MC_CAM_REF`, manual 4.7).
+//! [`Cam`]: description, curve and tappets of a cam that can be followed (`MC_CAM_REF`, manual 4.7).
 
 use super::curve::Curve;
 use super::error::CamError;
@@ -6,7 +6,7 @@ use super::knot::Knot;
 use super::table::{Equidistant, PairTable};
 use super::tappet::Tappet;
 
-/// How a cam is described (`byType`).
+/// Description of a cam (`byType`).
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// 1: slave positions at equal distances of the master.
@@ -27,7 +27,7 @@ impl Shape {
         }
     }
 
-    /// How many elements it has (`nElements`).
+    /// Number of its elements (`nElements`).
     pub fn len(&self) -> usize {
         match self {
             Self::Equidistant(table) => table.values.len(),
@@ -36,7 +36,7 @@ impl Shape {
         }
     }
 
-    /// Whether it has no element.
+    /// True if it has no element.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -85,7 +85,7 @@ impl Cam {
         &self.name
     }
 
-    /// What it is described by (`byType`, `nElements`, `pce`).
+    /// Its description (`byType`, `nElements`, `pce`).
     pub fn shape(&self) -> &Shape {
         &self.shape
     }

@@ -1,4 +1,4 @@
-//! Tappets without a slave (`SMC_CAMRegister`, manual 5.5).
+//! Cam register: tappets without a slave (`SMC_CAMRegister`, manual 5.5).
 
 use super::bit::TappetBit;
 use super::passage::{Lead, LookAhead, Move, Watch};
@@ -6,7 +6,7 @@ use super::reference::Cam;
 use super::unwrap::Unwrap;
 use std::sync::Arc;
 
-/// Inputs of a register; what it does not say is 0, the scaling 1.
+/// Inputs of a register; the defaults are 0, that of the scaling is 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegisterInput {
     /// `MasterOffset`, u of the cam.
@@ -38,7 +38,7 @@ impl Default for RegisterInput {
     }
 }
 
-/// Why a register does not begin.
+/// Reason why a register does not begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RegisterError {
     /// Error 600, `SMC_CR_NO_TAPPETS_IN_CAM`.
@@ -47,7 +47,7 @@ pub enum RegisterError {
     /// Error 601, `SMC_CR_TOO_MANY_TAPPETS`.
     #[error("tappet {index} is of group {group}, there are 1 to {most} (error 601)")]
     NoSuchGroup {
-        /// Which tappet, from 1.
+        /// Number of the tappet, from 1.
         index: usize,
         /// Its group.
         group: i16,
@@ -117,8 +117,8 @@ impl CamRegister {
         })
     }
 
-    /// Where the register looks for tappets, on the scale of the cam: (position + velocity · dead time) · scaling +
-    /// offset. Where that comes back only because the master brakes, it stays until the master has come up.
+    /// Look-ahead position of the register on the scale of the cam: (position + velocity · dead time) · scaling +
+    /// offset. If it moves back only because the master brakes, it stays until the master has caught up.
     pub fn looks_at(&self, position: f64, velocity: f64) -> f64 {
         let ahead = position + velocity * self.input.dead_time_s;
         ahead * self.input.master_scaling + self.input.master_offset

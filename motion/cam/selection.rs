@@ -1,22 +1,22 @@
-//! Which cam a slave follows, and how: `MC_CamTableSelect` and the inputs of `MC_CamIn` (manual 4.6.1, 5.4).
+//! Cam selection and the inputs of `MC_CamIn` (`MC_CamTableSelect`, manual 4.6.1, 5.4).
 
 use super::bridge::BridgeLimits;
 use super::coupling::CouplingError;
 use super::reference::Cam;
 use std::sync::Arc;
 
-/// A cam chosen for a pair of axes (`MC_CamTableSelect`, manual 5.4): what its output `CamTableID` stands for.
+/// A cam chosen for a pair of axes: the output `CamTableID` of `MC_CamTableSelect` (manual 5.4).
 #[doc(alias = "MC_CAM_ID")]
 #[doc(alias = "MC_CamTableSelect")]
 #[derive(Clone, Debug)]
 pub struct CamTable {
     /// The cam.
     pub cam: Arc<Cam>,
-    /// Whether it is put end to end; else the slave stays at its ends.
+    /// True if the cam is periodic; else the slave stays at its ends.
     pub periodic: bool,
-    /// Whether the cam is about the master's position; else its zero is laid to where the master is at the start.
+    /// True if the cam uses the master's absolute position; else its zero is the master's position at the start.
     pub master_absolute: bool,
-    /// Whether it is about the slave's position; see [`StartMode`].
+    /// True if it gives the slave's absolute position; see [`StartMode`].
     pub slave_absolute: bool,
     /// The master's period, if it is a rotary axis, u.
     pub master_period: Option<f64>,
@@ -38,7 +38,7 @@ impl CamTable {
     }
 }
 
-/// How a slave comes onto its cam (`MC_StartMode`, manual 4.6.1).
+/// Start mode of a slave on its cam (`MC_StartMode`, manual 4.6.1).
 #[doc(alias = "MC_StartMode")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum StartMode {
@@ -48,7 +48,7 @@ pub enum StartMode {
     Absolute,
     /// The cam is added to where the slave is.
     Relative,
-    /// What would be a jump is bridged on the shortest way.
+    /// A jump is bridged on the shortest way.
     RampIn,
     /// As `RampIn`, forwards on rotary slaves.
     RampInPositive,
@@ -56,7 +56,7 @@ pub enum StartMode {
     RampInNegative,
 }
 
-/// Inputs of `MC_CamIn`; what it does not say is 0, the scalings are 1.
+/// Inputs of `MC_CamIn`; the defaults are 0, those of the scalings are 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CamInput {
     /// `MasterOffset`, u of the cam.
@@ -69,7 +69,7 @@ pub struct CamInput {
     pub slave_scaling: f64,
     /// `StartMode`.
     pub start_mode: StartMode,
-    /// `VelocityDiff`: what a bridge may add to the cam's velocity, u/s.
+    /// `VelocityDiff`: velocity that a ramp-in may add to the cam's, u/s.
     pub velocity_difference: f64,
     /// `Acceleration` of a bridge, u/s².
     pub acceleration: f64,
@@ -100,7 +100,7 @@ impl Default for CamInput {
 }
 
 impl CamInput {
-    /// What a ramp may use (error 627 without).
+    /// Limits of a ramp-in (error 627 without).
     pub(super) fn ramp_limits(&self) -> Result<BridgeLimits, CouplingError> {
         let [velocity, acceleration, deceleration] = self.ramp()?;
         Ok(BridgeLimits { velocity, acceleration, deceleration })

@@ -1,5 +1,4 @@
-//! Cams as people make them: points, straight lines and tappets on a scale, and what is compiled from them (manual 4.2 to
-//! 4.4).
+//! Cam source as edited: points, straight lines and tappets on a scale, and its compilation (manual 4.2 to 4.4).
 
 use super::curve::Curve;
 use super::error::CamError;
@@ -18,7 +17,7 @@ pub struct Scale {
     pub max: f64,
     /// Distance of the marks in a picture, u.
     pub step: f64,
-    /// What u is.
+    /// Unit of u.
     pub unit: String,
 }
 
@@ -56,7 +55,7 @@ impl Element {
     }
 }
 
-/// What a cam consists of.
+/// Kind of a cam: a curve, or tappets only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// A curve, with or without tappets.
@@ -86,31 +85,31 @@ pub struct Source {
     pub tappets: Vec<Tappet>,
 }
 
-/// What a cam is compiled to (manual 4.4.3); the fourth mode is not to compile it.
+/// Result of compiling a cam (manual 4.4.3); the fourth mode is not to compile it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Compile {
     /// Points with velocity and acceleration: nothing is lost.
     Polynomial,
     /// Slave positions at equal distances of the master.
     Equidistant {
-        /// How many.
+        /// Number of points.
         points: usize,
         /// Type of the numbers.
         variable: VariableType,
-        /// What they stand for.
+        /// Their scale.
         slave: TableScale,
         /// Between the points.
         interpolation: Interpolation,
     },
     /// Pairs: lines get their ends only, the others are spread evenly over the rest.
     Elements {
-        /// How many.
+        /// Number of points.
         points: usize,
         /// Type of the numbers.
         variable: VariableType,
-        /// What those of the master stand for.
+        /// Scale of the master numbers.
         master: TableScale,
-        /// What those of the slave stand for.
+        /// Scale of the slave numbers.
         slave: TableScale,
         /// Between the points.
         interpolation: Interpolation,

@@ -1,4 +1,4 @@
-//! Tables of points: equidistant slave positions, or pairs of master and slave (manual 4.4.3, 4.7).
+//! Cam tables: equidistant slave positions, or pairs of master and slave (manual 4.4.3, 4.7).
 //!
 //! A table holds numbers of a type of its own (`INT` … `LREAL`) and in units of its own, which a scale maps onto those of
 //! the axes. Between its points the slave moves along straight lines or along cubics.
@@ -103,7 +103,7 @@ impl VariableType {
     }
 }
 
-/// How a table goes on between its points (`byInterpolationQuality`).
+/// Interpolation of a table between its points (`byInterpolationQuality`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Interpolation {
     /// Straight lines, 1: the velocity jumps at the points.
@@ -129,7 +129,7 @@ impl Interpolation {
     }
 }
 
-/// Which numbers of a table stand for which positions (`fEditorMasterMin` … `fTableSlaveMax`, manual 4.7).
+/// Scale of a table: its numbers and their positions (`fEditorMasterMin` … `fTableSlaveMax`, manual 4.7).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TableScale {
     /// Position (`fEditor…Min`), u.
@@ -156,7 +156,7 @@ impl TableScale {
         Err(CamError::Scaling { axis, min, max, table_min, table_max })
     }
 
-    /// The position a number stands for, u.
+    /// The position of a number, u.
     pub fn position(&self, number: f64) -> f64 {
         let share = (number - self.table_min) / (self.table_max - self.table_min);
         self.min + share * (self.max - self.min)
@@ -179,9 +179,9 @@ pub struct Equidistant {
     pub start: f64,
     /// End of the master's range, u.
     pub end: f64,
-    /// Whether the last number stands one step before the end, where the first one comes again; else at the end.
+    /// True if the last number is one step before the end, where the first one repeats; else it is at the end.
     pub periodic: bool,
-    /// What the numbers stand for.
+    /// Scale of the numbers.
     pub slave: TableScale,
     /// Between the points.
     pub interpolation: Interpolation,
@@ -212,7 +212,7 @@ impl Equidistant {
         curve(knots, self.interpolation, self.periodic)
     }
 
-    /// Where number `index` stands, master u.
+    /// Position of number `index`, master u.
     pub fn master(&self, index: usize) -> f64 {
         let steps = if self.periodic { self.values.len() } else { self.values.len().max(2) - 1 };
         if index == steps {
@@ -230,11 +230,11 @@ impl Equidistant {
 pub struct PairTable {
     /// Type of the numbers.
     pub variable: VariableType,
-    /// What the first number of a pair stands for.
+    /// Scale of the first number of a pair.
     pub master: TableScale,
-    /// What the second one stands for.
+    /// Scale of the second one.
     pub slave: TableScale,
-    /// Whether the tangents at both ends are one.
+    /// True if the tangents at both ends are equal.
     pub periodic: bool,
     /// Between the points.
     pub interpolation: Interpolation,

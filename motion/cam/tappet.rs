@@ -2,7 +2,7 @@
 
 use super::error::CamError;
 
-/// Which passages of the master trigger a tappet.
+/// Passages of the master that trigger a tappet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Passage {
     /// With the master's position growing.
@@ -14,7 +14,7 @@ pub enum Passage {
     Every,
 }
 
-/// What a tappet does to the bit of its group.
+/// Action of a tappet on the bit of its group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Action {
     /// Switches it on.
@@ -38,11 +38,11 @@ pub enum Action {
 pub struct Tappet {
     /// Number of the group whose bit it acts on; several may share one.
     pub group: i16,
-    /// Where it stands, master u. Where the slave is then follows from the curve.
+    /// Its place, master u. The slave position there follows from the curve.
     pub master: f64,
-    /// When it acts.
+    /// Passages that trigger it.
     pub passage: Passage,
-    /// What it does.
+    /// Its action.
     pub action: Action,
 }
 

@@ -1,4 +1,4 @@
-//! Positions of axes that begin again, as ones that do not.
+//! Unwrapping of axis positions that jump back at the end of a period.
 
 /// Follows the positions of an axis over the ends of its period.
 #[derive(Clone, Copy, Debug, PartialEq)]

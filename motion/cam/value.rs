@@ -1,4 +1,4 @@
-//! The bit of a group of tappets of a coupling (`SMC_GetTappetValue`, manual 5.5).
+//! Tappet value: the bit of a tappet group of a coupling (`SMC_GetTappetValue`, manual 5.5).
 
 use super::bit::TappetBit;
 use super::coupling::TappetData;

@@ -1,11 +1,11 @@
-//! The arcs of G2 and G3 (manual 3.2.4).
+//! Arcs of G2 and G3 from centre or radius (manual 3.2.4).
 
 use super::error::DecodeError;
 use crate::path::Arc;
 use nalgebra::{Point2, Point3, Vector2};
 use std::f64::consts::TAU;
 
-/// How far the distances of start and end from the centre may differ, m. The manual wants them equal and gives no
+/// Largest difference of the distances of start and end from the centre, m. The manual wants them equal and gives no
 /// number; programs with three decimals are off by up to 3 µm.
 const RADIUS_TOLERANCE: f64 = 5e-6;
 

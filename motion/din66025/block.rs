@@ -1,11 +1,11 @@
-//! A block: what its words store, from right to left.
+//! Block of a program: evaluates its words from right to left.
 
 use super::error::{DecodeError, Problem};
 use super::word::{Command, Letter, Word};
 use crate::path::{AxisMask, MAX_SWITCHES};
 use std::ops::Range;
 
-/// What the words of a block stored, in the units of the program.
+/// Values stored by the words of a block, in the units of the program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Block {
     /// The N word.
@@ -54,7 +54,7 @@ pub(super) struct Request {
     pub(super) columns: Range<usize>,
 }
 
-/// Where along its object a switch is.
+/// Place of a switch along its object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum SwitchPlace {
     /// L: mm from the start, or below zero from the end.
@@ -63,7 +63,7 @@ pub(super) enum SwitchPlace {
     Part(f64),
 }
 
-/// What is wrong, and what is strange, with a block.
+/// Errors and warnings of a block.
 #[derive(Debug, Default)]
 pub(super) struct Complaints {
     pub(super) problems: Vec<Problem>,

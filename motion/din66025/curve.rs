@@ -1,4 +1,4 @@
-//! The curves of a block: G2, G3, G6, G8, G9.
+//! Curves of a block: G2, G3, G6, G8, G9.
 
 use super::arc;
 use super::block::{Block, columns_of};
@@ -13,7 +13,7 @@ const ON_LINE: f64 = 1e-9;
 /// R and the ratio that start and end tell may differ by as much: programs round.
 const RATIO_TOLERANCE: f64 = 1e-3;
 
-/// What a block says of its curve.
+/// Words of a block that describe its curve.
 pub(super) struct CurveWords<'a> {
     pub(super) block: &'a Block,
     pub(super) words: &'a [Word],

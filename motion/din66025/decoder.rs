@@ -1,4 +1,4 @@
-//! Reads a program line by line.
+//! Decoder (`SMC_NCDecoder`): reads a program line by line.
 
 use super::block::{Block, Complaints};
 use super::error::{DecodeError, Failure, Item, Problem};
@@ -20,22 +20,22 @@ pub const MAX_LINE_BYTES: usize = 1 << 16;
 
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// Jumps (G20) a program may take unless told otherwise.
+/// Default limit of the jumps (G20) of a program.
 pub const DEFAULT_JUMPS: u32 = 100_000;
 
 /// So many targets of jumps are remembered; others are looked for anew each time.
 const REMEMBERED_TARGETS: usize = 4096;
 
-/// What a decoder must know besides the program.
+/// Options of a decoder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DecoderOptions {
-    /// Where the program starts if it does not begin with G92, m (`piStartPosition`).
+    /// Start position if the program does not begin with G92, m (`piStartPosition`).
     pub start: [f64; 3],
-    /// Where the extra axes P Q U V W start, u.
+    /// Start positions of the extra axes P Q U V W, u.
     pub start_extra: ExtraPosition,
     /// Leaves out the blocks that begin with `/` (`bStepSuppress`). What is in them is not looked at.
     pub skip_suppressed_blocks: bool,
-    /// What `$name$` stands for.
+    /// Variables for `$name$`.
     pub variables: Variables,
     /// Jumps (G20) the program may take before it counts as endless.
     pub jumps: u32,
@@ -144,7 +144,7 @@ impl<R: BufRead> Decoder<R> {
         self.next.lines
     }
 
-    /// Where the blocks read so far leave the tool, m.
+    /// Position of the tool after the blocks read so far, m.
     pub fn position(&self) -> Point3<f64> {
         self.state.position()
     }
@@ -310,7 +310,7 @@ impl<R: BufRead> Iterator for Decoder<R> {
 
 impl<R: BufRead> FusedIterator for Decoder<R> {}
 
-/// Where the first byte that is not blank is, from `at` on, and which.
+/// Place and value of the first byte that is not blank, from `at` on.
 fn first_word(line: &[u8], at: usize) -> Option<(usize, u8)> {
     line.iter().copied().enumerate().skip(at).find(|(_, byte)| !matches!(byte, b' ' | b'\t'))
 }

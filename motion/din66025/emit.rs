@@ -1,4 +1,5 @@
-//! The last steps to path elements, for which one has to know the next: ends of preparation, splines, switches.
+//! Emitter of path elements: the last steps that need the next element, such as ends of preparation, splines and
+//! switches.
 
 use super::block::{Request, SwitchPlace};
 use super::error::DecodeError;

@@ -1,4 +1,4 @@
-//! What can be wrong with a program, and where.
+//! Decode errors and warnings, with line and columns.
 
 use crate::decode::{self, Rule, TextError};
 use crate::path::EllipseError;
@@ -7,12 +7,12 @@ use std::ops::Range;
 
 /// One thing wrong with a block.
 pub type Diagnostic = decode::Diagnostic<DecodeError>;
-/// Why the decoder has no element to give.
+/// Reason why the decoder has no element.
 pub type Failure = decode::Failure<DecodeError>;
-/// What the decoder makes of a program.
+/// Output item of the decoder.
 pub type Item = decode::Item<DecodeError>;
 
-/// What is wrong with a block (manual 3.2). Numbers are in the units of the program.
+/// Error or warning of a block (manual 3.2). Numbers are in the units of the program.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DecodeError {
     /// The first line is not the `%` line.
@@ -51,7 +51,7 @@ pub enum DecodeError {
         /// The word's letter.
         letter: char,
     },
-    /// What follows the letter is no number.
+    /// The letter is not followed by a number.
     #[error("what follows {letter} is no number")]
     InvalidNumber {
         /// The word's letter.
@@ -190,7 +190,7 @@ pub enum DecodeError {
     VariableOverflow {
         /// Name of its type.
         kind: &'static str,
-        /// What it would become.
+        /// Value that it would get.
         value: f64,
         /// Smallest value of the type.
         min: f64,

@@ -1,4 +1,4 @@
-//! Words that their block does not use.
+//! Unused words of a block: errors and warnings.
 
 use super::block::Block;
 use super::error::DecodeError;

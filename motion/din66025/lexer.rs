@@ -1,4 +1,4 @@
-//! From the bytes of a line to words.
+//! Lexer: the bytes of a line to words.
 
 use super::error::{DecodeError, Problem};
 use super::variables::Variables;

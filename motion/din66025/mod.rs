@@ -1,4 +1,4 @@
-//! SoftMotion's DIN 66025 dialect (manual 3.2): text to path elements, `SMC_NCDecoder`.
+//! SoftMotion's DIN 66025 dialect (manual 3.2): decodes program text to path elements, `SMC_NCDecoder`.
 //!
 //! ```text
 //! % name                              the first line
@@ -10,16 +10,16 @@
 //! may be suppressed.
 //!
 //! The words of a block act from right to left: every word but G stores its number, the leftmost of its letter last,
-//! and then G reads them. F, E, D, S, the modes and the target stay from block to block; I, J, K, L, M, O, R and H hold
-//! for one block. Without a G word the last path command (G0 to G3, G5, G6, G8, G9) repeats, G1 at first.
+//! and then G reads them. F, E, D, S, the modes and the target are modal; I, J, K, L, M, O, R and H hold for one block.
+//! Without a G word the last path command (G0 to G3, G5, G6, G8, G9) repeats, G1 at first.
 //!
-//! `$name$` in place of a number stands for a variable ([`Variables`]), which is looked up when its line is decoded and
-//! which G36 and G37 change. G20 goes on with another block; the same line may so be decoded many times.
+//! `$name$` in place of a number is a variable ([`Variables`]): its value is looked up when its line is decoded, and
+//! G36 and G37 change it. G20 jumps to another block, so the same line may be decoded many times.
 //!
-//! Where the manual says nothing:
+//! Decisions where the manual is silent:
 //! - A comment ends in its line, as the block does.
-//! - A block that names no coordinate (and, for an arc, no I, J or R) is no path object: `N50 G1 F100` sets the
-//!   motion and the feed. One whose target is where the tool is already is an object of length zero.
+//! - A block without a coordinate (and, for an arc, without I, J or R) makes no path object: `N50 G1 F100` sets the
+//!   motion and the feed. A block whose target is the present position makes an object of length zero.
 //! - X, Y, Z, I, J, R in a block with G90, G91, G98 or G99 would act at some later motion; they are errors.
 //! - G92 is absolute also under G91; coordinates it leaves out stay.
 //! - An M function acts where its block has led the tool: after the block's motion.
@@ -31,7 +31,7 @@
 //! - The sign of R has no meaning (and gets a warning): an arc by R is never larger than a semicircle.
 //! - Start and end are on one circle if their distances from the centre differ by at most 5 µm, which numbers of
 //!   three decimals need.
-//! - An arc by R from a point to itself has no centre; like other arcs that cannot be, it becomes a straight line.
+//! - An arc by R from a point to itself has no centre; like other impossible arcs it becomes a straight line.
 
 mod arc;
 mod block;

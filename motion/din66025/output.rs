@@ -1,4 +1,4 @@
-//! Items of a line: elements, warnings and errors, each reported once.
+//! Output queue of a line: elements, warnings and errors, each reported once.
 
 use super::error::{DecodeError, Diagnostic, Failure, Item};
 use crate::Place;
@@ -10,7 +10,7 @@ use std::ops::Range;
 /// Diagnostics that are remembered so that loops do not repeat them.
 const REMEMBERED_DIAGNOSTICS: usize = 4096;
 
-/// What a line gives: a few items, in order.
+/// Items of a line, in order.
 #[derive(Debug, Default)]
 pub(super) struct Output {
     pub(super) items: VecDeque<Result<Item, Failure>>,

@@ -1,4 +1,4 @@
-//! The same program with feeds that its machine can go; see [`crate::refeed`].
+//! Feed reduction for this dialect: rewrites F words that a machine cannot reach; see [`crate::refeed`].
 //!
 //! In this dialect F governs rapids (G0), too. An F word whose number is a variable becomes a number where it must be
 //! lower. A line that is executed several times (G20) gets the smallest feed it needs, wherever the program comes from.
@@ -18,7 +18,7 @@ use std::io::{self, BufRead, Cursor, Seek, SeekFrom};
 /// mm in one m: F is mm/s, feeds are m/s.
 const MM: f64 = 1e3;
 
-/// Writes the program in `reader` to `out` with feeds of at most `limits`; what is wrong with the program stays wrong.
+/// Writes the program in `reader` to `out` with feeds of at most `limits`; errors of the program stay.
 ///
 /// `options` are those with which the limits were found. The limits come in the order of lines, each perhaps a little
 /// late ([`RefeedError::Late`]). Of a program without jumps no more than a few lines are held. One that may jump (it
@@ -53,7 +53,7 @@ fn follower(options: &DecoderOptions) -> Follower {
     Decoder::new(Cursor::new(Vec::new()), options.clone())
 }
 
-/// What a line that has just been carried out says about feeds.
+/// Feeds of a line that has just been executed.
 struct Step {
     /// Its own F, mm/s.
     own: Option<f64>,
@@ -72,7 +72,7 @@ fn feed_line(decoder: &mut Follower, line: &[u8]) -> io::Result<Step> {
     Ok(step(decoder))
 }
 
-/// What the line that `decoder` has carried out last says. Takes its elements.
+/// Feeds of the line that `decoder` executed last. Takes its elements.
 fn step<R>(decoder: &mut Decoder<R>) -> Step {
     let place = decoder.out.place();
     let mut moves = decoder
@@ -101,7 +101,7 @@ fn edit(line: &[u8], words: &[Word], number: &str) -> Option<Edit> {
     }
 }
 
-/// What a line of the path needs where `programmed` (mm/s) is in force and `limit` (m/s) allowed.
+/// Feed that a line of the path needs, with `programmed` (mm/s) in force and `limit` (m/s) allowed.
 enum Need {
     /// What is programmed.
     Programmed,
@@ -179,7 +179,7 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Interpreter for Running<I> {
     }
 }
 
-/// What the lines of a program with jumps need.
+/// Feeds that the lines of a program with jumps need.
 #[derive(Debug, Default)]
 struct Plan {
     /// Lines with a feed of their own, mm/s.

@@ -1,4 +1,4 @@
-//! Which kinds of path preparation a program names, without decoding it.
+//! Scan of a program for the preparation stages and jumps that it names, without decoding it.
 
 use crate::path::Marks;
 use std::io::{self, BufRead};
@@ -14,8 +14,8 @@ pub fn marks_in(program: impl BufRead) -> io::Result<Marks> {
     Ok(marks)
 }
 
-/// Whether a program may jump (G20): whether it names the command anywhere, in comments, too, or a command whose number
-/// is a variable.
+/// True if a program may jump (G20): it names the command anywhere, in comments, too, or a command whose number is a
+/// variable.
 ///
 /// # Errors
 /// If `program` cannot be read.

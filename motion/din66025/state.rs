@@ -1,4 +1,5 @@
-//! What stays from block to block, and what a block makes of it.
+//! Modal state of the DIN 66025 interpreter: modes, feed, target and variables between blocks, and the execution of a
+//! block.
 
 use super::block::{Block, Operand, columns_of};
 use super::curve::CurveWords;
@@ -36,7 +37,7 @@ pub(super) struct State {
     position: Point3<f64>,
     /// And the extra axes, u.
     extra: ExtraPosition,
-    /// Whether they have been named.
+    /// True if they have been named.
     has_extra: bool,
     /// The same in mm, as programmed: relative targets add up without the rounding of metres.
     programmed: [f64; 8],

@@ -1,4 +1,4 @@
-//! Variables of the controller that a program may name in place of numbers (manual 3.2.3, 3.2.8 and 10.2).
+//! Variables of the controller that replace numbers in a program (manual 3.2.3, 3.2.8 and 10.2).
 
 use super::error::DecodeError;
 use std::collections::BTreeMap;
@@ -36,7 +36,7 @@ const TYPES: [Type; 11] = [
 ];
 
 impl Type {
-    /// What a variable of this type holds after `value` is assigned to it: whole types round to the nearest number,
+    /// Value of a variable of this type after `value` is assigned to it: whole types round to the nearest number,
     /// halves away from zero.
     ///
     /// # Errors

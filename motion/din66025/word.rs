@@ -1,4 +1,4 @@
-//! Words: a letter and a number.
+//! Words of the language: letters, numbers and their ranges.
 
 use super::error::DecodeError;
 use crate::path::Marks;
@@ -171,7 +171,7 @@ impl Letter {
         }
     }
 
-    /// What is wrong with `value` as this letter's number, if anything.
+    /// Error of `value` as this letter's number, if any.
     #[inline]
     pub(super) fn check(self, value: f64) -> Option<DecodeError> {
         let letter = self.as_char();
@@ -260,7 +260,7 @@ impl Motion {
     }
 }
 
-/// What a G word asks for.
+/// Command of a G word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Command {
     /// G0 to G9.

@@ -1,4 +1,4 @@
-//! Joins what touches, and finds an order.
+//! Sections of a drawing: joins touching chains and orders them.
 
 use super::expand::Chain;
 use super::primitive::Primitive;

@@ -1,4 +1,4 @@
-//! Entities to primitives.
+//! Conversion of entities to primitives.
 
 use super::error::Reason;
 use super::primitive::{Affine, Primitive};

@@ -1,9 +1,9 @@
-//! What goes wrong with a drawing, and what is left out of it.
+//! Errors of a drawing, and notes about omitted or approximated parts.
 
 use std::fmt;
 use std::io;
 
-/// Why a drawing cannot be read.
+/// Error of reading a drawing.
 #[derive(Debug, thiserror::Error)]
 pub enum DxfReadError {
     /// Reading fails.
@@ -27,13 +27,13 @@ pub enum DxfReadError {
     /// More bytes than allowed.
     #[error("the drawing has more than {limit} bytes")]
     TooLarge {
-        /// How many are allowed.
+        /// Largest number allowed.
         limit: u64,
     },
     /// More pieces of path than allowed, blocks inserted.
     #[error("the drawing has more than {limit} pieces of path")]
     TooMany {
-        /// How many are allowed.
+        /// Largest number allowed.
         limit: usize,
     },
     /// Blocks inserted in blocks, too deep or in a circle.
@@ -41,7 +41,7 @@ pub enum DxfReadError {
     TooDeep {
         /// Line of the outermost INSERT.
         line: u64,
-        /// How deep they may be.
+        /// Largest depth allowed.
         limit: usize,
     },
     /// Values of entities cannot be understood.
@@ -59,7 +59,7 @@ pub enum DxfReadError {
     },
 }
 
-/// Why something of a drawing is not, or not exactly, in the path.
+/// Reason why a part of a drawing is not, or not exactly, in the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Reason {
     /// A kind of entity that is no path, or that is not known.
@@ -99,14 +99,14 @@ impl fmt::Display for Reason {
     }
 }
 
-/// What is not, or not exactly, in the path.
+/// Note about a part that is not, or not exactly, in the path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
     /// Kind of entity, as the file names it.
     pub kind: String,
-    /// Why.
+    /// The reason.
     pub reason: Reason,
-    /// How many; those in a block count once for each time it is inserted.
+    /// Their number; those in a block count once for each insertion.
     pub count: u64,
 }
 

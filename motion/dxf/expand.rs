@@ -1,4 +1,4 @@
-//! The whole drawing as chains of primitives, blocks inserted.
+//! Expansion of a drawing: inserts its blocks and gives chains of primitives.
 
 use super::error::{DxfReadError, Note, Reason};
 use super::primitive::{Affine, Primitive};
@@ -9,7 +9,7 @@ use ::dxf::{Block, Drawing};
 use nalgebra::{Matrix2, Rotation2, Vector3};
 use std::collections::{BTreeMap, HashMap};
 
-/// What one entity gives: connected pieces, m.
+/// Connected pieces of one entity, m.
 #[derive(Clone, Debug)]
 pub(super) struct Chain {
     pub(super) pieces: Vec<Primitive>,
@@ -32,7 +32,7 @@ pub(super) struct Expander<'a> {
     notes: BTreeMap<(String, Reason), u64>,
 }
 
-/// How something gets into the drawing.
+/// Insertion of a block into the drawing.
 #[derive(Clone, Copy)]
 struct Insertion<'a> {
     map: Affine,
@@ -213,7 +213,7 @@ impl<'a> Expander<'a> {
     }
 }
 
-/// Whether the crate has read what is in the file.
+/// Checks that the crate has read everything in the file.
 fn complete<'e>(
     entities: impl Iterator<Item = &'e Entity>,
     items: &Items,

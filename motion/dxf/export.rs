@@ -1,4 +1,4 @@
-//! Paths to drawings.
+//! DXF export: a path as a drawing.
 
 use crate::path::{Arc, Chords, Cubic, ElementKind, Ellipse, Linearise, PathElement, Shape};
 use ::dxf::enums::{AcadVersion, Units};
@@ -9,11 +9,11 @@ use std::convert::Infallible;
 use std::f64::consts::TAU;
 use std::io::{self, Write};
 
-/// Where rapids are drawn.
+/// Layer of rapids.
 const RAPID: &str = "RAPID";
-/// Where cuts are drawn.
+/// Layer of cuts.
 const CUT: &str = "CUT";
-/// Where probing moves are drawn.
+/// Layer of probing moves.
 const PROBE: &str = "PROBE";
 /// Entities get handles from here on: those of the tables are far below.
 const FIRST_HANDLE: u64 = 0x1_0000;
@@ -34,7 +34,7 @@ const VOLATILE: [&str; 8] = [
     "$VERSIONGUID",
 ];
 
-/// Why a drawing cannot be written.
+/// Error of writing a drawing.
 #[derive(Debug, thiserror::Error)]
 pub enum DxfWriteError {
     /// Writing fails.

@@ -1,4 +1,4 @@
-//! Drawings to programs.
+//! DXF import: a drawing as programs.
 
 use super::arrange::{self, Section};
 use super::error::{DxfReadError, Note};
@@ -14,7 +14,7 @@ use std::io::BufRead;
 /// Ends as near as this are made the same point, m; wider gaps are bridged by a line.
 const SNAP: f64 = 1e-6;
 
-/// How a drawing is divided into programs (manual 3.3).
+/// Division of a drawing into programs (manual 3.3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Split {
     /// One program for all.
@@ -39,15 +39,15 @@ pub enum Order {
 /// Heights between which the tool goes down to cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heights {
-    /// Where rapids travel, m.
+    /// Height of rapids, m.
     pub safe: f64,
-    /// Where the tool cuts, m: all of the drawing is there then.
+    /// Height of cuts, m: all of the drawing is at this height.
     pub cut: f64,
     /// Feed downwards, m/s.
     pub plunge_feed: f64,
 }
 
-/// What a hostile drawing cannot exceed.
+/// Limits that a hostile drawing cannot exceed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Bytes of the file.
@@ -66,7 +66,7 @@ impl Default for Limits {
     }
 }
 
-/// What to make of a drawing.
+/// Options of the import.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImportOptions {
     /// Programs.
@@ -75,9 +75,9 @@ pub struct ImportOptions {
     pub order: Order,
     /// Ends that are at most this far apart are joined, m.
     pub join_tolerance: f64,
-    /// What cannot be kept as it is (rational splines) is replaced by lines that stay this near, m.
+    /// Tolerance of the lines that replace curves which cannot be kept (rational splines), m.
     pub chord_tolerance: f64,
-    /// Where every program starts, m.
+    /// Start of every program, m.
     pub start: Point3<f64>,
     /// Heights; without them the heights of the drawing hold and rapids go straight.
     pub heights: Option<Heights>,
@@ -119,16 +119,16 @@ pub struct Program {
     pub sections: usize,
 }
 
-/// What a drawing gives.
+/// Result of an import.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Import {
     /// The programs.
     pub programs: Vec<Program>,
-    /// What is not, or not exactly, in them.
+    /// Notes about parts that are not, or not exactly, in them.
     pub notes: Vec<Note>,
     /// Length of the drawing's unit, m.
     pub unit: f64,
-    /// Whether the drawing says so (`$INSUNITS`).
+    /// True if the drawing gives it (`$INSUNITS`).
     pub unit_known: bool,
 }
 

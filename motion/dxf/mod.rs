@@ -1,12 +1,12 @@
 //! Drawings (DXF) to paths and back (manual 3.3, "DXF import").
 //!
 //! [`import`] takes the lines, arcs, circles, polylines, ellipses, splines and inserted blocks of a drawing, joins what
-//! touches to connected sections, orders them, and makes a program of all, one per layer or one per section. What it
-//! leaves out or only approximates it says in its [`Note`]s.
+//! touches to connected sections, orders them, and makes programs of them: one for all, one per layer or one per
+//! section. Its [`Note`]s list omitted and approximated parts.
 //!
-//! The `dxf` crate reads entities and blocks. It says nothing about entities it does not know, stops without a word
-//! at one it cannot read, and does not tell which layers are frozen; so the file is surveyed first, only what is
-//! understood is handed to the crate, and what comes back is counted.
+//! The `dxf` crate reads entities and blocks. It ignores unknown entities, stops silently at one it cannot read, and
+//! does not report frozen layers. Therefore the file is surveyed first, the crate gets only the understood entities,
+//! and its results are counted.
 //!
 //! [`DxfWriter`] writes a path as a drawing with the layers RAPID, CUT and PROBE.
 

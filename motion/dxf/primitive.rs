@@ -1,4 +1,4 @@
-//! Pieces of a drawing that survive being inserted: lines, arcs of ellipses, and Bézier curves.
+//! Primitives of a drawing that stay primitives under insertion: lines, arcs of ellipses, and Bézier curves.
 
 use crate::path::{Arc, Cubic, Ellipse, Shape};
 use nalgebra::{Matrix2, Point2, Point3, Vector2, Vector3};

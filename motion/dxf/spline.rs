@@ -1,4 +1,4 @@
-//! Splines: the piece of each knot span as a Bézier curve, or as straight lines.
+//! Splines: each knot span as a Bézier curve, or as straight lines.
 
 use super::error::Reason;
 use super::primitive::Primitive;

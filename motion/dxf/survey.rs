@@ -1,4 +1,4 @@
-//! A first look at the file: what is in it, and which part of it the `dxf` crate shall see.
+//! Survey of a DXF file: its entities and layers, and the part that the `dxf` crate reads.
 
 use super::DxfReadError;
 use std::collections::{BTreeMap, HashMap};
@@ -19,7 +19,7 @@ const LONGEST_KIND: usize = 32;
 pub(super) struct Items {
     /// Those that are understood, in order: kind, and the line that says so.
     pub(super) understood: Vec<(&'static str, u64)>,
-    /// How many of each other kind.
+    /// Number of each other kind.
     pub(super) others: BTreeMap<String, u64>,
 }
 
@@ -32,7 +32,7 @@ impl Items {
     }
 }
 
-/// Whether a layer is shown.
+/// State of a layer: shown or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct LayerState {
     pub(super) frozen: bool,
@@ -229,7 +229,7 @@ impl Surveyor {
     }
 }
 
-/// Whether a group code belongs to an entity's geometry: not to its handles, its extended data and the like.
+/// True if a group code belongs to an entity's geometry: not to its handles, its extended data and the like.
 fn is_geometry(code: i32) -> bool {
     matches!(code, 2 | 8 | 10..=59 | 60 | 67 | 70..=79 | 90 | 91 | 210 | 220 | 230)
 }

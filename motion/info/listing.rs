@@ -1,4 +1,4 @@
-//! The beginning of a program and of a queue as text (`SMC_ShowCNCREF`, `SMC_ShowQueue`, manual 7).
+//! Listing: the first lines of a program and of a queue as text (`SMC_ShowCNCREF`, `SMC_ShowQueue`, manual 7).
 
 use crate::Place;
 use crate::path::{ElementKind, PathElement, Shape};
@@ -31,7 +31,7 @@ pub fn first_lines(mut reader: impl BufRead, count: usize) -> io::Result<Vec<Str
     Ok(lines)
 }
 
-/// What an object is: `SMC_GEOINFO.iMoveType` (manual 6.5).
+/// Kind of an object: `SMC_GEOINFO.iMoveType` (manual 6.5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MoveType {
     /// Line.
@@ -59,7 +59,7 @@ pub enum MoveType {
 }
 
 impl MoveType {
-    /// What `element` is.
+    /// Kind of `element`.
     pub fn of(element: &PathElement) -> Self {
         match (element.kind, &element.shape) {
             (ElementKind::Rapid, _) => Self::LinPos,
@@ -119,7 +119,7 @@ pub struct QueueRow {
     pub number: u64,
     /// Its block.
     pub place: Place,
-    /// What it is.
+    /// Its kind.
     pub move_type: MoveType,
     /// Start, m.
     pub start: Point3<f64>,
@@ -131,7 +131,7 @@ pub struct QueueRow {
     pub end_velocity: f64,
 }
 
-/// What the columns of a [`QueueRow`] are, in mm and mm/s.
+/// Head of the columns of a [`QueueRow`], in mm and mm/s.
 pub const QUEUE_HEADING: &str = "number  line  type                            start (mm)                             end (mm)      dVel   dVelEnd (mm/s)";
 
 impl QueueRow {

@@ -1,5 +1,5 @@
-//! What a program is, at a glance: its key figures ([`ProgramInfo`], manual 3.3), the lines that are running
-//! ([`GCodeViewer`], 6.2.2), and its first lines and objects as text ([`first_lines`], [`QueueRow`], manual 7).
+//! Program overview: key figures ([`ProgramInfo`], manual 3.3), the running lines ([`GCodeViewer`], 6.2.2), and the
+//! first lines and objects as text ([`first_lines`], [`QueueRow`], manual 7).
 
 mod listing;
 mod program;

@@ -37,12 +37,12 @@ impl Counts {
     }
 }
 
-/// How often a rule is broken, and where first.
+/// Count of a broken rule, and its first place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RuleCount {
     /// The rule.
     pub rule: Rule,
-    /// How often.
+    /// The count.
     pub count: u64,
     /// The first block that breaks it.
     pub first: Place,
@@ -67,13 +67,13 @@ pub struct ProgramInfo {
     pub cut_length: f64,
     /// The box around rapids, cuts and probing moves.
     pub bounds: Option<Bounds>,
-    /// Where the path starts, m.
+    /// Start of the path, m.
     pub start: Option<Point3<f64>>,
-    /// Where it ends, m.
+    /// End of the path, m.
     pub end: Option<Point3<f64>>,
     /// Sum of all dwells, ns.
     pub dwell_ns: i64,
-    /// How long it runs, ns: for whoever has planned it to fill in.
+    /// Duration, ns: filled in by the planner of the path.
     pub duration_ns: Option<i64>,
     /// The rules that are broken, in the order in which that happens first.
     pub rules: Vec<RuleCount>,

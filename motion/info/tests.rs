@@ -1,3 +1,5 @@
+//! Tests of key figures, listing and viewer.
+
 use super::*;
 use crate::Place;
 use crate::decode::Rule;

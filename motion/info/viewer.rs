@@ -1,4 +1,4 @@
-//! The lines of the program that are running (`SMC_GCodeViewer`, manual 6.2.2).
+//! Viewer of the running lines of a program (`SMC_GCodeViewer`, manual 6.2.2).
 
 use std::collections::VecDeque;
 
@@ -14,7 +14,7 @@ pub struct GCodeViewer {
     capacity: usize,
 }
 
-/// What a viewer cannot show.
+/// Error of a viewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ViewerError {
     /// More blocks are under way than there is room for (`SMC_GCV_BUFFER_TOO_SMALL`, 1300). The oldest is forgotten.

@@ -1,4 +1,4 @@
-//! What a piece of path asks of the velocity at its start.
+//! Braking bound: the largest start velocity of a piece of path from which it can still brake.
 
 use crate::prepare::CheckedElement;
 

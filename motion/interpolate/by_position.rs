@@ -1,4 +1,4 @@
-//! A path followed by the measured position of an axis (`SMC_XInterpolator`, manual 6.6).
+//! Interpolation by the measured position of an axis (`SMC_XInterpolator`, manual 6.6).
 
 use super::heading::{Bearing, Heading};
 use super::setpoint::Status;
@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use std::num::NonZeroU32;
 use std::task::Poll;
 
-/// Which way the workpiece moves along X (`eDirection`).
+/// Direction of the workpiece along X (`eDirection`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum XDirection {
     /// X grows.

@@ -1,4 +1,4 @@
-//! From one cycle to the next: through elements, stops, waits and changes of what is asked for (manual 6.2.9).
+//! Cycle control of the interpolator: elements, stops, waits and changed inputs (manual 6.2.9).
 
 use super::instant::Instant;
 use super::interpolator::{Interpolator, Stop};
@@ -13,7 +13,7 @@ use crate::prepare::CheckedElement;
 /// A velocity above the feed by less than this part of it is the feed.
 const ROUNDING: f64 = 1e-12;
 
-/// What there is to do with the present motion in the present cycle.
+/// Action for the present motion in the present cycle.
 enum Due {
     /// Its set-point.
     Sample,
@@ -93,7 +93,7 @@ where
         self.sample()
     }
 
-    /// Whether it rests and has to.
+    /// True if it rests and has to.
     fn waits(&mut self) -> bool {
         let Some(run) = &self.run else { return true };
         if self.stop == Stop::Requested {
@@ -109,7 +109,7 @@ where
         }
     }
 
-    /// Whether the inputs ask for staying at rest, at the end of an element (`done`) or elsewhere.
+    /// True if the inputs ask for staying at rest, at the end of an element (`done`) or elsewhere.
     pub(super) fn held(&self, done: bool) -> bool {
         self.inputs.slow_stop
             || self.inputs.emergency_stop
@@ -186,7 +186,7 @@ where
         self.attention = self.attention || (self.plan.limited() && self.plan.starved());
     }
 
-    /// Whether something is asked for that is not in effect.
+    /// True if something is asked for that is not in effect.
     fn pending(&self) -> bool {
         let stops = self.inputs.slow_stop || self.stop == Stop::Requested;
         (stops && !self.braking)
@@ -304,7 +304,7 @@ where
     }
 }
 
-/// What it takes to stop, from element to element.
+/// State of a stop, from element to element.
 struct Stopping {
     velocity: f64,
     /// Length at disposal with the same limits.
@@ -314,7 +314,7 @@ struct Stopping {
 }
 
 impl Stopping {
-    /// Whether the path cannot stop at the end of `element`, of which `length` is left; then it goes on to the next.
+    /// True if the path cannot stop at the end of `element`, of which `length` is left; then it goes on to the next.
     fn passes(
         &mut self,
         element: &CheckedElement,

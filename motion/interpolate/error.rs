@@ -1,6 +1,6 @@
-//! What the interpolators refuse.
+//! Errors of the interpolators.
 
-/// Why an interpolator cannot do what is asked.
+/// Error of an interpolator.
 ///
 /// Of the manual's errors (9.3), 1002, 1004, 1006 and 1081 cannot occur, since only what
 /// [`crate::prepare::CheckVelocities`] has seen can be planned with, and it decides the end velocities; 1005 and 1007

@@ -1,4 +1,4 @@
-//! The direction of the path seen from above: what an axis follows that turns a knife, or the last arm of a SCARA.
+//! Heading: the direction of the path seen from above, for an axis that turns a knife or the last arm of a SCARA.
 
 use crate::path::{PathElement, PathPoint};
 use nalgebra::Vector2;
@@ -64,7 +64,7 @@ impl Heading {
     }
 }
 
-/// What is remembered of the direction of the path.
+/// Memory of the direction of the path.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Bearing {
     /// None before the first.

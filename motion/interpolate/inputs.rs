@@ -1,4 +1,4 @@
-//! What may be asked of the interpolator from cycle to cycle.
+//! Inputs of the interpolator, read once per cycle: override, velocity mode, stops.
 
 use super::IpoError;
 
@@ -76,7 +76,7 @@ impl Default for Override {
     }
 }
 
-/// How the velocity goes from one value to another: `SMC_INT_VELMODE`, and one more.
+/// Velocity mode, the shape of velocity changes: `SMC_INT_VELMODE`, and one more.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum VelocityMode {
     /// `TRAPEZOID` (0): with constant acceleration.

@@ -1,4 +1,4 @@
-//! Points in time between nanoseconds.
+//! Points in time with a fraction of a nanosecond.
 
 /// A point in time: whole nanoseconds and a fraction of one.
 ///
@@ -43,7 +43,7 @@ impl Instant {
         }
     }
 
-    /// Whether it is at or before `ns`.
+    /// True if it is at or before `ns`.
     pub(crate) fn reached_at(self, ns: i64) -> bool {
         self.ns < ns || (self.ns == ns && self.fraction <= 0.0)
     }

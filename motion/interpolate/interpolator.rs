@@ -1,4 +1,4 @@
-//! Samples the planned path once per cycle.
+//! Interpolator: samples the planned path once per cycle (`SMC_Interpolator`).
 
 use super::heading::{Bearing, Heading};
 use super::instant::Instant;
@@ -81,10 +81,10 @@ pub struct Interpolator<P, E> {
     pub(super) bearing: Bearing,
 }
 
-/// What is taken over from another interpolator.
+/// State taken over from another interpolator.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Resume {
-    /// Where on the first element it goes on, m.
+    /// Its place on the first element, m.
     pub(super) at: f64,
     pub(super) now_ns: i64,
     /// Path length so far, m.
@@ -191,17 +191,17 @@ where
         }
     }
 
-    /// Whether a requested stop, or an abort, left some of the path undone.
+    /// True if a requested stop, or an abort, left a part of the path undone.
     pub fn stopped_early(&self) -> bool {
         self.stop == Stop::Early
     }
 
-    /// Whether upstream had nothing when the path could have used more (`SMC_INT_DATA_UNDERRUN`, 1003).
+    /// True if upstream had nothing when the path could have used more (`SMC_INT_DATA_UNDERRUN`, 1003).
     pub fn starved(&self) -> bool {
         self.plan.starved()
     }
 
-    /// Whether the path would be faster now if more of it were known: see [`LookAhead::limited`]
+    /// True if the path would be faster now if more of it were known: see [`LookAhead::limited`]
     /// (`SMC_WAR_INT_OUTQUEUE_TOO_SMALL`, warning 1080).
     pub fn limited(&self) -> bool {
         self.plan.limited()

@@ -1,4 +1,4 @@
-//! Look-ahead: which velocities at the transitions can really be reached, and stopped from.
+//! Look-ahead: transition velocities that can be reached, and from which the path can still stop.
 
 use super::Source;
 use super::braking::Braking;
@@ -92,7 +92,7 @@ pub struct LookAhead<I, E> {
     searched: usize,
 }
 
-/// What comes after the newest element in the queue.
+/// Continuation after the newest element in the queue.
 #[derive(Debug)]
 enum Boundary<E> {
     Unknown,
@@ -160,13 +160,13 @@ where
         }
     }
 
-    /// Whether the latest plan would be faster if more of the path were known: the window is too small
+    /// True if the latest plan would be faster if more of the path were known: the window is too small
     /// (`SMC_WAR_INT_OUTQUEUE_TOO_SMALL`, warning 1080; stops are kept nevertheless) or upstream has nothing yet.
     pub fn limited(&self) -> bool {
         self.limited
     }
 
-    /// Whether upstream had nothing when it was last asked (`SMC_INT_DATA_UNDERRUN`, 1003).
+    /// True if upstream had nothing when it was last asked (`SMC_INT_DATA_UNDERRUN`, 1003).
     pub fn starved(&self) -> bool {
         self.starved
     }
@@ -175,7 +175,7 @@ where
         self.limited = limited && matches!(self.boundary, Boundary::Unknown);
     }
 
-    /// What is known of the path.
+    /// Known part of the path.
     pub(super) fn known(&self) -> impl Iterator<Item = &Queued> {
         self.queue.iter()
     }
@@ -214,12 +214,12 @@ where
         false
     }
 
-    /// Whether nothing more can come into the queue now but for its being starved.
+    /// True if the queue takes nothing more now, except that it may be starved.
     pub(super) fn is_full(&self) -> bool {
         self.queue.len() >= self.window || !matches!(self.boundary, Boundary::Unknown)
     }
 
-    /// What is ahead.
+    /// State of the path ahead: known, not known yet, failed or ended.
     pub(super) fn ahead(&mut self) -> Ahead {
         if self.queue.is_empty() && !self.pull() {
             return match self.boundary {
@@ -340,7 +340,7 @@ where
         self.newer = Braking::NONE;
     }
 
-    /// What the known path asks of the velocity at its front.
+    /// Braking bound of the known path at its front.
     fn asked(&self) -> Braking {
         match self.queue.front() {
             Some(front) if self.folded > 0 => front.suffix.then(self.newer),

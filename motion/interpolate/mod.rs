@@ -1,4 +1,4 @@
-//! The interpolator: one set-point per cycle along the prepared path (`SMC_Interpolator`, manual 6.2.9).
+//! Interpolator: one set-point per cycle along the prepared path (`SMC_Interpolator`, manual 6.2.9).
 //!
 //! [`LookAhead`] plans the velocities at the transitions, [`Profile`] fills in the element between them, and
 //! [`Interpolator`] samples the result at the cycle:
@@ -8,8 +8,9 @@
 //!                                      Inputs (override, stops, M) ─┘   └─▶ status, switches, M, extra axes
 //! ```
 //!
-//! [`VelocityMode`] chooses between constant acceleration, sin² ramps (`SIGMOID`) and limited jerk. A path held as a
-//! whole can be gone both ways, [`TwoWayInterpolator`]; the position of a workpiece can lead it, [`XInterpolator`].
+//! [`VelocityMode`] chooses between constant acceleration, sin² ramps (`SIGMOID`) and limited jerk.
+//! [`TwoWayInterpolator`] follows a path held as a whole forwards and backwards; [`XInterpolator`] follows it by the
+//! position of a workpiece.
 
 mod braking;
 mod by_position;

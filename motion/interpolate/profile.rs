@@ -1,4 +1,4 @@
-//! Velocity profile of one element: up, along, down (`TRAPEZOID` of `SMC_INT_VELMODE`, manual 6.2.9).
+//! Trapezoidal velocity profile of one element (`TRAPEZOID` of `SMC_INT_VELMODE`, manual 6.2.9).
 
 use crate::path::PathElement;
 
@@ -43,7 +43,7 @@ impl PathState {
     }
 }
 
-/// What a profile has to respect.
+/// Limits of a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Limits {
     /// Largest velocity, m/s.

@@ -1,12 +1,12 @@
-//! Ramps without steps of the acceleration: from one velocity to another, at rest with respect to acceleration at both
-//! ends (`SIGMOID`, manual 6.2.9, and limited jerk).
+//! Velocity ramps without steps of the acceleration, which is 0 at both ends (`SIGMOID`, manual 6.2.9, and limited
+//! jerk).
 
 use super::VelocityMode;
 use super::profile::PathState;
 use super::setpoint::Status;
 use std::f64::consts::PI;
 
-/// How a ramp between two velocities is shaped.
+/// Shape of a ramp between two velocities.
 ///
 /// Both shapes are symmetric about the middle of the ramp, so that every ramp is as long as its mean velocity times
 /// its duration; they differ in the duration:
@@ -228,7 +228,7 @@ impl Ramp {
         self.end_velocity
     }
 
-    /// What it does.
+    /// Status of the interpolator during it.
     pub(super) fn status(&self) -> Status {
         Status::of_acceleration(if self.shape == Shape::Constant {
             0.0
@@ -237,7 +237,7 @@ impl Ramp {
         })
     }
 
-    /// Whether the velocity is the same all along.
+    /// True if the velocity is the same all along.
     pub(super) fn is_constant(&self) -> bool {
         self.shape == Shape::Constant
     }

@@ -1,4 +1,4 @@
-//! The element under way.
+//! Element under way: its motion, state and status.
 
 use super::Heading;
 use super::instant::Instant;
@@ -18,7 +18,7 @@ pub(super) struct Run {
     pub(super) start: Instant,
     pub(super) end: Instant,
     pub(super) motion: Motion,
-    /// How many of its switches are passed.
+    /// Number of its switches that are passed.
     pub(super) switched: usize,
     /// Its end is reached, and it is not known yet what follows.
     pub(super) done: bool,
@@ -92,7 +92,7 @@ impl Run {
         self.set(start, motion);
     }
 
-    /// What it does in `state`.
+    /// Status of the interpolator in `state`.
     #[inline]
     pub(super) fn status(&self, state: &PathState) -> Status {
         match self.motion {

@@ -1,11 +1,11 @@
-//! What the interpolator gives per cycle.
+//! Tool set-point: the interpolator's output per cycle.
 
 use super::Heading;
 use crate::Place;
 use crate::path::{EXTRA_AXES, ExtraPosition};
 use nalgebra::{Point3, Vector3};
 
-/// Where the tool shall be at one instant, in the work frame: what [`super::Interpolator`] makes per cycle.
+/// Set-point of the tool at one instant, in the work frame: the output of [`super::Interpolator`] per cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ToolSetpoint {
     /// Time since the start of the program, ns.
@@ -16,7 +16,7 @@ pub struct ToolSetpoint {
     pub rapid: bool,
     /// True on a probing move (G38.2 to G38.5), at whose end a probe may touch something.
     pub probing: bool,
-    /// What the interpolator does (`iStatus`).
+    /// Status of the interpolator (`iStatus`).
     pub status: Status,
     /// Number of the switch passed last (`iLastSwitch`); 0 before the first.
     pub last_switch: u8,
@@ -60,7 +60,7 @@ impl ToolSetpoint {
     }
 }
 
-/// What the interpolator does: `SMC_INT_STATUS`. `IPO_UNKNOWN` (0) does not occur.
+/// Status of the interpolator: `SMC_INT_STATUS`. `IPO_UNKNOWN` (0) does not occur.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Status {
     /// `IPO_INIT` (1): the path has not begun, its beginning is not wholly known.
@@ -91,7 +91,7 @@ impl Status {
         }
     }
 
-    /// Whether the path has begun and not ended (`bWorking`).
+    /// True if the path has begun and not ended (`bWorking`).
     pub const fn is_working(self) -> bool {
         !matches!(self, Self::Init | Self::Finished)
     }

@@ -1,4 +1,4 @@
-//! Where the interpolator's elements come from, and that there may be nothing yet.
+//! Source of the interpolator's elements, which may have nothing *yet*.
 
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::task::Poll;
@@ -8,7 +8,7 @@ use std::task::Poll;
 /// Every iterator is one that always has an answer. For the manual's two tasks (11.7: a slow one decodes and prepares
 /// into a queue, a fast one interpolates out of it) there is [`Incoming`].
 pub trait Source {
-    /// What it gives.
+    /// Its items.
     type Item;
 
     /// The next item: `Ready(None)` is the end of the path (`bEndOfList`), `Pending` that there is nothing *yet*.
@@ -23,7 +23,7 @@ impl<I: Iterator> Source for I {
     }
 }
 
-/// What another thread sends through a (bounded) channel; the end comes when the sender is dropped.
+/// Items that another thread sends through a (bounded) channel; the end comes when the sender is dropped.
 #[derive(Debug)]
 pub struct Incoming<T>(pub Receiver<T>);
 

@@ -1,9 +1,9 @@
-//! Decides, for profiles without steps of the acceleration, what the path does next.
+//! Span planning: the next leg of the path for profiles without steps of the acceleration.
 //!
-//! Elements with the same limits that follow one another without a bound on the velocity between them are one *span*:
-//! a ramp goes through all of them as one thing (manual 6.2.9). At the ends of a span, where feed, acceleration or a
-//! transition velocity change, no ramp is under way: the acceleration is 0 there. With sin² ramps, which are as long
-//! as those with constant acceleration, that takes no time.
+//! Consecutive elements with the same limits and without a bound on the velocity between them form one *span*: a ramp
+//! goes through all of them (manual 6.2.9). At the ends of a span, where feed, acceleration or a transition velocity
+//! change, the acceleration is 0. With sin² ramps, which are as long as those with constant acceleration, that takes no
+//! extra time.
 
 use super::Source;
 use super::look_ahead::LookAhead;
@@ -40,7 +40,7 @@ impl Span {
         }
     }
 
-    /// Whether `next` behind it has the same limits, exactly, and nothing in between has others.
+    /// True if `next` behind it has the same limits, exactly, and nothing in between has others.
     fn takes(&self, next: &Self) -> bool {
         let same = |a: f64, b: f64| a.to_bits() == b.to_bits();
         self.end_velocity >= self.feed
@@ -50,7 +50,7 @@ impl Span {
     }
 }
 
-/// Where the path is, without acceleration, and what it is about.
+/// Present state of the path, without acceleration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Now<'e> {
     pub(super) element: &'e CheckedElement,
@@ -65,11 +65,11 @@ pub(super) struct Now<'e> {
     pub(super) over: bool,
 }
 
-/// What the path does next.
+/// Next leg of the path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leg {
     pub(super) ramp: Ramp,
-    /// Where it begins, from the start of the element under way, m; negative when that is not the one in which it began.
+    /// Its begin, from the start of the element under way, m; negative when that is not the one in which it began.
     pub(super) from: f64,
     /// It ends at the end of an element: how many elements end until then, that included.
     pub(super) ends: Option<usize>,

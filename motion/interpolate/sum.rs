@@ -1,4 +1,4 @@
-//! Sums of many terms.
+//! Compensated summation of many terms (Neumaier).
 
 /// A sum whose rounding does not grow with the number of terms (Neumaier).
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,4 +1,4 @@
-//! From one element into the next, to rest and on from there.
+//! Transitions: from one element into the next, to rest, and on from rest.
 
 use super::Source;
 use super::instant::Instant;
@@ -13,7 +13,7 @@ impl<I, E> Interpolator<LookAhead<I, E>, E>
 where
     I: Source<Item = Result<CheckedElement, E>>,
 {
-    /// What is under way has come to its end. If that was all: when.
+    /// Completes the motion under way. Returns the time if the path ends with it.
     pub(super) fn motion_over(&mut self) -> Option<Instant> {
         let run = self.run.as_mut()?;
         let (end, now) = (run.end, Instant::at_ns(self.now_ns));
@@ -167,7 +167,7 @@ where
         }
     }
 
-    /// Where the smooth leg under way begins, from the start of the element under way.
+    /// Begin of the smooth leg under way, from the start of the element under way.
     fn smooth_from(&self) -> f64 {
         match self.run.as_ref().map(|run| run.motion) {
             Some(Motion::Smooth(leg)) => leg.from,

@@ -1,4 +1,4 @@
-//! Forwards and backwards along a path held as a whole (`SMC_Interpolator2Dir`, manual 6.2.11).
+//! Two-way interpolation: forwards and backwards along a path held as a whole (`SMC_Interpolator2Dir`, manual 6.2.11).
 
 use super::heading::Bearing;
 use super::interpolator::Resume;
@@ -53,7 +53,7 @@ impl TwoWayPath {
     }
 }
 
-/// Which way the path is gone (`SMC_Direction`).
+/// Direction of the motion along the path (`SMC_Direction`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Direction {
     /// `IPO_positive`: from its start to its end.
@@ -148,12 +148,12 @@ impl TwoWayInterpolator {
         Some(setpoint)
     }
 
-    /// Whether the end of the path is reached in the present direction (`bEndOfPath`).
+    /// True if the end of the path is reached in the present direction (`bEndOfPath`).
     pub fn end_of_path(&self) -> bool {
         self.ended
     }
 
-    /// Which way it goes (`nDirection`).
+    /// Present direction (`nDirection`).
     pub fn direction(&self) -> Direction {
         match self.latest {
             Some(setpoint) if setpoint.path_velocity > 0.0 && self.forwards => Direction::Positive,
@@ -162,7 +162,7 @@ impl TwoWayInterpolator {
         }
     }
 
-    /// Whether it has begun and come to rest.
+    /// True if it has begun and come to rest.
     fn rests(&self) -> bool {
         self.latest.is_some_and(|setpoint| {
             matches!(setpoint.status, Status::Waiting | Status::Finished)

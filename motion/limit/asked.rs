@@ -1,4 +1,4 @@
-//! Which rows of a cell are to be in a convex program, whether or not they seem to count.
+//! Set of limits whose rows are always in a convex program, even if they seem inactive.
 
 use super::bound::Constraint;
 use super::convex::Origin;
@@ -16,7 +16,7 @@ impl Asked {
         self.0 |= bit(origin);
     }
 
-    /// Whether the limit that a row comes from is in it.
+    /// True if the limit that a row comes from is in it.
     pub(super) fn has(self, origin: &Origin) -> bool {
         self.0 & bit(origin) != 0
     }

@@ -1,4 +1,4 @@
-//! From points of the course to the axes.
+//! [`AxisPath`]: axis positions and rates at points of the blended path, through the machine's kinematics.
 
 use super::bound::{AxisLimits, Cap, Rates};
 use super::course::{CourseElement, CoursePoint};
@@ -13,9 +13,9 @@ pub const MOST_FURTHER_ROWS: usize = 2 * MAX_AXES;
 /// The axes at one point of the course.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisPoint {
-    /// Where they are, m or rad.
+    /// Their positions, m or rad.
     pub position: AxisVector,
-    /// How they move with the parameter.
+    /// Their derivatives by the parameter.
     pub rates: Rates,
 }
 
@@ -24,7 +24,7 @@ pub trait AxisPath {
     /// Limits of the axes, in their order.
     fn limits(&self) -> &[AxisLimits];
 
-    /// Where the axes are before the first point: the first answer is the one nearest to it.
+    /// Axis positions before the first point: the first answer is the one nearest to it.
     fn home(&self) -> AxisVector;
 
     /// The axes where the course is at `s` (m) of `element`, near `near`.
@@ -38,7 +38,7 @@ pub trait AxisPath {
         near: &AxisVector,
     ) -> Result<AxisPoint, KinematicsError>;
 
-    /// How many rows [`Self::further`] gives, at every place as many: at most [`MOST_FURTHER_ROWS`].
+    /// Number of rows of [`Self::further`], the same at every place: at most [`MOST_FURTHER_ROWS`].
     fn further_rows(&self) -> usize {
         0
     }

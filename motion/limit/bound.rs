@@ -1,8 +1,8 @@
-//! What limits the motion at one place of the path, with b = u̇² and a = ü of its parameter u.
+//! Axis limits and the bounds that they give at one place of the path, with b = u̇² and a = ü of its parameter u.
 
 use twin_kinematics::AxisVector;
 
-/// What one axis can give, SI.
+/// Limits of one axis, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
     /// Largest velocity, m/s or rad/s.
@@ -43,7 +43,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// Whether the two are the same to a millionth.
+    /// True if the two are the same to a millionth.
     pub(super) fn is_about(&self, other: &Self) -> bool {
         let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (a.abs() + b.abs());
         same(self.a, other.a) && same(self.b, other.b)
@@ -97,7 +97,7 @@ pub struct Disc {
     pub b: [f64; 3],
 }
 
-/// What bounds u̇² at a place.
+/// Source of a bound of u̇² at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum CapSource {
     /// The path stops here.
@@ -129,7 +129,7 @@ impl CapSource {
     }
 }
 
-/// What holds the path back.
+/// Limit that holds the path back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Constraint {
     /// A bound on the velocity.
@@ -158,7 +158,7 @@ pub(super) fn number(index: usize) -> u8 {
 pub struct Cap {
     /// Largest u̇².
     pub v2: f64,
-    /// What asks for it.
+    /// Its source.
     pub source: CapSource,
 }
 

@@ -1,4 +1,4 @@
-//! A part of an element of the course and what is known of the motion in it.
+//! Cell: a part of an element of the blended path with its limits at both ends.
 
 use super::axis_path::MOST_FURTHER_ROWS;
 use super::bound::{AxisLimits, Cap, Disc, FIRST_FURTHER_ROW, Rates, Row};
@@ -11,17 +11,17 @@ use twin_kinematics::AxisVector;
 /// Rows along the path: the programmed acceleration and deceleration.
 pub(super) const ALONG: usize = FIRST_FURTHER_ROW as usize;
 
-/// What is known at one place of an element.
+/// Sample: the limits at one place of an element.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
     pub(super) position: AxisVector,
     pub(super) rates: Rates,
     pub(super) cap: Cap,
-    /// What bounds u̇² at a joint, if this is one.
+    /// Bound of u̇² at a joint, if this is one.
     pub(super) transition: Cap,
     /// The programmed accelerations along the path.
     pub(super) along: [Row; ALONG],
-    /// What [`AxisPath::further`] gives.
+    /// Rows of [`AxisPath::further`].
     pub(super) further: [DragRow; MOST_FURTHER_ROWS],
     /// Drag is counted as it is at this u̇; for more at any other.
     pub(super) reference: f64,
@@ -83,12 +83,12 @@ pub(super) struct Cell {
     pub(super) start: Arc<Sample>,
     pub(super) end: Arc<Sample>,
     pub(super) middle: Arc<Sample>,
-    /// What bounds u̇² at its end: a joint that is not rounded.
+    /// Bound of u̇² at its end: a joint that is not rounded.
     pub(super) joint: Cap,
     /// By how much acceleration, jerk and velocity are limited more tightly than they are, because between the places where
     /// limits are asked for they were exceeded.
     pub(super) tight: [f64; 3],
-    /// Whether jerks are limited at its ends as well, because they were exceeded there.
+    /// True if jerks are limited at its ends as well, because they were exceeded there.
     pub(super) dense: bool,
 }
 

@@ -23,7 +23,7 @@ pub(super) struct Program {
     cones: Vec<(Cone, Origin)>,
     /// Rows that are left out as long as a solution keeps them.
     spare: Vec<Spare>,
-    /// How many iterations a solution may take, if that is less than it does at most.
+    /// Largest number of iterations, if below the usual one.
     pub(super) most_iterations: Option<u32>,
 }
 
@@ -53,14 +53,14 @@ pub(super) struct Cone {
     pub(super) given: [f64; 3],
 }
 
-/// Where a row comes from.
+/// Origin of a row: the cell and its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Origin {
     /// The cell, from that of the window.
     pub(super) cell: usize,
-    /// What is limited.
+    /// The limit.
     pub(super) constraint: Constraint,
-    /// Whether it is the upper limit, of two that differ by their signs alone.
+    /// True if it is the upper limit, of two that differ by their signs alone.
     pub(super) upper: bool,
     /// By how much the right side of the row grows where the limit does, both as parts of themselves.
     pub(super) share: f64,
@@ -77,21 +77,21 @@ const MOST_ITERATIONS: u32 = 100;
 /// Less is rounding of the solver.
 const NO_GAIN: f64 = 1e-9;
 
-/// What a solve gave.
+/// Solution of a solve.
 #[derive(Debug)]
 pub(super) struct Answer {
     pub(super) x: Vec<f64>,
-    /// What it would gain in cost if a limit were larger, as cost per part of the limit: for every row that counts.
+    /// Sensitivities: the gain in cost if a limit were larger, per part of the limit, for every row that counts.
     pub(super) gains: Vec<(Origin, f64)>,
     /// The multipliers of all rows, in their order, and then of the cones.
     pub(super) duals: Vec<f64>,
     pub(super) iterations: u32,
 }
 
-/// What holds a solution: a half plane in one or two neighbouring variables.
+/// Active half plane of a solution, in one or two neighbouring variables.
 #[derive(Clone, Debug)]
 pub(super) struct Hold {
-    /// Where its multipliers are among those of an answer; they grow together.
+    /// Places of its multipliers among those of an answer; they grow together.
     pub(super) duals: std::ops::Range<usize>,
     /// Its coefficients; where there is one, the other is 0.
     pub(super) entries: [(usize, f64); 2],
@@ -161,12 +161,12 @@ impl Program {
         self.spare.push(Spare { entries, right, origin });
     }
 
-    /// Where the spare rows come from that `x` does not keep.
+    /// Origins of the spare rows that `x` does not keep.
     pub(super) fn broken(&self, x: &[f64]) -> impl Iterator<Item = Origin> {
         self.spare.iter().filter(|row| row.is_broken(x)).map(|row| row.origin)
     }
 
-    /// Whether `x` does not keep a spare row that bounds a velocity from below.
+    /// True if `x` does not keep a spare row that bounds a velocity from below.
     pub(super) fn goes_backwards(&self, x: &[f64]) -> bool {
         let below = |row: &&Spare| {
             !row.origin.upper && matches!(row.origin.constraint, Constraint::Velocity(_))
@@ -220,7 +220,7 @@ impl Program {
         self.ends.len()
     }
 
-    /// What it would gain in cost if a limit were larger, of these multipliers.
+    /// Sensitivities of the cost to the limits, from these multipliers.
     pub(super) fn gains(&self, duals: &[f64]) -> Vec<(Origin, f64)> {
         let rows = self.origins.iter().zip(duals).zip(&self.right);
         let of_rows = rows.map(|((origin, dual), right)| (*origin, dual * right * origin.share));

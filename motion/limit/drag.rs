@@ -1,4 +1,4 @@
-//! Half planes that bend with the velocity: what drags on an axis grows with u̇, not with u̇².
+//! Bounds with drag: half planes that also depend on u̇, because the drag on an axis grows with u̇, not with u̇².
 
 use super::bound::Row;
 
@@ -15,13 +15,13 @@ pub struct DragRow {
 }
 
 impl DragRow {
-    /// How much of the bound is used at these ü and u̇.
+    /// Used part of the bound at these ü and u̇.
     pub fn part(&self, acceleration: f64, velocity: f64) -> f64 {
         let Self { row: Row { a, b }, drag } = *self;
         a * acceleration + (b * velocity + drag) * velocity
     }
 
-    /// How much of it [`Self::tangent`] at the velocity `reference` counts for too much at `velocity`.
+    /// Excess of [`Self::tangent`] at the velocity `reference` over the bound at `velocity`, as a part of the bound.
     pub(super) fn surplus(&self, velocity: f64, reference: f64) -> f64 {
         if self.drag <= 0.0 {
             return 0.0;

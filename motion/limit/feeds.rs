@@ -1,10 +1,10 @@
-//! The velocity along the path that the program asks for, under the override.
+//! Programmed feed along the path under the override, and its relaxation while the path brakes.
 
 use super::course::CourseElement;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// How exactly solvers keep bounds.
+/// Accuracy with which solvers keep bounds.
 const EXACT: f64 = 4e-4;
 
 /// The override, and where it cannot be kept yet because the path has to brake first.
@@ -57,7 +57,7 @@ impl Feeds {
         }
     }
 
-    /// Where what braking comes to falls below what is programmed, or rises above it: there the bound has a kink.
+    /// Kinks of the bound: places where the braking velocity falls below the programmed one, or rises above it.
     pub(super) fn kinks(&self) -> Vec<(Arc<CourseElement>, f64)> {
         let mut kinks = Vec::new();
         for Braking { element, bounds } in &self.braking {

@@ -1,4 +1,4 @@
-//! Set-points along the planned motion, one per cycle.
+//! Follower: set-points along the planned motion, one per cycle.
 
 use super::axis_path::AxisPath;
 use super::course::{Bearing, CourseElement};
@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// A set-point, and where on the course it is.
 #[derive(Clone, Debug)]
 pub struct Followed {
-    /// What the interpolator gives per cycle.
+    /// The interpolator's output of the cycle.
     pub tool: ToolSetpoint,
     /// The element under way.
     pub element: Arc<CourseElement>,
@@ -25,7 +25,7 @@ pub struct Followed {
     pub progress: Progress,
 }
 
-/// How long M functions take beside the cycle that each of them takes, ns.
+/// Durations of M functions, in addition to the cycle that each of them takes, ns.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MTimes {
     /// By their number.
@@ -134,7 +134,7 @@ where
         &mut self.plan
     }
 
-    /// When the path came to rest, s since its start.
+    /// Time at which the path came to rest, s since its start.
     pub fn duration(&self) -> f64 {
         self.reached.seconds()
     }
@@ -281,7 +281,7 @@ fn speed(point: &PathPoint) -> f64 {
     if speed > 0.0 { speed } else { 1.0 }
 }
 
-/// How the direction of the path moves with a velocity and acceleration of the parameter.
+/// Heading of the path for a velocity and acceleration of the parameter.
 fn heading(bearing: &Bearing, [velocity, acceleration]: [f64; 2]) -> Heading {
     let Bearing { along, first, second, .. } = *bearing;
     // A turn may go on beyond half a turn.

@@ -1,9 +1,9 @@
-//! What limits cost: from the multipliers of the convex programs.
+//! Sensitivity of the duration to the limits, from the multipliers of the convex programs.
 
 use super::bound::Constraint;
 use super::convex::Origin;
 
-/// What one limit costs in one cell.
+/// Sensitivity of the duration to one limit in one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gain {
     /// The cell, from that of the window.

@@ -1,4 +1,4 @@
-//! A path through the space of the axes, cut into cells, with everything that limits the motion along it.
+//! Grid: a path through the space of the axes, cut into cells, with the limits at their ends.
 //!
 //! With the path parameter u, b = u̇² and a = ü:
 //!
@@ -15,7 +15,7 @@ use super::bound::{AxisLimits, Cap, CapSource, Disc, JerkRow, Part, Rates, Row, 
 pub struct CellEnd<'a> {
     /// The axes.
     pub rates: Rates,
-    /// What bounds u̇² beside the axes.
+    /// Bound of u̇² in addition to the axes.
     pub cap: Cap,
     /// Further half planes, as many at every place: the programmed accelerations along the path, motor torques.
     pub rows: &'a [Row],
@@ -113,7 +113,7 @@ impl Grid {
         }
     }
 
-    /// Whether jerks are limited at the ends of a cell in any case.
+    /// True if jerks are limited at the ends of a cell in any case.
     pub(super) fn is_dense(&self, cell: usize) -> bool {
         self.dense.get(cell).copied().unwrap_or_default()
     }
@@ -215,7 +215,7 @@ impl Grid {
         self.cell_caps.get(cell).copied().unwrap_or([Cap::NONE; 2])
     }
 
-    /// Whether some axis has a jerk limit.
+    /// True if some axis has a jerk limit.
     pub fn limits_jerk(&self) -> bool {
         self.limits_jerk
     }

@@ -1,13 +1,13 @@
-//! Feed limiting: the fastest motion along a path under the limits of every axis.
+//! Time-optimal planning (feed limiting): the fastest motion along a path under the limits of every axis.
 //!
 //! ```text
 //! CheckedElement ─ course (C²) ─ samples of the axes ─ grid, uniform in time ─ windows for Clarabel ─▶ stretches in time
 //! ```
 //!
-//! [`course`] rounds the joints of the path within a tolerance, [`Grid`] holds what limits the motion along it,
-//! [`reachable`] gives the fastest profile with limited acceleration in two passes, and Clarabel those profiles that are
-//! followed: [`LinearSolver`] where accelerations alone are limited (there it is left with what two passes cannot prove),
-//! [`SmoothSolver`] where jerks are as well.
+//! [`course`] blends the joints of the path within a tolerance. [`Grid`] holds the limits along it. [`reachable`]
+//! computes the fastest profile with limited acceleration in two passes (reachability analysis). Clarabel computes the
+//! executed profiles: [`LinearSolver`] for limited acceleration (for the values that two passes cannot prove),
+//! [`SmoothSolver`] for limited jerk as well.
 
 mod asked;
 mod axis_path;

@@ -1,4 +1,4 @@
-//! What is limited, and how finely.
+//! Options of time-optimal planning: limits and resolution.
 
 use super::course::CourseOptions;
 use crate::prepare::CircularLimits;
@@ -6,7 +6,7 @@ use crate::prepare::CircularLimits;
 /// Settings of the feed limiter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimitOptions {
-    /// How joints are rounded.
+    /// Options of blending.
     pub course: CourseOptions,
     /// The programmed velocity (F) counts, and that at the end of an element, if it asks for one.
     pub feed: bool,
@@ -14,8 +14,7 @@ pub struct LimitOptions {
     pub path_acceleration: bool,
     /// Largest acceleration of the tool tip, m/s²; `None`: not limited.
     pub tool_acceleration: Option<f64>,
-    /// What of the acceleration towards the centre of curves is limited: on them, and its jump from one element to the
-    /// next.
+    /// Limits of the centripetal acceleration: on curves, and of its jump from one element to the next.
     pub centripetal: CircularLimits,
     /// Time between nodes of the grid, s.
     pub step: f64,

@@ -1,4 +1,4 @@
-//! The limits of one cell in the plane of the b at its two ends: any half planes and discs, exactly and with care.
+//! Limits of one cell in the plane of the b at its two ends: half planes and discs, exact and robust.
 
 use super::bound::{Disc, Row};
 use super::grid::{End, Grid};

@@ -1,12 +1,12 @@
-//! The fastest profile with limited acceleration in two passes over the cells: reachability analysis.
+//! Reachability analysis: the fastest profile with limited acceleration in two passes over the cells.
 //!
-//! The acceleration is constant in a cell, so that b is linear in it, and limits hold at both of its ends. Backwards,
-//! every node gets the largest b from which the rest of the path can still be met; forwards, the largest b within that
-//! is taken (Pham and Pham, "A new approach to time-optimal path parameterization based on reachability analysis", IEEE
-//! T-RO 34(3), 2018). Standing still is always allowed (b = 0, a = 0), so the sets are intervals from 0.
+//! The acceleration is constant in a cell, so that b is linear in it, and limits hold at both of its ends. The backward
+//! pass gives every node the largest b from which the rest of the path is still feasible; the forward pass takes the
+//! largest b within that (Pham and Pham, "A new approach to time-optimal path parameterization based on reachability
+//! analysis", IEEE T-RO 34(3), 2018). Rest is always allowed (b = 0, a = 0), so the sets are intervals from 0.
 //!
-//! A step is a linear program in the b at both ends of a cell. Mostly its optimum is where the b at the far end is the
-//! largest it can be, which one look at every row proves (`Reach`); the rest is for `Plane`.
+//! A step is a linear program in the b at both ends of a cell. Mostly its optimum is at the largest possible b at the
+//! far end, which one test of every row proves (`Reach`); `Plane` solves the rest.
 
 use super::bound::Row;
 use super::grid::Grid;
@@ -189,7 +189,7 @@ impl<'g> Step<'g> {
     }
 }
 
-/// What the rows of a cell make of the b at one of its ends where that at the other is given.
+/// Bound of the rows of a cell on the b at one of its ends, for a given b at the other.
 #[derive(Clone, Copy, Debug)]
 struct Reach {
     low: f64,

@@ -1,4 +1,4 @@
-//! The limits of a cell as rows of the convex program.
+//! Rows of the convex program that the limits of a cell give.
 
 use super::asked::Asked;
 use super::bound::{CapSource, Constraint, JerkRow, Row, number};
@@ -20,7 +20,7 @@ const SLOWER: f64 = 0.3;
 /// Where a row of a jerk limit is active, so much of it is the jerk: the rest is the tangent.
 const JERK_SHARE: f64 = 2.0 / 3.0;
 
-/// How well a guess is known.
+/// Quality of a guess.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Known {
     /// It is no solution of the program yet.
@@ -124,9 +124,9 @@ pub(super) struct Writer<'s> {
     pub(super) asked: Asked,
     /// Cells whose c are variables; the others are given.
     pub(super) free: &'s Range<usize>,
-    /// What is left out at first.
+    /// Rows left out at first.
     pub(super) screen: Screen,
-    /// Whether no row is left out that could count, but those of velocities.
+    /// True if no row is left out that could count, but those of velocities.
     pub(super) all: bool,
     /// The cell.
     pub(super) index: usize,

@@ -1,4 +1,4 @@
-//! Elements of the course as cells with what limits the motion in them.
+//! Sampling: elements of the blended path as cells with their limits.
 
 use super::axis_path::{AxisPath, AxisPoint, MOST_FURTHER_ROWS};
 use super::bound::{Cap, CapSource, Disc, Row};
@@ -44,7 +44,7 @@ const STEP_TIME: f64 = 1e-3;
 pub(super) struct Sampler<A> {
     axes: A,
     options: LimitOptions,
-    /// What is asked for of the programmed velocities.
+    /// Programmed velocities under the override.
     pub(super) feeds: Feeds,
 }
 
@@ -187,7 +187,7 @@ impl<A: AxisPath> Sampler<A> {
         Ok(parts)
     }
 
-    /// What is known at `s` of `element`.
+    /// Sample at `s` of `element`.
     pub(super) fn sample(
         &self,
         element: &CourseElement,
@@ -245,7 +245,7 @@ impl<A: AxisPath> Sampler<A> {
         }
     }
 
-    /// What is asked for where two elements meet, if that is at `s`.
+    /// Bound at a joint of two elements, if it is at `s`.
     fn transition(&self, element: &CourseElement, s: f64) -> Cap {
         let [head, tail] = element.transitions();
         let near = NEAR * element.length();
@@ -291,7 +291,7 @@ impl<A: AxisPath> Sampler<A> {
     }
 }
 
-/// Whether the rates in the middle are near the mean of those at the ends.
+/// True if the rates in the middle are near the mean of those at the ends.
 fn is_smooth(cell: &Cell) -> bool {
     let middle = &cell.middle.rates;
     let near = |from: &AxisVector, middle: &AxisVector, to: &AxisVector, part: f64, least: f64| {

@@ -1,4 +1,4 @@
-//! A plan that is executed while it is made, and made anew while it is executed.
+//! Plan executor: executes a plan while it is made, and splices in a new plan while the old one runs.
 //!
 //! ```text
 //!   now                now + lead
@@ -11,14 +11,14 @@ use super::planner::{Behind, Leg, LimitError, Piece, Planned, Request};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// How a plan is executed while it is made anew beside it.
+/// Lead of a new plan over the executed one, and the time planned ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lead {
-    /// What begins within this time, s, is executed as it was planned: time for planning anew.
+    /// Items that begin within this time, s, are executed as planned: time for replanning.
     pub first: f64,
     /// With every new plan that comes too late the lead is doubled, up to this, s.
     pub most: f64,
-    /// So much is planned ahead, s.
+    /// Time planned ahead, s.
     pub lookahead: f64,
 }
 
@@ -29,7 +29,7 @@ impl Default for Lead {
     }
 }
 
-/// What became of a piece.
+/// Arrival of a piece: taken, outdated, or too late.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrival {
     /// It is executed when its turn comes.
@@ -40,8 +40,8 @@ pub enum Arrival {
     Late,
 }
 
-/// The side that executes: it has a plan that ends at rest at any time, whatever the side that plans ([`Pieces`](super::Pieces))
-/// is about, and a new plan takes its place only if it is there before the place is reached where they part.
+/// Plan executor: it has a plan that ends at rest at any time, whatever the planning side ([`Pieces`](super::Pieces))
+/// does. A new plan replaces the old one only if it arrives before the place where they part.
 ///
 /// So the axes are never without a plan within their limits. How long an override takes to count: the lead, at most twice the time
 /// that planning takes. How long a feed hold takes at most, even if no plan ever comes again: to the end of what is planned,
@@ -185,7 +185,8 @@ impl<E: Clone> Spliced<E> {
         Arrival::Spliced
     }
 
-    /// What is executed next; none at the end. Where nothing is planned any further and the path rests it is [`Planned::Hold`].
+    /// Takes the next item to execute; none at the end. If nothing further is planned and the path rests, it is
+    /// [`Planned::Hold`].
     pub fn take(&mut self) -> Option<Result<Planned, LimitError<E>>> {
         let waits = self.queue.front().filter(|next| self.waits_before(next));
         if let Some(Ok(next)) = waits {
@@ -217,7 +218,7 @@ impl<E: Clone> Spliced<E> {
         Some(item)
     }
 
-    /// Whether the path is held and rests before an item: it does not begin what it would have to brake from.
+    /// True if the path is held and rests before an item: it does not begin what it would have to brake from.
     fn waits_before(&self, item: &Result<Planned, LimitError<E>>) -> bool {
         self.factor <= 0.0
             && match item {
@@ -236,28 +237,28 @@ impl<E: Clone> Spliced<E> {
         Some(Ok(Planned::Hold { element, at }))
     }
 
-    /// Whether the path goes to rest because nothing has come in time, and nothing was asked for that could change it.
+    /// True if the path goes to rest because nothing has come in time, and nothing was asked for that could change it.
     pub fn is_starving(&self) -> bool {
         self.asked.is_none() && self.next > self.fork && !self.rest.is_empty()
     }
 
-    /// Whether nothing is known of the plan yet.
+    /// True if nothing is known of the plan yet.
     pub fn is_new(&self) -> bool {
         self.last.is_none() && self.queue.is_empty() && matches!(self.behind, Behind::More)
     }
 
-    /// Whether another piece is wanted now: an answer to a request, or because the end of what is planned comes near.
+    /// True if another piece is needed now: as an answer to a request, or because the end of the plan is near.
     pub fn wants_more(&self) -> bool {
         self.asked.is_some()
             || matches!(self.behind, Behind::More) && self.ahead() < self.lead.lookahead
     }
 
-    /// So much is planned, s, before the path would go to rest for want of a plan.
+    /// Planned time left, s, before the path would go to rest without a new plan.
     pub fn ahead(&self) -> f64 {
         self.queue.iter().map(takes).sum()
     }
 
-    /// Where the plan that was asked for last is to begin, as long as it has not come.
+    /// Begin of the plan that was requested last, as long as it has not come.
     pub fn waits_for(&self) -> Option<u64> {
         self.asked
     }
@@ -267,19 +268,19 @@ impl<E: Clone> Spliced<E> {
         self.fork.min(self.next)
     }
 
-    /// Whether what is executed is of the plan that was asked for last.
+    /// True if the executed items belong to the plan that was requested last.
     pub fn follows(&self) -> bool {
         let rests = self.queue.is_empty() && !matches!(self.behind, Behind::More);
         self.asked.is_none() && (self.next > self.begins || rests)
     }
 
-    /// How many plans have come too late.
+    /// Number of plans that came too late.
     pub fn late(&self) -> u64 {
         self.late
     }
 }
 
-/// How long an item takes at least, s.
+/// Minimum duration of an item, s.
 fn takes<E>(item: &Result<Planned, LimitError<E>>) -> f64 {
     match item {
         Ok(Planned::Leg(leg)) => leg.stretch.duration(),

@@ -1,8 +1,8 @@
-//! Motion through one cell in time.
+//! Profile segment: motion through one cell over time.
 
 use std::f64::consts::FRAC_PI_2;
 
-/// Where the path is in a cell, and how it moves: the parameter from the start of the cell and its derivatives by time.
+/// Motion of the path in a cell: the parameter from the start of the cell and its derivatives by time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
     /// u from the start of the cell, m.
@@ -15,7 +15,7 @@ pub struct Progress {
     pub jerk: f64,
 }
 
-/// How a cell is gone through.
+/// Law of motion in a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
     /// u̇² = `b` + 2·`a`·u + `gamma`·u²: the acceleration is linear in u.
@@ -39,7 +39,7 @@ pub enum Law {
     },
 }
 
-/// A cell of the path and how it is gone through.
+/// Profile segment: a cell of the path and the law of motion through it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
     length: f64,
@@ -89,7 +89,7 @@ impl Stretch {
         self.duration
     }
 
-    /// How it is gone through.
+    /// Its law of motion.
     pub fn law(&self) -> Law {
         self.law
     }
@@ -120,7 +120,7 @@ impl Stretch {
         }
     }
 
-    /// Where it is `time` s after the start of the cell.
+    /// Motion `time` s after the start of the cell.
     pub fn at(&self, time: f64) -> Progress {
         let time = time.clamp(0.0, self.duration);
         match self.law {

@@ -1,4 +1,4 @@
-//! Operations on a path as it streams by: mapped, split, made of lines.
+//! Stream adapters of a path: mapping, splitting, linearising.
 
 use super::{ElementKind, OperationError, PathElement, Shape, Similarity};
 use nalgebra::Vector3;
@@ -81,7 +81,7 @@ where
     }
 }
 
-/// How long the lines are that replace curves.
+/// Length of the lines that replace curves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Chords {
     /// At most so much path per line, m, all of one curve equally long.
@@ -203,8 +203,8 @@ where
     }
 }
 
-/// How much the tangent of `element` turns between two path lengths, rad: the sum over a few steps, so that turns there
-/// and back count twice.
+/// Turn of the tangent of `element` between two path lengths, rad: the sum over a few steps, so that turns there and
+/// back count twice.
 fn turning(element: &PathElement, from: f64, to: f64) -> f64 {
     const STEPS: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
     let tangent = |part: f64| element.at(from + (to - from) * part).tangent;

@@ -1,4 +1,4 @@
-//! The box around a path.
+//! Bounding box of a path.
 
 use super::{Arc, Cubic, Ellipse, Shape};
 use nalgebra::{Point2, Point3};
@@ -111,7 +111,7 @@ fn of_cubic(cubic: &Cubic, ends: Bounds) -> Bounds {
     bounds
 }
 
-/// Where a + b·t + c·t² is zero; what is no number where it is not.
+/// Zeros of a + b·t + c·t²; NaN where there are none.
 fn roots(a: f64, b: f64, c: f64) -> [f64; 2] {
     // Without the loss of digits of the school formula.
     let q = -0.5 * (b + (b * b - 4.0 * a * c).sqrt().copysign(b));

@@ -1,4 +1,4 @@
-//! Cubic curves: pieces of splines (G5), parabolas (G6), and what smoothing puts into corners.
+//! Cubic curves: pieces of splines (G5), parabolas (G6), and smoothed corners.
 
 use super::PathPoint;
 use super::curve::{Curve, Planar};

@@ -1,4 +1,4 @@
-//! Planar curves that are given by a parameter and travelled by length: what ellipses and cubics have in common.
+//! Arc-length parametrisation of planar curves: the common part of ellipses and cubics.
 
 use super::PathPoint;
 use nalgebra::{Complex, Point2, Point3, Vector2, Vector3};
@@ -50,7 +50,7 @@ pub(super) struct Curve<P> {
     pub(super) form: P,
     start: Point3<f64>,
     end: Point3<f64>,
-    /// Where the parameter is after which planar length, at the panels' ends.
+    /// Parameter and planar length at the panels' ends.
     panels: Box<[Knot]>,
     /// Length in X and Y.
     planar: f64,
@@ -253,7 +253,7 @@ fn frame<P: Planar>(
     [direction, Vector2::zeros(), Vector2::zeros()]
 }
 
-/// Whether a curve stands still where it has this speed and second derivative by its parameter, m.
+/// True if a curve stands still where it has this speed and second derivative by its parameter, m.
 fn stands(speed: f64, second: &Vector2<f64>) -> bool {
     !(speed > 1e-9 * second.norm() && speed > 0.0)
 }

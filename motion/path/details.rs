@@ -1,4 +1,4 @@
-//! What only some elements have: extra axes, switches, parameters of M functions.
+//! Optional details of an element: extra axes, switches, parameters of M functions.
 
 use std::fmt;
 
@@ -12,7 +12,7 @@ pub type ExtraPosition = [f64; 5];
 /// The largest number of switches of one element (`MAX_SWITCHES`).
 pub const MAX_SWITCHES: usize = 3;
 
-/// What only some elements have; boxed, so that the others stay small.
+/// Optional details of an element; boxed, so that elements without them stay small.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Details {
     /// The extra axes, from the first block on that names one.
@@ -32,7 +32,7 @@ impl Details {
     }
 }
 
-/// Where the extra axes are at the two ends of an element.
+/// Extra axis positions at the two ends of an element.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ExtraAxes {
     /// At the start, u.

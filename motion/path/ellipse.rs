@@ -5,8 +5,8 @@ use super::curve::{Curve, Planar};
 use nalgebra::{Point2, Point3, Vector2};
 use std::f64::consts::TAU;
 
-/// How far the end may be off an ellipse that is given by its ratio, as a part of its size. Programs with three
-/// decimals need it.
+/// Tolerance of the end of an ellipse that is given by its ratio, as a part of its size. Programs with three decimals
+/// need it.
 const FIT_TOLERANCE: f64 = 1e-4;
 /// Below this part the two equations of start and end say the same, and the ratio R is needed.
 const AMBIGUOUS: f64 = 1e-6;
@@ -65,7 +65,7 @@ impl Planar for Form {
     }
 }
 
-/// Why no ellipse fits the words of a block (manual 3.2.5).
+/// Reason why no ellipse fits the words of a block (manual 3.2.5).
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum EllipseError {
     /// No ellipse about the centre with axes in that direction passes through start and end.

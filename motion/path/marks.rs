@@ -1,6 +1,6 @@
-//! Where path preparation begins and ends.
+//! Marks of a path element: begin and end of path preparation.
 
-/// Where path preparation begins (with this element) and ends (behind it): `SMC_GEOINFO.byInternMark`, bit by bit.
+/// Begin (with this element) and end (behind it) of path preparation: `SMC_GEOINFO.byInternMark`, bit by bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Marks(pub u8);
 

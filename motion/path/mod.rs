@@ -1,4 +1,4 @@
-//! Path elements: what the manual calls `SMC_GEOINFO` (6.5).
+//! Path elements (`SMC_GEOINFO`, manual 6.5).
 
 mod adapters;
 mod arc;
@@ -41,7 +41,7 @@ use nalgebra::{Point3, Vector3};
 pub struct PathElement {
     /// The block it comes from.
     pub place: Place,
-    /// Whether the tool cuts, travels or is set somewhere else.
+    /// Kind of the element: a cut, a rapid, a jump or others.
     pub kind: ElementKind,
     /// Its geometry.
     pub shape: Shape,
@@ -56,9 +56,9 @@ pub struct PathElement {
     pub end_velocity: f64,
     /// Tool radius (D) for radius correction, or radius or distance for rounding and smoothing, m (`dToolRadius`).
     pub tool_radius: f64,
-    /// Where preparation begins and ends (`byInternMark`).
+    /// Begin and end of preparation (`byInternMark`).
     pub marks: Marks,
-    /// What only some elements have.
+    /// Optional details.
     pub details: Option<Box<Details>>,
 }
 
@@ -123,7 +123,7 @@ impl PathElement {
         point
     }
 
-    /// Whether Z moves with the S profile.
+    /// True if Z moves with the S profile.
     fn smooth_z(&self) -> bool {
         self.details.as_ref().is_some_and(|details| details.s_profile.contains(AxisMask::Z))
     }
@@ -219,7 +219,7 @@ fn along(start: f64, end: f64, s: f64, length: f64, smooth: bool) -> [f64; 4] {
     }
 }
 
-/// What an element does, apart from its shape.
+/// Kind of an element, apart from its shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ElementKind {
     /// G0: positioning, tool not engaged (the manual's `LINPOS`). The path stops at both of its ends.
@@ -229,9 +229,9 @@ pub enum ElementKind {
     /// G38.2 to G38.5 of RS274: a probe feels its way along a line, which ends where it trips, if it does. The path
     /// stops at both of its ends, and preparation leaves it as it is.
     Probe {
-        /// What the program asks for.
+        /// The programmed move.
         probing: Probing,
-        /// Why the line ends where it does.
+        /// Outcome that ends the line.
         outcome: ProbeOutcome,
     },
     /// G92 after the first motion: the set-point jumps from the start of the shape to its end, without a path.
@@ -244,13 +244,13 @@ pub enum ElementKind {
     },
     /// The path waits here for a time (RS274: G4). Its shape is a line of length zero.
     Dwell {
-        /// How long, ns.
+        /// Duration, ns.
         time_ns: i64,
     },
 }
 
 impl ElementKind {
-    /// Whether it ends where a probe trips.
+    /// True if it ends where a probe trips.
     pub const fn is_probe(self) -> bool {
         matches!(self, Self::Probe { .. })
     }

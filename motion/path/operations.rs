@@ -1,4 +1,4 @@
-//! What the CNC editor does with objects (manual 3.3, 6.3): cut, reverse, move, turn and scale them.
+//! Operations of the CNC editor on objects (manual 3.3, 6.3): cut, reverse, move, turn and scale.
 
 use super::details::{Switch, Switches};
 use super::marks::PAIRS;
@@ -16,7 +16,7 @@ pub struct Similarity {
     extra: ExtraPosition,
 }
 
-/// Why an operation is not possible on an element.
+/// Reason why an operation is not possible on an element.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum OperationError {
     /// Only arcs about a vertical axis can be turned about one.
@@ -92,7 +92,7 @@ impl Similarity {
         }
     }
 
-    /// Where a point goes.
+    /// Image of a point.
     pub fn point(&self, point: &Point3<f64>) -> Point3<f64> {
         Point3::from(self.vector(&point.coords) * self.scale + self.translation)
     }
@@ -349,12 +349,12 @@ impl PathElement {
     }
 }
 
-/// What is in force along a path, as start marks.
+/// Preparation in force along a path, as start marks.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Modes(Marks);
 
 impl Modes {
-    /// What is in force along the next element, which has these marks.
+    /// Preparation in force along the next element, which has these marks.
     pub(super) fn along(&mut self, marks: Marks) -> Marks {
         for (starts, _) in PAIRS {
             let begun = Marks(marks.0 & starts.0);

@@ -1,4 +1,4 @@
-//! The planes in which arcs lie.
+//! Planes of arcs (G17 to G19).
 
 use nalgebra::Vector3;
 

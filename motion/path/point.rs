@@ -1,4 +1,4 @@
-//! A point of a path with its derivatives over path length.
+//! Path point: position and its derivatives over path length.
 
 use nalgebra::{Point3, Vector3};
 

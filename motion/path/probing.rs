@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// What a probe tells by which a move ends.
+/// Trip of a probe that ends a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ProbeTrip {
     /// It touches something: towards the work (G38.2, G38.3).
@@ -11,12 +11,12 @@ pub enum ProbeTrip {
     Release,
 }
 
-/// What a program asks of a probing move. [`fmt::Display`] gives its G word.
+/// Programmed probing move. [`fmt::Display`] gives its G word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Probing {
-    /// What ends it before it is at its programmed end.
+    /// Trip that ends it before its programmed end.
     pub trips: ProbeTrip,
-    /// Whether it is an error if that does not happen (G38.2, G38.4).
+    /// True if it is an error if that does not happen (G38.2, G38.4).
     pub required: bool,
 }
 
@@ -47,12 +47,12 @@ impl fmt::Display for Probing {
     }
 }
 
-/// How a probing move ends.
+/// Outcome of a probing move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ProbeOutcome {
     /// At its programmed end, because nobody has said what there is to touch.
     Unknown,
-    /// Where the probe trips.
+    /// At the trip of the probe.
     Tripped,
     /// At its programmed end, on the way to which the probe does not trip.
     NotTripped,

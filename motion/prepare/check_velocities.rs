@@ -1,4 +1,4 @@
-//! Velocities at the transitions between elements (`SMC_CheckVelocities`, manual 3.2 and 6.2.7).
+//! Transition velocities between elements (`SMC_CheckVelocities`, manual 3.2 and 6.2.7).
 
 use crate::Place;
 use crate::path::{Details, ElementKind, ExtraAxes, Marks, PathElement, Shape};
@@ -37,7 +37,7 @@ pub struct CheckVelocities<I, E> {
     /// An error that comes after the element just handed out.
     failure: Option<E>,
     ended: bool,
-    /// Whether rapids, probing moves, M functions and dwells are stops.
+    /// True if rapids, probing moves, M functions and dwells are stops.
     stops: bool,
 }
 
@@ -142,7 +142,7 @@ fn transition_velocity(
     if passes { element.end_velocity.min(element.feed).min(next.feed) } else { 0.0 }
 }
 
-/// How the extra axes of an element move, u.
+/// Motion of an element's extra axes, u.
 fn extra_direction(element: &PathElement) -> SVector<f64, 5> {
     element
         .extra()
@@ -168,7 +168,7 @@ impl Turns {
         Self { sine_2: sine * sine.abs(), cosine_2: cosine * cosine }
     }
 
-    /// Whether the turn from one direction to another is one of them; not if one of the two is zero. The tangent of
+    /// True if the turn from one direction to another is one of them; not if one of the two is zero. The tangent of
     /// half the angle is that of difference and sum of the unit vectors, which keeps its digits at 0 and π, where the
     /// dot product loses half of them.
     fn contain<const N: usize>(self, a: &SVector<f64, N>, b: &SVector<f64, N>) -> bool {
@@ -279,7 +279,7 @@ impl Deref for CheckedElement {
     }
 }
 
-/// Why an element cannot be planned with.
+/// Reason why an element cannot be planned.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CheckError {
     /// A limit is zero, negative or no number (`SMC_CV_ACC_DEC_VEL_NONPOSITIVE`, error 1100).

@@ -1,4 +1,4 @@
-//! Velocities on curves (`SMC_LimitCircularVelocities`, manual 6.2.8).
+//! Velocity limits on curves (`SMC_LimitCircularVelocities`, manual 6.2.8).
 
 use crate::path::{ElementKind, PathElement, Shape};
 use nalgebra::Vector3;

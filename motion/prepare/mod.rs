@@ -1,18 +1,17 @@
 //! Path preparation: stream adapters over path elements.
 //!
-//! Every adapter takes an iterator of `Result<PathElement, E>` and is one itself, so that adapters stack and what
-//! went wrong upstream arrives downstream at its place in the program. The consumer chooses `E`; an adapter that can
-//! find fault itself asks for `E: From<` its own error `>`. What an adapter changes or cannot keep without that being
-//! an error it tells through the [`Notices`] it was given: a bounded list beside the stream.
+//! Every adapter takes an iterator of `Result<PathElement, E>` and is one itself, so that adapters stack and an
+//! upstream error arrives downstream at its place in the program. The consumer chooses `E`; an adapter with errors of
+//! its own requires `E: From<` its own error `>`. An adapter reports changes that are not errors through the
+//! [`Notices`] it was given: a bounded list separate from the stream.
 //!
-//! An adapter works where the path's [`crate::path::Marks`] say so, leaves everything else as it is, and takes off the
-//! marks it has obeyed. Each holds back a bounded number of elements, whatever the program.
+//! An adapter works between its [`crate::path::Marks`], leaves everything else unchanged, and removes the marks that it
+//! has obeyed. Each holds back a bounded number of elements.
 //!
-//! [`Preparation`] strings them together in the manual's order.
+//! [`Preparation`] connects them in the manual's order.
 //!
-//! [`CheckVelocities`] comes last and hands out [`CheckedElement`]s, the only thing
-//! [`crate::interpolate::LookAhead`] takes: what the manual reports at run time as `SMC_INT_NO_CHECKVELOCITIES`
-//! (1006) does not compile here.
+//! [`CheckVelocities`] comes last and gives [`CheckedElement`]s, the only input of [`crate::interpolate::LookAhead`]:
+//! the mistake that the manual reports at run time as `SMC_INT_NO_CHECKVELOCITIES` (1006) does not compile here.
 
 mod avoid_loops;
 mod check_velocities;

@@ -1,4 +1,4 @@
-//! What preparation changes or cannot keep, told beside the stream.
+//! Notices: changes and deviations that preparation reports separately from the stream.
 
 use crate::Place;
 use std::collections::VecDeque;
@@ -45,7 +45,7 @@ pub enum Notice {
         place: Place,
         /// Number of the switch.
         number: u8,
-        /// Whether it was to be switched on.
+        /// True if it was to be switched on.
         on: bool,
     },
 }
@@ -107,7 +107,7 @@ impl std::fmt::Display for Notice {
     }
 }
 
-/// Where adapters put their [`Notice`]s: a list that the consumer empties while it pulls elements.
+/// List of [`Notice`]s: adapters add to it, and the consumer empties it while it pulls elements.
 ///
 /// It is a handle: its clones are the same list, so one list serves a whole chain of adapters, and the consumer keeps
 /// a clone. Memory is bounded; what comes when the list is full is counted, not kept. A notice comes when its adapter
@@ -141,7 +141,7 @@ impl Notices {
         self.list().items.pop_front()
     }
 
-    /// How many notices have come while the list was full.
+    /// Number of notices lost while the list was full.
     pub fn lost(&self) -> u64 {
         self.list().lost
     }

@@ -1,4 +1,4 @@
-//! What adapters do to elements: cut pieces out of them, put them elsewhere, hand on their switches.
+//! Pieces of elements: cutting, moving and the hand-over of switches, for the adapters.
 
 use super::{Notice, Notices};
 use crate::Place;

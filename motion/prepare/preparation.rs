@@ -1,4 +1,4 @@
-//! All of it, in the manual's order.
+//! Preparation: all adapters in the manual's order.
 
 use super::{
     AvoidLoops, CheckError, CheckVelocities, CircularLimits, CornerError, DEFAULT_LOOP_WINDOW,
@@ -8,7 +8,7 @@ use super::{
 use crate::path::{Marks, PathElement};
 use std::num::NonZeroUsize;
 
-/// Which adapters a path goes through: each `None` leaves its stage out.
+/// Adapters that a path goes through: each `None` leaves its stage out.
 ///
 /// The order is that of the manual's sections 6.2.3 to 6.2.8: [`ToolRadius`], [`AvoidLoops`], [`SmoothPath`] or
 /// [`RoundPath`], [`LimitCircularVelocities`]; then comes [`CheckVelocities`] (6.2.7, "directly before the
@@ -18,7 +18,7 @@ use std::num::NonZeroUsize;
 pub struct Preparation {
     /// Tool radius correction (G40 to G42).
     pub tool_radius: Option<ToolRadiusOptions>,
-    /// Loop avoidance (G60, G61) among so many elements, see [`DEFAULT_LOOP_WINDOW`].
+    /// Loop avoidance (G60, G61) among this number of elements, see [`DEFAULT_LOOP_WINDOW`].
     pub loops: Option<NonZeroUsize>,
     /// Smoothing (G50, G51).
     pub smoothing: Option<Smoothing>,
@@ -92,8 +92,8 @@ type Rounded<I, E> = Optional<Smoothed<I, E>, RoundPath<Smoothed<I, E>, E>>;
 pub type PreparedPath<I, E> = Optional<Rounded<I, E>, LimitCircularVelocities<Rounded<I, E>, E>>;
 
 impl Preparation {
-    /// What a program with these marks (of all its elements together) asks for, with the adapters' defaults: D is all
-    /// there is to radii and distances, and no limits on curves.
+    /// Preparation for a program with these marks (of all its elements together), with the adapters' defaults: D gives
+    /// all radii and distances, and curves have no limits.
     ///
     /// # Errors
     /// If the marks ask for [`Incompatible`] stages.

@@ -1,4 +1,4 @@
-//! Why there is no profile.
+//! Errors of profiles: motions that cannot be planned.
 
 /// A motion that cannot be planned.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -6,7 +6,7 @@ pub enum ProfileError {
     /// A position, velocity or acceleration is infinite or not a number.
     #[error("the {quantity} is {value}; it must be a finite number")]
     NotFinite {
-        /// Which one.
+        /// The quantity.
         quantity: &'static str,
         /// As given.
         value: f64,
@@ -36,15 +36,15 @@ pub enum ProfileError {
     /// A table has no points or too many.
     #[error("the table has {count} points; it must have 1 to {most}")]
     Points {
-        /// How many there are.
+        /// Number found.
         count: usize,
-        /// How many there may be.
+        /// Largest number allowed.
         most: usize,
     },
     /// The times of a table do not grow.
     #[error("point {point} comes {step} s after the one before; it must come later")]
     TimeStep {
-        /// Which one, from 1.
+        /// Its number, from 1.
         point: usize,
         /// As given, s.
         step: f64,
@@ -52,7 +52,7 @@ pub enum ProfileError {
     /// The first point of a table asks for a step.
     #[error("the first point has the {quantity} {asked}, where the axis has {is}")]
     Jump {
-        /// What would step.
+        /// The quantity that would step.
         quantity: &'static str,
         /// At the start.
         is: f64,

@@ -1,17 +1,18 @@
-//! Motion of one axis over time: to a position, to a velocity, to a halt (manual 2.1.3, 5.3).
+//! Motion profiles of one axis: to a position, to a velocity, to a halt (manual 2.1.3, 5.3).
 //!
 //! ```text
 //! State, target, AxisLimits, RampType → Profile → at(t) → State
 //! ```
 //!
-//! A profile may start from any state of motion. It goes on from there without a step of the velocity, with sigmoid and
-//! parabolic ramps without one of the acceleration. What cannot be met on the way is met by going past and coming back.
+//! A profile may start from any state of motion. It continues from there without a step of the velocity, and with
+//! sigmoid and parabolic ramps without a step of the acceleration. If the target cannot be reached directly, the
+//! profile overshoots and comes back.
 //!
 //! `acceleration` limits how fast the speed may grow and `deceleration` how fast it may fall, in both directions of
-//! travel. A profile that starts beyond a limit first comes back to it, as fast as the other limits allow, and then
-//! keeps it.
+//! travel. A profile that starts beyond a limit first returns to it, as fast as the other limits allow, and then keeps
+//! it.
 //!
-//! No clock and no allocation: a profile is a plain value with room for all the segments it can have.
+//! There is no clock and no allocation: a profile is a plain value with room for the largest number of segments.
 
 mod error;
 mod parabolic;
@@ -28,7 +29,7 @@ pub use error::ProfileError;
 pub use planned::Profile;
 pub use table::{MOST_POINTS, ProfilePoint, ProfileTable, TableProfile};
 
-/// Where an axis is and how it moves, in units of the axis.
+/// Motion state of an axis: position, velocity and acceleration, in units of the axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     /// Position, u.
@@ -59,7 +60,7 @@ pub enum RampType {
     Parabolic,
 }
 
-/// What a profile keeps to. All are positive.
+/// Limits of a profile. All are positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
     /// Largest speed in both directions, u/s.

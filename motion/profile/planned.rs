@@ -1,4 +1,4 @@
-//! A motion that is planned to its end.
+//! [`Profile`]: a motion that is planned to its end.
 
 use super::segment::{Segment, Track};
 use super::{AxisLimits, ProfileError, RampType, State, parabolic, sigmoid, trapezoid};
@@ -89,7 +89,7 @@ impl Profile {
         Self::to_velocity(from, 0.0, limits, ramp)
     }
 
-    /// Whether all of it could be reckoned.
+    /// Checks that all of it could be computed.
     fn check(&self, target: f64) -> Result<(), ProfileError> {
         if (self.track.duration + self.track.state.position).is_finite() {
             Ok(())
@@ -103,12 +103,12 @@ impl Profile {
         self.track.duration
     }
 
-    /// How it starts.
+    /// State at the start.
     pub fn start(&self) -> State {
         self.start
     }
 
-    /// How it ends, [`Self::duration`] s after the start.
+    /// State at the end, [`Self::duration`] s after the start.
     pub fn end(&self) -> State {
         self.end
     }

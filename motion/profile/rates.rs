@@ -1,8 +1,8 @@
-//! Limits under limited jerk, and what all ramps reckon from them.
+//! Limits of ramps under limited jerk, with the values derived from them.
 
 use super::AxisLimits;
 
-/// Limits, and what is reckoned from them once for all ramps.
+/// Limits, and values computed from them once for all ramps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rates {
     /// Largest velocity, u/s, growth and fall of the speed, u/s².

@@ -1,4 +1,4 @@
-//! Stretches of time in which the acceleration follows one law, and a chain of them.
+//! Profile segments: spans of time in which the acceleration follows one law, and a chain of them.
 
 use super::State;
 
@@ -14,9 +14,9 @@ pub(super) const MOST_SEGMENTS: usize = 14;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Segment {
-    /// When it begins, s.
+    /// Time of its begin, s.
     pub(super) start: f64,
-    /// How it begins. An acceleration that steps is that after the step.
+    /// State at its begin. If the acceleration steps, it is that after the step.
     pub(super) state: State,
     /// Jerk at the beginning, u/s³.
     pub(super) jerk: f64,

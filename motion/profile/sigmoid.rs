@@ -1,16 +1,16 @@
-//! Ramps whose velocity follows sin², so that the acceleration is half a sine (manual 2.1.3).
+//! Sigmoid ramps: the velocity follows sin², so that the acceleration is half a sine (manual 2.1.3).
 //!
 //! ```text
 //! a(t) = â·sin(φ + ωt), φ + ωT = π:   v1 − v0 = â/ω·(1 + cos φ),  a0 = â·sin φ,  â ≤ limit,  â·ω ≤ j
 //! from a0 = 0:  T = max(π·Δv/2a, π·√(Δv/2j))
 //! ```
 //!
-//! A ramp that starts with an acceleration of its own direction begins within the sine. An acceleration against it is
-//! taken back first, with the largest jerk. Where growth and fall of the speed have limits of their own, the velocity
-//! gets to 0 with one half sine and goes on with another one.
+//! A ramp that starts with an acceleration in its own direction begins within the sine. An acceleration against it is
+//! first taken back, with the largest jerk. If growth and fall of the speed have different limits, the velocity reaches
+//! 0 with one half sine and goes on with another one.
 //!
-//! Ways to a position are put together as those of parabolic ramps are: straight, eased at first, or over a velocity
-//! that is held where it is the limit. They are not the fastest: of this form there is one for every target.
+//! Motions to a position are composed like those of parabolic ramps: straight, eased at first, or over a velocity that
+//! is held if it is the limit. They are not the fastest; there is exactly one of this form for every target.
 
 use super::rates::Rates;
 use super::segment::{Segment, Track};

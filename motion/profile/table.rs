@@ -1,4 +1,5 @@
-//! Profiles through given points (`MC_PositionProfile`, `MC_VelocityProfile`, `MC_AccelerationProfile`, manual 5.3).
+//! Profile tables: motion through given points (`MC_PositionProfile`, `MC_VelocityProfile`, `MC_AccelerationProfile`,
+//! manual 5.3).
 
 use super::segment::Segment;
 use super::{ProfileError, State};
@@ -24,12 +25,12 @@ pub struct ProfilePoint {
     pub value: f64,
 }
 
-/// What the values of a table are, and how they are read: the curve goes through `scale`·value + `offset`.
+/// Values of a table and their interpretation: the curve goes through `scale`·value + `offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfileTable<'a> {
     /// The points (`TimePosition`, `TimeVelocity`, `TimeAcceleration`).
     pub points: &'a [ProfilePoint],
-    /// Whether values are counted from 0 or from that at the start (`IsAbsolute`).
+    /// True if values count from 0, false if from the value at the start (`IsAbsolute`).
     pub absolute: bool,
     /// Factor of the values.
     pub scale: f64,
@@ -155,7 +156,7 @@ impl TableProfile {
         self.duration
     }
 
-    /// How it ends.
+    /// State at the end.
     pub fn end(&self) -> State {
         self.end
     }

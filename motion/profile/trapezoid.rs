@@ -1,15 +1,15 @@
-//! Ramps of constant acceleration: the fastest motion under limits of velocity and acceleration.
+//! Trapezoidal profiles: the fastest motion under limits of velocity and acceleration.
 //!
-//! The way to a position is one ramp to a velocity v, possibly a stretch at v, and one ramp from there. Over v the way
-//! is a parabola, whichever signs the velocities have:
+//! A motion to a position is one ramp to a velocity v, possibly a phase at v, and one ramp from there. As a function of
+//! v its distance is a parabola, for all signs of the velocities:
 //!
 //! ```text
 //! way(v) = way(straight) + K·(v² − m²),  K = (1/A + 1/D)/2,  m = max(v0, v1)
 //! ```
 //!
-//! for v not below m, with the acceleration A and the deceleration D. The other direction is its mirror image. Further
-//! than straight from v0 to v1 leads the upper side only, and the fastest way there is the rising branch of the parabola:
-//! in the same time nothing gets further.
+//! for v not below m, with the acceleration A and the deceleration D. The other direction is its mirror image. Only the
+//! upper side leads further than the straight ramp from v0 to v1, and the fastest motion is on the rising branch of the
+//! parabola: no other motion gets further in the same time.
 
 use super::AxisLimits;
 use super::segment::Track;

@@ -1,4 +1,4 @@
-//! What changes in a line, and the numbers that are written.
+//! Edits of a line, and the format of the written feeds.
 
 use std::io::{self, Write};
 use std::ops::Range;
@@ -9,7 +9,7 @@ const WORD: usize = 32;
 /// Significant digits of a feed that is lowered. What rounding down costs is less than a thousandth.
 const DIGITS: i32 = 4;
 
-/// What changes in a line: these bytes become that text.
+/// Edit of a line: these bytes become that text.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Edit {
     bytes: Range<usize>,
@@ -43,12 +43,12 @@ impl Edit {
     }
 }
 
-/// Whether a line of at most `most` bytes has room for an F word.
+/// True if a line of at most `most` bytes has room for an F word.
 pub(crate) fn has_room(line: &[u8], most: usize) -> bool {
     line.len() + WORD <= most
 }
 
-/// Whether a line may be left out by the machine.
+/// True if a line may be left out by the machine.
 pub(crate) fn is_suppressed(line: &[u8]) -> bool {
     line.trim_ascii_start().first() == Some(&b'/')
 }

@@ -1,12 +1,12 @@
-//! What a machine allows on each line.
+//! Feed limits of a machine by line.
 
 use super::{LineLimit, RefeedError};
 use std::collections::BTreeMap;
 use std::io;
 use std::iter::Fuse;
 
-/// How many lines a limit may come late, behind those of later lines: path preparation lets M functions and the pieces
-/// it puts in at corners change places with their neighbours.
+/// Largest delay of a limit behind those of later lines, in lines: path preparation lets M functions and the pieces it
+/// puts in at corners change places with their neighbours.
 pub(super) const LATE: u32 = 256;
 
 /// Differences between a feed and its limit that are rounding and no reason to change a line.
@@ -81,7 +81,7 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Limits<I> {
     }
 }
 
-/// Whether a limit is below what is programmed by more than rounding.
+/// True if a limit is below the programmed feed by more than rounding.
 pub(crate) fn is_below(limit: f64, programmed: f64) -> bool {
     limit < programmed * (1.0 - ROUNDING)
 }

@@ -1,9 +1,9 @@
-//! The same program with feeds that its machine can go: F words lowered where they are too high, and nothing else.
+//! Feed reduction: lowers F words to feeds that the machine can reach, and changes nothing else.
 //!
-//! F is modal. A line on which the machine allows less than is programmed gets a lower F, in place of its own or added
-//! to it; the next line of the path that allows more gets the programmed one back. All other bytes stay: comments,
-//! blanks, line ends, numbers, whatever encoding they are in. Feeds are rounded down to four significant digits, so that
-//! they do not exceed what is allowed, and a program that needs nothing comes back as it was.
+//! F is modal. A line whose limit is below the programmed feed gets a lower F, in place of its own or added to it; the
+//! next line of the path with a higher limit gets the programmed feed back. All other bytes stay: comments, blanks,
+//! line ends, numbers, in any encoding. Feeds are rounded down to four significant digits, so that they do not exceed
+//! their limit. A program that needs no change is returned unchanged.
 //!
 //! Each dialect has its own function, on top of its decoder: [`crate::din66025::refeed`], [`crate::rs274::refeed`].
 
@@ -35,7 +35,7 @@ pub struct LineLimit {
     pub feed: f64,
 }
 
-/// Why no F makes a line feasible.
+/// Reason why no F makes a line feasible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Reason {
     /// A rapid of RS274: its velocity is the machine's.
@@ -64,15 +64,15 @@ impl fmt::Display for Reason {
 pub struct Unrepaired {
     /// The block.
     pub place: Place,
-    /// Why.
+    /// The reason.
     pub reason: Reason,
     /// Its velocity, m/s.
     pub programmed: f64,
-    /// What the machine allows, m/s.
+    /// Limit of the machine, m/s.
     pub limit: f64,
 }
 
-/// What became of a program.
+/// Result of a feed reduction.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Refed {
     /// Lines of the program.
@@ -97,7 +97,7 @@ impl Refed {
     }
 }
 
-/// Why a program could not be written.
+/// Error of writing a program.
 #[derive(Debug, thiserror::Error)]
 pub enum RefeedError {
     /// The program.
@@ -117,7 +117,7 @@ pub enum RefeedError {
     },
 }
 
-/// What a dialect has to say to each line.
+/// Interface to a dialect: the edits of each line.
 pub(crate) trait Interpreter {
     /// The longest line it reads, its end included, bytes.
     const MAX_LINE_BYTES: usize;

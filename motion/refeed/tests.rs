@@ -1,4 +1,4 @@
-//! Numbers, limits, and what tests of both dialects ask of a program with lower feeds.
+//! Tests of numbers and limits, and checks that the tests of both dialects share.
 
 use super::edit::rounded_down;
 use super::limits::{LATE, Limits};
@@ -27,7 +27,7 @@ pub(crate) fn stream(table: &Table) -> Vec<io::Result<LineLimit>> {
         .collect()
 }
 
-/// What a limit leaves of a feed: itself, or no more than the limit and at most a thousandth less.
+/// True if a feed is unchanged, or lowered to at most its limit and at most a thousandth less.
 pub(crate) fn is_limited(before: f64, after: f64, limit: f64) -> bool {
     if limit >= before * (1.0 - 1e-9) {
         // The same, but for another unit of length in which it has been written.

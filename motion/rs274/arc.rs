@@ -1,4 +1,4 @@
-//! The arcs of G2 and G3, with LinuxCNC's tolerances.
+//! Arcs of G2 and G3, with LinuxCNC's tolerances.
 
 use super::LengthUnit;
 use super::error::DecodeError;
@@ -9,7 +9,7 @@ use std::f64::consts::{SQRT_2, TAU};
 /// Radii below this are zero, and R may be this much less than half the chord, m: 0.00005 inches.
 const SMALL: f64 = 0.000_05 * 0.0254;
 
-/// How far the radii at start and end may differ as part of the larger one, beyond [`spiral`].
+/// Largest difference of the radii at start and end as a part of the larger one, beyond [`spiral`].
 const SPIRAL_RELATIVE: f64 = 1e-3;
 
 /// Arcs about a centre that turn by less than this, rad, and whose ends are as near as [`SAME_POINT`], are full turns.
@@ -24,8 +24,8 @@ const NO_CHORD: f64 = 1e-12;
 /// Half a chord is the radius if it is this near to it, as part of it.
 const SEMICIRCLE: f64 = 1e-12;
 
-/// How far the radii at start and end may differ however small they are, m: the rounding of programs with two decimals
-/// (mm) or three (inches). Hundred times as much is too much for any radius.
+/// Largest difference of the radii at start and end, however small they are, m: the rounding of programs with two
+/// decimals (mm) or three (inches). Hundred times as much is too much for any radius.
 fn spiral(units: LengthUnit) -> f64 {
     SQRT_2
         * match units {

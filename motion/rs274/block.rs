@@ -1,4 +1,4 @@
-//! The words of one line.
+//! Block: the words of one line.
 
 use super::error::{DecodeError, Problem};
 use super::word::{CodeError, GWords, MWords};

@@ -143,7 +143,7 @@ impl State {
     }
 }
 
-/// Whether `repeats` holes of `pecks` pecks each are few enough.
+/// Checks that `repeats` holes of `pecks` pecks each are few enough.
 fn check_count(cycle: Cycle, repeats: u32, pecks: f64) -> Result<(), DecodeError> {
     let limit = MAX_CYCLE_MOVES;
     let moves = if cycle == Cycle::Peck { 4.0 + 3.0 * pecks } else { 5.0 };

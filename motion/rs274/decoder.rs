@@ -1,4 +1,4 @@
-//! Reads a program line by line.
+//! Decoder: reads a program line by line.
 
 use super::block::Block;
 use super::error::{DecodeError, Failure, Item, Problem};
@@ -72,7 +72,7 @@ impl<R: BufRead> Decoder<R> {
         self.line_number
     }
 
-    /// Where the blocks read so far leave the machine.
+    /// Position of the machine after the blocks read so far.
     pub fn position(&self) -> Position {
         self.state.location.machine
     }
@@ -92,7 +92,7 @@ impl<R: BufRead> Decoder<R> {
         self.state.tool
     }
 
-    /// What is kept: bytes of the line, and items that nobody has taken yet.
+    /// Kept memory: bytes of the line, and items that nobody has taken yet.
     #[cfg(test)]
     pub(super) fn capacity(&self) -> usize {
         self.line.capacity() + self.problems.capacity() + self.out.items.capacity()

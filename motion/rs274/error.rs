@@ -1,4 +1,4 @@
-//! What can be wrong with a program, and where.
+//! Decode errors and warnings, with line and columns.
 
 use crate::decode::{self, Rule, TextError};
 use crate::path::{ProbeTrip, Probing};
@@ -7,12 +7,12 @@ use std::ops::Range;
 
 /// One thing wrong with a block.
 pub type Diagnostic = decode::Diagnostic<DecodeError>;
-/// Why the decoder has no element to give.
+/// Reason why the decoder has no element.
 pub type Failure = decode::Failure<DecodeError>;
-/// What the decoder makes of a program.
+/// Output item of the decoder.
 pub type Item = decode::Item<DecodeError>;
 
-/// Part of the language that is not executed and is no word.
+/// Unsupported part of the language that is not a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum UnsupportedReason {
     /// `#`.
@@ -33,7 +33,7 @@ impl std::fmt::Display for UnsupportedReason {
     }
 }
 
-/// What is wrong with a block. Numbers are in the units of the program unless said otherwise.
+/// Error or warning of a block. Numbers are in the units of the program unless said otherwise.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DecodeError {
     /// A line without end.
@@ -69,13 +69,13 @@ pub enum DecodeError {
         /// The word's letter.
         letter: char,
     },
-    /// What follows the letter is no number.
+    /// The letter is not followed by a number.
     #[error("what follows {letter} is no number")]
     InvalidNumber {
         /// The word's letter.
         letter: char,
     },
-    /// What follows N is no block number.
+    /// N is not followed by a block number.
     #[error("a whole number must follow after N")]
     InvalidBlockNumber,
     /// An N word that does not open the block.
@@ -122,7 +122,7 @@ pub enum DecodeError {
     /// More M words than a line may have.
     #[error("a block has at most {limit} M words")]
     TooManyMWords {
-        /// How many it may have.
+        /// Largest number allowed.
         limit: u8,
     },
     /// A word that nothing in its line uses.
@@ -170,25 +170,25 @@ pub enum DecodeError {
     /// A probing move that must trip, to where the tool is.
     #[error("{probing} goes nowhere: its start and its end are the same")]
     ProbeNowhere {
-        /// What the block asks for.
+        /// The programmed move.
         probing: Probing,
     },
     /// A probing move that must trip and begins where it would have.
     #[error("{probing} begins {}", already(*probing))]
     ProbeTripped {
-        /// What the block asks for.
+        /// The programmed move.
         probing: Probing,
     },
     /// A probing move that must trip and does not.
     #[error("{probing} reaches its end without {}", lacking(*probing))]
     ProbeNotTripped {
-        /// What the block asks for.
+        /// The programmed move.
         probing: Probing,
     },
     /// A probing move, and nobody knows where it ends. A warning.
     #[error("{probing} is taken to reach its end: nothing is known that it could touch")]
     ProbeUnknown {
-        /// What the block asks for.
+        /// The programmed move.
         probing: Probing,
     },
     /// A tool that is not in the table.
@@ -220,15 +220,15 @@ pub enum DecodeError {
     /// The retract plane is below the bottom of the hole.
     #[error("the retract plane R at {} is below the bottom of the hole at {}", Short(*retract), Short(*bottom))]
     RetractBelowBottom {
-        /// Where R is.
+        /// Height of R.
         retract: f64,
-        /// Where the bottom is.
+        /// Height of the bottom.
         bottom: f64,
     },
     /// Too many repetitions or pecks.
     #[error("this canned cycle has more than {limit} moves")]
     EndlessCycle {
-        /// How many it may have.
+        /// Largest number allowed.
         limit: usize,
     },
     /// A letter that is not executed.
@@ -245,10 +245,10 @@ pub enum DecodeError {
         /// Its number.
         number: f64,
     },
-    /// What is no word and not executed.
+    /// Unsupported part that is not a word.
     #[error("{reason} are not supported")]
     Unsupported {
-        /// What it is.
+        /// The unsupported part.
         reason: UnsupportedReason,
     },
     /// G2 or G3 with neither R nor a centre.
@@ -315,7 +315,7 @@ pub enum DecodeError {
     },
 }
 
-/// How a probing move must not begin.
+/// State in which a probing move must not begin, in words.
 fn already(probing: Probing) -> &'static str {
     match probing.trips {
         ProbeTrip::Touch => "where something is touched already",
@@ -323,7 +323,7 @@ fn already(probing: Probing) -> &'static str {
     }
 }
 
-/// What a probing move is made for.
+/// Purpose of a probing move, in words.
 fn lacking(probing: Probing) -> &'static str {
     match probing.trips {
         ProbeTrip::Touch => "touching anything",

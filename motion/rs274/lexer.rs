@@ -1,4 +1,4 @@
-//! From the bytes of a line to words.
+//! Lexer: the bytes of a line to words.
 
 use super::block::Block;
 use super::error::{DecodeError, Problem, UnsupportedReason};
@@ -10,7 +10,7 @@ const FUNCTIONS: [&[u8]; 15] = [
     b"SIN", b"SQRT", b"TAN", b"MOD",
 ];
 
-/// What a line is.
+/// Kind of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Line {
     /// Words, or nothing.

@@ -1,4 +1,4 @@
-//! Everyday RS274/NGC, the language of CAM output: text to path elements, as LinuxCNC's interpreter understands it.
+//! RS274/NGC dialect, the language of CAM output: decodes program text to path elements as LinuxCNC's interpreter does.
 //!
 //! ```text
 //! %                                   optional; then a second % or M2/M30 ends the program
@@ -18,25 +18,25 @@
 //! error that names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
 //! [`UnsupportedWord`](crate::decode::Rule::UnsupportedWord)); nothing is skipped but comments.
 //!
-//! What becomes of M words: M0, M1, M3 to M9 and M60 are elements at which the path waits
+//! M words: M0, M1, M3 to M9 and M60 are elements at which the path waits
 //! ([`ElementKind::MFunction`](crate::path::ElementKind::MFunction)), so that a spindle has its speed and coolant flows
 //! before the tool cuts; M3 and M4 carry the speed S as their parameter K, M6 the tool's number. M2 and M30 end the
-//! program; spindle and coolant that are on stop there (M5, M9), the spindle also before M6. S alone, T alone, G61 and G64 change no path; see [`Decoder::spindle_speed`], [`Decoder::tool`] and
-//! [`Decoder::path_mode`].
+//! program; spindle and coolant that are on stop there (M5, M9), the spindle also before M6. S alone, T alone, G61 and
+//! G64 change no path; see [`Decoder::spindle_speed`], [`Decoder::tool`] and [`Decoder::path_mode`].
 //!
 //! Probing moves (G38.2 to G38.5, [`ElementKind::Probe`](crate::path::ElementKind::Probe)) end where the probe trips,
-//! which whoever knows the [`Surroundings`] says; the program goes on from there. That it does not trip where it must
-//! (G38.2, G38.4), or has tripped before it moves, is an error, as in LinuxCNC's motion controller. The path stops right
-//! there: by how much a machine overshoots until it stands, v² / 2a, is left out. Where nobody knows the surroundings
-//! the path goes to the programmed end, with a warning. There being no parameters, nothing of where it trips is kept for
-//! the program but the place itself (and so G92).
+//! as computed from the [`Surroundings`]; the program goes on from there. A probe that does not trip where it must
+//! (G38.2, G38.4), or that has tripped before it moves, is an error, as in LinuxCNC's motion controller. The path stops
+//! at that point; the overshoot of a machine until it is at rest, v² / 2a, is left out. Without surroundings the path
+//! goes to the programmed end, with a warning. There are no parameters, so the program keeps only the position of the
+//! trip (and so G92).
 //!
-//! Where this differs from LinuxCNC 2.9, whose rules these are otherwise (its documentation, and its interpreter run
-//! over `tests/linuxcnc.rs` and a corpus of CAM output):
+//! Differences from LinuxCNC 2.9, whose rules apply otherwise (its documentation, and its interpreter run over
+//! `tests/linuxcnc.rs` and a corpus of CAM output):
 //! - F must be programmed before the first feed move; LinuxCNC's previews begin with a feed of their own.
 //! - A file that ends without M2, M30 or second % gives a warning, and a % at the end is accepted without one at the
 //!   beginning. LinuxCNC refuses both after having run all of the program.
-//! - Lines may be longer than 255 characters; `--1` is no number; an O number in the middle of a program, which
+//! - Lines may be longer than 255 characters; `--1` is not a number; an O number in the middle of a program, which
 //!   LinuxCNC skips, is an unsupported word.
 //! - After G20 or G21 amid canned cycles G98 returns to the level at which they began. LinuxCNC takes the number of
 //!   the old units for one of the new.
@@ -45,8 +45,8 @@
 //! - A start and end that are the same but for 1 µm make a full circle; LinuxCNC looks at the angle alone and makes
 //!   full circles of flat arcs.
 //! - The moves of one canned cycle block are at most [`MAX_CYCLE_MOVES`].
-//! - A block with an error has no effect but for its modes. LinuxCNC stops there; here the rest is read as well, so
-//!   that all errors are found.
+//! - A block with an error changes only the modal state. LinuxCNC stops there; here the rest is read as well, so that
+//!   all errors are found.
 
 mod arc;
 mod block;

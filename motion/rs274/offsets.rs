@@ -1,8 +1,8 @@
-//! Between the program's coordinates and the machine's.
+//! Work offsets and tool length offset: the transform between program and machine coordinates.
 
 use super::options::{LengthUnit, Position, ToolReference};
 
-/// What lies between the program's coordinates and the machine frame.
+/// Offsets between the program's coordinates and the machine frame.
 ///
 /// ```text
 /// machine = program + G5x + G92 (+ tool length, if the path is that of the controlled point)
@@ -40,7 +40,7 @@ impl Offsets {
         &self.sum
     }
 
-    /// What G53, G28 and G30 add to a position of the controlled point, m.
+    /// Offset that G53, G28 and G30 add to a position of the controlled point, m.
     pub(super) fn machine_frame(&self) -> [f64; 3] {
         match self.reference {
             ToolReference::ControlPoint => [0.0; 3],
@@ -131,7 +131,7 @@ impl Offsets {
     }
 }
 
-/// Where the tool is: in the machine frame (m, degrees) and in the coordinates of the program.
+/// Position of the tool: in the machine frame (m, degrees) and in the coordinates of the program.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Location {
     pub(super) machine: Position,
@@ -149,8 +149,8 @@ impl Location {
         location
     }
 
-    /// Where the straight way to `end` is at `part` of it: this place up to 0, `end` from 1 on. What does not move keeps
-    /// its number, bit for bit.
+    /// Point of the straight line to `end` at `part` of it: this place up to 0, `end` from 1 on. A coordinate that does
+    /// not move keeps its number, bit for bit.
     #[expect(clippy::float_cmp, reason = "the same number or another one")]
     pub(super) fn toward(
         &self,

@@ -1,4 +1,4 @@
-//! What a decoder must know besides the program, and what it says of it besides the path.
+//! Decoder options: units, positions, work offsets, tools, path mode.
 
 use super::{Surroundings, ToolTable};
 
@@ -30,7 +30,7 @@ impl LengthUnit {
     }
 }
 
-/// Where all axes are, or an offset of all of them.
+/// Position of all axes, or an offset of all of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Position {
     /// X, Y, Z, m.
@@ -39,7 +39,7 @@ pub struct Position {
     pub rotary: [f64; 3],
 }
 
-/// Which point the positions of the path are those of.
+/// Reference point of the positions of the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ToolReference {
     /// The controlled point: what the axes move, for which G43 lifts the path by the length of the tool. It never
@@ -50,7 +50,7 @@ pub enum ToolReference {
     Tip,
 }
 
-/// How exactly the path is to be followed (G61, G64). It has no effect on the path elements.
+/// Path mode: exact path or blending (G61, G64). It has no effect on the path elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum PathMode {
     /// G61: exactly as programmed.
@@ -67,10 +67,10 @@ pub enum PathMode {
     },
 }
 
-/// What a decoder must know besides the program. What LinuxCNC keeps in its parameter and machine files.
+/// Options of a decoder: the values that LinuxCNC keeps in its parameter and machine files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DecoderOptions {
-    /// Where the machine is at the beginning.
+    /// Position of the machine at the beginning.
     pub start: Position,
     /// Units until the first G20 or G21.
     pub units: LengthUnit,
@@ -82,19 +82,20 @@ pub struct DecoderOptions {
     pub deceleration: f64,
     /// Origins of the coordinate systems G54 to G59.3 in the machine frame. The program begins in G54.
     pub work_offsets: [Position; 9],
-    /// Where G28 goes, machine frame.
+    /// Target of G28, machine frame.
     pub g28: Position,
-    /// Where G30 goes, machine frame.
+    /// Target of G30, machine frame.
     pub g30: Position,
     /// The tools. Without a table every tool has length zero, with a warning at G43.
     pub tools: Option<ToolTable>,
     /// Number of the tool in the spindle at the beginning, 0 = none.
     pub tool: u32,
-    /// Which point the positions of the path are those of.
+    /// Reference point of the positions of the path.
     pub reference: ToolReference,
-    /// What a probe can touch (G38.2 to G38.5). Where nobody knows, probing moves go to their ends, with a warning.
+    /// Surroundings that a probe can touch (G38.2 to G38.5). Without them probing moves go to their ends, with a
+    /// warning.
     pub surroundings: Option<Surroundings>,
-    /// How long the path waits behind a probing move, ns: for drives that follow late.
+    /// Waiting time behind a probing move, ns: for drives that follow late.
     pub probe_settle_ns: i64,
     /// Leaves out the blocks that begin with `/`. What is in them is not looked at.
     pub skip_suppressed_blocks: bool,

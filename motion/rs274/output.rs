@@ -1,4 +1,4 @@
-//! Items of a line: elements, warnings and errors.
+//! Output queue of a line: elements, warnings and errors.
 
 use super::error::{DecodeError, Diagnostic, Failure, Item};
 use crate::Place;
@@ -6,7 +6,7 @@ use crate::path::PathElement;
 use std::collections::VecDeque;
 use std::ops::Range;
 
-/// What a line gives: few items, but for canned cycles, in order.
+/// Items of a line, in order: few, except for canned cycles.
 #[derive(Debug, Default)]
 pub(super) struct Output {
     pub(super) items: VecDeque<Result<Item, Failure>>,

@@ -1,4 +1,4 @@
-//! Probing: G38.2 to G38.5, and what there is to touch.
+//! Probing (G38.2 to G38.5): the probing move, and the surroundings that a probe can touch.
 
 use super::block::{Block, Letter, Letters};
 use super::error::{DecodeError, Problem};
@@ -15,32 +15,31 @@ use std::sync::Arc;
 pub struct ProbePath {
     /// The block it comes from.
     pub place: Place,
-    /// Where it begins, in the frame of the path, and of the point whose path it is
-    /// ([`super::DecoderOptions::reference`]).
+    /// Start, in the frame of the path, of the point whose path it is ([`super::DecoderOptions::reference`]).
     pub start: Position,
-    /// Where it ends unless the probe trips.
+    /// End unless the probe trips.
     pub end: Position,
     /// From the tip of the tool in force (G43) to the point whose path it is, m: what to take off both positions for
     /// those of the tip.
     pub point_from_tip: [f64; 3],
     /// Velocity along the path, m/s, or a thousandth of degrees/s where only rotary axes move.
     pub feed: f64,
-    /// What ends it.
+    /// Trip that ends it.
     pub trips: ProbeTrip,
 }
 
-/// What a probe can touch: whoever knows what is around the tool.
+/// Target of a probe: the knowledge of the tool's surroundings.
 ///
 /// The questions come in the order of the program, one for each probing move that is carried out. Where a move trips
 /// the path ends, and the next one begins there, to within rounding: touching after [`ProbeTrip::Touch`], free after
 /// [`ProbeTrip::Release`]. A target must not make something else of that rounding.
 pub trait ProbeTarget: fmt::Debug {
-    /// Where the probe trips, as part of the way from the start (0) to the end (1): 0 if it is at the start already as
-    /// the move wants it. None, or a number that is no part, if it does not trip.
+    /// Place where the probe trips, as a part of the way from the start (0) to the end (1): 0 if it is at the start
+    /// already as the move wants it. None, or a number that is no part, if it does not trip.
     fn trip(&mut self, path: &ProbePath) -> Option<f64>;
 }
 
-/// What is around the tool, for every decoder that reads the program: each asks a [`ProbeTarget`] of its own, so that
+/// Surroundings of the tool, for every decoder that reads the program: each asks a [`ProbeTarget`] of its own, so that
 /// all of them get the same answers.
 #[derive(Clone)]
 pub struct Surroundings(Arc<dyn Fn() -> Box<dyn ProbeTarget> + Send + Sync>);

@@ -1,7 +1,7 @@
-//! The same program with feeds that its machine can go; see [`crate::refeed`].
+//! Feed reduction for this dialect: rewrites F words that a machine cannot reach; see [`crate::refeed`].
 //!
-//! F per minute (G94) is modal, F of inverse time (G93) belongs to its line. No F governs rapids: those of G0, G28, G30
-//! and of canned cycles are reported where they are too fast.
+//! F per minute (G94) is modal, F of inverse time (G93) belongs to its line. F does not govern rapids: those of G0,
+//! G28, G30 and of canned cycles are reported if they are too fast.
 
 use super::block::Letter;
 use super::decoder::{Decoder, MAX_LINE_BYTES};
@@ -19,7 +19,7 @@ use std::io::{self, BufRead, Cursor, Write};
 /// Feeds that are nearer to each other are the same: one may have come back through another unit of length.
 const SAME: f64 = 1e-9;
 
-/// Writes the program in `reader` to `out` with feeds of at most `limits`; what is wrong with the program stays wrong.
+/// Writes the program in `reader` to `out` with feeds of at most `limits`; errors of the program stay.
 ///
 /// `options` are those with which the limits were found. The limits come in the order of lines, each perhaps a little
 /// late ([`RefeedError::Late`]); no more than a few lines are held.
@@ -53,7 +53,7 @@ struct Running<I: Iterator> {
     doubtful: bool,
 }
 
-/// What a line does.
+/// Moves of a line.
 #[derive(Debug, Default)]
 struct Moves {
     /// Its cut, or its probing move; of a canned cycle any of them.
@@ -87,7 +87,7 @@ impl Moves {
 }
 
 impl Cut {
-    /// What of a feed in force is its own, as [`PathElement::feed`] has it.
+    /// Part of a feed in force that applies to it, as in [`PathElement::feed`].
     fn own(self, feed: Feed) -> f64 {
         if self.turns { feed.rotary * 1e-3 } else { feed.linear }
     }

@@ -1,4 +1,4 @@
-//! What stays from block to block, and what a block makes of it.
+//! Modal state of the RS274 interpreter: G codes, offsets, feed and tool between blocks, and the execution of a block.
 
 use super::block::{Block, Letter, Letters};
 use super::cycle::Series;
@@ -21,7 +21,7 @@ const MAX_DWELL_S: f64 = 1e6;
 pub(super) struct Feed {
     /// m/s.
     pub(super) linear: f64,
-    /// Where only rotary axes move, degrees/s.
+    /// Feed of moves of rotary axes only, degrees/s.
     pub(super) rotary: f64,
 }
 
@@ -43,13 +43,13 @@ pub(super) struct State {
     g28: Position,
     g30: Position,
     tools: Option<ToolTable>,
-    /// What a probe can touch, if anybody knows.
+    /// Target of the probe, if it is known.
     pub(super) probe_target: Option<Box<dyn ProbeTarget>>,
     pub(super) probe_settle_ns: i64,
 
     pub(super) offsets: Offsets,
     pub(super) location: Location,
-    /// Where the last element ends; none before the first.
+    /// End of the last element; none before the first.
     pub(super) path_end: Option<Position>,
     /// A rotary axis has been named.
     pub(super) rotary: bool,
@@ -211,7 +211,7 @@ impl State {
         }
     }
 
-    /// Whether each word of `block` has something to act on.
+    /// Checks that each word of `block` has something to act on.
     fn check_words(&self, block: &Block, motion: Option<Motion>) -> Result<(), Problem> {
         const PLAIN: Letters = Letters::AXES.with(Letters::of(&[Letter::F, Letter::S, Letter::T]));
         let mut used = PLAIN;

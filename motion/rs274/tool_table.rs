@@ -1,4 +1,4 @@
-//! LinuxCNC's tool table (`.tbl`): one tool a line.
+//! Reader of LinuxCNC's tool table (`.tbl`): one tool per line.
 //!
 //! ```text
 //! ; T number, P pocket, X…W offsets, D diameter, I J angles, Q orientation
@@ -28,7 +28,7 @@ pub struct ToolTable {
     tools: Vec<Tool>,
 }
 
-/// What is wrong with a tool table.
+/// Error of a tool table.
 #[derive(Debug, thiserror::Error)]
 pub enum ToolTableError {
     /// It cannot be read.

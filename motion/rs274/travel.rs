@@ -1,4 +1,4 @@
-//! Moves: straight, round, home.
+//! Moves: straight (G0, G1), arcs (G2, G3), and home (G28, G30).
 
 use super::arc::Ends;
 use super::block::{Block, Letter, Letters};
@@ -21,7 +21,7 @@ const MAX_RADIUS: f64 = 1e6;
 pub(super) const MIN_INVERSE_TIME_FEED: f64 = 0.1;
 
 impl State {
-    /// Where the axis words of `block` lead.
+    /// Target of the axis words of `block`.
     pub(super) fn target(&self, block: &Block, relative: bool) -> Result<Location, Problem> {
         let mut to = self.location;
         let letters = block.letters();
@@ -46,7 +46,7 @@ impl State {
         Ok(to)
     }
 
-    /// Where the axis words of `block` lead if they are those of the machine frame (G53).
+    /// Target of the axis words of `block` in the machine frame (G53).
     fn machine_target(&self, block: &Block) -> Result<Location, Problem> {
         let mut machine = self.location.machine;
         let tool = self.offsets.machine_frame();
@@ -372,7 +372,7 @@ impl State {
         }
     }
 
-    /// Where the tool is if one coordinate of the program changes.
+    /// Position of the tool if one coordinate of the program changes.
     #[expect(clippy::float_cmp, reason = "the same number or another one")]
     pub(super) fn with(
         &self,

@@ -1,4 +1,4 @@
-//! What the numbers of G and M words mean, and which of them exclude each other.
+//! Meaning of G and M words, and their modal groups.
 
 use super::LengthUnit;
 use crate::path::{Plane, Probing};
@@ -106,7 +106,7 @@ pub(super) struct GWords {
     pub(super) initial_level: Option<bool>,
 }
 
-/// Why a G or M word is no use.
+/// Error of a G or M word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CodeError {
     /// Not executed.

@@ -1,4 +1,4 @@
-//! What counts must count.
+//! Control of the allocation counter: a wasteful transform must be counted.
 
 use super::{Calls, counter, methods};
 use nalgebra::{Vector2, Vector3};

@@ -1,7 +1,8 @@
-//! Nothing between set-points and axes asks for memory: what runs a thousand times a second must not wait for it.
+//! Allocation test: no heap allocation between set-points and axes, because that code runs a thousand times a second
+//! and must not wait for memory.
 //!
-//! Every method of every transform is called, bare and behind `dyn`, alone and in a whole machine, where it succeeds and
-//! where it refuses. What asks for memory only while a machine is set up is not on that way.
+//! The test calls every method of every transform, directly and through `dyn`, alone and in a whole machine, with valid
+//! and refused input. Allocation during setup of a machine is allowed.
 
 #![allow(
     clippy::expect_used,
@@ -28,7 +29,7 @@ use twin_kinematics::{
     ToolMotion, Transform, WorkFrame, direction_rates,
 };
 
-/// How many places of each machine are tried.
+/// Number of positions tried on each machine.
 const PLACES: usize = 20;
 
 /// Calls, and those of them that asked for memory.

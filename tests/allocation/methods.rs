@@ -1,4 +1,4 @@
-//! Every method on the solve path, called once.
+//! Calls of every method on the solve path.
 
 use super::Calls;
 use nalgebra::SVector;

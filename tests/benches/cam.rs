@@ -1,4 +1,5 @@
-//! Cam curves: points per second on one core, for masters that go on and for masters anywhere, and what bounds cost.
+//! Benchmark of cam curves: points per second on one core, for steadily moving masters and for random masters, and the
+//! cost of the bounds.
 //!
 //! Machines are noisy: compare within one run. Numbers are printed, nothing fails on them.
 

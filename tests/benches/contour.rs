@@ -1,4 +1,4 @@
-//! A generated program: short lines on a gentle curve, as CAM systems write them, of any length.
+//! Generated program: short lines on a gentle curve, as CAM systems write them, of any length.
 
 use std::fmt::Write;
 use std::io::{self, Read};
@@ -71,12 +71,12 @@ impl Read for Contour {
     }
 }
 
-/// What a decoder needs for it.
+/// Decoder options for it.
 pub fn din66025_options() -> din66025::DecoderOptions {
     din66025::DecoderOptions { start: START, ..din66025::DecoderOptions::default() }
 }
 
-/// What a decoder needs for it.
+/// Decoder options for it.
 pub fn rs274_options() -> rs274::DecoderOptions {
     rs274::DecoderOptions {
         start: rs274::Position { linear: START, rotary: [0.0; 3] },

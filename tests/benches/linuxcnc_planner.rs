@@ -1,7 +1,7 @@
-//! Cycle times of programs that LinuxCNC's planner has run (`tests/data/linuxcnc_planner`), at the same limits, and what
-//! the axes are asked for by differences of samples every millisecond.
+//! Cycle times of programs that LinuxCNC's planner has run (`tests/data/linuxcnc_planner`), at the same limits, and
+//! axis peaks from differences of samples every millisecond.
 //!
-//! A printed table, the same on every machine: nothing here is about how fast anything is computed.
+//! It prints a table that is the same on every machine; it does not measure computing time.
 
 #![allow(
     clippy::expect_used,

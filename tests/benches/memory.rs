@@ -1,7 +1,8 @@
-//! Resident memory of decoding, planning and sampling a program of ten million lines from disk, and one of a thousand.
+//! Benchmark of memory: resident memory of decoding, planning and sampling a program of ten million lines from disk,
+//! and one of a thousand.
 //!
-//! Every program runs in a process of its own, which says what the most was that it had in memory (`VmHWM`, Linux
-//! alone). Numbers are printed, nothing fails on them.
+//! Every program runs in a process of its own, which reports its peak resident memory (`VmHWM`, Linux only). Numbers
+//! are printed, nothing fails on them.
 
 #![allow(
     clippy::expect_used,

@@ -1,5 +1,5 @@
-//! From the text of a program to set-points: decode, prepare and plan, sample; and beside them LinuxCNC's interpreter,
-//! where it is installed.
+//! Benchmark of the motion pipeline, from program text to set-points: decode, prepare and plan, sample; and LinuxCNC's
+//! interpreter, if it is installed.
 //!
 //! Throughput counts lines or set-points, on one core. Machines are noisy: compare within one run. Numbers are printed,
 //! nothing fails on them.

@@ -1,4 +1,4 @@
-//! The same program through LinuxCNC's interpreter, `rs274 -g`.
+//! LinuxCNC's interpreter as peer: the same program through `rs274 -g`.
 
 use super::contour::Dialect;
 use super::pipeline::{plan, prepare};
@@ -50,7 +50,7 @@ fn timed<T>(run: impl FnOnce() -> T) -> Duration {
     start.elapsed()
 }
 
-/// How long the peer takes; none if it is not there.
+/// Time of the peer; none if it is not installed.
 fn interpreted(file: &Path) -> Option<Duration> {
     let mut command = Command::new("rs274");
     command.arg("-g").arg(file).current_dir(file.parent()?);

@@ -1,4 +1,4 @@
-//! The stages of motion strung together as the product does it.
+//! Pipeline of the motion stages, connected as in the product.
 
 use std::error::Error;
 use twin_motion::decode::{self, Item, TextError};
@@ -41,7 +41,7 @@ pub fn sample(path: impl Iterator<Item = Result<CheckedElement, Failure>>) -> us
     count(Interpolator::new(LookAhead::new(path), DEFAULT_CYCLE_NS))
 }
 
-/// How many items there are, none of them wrong.
+/// Number of items, none of which is an error.
 pub fn count<T>(items: impl Iterator<Item = Result<T, Failure>>) -> usize {
     items
         .map(|item| std::hint::black_box(item).map(drop).expect("a program without errors"))

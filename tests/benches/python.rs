@@ -1,4 +1,4 @@
-//! A Python that has a package that a benchmark compares with.
+//! Search for a Python interpreter with a package that a benchmark compares with.
 
 use std::env;
 use std::ffi::OsString;
@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 /// A package of the Python package index.
 #[derive(Clone, Copy, Debug)]
 pub struct Package {
-    /// What is imported.
+    /// Name of the import.
     pub name: &'static str,
     /// The version that the numbers are about.
     pub requirement: &'static str,

@@ -1,7 +1,7 @@
-//! How long it takes until the path is planned anew after a change of the override.
+//! Benchmark of replanning: computing time from a change of the override to the next planned item.
 //!
-//! Rounded zigzags of lines of 0.2 mm to 40 mm are under way; at one time after the other the override
-//! changes, what begins later than 0.1 s after that is taken back, and the next item is waited for. A printed table.
+//! The paths are rounded zigzags of lines of 0.2 mm to 40 mm. At a series of times the override changes; items that
+//! begin more than 0.1 s later are taken back, and the benchmark waits for the next item. It prints a table.
 
 #![allow(
     clippy::expect_used,
@@ -30,7 +30,7 @@ use twin_motion::limit::{LimitOptions, Planned, Planner};
 use twin_motion::path::{ElementKind, PathElement, Shape};
 use twin_motion::prepare::{CheckError, CheckVelocities};
 
-/// What becomes of the override.
+/// Values to which the override changes.
 const FACTORS: [f64; 5] = [0.0, 0.1, 0.5, 0.9, 1.5];
 /// Between two changes, s of the path; each is the first one in a program of its own.
 const EVERY: f64 = 0.11;
@@ -38,7 +38,7 @@ const EVERY: f64 = 0.11;
 const LEAD: f64 = 0.1;
 const AHEAD: f64 = 1.0;
 
-/// What it took.
+/// Cost of one replanning.
 struct Attempt {
     seconds: f64,
     work: u64,

@@ -1,4 +1,4 @@
-//! One benchmark per stage behind the set-points: transform, physics step. The stages before them are in `motion.rs`.
+//! Benchmark of the stages behind the set-points: transform, physics step. The stages before them are in `motion.rs`.
 //!
 //! Throughput counts set-points or cycles. These machines are noisy: compare within one run.
 

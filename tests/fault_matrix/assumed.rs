@@ -1,4 +1,4 @@
-//! The same faults where what the manuals leave open is otherwise than usually assumed, in device and driver alike.
+//! Faults under other assumptions: points that the manuals leave open are changed in device and driver alike.
 
 use twin_drives::{
     Assumed, Direction, WireFault,
@@ -16,7 +16,7 @@ pub(crate) struct Otherwise {
     pub(crate) family: Family,
     /// The assumption, or another option of both sides.
     pub(crate) name: &'static str,
-    /// What is assumed instead.
+    /// The other assumption.
     pub(crate) value: &'static str,
 }
 
@@ -130,13 +130,13 @@ impl Otherwise {
             .collect()
     }
 
-    /// Whether the axis has one.
+    /// True if the axis has an encoder.
     pub(crate) fn has_encoder(self) -> bool {
         self.name == ENCODER
     }
 
-    /// What goes wrong then: a request that is lost, one that is spoilt, the supply, and what the family can tell of its
-    /// axis.
+    /// Faults under this assumption: a lost request, a corrupted request, a brown-out, and an axis fault that the
+    /// family can report.
     pub(crate) fn faults(self) -> [Fault; 4] {
         let alarm = match self.family {
             Family::SmartDrive | Family::Pair => DeviceFault::Stall,
@@ -151,7 +151,7 @@ impl Otherwise {
         ]
     }
 
-    /// What the axis does then; homing where it is about that.
+    /// True if the cell is made for this activity; homing only if the assumption concerns it.
     pub(crate) fn is_meant(self, doing: Doing) -> bool {
         if self.has_encoder() {
             // The shaft is held: not the command to home, but what comes of it.
@@ -188,7 +188,7 @@ impl Otherwise {
         (self.name == BYTE_ORDER && fault == spoilt && doing == Doing::Idle).then_some(52)
     }
 
-    /// Whether the driver looks at the other axis before it gives an order.
+    /// True if the driver reads the other axis before it gives an order.
     pub(crate) fn looks_at_the_others(self) -> bool {
         (self.name, self.value) == ("zero_ends_every_move", "true")
     }

@@ -1,15 +1,15 @@
-//! What is to come of every fault: from the manuals, and from what drivers promise (`drives-notes`, module pages).
+//! Expected outcome of every fault: from the manuals, and from what drivers promise (`drives-notes`, module pages).
 //!
-//! * Requests that change nothing or only say once more what was said are repeated: InterpCNC reads and stops, ATB PING
-//!   and GOTO, BIM2AX reads and stops. One that is spoilt is survived. Moves of InterpCNC (command 80) and orders of
-//!   BIM2AX are sent once: spoilt, they are told.
-//! * Both check sums find spoilt bytes, but the XOR of ATB does not find two that have changed places. The bus of
-//!   BIM2AX finds nothing: what was spoilt shows where the axis stands.
-//! * No family watches its master: what is not plugged in goes on to its target.
-//! * A hard stop leaves boards locked and drives off, and a module says of an axis that moved that it was stopped hard: an
-//!   alarm or a reset that does the same is no reason to doubt it.
-//! * InterpCNC and BIM2AX without encoders do not know that a shaft is held; with one it is told, and a soft stop tells what
-//!   it sees when the axis stands.
+//! * Idempotent requests are repeated: InterpCNC reads and stops, ATB PING and GOTO, BIM2AX reads and stops. They
+//!   survive one corrupted frame. Moves of InterpCNC (command 80) and orders of BIM2AX are sent once: if corrupted,
+//!   they are reported.
+//! * Both check sums find corrupted bytes, but the XOR of ATB does not find two swapped ones. The bus of BIM2AX finds
+//!   nothing: corruption shows in the final axis position.
+//! * No family watches its master: an unplugged device goes on to its target.
+//! * A hard stop leaves boards locked and drives off, and a module reports a hard stop of an axis that moved: an alarm
+//!   or a reset with the same effect is consistent with that.
+//! * InterpCNC and BIM2AX without encoders do not detect a held shaft; with an encoder they report it, and a soft stop
+//!   reports it once the axis is at rest.
 
 use twin_drives::{Direction, DriveError, WireFault, bim2ax, smartdrive};
 
@@ -18,7 +18,7 @@ use crate::{
     scenario::{Cell, Outcome},
 };
 
-/// What an error says went wrong.
+/// Cause of a fault as an error names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Cause {
     /// No answer, or one that is garbled, within the deadline.
@@ -81,7 +81,7 @@ impl Cause {
     }
 }
 
-/// What is to come of a fault.
+/// Expected outcome of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Expected {
     /// It is survived.
@@ -97,7 +97,7 @@ pub(crate) enum Expected {
 }
 
 impl Expected {
-    /// Whether a cell is as expected; else why not.
+    /// Checks that a cell is as expected; the error says why it is not.
     pub(crate) fn check(self, cell: &Cell) -> Result<(), String> {
         cell.usable.as_ref().map_err(|why| format!("not usable afterwards: {why}"))?;
         #[expect(clippy::cast_precision_loss, reason = "a counter")]
@@ -129,9 +129,9 @@ impl Expected {
         }
     }
 
-    /// Whether nothing is wrong with a cell but that something was late: a computer that is too busy may keep sound devices
-    /// waiting beyond their deadlines, or from going where they were sent, so that they arrive where they should but are
-    /// behind the plan on the way. What was lost unnoticed or could not be stopped is no accident, nor is any other error.
+    /// True if a cell fails only because something was late: a computer that is too busy may keep sound devices waiting
+    /// beyond their deadlines, or from going where they were sent, so that they arrive where they should but are behind
+    /// the plan on the way. What was lost unnoticed or could not be stopped is no accident, nor is any other error.
     pub(crate) fn is_late(self, cell: &Cell) -> bool {
         let late = match &cell.outcome {
             Outcome::Told(error) | Outcome::NotBegun(error) => {
@@ -180,8 +180,8 @@ pub(crate) fn frames(family: Family, fault: Fault, doing: Doing) -> u32 {
     }
 }
 
-/// What decides by chance which bytes a fault befalls, so that each cell has one outcome: the first number that it
-/// makes, divided by the count of what may be hit, leaves the place.
+/// Seed that decides which bytes a fault hits, so that each cell has one outcome: the first number that it makes,
+/// divided by the count of what may be hit, leaves the place.
 pub(crate) fn seed(family: Family, fault: Fault, doing: Doing) -> u64 {
     match (family, fault, doing) {
         // Rest 2 of 9 pairs of different bytes of "02 63 A0 0F 00 00 4B 00 D0 07 ..": those of the target.
@@ -214,7 +214,7 @@ pub(crate) fn expected(family: Family, fault: Fault, doing: Doing) -> Expected {
     }
 }
 
-/// What is to come of a shaft that is held where its axis has an encoder.
+/// Expected outcome of a held shaft on an axis with an encoder.
 pub(crate) fn expected_with_encoder(family: Family, doing: Doing) -> Expected {
     match (family, doing) {
         // A stop without ramp needs no shaft that turns, and what is lost with it is lost anyway.

@@ -1,4 +1,4 @@
-//! What can go wrong, and with what.
+//! Faults of wires and devices, and the activity of the axis when they occur.
 
 use twin_drives::{Direction, WireFault};
 
@@ -20,7 +20,7 @@ impl Family {
         [Self::InterpCnc, Self::Segments, Self::SmartDrive, Self::Pair, Self::Bim2Ax];
 }
 
-/// What the axis is doing when it goes wrong.
+/// Activity of the axis when the fault occurs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Doing {
     /// It stands; a move is asked for.
@@ -56,12 +56,12 @@ impl Doing {
         Self::FarHalting,
     ];
 
-    /// Whether it is told to stop on its ramp.
+    /// True if it is commanded to stop on its ramp.
     pub(crate) fn stops(self) -> bool {
         matches!(self, Self::Stopping | Self::FarStopping)
     }
 
-    /// Whether it is told to stop at once.
+    /// True if it is commanded to stop at once.
     pub(crate) fn halts(self) -> bool {
         matches!(self, Self::Halting | Self::FarHalting)
     }

@@ -1,10 +1,10 @@
-//! The program dies in the middle of a move, without a word: what each device does then, and how far it goes.
+//! Kill test: the program dies in the middle of a move, and each device must stop within the plan's horizon.
 //!
-//! The driver runs in a process of its own (this binary again) and is killed. Whatever it has commanded last lies within
-//! the plan's horizon: the axis ends no farther than where the plan is `horizon` after the last instant at which the
-//! process lived, so it goes on for at most look-ahead × speed. A move to a target (the approach to the start of a
-//! program) and homing are one order: they go on to their end, which is the whole way to the target, and to the home
-//! switch or the longest way that the board was given.
+//! The driver runs in a process of its own (this binary again) and is killed. Its last command is within the plan's
+//! horizon: the axis ends no farther than the plan's position `horizon` after the last instant at which the process
+//! lived, so it goes on for at most look-ahead × speed. A move to a target (the approach to the start of a program) and
+//! homing are one order: they go on to their end, which is the target, or the home switch or the longest way that the
+//! board was given.
 
 use std::{
     process::{Child, Command},
@@ -27,19 +27,19 @@ use crate::{
 /// Speed of the plan, increments/s, and how far ahead of now it is known, ns.
 const SPEED: f64 = 2000.0;
 const HORIZON_NS: i64 = 300_000_000;
-/// Where an approach goes, increments.
+/// Target of an approach, increments.
 const TARGET: i64 = 4000;
 /// The longest way that homing may go where it is not to find its switch, increments.
 const NEARBY: u32 = 1000;
 /// Looks at the device at most, and the pause between them.
 const MOST_LOOKS: u32 = 3000;
 const PAUSE: Duration = Duration::from_millis(10);
-/// How the child is told what to do.
+/// Environment variable with the child's task.
 const WHAT: &str = "FAULT_MATRIX_CHILD";
 const PORT: &str = "FAULT_MATRIX_PORT";
 const START: &str = "FAULT_MATRIX_START";
 
-/// What the process that is killed does.
+/// Activity of the process that is killed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Doing {
     /// InterpCNC, command 80.

@@ -1,7 +1,8 @@
-//! Every fault of every family in every state, over its real transport: what comes of it, as a table.
+//! Fault matrix: every fault of every drive family in every state, over its real transport, with its outcome as a
+//! table.
 //!
-//! `cargo test -p twin-drives --test fault_matrix -- --nocapture` prints it. What is expected of each cell stands in
-//! `expected.rs`, before anything is run; the device is asked for the truth behind the driver's back.
+//! `cargo test -p twin-drives --test fault_matrix -- --nocapture` prints it. `expected.rs` has the expectation of each
+//! cell, written before any run; the test reads the true state from the emulated device, not from the driver.
 
 #![expect(clippy::expect_used, reason = "a test that cannot be set up has failed")]
 #![expect(clippy::indexing_slicing, reason = "one axis, and one device")]
@@ -49,9 +50,9 @@ struct Made {
     /// What it came to, in a word, and what is wrong with that.
     text: String,
     wrong: Option<String>,
-    /// Whether that is something that was late and nothing else.
+    /// True if that is something that was late and nothing else.
     late: bool,
-    /// Whether that is an axis that was behind its plan on the way.
+    /// True if that is an axis that was behind its plan on the way.
     behind: bool,
 }
 
@@ -60,7 +61,7 @@ struct Made {
 struct Row {
     fault: Fault,
     family: Family,
-    /// What is otherwise than usually assumed.
+    /// Assumption that differs from the usual one.
     otherwise: Option<Otherwise>,
 }
 
@@ -83,7 +84,7 @@ impl Row {
         usual.chain(otherwise).chain(held).collect()
     }
 
-    /// Whether a cell of it is made.
+    /// True if a cell of it is made.
     fn is_meant(&self, doing: Doing) -> bool {
         let here = self.otherwise.is_none_or(|otherwise| otherwise.is_meant(doing));
         if self.has_encoder() && doing == Doing::Looking {
@@ -92,18 +93,18 @@ impl Row {
         here && is_meant(self.family, self.fault, doing)
     }
 
-    /// Whether the axis has an encoder, and its shaft is held.
+    /// True if the axis has an encoder, and its shaft is held.
     fn has_encoder(&self) -> bool {
         self.otherwise.is_some_and(Otherwise::has_encoder)
     }
 
-    /// What distinguishes it from the others.
+    /// Name of the cell.
     fn name(&self, doing: Doing) -> String {
         let name = format!("{:?}/{}/{doing:?}", self.family, self.fault.name());
         self.otherwise.map_or(name.clone(), |otherwise| format!("{name}/{}", otherwise.name()))
     }
 
-    /// What stands at its end.
+    /// Remark at its end.
     fn remark(&self) -> String {
         let meaningless = is_meaningless(self.family, self.fault).map(str::to_owned);
         meaningless.or(self.otherwise.map(Otherwise::name)).unwrap_or_default()

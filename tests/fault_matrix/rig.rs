@@ -1,4 +1,4 @@
-//! A device of each family, emulated at the far end of its real transport and driven by its real driver.
+//! Test rig: a device of each family, emulated at the far end of its real transport and driven by its real driver.
 
 use std::time::{Duration, Instant};
 
@@ -27,14 +27,14 @@ use crate::{
     faults::{DeviceFault, Family},
 };
 
-/// How many times faster than the wall clock devices and plans go.
+/// Speed of devices and plans relative to the wall clock.
 pub(crate) const SPEED: u32 = 5;
 /// Longest time the drivers wait for an answer: other tests and builds may keep the emulator waiting.
 pub(crate) const DEADLINE: Duration = Duration::from_millis(400);
 /// Frames that are delayed come after the deadline and before the driver trusts the wire again, ns of the device.
 pub(crate) const DELAY_NS: i64 = 500_000_000 * SPEED as i64;
 pub(crate) const WORST_LATENCY: Duration = Duration::from_millis(650);
-/// How long the supply is away: longer than the drivers wait for one answer, repeats and late ones included.
+/// Duration of a supply outage: longer than the drivers wait for one answer, repeats and late ones included.
 pub(crate) const OUTAGE: Duration = Duration::from_secs(2);
 /// The same, ns of the device.
 const OUTAGE_NS: i64 = 2_000_000_000 * SPEED as i64;
@@ -42,7 +42,7 @@ const OUTAGE_NS: i64 = 2_000_000_000 * SPEED as i64;
 const HOMING_NS: i64 = 4_000_000_000 * SPEED as i64;
 /// The longest way to the home switch, increments, for devices that take one.
 pub(crate) const HOMING_WAY: u32 = 12_000;
-/// Where the home switches of drives on a line release, increments: at another place in each.
+/// Release positions of the home switches of drives on a line, increments: at another place in each.
 const SWITCHES: [f64; 2] = [-15_000.0, -18_000.0];
 /// Segments that are left in a board's buffer, the way of each, increments, and their speed, increments/s: half a minute of
 /// the device.
@@ -80,27 +80,27 @@ impl<C: Clock> SetpointStream for Rest<C> {
     }
 }
 
-/// What is so of the device, whoever says what.
+/// True state of the device, independent of the driver.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Truth {
     /// Counter, increments.
     pub(crate) counter: i64,
-    /// Whether the axis moves.
+    /// True if the axis moves.
     pub(crate) moving: bool,
-    /// Whether another axis of its line moves.
+    /// True if another axis of its line moves.
     pub(crate) other_moves: bool,
     /// Segments that wait in the device's buffer.
     pub(crate) waiting: usize,
-    /// Where the mechanics are, increments from where they were at the start.
+    /// Position of the mechanics, increments from the start.
     pub(crate) mechanical: f64,
     /// The axes one by one; only the first where there is no other.
     pub(crate) axes: [AxisTruth; 2],
 }
 
-/// What is so of one axis.
+/// True state of one axis.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct AxisTruth {
-    /// Where the device itself is to bring it; nothing where it has no target.
+    /// Target that the device itself moves to; none if it has no target.
     pub(crate) target: Option<i64>,
     pub(crate) counter: i64,
     pub(crate) mechanical: f64,
@@ -124,9 +124,9 @@ enum Device {
 pub(crate) struct Rig<C> {
     device: Device,
     pub(crate) clock: C,
-    /// Where the plan that was followed reached when something went wrong.
+    /// Position that the followed plan had reached when the fault occurred.
     pub(crate) reached: Option<f64>,
-    /// Where the last of the segments ends that were left in the device's buffer.
+    /// End of the last segment that was left in the device's buffer.
     pub(crate) queued: Option<i64>,
 }
 
@@ -170,7 +170,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         }
     }
 
-    /// Where a driver finds the device.
+    /// Port of the device, for a driver.
     pub(crate) fn port(&self) -> &str {
         match &self.device {
             Device::Board(board, _) => board.path().to_str().expect("a name"),
@@ -187,7 +187,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         }
     }
 
-    /// Where the axis is to be at the end of homing, increments from the start: the edge of its switch.
+    /// Position after homing, increments from the start: the edge of its switch.
     pub(crate) fn switch(&self) -> f64 {
         match &self.device {
             Device::Board(..) => -3000.0,
@@ -207,14 +207,14 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         }
     }
 
-    /// Whether every axis is on its own switch.
+    /// True if every axis is on its own switch.
     pub(crate) fn is_on_switches(&self) -> bool {
         let truth = self.truth();
         let mut axes = truth.axes.iter().zip(self.switches());
         axes.all(|(axis, switch)| (axis.mechanical - switch).abs() < 300.0)
     }
 
-    /// Whether a device that was stopped hard obeys nothing any more until it is enabled.
+    /// True if a device obeys nothing after a hard stop until it is enabled.
     pub(crate) fn is_off_after_hard_stop(&self) -> bool {
         !matches!(self.device, Device::Module(..))
     }
@@ -234,20 +234,20 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         Ok(())
     }
 
-    /// Which request of a move from rest says where to go: a module is looked at before, and once more where an order
-    /// to one axis could end a move of the other.
+    /// Number of the request that carries the target in a move from rest: a module is read before, and once more if an
+    /// order to one axis could end a move of the other.
     pub(crate) fn order(&self, otherwise: Option<Otherwise>) -> u32 {
         let again = otherwise.is_some_and(Otherwise::looks_at_the_others);
         if matches!(self.device, Device::Module(..)) { 2 + u32::from(again) } else { 1 }
     }
 
-    /// Which request of homing tells the device to: a board is asked first whether it knows a home switch (parameter 29), and
-    /// told that an error of an earlier homing is void (command 66).
+    /// Number of the request that starts homing: a board is asked first if it has a home switch (parameter 29), and its
+    /// error of an earlier homing is cleared (command 66).
     pub(crate) fn homing_order(&self) -> u32 {
         if matches!(self.device, Device::Board(..)) { 3 } else { 1 }
     }
 
-    /// What a device must be told before it homes the first time.
+    /// Prepares a device for its first homing.
     pub(crate) fn prepare_homing(&mut self) -> Result<(), DriveError> {
         let is_board = matches!(self.device, Device::Board(..));
         if is_board { prepare_homing(self.drive()) } else { Ok(()) }

@@ -1,4 +1,4 @@
-//! What is done with the axis while something goes wrong, and what comes of it.
+//! Scenarios: the activity of the axis during a fault, and its outcome.
 
 use std::{f64::consts::PI, sync::OnceLock, thread, time::Duration};
 
@@ -14,10 +14,10 @@ use crate::{
     track::Track,
 };
 
-/// Where moves from rest go, and how fast, increments and increments/s.
+/// Target and speed of moves from rest, increments and increments/s.
 pub(crate) const TARGET: i64 = 4000;
 const SPEED: f64 = 4000.0;
-/// Where the last move of all goes.
+/// Target of the last move.
 const AFTERWARDS: i64 = 321;
 /// Plan: half a cosine from 0 to there in so many seconds, units of the axis, and in increments by [`ratio`].
 const STROKE_U: f64 = 192.0;
@@ -25,7 +25,7 @@ const STROKE: f64 = 16_000.0;
 const DURATION_S: f64 = 16.0;
 /// Its highest speed, increments/s.
 const PEAK: f64 = 0.5 * STROKE * PI / DURATION_S;
-/// How far ahead of now it is known, ns.
+/// Horizon of the plan, ns.
 pub(crate) const HORIZON_NS: i64 = 500_000_000;
 /// Looks after which an axis no longer comes to rest.
 pub(crate) const MOST_LOOKS: u32 = 20_000;
@@ -46,7 +46,7 @@ fn ratio() -> DecimalRatio {
     DecimalRatio::new(250, 3.0, 0).expect("neither is 0")
 }
 
-/// What became of what was being done.
+/// Outcome of the activity.
 #[derive(Debug)]
 pub(crate) enum Outcome {
     /// It was done as if nothing had happened.
@@ -68,12 +68,12 @@ pub(crate) struct Cell {
     /// After stopping by all means, with the fault still there.
     pub(crate) stopped: bool,
     pub(crate) truth: Truth,
-    /// Where axes that have gone on stand: there the driver has sent them as it remembers it, there the devices were to go
-    /// and there the last set-point is. Nothing where nothing was to be followed or reached.
+    /// End positions of axes that went on: the driver's last command, the devices' targets and the last set-point
+    /// agree. None if nothing was followed or reached.
     pub(crate) ends: Option<Vec<i64>>,
     /// Getting it going again, and moving it.
     pub(crate) usable: Result<(), String>,
-    /// Where an axis whose plug was pulled went on to; nothing for other faults.
+    /// Result for an unplugged axis that went on; none for other faults.
     pub(crate) goes_on: Option<Result<(), String>>,
 }
 
@@ -106,23 +106,23 @@ impl<C: Clock> SetpointStream for Plan<C> {
     }
 }
 
-/// Whether a plan has ended for so long that a stuck status shows.
+/// True if a plan has ended long enough ago for a stuck status to show.
 pub(crate) fn is_over(plan: &impl SetpointStream) -> bool {
     plan.now_ns() > 18_000_000_000
 }
 
-/// What a cell is made of, beside its family.
+/// Parameters of a cell other than its family.
 #[derive(Clone, Copy)]
 pub(crate) struct Trial {
     pub(crate) fault: Fault,
     pub(crate) doing: Doing,
-    /// What decides by chance.
+    /// Seed of the random choices.
     pub(crate) seed: u64,
     /// Frames that a fault of the wire befalls; 0: all, until something is said.
     pub(crate) frames: u32,
-    /// Whether segments wait in the device's buffer when it is stopped.
+    /// True if segments wait in the device's buffer when it is stopped.
     pub(crate) buffered: bool,
-    /// What is otherwise than usually assumed.
+    /// Assumption that differs from the usual one.
     pub(crate) otherwise: Option<Otherwise>,
 }
 
@@ -492,7 +492,7 @@ fn usual<C: Clock + Copy + 'static>(family: Family, clock: C) -> f64 {
     })
 }
 
-/// Whether a cell is made: the columns of the variants are those in which they differ from their families.
+/// True if a cell is made: the columns of the variants are those in which they differ from their families.
 pub(crate) fn is_meant(family: Family, fault: Fault, doing: Doing) -> bool {
     let of_wire = matches!(fault, Fault::Wire(..));
     let differs = match family {
@@ -506,7 +506,7 @@ pub(crate) fn is_meant(family: Family, fault: Fault, doing: Doing) -> bool {
     differs && of_command && looks && is_meaningless(family, fault).is_none()
 }
 
-/// Whether a fault means nothing to a family.
+/// Reason why a fault means nothing to a family, if so.
 pub(crate) fn is_meaningless(family: Family, fault: Fault) -> Option<&'static str> {
     match (family, fault) {
         (Family::Bim2Ax, Fault::Wire(_, WireFault::WrongCheck)) => Some("no check sums on a bus"),

@@ -1,10 +1,9 @@
-//! A plan that is followed is stopped, on the ramps or at once, while something goes wrong.
+//! Stops during a fault: a followed plan is stopped, on the ramps or at once.
 //!
-//! The stop meets a device that has more to do than it is doing: a target ahead, near as in a plan or far as in an approach,
-//! and with segments a buffer full of them. Far ones and buffers last for longer than it takes until a stop that was lost is
-//! sent again. What a driver says to be stopped has to
-//! stand, to have nothing left that it could go on with, and to stay where it is for longer than anything that was sent
-//! before can take.
+//! The device still has work when the stop arrives: a target ahead, near as in a plan or far as in an approach, and
+//! with segments a full buffer. Far targets and buffers last longer than the repetition of a lost stop takes. A device
+//! that its driver reports as stopped must be at rest, have no work left, and stay in place longer than any earlier
+//! command can take.
 
 use std::thread;
 
@@ -23,7 +22,7 @@ use crate::{
 const FOLLOWED_NS: i64 = 5_000_000_000;
 /// Far enough that it is not half reached while something is stopped, increments.
 const FAR: i64 = 100_000;
-/// What an axis may go back when its shaft is held or its current switched off, increments.
+/// Distance that an axis may go back when its shaft is held or its current switched off, increments.
 const BACK: f64 = 16.0;
 /// Looks, [`PAUSE`] apart, during which an axis that was stopped has to stay: frames come late by less.
 const STAY_LOOKS: u32 = 70;
@@ -102,7 +101,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         }
     }
 
-    /// Whether a device that is said to be stopped is, on its way and for good.
+    /// Checks that a device reported as stopped is at rest on its path, and stays so.
     fn has_stopped(&mut self, before: &Truth) -> Result<(), String> {
         let truth = self.truth();
         if truth.moving || truth.other_moves {
@@ -134,7 +133,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         self.stays()
     }
 
-    /// Whether all axes stay where they are.
+    /// Checks that all axes keep their positions.
     fn stays(&self) -> Result<(), String> {
         let before = self.truth();
         for _ in 0..STAY_LOOKS {
@@ -149,7 +148,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         Ok(())
     }
 
-    /// What sessions do when something is said: they stop, by all means.
+    /// Stops as sessions do after an error: a soft stop, then a hard stop.
     pub(crate) fn stops(&mut self) -> bool {
         let soft = self.drive().soft_stop();
         if soft.is_err() {

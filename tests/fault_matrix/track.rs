@@ -1,11 +1,11 @@
-//! Whether the way of an axis that follows a plan is that of the plan, as seen behind the driver's back.
+//! Tracking check: compares the motion of an axis with the plan it follows, as seen from the device.
 //!
-//! A driver that loses a set-point without noticing believes that the axis is under way while it stands. So the axis may
-//! be away from the plan by what following costs without faults, and by what the plan goes on while the driver waits for
-//! the device: outage × speed. For a while after an outage it makes good what it has missed; what the next outage costs
-//! during that time comes on top. Then it has to be as near as ever.
+//! A driver that loses a set-point unnoticed believes that the axis moves while it is at rest. So the axis may differ
+//! from the plan by its usual tracking error, plus the plan's motion while the driver waits for the device: outage ×
+//! speed. For a while after an outage the axis catches up; the cost of another outage during that time is added. Then
+//! the tracking error must be as small as before.
 
-/// How long an axis may take to make good what it has missed during an outage, ns of the device.
+/// Time that an axis may take to catch up after an outage, ns of the device.
 const CATCHING_UP_NS: i64 = 2_000_000_000;
 
 /// Pauses between looks that are so many times as long as the middle one of all are outages.
@@ -34,7 +34,7 @@ impl Track {
         self.0.push(Look { time_ns: to_ns, gap_ns, off });
     }
 
-    /// How far it was away at most beyond what outages explain, increments.
+    /// Largest distance from the plan beyond what outages explain, increments.
     pub(crate) fn usual(&self, speed: f64) -> f64 {
         let outages = self.0.iter().zip(self.outages(speed));
         outages.map(|(look, outage)| look.off - outage).fold(0.0, f64::max)

@@ -1,4 +1,4 @@
-//! `twin cam` as a process: what it prints is known in closed form.
+//! `twin cam` as a process, against closed forms.
 
 use crate::process::{Desk, object};
 use crate::root;

@@ -1,4 +1,4 @@
-//! Forms of cams as a process: what is read, what is refused, and how near a table stays to its cam.
+//! Cam file formats as a process: accepted and refused forms, and the tolerance of tables.
 
 use crate::process::{Desk, Done};
 use crate::root;

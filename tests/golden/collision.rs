@@ -1,4 +1,4 @@
-//! What is in the way, told by the binary as a process.
+//! Collisions with obstacles, reported by the binary as a process.
 
 use crate::process::{Desk, number};
 use crate::root;

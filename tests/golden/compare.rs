@@ -1,4 +1,4 @@
-//! Compares what was printed with what was expected.
+//! Comparison of printed output with the expected output: JSON lines and CSV.
 
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! `twin drive` against emulators in this process, whose own state says what has become of each action.
+//! `twin drive` against emulators in this process, whose own state proves each action.
 
 use crate::process::{Desk, Done};
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! What `twin drive` finds out before anything moves, and what it says when the device is not any more what it was.
+//! Checks of `twin drive` before any motion: coupled axes, restarted devices, parameters that are written at rest only.
 
 use crate::drive::{Hand, a_board, a_bus, a_module, row};
 use crate::drive_stop::under_way_on;

@@ -1,4 +1,4 @@
-//! `twin drive … home --by-switch`: switches that the drive only shows.
+//! `twin drive … home --by-switch`: homing onto switches that the drive only reports.
 
 use crate::drive::{a_board, a_bus, a_module, row};
 use twin_drives::bim2ax::emulator::Event;

@@ -1,5 +1,5 @@
-//! A BIM2AX the check sum of whose EEPROM is wrong takes parameters and nothing else (manual 8.1): what `twin drive` shows of
-//! it, and how it is repaired.
+//! Repair of a BIM2AX with a wrong EEPROM check sum, which accepts only parameters (manual 8.1): the report of
+//! `twin drive`, and the restore from a backup.
 
 use crate::drive::{QUICK_BOOT_NS, a_module, clock, row};
 use crate::process::Desk;

@@ -1,4 +1,4 @@
-//! `twin drive … stop` goes out first, whatever else is wrong.
+//! `twin drive … stop`: the stop is sent first, whatever else is wrong.
 
 use crate::drive::{Hand, a_board, a_bus, a_module};
 use crate::process::{BINARY, Desk, started};

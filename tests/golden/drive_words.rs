@@ -1,4 +1,4 @@
-//! What `twin drive` and `twin emulate` say to people who have mistaken something, and what they do not pass over.
+//! Messages of `twin drive` and `twin emulate` about mistaken input.
 
 use crate::drive::{Hand, a_board, a_bus, clock, row};
 use crate::process::Desk;

@@ -1,4 +1,4 @@
-//! Emulated drives as processes of their own, and what is done to them through their control sockets.
+//! Emulated drives as processes of their own, and their control sockets.
 
 use crate::drive::row;
 use crate::process::Desk;

@@ -1,4 +1,4 @@
-//! Drives between set-points and the motors of the simulated machine.
+//! Drives in the loop: emulated drives between set-points and the motors of the simulated machine.
 
 use crate::process::{Desk, number};
 use crate::root;

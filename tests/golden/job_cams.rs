@@ -1,4 +1,4 @@
-//! What is told of the cams that jobs and machine files name.
+//! Findings about the cams that jobs and machine files name.
 
 use crate::process::Desk;
 use serde_json::Value;

@@ -1,4 +1,4 @@
-//! What jobs ask of axes that no velocity shows, and what they wait for.
+//! Jumps of a slave at cam changes and cam starts in jobs, and waiting for a probe's trigger.
 
 use crate::process::{Desk, Done};
 

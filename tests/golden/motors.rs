@@ -1,4 +1,4 @@
-//! What motors of the simulated machine do, told by `twin check --physics` as a process.
+//! Motors of the simulated machine, reported by `twin check --physics` as a process.
 
 use crate::process::{Desk, Done, number};
 use crate::recording::{chunks, recorded, series};

@@ -1,9 +1,10 @@
-//! The net: hashes of what every program makes on every machine, so that moved code cannot change behaviour unseen.
+//! Regression net: hashes of the output of every program on every machine, so that moved code cannot change behaviour
+//! unseen.
 //!
 //! The programs of `tests/data/net` and the shipped examples, each on every shipped machine: set-points, `check` and
-//! `limit` as JSON. The hashes are not correctness; independent expectations are in the other tests. They say that a
-//! change which should change nothing did change nothing. A change that is meant to change a verdict or a message
-//! rewrites them in a commit of its own:
+//! `limit` as JSON. The hashes do not prove correctness; independent expectations are in the other tests. They prove
+//! that a refactoring changed no output. An intended change of a verdict or a message rewrites them in a commit of its
+//! own:
 //!
 //! ```sh
 //! TWIN_NET=write cargo test -p twin --test golden -- net
@@ -20,7 +21,7 @@ use std::process::Command;
 use std::sync::Mutex;
 use std::{env, fs, thread};
 
-/// What is hashed of each program on each machine: a name, the command and what follows the program and the machine.
+/// Hashed outputs of each program on each machine: a name, the command and what follows the program and the machine.
 const OUTPUTS: [(&str, &str, &[&str]); 3] = [
     ("setpoints", "path", &["--format", "setpoints"]),
     ("check", "check", &["--format", "json"]),

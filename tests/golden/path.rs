@@ -1,4 +1,4 @@
-//! `twin path` and M functions as a process: what goes from file to file.
+//! `twin path` and M functions as a process: conversions between programs, queues, drawings and set-points.
 
 use crate::process::Desk;
 use crate::root;

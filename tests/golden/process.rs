@@ -1,4 +1,4 @@
-//! The binary as a process: exit status, signals, and the files it leaves behind.
+//! Process behaviour of the binary: exit status, signals, and the files it leaves.
 
 use crate::root;
 use serde_json::Value;
@@ -177,7 +177,7 @@ pub(crate) fn has_keys(value: &Value, keys: &[&str]) {
     assert_eq!(found, wanted);
 }
 
-/// What a program has printed as JSON.
+/// Printed output parsed as JSON.
 #[track_caller]
 pub(crate) fn object(text: &str) -> Value {
     serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))

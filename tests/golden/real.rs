@@ -1,4 +1,4 @@
-//! `twin run --drives real` on emulators in this process as the real devices, whose own state says what has become of it.
+//! `twin run --drives real` on emulators in this process as the real devices, whose own state proves the result.
 
 use crate::process::{Desk, number};
 use crate::shop::{SHORT, Shop, a_board, clock, listens, mixture};

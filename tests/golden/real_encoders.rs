@@ -1,4 +1,4 @@
-//! Runs whose axes have encoders, which the machine file declares: a shaft that is held stops everything.
+//! Runs whose axes have encoders, declared in the machine file: a held shaft stops all axes.
 
 use crate::process::Desk;
 use crate::real::alone;

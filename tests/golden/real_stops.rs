@@ -1,4 +1,4 @@
-//! Runs on real drives that are stopped, from outside or by what fails.
+//! Runs on real drives that are stopped, by the user or by a failure.
 
 use crate::shop::{Shop, mixture};
 use std::time::Duration;

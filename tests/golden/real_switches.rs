@@ -1,4 +1,4 @@
-//! What devices know of switches, homing and limits, against the machine file, before a run on real drives.
+//! Start-up checks before a run on real drives: switches, homing and limits of the devices against the machine file.
 
 use crate::shop::{Shop, mixture};
 

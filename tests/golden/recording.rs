@@ -1,4 +1,4 @@
-//! What is in a recording that the binary has written.
+//! Reader of recordings that the binary has written.
 
 use crate::process::Desk;
 use rerun::ComponentDescriptor;
@@ -23,7 +23,7 @@ pub(crate) fn chunks(desk: &Desk) -> Vec<Chunk> {
     chunks.collect()
 }
 
-/// What there is something of.
+/// Entities of the recording.
 pub(crate) fn entities(chunks: &[Chunk]) -> BTreeSet<String> {
     chunks.iter().map(|chunk| chunk.entity_path().to_string()).collect()
 }

@@ -1,4 +1,4 @@
-//! `twin run --limits axes` as a process: what has been checked within the limits of the axes is what moves.
+//! `twin run --limits axes` as a process: the run moves exactly as the check within the limits of the axes.
 
 use crate::process::{Desk, number};
 use crate::root;

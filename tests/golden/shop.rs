@@ -1,4 +1,4 @@
-//! Three emulated devices in this process as the real ones, commissioned for a machine whose axes hang on all of them.
+//! Workshop fixture: three emulated devices as the real ones, commissioned for one machine with axes on all of them.
 
 use crate::process::{Desk, Done};
 use std::cell::RefCell;
@@ -49,7 +49,7 @@ pub(crate) struct Shop {
     pub(crate) module: module::EmulatedModule,
 }
 
-/// What `twin drive` sets on a drive of the bus and on a module.
+/// Settings that `twin drive` makes on a drive of the bus and on a module.
 pub(crate) const BUS: [&str; 5] = [
     "Trj_VelMax 2880",
     "Trj_AccMax 30000",

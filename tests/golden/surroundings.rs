@@ -1,4 +1,4 @@
-//! What is around a machine, and how near it comes to that: in pictures, tables and recordings.
+//! Obstacles around a machine and the clearance from them: in pictures, tables and recordings.
 
 use crate::process::{Desk, number};
 use crate::recording::{chunks, entities, rows, series};

@@ -1,4 +1,4 @@
-//! What is read is not written over, whichever command writes.
+//! Protection of input files: no command writes over a file that it reads.
 
 use crate::process::Desk;
 

@@ -1,4 +1,4 @@
-//! `twin tune cam` on cams that a run fits in more than one place.
+//! `twin tune cam` with ambiguous fits: cams that match a run in more than one place.
 
 use crate::process::{Desk, object};
 use std::fmt::Write;

@@ -1,4 +1,4 @@
-//! `twin tune cam` as a process, on runs whose truth is known.
+//! `twin tune cam` as a process, on runs whose true values are known.
 
 use crate::process::{Desk, object};
 use std::fmt::Write;

@@ -1,4 +1,5 @@
-//! `twin tune cam` for the smallest peak: offsets, scalings and ramps, in closed form; and what is written over nothing.
+//! `twin tune cam` for the smallest peak: offsets, scalings and ramps, in closed form; and the protection of existing
+//! files.
 
 use crate::process::{Desk, number, object};
 use std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! `twin tune cam` within limits: what a run tells as far as they let it, and the least change that keeps them.
+//! `twin tune cam` within limits: the fit of a run as far as they allow, and the least change that keeps them.
 
 use crate::process::{Desk, number, object};
 use std::fmt::Write;

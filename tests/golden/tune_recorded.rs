@@ -1,4 +1,4 @@
-//! `twin tune cam` and how a run was recorded: in other units, with few switchings, within the periods of its axes.
+//! `twin tune cam` and the form of the recording: other units, few switchings, positions within a period.
 
 use crate::process::{Desk, number, object};
 use std::fmt::Write;

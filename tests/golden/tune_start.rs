@@ -1,4 +1,4 @@
-//! `twin tune cam` and `twin cam check` about the start: what is proposed starts, or is not proposed (error 626).
+//! `twin tune cam` and `twin cam check` about the start: a proposal must start, or it is not proposed (error 626).
 
 use crate::process::{Desk, number, object};
 use serde_json::Value;

@@ -1,4 +1,4 @@
-//! `twin tune cam` and tappets: they stay where they are on the master, in closed form.
+//! `twin tune cam` and tappets: they keep their places on the master, in closed form.
 
 use crate::process::{Desk, number, object};
 use crate::tune_least::LIFT;

@@ -1,4 +1,4 @@
-//! Machines that are URDF files, as a process.
+//! Machines from URDF files, as a process.
 
 use crate::process::Desk;
 use crate::root;

@@ -1,4 +1,4 @@
-//! Paths whose fastest motion is known in closed form.
+//! Paths whose least time is known in closed form.
 
 use crate::circle;
 use crate::path::{Limits, Path, Rates, equal};
@@ -8,14 +8,14 @@ use std::f64::consts::TAU;
 use twin_kinematics::scara::{Elbow, Scara2};
 use twin_kinematics::transform::{Differential, Transform};
 
-/// What is to be matched.
+/// Path with its least time in closed form.
 pub struct Case {
     pub name: String,
     /// Largest path parameter; the smallest is 0.
     pub end: f64,
     /// The path at these nodes.
     pub path: Box<dyn Fn(Vec<f64>) -> Path>,
-    /// Whether the jerk limits hold.
+    /// True if the jerk limits apply.
     pub jerk: bool,
     /// Squared rates at start and end, where they are not 0.
     pub ends: [f64; 2],
@@ -24,7 +24,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// Whether it begins and ends at rest.
+    /// True if it begins and ends at rest.
     pub fn rests(&self) -> bool {
         self.ends.iter().all(|squared| *squared <= 0.0)
     }

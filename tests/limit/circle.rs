@@ -1,7 +1,7 @@
-//! The fastest ways round a circle about the origin, counter-clockwise from (r, 0), for two equal axes with limited
-//! velocity or acceleration.
+//! Least time round a circle about the origin, counter-clockwise from (r, 0), for two equal axes with limited velocity
+//! or acceleration, in closed form.
 //!
-//! At every moment one axis gives all it can, so that every piece of the motion is that of a single axis with constant
+//! At every moment one axis is at its limit, so that every piece of the motion is that of a single axis with constant
 //! velocity or acceleration. In parts of r and of the acceleration limit A (times in √(r/A)), with β = v²/(A·r):
 //!
 //! ```text

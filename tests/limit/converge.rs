@@ -1,4 +1,4 @@
-//! The fastest profile with limited jerk on a grid that is made finer where it has to be.
+//! Fastest profile with limited jerk on an adaptively refined grid.
 
 use crate::cases::Case;
 use crate::solvers::{equal_times, grid, smooth, stretches};
@@ -18,7 +18,7 @@ const EVEN: f64 = 1e-7;
 /// Each time about the solution before.
 const SOLVES: u32 = 6;
 
-/// How long a case takes from rest to rest.
+/// Duration of a case from rest to rest.
 pub fn duration(case: &Case) -> f64 {
     let coarse = grid(&case.path(CELLS), true);
     let profile = smooth(&coarse, SOLVES).expect("a profile");
@@ -67,7 +67,7 @@ fn launched(case: &Case, nodes: &[f64], build_up: f64) -> Vec<f64> {
     [0.0, first].into_iter().chain(inner).chain([case.end - last, case.end]).collect()
 }
 
-/// Whether the axes change their rates over the first and the last way.
+/// True if the axes change their rates over the first and the last way.
 fn uneven(case: &Case, [first, last]: [f64; 2]) -> bool {
     let path = (case.path)(vec![0.0, first, case.end - last, case.end]);
     let rates: Vec<&Vec<f64>> = path.rates.iter().map(|rates| &rates[0]).collect();

@@ -1,4 +1,4 @@
-//! What axes are asked for, as their drives see it: differences of positions sampled in equal cycles.
+//! Differences of axis positions sampled in equal cycles: velocity, acceleration and jerk as the drives see them.
 
 /// Largest velocity, acceleration and jerk, m or rad and s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -61,7 +61,7 @@ impl Differences {
         }
     }
 
-    /// How long the samples take, s.
+    /// Duration of the samples, s.
     pub fn duration(&self) -> f64 {
         self.cycle * crate::path::as_float(self.samples.saturating_sub(1))
     }

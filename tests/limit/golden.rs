@@ -1,4 +1,4 @@
-//! The solvers of `motion/limit` on paths whose least time is known in closed form.
+//! Solvers of `motion/limit` (time-optimal planning) against least times in closed form.
 
 use crate::cases::{Case, all};
 use crate::solvers::{Fineness, grid, linear, linear_windows, passes, planned};
@@ -43,7 +43,7 @@ fn clarabel_finds_the_profile_of_the_two_passes() {
     }
 }
 
-/// How much longer than the least time the planner of whole programs takes for a case from rest to rest.
+/// Excess of the planner of whole programs over the least time of a case from rest to rest.
 pub fn planner_error(case: &Case, fineness: Fineness) -> f64 {
     let path = case.path(2);
     let rates = |s: f64| (case.path)(vec![s]).rates.swap_remove(0);

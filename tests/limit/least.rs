@@ -1,5 +1,5 @@
-//! How near the planner of whole programs comes to the least time with limited jerk, where no closed form is known: to what its own
-//! convex programs come to on grids four times as fine with all of the path in one window, which errs by a sixteenth as much.
+//! Least time with limited jerk where no closed form exists. The planner of whole programs is compared with its own
+//! convex programs on grids four times as fine with all of the path in one window, whose error is a sixteenth.
 
 use crate::curves::Curve;
 use crate::machines::{Machine, all, long};

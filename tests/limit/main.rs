@@ -1,4 +1,5 @@
-//! The feed limiter against the outside world: motions whose least time is known in closed form.
+//! Time-optimal planning against independent references: least times in closed form, reachability analysis, LinuxCNC's
+//! planner.
 
 #![allow(
     clippy::expect_used,

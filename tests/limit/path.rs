@@ -1,6 +1,6 @@
-//! A path through the axes as feed limiting sees it: derivatives at the nodes of a grid, and limits.
+//! Path of the axes for time-optimal planning: derivatives at the nodes of a grid, and limits.
 
-/// What one axis can give, m or rad and s.
+/// Limits of one axis, m or rad and s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     pub velocity: f64,
@@ -47,7 +47,7 @@ impl Path {
         rate.fold(self.feed, f64::min).powi(2)
     }
 
-    /// How long it takes with these squared rates at the nodes, linear between them, s.
+    /// Duration with these squared rates at the nodes, linear between them, s.
     pub fn duration(&self, squared: &[f64]) -> f64 {
         assert_eq!(squared.len(), self.nodes.len());
         let cells = self.nodes.windows(2).zip(squared.windows(2));

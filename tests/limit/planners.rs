@@ -1,5 +1,5 @@
-//! Who plans the programs of `tests/data/linuxcnc_planner` and is sampled every millisecond: the one file of the
-//! comparison that knows them.
+//! Planners of this project for the programs of `tests/data/linuxcnc_planner`, sampled every millisecond: the one file
+//! of the comparison that depends on them.
 
 use crate::differences::{Differences, Peak};
 use crate::path::as_float;
@@ -18,7 +18,7 @@ use twin_motion::rs274::PathMode;
 /// Servo cycle, s.
 pub const CYCLE: f64 = 1e-3;
 
-/// What a planner makes of a program.
+/// Result of a planner for a program.
 #[derive(Clone, Debug)]
 pub struct Planned {
     /// Of the profile, s.
@@ -33,7 +33,7 @@ pub struct Planned {
 #[derive(Clone, Copy)]
 pub struct Planner {
     pub name: &'static str,
-    /// What it makes of a program, or why it makes nothing of it.
+    /// Plans a program; the error says why it cannot.
     pub plan: fn(&Program) -> Result<Planned, String>,
 }
 

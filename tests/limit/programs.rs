@@ -1,4 +1,4 @@
-//! Programs whose cycle time is known from LinuxCNC's planner (`tests/data/linuxcnc_planner`).
+//! Programs with cycle times of LinuxCNC's planner (`tests/data/linuxcnc_planner`).
 
 use crate::differences::Peak;
 use std::fs;
@@ -8,10 +8,10 @@ use twin_motion::path::PathElement;
 use twin_motion::prepare::{CheckError, CheckVelocities, CheckedElement};
 use twin_motion::rs274::{Decoder, DecoderOptions, PathMode};
 
-/// What every axis gives there, m/s and m/s².
+/// Velocity and acceleration limit of every axis there, m/s and m/s².
 pub const VELOCITY: f64 = 0.2;
 pub const ACCELERATION: f64 = 1.0;
-/// What every axis shall be asked for at most here, m/s³: 50,000 mm/s³.
+/// Jerk limit of every axis here, m/s³: 50,000 mm/s³.
 pub const JERK: f64 = 50.0;
 /// Turns of the path up to so much are passed without a stop.
 pub const ANGLE_TOLERANCE_DEG: f64 = 2.0;
@@ -32,7 +32,7 @@ pub struct Program {
     pub peak: Peak,
 }
 
-/// What of a program's path a planner is given.
+/// Path of a program as a planner takes it.
 #[derive(Clone, Debug)]
 pub struct Checked {
     pub elements: Vec<CheckedElement>,
@@ -103,7 +103,7 @@ impl Program {
         Checked { elements: elements.collect::<Result<_, _>>().expect("a path"), mode }
     }
 
-    /// Whether LinuxCNC was to follow the path exactly.
+    /// True if LinuxCNC had to follow the path exactly.
     pub fn is_exact(&self) -> bool {
         self.name.ends_with("_g61")
     }

@@ -1,9 +1,10 @@
-//! Time-optimal profiles with limited velocity and acceleration the slow way: the same two passes as every reachability
-//! analysis (Pham and Pham 2018), but each step is a linear program in two variables whose corners are all tried.
+//! Reference solver for time-optimal profiles with limited velocity and acceleration. It makes the two passes of
+//! reachability analysis (Pham and Pham 2018), but each step is a linear program in two variables whose corners are all
+//! tried.
 
 use crate::path::Path;
 
-/// What is left of a constraint in rounding, in parts of it.
+/// Rounding of a constraint, as a part of it.
 const ROUNDING: f64 = 1e-12;
 
 /// c₀·x + c₁·y ≤ c₂ for the squared rates x and y at both ends of a cell.

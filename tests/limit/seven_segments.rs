@@ -1,9 +1,9 @@
-//! The fastest way from rest to rest over a distance with limited velocity, acceleration and jerk: up to seven segments
-//! of constant jerk.
+//! Least time from rest to rest over a distance with limited velocity, acceleration and jerk: up to seven segments of
+//! constant jerk.
 
 use crate::path::Limits;
 
-/// Which limits the motion reaches beside that of jerk.
+/// Limits that the motion reaches in addition to that of jerk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reaches {
     Both,
@@ -12,7 +12,7 @@ pub enum Reaches {
     Neither,
 }
 
-/// How long the motion over `distance` takes, s, and what it reaches.
+/// Duration of the motion over `distance`, s, and the limits it reaches.
 ///
 /// A speed v is reached from rest in t(v) = v/A + A/J, or 2·√(v/J) if it is less than A²/J; the way is v·t/2, since a
 /// symmetric ramp has half of v on average.

@@ -1,4 +1,5 @@
-//! What `motion/limit` makes of a path on a grid: the one file of golden set and benchmark that knows it.
+//! Solvers of `motion/limit` (time-optimal planning) behind one interface: the one file of golden set and benchmark
+//! that depends on it.
 
 use crate::path::{Path, as_float};
 use nalgebra::Point3;
@@ -153,7 +154,7 @@ impl<F: Fn(f64) -> crate::path::Rates> AxisPath for Given<F> {
     }
 }
 
-/// How exactly the planner of whole programs plans.
+/// Fineness of the planner of whole programs.
 #[derive(Clone, Copy, Debug)]
 pub struct Fineness {
     /// Between nodes, s.
@@ -180,8 +181,8 @@ impl Fineness {
     }
 }
 
-/// What the planner of whole programs makes of a path from rest to rest on a grid of its own: how long it takes, s, and what
-/// that took; none where there is no profile. The feed limits it if it is finite.
+/// Plan of the planner of whole programs for a path from rest to rest on a grid of its own: its duration, s, and the
+/// effort; none if there is no profile. The feed limits it if it is finite.
 pub fn planned(
     limits: &[crate::path::Limits],
     jerk: bool,

@@ -1,4 +1,4 @@
-//! An allocator that counts.
+//! Counting allocator.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -15,7 +15,7 @@ static LIVE: AtomicUsize = AtomicUsize::new(0);
 static MOST: AtomicUsize = AtomicUsize::new(0);
 
 thread_local! {
-    /// How often this thread has asked for memory.
+    /// Number of allocations of this thread.
     static ASKED: Cell<usize> = const { Cell::new(0) };
 }
 
@@ -58,7 +58,7 @@ pub(crate) fn most_during(run: impl FnOnce()) -> usize {
     MOST.load(Ordering::Relaxed) - before
 }
 
-/// How often `run` asks for memory; what other threads do at the same time does not count.
+/// Number of allocations by `run`; those of other threads do not count.
 pub(crate) fn asked_during(run: impl FnOnce()) -> usize {
     let before = ASKED.get();
     run();

@@ -1,7 +1,7 @@
-//! The stages of motion hold their windows, never the program: the most that is on the heap is the same for a program
-//! three hundred times as long; where the feed is limited by the axes, which takes its time, eight times as long.
+//! Memory test: the stages of motion hold their windows, never the whole program. The heap's peak is the same for a
+//! program three hundred times as long; with feeds limited by the axes, which is slower, eight times as long.
 //!
-//! One test alone, since what is counted is all of the process.
+//! There is only one test, because the counter counts the whole process.
 
 #![allow(
     clippy::expect_used,

@@ -1,5 +1,5 @@
-//! A transform of one's own beside those of `SM_Trafo` (SoftMotion manual 11.8), written outside of the crates: a turntable
-//! that carries the workpiece under a slide. A program runs through decoder, preparation and interpolator to its axes.
+//! Custom transform next to those of `SM_Trafo` (SoftMotion manual 11.8), written outside the crates: a turntable that
+//! carries the workpiece under a slide. A program runs through decoder, preparation and interpolator to its axes.
 //!
 //! ```text
 //!            y ▲    ● tool at (x, y) of the workpiece

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What LinuxCNC's kinematics modules make of poses and joints: tests/data/linuxcnc-kinematics.json.
+"""Reference values of LinuxCNC's kinematics modules for poses and joints: tests/data/linuxcnc-kinematics.json.
 
     LINUXCNC_SRC=.../linuxcnc tests/peers/linuxcnc_kins.py          writes the file
     LINUXCNC_SRC=.../linuxcnc tests/peers/linuxcnc_kins.py --check  compares it with what comes out now

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Machines under a controller, by MuJoCo (RK4, with contact), one thread.
+"""Simulation of machines under a controller by MuJoCo (RK4, with contact), one thread.
 
 Reads a request per line and answers each with a line, both JSON. A request is a machine and what it is to do:
 

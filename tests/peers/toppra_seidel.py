@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The fastest profile along paths by toppra (seidel, acceleration rows at both ends of every cell).
+"""Time-optimal path parameterisation by toppra (seidel, acceleration rows at both ends of every cell).
 
 Reads a request per line and answers each with a line, both JSON. A request is a path:
 

@@ -1,4 +1,4 @@
-//! A program that arrives in pieces is planned as one that arrives at once.
+//! Chunked input: a program that arrives in pieces gives the same plan as one that arrives at once.
 
 use super::machines::Machine;
 use std::fmt::Write as _;

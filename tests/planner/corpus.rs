@@ -1,8 +1,8 @@
-//! Programs that other people's CAM systems and hands have written, placed on every machine by a work offset.
+//! Corpus of programs from CAM systems and by hand, placed on every machine by a work offset.
 //!
-//! What rotary axes do alone is left out: these machines have none. Of every program its beginning, or all if
-//! `TWIN_CORPUS_FULL` is set; to a number: so many elements at most. `TWIN_CORPUS_ONLY` names a program, or a part of its name,
-//! and with a colon the machine as well: `flower:tripod`.
+//! Moves of rotary axes alone are left out: these machines have none. Each program is planned up to a number of
+//! elements; `TWIN_CORPUS_FULL` removes that limit or, as a number, sets it. `TWIN_CORPUS_ONLY` names a program, or a
+//! part of its name, and with a colon the machine as well: `flower:tripod`.
 
 use super::machines::Machine;
 use super::run::{Report, Settings, run};
@@ -32,7 +32,7 @@ fn programs() -> Vec<(String, PathBuf)> {
     names.collect()
 }
 
-/// Whether a program is to be looked at on a machine.
+/// True if a program is planned on a machine.
 fn is_wanted(name: &str, machine: Machine) -> bool {
     let only = std::env::var("TWIN_CORPUS_ONLY").unwrap_or_default();
     let (program, on) = only.split_once(':').unwrap_or((&only, ""));

@@ -1,4 +1,4 @@
-//! A knife that turns with the path, held to the same.
+//! Knife machines: a tool that turns with the path, within the same limits.
 
 use super::machines::{BUILD_UP, Machine};
 use super::random::{cases, check, exponential, step, walk};

@@ -1,4 +1,4 @@
-//! Paths that are made as they are planned, never held as a whole.
+//! Long paths, generated while they are planned and never held as a whole.
 
 use super::machines::Machine;
 use super::run::{Report, Settings, run};

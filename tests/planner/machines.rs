@@ -1,5 +1,5 @@
-//! The machines: dimensions and axis limits of `machines/gantry3.toml`, `scara2.toml` and `tripod.toml`, without tool, and of
-//! `gantry_cutter3.toml` with the edge of its knife, which turns with the path.
+//! Test machines: dimensions and axis limits of `machines/gantry3.toml`, `scara2.toml` and `tripod.toml`, without tool,
+//! and of `gantry_cutter3.toml` with the edge of its knife, which turns with the path.
 
 use nalgebra::Vector3;
 use twin_kinematics::gantry::{Gantry3, GantryCutter3, Sense};
@@ -66,7 +66,7 @@ impl Machine {
         MachineAxes::new(transform, sources, edge).unwrap()
     }
 
-    /// Whether the tool turns with the path.
+    /// True if the tool turns with the path.
     pub fn turns(self) -> bool {
         self == Self::Cutter
     }
@@ -101,7 +101,7 @@ impl Machine {
         limits.collect()
     }
 
-    /// What the planner is given.
+    /// Axis path for the planner.
     pub fn path(self, jerk: bool) -> KinematicPath<MachineAxes> {
         self.path_within(self.limits(jerk))
     }
@@ -123,7 +123,7 @@ impl Machine {
         }
     }
 
-    /// Whether every axis stays within its range at a point, m.
+    /// True if every axis is within its range at a point, m.
     pub fn reaches(self, point: &Vector3<f64>) -> bool {
         let pose = Pose::at(point.x, point.y, point.z);
         let Ok(axes) = self.kinematics().inverse(&pose, &AxisVector::zeros(self.axes().len()))

@@ -1,4 +1,4 @@
-//! The feed limiter's planner held to its word: whole paths on whole machines, sampled every millisecond.
+//! Planner test: time-optimal plans of whole paths on whole machines keep all limits, sampled every millisecond.
 
 #![allow(
     clippy::expect_used,

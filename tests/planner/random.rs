@@ -121,7 +121,7 @@ pub fn walk(steps: &[Step], machine: Machine) -> Vec<PathElement> {
     path
 }
 
-/// What holds for every motion.
+/// Checks the invariants of every motion.
 pub fn check(
     report: &Report,
     path: &[PathElement],
@@ -134,8 +134,8 @@ pub fn check(
     limits_hold(report, path, settings, 1.001)
 }
 
-/// What holds for every motion, whatever the override was; the path accelerates and brakes by no more than the part `along` of
-/// what is programmed.
+/// Checks the limits of every motion, whatever the override was; the path accelerates and brakes by no more than the
+/// part `along` of what is programmed.
 pub fn limits_hold(
     report: &Report,
     path: &[PathElement],

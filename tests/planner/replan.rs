@@ -1,4 +1,4 @@
-//! Overrides, holds and their end while the path is under way.
+//! Replanning while the path is under way: overrides, feed holds and resumption.
 
 use super::machines::{BUILD_UP, Machine};
 use super::random::{Step, cases, exponential, limits_hold, settings, step, walk};
@@ -26,7 +26,7 @@ const BUILT_DOWN: f64 = 0.06;
 /// At a time, s, the override becomes this.
 type Change = (f64, f64);
 
-/// What there is to say about it beside the motion.
+/// Further results in addition to the motion.
 #[derive(Debug, Default)]
 struct Replanned {
     report: Report,

@@ -1,4 +1,4 @@
-//! Plans a path and looks at what comes of it.
+//! Test run: plans a path, samples it and measures peaks against the limits.
 
 use super::machines::Machine;
 use nalgebra::Vector3;
@@ -19,7 +19,7 @@ const BRIEF: f64 = 2e-5;
 /// The root of what is left of u̇² by rounding, m/s.
 const AT_REST: f64 = 1e-7;
 
-/// How a path is planned.
+/// Settings of planning.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     pub machine: Machine,
@@ -43,7 +43,7 @@ impl Settings {
     }
 }
 
-/// What a value is at most, and where that is.
+/// Largest value, with its line and time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Peak {
     pub value: f64,
@@ -61,7 +61,7 @@ impl Peak {
     }
 }
 
-/// What there is to say about a motion. Peaks are parts of the limits, of any axis.
+/// Report about a motion. Peaks are parts of the limits, of any axis.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     pub duration: f64,

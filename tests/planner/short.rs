@@ -1,4 +1,4 @@
-//! Moves so short that they are over within some cycles.
+//! Very short moves, over within a few cycles.
 
 use super::machines::Machine;
 use super::random::check;

@@ -1,4 +1,4 @@
-//! Jerk limits of some of the axes alone.
+//! Jerk limits of only some of the axes.
 
 use super::long::{cut, meander, teeth};
 use super::machines::Machine;

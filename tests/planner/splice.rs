@@ -1,4 +1,4 @@
-//! Plans that come late, or not at all: the old one goes on, and every plan that is executed ends at rest.
+//! Late or missing plans: the old plan goes on, and every executed plan ends at rest.
 
 use super::machines::Machine;
 use super::random::{Form, Step, cases, exponential, limits_hold, settings, step, walk};

@@ -1,4 +1,4 @@
-//! The acceleration of the tool tip.
+//! Acceleration limits of the tool tip.
 
 use super::machines::Machine;
 use super::random::{Form, Step, cases, check, exponential, settings, step, walk};

@@ -1,4 +1,4 @@
-//! Runs within the limits of the axes, and stops off the path: every axis at its own limits.
+//! Runs within the limits of the axes, and emergency stops off the path: every axis at its own limits.
 
 use crate::puppet::{Puppet, run_puppet};
 use crate::recorder::Cycle;

@@ -1,4 +1,4 @@
-//! The simulated machine beside an emulated board on a pseudo-terminal.
+//! Runs of the simulated machine together with an emulated board on a pseudo-terminal.
 
 use crate::simulated::CIRCLES;
 use crate::{GANTRY3, Program, Recorder, SCARA2, machine, portal};

@@ -1,4 +1,4 @@
-//! M functions: who acknowledges them, and what they and tappets switch.
+//! M functions in a run: acknowledgement, and outputs switched by M functions and tappets.
 
 use super::puppet::{Puppet, run_puppet};
 use super::{GANTRY3, Program, Recorder, machine, simulate, simulate_with};

@@ -20,7 +20,7 @@ fn seconds(time_ns: i64) -> f64 {
     time_ns as f64 * 1e-9
 }
 
-/// How long after it was asked for the path followed each change, s.
+/// Delays from each request to the path's reaction, s.
 fn delays(ending: &Ending) -> Vec<f64> {
     let delay = |change: &OverrideChange| {
         let follows_ns = change.follows_ns.unwrap_or_else(|| panic!("{change:?}"));

@@ -1,4 +1,4 @@
-//! Drives and machines made of a few lines: what real ones do rarely.
+//! Fake drives and machines for rare behaviour of real ones.
 
 use crate::simulated::CIRCLES;
 use crate::{Program, Recorder, portal};
@@ -25,7 +25,7 @@ use twin_kinematics::AxisVector;
 pub(super) struct Puppet {
     position: Increments,
     pub(super) soft_stops: Arc<AtomicU32>,
-    /// Where it is, for others.
+    /// Its position, for others.
     pub(super) found: Arc<Mutex<Increments>>,
     /// Does not answer from then on.
     fails_at_ns: Option<i64>,

@@ -1,4 +1,4 @@
-//! Remembers what a run shows.
+//! Recorder of everything that a run shows.
 
 use std::collections::VecDeque;
 use twin::compare::Measured;
@@ -29,12 +29,12 @@ pub(crate) struct Heard {
 /// Remembers everything, and does something of the test's at every cycle.
 pub(crate) struct Recorder<'a> {
     pub(crate) cycles: Vec<Cycle>,
-    /// What the motors did in every cycle; nothing of machines that do not tell.
+    /// States of the motors in every cycle; empty for machines that do not report them.
     pub(crate) motors: Vec<Vec<MotorState>>,
     pub(crate) heard: Vec<Heard>,
     /// M functions, and whether it was asked about them.
     pub(crate) m_functions: Vec<(MCall, bool)>,
-    /// What it will answer; nobody is there behind the last.
+    /// Answers that it will give; after the last one nobody answers.
     pub(crate) answers: VecDeque<Answer>,
     each: Box<dyn FnMut(i64) + 'a>,
 }
@@ -56,7 +56,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// What it remembers, without what it did.
+    /// The recorded data, without the action of each cycle.
     pub(crate) fn ended(self) -> Recorder<'static> {
         let Self { cycles, motors, heard, m_functions, answers, .. } = self;
         Recorder { cycles, motors, heard, m_functions, answers, each: Box::new(|_| {}) }

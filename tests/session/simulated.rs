@@ -1,4 +1,4 @@
-//! The simulated machine alone.
+//! Runs of the simulated machine alone.
 
 use crate::{Program, Recorder, SCARA2, machine, portal, simulate};
 use std::cell::Cell;

@@ -1,4 +1,5 @@
-//! No import circle between the rooms of a crate: what a room imports never imports the room, directly or not.
+//! Check for import circles between the rooms of a crate: a room must not import, directly or indirectly, a room that
+//! imports it.
 //!
 //! A room is a folder or a file directly under the root of a crate; between crates cargo itself allows no circle.
 //! Imports are `use` items and paths in code that begin with `crate`, `super` or `self`; tests may import anything.
@@ -40,7 +41,7 @@ fn circles(arrows: &Arrows) -> Vec<Offence> {
     offences
 }
 
-/// Whether imports lead from one room to another.
+/// True if imports lead from one room to another.
 fn reaches(arrows: &Arrows, from: &str, to: &str) -> bool {
     let (mut seen, mut open) = (BTreeSet::new(), vec![from]);
     while let Some(room) = open.pop() {
@@ -221,7 +222,7 @@ impl<'ast> Visit<'ast> for Reader<'_> {
     }
 }
 
-/// Whether an item is compiled for tests only.
+/// True if an item is compiled for tests only.
 fn is_test(attributes: &[Attribute]) -> bool {
     attributes.iter().any(|attribute| {
         let is_cfg = attribute.path().is_ident("cfg");

@@ -1,4 +1,4 @@
-//! `docs/coverage.md` tells the truth: modules and tests exist, states are one of four, totals are right.
+//! Check of `docs/coverage.md`: modules and tests exist, states are one of four, totals are right.
 
 use crate::markdown;
 use crate::tree::{Offence, Tree, join};
@@ -8,7 +8,7 @@ const PAGE: &str = "docs/coverage.md";
 const HEAD: [&str; 5] = ["item", "manual", "module", "test", "state"];
 const TOTALS: &str = "| manual | works | partly | not yet | left out | rows |";
 
-/// How far an item is.
+/// State of an item.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     Works,
@@ -118,7 +118,7 @@ fn state(cell: &str) -> Option<State> {
     }
 }
 
-/// Whether a cell is empty or reads `` `a`, `b` ``.
+/// True if a cell is empty or reads `` `a`, `b` ``.
 fn is_list_of_spans(cell: &str) -> bool {
     let pieces: Vec<&str> = cell.split('`').map(str::trim).collect();
     let is_closed = !pieces.len().is_multiple_of(2);
@@ -133,7 +133,7 @@ fn is_list_of_spans(cell: &str) -> bool {
         }
 }
 
-/// What is missing of `file: function, function`, or of a golden case.
+/// Missing parts of `file: function, function`, or of a golden case.
 fn missing_tests(tree: &Tree, span: &str) -> io::Result<Vec<String>> {
     let Some((file, functions)) = span.split_once(": ") else {
         let is_case = tree.is_file(&join(span, "case.toml"));
@@ -151,7 +151,7 @@ fn missing_tests(tree: &Tree, span: &str) -> io::Result<Vec<String>> {
         .collect())
 }
 
-/// Whether `text` has a function of this name with a test attribute above it.
+/// True if `text` has a function of this name with a test attribute above it.
 fn has_test(text: &str, name: &str) -> bool {
     let lines: Vec<&str> = text.lines().map(str::trim).collect();
     let is_it = |line: &str| {

@@ -1,4 +1,4 @@
-//! "Who may know whom" in ARCHITECTURE.md against the manifests.
+//! Check of the dependency table ("Who may know whom") in ARCHITECTURE.md against the manifests.
 
 use crate::manifest::Manifest;
 use crate::markdown::{self, Line};
@@ -10,7 +10,7 @@ const PAGE: &str = "ARCHITECTURE.md";
 const SECTION: &str = "Who may know whom";
 const COMMON: &str = "may be used by all but";
 
-/// What the page allows one crate.
+/// Dependencies that the page allows one crate.
 #[derive(Debug)]
 struct Row {
     line: usize,

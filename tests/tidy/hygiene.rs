@@ -1,4 +1,4 @@
-//! Nothing unfinished, nothing tied to one machine, nothing grown too long; and every manifest says what it must.
+//! Hygiene checks: unfinished code, paths of one machine, files that are too long, manifests without required keys.
 
 use crate::manifest::Manifest;
 use crate::tree::{Offence, Tree};
@@ -8,7 +8,7 @@ use toml::Value;
 /// Longer files hold two ideas.
 const LONGEST: usize = 700;
 
-/// What is never committed, cut in two so that this file does not hold it.
+/// Marks of unfinished code, cut in two so that this file does not contain them.
 const UNFINISHED: [(&str, &str); 4] =
     [("to", "do!"), ("unimplemen", "ted!"), ("#[ig", "nore"), ("FIX", "ME")];
 
@@ -100,7 +100,7 @@ fn check_manifests(tree: &Tree) -> io::Result<Vec<Offence>> {
     Ok(offences)
 }
 
-/// Whether the package has a text under `key`, its own or the workspace's.
+/// True if the package has a text under `key`, its own or the workspace's.
 fn is_given(member: &Manifest, root: &Manifest, key: &str) -> bool {
     let inherited = member.get(&["package", key, "workspace"]) == Some(&Value::Boolean(true));
     let value = if inherited {

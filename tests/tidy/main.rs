@@ -1,6 +1,5 @@
-//! Is the house tidy? What no compiler checks: that the table of dependencies holds, that the paths in the
-//! architecture page exist, that no source file is dead, that the coverage page tells the truth, and that nothing
-//! unfinished or tied to one machine is committed.
+//! Tidy test: checks that no compiler makes. The table of dependencies holds, the paths in the architecture page exist,
+//! no source file is dead, the coverage page is true, and nothing unfinished or tied to one machine is committed.
 //!
 //! It reads files only and depends on no crate of the workspace, so that it builds in seconds. Every check lists all
 //! offenders at once, as `file:line: what`.

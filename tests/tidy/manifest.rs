@@ -1,4 +1,4 @@
-//! What the manifests say.
+//! Reader of Cargo manifests.
 
 use crate::tree::{Tree, join};
 use std::io;
@@ -20,7 +20,7 @@ pub(crate) struct Manifest {
 pub(crate) struct Dependency {
     /// The name in the registry or of the member, behind any renaming.
     pub(crate) package: String,
-    /// Whether only tests, benches and examples see it.
+    /// True if only tests, benches and examples see it.
     pub(crate) dev: bool,
     /// The line that names it.
     pub(crate) line: usize,
@@ -143,7 +143,7 @@ impl Manifest {
     }
 }
 
-/// Whether cargo finds a target in `file` by looking into `folder`: `folder/x.rs` and `folder/x/main.rs`.
+/// True if cargo finds a target in `file` by looking into `folder`: `folder/x.rs` and `folder/x/main.rs`.
 fn is_found_in(file: &str, folder: &str) -> bool {
     let Some(rest) = file.strip_prefix(folder).and_then(|rest| rest.strip_prefix('/')) else {
         return false;

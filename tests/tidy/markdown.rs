@@ -1,4 +1,4 @@
-//! The little of Markdown that the checked pages use.
+//! Markdown reader: the small part of the language that the checked pages use.
 
 /// A line of a page.
 #[derive(Debug)]
@@ -25,7 +25,7 @@ pub(crate) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     })
 }
 
-/// What stands between backticks.
+/// Text between backticks.
 pub(crate) fn code_spans(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
@@ -36,7 +36,7 @@ pub(crate) fn cells(text: &str) -> Option<Vec<&str>> {
     Some(inner.split('|').map(str::trim).collect())
 }
 
-/// Whether a row only separates the head of a table from its body.
+/// True if a row only separates the head of a table from its body.
 pub(crate) fn is_rule(cells: &[&str]) -> bool {
     cells.iter().all(|cell| !cell.is_empty() && cell.chars().all(|c| c == '-' || c == ':'))
 }

@@ -1,5 +1,5 @@
-//! Who knows a block by its name in the manual finds it in the documentation of the crates: what `docs/coverage.md` says works of
-//! cams, axes and their files has a type or a `#[doc(alias)]` of each `MC_` and `SMC_` name.
+//! Check of manual names: every `MC_` and `SMC_` name in `docs/coverage.md` has a type or a `#[doc(alias)]`. It covers
+//! the cams, axes and their files that the page reports as working, so that the documentation search finds them.
 
 use crate::markdown;
 use crate::tree::{Offence, Tree};

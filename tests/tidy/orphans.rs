@@ -1,4 +1,4 @@
-//! No source file is dead: every one is reached by `mod` from something cargo builds.
+//! Check for dead source files: `mod` reaches every file from something that cargo builds.
 
 use crate::manifest::Manifest;
 use crate::tree::{Offence, Tree, join, parent};
@@ -23,7 +23,7 @@ fn check(tree: &Tree) -> io::Result<Vec<Offence>> {
     Ok(offences)
 }
 
-/// Where the modules declared in a file are.
+/// Location of the modules declared in a file.
 #[derive(Clone, Copy, PartialEq)]
 enum Place {
     /// Beside the file: roots, `mod.rs` and what `#[path]` names.

@@ -1,4 +1,4 @@
-//! Every path that ARCHITECTURE.md names exists.
+//! Check that every path in ARCHITECTURE.md exists.
 
 use crate::markdown;
 use crate::tree::{Offence, Tree};

@@ -1,4 +1,4 @@
-//! The files of the workspace, and what is wrong with them.
+//! Files of the workspace, and the offences that the checks report.
 
 use std::env;
 use std::fmt;
@@ -58,7 +58,7 @@ impl Tree {
             .filter(move |file| Path::new(file).extension().is_some_and(|found| found == extension))
     }
 
-    /// Whether `path` is a file, or a folder that holds one (git keeps no empty folders).
+    /// True if `path` is a file, or a folder that holds one (git keeps no empty folders).
     pub(crate) fn exists(&self, path: &str) -> bool {
         let path = path.trim_end_matches('/');
         self.is_file(path)
@@ -67,7 +67,7 @@ impl Tree {
                 .any(|file| file.strip_prefix(path).is_some_and(|rest| rest.starts_with('/')))
     }
 
-    /// Whether `path` is a file.
+    /// True if `path` is a file.
     pub(crate) fn is_file(&self, path: &str) -> bool {
         self.files.binary_search_by(|file| file.as_str().cmp(path)).is_ok()
     }
@@ -79,8 +79,8 @@ impl Tree {
     }
 }
 
-/// What git would commit: everything in the index and everything new that is not ignored. `None` outside a clone (the
-/// sources may have come as an archive) or without git.
+/// Files that git would commit: everything in the index and everything new that is not ignored. `None` outside a clone
+/// (the sources may have come as an archive) or without git.
 fn git_files(root: &Path) -> Option<Vec<String>> {
     let listing = ["ls-files", "-z", "--cached", "--others", "--exclude-standard"];
     let output = Command::new("git").arg("-C").arg(root).args(listing).output().ok()?;
@@ -119,7 +119,7 @@ pub(crate) struct Offence {
     pub(crate) file: String,
     /// The line, counted from 1; 1 as well where the whole file is meant.
     pub(crate) line: usize,
-    /// What is wrong.
+    /// The offence.
     pub(crate) what: String,
 }
 

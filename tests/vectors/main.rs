@@ -1,8 +1,8 @@
 //! The worked vectors of the SoftMotion manual: language, preparation, interpolator, cams and axes.
 //!
-//! The numbers are data (`tests/data/softmotion-vectors.json`), inputs and expectations both. Every vector has one
-//! test here that takes the inputs through the stages a program goes through and compares everything expected. The
-//! table of tests must be the list of vectors, and a number that a test does not look at is a failure.
+//! The numbers are data (`tests/data/softmotion-vectors.json`), inputs and expectations both. Every vector has one test
+//! here that takes the inputs through the stages a program goes through and compares everything expected. The table of
+//! tests must be the list of vectors, and an unused number is a failure.
 
 #![allow(
     clippy::expect_used,
@@ -27,7 +27,7 @@ mod words;
 
 use table::{Exercise, Owner};
 
-/// Which test exercises which vector.
+/// Table of vectors and the tests that exercise them.
 const EXERCISED: [Exercise; 49] = [
     ("cnc-arc-R-semicircle", arcs::by_radius_semicircle),
     ("cnc-arc-IJ-same", arcs::by_center),

@@ -1,4 +1,4 @@
-//! What the editor does with objects (manual 3.3, 6.3).
+//! Operations of the CNC editor on objects (manual 3.3, 6.3).
 
 use super::program::{Fault, element, elements, length, lines, move_type, stream, xy};
 use super::vector::check;

@@ -7,7 +7,7 @@ use twin_motion::din66025::{Decoder, DecoderOptions, Diagnostic, Item};
 use twin_motion::info::MoveType;
 use twin_motion::path::PathElement;
 
-/// What stages report; nothing may here.
+/// Error of any stage; none may occur here.
 pub(crate) type Fault = Box<dyn Error>;
 
 /// Elements and warnings of the blocks of a program that starts at `start` (mm, in X and Y or X, Y and Z).

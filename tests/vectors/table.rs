@@ -1,4 +1,4 @@
-//! The list of vectors against those who exercise them.
+//! Table of vectors: every worked vector of the digest has its test.
 
 use super::vector;
 use serde_json::Value;
@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 /// A vector's id and the test that exercises it.
 pub(crate) type Exercise = (&'static str, fn());
 
-/// Whose tests exercise a vector. Every one is somebody's, and each compares its table with what is its own, so
-/// together they leave none out.
+/// Owner of the test that exercises a vector. Every one is somebody's, and each compares its table with what is its
+/// own, so together they leave none out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Owner {
     /// `tests/vectors/main.rs`.
@@ -75,7 +75,7 @@ pub(crate) fn the_vectors_are_the_digests(owner: Owner) {
     }
 }
 
-/// Where the vectors of the digest are, if they are.
+/// Path of the digest's vectors, if they are at hand.
 fn digest() -> Option<PathBuf> {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
     let shared = env::var_os("TWIN_SHARED").map_or(workspace.join("../shared"), PathBuf::from);

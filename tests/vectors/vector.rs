@@ -1,4 +1,4 @@
-//! One worked vector: facts by their names, and which of them a test has looked at.
+//! Worked vector: named inputs and expectations, with a record of those that a test has used.
 
 use serde_json::Value;
 use std::cell::RefCell;

@@ -1,4 +1,4 @@
-//! Switch points, S profiles, loops, relative targets (manual 3.2).
+//! Words of the dialect: switch points, S profiles, loops, relative targets (manual 3.2).
 
 use super::program::{at, decoded_with, element, elements, length, xy};
 use super::vector::check;

@@ -1,4 +1,4 @@
-//! Axes that have nothing to do with the tool: a feeder, a turntable, a second spindle's slide.
+//! Additional axes, which move neither tool nor work: a feeder, a turntable, a second spindle's slide.
 
 use super::{MachineJoint, cuboid, paint, upright};
 use crate::{Inertial, JointKind, Link, Model};

@@ -1,4 +1,4 @@
-//! Dimensions that are refused, and why.
+//! Errors of dimensions from which no machine can be generated.
 
 /// Dimensions from which no machine can be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -6,7 +6,7 @@ pub enum DimensionError {
     /// A length, a section or a mass.
     #[error("{what} is {value}; it must be a finite number above 0")]
     NotPositive {
-        /// Which dimension.
+        /// The dimension.
         what: &'static str,
         /// Its value, m or kg.
         value: f64,
@@ -14,7 +14,7 @@ pub enum DimensionError {
     /// A measure that may be absent.
     #[error("{what} is {value}; it must be a finite number, 0 or above")]
     Negative {
-        /// Which dimension.
+        /// The dimension.
         what: &'static str,
         /// Its value, m or kg.
         value: f64,
@@ -22,7 +22,7 @@ pub enum DimensionError {
     /// A limit or an offset.
     #[error("{what} is not a finite number")]
     NotFinite {
-        /// Which dimension.
+        /// The dimension.
         what: &'static str,
     },
     /// Position limits of which the lower is not below the upper.
@@ -43,7 +43,7 @@ pub enum DimensionError {
         rod + 1, length * 1e3, reach * 1e3
     )]
     Rod {
-        /// Which, from 0.
+        /// Its number, from 0.
         rod: usize,
         /// Its length, m.
         length: f64,
@@ -69,7 +69,7 @@ pub enum DimensionError {
         "the factors {factors:?} of the belt are not ±0.5 each, or both coordinates move alike"
     )]
     Belt {
-        /// What the motors (columns) contribute to x and y (rows).
+        /// Contributions of the motors (columns) to x and y (rows).
         factors: [[f64; 2]; 2],
     },
     /// Two joints with one name, or moved by one machine axis.

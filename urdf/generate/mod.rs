@@ -1,8 +1,8 @@
-//! Machines built from their dimensions.
+//! Generator of machine models from dimensions.
 //!
-//! A generated machine stands in the frame of its transform (`twin_kinematics`), and its joint positions are the
-//! machine's axis positions or follow from them: zero offsets are inside the origins of the joints. Masses and inertias are those of
-//! uniform bodies; the solids are boxes and cylinders that do not overlap, except where a real machine has a bore
+//! A generated machine is in the frame of its transform (`twin_kinematics`), and its joint positions are the machine's
+//! axis positions or follow from them: zero offsets are inside the origins of the joints. Masses and inertias are those
+//! of uniform bodies; the solids are boxes and cylinders that do not overlap, except where a real machine has a bore
 //! that a box cannot have (the quill runs through its arm or carriage).
 
 mod additional;
@@ -48,7 +48,7 @@ impl MachineJoint {
         }
     }
 
-    /// What moves a joint of this name and these limits.
+    /// Drive of the joint, with its name and limits.
     fn driven(&self) -> Driven {
         Driven {
             name: self.name.clone(),
@@ -72,7 +72,7 @@ impl MachineJoint {
     }
 }
 
-/// What a joint is called, what moves it and how far, before it is known where it is.
+/// Driven joint before its place is known: name, drive and limits.
 #[derive(Clone, Debug)]
 struct Driven {
     name: String,
@@ -119,7 +119,7 @@ fn fixed(name: &str, parent: usize, child: usize, origin: Isometry3<f64>) -> Joi
     driven.joint(JointKind::Fixed, Vector3::z_axis(), parent, child, origin)
 }
 
-/// What machines are painted with: red, green, blue, alpha.
+/// Colours of generated machines: red, green, blue, alpha.
 mod paint {
     /// Cast frame parts that stand still.
     pub(super) const GRAPHITE: [f64; 4] = [0.23, 0.25, 0.28, 1.0];

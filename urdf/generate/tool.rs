@@ -1,4 +1,4 @@
-//! What a flange carries: a tool below it or beside it.
+//! Tool on a flange: below it or offset from its axis, with holder, payload and mass.
 
 use super::{check_not_negative, check_positive, cuboid, paint, placed, upright};
 use crate::inertial::turned;
@@ -10,7 +10,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 /// Height of the arm that carries a tool beside the axis, m: less than what is kept clear above the highest flange.
 const BRACKET: f64 = 0.012;
 
-/// How far the end of a tool may be from its tip, m.
+/// Largest distance of the end of a tool from its tip, m.
 const ROUNDING: f64 = 1e-9;
 
 /// A tool in the frame of its flange.
@@ -91,7 +91,7 @@ impl Model {
     }
 }
 
-/// What a tool looks like, and what holds it.
+/// Dimensions of a tool and its holder.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ToolShape {
     /// Diameter of the tool, m, if it is known.
@@ -148,12 +148,12 @@ impl Model {
 }
 
 impl Tool {
-    /// How far the tip is below the flange, m.
+    /// Distance of the tip below the flange, m.
     pub(super) fn length(&self) -> f64 {
         0.0 - self.tip.z
     }
 
-    /// How far the tip is beside the flange, m.
+    /// Horizontal distance of the tip from the flange, m.
     fn beside(&self) -> f64 {
         self.tip.x.hypot(self.tip.y)
     }

@@ -1,16 +1,17 @@
-//! Closing the loops of a machine: the positions of its passive joints.
+//! Loop closure: the positions of the passive joints of a machine with kinematic loops.
 //!
-//! A [`Loop`](crate::Loop) wants two points to be one. The gaps `r` (three coordinates per loop, machine frame, m) are
-//! made zero by Newton's iteration over the passive joints, damped where it would overshoot (Levenberg and Marquardt):
+//! A [`Loop`](crate::Loop) requires two points to coincide. The gaps `r` (three coordinates per loop, machine frame, m)
+//! become zero by Newton's iteration over the passive joints, damped where it would overshoot (Levenberg and
+//! Marquardt):
 //!
 //! ```text
 //! (JᵀJ + λ·1) δ = −Jᵀ r,    J = ∂r/∂(passive joints): for each joint between the base and a point p,
 //!                               ±a × (p − o) if it turns about a through o, ±a if it slides along a
 //! ```
 //!
-//! λ is 0 as long as that shrinks the gaps, so the end is quadratic. Many a machine can be put together in two ways. It
-//! stays the way its [rest](JointDrive::Passive) says: the driven joints are taken from where they are to where they are
-//! wanted in as many parts as it takes to move no joint by more than [`LARGEST_PART`] in any of them.
+//! λ is 0 as long as that shrinks the gaps, so convergence is quadratic at the end. Many machines can be assembled in
+//! two ways. The assembly of the [rest](JointDrive::Passive) position is kept: the driven joints move to their targets
+//! in several parts, none of which moves a joint by more than [`LARGEST_PART`].
 
 mod workspace;
 
@@ -118,7 +119,7 @@ impl JointPositions {
         self.residual
     }
 
-    /// How many steps the iteration took the last time.
+    /// Number of steps of the last iteration.
     pub fn steps(&self) -> usize {
         self.steps
     }
@@ -192,7 +193,7 @@ impl JointPositions {
         self.space.followers.follow(&mut self.values);
     }
 
-    /// How far any joint has moved since the start of this part: rad, or parts of the machine's size.
+    /// Largest motion of any joint since the start of this part: rad, or parts of the machine's size.
     fn largest_motion(&self, model: &Model) -> f64 {
         let ways = self.values.iter().zip(&self.space.before).zip(&model.joints);
         let motion = |((now, before), joint): ((&f64, &f64), &Joint)| match joint.kind {

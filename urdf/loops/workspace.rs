@@ -1,4 +1,4 @@
-//! The numbers of the iteration that closes loops: gaps, their derivatives, steps.
+//! Workspace of the loop closure iteration: gaps, their Jacobian, steps.
 
 use crate::{Following, Joint, JointDrive, JointKind, Loop, Model};
 use nalgebra::{Cholesky, DMatrix, DVector, Isometry3, Point3, Vector3};
@@ -38,7 +38,7 @@ impl Followers {
     }
 }
 
-/// What the iteration needs, allocated once.
+/// Memory of the iteration, allocated once.
 #[derive(Clone, Debug)]
 pub(super) struct Workspace {
     /// Indices of the passive joints, in the order of the columns.
@@ -66,7 +66,7 @@ pub(super) struct Workspace {
     pub(super) size: f64,
 }
 
-/// How far the loops are from closed.
+/// Gaps of the loops.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gaps {
     /// The largest distance, m.
@@ -165,8 +165,8 @@ impl Workspace {
         self.jacobian.tr_mul_to(&self.gaps, &mut self.gradient);
     }
 
-    /// What the passive joints between `link` and the base do to `point` of it (machine frame), times `sign`, from row
-    /// `row` on.
+    /// Adds the Jacobian columns of the passive joints between `link` and the base for `point` of it (machine frame),
+    /// times `sign`, from row `row` on.
     pub(super) fn add_columns(
         &mut self,
         model: &Model,

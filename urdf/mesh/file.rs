@@ -1,7 +1,7 @@
-//! Reading STL (`stl_io`) and OBJ (`tobj`).
+//! Mesh file reader: STL (`stl_io`) and OBJ (`tobj`).
 //!
-//! Both crates are handed no more than they are sure about: of an OBJ file the places of corners and the faces, of an ASCII
-//! STL file one solid. Whatever bytes a file has, there is an answer.
+//! Both crates get only input that they handle safely: of an OBJ file the vertices and faces, of an ASCII STL file one
+//! solid. Every file, whatever its bytes, gives a mesh or an error.
 
 use super::Mesh;
 use nalgebra::Point3;
@@ -22,31 +22,31 @@ pub enum MeshError {
     /// It cannot be read.
     #[error("{source}")]
     Read {
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
     /// Another format.
     #[error("{} files cannot be read: meshes are STL or OBJ", extension.as_deref().unwrap_or("nameless"))]
     Format {
-        /// What its name ends with.
+        /// Extension of its name.
         extension: Option<String>,
     },
     /// Too large.
     #[error("it has {bytes} bytes; at most {MOST_BYTES} are read")]
     Size {
-        /// How many it has.
+        /// Size of the file, bytes.
         bytes: u64,
     },
     /// No STL file.
     #[error("not STL: {source}")]
     Stl {
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
     /// No OBJ file.
     #[error("not OBJ: {source}")]
     Obj {
-        /// Why.
+        /// The cause.
         source: tobj::LoadError,
     },
     /// It has no triangle.
@@ -63,7 +63,7 @@ pub enum MeshError {
     Corner {
         /// From 0.
         corner: u32,
-        /// How many there are.
+        /// Number of vertices.
         vertices: usize,
     },
     /// More corners than can be counted.
@@ -141,7 +141,7 @@ fn stl(bytes: &[u8], name: &str) -> Result<Mesh, MeshError> {
     Mesh::new(name, vertices.list, triangles)
 }
 
-/// Whether the number of triangles that a binary STL file would have here is that of its bytes.
+/// True if the number of triangles that a binary STL file would have here is that of its bytes.
 fn is_binary(bytes: &[u8]) -> bool {
     let count = bytes.get(80..STL_HEADER).and_then(|count| count.try_into().ok());
     let triangles = count.map(u32::from_le_bytes).and_then(|count| usize::try_from(count).ok());
@@ -222,7 +222,7 @@ fn places_and_faces(text: &str) -> String {
     kept
 }
 
-/// Where a mesh was looked for: every place, and what was wrong there.
+/// Loads a mesh from the first of `places` that is a file; `None` if none is. An error comes with that file's path.
 pub(crate) fn load_first(
     places: &[PathBuf],
     name: &str,

@@ -1,4 +1,4 @@
-//! Volume, centre and moments of what triangles enclose.
+//! Volume, centre of mass and second moments of a body enclosed by triangles.
 //!
 //! A closed surface encloses the sum of the tetrahedra between its triangles and any one point, each with the sign of its
 //! volume (Zhang and Chen, *Efficient feature extraction for 2D/3D objects in mesh representation*, 2001). With corners a, b, c as
@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 /// A surface is closed if its triangles, as vectors, sum up to no more than this part of their area.
 const CLOSED: f64 = 1e-3;
 
-/// What a body of density 1 has.
+/// Volume, centre and moments of a body of density 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Moments {
     /// m³.

@@ -1,4 +1,4 @@
-//! Bodies made of triangles, as STL and OBJ files have them.
+//! Triangle meshes of STL and OBJ files.
 
 mod file;
 pub(crate) use file::load_first;
@@ -78,8 +78,8 @@ impl Mesh {
         })
     }
 
-    /// How many edges do not lie between two triangles that go along them in opposite senses; 0 for the surface of a
-    /// body. Corners at the same place are one: in STL every triangle has its own.
+    /// Number of open edges: those that are not between two triangles of opposite sense; 0 for the surface of a body.
+    /// Corners at the same place are one: in STL every triangle has its own.
     pub fn open_edges(&self) -> usize {
         let place = |index: u32| {
             let vertex = self.vertices.get(usize::try_from(index).ok()?)?;

@@ -1,4 +1,5 @@
-//! What `<twin>` says and URDF cannot: see `write`.
+//! Reader of the `<twin>` element: axis couplings, passive joints and loops, which URDF itself cannot express; see
+//! `write`.
 
 use super::document::{At, Beyond, Places};
 use crate::{JointDrive, JointKind, Loop, Model, Part, UrdfError};

@@ -1,5 +1,5 @@
-//! The text of a URDF file, looked through before urdf-rs reads it: urdf-rs does not tell lines, so everything that it would
-//! refuse is refused here, with its line, and where each link and joint is in the text is noted for whatever is found later.
+//! Survey of URDF text before urdf-rs reads it. urdf-rs does not report lines, so this pass finds every error that
+//! urdf-rs would find, with its line. It also notes the line of each link and joint for later errors.
 
 use super::schema::{Form, Rule, SHAPES, rule};
 use crate::{Part, QUATERNION, UrdfError};
@@ -11,17 +11,17 @@ const DEEPEST: usize = 64;
 /// Something wrong, and in which line.
 pub(super) type At<T> = Result<T, (u32, UrdfError)>;
 
-/// Where everything is in the text that is read from it.
+/// Lines of the links, joints and extensions in the text.
 #[derive(Debug, Default)]
 pub(super) struct Places {
     pub(super) robot: u32,
     pub(super) links: Vec<LinkPlaces>,
     pub(super) joints: Vec<JointPlaces>,
-    /// What `<twin>` says, each with its line.
+    /// Extensions in `<twin>`, each with its line.
     pub(super) beyond: Vec<(u32, Beyond)>,
 }
 
-/// What URDF itself cannot say.
+/// Extension of `<twin>` that URDF itself cannot express.
 #[derive(Clone, Debug)]
 pub(super) enum Beyond {
     /// A joint that one axis moves.
@@ -110,7 +110,7 @@ pub(super) fn survey(text: &str) -> At<Places> {
     Ok(survey.places(&root))
 }
 
-/// Whether the text is of version 1.`minor` or newer.
+/// True if the text is of version 1.`minor` or newer.
 fn is_since(root: &Node<'_, '_>, minor: u32) -> bool {
     super::version(root.attribute("version")).is_some_and(|version| version >= (1, minor))
 }

@@ -1,4 +1,4 @@
-//! Joints: how they move, how far, and what they follow.
+//! Reader of joints: kind, axis, limits, and mimicked joint.
 
 use super::Reader;
 use super::document::{At, JointPlaces, OriginPlace, Places};

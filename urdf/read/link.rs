@@ -1,4 +1,4 @@
-//! Links: what they look like, what they touch others with, what they weigh.
+//! Reader of links: visual and collision solids, materials, inertial properties.
 
 use super::document::{At, OriginPlace, Places};
 use super::{Reader, UrdfNote, packages};
@@ -12,7 +12,7 @@ use std::path::Path;
 use std::sync::Arc;
 use urdf_rs::{Geometry, Material};
 
-/// What a solid looks like of which the file does not say it.
+/// Colour of a solid without a colour in the file.
 const GREY: [f64; 4] = [0.6, 0.6, 0.6, 1.0];
 
 /// Meshes by the names that the text has for them.
@@ -31,7 +31,7 @@ pub(super) fn colors(robot: &urdf_rs::Robot) -> HashMap<&str, [f64; 4]> {
         .collect()
 }
 
-/// Whether a link has no mass: what urdf-rs makes of a link without `<inertial>`.
+/// True if a link has no mass: urdf-rs gives that to a link without `<inertial>`.
 pub(super) fn is_massless(link: &urdf_rs::Link) -> bool {
     link.inertial.mass.value == 0.0 && along(link) == Matrix3::zeros()
 }

@@ -1,13 +1,13 @@
-//! A model from URDF.
+//! URDF reader: URDF text to a [`Model`].
 //!
-//! Three passes: the text is looked through for what it lacks and where everything is (`document`), urdf-rs makes a robot of
-//! it, and the robot becomes a [`Model`] (`tree`, `link`, `joint`). Whatever is refused names file, line and part.
+//! Three passes: a survey of the text finds missing parts and notes lines (`document`), urdf-rs parses a robot, and the
+//! robot becomes a [`Model`] (`tree`, `link`, `joint`). Every error names file, line and part.
 //!
-//! What a [`Model`] cannot hold is refused by name, not dropped: planar, floating and spherical joints. What says nothing
-//! about bodies is passed over, as URDF readers do: elements beside links, joints and materials (transmissions, simulator
-//! settings). What only looks differently then is a [warning](UrdfWarning). A link with only one of visual and collision
-//! geometry has that one as both. URDF is a tree: what is read has no loops, and every joint that moves has a position of its
-//! own, or mimics another.
+//! Planar, floating and spherical joints, which a [`Model`] cannot hold, are errors, not dropped. Elements other than
+//! links, joints and materials (transmissions, simulator settings) are ignored, as URDF readers do. A difference in
+//! appearance only is a [warning](UrdfWarning). A link with only one of visual and collision geometry has that one as
+//! both. URDF is a tree: a model read from plain URDF has no loops, and every moving joint has a position of its own,
+//! or mimics another.
 //!
 //! Before URDF 1.2 an absent limit of effort or velocity is 0 in the text; 0 is therefore read as "no limit" there.
 
@@ -32,7 +32,7 @@ use tree::Tree;
 /// Roll, pitch and yaw, written with all their digits, and the quaternion beside them are no further apart (rad).
 const SAME_ORIENTATION: f64 = 1e-12;
 
-/// What is not in the text itself.
+/// Options of reading: information that the text does not contain.
 #[derive(Clone, Debug, Default)]
 pub struct UrdfOptions {
     /// Names of packages (`package://NAME/…`) and their folders; others are looked for around the URDF.
@@ -49,18 +49,18 @@ pub struct UrdfOptions {
 pub struct Loaded {
     /// The model. Its joints that move and mimic none are axes of their own, counted in their order.
     pub model: Model,
-    /// What is not as the text has it.
+    /// Differences from the text.
     pub warnings: Vec<UrdfWarning>,
 }
 
-/// Something that is not as the text has it.
+/// A difference from the text, with its line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UrdfWarning {
     /// The file; empty if the text came from somewhere else.
     pub path: PathBuf,
     /// From 1.
     pub line: u32,
-    /// What.
+    /// The difference.
     pub note: UrdfNote,
 }
 
@@ -70,7 +70,7 @@ impl fmt::Display for UrdfWarning {
     }
 }
 
-/// What is not as a text has it.
+/// Difference between a text and the model read from it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum UrdfNote {
     /// A material that has no colour anywhere in the text.
@@ -136,7 +136,7 @@ impl Model {
         Self::read_urdf(&text, path, options)
     }
 
-    /// Reads URDF text; `path` is where it comes from, for messages and for the meshes beside it.
+    /// Reads URDF text; `path` is its origin, for messages and for the meshes next to it.
     ///
     /// # Errors
     /// [`UrdfFileError`] with the line.

@@ -1,8 +1,8 @@
-//! Where the mesh files are that URDF names.
+//! Search paths of the mesh files that URDF names.
 
 use std::path::{Component, Path, PathBuf};
 
-/// Where a file may be, the likeliest place first. `folder` is that of the URDF.
+/// Possible paths of a file, the likeliest first. `folder` is that of the URDF.
 ///
 /// `package://NAME/REST` is REST in the folder that the caller gives for NAME, or in a folder NAME beside the URDF or
 /// beside any folder that it is in; failing that, as much of the end of REST as there is beside the URDF, so that a

@@ -1,6 +1,6 @@
-//! What URDF's elements have, as far as anything is read from them.
+//! Schema of URDF: required and optional attributes and elements, as far as the reader uses them.
 
-/// What an attribute is.
+/// Type of an attribute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
     Text,
@@ -12,7 +12,7 @@ pub(super) enum Form {
 }
 
 impl Form {
-    /// What it looks like, in words.
+    /// Description of the expected value, for messages.
     pub(super) const fn expected(self) -> &'static str {
         match self {
             Self::Text => "text",
@@ -61,7 +61,7 @@ pub(super) const SHAPES: [&str; 5] = ["box", "cylinder", "capsule", "sphere", "m
 const NUMBER: Form = Form::Numbers(1);
 const THREE: Form = Form::Numbers(3);
 
-/// What `element` has. `limits_are_optional`: since URDF 1.2.
+/// Rule of `element`. `limits_are_optional`: since URDF 1.2.
 pub(super) fn rule(element: &str, limits_are_optional: bool) -> Option<Rule> {
     Some(match element {
         "robot" => {
@@ -179,7 +179,7 @@ fn of_joint(element: &str, limits_are_optional: bool) -> Option<Rule> {
     })
 }
 
-/// What URDF itself does not know.
+/// Rules of the elements in `<twin>`.
 fn of_twin(element: &str) -> Option<Rule> {
     Some(match element {
         "twin" => Rule { many: &["drive", "passive", "loop"], ..NOTHING },

@@ -1,4 +1,4 @@
-//! The links and joints of a text in the order that a model has them.
+//! Order of links and joints: parents before children, as a model has them.
 
 use super::document::{At, Places};
 use crate::{Part, UrdfError};

@@ -1,4 +1,4 @@
-//! Axes on the joints of a model that has been read.
+//! Tests of binding a loaded model to machine axes.
 
 use super::seeded;
 use crate::{AxisJoint, BindError, JointDrive, JointKind, Model, UrdfOptions};

@@ -1,4 +1,4 @@
-//! Whatever is in a file, there is an answer, and what is read can be written and read again.
+//! Robustness of the URDF reader: changed bytes, words and lines give a model or an error, and every model round-trips.
 
 use super::{scara, seeded};
 use crate::{Model, UrdfOptions};

@@ -1,3 +1,5 @@
+//! Tests of mass properties against sums over the volume and closed forms.
+
 use crate::{DimensionError, Inertial, Link, Mesh, Solid, SolidShape};
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};

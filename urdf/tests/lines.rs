@@ -1,4 +1,4 @@
-//! Every refusal says where.
+//! Tests of the file, line and part in every error.
 
 use crate::{Model, UrdfNote, UrdfOptions};
 use std::path::Path;

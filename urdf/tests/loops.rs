@@ -1,3 +1,5 @@
+//! Tests of loop closure and of joints that several axes move.
+
 use super::seeded;
 use crate::{Joint, JointDrive, JointKind, Link, Loop, LoopError, Model, Tip, UrdfOptions};
 use nalgebra::{Isometry3, Point3, Unit, Vector3};

@@ -1,4 +1,4 @@
-//! STL and OBJ files, and where they are found.
+//! Tests of STL and OBJ files and of the search for them.
 
 use super::seeded;
 use crate::{Loaded, Mesh, MeshError, Model, SolidShape, UrdfFileError, UrdfOptions};

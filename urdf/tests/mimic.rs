@@ -1,4 +1,4 @@
-//! Joints that follow others.
+//! Tests of mimic joints and usable limits.
 
 use super::seeded;
 use crate::{Joint, JointDrive, JointKind, Link, Loop, Model, Tip, UrdfOptions};

@@ -1,3 +1,5 @@
+//! Tests of the crate, and the machines that several of them share.
+
 mod bind;
 mod generated;
 mod hostile;

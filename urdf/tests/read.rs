@@ -1,3 +1,5 @@
+//! Tests of reading: order of elements, axes, limits by version.
+
 use crate::{JointKind, Model, SolidShape, UrdfError};
 use nalgebra::{Matrix3, Point3, Vector3};
 use std::f64::consts::FRAC_PI_2;

@@ -1,3 +1,5 @@
+//! Tests of refused URDF: solids, masses, joints, trees, tool tips.
+
 use super::gantry;
 use crate::{Link, Model, UrdfError};
 

@@ -1,3 +1,5 @@
+//! Round trips: models written as URDF and read again.
+
 use super::{gantry, generated, scara, seeded};
 use crate::{
     Calibration, Inertial, Joint, JointDetails, JointDrive, JointKind, Link, Model,

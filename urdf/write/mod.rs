@@ -1,12 +1,12 @@
-//! A model as URDF text.
+//! URDF writer: a model as URDF text.
 //!
-//! Every link is written with `<visual>` and `<collision>` solids, the same where it touches others with what it looks like;
-//! colours are materials of the robot; the tool tip is the link [`TIP_NAME`], fixed to the link that carries it. What is
-//! written is read back to the last digit: numbers with the digits that it takes, and an orientation that roll, pitch and yaw do not
-//! give back as a quaternion beside them ([`QUATERNION`]), which other readers pass over.
+//! Every link has `<visual>` and `<collision>` solids, equal unless the model has separate collision solids; colours
+//! are materials of the robot; the tool tip is the link [`TIP_NAME`], fixed to the link that carries it. Reading the
+//! text gives the same numbers to the last digit: numbers have as many digits as needed, and an orientation that roll,
+//! pitch and yaw cannot reproduce also has a quaternion attribute ([`QUATERNION`]), which other readers ignore.
 //!
-//! URDF knows neither a joint that several axes move nor a circle of links: such joints are written as if they had
-//! positions of their own, and an element `<twin>`, which other readers pass over as well, says how they hang together:
+//! URDF has neither a joint moved by several axes nor a kinematic loop. Such joints are written as if they had
+//! positions of their own, and an element `<twin>`, which other readers ignore, holds the couplings:
 //!
 //! ```xml
 //! <twin>
@@ -18,7 +18,8 @@
 //! ```
 //!
 //! URDF 1.0 cannot say "no limit" (an absent one is read as 0), and the readers most in use refuse anything newer. So
-//! the text is URDF 1.0 where every prismatic or revolute joint has all limits and no other, and 1.2 otherwise.
+//! the text is URDF 1.0 if every prismatic or revolute joint has all limits and no other joint has any, and 1.2
+//! otherwise.
 
 mod xml;
 
@@ -145,7 +146,7 @@ impl Model {
         Joint::new(TIP_NAME, JointKind::Fixed, links, origin, axis, JointDrive::Fixed)
     }
 
-    /// What a tree of joints does not say, each of which has a position of its own.
+    /// Writes `<twin>`: couplings and loops, which a tree of independent joints cannot express.
     fn write_beyond(&self, xml: &mut Xml) {
         let mut own = 0;
         let mut is_plain = |joint: &Joint| match &joint.drive {
@@ -211,7 +212,7 @@ impl Palette {
     }
 }
 
-/// Whether URDF 1.0 can say what limits this joint.
+/// True if URDF 1.0 can say what limits this joint.
 fn is_limited(joint: &Joint) -> bool {
     let speaks = |limit: Option<f64>| limit.is_some_and(|limit| limit.is_finite() && limit > 0.0);
     let position = match joint.position_limits {

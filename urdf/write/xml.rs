@@ -1,4 +1,4 @@
-//! XML text, element by element.
+//! XML writer.
 
 use std::fmt::Display;
 
@@ -8,7 +8,7 @@ pub(super) struct Xml {
     text: String,
     /// Elements that are open.
     open: Vec<&'static str>,
-    /// Whether the last of them is still without content.
+    /// True if the last of them is still without content.
     is_bare: bool,
 }
 

@@ -1,6 +1,5 @@
-//! A picture to look at while working on the page: a made-up two-arm machine draws a circle and a square, and its
-//! "twin" and "drives" lag behind by made-up amounts. Nothing here is simulated; the product's pictures come from
-//! `twin run`.
+//! Demo recording for work on the page: an invented two-arm machine draws a circle and a square, and its "twin" and
+//! "drives" lag behind by invented amounts. Nothing here is simulated; the product's pictures come from `twin run`.
 //!
 //! ```text
 //! cargo run --release -p twin-viz --example demo -- [--serve 127.0.0.1:9090] [--record demo.rrd] [--realtime] [--repeat N]

@@ -1,4 +1,4 @@
-//! How near the machine is to what it must not touch: over time, and in space where it is near.
+//! Clearance between machine and surroundings: a plot over time, and a line in 3D where it is small.
 
 use rerun::{LineStrips3D, Points3D, Radius, RecordingStream};
 
@@ -31,7 +31,7 @@ pub(super) struct ClearanceTrack {
 }
 
 impl ClearanceTrack {
-    /// Where nearer than `limit` (m) is told; 0 if only what touches is.
+    /// A track with the wanted clearance `limit` (m); 0 if only contact is reported.
     pub(super) fn new(limit: f64) -> Self {
         let series = |name, color| Series::new(format!("clearance/{name}"), name, color);
         Self {

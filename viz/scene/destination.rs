@@ -1,4 +1,4 @@
-//! Where a recording goes: a file, and the page that reads it.
+//! Destination of a recording: a file, and the page that reads it.
 
 use std::path::PathBuf;
 use std::sync::Arc;

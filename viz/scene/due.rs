@@ -1,4 +1,4 @@
-//! What is done now and then.
+//! Interval timer on program time.
 
 /// Something done once per interval of program time.
 #[derive(Clone, Copy, Debug)]
@@ -13,7 +13,7 @@ impl Due {
         Self { interval_ns, next_ns: None }
     }
 
-    /// Whether it is due; if so, it counts as done.
+    /// True if it is due; then it counts as done.
     pub(super) fn take(&mut self, time_ns: i64) -> bool {
         let is_due = self.next_ns.is_none_or(|next| time_ns >= next);
         if is_due {

@@ -1,4 +1,4 @@
-//! The machine and what is around it: solids once, poses as the machine moves.
+//! Machine and obstacles in the recording: solids once, link poses as the machine moves.
 
 use nalgebra::Isometry3;
 use rerun::RecordingStream;
@@ -41,7 +41,7 @@ impl Machine {
         Ok(Self { links })
     }
 
-    /// How many links there are.
+    /// Number of links.
     pub(crate) fn link_count(&self) -> usize {
         self.links.len()
     }
@@ -65,7 +65,7 @@ impl Machine {
     }
 }
 
-/// Logs what is around the machine, every obstacle below an entity of its own, and takes it into the bounds.
+/// Logs the obstacles, each below an entity of its own, and adds them to the bounds.
 pub(crate) fn log_obstacles(
     stream: &RecordingStream,
     obstacles: &[Obstacle<'_>],

@@ -1,4 +1,4 @@
-//! The recording being written.
+//! [`Scene`]: the recording while it is written.
 
 mod clearance;
 pub(crate) mod destination;
@@ -51,22 +51,22 @@ const POSE_INTERVAL_NS: i64 = 20_000_000;
 /// Height of what the close-up of the tool shows, m.
 const CLOSE_UP: f64 = 0.002;
 
-/// What the scene is about.
+/// Setup of a scene: machine, surroundings, axes, program and drives.
 #[derive(Clone, Copy, Debug)]
 pub struct Setup<'a> {
     /// The machine.
     pub machine: &'a Model,
     /// Poses of its links before the first frame, in the machine frame; as many as it has links.
     pub home: &'a [Isometry3<f64>],
-    /// What is around it.
+    /// Obstacles around it.
     pub surroundings: &'a [Obstacle<'a>],
-    /// Nearer to what it must not touch than this, m, is too near; 0 if only what touches is. `None` if that is not measured.
+    /// Smallest permitted clearance, m; 0 if only contact counts. `None` if that is not measured.
     pub clearance: Option<f64>,
     /// Its axes.
     pub axes: &'a [Axis],
     /// The program.
     pub program: Program<'a>,
-    /// What the drives are ("`InterpCNC`, emulated"); `None` if there are none.
+    /// Name of the drives ("`InterpCNC`, emulated"); `None` if there are none.
     pub drives: Option<&'a str>,
 }
 
@@ -282,7 +282,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Shows that something has happened to the twin at `time_ns`, in a line of the program: beside its text.
+    /// Shows an event of the twin at `time_ns`, in a line of the program, next to its text.
     ///
     /// # Errors
     ///
@@ -294,7 +294,7 @@ impl Scene {
         self.excerpt.log_news(&self.stream, (seconds.as_secs_f64(), line), what)
     }
 
-    /// Writes what is still held back and closes the recording. The page, if there is one, goes on until the returned
+    /// Writes all data still held back and closes the recording. The page, if there is one, goes on until the returned
     /// [`Viewer`] is dropped.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! What the motors do, over time.
+//! Time series of the motors: force or torque, power, utilisation, warmth, load angle.
 
 use rerun::RecordingStream;
 

@@ -1,4 +1,4 @@
-//! The program text around the current line, and the page's legend.
+//! Program text around the current line, and the page's legend.
 
 use std::collections::VecDeque;
 

@@ -1,4 +1,4 @@
-//! Numbers over time, sent in batches.
+//! Time series (plot lines), sent in batches.
 
 use rerun::{RecordingStream, Scalars, SeriesLines, TimeColumn};
 

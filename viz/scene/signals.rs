@@ -1,4 +1,4 @@
-//! Signals that are switched along the way: when, as lines in a plot, and where, as marks beside the trails.
+//! Switched signals: lines over time in a plot, and marks along the trails.
 
 use nalgebra::Point3;
 use rerun::{Points3D, Radius, RecordingStream};
@@ -70,7 +70,7 @@ impl Signals {
         Ok(Some(words))
     }
 
-    /// What is on now.
+    /// Adds the present state of every signal to its series.
     pub(super) fn add(&mut self, at: At) {
         for Signal { is_on, series, zero, .. } in &mut self.signals {
             series.add(at, *zero + f64::from(u8::from(*is_on)));

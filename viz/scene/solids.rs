@@ -1,4 +1,4 @@
-//! Solids in the recording, each shape as rerun has it.
+//! Solids in the recording, as rerun shapes.
 
 use nalgebra::Vector3;
 use rerun::{FillMode, RecordingStream};

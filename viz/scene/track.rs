@@ -1,4 +1,4 @@
-//! The three tools: set-point, twin, drives.
+//! Tool tracks: marker, trail and error of the set-point, the twin and the drives.
 
 use nalgebra::Point3;
 use rerun::RecordingStream;
@@ -38,7 +38,7 @@ impl ToolTrack {
         }
     }
 
-    /// Where the tool is now, and how far from the set-point, m. The stream must be at that time.
+    /// Adds the tool's position and its distance from the set-point, m. The stream must be at that time.
     pub(super) fn add(
         &mut self,
         stream: &RecordingStream,

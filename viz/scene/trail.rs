@@ -1,4 +1,4 @@
-//! Paths in 3D: the programmed one, and those travelled.
+//! Paths in 3D: the programmed path, and the travelled trails.
 
 use nalgebra::{Point3, distance};
 use rerun::{LineStrips3D, Points3D, Radius, RecordingStream};
@@ -96,7 +96,7 @@ impl Trail {
         Self { entity, color, has_looks: false, piece: Vec::new(), begun_ns: 0, last_ns: None }
     }
 
-    /// What is not sent yet; it begins where the last piece ends.
+    /// The piece that is not sent yet; it begins at the end of the last one.
     pub(super) fn piece(&self) -> &[Point3<f64>] {
         &self.piece
     }

@@ -1,8 +1,8 @@
-//! The page: rerun's web viewer and the recording, served from one address.
+//! Web server of the page: rerun's web viewer and the recording, at one address.
 //!
-//! rerun brings a server of its own, in two halves on two ports. It is not used: its page asks the internet for fonts
-//! and reports its use, it loses the error when a port is taken, and it keeps the whole recording in memory. Here the
-//! page may talk to nobody but us (`Content-Security-Policy`), and the recording is read from its file as it grows.
+//! rerun has its own server, in two halves on two ports. It is not used: its page loads fonts from the internet and
+//! reports its use, it loses the error when a port is taken, and it keeps the whole recording in memory. Here the page
+//! may connect to this server only (`Content-Security-Policy`), and the recording is read from its file as it grows.
 
 mod stream;
 
@@ -79,7 +79,7 @@ struct Shared {
     readers: AtomicUsize,
 }
 
-/// Takes the address, so that whoever else wants it learns it now.
+/// Binds the address early, so that a conflict shows at once.
 ///
 /// # Errors
 ///
@@ -155,7 +155,7 @@ impl Viewer {
         self.address
     }
 
-    /// What to open in a browser on this computer.
+    /// URL for a browser on this computer.
     pub fn url(&self) -> String {
         let mut address = self.address;
         if address.ip().is_unspecified() {
@@ -248,8 +248,8 @@ impl Shared {
     }
 }
 
-/// Whether the browser believes to talk to this computer. A foreign page can make a name of its own stand for
-/// 127.0.0.1 (DNS rebinding) and would otherwise read the recording.
+/// True if the request names this computer as its host. A foreign page can make a name of its own stand for 127.0.0.1
+/// (DNS rebinding) and would otherwise read the recording.
 fn is_for_this_computer(request: &Request) -> bool {
     let host = request.headers().iter().find(|header| header.field.equiv("Host"));
     let name = host.map(|header| {

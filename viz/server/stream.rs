@@ -1,4 +1,4 @@
-//! A file sent while it grows.
+//! Streaming of a file while it grows.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use tiny_http::Request;
 
-/// How often a file that has not grown is looked at again.
+/// Poll interval of a file that has not grown.
 const POLL: Duration = Duration::from_millis(50);
 /// Bytes sent at once.
 const CHUNK: usize = 64 * 1024;

@@ -1,3 +1,5 @@
+//! Tests of the web server.
+
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 

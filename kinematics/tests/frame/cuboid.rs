@@ -1,3 +1,5 @@
+//! Tests of the work frame of a probed cuboid.
+
 use super::COLUMNS;
 use crate::tests::seeded;
 use crate::{Cuboid, CuboidError, WorkFrame};

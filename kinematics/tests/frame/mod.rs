@@ -1,3 +1,5 @@
+//! Tests of work frames: poses, motions and jerks in both directions.
+
 mod cuboid;
 mod unit_vectors;
 

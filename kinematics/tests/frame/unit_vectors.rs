@@ -1,3 +1,5 @@
+//! Tests of frames given by unit vectors or by roll, pitch and yaw.
+
 use super::COLUMNS;
 use crate::tests::seeded;
 use crate::{FrameError, UNIT_VECTOR_TOLERANCE, UnitVectors, WorkFrame};

@@ -1,4 +1,4 @@
-//! The parameters 1000–1301 of an axis (`AXIS_REF`, manual 2.4), by number.
+//! Parameters 1000–1301 of an axis (`AXIS_REF`, manual 2.4), by number.
 //!
 //! Blocks read and write them by name; a program has [`Axis::read_parameter`] and its companions, which take the numbers
 //! of the manual and those of PLCopen.

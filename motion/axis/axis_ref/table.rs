@@ -1,4 +1,4 @@
-//! The parameters of an axis, from one list (`AXIS_REF`, manual 2.4).
+//! Parameter table of an axis, generated from one list (`AXIS_REF`, manual 2.4).
 
 use super::value::{Access, Parameter, Slot, Value};
 

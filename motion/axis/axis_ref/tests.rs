@@ -1,4 +1,4 @@
-//! The parameters by number.
+//! Tests of the parameters by number.
 
 #![allow(
     clippy::float_cmp,

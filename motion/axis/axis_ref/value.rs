@@ -1,4 +1,4 @@
-//! What a parameter is.
+//! Parameter description: number, name, value type and access.
 
 /// A parameter of an axis (manual 2.4).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,13 +9,13 @@ pub struct Parameter {
     pub plcopen: u16,
     /// Its name in `AXIS_REF`.
     pub name: &'static str,
-    /// What it says, with its unit.
+    /// Description, with its unit.
     pub about: &'static str,
     /// Value and type of a new axis. Where the manual names the configuration, that of [`AxisConfig`] replaces it.
     ///
     /// [`AxisConfig`]: crate::axis::AxisConfig
     pub initial: Value,
-    /// Whether a program may write it.
+    /// Access of a program.
     pub access: Access,
 }
 
@@ -30,7 +30,7 @@ pub enum Value {
     Real(f64),
 }
 
-/// Whether a program may write a parameter. Which ones is ours: the manual only says that there are some.
+/// Access of a program to a parameter. The choice is ours: the manual only says that some are read-only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
     /// States, set-points and what the drive says.

@@ -1,4 +1,4 @@
-//! The list of errors as the manual prints it (9.3), to hold ours against.
+//! Error list as printed in the manual (9.3), to compare ours with.
 
 use super::SmcError;
 use std::path::{Path, PathBuf};

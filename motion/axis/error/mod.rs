@@ -1,6 +1,6 @@
-//! The errors of `SoftMotion`: numbers, names and texts (`SM_Error.lib`, manual 9).
+//! Errors of `SoftMotion`: numbers, names and texts (`SM_Error.lib`, manual 9).
 //!
-//! Blocks show an [`SmcError`] beside their other outputs; an axis keeps the latest ones of its blocks
+//! Blocks show an [`SmcError`] among their outputs; an axis keeps the latest ones of its blocks
 //! ([`Axis::read_fb_error`](super::Axis::read_fb_error)). Errors of the drive itself are numbers of its maker.
 //!
 //! ```
@@ -47,14 +47,14 @@ enum Columns {
 }
 
 impl SmcError {
-    /// What it means, in a language (`SMC_ErrorString`, manual 9.2.1).
+    /// Text of the error, in a language (`SMC_ErrorString`, manual 9.2.1).
     #[doc(alias = "SMC_ErrorString")]
     #[must_use]
     pub fn text(self, language: Language) -> &'static str {
         self.cell(Columns::Text, language)
     }
 
-    /// What to do about it, in a language.
+    /// Remedy, in a language.
     #[must_use]
     pub fn remedy(self, language: Language) -> &'static str {
         self.cell(Columns::Remedy, language)

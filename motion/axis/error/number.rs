@@ -1,5 +1,5 @@
-//! Numbers and names of the errors (manual 9.3). The names of 131, 276, 277, 401, 410, 426, 427 and 451–453 are those
-//! that fit: the manual mixes up these rows.
+//! Error numbers and names (manual 9.3). The names of 131, 276, 277, 401, 410, 426, 427 and 451–453 are corrected,
+//! because the manual mixes up these rows.
 
 /// Writes the enumeration and its table from one list.
 macro_rules! smc_errors {

@@ -1,4 +1,4 @@
-//! Every number of the manual is there, with its name, in three languages.
+//! Tests of the errors: every number of the manual, with its name, in three languages.
 
 use super::{Language, SmcError, TABLE};
 

@@ -1,4 +1,4 @@
-//! `MC_CamIn`.
+//! `MC_CamIn`: couples a slave to a cam.
 
 use crate::axis::ownership::Start;
 use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
@@ -110,7 +110,7 @@ impl CamRun {
 }
 
 impl CamIn {
-    /// Whether the slave comes onto its cam with a ramp.
+    /// True if the slave comes onto its cam with a ramp.
     fn ramps(&self) -> bool {
         !matches!(self.input.start_mode, StartMode::Absolute | StartMode::Relative)
     }
@@ -129,7 +129,7 @@ impl CamIn {
         from
     }
 
-    /// What a ramp with limited jerk may use; none for another start.
+    /// Limits of a ramp-in with limited jerk; none for another start.
     fn limited(&self, axis: &Axis) -> Result<Option<AxisLimits>, CouplingError> {
         if !self.ramps() || axis.ramp() == RampType::Trapezoid {
             return Ok(None);
@@ -139,7 +139,7 @@ impl CamIn {
     }
 }
 
-/// Why a cam is not followed.
+/// Reason why a cam is not followed.
 enum Refused {
     Coupling(CouplingError),
     /// The axis's jerk, or the way, is none that there is a ramp for.

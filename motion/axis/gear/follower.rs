@@ -1,9 +1,9 @@
-//! A slave that takes up a multiple of its master's velocity.
+//! Velocity coupling of a slave to a multiple of its master's velocity.
 
 use crate::axis::{Axis, Master};
 use crate::profile::{AxisLimits, Profile, ProfileError, RampType, State};
 
-/// Where a slave stands to its master.
+/// Coupling of a slave's velocity to its master.
 #[derive(Clone, Copy, Debug)]
 pub struct Follower {
     limits: AxisLimits,
@@ -17,7 +17,7 @@ impl Follower {
         Self { limits, master, coupled: false }
     }
 
-    /// Whether the velocities have met.
+    /// True if the velocities have met.
     pub(super) fn is_coupled(&self) -> bool {
         self.coupled
     }

@@ -1,4 +1,4 @@
-//! `SMC_GearInPos`.
+//! `SMC_GearInPos`: couples a slave to its master from a given position on.
 
 use crate::axis::ownership::Start;
 use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};

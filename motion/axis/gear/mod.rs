@@ -1,4 +1,4 @@
-//! Axes that follow another one (manual 5.4) and switches along an axis (manual 5.5).
+//! Couplings to a master axis: gears, cams and phasing (manual 5.4), and cam switches along an axis (manual 5.5).
 
 mod cam;
 mod follower;

@@ -1,4 +1,4 @@
-//! `MC_Phasing`.
+//! `MC_Phasing`: shifts a slave by a constant distance from its master.
 
 use super::follower::Follower;
 use crate::axis::moves::Planned;

@@ -1,4 +1,4 @@
-//! `MC_DigitalCamSwitch`.
+//! `MC_DigitalCamSwitch`: outputs that an axis switches at its positions.
 
 use super::switched::{Ahead, Switched};
 use super::track::{CamSwitch, Track};
@@ -11,7 +11,7 @@ const TRACKS: usize = 32;
 /// A zero that has moved by less has not, u.
 const SAME: f64 = 1e-9;
 
-/// Which position counts (`MC_TappetMode`).
+/// Position that switches the outputs (`MC_TappetMode`).
 #[doc(alias = "MC_TappetMode")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TappetMode {
@@ -24,7 +24,7 @@ pub enum TappetMode {
     Actual,
 }
 
-/// What [`DigitalCamSwitch`] shows.
+/// Outputs of [`DigitalCamSwitch`].
 #[doc(alias = "MC_OUTPUT_REF")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SwitchOutputs {

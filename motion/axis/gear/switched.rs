@@ -1,4 +1,4 @@
-//! A switch of `MC_DigitalCamSwitch` in time: what is advanced is looked for ahead of the axis, what is delayed waits.
+//! Cam switch in time: an advance is looked up ahead of the axis, a delay waits (`MC_DigitalCamSwitch`).
 //!
 //! ```text
 //! position ── ahead by an advance ─▶ on from its begin to its end ── later by a delay ─▶ output
@@ -16,9 +16,9 @@ pub(super) struct Ahead {
     /// u/s.
     pub(super) velocity: f64,
     pub(super) period: Option<f64>,
-    /// Whether it went forwards when it moved last.
+    /// True if it went forwards when it moved last.
     pub(super) went_forwards: bool,
-    /// Whether nothing is known of where it was before.
+    /// True if nothing is known of where it was before.
     pub(super) begins: bool,
     pub(super) from_ns: i64,
     pub(super) now_ns: i64,

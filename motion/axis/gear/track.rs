@@ -1,6 +1,6 @@
-//! Switches and tracks of `MC_DigitalCamSwitch`: positions, direction, compensation, hysteresis.
+//! Cam switches and tracks of `MC_DigitalCamSwitch`: positions, direction, compensation, hysteresis.
 
-/// In which direction a switch counts (`AxisDirection`).
+/// Direction in which a switch counts (`AxisDirection`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SwitchDirection {
     /// 0: both.

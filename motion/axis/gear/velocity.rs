@@ -1,4 +1,4 @@
-//! `MC_GearIn`, `MC_GearOut` and `MC_CamOut`.
+//! `MC_GearIn`, `MC_GearOut` and `MC_CamOut`: velocity gear, and the end of a coupling.
 
 use super::follower::Follower;
 use crate::axis::moves::Planned;
@@ -58,7 +58,7 @@ impl Motion for GearIn {
     }
 }
 
-/// Lets go of the master; the slave goes on with its velocity (`MC_GearOut`, `MC_CamOut`, manual 5.4).
+/// Decouples the slave from its master; it keeps its velocity (`MC_GearOut`, `MC_CamOut`, manual 5.4).
 ///
 /// Done at once; it has to be called until something else moves the slave.
 #[doc(alias = "MC_GearOut")]

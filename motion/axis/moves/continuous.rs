@@ -1,4 +1,5 @@
-//! To a position, and on from there.
+//! Continuous moves: to a position, and on with a velocity (`SMC_MoveContinuousAbsolute`,
+//! `SMC_MoveContinuousRelative`).
 
 use super::{Planned, PlannedMotion};
 use crate::axis::ownership::Start;
@@ -23,7 +24,7 @@ pub struct MoveContinuousAbsolute {
     pub acceleration: f64,
     /// Deceleration, u/s².
     pub deceleration: f64,
-    /// Which way round a rotary axis goes; not fastest.
+    /// Direction of a rotary axis; not fastest.
     pub direction: Direction,
 }
 

@@ -1,4 +1,4 @@
-//! Set-points straight from a program (manual 2.2.5).
+//! Set-points given by the program every cycle (`SMC_Follow…`, `SMC_ControlAxis…`; manual 2.2.5).
 
 use crate::axis::ownership::Start;
 use crate::axis::{Axis, AxisState, Block, Motion, Progress, SmcError, Stage};
@@ -45,8 +45,8 @@ impl Follow {
     }
 }
 
-/// What is no number is no set-point. At rest the axis stays; in motion that is as if the block had not been called: an
-/// error 30, with which the axis brakes.
+/// A value that is not a number is not a set-point. At rest the axis stays; in motion that is as if the block had not
+/// been called: an error 30, with which the axis brakes.
 fn without_setpoint(axis: &Axis) -> Result<Progress, SmcError> {
     let State { position, velocity, .. } = axis.saved_base;
     if velocity != 0.0 {
@@ -122,7 +122,7 @@ impl ControlAxisBy {
         }
     }
 
-    /// What the bridge keeps to relative to a set-point that moves with `velocity`, so that the axis keeps to its own.
+    /// Limits of the bridge relative to a set-point that moves with `velocity`, so that the axis keeps its own.
     fn beside(&self, velocity: f64, axis: &Axis) -> Option<AxisLimits> {
         let limits = self.gap_limits(axis);
         let room = axis.implicit_limits().velocity - velocity.abs();
@@ -167,7 +167,7 @@ impl ControlAxisBy {
         Some((state, ends))
     }
 
-    /// Whether a set-point is a jump for an axis that has moved as `before`.
+    /// True if a set-point is a jump for an axis that has moved as `before`.
     fn jumps(&self, wanted: State, before: State, axis: &Axis) -> bool {
         let mean = (wanted.position - before.position) / axis.cycle();
         match self.setpoint {
@@ -244,7 +244,7 @@ impl Motion for ControlAxisBy {
 }
 
 impl ControlAxisBy {
-    /// How fast the set-point itself moves, u/s: as it says, or as it has since the `last` one, if that is no jump either.
+    /// Velocity of the set-point itself, u/s: as given, or since the `last` one, if that is not a jump either.
     fn moves(&self, last: Option<f64>, wanted: State, axis: &Axis) -> f64 {
         let State { velocity, .. } = wanted;
         match self.setpoint {
@@ -266,7 +266,7 @@ pub struct ControlAxis {
     block: Block<ControlAxisBy>,
 }
 
-/// What [`ControlAxis`] shows.
+/// Outputs of [`ControlAxis`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ControlOutputs {
     /// `bCommandAborted`: another block has taken the axis.
@@ -309,7 +309,7 @@ impl ControlAxis {
     }
 }
 
-/// Whether a set-point asks for more than the axis's software maxima.
+/// True if a set-point asks for more than the axis's software maxima.
 pub(crate) fn exceeds(
     wanted: State,
     before: State,
@@ -317,7 +317,7 @@ pub(crate) fn exceeds(
     velocity: bool,
     rates: bool,
 ) -> bool {
-    /// What rounding may add.
+    /// Allowance for rounding.
     const SLACK: f64 = 1.0 + 1e-6;
     let limits = axis.implicit_limits();
     let grows = wanted.velocity.abs() >= before.velocity.abs();

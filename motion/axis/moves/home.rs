@@ -1,11 +1,11 @@
-//! The drive's own homing, and the zero.
+//! Homing by the drive (`MC_Home`), and the zero of the axis (`MC_SetPosition`).
 
 use super::Planned;
 use crate::axis::ownership::{Refusal, Start};
 use crate::axis::{Axis, AxisState, Homing, Motion, Progress, SmcError, Stage};
 use crate::profile::State;
 
-/// How long a drive may take to answer, s; the manual names no time.
+/// Longest answering time of a drive, s; the manual names no time.
 pub(super) const ANSWER_S: f64 = 1.0;
 
 /// Homing by the drive itself (`MC_Home`, manual 5.3).

@@ -1,4 +1,4 @@
-//! Homing onto a switch (manual 2.2.7).
+//! Homing onto a switch (`SMC_Homing`, manual 2.2.7).
 
 use super::Planned;
 use crate::axis::ownership::Start;
@@ -6,7 +6,7 @@ use crate::axis::{Axis, AxisState, Direction, Motion, Progress, SmcError, Stage}
 use crate::profile::State;
 use std::collections::VecDeque;
 
-/// In which order homing sets the reference and stops, and which way it leaves the switch (`SMC_HOMING_MODE`).
+/// Homing mode: the order of setting the reference and stopping, and the direction off the switch (`SMC_HOMING_MODE`).
 #[doc(alias = "SMC_HOMING_MODE")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum HomingMode {
@@ -62,7 +62,7 @@ pub struct HomingBySwitch {
     pub direction: Direction,
     /// `bEndSwitch`: TRUE is open, FALSE closed.
     pub end_switch: bool,
-    /// `fSignalDelay`, s: the reference is where the axis was so long before the switch told.
+    /// `fSignalDelay`, s: the reference is the position of the axis this time before the switch signal.
     pub signal_delay: f64,
     /// `nHomingMode`.
     pub mode: HomingMode,
@@ -145,7 +145,7 @@ impl HomingRun {
         })
     }
 
-    /// Where the drive was the signal's delay ago, u.
+    /// Position of the drive at the time of the signal, its delay ago, u.
     fn was_at(&self, axis: &Axis) -> f64 {
         let cycles = self.inputs.signal_delay.max(0.0) / axis.cycle();
         let mut positions = self.was_at.iter().copied();

@@ -1,4 +1,4 @@
-//! Blocks that power, move and stop an axis (manual 2.2, 5.3).
+//! Motion blocks: power, moves and stops of an axis (manual 2.2, 5.3).
 
 mod continuous;
 mod direct;

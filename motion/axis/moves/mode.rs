@@ -1,4 +1,4 @@
-//! Controller mode and torque (manual 2.2.4, 5.5).
+//! Controller mode and torque (`SMC_SetControllerMode`, `SMC_SetTorque`; manual 2.2.4, 5.5).
 
 use super::home::ANSWER_S;
 use crate::axis::latch::{Latch, Outcome, Outputs};

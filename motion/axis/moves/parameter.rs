@@ -1,4 +1,4 @@
-//! Parameters of an axis and of its drive (manual 5.3).
+//! Parameter blocks: parameters of an axis and of its drive (manual 5.3).
 
 use super::home::ANSWER_S;
 use crate::axis::drive::{Answer, Transfer};
@@ -14,7 +14,7 @@ pub enum ParameterNumber {
     Drive(u32),
 }
 
-/// What a transfer has come to.
+/// Progress of a transfer.
 enum Progress {
     Waits,
     Value(f64),

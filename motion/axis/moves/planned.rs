@@ -1,4 +1,4 @@
-//! Motion along one profile that is planned at the edge.
+//! Motion along one profile, planned at the rising edge of Execute.
 
 use crate::axis::ownership::{Refusal, Start};
 use crate::axis::{Axis, AxisState, Motion, Progress, SmcError, Stage};
@@ -49,13 +49,13 @@ impl Planned {
         Ok(Self::new(&profile, start, axis))
     }
 
-    /// How long it takes from its beginning, s.
+    /// Duration from its beginning, s.
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.profile.duration()
     }
 
-    /// Where it ends, u (the drive's coordinates).
+    /// End position, u (the drive's coordinates).
     pub(crate) fn target(&self) -> f64 {
         self.profile.end().position
     }

@@ -1,4 +1,4 @@
-//! `MC_Power`.
+//! `MC_Power`: power and brake of the drive.
 
 use crate::axis::{Axis, SmcError};
 
@@ -12,7 +12,7 @@ pub struct Power {
     pub drive_start: bool,
 }
 
-/// What [`Power`] shows.
+/// Outputs of [`Power`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PowerStatus {
     /// `Status`: the drive is under control.

@@ -1,8 +1,9 @@
-//! Latching a position (manual 5.3).
+//! Touch probe: latches a position at a trigger (`MC_TouchProbe`, manual 5.3).
 //!
-//! The manual does not say from when on an input counts. One of the program does in every cycle in which a block waits for it,
-//! that of the rising edge of its Execute included, as a level: what is TRUE already latches at once. The drive is told of a
-//! latch at the end of that cycle, so that one of its own counts from the next one on.
+//! The manual does not define from when on an input counts. An input of the program counts, as a level, in every cycle
+//! in which a block waits for it, including that of the rising edge of Execute: an input that is already TRUE latches
+//! at once. The drive gets the latch request at the end of that cycle, so its own trigger counts from the next cycle
+//! on.
 
 use crate::axis::latch::{Latch, Outcome, Outputs};
 use crate::axis::{Axis, Capture, SmcError, fmod};
@@ -35,7 +36,7 @@ impl Trigger {
         Self { fast_latching: false, number: -1, input: false, owner: 0, owners: 0 }
     }
 
-    /// Whether a block waits for it (`bActive`).
+    /// True if a block waits for it (`bActive`).
     #[must_use]
     pub fn is_active(&self) -> bool {
         self.owner != 0
@@ -70,7 +71,7 @@ struct Waiting {
     owner: u64,
 }
 
-/// What [`TouchProbe`] shows.
+/// Outputs of [`TouchProbe`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Probed {
     /// `Done`, `CommandAborted`, `Error`.

@@ -1,4 +1,4 @@
-//! `MC_Reset` and what is read of an axis.
+//! `MC_Reset`, and the status of an axis (`MC_ReadStatus`, actual position and velocity).
 
 use super::home::ANSWER_S;
 use crate::axis::latch::{Latch, Outcome, Outputs};
@@ -58,7 +58,7 @@ impl Reset {
     }
 }
 
-/// What `MC_ReadStatus` shows (manual 5.3).
+/// Status of an axis, as `MC_ReadStatus` shows it (manual 5.3).
 #[expect(clippy::struct_excessive_bools, reason = "each is a signal of its own")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AxisStatus {

@@ -1,4 +1,4 @@
-//! `MC_Stop` and `MC_Halt`.
+//! `MC_Stop` and `MC_Halt`: brake the axis, with or without locking it.
 
 use super::{Planned, PlannedMotion};
 use crate::axis::ownership::{Refusal, Start};

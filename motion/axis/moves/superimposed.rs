@@ -1,4 +1,4 @@
-//! A motion on top of another one.
+//! Superimposed motion on top of another one (`MC_MoveSuperImposed`).
 
 use super::Planned;
 use crate::axis::latch::{Latch, Outcome, Outputs};
@@ -37,7 +37,7 @@ pub struct MoveSuperImposed {
 pub struct SuperImposed {
     /// The inputs; taken over at the next rising edge.
     pub inputs: MoveSuperImposed,
-    /// What goes on, who that is, and `wDriveId` of the axis.
+    /// The running motion, its owner number, and `wDriveId` of the axis.
     taken: Option<(Planned, i64, i64)>,
     latch: Latch,
 }
@@ -49,13 +49,13 @@ impl SuperImposed {
         Self { inputs, taken: None, latch: Latch::default() }
     }
 
-    /// Who it is while it moves the axis on top of another block, or alone.
+    /// Its owner number while it moves the axis on top of another block, or alone.
     #[must_use]
     pub fn owner(&self) -> Option<i64> {
         self.taken.as_ref().map(|(_, owner, _)| *owner)
     }
 
-    /// How long what goes on in it takes from its beginning, s.
+    /// Duration of its running motion from the beginning, s.
     #[must_use]
     pub fn duration(&self) -> Option<f64> {
         self.taken.as_ref().map(|(planned, ..)| planned.duration())

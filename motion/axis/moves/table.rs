@@ -1,4 +1,5 @@
-//! Motion through the points of a table.
+//! Profile tables: motion through points over time (`MC_PositionProfile`, `MC_VelocityProfile`,
+//! `MC_AccelerationProfile`).
 
 use crate::axis::direction::SAME;
 use crate::axis::ownership::Start;

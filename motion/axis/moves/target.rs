@@ -1,4 +1,4 @@
-//! Moves to a position and by a distance.
+//! Absolute, relative and additive moves (`MC_MoveAbsolute`, `MC_MoveRelative`, `MC_MoveAdditive`).
 
 use super::{Planned, PlannedMotion};
 use crate::axis::ownership::Start;
@@ -19,7 +19,7 @@ pub struct MoveAbsolute {
     pub acceleration: f64,
     /// Deceleration, u/s².
     pub deceleration: f64,
-    /// Which way round a rotary axis goes.
+    /// Direction of a rotary axis.
     pub direction: Direction,
 }
 

@@ -1,4 +1,4 @@
-//! Endless motion.
+//! `MC_MoveVelocity`: endless motion at a velocity.
 
 use super::{Planned, PlannedMotion};
 use crate::axis::ownership::Start;

@@ -1,4 +1,4 @@
-//! The other blocks of a single axis (manual 2.2.4, 5.3).
+//! Tests of further single-axis blocks (manual 2.2.4, 5.3).
 
 use super::framework::to;
 use super::rig::{self, CYCLE, Rig, linear, rotary};

@@ -1,4 +1,4 @@
-//! How a slave comes onto its cam: the table of manual 4.6.1, and an absolute change of cams (4.6.2).
+//! Tests of cam starts: the table of manual 4.6.1, and an absolute change of cams (4.6.2).
 
 use super::blocks::endless;
 use super::framework::to;

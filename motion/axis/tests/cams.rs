@@ -1,4 +1,4 @@
-//! Axes that follow a cam (manual 4.6, 5.4).
+//! Tests of axes that follow a cam (manual 4.6, 5.4).
 
 use super::blocks::endless;
 use super::rig::{CYCLE, Rig, linear, rotary};

@@ -1,4 +1,4 @@
-//! The auxiliary functions (manual 2.2.1) and counters that wrap (2.1.4), for any numbers.
+//! Tests of the auxiliary functions (manual 2.2.1) and of wrapping encoder counters (2.1.4), for any numbers.
 
 use super::direct::encoder;
 use crate::axis::{atan2, fmod, sgn};

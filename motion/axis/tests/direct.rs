@@ -1,4 +1,4 @@
-//! Direct set-points, diagnosis, virtual axes (manual 2.2.5–2.2.9).
+//! Tests of direct set-points, diagnosis and virtual axes (manual 2.2.5–2.2.9).
 
 use super::rig::{CYCLE, Rig, linear};
 use crate::axis::{

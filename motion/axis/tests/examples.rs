@@ -1,4 +1,4 @@
-//! The examples of the manual (11.2–11.5), cycle by cycle.
+//! Examples of the manual (11.2–11.5), cycle by cycle.
 
 use super::rig::{CYCLE, Rig, linear, rotary};
 use crate::axis::{

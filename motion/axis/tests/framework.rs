@@ -1,4 +1,4 @@
-//! Execute, Done, `CommandAborted`, Error and the owner (manual 5.2).
+//! Tests of the block framework: Execute, Done, `CommandAborted`, Error and the owner (manual 5.2).
 
 use super::blocks::endless;
 use super::rig::{Rig, linear, on_top};

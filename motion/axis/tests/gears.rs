@@ -1,4 +1,4 @@
-//! Axes that follow another one (manual 5.4).
+//! Tests of gears and phasing (manual 5.4).
 
 use super::blocks::endless;
 use super::framework::to;

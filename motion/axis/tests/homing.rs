@@ -1,4 +1,4 @@
-//! Homing onto a switch (manual 2.2.7), and by the drive (5.3).
+//! Tests of homing onto a switch (manual 2.2.7), and by the drive (5.3).
 
 use super::rig::{CYCLE, Rig, linear};
 use crate::axis::{

@@ -1,4 +1,4 @@
-//! Coupling under limited jerk: the acceleration does not step where a slave comes onto its cam or into its gear
+//! Tests of couplings under limited jerk: no step of the acceleration when a slave comes onto its cam or into its gear
 //! (manual 2.1.3, 4.6.1, 5.4).
 
 use super::blocks::endless;

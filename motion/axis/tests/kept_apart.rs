@@ -1,4 +1,4 @@
-//! What belongs to another block or another axis is left alone.
+//! Tests of isolation: blocks leave probes, axes and values of other blocks alone.
 
 use super::direct::control_by_position;
 use super::framework::to;

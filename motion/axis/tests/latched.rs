@@ -1,4 +1,4 @@
-//! What is latched in the very cycle in which `MC_TouchProbe` begins (manual 5.3).
+//! Tests of a latch in the very cycle in which `MC_TouchProbe` begins (manual 5.3).
 
 use super::blocks::endless;
 use super::rig::linear;

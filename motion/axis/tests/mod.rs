@@ -1,4 +1,4 @@
-//! How axes and their blocks behave, cycle by cycle.
+//! Tests of axes and their blocks, cycle by cycle.
 
 #![allow(
     clippy::float_cmp,

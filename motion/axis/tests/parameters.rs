@@ -1,4 +1,4 @@
-//! Parameters of axis and drive, by blocks and by number (manual 2.4, 5.3).
+//! Tests of the parameters of axis and drive, by blocks and by number (manual 2.4, 5.3).
 
 use super::blocks::endless;
 use super::framework::to;

@@ -1,4 +1,4 @@
-//! An axis with its virtual drive and power on.
+//! Test rig: an axis with its virtual drive and power on.
 
 use crate::axis::{Axis, AxisConfig, MoveSuperImposed, Power, SuperImposed, VirtualDrive};
 
@@ -8,7 +8,7 @@ pub(super) const CYCLE: f64 = 0.01;
 pub(super) struct Rig {
     pub(super) axis: Axis,
     pub(super) drive: VirtualDrive,
-    /// What `MC_Power` is given.
+    /// Input of `MC_Power`.
     pub(super) power: Power,
 }
 

@@ -1,4 +1,4 @@
-//! Drives that fall silent, and errors that stay.
+//! Tests of drives that stop answering, and of errors that cannot be reset.
 
 use super::blocks::endless;
 use super::rig::{CYCLE, linear, rotary};

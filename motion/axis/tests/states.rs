@@ -1,4 +1,4 @@
-//! States of the axis, power and errors.
+//! Tests of axis states, power and errors.
 
 use super::rig::{CYCLE, linear};
 use crate::axis::{

@@ -1,4 +1,4 @@
-//! Takeovers that once made the set position or its velocity step; random sequences found them.
+//! Regression tests of takeovers that once made the set position or its velocity step; random sequences found them.
 
 use super::blocks::endless;
 use super::framework::to;

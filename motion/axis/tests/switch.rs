@@ -1,4 +1,4 @@
-//! Switches along an axis (manual 5.5).
+//! Tests of cam switches along an axis (manual 5.5).
 
 use super::blocks::endless;
 use super::rig::{CYCLE, linear, rotary};
@@ -96,7 +96,7 @@ fn compensations_reach_over_the_end_of_the_period() {
     assert!(is_always(range(0.0, 10.0), never, false));
 }
 
-/// Whether output 0 is that, all the time, of an axis at 50 u/s.
+/// True if output 0 is that, all the time, of an axis at 50 u/s.
 fn is_always(switch: CamSwitch, track: Track, shown: bool) -> bool {
     let mut tracks = [Track::default(); 32];
     tracks[0] = track;

@@ -1,5 +1,5 @@
-//! Switches along an axis that turns, or that only jitters (manual 5.5: a hysteresis keeps an output from switching on and
-//! off while an axis oscillates).
+//! Tests of cam switches on an axis that reverses or jitters (manual 5.5: a hysteresis keeps an output from switching
+//! on and off while an axis oscillates).
 
 use super::blocks::endless;
 use super::rig::{CYCLE, Rig, linear, rotary};

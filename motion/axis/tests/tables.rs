@@ -1,4 +1,4 @@
-//! Motion through the points of a table (manual 5.3).
+//! Tests of motion through the points of a table (manual 5.3).
 
 use super::invariants::Random;
 use super::rig::{CYCLE, linear, rotary};

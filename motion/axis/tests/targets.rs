@@ -1,4 +1,4 @@
-//! Moves to positions and by distances.
+//! Tests of moves to positions and by distances.
 
 use super::blocks::endless;
 use super::framework::to;

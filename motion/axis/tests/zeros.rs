@@ -1,4 +1,5 @@
-//! A master whose zero moves (`MC_SetPosition`, `MC_Home`, `bSet` of an encoder): it does not move, so its slaves do not.
+//! Tests of a master whose zero is shifted (`MC_SetPosition`, `MC_Home`, `bSet` of an encoder): it does not move, so
+//! its slaves do not.
 
 use super::blocks::endless;
 use super::gears::{gear, pair};

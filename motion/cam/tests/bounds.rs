@@ -1,4 +1,4 @@
-//! Extremes, bounds and the largest motion of a master, against sampling and closed forms.
+//! Tests of extremes, bounds and the maximum master velocity, against sampling and closed forms.
 
 use super::{curve, knots, samples};
 use crate::cam::{Curve, Factors, Knot, LimitError, MasterMotion, Quantity, SlaveLimits};

@@ -1,4 +1,4 @@
-//! The manual's example of a cam that a program fills (4.7.1).
+//! Test of the manual's example of a cam that a program fills (4.7.1).
 
 use crate::cam::{
     Cam, CamCoupling, CamError, CamInput, CamTable, Interpolation, PairTable, Shape, TableScale,

@@ -1,4 +1,4 @@
-//! Starts, ramps, ends and changes of cams (manual 4.6).
+//! Tests of the coupling: starts, ramp-in, ends and changes of cams (manual 4.6).
 
 use crate::cam::{
     Action, Cam, CamCoupling, CamInput, CamTable, CouplingError, Element, Factors, Knot,

@@ -1,4 +1,4 @@
-//! Evaluation, tables and repetition.
+//! Tests of curves: evaluation, tables and repetition.
 
 use super::{curve, knots, samples};
 use crate::cam::{

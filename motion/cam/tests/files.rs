@@ -1,4 +1,4 @@
-//! ASCII tables of cams: whole ones come back as they were, wrong ones say where.
+//! Tests of ASCII tables: round trips, and errors with their lines.
 
 use super::curve;
 use crate::cam::Knot;

@@ -1,4 +1,4 @@
-//! Cams against closed forms and against dense sampling.
+//! Tests of cams against closed forms and dense sampling.
 
 #![expect(clippy::float_cmp, reason = "given, or exact in binary fractions")]
 

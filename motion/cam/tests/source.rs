@@ -1,4 +1,4 @@
-//! Editing and compiling (manual 4.2 to 4.4).
+//! Tests of editing and compiling cams (manual 4.2 to 4.4).
 
 use crate::cam::{
     Action, CamError, Compile, Element, Interpolation, Kind, Knot, Passage, Scale, Shape, Source,

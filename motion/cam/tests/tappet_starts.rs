@@ -1,4 +1,4 @@
-//! Tappets on which the master stands when the cam begins (manual 4.4.2).
+//! Tests of tappets on which the master is when the cam begins (manual 4.4.2).
 
 use super::tappets::{acts, tappet};
 use crate::cam::{

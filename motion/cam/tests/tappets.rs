@@ -1,4 +1,4 @@
-//! Tappets and registers (manual 4.4.2, 5.5).
+//! Tests of tappets and registers (manual 4.4.2, 5.5).
 
 use crate::cam::{
     Action, Cam, CamCoupling, CamInput, CamRegister, CamTable, Knot, Passage, RegisterInput, Shape,
@@ -80,7 +80,7 @@ fn a_tappet_acts_once_where_the_master_stops_on_it() {
     assert_eq!(found, [false, true, true, true, true, true, true, false]);
 }
 
-/// How often a register and a coupling see a tappet at 50 act over a way.
+/// Number of actions of a tappet at 50, of a register and of a coupling, over a motion.
 pub(super) fn acts(passage: Passage, hysteresis: f64, way: &[f64]) -> [usize; 2] {
     let cam = vec![tappet(1, 50.0, passage, Action::Invert)];
     let input = RegisterInput { hysteresis, ..RegisterInput::default() };

@@ -1,4 +1,4 @@
-//! Arcs from their words, beyond the worked vectors. Numbers in mm and degrees, to 1e-8.
+//! Tests of arcs, beyond the worked vectors. Numbers in mm and degrees, to 1e-8.
 
 use super::*;
 use crate::path::Arc;

@@ -1,4 +1,4 @@
-//! Splines, parabolas and ellipses from their words. Numbers in mm and degrees, to 1e-8.
+//! Tests of splines, parabolas and ellipses. Numbers in mm and degrees, to 1e-8.
 
 use super::*;
 use crate::decode::{Rule, TextError};

@@ -1,4 +1,4 @@
-//! Every diagnostic, with the bytes it points at.
+//! Tests of every diagnostic, with the bytes it points at.
 
 use super::*;
 use crate::Place;

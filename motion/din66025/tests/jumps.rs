@@ -1,4 +1,4 @@
-//! Variables and jumps (manual 3.2.3, 3.2.7 and 3.2.8).
+//! Tests of variables and jumps (manual 3.2.3, 3.2.7 and 3.2.8).
 
 use super::*;
 use crate::din66025::Variables;

@@ -1,4 +1,4 @@
-//! What a correct program means (manual 3.2).
+//! Tests of correct programs and their meaning (manual 3.2).
 
 use super::*;
 use crate::Place;

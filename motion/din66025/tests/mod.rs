@@ -1,3 +1,5 @@
+//! Tests of the dialect, and the decoding helpers that they share.
+
 #![expect(clippy::float_cmp, reason = "rounded before, or to be the same bit for bit")]
 
 mod arcs;

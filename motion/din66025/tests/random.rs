@@ -1,4 +1,4 @@
-//! Any bytes, and random programs.
+//! Robustness tests of the decoder: random bytes and random programs.
 
 use super::*;
 use proptest::prelude::*;
@@ -25,7 +25,7 @@ fn most_items(program: &[u8]) -> usize {
     (JUMPS as usize + 2) * (program.len() + 1)
 }
 
-/// What resembles a program more often than random bytes do.
+/// Random text that resembles a program more often than random bytes do.
 pub(super) fn scraps() -> impl Strategy<Value = Vec<u8>> {
     let scrap = prop_oneof![
         4 => "[NGXYZIJREFngxyzijrefMTDHSKLOPQUVWa$/%() \t.,+-]{0,3}",

@@ -1,4 +1,4 @@
-//! Programs that run, but perhaps not as meant.
+//! Tests of warnings: programs that run, but perhaps not as intended.
 
 use super::*;
 use crate::decode::{Rule, TextError};

@@ -1,4 +1,4 @@
-//! Switches, M functions, extra axes, S profiles, tool radius and marks.
+//! Tests of switches, M functions, extra axes, S profiles, tool radius and marks.
 
 use super::*;
 use crate::path::{AxisMask, ElementKind::MFunction, Marks};

@@ -1,4 +1,4 @@
-//! Programs written from paths.
+//! Tests of programs written from paths.
 
 use super::random::programs;
 use super::*;

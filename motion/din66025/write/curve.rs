@@ -1,4 +1,4 @@
-//! The command of an element: G and the words that describe its curve.
+//! Writer of one element: its G command and the words that describe its curve.
 
 use super::words::read_back;
 use super::{TOLERANCE, WriteError};
@@ -26,7 +26,7 @@ pub(super) struct Curve<'a> {
 }
 
 impl Curve<'_> {
-    /// How to say it; none if these decimals do not give it back.
+    /// Command for the element; none if these decimals do not reproduce it.
     ///
     /// # Errors
     /// If no decimals would.
@@ -156,7 +156,7 @@ impl Curve<'_> {
     }
 }
 
-/// What came before, as far as it shapes a spline.
+/// State of a spline: the elements before, as far as they shape it.
 #[derive(Debug, Default)]
 pub(super) struct Spline {
     /// The last element and whether it was written as a piece of a spline.
@@ -168,7 +168,7 @@ impl Spline {
         self.last = Some((element.clone(), is_spline));
     }
 
-    /// Whether `element` continues the spline before it.
+    /// True if `element` continues the spline before it.
     fn goes_on(&self, element: &PathElement) -> bool {
         matches!(&self.last, Some((last, true)) if is_joint(last, element))
     }

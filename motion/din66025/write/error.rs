@@ -1,10 +1,10 @@
-//! What a program cannot say.
+//! Errors of the writer: path elements that the dialect cannot express.
 
 use crate::Place;
 use crate::path::Probing;
 use std::io;
 
-/// Why a path cannot be written as a program of SoftMotion's dialect. The place is the element's.
+/// Error of writing a path as a program of SoftMotion's dialect. The place is the element's.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
     /// Writing fails.
@@ -48,7 +48,7 @@ pub enum WriteError {
     Probe {
         /// The element's block.
         place: Place,
-        /// What the move waits for.
+        /// The programmed move.
         probing: Probing,
     },
     /// The element does not start where the one before ended, and is no jump.

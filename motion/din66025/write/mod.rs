@@ -1,4 +1,4 @@
-//! Writes a path as a program: the decoder the other way round.
+//! Program writer: a path as a DIN 66025 program, the inverse of the decoder.
 
 mod curve;
 mod error;
@@ -13,13 +13,13 @@ use nalgebra::Point3;
 use std::io::Write;
 use words::{ALL_DECIMALS, DECIMALS, Words, read_back};
 
-/// How far a program may lead from the path it is to describe, m (and u).
+/// Largest deviation of a program from its path, m (and u).
 const TOLERANCE: f64 = 1e-9;
 
 const TARGETS: [Letter; 3] = [Letter::X, Letter::Y, Letter::Z];
 const EXTRA_TARGETS: [Letter; 5] = [Letter::P, Letter::Q, Letter::U, Letter::V, Letter::W];
 
-/// What begins and ends preparation, and the numbers after G.
+/// Marks that begin and end preparation, and their G numbers.
 const PREPARATIONS: [(Marks, i64); 8] = [
     (Marks::CORRECTION_LEFT, 41),
     (Marks::CORRECTION_RIGHT, 42),
@@ -95,7 +95,7 @@ impl<W: Write> ProgramWriter<W> {
         Ok(())
     }
 
-    /// Writes what is held back, and gives back what was written to.
+    /// Writes the element held back, and returns the writer.
     ///
     /// # Errors
     /// As [`Self::write`].

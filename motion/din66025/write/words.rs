@@ -1,4 +1,4 @@
-//! A block as it is put together.
+//! Words of a block under construction, with their decimals.
 
 use super::WriteError;
 use crate::Place;
@@ -24,7 +24,7 @@ fn text(value: f64, decimals: usize) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// What the decoder makes of `value` when it is written.
+/// The written `value` as the decoder reads it.
 pub(super) fn read_back(value: f64, decimals: usize) -> f64 {
     // What is no number is refused where it is written.
     number::parse(text(value, decimals).as_bytes()).unwrap_or(value)

@@ -1,5 +1,6 @@
-//! Drawings of other people, with numbers that were found with ezdxf 1.4.5: counts, and lengths from its attributes by
-//! closed forms (ellipses by Simpson's rule with two million points, AC1003 by a script that sums up its pairs).
+//! Tests of other people's drawings, with numbers from ezdxf 1.4.5. The numbers are counts, and lengths from ezdxf's
+//! attributes by closed forms (ellipses by Simpson's rule with two million points, AC1003 by a script that sums up its
+//! pairs).
 
 use super::*;
 use std::fs::File;

@@ -1,4 +1,4 @@
-//! What each kind of entity becomes. Expectations are closed forms and ezdxf's evaluation of splines.
+//! Tests of every kind of entity. Expectations are closed forms and ezdxf's evaluation of splines.
 
 use super::*;
 use std::f64::consts::{FRAC_PI_2, PI};

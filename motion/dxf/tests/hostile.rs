@@ -1,4 +1,4 @@
-//! Files that are damaged, or mean no good.
+//! Tests of damaged and hostile files.
 
 use super::*;
 use proptest::prelude::*;

@@ -1,3 +1,5 @@
+//! Tests of import and export, and the drawings that they share.
+
 mod corpus;
 mod entities;
 mod hostile;

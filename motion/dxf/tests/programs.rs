@@ -1,4 +1,4 @@
-//! Sections, order, programs, heights.
+//! Tests of sections, order, programs and heights.
 #![expect(clippy::float_cmp, reason = "rounded before")]
 
 use super::*;

@@ -1,4 +1,4 @@
-//! Paths drawn, and made of the drawing again.
+//! Round trips: paths exported and imported again.
 
 use super::*;
 use crate::Place;

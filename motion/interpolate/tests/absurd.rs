@@ -1,4 +1,4 @@
-//! Numbers no machine has: nothing panics, nothing is NaN, and the limits hold.
+//! Tests with absurd numbers: no panic, no NaN, and the limits hold.
 
 use super::modes::run_in;
 use super::program::{Elements, Pen, magnitude, planned, run};

@@ -1,4 +1,4 @@
-//! The path by a measured position.
+//! Tests of interpolation by a measured position.
 
 use super::program::{Error, Pen};
 use crate::Place;

@@ -1,4 +1,4 @@
-//! What is asked for while running, by hand.
+//! Tests of inputs that change while the path runs, computed by hand.
 
 use super::program::{Elements, Error, Pen, checked, run};
 use crate::interpolate::{

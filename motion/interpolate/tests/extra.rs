@@ -1,4 +1,4 @@
-//! Extra axes and Z with the S profile, over time.
+//! Tests of extra axes and Z with the S profile, over time.
 
 use super::modes::{SIGMOID, run_in};
 use super::program::{Elements, Pen, planned, run};

@@ -1,4 +1,4 @@
-//! The direction of the path in set-points.
+//! Tests of the heading in set-points.
 
 use super::program::{Elements, Error, Pen, checked, curved_programs, run, setpoints};
 use crate::interpolate::{

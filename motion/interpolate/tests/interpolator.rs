@@ -1,3 +1,5 @@
+//! Tests of the interpolator.
+
 use super::program::{Error, Pen, planned, programs, run, setpoints, smooth_programs};
 use crate::interpolate::{DEFAULT_CYCLE_NS, Interpolator, ToolSetpoint};
 use crate::path::{ElementKind, PathElement};

@@ -1,3 +1,5 @@
+//! Tests of the look-ahead against an infinite one.
+
 use super::program::{
     Elements, Error, Pen, checked, planned, planned_within, programs, smooth_programs,
 };

@@ -1,4 +1,4 @@
-//! Programs to plan and to run, shared by the tests of every part.
+//! Tests of the interpolator, and the programs that they share.
 
 #![expect(clippy::float_cmp, reason = "given, or to be the same bit for bit")]
 #![expect(

@@ -1,4 +1,4 @@
-//! Profiles without steps of the acceleration.
+//! Tests of profiles without steps of the acceleration.
 
 use super::program::{Checked, Elements, Error, Pen, magnitude, planned, run, smooth_programs};
 use crate::interpolate::{

@@ -1,3 +1,5 @@
+//! Tests of the trapezoidal profile.
+
 use super::program::magnitude;
 use crate::interpolate::profile::{Limits, Profile};
 use proptest::prelude::*;

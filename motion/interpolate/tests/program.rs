@@ -1,4 +1,4 @@
-//! Builds paths out of lines and arcs, by hand and at random.
+//! Builder of test paths out of lines and arcs, by hand and at random.
 
 use crate::Place;
 use crate::interpolate::{

@@ -1,4 +1,4 @@
-//! Random paths under random demands.
+//! Random paths with random inputs.
 
 use super::control::{Drip, drive};
 use super::program::{Elements, Error, Pen, checked, curved_programs, programs};

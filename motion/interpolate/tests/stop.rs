@@ -1,4 +1,4 @@
-//! Stops asked for while running (`bSlow_Stop`).
+//! Tests of stops requested while the path runs (`bSlow_Stop`).
 
 use super::program::{Elements, Pen, planned, programs, run};
 use crate::interpolate::{Interpolator, PlannedElement, ToolSetpoint};

@@ -1,4 +1,4 @@
-//! Forwards and backwards.
+//! Tests of motion forwards and backwards.
 
 use super::program::{Elements, Error, Pen, programs, run};
 use crate::interpolate::{

@@ -1,4 +1,5 @@
-//! Interpolator and axes wired as in the manual's examples (11.7.1): `bStopIpo` of every axis to `bEmergency_Stop`.
+//! Test of interpolator and axes wired as in the manual's examples (11.7.1): `bStopIpo` of every axis to
+//! `bEmergency_Stop`.
 
 use super::program::{Pen, run};
 use crate::axis::{Axis, AxisConfig, ControlAxis, ControlAxisBy, Follow, Power, VirtualDrive};

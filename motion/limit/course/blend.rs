@@ -1,12 +1,12 @@
-//! Polynomials in place of the path about a joint.
+//! Blends: polynomials that replace the path near a joint.
 
 use super::{CoursePoint, Order};
 use crate::path::ExtraPoint;
 use nalgebra::{Point3, SVector, Vector2};
 
-/// What the course does about a joint: a quintic in each coordinate and extra axis over the last
-/// [`Self::half_width`] metres of one element and as many of the next. At both ends it has the position and the first
-/// two derivatives of the path it replaces. With [`Order::Jerk`] it is a septic, and has the third as well.
+/// Blend of a joint: a quintic in each coordinate and extra axis over the last [`Self::half_width`] metres of one
+/// element and as many of the next. At both ends it has the position and the first two derivatives of the path it
+/// replaces. With [`Order::Jerk`] it is a septic, and has the third as well.
 ///
 /// Its parameter is the path length of the two elements, counted from the joint. Inside, its first derivative is no
 /// unit vector: in the middle of a corner that turns by θ it is cos(θ/2).
@@ -57,7 +57,7 @@ impl Blend {
         Some(Self { half_width, space, extra })
     }
 
-    /// How far it reaches to either side of the joint, m.
+    /// Its reach to either side of the joint, m.
     pub fn half_width(&self) -> f64 {
         self.half_width
     }

@@ -1,4 +1,4 @@
-//! How far a blend is off the path.
+//! Deviation of a blend from the path.
 
 use super::{Blend, CoursePoint};
 use crate::path::ExtraPoint;

@@ -1,4 +1,4 @@
-//! Elements of the course.
+//! Elements of the blended path.
 
 use super::turn::Held;
 use super::{Bearing, Blend, Joint};
@@ -13,12 +13,12 @@ pub(super) const SAME_PLACE: f64 = 1e-9;
 /// The parameter of a turn, m per degree: as that of an additional axis.
 const PER_DEGREE: f64 = 1e-3;
 
-/// How the programmed path goes from one element into the next.
+/// Transition of the programmed path from one element into the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition {
     /// By how much its curvature steps, 1/m: [`crate::prepare::LimitCircularVelocities`] says how that is measured.
     pub curvature_jump: f64,
-    /// The velocity that the element asks for at its end beside its feed and that of the next, m/s; infinite if none.
+    /// Velocity limit of the element at its end, in addition to its feed and that of the next, m/s; infinite if none.
     pub velocity: f64,
 }
 
@@ -61,7 +61,8 @@ impl CourseElement {
         self.joint.stop = true;
     }
 
-    /// Whether the path rests here, and only its direction turns. The parameter is a thousandth of the angle in degrees then.
+    /// True if the path rests here, and only its direction turns. The parameter is a thousandth of the angle in degrees
+    /// then.
     pub fn is_turn(&self) -> bool {
         self.turned_by() != 0.0
     }
@@ -104,8 +105,7 @@ impl CourseElement {
         next.transitions[0] = transition;
     }
 
-    /// How the programmed path comes from the element before, and how it goes on into the next. Where it stops there is
-    /// nothing to tell.
+    /// Transitions of the programmed path from the element before and into the next. They are empty at stops.
     pub fn transitions(&self) -> [Transition; 2] {
         self.transitions
     }
@@ -135,23 +135,23 @@ impl CourseElement {
         self.tail.as_ref()
     }
 
-    /// What is left of the steps at the end of the element.
+    /// Remaining steps at the end of the element.
     pub fn joint(&self) -> Joint {
         self.joint
     }
 
-    /// Length of the original path, m; 0 for what is no motion.
+    /// Length of the original path, m; 0 for elements without motion.
     pub fn length(&self) -> f64 {
         let turn = self.turned_by();
         if turn == 0.0 { self.element.path_length() } else { turn.abs().to_degrees() * PER_DEGREE }
     }
 
-    /// Where the blend with the element before ends, m.
+    /// End of the blend with the element before, m.
     pub(super) fn head_end(&self) -> f64 {
         self.head.as_ref().map_or(0.0, |blend| blend.half_width())
     }
 
-    /// Where the blend with the next element begins, m.
+    /// Begin of the blend with the next element, m.
     fn tail_start(&self) -> f64 {
         self.length() - self.tail.as_ref().map_or(0.0, |blend| blend.half_width())
     }
@@ -182,8 +182,8 @@ impl CourseElement {
         }
     }
 
-    /// Where the third derivative may step, m, strictly increasing: 0, the end of the blend with the element before,
-    /// the start of that with the next, and the length, as far as they exist.
+    /// Places where the third derivative may step, m, strictly increasing: 0, the end of the blend with the element
+    /// before, the start of that with the next, and the length, as far as they exist.
     pub fn breaks(&self) -> impl Iterator<Item = f64> + use<> {
         let length = self.length();
         let apart = SAME_PLACE * length;

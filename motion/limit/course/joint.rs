@@ -1,4 +1,4 @@
-//! Steps of the derivatives where two elements meet.
+//! Joints: steps of the derivatives where two elements meet.
 
 use super::blend::resting;
 use super::{CoursePoint, Order};
@@ -15,7 +15,7 @@ const MEETING: f64 = 1e-9;
 /// A blend is nowhere slower than this part of the original path at the same parameter speed.
 pub(super) const SLOWEST: f64 = 0.1;
 
-/// What is left of the steps at the end of an element of the course: zero where there are none, or only by rounding.
+/// Remaining steps at the end of an element of the course: zero if there are none, or only by rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Joint {
     /// The course must stop here: the path does, nothing follows, the elements do not meet, or the path folds back.
@@ -35,7 +35,7 @@ pub struct Joint {
 }
 
 impl Joint {
-    /// Where the path stops: the steps do not matter.
+    /// A joint at a stop of the path: the steps do not matter.
     pub(super) const STOP: Self = Self {
         stop: true,
         angle: 0.0,
@@ -59,7 +59,7 @@ pub(super) struct Steps {
     extra: [bool; 2],
     apart: bool,
     folds: bool,
-    /// How far off positions near the joint may be, m: by rounding, and by the gap between the elements.
+    /// Uncertainty of positions near the joint, m: by rounding, and by the gap between the elements.
     pub(super) blur: f64,
 }
 
@@ -139,22 +139,22 @@ impl Steps {
         }
     }
 
-    /// What the steps are.
+    /// The steps as a joint.
     pub(super) fn joint(&self) -> Joint {
         self.joint
     }
 
-    /// Whether the elements do not meet.
+    /// True if the elements do not meet.
     pub(super) fn apart(&self) -> bool {
         self.apart
     }
 
-    /// Whether the path goes back whence it came, nearly.
+    /// True if the path nearly reverses.
     pub(super) fn folds(&self) -> bool {
         self.folds
     }
 
-    /// Whether there is a step that is to be blended.
+    /// True if there is a step that is to be blended.
     pub(super) fn to_blend(&self, order: Order) -> bool {
         let derivatives = match order {
             Order::Velocity => 1,
@@ -165,7 +165,7 @@ impl Steps {
         self.space.iter().zip(extra).take(derivatives).any(|(space, extra)| *space || extra)
     }
 
-    /// Whether an extra axis has a step of any kind.
+    /// True if an extra axis has a step of any kind.
     pub(super) fn extra_step(&self) -> bool {
         self.extra.contains(&true)
     }

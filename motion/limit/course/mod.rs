@@ -1,9 +1,9 @@
-//! The course: the path as feed limiting plans on it, without steps of its derivatives.
+//! Blended path (the course): the path of time-optimal planning, without steps of its derivatives.
 //!
-//! An axis that follows x(s(t)) has the velocity x′·ṡ and the acceleration x″·ṡ² + x′·s̈: where x′ steps the velocity
-//! does at every feed, and where x″ steps (line to arc) the acceleration does. [`Course`] replaces the path about such
-//! joints by a [`Blend`], a polynomial within a tolerance, and keeps the parameter: s is the length of the original
-//! element everywhere, so that switches, blocks and the way are attributed as before.
+//! An axis that follows x(s(t)) has the velocity x′·ṡ and the acceleration x″·ṡ² + x′·s̈: a step of x′ is a step of the
+//! velocity at every feed, and a step of x″ (line to arc) is a step of the acceleration. [`Course`] replaces the path
+//! near such joints by a [`Blend`], a polynomial within a tolerance, and keeps the parameter: s is the length of the
+//! original element everywhere, so switches, blocks and lengths keep their places.
 
 mod blend;
 mod deviation;
@@ -30,7 +30,7 @@ const SAME_FEED: f64 = 1e-9;
 /// So many elements are looked at for the first direction of the path.
 const LOOK_AHEAD: usize = 256;
 
-/// Which steps are blended.
+/// Order of the derivatives whose steps are blended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Order {
     /// Those of the first derivative: corners, and where an extra axis starts. Accelerations may step.
@@ -43,7 +43,7 @@ pub enum Order {
     Jerk,
 }
 
-/// How far the course may be off the path, and what for.
+/// Options of the course: tolerances and order of blending.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CourseOptions {
     /// Largest distance in space between course and path at the same parameter, m. At 0 (and below, and no number)
@@ -51,7 +51,7 @@ pub struct CourseOptions {
     pub tolerance: f64,
     /// The same for each extra axis, u. At 0 joints at which the extra axes have a step are not blended.
     pub extra_tolerance: f64,
-    /// Which steps are blended.
+    /// Order of the derivatives whose steps are blended.
     pub order: Order,
     /// The tool turns with the path: where the direction of the path seen from above steps the path stops, and the course has
     /// a turn at rest ([`CourseElement::is_turn`]) before it goes on. [`CourseElement::bearing`] tells the direction.
@@ -66,7 +66,7 @@ impl CourseOptions {
         Self { tolerance, extra_tolerance, order, turning: false }
     }
 
-    /// Whether a blend of these steps would be off the path at all while nothing may be.
+    /// True if a blend of these steps would be off the path at all while nothing may be.
     fn forbid(&self, steps: &Steps) -> bool {
         let exact = |tolerance: f64| tolerance.is_nan() || tolerance <= 0.0;
         exact(self.tolerance) || steps.extra_step() && exact(self.extra_tolerance)

@@ -1,7 +1,7 @@
-//! The direction of the path seen from above, for machines whose tool turns with it.
+//! Direction of the path seen from above, for machines whose tool turns with the path.
 //!
-//! An axis that follows the direction θ of the path has the velocity θ′·ṡ: where θ steps, the tool has to turn while the path
-//! rests. Such a turn is an element of the course of its own, in which nothing but the direction moves.
+//! An axis that follows the direction θ of the path has the velocity θ′·ṡ: at a step of θ, the tool has to turn while
+//! the path is at rest. Such a turn is a separate element of the blended path, in which only the direction moves.
 //!
 //! ```text
 //!   ──────▶ │ stop, turn by θ, stop │ ↗ ──────
@@ -82,8 +82,8 @@ pub(super) fn turn_between(from: f64, to: f64) -> Option<f64> {
     (turn.abs() > SAME).then_some(turn)
 }
 
-/// Whether a blend of these steps would turn the tool at once: the path seen from above folds, or begins or ends to go straight
-/// up or down. `turns`: the directions in which the two elements arrive and set off differ.
+/// True if a blend of these steps would turn the tool at once: the path seen from above folds, or begins or ends to go
+/// straight up or down. `turns`: the directions in which the two elements arrive and set off differ.
 pub(super) fn turns_at_once(steps: &Steps, turns: bool) -> bool {
     let [before, after] = [&steps.before, &steps.after].map(|side| direction(side.first.xy()));
     match (before, after) {
@@ -153,7 +153,7 @@ fn turning_round(element: &CheckedElement) -> Option<f64> {
 /// The direction of the path on an element of the course.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Held {
-    /// Where the path has none, and where a turn begins, rad.
+    /// Direction where the path has none, and at the begin of a turn, rad.
     pub(super) along: f64,
     /// By how much a turn turns, rad; 0 if this is none.
     pub(super) turn: f64,

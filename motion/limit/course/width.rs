@@ -1,4 +1,4 @@
-//! How wide a blend may be.
+//! Width of a blend: as wide as the tolerance allows.
 
 use super::deviation::{Check, completed};
 use super::element::SAME_PLACE;
@@ -17,7 +17,7 @@ const NARROWEST: f64 = 1e-15;
 /// Nor than so many times what the coordinates may be off.
 const DIGITS: f64 = 1e3;
 
-/// How far blends are off the path, for each half width d.
+/// Deviation of blends from the path, for each half width d.
 #[derive(Clone, Copy, Debug)]
 struct Form {
     /// For a step of the first derivative of 1, by d: of two lines, in the middle. For lines that turn by θ the step is
@@ -70,7 +70,7 @@ const PATIENCE: u32 = 3;
 /// Deviations are looked at in so many intervals on each side.
 const INTERVALS: u8 = 8;
 
-/// Why a joint is not blended.
+/// Reason why a joint is not blended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NoBlend {
     /// All blends nearly stand still somewhere.
@@ -253,7 +253,7 @@ impl Expected {
     }
 }
 
-/// What counts as no deviation of the extra axes, u: their rounding.
+/// Rounding of the extra axes, u, which does not count as a deviation.
 fn rounding(steps: &Steps) -> f64 {
     let far = |at: &CoursePoint| at.extra.map_or(0.0, |extra| SVector::from(extra.position).amax());
     16.0 * f64::EPSILON * far(&steps.before).max(far(&steps.after))

@@ -1,7 +1,7 @@
-//! The emergency stop: every axis brakes to rest as fast as its own limits allow, wherever the path leads.
+//! Emergency stop: every axis brakes to rest as fast as its own limits allow, off the path.
 //!
-//! With an acceleration limit A alone the axis brakes with A, for |v|/A. With a jerk limit J the acceleration first goes
-//! to the side that brakes, is held there, and is released so that it is 0 when the velocity is:
+//! With an acceleration limit A alone the axis brakes with A, for |v|/A. With a jerk limit J the acceleration first
+//! changes to the braking side, is held there, and is released so that acceleration and velocity become 0 together:
 //!
 //! ```text
 //! a  a₀                          v + a·|a|/2J is the velocity that is left if a is released at once;
@@ -11,15 +11,15 @@
 //!                                velocity when it is reached.
 //! ```
 //!
-//! An axis that is slowing down too hard to stop at zero velocity goes through it and comes back. One that starts beyond A
-//! comes back to A with J, as fast as that goes.
+//! An axis that already brakes too hard to stop at zero velocity passes it and comes back. An axis that starts beyond A
+//! returns to A with the jerk J.
 
 #[cfg(test)]
 mod tests;
 
 use twin_kinematics::{AxisMotion, AxisVector, MAX_AXES};
 
-/// What one axis may be braked with.
+/// Braking limits of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StopLimits {
     /// Largest acceleration, m/s² or rad/s².
@@ -28,7 +28,7 @@ pub struct StopLimits {
     pub jerk: Option<f64>,
 }
 
-/// Why a stop cannot be planned.
+/// Reason why a stop cannot be planned.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StopError {
     /// A limit is not a finite number above 0.
@@ -82,7 +82,7 @@ impl Phase {
     }
 }
 
-/// How one axis comes to rest, in the shortest time that its limits allow.
+/// Stop of one axis, in the shortest time that its limits allow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisStop {
     start: f64,
@@ -192,7 +192,7 @@ impl AxisStop {
     }
 }
 
-/// How all axes of a machine come to rest, each for itself.
+/// Emergency stop: all axes of a machine come to rest, each for itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmergencyStop {
     stops: [Option<AxisStop>; MAX_AXES],

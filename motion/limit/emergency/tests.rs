@@ -1,4 +1,4 @@
-//! Stops against closed forms, numerical bounds and a search.
+//! Tests of stops against closed forms, numerical bounds and a search.
 
 #![expect(clippy::float_cmp, reason = "given, or at rest exactly")]
 
@@ -95,7 +95,7 @@ fn tried(velocity: f64, acceleration: f64, most: f64, jerk: f64, tries: u32) -> 
     best
 }
 
-/// Whether any acceleration within the limits can come to rest in `time`: at every instant it lies between what the
+/// True if any acceleration within the limits can come to rest in `time`: at every instant it lies between what the
 /// jerk allows from the start and what it allows to the end, and so does the velocity gained. Summed numerically.
 fn can_rest(velocity: f64, acceleration: f64, most: f64, jerk: f64, time: f64) -> bool {
     let steps = 4000;

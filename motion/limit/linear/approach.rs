@@ -1,4 +1,5 @@
-//! What Clarabel is asked, about one profile after the other until the duration there is the one that it is told.
+//! Iteration of Clarabel's program: solves it about one profile after the other until its second-order duration matches
+//! the true one.
 
 use super::LinearSolver;
 use super::cost::CellCost;
@@ -11,19 +12,19 @@ use std::ops::Range;
 const TOLERANCE: f64 = 2e-8;
 /// Where the costs are off by less than this part of the duration they are those of the duration.
 const ASTRAY: f64 = 1e-3;
-/// How often the duration is taken about another profile at most.
+/// Largest number of expansions of the duration about another profile.
 const MOST_ROUNDS: u32 = 4;
 /// It is not taken about less than this part of the largest b, where it bends without end.
 const LEAST_ABOUT: f64 = 1e-3;
 
-/// What is left to Clarabel.
+/// The open part of a window, which Clarabel solves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Open<'s> {
     pub(super) grid: &'s Grid,
     pub(super) cells: &'s Range<usize>,
     pub(super) variables: &'s [Option<usize>],
     pub(super) scales: &'s [f64],
-    /// What it is worth besides to have more of what is not proved.
+    /// Additional worth of the variables that are not proved.
     pub(super) told: &'s [f64],
 }
 
@@ -56,7 +57,7 @@ impl Open<'_> {
     }
 }
 
-/// What Clarabel found.
+/// Solution of Clarabel.
 #[derive(Debug)]
 struct Approached {
     b: Vec<f64>,

@@ -1,19 +1,21 @@
-//! What limits cost where b is proved.
+//! Sensitivities where b is proved.
 //!
-//! There every bₖ is held by a cap, or by an active row with a positive coefficient for it: by braking to the next node, or
-//! speeding up from the one before. What a higher bₖ would be worth is what that cap or row costs, and as the row gives
-//! more if b at its other node is higher, a part of it is passed on to what holds that one: along the chains to the caps
-//! at their ends. With λₖ for what holds bₖ (p its coefficients) this is the stationarity of the program,
+//! There every bₖ is held by a cap, or by an active row with a positive coefficient for it: braking to the next node,
+//! or speeding up from the one before. The value of a higher bₖ is the cost of that cap or row. As the row gives more
+//! if b at its other node is higher, a part of that cost is passed on to the cap or row of the other node: along the
+//! chains to the caps at their ends. With λₖ for the cap or row that holds bₖ (p its coefficients) this is the
+//! stationarity of the program,
 //!
 //! ```text
 //!   pₖ(k)·λₖ + pₖ₋₁(k)·λₖ₋₁ + pₖ₊₁(k)·λₖ₊₁ = −∂T/∂xₖ − (rows of Clarabel that go to k),
 //! ```
 //!
 //! tridiagonal. The coefficients of an active row have the sum 1 and those for other nodes are negative: the matrix is
-//! diagonally dominant by columns with a positive diagonal and nothing positive beside it, so that no λ is negative.
+//! diagonally dominant by columns with a positive diagonal and no positive off-diagonal element, so that no λ is
+//! negative.
 //!
 //! A chain that ends at a variable of Clarabel makes it worth more ([`Chain::ends`]): its rows cost more by that
-//! ([`shift`](super::shift)), and so may what they are chained to beyond it.
+//! ([`shift`](super::shift)), and so may the rows chained to them beyond it.
 
 use super::CAPPED;
 use super::scaled::{Active, Scaled};
@@ -29,7 +31,7 @@ const ROUNDING: f64 = 1e-9;
 /// Less, s, is rounding.
 pub(super) const NO_GAIN: f64 = 1e-12;
 
-/// What is known of the worth of b at the nodes.
+/// Known worth of b at the nodes.
 #[derive(Debug)]
 pub(super) struct Chain<'g> {
     grid: &'g Grid,
@@ -40,15 +42,15 @@ pub(super) struct Chain<'g> {
     duals: Vec<f64>,
 }
 
-/// What it is worth to have more b at a node, per part, as far as that is not taken to what holds it.
+/// Worth of more b at a node, per part, as far as it is not passed on to the cap or row that holds it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Worth {
     time: f64,
-    /// Whether it is neither a variable of Clarabel nor given.
+    /// True if it is neither a variable of Clarabel nor given.
     held: bool,
 }
 
-/// What holds b at a node.
+/// Cap or row that holds b at a node.
 #[derive(Clone, Copy, Debug, Default)]
 struct Held {
     constraint: Option<Constraint>,
@@ -75,7 +77,7 @@ impl<'g> Chain<'g> {
         }
     }
 
-    /// What holds the profile `b`.
+    /// Finds the caps and rows that hold the profile `b`.
     pub(super) fn hold(&mut self, b: &[f64]) {
         self.held = self.held(b);
         self.duals = vec![0.0; b.len()];
@@ -129,7 +131,7 @@ impl<'g> Chain<'g> {
         passed
     }
 
-    /// What the limits cost, to be added to what they cost elsewhere: it may be negative.
+    /// Sensitivities of the limits, to be added to those found elsewhere: they may be negative.
     pub(super) fn gains(&self) -> impl Iterator<Item = Gain> {
         self.held.iter().zip(&self.duals).filter_map(|(held, dual)| {
             let time = dual * held.share;
@@ -138,7 +140,7 @@ impl<'g> Chain<'g> {
         })
     }
 
-    /// What holds b at every node, and what more of it would be worth where that is proved.
+    /// Caps and rows that hold b at every node, and their worth where b is proved.
     fn held(&mut self, b: &[f64]) -> Vec<Held> {
         let mut result = vec![Held::default(); b.len()];
         let mut before = (Active::default(), 0.0);

@@ -1,4 +1,4 @@
-//! The duration to second order.
+//! Cost: the duration to second order.
 //!
 //! With s = √c and S = sₖ + sₖ₊₁ the slope of a cell by bₖ is at c, and at most (its second derivatives are positive, so
 //! that it is largest where all b are U, and U − c ≤ 0.6·c)

@@ -1,13 +1,14 @@
-//! The fastest profile with limited acceleration as a convex program.
+//! Time-optimal path parameterisation with limited acceleration as a convex program ([`LinearSolver`]).
 //!
 //! The acceleration is constant in a cell and limits hold at both of its ends, as in [`reachable`](super::reachable).
-//! Variables are xₖ = bₖ/Uₖ at the inner nodes, where Uₖ is the largest bₖ that any profile can have, so that 0 ≤ x ≤ 1. The
-//! duration T = Σ 2h/(√bₖ + √bₖ₊₁) is taken to second order about c, the profile of the two passes, or U/1.6 where that is
-//! more, and once more about what is found where the duration falls by b otherwise than it was taken to. About U/1.6 the cost
-//! falls in every x all over 0 ≤ x ≤ 1 ([`cost`]). That is what the presolve rests on, as it does for the duration
-//! itself: most b are proved before Clarabel is asked, and those that are not, around points where an axis has no inertia,
-//! are the variables of its program. The profile is the optimum of the program all the same. On the curves of the benchmark
-//! (`tests/benches/limit`) none to nearly all of the nodes are left to it, 28 % in the middle: fewer the finer the grid.
+//! Variables are xₖ = bₖ/Uₖ at the inner nodes, where Uₖ is the largest possible bₖ, so that 0 ≤ x ≤ 1. The duration T
+//! = Σ 2h/(√bₖ + √bₖ₊₁) is taken to second order about c, the profile of the two passes, or U/1.6 where that is more.
+//! It is expanded again about the solution if the true slope of the duration differs from the assumed one. About U/1.6
+//! the cost falls in every x all over 0 ≤ x ≤ 1 ([`cost`]). The presolve relies on that, as the duration itself has the
+//! same property: it proves most b before Clarabel runs. The others, around points where an axis has no inertia, are
+//! the variables of Clarabel's program. The profile is the exact optimum of the program. On the curves of the benchmark
+//! (`tests/benches/limit`) none to nearly all of the nodes are left to it, 28 % in the middle: fewer the finer the
+//! grid.
 
 mod approach;
 mod chain;
@@ -53,7 +54,7 @@ pub struct LinearProfile {
     pub iterations: u32,
     /// Rows it was given.
     pub rows: usize,
-    /// What limits cost.
+    /// Sensitivities to the limits.
     pub gains: Vec<Gain>,
 }
 
@@ -286,7 +287,7 @@ fn added(gains: impl Iterator<Item = Gain>) -> Vec<Gain> {
     sums.map(|((cell, constraint), time)| Gain { cell, constraint, time }).collect()
 }
 
-/// What the duration is taken about.
+/// Profile about which the duration is expanded.
 fn about(grid: &Grid, cells: &Range<usize>, scale: &[f64], presolved: &Presolved) -> Vec<f64> {
     let (Some(start), Some(end)) = (scale.first(), scale.last()) else { return Vec::new() };
     let passes = reachable::fastest(grid, cells.clone(), *start, *end);

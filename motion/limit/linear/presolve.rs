@@ -1,13 +1,13 @@
-//! What is proved of the fastest profile before Clarabel is asked.
+//! Presolve: proves values of the fastest profile before Clarabel runs.
 //!
-//! The cost falls strictly in every bₖ (see [`super`]), so that in an optimum every bₖ is held by something: by a cap, or
-//! by a row that is active and has a positive coefficient for it. Let U be upper bounds on b. In the plane of the b at
-//! both ends of a cell, x and y as parts of theirs, rows are of three kinds.
+//! The cost falls strictly in every bₖ (see [`super`]), so that in an optimum every bₖ is held by a cap, or by an
+//! active row with a positive coefficient for it. Let U be upper bounds on b. In the plane of the b at both ends of a
+//! cell, x and y as parts of theirs, rows are of three kinds.
 //!
 //! - Rows that hold where x and y are both 1 and whose coefficients are both positive hold everywhere: they are redundant.
 //! - Rows with coefficients of both signs, p·x ≤ 1 + |r|·y: more y is never bad for x. They hold where both are 1.
-//! - Rows p·x + r·y ≤ 1 that do not hold where both are 1: there x can be traded for y. That is so near points where an
-//!   axis has no inertia. Whatever y is, such a row leaves (1 − r)/p to x.
+//! - Rows p·x + r·y ≤ 1 that do not hold where both are 1: there x can be traded for y. Such rows are near points where
+//!   an axis has no inertia. For every y, such a row leaves (1 − r)/p to x.
 //!
 //! So where b is optimal and b ≥ L, b ≥ Φ(L), with Φₖ(L) the least of the cap, (1 + |r|·Lⱼ)/p over the rows of the second kind
 //! and (1 − r)/p over those of the third. Φ is monotone and, as the least of affine functions, concave, and Φ(0) > 0 (where
@@ -107,7 +107,7 @@ impl Presolved {
         }
     }
 
-    /// Whether b at this node is not proved.
+    /// True if b at this node is not proved.
     pub(super) fn open(&self, node: usize) -> bool {
         match (self.lower.get(node), self.upper.get(node)) {
             (Some(lower), Some(upper)) => *lower < upper * (1.0 - PROVED),

@@ -1,4 +1,4 @@
-//! The limits of one cell in the b at its two ends, as parts of given ones.
+//! Scaled limits of one cell: its half planes in the b at its two ends, as parts of given values.
 
 use crate::limit::bound::{Constraint, Disc, Row, number};
 use crate::limit::grid::{End, Grid};
@@ -75,7 +75,7 @@ impl<'g> Scaled<'g> {
         })
     }
 
-    /// Whether a half plane is left alone by all x and y from these least ones to 1.
+    /// True if all x and y from these least ones to 1 keep a half plane.
     pub(super) fn half_holds([p, r]: [f64; 2], least: [f64; 2]) -> bool {
         let most = |value: f64, least: f64| if value > 0.0 { value } else { value * least };
         most(p, least[0]) + most(r, least[1]) < 1.0 - SLACK
@@ -88,7 +88,7 @@ impl<'g> Scaled<'g> {
             .all(|corner| norm(vectors, *corner) < 1.0 - SLACK)
     }
 
-    /// What is left to x and to y by limits that x = y = 1 breaks, if there are such: where one is more, the other is less.
+    /// Caps of x and y from limits that x = y = 1 breaks, if there are such: if one is more, the other is less.
     pub(super) fn traded(self) -> Option<[f64; 2]> {
         let mut caps = [f64::INFINITY; 2];
         for (_, [p, r], both) in self.rows() {

@@ -1,8 +1,8 @@
-//! What limits cost where variables turn out to be worth more than Clarabel was told.
+//! Shift of the sensitivities when variables are worth more than Clarabel assumed.
 //!
-//! More worth w per variable changes no solution that is held by as many rows as it has variables: it is these rows that
-//! cost more, by the Δλ with Aᵀ·Δλ = w. Which rows hold it is told by their multipliers, and where more rows do than are
-//! needed, they share by them: with D the multipliers, the Δλ that is least by D⁻² is
+//! More worth w per variable does not change a solution that is held by as many rows as it has variables: these rows
+//! cost more, by the Δλ with Aᵀ·Δλ = w. The multipliers show which rows hold it. If more rows hold it than are needed,
+//! they share the cost by their multipliers: with D the multipliers, the Δλ that is least by D⁻² is
 //!
 //! ```text
 //!   Δλ = D²·A·y    with    Aᵀ·D²·A·y = w,

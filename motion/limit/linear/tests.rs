@@ -1,5 +1,5 @@
-//! What is proved against what Clarabel finds without it, against the limits themselves, and what limits cost against
-//! finite differences.
+//! Tests of the presolve against Clarabel without it and against the limits, and of the sensitivities against finite
+//! differences.
 
 use super::presolve::Presolved;
 use super::scaled::Scaled;

@@ -1,4 +1,4 @@
-//! How much work planning anew may take.
+//! Work budget of replanning, in solver iterations.
 
 use super::NOT_SOLVED;
 use crate::limit::convex::NotSolved;
@@ -23,7 +23,7 @@ impl Budget {
         Self { left: Some(work), spent: 0 }
     }
 
-    /// What was spent.
+    /// Spent work.
     pub(super) fn spent(&self) -> u64 {
         self.spent
     }
@@ -50,12 +50,12 @@ impl Budget {
         self.spend(LOOKING.saturating_mul(cells as u64));
     }
 
-    /// Whether there is nothing left.
+    /// True if there is nothing left.
     pub(super) fn is_spent(&self) -> bool {
         self.left == Some(0)
     }
 
-    /// How many iterations solves over so many cells may take; `None`: as many as they need.
+    /// Largest number of iterations of a solve over this number of cells; `None`: unlimited.
     ///
     /// # Errors
     /// If that is too few.

@@ -1,4 +1,4 @@
-//! What of a window is committed, and what becomes of the rest.
+//! Committed part of a window, and the fallback when a window cannot be planned.
 
 use super::refine::time;
 use super::{Leg, LimitError, Planned, Planner};
@@ -17,7 +17,7 @@ use std::sync::Arc;
 const MARGIN: f64 = 4.0;
 /// And at least so long, s: where cells further on have become shorter they may ask for a little earlier braking.
 const LEAST_MARGIN: f64 = 0.06;
-/// What was planned before is planned again with so much more room.
+/// Additional room of earlier plans when they are planned again.
 pub(super) const KEPT_ROOM: [f64; 3] = [3e-4, 2e-3, 1e-6];
 
 impl<I, E, A> Planner<I, E, A>
@@ -25,8 +25,8 @@ where
     I: Iterator<Item = Result<CheckedElement, E>>,
     A: AxisPath,
 {
-    /// How many cells can be committed: those that the makeshift end of the window has no influence on; and how many it
-    /// lets go on as fast as they can.
+    /// Number of cells that can be committed, because the provisional end of the window has no influence on them; and
+    /// the number that it does not slow down.
     pub(super) fn safe(&self, grid: &Grid) -> (usize, usize) {
         let cells = 0..grid.cells();
         if self.stops() {

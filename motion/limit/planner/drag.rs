@@ -1,4 +1,4 @@
-//! Drag on the axes, exact where it counts: tangents to it are taken where the motion is.
+//! Drag on the axes: linearised (tangents) at the velocity of the motion.
 
 use super::Planner;
 use crate::limit::axis_path::AxisPath;
@@ -20,8 +20,8 @@ where
     I: Iterator<Item = Result<CheckedElement, E>>,
     A: AxisPath,
 {
-    /// Where drag holds the motion back and is counted for too much, it is counted as it is at the velocity there from now on:
-    /// of all motions that allows the one at hand, and faster ones. The numbers of these cells.
+    /// Takes the tangent of the drag at the present velocity in cells where drag holds the motion back and is
+    /// overestimated; that allows the present motion and faster ones. Returns the numbers of these cells.
     pub(super) fn take_tangents(&mut self, stretches: &[Stretch]) -> Vec<usize> {
         let rows = self.sampler.axes().further_rows();
         if rows == 0 {

@@ -1,4 +1,4 @@
-//! Cells in which accelerations change much: shorter, where jerk is not limited.
+//! Cell refinement where the acceleration changes much, without jerk limits.
 
 use super::Planner;
 use super::refine::SHORTEST;

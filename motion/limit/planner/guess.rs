@@ -1,4 +1,4 @@
-//! What a window with limited jerk is solved about at first.
+//! Initial guess of a window with limited jerk.
 
 use super::Planner;
 use crate::limit::axis_path::AxisPath;
@@ -20,7 +20,7 @@ where
     I: Iterator<Item = Result<CheckedElement, E>>,
     A: AxisPath,
 {
-    /// What a window with limited jerk is solved about at first.
+    /// Initial guess of a window with limited jerk.
     pub(super) fn first_guess(&self) -> Guess {
         let mut guess = self.estimate(&grid(&self.sampler, &self.cells)).0;
         for (guess, kept) in guess.iter_mut().zip(&self.kept) {
@@ -29,7 +29,7 @@ where
         Guess::rough(guess)
     }
 
-    /// How tightly what was planned before is limited.
+    /// Tightness of the limits of the earlier plan.
     pub(super) fn asked_of_kept(&self) -> Vec<([f64; 3], bool)> {
         let fresh = self.kept.len().saturating_sub(1);
         self.cells.iter().take(fresh).map(|cell| (cell.tight, cell.dense)).collect()

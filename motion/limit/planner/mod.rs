@@ -1,7 +1,8 @@
-//! The fastest motion along the course, window by window.
+//! Planner: time-optimal motion along the blended path, window by window.
 //!
-//! A window begins where the last one was left and ends at rest: at a stop of the path, or at the end of what is known of
-//! it. Of a window that does not end at a stop, only the part is committed that this makeshift end has no influence on.
+//! A window begins at the end of the committed motion and ends at rest: at a stop of the path, or at the end of the
+//! known path. Of a window that does not end at a stop, only the part that this provisional end does not influence is
+//! committed.
 
 mod budget;
 mod commit;
@@ -38,48 +39,48 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use twin_kinematics::{AxisVector, KinematicsError};
 
-/// A part of an element and how it is gone through.
+/// Leg: a part of an element and the motion through it.
 #[derive(Clone, Debug)]
 pub struct Leg {
     /// The element.
     pub element: Arc<CourseElement>,
-    /// Where on it the part begins, m.
+    /// Begin of the part on it, m.
     pub from: f64,
-    /// How it is gone through.
+    /// Motion through it.
     pub stretch: Stretch,
-    /// Where the axes are at its start, m or rad.
+    /// Axis positions at its start, m or rad.
     pub start: AxisVector,
 }
 
 impl Leg {
-    /// Whether the path rests at its beginning.
+    /// True if the path rests at its beginning.
     pub fn begins_at_rest(&self) -> bool {
         returned::rests(self.stretch.at_position(0.0).0)
     }
 
-    /// Whether the path rests at its end.
+    /// True if the path rests at its end.
     pub fn ends_at_rest(&self) -> bool {
         returned::rests(self.stretch.at_position(self.stretch.length()).0)
     }
 }
 
-/// What comes next along the course.
+/// Next item along the course: motion, pause or hold.
 #[derive(Clone, Debug)]
 pub enum Planned {
     /// Motion.
     Leg(Leg),
-    /// What is no motion: an M function, a dwell, a jump. The path rests before it.
+    /// Item without motion: an M function, a dwell, a jump. The path rests before it.
     Pause(Arc<CourseElement>),
     /// The path rests until [`Planner::set_override`] lets it go on, and would go on from here. It comes again and again until then.
     Hold {
         /// The element that is next.
         element: Arc<CourseElement>,
-        /// Where on it, m.
+        /// Its place on it, m.
         at: f64,
     },
 }
 
-/// Why the path does not go on as programmed.
+/// Reason why the path does not go on as programmed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LimitError<E> {
     /// An error from upstream.
@@ -90,7 +91,7 @@ pub enum LimitError<E> {
     Kinematics {
         /// The block.
         place: Place,
-        /// What the kinematics says.
+        /// Error of the kinematics.
         error: KinematicsError,
     },
     /// No profile was found for some elements, which are left out.
@@ -98,12 +99,12 @@ pub enum LimitError<E> {
     NotSolved {
         /// The first block.
         place: Place,
-        /// What Clarabel says.
+        /// Error of the solver (Clarabel).
         error: NotSolved,
     },
 }
 
-/// What planning took.
+/// Effort of planning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
     /// Windows planned.
@@ -119,9 +120,10 @@ pub struct Effort {
     pub cells: u64,
     /// Cells committed.
     pub committed: u64,
-    /// How often the path was planned anew because of an override or a hold.
+    /// Number of replannings because of an override or a hold.
     pub replanned: u64,
-    /// How often no such plan was found: the path then goes on for a moment as it was planned, and the next try is from there.
+    /// Number of replannings without a plan: the path then goes on for a moment as it was planned, and the next attempt
+    /// is from there.
     pub not_replanned: u64,
     /// Work spent on that, in cells times iterations of Clarabel, and the most that one attempt took.
     pub replanning: u64,
@@ -214,13 +216,13 @@ where
         }
     }
 
-    /// What planning has taken so far.
+    /// Effort of planning so far.
     pub fn effort(&self) -> Effort {
         self.effort
     }
 
-    /// What each limit has cost so far: by how much shorter the motion would be per part by which the limit were raised, s. At 20 %
-    /// more it is about a fifth of that, as long as nothing else holds the path back.
+    /// Sensitivity to each limit so far: the time saved per part by which the limit were raised, s. At 20 % more it is
+    /// about a fifth of that, as long as nothing else holds the path back.
     pub fn costs(&self) -> &BTreeMap<Constraint, f64> {
         &self.costs
     }
@@ -281,7 +283,7 @@ where
         }
     }
 
-    /// Whether the path stops at the end of the window.
+    /// True if the path stops at the end of the window.
     fn stops(&self) -> bool {
         self.after.is_some()
     }

@@ -1,4 +1,4 @@
-//! The plan in pieces, for one who executes it elsewhere and is not kept waiting.
+//! Plan pieces: hands the plan in parts to a separate executor, each with a way to rest.
 
 use super::returned::rests;
 use super::{Leg, LimitError, Planned, Planner};
@@ -10,23 +10,23 @@ use crate::prepare::CheckedElement;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// What is handed over at once. Its items are numbered, and take the place of all that was handed over before from the number of
-/// the first on.
+/// Piece of a plan, handed over at once. Its items are numbered; they replace all earlier items from the number of the
+/// first on.
 #[derive(Clone, Debug)]
 pub struct Piece<E> {
-    /// How many requests were obeyed before.
+    /// Number of requests obeyed before.
     pub answers: u64,
     /// The number of the first item.
     pub first: u64,
     /// Motion, pauses and errors.
     pub items: Vec<Result<Planned, LimitError<E>>>,
-    /// How the path comes to rest behind them if nothing else comes in time; empty where it rests anyway.
+    /// Way to rest behind them if nothing else comes in time; empty if the path rests anyway.
     pub rest: Vec<Leg>,
-    /// What comes then.
+    /// Continuation after them.
     pub behind: Behind,
 }
 
-/// What comes behind a piece.
+/// Continuation behind a piece.
 #[derive(Clone, Debug, Default)]
 pub enum Behind {
     /// Another one.
@@ -36,7 +36,7 @@ pub enum Behind {
     Hold {
         /// The element that is next.
         element: Arc<CourseElement>,
-        /// Where on it, m.
+        /// Its place on it, m.
         at: f64,
     },
     /// Nothing.
@@ -46,15 +46,15 @@ pub enum Behind {
 /// Asks for another plan from some place on.
 #[derive(Clone, Debug)]
 pub struct Request<E> {
-    /// How many there were before, and this one.
+    /// Number of the request, from 1.
     pub number: u64,
     /// The override, as for [`Planner::set_override`].
     pub factor: f64,
     /// The number of the first item that is not in both plans, that which is executed and that which was made last.
     pub fork: u64,
-    /// What is executed from there on until the new plan begins.
+    /// Items executed from there on until the new plan begins.
     pub passed: Vec<Result<Planned, LimitError<E>>>,
-    /// How the path would come to rest from there.
+    /// Way to rest from there.
     pub old: Vec<Leg>,
 }
 
@@ -65,8 +65,8 @@ impl<E> Request<E> {
     }
 }
 
-/// A [`Planner`] that hands out its plan in pieces, each with a way to rest: whoever executes them always has a plan that ends at
-/// rest, and goes on with the old one until a new one is there ([`Spliced`](crate::limit::Spliced)).
+/// A [`Planner`] that hands out its plan in pieces, each with a way to rest: the executor always has a plan that ends
+/// at rest, and keeps the old one until a new one arrives ([`Spliced`](crate::limit::Spliced)).
 #[derive(Debug)]
 pub struct Pieces<I, E, A> {
     planner: Planner<I, E, A>,
@@ -94,7 +94,7 @@ where
         &self.planner
     }
 
-    /// Whether there is nothing to be planned until the next request.
+    /// True if there is nothing to plan until the next request.
     pub fn is_resting(&self) -> bool {
         self.resting
     }

@@ -1,4 +1,4 @@
-//! The grid of a window: where the profile is free to bend.
+//! Grid of a window: the cells between which the profile may change its acceleration.
 
 use super::{NoWindow, Planner};
 use crate::limit::axis_path::AxisPath;
@@ -331,7 +331,7 @@ fn graded(step: f64, from_rest: f64) -> f64 {
     (step * (from_rest / GRADE).clamp(0.125, 1.0)).max(SHORTEST)
 }
 
-/// Where to cut a cell that takes `takes` into parts of about `step`, as parts of its length.
+/// Cuts of a cell that takes `takes` into parts of about `step`, as parts of its length.
 fn cuts(pair: &[f64], takes: f64, step: f64) -> Vec<f64> {
     let [from, to] = pair else { return Vec::new() };
     let parts = (takes / step).round().clamp(2.0, 8.0);

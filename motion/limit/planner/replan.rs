@@ -1,4 +1,4 @@
-//! Override, feed hold and their end: planning anew from where the path is.
+//! Replanning after an override, a feed hold or its end, from the present motion of the path.
 
 use super::budget::Budget;
 use super::slowest::{Look, Room, Slowest};
@@ -10,8 +10,8 @@ use crate::limit::stretch::Stretch;
 use crate::prepare::CheckedElement;
 use std::sync::Arc;
 
-/// What is left to the plan about the slowest profile, to keep the limits between the nodes as well. The second is for plans so
-/// far that brake about as hard as they can, into a corner or a stop.
+/// Room of the plan around the slowest profile, to keep the limits between the nodes as well. The second is for plans
+/// so far that brake about as hard as they can, into a corner or a stop.
 const ROOMS: [Room; 3] = [
     Room { tight: [1.005, 1.01], faster: 0.02, behind: 2e-3 },
     Room { tight: [1.0, 1.0], faster: 0.05, behind: 0.01 },
@@ -80,7 +80,7 @@ where
         self.asked
     }
 
-    /// Whether the path rests, or will behind what was handed out, until an override lets it go on.
+    /// True if the path rests, or will behind what was handed out, until an override lets it go on.
     pub fn is_held(&self) -> bool {
         self.held
     }
@@ -202,13 +202,13 @@ where
         planned
     }
 
-    /// Whether a profile begins as fast as the path is: without jerk limits the solver may lower the first velocity.
+    /// True if a profile begins as fast as the path is: without jerk limits the solver may lower the first velocity.
     pub(super) fn begins_with(&self, stretches: &[Stretch]) -> bool {
         let Beginning::Moving { b, .. } = self.beginning else { return true };
         stretches.first().is_some_and(|first| first.at_position(0.0).0 >= b * (1.0 - SLOWER))
     }
 
-    /// Whether the plan so far comes to rest so soon that nothing is gained by another.
+    /// True if the plan so far comes to rest so soon that nothing is gained by another.
     fn rests_soon(&self) -> bool {
         let left: f64 = self.tail.iter().map(|leg| leg.stretch.duration()).sum();
         left < SOON || self.tail.len() < FEW

@@ -1,4 +1,4 @@
-//! What of the path is known and not planned, or no longer.
+//! Backlog: parts of the path that are known and not planned, or taken back for replanning.
 
 use super::{After, Leg, LimitError, Planned, Planner};
 use crate::limit::axis_path::AxisPath;
@@ -32,20 +32,20 @@ impl Part {
         Self { element, from: leg.from, to: leg.from + leg.stretch.length() }
     }
 
-    /// Whether it goes to the end of its element.
+    /// True if it goes to the end of its element.
     pub(super) fn ends(&self) -> bool {
         let length = self.element.length();
         self.to >= length - SAME_PLACE * length
     }
 
-    /// Whether `next` follows on the same element.
+    /// True if `next` follows on the same element.
     fn leads_to(&self, next: &Self) -> bool {
         let apart = SAME_PLACE * self.element.length();
         Arc::ptr_eq(&self.element, &next.element) && (next.from - self.to).abs() <= apart
     }
 }
 
-/// What comes before the rest of the course.
+/// Item of the backlog, before the rest of the course.
 #[derive(Debug)]
 pub(super) enum Returned<E> {
     Part(Part),
@@ -71,7 +71,7 @@ pub(super) fn parts(cells: &[Cell]) -> Vec<Part> {
     parts
 }
 
-/// Whether the path rests with this u̇².
+/// True if the path rests with this u̇².
 pub(super) fn rests(b: f64) -> bool {
     b <= AT_REST * AT_REST
 }
@@ -116,7 +116,7 @@ where
         }
     }
 
-    /// What comes next along the path.
+    /// Takes the next item along the path.
     pub(super) fn take_next(&mut self) -> Option<Returned<E>> {
         self.returned.pop_front().or_else(|| {
             Some(match self.course.next()? {
@@ -127,7 +127,7 @@ where
         })
     }
 
-    /// What there is to say while the path is held: where it would go on.
+    /// Hold item while the path is held: the place where it would go on.
     pub(super) fn hold(&mut self) -> Option<Result<Planned, LimitError<E>>> {
         loop {
             let (next, element, at) = match self.take_next() {

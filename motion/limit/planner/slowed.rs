@@ -1,4 +1,4 @@
-//! A profile with limited jerk where Clarabel finds none.
+//! Fallback scaling: a profile with limited jerk, scaled down from a guess, for windows where Clarabel finds none.
 
 use super::Planner;
 use super::verify::exceeds;

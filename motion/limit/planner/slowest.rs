@@ -1,4 +1,4 @@
-//! The slowest profile from where the path is: braking as hard as the limits allow.
+//! Minimum speed profile from the present motion: braking as hard as the limits allow.
 
 use super::refine::time;
 use super::{Leg, NOT_SOLVED, Planner};
@@ -28,7 +28,7 @@ const MOST_SOLVES: u32 = 10;
 const SETTLED: f64 = 2e-4;
 /// A plan is hardly faster than the slowest if its b is larger by no more than this part.
 const NEAR: f64 = 0.05;
-/// How exactly solvers keep bounds.
+/// Accuracy with which solvers keep bounds.
 const EXACT: f64 = 1e-4;
 /// Braking takes at least so many cells.
 const FEWEST: f64 = 32.0;
@@ -39,7 +39,7 @@ const LANDING: f64 = 2.0 / 3.0;
 /// Where the path is to rest it may be faster than the slowest profile by this part of the first b.
 const LAST: f64 = 1e-3;
 
-/// How much of the plan so far is looked at.
+/// Part of the plan so far that is searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Look {
     /// As much as braking takes, roughly.
@@ -48,7 +48,7 @@ pub(super) enum Look {
     Long,
 }
 
-/// What the slowest profile leaves for the one that is followed.
+/// Room of the followed profile around the slowest one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Room {
     /// By how much tighter accelerations and jerks are limited.
@@ -86,7 +86,7 @@ impl Slowest {
         feeds
     }
 
-    /// Where the path is to rest.
+    /// Place where the path comes to rest.
     pub(super) fn rest(&self, room: Room) -> Option<(&Arc<CourseElement>, f64)> {
         let mut left = self.rest.map_or(f64::INFINITY, |rest| rest * (1.0 + room.behind));
         for cell in &self.cells {
@@ -98,7 +98,7 @@ impl Slowest {
         self.cells.last().map(|cell| (&cell.element, cell.to))
     }
 
-    /// How many of `legs`, which it is along, have a u̇² that is hardly larger than its own.
+    /// Number of `legs` along it whose u̇² is hardly larger than its own.
     pub(super) fn near(&self, legs: &[Leg]) -> usize {
         let mut nodes = self.cells.iter().zip(self.b.iter().skip(1));
         let near = legs.iter().take_while(|leg| {
@@ -325,7 +325,7 @@ where
     }
 }
 
-/// Where the slowest profile rests, from the first node.
+/// Distance from the first node at which the slowest profile rests.
 fn rest(grid: &Grid, b: &[f64], a: &[f64]) -> Option<f64> {
     let least = REST * b.first()?;
     let nodes = grid.nodes();

@@ -1,4 +1,4 @@
-//! Whether a profile keeps the limits between the places where they were asked for, and what to do where it does not.
+//! Verification of a profile between the nodes of its grid, and tighter limits or shorter cells where it exceeds them.
 
 use super::Planner;
 use super::commit::KEPT_ROOM;
@@ -159,13 +159,12 @@ fn highest(before: f64, here: f64, after: f64) -> f64 {
     if slope.abs() < bend { here + 0.5 * slope * slope / bend } else { before.max(after) }
 }
 
-/// Whether something in a cell is so much more than it may be that the cell is too long.
+/// True if a limit in a cell is exceeded so much that the cell is too long.
 pub(super) fn is_too_long(worst: [f64; 3]) -> bool {
     worst.iter().zip(ALLOWED).any(|(worst, [_, far])| *worst > far)
 }
 
-/// Whether something in a cell is more than it may be. What was planned before, and `kept`, has the room that it
-/// is planned again with.
+/// True if a limit in a cell is exceeded. Cells of an earlier plan (`kept`) have the additional room of replanning.
 pub(super) fn exceeds(worst: [f64; 3], kept: bool) -> bool {
     worst.iter().zip(allowed(kept)).any(|(worst, allowed)| *worst > allowed)
 }

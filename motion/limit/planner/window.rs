@@ -1,4 +1,4 @@
-//! A profile over a window, verified between the places where limits are asked for.
+//! Window solve: a profile over a window, verified between the nodes of its grid.
 
 use super::drag::MOST_TANGENTS;
 use super::even::MOST_CUTS;
@@ -183,7 +183,7 @@ where
         }
     }
 
-    /// Whether there will be no further round; counts what is still exceeded then.
+    /// True if there will be no further round; counts what is still exceeded then.
     fn is_last(&mut self, round: u32, stretches: &[Stretch]) -> bool {
         if round >= ROUNDS {
             self.count_exceeded(stretches);
@@ -191,7 +191,7 @@ where
         round >= ROUNDS
     }
 
-    /// Whether nothing is so much more than it may be that cells are too long.
+    /// True if nothing is so much more than it may be that cells are too long.
     fn are_nearly_kept(&self, stretches: &[Stretch]) -> bool {
         let mut cells = self.cells.iter().zip(stretches);
         cells.all(|(cell, stretch)| !is_too_long(self.worst(cell, stretch)))
@@ -308,7 +308,7 @@ where
         parts
     }
 
-    /// How each cell is gone through where no jerk is limited.
+    /// Motion through each cell without jerk limits.
     fn solve_linear(&mut self, grid: &Grid) -> Vec<Stretch> {
         let cells = 0..grid.cells();
         let start = match self.beginning {
@@ -339,12 +339,12 @@ where
     }
 }
 
-/// Whether a profile does not have to go backwards in between.
+/// True if a profile never goes backwards.
 pub(super) fn can_be_followed(stretches: &[Stretch]) -> bool {
     stretches.iter().all(|stretch| stretch.duration().is_finite())
 }
 
-/// How each cell is gone through.
+/// Motion through each cell.
 pub(super) fn stretches(grid: &Grid, profile: &SmoothProfile) -> Vec<Stretch> {
     let last = grid.cells().saturating_sub(1);
     let ends = profile.b.iter().zip(profile.b.iter().skip(1)).zip(&profile.a);

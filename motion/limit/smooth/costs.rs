@@ -1,4 +1,4 @@
-//! What a profile is to be: short, or slow.
+//! Cost functions of the convex program: shortest duration, or minimum speed.
 
 use super::{BESIDE, Guess, SmoothSolver};
 use crate::limit::grid::Grid;

@@ -1,4 +1,4 @@
-//! What a window with limited jerk is solved about.
+//! Guess (linearisation point) of a window with limited jerk.
 
 use super::pairs;
 use crate::limit::asked::Asked;
@@ -14,7 +14,7 @@ const MOVED: f64 = 0.1;
 const AROUND: usize = 3;
 pub(super) const MOST_AROUND: usize = 48;
 
-/// What a window is solved about.
+/// Linearisation point of a window.
 #[derive(Clone, Debug, Default)]
 pub(in crate::limit) struct Guess {
     /// b at the nodes, positive at all inner ones.
@@ -23,13 +23,13 @@ pub(in crate::limit) struct Guess {
     pub(in crate::limit) c: Vec<f64>,
     /// Rows that are to be in the program, whether or not they seem to count, per cell.
     pub(in crate::limit) asked: Vec<Asked>,
-    /// How well it is known.
+    /// Its quality.
     pub(in crate::limit) known: Known,
     /// Nodes at which the last solution was far from what it was about, so that the tangents there are not near the limits.
     pub(in crate::limit) moved: Vec<usize>,
     /// Of how many cells around one whose row was left out and is not kept rows are added.
     pub(super) around: usize,
-    /// How exactly the next one is solved for, unless this is rough.
+    /// Tolerance of the next solve, unless this is rough.
     pub(super) tolerance: f64,
 }
 
@@ -48,7 +48,7 @@ impl Guess {
         }
     }
 
-    /// What happens in the cell `index` of the length `h`.
+    /// Motion in the cell `index` of the length `h`.
     pub(in crate::limit) fn motion(&self, index: usize, h: f64) -> Option<CellMotion> {
         let (from, to, c) = (*self.b.get(index)?, *self.b.get(index + 1)?, *self.c.get(index)?);
         let gamma = (from - 2.0 * c + to) / (h * h);
@@ -87,7 +87,7 @@ impl Guess {
         self.asked.fill(Asked::ALL);
     }
 
-    /// Whether one of the ends of the cell `index` has moved far.
+    /// True if one of the ends of the cell `index` has moved far.
     pub(in crate::limit) fn has_moved(&self, index: usize) -> bool {
         let node = self.moved.partition_point(|node| *node < index);
         self.moved.get(node).is_some_and(|node| *node <= index + 1)
@@ -137,7 +137,7 @@ pub(in crate::limit) struct CellMotion {
 pub(in crate::limit) struct Broken(pub(super) Vec<Origin>);
 
 impl Broken {
-    /// Whether there are none.
+    /// True if there are none.
     pub(in crate::limit) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -148,7 +148,7 @@ impl Broken {
         self.0.sort_by_key(|origin| origin.cell);
     }
 
-    /// Whether one of them is of this cell.
+    /// True if one of them is of this cell.
     pub(in crate::limit) fn has(&self, cell: usize) -> bool {
         let near = self.0.partition_point(|origin| origin.cell < cell);
         self.0.get(near).is_some_and(|origin| origin.cell == cell)

@@ -1,4 +1,4 @@
-//! The fastest profile with limited jerk as a convex program.
+//! Time-optimal path parameterisation with limited jerk as a convex program ([`SmoothSolver`]).
 //!
 //! # The profile
 //!
@@ -9,20 +9,20 @@
 //!   bₖ = (hₖ·cₖ₋₁ + hₖ₋₁·cₖ) / (hₖ₋₁ + hₖ)        aₖ = b′/2 = (cₖ − cₖ₋₁) / (hₖ₋₁ + hₖ)
 //! ```
 //!
-//! and in a cell γ = b″/2 = (bᵢ − 2·cᵢ + bᵢ₊₁)/hᵢ² is constant. So a = ü is continuous, and what the program decides is
-//! what the interpolator will follow.
+//! and in a cell γ = b″/2 = (bᵢ − 2·cᵢ + bᵢ₊₁)/hᵢ² is constant. So a = ü is continuous, and the interpolator follows
+//! exactly the profile of the program.
 //!
-//! Where the path starts from rest, its first cell is gone through with constant jerk j: u = j·t³/6, which is
-//! b = ¼·j^⅔·(6u)^4/3. Value and slope at its end, j^⅔·(6h)^4/3/4 and j^⅔·(6h)^⅓, are both proportional to j^⅔, so that the
-//! cell adds nothing to the program but that the next node's value is a part of the next c. The same holds, mirrored,
-//! for the last cell of a path that ends at rest.
+//! If the path starts from rest, its first cell has constant jerk j: u = j·t³/6, which is b = ¼·j^⅔·(6u)^4/3. Value and
+//! slope at its end, j^⅔·(6h)^4/3/4 and j^⅔·(6h)^⅓, are both proportional to j^⅔, so that the cell adds only one thing
+//! to the program: the next node's value is a part of the next c. The same holds, mirrored, for the last cell of a path
+//! that ends at rest.
 //!
 //! # The program
 //!
-//! Limits of acceleration are linear in b and a. A limit of jerk, ±(q‴·b + 3·q″·a + q′·γ) ≤ J/√b, is convex but for its
-//! right side, and there the tangent about a guess b̄ lies below: J/√b ≥ J·(3 − b/b̄)/(2·√b̄). So every solution keeps the
-//! limit, and solving again about it is never worse. The duration Σ wₖ/√bₖ, wₖ half the length of the two cells beside
-//! a node, is taken to second order about b̄. Variables are cᵢ/c̄ᵢ.
+//! Limits of acceleration are linear in b and a. A limit of jerk, ±(q‴·b + 3·q″·a + q′·γ) ≤ J/√b, is convex except for
+//! its right side, and there the tangent about a guess b̄ is below: J/√b ≥ J·(3 − b/b̄)/(2·√b̄). So every solution
+//! keeps the limit, and solving again about it is never worse. The duration Σ wₖ/√bₖ, wₖ half the length of the two
+//! cells next to a node, is taken to second order about b̄. Variables are cᵢ/c̄ᵢ.
 
 mod costs;
 mod guess;
@@ -51,7 +51,7 @@ const EXACT: f64 = 1e-9;
 /// Rows that were left out are looked for at most so often.
 const MORE: u32 = 10;
 
-/// What is wanted of a profile.
+/// Objective of a profile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Aim {
     /// The shortest duration.
@@ -61,7 +61,7 @@ pub(super) enum Aim {
     Slowest,
 }
 
-/// How a profile begins.
+/// Begin of a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Beginning {
     /// At rest.
@@ -78,7 +78,7 @@ pub enum Beginning {
 /// A profile with limited jerk over some cells, which ends at rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SmoothProfile {
-    /// How it begins.
+    /// Its begin.
     pub beginning: Beginning,
     /// u̇² at the nodes.
     pub b: Vec<f64>,
@@ -90,7 +90,7 @@ pub struct SmoothProfile {
     pub solves: u32,
     /// Rows of the last solve.
     pub rows: usize,
-    /// What limits cost.
+    /// Sensitivities to the limits.
     pub gains: Vec<Gain>,
 }
 
@@ -120,7 +120,7 @@ pub struct SmoothSolver {
     pub(super) aim: Aim,
     /// The least c of every cell, if that is the aim.
     pub(super) floors: Vec<f64>,
-    /// Whether c is to be positive whatever the aim: where the path brakes to nearly nothing it need not be.
+    /// True if c is to be positive whatever the aim: where the path brakes to nearly nothing it need not be.
     pub(super) positive: bool,
 }
 

@@ -1,12 +1,12 @@
-//! A path from its end, in bounded memory.
+//! Reversed path in bounded memory, through a spool file.
 
 use super::{MAX_BLOCK_BYTES, record};
 use crate::path::operations::Modes;
 use crate::path::{Marks, PathElement};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 
-/// The whole path backwards (manual 3.3), as [`crate::path::reversed`] does it, through a file for what there is no room
-/// for in memory. The first element comes when upstream has ended; its errors come at once.
+/// The whole path backwards (manual 3.3), like [`crate::path::reversed`], through a file for paths that do not fit in
+/// memory. The first element comes when upstream has ended; its errors come at once.
 #[derive(Debug)]
 pub struct Backwards<I, F> {
     upstream: I,

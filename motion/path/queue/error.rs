@@ -1,10 +1,10 @@
-//! What can be wrong with a queue file.
+//! Errors of queue files.
 
 use super::{MAX_BLOCK_BYTES, VERSION};
 use crate::Place;
 use std::io;
 
-/// Why a queue file cannot be read on. `offset` is the byte of the file at which it was found.
+/// Error of reading a queue file. `offset` is the byte of the file at which it was found.
 #[derive(Debug, thiserror::Error)]
 pub enum QueueReadError {
     /// Reading fails.
@@ -12,7 +12,7 @@ pub enum QueueReadError {
     Io {
         /// Bytes read before.
         offset: u64,
-        /// What the reader says.
+        /// Error of the reader.
         #[source]
         source: io::Error,
     },
@@ -25,7 +25,7 @@ pub enum QueueReadError {
     /// Another version of the layout.
     #[error("byte {offset}: the queue has version {version}; version {VERSION} can be read")]
     Version {
-        /// Where the version is.
+        /// Offset of the version.
         offset: u64,
         /// The file's version.
         version: u16,
@@ -45,7 +45,7 @@ pub enum QueueReadError {
     /// Neither a block nor the end begins where one must.
     #[error("byte {offset}: {tag:#04x} begins neither a block nor the end record")]
     Tag {
-        /// Where.
+        /// Its offset in the file, bytes.
         offset: u64,
         /// The byte that is there.
         tag: u8,
@@ -53,33 +53,33 @@ pub enum QueueReadError {
     /// A block that is empty or too long.
     #[error("byte {offset}: a block of {length} bytes; it must have 1 to {MAX_BLOCK_BYTES}")]
     BlockLength {
-        /// Where the length is.
+        /// Offset of the length.
         offset: u64,
         /// The length.
         length: u32,
     },
-    /// What was read is not what was written.
+    /// The data read differ from the data written.
     #[error("byte {offset}: the checksum is wrong, the queue is damaged before here")]
     Checksum {
-        /// Where the checksum is.
+        /// Offset of the checksum.
         offset: u64,
     },
     /// The end record counts other elements than there were.
     #[error("byte {offset}: the queue says it has {expected} elements, it has {found}")]
     Count {
-        /// Where the count is.
+        /// Offset of the count.
         offset: u64,
-        /// What the end record says.
+        /// Number in the end record.
         expected: u64,
-        /// How many were read.
+        /// Number read.
         found: u64,
     },
     /// The checksums are right and the content makes no sense all the same: another program wrote it.
     #[error("byte {offset}: {error}")]
     Content {
-        /// Where.
+        /// Its offset in the file, bytes.
         offset: u64,
-        /// What is wrong.
+        /// The error.
         error: ContentError,
     },
 }
@@ -93,15 +93,15 @@ pub enum ContentError {
     /// A number that stands for nothing.
     #[error("{value} is no {field}")]
     Unknown {
-        /// What it should be.
+        /// The field.
         field: &'static str,
-        /// What is there.
+        /// The value found.
         value: u8,
     },
     /// A coordinate, angle or limit that is no finite number.
     #[error("a number of an element is {value}, not a finite one")]
     NotFinite {
-        /// What is there.
+        /// The value found.
         value: f64,
     },
     /// An ellipse that goes around more often than once.
@@ -112,7 +112,7 @@ pub enum ContentError {
     },
 }
 
-/// Why a queue file cannot be written on.
+/// Error of writing a queue file.
 #[derive(Debug, thiserror::Error)]
 pub enum QueueWriteError {
     /// Writing fails.
@@ -123,7 +123,7 @@ pub enum QueueWriteError {
     Content {
         /// The element's block.
         place: Place,
-        /// What is wrong with it.
+        /// The error.
         error: ContentError,
     },
 }

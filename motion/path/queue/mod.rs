@@ -1,8 +1,7 @@
-//! Files of path elements: the manual's `SMC_OUTQUEUE` written to disk and read piece by piece (`SMC_ReadNCQueue`,
-//! manual 6.5 and 10.2).
+//! Queue files: path elements of `SMC_OUTQUEUE` on disk, read piece by piece (`SMC_ReadNCQueue`, manual 6.5 and 10.2).
 //!
-//! The manual does not say what is in such a file, so this is our own layout. Numbers are little-endian, lengths in
-//! bytes, floating-point numbers IEEE 754 doubles in SI units, bit for bit as they were.
+//! The manual does not define the layout, so this is our own. Numbers are little-endian, lengths in bytes,
+//! floating-point numbers IEEE 754 doubles in SI units, bit for bit.
 //!
 //! ```text
 //! header     16  8 magic · u16 version · u8 generator · u8 zero · u32 CRC-32 of these 12
@@ -11,10 +10,9 @@
 //! end        17  u8 'E' · u64 number of elements · u32 CRC-32 of all payloads · u32 CRC-32 of these 13
 //! ```
 //!
-//! The end record comes exactly once and nothing follows it. So a file that is cut anywhere, that has one byte more or
-//! less, or of which a block was lost, doubled or moved, is told from a whole one, and an element is handed out only
-//! when the checksum over it has been found right.
-//! Reading and writing hold one block at a time.
+//! The end record comes exactly once and nothing follows it. So a truncated file, a file with one byte more or less,
+//! and a file with a lost, doubled or moved block are detected, and an element is returned only after its checksum has
+//! been verified. Reading and writing hold one block at a time.
 
 mod backwards;
 mod error;
@@ -42,7 +40,7 @@ const HEADER_BYTES: usize = 16;
 const BLOCK: u8 = b'B';
 const END: u8 = b'E';
 
-/// Which stage the elements of a queue come from (`SMC_OUTQUEUE.byGenerator`).
+/// Stage that generated the elements of a queue (`SMC_OUTQUEUE.byGenerator`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Generator {
     /// The decoder.
@@ -106,7 +104,7 @@ impl Generator {
         Self::ALL.into_iter().find(|generator| generator.number() == number)
     }
 
-    /// Whether an interpolator takes the queue as it is (else it is error 1006, `SMC_INT_NO_CHECKVELOCITIES`): the
+    /// True if an interpolator takes the queue as it is (else it is error 1006, `SMC_INT_NO_CHECKVELOCITIES`): the
     /// velocities at its transitions have been set.
     pub const fn is_checked(self) -> bool {
         matches!(self, Self::CheckVelocities | Self::Editor)

@@ -1,4 +1,4 @@
-//! Reads queue files.
+//! Queue file reader (`SMC_ReadNCQueue`).
 
 use super::{
     BLOCK, ContentError, END, Generator, HEADER_BYTES, MAGIC, MAX_BLOCK_BYTES, QueueReadError,
@@ -77,7 +77,7 @@ impl<R: Read> QueueReader<R> {
         Ok(reader)
     }
 
-    /// Which stage the elements come from.
+    /// Stage that generated the elements.
     pub fn generator(&self) -> Generator {
         self.generator
     }

@@ -1,4 +1,4 @@
-//! One element as bytes.
+//! Binary record of one path element.
 //!
 //! ```text
 //! u32 line · u8 has block · [u32 block] · u8 kind · [u16 M number | i64 dwell | u8 probing] ·

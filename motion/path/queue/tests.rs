@@ -1,3 +1,5 @@
+//! Tests of queue files: round trips, damage and arbitrary bytes.
+
 use super::*;
 use crate::Place;
 use crate::path::{

@@ -1,4 +1,4 @@
-//! Writes queue files.
+//! Queue file writer.
 
 use super::{BLOCK, END, Generator, MAGIC, MAX_BLOCK_BYTES, QueueWriteError, VERSION, record};
 use crate::path::PathElement;
@@ -61,7 +61,7 @@ impl<W: Write> QueueWriter<W> {
         self.elements
     }
 
-    /// Writes what is left and the end record, and gives back what was written to.
+    /// Writes the remaining elements and the end record, and returns the writer.
     ///
     /// # Errors
     /// What it says.

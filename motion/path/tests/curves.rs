@@ -1,4 +1,4 @@
-//! Ellipses and cubics, and axes that go along with a path.
+//! Tests of ellipses and cubics, and of extra axes along a path.
 
 #![expect(clippy::float_cmp, reason = "exact at the ends, or halves")]
 

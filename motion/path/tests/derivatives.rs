@@ -1,4 +1,4 @@
-//! The third derivative of the position by path length.
+//! Tests of the third and fourth derivative of the position by path length.
 
 use super::*;
 use crate::path::{Cubic, Ellipse, PathPoint, Plane};

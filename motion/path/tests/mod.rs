@@ -1,3 +1,5 @@
+//! Tests of path elements, their shapes and lengths.
+
 mod curves;
 mod derivatives;
 mod operations;

@@ -1,4 +1,4 @@
-//! Cutting, reversing, mapping, and lines for curves.
+//! Tests of cutting, reversing, mapping and linearising.
 
 use super::*;
 use crate::path::{

@@ -1,4 +1,4 @@
-//! Where one element crosses another.
+//! Crossings of two elements of a path.
 
 use super::super::piece::POINT_EPS;
 use super::super::planar::{Bounds, Fit, crossings, fit};

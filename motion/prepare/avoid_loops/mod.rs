@@ -1,4 +1,4 @@
-//! Paths that do not cross themselves (`SMC_AvoidLoop`, manual 6.2.4).
+//! Loop avoidance: cuts loops off paths that cross themselves (`SMC_AvoidLoop`, manual 6.2.4).
 
 mod crossing;
 

@@ -1,4 +1,4 @@
-//! Corners replaced by something the tool can pass without a stop: [`SmoothPath`] and [`RoundPath`].
+//! Corner blending: replaces corners by curves that need no stop: [`SmoothPath`] and [`RoundPath`].
 
 mod round;
 mod smooth;
@@ -17,7 +17,7 @@ use std::collections::VecDeque;
 /// the corner stays.
 const MOST_BETWEEN: usize = 64;
 
-/// How a corner is replaced: the part in which smoothing and rounding differ.
+/// Style of a corner replacement: the difference between smoothing and rounding.
 pub trait CornerStyle {
     /// The mark with which it begins.
     const BEGIN: Marks;
@@ -38,9 +38,9 @@ pub trait CornerStyle {
 /// A corner, cut open.
 #[derive(Clone, Copy, Debug)]
 pub struct Corner {
-    /// Where the first element is cut off.
+    /// Point at which the first element is cut off.
     start: nalgebra::Point3<f64>,
-    /// Where the second one goes on.
+    /// Point from which the second one goes on.
     end: nalgebra::Point3<f64>,
     /// Unit direction in X and Y of the first at its cut.
     start_direction: Vector2<f64>,
@@ -50,7 +50,7 @@ pub struct Corner {
     distance: f64,
 }
 
-/// Why a corner cannot be replaced.
+/// Reason why a corner cannot be replaced.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CornerError {
     /// The distance from the corner (D, or the adapter's own together with it) is negative or no number.
@@ -122,7 +122,7 @@ where
     E: From<CornerError>,
     S: CornerStyle,
 {
-    /// Replaces corners of `upstream` in the way of `style`; switches that are lost are told to `notices`.
+    /// Replaces corners of `upstream` by `style`; lost switches are reported to `notices`.
     pub fn new(upstream: I, style: S, notices: Notices) -> Self {
         Self {
             upstream,
@@ -237,7 +237,7 @@ where
         }
     }
 
-    /// Where the corner between two elements is cut and what comes in its place; nothing if it stays.
+    /// Cuts at the corner between two elements, and its replacement; none if the corner stays.
     fn cut(&self, first: &PathElement, next: &PathElement) -> Result<Option<Cut>, CornerError> {
         let on_plane =
             |shape: &Shape| !matches!(shape, Shape::Arc(arc) if arc.plane() != Plane::Xy);

@@ -1,4 +1,4 @@
-//! Corners replaced by arcs (`SMC_RoundPath`, manual 6.2.6).
+//! Corner rounding by arcs (`SMC_RoundPath`, manual 6.2.6).
 
 use super::{Corner, CornerStyle, Corners};
 use crate::path::{Arc, Marks, Shape};
@@ -16,7 +16,7 @@ const LARGEST_TURN: f64 = PI - 1e-6;
 /// happens to everything else.
 pub type RoundPath<I, E> = Corners<I, E, Rounding>;
 
-/// How [`RoundPath`] replaces corners.
+/// Corner style of [`RoundPath`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rounding {
     /// Distance from the corner at which lines are cut, m; 0 takes D of the first line (`dRadius`).

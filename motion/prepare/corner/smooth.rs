@@ -1,4 +1,4 @@
-//! Corners replaced by splines (`SMC_SmoothPath`, manual 6.2.5).
+//! Corner smoothing by splines (`SMC_SmoothPath`, manual 6.2.5).
 
 use super::{Corner, CornerStyle, Corners};
 use crate::path::{Cubic, Marks, Shape};
@@ -11,7 +11,7 @@ use crate::path::{Cubic, Marks, Shape};
 /// 0 to 1). See [`Corners`] for what happens to everything else.
 pub type SmoothPath<I, E> = Corners<I, E, Smoothing>;
 
-/// How [`SmoothPath`] replaces corners.
+/// Corner style of [`SmoothPath`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Smoothing {
     /// Distance from the corner at which elements are cut, m; D of the first element is added (`dEdgeDistance`).

@@ -1,4 +1,4 @@
-//! Ellipses and splines as arcs.
+//! Biarcs: ellipses and splines approximated by arcs.
 
 use super::distance::to_point;
 use super::{Curve, Round, left};

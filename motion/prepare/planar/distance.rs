@@ -1,4 +1,4 @@
-//! How near two curves come to each other.
+//! Smallest distance between two planar curves.
 
 use super::{Curve, Round, crossings};
 use nalgebra::{Point2, Vector2};

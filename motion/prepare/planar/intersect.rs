@@ -1,4 +1,4 @@
-//! Where two curves meet.
+//! Intersections of two planar curves.
 
 use super::{Curve, Round};
 use nalgebra::{Matrix2, Point2, Vector2};

@@ -1,4 +1,4 @@
-//! Lines and arcs in X and Y: what tool radius correction and loop avoidance calculate with.
+//! Planar geometry: lines and arcs in X and Y, for tool radius correction and loop avoidance.
 
 mod biarc;
 mod distance;

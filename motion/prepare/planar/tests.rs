@@ -1,4 +1,4 @@
-//! Crossings, distances and arcs in place of curves, against closed forms and dense samples.
+//! Tests of intersections, distances and biarcs, against closed forms and dense samples.
 
 use super::{Crossing, Curve, Round, crossings, distance, fit};
 use crate::path::{Cubic, Ellipse, Shape};

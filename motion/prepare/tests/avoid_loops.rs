@@ -1,4 +1,4 @@
-//! [`AvoidLoops`].
+//! Tests of loop avoidance, [`AvoidLoops`].
 
 use super::{
     Error, PROBE, VECTOR_TOLERANCE, arc, assert_continuous, close, cut, element, line, m_function,

@@ -1,4 +1,4 @@
-//! [`CheckVelocities`].
+//! Tests of transition velocities, [`CheckVelocities`].
 
 use super::{Error, PROBE, arc, cut, element, line, m_function};
 use crate::path::{AxisMask, Details, ElementKind, ExtraAxes, PathElement, Shape};

@@ -1,4 +1,4 @@
-//! [`LimitCircularVelocities`].
+//! Tests of velocity limits on curves, [`LimitCircularVelocities`].
 
 use super::{Error, arc, cut, element, line};
 use crate::path::{Arc, Cubic, ElementKind, Ellipse, PathElement, Plane, Shape};

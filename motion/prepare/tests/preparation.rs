@@ -1,4 +1,4 @@
-//! [`Preparation`]: the adapters in a row.
+//! Tests of [`Preparation`]: the adapters in a row.
 
 use super::random_path;
 use super::{Error, arc, assert_continuous, close, cut, m_function, numbered, polyline, taken};

@@ -1,4 +1,4 @@
-//! Random paths.
+//! Random paths of lines, arcs and splines.
 
 use super::{cut, element, numbered};
 use crate::path::{Arc, Cubic, ElementKind, PathElement, Shape};

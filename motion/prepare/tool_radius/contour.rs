@@ -1,4 +1,4 @@
-//! What of a path is contour, and contours as lines and arcs.
+//! Contour elements of a path, as lines and arcs.
 
 use super::super::piece::{self, POINT_EPS, Station};
 use super::super::planar::{self, Curve, Fit};

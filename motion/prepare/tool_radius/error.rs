@@ -1,10 +1,10 @@
-//! What keeps a path from being moved by the tool's radius.
+//! Errors of tool radius correction.
 
 use crate::Place;
 use crate::path::Marks;
 use std::fmt;
 
-/// On which side of the contour the tool is.
+/// Side of the contour on which the tool is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Side {
     /// To the left of the direction of motion (G41).
@@ -43,7 +43,7 @@ impl fmt::Display for Side {
     }
 }
 
-/// Why a path cannot be moved by the tool's radius.
+/// Reason why a path cannot be offset by the tool's radius.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ToolRadiusError {
     /// The other side was asked for without an end in between.

@@ -1,4 +1,4 @@
-//! Does the tool cut into the contour?
+//! Gouge check: detects a tool that cuts into the contour.
 
 use super::super::planar::{Bounds, Curve, distance};
 use super::super::{Notice, Notices};

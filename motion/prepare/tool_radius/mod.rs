@@ -19,7 +19,7 @@ use std::collections::VecDeque;
 /// corner there is passed without cutting it.
 const MOST_BETWEEN: usize = 64;
 
-/// How [`ToolRadius`] offsets the path.
+/// Options of [`ToolRadius`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolRadiusOptions {
     /// Radius added to D, m (`dToolRadius`).
@@ -30,7 +30,7 @@ pub struct ToolRadiusOptions {
     pub look_ahead: usize,
     /// Pieces of contour and path that are compared with each other to find gouges.
     pub gouge_window: usize,
-    /// Coming nearer to the contour than the radius by no more than this is no gouge, m.
+    /// Gouge tolerance: the tool may come nearer to the contour than its radius by this, m.
     pub gouge_tolerance: f64,
 }
 
@@ -130,7 +130,7 @@ where
     I: Iterator<Item = Result<PathElement, E>>,
     E: From<ToolRadiusError>,
 {
-    /// Corrects the elements of `upstream`; where the tool does not fit is told to `notices`.
+    /// Corrects the elements of `upstream`; places where the tool does not fit are reported to `notices`.
     pub fn new(upstream: I, options: ToolRadiusOptions, notices: Notices) -> Self {
         Self {
             upstream,
@@ -183,8 +183,8 @@ where
         }
     }
 
-    /// On which side of the contour the tool is at the element taken in last (`iStatus`: `TC_LEFT`, `TC_RIGHT`); none
-    /// where the path is not corrected (`TC_ORIG`).
+    /// Side of the tool at the element taken in last (`iStatus`: `TC_LEFT`, `TC_RIGHT`); none where the path is not
+    /// corrected (`TC_ORIG`).
     pub fn side(&self) -> Option<Side> {
         match &self.state {
             State::Off => None,
@@ -254,7 +254,7 @@ where
         self.ready.extend(self.standing.drain(..).map(Ok));
     }
 
-    /// What has no way in X and Y is done at `at`; where the tool is then.
+    /// Executes an element without motion in X and Y at `at`; returns the position of the tool afterwards.
     fn stand(&mut self, mut at: Station) -> Station {
         for mut element in self.standing.drain(..) {
             if let Shape::Line { start, end } = &mut element.shape {

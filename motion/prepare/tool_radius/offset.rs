@@ -1,4 +1,4 @@
-//! The path beside the contour: offset pieces, joined at the corners.
+//! Offset path of a contour: offset pieces, joined at the corners.
 
 use super::super::piece::{self, POINT_EPS, Station};
 use super::super::planar::{Crossing, Curve, Round, crossings, distance};
@@ -23,7 +23,7 @@ const UNTOUCHED: f64 = 2e-6;
 /// No more than this is carried over from pieces that are dropped.
 const MOST_WAITING: usize = 1024;
 
-/// What is to be done between two pieces of the path, in order: elements that do not move in X and Y, and errors.
+/// Items between two pieces of the path, in order: elements that do not move in X and Y, and errors.
 pub(super) type Between<E> = VecDeque<Result<PathElement, E>>;
 
 /// One piece of the path that may still be cut shorter.
@@ -62,7 +62,7 @@ pub(super) struct Offset<E> {
     notices: Notices,
     check: GougeCheck,
     tracks: VecDeque<Track<E>>,
-    /// Where the pieces handed out end.
+    /// End of the pieces handed out.
     at: Station,
     /// False where the set-point has jumped, or at the very beginning: there is no corner then.
     joined: bool,
@@ -94,7 +94,7 @@ impl<E> Offset<E> {
         }
     }
 
-    /// Where the pieces handed out end.
+    /// End of the pieces handed out.
     pub(super) fn station(&self) -> Station {
         self.at
     }
@@ -334,7 +334,7 @@ impl<E> Track<E> {
     }
 }
 
-/// Where the part left of `earlier` meets `next`: of the crossings that will do, the one that leaves most of both.
+/// Crossing of the rest of `earlier` with `next`: of the valid crossings, the one that leaves most of both.
 fn nearest<E>(
     earlier: &Track<E>,
     next: &Curve,
@@ -349,7 +349,7 @@ fn nearest<E>(
         .min_by(|a, b| removed(a).total_cmp(&removed(b)))
 }
 
-/// Where the part left of `last` meets its neighbour `next` at an inner corner.
+/// Crossing of the rest of `last` with its neighbour `next` at an inner corner.
 ///
 /// Numbers in micrometres turn tangents by some 1e-5, and arcs that grow by as much need not meet what they then should.
 /// Half way across such a gap the two are as good as one.
@@ -370,7 +370,7 @@ fn is_far(contour: &Curve, point: &Point2<f64>, reach: f64) -> bool {
     [0.0, 0.5, 1.0].iter().any(|u| (contour.at(*u) - point).norm() > reach)
 }
 
-/// What a joint at the start of `element` has of it.
+/// Element of a joint at the start of `element`.
 fn joint_element(element: &PathElement) -> PathElement {
     let start = Station::start(element);
     let shape = Shape::Line { start: start.point, end: start.point };

@@ -1,9 +1,9 @@
-//! Braking less at first: for ways between the straight ramp and the one over a constant velocity.
+//! Eased braking: less braking at first, for distances between the straight ramp and the ramp over a constant velocity.
 
 use super::{MOST_STEPS, Way};
 use crate::profile::rates::Rates;
 
-/// What the axis does with the acceleration −α instead of its first one.
+/// Eased braking with the acceleration −α instead of the first one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ease<'a> {
     pub(super) way: &'a Way,
@@ -33,7 +33,7 @@ impl Ease<'_> {
         (self.excess(0.0).0 >= 0.0).then(|| self.between(0.0, high))
     }
 
-    /// How much further than the target the end is, u, the velocity where the acceleration is −α, and the peak of the
+    /// Distance of the end beyond the target, u, the velocity where the acceleration is −α, and the peak of the
     /// deceleration.
     fn excess(&self, alpha: f64) -> (f64, f64, f64) {
         let Self { way, limits, settled } = *self;

@@ -1,12 +1,13 @@
-//! Ramps of limited jerk: the fastest motion under limits of velocity, acceleration and jerk.
+//! Jerk-limited profiles: the fastest motion under limits of velocity, acceleration and jerk.
 //!
 //! The problem is that of Berscheid and Kröger, "Jerk-limited Real-time Trajectory Generation with Arbitrary Target
 //! States" (2021), for one axis and an end without acceleration, with a limit for the growth and one for the fall of
-//! the speed. The solution here goes another way, by what can be reached in a time:
+//! the speed. The solution here is different; it uses the positions that can be reached in a given time:
 //!
-//! The straight ramp to the end velocity ends somewhere. In more time T the places between a nearest and a furthest one
-//! can be reached, and both move continuously with T. So the fastest way to a target that is further is the first of
-//! the furthest ones that gets there, and nearer is its mirror image. The furthest ones are, in the order of T:
+//! The straight ramp to the end velocity ends at some position. With more time T all positions between a nearest and a
+//! furthest one can be reached, and both move continuously with T. So the fastest motion to a further target is the
+//! first of the furthest motions that reaches it; nearer targets are the mirror image. The furthest ones are, in the
+//! order of T:
 //!
 //! 1. *Easing*, where the axis brakes at the start and has to brake further: the acceleration rises from a0 to −α and
 //!    then goes on down to the end velocity. α goes from |a0| to 0.

@@ -1,4 +1,4 @@
-//! The fastest way from a velocity and an acceleration to a velocity without acceleration, under limited jerk.
+//! Jerk-limited ramp: the fastest change from a velocity and an acceleration to a velocity without acceleration.
 //!
 //! Upwards the acceleration rises with the jerk j to a peak p, stays there if that is the limit, and falls to 0:
 //!
@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Where the velocity goes through 0, braking ends and speeding up begins, each with a limit of its own. At 0 the
-//! acceleration may be the smaller of them only. What would be more there is two such humps, which meet at velocity 0
-//! with this acceleration. Downwards all is the mirror image.
+//! acceleration may only be the smaller of them. A ramp that would exceed it there has two such humps, which meet at
+//! velocity 0 with this acceleration. Downwards everything is the mirror image.
 
 use crate::profile::rates::Rates;
 use crate::profile::segment::Track;

@@ -1,4 +1,4 @@
-//! Limits of a million different proportions: whatever comes out is finite and ends where it should.
+//! Tests with limits of a million different proportions: every profile is finite and reaches its end.
 
 use super::random::Random;
 use crate::profile::{AxisLimits, Profile, ProfileError, RampType, State};

@@ -1,4 +1,4 @@
-//! Profiles against closed forms and against what must hold for all of them.
+//! Tests of profiles against closed forms and invariants.
 
 mod absurd;
 mod parabolic;
@@ -14,7 +14,7 @@ pub(super) fn limits(velocity: f64, acceleration: f64, deceleration: f64) -> Axi
     AxisLimits { velocity, acceleration, deceleration, jerk: 200.0 }
 }
 
-/// Whether two numbers agree within 1e-9, relative to the larger of them and 1.
+/// True if two numbers agree within 1e-9, relative to the larger of them and 1.
 pub(super) fn close(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().max(b.abs()).max(1.0)
 }

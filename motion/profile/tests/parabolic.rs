@@ -1,4 +1,4 @@
-//! Ramps of limited jerk.
+//! Tests of jerk-limited ramps.
 
 use super::random::{Case, Random};
 use super::{close, sampled};

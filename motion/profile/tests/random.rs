@@ -33,7 +33,7 @@ impl Random {
     }
 }
 
-/// What is to be planned.
+/// Planning problem.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Case {
     pub(super) from: State,
@@ -73,7 +73,7 @@ impl Case {
         Self { from, target, end_velocity, limits }
     }
 
-    /// Whether the velocity limit can be kept from the start on.
+    /// True if the velocity limit can be kept from the start on.
     pub(super) fn keeps_velocity(&self) -> bool {
         let State { velocity, acceleration, .. } = self.from;
         let settled = velocity + 0.5 * acceleration * acceleration.abs() / self.limits.jerk;

@@ -1,4 +1,4 @@
-//! What is not planned, and how that is said.
+//! Tests of refused motions and their messages.
 
 use crate::profile::{AxisLimits, Profile, ProfileError, RampType, State};
 

@@ -1,4 +1,4 @@
-//! Ruckig as witness: the fastest motion under limited jerk.
+//! Comparison with Ruckig: the fastest motion under limited jerk.
 
 use super::random::{Case, Random};
 use super::sampled;
@@ -13,7 +13,7 @@ const VERSION: &str = "0.19.4";
 
 const CASES: usize = 30_000;
 
-/// What Ruckig says for each case; `None`, and a word about it, without it.
+/// Ruckig's answer for each case; `None`, with a message, if it is not installed.
 fn durations(cases: &[Case]) -> Option<Vec<Result<f64, String>>> {
     let Some(python) = env::var_os("TWIN_RUCKIG_PYTHON").filter(|python| !python.is_empty()) else {
         println!("no ruckig {VERSION} here (TWIN_RUCKIG_PYTHON): not witnessed");
@@ -45,7 +45,7 @@ fn durations(cases: &[Case]) -> Option<Vec<Result<f64, String>>> {
     Some(lines.lines().map(parse).collect())
 }
 
-/// How our times compare with theirs.
+/// Comparison of our times with theirs.
 #[derive(Debug, Default)]
 struct Comparison {
     /// Where both have a motion.

@@ -1,4 +1,4 @@
-//! Profiles through the points of a table.
+//! Tests of profiles through the points of a table.
 
 use super::close;
 use crate::profile::{ProfileError, ProfilePoint, ProfileTable, State, TableProfile};

@@ -1,4 +1,4 @@
-//! Ramps of constant acceleration.
+//! Tests of ramps of constant acceleration.
 
 use super::{close, limits, sampled};
 use crate::profile::{AxisLimits, Profile, RampType, State};

@@ -1,9 +1,9 @@
-//! Programs that other people's CAM systems and hands have written, and what LinuxCNC's interpreter makes of them.
+//! Corpus of programs from CAM systems and by hand, compared with LinuxCNC's interpreter.
 //!
-//! The moves are those of LinuxCNC 2.9, of which a file lies beside each program: one JSON object a move, the last one
-//! says where the interpreter stopped and why. One thing in them is not LinuxCNC's: the script that wrote them takes
-//! every feed for inches per minute. Where only rotary axes move it is degrees per minute, as `rs274 -g` shows, which
-//! passes the same F on for moves in X and in A; [`correct_rotary_feeds`] undoes it.
+//! The moves are those of LinuxCNC 2.9, in a file next to each program: one JSON object per move; the last one gives
+//! the line and the reason at which the interpreter stopped. One thing in them is not LinuxCNC's: the script that wrote
+//! them takes every feed as inches per minute. Where only rotary axes move it is degrees per minute, as `rs274 -g`
+//! shows, which passes the same F on for moves in X and in A; [`correct_rotary_feeds`] undoes it.
 
 use super::moves::{ArcMove, Move, as_move};
 use super::*;

@@ -1,4 +1,4 @@
-//! Canned cycles: the examples of LinuxCNC's documentation (G-codes, G81), and their limits.
+//! Tests of canned cycles: the examples of LinuxCNC's documentation (G-codes, G81), and their limits.
 
 use super::*;
 use crate::rs274::MAX_CYCLE_MOVES;

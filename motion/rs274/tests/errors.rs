@@ -1,5 +1,5 @@
-//! Every error: its sentence, its line and the bytes it points at. What is an error and what is not is LinuxCNC's
-//! rule (`linuxcnc.rs`); the sentences are ours.
+//! Tests of every error: its message, its line and the bytes it points at. LinuxCNC's rule decides what is an error
+//! (`linuxcnc.rs`); the messages are ours.
 
 use super::*;
 use crate::decode::{Rule, TextError};

@@ -1,11 +1,11 @@
-//! Small programs and what LinuxCNC's interpreter makes of them.
+//! Small programs compared with LinuxCNC's interpreter.
 //!
 //! `linuxcnc.txt` is the output of LinuxCNC 2.9's interpreter (Debian package linuxcnc-uspace 2.9, its Python module
-//! `gcode`, all offsets zero) for programs that were written to see its rules: `| line of the program`, then its moves
-//! in mm and mm/min as `line kind x y z [F feed] [plane turns n center first second] [abc a b c]`, `line dwell
-//! seconds`, or `! error`, where it stopped. Where only rotary axes move F is in degrees per minute, as `rs274 -g` has
-//! it; for a program in inches the module gives 25.4 times as much. `probe` moves go to their ends: there is nothing to
-//! touch.
+//! `gcode`, all offsets zero) for programs that were written to test its rules: `| line of the program`, then its moves
+//! in mm and mm/min as `line kind x y z [F feed] [plane turns n center first second] [abc a b c]`,
+//! `line dwell seconds`, or `! error`, where it stopped. Where only rotary axes move F is in degrees per minute, as
+//! `rs274 -g` has it; for a program in inches the module gives 25.4 times as much. `probe` moves go to their ends:
+//! there is nothing to touch.
 
 use super::moves::{ArcMove, Move, as_move};
 use super::*;

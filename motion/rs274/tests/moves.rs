@@ -1,4 +1,4 @@
-//! Moves of LinuxCNC's interpreter, and whether elements are the same.
+//! Moves of LinuxCNC's interpreter, and their comparison with elements.
 
 use super::*;
 use crate::path::{Plane, Shape};
@@ -27,7 +27,7 @@ pub(super) struct ArcMove {
     pub(super) center: [f64; 2],
 }
 
-/// What of `element` LinuxCNC knows; `None` for M functions. `center_offset` is what lies between the program's
+/// `element` as a move of LinuxCNC; `None` for M functions. `center_offset` is the offset between the program's
 /// coordinates and the machine's.
 pub(super) fn as_move(element: &PathElement, center_offset: [f64; 3]) -> Option<Move> {
     let end = element.end().coords * 1e3;
@@ -72,7 +72,7 @@ fn close(ours: f64, expected: f64, tolerance: f64) -> bool {
 }
 
 impl Move {
-    /// How `self` differs from LinuxCNC's `expected`: end points and centres by more than 1e-4 mm, anything else by
+    /// Difference of `self` from LinuxCNC's `expected`: end points and centres by more than 1e-4 mm, anything else by
     /// more than LinuxCNC's last printed digit. `None` if it does not.
     pub(super) fn difference(&self, expected: &Self) -> Option<String> {
         let ends = match (&self.end, &expected.end) {

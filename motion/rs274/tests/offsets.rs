@@ -1,4 +1,4 @@
-//! Coordinate systems, G92, G53, G28 and G30: closed forms.
+//! Tests of work offsets: coordinate systems, G92, G53, G28 and G30, in closed form.
 
 use super::*;
 use crate::rs274::LengthUnit;

@@ -1,5 +1,6 @@
-//! Probing moves: where they end, and how the program goes on. What is an error and what is not is LinuxCNC's rule: of
-//! its interpreter in `linuxcnc.rs`, of its motion controller (a probe that trips, or does not, or has already) here.
+//! Tests of probing moves: their ends, and the program after them. LinuxCNC's rules decide what is an error: those of
+//! its interpreter in `linuxcnc.rs`, those of its motion controller (a probe that trips, or does not, or has already)
+//! here.
 
 use super::*;
 use crate::Place;

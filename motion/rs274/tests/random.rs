@@ -1,4 +1,4 @@
-//! Any bytes, and random programs.
+//! Robustness tests of the decoder: random bytes and random programs.
 
 use super::*;
 use crate::decode::{Rule, TextError};
@@ -19,7 +19,7 @@ fn run(program: &[u8], capacity: usize, options: &DecoderOptions) -> Vec<Result<
     items.collect()
 }
 
-/// What resembles a program more often than random bytes do.
+/// Random text that resembles a program more often than random bytes do.
 pub(super) fn scraps() -> impl Strategy<Value = Vec<u8>> {
     let scrap = prop_oneof![
         4 => "[NGXYZABCIJKRFMTSHPQLOUEDngxyzijkrf$/%();\\[\\]#= \t.,+-]{0,3}",

@@ -1,4 +1,4 @@
-//! Programs with lower feeds: F words that must change change, and nothing else.
+//! Tests of feed reduction: only the F words that must change do.
 
 use super::corpus::{WITHIN, corpus};
 use super::random::{programs, scraps};

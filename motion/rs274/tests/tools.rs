@@ -1,4 +1,4 @@
-//! The tool table, tool length, and M functions.
+//! Tests of the tool table, tool length, and M functions.
 
 use super::*;
 use crate::rs274::{LengthUnit, Tool, ToolReference, ToolTable, ToolTableError};

@@ -1,4 +1,4 @@
-//! What is not executed is told, with line and word; nothing is left out silently.
+//! Tests of unsupported words: each is reported with line and word; nothing is skipped silently.
 
 use super::*;
 use crate::decode::{Rule, TextError};

@@ -1,4 +1,4 @@
-//! How words are written: blanks, comments, `%`, numbers of blocks and programs; arcs, feeds, path modes.
+//! Tests of the notation of words: blanks, comments, `%`, numbers of blocks and programs; arcs, feeds, path modes.
 
 use super::*;
 use crate::path::{Plane, Shape};

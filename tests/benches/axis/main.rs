@@ -1,6 +1,5 @@
-//! Profiles of single axes: moves per second for each ramp, and beside the jerk-limited one Ruckig's C++ library, which
-//! plans the same moves in the same run (`tests/peers/ruckig_moves.py`), where Python, its wheel and a C++ compiler are
-//! at hand.
+//! Benchmark of single-axis profiles: moves per second for each ramp. Ruckig's C++ library plans the same jerk-limited
+//! moves in the same run (`tests/peers/ruckig_moves.py`), if Python, its wheel and a C++ compiler are installed.
 //!
 //! Both check their input. Machines are noisy: compare within one run. Numbers are printed, nothing fails on them.
 
@@ -33,7 +32,7 @@ pub struct Move {
 }
 
 impl Move {
-    /// How long it takes with `ramp`, s.
+    /// Duration with `ramp`, s.
     pub fn duration(&self, ramp: RampType) -> f64 {
         let Self { from, target, end_velocity, limits } = *self;
         let profile = Profile::to_position(from, target, end_velocity, limits, ramp);

@@ -1,4 +1,4 @@
-//! The same moves planned by Ruckig.
+//! Ruckig as peer: the same moves, planned by its C++ library.
 
 use super::{MOVES, Move, moves};
 use crate::python::Package;

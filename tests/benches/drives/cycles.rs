@@ -1,4 +1,4 @@
-//! How late the cycles of a run are taken up.
+//! Benchmark of cycle lateness: the delay from the due time of a cycle to its start.
 
 use super::load::Load;
 use super::machines::on_board;

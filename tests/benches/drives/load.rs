@@ -1,4 +1,4 @@
-//! A busy computer.
+//! Processor load for benchmarks: two busy threads per core.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,4 +1,4 @@
-//! Machines whose axes hang on the devices that are measured.
+//! Machines on the measured devices: a gantry on a board, on a bus, and on a module with a board.
 
 use std::path::Path;
 use twin::machine::Machine;

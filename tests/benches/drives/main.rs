@@ -1,11 +1,11 @@
-//! How fast drives are spoken to, and how well a run keeps time: on emulated devices at the pace of their wires, with
-//! the drivers of the product.
+//! Benchmark of the drives: command rate and cycle lateness, on emulated devices at the pace of their wires, with the
+//! drivers of the product.
 //!
 //! * Each family follows a plan for some seconds. Commands and samples are counted and compared with what the wire can
 //!   carry, by the bytes of the exchanges, the silences between them and the devices' answering times.
-//! * A program runs with a board beside the simulated machine. How late its cycles are taken up, each against the
-//!   instant at which it is due: with an ordinary and with a real-time thread, on an idle computer and on one with
-//!   two busy threads for every core.
+//! * A program runs on the simulated machine and on a board. The lateness of each cycle is measured against its due
+//!   time: with an ordinary and with a real-time thread, on an idle computer and on one with two busy threads for every
+//!   core.
 
 #![allow(
     clippy::expect_used,

@@ -1,4 +1,4 @@
-//! Commands and samples per second, against what the wires can carry.
+//! Benchmark of the wires: commands and samples per second, compared with what the wires can carry.
 
 use super::machines::{on_board, on_bus, on_module};
 use twin::clock::Clock;
@@ -7,7 +7,7 @@ use twin::machine::Machine;
 use twin::setpoint::HORIZON_NS;
 use twin_drives::{IncrementMotion, MAX_DRIVE_AXES, SetpointStream};
 
-/// How long the drives follow, s.
+/// Duration of the followed motion, s.
 const FOLLOWED: f64 = 10.0;
 /// Increments; of the shipped gantry 10 to 20 mm.
 const AMPLITUDE: f64 = 6400.0;

@@ -1,4 +1,4 @@
-//! The machines of the machine files, and where the curves are on them.
+//! Machines of the machine files, with the benchmark's curves within their reach.
 
 use crate::curves::{self, Curve, Jet};
 use crate::path::{Limits, Path, Rates, equal};

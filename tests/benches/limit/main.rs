@@ -1,10 +1,10 @@
-//! Feed limiting beside toppra, which limits velocity and acceleration (seidel, rows at both ends of every cell): the
-//! same paths, the same grids, the same rows, in one run.
+//! Benchmark of time-optimal planning against toppra, which limits velocity and acceleration (seidel, rows at both ends
+//! of every cell): the same paths, grids and rows in one run.
 //!
-//! Every row is a path on a machine in so many cells. Durations are those of the profiles; points are cells per second
-//! of computing, on one core, from the derivatives at the nodes to the profile. Machines are noisy: compare within a
-//! row. The planner of whole programs chooses a grid of its own, uniform in time, and asks the transform for its nodes;
-//! its points are the cells that it commits. Numbers are printed, nothing fails on them.
+//! Every row is a path on a machine with a number of cells. Durations are those of the profiles; points are cells per
+//! second of computing, on one core, from the derivatives at the nodes to the profile. Machines are noisy: compare
+//! within a row. The planner of whole programs chooses a grid of its own, uniform in time, and asks the transform for
+//! its nodes; its points are the cells that it commits. Numbers are printed, nothing fails on them.
 
 #![allow(
     clippy::expect_used,

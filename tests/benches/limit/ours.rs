@@ -1,4 +1,4 @@
-//! What `motion/limit` is asked for.
+//! Methods of `motion/limit` (time-optimal planning) under measurement.
 
 use crate::curves::Curve;
 use crate::machines::Machine;
@@ -14,7 +14,7 @@ pub struct Problem<'a> {
     pub rates: &'a dyn Fn(f64) -> Rates,
 }
 
-/// What came of it.
+/// Result of a method.
 #[derive(Clone, Copy)]
 pub struct Found {
     /// Of the profile, s.
@@ -31,11 +31,11 @@ pub struct Found {
 #[derive(Clone, Copy)]
 pub struct Method {
     pub name: &'static str,
-    /// Whether the rows are those that the peer has: velocity and acceleration on the same grid.
+    /// True if the rows are those of the peer: velocity and acceleration on the same grid.
     pub same: bool,
     /// The method that does the same in one window over the whole path.
     pub whole: Option<&'static str>,
-    /// Whether jerk is limited.
+    /// True if jerk is limited.
     pub jerk: bool,
     /// From rest to rest.
     pub run: fn(&Problem<'_>) -> Option<Found>,

@@ -1,4 +1,4 @@
-//! toppra, asked for the same paths in a process of its own (`tests/peers/toppra_seidel.py`).
+//! toppra as peer: the same paths in a process of its own (`tests/peers/toppra_seidel.py`).
 
 use crate::path::Path as AxisPath;
 use crate::python::Package;
@@ -16,14 +16,14 @@ pub struct Peer {
     answers: BufReader<ChildStdout>,
 }
 
-/// What it says about a path.
+/// Its answer for a path.
 #[derive(Clone, Copy, Debug)]
 pub struct Answer {
     /// Duration of the profile, s; none where it fails.
     pub duration: Option<f64>,
-    /// How long building the instance has taken, s.
+    /// Time to build the instance, s.
     pub construct: f64,
-    /// How long the passes over the path have taken, s.
+    /// Time of the passes over the path, s.
     pub solve: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Times and durations, side by side.
+//! Result table: computing times and durations of all planners side by side.
 
 use crate::ours::{Found, METHODS, Problem};
 use crate::path::as_float;
@@ -92,7 +92,7 @@ impl Row {
     }
 }
 
-/// What the columns are.
+/// Prints the head of the table.
 pub fn head() {
     let mut top = format!("{:27}{:^19}", "", "toppra");
     let mut line = format!("{:20}{:>7}{:>10}{:>9}", "path", "cells", "s", "kpoint/s");

@@ -1,5 +1,6 @@
-//! The machines, which the models beside `tests/peers/mujoco_machines.py` are too, and what they do: circles in the plane with a tool that
-//! goes up and down, from rest, under a controller that sees the axes every millisecond.
+//! Benchmark machines, the same as the models next to `tests/peers/mujoco_machines.py`, and their task. The task is
+//! circles in the plane with a tool that goes up and down, from rest, under a controller with a period of one
+//! millisecond.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -25,7 +26,7 @@ const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 /// Of the controller, rad/s.
 const BANDWIDTH: f64 = TAU * 15.0;
 
-/// What the controller has at the start of a period.
+/// Set-points of the controller at the start of a period.
 #[derive(Clone, Copy)]
 pub struct Set {
     pub position: [f64; 3],
@@ -165,7 +166,7 @@ impl Task {
         machine.step(&motion).expect("a machine that moves");
     }
 
-    /// Where the tip of the elastic machine's tool is after each period.
+    /// Tool tip positions of the elastic machine after each period.
     pub fn elastic_tips(&self, longest_step: f64) -> Vec<Point3<f64>> {
         let mut machine = self.elastic(longest_step);
         let tips = self.set.iter().map(|set| {
@@ -189,7 +190,7 @@ impl Task {
         }
     }
 
-    /// Where the tip of the tool is after each period, with so many cycles in one.
+    /// Tool tip positions after each period, with `cycles` simulation steps per period.
     pub fn tips(&self, cycles: i64) -> Vec<Point3<f64>> {
         let mut machine = self.machine(cycles);
         let tips = self.set.iter().map(|set| {
@@ -199,7 +200,7 @@ impl Task {
         tips.collect()
     }
 
-    /// How far the tip gets from where it should be after the first tenth, m.
+    /// Largest following error of the tip after the first tenth, m.
     pub fn following_error(&self, tips: &[Point3<f64>]) -> f64 {
         let wanted =
             self.set.iter().skip(1).map(|set| (self.tip)(&AxisVector::from_values(set.position)));

@@ -1,11 +1,11 @@
-//! The simulated machines beside MuJoCo 4 (RK4 with steps of 1 ms), with collisions on, on one core: the same machines, the same
-//! controller, the same collision geometry, in one run.
+//! Benchmark of the simulated machines against MuJoCo 4 (RK4 with steps of 1 ms), with collisions on, on one core: the
+//! same machines, controller and collision geometry in one run.
 //!
-//! Every row is a machine that follows a circle for two seconds from rest. Motors get what the controller says every millisecond and hold it,
-//! so that the motion has an exact solution, which ours has with steps of 100 µs to all its digits; errors are those of the tool tip
-//! against it. Times are those of a millisecond. Machines are noisy: both run in turn, and ratios are taken within a round. MuJoCo moves
-//! its loop in C (`mujoco.rollout`) with the efforts that it had before; ours includes the controller. Numbers are printed, nothing
-//! fails on them.
+//! Every row is a machine that follows a circle for two seconds from rest. Motors get the controller's output every
+//! millisecond and hold it, so that the motion has an exact solution, which our simulation reaches to all digits with
+//! steps of 100 µs; errors are those of the tool tip against it. Times are per simulated millisecond. Machines are
+//! noisy: both run in turn, and ratios are taken within a round. MuJoCo moves its loop in C (`mujoco.rollout`) with the
+//! efforts that it had before; ours includes the controller. Numbers are printed, nothing fails on them.
 
 #![allow(
     clippy::expect_used,

@@ -1,4 +1,4 @@
-//! MuJoCo, asked to move the same machines in a process of its own (`tests/peers/mujoco_machines.py`).
+//! MuJoCo as peer: the same machines in a process of its own (`tests/peers/mujoco_machines.py`).
 
 use crate::machines::{PERIOD, Task};
 use crate::python::Package;
@@ -28,7 +28,7 @@ impl Peer {
         Some(Self { child, requests, answers })
     }
 
-    /// Where the tip of the tool is after each period.
+    /// Tool tip positions after each period.
     pub fn take(&mut self, task: &Task) -> Vec<Point3<f64>> {
         let set = task.set.iter().map(|set| [set.position, set.velocity, set.effort].concat());
         let answer = self.ask(&json!({

@@ -1,4 +1,4 @@
-//! Times and errors, side by side.
+//! Result table: times and errors side by side.
 
 use crate::machines::PERIOD;
 
@@ -13,7 +13,7 @@ pub struct Row {
     pub peer_error: Option<f64>,
 }
 
-/// What the columns are.
+/// Prints the head of the table.
 pub fn head() {
     println!(
         "With collisions on; µs per 1 ms, median (least–most); error of the tip against the exact solution, µm.\n\

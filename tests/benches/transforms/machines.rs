@@ -1,4 +1,4 @@
-//! One machine of every kind and places where it works, for benchmarks and for the test that counts allocations.
+//! Machines of every kind with positions within their reach, for benchmarks and for the allocation test.
 
 use nalgebra::{SVector, Vector3};
 use std::f64::consts::FRAC_PI_6;
@@ -17,7 +17,7 @@ pub struct Placed<T, const N: usize> {
     pub axes: Vec<SVector<f64, N>>,
 }
 
-/// What is done with every machine.
+/// Visitor of every machine.
 pub trait Visit {
     fn visit<T: Transform<N> + Kinematics, const N: usize>(
         &mut self,

@@ -1,5 +1,5 @@
-//! From tool positions to axes, and the same with velocities and accelerations, for a transform of every kind; and
-//! beside them LinuxCNC's kinematics, where its sources and a C compiler are at hand.
+//! Benchmark of the inverse transforms: tool positions to axes, without and with velocities and accelerations, for
+//! every kind; and LinuxCNC's kinematics, if its sources and a C compiler are installed.
 //!
 //! Throughput counts tool positions, on one core. Machines are noisy: compare within one run. Numbers are printed,
 //! nothing fails on them.

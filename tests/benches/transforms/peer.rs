@@ -1,4 +1,4 @@
-//! The same tool positions through LinuxCNC's kinematics modules, compiled from its sources as they are.
+//! LinuxCNC's kinematics modules as peer: the same tool positions, with the modules compiled from unchanged sources.
 
 use super::machines::{self, Placed, Visit, each};
 use super::{PLACES, motions, positions, with_derivatives};

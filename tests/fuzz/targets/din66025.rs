@@ -1,4 +1,4 @@
-//! Any bytes as a program of SoftMotion's dialect: decoded, prepared as it asks for, planned and sampled.
+//! Fuzz target: any bytes as a program of SoftMotion's dialect, decoded, prepared, planned and sampled.
 
 #![no_main]
 

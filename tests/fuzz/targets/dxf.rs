@@ -1,4 +1,4 @@
-//! Any bytes as a drawing: imported in every way, exported and imported again, planned and sampled.
+//! Fuzz target: any bytes as a DXF drawing, imported in every way, exported and imported again, planned and sampled.
 
 #![no_main]
 

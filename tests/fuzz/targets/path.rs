@@ -1,4 +1,4 @@
-//! What holds for every path, whatever it was made of.
+//! Invariants of every path, whatever its source.
 
 #![allow(dead_code, reason = "not every target decodes or prepares")]
 
@@ -11,10 +11,11 @@ use twin_motion::prepare::{CheckVelocities, Notices, Preparation};
 /// Set-points sampled at most.
 const SETPOINTS: usize = 2_000;
 
-/// What a line or an arc and the corner behind it can become.
+/// Largest number of pieces from a line or an arc and the corner behind it.
 const PIECES: usize = 16;
 
-/// What a curve can become that is halved twelve times and replaced by biarcs, and the corners between them.
+/// Largest number of pieces from a curve that is halved twelve times and replaced by biarcs, and the corners between
+/// them.
 const CURVE_PIECES: usize = 3 * 2 << 12;
 
 /// The angle up to which turns are passed without a stop, rad.
@@ -78,7 +79,7 @@ fn most_pieces(element: &PathElement) -> usize {
     }
 }
 
-/// What the marks of `path` ask for, or nothing if that cannot be combined.
+/// Preparation that the marks of `path` ask for, or none if that cannot be combined.
 pub fn by_marks(path: &[PathElement]) -> Preparation {
     let marks = path.iter().fold(Marks::default(), |marks, element| marks.with(element.marks));
     Preparation::for_marks(marks).unwrap_or_default()
@@ -128,7 +129,7 @@ pub fn sampled(
     }
 }
 
-/// Whether the tool never jumps and never moves faster than along the path, as it does where Z has a profile of its
+/// True if the tool never jumps and never moves faster than along the path, as it does where Z has a profile of its
 /// own.
 fn is_steady(element: &PathElement) -> bool {
     let details = element.details.as_deref();

@@ -1,5 +1,5 @@
-//! Programs of all commands, decoded without an error more often than any bytes are, through all kinds of preparation
-//! and an interpolator that is told something else every now and then.
+//! Fuzz target: programs of all commands through all kinds of path preparation and an interpolator whose inputs change.
+//! Most of them decode without an error, unlike random bytes.
 
 #![no_main]
 

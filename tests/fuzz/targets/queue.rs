@@ -1,4 +1,4 @@
-//! Any bytes as a queue file, as they are and with their checksums put right.
+//! Fuzz target: any bytes as a queue file, unchanged and with corrected checksums.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Any bytes as a program of RS274: decoded, planned and sampled.
+//! Fuzz target: any bytes as a program of RS274, decoded, planned and sampled.
 
 #![no_main]
 

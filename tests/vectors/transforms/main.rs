@@ -1,7 +1,7 @@
 //! The worked vectors of the SoftMotion manual: transforms and frames.
 //!
-//! The numbers are in the same file as those of motion (`tests/data/softmotion-vectors.json`), and the same holds: the
-//! table of tests is the list of vectors, and a number that a test does not look at is a failure.
+//! The numbers are in the same file as those of motion (`tests/data/softmotion-vectors.json`), and the same rules hold:
+//! the table of tests is the list of vectors, and an unused number is a failure.
 
 #![allow(
     clippy::expect_used,
@@ -23,7 +23,7 @@ mod vector;
 
 use table::{Exercise, Owner};
 
-/// Which test exercises which vector.
+/// Table of vectors and the tests that exercise them.
 const EXERCISED: [Exercise; 18] = [
     ("trafo-gantry3", gantries::three_axes),
     ("trafo-cutter", gantries::cutter),

@@ -1,9 +1,9 @@
-//! A gantry whose bridge and carriage hang on one belt that two fixed motors pull: the H belt of the manual (8.2.3).
+//! Plane drive of a gantry: separate axes, or an H belt with two fixed motors (manual 8.2.3).
 
 use crate::generate::{Driven, MachineJoint, check_joints};
 use crate::{DimensionError, JointDrive};
 
-/// What moves bridge and carriage of a gantry.
+/// Drive of bridge and carriage of a gantry.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlaneDrive {
     /// An axis each, along x and along y (m, N).
@@ -23,7 +23,7 @@ pub enum PlaneDrive {
 pub struct HBelt {
     /// The motors A and B: axis position in m of belt, N.
     pub motors: [MachineJoint; 2],
-    /// What A and B (columns) contribute to x and y (rows); each is ±0.5.
+    /// Contributions of A and B (columns) to x and y (rows); each is ±0.5.
     pub factors: [[f64; 2]; 2],
     /// Lower and upper x and y of the flange, machine frame, m. Derived: as far as the motors' limits let each go.
     pub travel: Option<[[f64; 2]; 2]>,

@@ -1,4 +1,4 @@
-//! Gantries: a table between posts, a bridge on two rails, a carriage on the bridge, a quill with a tool.
+//! Generated gantries: a table between posts, a bridge on two rails, a carriage on the bridge, a quill with a tool.
 //!
 //! ```text
 //!        seen along +x                          seen along +y
@@ -51,7 +51,7 @@ pub struct RotaryTool {
     pub joint: MachineJoint,
     /// Axis position with the flange along +x (`dOffsetR`), rad.
     pub offset: f64,
-    /// Whether R counts clockwise (`iDirectionR` is −1).
+    /// True if R counts clockwise (`iDirectionR` is −1).
     pub clockwise: bool,
     /// Of the part that turns, without the tool, kg. Derived: 2700 kg/m³.
     pub mass: Option<f64>,
@@ -70,7 +70,7 @@ impl RotaryTool {
 pub struct GantryDimensions {
     /// Name of the machine.
     pub name: String,
-    /// What moves bridge (x) and carriage (y).
+    /// Drive of bridge (x) and carriage (y).
     pub plane: PlaneDrive,
     /// The joint that moves the quill up (m, N); `None`: the quill is fixed and the machine works in one plane.
     pub quill_joint: Option<MachineJoint>,
@@ -103,7 +103,7 @@ pub struct GantryDimensions {
 
 /// All dimensions, derived ones included.
 struct Gantry {
-    /// Where the flange goes, machine frame.
+    /// Range of the flange, machine frame.
     travel: [[f64; 2]; 3],
     /// Two motors on one belt.
     belt: bool,

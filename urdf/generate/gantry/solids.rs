@@ -1,4 +1,4 @@
-//! What a gantry looks like and weighs.
+//! Solids and masses of a generated gantry.
 
 use super::{CLEARANCE, Gantry};
 use crate::generate::{cuboid, paint, upright};
@@ -13,14 +13,14 @@ impl Gantry {
         0.8 * self.beam[0]
     }
 
-    /// Where the beam ends along y: the carriage stays between the rails.
+    /// Ends of the beam along y: the carriage stays between the rails.
     pub(super) fn beam_ends(&self) -> [f64; 2] {
         let [_, [low, high]] = self.occupied();
         let margin = CLEARANCE + self.rail();
         [low - margin, high + margin]
     }
 
-    /// Where carriage, quill and tool come along x and y.
+    /// Range of carriage, quill and tool along x and y.
     fn occupied(&self) -> [[f64; 2]; 2] {
         let side = self.carriage_width / 2.0;
         let [[x0, x1], [y0, y1], _] = self.travel;
@@ -30,7 +30,7 @@ impl Gantry {
         [along(x0, x1, left, right), along(y0, y1, back, front)]
     }
 
-    /// Where the two rails lie along y.
+    /// Range of the two rails along y.
     fn rails(&self) -> [[f64; 2]; 2] {
         let [left, right] = self.beam_ends();
         [[left, left + self.rail()], [right - self.rail(), right]]
@@ -152,7 +152,7 @@ impl Gantry {
         self.with_tool("quill", quill, inertial)
     }
 
-    /// What turns, with the tool, in the frame of the flange.
+    /// The rotating head with the tool, in the frame of the flange.
     pub(super) fn head(&self) -> Link {
         let [height, mass] = self.head.unwrap_or_default();
         let radius = head_radius(self.quill_width);

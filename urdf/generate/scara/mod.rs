@@ -1,4 +1,4 @@
-//! SCARAs: a column, two arms, a quill with a tool or with a hand that turns.
+//! Generated SCARAs: a column, two arms, and a quill with a tool or with a third arm (hand).
 //!
 //! ```text
 //!                            ┌──┐ quill
@@ -12,11 +12,11 @@
 //!        ──┴──────┴──          ── floor: below the lowest tool tip
 //! ```
 //!
-//! The machine frame is that of the transforms in `twin_kinematics::scara` (manual, 8.2.4 and 8.2.5): the origin lies on
-//! the first arm's axis at the height of the flange when the axis that moves Z is at 0. The flange of two arms is the lower
-//! end of the quill and stays parallel to arm 2. A third arm is a [hand](ScaraHand) that the quill carries and turns (a
-//! spline shaft in a real machine); the flange is at its end and points along it. The arms stand above, so that what the
-//! quill carries stays below arm 2.
+//! The machine frame is that of the transforms in `twin_kinematics::scara` (manual, 8.2.4 and 8.2.5): the origin lies
+//! on the first arm's axis at the height of the flange when the axis that moves Z is at 0. The flange of two arms is
+//! the lower end of the quill and stays parallel to arm 2. A third arm is a [hand](ScaraHand) that the quill carries
+//! and turns (a spline shaft in a real machine); the flange is at its end and points along it. The arms are above the
+//! work, so that everything on the quill stays below arm 2.
 
 mod solids;
 

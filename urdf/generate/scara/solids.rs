@@ -1,4 +1,4 @@
-//! What a SCARA looks like and weighs.
+//! Solids and masses of a generated SCARA.
 
 use super::{Arm, GAP, Hand, Scara};
 use crate::generate::{cuboid, paint, placed, upright};

@@ -1,11 +1,11 @@
-//! The joints of a tripod: where its rods hang and how its platform hangs on them.
+//! Joints of a generated tripod: the hanging of its rods and platform.
 
 use super::{Rod, Tripod, TripodDimensions};
 use crate::generate::{Driven, fixed};
 use crate::{DimensionError, JointDrive, JointKind, Link, Loop, Model};
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 
-/// Where everything is with all carriages at height 0 and the platform level and in the middle.
+/// Reference positions of a tripod, with all carriages at height 0 and the platform level and in the middle.
 #[derive(Clone, Debug)]
 pub(super) struct Linkage {
     /// Frames of the carriages in the machine frame: x outward, in the middle of their rods' upper ends but at height 0.
@@ -14,8 +14,8 @@ pub(super) struct Linkage {
     pub(super) platform: f64,
 }
 
-/// How a rod hangs: its frame has z along the rod, up, and is that of its carriage turned by `swing` about y and then by
-/// `tilt` about x.
+/// Hanging of a rod: its frame has z along the rod, up, and is that of its carriage turned by `swing` about y and then
+/// by `tilt` about x.
 struct Hanging {
     swing: f64,
     tilt: f64,

@@ -1,4 +1,4 @@
-//! Tripods: three carriages that slide up and down, six rods, and a platform that hangs on them and stays level.
+//! Generated tripods: three carriages that slide up and down, six rods, and a level platform.
 //!
 //! ```text
 //!      seen from the side                     seen from above
@@ -19,9 +19,9 @@
 //! carriages; the tool tip is given from its reference point, in the middle of its rod ends.
 //!
 //! The links make five loops: rod 1 carries the platform, by three joints that make a ball, and
-//! [`Model::loops`](crate::Model) hold it to the lower ends of the others. A rod hangs on its carriage by two joints; that
-//! it could turn about itself is left out. With its two rods of each carriage parallel the platform cannot tilt; with
-//! rods as somebody has measured them it does what they say.
+//! [`Model::loops`](crate::Model) hold it to the lower ends of the others. A rod hangs on its carriage by two joints;
+//! its rotation about itself is left out. If the two rods of each carriage are parallel, the platform cannot tilt; with
+//! measured rods it tilts as they require.
 
 mod linkage;
 mod solids;

@@ -1,4 +1,4 @@
-//! What a tripod looks like and weighs.
+//! Solids and masses of a generated tripod.
 
 use super::linkage::platform_height;
 use super::{CARRIAGE_DENSITY, CLEARANCE, PLATFORM_DENSITY, ROD_DENSITY, Rod, Tripod};

@@ -1,3 +1,5 @@
+//! Tests of generated gantries: clearances, masses, belts, and positions against the manual's transforms.
+
 use super::{bounds, corners, meet};
 use crate::tests::{gantry, seeded};
 use crate::{

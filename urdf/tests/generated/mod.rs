@@ -1,4 +1,4 @@
-//! Machines from their dimensions, against the closed forms of their transforms.
+//! Tests of generated machines against the closed forms of their transforms.
 
 pub(super) mod gantry;
 mod scara3;
@@ -43,7 +43,7 @@ fn bounds(model: &Model, link: usize, axes: &[f64]) -> Vec<[Point3<f64>; 2]> {
     model.links[link].solids.iter().map(|solid| around(&pose, solid)).collect()
 }
 
-/// Whether any solids of two links meet.
+/// True if any solids of two links meet.
 fn meet(one: &[[Point3<f64>; 2]], other: &[[Point3<f64>; 2]]) -> bool {
     let apart = |a: &[Point3<f64>; 2], b: &[Point3<f64>; 2]| {
         (0..3).any(|i| a[1][i] < b[0][i] || b[1][i] < a[0][i])

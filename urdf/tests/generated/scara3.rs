@@ -1,3 +1,5 @@
+//! Tests of generated SCARAs with a third arm.
+
 use super::{bounds, corners, heights};
 use crate::tests::{scara, seeded};
 use crate::{DimensionError, JointKind, MachineJoint, Model, ScaraDimensions, ScaraHand};

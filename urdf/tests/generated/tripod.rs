@@ -1,3 +1,5 @@
+//! Tests of generated tripods: loops, masses, and positions against the manual's transforms.
+
 use super::{bounds, meet};
 use crate::tests::seeded;
 use crate::{

@@ -1,4 +1,4 @@
-//! Clearance, read back.
+//! Tests of the clearance in a recording.
 
 use super::*;
 use crate::frame::ClearanceFrame;

@@ -1,4 +1,4 @@
-//! Recordings are read back with rerun's decoder; expectations are what was put in, in other units.
+//! Tests that read recordings back with rerun's decoder; expectations are the inputs in other units.
 
 mod clearance;
 mod motors;

@@ -1,4 +1,4 @@
-//! Motors, read back.
+//! Tests of the motors in a recording.
 
 use super::*;
 use crate::frame::MotorFrame;

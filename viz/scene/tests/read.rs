@@ -1,4 +1,4 @@
-//! Recordings read back with rerun's decoder.
+//! Reader of recordings for the tests, with rerun's decoder.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use rerun::{ComponentDescriptor, components};
 
 use crate::timeline::{LINE, TIME};
 
-/// What a recording holds.
+/// Contents of a recording.
 pub(crate) struct Read {
     pub(crate) chunks: Vec<Chunk>,
     /// The layouts.
@@ -100,7 +100,7 @@ impl Read {
             .collect()
     }
 
-    /// What the layouts say.
+    /// Values of a component in the layouts.
     pub(crate) fn of_layout<C: rerun::Component>(&self, component: &ComponentDescriptor) -> Vec<C> {
         let values = self.blueprint.iter().map(|chunk| {
             let values = chunk.iter_component::<C>(component.component);

@@ -1,4 +1,4 @@
-//! What is around the machine, read back.
+//! Tests of the obstacles in a recording.
 
 use super::*;
 use rerun::external::re_sdk_types::blueprint::archetypes as layout;

@@ -1,4 +1,4 @@
-//! Moves of the axis alone, and what moves on top.
+//! Random moves of a single axis, and superimposed motion.
 
 use super::called::{Called, limited, own};
 use super::checker::Limits;
@@ -102,7 +102,7 @@ pub(super) fn continued() -> Vec<Box<dyn Called>> {
     ]
 }
 
-/// What moves on top.
+/// Superimposed motion.
 pub(super) struct OnTop {
     block: SuperImposed,
     /// What it was given when it began.

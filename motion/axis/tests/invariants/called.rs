@@ -1,4 +1,4 @@
-//! What blocks are to a checker: how they are called, and what each keeps.
+//! Interface from the checker to the blocks: their calls, and the promise of each.
 
 use super::checker::{Limits, Promise};
 use super::random::Random;
@@ -17,7 +17,7 @@ pub(super) trait Called {
         master: &Axis,
     ) -> Outputs;
 
-    /// What it has to keep beside what all blocks keep, after it has been called.
+    /// Checks its additional invariants after a call.
     fn watch(&mut self, _shown: Outputs, _axis: &Axis, _master: &Axis) -> Result<(), String> {
         Ok(())
     }
@@ -25,17 +25,17 @@ pub(super) trait Called {
     /// Other inputs, now and then wrong ones.
     fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis);
 
-    /// What it is called.
+    /// Its name.
     fn name(&self) -> &'static str {
         type_name::<Self>()
     }
 
-    /// Whether it moves the axis while it is busy.
+    /// True if it moves the axis while it is busy.
     fn moves(&self) -> bool {
         true
     }
 
-    /// Who it is while it moves the axis, or moves on top of another block.
+    /// Its owner number while it moves the axis, or moves on top of another block.
     fn owner(&self) -> i64 {
         0
     }
@@ -50,18 +50,18 @@ pub(super) trait Called {
         ]
     }
 
-    /// What it keeps while it moves the axis.
+    /// Its promise while it moves the axis.
     fn promise(&self) -> Promise {
         Promise::USUAL
     }
 
-    /// What it keeps while it moves on top of another block.
+    /// Its limits while it moves on top of another block.
     fn on_top(&self) -> Option<Limits> {
         None
     }
 }
 
-/// What a block needs beside its axis, from the master.
+/// Further input of a block, from the master.
 pub(super) trait Take {
     fn take(master: &Axis) -> Self;
 }
@@ -80,7 +80,7 @@ impl Take for Master {
 pub(super) struct Moving<M: Motion> {
     pub(super) block: Block<M>,
     promise: Keeps<M>,
-    /// What it was given when it began, whatever it shows.
+    /// Inputs at its start.
     pub(super) taken: M,
     begun: Begun,
     inputs: fn(&mut Random, &Axis, &Axis) -> M,
@@ -88,18 +88,18 @@ pub(super) struct Moving<M: Motion> {
     execute: bool,
 }
 
-/// How a block began.
+/// Start of a block.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Begun {
-    /// How the axis moved then.
+    /// Motion of the axis then.
     pub(super) from: State,
-    /// Whether it has been done (in gear) since.
+    /// True if it has been done (in gear) since.
     pub(super) done: bool,
     /// Cycles since then.
     pub(super) cycles: u32,
 }
 
-/// What a block keeps that was given these inputs.
+/// Promise of a block for these inputs.
 pub(super) type Keeps<M> = fn(&M, &Begun) -> Promise;
 
 /// How inputs that count every cycle change, with how the axis goes on from the last cycle.

@@ -1,4 +1,4 @@
-//! What has to hold, cycle after cycle, whatever is called.
+//! Checker of the invariants, cycle after cycle, for any sequence of block calls.
 
 use super::legal::{self, Keeper};
 use super::{FASTEST, JERK, STEEPEST};
@@ -15,7 +15,7 @@ struct Tally {
     before: Outputs,
 }
 
-/// What moves the axis has promised to keep.
+/// Promise of the block that moves the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Promise {
     /// The block's own limits, once it has come back to them.
@@ -34,14 +34,14 @@ pub(super) enum Promise {
     Nothing,
 }
 
-/// What a block is given.
+/// Limits given to a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Limits {
     /// u/s.
     pub(super) velocity: f64,
-    /// How fast the speed may grow, u/s².
+    /// Largest growth of the speed, u/s².
     pub(super) acceleration: f64,
-    /// How fast it may fall, u/s².
+    /// Largest fall of the speed, u/s².
     pub(super) deceleration: f64,
     /// Of ramps with limited jerk, u/s³.
     pub(super) jerk: f64,
@@ -59,7 +59,7 @@ impl Promise {
     pub(super) const USUAL: Self = Self::Limits(Limits::new(0.5 * FASTEST, STEEPEST, STEEPEST));
 }
 
-/// What the last cycle was, and which executions of blocks have not come to their end.
+/// Checker with the last cycle and the unfinished executions of blocks.
 #[derive(Debug)]
 pub(super) struct Checker {
     state: AxisState,
@@ -122,12 +122,12 @@ impl Checker {
         }
     }
 
-    /// What a block showed last.
+    /// Last outputs of a block.
     pub(super) fn before(&self, index: usize) -> Outputs {
         self.tallies[index].before
     }
 
-    /// What a block of this name shows.
+    /// Takes the outputs of a block of this name.
     pub(super) fn block(
         &mut self,
         index: usize,
@@ -211,8 +211,8 @@ impl Checker {
         Ok(())
     }
 
-    /// What the axis does in this cycle; `owners` are who the blocks say they are. `followed` u/s² is what the master's
-    /// change of velocity makes of the slave's, `on_top` what a motion on top keeps.
+    /// Checks the axis in this cycle; `owners` are the owner numbers that the blocks report. `followed` u/s² is the
+    /// slave's acceleration from the master's, `on_top` the limits of a superimposed motion.
     pub(super) fn cycle(
         &mut self,
         axis: &Axis,

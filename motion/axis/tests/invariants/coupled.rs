@@ -1,4 +1,4 @@
-//! Slaves: gears and cams behind a master, and what is switched along their way.
+//! Random slaves: gears and cams behind a master, and cam switches along their motion.
 
 use super::alone::{rate, speed, way};
 use super::called::{Begun, Called, limited, moving, own};

@@ -1,4 +1,4 @@
-//! Set-points from the program: a walk for those that are not watched, jumps for those that are.
+//! Random set-points from the program: small steps for blocks without supervision, jumps for blocks with it.
 
 use super::alone::{rate, way};
 use super::called::{Begun, Called, Moving, any, moving};

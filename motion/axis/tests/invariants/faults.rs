@@ -1,4 +1,4 @@
-//! What is planted is found, and as what it is.
+//! Tests of the checker: it must find every planted fault and name it.
 
 use super::called::{self, Called};
 use super::planted::{self, OfCam, Owning};

@@ -1,4 +1,4 @@
-//! Homing.
+//! Random homing by switch and by drive.
 
 use super::alone::{rate, speed, way};
 use super::called::{Called, any, limited, own};

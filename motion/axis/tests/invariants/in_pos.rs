@@ -1,4 +1,4 @@
-//! What a gear keeps that is in step from a place on, and on the way there.
+//! Promise of a gear with a synchronous position, before and after it.
 
 use super::called::{Called, Moving, own};
 use super::checker::Promise;

@@ -1,4 +1,4 @@
-//! The axis that others follow.
+//! Master axis of the random sequences.
 
 use super::random::Random;
 use super::{JERK, POWER};

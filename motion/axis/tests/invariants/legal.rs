@@ -1,8 +1,9 @@
-//! States as PLCopen's diagram has them, told apart from what the axis itself knows of it, and whom nobody may take it from.
+//! Legal state transitions from PLCopen's diagram, independent of the axis's own table, and blocks that cannot be
+//! aborted.
 
 use crate::axis::{Axis, AxisState};
 
-/// Whether the diagram has an arrow (PLCopen; manual 2.4, 5.2); staying is none, and allowed.
+/// True if the diagram has an arrow (PLCopen; manual 2.4, 5.2); staying is none, and allowed.
 pub(super) fn is_arrow(from: AxisState, to: AxisState) -> bool {
     use AxisState::{ErrorStop, Homing, PowerOff, Standstill, Stopping};
     let stays = from == to;
@@ -18,7 +19,7 @@ pub(super) fn is_arrow(from: AxisState, to: AxisState) -> bool {
         }
 }
 
-/// In which state a block moves the axis (manual 5.2, 5.3).
+/// State in which a block moves the axis (manual 5.2, 5.3).
 pub(super) fn demanded(block: &str) -> AxisState {
     match short(block) {
         "MoveAbsolute" | "MoveRelative" | "MoveAdditive" | "Halt" | "PositionProfile" => {
@@ -52,7 +53,7 @@ pub(super) struct Keeper {
 }
 
 impl Keeper {
-    /// Who it is after a call.
+    /// The keeper after a call.
     pub(super) fn after(
         before: Option<Self>,
         axis: &Axis,

@@ -1,5 +1,5 @@
-//! Random sequences of blocks keep what always has to hold: one owner, legal states, limits, continuous motion, and
-//! every beginning of a block coming to exactly one end.
+//! Invariants of random block sequences: one owner, legal states, limits, continuous motion, and exactly one end for
+//! every execution of a block.
 
 mod alone;
 mod called;
@@ -34,7 +34,7 @@ const FASTEST: f64 = 30.0;
 const STEEPEST: f64 = 200.0;
 const JERK: f64 = 2_000.0;
 
-/// How often each kind of end came.
+/// Count of each kind of end.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
     done: u32,

@@ -1,4 +1,4 @@
-//! What a slave keeps on its cam and on the way there, and what its tappets switch.
+//! Promise of a slave on its cam and on its ramp-in, and of its tappets.
 
 use super::JERK;
 use super::called::{Called, Moving};

@@ -1,4 +1,4 @@
-//! Blocks that do not move the axis.
+//! Random blocks that do not move the axis.
 
 use super::called::Called;
 use super::random::Random;

@@ -1,4 +1,4 @@
-//! Blocks that are not as they should be.
+//! Planted faults: blocks with deliberate errors.
 
 use super::alone::rate;
 use super::called::{Called, Moving, limited, moving, own};
@@ -149,7 +149,7 @@ impl Couples for GearInPos {
     }
 }
 
-/// What is wrong with a cam.
+/// Planted fault of a cam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum OfCam {
     /// It ramps onto its cam faster than it was asked.
@@ -321,7 +321,7 @@ pub(super) fn beyond() -> Box<dyn Called> {
     Box::new(Walking::new(|random, _, _| Follow(direct::kind(random))))
 }
 
-/// What a relative move does about who has the axis.
+/// Planted fault of a relative move in the ownership of the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Owning {
     /// It commands the axis when another one has it: to where that has it.

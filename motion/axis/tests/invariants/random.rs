@@ -1,4 +1,4 @@
-//! Numbers that only look random.
+//! Reproducible random numbers.
 
 use crate::axis::Direction;
 

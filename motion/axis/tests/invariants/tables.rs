@@ -1,4 +1,4 @@
-//! Motions through tables, and what their points say of them.
+//! Random profile tables, and the promise that follows from their points.
 
 use super::CYCLE;
 use super::called::{Begun, Called, limited};

@@ -1,4 +1,4 @@
-//! Single joints.
+//! Tests of blending at single joints.
 
 use super::*;
 use crate::path::AxisMask;

@@ -1,4 +1,4 @@
-//! Tests of the course.
+//! Tests of the blended path.
 
 #![expect(clippy::float_cmp, reason = "what a course leaves alone stays the same to the bit")]
 

@@ -1,4 +1,4 @@
-//! Random paths of everything there is: what must hold at every joint.
+//! Random paths of all shapes: the invariants at every joint.
 
 use super::*;
 use crate::limit::course::width::SLIVER;

@@ -1,4 +1,4 @@
-//! Order, errors and what is held back.
+//! Tests of the stream: order, errors and held-back elements.
 
 use super::*;
 use crate::path::{ElementKind, ProbeOutcome, Probing};

@@ -1,4 +1,4 @@
-//! The direction of the path where the tool turns with it.
+//! Tests of the path's direction for a tool that turns with it.
 
 use super::random::{WEIGHTS, options, path};
 use super::*;

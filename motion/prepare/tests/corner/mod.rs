@@ -1,4 +1,4 @@
-//! [`RoundPath`] and [`SmoothPath`].
+//! Tests of corner rounding and smoothing, [`RoundPath`] and [`SmoothPath`].
 
 use super::{
     Error, PROBE, VECTOR_TOLERANCE, assert_continuous, close, cut, m_function, numbered, polyline,

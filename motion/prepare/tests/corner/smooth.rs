@@ -1,4 +1,4 @@
-//! [`SmoothPath`]; what it shares with [`crate::prepare::RoundPath`] is tested there.
+//! Tests of corner smoothing, [`SmoothPath`]; the tests of [`crate::prepare::RoundPath`] cover the common part.
 
 use super::{marked, with_radius};
 use crate::path::{Cubic, Ellipse, ExtraAxes, Marks, PathElement, Shape};

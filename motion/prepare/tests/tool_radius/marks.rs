@@ -1,4 +1,4 @@
-//! Where the correction begins and ends, and what stands between.
+//! Tests of the begin and end of tool radius correction, and of elements in between.
 
 use super::{CORNER, LEFT, RIGHT, assert_points, contour, correct};
 use crate::path::{Details, ElementKind, ExtraAxes, Marks, PathElement, Shape, Switch};

@@ -1,4 +1,4 @@
-//! [`ToolRadius`].
+//! Tests of tool radius correction, [`ToolRadius`].
 
 mod marks;
 mod narrow;

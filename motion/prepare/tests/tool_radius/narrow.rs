@@ -1,4 +1,4 @@
-//! Where the tool does not fit.
+//! Tests of contours that are too narrow for the tool.
 
 use super::{LEFT, RIGHT, assert_points, contour, correct};
 use crate::Place;
