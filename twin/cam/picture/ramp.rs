@@ -8,7 +8,6 @@ use twin_motion::cam::tune::{
     RampError, RampIn, RampMoment, RampShown, RampWish, on_cam, ramp_shown,
 };
 use twin_motion::profile::State;
-use twin_motion::profile::State;
 
 /// Height of a row of curves, pixels.
 const HEIGHT: f64 = 190.0;
