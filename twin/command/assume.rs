@@ -106,7 +106,7 @@ mod tests {
         assert!(drives.contains("is-offset or goes-offset is-offset"), "{drives}");
         let module = flat(list::<twin_drives::bim2ax::Assumptions>());
         assert!(module.contains("edge-taken or far-edge edge-taken"), "{module}");
-        for debug in ["AtOnce", "IsOffset", "EdgeTaken", "ExceptionCodes", "None"] {
+        for debug in ["AtOnce", "IsOffset", "EdgeTaken", "None"] {
             assert!(![&board, &drives, &module].iter().any(|list| list.contains(debug)), "{debug}");
         }
     }

@@ -8,7 +8,7 @@ use super::board::{Hand, LONG, no_clock, profile, with_board};
 use crate::{
     DriveError,
     interpcnc::{
-        Assumptions, AxisMask, BaudCode, BoardAxis, BoardStop, Command, ExceptionCodes, InterpCnc,
+        Assumptions, AxisMask, BaudCode, BoardAxis, BoardStop, Command, InterpCnc,
         InterpCncOptions, OutputCode,
         emulator::{Bench, BoardOptions, Control, Event},
         registers::Status,
@@ -18,7 +18,6 @@ use crate::{
 /// Every alternative, one at a time.
 fn alternatives() -> Vec<Assumptions> {
     let usual = Assumptions::default();
-    let exceptions = ExceptionCodes { address: 11, value: 12, failure: 13 };
     vec![
         usual,
         Assumptions { buffer_segments: 9, ..usual },
@@ -40,7 +39,12 @@ fn alternatives() -> Vec<Assumptions> {
         Assumptions { output_code: OutputCode::Number, ..usual },
         Assumptions { eeprom_write_ns: 50_000_000, ..usual },
         Assumptions { eeprom_refuses: false, ..usual },
-        Assumptions { exceptions, ..usual },
+        Assumptions {
+            exceptions_address: 11,
+            exceptions_value: 12,
+            exceptions_failure: 13,
+            ..usual
+        },
     ]
 }
 
