@@ -46,8 +46,7 @@ const DOUBLE_DWELL: [(f64, f64); 5] =
 const RISE_RETURN: [(f64, f64); 3] = [(0.0, 0.0), (180.0, 100.0), (360.0, 0.0)];
 const FIND: &str = "master-offset,slave-offset,slave-scaling";
 
-/// Down is up with a mirrored slave, half a cam on. The slave that is not mirrored is taken, the other one told: 100 − y(x + 180)
-/// is y(x).
+/// Down is up with a mirrored slave, half a cam on: 100 − y(x + 180) is y(x). The slave that is not mirrored is taken.
 #[test]
 fn a_slave_is_not_mirrored() {
     let desk = Desk::new();
@@ -57,21 +56,13 @@ fn a_slave_is_not_mirrored() {
         let tune = ["tune", "cam", "cam.toml", "--run", "run.csv", "--find", FIND];
         let done = desk.twin(&tune);
         done.ended(0, "");
-        let said = "fits alike, as the cam with a mirrored slave: taken is the sign that SlaveScaling has in what is wanted";
-        assert!(done.stdout.contains(said), "{}", done.stdout);
         let done = desk.twin(&[&tune[..], &["--format", "json"]].concat());
         let found = object(&done.stdout);
-        for (name, truth, other) in [
-            ("MasterOffset", -1.8, 178.2),
-            ("SlaveOffset", 0.3, 102.3),
-            ("SlaveScaling", 1.02, -1.02),
-        ] {
+        for (name, truth) in [("MasterOffset", -1.8), ("SlaveOffset", 0.3), ("SlaveScaling", 1.02)]
+        {
             let value = found["fit"]["estimates"][name]["value"].as_f64().expect("a value");
             let half = found["fit"]["estimates"][name]["half_width_95"].as_f64().expect("known");
             assert!((value - truth).abs() < 0.02 && half < 0.02, "{name}: {value} ± {half}");
-            let second = found["fit"]["other"][name].as_f64().expect("a value");
-            let apart = (second - other).rem_euclid(360.0);
-            assert!(apart.min(360.0 - apart) < 0.02, "{name}: {second}");
         }
         // What is proposed undoes it.
         let gain = found["coupling"]["slave_scaling"].as_f64().expect("a scaling");
@@ -98,7 +89,7 @@ fn a_mirrored_slave_is_told() {
     let done = desk.twin(&["tune", "cam", "cam.toml", "--run", "run.csv", "--find", FIND]);
     done.ended(0, "");
     let said = "the slave is mirrored: SlaveScaling has the other sign than what is wanted";
-    assert!(done.stdout.contains(said) && !done.stdout.contains("fits alike"), "{}", done.stdout);
+    assert!(done.stdout.contains(said), "{}", done.stdout);
 }
 
 /// Four lifts on a turn: a slave 10° off is taken as that, one 40° off may be 50° off the other way, and an interval says it.
@@ -115,8 +106,6 @@ fn a_cam_that_repeats_itself() {
     desk.write("run.csv", &recorded(&points, [-10.0, 0.0, 1.0]));
     let done = tune(&[]);
     done.ended(0, "");
-    let said = "fits alike, as the cam repeats itself: taken is the MasterOffset that is nearer to what is wanted";
-    assert!(done.stdout.contains(said), "{}", done.stdout);
     let proposed =
         object(&tune(&["--format", "json"]).stdout)["coupling"]["master_offset"].as_f64();
     assert!((proposed.expect("an offset") - 10.0).abs() < 0.01, "{proposed:?}");

@@ -1,6 +1,6 @@
 //! The dead time of what a tappet switches, from where it was seen to switch.
 
-use super::student::student_975;
+use super::distributions::student_975;
 use super::{Estimate, FitError};
 
 /// A switching that was seen.

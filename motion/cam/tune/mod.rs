@@ -1,37 +1,39 @@
-//! Tuning a cam offline: from a recorded run to offsets and scalings, from switchings to a dead time, from tolerances to a
-//! shape that lets the master go faster, and from the limits of the slave to the ramp it begins with.
+//! Tuning a cam offline: offsets and scalings from a recorded run or within limits, dead times from switchings, ramps, and shapes.
 //!
-//! What is estimated comes with an interval that holds the true value in 95 % of all runs. The noise of the slave's positions
-//! may grow with the slope, as jitter of the master makes it, go on from sample to sample for a while, and be rounded; how all
-//! that is reckoned with is in `motion/cam/tune/fit/width.rs`. Data that do not say what is asked for, or contradict it, are
-//! refused.
+//! Every estimate comes with an interval that holds the true value in 95 % of all runs (`motion/cam/tune/bootstrap.rs`). Data that
+//! do not determine a value, or contradict it, are refused.
+
+#![allow(
+    clippy::indexing_slicing,
+    reason = "fixed arrays of the four values, and loops over what is indexed"
+)]
 
 mod along;
-mod bounded;
-mod chance;
-mod convex;
+mod bootstrap;
+mod constrained;
 mod dead_time;
-mod draws;
+mod distributions;
 mod fit;
-mod gentle;
-mod ramp;
+mod linear_program;
+mod polynomial_extrema;
+mod quantum;
+mod ramp_in;
+mod random_numbers;
 mod reshape;
-mod start;
-mod student;
-mod swing;
+mod residuals;
 #[cfg(test)]
 mod tests;
 
-pub use bounded::{Bounded, BoundedWish, bounded, nearest};
-pub use chance::student_exceeds;
+pub use constrained::{
+    Bound, Constrained, ConstraintError, Constraints, Objective, constrained_fit,
+};
 pub use dead_time::{DeadTime, Switching, dead_time};
+pub use distributions::{student_975, student_exceeds};
 pub use fit::{Fit, FitOptions, Free, Sample, fit};
-pub use gentle::{Bound, Gentle, GentleError, GentleWish, gentle};
-pub use ramp::{
+pub use ramp_in::{
     Held, RampError, RampGoal, RampIn, RampMoment, RampShown, RampWish, on_cam, ramp_in, ramp_shown,
 };
 pub use reshape::{ReshapeError, Reshaped, Softened, Tolerance, Wish, reshape, soften};
-pub use student::student_975;
 
 use crate::short::Short;
 

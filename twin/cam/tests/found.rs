@@ -203,8 +203,8 @@ fn truths_of_a_thousand_runs_lie_in_their_intervals() {
         run.samples = run.samples.into_iter().step_by(20).collect();
         let found = fit_run(&file, &use_it, &run, free, 0.05, [None; 4])
             .unwrap_or_else(|error| panic!("{seed}: {error}"));
-        hits[0] += usize::from(found.master_offset.holds(truth[0]));
-        hits[1] += usize::from(found.slave_offset.holds(truth[1]));
+        hits[0] += usize::from(found.estimates[0].holds(truth[0]));
+        hits[1] += usize::from(found.estimates[2].holds(truth[1]));
         hits[2] += usize::from(dead.holds(truth[2]));
         assert!((dead.value - truth[2]).abs() < 0.002, "{seed}: {dead:?} {truth:?}");
     }
@@ -252,9 +252,7 @@ fn scalings_of_a_thousand_files_lie_in_their_intervals() {
         let found = fit_run(&file, &use_it, &run, Free::ALL, 0.05, [None; 4])
             .unwrap_or_else(|error| panic!("{seed}: {error}"));
         assert!(found.is_noise(160), "{seed}");
-        let all =
-            [found.master_offset, found.master_scaling, found.slave_offset, found.slave_scaling];
-        for ((hits, estimate), truth) in hits.iter_mut().zip(all).zip(truth) {
+        for ((hits, estimate), truth) in hits.iter_mut().zip(found.estimates).zip(truth) {
             *hits += usize::from(estimate.holds(truth));
         }
     }
@@ -362,7 +360,7 @@ fn scalings_and_offsets_within_limits() {
         slave_scaling: false,
     };
     let within_limits = |file: &CamFile, using: &CamUse, free| {
-        Ok::<_, TuneError>(within_limits(file, using, free, None)?.using)
+        Ok::<_, TuneError>(within_limits(file, using, free, None)?.0)
     };
     let second = 10.0 / 3.0_f64.sqrt() * 100.0 / 180.0_f64.powi(2);
     let use_it = using(&file, 300.0, limits(1e6, 900.0));

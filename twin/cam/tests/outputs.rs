@@ -5,7 +5,7 @@ use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{OutputError, Part, TuneError, run_dead_time};
-use twin_motion::cam::tune::Estimate;
+use twin_motion::cam::tune::{Estimate, FitError};
 
 const TWO: &str = r#"
 name = "two"
@@ -157,11 +157,11 @@ fn outputs_at_random_are_told() {
     let mut random = Random(1);
     let run = recorded(&[1], 0.002, 1500, |_| vec![random.share() < 0.5]);
     let error = output_error(&run);
-    assert!(matches!(error, OutputError::TooOften { group: 1, .. }), "{error}");
+    assert!(matches!(error, OutputError::Random { group: 1, .. }), "{error}");
     // 25 turns, and one pulse.
     let run = recorded(&[1], 0.002, 15_000, |time| vec![(0.205..0.67).contains(&time)]);
-    let error = output_error(&run);
-    assert!(matches!(error, OutputError::TooRare { group: 1, count: 2, .. }), "{error}");
+    let error = told(&run).expect_err("two switchings");
+    assert!(matches!(error, TuneError::DeadTime(FitError::TooFewSwitchings { .. })), "{error}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{
-    Least, Minimised, begin, corrected, fit_run, master_motion, minimise, travel, wanted, wants,
+    Constrained, Least, begin, corrected, fit_run, master_motion, minimise, travel, wanted, wants,
 };
 use twin_motion::cam::Quantity;
 use twin_motion::cam::tune::Free;
@@ -61,7 +61,7 @@ fn a_run_shows_how_its_master_goes() {
 const PLANT: Plant = Plant { lag: 0.005, gain: 1.02, shift: 3.0 };
 
 /// One run of the machine, and what is proposed: the slave's scaling as small as 0.9, and the slave a little lower.
-fn tuned(file: &CamFile, use_it: &CamUse) -> (CamUse, CamUse, Minimised) {
+fn tuned(file: &CamFile, use_it: &CamUse) -> (CamUse, CamUse, Constrained) {
     let run = recorded(file, &use_it.coupling, &PLANT, 0.0);
     let free = Free { master_scaling: false, ..Free::ALL };
     let fit = fit_run(file, &wanted(use_it), &run, free, 0.05, [None; 4]).expect("a fit");

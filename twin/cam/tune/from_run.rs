@@ -4,7 +4,7 @@ use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample};
 use super::TuneError;
-use super::course::Course;
+use super::correction::of_coupling;
 use super::tappets::{CHANCE, refuse_contradictory, refuse_random};
 use crate::number::significant;
 use twin_motion::cam::file::clean;
@@ -63,17 +63,8 @@ fn fit_free(
     free: Free,
     (scaling_range, between): (f64, [Option<[f64; 2]>; 4]),
 ) -> Result<Fit, TuneError> {
-    let input = &using.coupling.input;
-    let options = FitOptions {
-        free,
-        master_offset: input.master_offset,
-        master_scaling: input.master_scaling,
-        scaling_range,
-        slave_offset: input.slave_offset,
-        slave_scaling: input.slave_scaling,
-        repeated: using.repeated,
-        between,
-    };
+    let from = of_coupling(using);
+    let options = FitOptions { free, from, scaling_range, repeated: using.repeated, between };
     let samples: Vec<_> = run
         .samples
         .iter()
@@ -92,15 +83,10 @@ fn fit_free(
         Ok(found)
     } else {
         let (correlation, rms, unit) = (found.correlation, found.rms, file.slave.unit().to_owned());
-        let named = [
-            ("MasterOffset", free.master_offset, found.master_offset),
-            ("MasterScaling", free.master_scaling, found.master_scaling),
-            ("SlaveOffset", free.slave_offset, found.slave_offset),
-            ("SlaveScaling", free.slave_scaling, found.slave_scaling),
-        ];
-        let sought = named.into_iter().filter(|(_, sought, _)| *sought);
+        let named = using.coupling.numbers().into_iter().zip(found.estimates).zip(free.list());
+        let sought = named.filter(|(_, sought)| *sought);
         let values: Vec<_> = sought
-            .map(|(name, _, estimate)| format!("{name} {}", significant(estimate.value, 4)))
+            .map(|(((_, name, _), found), _)| format!("{name} {}", significant(found.value, 4)))
             .collect();
         Err(TuneError::NoNoise { correlation, rms, unit, nearest: values.join(", ") })
     }
@@ -125,12 +111,8 @@ pub fn rounded(estimate: Estimate) -> f64 {
 
 /// How far the slave of a run was from the cam: master and error of each sample.
 pub fn errors(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<(f64, f64)> {
-    let input = &using.coupling.input;
-    let curve = file.cam.curve();
     let error = |sample: &RunSample| {
-        let x = sample.master * input.master_scaling + input.master_offset;
-        let y = if using.repeated { curve.repeated(x) } else { curve.at(x) };
-        (sample.master, sample.slave - using.slave_at(y.position))
+        (sample.master, sample.slave - super::told_at(file, using, sample.master))
     };
     run.samples.iter().map(error).collect()
 }
@@ -176,7 +158,6 @@ pub fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<Seen
         .iter()
         .map(|sample| (sample.time_s, sample.master * input.master_scaling + input.master_offset))
         .collect();
-    let course = Course::new(&places);
     let noise = (run.noise() * input.master_scaling).abs();
     let mut seen = Vec::new();
     for (index, pair) in run.samples.windows(2).enumerate() {
@@ -200,7 +181,7 @@ pub fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<Seen
                 continue;
             }
             let target = place - far - velocity * delay;
-            if let Some(passed) = course.passage(index, target, velocity) {
+            if let Some(passed) = passage(&places, index, target, velocity) {
                 let behind_s = time - passed - delay;
                 // The time of a switching is known to half that between two samples: its place to that times the velocity.
                 let switching = Switching {
@@ -225,6 +206,16 @@ pub fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<Seen
         }
     }
     seen
+}
+
+/// When the master passed `target` last, in the direction of `velocity`, before the sample behind `index`; else when it does next.
+fn passage(places: &[(f64, f64)], index: usize, target: f64, velocity: f64) -> Option<f64> {
+    let beyond = |place: f64| (place - target) * velocity.signum() >= 0.0;
+    let crosses = |pair: &&[(f64, f64)]| !beyond(pair[0].1) && beyond(pair[1].1);
+    let before = places.get(..index + 2)?.windows(2).rev().find(crosses);
+    let pair = before.or_else(|| places.get(index..)?.windows(2).find(crosses))?;
+    let share = (target - pair[0].1) / (pair[1].1 - pair[0].1);
+    Some(pair[0].0 + share * (pair[1].0 - pair[0].0))
 }
 
 /// The nearest tappet that switches so.

@@ -1,32 +1,32 @@
 //! Tuning a cam from a recorded run, limits and tolerances (`twin tune cam`): what is found, and the lines that apply it.
 
-mod bounded;
-mod correct;
-mod course;
+#![allow(clippy::indexing_slicing, reason = "fixed arrays of the four values")]
+
+mod constrained;
+mod correction;
 mod from_run;
-mod kept;
-mod minimise;
-mod passed;
 mod recorded;
 mod shape;
 mod start;
 mod tappet_error;
+mod tappet_shift;
 mod tappets;
 mod units;
-mod wound;
+mod unwrap;
 
-pub use bounded::{Limited, Told, Within, exceeds, limited, refuses, scalings, within_limits};
-pub use correct::{Deviation, as_fitted, corrected, wanted, wants, with_exactly, within};
+pub use constrained::{
+    Constrained, Least, Told, exceeds, limited, minimise, refuses, scalings, within_limits,
+};
+pub use correction::{Deviation, as_fitted, corrected, wanted, wants, with_exactly, within};
 pub use from_run::{Seen, errors, fit_run, rms, rounded, switchings, tappet_dead_time};
-pub use kept::{Kept, KeptTappet, keep_tappets, passed_at, told_at};
-pub use minimise::{Least, Minimised, minimise};
 pub use recorded::{master_motion, travel};
 pub use shape::{PointTolerance, ShapeGoal, Shaped, shape};
 pub use start::{Begin, begin, started_at};
 pub use tappet_error::{OutputError, Part, SwitchingPart};
+pub use tappet_shift::{Kept, KeptTappet, keep_tappets, passed_at, told_at};
 pub use tappets::run_dead_time;
 pub use units::{passes_too_often, refuse_stroke};
-pub use wound::{Unwound, unwound};
+pub use unwrap::{Unwound, unwound};
 
 use super::check::CamUse;
 use super::edit::Change;
@@ -34,7 +34,7 @@ use super::{CamFile, WANTED};
 use crate::number::significant;
 use std::sync::Arc;
 use twin_motion::cam::tune::{
-    FitError, GentleError, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
+    ConstraintError, FitError, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
 };
 use twin_motion::cam::{CamError, CamTable, Element, Knot, LimitError, Shape, StartMode};
 use twin_motion::profile::{RampType, State};
@@ -159,7 +159,7 @@ pub enum TuneError {
     TooFast(#[source] LimitError),
     /// The smallest peak.
     #[error("the smallest peak: {0}")]
-    Minimise(#[source] GentleError),
+    Minimise(#[source] ConstraintError),
     /// The ramp.
     #[error("ramp: {0}")]
     Ramp(#[from] RampError),

@@ -3,7 +3,7 @@
 use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample};
-use super::correct::Deviation;
+use super::correction::Deviation;
 use twin_motion::cam::MasterMotion;
 use twin_motion::profile::State;
 

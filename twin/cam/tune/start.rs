@@ -4,7 +4,7 @@ use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::RecordedRun;
 use super::TuneError;
-use super::correct::Deviation;
+use super::correction::Deviation;
 use super::recorded::state;
 use twin_motion::profile::State;
 

@@ -110,36 +110,6 @@ pub enum OutputError {
         /// s.
         every_s: f64,
     },
-    /// More switchings than tappets can make.
-    #[error(
-        "the output of group {group} switches {count} times, and the {tappets} tappets that the master passes can switch it \
-         {changes} times: something else switches it, or it bounces"
-    )]
-    TooOften {
-        /// Its group.
-        group: i16,
-        /// How often it switches.
-        count: usize,
-        /// How many tappets were passed.
-        tappets: usize,
-        /// How often they switch.
-        changes: usize,
-    },
-    /// Fewer switchings than tappets should make.
-    #[error(
-        "the output of group {group} switches {count} times, and the {tappets} tappets that the master passes should switch it \
-         {changes} times: it is not this cam's, or the cam was not in effect"
-    )]
-    TooRare {
-        /// Its group.
-        group: i16,
-        /// How often it switches.
-        count: usize,
-        /// How many tappets were passed.
-        tappets: usize,
-        /// How often they switch, from sample to sample.
-        changes: usize,
-    },
 }
 
 fn groups(has: &[i16]) -> String {

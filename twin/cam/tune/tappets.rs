@@ -6,9 +6,8 @@ use super::super::check::CamUse;
 use super::super::run::RecordedRun;
 use super::TuneError;
 use super::from_run::{Seen, median, switchings, tappet_dead_time};
-use super::passed::refuse_count;
 use super::tappet_error::{OutputError, Part, SwitchingPart};
-use super::wound::unwound;
+use super::unwrap::unwound;
 use twin_motion::cam::tune::{DeadTime, student_exceeds};
 
 /// What noise does in one run of so many is told.
@@ -21,8 +20,6 @@ const SCATTER: f64 = 0.1;
 const OWN: f64 = 0.01;
 /// Places that random switchings keep to so often tell nothing.
 const TELLING: f64 = 0.1;
-/// With so many switchings each part has a scatter of its own.
-const OWN_SCATTER: f64 = 5.0;
 
 /// The dead time that a run's outputs tell, and of how many switchings.
 ///
@@ -40,15 +37,8 @@ pub fn run_dead_time(
         return Err(OutputError::NoGroup { group: *group, has }.into());
     }
     let run = &*unwound(file, using, run, None).run;
-    let counted =
-        (0..run.groups.len()).try_for_each(|output| refuse_count(file, using, run, output));
     let seen = switchings(file, using, run);
-    match (tappet_dead_time(using, &seen, run.between_s()), counted) {
-        // A line of the run says more.
-        (Err(outlier @ TuneError::Outlier { .. }), _) => Err(outlier),
-        (_, Err(count)) => Err(count.into()),
-        (found, Ok(())) => Ok((found?, seen.len())),
-    }
+    Ok((tappet_dead_time(using, &seen, run.between_s())?, seen.len()))
 }
 
 /// Switchings that lie no closer together than those at random do.
@@ -97,8 +87,7 @@ fn range_of(count: f64) -> f64 {
 
 /// Groups, edges of one group, halves of the run and heaps of switchings that have different dead times.
 ///
-/// Means are compared by Student's t with the scatter of all parts together (that few switchings tell better) and, of many,
-/// by Welch's with their own. Samples may have shifted each mean by half the time between two, which is no difference.
+/// Means are compared by Student's t with the scatter of all parts together. Samples may have shifted each mean by half the time between two, which is no difference.
 pub(super) fn refuse_contradictory(seen: &[Seen]) -> Result<(), OutputError> {
     let part = |which, of: &dyn Fn(&Seen) -> bool| {
         SwitchingPart::new(which, &seen.iter().filter(|seen| of(seen)).collect::<Vec<_>>())
@@ -145,30 +134,13 @@ fn refuse_apart(parts: &[SwitchingPart]) -> Result<(), OutputError> {
                 continue;
             }
             let pooled = (square / freedom * (1.0 / one.count + 1.0 / other.count)).sqrt();
-            let mut chance = student_exceeds(by / pooled, freedom);
-            if one.count >= OWN_SCATTER && other.count >= OWN_SCATTER {
-                chance = chance.max(welch(one, other, by));
-            }
+            let chance = student_exceeds(by / pooled, freedom);
             if chance < CHANCE {
                 return Err(OutputError::Contradictory { one: *one, other: *other });
             }
         }
     }
     Ok(())
-}
-
-/// How likely two means are so far apart by chance, each with its own scatter (Welch 1947, with Satterthwaite's freedom).
-fn welch(one: &SwitchingPart, other: &SwitchingPart, by: f64) -> f64 {
-    let variance = |part: &SwitchingPart| {
-        (part.square / (part.count - 1.0)).max(part.within_s * part.within_s / 3.0) / part.count
-    };
-    let [a, b] = [one, other].map(variance);
-    if a + b <= 0.0 {
-        return 0.0;
-    }
-    let freedom = (a + b).powi(2)
-        / (a * a / (one.count - 1.0) + b * b / (other.count - 1.0)).max(f64::MIN_POSITIVE);
-    student_exceeds(by / (a + b).sqrt(), freedom)
 }
 
 /// Switchings in two heaps with nothing between, far apart for how wide they are.

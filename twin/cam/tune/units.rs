@@ -27,7 +27,7 @@ pub fn refuse_stroke(
     fit: &Fit,
     said: Option<[f64; 2]>,
 ) -> Result<(), TuneError> {
-    let Estimate { value, half_width } = fit.slave_scaling;
+    let Estimate { value, half_width } = fit.estimates[3];
     let of = wanted.coupling.input.slave_scaling.abs();
     let (strokes, known) = (value.abs() / of, half_width / of);
     if said.is_some() || !strokes.is_finite() || (1.0 / STROKES..=STROKES).contains(&strokes) {

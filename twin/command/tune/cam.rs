@@ -86,8 +86,7 @@ pub(super) struct Arguments {
     pub(super) goal: Goal,
 
     /// Find `VelocityDiff`, Acceleration and Deceleration for a start from here: master, slave, and the slave's velocity; `run`:
-    /// from where both stand when the --run begins. Within the limits of velocity, acceleration, position and jerk; the best of a
-    /// grid of all three, and of what linear programs make of its best places
+    /// from where both stand when the --run begins. Within the limits of velocity, acceleration, position and jerk
     #[arg(long, value_name = "MASTER,SLAVE[,VELOCITY]|run", allow_hyphen_values = true, value_parser = start)]
     pub(super) ramp_in: Option<Shown<[f64; 3]>>,
 

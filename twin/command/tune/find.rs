@@ -9,8 +9,8 @@ use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{
-    self, Deviation, Least, Told, TuneError, Within, errors, fit_run, limited, minimise, ramp,
-    ramp_wish, run_dead_time, shape, within_limits,
+    self, Deviation, Least, Told, TuneError, errors, fit_run, limited, minimise, ramp, ramp_wish,
+    run_dead_time, shape, within_limits,
 };
 use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{Fit, FitError, RampGoal};
@@ -41,9 +41,8 @@ pub(super) fn tuned(
         within_run(arguments, (file, run, &fit), deviation.as_ref(), gives_way, report)?;
     } else if recorded.is_none() && peak.is_none() && !arguments.find.is_empty() {
         let range = arguments.scaling_range;
-        let Within { using, held } = within_limits(file, &before, arguments.free(), range)?;
-        report.after = using;
-        report.within = Some(held);
+        let (using, found) = within_limits(file, &before, arguments.free(), range)?;
+        (report.after, report.within) = (using, Some(found));
     }
     if held {
         report.kept = tune::keep_tappets(file, &before, &report.after)?.map(Box::new);
@@ -158,11 +157,7 @@ fn from_run(
         (report.after, deviation) = (after, Some(by));
         report.wanted = Some(reference);
     } else {
-        let input = &mut report.after.coupling.input;
-        input.master_offset = tune::rounded(found.master_offset);
-        input.master_scaling = tune::rounded(found.master_scaling);
-        input.slave_offset = tune::rounded(found.slave_offset);
-        input.slave_scaling = tune::rounded(found.slave_scaling);
+        report.after = tune::with_exactly(&before, found.estimates.map(tune::rounded));
     }
     report.error_after = Some(tune::rms(&errors(file, &did, run)));
     report.did = Some(did);

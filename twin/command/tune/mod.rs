@@ -1,15 +1,15 @@
 //! `twin tune`: parameters found offline, from recorded runs and limits.
 
+#![allow(clippy::indexing_slicing, reason = "fixed arrays of the four values")]
+
 mod cam;
+mod constrained;
 mod find;
 mod least;
-mod limited;
 mod object;
-mod other;
 mod outcome;
-mod peaks;
-mod recorded;
 mod report;
+mod shape;
 mod start;
 mod tappets;
 mod words;

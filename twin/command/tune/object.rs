@@ -10,19 +10,17 @@ impl Report<'_> {
     pub(super) fn json(&self) -> Value {
         let estimate = |Estimate { value, half_width }: Estimate| json!({ "value": value, "half_width_95": half_width });
         let fit = self.fit.as_ref().map(|fit| {
-            let named = Self::estimates(fit).map(|(name, found)| (name.to_owned(), estimate(found)));
-            let names = named.each_ref().map(|(name, _)| name.clone());
-            let proposed = names.into_iter().zip(self.proposed.iter().flatten()).enumerate();
+            let names = || self.before.coupling.numbers().into_iter().map(|(_, name, _)| name.to_owned());
+            let named = names().zip(fit.estimates.map(estimate));
+            let proposed = names().zip(self.proposed.iter().flatten()).enumerate();
             let proposed = proposed.filter_map(|(index, (name, found))| {
                 self.proposed_within(index).map(|_| (name, estimate(*found)))
             });
             json!({
-                "estimates": named.into_iter().collect::<serde_json::Map<_, _>>(),
+                "estimates": named.collect::<serde_json::Map<_, _>>(),
                 "proposed": self.proposed.as_ref().map(|_| proposed.collect::<serde_json::Map<_, _>>()),
                 "samples": self.samples, "rms_before": self.error_before, "rms_after": self.error_after,
-                "correlation": fit.correlation,
-                "quantum": fit.quantum, "bias": fit.bias, "shows_correlation": fit.shows_correlation,
-                "other": Self::other_json(fit),
+                "correlation": fit.correlation, "quantum": fit.quantum,
             })
         });
         let dead_time = self.dead_time.as_ref().map(|(found, count)| {
@@ -59,14 +57,8 @@ impl Report<'_> {
                 "peak_jerk": ramp.peak_jerk, "peak_cam_jerk": ramp.peak_cam_jerk, "ramp": kind, "axis_jerk": jerk, "position_min": ramp.positions[0], "position_max": ramp.positions[1],
             })
         });
-        let least = self.least.as_ref().map(|least| {
-            let names = self.after.coupling.numbers();
-            let held = names.iter().zip(&least.held).map(|((_, name, _), held)| ((*name).to_owned(), json!(held)));
-            json!({
-                "of": format!("peak {}", least.quantity), "from": least.from, "before": least.before, "after": least.after,
-                "held": held.collect::<serde_json::Map<_, _>>(),
-            })
-        });
+        let [within, least] = [&self.within, &self.least]
+            .map(|found| found.as_ref().map(|found| self.constrained_json(found)));
         let (file, block) = self.lines();
         let numbers =
             self.after.coupling.numbers().map(|(key, _, value)| (key.to_owned(), json!(value)));
@@ -80,7 +72,7 @@ impl Report<'_> {
             "slave_period": slave_period,
             "slave": fit.as_ref().map(|_| if self.wanted.is_some() { "measured" } else { "wanted" }),
             "fit": fit, "limited": self.limited.as_ref().map(|limited| self.limited_json(limited)),
-            "within": self.within.as_ref().map(|held| self.within_json(held)), "start": self.start_json(),
+            "within": within, "start": self.start_json(),
             "least": least, "dead_time": dead_time,
             "no_dead_time": self.no_dead_time, "shape": shape, "ramp": ramp,
             "tappets": self.tappets_json(),

@@ -5,11 +5,11 @@ use super::words::Format;
 use crate::cam::CamFile;
 use crate::cam::check::CamUse;
 use crate::cam::edit::Change;
-use crate::cam::tune::{Begin, Kept, Limited, Minimised, ShapeGoal, Shaped};
+use crate::cam::tune::{self, Begin, Constrained, Kept, ShapeGoal, Shaped};
 use crate::command::show::table;
 use crate::number::{beside, significant};
 use std::io::{self, Write};
-use twin_motion::cam::tune::{Bound, DeadTime, Estimate, Fit, RampIn, RampWish};
+use twin_motion::cam::tune::{DeadTime, Estimate, Fit, RampIn, RampWish};
 use twin_motion::cam::{MasterMotion, Quantity};
 use twin_motion::profile::RampType;
 
@@ -43,11 +43,11 @@ pub(super) struct Report<'a> {
     /// After what the positions of master and slave of the run begin again, where they do.
     pub(super) wound: [Option<f64>; 2],
     /// What the limits left of what the run tells.
-    pub(super) limited: Option<Limited>,
+    pub(super) limited: Option<Constrained>,
     /// Changed to keep the limits, and what holds each value.
-    pub(super) within: Option<[Vec<Bound>; 4]>,
+    pub(super) within: Option<Constrained>,
     /// Changed for the smallest peak.
-    pub(super) least: Option<Minimised>,
+    pub(super) least: Option<Constrained>,
     pub(super) shaped: Option<Shaped>,
     pub(super) goal: Option<ShapeGoal>,
     pub(super) ramp: Option<(RampType, RampIn)>,
@@ -120,15 +120,6 @@ impl<'a> Report<'a> {
         beside(position, self.height(), 6)
     }
 
-    pub(super) fn estimates(fit: &Fit) -> [(&'static str, Estimate); 4] {
-        [
-            ("MasterOffset", fit.master_offset),
-            ("MasterScaling", fit.master_scaling),
-            ("SlaveOffset", fit.slave_offset),
-            ("SlaveScaling", fit.slave_scaling),
-        ]
-    }
-
     /// The most important of it in one line.
     pub(super) fn headline(&self) -> String {
         let (master, slave) = (self.file.master.unit(), self.file.slave.unit());
@@ -136,7 +127,7 @@ impl<'a> Report<'a> {
         if let (Some(before), Some(after)) = (self.error_before, self.error_after) {
             parts.push(format!("error {} → {} {slave} rms", self.slave(before), self.slave(after)));
         }
-        if let Some(Minimised { quantity, before, after, .. }) = &self.least {
+        if let Some(Constrained { quantity: Some(quantity), before, after, .. }) = &self.least {
             let [before, after] = [before, after].map(|peak| short(*peak));
             parts.push(format!("largest {quantity} {before} → {after} {}", of(slave, *quantity)));
         }
@@ -214,11 +205,8 @@ impl<'a> Report<'a> {
         if let Some(limited) = &self.limited {
             self.tell_limited(out, limited)?;
         }
-        if let Some(held) = &self.within {
-            self.tell_within(out, held)?;
-        }
-        if let Some(least) = &self.least {
-            self.tell_least(out, least)?;
+        for found in [&self.within, &self.least].into_iter().flatten() {
+            self.tell_constrained(out, found)?;
         }
         if self.refused.is_none() {
             self.tell_start(out)?;
@@ -279,17 +267,25 @@ impl<'a> Report<'a> {
         if writes { Ok(()) } else { writeln!(out, "\nnothing is written without --write") }
     }
 
-    /// For what the intervals hold where the samples do not show whether it is so.
-    fn independent(&self, fit: &Fit) -> String {
-        let samples = self.samples;
-        let why = if fit.quantum > 0.0 && samples >= Fit::SAMPLES {
-            format!("intervals of a slave that moves by fewer than {} of these steps", Fit::STEPS)
-        } else {
-            format!("intervals of {samples} samples (below {})", Fit::SAMPLES)
-        };
-        format!(
-            "{why} hold for noise that is independent from sample to sample only; so few do not show whether it is"
-        )
+    /// How the run was recorded: within periods of its axes, and whether its time can be right.
+    fn tell_recorded(&self, out: &mut impl Write) -> io::Result<()> {
+        let units = [self.file.master.unit(), self.file.slave.unit()];
+        for ((name, period), unit) in ["master", "slave"].into_iter().zip(self.wound).zip(units) {
+            let Some(period) = period else { continue };
+            writeln!(
+                out,
+                "the {name} is recorded within its period of {} {unit}, and is taken to go on where that begins again",
+                short(period)
+            )?;
+        }
+        if let Some(passes) = tune::passes_too_often(self.file, &self.before) {
+            writeln!(
+                out,
+                "that is {} passes of the cam a second: is the time of the run in the unit that its column says?",
+                short(passes)
+            )?;
+        }
+        Ok(())
     }
 
     /// What the run tells.
@@ -309,8 +305,9 @@ impl<'a> Report<'a> {
             rows.set_header(header);
             let wanted = self.wanted.as_ref().map(numbers);
             let (before, after) = (numbers(&self.before), numbers(&self.after));
-            for (index, (name, Estimate { value, half_width })) in
-                Self::estimates(fit).into_iter().enumerate()
+            let names = self.before.coupling.numbers().map(|(_, name, _)| name);
+            for (index, (Estimate { value, half_width }, name)) in
+                fit.estimates.into_iter().zip(names).enumerate()
             {
                 let half = if half_width > 0.0 { short(half_width) } else { "given".to_owned() };
                 let mut row = vec![name.to_owned(), self.input(index, value), half];
@@ -330,7 +327,14 @@ impl<'a> Report<'a> {
                      what is wanted (--slave wanted: the run is the motion wanted)"
                 )?;
             }
-            self.tell_other(out, fit)?;
+            let reference = self.wanted.as_ref().unwrap_or(&self.before);
+            if fit.estimates[3].value * reference.coupling.input.slave_scaling < 0.0 {
+                let what = if self.wanted.is_some() { "wanted" } else { "in effect" };
+                writeln!(
+                    out,
+                    "the slave is mirrored: SlaveScaling has the other sign than what is {what}"
+                )?;
+            }
             let tense = if self.wanted.is_some() { "would be" } else { "is" };
             let MasterMotion { velocity, acceleration, .. } = self.before.master;
             let master = self.file.master.unit();
@@ -355,15 +359,13 @@ impl<'a> Report<'a> {
                     short(fit.quantum)
                 )?;
             }
-            if !fit.shows_correlation {
-                writeln!(out, "{}", self.independent(fit))?;
-            }
-            if fit.bias > BIAS {
+            if self.samples < Fit::SAMPLES {
                 writeln!(
                     out,
-                    "what is left over grows with the slope, as noise of the master's positions makes it: so much of it flattens \
-                     what is found, by up to {} % of the half widths, which hold it",
-                    short((fit.bias * 100.0).round())
+                    "intervals of {} samples (below {}) hold for noise that is independent from sample to sample only; so few \
+                     do not show whether it is",
+                    self.samples,
+                    Fit::SAMPLES
                 )?;
             }
         }
@@ -384,9 +386,6 @@ impl<'a> Report<'a> {
         Ok(())
     }
 }
-
-/// A bias that is a larger part of a half width is told.
-const BIAS: f64 = 0.2;
 
 /// The unit of a quantity of the slave.
 pub(super) fn of(unit: &str, quantity: Quantity) -> String {

@@ -23,6 +23,8 @@ use crate::short::Short;
 use clarabel::solver::SolverStatus;
 use program::Problem;
 use scale::scaled;
+#[cfg(test)]
+pub(super) use short::near;
 use short::shortened;
 use weight::Weights;
 

@@ -3,7 +3,7 @@
 use super::super::super::curve::Curve;
 use super::super::super::knot::{Derivatives, Knot, Piece};
 use super::super::super::polynomial::{Coefficients, extremes};
-use super::super::convex::Program;
+use super::super::linear_program::Program;
 use super::weight::Weights;
 use super::{KEPT_AT_TAPPETS, PEAK, POSITION, ROUNDS, ReshapeError, Wish};
 use clarabel::solver::SolverStatus;
@@ -274,7 +274,7 @@ impl<'a> Problem<'a> {
             }
             status => ReshapeError::NotSolved { status },
         })?;
-        let part = found.x.pop().unwrap_or(f64::INFINITY);
-        Ok((found.x, part))
+        let part = found.pop().unwrap_or(f64::INFINITY);
+        Ok((found, part))
     }
 }

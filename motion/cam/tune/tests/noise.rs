@@ -1,14 +1,14 @@
 //! Intervals hold for noise as recordings have it: rounded, growing with the slope, of the master, and going on from sample to
 //! sample.
 
-use super::Random;
+use super::{Random, trials};
 use crate::cam::tune::{Fit, FitError, FitOptions, Free, Sample, fit};
 use crate::cam::{Curve, Knot};
-use std::ops::RangeInclusive;
 
 /// 300 trials of which 95 % should hit: 92 to 98 %, within 2.4 standard deviations (seeds are fixed).
 const TRIALS: u64 = 300;
-const HITS: RangeInclusive<usize> = 276..=294;
+const HITS: [f64; 2] = [0.92, 0.98];
+const AND_MORE: [f64; 2] = [0.92, 1.0];
 
 /// Goes up in another way than down, with a velocity at one point.
 fn lift() -> Curve {
@@ -40,16 +40,17 @@ type Make<'a> = dyn FnMut(&mut Random, &dyn Fn(f64) -> f64, f64) -> Sample + 'a;
 
 /// What is found in trials of so many samples in so many turns, of which so many are to hit each unknown; `sample` makes one
 /// of the master's place and what is true.
-fn trials(
+fn tried(
     name: &str,
     [count, turns]: [u32; 2],
-    right: &RangeInclusive<usize>,
+    [least, most]: [f64; 2],
     sample: &mut Make<'_>,
 ) -> Vec<Fit> {
     let curve = lift();
     let mut hits = [0_usize; 3];
     let mut all = Vec::new();
-    for seed in 0..TRIALS {
+    let trials = trials(TRIALS);
+    for seed in 0..trials {
         let mut random = Random(seed + 40_000);
         let truth = Truth {
             offset: random.between(-3.0, 3.0),
@@ -66,15 +67,19 @@ fn trials(
         let found = fit(&curve, &samples, &options);
         let found = found.unwrap_or_else(|error| panic!("{name} {seed}: {error}"));
         assert!(found.is_noise(samples.len()), "{name} {seed}: {found:?}");
-        let estimates = [found.master_offset, found.slave_offset, found.slave_scaling];
+        let estimates = [found.estimates[0], found.estimates[2], found.estimates[3]];
         let truths = [truth.offset, truth.shift, truth.factor];
         for ((hits, estimate), truth) in hits.iter_mut().zip(estimates).zip(truths) {
             *hits += usize::from(estimate.holds(truth));
         }
         all.push(found);
     }
+    // Of fewer trials chance has more.
+    let count = f64::from(u32::try_from(trials).expect("a count"));
+    let room = 2.4 * (0.0475_f64 / count).sqrt() - 0.03;
     for hits in hits {
-        assert!(right.contains(&hits), "{name}: {hits} of {TRIALS}");
+        let part = f64::from(u32::try_from(hits).expect("a count")) / count;
+        assert!((least - room..=most + room).contains(&part), "{name}: {hits} of {trials}");
     }
     all
 }
@@ -89,41 +94,43 @@ fn at(master: f64, slave: f64) -> Sample {
 fn rounded_positions() {
     for (step, noise) in [(0.1, 0.0), (0.01, 0.0), (0.1, 0.02), (0.1, 0.04), (0.1, 0.1)] {
         let name = format!("rounded to {step}, noise of {noise}");
-        let found = trials(&name, [1200, 2], &HITS, &mut |random, slave, master| {
+        let found = tried(&name, [1200, 2], HITS, &mut |random, slave, master| {
             let slave = slave(master) + noise * random.normal();
             at(master, (slave / step).round() * step)
         });
         let seen = found.iter().filter(|found| (found.quantum - step).abs() < 1e-9).count();
         // Between, the step may be seen or not.
-        assert!(if noise < 0.3 * step { seen == 300 } else { seen < 100 }, "{name}: {seen}");
+        assert!(
+            if noise < 0.3 * step { seen == found.len() } else { 3 * seen < found.len() },
+            "{name}: {seen}"
+        );
     }
 }
 
 /// Of the master's encoder: what is left over grows with the slope.
 #[test]
 fn noise_of_the_master() {
-    trials("master 0.3, slave 0.02", [1200, 2], &HITS, &mut |random, slave, master| {
+    tried("master 0.3, slave 0.02", [1200, 2], HITS, &mut |random, slave, master| {
         at(master + 0.3 * random.normal(), slave(master) + 0.02 * random.normal())
     });
-    trials("master 0.05, slave 0.005", [1200, 2], &HITS, &mut |random, slave, master| {
+    tried("master 0.05, slave 0.005", [1200, 2], HITS, &mut |random, slave, master| {
         at(master + 0.05 * random.normal(), slave(master) + 0.005 * random.normal())
     });
 }
 
-/// So much jitter of the master that it flattens what is fitted: the intervals hold that, and it is told. With a bias of one
+/// So much jitter of the master that it flattens what is fitted: the intervals hold that. With a bias of one
 /// sign they hold more than 95 %.
 #[test]
-fn jitter_that_shifts_is_told() {
-    let found = trials("master 1.5", [2400, 4], &(276..=300), &mut |random, slave, master| {
+fn jitter_that_shifts_is_held() {
+    tried("master 1.5", [2400, 4], AND_MORE, &mut |random, slave, master| {
         at(master + 1.5 * random.normal(), slave(master) + 0.02 * random.normal())
     });
-    assert!(found.iter().all(|found| found.bias > 0.2), "{:?}", found[0]);
 }
 
 #[test]
 fn noise_that_grows_with_the_slope() {
     let curve = lift();
-    trials("grows", [1200, 2], &HITS, &mut |random, slave, master| {
+    tried("grows", [1200, 2], HITS, &mut |random, slave, master| {
         let slope = curve.repeated(master).velocity;
         at(master, slave(master) + (0.02 + 0.3 * slope.abs()) * random.normal())
     });
@@ -133,10 +140,10 @@ fn noise_that_grows_with_the_slope() {
 fn noise_that_goes_on_from_sample_to_sample() {
     for (rho, count) in [(0.3, 400), (0.3, 1200), (0.5, 800)] {
         let mut before = 0.0;
-        trials(
+        tried(
             &format!("correlation {rho} of {count}"),
             [count, 2],
-            &HITS,
+            HITS,
             &mut |random, slave, master| {
                 let fresh = 0.1 * random.normal();
                 // The first one of a run has the variance of all.

@@ -1,6 +1,6 @@
 //! Ramps: as soon as can be where that is known in closed form, and held against the coupling itself.
 
-use super::Random;
+use super::{Random, trials};
 use crate::cam::tune::{RampError, RampGoal, RampIn, RampWish, ramp_in};
 use crate::cam::{
     Cam, CamCoupling, CamInput, CamTable, Knot, Quantity, Shape, SlaveLimits, StartMode,
@@ -110,7 +110,7 @@ fn positions_on_the_way_are_kept() {
     let error = ramp_in(&within(8.99)).expect_err("no room");
     assert!(matches!(error, RampError::Beyond { what: "position", .. }), "{error}");
     // The positions are those of the coupling: on a moving cam, by driving it.
-    for seed in 0..20 {
+    for seed in 0..trials(20) {
         let mut random = Random(seed);
         let sign = if seed % 2 == 0 { -1.0 } else { 1.0 };
         let master = moving(random.between(0.0, 360.0), sign * random.between(20.0, 300.0));
@@ -253,7 +253,7 @@ fn driven(wish: &RampWish, ramp: &RampIn, cycle_ns: i64) -> [f64; 3] {
 /// hold, and no other values near or far are better.
 #[test]
 fn random_ramps_are_what_the_coupling_does_and_none_is_sooner() {
-    for seed in 0..40 {
+    for seed in 0..trials(40) {
         let mut random = Random(seed);
         let sign = if seed % 3 == 0 { -1.0 } else { 1.0 };
         let master = moving(random.between(0.0, 360.0), sign * random.between(20.0, 300.0));

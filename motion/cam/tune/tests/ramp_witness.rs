@@ -1,8 +1,8 @@
 //! Ramps of all kinds against a brute witness: ramps tried at random, and then nearer and nearer to the best of them, each by
 //! the exact evaluation; and what must not change the answer.
 
-use super::super::ramp::Problem;
-use super::Random;
+use super::super::ramp_in::Problem;
+use super::{Random, trials};
 use crate::cam::tune::{RampGoal, RampIn, RampWish, ramp_in};
 use crate::cam::{Quantity, SlaveLimits};
 use crate::profile::RampType;
@@ -99,11 +99,12 @@ fn wishes(seed: u64, ramp: RampType) -> Vec<RampWish> {
 }
 
 /// Nothing that the witness finds is better.
-fn against_the_witness(ramp: RampType, seeds: u64, trials: u32) {
+fn against_the_witness(ramp: RampType, seeds: u64, count: u32) {
+    let seeds = trials(seeds);
     let (mut worse, mut compared) = (Vec::new(), 0);
     for seed in 0..seeds {
         for wish in wishes(seed, ramp) {
-            let Some(other) = witness(&wish, trials, 900 + seed) else { continue };
+            let Some(other) = witness(&wish, count, 900 + seed) else { continue };
             compared += 1;
             match ramp_in(&wish) {
                 Ok(found) => {
@@ -121,7 +122,7 @@ fn against_the_witness(ramp: RampType, seeds: u64, trials: u32) {
         }
     }
     assert!(worse.is_empty(), "{ramp:?}: {} of {compared}: {worse:#?}", worse.len());
-    assert!(compared >= 3 * seeds, "{ramp:?}: {compared}");
+    assert!(compared >= 2 * seeds, "{ramp:?}: {compared}");
 }
 
 #[test]
@@ -136,7 +137,7 @@ fn no_parabolic_ramp_that_is_tried_is_better() {
 
 #[test]
 fn no_sigmoid_ramp_that_is_tried_is_better() {
-    against_the_witness(RampType::Sigmoid, 5, 4000);
+    against_the_witness(RampType::Sigmoid, 8, 4000);
 }
 
 const KINDS: [(RampType, u64); 3] =

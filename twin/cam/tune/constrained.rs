@@ -1,0 +1,285 @@
+//! Offsets and scalings within limits, in the units of the axes: with the least error of a recorded slave, the least change, or the
+//! least peak of the slave.
+
+use super::super::CamFile;
+use super::super::check::{CamCheck, CamUse};
+use super::super::run::RecordedRun;
+use super::correction::{Deviation, of_coupling, wanted, with_exactly, with_values};
+use super::{TuneError, errors, rms, same};
+use crate::finding::{Finding, Rule, Severity};
+use crate::number::significant;
+use twin_motion::cam::Quantity;
+use twin_motion::cam::file::clean;
+use twin_motion::cam::tune::{
+    self as motion, Bound, ConstraintError, Constraints, Estimate, Fit, Free, Objective, Sample,
+    constrained_fit,
+};
+
+/// Values that constraints have changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constrained {
+    /// `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` before.
+    pub from: [f64; 4],
+    /// The constraints that hold each of them.
+    pub held: [Vec<Bound>; 4],
+    /// The error of the slave without the constraints, root mean square, u; or its peak before, u/s² or u/s³.
+    pub before: f64,
+    /// The same with them.
+    pub after: f64,
+    /// Of which quantity the peak is; none of an error or a change.
+    pub quantity: Option<Quantity>,
+    /// Whether the master goes a part of the cam only, for which alone the limits count.
+    pub part: bool,
+    /// What the slave of a run does with what is proposed.
+    pub does: CamUse,
+}
+
+/// What a run determines, before the limits.
+#[derive(Clone, Copy, Debug)]
+pub struct Told<'a> {
+    /// The coupling that was in effect.
+    pub before: &'a CamUse,
+    /// What is proposed without limits.
+    pub proposed: &'a CamUse,
+    /// What was found in the run.
+    pub fit: &'a Fit,
+    /// How the slave deviates, if it was measured; else the run is the motion wanted.
+    pub deviation: Option<&'a Deviation>,
+    /// Within which part of itself `MasterScaling` has to stay, if that was said.
+    pub scaling_range: Option<f64>,
+}
+
+/// The peak that is to be small, and what holds offsets and scalings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Least {
+    /// Peak of the slave's acceleration or jerk.
+    pub quantity: Quantity,
+    /// Between what `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` may be; none for what stays.
+    pub sought: [Option<[f64; 2]>; 4],
+    /// From where to where the master goes; all of the cam without it.
+    pub travel: Option<[f64; 2]>,
+    /// How far the slave goes at least.
+    pub stroke: f64,
+    /// How far tappets may move on the master, and how far from where it is at them the slave may be.
+    pub tappet_tolerance: [f64; 2],
+}
+
+const ANYTHING: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+
+/// Offsets and scalings with the least error that is possible within the limits of what the slave is told, with which it can be
+/// coupled; none if what is proposed keeps them.
+///
+/// # Errors
+/// [`TuneError::NoRoom`] and [`TuneError::NoStart`] if nothing does.
+pub fn limited(
+    file: &CamFile,
+    told: &Told<'_>,
+    run: &RecordedRun,
+    free: Free,
+) -> Result<Option<(CamUse, Constrained)>, TuneError> {
+    let Told { before, proposed, fit, deviation, scaling_range } = *told;
+    if keeps(file, proposed) {
+        return Ok(None);
+    }
+    let target = wanted(before);
+    // Where the slave sees the master, and what it has to be told there.
+    let sample = |one: &super::super::run::RunSample| match deviation {
+        Some(deviation) => Sample {
+            master: deviation.sees(one.master),
+            slave: deviation.told_at(super::told_at(file, &target, one.master)),
+            weight: 1.0,
+        },
+        None => Sample { master: one.master, slave: one.slave, weight: 1.0 },
+    };
+    let samples: Vec<Sample> = run.samples.iter().map(sample).collect();
+    let from = of_coupling(proposed);
+    let scalings = scalings(scaling_range, before, proposed);
+    let wish = wish(file, proposed, free, scalings)?;
+    let found = constrained_fit(file.cam.curve(), Objective::Error(&samples), &wish)
+        .map_err(|error| no_room(file, proposed, &error))?;
+    let old = of_coupling(before);
+    let with = |change: &dyn Fn(usize, f64) -> f64| {
+        let value = |index: usize| {
+            let value = found.values[index];
+            // What no limit moved is as it was proposed.
+            if same(value, from[index]) { value } else { change(index, value) }
+        };
+        with_exactly(proposed, [0, 1, 2, 3].map(value))
+    };
+    // Values have no more digits than the run tells; what it does not tell from what was in effect stays.
+    let short = |index: usize, value: f64| {
+        let half_width = fit.estimates[index].half_width;
+        let held = !found.held[index].is_empty();
+        if held { clean(value) } else { super::rounded(Estimate { value, half_width }) }
+    };
+    let stays = |index: usize, value: f64| {
+        let known = (value - old[index]).abs() <= fit.estimates[index].half_width;
+        if known { old[index] } else { short(index, value) }
+    };
+    let all = [with(&stays), with(&short), with(&|_, value| clean(value))];
+    let kept = all.into_iter().find(|one| keeps(file, one) && in_range(scalings, one));
+    let mut after = kept.unwrap_or_else(|| with(&|_, value| value));
+    after.coupling.wanted = before.coupling.wanted;
+    if deviation.is_some() && after.coupling.input != before.coupling.input {
+        after.coupling.wanted = Some(of_coupling(&target));
+    }
+    let (mut does, left, otherwise) =
+        (after, rms(&errors(file, &after, run)), rms(&errors(file, proposed, run)));
+    let (left, otherwise) = match deviation {
+        Some(deviation) => {
+            does = with_exactly(&after, deviation.done(of_coupling(&after)));
+            let pairs = errors(file, &does, run).into_iter().zip(errors(file, &target, run));
+            let apart: Vec<_> = pairs.map(|((at, one), (_, other))| (at, other - one)).collect();
+            (rms(&apart), 0.0)
+        }
+        None => (left, otherwise),
+    };
+    let held = found.held;
+    let found = Constrained {
+        from,
+        held,
+        before: otherwise,
+        after: left,
+        quantity: None,
+        part: false,
+        does,
+    };
+    Ok(Some((after, found)))
+}
+
+/// The nearest offset and scalings with which the cam keeps the limits, at the motion of the master: those for which the sum of
+/// the squares of the changes is least, of the scalings as parts of themselves, of `SlaveOffset` as a part of the stroke.
+/// `scaling_range` is the part of itself within which `MasterScaling` has to stay, if that was said.
+///
+/// # Errors
+/// [`TuneError::NoRoom`] and [`TuneError::NoStart`] if nothing does.
+pub fn within_limits(
+    file: &CamFile,
+    using: &CamUse,
+    free: Free,
+    scaling_range: Option<f64>,
+) -> Result<(CamUse, Constrained), TuneError> {
+    let scalings = scalings(scaling_range, using, using);
+    let wish = wish(file, using, Free { master_offset: false, ..free }, scalings)?;
+    let found = constrained_fit(file.cam.curve(), Objective::Change, &wish)
+        .map_err(|error| no_room(file, using, &error))?;
+    let all = [with_values(using, found.values), with_exactly(using, found.values)];
+    let kept = all.into_iter().find(|one| keeps(file, one) && in_range(scalings, one));
+    let after = kept.unwrap_or(all[1]);
+    Ok((after, of_motion(using, &after, found, None)))
+}
+
+/// Finds offsets and scalings with the smallest peak.
+///
+/// # Errors
+/// [`TuneError::Minimise`] if nothing is left, or nothing holds a scaling.
+pub fn minimise(
+    file: &CamFile,
+    using: &CamUse,
+    least: &Least,
+) -> Result<(CamUse, Constrained), TuneError> {
+    let Least { quantity, sought, travel, stroke, tappet_tolerance } = *least;
+    let wish = Constraints {
+        sought,
+        travel,
+        start: using.start.filter(|_| !using.repeated),
+        limits: using.limits.motion,
+        position: using.limits.position,
+        stroke,
+        tappets: file.cam.tappets().iter().map(|tappet| tappet.master).collect(),
+        tappet_tolerance,
+        ..Constraints::new(of_coupling(using), using.master, using.repeated)
+    };
+    let found = constrained_fit(file.cam.curve(), Objective::Peak(quantity), &wish);
+    let found = found.map_err(|error| match no_room(file, using, &error) {
+        start @ TuneError::NoStart { .. } => start,
+        _ => TuneError::Minimise(error),
+    })?;
+    // Rounding does not put the master beside the cam.
+    let all = [with_values(using, found.values), with_exactly(using, found.values)];
+    let starts =
+        |new: &CamUse| wish.start.is_none_or(|master| new.starts_at(file.cam.curve(), master));
+    let after = all.into_iter().find(starts).unwrap_or(all[1]);
+    let found = of_motion(using, &after, found, Some(quantity));
+    Ok((after, Constrained { part: travel.is_some(), ..found }))
+}
+
+fn of_motion(
+    using: &CamUse,
+    after: &CamUse,
+    found: motion::Constrained,
+    quantity: Option<Quantity>,
+) -> Constrained {
+    let (from, does) = (of_coupling(using), *after);
+    let motion::Constrained { held, before, after, .. } = found;
+    Constrained { from, held, before, after, quantity, part: false, does }
+}
+
+/// Between what `MasterScaling` may be: within a part of what is in effect, and what is proposed without limits as well.
+pub fn scalings(range: Option<f64>, before: &CamUse, proposed: &CamUse) -> [f64; 2] {
+    let Some(part) = range else { return ANYTHING };
+    let [scaling, other] = [before, proposed].map(|using| using.coupling.input.master_scaling);
+    let [one, two] = [1.0 - part, 1.0 + part].map(|part| part * scaling);
+    [one.min(two).min(other), one.max(two).max(other)]
+}
+
+fn in_range([low, high]: [f64; 2], using: &CamUse) -> bool {
+    (low..=high).contains(&using.coupling.input.master_scaling)
+}
+
+fn wish(
+    file: &CamFile,
+    using: &CamUse,
+    free: Free,
+    scalings: [f64; 2],
+) -> Result<Constraints, TuneError> {
+    let position = using.limits.position;
+    if let Some(rise) = using.gain(file).filter(|_| using.is_limited()) {
+        let rise = rise * using.coupling.input.slave_scaling;
+        let [rise, low, high] = [rise, position[0], position[1]].map(|u| significant(u, 6));
+        let why = format!("the slave gains {rise} in every pass and leaves {low} to {high}");
+        return Err(TuneError::NoRoom { what: "offset or scaling", why });
+    }
+    let [offset, scaling, shift, factor] = free.list();
+    let sought = [(offset, ANYTHING), (scaling, scalings), (shift, ANYTHING), (factor, ANYTHING)];
+    Ok(Constraints {
+        sought: sought.map(|(free, ends)| free.then_some(ends)),
+        // A periodic cam starts on another pass.
+        start: using.start.filter(|_| !using.repeated),
+        limits: using.limits.motion,
+        position,
+        ..Constraints::new(of_coupling(using), using.master, using.repeated)
+    })
+}
+
+/// Whether a use of the cam keeps the limits of the slave's axis, and can be started, as the check has it.
+fn keeps(file: &CamFile, using: &CamUse) -> bool {
+    let start = using.start.filter(|_| !using.repeated);
+    !CamCheck::new(file, CamUse { start, ..*using }).findings.iter().any(refuses)
+}
+
+/// Whether a finding says that what was found is of no use: the slave exceeds a limit, or is not coupled at all.
+pub fn refuses(finding: &Finding) -> bool {
+    exceeds(finding) || finding.severity == Severity::Error && finding.rule == Rule::Coupling
+}
+
+/// Whether a finding says that the slave exceeds a limit of its axis.
+pub fn exceeds(finding: &Finding) -> bool {
+    let limits = [Rule::AxisPosition, Rule::AxisVelocity, Rule::AxisAcceleration, Rule::AxisJerk];
+    finding.severity == Severity::Error && limits.contains(&finding.rule)
+}
+
+fn no_room(file: &CamFile, using: &CamUse, error: &ConstraintError) -> TuneError {
+    let ConstraintError::Contradictory { unknown, one, other } = error else {
+        return TuneError::NoRoom { what: "offset or scaling", why: error.to_string() };
+    };
+    let why = match (one, other) {
+        (Bound::Start { master }, Bound::Given) => {
+            let (range, unit) = (using.starts(file.cam.curve()), file.master.unit().to_owned());
+            return TuneError::NoStart { master: *master, range, unit };
+        }
+        (_, Bound::Given) => format!("{one}, is exceeded whatever it is"),
+        _ => format!("{one}, and {other}, contradict each other"),
+    };
+    TuneError::NoRoom { what: unknown, why }
+}
