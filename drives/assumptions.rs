@@ -206,6 +206,7 @@ macro_rules! assumptions {
     ) => {
         $(#[$attribute])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[allow(clippy::doc_markdown, reason = "questions of the table are prose")]
         $visible struct $name {
             $(
                 #[doc = $question]

@@ -43,7 +43,6 @@ impl Default for Corrections {
 assumptions! {
     /// What is assumed where the manual is silent. The emulated device behaves by it, and the driver expects it where it
     /// matters to it.
-    #[expect(clippy::struct_excessive_bools, reason = "independent facts, each so or not")]
     pub struct Assumptions {
         refreshes_all: bool = true, FLAG,
             (40, "Does an interrupt refresh all zones?",

@@ -89,7 +89,6 @@ const TIME_NS: Number<i64> = Number(0..=10_000_000_000, "ns");
 assumptions! {
     /// What is assumed where the manual is silent. The emulated device behaves by it, and the driver expects it where it
     /// matters to it.
-    #[expect(clippy::struct_excessive_bools, reason = "each is a question of its own, answered by yes or no")]
     pub struct Assumptions {
         buffer_segments: u16 = 64, Number(1..=1024, "segments"),
             (97, "How many segments wait in the buffer?",

@@ -125,7 +125,6 @@ const CODES: Choice<RejectCode> = Choice(&[
 assumptions! {
     /// What is assumed where the manual is silent. The emulated device behaves by it, and the driver expects it where it
     /// matters to it.
-    #[expect(clippy::struct_excessive_bools, reason = "questions that have nothing to do with each other")]
     pub struct Assumptions {
         bad_frame: BadFrame = BadFrame::Silent, Choice(&[
                 ("silent", BadFrame::Silent),

@@ -114,7 +114,9 @@ impl<'a> Sampler<'a> {
         let halves = [first, second].map(|half| {
             let fixed = problem.free.map(|free| if free { 0.0 } else { 1.0 });
             let mut matrix = Matrix4::from_diagonal(&Vector4::from(fixed));
-            half.iter().for_each(|r| matrix += r.row * r.row.transpose() * r.weight);
+            for r in half {
+                matrix += r.row * r.row.transpose() * r.weight;
+            }
             matrix.try_inverse()
         });
         let freedom = count(residuals.len() - problem.unknowns());
@@ -148,14 +150,18 @@ impl<'a> Sampler<'a> {
         let mut innovations: Vec<f64> =
             whole.iter().zip(before).map(|(now, before)| now - correlation * before).collect();
         let mean = innovations.iter().sum::<f64>() / n;
-        innovations.iter_mut().for_each(|value| *value -= mean);
+        for value in &mut innovations {
+            *value -= mean;
+        }
         // Residuals of neighbours lack what the fit has taken away of both, and so do blocks of them.
         let length = count(block(self.residuals.len()));
         let lost = |lag: usize| 2.0 * (1.0 - count(lag) / length) * self.hat(lag) / n;
         let lost: f64 = (1..block(self.residuals.len())).map(lost).sum();
         let size = (sum_products(&innovations, 0) / n * (1.0 - lost).clamp(0.5, 1.0)).sqrt();
         let size = size.max(f64::MIN_POSITIVE);
-        innovations.iter_mut().for_each(|value| *value /= size);
+        for value in &mut innovations {
+            *value /= size;
+        }
         self.innovations = innovations;
         Noise { variance, dither: 1.0, correlation }
     }
@@ -309,15 +315,14 @@ impl<'a> Sampler<'a> {
         let middle = errors.len() / 2;
         let (first, second) = self.residuals.split_at(middle);
         let (of_first, of_second) = errors.split_at(middle);
-        let pairs = [(first, of_first), (second, of_second)].into_iter().zip(self.halves);
-        let gain =
-            |((residuals, errors), inverse): ((&[Residual], &[f64]), Option<Matrix4<f64>>)| {
-                let right = residuals.iter().zip(errors).fold(Vector4::zeros(), |sum, (r, e)| {
-                    sum + r.row * (r.weight * (e - r.row.dot(&error)))
-                });
-                inverse.map_or(0.0, |inverse| right.dot(&(inverse * right)))
-            };
-        pairs.map(gain).sum()
+        let gain = |residuals: &[Residual], errors: &[f64], inverse: Option<Matrix4<f64>>| {
+            let right = residuals.iter().zip(errors).fold(Vector4::zeros(), |sum, (r, e)| {
+                sum + r.row * (r.weight * (e - r.row.dot(&error)))
+            });
+            inverse.map_or(0.0, |inverse| right.dot(&(inverse * right)))
+        };
+        let [one, other] = self.halves;
+        gain(first, of_first, one) + gain(second, of_second, other)
     }
 }
 

@@ -371,7 +371,7 @@ impl Problem<'_> {
     }
 
     /// Names the two constraints that leave nothing.
-    fn contradiction(&self, ends: [End; 2], unknown: &'static str) -> ConstraintError {
+    fn contradiction(ends: [End; 2], unknown: &'static str) -> ConstraintError {
         let all = || ends.into_iter().flat_map(|end| end.by).flatten();
         let one = all().find(|by| *by != Bound::Given).unwrap_or(Bound::Given);
         let other = all().find(|by| *by != one && *by != Bound::Given).unwrap_or(Bound::Given);

@@ -52,7 +52,7 @@ impl Problem<'_> {
             NAMES[1]
         };
         let ends = Self::scalings(masters, from[1])
-            .map_err(|(ends, _)| self.contradiction(ends, unknown))?;
+            .map_err(|(ends, _)| Self::contradiction(ends, unknown))?;
         if self.is_peak() && self.wish.travel.is_none() {
             let scaling = self.nearest_zero(1, ends)?.value;
             let offset = nearest(from[0], masters.offsets(scaling).map(|end| end.value));
@@ -120,7 +120,7 @@ impl Problem<'_> {
         let factor = self.wish.from[3];
         let contradicts = |(ends, _): ([End; 2], f64)| {
             let first = |end: End| end.by.into_iter().flatten().find(|by| *by != Bound::Given);
-            match (self.contradiction(ends, self.unknown_of_slave()), end.and_then(first)) {
+            match (Self::contradiction(ends, self.unknown_of_slave()), end.and_then(first)) {
                 // With less of the master the limits of the motion would be kept.
                 (ConstraintError::Contradictory { one, .. }, Some(other))
                     if matches!(one, Bound::Limit { .. }) && !self.is_peak() =>
@@ -134,7 +134,7 @@ impl Problem<'_> {
         if self.is_peak() {
             self.nearest_zero(3, ends)?;
         }
-        self.best(scaling, offset).map_err(|_| ConstraintError::Infeasible)
+        self.best(scaling, offset).map_err(|_infeasible| ConstraintError::Infeasible)
     }
 
     fn domain<'a>(

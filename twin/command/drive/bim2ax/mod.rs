@@ -61,6 +61,7 @@ pub(super) struct Unlock {
 }
 
 #[derive(Debug, clap::Args)]
+#[group(skip)]
 pub(super) struct Home {
     /// Axes, 1 or 2 or both
     #[arg(required = true, value_parser = axis)]

@@ -76,6 +76,7 @@ pub(super) struct Scan {
 }
 
 #[derive(Debug, clap::Args)]
+#[group(skip)]
 pub(super) struct Home {
     /// Axes, like X Y
     #[arg(required = true, value_parser = axis)]

@@ -48,6 +48,7 @@ pub(super) struct Scan {
 }
 
 #[derive(Debug, clap::Args)]
+#[group(skip)]
 pub(super) struct Home {
     /// Longest time it may take, s
     #[arg(long, default_value_t = 60, value_name = "S", value_parser = clap::value_parser!(u64).range(1..=3600))]
