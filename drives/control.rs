@@ -1,4 +1,4 @@
-//! What happens to an emulated device that is being served, from whatever side.
+//! Control of a served emulated device: events and faults, at once or after a number of requests.
 
 use crate::{FaultRule, FaultyWire};
 

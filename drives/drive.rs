@@ -1,4 +1,4 @@
-//! What every drive family offers the twin.
+//! The trait `Drive`, which every drive family implements for the twin, and its set-points and samples.
 
 use crate::{
     Action, Clock, DeviceLimits, DriveError, Exchange, Identity, MAX_DRIVE_AXES, ParameterId,

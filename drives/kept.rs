@@ -1,4 +1,4 @@
-//! What emulated devices keep from one start to the next: files.
+//! Locked state files of emulated devices, which outlast the emulator.
 
 use std::{
     fs::{self, File, OpenOptions, TryLockError},

@@ -1,16 +1,16 @@
-//! Whether the shaft of an axis is where its counter says, by what its encoder shows.
+//! Encoder check: compares the counter of an axis with the position its encoder shows.
 //!
-//! Counter and encoder are read one after the other while the axis moves, so the encoder is read between two looks at the
-//! counter. Where it may be then follows from both: on a way that takes the time T, whose acceleration is at most a and
-//! which starts, stops or turns round at the start-stop speed u, an axis is nowhere farther than
+//! Counter and encoder are read one after the other while the axis moves, so the encoder is read between two readings
+//! of the counter. Both bound its position. On a move that takes the time T, with an acceleration of at most a, and
+//! that starts, stops or reverses at the start-stop speed u, an axis is never farther than
 //!
 //! ```text
 //! a·T²/8 + u·T/2
 //! ```
 //!
-//! from the stretch between its ends (the largest distance from the chord of a way with that acceleration, and of one with a
-//! kink of 2u in its middle). That is added to the tolerance, and so are the step of the counter and the point of the
-//! encoder that are not whole. At rest T is 0 and both are held against each other as they are.
+//! from the interval between its ends (the largest distance from the chord of a move with that acceleration, and of one
+//! with a kink of 2u in its middle). This distance is added to the tolerance, as are one step of the counter and one
+//! point of the encoder for rounding. At rest T is 0 and both are compared directly.
 
 /// A counter jumps where it is made 0 on the way. It goes no farther by itself than the axis does at its highest speed, but for
 /// when exactly each look was: so much more, increments.

@@ -1,4 +1,4 @@
-//! When something happened between driver and device.
+//! Time stamps of an exchange between driver and device.
 
 /// When an exchange took place, on the caller's clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

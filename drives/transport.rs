@@ -1,4 +1,4 @@
-//! What devices hang on.
+//! Byte stream to a device.
 
 use tokio::io::{AsyncRead, AsyncWrite};
 

@@ -1,4 +1,4 @@
-//! What can be wrong with a file of parameters, or with putting it back.
+//! Errors of parameter backups: faults in a backup file, and failures while restoring it.
 
 use std::io;
 

@@ -1,4 +1,4 @@
-//! What a file would change, and the change itself.
+//! Restore plan: the parameters that a backup file would change on a device, and writing those changes.
 
 use std::fmt;
 

@@ -1,4 +1,4 @@
-//! What host and module exchange: zones of twelve bytes (manual 2, 9.1).
+//! Zones of twelve bytes that host and module exchange (manual 2, 9.1).
 
 use super::{AXES, ModuleAxis, memory::ByteOrder};
 

@@ -1,4 +1,4 @@
-//! Who a device is.
+//! Identity of a device.
 
 use std::fmt;
 

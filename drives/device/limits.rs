@@ -1,4 +1,4 @@
-//! What a device lets an axis do.
+//! Limits of an axis as its device reports them.
 
 /// Limits of an axis as the device has them in its parameters, or as it is built. What it does not have is absent:
 /// there the driver's own options are all that limits the axis.

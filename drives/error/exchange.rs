@@ -1,4 +1,4 @@
-//! Where and in the course of what something goes wrong.
+//! Context of a drive error: the action and exchange in which it happened, and faults of the protocol.
 
 use std::{fmt, sync::Arc};
 

@@ -1,4 +1,4 @@
-//! What can go wrong between the twin and a device.
+//! Errors of drives: everything that can fail between the twin and a device.
 
 mod at;
 mod axes;

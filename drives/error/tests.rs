@@ -1,4 +1,4 @@
-//! What the messages say.
+//! Tests of the texts of drive errors.
 
 use super::*;
 use crate::{

@@ -1,4 +1,4 @@
-//! Where an axis was.
+//! Position history of an axis, interpolated between samples.
 
 use std::collections::VecDeque;
 

@@ -1,8 +1,8 @@
-//! Whether answers belong to what was asked.
+//! Resynchronisation of the driver: makes sure that an answer belongs to its command.
 //!
-//! An answer carries no code of its command ("Format des messages"): one that comes late, or twice, is taken for that to
-//! the next command, and from then on every answer is one behind. Questions whose answers are known tell: PID and CID
-//! are the same in every drive ("Paramètres", 12 and 13) and differ.
+//! An answer does not carry the code of its command ("Format des messages"). One that comes late, or twice, is taken
+//! for the answer to the next command, and every later answer is then one behind. Questions with known answers reveal
+//! this: PID and CID are the same in every drive ("Paramètres", 12 and 13) and differ from each other.
 
 use tokio::time::sleep;
 

@@ -1,4 +1,4 @@
-//! What can be asked of a drive, each in a call.
+//! Requests to a drive, one method each.
 
 use std::time::Duration;
 

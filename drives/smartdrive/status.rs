@@ -1,4 +1,4 @@
-//! What an answer says besides its data: STA and the meanings of TAG.
+//! Status of an answer: STA and the meanings of TAG.
 //!
 //! Source: "Trame de réponse", STA and TAG.
 

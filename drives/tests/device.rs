@@ -1,4 +1,4 @@
-//! Who a device is, its lock, homing, inputs, limits and parameters.
+//! Tests of all families: identity, lock, homing, inputs, limits and parameters of a device.
 
 use std::collections::HashSet;
 

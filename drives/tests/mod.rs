@@ -1,4 +1,4 @@
-//! What all families offer alike, asked of the real drivers and their emulators in real time.
+//! Tests of the behaviour common to all families, with the real drivers and their emulators in real time.
 
 mod assumptions;
 mod backup;

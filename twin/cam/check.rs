@@ -1,4 +1,4 @@
-//! What a cam asks of its slave, against what the slave can do.
+//! Check of a cam against the limits of its slave.
 
 use super::CamFile;
 pub use super::usage::{AxisLimits, CamUse, unit_fits};

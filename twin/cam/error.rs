@@ -1,4 +1,4 @@
-//! What goes wrong with the files of cams.
+//! Errors of cam files.
 
 use crate::section::MachineFileError;
 use std::io;

@@ -1,4 +1,4 @@
-//! What a cam's file says beside the cam itself.
+//! Metadata of a cam file: scales of master and slave, and the coupling.
 
 use twin_motion::cam::{CamInput, Scale, StartMode};
 

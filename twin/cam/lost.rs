@@ -1,4 +1,4 @@
-//! What a cam leaves behind in another form.
+//! Losses of a conversion: the data of a cam that another file form cannot hold.
 
 use super::{AxisScale, CamFile};
 use twin_motion::cam::{Element, Interpolation, Shape, Source, VariableType};

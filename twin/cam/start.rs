@@ -1,5 +1,5 @@
-//! Where the master may be when `MC_CamIn` starts: on the cam, also on one that is put end to end, or the block ends with error
-//! 626 (manual 4.6.1).
+//! Start range of `MC_CamIn`: the master must be on the cam, even on a periodic one, or the block ends with error 626
+//! (manual 4.6.1).
 
 use super::CamFile;
 use super::usage::CamUse;

@@ -1,4 +1,4 @@
-//! How a cam is used: what its master does, offsets and scalings, and what its slave can do.
+//! Use of a cam: master motion, offsets and scalings, and limits of the slave.
 
 use super::{AxisScale, CamFile, Coupling};
 use crate::axis_kind::AxisKind;

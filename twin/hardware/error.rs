@@ -204,6 +204,22 @@ impl Names {
     }
 }
 
+impl HardwareError {
+    /// Hint after an error of the drives of a run.
+    pub(crate) fn advice(&self) -> Option<&'static str> {
+        match self {
+            Self::Bare(error) => advice_in_run(error),
+            Self::Drive { source, .. } => advice_in_run(source),
+            Self::Silent { .. } => Some(
+                "look at its cable and its supply. When it answers again, `status` tells whether it has been off or locked: then its \
+                 axes have to be homed (--home); if it has not, its positions still hold, and the program can be run again. A slow \
+                 adapter needs larger `answer_deadline_ms` and `longest_silence_ms` of its [[drives]]",
+            ),
+            _ => None,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -247,21 +263,5 @@ mod tests {
             twin_drives::bim2ax::Fault::AxisMessages { axis: 2, messages: 1 },
         ));
         assert!(told.to_string().starts_with("device `line`, axis B: "), "{told}");
-    }
-}
-
-impl HardwareError {
-    /// Hint after an error of the drives of a run.
-    pub(crate) fn advice(&self) -> Option<&'static str> {
-        match self {
-            Self::Bare(error) => advice_in_run(error),
-            Self::Drive { source, .. } => advice_in_run(source),
-            Self::Silent { .. } => Some(
-                "look at its cable and its supply. When it answers again, `status` tells whether it has been off or locked: then its \
-                 axes have to be homed (--home); if it has not, its positions still hold, and the program can be run again. A slow \
-                 adapter needs larger `answer_deadline_ms` and `longest_silence_ms` of its [[drives]]",
-            ),
-            _ => None,
-        }
     }
 }

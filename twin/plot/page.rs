@@ -1,4 +1,4 @@
-//! What all pages have: title, subtitle, legend, and the signs that mark places.
+//! Page frame: title, subtitle, legend, and the signs that mark places.
 
 use super::Point;
 use super::color::{Color, FAINT, INK, Paint, Stroke};

@@ -1,4 +1,4 @@
-//! What must be seen is in the picture, and it is no larger than its page.
+//! Tests of pictures: extremes stay visible, gaps stay gaps, and text fits the page.
 
 use super::map::hull;
 use super::page::{Head, legend_places};

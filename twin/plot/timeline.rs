@@ -1,4 +1,4 @@
-//! What happens along the time of a program: curves, what holds back or is near, and the line that runs.
+//! Time line of a program: curves, strips of kinds (such as the limiting cause or nearest body), and program lines.
 
 use super::Point;
 use super::chart::{Across, Strip};

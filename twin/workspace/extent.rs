@@ -1,4 +1,4 @@
-//! How far the tool gets, by going through the positions of the axes.
+//! Extent of the workspace: a box around the reachable tool positions, found by sampling the axis positions.
 
 use super::space::Space;
 use crate::axis_kind::AxisKind;

@@ -1,4 +1,4 @@
-//! Where a section is asked.
+//! Grid of sample points over a section of the workspace.
 
 use nalgebra::{Point2, Vector2};
 

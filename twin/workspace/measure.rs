@@ -1,4 +1,4 @@
-//! How far the axes are from a pose in which they cannot move the tool every way.
+//! Singularity measure: distance of the axis positions from a singular pose.
 
 use crate::machine::Machine;
 use twin_kinematics::{AxisVector, Kinematics};

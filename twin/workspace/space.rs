@@ -1,4 +1,4 @@
-//! What the machine can do at one point.
+//! State of one point of the workspace: within limits, beyond limits of some axes, or out of reach.
 
 use super::measure;
 use crate::machine::Machine;

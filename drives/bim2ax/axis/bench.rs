@@ -1,4 +1,4 @@
-//! What is mounted around the motor of an emulated axis.
+//! Surroundings of an emulated axis: contacts at its inputs, power and motor.
 
 /// A switch that a stretch of the shaft's way actuates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

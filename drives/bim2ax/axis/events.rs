@@ -1,4 +1,4 @@
-//! What will happen next to an axis, and what follows from it.
+//! Event queue of an emulated axis: the next edge, switch, limit or end of a leg, and its consequences.
 
 use super::{Axis, Homing, Programmed, Task};
 use crate::{

@@ -1,4 +1,4 @@
-//! What an axis makes of the orders in the zone "Ordre UC".
+//! Execution of the orders in the zone "Ordre UC" by an emulated axis.
 
 use super::{Axis, MOST_POSITION, Programmed, REFERENCES, Task};
 use crate::bim2ax::bits::{bloc, coefficient, message, uc};

@@ -1,4 +1,4 @@
-//! What the parameters say about one axis.
+//! Settings of one axis, as the module's parameters give them.
 
 use crate::{
     bim2ax::{DriveMode, bits::coefficient},

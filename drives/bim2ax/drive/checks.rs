@@ -1,4 +1,4 @@
-//! Whether a module obeys, and its axes stand where they were sent.
+//! Checks of a module: it obeys, its axes rest at their targets, and moves end in time.
 
 use super::{
     Action, Bim2AxDrive, BusStamp, Clock, DriveError, Duration, FAULTS, Following, NOT_READY,

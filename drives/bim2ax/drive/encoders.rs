@@ -1,20 +1,21 @@
-//! Whether axes are where their counters say, by their encoders (2.2.4, 2.2.5, 3.1.14 to 3.1.19).
+//! Encoder check of a module: compares counter and encoder of each axis (2.2.4, 2.2.5, 3.1.14 to 3.1.19).
 //!
-//! An axis whose parameters declare an encoder (definition bit 0) is watched: each look at counters and messages is followed
-//! by one at the encoders' positions in steps, an exchange more. Both are held against each other ([`crate::shaft`]); where
-//! they are apart the counters are looked at once more, so that what the axis moved meanwhile is known. The bus has no check
-//! sums: two looks in a row have to agree.
+//! An axis whose parameters declare an encoder (definition bit 0) is watched. After each reading of counters and
+//! messages the driver reads the encoder positions, in steps, with one more exchange, and compares both
+//! ([`crate::shaft`]). If they differ it reads the counters once more, to know how far the axis moved meanwhile. The
+//! bus has no check sums, so two readings in a row have to agree.
 //!
-//! What counter and encoder show where an axis rests first belongs together, and again after homing or another zero. But the module
-//! makes both 0 together when an axis is homed or its position is declared (5.1, 6.2), and corrects programmed moves by the
-//! encoder's position: before an axis that is homed is sent anywhere both have to be the same, whoever has homed it. One of
-//! which they are not is not home, whatever the module says, unless its counter is assumed to count on through homing. An absolute
-//! encoder keeps its own zero through homing (5.1): the two are the same once its offset is stored at home (parameters $30 and
-//! $31, by `zero` or a preset).
+//! The first readings of counter and encoder at rest are taken as the reference; so are those after homing or after
+//! another change of zero. The module sets both to 0 when an axis is homed or its position is declared (5.1, 6.2). It
+//! corrects programmed moves by the encoder position, so before a homed axis moves, both must be equal, whoever homed
+//! it. If they differ, the axis does not count as homed, whatever the module reports. The exception is a counter that
+//! is assumed to count on through homing. An absolute encoder keeps its own zero through homing (5.1): both are equal
+//! once its offset is stored at home (parameters $30 and $31, by `zero` or a preset).
 //!
-//! Message bit 4 says that a programmed move needed a correction, which the module has made itself: where encoder and counter
-//! agree afterwards the axis is where it was sent, and nothing is wrong. The bit of the plug, which can tell the motor, is looked
-//! at by modules when they start or are told to: it is a fault only where it was clear before, as many modules have no plugs.
+//! Message bit 4 reports that a programmed move needed a correction, which the module has made itself. If encoder and
+//! counter agree afterwards, the axis is at its target and there is no fault. Modules read the bit of the plug, which
+//! can identify the motor, only when they start or on request. It is a fault only if it was clear before, because many
+//! modules have no plugs.
 
 use super::{
     AXES, Action, Bim2AxDrive, BusStamp, Clock, DriveError, ModuleAxis, Positions, no_clock,

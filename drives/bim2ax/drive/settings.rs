@@ -1,4 +1,4 @@
-//! Who the module is, its inputs, parameters and limits as a [`crate::Drive`] offers them.
+//! Identity, inputs, parameters and limits of a module for the trait [`crate::Drive`].
 
 use super::{Bim2AxDrive, no_clock};
 use crate::{

@@ -1,4 +1,4 @@
-//! What takes more than one order: motors that get current, and moves from their start to their end.
+//! Calls that need several orders: switching motor current on, and moves and homing until the axes rest.
 
 use std::time::Duration;
 

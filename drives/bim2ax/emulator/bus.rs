@@ -1,14 +1,14 @@
-//! What the bus does to what host and module write into the memory between them.
+//! Bus between host and module: when writes and interrupts arrive, with the faults of the bus.
 //!
-//! A request is what the host writes for one interrupt: zone numbers, the zones they name, the entries. An answer is
-//! what the module writes after it: the zone asked for, and its number. Faults of [`crate::FaultRule`] mean here:
+//! A request is everything the host writes for one interrupt: zone numbers, the zones they name, the entries. An answer
+//! is what the module writes after it: the requested zone and its number. The faults of [`crate::FaultRule`] mean here:
 //!
 //! | fault | request | answer |
 //! |---|---|---|
 //! | drop | the interrupt is lost | nothing is refreshed |
 //! | delay | the interrupt takes effect later | it is refreshed later |
-//! | corrupt | so many bytes have other bits | the same, of the zone asked for |
-//! | truncate | only the first bytes are written, the rest is that of the request before: numbers are torn | the same |
+//! | corrupt | the given number of bytes have other bits | the same, in the requested zone |
+//! | truncate | only the first bytes are written, the rest stays from the request before: numbers are torn | the same |
 //! | duplicate | the interrupt comes twice | refreshed twice, which changes nothing |
 //! | reorder | the interrupt overtakes the writes: the request before is taken again | the number overtakes the zone |
 //! | refuse | orders are refused: axis message bit 14, or "bad order code" for parameters | – |

@@ -1,4 +1,4 @@
-//! What happens to a module other than on its bus.
+//! Events at an emulated module other than on its bus, and their handling.
 
 use super::{Module, Surroundings};
 use crate::bim2ax::ModuleAxis;

@@ -1,4 +1,4 @@
-//! What an interrupt does: take what the host has written, refresh what the module says (9.2).
+//! Interrupt handling of the module: takes the zones written by the host and refreshes its answers (9.2).
 
 use super::{Module, RAM_LENGTH, ZONES_AT_ONCE, bus::NO_ZONE};
 use crate::bim2ax::{

@@ -1,4 +1,4 @@
-//! What the driver says and understands beyond the vectors, in virtual time.
+//! Tests of the driver beyond the vectors, in virtual time.
 
 use super::*;
 use crate::bim2ax::Fault;

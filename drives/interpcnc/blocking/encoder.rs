@@ -1,11 +1,12 @@
-//! Whether the axis with the board's encoder is where its counter says.
+//! Encoder check of the board: compares counter and encoder of the one axis that has an encoder.
 //!
-//! A board from V2.1D on has one encoder, whose position (registers 4218 and 4219) nothing on Modbus sets: where its axis
-//! rests first, what both show belongs together, and again after homing, another zero, or a stop that may lose steps.
+//! A board from V2.1D on has one encoder, whose position (registers 4218 and 4219) cannot be set over Modbus. The first
+//! readings of counter and encoder at rest are the reference. It is taken anew after homing, another change of zero, or
+//! a stop that may lose steps.
 //!
-//! Reading it costs an exchange, so on the way it is read once in [`EVERY`] looks, after one of them, and held against what
-//! the counter passes up to the next ([`crate::shaft`]). Where its axis comes to rest it is read at once, and with every look
-//! while the whole board rests.
+//! Reading the encoder costs an exchange. During motion it is therefore read after one in [`EVERY`] looks, and compared
+//! with what the counter passes up to the next look ([`crate::shaft`]). When its axis comes to rest it is read at once,
+//! and with every look while the whole board rests.
 
 use super::{BoardState, InterpCncDrive, Stamp, counter, no_clock};
 use crate::{

@@ -1,4 +1,4 @@
-//! Who the board is, its inputs, parameters and limits as a [`crate::Drive`] offers them.
+//! Identity, inputs, parameters and limits of the board for the trait [`crate::Drive`].
 
 use super::{InterpCncDrive, no_clock};
 use crate::{

@@ -1,4 +1,4 @@
-//! What values a board takes in its commands.
+//! Range checks of command values before they are sent to the board.
 
 use super::InterpCnc;
 use crate::{

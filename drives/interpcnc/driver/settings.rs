@@ -1,4 +1,4 @@
-//! What the board keeps in its EEPROM: parameters, user memory and recipes; and who it is.
+//! Identity of the board, and access to its EEPROM: parameters, user memory and recipes.
 
 use std::time::Duration;
 

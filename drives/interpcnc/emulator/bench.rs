@@ -1,4 +1,4 @@
-//! What stands around the board: switches and cams along the axes, an encoder, and what a hand does.
+//! Mechanics around an emulated board: switches and cams along the axes, an encoder, and manual actions.
 
 use super::Board;
 use crate::interpcnc::registers::BoardAxis;

@@ -1,4 +1,4 @@
-//! What happens to a served board other than on the wire.
+//! Events at a served board other than on the wire, and their handling.
 
 use super::{Bench, Board, Condition};
 use crate::interpcnc::registers::BoardAxis;

@@ -1,4 +1,4 @@
-//! What survives a power failure: parameters, user memory and recipes, and how long writing them takes.
+//! EEPROM of the emulated board: parameters, user memory and recipes, their image file, and write times.
 
 use std::ops::RangeInclusive;
 

@@ -1,4 +1,4 @@
-//! What the board makes of frames.
+//! Execution of Modbus requests by the emulated board.
 
 use super::{
     Board,

@@ -1,4 +1,4 @@
-//! How time passes: from one instant at which something happens to the next.
+//! Time step of the emulated board: advances from one event to the next.
 
 use super::{Board, lock::ENABLE_FILTER_NS};
 

@@ -1,4 +1,4 @@
-//! How well a board will follow, said before it starts.
+//! Prediction of tracking error and exchange rate of a board before a run.
 
 use super::{InterpCncRehearsal, Readings, buffered::BufferedRehearsal};
 use crate::{

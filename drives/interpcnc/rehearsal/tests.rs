@@ -1,4 +1,4 @@
-//! How well both ways of following do, against closed forms.
+//! Tests of the tracking error of both ways of following, against closed forms.
 
 use std::{f64::consts::TAU, time::Duration};
 

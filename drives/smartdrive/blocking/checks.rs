@@ -1,4 +1,4 @@
-//! Whether drives are what they should be, obey, rest, are off.
+//! Checks of drives: product and version, fault-free operation, rest, and power off.
 
 use std::time::Duration;
 

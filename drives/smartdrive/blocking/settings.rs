@@ -1,4 +1,4 @@
-//! Who the drives are, their inputs, parameters and limits as a [`crate::Drive`] offers them.
+//! Identity, inputs, parameters and limits of the drives for the trait [`crate::Drive`].
 
 use super::{SmartDriveBus, no_clock};
 use crate::{

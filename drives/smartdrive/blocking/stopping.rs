@@ -1,4 +1,4 @@
-//! How the drives of a line are stopped.
+//! Soft and hard stop of all drives of a line, by broadcast.
 
 use super::{SmartDriveBus, no_clock};
 use crate::{

@@ -1,4 +1,4 @@
-//! What happens to served devices other than on the wire.
+//! Events at served devices other than on the wire, and their handling.
 
 use super::{Cam, Device, HomingOptions, Input, Phase};
 use crate::smartdrive::{Alarms, BadFrame, Status, TrajectoryFlags, frame};

@@ -1,4 +1,4 @@
-//! What a device does with its commands.
+//! Execution of commands by the emulated device.
 
 use super::{Device, Phase, Work, control::Shown, memory::Copies};
 use crate::smartdrive::{

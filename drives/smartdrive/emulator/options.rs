@@ -1,4 +1,4 @@
-//! What an emulated device is like.
+//! Options of an emulated device.
 
 use std::time::Duration;
 

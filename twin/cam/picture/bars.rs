@@ -1,4 +1,4 @@
-//! When tappets are on.
+//! Bars of the cam picture: the intervals in which each group of tappets is on.
 
 use super::Shown;
 use twin_motion::cam::{Action, Passage, Tappet};

@@ -1,4 +1,4 @@
-//! What is written is read again, and what is wrong is told with its place.
+//! Tests of cam files: a written file reads back the same, and errors name their place.
 
 use crate::cam::edit::{self, Change, EditError};
 use crate::cam::{CamFile, CamFileError, Coupling, Form, csv_of, lost, write_file, write_toml};

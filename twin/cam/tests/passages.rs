@@ -1,4 +1,4 @@
-//! Which tappets a recorded master has passed: one that begins again, one that is noisy, one that was not recorded for a while.
+//! Tests of tappet passages in recorded runs: a master that begins again, is noisy, or has gaps.
 
 use super::found::{Random, cam, using};
 use super::outputs::{VELOCITY, late, recorded, told};

@@ -1,4 +1,4 @@
-//! What a run shows of the motion, and the smallest peak from there.
+//! Tests of the master motion and start found in a run, and of the smallest peak from there.
 
 use super::found::{Random, cam, using};
 use super::tuned::{Plant, VELOCITY, recorded, uneven};

@@ -1,4 +1,4 @@
-//! Where `MC_CamIn` starts: held against the coupling itself, the same motion told by whole passes, and where runs begin.
+//! Tests of the start of `MC_CamIn`: against the coupling itself, shifted by whole passes, and at the begin of runs.
 
 use super::found::{LIFT, Random, cam, using};
 use crate::cam::CamFile;

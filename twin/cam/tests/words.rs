@@ -1,4 +1,4 @@
-//! What is said of mistakes in files of cams: all of it, where it is, and with what would be right.
+//! Tests of the messages about errors in cam files: all are reported, with their place and the correct form.
 
 use super::files::problems;
 use crate::cam::{CamFile, CamFileError};

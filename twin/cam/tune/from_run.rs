@@ -1,4 +1,4 @@
-//! What a recorded run tells: offsets and scalings, and the dead time of tappets.
+//! Fit of a recorded run: offsets, scalings, and the dead time of tappets.
 
 use super::super::CamFile;
 use super::super::check::CamUse;

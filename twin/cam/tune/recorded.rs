@@ -1,4 +1,4 @@
-//! What a recorded run shows of the motion itself: how fast its master goes, which way, and where the slave begins.
+//! Motion in a recorded run: velocity and direction of the master, and start of the slave.
 
 use super::super::CamFile;
 use super::super::check::CamUse;

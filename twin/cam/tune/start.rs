@@ -1,4 +1,4 @@
-//! Where a run begins: whether its slave was coupled there, and where a ramp begins that is to begin as the run does.
+//! Start of a recorded run: whether its slave was coupled there, and the start of a ramp that begins as the run does.
 
 use super::super::CamFile;
 use super::super::check::CamUse;

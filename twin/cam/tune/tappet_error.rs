@@ -1,4 +1,4 @@
-//! Why outputs do not tell the dead time of tappets.
+//! Errors of the dead-time estimate: why the outputs of a run do not determine the dead time of tappets.
 
 use super::from_run::Seen;
 use crate::number::significant;

@@ -1,6 +1,6 @@
-//! How near everything comes along a program: block by block as a table (CSV), and over time as a picture (SVG).
+//! Clearance along a program: block by block as a table (CSV), and over time as a picture (SVG).
 //!
-//! Both are told of it set-point by set-point and hold no more than a page shows, however long the program is.
+//! Both are fed set-point by set-point and hold no more than a page shows, however long the program is.
 
 mod csv;
 mod picture;

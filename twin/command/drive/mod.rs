@@ -64,7 +64,7 @@ families! {
     ///   twin drive interpcnc --port /tmp/board unlock
     ///   twin drive interpcnc --port /tmp/board move X 4000 --speed 2000
     #[command(verbatim_doc_comment)]
-    Interpcnc(interpcnc::Board),
+    Interpcnc(interpcnc::HandBoard),
     /// SmartDRIVE v1.2: up to 31 step motor drives on one RS485 bus, protocol ATB; positions in µsteps, speeds in rpm
     ///
     /// For instance, with `twin emulate smartdrive --link /tmp/bus` in another window:

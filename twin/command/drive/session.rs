@@ -1,4 +1,4 @@
-//! What runs the drivers' calls, and stops what they have set in motion.
+//! Session with a device: runs the driver's calls, and stops the axes on Ctrl-C or failure.
 
 use crate::command::Failure;
 use crate::command::run::Interrupt;

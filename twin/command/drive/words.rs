@@ -1,4 +1,4 @@
-//! What people write on the command line: switches, numbers, names.
+//! Parsing of command-line values: switches, numbers, addresses, times.
 
 use crate::command::Failure;
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! What is set up around a device before it starts: words of its control socket, from files and from the command line.
+//! Set-up of an emulated device before it starts: control commands from `--bench` files and `--with`.
 
 use super::faults::Said;
 use super::{Common, Failure};

@@ -1,4 +1,4 @@
-//! What was found as an object.
+//! JSON output of the tuning report.
 
 use super::report::Report;
 use crate::cam::tune::{self, ShapeGoal};

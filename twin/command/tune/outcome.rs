@@ -1,4 +1,4 @@
-//! What is made of what was found: the cam with other points, a picture, the file.
+//! Output of tuning: the cam with its new points, the picture, and the changed file.
 
 use super::report::Report;
 use crate::cam::picture::{RampPicture, Recorded, Shown, cam_chart, ramp_chart};

@@ -1,4 +1,4 @@
-//! What was found, for people and as an object.
+//! Tuning report: collects the results and words them for people.
 
 use super::start::Started;
 use super::words::Format;

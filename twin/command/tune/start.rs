@@ -1,4 +1,4 @@
-//! What is said of the start: where the master may be when `MC_CamIn` starts, and where a ramp begins as a run does.
+//! Report on the start: the range of the master for `MC_CamIn`, and the start of a ramp that begins as a run does.
 
 use super::report::{Report, short};
 use crate::cam::check::CamUse;

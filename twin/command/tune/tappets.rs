@@ -1,4 +1,4 @@
-//! What is said of tappets: where they stand on the cam and where the master passes them.
+//! Report on tappets: their places on the cam and the master positions at which they switch.
 
 use super::report::{Report, short};
 use crate::cam::edit::Change;

@@ -1,3 +1,5 @@
+//! Tests of the workspaces of whole machines: gantry, SCARA and others, their sections and extents.
+
 use crate::machine::Machine;
 use crate::workspace::{Cut, Section, View, Way, Workspace, WorkspaceError};
 use nalgebra::{Point2, Point3};

@@ -1,3 +1,5 @@
+//! Tests of regions: area, corners, boundaries and triangles.
+
 use crate::workspace::Grid;
 use crate::workspace::region::{EXACT, Region};
 use nalgebra::Point2;

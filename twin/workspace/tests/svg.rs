@@ -1,3 +1,5 @@
+//! Tests of the workspace picture: its labels and scale, and what is filled.
+
 use super::machines::machine;
 use crate::workspace::{Scale, View, Workspace, picture};
 

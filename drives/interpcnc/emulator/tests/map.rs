@@ -1,4 +1,4 @@
-//! What is refused, what is answered with silence, and what registers hold.
+//! Tests of the register map: exceptions, requests without an answer, and register contents.
 
 use super::*;
 use crate::interpcnc::vectors::VECTORS;

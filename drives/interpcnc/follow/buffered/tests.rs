@@ -1,4 +1,4 @@
-//! What the driver makes of samples that are not as modelled, and how much it leaves in the board.
+//! Tests of buffered following: samples that differ from the model, and the motion left in the board.
 
 use super::*;
 use crate::{

@@ -1,4 +1,4 @@
-//! What the manual leaves open can be otherwise: every alternative, and that it differs from the usual.
+//! Tests of the assumptions about what the manual leaves open: every alternative differs from the default.
 
 use super::*;
 use crate::smartdrive::{

@@ -1,4 +1,4 @@
-//! What goes wrong with devices and their line, and what the manual leaves open about both.
+//! Tests of faults of devices and their line, and of what the manual leaves open about both.
 
 use tokio::{
     io::{AsyncReadExt, AsyncWriteExt, duplex},

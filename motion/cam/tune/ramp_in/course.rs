@@ -1,4 +1,4 @@
-//! What a ramp and the cam beside it reach together.
+//! Motion of a ramp, and the extremes that ramp and cam reach together.
 
 use super::super::super::polynomial::{Coefficients, Extremes, extremes, value};
 use super::super::along::along;

@@ -1,17 +1,19 @@
-//! What `MC_CamIn` should be given for a start with a ramp (`VelocityDiff`, `Acceleration`, `Deceleration`, manual 4.6.1
-//! and 5.4): so that the slave is on its cam soonest, or comes onto it in a given time as gently as can be.
+//! Ramp-in optimisation: `VelocityDiff`, `Acceleration` and `Deceleration` of `MC_CamIn` (manual 4.6.1 and 5.4).
 //!
-//! The ramp is added to the cam, which goes on meanwhile, so both together have to keep the limits of the axis. While the
-//! master moves evenly the cam's velocity and acceleration are polynomials of time and those of the ramp lines or, with
-//! limited jerk, parabolas or sines piece by piece: what both together reach is found exactly
+//! The slave reaches its cam either as soon as possible, or in a given time with the smallest peak.
+//!
+//! The ramp is added to the cam, which goes on meanwhile, so both together have to keep the limits of the axis. While
+//! the master moves evenly, the cam's velocity and acceleration are polynomials of time. Those of the ramp are
+//! piecewise lines or, with limited jerk, parabolas or sines. The extremes of the sum are found exactly
 //! (`motion/cam/tune/ramp_in/course.rs`).
 //!
-//! There is one search for all of that (`motion/cam/tune/ramp_in/search.rs`). It begins with ramps of many kinds and of many times
-//! (`motion/cam/tune/ramp_in/seeds.rs`): longer and longer ones until one keeps the limits for the soonest ramp, and all that are
-//! short enough for the gentlest, for to arrive earlier may be gentler where the cam goes away.
+//! One search serves both goals (`motion/cam/tune/ramp_in/search.rs`). It begins with ramps of many kinds and durations
+//! (`motion/cam/tune/ramp_in/seeds.rs`). For the soonest ramp the durations grow until one keeps the limits. For the
+//! gentlest ramp all durations up to the given time are tried, because an earlier arrival may be gentler where the cam
+//! moves away.
 //!
-//! `MC_CamIn` has no input for the jerk of a ramp: that is the axis's. The limit of the jerk holds for ramp and cam together, so where
-//! the cam has one of its own the axis is to have less, and how much that is, is found with the other values.
+//! `MC_CamIn` has no input for the jerk of a ramp: that is the axis's. The jerk limit holds for ramp and cam together.
+//! So where the cam has a jerk of its own the axis must be given less; how much less is found with the other values.
 
 mod course;
 mod descent;

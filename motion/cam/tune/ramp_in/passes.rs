@@ -1,8 +1,8 @@
-//! Which parts of a stretch of a ramp are to be looked at where the cam is passed again and again meanwhile.
+//! Parts of a ramp segment to search for extremes while the cam repeats.
 //!
-//! Beside its mean velocity a cam that is put end to end does the same in every pass. What the ramp does, and that mean velocity
-//! with it, only grows or only falls between the places where its derivative is 0. So from one such place to the next what both
-//! reach together lies in the first or in the last pass, for position, velocity, acceleration and jerk alike.
+//! Apart from its mean velocity a periodic cam does the same in every pass. The motion of the ramp, with that mean
+//! velocity added, is monotonic between the zeros of its derivative. So from one such zero to the next the extremes of
+//! the sum lie in the first or in the last pass, for position, velocity, acceleration and jerk alike.
 
 use super::course::Pull;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

@@ -1,4 +1,4 @@
-//! Why there is no ramp: the limit without which there is one, beside all others.
+//! Diagnosis of an infeasible ramp: finds the limit that alone rules out every ramp.
 
 use super::place::Aim;
 use super::problem::Problem;

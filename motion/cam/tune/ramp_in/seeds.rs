@@ -1,10 +1,10 @@
-//! Where the search for a ramp begins: ramps of all kinds that take a given time.
+//! Starting points of the ramp search: ramps of all kinds that take a given time.
 //!
-//! A ramp over D in T s has velocities of the order of D/T, accelerations of D/T² and jerks of D/T³, or of v/1, v/T and v/T² if it
-//! has to make up for a difference v of velocities. What kind it is says the rest: how lopsided it is, up against down, how soon it
-//! reaches its accelerations, and how much of the velocity it has that it would reach without a limit. How large its
-//! accelerations are for all that to take T s is found by halving. Nothing of this knows the limits of the axis but for
-//! what the values themselves may not exceed, so limits that do not bind change nothing.
+//! A ramp over D in T s has velocities of the order of D/T, accelerations of D/T² and jerks of D/T³. If it makes up for
+//! a velocity difference v these are v/1, v/T and v/T². The kind of a ramp gives the rest: acceleration against
+//! deceleration, how soon it reaches its accelerations, and what part of its unlimited peak velocity it uses. The size
+//! of its accelerations for a duration of T s is found by bisection. The limits of the axis have no influence here,
+//! except the limits of the inputs themselves, so limits that do not bind change nothing.
 
 use super::problem::{Problem, Values};
 use std::f64::consts::LN_2;

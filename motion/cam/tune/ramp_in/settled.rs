@@ -1,4 +1,4 @@
-//! What a ramp is told with: values that ask for no more than it needs, and with few digits.
+//! Clean-up of an optimised ramp: no value is larger than the ramp needs, and all have few digits.
 
 use super::place::Aim;
 use super::problem::{Problem, values};

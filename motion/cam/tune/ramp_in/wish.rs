@@ -1,4 +1,4 @@
-//! What is wished of a ramp, what came of it, and why there is none.
+//! Goal, result and error of the ramp-in optimisation.
 
 use super::super::super::coupling::CouplingError;
 use super::super::super::selection::{CamInput, CamTable};

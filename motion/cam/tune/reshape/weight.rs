@@ -1,4 +1,4 @@
-//! What counts in a shape: sums of y′, y″ and y‴ as parts of limits.
+//! Objective and constraints of a shape: weighted sums of y′, y″ and y‴, as fractions of their limits.
 
 use super::super::super::bounds::Quantity;
 use super::Wish;

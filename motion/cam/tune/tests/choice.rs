@@ -1,4 +1,5 @@
-//! Which of the answers that fit alike is taken: by the sign of the slave's scaling, and by how near it is.
+//! Tests of the choice between equally good fits: by the sign of the slave scaling, and by distance from the start
+//! values.
 
 use super::{Random, at_rest};
 use crate::cam::Curve;

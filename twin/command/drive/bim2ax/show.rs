@@ -1,4 +1,4 @@
-//! What a module says, for people.
+//! Text output of a BIM2AX module: identity, positions, status and inputs.
 
 use super::super::session::{Session, no_clock};
 use super::super::words::{self, on_off};

@@ -1,4 +1,4 @@
-//! How far an axis may go to find its switch.
+//! Maximum search distance of homing by a switch.
 
 use super::BySwitch;
 use crate::command::Failure;

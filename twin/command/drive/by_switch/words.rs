@@ -1,4 +1,4 @@
-//! What is said of homing by a switch that has failed, in the command line's own words.
+//! Messages about failed homing by a switch, in terms of the command line.
 
 use crate::clock::Clock;
 use crate::command::Failure;

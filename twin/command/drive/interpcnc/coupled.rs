@@ -1,12 +1,12 @@
 //! Parameter 86: an axis that goes along with X, whatever moves X.
 
 use super::super::session::no_clock;
-use super::Board;
+use super::HandBoard;
 use crate::command::Failure;
 use twin_drives::interpcnc::BoardAxis;
 use twin_drives::interpcnc::parameters::COUPLING;
 
-impl Board {
+impl HandBoard {
     /// The axis that goes along where these are moved.
     ///
     /// # Errors

@@ -26,7 +26,7 @@ use twin_drives::interpcnc::{
 
 /// A board.
 #[derive(Debug)]
-pub(super) struct Board {
+pub(super) struct HandBoard {
     session: Session,
     board: InterpCnc,
     consent: Consent,
@@ -130,7 +130,7 @@ fn addresses(text: &str) -> Result<RangeInclusive<u8>, String> {
     words::addresses(text, 1..=247)
 }
 
-impl Board {
+impl HandBoard {
     /// The board at an address.
     fn at(command: &Command<Self>, station: u8) -> Result<Self, Failure> {
         let options = options(command, station, &BoardAxis::ALL)?;
@@ -142,7 +142,7 @@ impl Board {
 
 /// Settings of the driver for a board at an address, of which these axes are in use.
 fn options(
-    command: &Command<Board>,
+    command: &Command<HandBoard>,
     station: u8,
     axes: &[BoardAxis],
 ) -> Result<InterpCncOptions, Failure> {
@@ -164,12 +164,12 @@ fn options(
 }
 
 /// The board as runs drive it, of which these axes are in use.
-fn drive(command: &Command<Board>, axes: &[BoardAxis]) -> Result<InterpCncDrive, Failure> {
+fn drive(command: &Command<HandBoard>, axes: &[BoardAxis]) -> Result<InterpCncDrive, Failure> {
     let line = &command.line;
     Ok(InterpCncDrive::open(&line.port, &options(command, line.address, axes)?)?)
 }
 
-impl Family for Board {
+impl Family for HandBoard {
     type Line = LineOptions;
     type Scan = Scan;
     type Unlock = Nothing;

@@ -4,7 +4,7 @@ use super::super::family::Travel;
 use super::super::session::{BRAKING, Stands, Stopping, no_clock};
 use super::super::words;
 use super::coupled::beside;
-use super::{Board, Ramps};
+use super::{HandBoard, Ramps};
 use crate::command::Failure;
 use std::time::Duration;
 use twin_drives::interpcnc::registers::Status;
@@ -38,7 +38,7 @@ fn of(state: &BoardState, axis: BoardAxis) -> i32 {
     state.positions.get(axis.index()).copied().unwrap_or(0)
 }
 
-impl Board {
+impl HandBoard {
     /// The state of a board that obeys and none of whose axes moves.
     fn obeying(&mut self, what: &str) -> Result<BoardState, Failure> {
         let state = self.standing(what)?;

@@ -1,8 +1,8 @@
-//! What an InterpCNC board says, for people.
+//! Text output of an InterpCNC board: identity, status, inputs and outputs.
 
 use super::super::session::{Session, no_clock};
 use super::super::words::{self, on_off, right};
-use super::Board;
+use super::HandBoard;
 use crate::advice;
 use crate::command::show;
 use crate::command::{Failure, Status};
@@ -13,13 +13,13 @@ use twin_drives::interpcnc::{BoardAxis, Exception, InterpCnc, Snapshot};
 
 pub(super) fn scan(
     addresses: RangeInclusive<u8>,
-    open: impl Fn(u8) -> Result<Board, Failure>,
+    open: impl Fn(u8) -> Result<HandBoard, Failure>,
 ) -> Result<Status, Failure> {
     let mut table = show::table();
     table.set_header(["address", "line by its parameters", "recipes, command 78"]);
     let mut found = 0;
     for address in addresses {
-        let Board { session, mut board, .. } = open(address)?;
+        let HandBoard { session, mut board, .. } = open(address)?;
         match session.ask(board.identify(&no_clock)) {
             Ok(identity) => {
                 let line = identity.line.map_or("unknown codes".to_owned(), |line| {

@@ -1,4 +1,4 @@
-//! What a SmartDRIVE says, for people.
+//! Text output of SmartDRIVEs: status and inputs.
 
 use super::super::session::Session;
 use super::super::words::{on_off, right};

@@ -1,3 +1,5 @@
+//! Tests of the path picture: well-formed SVG, arcs and splines, legend, and page size.
+
 use super::*;
 use nalgebra::Point3;
 use twin_motion::din66025::{Decoder, DecoderOptions, Item};
