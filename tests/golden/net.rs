@@ -126,7 +126,8 @@ fn no_behaviour_changes_unseen() {
     let found = found.into_inner().expect("no panic");
     let path = root().join("tests/data/net/expected.tsv");
     if env::var_os("TWIN_NET").is_some_and(|value| value == "write") {
-        let lines: String = found.iter().map(|(key, hash)| format!("{key}\t{hash}\n")).collect();
+        let lines: Vec<_> = found.iter().map(|(key, hash)| format!("{key}\t{hash}\n")).collect();
+        let lines = lines.concat();
         fs::write(&path, lines).expect("writable");
     }
     let text = fs::read_to_string(&path).expect("the hashes are there");

@@ -1,4 +1,4 @@
-//! Text output of SmartDRIVEs: status and inputs.
+//! Text output of SmartDRIVE devices: status and inputs.
 
 use super::super::session::Session;
 use super::super::words::{on_off, right};
