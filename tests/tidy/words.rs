@@ -7,13 +7,22 @@ use crate::tree::{Offence, Tree};
 use std::io;
 
 /// A construction, what to write instead, and how often it is left.
-const LEFT: [(&str, &str, usize); 0] = [];
+const LEFT: [(&str, &str, usize); 10] = [
+    ("told", "\"reported\" or \"said by\"", 1324),
+    ("tells", "\"reports\" or \"says\"", 156),
+    ("reckoned", "\"computed\"", 9),
+    ("so many", "the number", 194),
+    ("is no", "\"is not\"", 518),
+    ("are no", "\"are not\"", 88),
+    ("what is in the way", "\"obstacles\"", 13),
+    ("of a run that", "\"when a run …\"", 3),
+    ("held against", "\"compared with\"", 8),
+    ("beside", "\"next to\", or the relation that is meant", 613),
+];
 
 /// Questions that a heading leaves open.
 const QUESTIONS: [&str; 9] =
     ["What", "How", "Where", "When", "Who", "Whom", "Whether", "Which", "Why"];
-/// Files that begin with such a question.
-const HEADINGS_LEFT: usize = 0;
 
 /// Files that hold words for people: this one quotes what it forbids.
 fn pages(tree: &Tree) -> impl Iterator<Item = &str> {
@@ -86,10 +95,7 @@ mod tests {
 
     #[test]
     fn headings_are_no_questions() -> io::Result<()> {
-        let offences = questions(&Tree::workspace()?)?;
-        if offences.len() > HEADINGS_LEFT {
-            assert_none(&offences);
-        }
+        assert_none(&questions(&Tree::workspace()?)?);
         Ok(())
     }
 
