@@ -155,6 +155,8 @@ const RESTS: f64 = 1e-3;
 const SAME: f64 = 1e-9;
 /// A limit that is exceeded by less than this part is kept.
 const ROUNDING: f64 = 1e-12;
+/// Answers stay within limits by this part of them: a search may end beyond a row by what the row tolerates.
+const MARGIN: f64 = 1e-10;
 
 type Values = [f64; 4];
 
@@ -203,7 +205,9 @@ impl Problem<'_> {
             });
         }
         let masters = self.masters();
-        let place = self.searched(&masters)?;
+        let mut place = self.searched(&masters)?;
+        // A value of -0 would show as a change.
+        place.values = place.values.map(|value| value + 0.0);
         let [_, scaling, _, factor] = place.values;
         for (unknown, value, from) in [(NAMES[1], scaling, from[1]), (NAMES[3], factor, from[3])] {
             if !self.is_peak() && value.abs() < RESTS * from.abs() {
@@ -349,7 +353,8 @@ impl Problem<'_> {
         for quantity in Quantity::ALL {
             let limit = limits.of(quantity);
             if limit.is_finite() {
-                let ends = [(-free, Bound::Given), (limit, Bound::Limit { quantity, limit })];
+                let kept = limit * (1.0 - MARGIN);
+                let ends = [(-free, Bound::Given), (kept, Bound::Limit { quantity, limit })];
                 region.between([sign * self.peak(passed, quantity), 0.0], ends);
             }
         }
