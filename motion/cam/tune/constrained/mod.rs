@@ -155,7 +155,8 @@ const RESTS: f64 = 1e-3;
 const SAME: f64 = 1e-9;
 /// A limit that is exceeded by less than this part is kept.
 const ROUNDING: f64 = 1e-12;
-/// Answers stay within limits by this part of them: a search may end beyond a row by what the row tolerates.
+/// A master's scaling that is searched stays within the limits by this part of them: the search may end beyond a row by
+/// what the row tolerates. The slave's scaling is solved for, exactly.
 const MARGIN: f64 = 1e-10;
 
 type Values = [f64; 4];
@@ -353,7 +354,8 @@ impl Problem<'_> {
         for quantity in Quantity::ALL {
             let limit = limits.of(quantity);
             if limit.is_finite() {
-                let kept = limit * (1.0 - MARGIN);
+                let solved = self.wish.sought[3].is_some();
+                let kept = if solved { limit } else { limit * (1.0 - MARGIN) };
                 let ends = [(-free, Bound::Given), (kept, Bound::Limit { quantity, limit })];
                 region.between([sign * self.peak(passed, quantity), 0.0], ends);
             }
