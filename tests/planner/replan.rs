@@ -338,6 +338,10 @@ fn a_stop_leaves_the_rest_undone() {
     let last = all.last().unwrap();
     assert_eq!(last.tool.status, Status::Finished);
     assert_eq!(last.element.place().line, 1);
-    assert!(last.tool.way < 0.039 && last.tool.way > 0.01, "{}", last.tool.way);
+    // The speed is still building up to the feed: the stop goes on with the same jerk, so that the way is that of the
+    // acceleration and that of the braking. One cycle at the feed passes until the stop is planned.
+    let [_, braking] = braking(0.1, 3.0, 3.0 / BUILD_UP);
+    let late = last.tool.way - 2.0 * braking;
+    assert!((0.0..1e-4).contains(&late), "{late}");
     assert!((last.tool.position.x - 0.02 - last.tool.way).abs() < 1e-12);
 }
