@@ -4,8 +4,8 @@
 //! ([`crate::machine::ProgramConditions::rs274`]), so that check, run, limit, path and view see the same path.
 
 use std::fmt;
-use twin_motion::path::ProbeTrip;
-use twin_motion::rs274::{Position, ProbePath, ProbeTarget};
+use twin_gcode::rs274::{Position, ProbePath, ProbeTarget};
+use twin_path::ProbeTrip;
 
 /// Nearer than this is touching, m: the rounding of distances.
 pub(crate) const TOUCH: f64 = 1e-8;

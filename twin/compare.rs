@@ -3,7 +3,7 @@
 use crate::machine::Machine;
 use nalgebra::Point3;
 use twin_kinematics::{AxisVector, Kinematics};
-use twin_motion::Place;
+use twin_path::Place;
 
 /// Running maximum and root mean square of one error. SI.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

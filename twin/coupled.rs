@@ -2,9 +2,9 @@
 
 use crate::machine::{Axis, CamSelection, CoupledBy, Coupling, Machine};
 use crate::tappets::{MasterPlace, Signal, TappetBits, Tracks};
+use twin_cam::{CamCoupling, CamTable, CouplingError, StartMode};
 use twin_kinematics::{AxisMotion, AxisSource, AxisVector, KinematicsError};
-use twin_motion::cam::{CamCoupling, CamTable, CouplingError, StartMode};
-use twin_motion::profile::State;
+use twin_profile::State;
 
 /// A slave that the program moves itself by less is left alone, mm or degrees: the transform rounds.
 const UNMOVED: f64 = 1e-6;

@@ -4,7 +4,7 @@ use crate::section::Elsewhere;
 use serde::Serialize;
 use std::ops::Range;
 use std::sync::Arc;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// The rule a finding belongs to. The names are part of the command-line contract.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]

@@ -4,8 +4,8 @@ use crate::machine::Machine;
 use std::collections::BTreeMap;
 use std::str::FromStr;
 use std::time::Duration;
-use twin_motion::Place;
-use twin_motion::limit::MTimes;
+use twin_path::Place;
+use twin_planner::time_optimal::MTimes;
 
 /// Acknowledgement of M functions that the machine file does not define.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use crate::machine::Axis;
 use crate::tolerance::ROUNDING;
 use std::collections::BTreeSet;
 use twin_kinematics::KinematicsError;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// A set-point without axis positions.
 pub(crate) fn no_axes(place: Place, error: &AxesError) -> Finding {

@@ -2,7 +2,7 @@
 
 use crate::machine::Axis;
 use crate::number::rounded;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// A value, its limit and where it was found. SI.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

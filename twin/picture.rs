@@ -13,7 +13,7 @@ use crate::tappets::TappetBits;
 use nalgebra::{Isometry3, Point3};
 use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
-use twin_motion::path::{ElementKind, PathElement, Shape};
+use twin_path::{ElementKind, PathElement, Shape};
 use twin_viz::{
     Axis, AxisUnit, ClearanceFrame, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, Obstacle,
     PathStrip, Program, Scene, SceneOptions, Setup, Viewer, VizError,

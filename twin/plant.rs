@@ -5,7 +5,7 @@ use crate::physics::{EventKind, MotorLoad, MotorState, Part};
 use crate::setpoint::AxisSetpoint;
 use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// Measured axis positions at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]

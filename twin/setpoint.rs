@@ -5,8 +5,8 @@ use crate::m_function::MCall;
 use crate::machine::Machine;
 use crate::tappets::{MasterPlace, Signal, TappetBits};
 use twin_kinematics::{AxisMotion, AxisSource, AxisVector, Kinematics, Pose, ToolMotion};
-use twin_motion::Place;
-use twin_motion::interpolate::ToolSetpoint;
+use twin_path::Place;
+use twin_planner::controller::ToolSetpoint;
 
 /// Planning horizon of set-points for drives, ahead of the wall clock, ns. A device that retargets thirty times a
 /// second needs to see its next turning point; a stop requested by the user takes effect after this time.

@@ -4,7 +4,7 @@ use crate::finding::Finding;
 use crate::program::ProgramItem;
 use crate::setpoint::AxisSetpoint;
 use std::io;
-use twin_motion::interpolate::{Override, ToolSetpoint};
+use twin_planner::controller::{Override, ToolSetpoint};
 
 /// The least override that moves anything; less is a feed hold.
 pub const LEAST_OVERRIDE: f64 = Override::LEAST;

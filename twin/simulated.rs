@@ -14,7 +14,7 @@ use crate::setpoint::HORIZON_NS;
 use crate::touch_probe::TouchProbe;
 use std::collections::{BTreeMap, VecDeque};
 use twin_kinematics::{AxisMotion, AxisVector};
-use twin_motion::Place;
+use twin_path::Place;
 
 /// Happenings that are kept: what goes on in every line of a long program is told as well by its first thousand.
 const MOST_HAPPENINGS: usize = 1000;

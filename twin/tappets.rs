@@ -4,7 +4,7 @@
 //! the block is in every cycle. A switching has the time of the first set-point that shows it. A slave that changes its
 //! cam keeps its signals (`bSetInitValueAtReset` is FALSE).
 
-use twin_motion::cam::{TappetBit, TappetData, Trigger};
+use twin_cam::{TappetBit, TappetData, Trigger};
 
 /// Largest number of signals of one program.
 pub const MOST_SIGNALS: usize = 64;
@@ -173,7 +173,7 @@ pub struct TappetSwitch {
     /// Set-point at which it is seen, ns.
     pub time_ns: i64,
     /// Place in the program.
-    pub place: twin_motion::Place,
+    pub place: twin_path::Place,
     /// Position of the master then.
     pub master: Option<MasterPlace>,
 }
@@ -202,7 +202,7 @@ impl Switched {
     pub(crate) fn see(
         &mut self,
         bits: TappetBits,
-        (time_ns, place): (i64, twin_motion::Place),
+        (time_ns, place): (i64, twin_path::Place),
         master: impl Fn(usize) -> Option<MasterPlace>,
     ) {
         let before = std::mem::replace(&mut self.last, bits);

@@ -4,7 +4,7 @@ use crate::physics::{ClearanceScan, Part, PhysicsError, YieldingTool};
 use crate::plant::{ProbeMiss, ProbeTouch};
 use crate::setpoint::AxisSetpoint;
 use twin_kinematics::AxisVector;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// Nearer than this a probe touches, m: what it takes to switch. The path ends where nothing is left between.
 const TOUCH: f64 = 1e-6;

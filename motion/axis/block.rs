@@ -4,8 +4,8 @@ use super::latch::{Latch, Outcome, Outputs};
 use super::ownership::{Refusal, Start};
 use super::state::AxisState;
 use super::{Axis, Master, SmcError};
-use crate::profile::State;
 use std::fmt;
+use twin_profile::State;
 
 /// Motion of a block: the inputs that it takes over at a rising edge of Execute, and their effect on its axis.
 ///

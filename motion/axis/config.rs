@@ -1,6 +1,6 @@
 //! Configuration of an axis (manual 2.1.3).
 
-use crate::profile::RampType;
+use twin_profile::RampType;
 
 /// Linear, or rotary with a period (`iMovementType`, `fPositionPeriod`).
 #[derive(Clone, Copy, Debug, PartialEq)]

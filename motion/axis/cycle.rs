@@ -4,7 +4,7 @@ use super::drive::{Command, ControllerMode, Feedback};
 use super::single::DriveReport;
 use super::state::AxisState;
 use super::{Axis, SmcError};
-use crate::profile::{Profile, RampType, State};
+use twin_profile::{Profile, RampType, State};
 
 impl Axis {
     /// Takes in what the drive says (the drive interface before the program).
@@ -229,7 +229,7 @@ impl Axis {
         } else {
             let limits = self.implicit_limits();
             let velocity = limits.velocity.max(self.saved.velocity.abs());
-            let limits = crate::profile::AxisLimits { velocity, ..limits };
+            let limits = twin_profile::AxisLimits { velocity, ..limits };
             // Without a valid jerk it brakes without one.
             let profile = Profile::halt(self.saved, limits, self.ramp)
                 .or_else(|_invalid| Profile::halt(self.saved, limits, RampType::Trapezoid));

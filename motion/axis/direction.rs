@@ -2,7 +2,7 @@
 
 use super::Axis;
 use super::math::fmod;
-use crate::profile::{AxisLimits, Profile, State};
+use twin_profile::{AxisLimits, Profile, State};
 
 /// Positions closer than this part of a period are the same.
 pub(super) const SAME: f64 = 1e-9;

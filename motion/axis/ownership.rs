@@ -3,7 +3,7 @@
 use super::config::Movement;
 use super::state::AxisState;
 use super::{Axis, SmcError};
-use crate::profile::State;
+use twin_profile::State;
 
 /// Reason why a block does not get the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use super::drive::{Answer, Capture, ControllerMode, Transfer};
 use super::errors::BlockErrors;
 use super::math::fmod;
 use super::state::AxisState;
-use crate::profile::{AxisLimits, Profile, RampType, State};
+use twin_profile::{AxisLimits, Profile, RampType, State};
 
 /// An axis (`AXIS_REF`, manual 2.4), cycle by cycle.
 ///
@@ -17,7 +17,7 @@ use crate::profile::{AxisLimits, Profile, RampType, State};
 /// without moving the axis.
 ///
 /// ```
-/// use twin_motion::axis::{Axis, AxisConfig, Block, Direction, MoveAbsolute, Power, VirtualDrive};
+/// use crate::{Axis, AxisConfig, Block, Direction, MoveAbsolute, Power, VirtualDrive};
 ///
 /// let mut axis = Axis::new(AxisConfig { cycle: 0.01, ..AxisConfig::default() });
 /// let mut drive = VirtualDrive::new(0.0);

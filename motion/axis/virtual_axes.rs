@@ -1,7 +1,7 @@
 //! Virtual axes: time and encoder (manual 2.1.4, 2.2.6, 2.2.9).
 
 use super::{Axis, AxisConfig, AxisState, Movement, SmcError};
-use crate::profile::State;
+use twin_profile::State;
 
 /// An axis whose position is the time, s (`SMC_TimeAxisFB`, manual 2.2.6).
 ///

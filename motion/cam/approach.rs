@@ -1,13 +1,13 @@
 //! Ramp-in onto a cam under limited jerk (`ramp_in`, manual 4.6.1).
 
 use super::selection::StartMode;
-use crate::profile::{AxisLimits, Profile, ProfileError, RampType, State};
+use twin_profile::{AxisLimits, Profile, ProfileError, RampType, State};
 
 /// Ramp-in: the slave's remaining distance to its cam, as a motion on top of the cam's. It takes the difference of
 /// position, velocity and acceleration to zero with the axis's ramps. Nothing steps, and its jerk, in addition to the
 /// cam's, never exceeds the axis's.
 #[derive(Clone, Debug)]
-pub(crate) struct Approach {
+pub struct Approach {
     profile: Profile,
     /// From the slave to its cam at the beginning, u.
     distance: f64,
@@ -15,16 +15,16 @@ pub(crate) struct Approach {
 
 /// Start of an approach, and its permitted direction.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Gap {
+pub struct Gap {
     /// From the slave to its cam, u.
-    pub(crate) distance: f64,
+    pub distance: f64,
     /// The slave's velocity relative to the cam's, u/s.
-    pub(crate) velocity: f64,
+    pub velocity: f64,
     /// The slave's acceleration relative to the cam's, u/s².
-    pub(crate) acceleration: f64,
+    pub acceleration: f64,
     /// Of a rotary slave, u.
-    pub(crate) period: Option<f64>,
-    pub(crate) mode: StartMode,
+    pub period: Option<f64>,
+    pub mode: StartMode,
 }
 
 impl Approach {
@@ -33,11 +33,7 @@ impl Approach {
     /// # Errors
     ///
     /// As [`Profile::to_position`].
-    pub(crate) fn new(
-        gap: Gap,
-        limits: AxisLimits,
-        ramp: RampType,
-    ) -> Result<(Self, f64), ProfileError> {
+    pub fn new(gap: Gap, limits: AxisLimits, ramp: RampType) -> Result<(Self, f64), ProfileError> {
         let Gap { distance, velocity, acceleration, period, mode } = gap;
         let from = State { position: 0.0, velocity, acceleration };
         let mut turned = 0.0;
@@ -57,12 +53,12 @@ impl Approach {
     }
 
     /// The motion on top of the cam's.
-    pub(crate) fn profile(&self) -> &Profile {
+    pub fn profile(&self) -> &Profile {
         &self.profile
     }
 
     /// Motion of the slave `time` s after the beginning, for this motion of the cam; none once it is in sync.
-    pub(crate) fn at(&self, time: f64, cam: State) -> Option<State> {
+    pub fn at(&self, time: f64, cam: State) -> Option<State> {
         (time < self.profile.duration()).then(|| {
             let State { position, velocity, acceleration } = self.profile.at(time);
             State {

@@ -1,8 +1,8 @@
 //! Coupling output: set-point of the slave, tappets that acted, and the errors of a start.
 
 use super::passage::Trigger;
-use crate::profile::State;
-use crate::short::Short;
+use twin_number::Short;
+use twin_profile::State;
 
 /// Checks that a state is possible for an axis.
 pub(super) fn check(state: &State, axis: &'static str) -> Result<(), CouplingError> {

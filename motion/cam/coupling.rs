@@ -13,8 +13,8 @@ use super::reference::Cam;
 use super::selection::{CamInput, CamTable, StartMode};
 use super::tappet::Tappet;
 use super::unwrap::Unwrap;
-use crate::profile::State;
 use std::sync::Arc;
+use twin_profile::State;
 
 /// A slave on its cam, cycle by cycle.
 #[doc(alias = "MC_CamIn")]
@@ -207,7 +207,7 @@ impl CamCoupling {
     }
 
     /// Marks the last cycle's tappets as those of the first cycle, for callers that step in the cycle of the start.
-    pub(crate) fn mark_restarted(&mut self) {
+    pub fn mark_restarted(&mut self) {
         self.output.tappets.restarted = true;
     }
 

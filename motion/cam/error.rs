@@ -1,6 +1,6 @@
 //! Errors of cams: invalid points, tables or elements.
 
-use crate::short::Short;
+use twin_number::Short;
 
 /// Reason why points, tables or elements make no cam.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -7,7 +7,7 @@
 use super::bounds::{Factors, MasterMotion, Peak, Quantity, SlaveLimits, scaled};
 use super::curve::{Curve, Jump};
 use super::knot::Derivatives;
-use crate::short::Short;
+use twin_number::Short;
 
 /// The largest motion a master may make.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -28,11 +28,11 @@ pub struct Trigger {
 
 /// A cycle, as far as tappets see it: where the master came from and went to, on the scale of the cam but not wrapped.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Move {
-    pub(crate) from: f64,
-    pub(crate) to: f64,
-    pub(crate) from_ns: i64,
-    pub(crate) to_ns: i64,
+pub struct Move {
+    pub from: f64,
+    pub to: f64,
+    pub from_ns: i64,
+    pub to_ns: i64,
 }
 
 /// Of a master that makes more passes than this in one cycle, the last ones count.
@@ -40,7 +40,7 @@ const MOST_PASSES: f64 = 16.0;
 
 /// Watches all tappets of a cam.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Watch {
+pub struct Watch {
     /// The tappets and, of each that has acted, the place the master has not yet left.
     tappets: Vec<(Tappet, Option<f64>)>,
     hysteresis: f64,
@@ -67,20 +67,20 @@ impl Stands {
 }
 
 impl Watch {
-    pub(crate) fn new(tappets: &[Tappet], hysteresis: f64, width: Option<f64>) -> Self {
+    pub fn new(tappets: &[Tappet], hysteresis: f64, width: Option<f64>) -> Self {
         let tappets = tappets.iter().map(|tappet| (*tappet, None)).collect();
         Self { tappets, hysteresis: hysteresis.abs(), width, seam: None, found: Vec::new() }
     }
 
     /// Watches those of a cam, that is put end to end or not.
-    pub(crate) fn of(cam: &Cam, hysteresis: f64, repeated: bool) -> Self {
+    pub fn of(cam: &Cam, hysteresis: f64, repeated: bool) -> Self {
         let [start, end] = [cam.curve().start(), cam.curve().end()];
         let seam = repeated.then_some([start, end]);
         Self { seam, ..Self::new(cam.tappets(), hysteresis, repeated.then_some(end - start)) }
     }
 
     /// Tappets that act in this cycle, in order.
-    pub(crate) fn passed(&mut self, step: &Move) -> impl Iterator<Item = Trigger> + '_ {
+    pub fn passed(&mut self, step: &Move) -> impl Iterator<Item = Trigger> + '_ {
         let mut step = *step;
         if let Some(width) = self.width {
             let most = MOST_PASSES * width;
@@ -143,22 +143,22 @@ impl Move {
 /// It turns where it has gone back by more than a slack from the farthest point of the way before: less is the jitter of
 /// an axis that is held there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Heading {
+pub struct Heading {
     forwards: bool,
     farthest: f64,
 }
 
 impl Heading {
-    pub(crate) fn new(x: f64, forwards: bool) -> Self {
+    pub fn new(x: f64, forwards: bool) -> Self {
         Self { forwards, farthest: x }
     }
 
-    pub(crate) fn is_forwards(&self) -> bool {
+    pub fn is_forwards(&self) -> bool {
         self.forwards
     }
 
     /// The master is at x with v u/s; where it has turned, if it has.
-    pub(crate) fn follow(&mut self, x: f64, v: f64, slack: f64) -> Option<f64> {
+    pub fn follow(&mut self, x: f64, v: f64, slack: f64) -> Option<f64> {
         let back = if self.forwards { self.farthest - x } else { x - self.farthest };
         let goes_back = if self.forwards { v < 0.0 } else { v > 0.0 };
         // One that stands, and is to go on, has its direction by its velocity.
@@ -181,7 +181,7 @@ impl Heading {
 /// again from where it has turned: beyond that nobody has been. Without a dead time there is nothing to take back, and it
 /// is where the master is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LookAhead {
+pub struct LookAhead {
     heading: Heading,
     /// Where has been looked for tappets last.
     looked: f64,
@@ -189,30 +189,30 @@ pub(crate) struct LookAhead {
 
 /// Dead time of the look-ahead, and the hysteresis of a reversal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lead {
-    pub(crate) dead_time_s: f64,
+pub struct Lead {
+    pub dead_time_s: f64,
     /// In the unit of the place.
-    pub(crate) hysteresis: f64,
+    pub hysteresis: f64,
 }
 
 impl LookAhead {
     /// The master is at x of the cam with v u/s, and is looked for `dead_time_s` ahead.
-    pub(crate) fn new(x: f64, v: f64, dead_time_s: f64) -> Self {
+    pub fn new(x: f64, v: f64, dead_time_s: f64) -> Self {
         Self::along(Heading::new(x, v >= 0.0), v, dead_time_s)
     }
 
     /// The same, of a master that has come to its farthest point.
-    pub(crate) fn along(heading: Heading, v: f64, dead_time_s: f64) -> Self {
+    pub fn along(heading: Heading, v: f64, dead_time_s: f64) -> Self {
         Self { heading, looked: heading.farthest + v * dead_time_s }
     }
 
     /// Last look-ahead position.
-    pub(crate) fn looked(&self) -> f64 {
+    pub fn looked(&self) -> f64 {
         self.looked
     }
 
     /// The same a cycle later; from where to where tappets are looked for in it.
-    pub(crate) fn follow(&mut self, x: f64, v: f64, by: Lead) -> [f64; 2] {
+    pub fn follow(&mut self, x: f64, v: f64, by: Lead) -> [f64; 2] {
         let slack = if by.dead_time_s == 0.0 { 0.0 } else { by.hysteresis.abs() };
         let mut from = self.looked;
         let turned = self.heading.follow(x, v, slack);
@@ -232,7 +232,7 @@ impl Tappet {
         clippy::float_cmp,
         reason = "a place that is reached to the last digit, as in every cycle"
     )]
-    pub(crate) fn is_at(&self, x: f64, seam: Option<[f64; 2]>) -> bool {
+    pub fn is_at(&self, x: f64, seam: Option<[f64; 2]>) -> bool {
         let width = seam.map(|[start, end]| end - start);
         let (master, _) = self.first_place(seam);
         let pass = width.map_or(0.0, |width| ((x - master) / width).round());

@@ -107,7 +107,7 @@ impl CamInput {
     }
 
     /// The same as numbers: velocity, acceleration and deceleration.
-    pub(crate) fn ramp(&self) -> Result<[f64; 3], CouplingError> {
+    pub fn ramp(&self) -> Result<[f64; 3], CouplingError> {
         let inputs = [
             ("VelocityDiff", self.velocity_difference),
             ("Acceleration", self.acceleration),

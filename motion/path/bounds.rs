@@ -137,7 +137,7 @@ impl Bounds {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::Plane;
+    use crate::Plane;
     use nalgebra::Vector2;
     use proptest::prelude::*;
 

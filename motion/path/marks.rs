@@ -67,13 +67,13 @@ impl Marks {
     }
 
     /// The start marks that exclude one another with these.
-    pub(crate) fn rivals(self) -> Self {
+    pub fn rivals(self) -> Self {
         let groups = PAIRS.iter().filter(|(starts, _)| self.0 & starts.0 != 0);
         groups.fold(Self::default(), |rivals, (starts, _)| rivals.with(*starts))
     }
 
     /// The start marks of what these end.
-    pub(crate) fn begun(self) -> Self {
+    pub fn begun(self) -> Self {
         let groups = PAIRS.iter().filter(|(_, end)| self.0 & end.0 != 0);
         groups.fold(Self::default(), |begun, (starts, _)| begun.with(*starts))
     }

@@ -17,7 +17,7 @@ pub struct PathPoint {
 
 impl PathPoint {
     /// A point from which nothing leads on.
-    pub(crate) fn resting(position: Point3<f64>) -> Self {
+    pub fn resting(position: Point3<f64>) -> Self {
         let zero = Vector3::zeros();
         Self { position, tangent: zero, curvature: zero, curvature_rate: zero }
     }

@@ -6,7 +6,7 @@ use super::{AxisLimits, ProfileError, RampType, State, parabolic, sigmoid, trape
 /// Motion of an axis over time, from a state at time 0 to an end with constant velocity, and on with that.
 ///
 /// ```
-/// use twin_motion::profile::{AxisLimits, Profile, RampType, State};
+/// use crate::{AxisLimits, Profile, RampType, State};
 ///
 /// let limits = AxisLimits { velocity: 10.0, acceleration: 20.0, deceleration: 20.0, jerk: 200.0 };
 /// let profile =
@@ -14,7 +14,7 @@ use super::{AxisLimits, ProfileError, RampType, State, parabolic, sigmoid, trape
 /// assert_eq!(profile.duration(), 10.5);
 /// assert_eq!(profile.at(0.5).velocity, 10.0);
 /// assert_eq!(profile.at(20.0), State::resting(100.0));
-/// # Ok::<(), twin_motion::profile::ProfileError>(())
+/// # Ok::<(), crate::ProfileError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profile {
@@ -115,7 +115,7 @@ impl Profile {
 
     /// The stretches: how long each takes, s, its acceleration at the beginning, u/s², its jerk there, u/s³, and the angular
     /// frequency with which the acceleration swings, rad/s: 0 where the jerk is constant.
-    pub(crate) fn stretches(&self) -> impl Iterator<Item = [f64; 4]> + '_ {
+    pub fn stretches(&self) -> impl Iterator<Item = [f64; 4]> + '_ {
         let segments = self.track.segments();
         let ends = segments.iter().skip(1).map(|next| next.start).chain([self.track.duration]);
         segments.iter().zip(ends).map(|(segment, end)| {

@@ -12,7 +12,7 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
-use twin_motion::cam::{
+use twin_cam::{
     Curve, Equidistant, Factors, Interpolation, Knot, MasterMotion, SlaveLimits, TableScale,
     VariableType,
 };

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 use std::io::{self, Read};
-use twin_motion::{din66025, rs274};
+use twin_gcode::{din66025, rs274};
 
 /// The two dialects. The lines between beginning and end are the same in both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -22,7 +22,7 @@ use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::Path;
 use std::process::Command;
-use twin_motion::{din66025, rs274};
+use twin_gcode::{din66025, rs274};
 
 const FEW: u32 = 1_000;
 const MANY: u32 = 10_000_000;

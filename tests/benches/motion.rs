@@ -23,8 +23,8 @@ use criterion::{
 use pipeline::{Failure, count, elements, plan, prepare, sample};
 use std::hint::black_box;
 use std::io::Read;
-use twin_motion::path::PathElement;
-use twin_motion::{din66025, rs274};
+use twin_gcode::{din66025, rs274};
+use twin_path::PathElement;
 
 /// Lines of the generated program.
 const LINES: u32 = 200_000;

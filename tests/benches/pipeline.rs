@@ -1,10 +1,11 @@
 //! Pipeline of the motion stages, connected as in the product.
 
 use std::error::Error;
-use twin_motion::decode::{self, Item, TextError};
-use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
-use twin_motion::path::{Marks, PathElement};
-use twin_motion::prepare::{CheckedElement, Notices, Preparation};
+use twin_gcode::decode;
+use twin_gcode::decode::{Item, TextError};
+use twin_path::prepare::{CheckedElement, Notices, Preparation};
+use twin_path::{Marks, PathElement};
+use twin_planner::controller::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
 
 /// Whatever goes wrong.
 pub type Failure = Box<dyn Error>;

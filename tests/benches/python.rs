@@ -25,7 +25,7 @@ impl Package {
             println!("peer, {name}: skipped, there is no Python that has it ({variable})");
             return None;
         };
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/peers");
+        let folder = workspace().join("tests/peers");
         let mut command = Command::new(&python);
         command.arg(folder.join(script));
         for variable in ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"] {
@@ -46,9 +46,8 @@ impl Package {
         if self.is_in(&usual) {
             return Some(usual);
         }
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        let target =
-            env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+        let target = env::var_os("CARGO_TARGET_DIR")
+            .map_or_else(|| workspace().join("target"), PathBuf::from);
         let folder = target.join(format!("{name}-venv"));
         let python = folder.join("bin").join("python").into_os_string();
         if !self.is_in(&python) {
@@ -70,4 +69,10 @@ impl Package {
 fn runs(command: &mut Command) -> bool {
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     command.status().is_ok_and(|status| status.success())
+}
+
+/// Root of the workspace, whichever crate includes this file.
+fn workspace() -> &'static Path {
+    let mut folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+    folders.find(|folder| folder.join("Cargo.lock").is_file()).expect("the crate is in a workspace")
 }

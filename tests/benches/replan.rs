@@ -24,11 +24,11 @@ use nalgebra::Point3;
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 use std::time::Instant;
-use twin_motion::Place;
-use twin_motion::limit::course::{CourseOptions, Order};
-use twin_motion::limit::{LimitOptions, Planned, Planner};
-use twin_motion::path::{ElementKind, PathElement, Shape};
-use twin_motion::prepare::{CheckError, CheckVelocities};
+use twin_path::Place;
+use twin_path::prepare::{CheckError, CheckVelocities};
+use twin_path::{ElementKind, PathElement, Shape};
+use twin_planner::time_optimal::course::{CourseOptions, Order};
+use twin_planner::time_optimal::{LimitOptions, Planned, Planner};
 
 /// Values to which the override changes.
 const FACTORS: [f64; 5] = [0.0, 0.1, 0.5, 0.9, 1.5];

@@ -17,7 +17,7 @@ use twin::program::{Dialect, ProgramFile, ProgramItem};
 use twin::setpoint::{AxisSetpoint, Transformer};
 use twin::simulated::Simulated;
 use twin_kinematics::Kinematics;
-use twin_motion::interpolate::ToolSetpoint;
+use twin_planner::controller::ToolSetpoint;
 
 fn machine() -> Machine {
     let root =

@@ -2,7 +2,7 @@
 
 use crate::cases::Case;
 use crate::solvers::{equal_times, grid, smooth, stretches};
-use twin_motion::limit::{Beginning, SmoothSolver, Stretch};
+use twin_planner::time_optimal::{Beginning, SmoothSolver, Stretch};
 
 /// Cells to begin with, and rounds in which they are cut.
 const CELLS: usize = 400;

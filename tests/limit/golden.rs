@@ -1,4 +1,4 @@
-//! Solvers of `motion/limit` (time-optimal planning) against least times in closed form.
+//! Solvers of `motion/planner/time_optimal` (time-optimal planning) against least times in closed form.
 
 use crate::cases::{Case, all};
 use crate::solvers::{Fineness, grid, linear, linear_windows, passes, planned};

@@ -6,14 +6,14 @@ use crate::path::as_float;
 use crate::programs::{
     ACCELERATION, ANGLE_TOLERANCE_DEG, Checked, JERK, Program, UNLIMITED, VELOCITY,
 };
+use twin_gcode::rs274::PathMode;
 use twin_kinematics::AxisVector;
 use twin_kinematics::gantry::Gantry3;
-use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
-use twin_motion::limit::course::{CourseOptions, Order};
-use twin_motion::limit::{AxisLimits, KinematicPath, LimitOptions};
-use twin_motion::limit::{Planned as Part, Planner as Limiter};
-use twin_motion::prepare::CheckError;
-use twin_motion::rs274::PathMode;
+use twin_path::prepare::CheckError;
+use twin_planner::controller::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
+use twin_planner::time_optimal::course::{CourseOptions, Order};
+use twin_planner::time_optimal::{AxisLimits, KinematicPath, LimitOptions};
+use twin_planner::time_optimal::{Planned as Part, Planner as Limiter};
 
 /// Servo cycle, s.
 pub const CYCLE: f64 = 1e-3;

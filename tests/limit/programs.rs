@@ -3,10 +3,10 @@
 use crate::differences::Peak;
 use std::fs;
 use std::path::PathBuf;
-use twin_motion::decode::{Failure, Item};
-use twin_motion::path::PathElement;
-use twin_motion::prepare::{CheckError, CheckVelocities, CheckedElement};
-use twin_motion::rs274::{Decoder, DecoderOptions, PathMode};
+use twin_gcode::decode::{Failure, Item};
+use twin_gcode::rs274::{Decoder, DecoderOptions, PathMode};
+use twin_path::PathElement;
+use twin_path::prepare::{CheckError, CheckVelocities, CheckedElement};
 
 /// Velocity and acceleration limit of every axis there, m/s and m/s².
 pub const VELOCITY: f64 = 0.2;
@@ -40,7 +40,7 @@ pub struct Checked {
 }
 
 fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/data/linuxcnc_planner")
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/linuxcnc_planner")
 }
 
 /// All of them, as `summary.csv` lists them.

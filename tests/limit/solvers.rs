@@ -1,18 +1,18 @@
-//! Solvers of `motion/limit` (time-optimal planning) behind one interface: the one file of golden set and benchmark
+//! Solvers of `motion/planner/time_optimal` (time-optimal planning) behind one interface: the one file of golden set and benchmark
 //! that depends on it.
 
 use crate::path::{Path, as_float};
 use nalgebra::Point3;
 use twin_kinematics::{AxisVector, KinematicsError};
-use twin_motion::Place;
-use twin_motion::limit::course::{CourseElement, CourseOptions};
-use twin_motion::limit::{
+use twin_path::Place;
+use twin_path::prepare::{CheckError, CheckVelocities};
+use twin_path::{ElementKind, PathElement, Shape};
+use twin_planner::time_optimal::course::{CourseElement, CourseOptions};
+use twin_planner::time_optimal::{
     AxisLimits, AxisPath, AxisPoint, Beginning, Cap, CapSource, CellEnd, Effort, Grid,
     LimitOptions, LinearProfile, LinearSolver, Planned, Planner, Rates, SmoothProfile,
     SmoothSolver, Stretch, reachable,
 };
-use twin_motion::path::{ElementKind, PathElement, Shape};
-use twin_motion::prepare::{CheckError, CheckVelocities};
 
 /// The path as a grid, with jerk limits or without.
 pub fn grid(path: &Path, jerk: bool) -> Grid {

@@ -27,14 +27,14 @@ use pipeline::{Failure, count, elements, plan, prepare, sample};
 use std::f64::consts::TAU;
 use std::io::BufReader;
 use std::num::NonZeroUsize;
-use twin_motion::Place;
-use twin_motion::limit::course::CourseOptions;
-use twin_motion::limit::{LimitOptions, Planned, Planner};
-use twin_motion::path::{ElementKind, Marks, PathElement, Shape};
-use twin_motion::prepare::{
+use twin_gcode::{din66025, rs274};
+use twin_path::Place;
+use twin_path::prepare::{
     CheckVelocities, CircularLimits, Notices, Preparation, Rounding, ToolRadiusOptions,
 };
-use twin_motion::{din66025, rs274};
+use twin_path::{ElementKind, Marks, PathElement, Shape};
+use twin_planner::time_optimal::course::CourseOptions;
+use twin_planner::time_optimal::{LimitOptions, Planned, Planner};
 
 const FEW: u32 = 1_000;
 const MANY: u32 = 300_000;

@@ -22,15 +22,15 @@
 use nalgebra::Vector3;
 use std::error::Error;
 use std::io::Cursor;
+use twin_gcode::din66025::{Decoder, DecoderOptions, Item};
 use twin_kinematics::turn::nearest_turn;
 use twin_kinematics::{
     AxisMotion, AxisSource, AxisVector, Branch, Coordinate, Jacobian, Kinematics, KinematicsError,
     MachineAxes, Margins, Pose, ToolJerk, ToolMotion,
 };
-use twin_motion::din66025::{Decoder, DecoderOptions, Item};
-use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead, ToolSetpoint};
-use twin_motion::path::Marks;
-use twin_motion::prepare::{Notices, Preparation};
+use twin_path::Marks;
+use twin_path::prepare::{Notices, Preparation};
+use twin_planner::controller::{DEFAULT_CYCLE_NS, Interpolator, LookAhead, ToolSetpoint};
 
 type Fault = Box<dyn Error>;
 

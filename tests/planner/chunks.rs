@@ -3,11 +3,11 @@
 use super::machines::Machine;
 use std::fmt::Write as _;
 use std::io::{self, BufRead, Read};
-use twin_motion::decode::Item;
-use twin_motion::limit::course::CourseOptions;
-use twin_motion::limit::{Law, LimitOptions, Planned, Planner};
-use twin_motion::prepare::{CheckError, CheckVelocities};
-use twin_motion::rs274::{Decoder, DecoderOptions};
+use twin_gcode::decode::Item;
+use twin_gcode::rs274::{Decoder, DecoderOptions};
+use twin_path::prepare::{CheckError, CheckVelocities};
+use twin_planner::time_optimal::course::CourseOptions;
+use twin_planner::time_optimal::{Law, LimitOptions, Planned, Planner};
 
 /// Gives so many bytes at a time.
 struct Pieces<'t> {

@@ -9,16 +9,18 @@ use super::run::{Report, Settings, run};
 use nalgebra::{Point3, Vector3};
 use std::fs;
 use std::path::{Path, PathBuf};
-use twin_motion::decode::Item;
-use twin_motion::path::{PathElement, Similarity};
-use twin_motion::rs274::{Decoder, DecoderOptions, Tool, ToolTable};
+use twin_gcode::decode::Item;
+use twin_gcode::rs274::{Decoder, DecoderOptions, Tool, ToolTable};
+use twin_path::{PathElement, Similarity};
 
 /// Elements per program, and the time that they take at their feed, s.
 const FEW: (usize, f64) = (60, 6.0);
 
 fn programs() -> Vec<(String, PathBuf)> {
-    let shared = std::env::var_os("TWIN_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from);
+    let shared = std::env::var_os("TWIN_SHARED").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
+        PathBuf::from,
+    );
     let corpus = shared.join("corpus");
     let Ok(index) = fs::read_to_string(corpus.join("INDEX.tsv")) else {
         println!("skipped: there is no {}", corpus.join("INDEX.tsv").display());
@@ -181,8 +183,8 @@ fn every_program_that_fits_keeps_the_limits_without_those_of_jerks() {
 /// A program at the edge of the room still fits, one that is larger does not.
 #[test]
 fn programs_are_placed_where_they_fit() {
-    use twin_motion::Place;
-    use twin_motion::path::{ElementKind, Shape};
+    use twin_path::Place;
+    use twin_path::{ElementKind, Shape};
     for machine in Machine::ALL {
         let [min, max] = machine.room();
         for (part, fits) in [(0.5, true), (20.0, false)] {

@@ -6,8 +6,8 @@ use super::run::{Report, Settings, run};
 use nalgebra::Point3;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
-use twin_motion::Place;
-use twin_motion::path::{Arc, ElementKind, PathElement, Shape};
+use twin_path::Place;
+use twin_path::{Arc, ElementKind, PathElement, Shape};
 
 fn settings(tolerance: f64, angle: f64) -> Settings {
     Settings { machine: Machine::Cutter, jerk: true, tolerance, angle, horizon: 1.5 }

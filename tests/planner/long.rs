@@ -4,8 +4,8 @@ use super::machines::Machine;
 use super::run::{Report, Settings, run};
 use nalgebra::Point3;
 use std::f64::consts::{FRAC_PI_2, PI};
-use twin_motion::Place;
-use twin_motion::path::{Arc, ElementKind, PathElement, Plane, Shape};
+use twin_path::Place;
+use twin_path::{Arc, ElementKind, PathElement, Plane, Shape};
 
 /// A meander of lines and half circles, without corners.
 pub fn meander() -> impl Iterator<Item = Shape> {

@@ -6,7 +6,7 @@ use twin_kinematics::gantry::{Gantry3, GantryCutter3, Sense};
 use twin_kinematics::scara::{Elbow, Scara2};
 use twin_kinematics::tripod::{Tripod, TripodDimensions};
 use twin_kinematics::{AxisSource, AxisVector, Coordinate, Kinematics, MachineAxes, Pose};
-use twin_motion::limit::{AxisLimits, KinematicPath};
+use twin_planner::time_optimal::{AxisLimits, KinematicPath};
 
 /// Acceleration is built up in this time, s: the jerk limit is the acceleration limit divided by it.
 pub const BUILD_UP: f64 = 0.02;

@@ -5,8 +5,8 @@ use super::run::{Report, Settings, arrives, run};
 use nalgebra::{Point3, Vector2, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
-use twin_motion::Place;
-use twin_motion::path::{Arc, ElementKind, PathElement, Plane, Shape};
+use twin_path::Place;
+use twin_path::{Arc, ElementKind, PathElement, Plane, Shape};
 
 #[derive(Clone, Debug)]
 pub struct Step {

@@ -10,11 +10,11 @@ use std::f64::consts::PI;
 use std::num::NonZeroU32;
 use std::time::Instant;
 use twin_kinematics::MachineAxes;
-use twin_motion::Place;
-use twin_motion::interpolate::Status;
-use twin_motion::limit::{Followed, Follower, KinematicPath, LimitError, Planned, Planner};
-use twin_motion::path::{ElementKind, PathElement, Shape};
-use twin_motion::prepare::{CheckError, CheckVelocities, CheckedElement};
+use twin_path::Place;
+use twin_path::prepare::{CheckError, CheckVelocities, CheckedElement};
+use twin_path::{ElementKind, PathElement, Shape};
+use twin_planner::controller::Status;
+use twin_planner::time_optimal::{Followed, Follower, KinematicPath, LimitError, Planned, Planner};
 
 /// So much is planned ahead, s.
 const LOOKAHEAD: f64 = 0.5;

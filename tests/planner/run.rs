@@ -5,12 +5,12 @@ use nalgebra::Vector3;
 use std::sync::Arc;
 use std::time::Instant;
 use twin_kinematics::AxisVector;
-use twin_motion::limit::course::{CourseElement, CourseOptions, Order};
-use twin_motion::limit::{
+use twin_path::PathElement;
+use twin_path::prepare::{CheckError, CheckVelocities};
+use twin_planner::time_optimal::course::{CourseElement, CourseOptions, Order};
+use twin_planner::time_optimal::{
     AxisLimits, AxisPath, AxisPoint, Effort, Leg, LimitError, LimitOptions, Planned, Planner,
 };
-use twin_motion::path::PathElement;
-use twin_motion::prepare::{CheckError, CheckVelocities};
 
 /// Servo cycle, s.
 const CYCLE: f64 = 1e-3;

@@ -4,8 +4,8 @@ use super::machines::Machine;
 use super::random::check;
 use super::run::{Settings, run, run_on};
 use nalgebra::{Point3, Vector3};
-use twin_motion::Place;
-use twin_motion::path::{ElementKind, PathElement, Shape};
+use twin_path::Place;
+use twin_path::{ElementKind, PathElement, Shape};
 
 /// Steps of this length, m, to and fro at right angles: the path stops after each.
 fn steps(machine: Machine, length: f64, count: u32) -> Vec<PathElement> {

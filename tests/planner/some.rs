@@ -5,10 +5,10 @@ use super::machines::Machine;
 use super::run::{Report, run_on};
 use nalgebra::Point3;
 use std::f64::consts::{PI, TAU};
-use twin_motion::Place;
-use twin_motion::limit::course::CourseOptions;
-use twin_motion::limit::{AxisLimits, LimitOptions};
-use twin_motion::path::{Arc, ElementKind, PathElement, Plane, Shape};
+use twin_path::Place;
+use twin_path::{Arc, ElementKind, PathElement, Plane, Shape};
+use twin_planner::time_optimal::course::CourseOptions;
+use twin_planner::time_optimal::{AxisLimits, LimitOptions};
 
 /// The arm's first joint alone has a jerk limit.
 fn limits() -> Vec<AxisLimits> {

@@ -5,11 +5,11 @@ use super::random::{Form, Step, cases, exponential, limits_hold, settings, step,
 use super::run::{Settings, Watch};
 use proptest::prelude::*;
 use std::collections::VecDeque;
-use twin_motion::limit::{
+use twin_path::prepare::{CheckError, CheckVelocities};
+use twin_path::{PathElement, Plane};
+use twin_planner::time_optimal::{
     Arrival, KinematicPath, Lead, LimitError, Piece, Pieces, Planned, Planner, Request, Spliced,
 };
-use twin_motion::path::{PathElement, Plane};
-use twin_motion::prepare::{CheckError, CheckVelocities};
 
 /// A held path rests so long, s.
 const HELD: f64 = 0.02;

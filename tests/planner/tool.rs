@@ -6,9 +6,9 @@ use super::run::{Settings, run};
 use nalgebra::Point3;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use twin_motion::Place;
-use twin_motion::limit::LimitOptions;
-use twin_motion::path::{Arc, ElementKind, PathElement, Plane, Shape};
+use twin_path::Place;
+use twin_path::{Arc, ElementKind, PathElement, Plane, Shape};
+use twin_planner::time_optimal::LimitOptions;
 
 /// Once around, faster than the tool may go on the circle, in several windows and in one.
 #[test]

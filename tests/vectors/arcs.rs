@@ -2,8 +2,8 @@
 
 use super::program::{at, decoded, element, elements, length, move_type};
 use super::vector::{Vector, check};
-use twin_motion::din66025::DecodeError;
-use twin_motion::path::{PathElement, Shape};
+use twin_gcode::din66025::DecodeError;
+use twin_path::{PathElement, Shape};
 
 /// The block of the arc with `words` for its centre or radius.
 fn block(vector: &Vector, words: &str) -> String {

@@ -1,7 +1,7 @@
 //! Motion of single axes (manual 2.1.3, 5.3).
 
 use super::vector::{Vector, check};
-use twin_motion::profile::{
+use twin_profile::{
     AxisLimits, Profile, ProfilePoint, ProfileTable, RampType, State, TableProfile,
 };
 

@@ -1,7 +1,7 @@
 //! Blocks of single axes, gears and switches (manual 2.1.3, 2.2, 5.3–5.5).
 
 use super::vector::check;
-use twin_motion::axis::{
+use twin_axis::{
     Axis, AxisConfig, Block, CamSwitch, DigitalCamSwitch, Direction, Follow, GearInPos,
     MoveAbsolute, MoveVelocity, Movement, Power, SwitchDirection, TimeAxis, Track, TrackingError,
     VirtualDrive, atan2, fmod, units,

@@ -2,12 +2,12 @@
 
 use super::vector::{Vector, check};
 use std::sync::Arc;
-use twin_motion::cam::{
+use twin_cam::{
     Action, Cam, CamCoupling, CamInput, CamRegister, CamTable, Curve, Derivatives, Equidistant,
     Factors, Interpolation, Knot, MasterMotion, PairTable, Passage, RegisterInput, Shape,
     TableScale, Tappet, VariableType, quintic,
 };
-use twin_motion::profile::State;
+use twin_profile::State;
 
 fn knot(vector: &Vector, name: &str) -> Knot {
     let [master, slave, velocity, acceleration] = vector.numbers(name)[..] else { panic!("XYVA") };

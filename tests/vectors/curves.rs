@@ -3,7 +3,7 @@
 use super::program::{at, element, elements, length, move_type, xy};
 use super::vector::{Vector, check};
 use nalgebra::Point3;
-use twin_motion::path::{Cubic, Ellipse, PathElement, Shape};
+use twin_path::{Cubic, Ellipse, PathElement, Shape};
 
 fn ellipse(element: &PathElement) -> &Ellipse {
     let Shape::Ellipse(ellipse) = &element.shape else { panic!("no ellipse: {element:?}") };

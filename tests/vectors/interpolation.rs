@@ -3,12 +3,12 @@
 use super::program::{Fault, elements, stream};
 use super::vector::{Vector, check};
 use std::task::Poll;
-use twin_motion::interpolate::{
+use twin_path::PathElement;
+use twin_path::prepare::CheckVelocities;
+use twin_planner::controller::{
     DEFAULT_CYCLE_NS, Inputs, Interpolator, LookAhead, Profile, ToolSetpoint, VelocityMode,
     XDirection, XInterpolator,
 };
-use twin_motion::path::PathElement;
-use twin_motion::prepare::CheckVelocities;
 
 /// The vector's line, under its limits.
 fn line(vector: &Vector) -> Vec<PathElement> {

@@ -3,7 +3,7 @@
 use super::program::{Fault, element, elements, length, lines, move_type, stream, xy};
 use super::vector::check;
 use nalgebra::Vector3;
-use twin_motion::path::{MapPath, Shape, Similarity, SplitAt};
+use twin_path::{MapPath, Shape, Similarity, SplitAt};
 
 #[test]
 pub(crate) fn split() {

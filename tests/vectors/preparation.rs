@@ -2,10 +2,10 @@
 
 use super::program::{Fault, at, corners, elements, length, lines, move_type, stream, xy};
 use super::vector::{Vector, check};
-use twin_motion::path::{ElementKind, Marks, PathElement, Shape};
-use twin_motion::prepare::{
+use twin_path::prepare::{
     CheckVelocities, CheckedElement, CircularLimits, Notice, Notices, Preparation, Rounding,
 };
+use twin_path::{ElementKind, Marks, PathElement, Shape};
 
 /// The path of `elements` after what `preparation` says, and what the stages noticed.
 fn prepared(

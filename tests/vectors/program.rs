@@ -3,9 +3,9 @@
 use nalgebra::Point3;
 use std::error::Error;
 use std::io::Cursor;
-use twin_motion::din66025::{Decoder, DecoderOptions, Diagnostic, Item};
-use twin_motion::info::MoveType;
-use twin_motion::path::PathElement;
+use twin_gcode::din66025::{Decoder, DecoderOptions, Diagnostic, Item};
+use twin_gcode::info::MoveType;
+use twin_path::PathElement;
 
 /// Error of any stage; none may occur here.
 pub(crate) type Fault = Box<dyn Error>;

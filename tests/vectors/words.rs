@@ -2,8 +2,8 @@
 
 use super::program::{at, decoded_with, element, elements, length, xy};
 use super::vector::check;
-use twin_motion::din66025::DecoderOptions;
-use twin_motion::path::{ElementKind, PathElement};
+use twin_gcode::din66025::DecoderOptions;
+use twin_path::{ElementKind, PathElement};
 
 /// Number (negative: off) and place of every switch of an element.
 fn switches(element: &PathElement) -> Vec<(f64, f64)> {

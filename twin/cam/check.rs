@@ -5,10 +5,8 @@ pub use super::usage::{AxisLimits, CamUse, unit_fits};
 use crate::finding::{Finding, Rule, Severity};
 use crate::number::{apart, at_most, beside, readable};
 use serde_json::{Value, json};
-use twin_motion::Place;
-use twin_motion::cam::{
-    Bounds, Jump, Largest, LimitError, Passage, Quantity, Range, SlaveLimits, Tappet,
-};
+use twin_cam::{Bounds, Jump, Largest, LimitError, Passage, Quantity, Range, SlaveLimits, Tappet};
+use twin_path::Place;
 
 /// A limit that is exceeded by less than this part is kept.
 const ROUNDING: f64 = 1e-12;

@@ -7,8 +7,8 @@ use super::toml_writer::Number;
 use super::{CamFile, CamFileError};
 use crate::number::counted;
 use std::path::Path;
-use twin_motion::cam::file::clean;
-use twin_motion::cam::{Interpolation, Knot, Shape};
+use twin_cam::file::clean;
+use twin_cam::{Interpolation, Knot, Shape};
 
 /// Two columns are a table of pairs, four are points with velocity and acceleration.
 pub(super) fn csv_shape(

@@ -4,7 +4,7 @@ use super::toml_writer::Number;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-use twin_motion::cam::{Knot, Tappet};
+use twin_cam::{Knot, Tappet};
 
 /// A change.
 #[derive(Clone, Debug, PartialEq)]

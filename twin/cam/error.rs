@@ -3,8 +3,8 @@
 use crate::section::MachineFileError;
 use std::io;
 use std::path::{Path, PathBuf};
-use twin_motion::cam::CamError;
-use twin_motion::cam::file::AsciiError;
+use twin_cam::CamError;
+use twin_cam::file::AsciiError;
 
 /// Why a cam cannot be read from a file, or written to one.
 #[derive(Debug, thiserror::Error)]

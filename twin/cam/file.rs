@@ -12,8 +12,8 @@ use crate::section::MachineFileError;
 use crate::section::read_text;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use twin_motion::cam::file::{read_ascii, write_ascii};
-use twin_motion::cam::{
+use twin_cam::file::{read_ascii, write_ascii};
+use twin_cam::{
     Cam, Element, Interpolation, Kind, PairTable, Scale, Shape, Source, TableScale, VariableType,
 };
 

@@ -1,6 +1,6 @@
 //! Metadata of a cam file: scales of master and slave, and the coupling.
 
-use twin_motion::cam::{CamInput, Scale, StartMode};
+use twin_cam::{CamInput, Scale, StartMode};
 
 /// Range and unit of master or slave, for tables and pictures.
 #[derive(Clone, Debug, PartialEq)]

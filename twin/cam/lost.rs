@@ -1,7 +1,7 @@
 //! Losses of a conversion: the data of a cam that another file form cannot hold.
 
 use super::{AxisScale, CamFile};
-use twin_motion::cam::{Element, Interpolation, Shape, Source, VariableType};
+use twin_cam::{Element, Interpolation, Shape, Source, VariableType};
 
 /// What `from` says that `to`, read again from its file, does not: a line for each.
 pub fn lost(from: &CamFile, to: &CamFile) -> Vec<String> {

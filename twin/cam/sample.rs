@@ -4,7 +4,7 @@ use super::CamFile;
 use super::check::CamUse;
 use crate::number::{significant, without_dust};
 use std::io::{self, Write};
-use twin_motion::cam::Bounds;
+use twin_cam::Bounds;
 
 /// Significant digits of what is written.
 const DIGITS: usize = 12;

@@ -6,9 +6,9 @@ use super::usage::CamUse;
 use crate::finding::{Finding, Rule};
 use crate::number::beside;
 use serde_json::{Value, json};
-use twin_motion::Place;
-use twin_motion::cam::Curve;
-use twin_motion::cam::file::clean;
+use twin_cam::Curve;
+use twin_cam::file::clean;
+use twin_path::Place;
 
 /// What a rotary slave gains in whole passes is a whole number of its periods but for this part.
 const WHOLE: f64 = 1e-9;

@@ -3,7 +3,7 @@
 use super::form::{Coupling, START_MODES, WANTED, no_scaling};
 use super::toml_form::ANY;
 use crate::section::Section;
-use twin_motion::cam::CamInput;
+use twin_cam::CamInput;
 
 /// Reads the section. What is wrong with it is noted there, and a file with a note is refused.
 pub(super) fn coupling(section: &Section<'_>) -> Coupling {

@@ -6,7 +6,7 @@ use super::toml_table;
 use crate::section::FileKind;
 use crate::section::Section;
 use std::ops::{Range, RangeInclusive};
-use twin_motion::cam::{
+use twin_cam::{
     Action, Cam, CamError, Compile, Element, Kind, Knot, Passage, Scale, Shape, Source, Tappet,
 };
 

@@ -3,9 +3,7 @@
 use super::toml_form::ANY;
 use crate::section::Section;
 use std::ops::Range;
-use twin_motion::cam::{
-    Equidistant, Interpolation, PairTable, Scale, Shape, TableScale, VariableType,
-};
+use twin_cam::{Equidistant, Interpolation, PairTable, Scale, Shape, TableScale, VariableType};
 
 /// Reads a table of a cam with this scale of the master, if that is known: all that is wrong with it is told either way.
 pub(super) fn shape(

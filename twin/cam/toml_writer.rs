@@ -2,7 +2,7 @@
 
 use super::form::{Coupling, WANTED};
 use std::fmt::{self, Display, Write};
-use twin_motion::cam::{
+use twin_cam::{
     Action, Element, Equidistant, Interpolation, Kind, Knot, PairTable, Passage, Scale, Shape,
     Source, TableScale, Tappet, VariableType,
 };

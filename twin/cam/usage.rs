@@ -2,7 +2,7 @@
 
 use super::{AxisScale, CamFile, Coupling};
 use crate::axis_kind::AxisKind;
-use twin_motion::cam::{Factors, MasterMotion, SlaveLimits};
+use twin_cam::{Factors, MasterMotion, SlaveLimits};
 
 /// What the slave can do, u; infinite where there is no limit.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,8 +6,8 @@ use crate::machine::{Axis, CoupledBy, Machine};
 use crate::number::seconds;
 use crate::number::significant;
 use crate::setpoint::AxisSetpoint;
+use twin_cam::Joints;
 use twin_kinematics::AxisVector;
-use twin_motion::cam::Joints;
 
 /// A part of a limit below which a jump is rounding.
 const ROUNDING: f64 = 1e-9;

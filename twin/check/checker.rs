@@ -16,9 +16,9 @@ use crate::tappets::Switched;
 use crate::tolerance::{exceeds, is_hidden};
 use std::collections::BTreeSet;
 use twin_kinematics::{AxisSource, AxisVector, Kinematics};
-use twin_motion::Place;
-use twin_motion::interpolate::ToolSetpoint;
-use twin_motion::path::EXTRA_AXES;
+use twin_path::EXTRA_AXES;
+use twin_path::Place;
+use twin_planner::controller::ToolSetpoint;
 
 /// Checker of every set-point.
 #[derive(Debug)]

@@ -84,7 +84,7 @@ fn excess(finding: &Finding) -> f64 {
 mod tests {
     use super::{About, Findings};
     use crate::finding::{Finding, Rule, Severity};
-    use twin_motion::Place;
+    use twin_path::Place;
 
     fn found(severity: Severity, message: &str) -> Finding {
         let place = Place { line: 7, block: None };

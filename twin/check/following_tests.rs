@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 use std::path::Path;
 use twin_drives::{IncrementMotion, Rehearsal, SetpointStream, WireRates};
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
-use twin_motion::Place;
+use twin_path::Place;
 
 /// Three linear axes of 320 increments per mm and more, half a millimetre of following error, on a board.
 const GANTRY3: &str = include_str!("../../machines/gantry3.toml");

@@ -2,7 +2,7 @@
 
 use crate::setpoint::AxisSetpoint;
 use twin_kinematics::AxisVector;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// One axis at one instant. SI.
 #[derive(Clone, Copy, Debug)]

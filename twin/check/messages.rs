@@ -8,9 +8,9 @@ use crate::number::seconds;
 use crate::physics::{Clearance, EventKind, Fault, Part};
 use crate::plant::{Blow, Happening, ProbeMiss, ProbeTouch};
 use std::collections::BTreeSet;
+use twin_cam::MAX_TRIGGERS;
 use twin_kinematics::Kinematics;
-use twin_motion::Place;
-use twin_motion::cam::MAX_TRIGGERS;
+use twin_path::Place;
 
 /// An axis that is farther than this from where it is sent, m or rad, beyond its software limits, is not only following behind.
 const RUN_AWAY: f64 = 2e-3;

@@ -5,7 +5,7 @@ use super::messages;
 use crate::machine::{Machine, SimulationError};
 use crate::physics::{Clearance, ClearanceScan, Part};
 use crate::setpoint::AxisSetpoint;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// Blocks that are kept: a picture of more shows no more.
 const MOST_BLOCKS: usize = 100_000;

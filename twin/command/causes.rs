@@ -74,7 +74,7 @@ impl Cause<'_> {
 mod tests {
     use super::of;
     use crate::finding::{Finding, Rule, Severity};
-    use twin_motion::Place;
+    use twin_path::Place;
 
     fn found(line: u32, axis: &str, message: &str) -> Finding {
         let mut finding =

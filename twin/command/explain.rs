@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::io::{self, Write};
-use twin_motion::axis::{Language, SmcError};
+use twin_axis::{Language, SmcError};
 
 /// Explain errors of SoftMotion (`SMC_ERROR`) by number or name, and the rules of `twin check`: what they mean, which blocks
 /// raise them, and what to do about it; and of blocks which errors they raise
@@ -353,7 +353,7 @@ fn list(out: &mut impl Write, texts: Texts, format: Format) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::{Texts, Topic, raised_in};
-    use twin_motion::axis::SmcError;
+    use twin_axis::SmcError;
 
     #[test]
     fn names_in_any_case_with_or_without_their_prefix() {

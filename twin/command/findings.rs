@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::io::{self, BufRead, IsTerminal, Read, Write};
 use std::ops::Range;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// How many findings a person is shown.
 const SHOWN_FINDINGS: usize = 20;

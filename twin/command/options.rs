@@ -12,9 +12,9 @@ use std::fs::File;
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use twin_motion::din66025::{DEFAULT_JUMPS, Variables};
-use twin_motion::interpolate::{DEFAULT_WINDOW, Inputs, Override, VelocityMode};
-use twin_motion::rs274::{LengthUnit, ToolTable, ToolTableError};
+use twin_gcode::din66025::{DEFAULT_JUMPS, Variables};
+use twin_gcode::rs274::{LengthUnit, ToolTable, ToolTableError};
+use twin_planner::controller::{DEFAULT_WINDOW, Inputs, Override, VelocityMode};
 
 /// The machine.
 #[derive(Clone, Debug, clap::Args)]

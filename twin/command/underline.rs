@@ -72,7 +72,7 @@ fn block_words(line: &str) -> Vec<(char, Range<usize>)> {
 mod tests {
     use super::words;
     use crate::finding::{Finding, Rule};
-    use twin_motion::Place;
+    use twin_path::Place;
 
     fn underlined<'l>(line: &'l str, rule: Rule, axis: Option<&str>) -> Vec<&'l str> {
         let mut finding = Finding::error(rule, Place::default(), String::new());

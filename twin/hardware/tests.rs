@@ -25,7 +25,7 @@ use twin_drives::{
     Sample, SetpointStream,
 };
 use twin_kinematics::{AxisMotion, AxisVector, Pose, ToolMotion};
-use twin_motion::Place;
+use twin_path::Place;
 
 /// 320, 320 and 640 increments per mm.
 const GANTRY3: &str = include_str!("../../machines/gantry3.toml");

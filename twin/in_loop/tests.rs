@@ -87,7 +87,7 @@ fn setpoints(machine: &Machine, speed: f64, rate: f64) -> VecDeque<AxisSetpoint>
         };
         setpoints.push_back(AxisSetpoint {
             time_ns,
-            place: twin_motion::Place::default(),
+            place: twin_path::Place::default(),
             axes,
             tool: ToolMotion::at_rest(Pose { position: Point3::origin(), direction: 0.0 }),
             m_call: None,

@@ -1,10 +1,10 @@
 //! Common interface of all function blocks of a job.
 
 use std::fmt;
-use twin_motion::axis::{
+use twin_axis::{
     Axis, Block, CamIn, GearInPos, Master, Motion, Outputs, SuperImposed, Trigger as Input,
 };
-use twin_motion::cam::{StartMode, TappetData, Trigger};
+use twin_cam::{StartMode, TappetData, Trigger};
 
 /// Inputs of a block call besides its axis.
 #[derive(Debug)]

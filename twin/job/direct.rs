@@ -4,7 +4,7 @@
 //! on straight lines or, where positions have velocities, on cubics.
 
 use super::block::{Called, With};
-use twin_motion::axis::{Axis, Block, ControlAxisBy, Follow, Outputs, Watched};
+use twin_axis::{Axis, Block, ControlAxisBy, Follow, Outputs, Watched};
 
 /// A point: time after the previous point, s, and the set-point there.
 #[derive(Clone, Copy, Debug, PartialEq)]

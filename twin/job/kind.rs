@@ -8,7 +8,7 @@ use super::values::Values;
 use crate::machine::{CamSelection, read_cam, read_ratio};
 use crate::section::Section;
 use std::path::Path;
-use twin_motion::axis::{
+use twin_axis::{
     AccelerationProfile, CamIn, Decouple, Direction, GearIn, GearInPos, Halt, Home, MoveAbsolute,
     MoveAdditive, MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative, MoveSuperImposed,
     MoveVelocity, Phasing, PositionProfile, Stop, SuperImposed, VelocityProfile,

@@ -69,8 +69,8 @@ use crate::tappets::Tracks;
 use block::Called;
 use probe::JobTrigger;
 use std::collections::BTreeMap;
-use twin_motion::Place;
-use twin_motion::profile::RampType;
+use twin_path::Place;
+use twin_profile::RampType;
 
 /// A job as it is written, for one machine.
 #[derive(Debug)]

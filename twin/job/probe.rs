@@ -1,7 +1,7 @@
 //! Touch-probe blocks of jobs (manual 5.3), and their trigger inputs.
 
 use super::block::{Called, With};
-use twin_motion::axis::{AbortTrigger, Axis, Outputs, TouchProbe};
+use twin_axis::{AbortTrigger, Axis, Outputs, TouchProbe};
 
 /// Condition under which the input of a trigger is TRUE, for a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]

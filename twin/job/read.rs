@@ -11,8 +11,8 @@ use crate::section::{FileKind, Problem};
 use crate::section::{Section, parse};
 use crate::tappets::{MOST_SIGNALS, Tracks};
 use std::path::Path;
-use twin_motion::axis::{CamIn, GearIn};
-use twin_motion::profile::RampType;
+use twin_axis::{CamIn, GearIn};
+use twin_profile::RampType;
 
 /// Longest time in a job, s: a day.
 pub(super) const LONGEST: f64 = 86_400.0;

@@ -6,7 +6,7 @@ use crate::finding::{Finding, Rule};
 use crate::machine::Machine;
 use crate::messages::no_axes;
 use twin_kinematics::AxisVector;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// Start positions of the axes, in their units: those of programs, except where the job has `said` others. Cams of the
 /// machine file that add to the position of their slaves are laid at the start of programs.

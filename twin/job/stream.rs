@@ -17,9 +17,9 @@ use crate::setpoint_source::PlanItem;
 use crate::tappets::{MasterPlace, Signal, TappetBits, Tracks};
 use std::collections::VecDeque;
 use std::io;
+use twin_cam::Trigger;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics};
-use twin_motion::Place;
-use twin_motion::cam::Trigger;
+use twin_path::Place;
 
 /// Set-points of a job on a machine, one per cycle, from rest to rest.
 #[derive(Debug)]

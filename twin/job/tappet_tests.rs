@@ -10,7 +10,7 @@ use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use crate::tappets::Switched;
 use std::path::Path;
-use twin_motion::interpolate::Override;
+use twin_planner::controller::Override;
 
 fn outcome(machine: &Machine, program: &ProgramFile) -> Outcome {
     let outcome = check(machine, program, CheckOptions::default(), &mut |_| {}).unwrap();

@@ -5,8 +5,8 @@ use super::kind::Asks;
 use super::probe::JobTrigger;
 use super::read::{FAR, Known, LONGEST};
 use crate::section::Section;
-use twin_motion::axis::{Direction, Follow, Points};
-use twin_motion::profile::{MOST_POINTS, ProfilePoint};
+use twin_axis::{Direction, Follow, Points};
+use twin_profile::{MOST_POINTS, ProfilePoint};
 
 /// The inputs of a block, in units of its axis and its master.
 pub(super) struct Values<'s> {

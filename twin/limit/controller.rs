@@ -11,7 +11,7 @@ use crate::program::{ProgramFile, ProgramItem, Setpoints};
 use crate::setpoint::Transformer;
 use crate::tolerance::is_hidden;
 use twin_kinematics::{AxisMotion, AxisVector};
-use twin_motion::interpolate::{Status, ToolSetpoint};
+use twin_planner::controller::{Status, ToolSetpoint};
 
 /// The part of the programmed velocity from which on it counts as reached.
 const AT_FEED: f64 = 0.98;

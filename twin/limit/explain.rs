@@ -6,13 +6,13 @@ use crate::machine::{Machine, PathLimits, VelocitySource};
 use crate::number::seconds;
 use crate::physics::TorqueAlongPath;
 use twin_kinematics::AxisVector;
-use twin_motion::limit::course::CourseElement;
-use twin_motion::limit::{
+use twin_planner::time_optimal::course::CourseElement;
+use twin_planner::time_optimal::{
     AxisPath, Cap, CapSource, Constraint, DragRow, FIRST_FURTHER_ROW, Followed, MOST_FURTHER_ROWS,
 };
 
-use twin_motion::path::ElementKind;
-use twin_motion::prepare::CircularLimits;
+use twin_path::ElementKind;
+use twin_path::prepare::CircularLimits;
 
 /// A value counts as at its limit from this part of it on.
 const AT_LIMIT: f64 = 0.98;

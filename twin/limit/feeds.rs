@@ -6,9 +6,9 @@ use crate::finding::{Finding, Rule, Severity};
 use crate::machine::Machine;
 use crate::number::significant;
 use crate::physics::TorqueAlongPath;
-use twin_motion::Place;
-use twin_motion::limit::{AxisLimits, AxisPath, Followed, Rates};
-use twin_motion::refeed::LineLimit;
+use twin_gcode::refeed::LineLimit;
+use twin_path::Place;
+use twin_planner::time_optimal::{AxisLimits, AxisPath, Followed, Rates};
 
 /// Feeds that differ by no more than this part of them are the same.
 const SAME: f64 = 1e-9;

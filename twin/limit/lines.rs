@@ -6,7 +6,7 @@ use crate::number::significant;
 use csv::Writer;
 use std::collections::BTreeMap;
 use std::io::Write;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// Significant digits of feeds and times.
 const DIGITS: usize = 9;

@@ -5,11 +5,11 @@ use crate::machine::{DirectionRule, Machine, SimulationError};
 use crate::physics::{AxisEffort, EffortRow, PathDynamics, TorqueAlongPath};
 use std::cell::RefCell;
 use twin_kinematics::{AxisSource, AxisVector, KinematicsError, Pose, ToolJerk, ToolMotion};
-use twin_motion::limit::course::{Bearing, CourseElement, CoursePoint};
-use twin_motion::limit::{
+use twin_path::ExtraPoint;
+use twin_planner::time_optimal::course::{Bearing, CourseElement, CoursePoint};
+use twin_planner::time_optimal::{
     AxisLimits, AxisPath, AxisPoint, Cap, CapSource, DragRow, Rates, Row, axis_point,
 };
-use twin_motion::path::ExtraPoint;
 
 /// Limits of the axes that count; all unless some are switched off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,15 +12,15 @@ use crate::program::{Findings, Halt, Prepared, ProgramFile};
 use std::io;
 use std::num::NonZeroU32;
 use std::sync::Arc;
+use twin_gcode::refeed::LineLimit;
 use twin_kinematics::AxisVector;
-use twin_motion::Place;
-use twin_motion::interpolate::{DEFAULT_CYCLE_NS, ToolSetpoint};
-use twin_motion::limit::course::{CourseElement, CourseOptions, Order};
-use twin_motion::limit::{
+use twin_path::Place;
+use twin_path::prepare::CheckedElement;
+use twin_planner::controller::{DEFAULT_CYCLE_NS, ToolSetpoint};
+use twin_planner::time_optimal::course::{CourseElement, CourseOptions, Order};
+use twin_planner::time_optimal::{
     AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, NotSolved, Planner, Rates,
 };
-use twin_motion::prepare::CheckedElement;
-use twin_motion::refeed::LineLimit;
 
 /// Limits that count in a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use super::Binding;
 use twin_kinematics::AxisVector;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// The path and the axes at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]

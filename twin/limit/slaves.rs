@@ -6,9 +6,9 @@
 
 use crate::machine::{Axis, CamSelection, CoupledBy, Machine};
 use std::sync::Arc;
+use twin_cam::{Cam, CamInput, Derivatives, StartMode};
 use twin_kinematics::AxisVector;
-use twin_motion::cam::{Cam, CamInput, Derivatives, StartMode};
-use twin_motion::limit::{AxisPoint, Rates};
+use twin_planner::time_optimal::{AxisPoint, Rates};
 
 /// The couplings of a machine file along a path.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use super::{Binding, ProfileSample};
 use crate::number::seconds;
 use crate::peak::AxisPeak;
 use std::collections::BTreeMap;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// How many lines that lose time are named.
 const NAMED_LINES: usize = 10;

@@ -7,7 +7,7 @@ use crate::program::{Dialect, ProgramFile, ProgramItem};
 use crate::setpoint::Transformer;
 use std::path::{Path, PathBuf};
 use twin_kinematics::AxisVector;
-use twin_motion::Place;
+use twin_path::Place;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()

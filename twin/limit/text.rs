@@ -8,7 +8,7 @@ use crate::program::ProgramFile;
 use crate::table::table;
 use comfy_table::{Cell, CellAlignment, Color, Table};
 use std::io::{self, Write};
-use twin_motion::Place;
+use twin_path::Place;
 
 /// Changes are named that gain at least this, s, and this part of the program's time; so many of them.
 const WORTH_S: f64 = 1e-3;

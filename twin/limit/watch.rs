@@ -6,7 +6,7 @@ use crate::machine::{Axis, Machine};
 use crate::messages::{beyond_position, no_axes};
 use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// Watcher of set-points. Every fault is reported once per line.
 #[derive(Debug)]

@@ -5,8 +5,8 @@ use crate::machine::{DirectionRule, Machine};
 use crate::physics::ClearanceScan;
 use nalgebra::Vector3;
 use std::sync::Arc;
+use twin_gcode::rs274::{Position, Surroundings};
 use twin_kinematics::{AxisSource, AxisVector, Kinematics, MachineAxes, Pose, WorkFrame};
-use twin_motion::rs274::{Position, Surroundings};
 
 /// The tool of a machine among what its file says is around it.
 #[derive(Clone, Debug)]

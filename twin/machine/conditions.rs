@@ -3,9 +3,10 @@
 use crate::section::Section;
 use std::fs::File;
 use std::path::Path;
-use twin_motion::path::ExtraPosition;
-use twin_motion::prepare::{CircularLimits, Preparation, Rounding, Smoothing, ToolRadiusOptions};
-use twin_motion::rs274::{self, LengthUnit, Position, ToolTable, ToolTableError};
+use twin_gcode::rs274;
+use twin_gcode::rs274::{LengthUnit, Position, ToolTable, ToolTableError};
+use twin_path::ExtraPosition;
+use twin_path::prepare::{CircularLimits, Preparation, Rounding, Smoothing, ToolRadiusOptions};
 
 /// Turns of the path up to this angle are passed without a stop unless the machine file says otherwise, rad.
 const ANGLE_TOLERANCE: f64 = 2.0 * std::f64::consts::PI / 180.0;

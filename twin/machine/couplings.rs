@@ -12,7 +12,7 @@ use crate::tappets::MOST_SIGNALS;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
-use twin_motion::cam::{CamInput, CamTable, Interpolation};
+use twin_cam::{CamInput, CamTable, Interpolation};
 
 /// Farthest offset and largest factor of a coupling.
 const FAR: f64 = 1e9;

@@ -3,8 +3,8 @@
 use super::geometry::additional;
 use crate::section::Section;
 use twin_kinematics::ToPath;
-use twin_motion::interpolate::ToolSetpoint;
-use twin_motion::path::EXTRA_AXES;
+use twin_path::EXTRA_AXES;
+use twin_planner::controller::ToolSetpoint;
 
 /// Source of the tool direction (`[kinematics]`, `direction`).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,10 +11,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, sync_channel};
 use std::thread::Scope;
-use twin_motion::limit::{
+use twin_path::prepare::CheckedElement;
+use twin_planner::time_optimal::{
     Arrival, Lead, LimitError, Piece, Pieces, Planned, Replan, Request, Spliced,
 };
-use twin_motion::prepare::CheckedElement;
 
 /// Fault of the program. It may be reported again after another override.
 pub(super) type Fault = Arc<Halt>;

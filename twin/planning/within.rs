@@ -12,9 +12,9 @@ use std::io;
 use std::num::NonZeroU32;
 use std::sync::Arc;
 use std::task::Poll;
-use twin_motion::interpolate::{DEFAULT_CYCLE_NS, ToolSetpoint};
-use twin_motion::limit::course::CourseElement;
-use twin_motion::limit::{Follower, LimitError};
+use twin_planner::controller::{DEFAULT_CYCLE_NS, ToolSetpoint};
+use twin_planner::time_optimal::course::CourseElement;
+use twin_planner::time_optimal::{Follower, LimitError};
 
 /// A program within the limits of the axes.
 #[derive(Debug)]

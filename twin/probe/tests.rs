@@ -7,9 +7,9 @@ use crate::machine::Machine;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ElementItem, ProgramFile};
 use std::path::Path;
-use twin_motion::Place;
-use twin_motion::path::{ElementKind, PathElement, ProbeOutcome, ProbeTrip, Probing};
-use twin_motion::rs274::{Position, ProbePath, ProbeTarget, Surroundings};
+use twin_gcode::rs274::{Position, ProbePath, ProbeTarget, Surroundings};
+use twin_path::Place;
+use twin_path::{ElementKind, PathElement, ProbeOutcome, ProbeTrip, Probing};
 
 /// Start at 0, 0, 20; Z from -60 to 120 mm.
 const GANTRY3: &str = include_str!("../../machines/gantry3.toml");

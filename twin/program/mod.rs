@@ -25,12 +25,12 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::SystemTime;
 use stream::Stage;
-use twin_motion::Place;
-use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
-use twin_motion::path::queue::{Generator, QueueReader};
-use twin_motion::path::{Marks, PathElement};
-use twin_motion::prepare::{Incompatible, Notices, Preparation};
-use twin_motion::{din66025, rs274};
+use twin_gcode::{din66025, rs274};
+use twin_path::Place;
+use twin_path::prepare::{Incompatible, Notices, Preparation};
+use twin_path::queue::{Generator, QueueReader};
+use twin_path::{Marks, PathElement};
+use twin_planner::controller::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
 
 /// A program on disk. It is read as a stream, each time it is opened, and never held as a whole.
 #[derive(Clone, Debug)]

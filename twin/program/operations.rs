@@ -3,8 +3,8 @@
 use super::source::{Decoded, Halt};
 use nalgebra::Vector3;
 use std::io;
-use twin_motion::path::queue::Backwards;
-use twin_motion::path::{
+use twin_path::queue::Backwards;
+use twin_path::{
     Chords, ExtraPosition, Linearise, MapPath, OperationError, PathElement, Similarity, SplitAt,
 };
 

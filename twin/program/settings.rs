@@ -4,9 +4,9 @@ use crate::program::Operations;
 use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use twin_motion::din66025::{DEFAULT_JUMPS, Variables};
-use twin_motion::interpolate::{DEFAULT_WINDOW, Inputs};
-use twin_motion::rs274::ToolTable;
+use twin_gcode::din66025::{DEFAULT_JUMPS, Variables};
+use twin_gcode::rs274::ToolTable;
+use twin_planner::controller::{DEFAULT_WINDOW, Inputs};
 
 /// Read settings of a program.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,12 +9,13 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::rc::Rc;
 use std::sync::Arc;
-use twin_motion::Place;
-use twin_motion::decode::{self, Diagnostic, Failure, Item, TextError};
-use twin_motion::path::queue::QueueReader;
-use twin_motion::path::{ElementKind, Marks, OperationError, PathElement, ProbeOutcome, ProbeTrip};
-use twin_motion::prepare::{CheckError, CornerError, Incompatible, Notice, ToolRadiusError};
-use twin_motion::{din66025, rs274};
+use twin_gcode::decode;
+use twin_gcode::decode::{Diagnostic, Failure, Item, TextError};
+use twin_gcode::{din66025, rs274};
+use twin_path::Place;
+use twin_path::prepare::{CheckError, CornerError, Incompatible, Notice, ToolRadiusError};
+use twin_path::queue::QueueReader;
+use twin_path::{ElementKind, Marks, OperationError, PathElement, ProbeOutcome, ProbeTrip};
 
 /// Facts and findings that the stages record for the reader of the stream.
 #[derive(Debug, Default)]

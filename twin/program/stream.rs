@@ -8,9 +8,9 @@ use std::cell::RefCell;
 use std::io;
 use std::rc::Rc;
 use std::task::Poll;
-use twin_motion::interpolate::{Inputs, Interpolator, LookAhead, Override, ToolSetpoint};
-use twin_motion::path::PathElement;
-use twin_motion::prepare::{CheckVelocities, Notices, PreparedPath};
+use twin_path::PathElement;
+use twin_path::prepare::{CheckVelocities, Notices, PreparedPath};
+use twin_planner::controller::{Inputs, Interpolator, LookAhead, Override, ToolSetpoint};
 
 /// Path elements of a program.
 #[derive(Debug)]
@@ -136,7 +136,7 @@ impl Iterator for Elements {
             Stage::Decoded(decoded) => decoded.next(),
             Stage::Prepared(prepared) => prepared
                 .next()
-                .map(|next| next.map(twin_motion::prepare::CheckedElement::into_element)),
+                .map(|next| next.map(twin_path::prepare::CheckedElement::into_element)),
         };
         match next {
             Some(Ok(element)) => Some(ElementItem::Element(element)),

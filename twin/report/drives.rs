@@ -5,7 +5,7 @@ use crate::machine::{Axis, Machine};
 use crate::number::rounded;
 use crate::per_axis::PerAxis;
 use crate::report::StatisticsReport;
-use twin_motion::axis::Largest;
+use twin_axis::Largest;
 
 /// Following-error prediction of the drives.
 #[derive(Clone, Debug, serde::Serialize)]

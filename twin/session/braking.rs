@@ -5,7 +5,7 @@ use crate::number::seconds;
 use crate::setpoint::AxisSetpoint;
 use std::f64::consts::TAU;
 use twin_kinematics::{AxisMotion, Kinematics, ToolMotion};
-use twin_motion::limit::emergency::{EmergencyStop, StopError, StopLimits};
+use twin_planner::time_optimal::emergency::{EmergencyStop, StopError, StopLimits};
 
 /// So many time constants of the slowest position loop the set-points rest at the end, for what follows them to rest as well.
 const SETTLING: f64 = 10.0;

@@ -6,7 +6,7 @@ use crate::plant::AxisFeedback;
 use crate::setpoint::AxisSetpoint;
 use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// How long set-points and twin are remembered for samples of the drives that come late, in cycles.
 const HISTORY: usize = 4000;
@@ -83,7 +83,7 @@ mod tests {
     use crate::setpoint::Transformer;
     use nalgebra::{Point3, Vector3};
     use std::path::Path;
-    use twin_motion::interpolate::ToolSetpoint;
+    use twin_planner::controller::ToolSetpoint;
 
     const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
 

@@ -26,7 +26,7 @@ pub use punctuality::Punctuality;
 pub use rest::{Rest, whereabouts};
 use run::Run;
 use std::time::Duration;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// Set-points simulated in one go where nothing has to wait for the wall clock.
 const BATCH_NS: i64 = 100_000_000;

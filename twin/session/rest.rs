@@ -6,7 +6,7 @@ use crate::machine::Machine;
 use crate::number::seconds;
 use crate::setpoint::AxisSetpoint;
 use std::fmt::Write;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// Rest positions of the axes before the end of the program.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@
 )]
 
 use super::{Access, PARAMETERS, Parameter, Value};
-use crate::axis::{Axis, AxisConfig, Movement, SmcError};
+use crate::{Axis, AxisConfig, Movement, SmcError};
 
 /// The numbers of manual 2.4.
 const MANUAL: &str = "1000 1001 1002 1003 1004 1006 1007 1008 1010 1011 1012 1013 1015 1016 1020 1021 1022 1023 1024 \

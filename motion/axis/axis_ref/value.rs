@@ -13,7 +13,7 @@ pub struct Parameter {
     pub about: &'static str,
     /// Value and type of a new axis. Where the manual names the configuration, that of [`AxisConfig`] replaces it.
     ///
-    /// [`AxisConfig`]: crate::axis::AxisConfig
+    /// [`AxisConfig`]: crate::AxisConfig
     pub initial: Value,
     /// Access of a program.
     pub access: Access,

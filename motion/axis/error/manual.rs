@@ -187,7 +187,7 @@ fn the_list_is_the_manuals() {
 }
 
 fn text() -> Option<PathBuf> {
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?.parent()?;
     let shared = env::var_os("TWIN_SHARED").map_or(workspace.join("../shared"), PathBuf::from);
     let path = shared.join("manuals/softmotion-2.3.fr.txt");
     path.is_file().then_some(path)

@@ -1,9 +1,9 @@
 //! `MC_CamIn`: couples a slave to a cam.
 
-use crate::axis::ownership::Start;
-use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
-use crate::cam::{Approach, CamCoupling, CamInput, CamTable, CouplingError, Gap, StartMode};
-use crate::profile::{AxisLimits, ProfileError, RampType, State};
+use crate::ownership::Start;
+use crate::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
+use twin_cam::{Approach, CamCoupling, CamInput, CamTable, CouplingError, Gap, StartMode};
+use twin_profile::{AxisLimits, ProfileError, RampType, State};
 
 /// The slave follows a cam (`MC_CamIn`, manual 5.4); `done` is `InSync`. What `MC_CamTableSelect` gives is a
 /// [`CamTable`]; the periods of master and slave are those of the axes.
@@ -28,10 +28,10 @@ use crate::profile::{AxisLimits, ProfileError, RampType, State};
 ///
 /// ```
 /// use std::sync::Arc;
-/// use twin_motion::axis::{
+/// use twin_axis::{
 ///     Axis, AxisConfig, Block, CamIn, Direction, MoveVelocity, Movement, Power, VirtualDrive,
 /// };
-/// use twin_motion::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
+/// use twin_cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
 ///
 /// let knots = [(0.0, 0.0), (180.0, 50.0), (360.0, 0.0)];
 /// let knots = knots.map(|(master, slave)| Knot::at_rest(master, slave)).to_vec();
@@ -69,7 +69,7 @@ use crate::profile::{AxisLimits, ProfileError, RampType, State};
 ///     drives[1].follow(&slave.end_cycle());
 /// }
 /// assert!((slave.set_position() - 50.0).abs() < 0.1, "just over the top");
-/// # Ok::<(), twin_motion::cam::CamError>(())
+/// # Ok::<(), twin_cam::CamError>(())
 /// ```
 #[doc(alias = "MC_CamIn")]
 #[doc(alias = "MC_CamTableSelect")]

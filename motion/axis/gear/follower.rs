@@ -1,7 +1,7 @@
 //! Velocity coupling of a slave to a multiple of its master's velocity.
 
-use crate::axis::{Axis, Master};
-use crate::profile::{AxisLimits, Profile, ProfileError, RampType, State};
+use crate::{Axis, Master};
+use twin_profile::{AxisLimits, Profile, ProfileError, RampType, State};
 
 /// Coupling of a slave's velocity to its master.
 #[derive(Clone, Copy, Debug)]

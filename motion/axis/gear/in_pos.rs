@@ -1,11 +1,11 @@
 //! `SMC_GearInPos`: couples a slave to its master from a given position on.
 
-use crate::axis::ownership::Start;
-use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
-use crate::profile::{AxisLimits, Profile, RampType, State};
+use crate::ownership::Start;
+use crate::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
+use twin_profile::{AxisLimits, Profile, RampType, State};
 
 /// Velocity and position follow the master from a place on (`SMC_GearInPos`, manual 5.4). `done` is `InSync`, `StartSync`
-/// is [`GearInPosRun::is_coupling`] and `Active` is [`Block::is_active`](crate::axis::Block::is_active).
+/// is [`GearInPosRun::is_coupling`] and `Active` is [`Block::is_active`](crate::Block::is_active).
 ///
 /// When the master is at `master_sync_position`, the slave is at `slave_sync_position` with the ratio of velocities.
 /// Before that it goes along a polynomial of fifth degree over the master's position, from its own velocity to that of
@@ -124,7 +124,7 @@ impl GearInPos {
         // The place ahead of the master, on a rotary one the next time round.
         let ahead = sign * (self.master_sync_position - unwound);
         let ahead = period.map_or(ahead, |period| {
-            let ahead = crate::axis::fmod(ahead, period);
+            let ahead = crate::fmod(ahead, period);
             if ahead > 0.0 { ahead } else { period }
         });
         let near = self.master_start_distance == 0.0

@@ -1,10 +1,10 @@
 //! `MC_Phasing`: shifts a slave by a constant distance from its master.
 
 use super::follower::Follower;
-use crate::axis::moves::Planned;
-use crate::axis::ownership::Start;
-use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
-use crate::profile::{AxisLimits, State};
+use crate::moves::Planned;
+use crate::ownership::Start;
+use crate::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
+use twin_profile::{AxisLimits, State};
 
 /// A slave at a constant distance from its master (`MC_Phasing`, manual 5.4).
 ///

@@ -2,8 +2,8 @@
 
 use super::switched::{Ahead, Switched};
 use super::track::{CamSwitch, Track};
-use crate::axis::Axis;
-use crate::cam::unwrap::Unwrap;
+use crate::Axis;
+use twin_cam::Unwrap;
 
 /// Outputs, at most.
 const TRACKS: usize = 32;

@@ -5,8 +5,8 @@
 //! ```
 
 use super::track::{CamSwitch, SwitchDirection, Track};
-use crate::cam::passage::{Heading, Lead, LookAhead, Move, Watch};
-use crate::cam::{Action, MAX_PULSES, Passage, Tappet, TappetBit};
+use twin_cam::passage::{Heading, Lead, LookAhead, Move, Watch};
+use twin_cam::{Action, MAX_PULSES, Passage, Tappet, TappetBit};
 
 /// The axis in a cycle.
 #[derive(Clone, Copy, Debug)]
@@ -150,7 +150,7 @@ impl Switched {
         };
         // What is longer comes round to itself, and goes on beyond: its end is that of the next place's begin or later.
         let (whole, rest) = if length < period {
-            (0.0, crate::axis::fmod(length, period))
+            (0.0, crate::fmod(length, period))
         } else {
             (1.0, length - period)
         };

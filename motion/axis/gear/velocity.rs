@@ -1,9 +1,9 @@
 //! `MC_GearIn`, `MC_GearOut` and `MC_CamOut`: velocity gear, and the end of a coupling.
 
 use super::follower::Follower;
-use crate::axis::moves::Planned;
-use crate::axis::ownership::Start;
-use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
+use crate::moves::Planned;
+use crate::ownership::Start;
+use crate::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
 
 /// The slave's velocity is a multiple of the master's (`MC_GearIn`, manual 5.4). `done` is `InGear`.
 #[doc(alias = "MC_GearIn")]

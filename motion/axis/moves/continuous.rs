@@ -2,9 +2,9 @@
 //! `SMC_MoveContinuousRelative`).
 
 use super::{Planned, PlannedMotion};
-use crate::axis::ownership::Start;
-use crate::axis::{Axis, AxisState, Direction, SmcError, Stage};
-use crate::profile::{AxisLimits, Profile};
+use crate::ownership::Start;
+use crate::{Axis, AxisState, Direction, SmcError, Stage};
+use twin_profile::{AxisLimits, Profile};
 
 /// To a position with a velocity there, and on with it (`SMC_MoveContinuousAbsolute`, manual 5.3).
 ///

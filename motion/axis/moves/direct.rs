@@ -1,8 +1,8 @@
 //! Set-points given by the program every cycle (`SMC_Follow…`, `SMC_ControlAxis…`; manual 2.2.5).
 
-use crate::axis::ownership::Start;
-use crate::axis::{Axis, AxisState, Block, Motion, Progress, SmcError, Stage};
-use crate::profile::{AxisLimits, Profile, State};
+use crate::ownership::Start;
+use crate::{Axis, AxisState, Block, Motion, Progress, SmcError, Stage};
+use twin_profile::{AxisLimits, Profile, State};
 
 /// A set-point that a program gives every cycle. Nothing is checked by the `SMC_Follow…` blocks, but that it is a number:
 /// without one a moving axis brakes, with error 30.

@@ -1,9 +1,9 @@
 //! Homing by the drive (`MC_Home`), and the zero of the axis (`MC_SetPosition`).
 
 use super::Planned;
-use crate::axis::ownership::{Refusal, Start};
-use crate::axis::{Axis, AxisState, Homing, Motion, Progress, SmcError, Stage};
-use crate::profile::State;
+use crate::ownership::{Refusal, Start};
+use crate::{Axis, AxisState, Homing, Motion, Progress, SmcError, Stage};
+use twin_profile::State;
 
 /// Longest answering time of a drive, s; the manual names no time.
 pub(super) const ANSWER_S: f64 = 1.0;

@@ -1,10 +1,10 @@
 //! Homing onto a switch (`SMC_Homing`, manual 2.2.7).
 
 use super::Planned;
-use crate::axis::ownership::Start;
-use crate::axis::{Axis, AxisState, Direction, Motion, Progress, SmcError, Stage};
-use crate::profile::State;
+use crate::ownership::Start;
+use crate::{Axis, AxisState, Direction, Motion, Progress, SmcError, Stage};
 use std::collections::VecDeque;
+use twin_profile::State;
 
 /// Homing mode: the order of setting the reference and stopping, and the direction off the switch (`SMC_HOMING_MODE`).
 #[doc(alias = "SMC_HOMING_MODE")]

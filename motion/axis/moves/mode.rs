@@ -1,8 +1,8 @@
 //! Controller mode and torque (`SMC_SetControllerMode`, `SMC_SetTorque`; manual 2.2.4, 5.5).
 
 use super::home::ANSWER_S;
-use crate::axis::latch::{Latch, Outcome, Outputs};
-use crate::axis::{Axis, ControllerMode, SmcError};
+use crate::latch::{Latch, Outcome, Outputs};
+use crate::{Axis, ControllerMode, SmcError};
 
 /// Into another controller mode (`SMC_SetControllerMode`, manual 2.2.4).
 #[doc(alias = "SMC_SetControllerMode")]

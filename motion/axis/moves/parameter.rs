@@ -1,9 +1,9 @@
 //! Parameter blocks: parameters of an axis and of its drive (manual 5.3).
 
 use super::home::ANSWER_S;
-use crate::axis::drive::{Answer, Transfer};
-use crate::axis::latch::{Latch, Outcome, Outputs};
-use crate::axis::{Axis, SmcError};
+use crate::drive::{Answer, Transfer};
+use crate::latch::{Latch, Outcome, Outputs};
+use crate::{Axis, SmcError};
 
 /// A parameter: of the axis, or of the drive itself, whose numbers are its maker's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

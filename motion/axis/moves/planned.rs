@@ -1,8 +1,8 @@
 //! Motion along one profile, planned at the rising edge of Execute.
 
-use crate::axis::ownership::{Refusal, Start};
-use crate::axis::{Axis, AxisState, Motion, Progress, SmcError, Stage};
-use crate::profile::{AxisLimits, Profile, ProfileError};
+use crate::ownership::{Refusal, Start};
+use crate::{Axis, AxisState, Motion, Progress, SmcError, Stage};
+use twin_profile::{AxisLimits, Profile, ProfileError};
 
 /// A profile and how far it has come.
 #[derive(Clone, Debug)]

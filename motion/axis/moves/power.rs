@@ -1,6 +1,6 @@
 //! `MC_Power`: power and brake of the drive.
 
-use crate::axis::{Axis, SmcError};
+use crate::{Axis, SmcError};
 
 /// Power and brake of the drive (`MC_Power`, manual 5.3).
 #[doc(alias = "MC_Power")]

@@ -5,8 +5,8 @@
 //! at once. The drive gets the latch request at the end of that cycle, so its own trigger counts from the next cycle
 //! on.
 
-use crate::axis::latch::{Latch, Outcome, Outputs};
-use crate::axis::{Axis, Capture, SmcError, fmod};
+use crate::latch::{Latch, Outcome, Outputs};
+use crate::{Axis, Capture, SmcError, fmod};
 
 /// An input that latches (`TRIGGER_REF`).
 #[doc(alias = "TRIGGER_REF")]

@@ -1,8 +1,8 @@
 //! `MC_Reset`, and the status of an axis (`MC_ReadStatus`, actual position and velocity).
 
 use super::home::ANSWER_S;
-use crate::axis::latch::{Latch, Outcome, Outputs};
-use crate::axis::{Axis, AxisState, SmcError};
+use crate::latch::{Latch, Outcome, Outputs};
+use crate::{Axis, AxisState, SmcError};
 
 /// Out of errorstop (`MC_Reset`, manual 5.3): to standstill, without power to `power_off`.
 ///

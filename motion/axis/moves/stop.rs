@@ -1,8 +1,8 @@
 //! `MC_Stop` and `MC_Halt`: brake the axis, with or without locking it.
 
 use super::{Planned, PlannedMotion};
-use crate::axis::ownership::{Refusal, Start};
-use crate::axis::{Axis, AxisState, SmcError, Stage};
+use crate::ownership::{Refusal, Start};
+use crate::{Axis, AxisState, SmcError, Stage};
 
 /// Brakes and locks the axis (`MC_Stop`, manual 5.3).
 ///

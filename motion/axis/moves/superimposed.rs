@@ -1,10 +1,10 @@
 //! Superimposed motion on top of another one (`MC_MoveSuperImposed`).
 
 use super::Planned;
-use crate::axis::latch::{Latch, Outcome, Outputs};
-use crate::axis::ownership::{Refusal, Start};
-use crate::axis::{Axis, AxisState, SmcError, Stage};
-use crate::profile::State;
+use crate::latch::{Latch, Outcome, Outputs};
+use crate::ownership::{Refusal, Start};
+use crate::{Axis, AxisState, SmcError, Stage};
+use twin_profile::State;
 
 /// A distance on top of the motion there is (`MC_MoveSuperImposed`, manual 5.3).
 ///
@@ -13,7 +13,7 @@ use crate::profile::State;
 /// a motion below it moves the axis alone. Like every block it is called by way of one with its inputs:
 ///
 /// ```
-/// use twin_motion::axis::{MoveSuperImposed, SuperImposed};
+/// use crate::{MoveSuperImposed, SuperImposed};
 ///
 /// let inputs =
 ///     MoveSuperImposed { distance: 3.0, velocity_diff: 5.0, acceleration: 100.0, deceleration: 100.0 };
@@ -32,7 +32,7 @@ pub struct MoveSuperImposed {
     pub deceleration: f64,
 }
 
-/// [`MoveSuperImposed`] as a block: what [`Block`](crate::axis::Block) is for motions that take the axis.
+/// [`MoveSuperImposed`] as a block: what [`Block`](crate::Block) is for motions that take the axis.
 #[derive(Clone, Debug)]
 pub struct SuperImposed {
     /// The inputs; taken over at the next rising edge.

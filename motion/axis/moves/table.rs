@@ -1,10 +1,10 @@
 //! Profile tables: motion through points over time (`MC_PositionProfile`, `MC_VelocityProfile`,
 //! `MC_AccelerationProfile`).
 
-use crate::axis::direction::SAME;
-use crate::axis::ownership::Start;
-use crate::axis::{Axis, AxisState, Motion, Progress, SmcError, Stage};
-use crate::profile::{MOST_POINTS, ProfilePoint, ProfileTable, TableProfile};
+use crate::direction::SAME;
+use crate::ownership::Start;
+use crate::{Axis, AxisState, Motion, Progress, SmcError, Stage};
+use twin_profile::{MOST_POINTS, ProfilePoint, ProfileTable, TableProfile};
 
 /// Points over time (`MC_TP_REF`, `MC_TV_REF`, `MC_TA_REF`) and how a block reads them.
 #[doc(alias = "MC_TP_Array")]

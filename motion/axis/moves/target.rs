@@ -1,8 +1,8 @@
 //! Absolute, relative and additive moves (`MC_MoveAbsolute`, `MC_MoveRelative`, `MC_MoveAdditive`).
 
 use super::{Planned, PlannedMotion};
-use crate::axis::ownership::Start;
-use crate::axis::{Axis, AxisState, Direction, SmcError, Stage};
+use crate::ownership::Start;
+use crate::{Axis, AxisState, Direction, SmcError, Stage};
 
 /// To a position (`MC_MoveAbsolute`, manual 5.3).
 ///

@@ -1,8 +1,8 @@
 //! `MC_MoveVelocity`: endless motion at a velocity.
 
 use super::{Planned, PlannedMotion};
-use crate::axis::ownership::Start;
-use crate::axis::{Axis, AxisState, Direction, SmcError, Stage};
+use crate::ownership::Start;
+use crate::{Axis, AxisState, Direction, SmcError, Stage};
 
 /// Moves on with a velocity until something else moves the axis (`MC_MoveVelocity`, manual 5.3).
 ///

@@ -2,7 +2,7 @@
 
 use super::framework::to;
 use super::rig::{self, CYCLE, Rig, linear, rotary};
-use crate::axis::{
+use crate::{
     AbortTrigger, AxisConfig, AxisState, Block, ControllerMode, Direction, Home, Homing,
     MoveContinuousAbsolute, MoveContinuousRelative, MoveVelocity, Reset, SetControllerMode,
     SmcError, TouchProbe, Trigger,

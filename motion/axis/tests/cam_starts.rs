@@ -3,10 +3,10 @@
 use super::blocks::endless;
 use super::framework::to;
 use super::rig::{CYCLE, Rig, linear, rotary};
-use crate::axis::{Axis, AxisConfig, Block, CamIn, SmcError};
-use crate::cam::{Action, Cam, CamInput, CamTable, Knot, Passage, Shape, StartMode, Tappet};
-use crate::profile::RampType;
+use crate::{Axis, AxisConfig, Block, CamIn, SmcError};
 use std::sync::Arc;
+use twin_cam::{Action, Cam, CamInput, CamTable, Knot, Passage, Shape, StartMode, Tappet};
+use twin_profile::RampType;
 
 fn cam(knots: &[Knot]) -> CamTable {
     let cam = Cam::new("cam", Shape::Polynomial(knots.to_vec()), Vec::new()).expect("a cam");

@@ -2,11 +2,11 @@
 
 use super::blocks::endless;
 use super::rig::{CYCLE, Rig, linear, rotary};
-use crate::axis::{AxisState, Block, CamIn, Decouple, SmcError};
-use crate::cam::{
+use crate::{AxisState, Block, CamIn, Decouple, SmcError};
+use std::sync::Arc;
+use twin_cam::{
     Action, Cam, CamInput, CamTable, Knot, Passage, Shape, StartMode, Tappet, TappetValue,
 };
-use std::sync::Arc;
 
 fn table(knots: &[Knot]) -> CamTable {
     let cam = Cam::new("cam", Shape::Polynomial(knots.to_vec()), Vec::new()).expect("a cam");

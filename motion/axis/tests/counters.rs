@@ -1,7 +1,7 @@
 //! Tests of the auxiliary functions (manual 2.2.1) and of wrapping encoder counters (2.1.4), for any numbers.
 
 use super::direct::encoder;
-use crate::axis::{atan2, fmod, sgn};
+use crate::{atan2, fmod, sgn};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 

@@ -1,7 +1,7 @@
 //! Tests of direct set-points, diagnosis and virtual axes (manual 2.2.5–2.2.9).
 
 use super::rig::{CYCLE, Rig, linear};
-use crate::axis::{
+use crate::{
     Axis, AxisConfig, AxisState, Block, ControlAxis, ControlAxisBy, Encoder, EncoderConfig, Follow,
     Halt, Largest, Movement, SmcError, TimeAxis, TrackingError, atan2, fmod, sgn, units,
 };

@@ -1,14 +1,14 @@
 //! Examples of the manual (11.2–11.5), cycle by cycle.
 
 use super::rig::{CYCLE, Rig, linear, rotary};
-use crate::axis::{
+use crate::{
     Axis, AxisConfig, AxisState, Block, CamIn, ControllerMode, Direction, MoveAbsolute,
     MoveVelocity, Movement, Power, SetControllerMode, SmcError, TimeAxis, VirtualDrive, units,
 };
-use crate::cam::{
+use std::sync::Arc;
+use twin_cam::{
     Action, Cam, CamInput, CamTable, Knot, Passage, Shape, StartMode, Tappet, TappetValue,
 };
-use std::sync::Arc;
 
 fn absolute(position: f64, direction: Direction) -> Block<MoveAbsolute> {
     let (velocity, acceleration, deceleration) = (100.0, 100.0, 100.0);

@@ -2,7 +2,7 @@
 
 use super::blocks::endless;
 use super::rig::{Rig, linear, on_top};
-use crate::axis::{
+use crate::{
     Axis, AxisConfig, AxisState, Block, Direction, Halt, Home, MoveAbsolute, MoveRelative,
     MoveVelocity, Outputs, Reset, SmcError, Stop,
 };

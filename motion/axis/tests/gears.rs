@@ -3,7 +3,7 @@
 use super::blocks::endless;
 use super::framework::to;
 use super::rig::{CYCLE, Rig, linear, rotary};
-use crate::axis::{
+use crate::{
     AxisConfig, AxisState, Block, Decouple, GearIn, GearInPos, GearInPosRun, Movement, Outputs,
     Phasing, SmcError,
 };
@@ -12,8 +12,8 @@ use crate::axis::{
 pub(super) fn pair<T>(
     master: &mut Rig,
     slave: &mut Rig,
-    lead: impl FnOnce(&mut crate::axis::Axis),
-    follow: impl FnOnce(&crate::axis::Axis, &mut crate::axis::Axis) -> T,
+    lead: impl FnOnce(&mut crate::Axis),
+    follow: impl FnOnce(&crate::Axis, &mut crate::Axis) -> T,
 ) -> T {
     master.cycle(lead);
     slave.cycle(|axis| follow(&master.axis, axis))

@@ -1,10 +1,10 @@
 //! Tests of homing onto a switch (manual 2.2.7), and by the drive (5.3).
 
 use super::rig::{CYCLE, Rig, linear};
-use crate::axis::{
+use crate::{
     AxisConfig, AxisState, Block, Direction, Home, Homing, HomingBySwitch, HomingMode, SmcError,
 };
-use crate::profile::RampType;
+use twin_profile::RampType;
 
 /// The switch is closed below this drive position, u.
 const SWITCH: f64 = -2.0;

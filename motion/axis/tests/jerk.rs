@@ -3,13 +3,11 @@
 
 use super::blocks::endless;
 use super::rig::{CYCLE, Rig};
-use crate::axis::{
-    Axis, AxisConfig, Block, CamIn, GearInPos, GearInPosRun, MoveVelocity, Movement,
-};
-use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
-use crate::profile::RampType;
+use crate::{Axis, AxisConfig, Block, CamIn, GearInPos, GearInPosRun, MoveVelocity, Movement};
 use proptest::prelude::*;
 use std::sync::Arc;
+use twin_cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
+use twin_profile::RampType;
 
 /// Jerk of the axes, u/s³.
 const JERK: f64 = 500.0;
@@ -201,7 +199,7 @@ fn a_ramp_takes_as_long_as_its_jerk_needs() {
 /// Without a jerk there is no ramp of that kind: error 627, and whoever moves the slave goes on.
 #[test]
 fn a_ramp_without_a_jerk_is_an_error_627() {
-    use crate::axis::SmcError;
+    use crate::SmcError;
     let config = AxisConfig { ramp: RampType::Parabolic, ..AxisConfig::default() };
     let (master, mut slave) = (Rig::new(config), Rig::new(config));
     let input = CamInput { start_mode: StartMode::RampIn, ..CamInput::default() };

@@ -4,11 +4,11 @@ use super::direct::control_by_position;
 use super::framework::to;
 use super::gears::{gear, pair};
 use super::rig::{Rig, linear};
-use crate::axis::{
+use crate::{
     AbortTrigger, AxisConfig, AxisState, Block, ControlAxis, ControlOutputs, GearInPos, Home,
     Phasing, SmcError, Stop, TouchProbe, Trigger,
 };
-use crate::profile::RampType;
+use twin_profile::RampType;
 
 /// A trigger is let go of and taken by another probe within a cycle: what comes then is for that one, whoever is called first.
 #[test]

@@ -2,7 +2,7 @@
 
 use super::blocks::endless;
 use super::rig::linear;
-use crate::axis::{TouchProbe, Trigger};
+use crate::{TouchProbe, Trigger};
 
 /// An input of the program that is TRUE in this cycle only, or from it on, latches where the axis is in it.
 #[test]

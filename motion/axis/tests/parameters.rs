@@ -3,11 +3,11 @@
 use super::blocks::endless;
 use super::framework::to;
 use super::rig::{CYCLE, Rig, linear};
-use crate::axis::{
+use crate::{
     Answer, AxisConfig, AxisState, Block, ControllerMode, Direction, MoveVelocity, ParameterNumber,
     ReadParameter, SetControllerMode, SmcError, TouchProbe, Transfer, Trigger, WriteParameter,
 };
-use crate::profile::RampType;
+use twin_profile::RampType;
 
 #[test]
 fn blocks_read_and_write_by_number() {
@@ -32,11 +32,7 @@ fn blocks_read_and_write_by_number() {
 }
 
 /// A cycle with a drive whose parameter 3 is `memory`, and that knows no other.
-fn with_drive<T>(
-    rig: &mut Rig,
-    memory: &mut f64,
-    blocks: impl FnOnce(&mut crate::axis::Axis) -> T,
-) -> T {
+fn with_drive<T>(rig: &mut Rig, memory: &mut f64, blocks: impl FnOnce(&mut crate::Axis) -> T) -> T {
     let mut asked = None;
     rig.axis.begin_cycle(&rig.drive.feedback());
     rig.power.call(true, &mut rig.axis);
@@ -283,7 +279,7 @@ fn the_direction_is_that_of_the_set_velocity() {
 /// `SMC_CONTROLLER_MODE` (manual 2.2.4).
 #[test]
 fn controller_modes_have_the_manuals_numbers() {
-    use crate::axis::ControllerMode;
+    use crate::ControllerMode;
     let modes = [
         ControllerMode::Torque,
         ControllerMode::Velocity,

@@ -1,6 +1,6 @@
 //! Test rig: an axis with its virtual drive and power on.
 
-use crate::axis::{Axis, AxisConfig, MoveSuperImposed, Power, SuperImposed, VirtualDrive};
+use crate::{Axis, AxisConfig, MoveSuperImposed, Power, SuperImposed, VirtualDrive};
 
 /// Cycle of the tests, s.
 pub(super) const CYCLE: f64 = 0.01;
@@ -51,7 +51,7 @@ pub(super) fn linear() -> Rig {
 
 /// Rotary with a period of 360 u.
 pub(super) fn rotary() -> Rig {
-    use crate::axis::Movement;
+    use crate::Movement;
     Rig::new(AxisConfig { movement: Movement::Rotary { period: 360.0 }, ..AxisConfig::default() })
 }
 

@@ -2,7 +2,7 @@
 
 use super::blocks::endless;
 use super::rig::{CYCLE, linear, rotary};
-use crate::axis::{
+use crate::{
     AxisState, Block, Encoder, EncoderConfig, Home, Homing, Movement, Reset, SmcError, TouchProbe,
     Trigger,
 };

@@ -1,7 +1,7 @@
 //! Tests of axis states, power and errors.
 
 use super::rig::{CYCLE, linear};
-use crate::axis::{
+use crate::{
     Axis, AxisConfig, AxisState, Block, Direction, MoveVelocity, Power, SmcError, Stop,
     VirtualDrive,
 };
@@ -146,7 +146,7 @@ fn leaving_the_software_limits_is_an_error_10() {
     // A rotary axis has no limits (manual 2.1.3).
     let mut rig = super::rig::Rig::new(AxisConfig {
         software_limits: Some([-1.0, 5.0]),
-        movement: crate::axis::Movement::Rotary { period: 360.0 },
+        movement: crate::Movement::Rotary { period: 360.0 },
         ..AxisConfig::default()
     });
     let mut block = endless();

@@ -3,13 +3,13 @@
 use super::blocks::endless;
 use super::framework::to;
 use super::rig::{self, CYCLE, Rig, linear, rotary};
-use crate::axis::{
+use crate::{
     AxisConfig, AxisState, Block, CamIn, ControlAxisBy, ControllerMode, Follow, GearIn, GearInPos,
     GearInPosRun, Home, MoveVelocity, SetControllerMode, Watched,
 };
-use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
-use crate::profile::RampType;
 use std::sync::Arc;
+use twin_cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
+use twin_profile::RampType;
 
 fn gear() -> Block<GearIn> {
     Block::new(GearIn {

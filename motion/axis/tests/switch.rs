@@ -2,7 +2,7 @@
 
 use super::blocks::endless;
 use super::rig::{CYCLE, linear, rotary};
-use crate::axis::{Block, CamSwitch, DigitalCamSwitch, Follow, SwitchDirection, TappetMode, Track};
+use crate::{Block, CamSwitch, DigitalCamSwitch, Follow, SwitchDirection, TappetMode, Track};
 
 fn range(first_on: f64, last_on: f64) -> CamSwitch {
     CamSwitch { track: 1, first_on, last_on, direction: SwitchDirection::Both, duration: None }

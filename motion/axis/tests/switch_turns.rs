@@ -3,7 +3,7 @@
 
 use super::blocks::endless;
 use super::rig::{CYCLE, Rig, linear, rotary};
-use crate::axis::{Block, CamSwitch, DigitalCamSwitch, Follow, SwitchDirection, Track};
+use crate::{Block, CamSwitch, DigitalCamSwitch, Follow, SwitchDirection, Track};
 
 fn range(first_on: f64, last_on: f64, direction: SwitchDirection) -> CamSwitch {
     CamSwitch { track: 1, first_on, last_on, direction, duration: None }
@@ -201,7 +201,7 @@ fn a_switch_that_is_enabled_at_rest_knows_the_direction_of_the_last_motion() {
             for _ in 0..100 {
                 rig.cycle(|axis| go.call(true, axis));
             }
-            let mut halt = Block::new(crate::axis::Halt { deceleration: 100.0 });
+            let mut halt = Block::new(crate::Halt { deceleration: 100.0 });
             rig.until(|axis| {
                 go.call(true, axis);
                 halt.call(true, axis).done

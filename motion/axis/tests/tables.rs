@@ -2,10 +2,10 @@
 
 use super::invariants::Random;
 use super::rig::{CYCLE, linear, rotary};
-use crate::axis::{
+use crate::{
     AccelerationProfile, AxisState, Block, Points, PositionProfile, SmcError, VelocityProfile,
 };
-use crate::profile::ProfilePoint;
+use twin_profile::ProfilePoint;
 
 fn points(points: &[(f64, f64)]) -> Points {
     let point = |&(delta_time, value): &(f64, f64)| ProfilePoint { delta_time, value };

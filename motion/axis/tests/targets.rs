@@ -3,11 +3,11 @@
 use super::blocks::endless;
 use super::framework::to;
 use super::rig::{self, Rig, linear, rotary};
-use crate::axis::{
+use crate::{
     AxisConfig, Block, Direction, Halt, MoveAbsolute, MoveAdditive, MoveContinuousAbsolute,
     MoveRelative, MoveVelocity, Points, PositionProfile, SmcError, Stop,
 };
-use crate::profile::{ProfilePoint, RampType};
+use twin_profile::{ProfilePoint, RampType};
 
 /// Where a rotary axis at 350 u that rests goes for 10 u, in u.
 fn way(direction: Direction) -> f64 {

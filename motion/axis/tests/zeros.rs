@@ -4,11 +4,11 @@
 use super::blocks::endless;
 use super::gears::{gear, pair};
 use super::rig::{CYCLE, Rig, linear, rotary};
-use crate::axis::{
+use crate::{
     Axis, Block, CamIn, Encoder, EncoderConfig, GearInPos, Home, Movement, Phasing, TimeAxis,
 };
-use crate::cam::{Cam, CamInput, CamTable, Knot, Shape};
 use std::sync::Arc;
+use twin_cam::{Cam, CamInput, CamTable, Knot, Shape};
 
 fn phasing() -> Block<Phasing> {
     let (phase_shift, velocity) = (3.0, 10.0);

@@ -1,7 +1,7 @@
 //! Tests of extremes, bounds and the maximum master velocity, against sampling and closed forms.
 
 use super::{curve, knots, samples};
-use crate::cam::{Curve, Factors, Knot, LimitError, MasterMotion, Quantity, SlaveLimits};
+use crate::{Curve, Factors, Knot, LimitError, MasterMotion, Quantity, SlaveLimits};
 use proptest::prelude::*;
 
 /// 0 to 180, 0 to 100, at rest at both ends.

@@ -1,11 +1,11 @@
 //! Test of the manual's example of a cam that a program fills (4.7.1).
 
-use crate::cam::{
+use crate::{
     Cam, CamCoupling, CamError, CamInput, CamTable, Interpolation, PairTable, Shape, TableScale,
     VariableType,
 };
-use crate::profile::State;
 use std::sync::Arc;
+use twin_profile::State;
 
 /// `SMC_CAMTable_UINT_128_1` with `Table[i][0] := Table[i][1] := REAL_TO_UINT(i / 127.0 * 65536)`, both scales 0 … 360 u for
 /// 0 … 65536.

@@ -1,12 +1,12 @@
 //! Tests of the coupling: starts, ramp-in, ends and changes of cams (manual 4.6).
 
-use crate::cam::{
+use crate::{
     Action, Cam, CamCoupling, CamInput, CamTable, CouplingError, Element, Factors, Knot,
     MasterMotion, Passage, Shape, StartMode, Tappet, slave_set_position,
 };
-use crate::profile::State;
 use proptest::prelude::*;
 use std::sync::Arc;
+use twin_profile::State;
 
 /// A cycle of 1 ms.
 const CYCLE_NS: i64 = 1_000_000;
@@ -334,7 +334,7 @@ proptest! {
         prop_assert!((bend - states[1].acceleration).abs() < 0.1 * (1.0 + states[1].acceleration.abs()), "{bend} {:?}", states[1]);
         let motion = MasterMotion { velocity: master(h).velocity.abs(), acceleration: pull.abs(), jerk: 0.0 };
         let factors = Factors { master: input.master_scaling, slave: input.slave_scaling };
-        let peak = cam.curve().peak(crate::cam::Quantity::Acceleration, &motion, factors);
+        let peak = cam.curve().peak(crate::Quantity::Acceleration, &motion, factors);
         prop_assert!(states[1].acceleration.abs() <= peak.value * (1.0 + 1e-9) + 1e-9);
     }
 }
@@ -342,11 +342,11 @@ proptest! {
 /// Elements of the editor are not needed to follow a cam, but give the same one.
 #[test]
 fn a_source_is_followed() {
-    let mut source = crate::cam::Source::new("lift");
+    let mut source = crate::Source::new("lift");
     source.period = None;
     source.master.max = 100.0;
     source.elements =
         vec![Element::Point(Knot::at_rest(0.0, 0.0)), Element::Point(Knot::at_rest(100.0, 50.0))];
-    let made = source.compile(crate::cam::Compile::Polynomial).expect("a cam");
+    let made = source.compile(crate::Compile::Polynomial).expect("a cam");
     assert_eq!(made.curve(), lift().curve());
 }

@@ -1,7 +1,7 @@
 //! Tests of curves: evaluation, tables and repetition.
 
 use super::{curve, knots, samples};
-use crate::cam::{
+use crate::{
     CamError, Curve, Equidistant, Interpolation, Joints, Knot, PairTable, TableScale, VariableType,
 };
 use proptest::prelude::*;

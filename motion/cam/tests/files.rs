@@ -1,8 +1,8 @@
 //! Tests of ASCII tables: round trips, and errors with their lines.
 
 use super::curve;
-use crate::cam::Knot;
-use crate::cam::file::{AsciiError, clean, read_ascii, reduce, write_ascii};
+use crate::Knot;
+use crate::file::{AsciiError, clean, read_ascii, reduce, write_ascii};
 use proptest::prelude::*;
 
 /// 0.1 · 3 is 0.30000000000000004; a third stays a third.

@@ -1,6 +1,6 @@
 //! Tests of editing and compiling cams (manual 4.2 to 4.4).
 
-use crate::cam::{
+use crate::{
     Action, CamError, Compile, Element, Interpolation, Kind, Knot, Passage, Scale, Shape, Source,
     TableScale, Tappet, VariableType,
 };

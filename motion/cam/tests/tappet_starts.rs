@@ -1,12 +1,12 @@
 //! Tests of tappets on which the master is when the cam begins (manual 4.4.2).
 
 use super::tappets::{acts, tappet};
-use crate::cam::{
+use crate::{
     Action, Cam, CamCoupling, CamInput, CamRegister, CamTable, Knot, Passage, RegisterInput, Shape,
     TappetValue,
 };
-use crate::profile::State;
 use std::sync::Arc;
+use twin_profile::State;
 
 /// A master that stands on a tappet when the cam begins has not come to it: it acts when that happens, from either side, at the
 /// latest one pass on.

@@ -1,12 +1,12 @@
 //! Tests of tappets and registers (manual 4.4.2, 5.5).
 
-use crate::cam::{
+use crate::{
     Action, Cam, CamCoupling, CamInput, CamRegister, CamTable, Knot, Passage, RegisterInput, Shape,
     Tappet, TappetBit, TappetValue, Trigger,
 };
-use crate::profile::State;
 use proptest::prelude::*;
 use std::sync::Arc;
+use twin_profile::State;
 
 const CYCLE_NS: i64 = 1_000_000;
 

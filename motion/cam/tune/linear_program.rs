@@ -1,6 +1,6 @@
 //! Small linear programs for Clarabel: min qᵀ·x with some rows A·x = b, and others A·x ≤ b.
 //!
-//! Those of the feed (`motion/limit/convex.rs`) have thousands of unknowns, each next to its neighbours, and settings of their own
+//! Those of the feed (`motion/planner/time_optimal/convex.rs`) have thousands of unknowns, each next to its neighbours, and settings of their own
 //! for that; these have a few, and Clarabel's own settings.
 
 use clarabel::algebra::CscMatrix;

@@ -35,7 +35,7 @@ pub use ramp_in::{
 };
 pub use reshape::{ReshapeError, Reshaped, Softened, Tolerance, Wish, reshape, soften};
 
-use crate::short::Short;
+use twin_number::Short;
 
 /// A value and how far the true one is from it at most, in 95 % of all runs.
 #[derive(Clone, Copy, Debug, PartialEq)]

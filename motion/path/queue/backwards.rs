@@ -1,11 +1,11 @@
 //! Reversed path in bounded memory, through a spool file.
 
 use super::{MAX_BLOCK_BYTES, record};
-use crate::path::operations::Modes;
-use crate::path::{Marks, PathElement};
+use crate::operations::Modes;
+use crate::{Marks, PathElement};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 
-/// The whole path backwards (manual 3.3), like [`crate::path::reversed`], through a file for paths that do not fit in
+/// The whole path backwards (manual 3.3), like [`crate::reversed`], through a file for paths that do not fit in
 /// memory. The first element comes when upstream has ended; its errors come at once.
 #[derive(Debug)]
 pub struct Backwards<I, F> {

@@ -4,7 +4,7 @@ use super::{
     BLOCK, ContentError, END, Generator, HEADER_BYTES, MAGIC, MAX_BLOCK_BYTES, QueueReadError,
     VERSION, record,
 };
-use crate::path::PathElement;
+use crate::PathElement;
 use crc32fast::Hasher;
 use std::io::{ErrorKind, Read};
 use std::iter::FusedIterator;

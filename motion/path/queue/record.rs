@@ -17,7 +17,7 @@
 
 use super::ContentError;
 use crate::Place;
-use crate::path::{
+use crate::{
     Arc, AxisMask, Cubic, Details, ElementKind, Ellipse, ExtraAxes, MAX_SWITCHES, MParameters,
     Marks, PathElement, Plane, ProbeOutcome, ProbeTrip, Probing, Shape, Switch, Switches,
 };

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::Place;
-use crate::path::{
+use crate::{
     Arc, AxisMask, Cubic, Details, ElementKind, Ellipse, ExtraAxes, MParameters, Marks,
     PathElement, Plane, ProbeOutcome, Probing, Shape, Switch, Switches, reversed,
 };

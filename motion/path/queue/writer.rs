@@ -1,7 +1,7 @@
 //! Queue file writer.
 
 use super::{BLOCK, END, Generator, MAGIC, MAX_BLOCK_BYTES, QueueWriteError, VERSION, record};
-use crate::path::PathElement;
+use crate::PathElement;
 use crc32fast::Hasher;
 use std::io::{self, Write};
 

@@ -3,7 +3,7 @@
 #![expect(clippy::float_cmp, reason = "exact at the ends, or halves")]
 
 use super::*;
-use crate::path::{
+use crate::{
     AxisMask, Cubic, Details, Ellipse, EllipseError, ExtraAxes, cardinal_tangent, end_tangent,
 };
 use nalgebra::{Point2, Vector2};

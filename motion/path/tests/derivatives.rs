@@ -1,7 +1,7 @@
 //! Tests of the third and fourth derivative of the position by path length.
 
 use super::*;
-use crate::path::{Cubic, Ellipse, PathPoint, Plane};
+use crate::{Cubic, Ellipse, PathPoint, Plane};
 use nalgebra::{Point2, Vector2};
 
 /// Weights of the central difference of eighth order.

@@ -1,7 +1,7 @@
 //! Tests of cutting, reversing, mapping and linearising.
 
 use super::*;
-use crate::path::{
+use crate::{
     Chords, Cubic, Details, ExtraAxes, Linearise, MapPath, Marks, OperationError, Plane,
     ProbeOutcome, Probing, Similarity, SplitAt, Switch, reversed,
 };

@@ -1,7 +1,7 @@
 //! Eased braking: less braking at first, for distances between the straight ramp and the ramp over a constant velocity.
 
 use super::{MOST_STEPS, Way};
-use crate::profile::rates::Rates;
+use crate::rates::Rates;
 
 /// Eased braking with the acceleration −α instead of the first one.
 #[derive(Clone, Copy, Debug)]

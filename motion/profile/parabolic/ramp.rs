@@ -10,8 +10,8 @@
 //! acceleration may only be the smaller of them. A ramp that would exceed it there has two such humps, which meet at
 //! velocity 0 with this acceleration. Downwards everything is the mirror image.
 
-use crate::profile::rates::Rates;
-use crate::profile::segment::Track;
+use crate::rates::Rates;
+use crate::segment::Track;
 
 /// The acceleration goes from one value up to a peak and down to another one.
 #[derive(Clone, Copy, Debug, Default)]

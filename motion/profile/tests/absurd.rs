@@ -1,7 +1,7 @@
 //! Tests with limits of a million different proportions: every profile is finite and reaches its end.
 
 use super::random::Random;
-use crate::profile::{AxisLimits, Profile, ProfileError, RampType, State};
+use crate::{AxisLimits, Profile, ProfileError, RampType, State};
 
 #[test]
 fn limits_of_all_proportions_end_where_they_should_or_are_refused() {

@@ -2,7 +2,7 @@
 
 use super::random::{Case, Random};
 use super::{close, sampled};
-use crate::profile::{AxisLimits, Profile, RampType, State};
+use crate::{AxisLimits, Profile, RampType, State};
 
 fn plan(case: &Case, ramp: RampType) -> Profile {
     let Case { from, target, end_velocity, limits } = *case;

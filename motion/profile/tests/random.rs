@@ -1,6 +1,6 @@
 //! Random states, targets and limits from a seed.
 
-use crate::profile::{AxisLimits, State};
+use crate::{AxisLimits, State};
 
 /// A reproducible sequence of numbers (`SplitMix64`).
 #[derive(Clone, Debug)]

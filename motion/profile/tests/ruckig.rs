@@ -2,7 +2,7 @@
 
 use super::random::{Case, Random};
 use super::sampled;
-use crate::profile::{AxisLimits, Profile, RampType};
+use crate::{AxisLimits, Profile, RampType};
 use std::env;
 use std::fmt::Write as _;
 use std::num::ParseFloatError;
@@ -37,7 +37,7 @@ fn durations(cases: &[Case]) -> Option<Vec<Result<f64, String>>> {
     }
     let file = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(file.path(), text).unwrap();
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/profile/tests/ruckig_durations.py");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/ruckig_durations.py");
     let output = Command::new(python).args(["-B", script]).arg(file.path()).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let lines = String::from_utf8(output.stdout).unwrap();

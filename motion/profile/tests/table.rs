@@ -1,7 +1,7 @@
 //! Tests of profiles through the points of a table.
 
 use super::close;
-use crate::profile::{ProfileError, ProfilePoint, ProfileTable, State, TableProfile};
+use crate::{ProfileError, ProfilePoint, ProfileTable, State, TableProfile};
 
 fn points(pairs: &[(f64, f64)]) -> Vec<ProfilePoint> {
     pairs.iter().map(|&(delta_time, value)| ProfilePoint { delta_time, value }).collect()

@@ -1,7 +1,7 @@
 //! Tests of ramps of constant acceleration.
 
 use super::{close, limits, sampled};
-use crate::profile::{AxisLimits, Profile, RampType, State};
+use crate::{AxisLimits, Profile, RampType, State};
 use proptest::prelude::*;
 
 fn moving(position: f64, velocity: f64) -> State {

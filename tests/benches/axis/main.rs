@@ -17,7 +17,7 @@ mod python;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
-use twin_motion::profile::{AxisLimits, Profile, RampType, State};
+use twin_profile::{AxisLimits, Profile, RampType, State};
 
 /// Moves per table.
 const MOVES: usize = 4096;

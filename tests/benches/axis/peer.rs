@@ -9,7 +9,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
-use twin_motion::profile::RampType;
+use twin_profile::RampType;
 
 const RUCKIG: Package =
     Package { name: "ruckig", requirement: "ruckig==0.19.4", variable: "TWIN_RUCKIG_PYTHON" };

@@ -1,10 +1,10 @@
-//! Methods of `motion/limit` (time-optimal planning) under measurement.
+//! Methods of `motion/planner/time_optimal` (time-optimal planning) under measurement.
 
 use crate::curves::Curve;
 use crate::machines::Machine;
 use crate::path::{Path, Rates};
 use crate::solvers::{Fineness, grid, linear_profile, linear_windows, passes, planned};
-use twin_motion::limit::Grid;
+use twin_planner::time_optimal::Grid;
 
 /// A path on a grid, and between its nodes.
 pub struct Problem<'a> {

@@ -6,8 +6,8 @@ mod path;
 
 use libfuzzer_sys::fuzz_target;
 use std::io::{BufReader, Cursor};
-use twin_motion::din66025::{Decoder, DecoderOptions, marks_in};
-use twin_motion::path::Marks;
+use twin_gcode::din66025::{marks_in, Decoder, DecoderOptions};
+use twin_path::Marks;
 
 /// Jumps a program may take.
 const JUMPS: u32 = 20;

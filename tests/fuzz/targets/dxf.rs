@@ -5,7 +5,7 @@
 mod path;
 
 use libfuzzer_sys::fuzz_target;
-use twin_motion::dxf::{DxfWriter, Heights, ImportOptions, Limits, Order, Program, Split, import};
+use twin_path::dxf::{import, DxfWriter, Heights, ImportOptions, Limits, Order, Program, Split};
 
 /// What a small drawing may make.
 const PIECES: usize = 2_000;

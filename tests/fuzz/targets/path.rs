@@ -3,10 +3,10 @@
 #![allow(dead_code, reason = "not every target decodes or prepares")]
 
 use std::error::Error;
-use twin_motion::decode::{Failure, Item, TextError};
-use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Inputs, Interpolator, LookAhead, ToolSetpoint};
-use twin_motion::path::{AxisMask, ElementKind, Marks, PathElement, Shape};
-use twin_motion::prepare::{CheckVelocities, Notices, Preparation};
+use twin_gcode::decode::{Failure, Item, TextError};
+use twin_planner::controller::{DEFAULT_CYCLE_NS, Inputs, Interpolator, LookAhead, ToolSetpoint};
+use twin_path::{AxisMask, ElementKind, Marks, PathElement, Shape};
+use twin_path::prepare::{CheckVelocities, Notices, Preparation};
 
 /// Set-points sampled at most.
 const SETPOINTS: usize = 2_000;

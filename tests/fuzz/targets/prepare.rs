@@ -8,10 +8,10 @@ mod path;
 use libfuzzer_sys::fuzz_target;
 use std::fmt::Write;
 use std::num::NonZeroUsize;
-use twin_motion::din66025::{Decoder, DecoderOptions};
-use twin_motion::interpolate::{Inputs, Override, VelocityMode};
-use twin_motion::path::PathElement;
-use twin_motion::prepare::{CircularLimits, Preparation, Rounding, Smoothing, ToolRadiusOptions};
+use twin_gcode::din66025::{Decoder, DecoderOptions};
+use twin_planner::controller::{Inputs, Override, VelocityMode};
+use twin_path::PathElement;
+use twin_path::prepare::{CircularLimits, Preparation, Rounding, Smoothing, ToolRadiusOptions};
 
 /// Blocks of a program at most.
 const BLOCKS: usize = 400;

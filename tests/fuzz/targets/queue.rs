@@ -5,8 +5,8 @@
 mod path;
 
 use libfuzzer_sys::fuzz_target;
-use twin_motion::path::PathElement;
-use twin_motion::path::queue::{Generator, MAX_BLOCK_BYTES, QueueReader, QueueWriter};
+use twin_path::PathElement;
+use twin_path::queue::{Generator, MAX_BLOCK_BYTES, QueueReader, QueueWriter};
 
 fuzz_target!(|file: &[u8]| {
     read(file);

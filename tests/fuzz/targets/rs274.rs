@@ -6,10 +6,8 @@ mod path;
 
 use libfuzzer_sys::fuzz_target;
 use std::io::BufReader;
-use twin_motion::path::ElementKind;
-use twin_motion::rs274::{
-    Decoder, DecoderOptions, MAX_CYCLE_MOVES, ProbePath, ProbeTarget, Surroundings,
-};
+use twin_path::ElementKind;
+use twin_gcode::rs274::{Decoder, DecoderOptions, MAX_CYCLE_MOVES, ProbePath, ProbeTarget, Surroundings};
 
 /// Every other probing move trips, a third of the way along.
 #[derive(Debug, Default)]

@@ -1,7 +1,7 @@
 //! Bars of the cam picture: the intervals in which each group of tappets is on.
 
 use super::Shown;
-use twin_motion::cam::{Action, Passage, Tappet};
+use twin_cam::{Action, Passage, Tappet};
 
 /// The tappets of a group in the order in which a master passes them that goes forwards, and begin and end of its passes. With a
 /// negative factor of the master they go from the end of the cam to its begin: that is forwards on the mirrored cam.

@@ -16,7 +16,7 @@ use crate::plot::{
     Across, BACK, Chart, Color, Legend, MARK, Point, Row, Shape, Sign, Strip, Stroke, reach,
 };
 use lines::line_of;
-use twin_motion::cam::SlaveLimits;
+use twin_cam::SlaveLimits;
 
 /// Height of a row of curves, pixels.
 const HEIGHT: f64 = 150.0;

@@ -4,10 +4,8 @@ use crate::number::{beside, significant};
 use crate::plot::{
     Across, BACK, Chart, Color, Legend, MARK, Point, Row, Shape, Sign, Stroke, reach,
 };
-use twin_motion::cam::tune::{
-    RampError, RampIn, RampMoment, RampShown, RampWish, on_cam, ramp_shown,
-};
-use twin_motion::profile::State;
+use twin_cam::tune::{RampError, RampIn, RampMoment, RampShown, RampWish, on_cam, ramp_shown};
+use twin_profile::State;
 
 /// Height of a row of curves, pixels.
 const HEIGHT: f64 = 190.0;

@@ -5,8 +5,8 @@ use crate::cam::CamFile;
 use crate::cam::check::AxisLimits;
 use crate::cam::picture::{Recorded, Shown, cam_chart, on_stretches};
 use std::sync::Arc;
-use twin_motion::cam::{CamCoupling, CamInput, CamTable, TappetValue};
-use twin_motion::profile::State;
+use twin_cam::{CamCoupling, CamInput, CamTable, TappetValue};
+use twin_profile::State;
 
 /// Where the dots of a recorded run are, and the highest place of the first curve.
 fn dots_and_top(picture: &str) -> (Vec<f64>, f64) {

@@ -4,7 +4,7 @@ use crate::cam::edit::{self, Change, EditError};
 use crate::cam::{CamFile, CamFileError, Coupling, Form, csv_of, lost, write_file, write_toml};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
-use twin_motion::cam::{
+use twin_cam::{
     Action, CamInput, Element, Equidistant, Interpolation, Kind, Knot, PairTable, Passage, Scale,
     Shape, Source, StartMode, TableScale, Tappet, VariableType,
 };

@@ -11,8 +11,8 @@ use crate::cam::tune::{
 use crate::finding::{Rule, Severity};
 use std::fmt::Write;
 use std::path::Path;
-use twin_motion::cam::tune::{FitError, Free, Tolerance};
-use twin_motion::cam::{MasterMotion, Quantity, SlaveLimits};
+use twin_cam::tune::{FitError, Free, Tolerance};
+use twin_cam::{MasterMotion, Quantity, SlaveLimits};
 
 pub(super) const LIFT: &str = r#"
 name = "lift"

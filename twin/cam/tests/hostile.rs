@@ -6,8 +6,8 @@ use crate::cam::{CamFile, CamFileError};
 use crate::section::MachineFileError;
 use proptest::prelude::*;
 use std::path::Path;
-use twin_motion::cam::file::AsciiError;
-use twin_motion::cam::{Interpolation, MasterMotion, SlaveLimits};
+use twin_cam::file::AsciiError;
+use twin_cam::{Interpolation, MasterMotion, SlaveLimits};
 
 const TOML: &str = "name = \"lift\"\nmaster = { min = 0, max = 360, unit = \"deg\" }\n\
     slave = { min = 0, max = 100, unit = \"mm\" }\nelements = [{ master = 0, slave = 0 }, { master = 360, slave = 100 }]\n\

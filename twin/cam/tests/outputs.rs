@@ -5,7 +5,7 @@ use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{OutputError, Part, TuneError, run_dead_time};
-use twin_motion::cam::tune::{Estimate, FitError};
+use twin_cam::tune::{Estimate, FitError};
 
 const TWO: &str = r#"
 name = "two"

@@ -6,7 +6,7 @@ use crate::cam::check::AxisLimits;
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{TuneError, run_dead_time};
 use std::borrow::Cow;
-use twin_motion::cam::tune::Estimate;
+use twin_cam::tune::Estimate;
 
 /// What a run tells of a cam with these tappets.
 fn told_of(tappets: &str, run: &RecordedRun) -> Result<Estimate, TuneError> {

@@ -5,10 +5,10 @@ use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::sample::{MOST, Sampling, reach, write};
 use crate::cam::tune::{ramp, ramp_wish};
 use crate::finding::{Rule, Severity};
-use twin_motion::cam::tune::RampGoal;
-use twin_motion::cam::{MasterMotion, SlaveLimits};
-use twin_motion::profile::RampType;
-use twin_motion::profile::State;
+use twin_cam::tune::RampGoal;
+use twin_cam::{MasterMotion, SlaveLimits};
+use twin_profile::RampType;
+use twin_profile::State;
 
 /// In the middle of the rise y′ = 15/8·h/w, y″ = 0 and y‴ = −30·h/w³; a quarter of it: y″ = 60·(s − 3·s² + 2·s³)·h/w².
 #[test]

@@ -8,8 +8,8 @@ use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{
     Constrained, Least, begin, corrected, fit_run, master_motion, minimise, travel, wanted, wants,
 };
-use twin_motion::cam::Quantity;
-use twin_motion::cam::tune::Free;
+use twin_cam::Quantity;
+use twin_cam::tune::Free;
 
 /// A run every 2 ms of a master, with noise of it.
 fn driven(count: i32, noise: f64, master: impl Fn(f64) -> f64) -> RecordedRun {

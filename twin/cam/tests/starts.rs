@@ -7,8 +7,8 @@ use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{TuneError, begin, started_at};
 use crate::finding::Rule;
 use std::sync::Arc;
-use twin_motion::cam::{CamCoupling, CamTable, CouplingError};
-use twin_motion::profile::State;
+use twin_cam::{CamCoupling, CamTable, CouplingError};
+use twin_profile::State;
 
 /// 100 forwards in every pass.
 const SHEAR: &str = r#"

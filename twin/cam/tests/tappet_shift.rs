@@ -8,8 +8,8 @@ use crate::cam::edit::{self, Change, EditError};
 use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{Kept, TuneError, corrected, fit_run, keep_tappets, wanted, within};
 use std::path::Path;
-use twin_motion::cam::tune::Free;
-use twin_motion::cam::{Action, Passage, Tappet};
+use twin_cam::tune::Free;
+use twin_cam::{Action, Passage, Tappet};
 
 fn with(file: &CamFile, master_offset: f64, master_scaling: f64) -> CamUse {
     let mut use_it = using(file, VELOCITY, AxisLimits::NONE);

@@ -8,7 +8,7 @@ use crate::cam::tune::{
 };
 use crate::cam::{CamFile, Coupling};
 use std::path::Path;
-use twin_motion::cam::tune::{Estimate, Free};
+use twin_cam::tune::{Estimate, Free};
 
 /// A machine: its slave lags, s, and is at `gain` times where it should be, and `shift` beside it.
 pub(super) struct Plant {

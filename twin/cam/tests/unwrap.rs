@@ -6,7 +6,7 @@ use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{Unwound, fit_run, run_dead_time, unwound};
-use twin_motion::cam::tune::Free;
+use twin_cam::tune::Free;
 
 const TRIALS: u32 = 100;
 /// Of 100 trials that hold with 95 % fewer do in one case of 100.

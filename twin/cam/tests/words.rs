@@ -4,7 +4,7 @@ use super::files::problems;
 use crate::cam::{CamFile, CamFileError};
 use crate::section::MachineFileError;
 use std::path::Path;
-use twin_motion::cam::Interpolation;
+use twin_cam::Interpolation;
 
 const SCALES: &str = "master = { min = 0, max = 3 }\nslave = { min = 0, max = 9 }\n";
 

@@ -8,11 +8,11 @@ use super::correction::{Deviation, of_coupling, wanted, with_exactly, with_value
 use super::{TuneError, errors, rms, same};
 use crate::finding::{Finding, Rule, Severity};
 use crate::number::significant;
-use twin_motion::cam::Quantity;
-use twin_motion::cam::file::clean;
-use twin_motion::cam::tune::{
-    self as motion, Bound, ConstraintError, Constraints, Estimate, Fit, Free, Objective, Sample,
-    constrained_fit,
+use twin_cam::Quantity;
+use twin_cam::file::clean;
+use twin_cam::tune as motion;
+use twin_cam::tune::{
+    Bound, ConstraintError, Constraints, Estimate, Fit, Free, Objective, Sample, constrained_fit,
 };
 
 /// Values that constraints have changed.

@@ -3,8 +3,8 @@
 use super::super::CamFile;
 use super::super::check::CamUse;
 use super::same;
-use twin_motion::cam::file::clean;
-use twin_motion::cam::tune::{Estimate, Fit};
+use twin_cam::file::clean;
+use twin_cam::tune::{Estimate, Fit};
 
 /// A deviation that is smaller than this part of what it is measured against is rounding, whatever its interval says.
 const ROUNDING: f64 = 1e-9;

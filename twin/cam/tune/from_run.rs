@@ -7,12 +7,12 @@ use super::TuneError;
 use super::correction::of_coupling;
 use super::tappets::{CHANCE, refuse_contradictory, refuse_random};
 use crate::number::significant;
-use twin_motion::cam::file::clean;
-use twin_motion::cam::tune::{
+use twin_cam::file::clean;
+use twin_cam::tune::{
     DeadTime, Estimate, Fit, FitError, FitOptions, Free, Sample, Switching, dead_time, fit,
     student_975, student_exceeds,
 };
-use twin_motion::cam::{Action, Passage, Tappet};
+use twin_cam::{Action, Passage, Tappet};
 
 /// Finds offsets and scalings in a run, beginning with those in use; `between` says between what `MasterOffset`, `MasterScaling`,
 /// `SlaveOffset` and `SlaveScaling` are, where that is known.

@@ -33,11 +33,11 @@ use super::edit::Change;
 use super::{CamFile, WANTED};
 use crate::number::significant;
 use std::sync::Arc;
-use twin_motion::cam::tune::{
+use twin_cam::tune::{
     ConstraintError, FitError, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
 };
-use twin_motion::cam::{CamError, CamTable, Element, Knot, LimitError, Shape, StartMode};
-use twin_motion::profile::{RampType, State};
+use twin_cam::{CamError, CamTable, Element, Knot, LimitError, Shape, StartMode};
+use twin_profile::{RampType, State};
 
 /// Why something is not tuned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -4,8 +4,8 @@ use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample};
 use super::correction::Deviation;
-use twin_motion::cam::MasterMotion;
-use twin_motion::profile::State;
+use twin_cam::MasterMotion;
+use twin_profile::State;
 
 /// Samples that a parabola is laid through, and how few of them say anything.
 const WINDOW: usize = 21;

@@ -3,8 +3,8 @@
 use super::super::CamFile;
 use super::super::check::CamUse;
 use super::{TuneError, same};
-use twin_motion::cam::tune::{ReshapeError, Tolerance, Wish, reshape, soften};
-use twin_motion::cam::{Element, Knot, Peak, Quantity, Shape, SlaveLimits, Source};
+use twin_cam::tune::{ReshapeError, Tolerance, Wish, reshape, soften};
+use twin_cam::{Element, Knot, Peak, Quantity, Shape, SlaveLimits, Source};
 
 /// A shape before and after, with what it was made for.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use super::super::run::RecordedRun;
 use super::TuneError;
 use super::correction::Deviation;
 use super::recorded::state;
-use twin_motion::profile::State;
+use twin_profile::State;
 
 /// So many standard deviations of the master's noise are no motion.
 const NOISE: f64 = 6.0;

@@ -8,7 +8,7 @@ use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::edit::Change;
 use super::{TuneError, same};
-use twin_motion::cam::{Cam, Tappet};
+use twin_cam::{Cam, Tappet};
 
 /// A tappet, and where it stood.
 #[derive(Clone, Copy, Debug, PartialEq)]

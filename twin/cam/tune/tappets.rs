@@ -8,7 +8,7 @@ use super::TuneError;
 use super::from_run::{Seen, median, switchings, tappet_dead_time};
 use super::tappet_error::{OutputError, Part, SwitchingPart};
 use super::unwrap::unwound;
-use twin_motion::cam::tune::{DeadTime, student_exceeds};
+use twin_cam::tune::{DeadTime, student_exceeds};
 
 /// What noise does in one run of so many is told.
 pub(super) const CHANCE: f64 = 1e-4;

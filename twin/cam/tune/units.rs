@@ -4,7 +4,7 @@ use super::super::CamFile;
 use super::super::check::CamUse;
 use super::TuneError;
 use crate::number::significant;
-use twin_motion::cam::tune::{Estimate, Fit};
+use twin_cam::tune::{Estimate, Fit};
 
 /// A slave that goes so many times as far as is wanted, or only that part of it, is taken for one in other units.
 const STROKES: f64 = 2.0;

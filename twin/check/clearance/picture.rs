@@ -8,7 +8,7 @@ use crate::physics::Part;
 use crate::plot::{
     Chart, Color, INK, Legend, MARK, Mark, Row, Shape, Side, Sign, Stroke, Timeline, reach,
 };
-use twin_motion::Place;
+use twin_path::Place;
 
 /// Heights of the rows, pixels: all of it, and what is near.
 const HEIGHTS: [f64; 2] = [210.0, 150.0];

@@ -6,7 +6,7 @@ use crate::machine::Machine;
 use crate::physics::{Clearance, Part};
 use nalgebra::Point3;
 use std::path::Path;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// Nearer than 2 mm is told; its obstacles are table, fixed jaw, moving jaw, screw and stock.
 fn machine() -> Machine {

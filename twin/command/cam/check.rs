@@ -12,7 +12,7 @@ use clap::ValueEnum;
 use comfy_table::CellAlignment;
 use std::io::{self, Write};
 use std::path::PathBuf;
-use twin_motion::cam::{Action, Largest, Passage, Range};
+use twin_cam::{Action, Largest, Passage, Range};
 
 /// Check a cam: exact bounds of the slave against its limits, how fast the master may go, jumps, tappets
 ///

@@ -8,7 +8,7 @@ use crate::command::{Failure, Status};
 use crate::number::significant;
 use clap::ValueEnum;
 use std::path::PathBuf;
-use twin_motion::cam::{Cam, Compile, Curve, Interpolation, Peak, TableScale, VariableType};
+use twin_cam::{Cam, Compile, Curve, Interpolation, Peak, TableScale, VariableType};
 
 /// Write a cam in another form: what it is read and written as say the endings of the files
 ///

@@ -6,7 +6,7 @@ use crate::command::Failure;
 use crate::machine::{Axis, Machine};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
-use twin_motion::cam::{Interpolation, MasterMotion, SlaveLimits};
+use twin_cam::{Interpolation, MasterMotion, SlaveLimits};
 
 /// A finite number.
 pub(in crate::command) fn number(text: &str) -> Result<f64, String> {

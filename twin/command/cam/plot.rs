@@ -7,7 +7,7 @@ use crate::command::whole;
 use crate::command::{Failure, Status};
 use crate::number::{at_most, readable};
 use std::path::PathBuf;
-use twin_motion::cam::Largest;
+use twin_cam::Largest;
 
 /// Draw a cam: position, velocity, acceleration and jerk of the slave over the master, and the tappets
 #[derive(Debug, clap::Args)]

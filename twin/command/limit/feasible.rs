@@ -8,8 +8,8 @@ use crate::program::{Dialect, ProgramFile};
 use std::fs::File;
 use std::io::{self, BufReader, Write};
 use std::path::Path;
-use twin_motion::refeed::{LineLimit, Refed, RefeedError, Unrepaired};
-use twin_motion::{din66025, rs274};
+use twin_gcode::refeed::{LineLimit, Refed, RefeedError, Unrepaired};
+use twin_gcode::{din66025, rs274};
 
 /// Only programs have F words.
 pub(super) fn check_dialect(program: &ProgramFile) -> Result<(), Failure> {

@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::PathBuf;
-use twin_motion::refeed::LineLimit;
+use twin_gcode::refeed::LineLimit;
 
 /// Plan a program as fast as all limits of the machine allow: which limit holds it back, where, and what it costs
 ///

@@ -10,7 +10,8 @@ use nalgebra::Point3;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
-use twin_motion::dxf::{self, DxfReadError, Heights, ImportOptions, Order, Split};
+use twin_path::dxf;
+use twin_path::dxf::{DxfReadError, Heights, ImportOptions, Order, Split};
 
 /// Programs, each with its name.
 type Programs = Vec<(String, ProgramFile)>;

@@ -12,10 +12,10 @@ use crate::program::{Dialect, ProgramItem};
 use nalgebra::Point3;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Write};
-use twin_motion::Place;
-use twin_motion::info::{
+use twin_gcode::info::{
     Counts, ProgramInfo, QUEUE_HEADING, QueueRow, SHOWN, first_lines, shown_block,
 };
+use twin_path::Place;
 
 /// The key figures.
 pub(super) fn key_figures(job: &mut Job<'_>, out: &mut dyn Write) -> Result<(), Failure> {
@@ -162,7 +162,7 @@ fn each_line(
     let mut line = Vec::new();
     for number in 1.. {
         line.clear();
-        let limit = u64::try_from(twin_motion::din66025::MAX_LINE_BYTES).unwrap_or(u64::MAX);
+        let limit = u64::try_from(twin_gcode::din66025::MAX_LINE_BYTES).unwrap_or(u64::MAX);
         let read = io::Read::take(&mut reader, limit).read_until(b'\n', &mut line);
         if read.map_err(failed)? == 0 {
             return Ok(());

@@ -6,8 +6,8 @@ use serde_json::value::RawValue;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use twin_kinematics::WorkFrame;
-use twin_motion::interpolate::{Status, ToolSetpoint};
-use twin_motion::path::{AxisMask, EXTRA_AXES, ElementKind, PathElement, ProbeOutcome, Shape};
+use twin_path::{AxisMask, EXTRA_AXES, ElementKind, PathElement, ProbeOutcome, Shape};
+use twin_planner::controller::{Status, ToolSetpoint};
 
 /// Digits of the numbers written; a double is preserved by 17, and 12 are a picometre on a metre.
 const DIGITS: usize = 12;

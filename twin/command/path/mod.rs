@@ -272,7 +272,7 @@ impl Job<'_> {
     /// Hands on the elements of its path and keeps the findings.
     fn each(
         &mut self,
-        take: impl FnMut(twin_motion::path::PathElement) -> Result<(), Failure>,
+        take: impl FnMut(twin_path::PathElement) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let path = self.path()?;
         self.take(path, take)
@@ -281,7 +281,7 @@ impl Job<'_> {
     fn take(
         &mut self,
         mut path: Elements,
-        mut take: impl FnMut(twin_motion::path::PathElement) -> Result<(), Failure>,
+        mut take: impl FnMut(twin_path::PathElement) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         for item in &mut path {
             match item {

@@ -4,8 +4,8 @@ use super::numbers::{list, within};
 use crate::command::Failure;
 use crate::machine::ProgramConditions;
 use crate::program::Operations;
-use twin_motion::path::Chords;
-use twin_motion::prepare::CircularLimits;
+use twin_path::Chords;
+use twin_path::prepare::CircularLimits;
 
 /// A distance or an acceleration that is not negative.
 fn positive(text: &str) -> Result<f64, String> {

@@ -3,11 +3,11 @@
 use super::{Format, Job, jsonl};
 use crate::command::Failure;
 use std::io::{self, Write};
+use twin_gcode::din66025::{ProgramWriter, WriteError};
 use twin_kinematics::WorkFrame;
-use twin_motion::din66025::{ProgramWriter, WriteError};
-use twin_motion::dxf::{DxfWriteError, DxfWriter};
-use twin_motion::path::PathElement;
-use twin_motion::path::queue::{Generator, QueueWriteError, QueueWriter};
+use twin_path::PathElement;
+use twin_path::dxf::{DxfWriteError, DxfWriter};
+use twin_path::queue::{Generator, QueueWriteError, QueueWriter};
 
 type Out<'a> = &'a mut dyn Write;
 

@@ -11,12 +11,12 @@ use std::io::{BufRead, BufReader, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::task::Poll;
-use twin_motion::interpolate::{
+use twin_path::PathElement;
+use twin_path::prepare::CheckError;
+use twin_planner::controller::{
     DEFAULT_CYCLE_NS, Inputs, IpoError, Override, ToolSetpoint, TwoWayInterpolator, TwoWayPath,
     XDirection, XInterpolator,
 };
-use twin_motion::path::PathElement;
-use twin_motion::prepare::CheckError;
 
 /// A path that nothing moves any more is not followed for longer than this, ns.
 const PATIENCE_NS: i64 = 10_000_000_000;

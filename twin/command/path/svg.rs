@@ -9,7 +9,7 @@ use crate::m_function::Acknowledgement;
 use crate::number::seconds;
 use crate::program::ProgramItem;
 use std::io::Write;
-use twin_motion::info::ProgramInfo;
+use twin_gcode::info::ProgramInfo;
 
 /// Between the crosses that show where the tool is, ns (manual 3.5).
 const CROSSES_NS: i64 = 100_000_000;

@@ -11,8 +11,8 @@ use std::collections::VecDeque;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use twin_axis::{Largest, tracking_error};
 use twin_kinematics::AxisVector;
-use twin_motion::axis::{Largest, tracking_error};
 
 /// Cycles whose set positions are remembered: the longest dead time, and how late drives may be heard of.
 const REMEMBERED: usize = 4000;

@@ -10,7 +10,7 @@ use crate::picture::Picture;
 use crate::program::ProgramFile;
 use crate::session::{Answer, DriveSample, Observer, TwinCycle};
 use indicatif::ProgressBar;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// Shows a run while it goes on.
 pub(super) struct Watcher<'a, 'm> {

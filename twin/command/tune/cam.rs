@@ -17,7 +17,7 @@ use crate::command::{Failure, Status};
 use crate::finding;
 use std::io;
 use std::path::PathBuf;
-use twin_motion::cam::tune::Free;
+use twin_cam::tune::Free;
 
 /// Tune a cam: offsets and scalings from a recorded run or within limits, the dead time of tappets, ramps, shapes
 ///

@@ -6,7 +6,7 @@ use crate::cam::tune::{Constrained, errors, with_exactly};
 use crate::number::significant;
 use serde_json::{Value, json};
 use std::io::{self, Write};
-use twin_motion::cam::tune::Bound;
+use twin_cam::tune::Bound;
 
 /// Why a value has changed that no constraint holds.
 const CHANGE: &str = "for the least change with the others";

@@ -12,10 +12,10 @@ use crate::cam::tune::{
     self, Deviation, Least, Told, TuneError, errors, fit_run, limited, minimise, ramp, ramp_wish,
     run_dead_time, shape, within_limits,
 };
-use twin_motion::cam::file::clean;
-use twin_motion::cam::tune::{Fit, FitError, RampGoal};
-use twin_motion::cam::{Quantity, StartMode};
-use twin_motion::profile::State;
+use twin_cam::file::clean;
+use twin_cam::tune::{Fit, FitError, RampGoal};
+use twin_cam::{Quantity, StartMode};
+use twin_profile::State;
 
 /// Within this part of itself `MasterScaling` is looked for in a run, if nothing else is said.
 const USUAL_RANGE: f64 = 0.05;

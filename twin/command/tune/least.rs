@@ -5,7 +5,7 @@ use crate::cam::tune::Least;
 use crate::command::Failure;
 use crate::command::cam::{magnitude, number};
 use clap::ValueEnum;
-use twin_motion::cam::Quantity;
+use twin_cam::Quantity;
 
 /// What is to be smallest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

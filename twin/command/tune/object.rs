@@ -3,8 +3,8 @@
 use super::report::Report;
 use crate::cam::tune::{self, ShapeGoal};
 use serde_json::{Value, json};
-use twin_motion::cam::tune::Estimate;
-use twin_motion::profile::RampType;
+use twin_cam::tune::Estimate;
+use twin_profile::RampType;
 
 impl Report<'_> {
     pub(super) fn json(&self) -> Value {

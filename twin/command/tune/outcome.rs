@@ -9,10 +9,10 @@ use crate::command::Failure;
 use crate::command::whole;
 use crate::plot::charts;
 use std::path::Path;
-use twin_motion::cam::{Cam, Shape};
+use twin_cam::{Cam, Shape};
 
 /// The cam with other points.
-pub(super) fn with_knots(file: &CamFile, knots: &[twin_motion::cam::Knot]) -> Option<CamFile> {
+pub(super) fn with_knots(file: &CamFile, knots: &[twin_cam::Knot]) -> Option<CamFile> {
     let shape = Shape::Polynomial(knots.to_vec());
     let cam = Cam::new(file.cam.name(), shape, file.cam.tappets().to_vec()).ok()?;
     Some(CamFile { cam, ..file.clone() })

@@ -9,9 +9,9 @@ use crate::cam::tune::{self, Begin, Constrained, Kept, ShapeGoal, Shaped};
 use crate::command::show::table;
 use crate::number::{beside, significant};
 use std::io::{self, Write};
-use twin_motion::cam::tune::{DeadTime, Estimate, Fit, RampIn, RampWish};
-use twin_motion::cam::{MasterMotion, Quantity};
-use twin_motion::profile::RampType;
+use twin_cam::tune::{DeadTime, Estimate, Fit, RampIn, RampWish};
+use twin_cam::{MasterMotion, Quantity};
+use twin_profile::RampType;
 
 /// Six significant digits.
 pub(super) fn short(value: f64) -> String {

@@ -5,9 +5,9 @@ use super::list;
 use crate::cam::tune::{PointTolerance, ShapeGoal};
 use crate::command::cam::{magnitude, number, positive};
 use clap::ValueEnum;
-use twin_motion::cam::Quantity;
-use twin_motion::cam::tune::Tolerance;
-use twin_motion::profile::RampType;
+use twin_cam::Quantity;
+use twin_cam::tune::Tolerance;
+use twin_profile::RampType;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {

@@ -6,8 +6,8 @@ use super::moved::Moved;
 use super::{Engine, Running, STOP, watch};
 use crate::finding::{Finding, Rule, Severity};
 use crate::messages::starts_on_tappets;
-use twin_motion::axis::{Language, Master, Outputs, SmcError};
-use twin_motion::cam::Trigger;
+use twin_axis::{Language, Master, Outputs, SmcError};
+use twin_cam::Trigger;
 
 /// The block that takes its axis from a gear or cam to follow 1:1.
 const PHASING: &str = "MC_Phasing";

@@ -7,8 +7,8 @@ use super::{Engine, Running};
 use crate::finding::{Finding, Rule};
 use crate::number::seconds;
 use crate::number::significant;
-use twin_motion::Place;
-use twin_motion::axis::AxisState;
+use twin_axis::AxisState;
+use twin_path::Place;
 
 /// Where everything has stood for so long and nothing is due, nothing will move any more, ns.
 const STUCK_NS: i64 = 1_000_000_000;

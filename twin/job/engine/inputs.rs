@@ -3,7 +3,7 @@
 use super::Moved;
 use super::nanoseconds;
 use crate::job::probe::{JobTrigger, When};
-use twin_motion::axis::Trigger;
+use twin_axis::Trigger;
 
 /// The triggers of a job.
 #[derive(Debug)]

@@ -19,8 +19,8 @@ use inputs::Inputs;
 use moved::{Moved, Moving, assumed_jerks};
 use schedule::Schedule;
 use std::collections::BTreeMap;
-use twin_motion::Place;
-use twin_motion::axis::{AxisConfig, SmcError};
+use twin_axis::{AxisConfig, SmcError};
+use twin_path::Place;
 
 /// State of motion of an axis, in its unit; a rotary axis from period to period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -4,9 +4,9 @@ use super::super::Job;
 use super::State;
 use crate::finding::{Finding, Rule, Severity};
 use crate::number::significant;
-use twin_motion::Place;
-use twin_motion::axis::{Axis, AxisConfig, AxisState, Block, Halt, Movement, Power, VirtualDrive};
-use twin_motion::profile::RampType;
+use twin_axis::{Axis, AxisConfig, AxisState, Block, Halt, Movement, Power, VirtualDrive};
+use twin_path::Place;
+use twin_profile::RampType;
 
 /// Cycles until a drive has its power.
 const SWITCHING_ON: usize = 3;

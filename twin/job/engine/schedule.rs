@@ -83,7 +83,7 @@ mod tests {
     use super::super::super::block::alone;
     use super::super::super::{Begins, Call};
     use super::Schedule;
-    use twin_motion::axis::Halt;
+    use twin_axis::Halt;
 
     fn schedule(begins: &[Begins]) -> Schedule {
         let call = |begins: &Begins| Call {

@@ -10,8 +10,8 @@ use super::{Engine, Running, nanoseconds};
 use crate::finding::{Finding, Rule};
 use crate::number::seconds;
 use crate::number::significant;
-use twin_motion::Place;
-use twin_motion::axis::AxisState;
+use twin_axis::AxisState;
+use twin_path::Place;
 
 /// Where nothing is due and every axis has kept its velocity for so long, nothing will change any more, ns.
 const UNCHANGED_NS: i64 = 600_000_000_000;

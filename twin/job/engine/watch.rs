@@ -6,7 +6,7 @@ use super::{Begins, Call, Engine, ON_TOP, STOP, SUPERIMPOSED};
 use crate::finding::{Finding, Rule};
 use crate::number::seconds;
 use crate::number::significant;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// A block that only looks at its axis, and that another one may end.
 const PROBE: &str = "MC_TouchProbe";

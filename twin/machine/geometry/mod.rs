@@ -21,7 +21,7 @@ use model::Body;
 use nalgebra::{Isometry3, Translation3};
 use std::path::Path;
 use twin_kinematics::MachineAxes;
-use twin_motion::path::EXTRA_AXES;
+use twin_path::EXTRA_AXES;
 use twin_urdf::{Inertial, MachineJoint, Model, UrdfWarning};
 use urdf::{Given, Source};
 

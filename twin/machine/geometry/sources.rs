@@ -5,7 +5,7 @@ use crate::axis_kind::AxisKind;
 use crate::machine::axis::AxisEntry;
 use crate::section::Section;
 use twin_kinematics::{AxisSource, Coordinate};
-use twin_motion::path::EXTRA_AXES;
+use twin_path::EXTRA_AXES;
 
 /// The number of an additional axis.
 pub(in crate::machine) fn additional(role: &str) -> Option<u8> {

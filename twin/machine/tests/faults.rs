@@ -7,7 +7,7 @@ use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
 use crate::tappets::TappetBits;
 use twin_kinematics::{AxisMotion, AxisVector, Pose, ToolMotion};
-use twin_motion::Place;
+use twin_path::Place;
 
 const MOTORS: &str = include_str!("../../../machines/gantry3_motors.toml");
 

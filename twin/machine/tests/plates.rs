@@ -12,7 +12,7 @@ use crate::tappets::TappetBits;
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Vector3};
 use std::path::Path;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
-use twin_motion::Place;
+use twin_path::Place;
 use twin_urdf::{JointPositions, Solid};
 
 /// Of the plate, m.

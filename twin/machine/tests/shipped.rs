@@ -9,7 +9,7 @@ use crate::tappets::TappetBits;
 use nalgebra::{Isometry3, Matrix3, Matrix4, Point3, Vector3};
 use std::f64::consts::TAU;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
-use twin_motion::Place;
+use twin_path::Place;
 use twin_urdf::{Joint, JointKind, JointPositions, Loaded, Model, Solid, SolidShape, UrdfOptions};
 
 /// What forward kinematics may be apart, m.

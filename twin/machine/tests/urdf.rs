@@ -14,7 +14,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
-use twin_motion::Place;
+use twin_path::Place;
 use twin_urdf::{JointKind, SolidShape, UrdfNote};
 
 fn tutorial() -> Machine {

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::scara::{FEED_FORWARD, circle, scara};
 use super::*;
-use twin_motion::limit::DragRow;
+use twin_planner::time_optimal::DragRow;
 
 pub(super) const FREE: AxisLoad = AxisLoad {
     effort_limit: f64::INFINITY,

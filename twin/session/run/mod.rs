@@ -23,7 +23,7 @@ use crate::setpoint::{AxisSetpoint, Transformer, resting_behind};
 use crate::setpoint_source::PlanItem;
 use std::collections::VecDeque;
 use std::task::Poll;
-use twin_motion::Place;
+use twin_path::Place;
 
 /// State of the plan: more set-points, or a stop on or off the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,8 +4,8 @@ use super::called::{Called, limited, own};
 use super::checker::Limits;
 use super::random::Random;
 use super::{FASTEST, STEEPEST};
-use crate::axis::tests::rig;
-use crate::axis::{
+use crate::tests::rig;
+use crate::{
     Axis, Halt, MoveAbsolute, MoveAdditive, MoveContinuousAbsolute, MoveContinuousRelative,
     MoveRelative, MoveSuperImposed, MoveVelocity, Outputs, Stop, SuperImposed,
 };

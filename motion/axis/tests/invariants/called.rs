@@ -3,9 +3,9 @@
 use super::checker::{Limits, Promise};
 use super::random::Random;
 use super::{alone, coupled, direct, homed, others, tables};
-use crate::axis::{Axis, Block, Master, Motion, Outputs};
-use crate::profile::State;
+use crate::{Axis, Block, Master, Motion, Outputs};
 use std::any::type_name;
+use twin_profile::State;
 
 /// A block that can be called.
 pub(super) trait Called {
@@ -167,7 +167,7 @@ pub(super) fn moving<M: Motion<With: Take> + Clone>(
     inputs: fn(&mut Random, &Axis, &Axis) -> M,
     live: Live<M>,
 ) -> Moving<M> {
-    let nowhere = Axis::new(crate::axis::AxisConfig::default());
+    let nowhere = Axis::new(crate::AxisConfig::default());
     let block = Block::new(inputs(&mut Random(1), &nowhere, &nowhere));
     let taken = block.inputs.clone();
     let begun = Begun::default();

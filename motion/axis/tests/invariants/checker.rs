@@ -2,10 +2,10 @@
 
 use super::legal::{self, Keeper};
 use super::{FASTEST, JERK, STEEPEST};
-use crate::axis::tests::rig::CYCLE;
-use crate::axis::{Axis, AxisState, Outputs};
-use crate::profile::{RampType, State};
+use crate::tests::rig::CYCLE;
+use crate::{Axis, AxisState, Outputs};
 use std::cmp::Ordering;
+use twin_profile::{RampType, State};
 
 /// One begun execution of a block, from its edge on.
 #[derive(Clone, Copy, Debug, Default)]

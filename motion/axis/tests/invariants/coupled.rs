@@ -7,12 +7,12 @@ use super::in_pos::InPos;
 use super::on_cam::{self, Cams, OnCam};
 use super::random::Random;
 use super::{Around, CYCLE, JERK, Run, STEEPEST};
-use crate::axis::{
+use crate::{
     Axis, CamIn, CamSwitch, Decouple, DigitalCamSwitch, GearIn, GearInPos, Phasing,
     SwitchDirection, Track,
 };
-use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
 use std::sync::Arc;
+use twin_cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
 
 /// Output 2 is output 0 so much later.
 const DELAY_CYCLES: usize = 10;

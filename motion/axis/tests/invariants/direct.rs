@@ -5,9 +5,9 @@ use super::called::{Begun, Called, Moving, any, moving};
 use super::checker::{Limits, Promise};
 use super::random::Random;
 use super::{CYCLE, FASTEST, STEEPEST};
-use crate::axis::{Axis, ControlAxisBy, Follow, Motion, Outputs};
-use crate::profile::State;
+use crate::{Axis, ControlAxisBy, Follow, Motion, Outputs};
 use std::any::type_name;
+use twin_profile::State;
 
 /// A block that takes set-points as they are.
 pub(super) trait Direct: Motion<With = ()> + Clone {

@@ -3,8 +3,8 @@
 use super::called::{self, Called};
 use super::planted::{self, OfCam, Owning};
 use super::{Around, KINDS, Run, alone, coupled};
-use crate::axis::{Axis, AxisState, Movement, Outputs};
-use crate::profile::RampType;
+use crate::{Axis, AxisState, Movement, Outputs};
+use twin_profile::RampType;
 
 #[test]
 fn the_checker_sees_what_is_broken() {

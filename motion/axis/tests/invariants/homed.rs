@@ -3,7 +3,7 @@
 use super::alone::{rate, speed, way};
 use super::called::{Called, any, limited, own};
 use super::checker::Promise;
-use crate::axis::{Direction, Home, HomingBySwitch, HomingMode};
+use crate::{Direction, Home, HomingBySwitch, HomingMode};
 
 /// Homing by the program's switch and by the drive.
 pub(super) fn all() -> Vec<Box<dyn Called>> {

@@ -3,9 +3,9 @@
 use super::called::{Called, Moving, own};
 use super::checker::Promise;
 use super::random::Random;
-use crate::axis::{Axis, GearInPos, GearInPosRun, Master, Motion, Outputs, fmod};
-use crate::profile::{RampType, State};
+use crate::{Axis, GearInPos, GearInPosRun, Master, Motion, Outputs, fmod};
 use std::any::type_name;
+use twin_profile::{RampType, State};
 
 /// A block that couples as a gear with a place does.
 pub(super) trait Couples: Motion<With = Master, Run = GearInPosRun> + Clone {

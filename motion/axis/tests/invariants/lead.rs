@@ -2,9 +2,7 @@
 
 use super::random::Random;
 use super::{JERK, POWER};
-use crate::axis::{
-    Axis, AxisConfig, Block, Direction, Halt, MoveAbsolute, MoveVelocity, VirtualDrive,
-};
+use crate::{Axis, AxisConfig, Block, Direction, Halt, MoveAbsolute, MoveVelocity, VirtualDrive};
 
 /// An axis that is led about, for others to follow: at most 10 u/s and 60 u/s².
 pub(super) struct Lead {

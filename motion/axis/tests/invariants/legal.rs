@@ -1,7 +1,7 @@
 //! Legal state transitions from PLCopen's diagram, independent of the axis's own table, and blocks that cannot be
 //! aborted.
 
-use crate::axis::{Axis, AxisState};
+use crate::{Axis, AxisState};
 
 /// True if the diagram has an arrow (PLCopen; manual 2.4, 5.2); staying is none, and allowed.
 pub(super) fn is_arrow(from: AxisState, to: AxisState) -> bool {

@@ -18,15 +18,15 @@ mod random;
 mod tables;
 
 use super::rig::CYCLE;
-use crate::axis::{
+use crate::{
     Axis, AxisConfig, AxisState, DigitalCamSwitch, Movement, Outputs, Power, Reset, VirtualDrive,
 };
-use crate::profile::{RampType, State};
 use called::Called;
 use checker::{Checker, Limits, Promise};
 use lead::Lead;
 pub(super) use random::Random;
 use std::fmt::Write as _;
+use twin_profile::{RampType, State};
 
 /// Largest velocity of an axis, u/s; blocks are given half of it.
 const FASTEST: f64 = 30.0;

@@ -4,10 +4,10 @@ use super::JERK;
 use super::called::{Called, Moving};
 use super::checker::Promise;
 use super::random::Random;
-use crate::axis::{Axis, CamIn, CamRun, Master, Motion, Outputs};
-use crate::cam::{Action, CamTable, Passage, Tappet, TappetValue, Trigger};
-use crate::profile::RampType;
+use crate::{Axis, CamIn, CamRun, Master, Motion, Outputs};
 use std::any::type_name;
+use twin_cam::{Action, CamTable, Passage, Tappet, TappetValue, Trigger};
+use twin_profile::RampType;
 
 /// [`CYCLE`], ns.
 const CYCLE_NS: i64 = 10_000_000;

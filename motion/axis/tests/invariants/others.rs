@@ -2,7 +2,7 @@
 
 use super::called::Called;
 use super::random::Random;
-use crate::axis::{
+use crate::{
     AbortTrigger, Axis, ControllerMode, Outputs, ParameterNumber, SetControllerMode, TouchProbe,
     Trigger, WriteParameter,
 };

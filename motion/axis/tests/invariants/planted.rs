@@ -8,24 +8,24 @@ use super::in_pos::{Couples, InPos};
 use super::on_cam::{Cams, OnCam};
 use super::random::Random;
 use super::{coupled, tables};
-use crate::axis::ownership::{Refusal, Start};
-use crate::axis::{self, Axis, AxisState, Master, Motion, Outputs, Points, Progress, SmcError};
-use crate::cam::{Action, Cam, CamTable, Knot, Shape, Tappet};
-use crate::profile::State;
+use crate::ownership::{Refusal, Start};
+use crate::{Axis, AxisState, Master, Motion, Outputs, Points, Progress, SmcError};
 use std::sync::Arc;
+use twin_cam::{Action, Cam, CamTable, Knot, Shape, Tappet};
+use twin_profile::State;
 
 /// A block that is another one but for what is written here.
 macro_rules! planted {
     ($(#[$doc:meta])* $name:ident in $state:ident with $with:ty, $($changed:item)*) => {
         $(#[$doc])*
         #[derive(Clone, Debug)]
-        pub(super) struct $name(pub(super) axis::$name);
+        pub(super) struct $name(pub(super) crate::$name);
 
         impl Motion for $name {
             type With = $with;
-            type Run = <axis::$name as Motion>::Run;
+            type Run = <crate::$name as Motion>::Run;
             const STATE: AxisState = AxisState::$state;
-            const LIVE: bool = <axis::$name as Motion>::LIVE;
+            const LIVE: bool = <crate::$name as Motion>::LIVE;
 
             $($changed)*
         }
@@ -86,7 +86,7 @@ macro_rules! hurried_table {
             /// Faster than its points say.
             $name in $state with (),
             fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Self::Run, SmcError> {
-                axis::$name(hurried(&self.0.0)).plan(start, axis, ())
+                crate::$name(hurried(&self.0.0)).plan(start, axis, ())
             }
             fn step(
                 &self,
@@ -118,7 +118,7 @@ planted! {
 }
 
 impl Direct for Follow {
-    fn given(&mut self) -> &mut axis::Follow {
+    fn given(&mut self) -> &mut crate::Follow {
         &mut self.0
     }
 }
@@ -144,7 +144,7 @@ planted! {
 }
 
 impl Couples for GearInPos {
-    fn gear(&self) -> &axis::GearInPos {
+    fn gear(&self) -> &crate::GearInPos {
         &self.0
     }
 }
@@ -168,11 +168,11 @@ pub(super) enum OfCam {
 
 /// A slave that is not as its cam.
 #[derive(Clone, Debug)]
-struct CamIn(axis::CamIn, OfCam);
+struct CamIn(crate::CamIn, OfCam);
 
 impl Motion for CamIn {
     type With = Master;
-    type Run = axis::CamRun;
+    type Run = crate::CamRun;
     const STATE: AxisState = AxisState::SynchronizedMotion;
 
     fn plan(&self, start: Start, axis: &Axis, with: Master) -> Result<Self::Run, SmcError> {
@@ -203,7 +203,7 @@ impl Motion for CamIn {
 }
 
 impl Cams for CamIn {
-    fn cam_in(&self) -> &axis::CamIn {
+    fn cam_in(&self) -> &crate::CamIn {
         &self.0
     }
 }
@@ -256,15 +256,15 @@ pub(super) fn rude() -> Box<dyn Called> {
     )
 }
 
-fn of_relative(it: &axis::MoveRelative) -> Promise {
+fn of_relative(it: &crate::MoveRelative) -> Promise {
     own(it.velocity, it.acceleration, it.deceleration)
 }
 
-fn relative(random: &mut Random) -> axis::MoveRelative {
+fn relative(random: &mut Random) -> crate::MoveRelative {
     let distance = random.between(-20.0, 20.0);
     let (velocity, rate) = (random.between(0.1, 15.0), random.between(40.0, 200.0));
     let (acceleration, deceleration) = (rate, rate);
-    axis::MoveRelative { distance, velocity, acceleration, deceleration }
+    crate::MoveRelative { distance, velocity, acceleration, deceleration }
 }
 
 /// A move of velocity in discrete motion.
@@ -275,7 +275,7 @@ pub(super) fn mislabelled() -> Box<dyn Called> {
             let (velocity, rate) = (random.between(0.1, 15.0), random.between(40.0, 200.0));
             let (acceleration, deceleration) = (rate, rate);
             let direction = random.direction();
-            MoveVelocity(axis::MoveVelocity { velocity, acceleration, deceleration, direction })
+            MoveVelocity(crate::MoveVelocity { velocity, acceleration, deceleration, direction })
         },
     )
 }
@@ -285,7 +285,7 @@ pub(super) fn jerky() -> Box<dyn Called> {
     limited(
         |MoveAbsolute(it), _| own(it.velocity, it.acceleration, it.deceleration),
         |random, _, _| {
-            MoveAbsolute(axis::MoveAbsolute {
+            MoveAbsolute(crate::MoveAbsolute {
                 position: random.between(0.0, 90.0),
                 velocity: random.between(5.0, 15.0),
                 acceleration: rate(random),
@@ -338,7 +338,7 @@ pub(super) enum Owning {
 
 /// A relative move that does not keep to who has the axis.
 struct Greedy {
-    moving: Moving<axis::MoveRelative>,
+    moving: Moving<crate::MoveRelative>,
     owning: Owning,
     /// Who else it says it is.
     mask: Option<i64>,

@@ -1,9 +1,9 @@
 //! Reproducible random numbers.
 
-use crate::axis::Direction;
+use crate::Direction;
 
 /// The same in every run (splitmix64).
-pub(in crate::axis::tests) struct Random(pub(in crate::axis::tests) u64);
+pub(in crate::tests) struct Random(pub(in crate::tests) u64);
 
 impl Random {
     pub(super) fn next(&mut self) -> u64 {
@@ -15,7 +15,7 @@ impl Random {
     }
 
     /// In [from, to).
-    pub(in crate::axis::tests) fn between(&mut self, from: f64, to: f64) -> f64 {
+    pub(in crate::tests) fn between(&mut self, from: f64, to: f64) -> f64 {
         let part = u32::try_from(self.next() >> 32).unwrap();
         from + (to - from) * f64::from(part) / (f64::from(u32::MAX) + 1.0)
     }

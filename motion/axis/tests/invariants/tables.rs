@@ -4,9 +4,9 @@ use super::CYCLE;
 use super::called::{Begun, Called, limited};
 use super::checker::{Limits, Promise};
 use super::random::Random;
-use crate::axis::Points;
-use crate::axis::{AccelerationProfile, PositionProfile, VelocityProfile};
-use crate::profile::ProfilePoint;
+use crate::Points;
+use crate::{AccelerationProfile, PositionProfile, VelocityProfile};
+use twin_profile::ProfilePoint;
 
 /// Some steps of random size, smaller than `size`.
 fn points(random: &mut Random, size: f64, end: Option<f64>) -> Points {

@@ -3,9 +3,9 @@
 //! Every constraint is linear in the two. Elimination of the offset (Fourier–Motzkin) says how large the scaling may be, and which
 //! two constraints say so; a quadratic objective has its minimum inside, on an edge or in a corner.
 
-use crate::cam::Quantity;
-use crate::short::Short;
+use crate::Quantity;
 use std::fmt;
+use twin_number::Short;
 
 /// A constraint that holds a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,14 +74,14 @@ struct Row {
 
 /// The least or the greatest value, and the constraints that hold it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::cam::tune) struct End {
-    pub(in crate::cam::tune) value: f64,
-    pub(in crate::cam::tune) by: [Option<Bound>; 2],
+pub(in crate::tune) struct End {
+    pub(in crate::tune) value: f64,
+    pub(in crate::tune) by: [Option<Bound>; 2],
 }
 
 /// Pairs of scaling and offset.
 #[derive(Clone, Debug, Default)]
-pub(in crate::cam::tune) struct Region {
+pub(in crate::tune) struct Region {
     rows: Vec<Row>,
 }
 
@@ -99,7 +99,7 @@ const KEPT: f64 = 1e-11;
 
 impl Region {
     /// Demands that `scaling` · a + `offset` · b lies between two values, which may be infinite.
-    pub(in crate::cam::tune) fn between(
+    pub(in crate::tune) fn between(
         &mut self,
         [scaling, offset]: [f64; 2],
         ends: [(f64, Bound); 2],
@@ -116,7 +116,7 @@ impl Region {
     }
 
     /// Least and greatest scaling with which there is an offset; the least is above the greatest if there is none.
-    pub(in crate::cam::tune) fn scalings(&self) -> [End; 2] {
+    pub(in crate::tune) fn scalings(&self) -> [End; 2] {
         let mut ends = NONE;
         for row in self.rows.iter().filter(|row| row.offset == 0.0) {
             take(&mut ends, row.scaling, row.most, row.most.abs(), [Some(row.bound), None]);
@@ -134,7 +134,7 @@ impl Region {
     }
 
     /// Least and greatest offset with a scaling.
-    pub(in crate::cam::tune) fn offsets(&self, scaling: f64) -> [End; 2] {
+    pub(in crate::tune) fn offsets(&self, scaling: f64) -> [End; 2] {
         let mut ends = NONE;
         for row in self.rows.iter().filter(|row| row.offset != 0.0) {
             let (most, size) = sum([row.most, -row.scaling * scaling]);

@@ -2,8 +2,8 @@
 
 use super::region::Region;
 use super::{Bound, ConstraintError, End, Objective, Place, Problem, close, nearest};
-use crate::cam::tune::Sample;
-use crate::cam::tune::fit::NAMES;
+use crate::tune::Sample;
+use crate::tune::fit::NAMES;
 
 /// Places of the grid: in each of two directions, or in one.
 const GRID: u32 = 40;

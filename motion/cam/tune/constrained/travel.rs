@@ -2,8 +2,8 @@
 
 use super::super::along::along;
 use super::Problem;
-use crate::cam::bounds::{Factors, Quantity};
-use crate::cam::polynomial::{Coefficients, Extremes, extremes, value};
+use crate::bounds::{Factors, Quantity};
+use crate::polynomial::{Coefficients, Extremes, extremes, value};
 
 /// The part of a cam that the master passes with a scaling and an offset.
 #[derive(Clone, Copy, Debug)]

@@ -6,8 +6,8 @@ use super::super::polynomial_extrema::Swing;
 use super::passes::parts;
 use super::problem::Problem;
 use super::wish::RampIn;
-use crate::profile::RampType;
 use std::f64::consts::{FRAC_PI_2, PI};
+use twin_profile::RampType;
 
 /// The motion of a ramp.
 #[derive(Debug)]

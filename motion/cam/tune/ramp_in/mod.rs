@@ -34,11 +34,11 @@ pub use shown::{RampMoment, RampShown, on_cam, ramp_shown};
 pub use wish::{Held, RampError, RampGoal, RampIn, RampWish};
 
 use super::super::bounds::{Quantity, SlaveLimits};
-use crate::profile::RampType;
 use place::Aim;
 #[cfg(not(test))]
 use problem::Problem;
 use search::Search;
+use twin_profile::RampType;
 
 /// A ramp that takes longer, s, is asked for by mistake.
 const LONGEST_S: f64 = 3600.0;

@@ -3,7 +3,7 @@
 use super::course::{Course, Reached, Stretch};
 use super::problem::{Problem, Values};
 use super::wish::RampIn;
-use crate::cam::{Quantity, SlaveLimits};
+use crate::{Quantity, SlaveLimits};
 
 /// So far from its limits a ramp stays, as a part of them, so that the last digits of a program keep them.
 const MARGIN: f64 = 1e-7;

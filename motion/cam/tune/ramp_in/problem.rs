@@ -6,15 +6,15 @@ use super::super::super::curve::Curve;
 use super::super::super::selection::{CamInput, StartMode};
 use super::course::{Course, Way};
 use super::wish::{RampError, RampGoal, RampIn, RampWish};
-use crate::cam::SlaveLimits;
-use crate::cam::{Approach, Gap};
-use crate::profile::{AxisLimits, RampType};
+use crate::SlaveLimits;
+use crate::{Approach, Gap};
+use twin_profile::{AxisLimits, RampType};
 
 /// Of a limit this part is rounding.
 pub(super) const ROUNDING: f64 = 1e-12;
 
 /// What a ramp is made of: velocity, acceleration, deceleration and jerk; without meaning the jerk of trapezoid ones.
-pub(in crate::cam::tune) type Values = [f64; 4];
+pub(in crate::tune) type Values = [f64; 4];
 
 pub(super) fn values(ramp: &RampIn) -> Values {
     [ramp.velocity_difference, ramp.acceleration, ramp.deceleration, ramp.ramp_jerk]
@@ -22,7 +22,7 @@ pub(super) fn values(ramp: &RampIn) -> Values {
 
 /// A wish, and where slave and cam are at the start.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::cam::tune) struct Problem<'a> {
+pub(in crate::tune) struct Problem<'a> {
     pub(super) wish: &'a RampWish,
     /// `VelocityDiff` is no more: a gentle ramp has none beyond the axis's own velocity, even where the cam comes towards the
     /// slave, which then stays below it.
@@ -35,7 +35,7 @@ pub(in crate::cam::tune) struct Problem<'a> {
 impl<'a> Problem<'a> {
     /// # Errors
     /// [`RampError::Coupling`] if the coupling does not start.
-    pub(in crate::cam::tune) fn new(wish: &'a RampWish) -> Result<Self, RampError> {
+    pub(in crate::tune) fn new(wish: &'a RampWish) -> Result<Self, RampError> {
         let RampWish { table, input, master, slave, limits, goal, .. } = wish;
         let mode = match input.start_mode {
             StartMode::Absolute | StartMode::Relative => StartMode::RampIn,
@@ -125,7 +125,7 @@ impl<'a> Problem<'a> {
     }
 
     /// A ramp of these values, and exactly what comes of it.
-    pub(in crate::cam::tune) fn ramp(&self, values: Values) -> Result<RampIn, RampError> {
+    pub(in crate::tune) fn ramp(&self, values: Values) -> Result<RampIn, RampError> {
         Ok(self.course(values)?.ramp)
     }
 
@@ -178,7 +178,7 @@ impl<'a> Problem<'a> {
 
     /// Whether a ramp keeps all limits. The jerk is that of ramp and cam together; that of a ramp is the axis's, which has one
     /// of its own.
-    pub(in crate::cam::tune) fn keeps(&self, ramp: &RampIn) -> bool {
+    pub(in crate::tune) fn keeps(&self, ramp: &RampIn) -> bool {
         let SlaveLimits { velocity, acceleration, jerk } = self.wish.limits;
         // What the slave moves at from before is not the ramp's doing.
         let velocity = velocity.max(self.wish.slave.velocity.abs());

@@ -3,8 +3,8 @@
 use super::place::Aim;
 use super::problem::Problem;
 use super::wish::{RampError, RampIn, RampWish};
-use crate::cam::tune::along::extremes_along;
-use crate::cam::{Quantity, SlaveLimits};
+use crate::tune::along::extremes_along;
+use crate::{Quantity, SlaveLimits};
 
 impl Problem<'_> {
     /// What leaves no ramp over.

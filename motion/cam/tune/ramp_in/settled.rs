@@ -3,7 +3,7 @@
 use super::place::Aim;
 use super::problem::{Problem, values};
 use super::wish::{RampError, RampIn};
-use crate::cam::Quantity;
+use crate::Quantity;
 
 /// What is known of a ramp's values: less than this part is what the search left over.
 const NEAT: f64 = 1e-7;

@@ -3,7 +3,7 @@
 use super::course::{Pull, Way};
 use super::problem::{Problem, values};
 use super::wish::{RampError, RampIn, RampWish};
-use crate::profile::State;
+use twin_profile::State;
 
 /// A moment of a start.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,9 +2,9 @@
 
 use super::super::super::coupling::CouplingError;
 use super::super::super::selection::{CamInput, CamTable};
-use crate::cam::{Quantity, SlaveLimits};
-use crate::profile::{ProfileError, RampType, State};
-use crate::short::Short;
+use crate::{Quantity, SlaveLimits};
+use twin_number::Short;
+use twin_profile::{ProfileError, RampType, State};
 
 /// What a ramp is to be best in.
 #[derive(Clone, Copy, Debug, PartialEq)]

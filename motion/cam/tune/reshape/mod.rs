@@ -19,13 +19,13 @@ use super::super::curve::Curve;
 use super::super::error::CamError;
 use super::super::knot::Knot;
 use super::super::largest::{Largest, LimitError};
-use crate::short::Short;
 use clarabel::solver::SolverStatus;
 use program::Problem;
 use scale::scaled;
 #[cfg(test)]
 pub(super) use short::near;
 use short::shortened;
+use twin_number::Short;
 use weight::Weights;
 
 /// By how much a point may be changed, either way; 0 for what stays.

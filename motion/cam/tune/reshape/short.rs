@@ -70,7 +70,7 @@ fn rounded(old: &[Knot], found: &[Knot], wish: &Wish, decimals: i32) -> Vec<Knot
 }
 
 /// A value that was `old` and is `found`, within its tolerance.
-pub(in crate::cam::tune) fn near(old: f64, found: f64, tolerance: f64, decimals: i32) -> f64 {
+pub(in crate::tune) fn near(old: f64, found: f64, tolerance: f64, decimals: i32) -> f64 {
     let share = (found - old) / tolerance;
     if tolerance <= 0.0 || share.abs() <= WHOLE {
         return old;

@@ -2,8 +2,8 @@
 //! values.
 
 use super::{Random, at_rest};
-use crate::cam::Curve;
-use crate::cam::tune::{Fit, FitError, FitOptions, Free, Sample, fit};
+use crate::Curve;
+use crate::tune::{Fit, FitError, FitOptions, Free, Sample, fit};
 
 const SLAVE: Free = Free { master_scaling: false, ..Free::ALL };
 const OFFSETS: Free = Free { slave_scaling: false, ..SLAVE };

@@ -1,10 +1,10 @@
 //! Offsets and scalings within limits: in closed form, and against grids over all that the limits leave.
 
 use super::Random;
-use crate::cam::tune::{
+use crate::tune::{
     Bound, Constrained, ConstraintError, Constraints, Free, Objective, Sample, constrained_fit,
 };
-use crate::cam::{Curve, Factors, Knot, MasterMotion, Quantity, SlaveLimits};
+use crate::{Curve, Factors, Knot, MasterMotion, Quantity, SlaveLimits};
 
 /// 100 up in half a turn and down in the other one.
 fn lift() -> Curve {

@@ -1,8 +1,8 @@
 //! Offsets, scalings and dead times from made-up runs.
 
 use super::{Random, at_rest, right, trials};
-use crate::cam::tune::{FitError, FitOptions, Free, Sample, Switching, dead_time, fit};
-use crate::cam::{Curve, Knot};
+use crate::tune::{FitError, FitOptions, Free, Sample, Switching, dead_time, fit};
+use crate::{Curve, Knot};
 
 /// Of which 95 % hit.
 const TRIALS: u64 = 1000;

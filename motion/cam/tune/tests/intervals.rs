@@ -2,8 +2,8 @@
 //! recordings are like: dwells, steps of any size, noise that goes on, jitter of the master, all unknowns.
 
 use super::{Random, at_rest, right, trials};
-use crate::cam::Curve;
-use crate::cam::tune::{Fit, FitError, FitOptions, Free, Sample, fit};
+use crate::Curve;
+use crate::tune::{Fit, FitError, FitOptions, Free, Sample, fit};
 
 pub(super) const TRIALS: u64 = 1000;
 /// How many of the trials hit: 95 % of them, or more, as errors of a few dwells are uniform and never large.

@@ -1,10 +1,8 @@
 //! Offsets and scalings with the smallest peak: where that is known in closed form, and against grids.
 
 use super::Random;
-use crate::cam::tune::{
-    Bound, Constrained, ConstraintError, Constraints, Objective, constrained_fit,
-};
-use crate::cam::{Curve, Knot, MasterMotion, Quantity, SlaveLimits};
+use crate::tune::{Bound, Constrained, ConstraintError, Constraints, Objective, constrained_fit};
+use crate::{Curve, Knot, MasterMotion, Quantity, SlaveLimits};
 
 /// 100 up in half a turn and down in the other one.
 fn lift() -> Curve {

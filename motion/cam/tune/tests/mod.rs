@@ -21,7 +21,7 @@ mod region;
 mod reshape;
 mod short;
 
-use crate::cam::{Curve, Knot};
+use crate::{Curve, Knot};
 use std::ops::RangeInclusive;
 
 /// Trials of an interval: a quarter of the full count, or all of them where the environment has `TWIN_LONG` (before a release).

@@ -2,8 +2,8 @@
 //! sample.
 
 use super::{Random, trials};
-use crate::cam::tune::{Fit, FitError, FitOptions, Free, Sample, fit};
-use crate::cam::{Curve, Knot};
+use crate::tune::{Fit, FitError, FitOptions, Free, Sample, fit};
+use crate::{Curve, Knot};
 
 /// 300 trials of which 95 % should hit: 92 to 98 %, within 2.4 standard deviations (seeds are fixed).
 const TRIALS: u64 = 300;

@@ -4,9 +4,9 @@ use super::super::ramp_in::Problem;
 use super::ramp_in::{lift, limits, moving, wish};
 use super::ramp_witness::witness;
 use super::{Random, trials};
-use crate::cam::tune::{RampGoal, RampWish, ramp_in};
-use crate::cam::{Knot, Quantity, SlaveLimits};
-use crate::profile::RampType;
+use crate::tune::{RampGoal, RampWish, ramp_in};
+use crate::{Knot, Quantity, SlaveLimits};
+use twin_profile::RampType;
 
 /// `examples/cams/pick_and_place.toml`.
 fn pick_and_place() -> [Knot; 7] {

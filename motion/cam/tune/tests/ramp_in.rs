@@ -1,12 +1,10 @@
 //! Ramps: as soon as can be where that is known in closed form, and held against the coupling itself.
 
 use super::{Random, trials};
-use crate::cam::tune::{RampError, RampGoal, RampIn, RampWish, ramp_in};
-use crate::cam::{
-    Cam, CamCoupling, CamInput, CamTable, Knot, Quantity, Shape, SlaveLimits, StartMode,
-};
-use crate::profile::{RampType, State};
+use crate::tune::{RampError, RampGoal, RampIn, RampWish, ramp_in};
+use crate::{Cam, CamCoupling, CamInput, CamTable, Knot, Quantity, Shape, SlaveLimits, StartMode};
 use std::sync::Arc;
+use twin_profile::{RampType, State};
 
 pub(super) fn limits(velocity: f64, acceleration: f64) -> SlaveLimits {
     SlaveLimits { velocity, acceleration, ..SlaveLimits::NONE }

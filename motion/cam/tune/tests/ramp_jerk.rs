@@ -2,11 +2,11 @@
 
 use super::ramp_in::{dwell, lift, moving, wish};
 use super::{Random, trials};
-use crate::cam::tune::{RampError, RampGoal, RampIn, RampWish, ramp_in};
-use crate::cam::{Approach, Gap};
-use crate::cam::{Knot, Quantity, SlaveLimits, StartMode};
-use crate::profile::{AxisLimits, RampType, State};
+use crate::tune::{RampError, RampGoal, RampIn, RampWish, ramp_in};
+use crate::{Approach, Gap};
+use crate::{Knot, Quantity, SlaveLimits, StartMode};
 use std::f64::consts::PI;
+use twin_profile::{AxisLimits, RampType, State};
 
 fn least_jerk(within_s: f64) -> RampGoal {
     RampGoal::Gentlest { within_s, least: Quantity::Jerk }

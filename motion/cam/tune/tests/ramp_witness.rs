@@ -3,9 +3,9 @@
 
 use super::super::ramp_in::Problem;
 use super::{Random, trials};
-use crate::cam::tune::{RampGoal, RampIn, RampWish, ramp_in};
-use crate::cam::{Quantity, SlaveLimits};
-use crate::profile::RampType;
+use crate::tune::{RampGoal, RampIn, RampWish, ramp_in};
+use crate::{Quantity, SlaveLimits};
+use twin_profile::RampType;
 
 /// Harder by this part is worse than the witness.
 const WORSE: f64 = 0.01;

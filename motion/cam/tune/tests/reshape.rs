@@ -1,8 +1,8 @@
 //! Reshaped cams: faster, within their tolerances, and as fast as can be.
 
 use super::Random;
-use crate::cam::tune::{ReshapeError, Tolerance, Wish, reshape, soften};
-use crate::cam::{Curve, Factors, Knot, LimitError, MasterMotion, Quantity, SlaveLimits};
+use crate::tune::{ReshapeError, Tolerance, Wish, reshape, soften};
+use crate::{Curve, Factors, Knot, LimitError, MasterMotion, Quantity, SlaveLimits};
 
 fn wish(tolerances: Vec<Tolerance>, limits: SlaveLimits) -> Wish {
     Wish {

@@ -3,7 +3,7 @@
 use crate::plot::{Point, hull, number};
 use nalgebra::Point3;
 use std::f64::consts::FRAC_PI_2;
-use twin_motion::path::{Cubic, Plane, Shape};
+use twin_path::{Cubic, Plane, Shape};
 
 /// Lines per quarter of an upright arc.
 const LINES_PER_QUARTER: f64 = 16.0;

@@ -1,7 +1,7 @@
 //! The picture of a path: seen from above, X to the right and Y upwards (the preview of manual 3.4 to 3.7).
 //!
 //! It is written as the elements pass: however long the path, memory holds a few marks and a piece of a line. For that the
-//! box around all that will be drawn must be known first, as [`twin_motion::info::ProgramInfo`] has it.
+//! box around all that will be drawn must be known first, as [`twin_gcode::info::ProgramInfo`] has it.
 
 mod curves;
 #[cfg(test)]
@@ -11,7 +11,7 @@ use crate::plot::{Color, Legend, Map, Point, Sheet, Sign, Stroke, short};
 use curves::{place, point};
 use nalgebra::Point3;
 use std::io::{self, Write};
-use twin_motion::path::{Bounds, ElementKind, PathElement, Shape};
+use twin_path::{Bounds, ElementKind, PathElement, Shape};
 
 /// Arrows and other marks that are drawn at most; when there are more, every second one is left out.
 const MOST_MARKS: usize = 400;

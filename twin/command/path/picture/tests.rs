@@ -2,8 +2,8 @@
 
 use super::*;
 use nalgebra::Point3;
-use twin_motion::din66025::{Decoder, DecoderOptions, Item};
-use twin_motion::info::ProgramInfo;
+use twin_gcode::din66025::{Decoder, DecoderOptions, Item};
+use twin_gcode::info::ProgramInfo;
 
 fn elements(program: &str) -> Vec<PathElement> {
     let decoder = Decoder::new(program.as_bytes(), DecoderOptions::default());
@@ -88,14 +88,9 @@ fn curves_as_commands() {
 fn upright_arcs() {
     let (start, end) = (Point3::origin(), Point3::new(0.02, 0.0, 0.0));
     let center = Point3::new(0.01, 0.0, 0.0);
-    let arc = twin_motion::path::Arc::in_plane(
-        twin_motion::path::Plane::Zx,
-        start,
-        end,
-        center,
-        std::f64::consts::PI,
-    );
-    let shape = twin_motion::path::Shape::Arc(arc);
+    let arc =
+        twin_path::Arc::in_plane(twin_path::Plane::Zx, start, end, center, std::f64::consts::PI);
+    let shape = twin_path::Shape::Arc(arc);
     let commands = curves::commands(&shape);
     assert_eq!(commands.len(), 32);
     assert!(
@@ -175,8 +170,8 @@ fn nothing_and_absurdities() {
     let far = f64::MAX;
     let bounds = Bounds { min: Point3::new(-far, f64::NAN, 0.0), max: Point3::new(far, far, far) };
     let mut picture = Picture::new(Vec::new(), Some(bounds), "far");
-    let line = twin_motion::path::Shape::Line { start: bounds.min, end: bounds.max };
-    let element = PathElement::new(twin_motion::Place::default(), ElementKind::Cut, line);
+    let line = twin_path::Shape::Line { start: bounds.min, end: bounds.max };
+    let element = PathElement::new(twin_path::Place::default(), ElementKind::Cut, line);
     picture.element(&element).unwrap();
     picture.cross(&bounds.min).unwrap();
     assert_well_formed(&String::from_utf8(picture.finish().unwrap()).unwrap());

@@ -20,7 +20,7 @@ use mass::Masses;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::path::{Path, PathBuf};
 use twin_kinematics::{AxisSource, MachineAxes};
-use twin_motion::path::EXTRA_AXES;
+use twin_path::EXTRA_AXES;
 use twin_urdf::{
     AxisJoint, BindError, Inertial, Joint, JointKind, Loaded, MachineJoint, Model, UrdfOptions,
 };

@@ -1,0 +1,57 @@
+//! Cams: a slave axis as a function of a master axis (manual 4, 5.4, 5.5, 10.3).
+//!
+//! [`Source`] is the editable form: points, straight lines and tappets on a scale. It is compiled to a [`Cam`], a
+//! polynomial or a table, whose [`Curve`] gives the slave's position and derivatives. [`CamCoupling`] makes a slave
+//! follow one cycle by cycle; [`CamRegister`] switches bits by the master's position, without a slave.
+//!
+//! Everything is in the axes' technical units u. There is no clock: the caller gives the time of each cycle.
+
+mod apart;
+mod approach;
+mod bit;
+mod bounds;
+mod bridge;
+mod cells;
+mod coupled;
+mod coupling;
+mod curve;
+mod error;
+pub mod file;
+mod joints;
+mod knot;
+mod largest;
+mod loaded;
+pub mod passage;
+mod polynomial;
+mod reference;
+mod register;
+mod selection;
+mod source;
+mod table;
+mod tappet;
+#[cfg(test)]
+mod tests;
+pub mod tune;
+mod unwrap;
+mod value;
+
+pub use approach::{Approach, Gap};
+pub use bit::{MAX_PULSES, TappetBit};
+pub use bounds::{Bounds, Factors, MasterMotion, Peak, Quantity, SlaveLimits};
+pub use coupling::{
+    CamCoupling, Coupled, CouplingError, MAX_TRIGGERS, TappetData, slave_set_position,
+};
+pub use curve::{Curve, CurveExtremes, Jump, Jumps, MAX_POINTS, Range};
+pub use error::CamError;
+pub use joints::{Joint, Joints};
+pub use knot::{Derivatives, Knot, quintic};
+pub use largest::{Largest, LimitError};
+pub use passage::Trigger;
+pub use reference::{Cam, Shape};
+pub use register::{CamRegister, RegisterError, RegisterInput};
+pub use selection::{CamInput, CamTable, StartMode};
+pub use source::{Compile, Element, Kind, Scale, Source};
+pub use table::{Equidistant, Interpolation, PairTable, TableScale, VariableType};
+pub use tappet::{Action, Passage, Tappet};
+pub use unwrap::Unwrap;
+pub use value::TappetValue;

@@ -1,0 +1,370 @@
+//! Decode errors and warnings, with line and columns.
+
+use crate::decode;
+use crate::decode::{Rule, TextError};
+use std::ops::Range;
+use twin_number::Short;
+use twin_path::{ProbeTrip, Probing};
+
+/// One thing wrong with a block.
+pub type Diagnostic = decode::Diagnostic<DecodeError>;
+/// Reason why the decoder has no element.
+pub type Failure = decode::Failure<DecodeError>;
+/// Output item of the decoder.
+pub type Item = decode::Item<DecodeError>;
+
+/// Unsupported part of the language that is not a word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum UnsupportedReason {
+    /// `#`.
+    Parameter,
+    /// `[ ]`, functions.
+    Expression,
+    /// O words but for the program's number.
+    Subroutine,
+}
+
+impl std::fmt::Display for UnsupportedReason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Parameter => "parameters (#)",
+            Self::Expression => "expressions ([ ])",
+            Self::Subroutine => "O words other than a number at the beginning of the program",
+        })
+    }
+}
+
+/// Error or warning of a block. Numbers are in the units of the program unless said otherwise.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DecodeError {
+    /// A line without end.
+    #[error("the line is longer than {limit} bytes")]
+    LineTooLong {
+        /// The longest line that is read.
+        limit: usize,
+    },
+    /// A character that begins no word.
+    #[error("{character:?} is not part of a word: a block is made of letters followed by numbers")]
+    UnexpectedCharacter {
+        /// The character.
+        character: char,
+    },
+    /// A byte that is no text.
+    #[error("byte {byte:#04x} is neither ASCII nor UTF-8 text")]
+    UnexpectedByte {
+        /// The byte.
+        byte: u8,
+    },
+    /// `(` without `)`.
+    #[error("the comment is not closed with ) in its line")]
+    UnclosedComment,
+    /// `(` within a comment.
+    #[error("comments cannot be nested")]
+    NestedComment,
+    /// The file ends, and the program does not. A warning.
+    #[error("the program does not end with M2, M30 or a second %")]
+    MissingEnd,
+    /// A letter without its number.
+    #[error("a number must follow after {letter}")]
+    MissingNumber {
+        /// The word's letter.
+        letter: char,
+    },
+    /// The letter is not followed by a number.
+    #[error("what follows {letter} is no number")]
+    InvalidNumber {
+        /// The word's letter.
+        letter: char,
+    },
+    /// N is not followed by a block number.
+    #[error("a whole number must follow after N")]
+    InvalidBlockNumber,
+    /// An N word that does not open the block.
+    #[error("N must be the first word of its block")]
+    MisplacedBlockNumber,
+    /// A fraction where only whole numbers are allowed.
+    #[error("{letter} takes a whole number, not {}", Short(*value))]
+    NotWhole {
+        /// The word's letter.
+        letter: char,
+        /// Its number.
+        value: f64,
+    },
+    /// A number, or the position it leads to, beyond what is allowed.
+    #[error("{letter} is {}{unit}, outside {}{unit} to {}{unit}", Short(*value), Short(*min), Short(*max))]
+    OutOfRange {
+        /// The word's letter.
+        letter: char,
+        /// Its number.
+        value: f64,
+        /// Smallest number allowed.
+        min: f64,
+        /// Largest number allowed.
+        max: f64,
+        /// Unit with a blank before it, or nothing.
+        unit: &'static str,
+    },
+    /// The same letter twice.
+    #[error("a second {letter} word in one block")]
+    RepeatedWord {
+        /// The word's letter.
+        letter: char,
+    },
+    /// Two words of one modal group.
+    #[error(
+        "{letter}{number} contradicts another {letter} word of this block: they belong to one modal group"
+    )]
+    Conflict {
+        /// G or M.
+        letter: char,
+        /// Number of the second of them.
+        number: f64,
+    },
+    /// More M words than a line may have.
+    #[error("a block has at most {limit} M words")]
+    TooManyMWords {
+        /// Largest number allowed.
+        limit: u8,
+    },
+    /// A word that nothing in its line uses.
+    #[error("{letter} has nothing to act on in this block")]
+    UnusedWord {
+        /// The word's letter.
+        letter: char,
+    },
+    /// Axis words, but no motion is in force.
+    #[error("axis words without a motion: no G0, G1, G2, G3 or canned cycle is in force")]
+    AxesWithoutMotion,
+    /// G28, G30 or G92 together with a motion.
+    #[error("G{motion} and another G word of this block both want its axis words")]
+    AxesUsedTwice {
+        /// Number of the motion.
+        motion: f64,
+    },
+    /// No axis word where one is needed.
+    #[error("G{number} needs an axis word")]
+    MissingAxes {
+        /// Number of the G word.
+        number: f64,
+    },
+    /// Feed motion before any F, or after G94 without a new one. Reported once until there is an F.
+    #[error("motion without a feed: F has not been set, or not since G94")]
+    MissingFeed,
+    /// Feed motion with F0.
+    #[error("motion without a feed: F is 0")]
+    ZeroFeed,
+    /// G93 without F.
+    #[error("with inverse time (G93) every block with feed motion needs its F")]
+    MissingInverseTime,
+    /// G93 and a canned cycle.
+    #[error("canned cycles cannot be used with inverse time (G93)")]
+    InverseTimeCycle,
+    /// G4 without P.
+    #[error("G4 needs the time P in seconds")]
+    MissingDwell,
+    /// G53 without G0 or G1.
+    #[error("G53 needs G0 or G1")]
+    MachineFrameWithoutLine,
+    /// G53 and G91.
+    #[error("G53 cannot be used with incremental distances (G91)")]
+    MachineFrameIncremental,
+    /// A probing move that must trip, to where the tool is.
+    #[error("{probing} goes nowhere: its start and its end are the same")]
+    ProbeNowhere {
+        /// The programmed move.
+        probing: Probing,
+    },
+    /// A probing move that must trip and begins where it would have.
+    #[error("{probing} begins {}", already(*probing))]
+    ProbeTripped {
+        /// The programmed move.
+        probing: Probing,
+    },
+    /// A probing move that must trip and does not.
+    #[error("{probing} reaches its end without {}", lacking(*probing))]
+    ProbeNotTripped {
+        /// The programmed move.
+        probing: Probing,
+    },
+    /// A probing move, and nobody knows where it ends. A warning.
+    #[error("{probing} is taken to reach its end: nothing is known that it could touch")]
+    ProbeUnknown {
+        /// The programmed move.
+        probing: Probing,
+    },
+    /// A tool that is not in the table.
+    #[error("tool {number} is not in the tool table")]
+    UnknownTool {
+        /// Number of the tool.
+        number: u32,
+    },
+    /// G43 without a tool table. A warning.
+    #[error("there is no tool table: the length of tool {number} is taken to be 0")]
+    NoToolTable {
+        /// Number of the tool.
+        number: u32,
+    },
+    /// A canned cycle without a word it needs.
+    #[error("G{cycle} needs {letter}")]
+    MissingCycleWord {
+        /// Number of the cycle.
+        cycle: u8,
+        /// Letter of the word.
+        letter: char,
+    },
+    /// G83 with a Q that leads nowhere.
+    #[error("the peck Q of G83 is {}, it must be more than 0", Short(*value))]
+    NonPositivePeck {
+        /// Its number.
+        value: f64,
+    },
+    /// The retract plane is below the bottom of the hole.
+    #[error("the retract plane R at {} is below the bottom of the hole at {}", Short(*retract), Short(*bottom))]
+    RetractBelowBottom {
+        /// Height of R.
+        retract: f64,
+        /// Height of the bottom.
+        bottom: f64,
+    },
+    /// Too many repetitions or pecks.
+    #[error("this canned cycle has more than {limit} moves")]
+    EndlessCycle {
+        /// Largest number allowed.
+        limit: usize,
+    },
+    /// A letter that is not executed.
+    #[error("{letter} words are not supported")]
+    UnsupportedLetter {
+        /// The word's letter.
+        letter: char,
+    },
+    /// A G or M word that is not executed.
+    #[error("{letter}{number} is not supported")]
+    UnsupportedCode {
+        /// G or M.
+        letter: char,
+        /// Its number.
+        number: f64,
+    },
+    /// Unsupported part that is not a word.
+    #[error("{reason} are not supported")]
+    Unsupported {
+        /// The unsupported part.
+        reason: UnsupportedReason,
+    },
+    /// G2 or G3 with neither R nor a centre.
+    #[error("an arc needs its radius R or its centre")]
+    ArcWithoutCenter,
+    /// G2 or G3 with both.
+    #[error("an arc takes either its radius R or its centre, not both")]
+    RadiusAndCenter,
+    /// A word of the centre along the normal of the plane.
+    #[error("{letter} is not in the plane of the arc")]
+    CenterOutsidePlane {
+        /// The word's letter.
+        letter: char,
+    },
+    /// One word of the centre is missing where they are absolute (G90.1).
+    #[error("{letter} is missing: with G90.1 the centre of an arc needs both its words")]
+    IncompleteCenter {
+        /// The missing word's letter.
+        letter: char,
+    },
+    /// An arc by R without an end.
+    #[error("an arc by R needs an axis word of its plane")]
+    RadiusWithoutEnd,
+    /// An arc by R from a point to itself.
+    #[error(
+        "start and end are the same, which leaves the centre of an arc by R open: full circles need their centre"
+    )]
+    RadiusWithoutChord,
+    /// R is less than half the chord.
+    #[error(
+        "no arc of radius R {} mm joins two points that are 2 × {} mm apart",
+        Short(*radius_mm),
+        Short(*half_chord_mm)
+    )]
+    RadiusTooSmall {
+        /// R without its sign, mm.
+        radius_mm: f64,
+        /// Half the distance from start to end in the plane, mm.
+        half_chord_mm: f64,
+    },
+    /// Start or end is at the centre.
+    #[error(
+        "the radius of the arc is zero: {} mm at its start, {} mm at its end",
+        Short(*start_radius_mm),
+        Short(*end_radius_mm)
+    )]
+    ZeroRadius {
+        /// Distance of the start from the centre, mm.
+        start_radius_mm: f64,
+        /// Distance of the end from the centre, mm.
+        end_radius_mm: f64,
+    },
+    /// Start and end are not on one circle.
+    #[error(
+        "start and end are not on one circle: {} mm and {} mm from the centre",
+        Short(*start_radius_mm),
+        Short(*end_radius_mm)
+    )]
+    CenterMismatch {
+        /// Distance of the start from the centre, mm.
+        start_radius_mm: f64,
+        /// Distance of the end from the centre, mm.
+        end_radius_mm: f64,
+    },
+}
+
+/// State in which a probing move must not begin, in words.
+fn already(probing: Probing) -> &'static str {
+    match probing.trips {
+        ProbeTrip::Touch => "where something is touched already",
+        ProbeTrip::Release => "where nothing is touched",
+    }
+}
+
+/// Purpose of a probing move, in words.
+fn lacking(probing: Probing) -> &'static str {
+    match probing.trips {
+        ProbeTrip::Touch => "touching anything",
+        ProbeTrip::Release => "coming free",
+    }
+}
+
+impl TextError for DecodeError {
+    fn rule(&self) -> Rule {
+        match self {
+            Self::UnsupportedLetter { .. }
+            | Self::UnsupportedCode { .. }
+            | Self::Unsupported { .. } => Rule::UnsupportedWord,
+            Self::ArcWithoutCenter
+            | Self::RadiusAndCenter
+            | Self::CenterOutsidePlane { .. }
+            | Self::IncompleteCenter { .. }
+            | Self::RadiusWithoutEnd
+            | Self::RadiusWithoutChord
+            | Self::RadiusTooSmall { .. }
+            | Self::ZeroRadius { .. }
+            | Self::CenterMismatch { .. } => Rule::ArcGeometry,
+            Self::ProbeTripped { .. }
+            | Self::ProbeNotTripped { .. }
+            | Self::ProbeUnknown { .. } => Rule::Probe,
+            _ => Rule::Syntax,
+        }
+    }
+}
+
+/// An error of the block at hand and the bytes of its line to point at.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Problem {
+    pub(super) columns: Option<Range<usize>>,
+    pub(super) error: DecodeError,
+}
+
+impl From<DecodeError> for Problem {
+    /// An error of the line as a whole.
+    fn from(error: DecodeError) -> Self {
+        Self { columns: None, error }
+    }
+}

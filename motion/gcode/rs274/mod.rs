@@ -1,0 +1,75 @@
+//! RS274/NGC dialect, the language of CAM output: decodes program text to path elements as LinuxCNC's interpreter does.
+//!
+//! ```text
+//! %                                   optional; then a second % or M2/M30 ends the program
+//! N10 G21 G90 G54 (comment)           any number of words in any order, at most one G word of each modal group
+//! G0X0Y0Z5 ; comment
+//! G1 Z-1 F200                         F per minute
+//! X10.5 Y-3                           G1 goes on
+//! ```
+//!
+//! Within a line the order of words does not matter; they act in LinuxCNC's order: feed mode, F, S, T, M6, M3 to M5,
+//! M7 to M9, G4, plane, units, G40, tool length, coordinate system, path mode, distance modes, retract mode, G28, G30
+//! and G92, motion, stop. Hence F in a line with G20 or G21 is in the units of the line before.
+//!
+//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19, G4, G20, G21, G28, G30, G38.2 to G38.5, G40, G43, G49,
+//! G53 to G59.3, G61, G64, G80 to G83, G90, G91, G90.1, G91.1, G92 to G92.3, G93, G94, G98, G99, M0 to M9, M30, M60, F, S, T, H, N, one
+//! O word as the program's number, A B C for rotary axes (as the extra axes P Q U, in degrees). Every other word is an
+//! error that names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
+//! [`UnsupportedWord`](crate::decode::Rule::UnsupportedWord)); nothing is skipped but comments.
+//!
+//! M words: M0, M1, M3 to M9 and M60 are elements at which the path waits
+//! ([`ElementKind::MFunction`](twin_path::ElementKind::MFunction)), so that a spindle has its speed and coolant flows
+//! before the tool cuts; M3 and M4 carry the speed S as their parameter K, M6 the tool's number. M2 and M30 end the
+//! program; spindle and coolant that are on stop there (M5, M9), the spindle also before M6. S alone, T alone, G61 and
+//! G64 change no path; see [`Decoder::spindle_speed`], [`Decoder::tool`] and [`Decoder::path_mode`].
+//!
+//! Probing moves (G38.2 to G38.5, [`ElementKind::Probe`](twin_path::ElementKind::Probe)) end where the probe trips,
+//! as computed from the [`Surroundings`]; the program goes on from there. A probe that does not trip where it must
+//! (G38.2, G38.4), or that has tripped before it moves, is an error, as in LinuxCNC's motion controller. The path stops
+//! at that point; the overshoot of a machine until it is at rest, v² / 2a, is left out. Without surroundings the path
+//! goes to the programmed end, with a warning. There are no parameters, so the program keeps only the position of the
+//! trip (and so G92).
+//!
+//! Differences from LinuxCNC 2.9, whose rules apply otherwise (its documentation, and its interpreter run over
+//! `tests/linuxcnc.rs` and a corpus of CAM output):
+//! - F must be programmed before the first feed move; LinuxCNC's previews begin with a feed of their own.
+//! - A file that ends without M2, M30 or second % gives a warning, and a % at the end is accepted without one at the
+//!   beginning. LinuxCNC refuses both after having run all of the program.
+//! - Lines may be longer than 255 characters; `--1` is not a number; an O number in the middle of a program, which
+//!   LinuxCNC skips, is an unsupported word.
+//! - After G20 or G21 amid canned cycles G98 returns to the level at which they began. LinuxCNC takes the number of
+//!   the old units for one of the new.
+//! - Probing moves in inverse time (G93) take as long as F says, if they do not trip, and need it, as LinuxCNC's
+//!   documentation has it. Its interpreter lets them move with the feed in force before.
+//! - A start and end that are the same but for 1 µm make a full circle; LinuxCNC looks at the angle alone and makes
+//!   full circles of flat arcs.
+//! - The moves of one canned cycle block are at most [`MAX_CYCLE_MOVES`].
+//! - A block with an error changes only the modal state. LinuxCNC stops there; here the rest is read as well, so that
+//!   all errors are found.
+
+mod arc;
+mod block;
+mod cycle;
+mod decoder;
+mod error;
+mod lexer;
+mod offsets;
+mod options;
+mod output;
+mod probe;
+mod refeed;
+mod state;
+#[cfg(test)]
+mod tests;
+mod tool_table;
+mod travel;
+mod word;
+
+pub use cycle::MAX_CYCLE_MOVES;
+pub use decoder::{Decoder, MAX_LINE_BYTES};
+pub use error::{DecodeError, Diagnostic, Failure, Item, UnsupportedReason};
+pub use options::{DecoderOptions, LengthUnit, PathMode, Position, ToolReference};
+pub use probe::{ProbePath, ProbeTarget, Surroundings};
+pub use refeed::refeed;
+pub use tool_table::{Tool, ToolTable, ToolTableError};

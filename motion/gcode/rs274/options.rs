@@ -1,0 +1,128 @@
+//! Decoder options: units, positions, work offsets, tools, path mode.
+
+use super::{Surroundings, ToolTable};
+
+/// Units of length of a program or a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum LengthUnit {
+    /// G21.
+    #[default]
+    Millimetre,
+    /// G20.
+    Inch,
+}
+
+impl LengthUnit {
+    /// `length` in m.
+    pub fn to_metres(self, length: f64) -> f64 {
+        match self {
+            Self::Millimetre => length / 1e3,
+            Self::Inch => length * 0.0254,
+        }
+    }
+
+    /// `metres` in this unit.
+    pub fn from_metres(self, metres: f64) -> f64 {
+        match self {
+            Self::Millimetre => metres * 1e3,
+            Self::Inch => metres / 0.0254,
+        }
+    }
+}
+
+/// Position of all axes, or an offset of all of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Position {
+    /// X, Y, Z, m.
+    pub linear: [f64; 3],
+    /// A, B, C, degrees.
+    pub rotary: [f64; 3],
+}
+
+/// Reference point of the positions of the path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ToolReference {
+    /// The controlled point: what the axes move, for which G43 lifts the path by the length of the tool. It never
+    /// jumps.
+    #[default]
+    ControlPoint,
+    /// The tip of the tool in force. It jumps ([`twin_path::ElementKind::Jump`]) where G43 and G49 change the length.
+    Tip,
+}
+
+/// Path mode: exact path or blending (G61, G64). It has no effect on the path elements.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum PathMode {
+    /// G61: exactly as programmed.
+    ExactPath,
+    /// G64: as fast as possible.
+    #[default]
+    Continuous,
+    /// G64 P: as fast as possible within a tolerance.
+    Tolerance {
+        /// P: largest distance from the programmed path, m.
+        path: f64,
+        /// Q: tolerance within which short lines may be joined, m; LinuxCNC takes P if it is left out.
+        naive_cam: Option<f64>,
+    },
+}
+
+/// Options of a decoder: the values that LinuxCNC keeps in its parameter and machine files.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DecoderOptions {
+    /// Position of the machine at the beginning.
+    pub start: Position,
+    /// Units until the first G20 or G21.
+    pub units: LengthUnit,
+    /// Velocity of rapids (G0), m/s.
+    pub rapid_velocity: f64,
+    /// Acceleration along the path, m/s². The language has no word for it.
+    pub acceleration: f64,
+    /// Deceleration along the path, m/s².
+    pub deceleration: f64,
+    /// Origins of the coordinate systems G54 to G59.3 in the machine frame. The program begins in G54.
+    pub work_offsets: [Position; 9],
+    /// Target of G28, machine frame.
+    pub g28: Position,
+    /// Target of G30, machine frame.
+    pub g30: Position,
+    /// The tools. Without a table every tool has length zero, with a warning at G43.
+    pub tools: Option<ToolTable>,
+    /// Number of the tool in the spindle at the beginning, 0 = none.
+    pub tool: u32,
+    /// Reference point of the positions of the path.
+    pub reference: ToolReference,
+    /// Surroundings that a probe can touch (G38.2 to G38.5). Without them probing moves go to their ends, with a
+    /// warning.
+    pub surroundings: Option<Surroundings>,
+    /// Waiting time behind a probing move, ns: for drives that follow late.
+    pub probe_settle_ns: i64,
+    /// Leaves out the blocks that begin with `/`. What is in them is not looked at.
+    pub skip_suppressed_blocks: bool,
+    /// Moves that go nowhere are elements too, as in LinuxCNC's interpreter; else they are left out, as its planner
+    /// does, but for probing moves, of which it says how they ended. The path stops at elements of length zero.
+    pub keep_empty_moves: bool,
+}
+
+impl Default for DecoderOptions {
+    /// LinuxCNC's defaults where there are any: all offsets zero. Rapids with 0.1 m/s, accelerations of 0.1 m/s².
+    fn default() -> Self {
+        Self {
+            start: Position::default(),
+            units: LengthUnit::default(),
+            rapid_velocity: 0.1,
+            acceleration: 0.1,
+            deceleration: 0.1,
+            work_offsets: [Position::default(); 9],
+            g28: Position::default(),
+            g30: Position::default(),
+            tools: None,
+            tool: 0,
+            reference: ToolReference::default(),
+            surroundings: None,
+            probe_settle_ns: 0,
+            skip_suppressed_blocks: false,
+            keep_empty_moves: true,
+        }
+    }
+}

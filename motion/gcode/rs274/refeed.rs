@@ -1,0 +1,239 @@
+//! Feed reduction for this dialect: rewrites F words that a machine cannot reach; see [`crate::refeed`].
+//!
+//! F per minute (G94) is modal, F of inverse time (G93) belongs to its line. F does not govern rapids: those of G0,
+//! G28, G30 and of canned cycles are reported if they are too fast.
+
+use super::block::Letter;
+use super::decoder::{Decoder, MAX_LINE_BYTES};
+use super::options::{DecoderOptions, LengthUnit};
+use super::state::{Feed, MAX_FEED};
+use super::travel::MIN_INVERSE_TIME_FEED;
+use crate::decode;
+use crate::refeed::{
+    Edit, Interpreter, Limits, LineLimit, Reason, Refed, RefeedError, Unrepaired, has_room,
+    is_below, is_suppressed, rewrite, rounded_down,
+};
+use std::io::{self, BufRead, Cursor, Write};
+use twin_path::{ElementKind, PathElement};
+
+/// Feeds that are nearer to each other are the same: one may have come back through another unit of length.
+const SAME: f64 = 1e-9;
+
+/// Writes the program in `reader` to `out` with feeds of at most `limits`; errors of the program stay.
+///
+/// `options` are those with which the limits were found. The limits come in the order of lines, each perhaps a little
+/// late ([`RefeedError::Late`]); no more than a few lines are held.
+///
+/// # Errors
+/// If reading, writing or a limit fails.
+pub fn refeed(
+    reader: impl BufRead,
+    options: &DecoderOptions,
+    limits: impl IntoIterator<Item = io::Result<LineLimit>>,
+    out: impl Write,
+) -> Result<Refed, RefeedError> {
+    let interpreter = Running {
+        decoder: Decoder::new(Cursor::new(Vec::new()), options.clone()),
+        limits: Limits::new(limits.into_iter()),
+        programmed: None,
+        written: None,
+        doubtful: false,
+    };
+    rewrite(reader, interpreter, out)
+}
+
+struct Running<I: Iterator> {
+    decoder: Decoder<Cursor<Vec<u8>>>,
+    limits: Limits<I>,
+    /// The last F that counts, and its units.
+    programmed: Option<(f64, LengthUnit)>,
+    /// In force in the program as it is written.
+    written: Option<Feed>,
+    /// A block that the machine may leave out has changed it.
+    doubtful: bool,
+}
+
+/// Moves of a line.
+#[derive(Debug, Default)]
+struct Moves {
+    /// Its cut, or its probing move; of a canned cycle any of them.
+    cut: Option<Cut>,
+    /// Its rapid, m/s.
+    rapid: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Cut {
+    /// As [`PathElement::feed`] has it.
+    feed: f64,
+    /// Only rotary axes move.
+    turns: bool,
+}
+
+impl Moves {
+    fn include(&mut self, element: &PathElement) {
+        match element.kind {
+            ElementKind::Cut | ElementKind::Probe { .. } => {
+                let rotates = element.extra().is_some_and(|extra| extra.length() > 0.0);
+                let turns = rotates && element.shape.length() <= 0.0;
+                self.cut = Some(Cut { feed: element.feed, turns });
+            }
+            ElementKind::Rapid if element.length() > 0.0 => {
+                self.rapid = Some(self.rapid.map_or(element.feed, |feed| feed.max(element.feed)));
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Cut {
+    /// Part of a feed in force that applies to it, as in [`PathElement::feed`].
+    fn own(self, feed: Feed) -> f64 {
+        if self.turns { feed.rotary * 1e-3 } else { feed.linear }
+    }
+
+    /// The F word of a feed.
+    fn number(self, feed: f64, units: LengthUnit) -> f64 {
+        if self.turns { feed * 1e3 * 60.0 } else { units.from_metres(feed) * 60.0 }
+    }
+
+    /// The slowest that inverse time can say.
+    fn slowest(self, units: LengthUnit) -> f64 {
+        self.own(Feed::per_minute(MIN_INVERSE_TIME_FEED, units))
+    }
+}
+
+fn is_same(one: f64, other: f64) -> bool {
+    (one - other).abs() <= SAME * other.abs()
+}
+
+impl<I: Iterator<Item = io::Result<LineLimit>>> Running<I> {
+    /// Carries out a line; what it moves.
+    fn carry_out(&mut self, line: &[u8]) -> io::Result<Moves> {
+        let decoder = &mut self.decoder;
+        // F is read before G20 and G21 of its line act.
+        let units = decoder.state.units;
+        let text = decoder.reader.get_mut();
+        text.clear();
+        text.extend_from_slice(line);
+        decoder.reader.set_position(0);
+        decoder.step()?;
+        let mut moves = Moves::default();
+        for item in decoder.out.items.drain(..) {
+            if let Ok(decode::Item::Element(element)) = item {
+                moves.include(&element);
+            }
+        }
+        let word = decoder.block.get(Letter::F).filter(|f| (0.0..=MAX_FEED).contains(f));
+        match word.filter(|_| !decoder.state.inverse_time) {
+            Some(number) => {
+                let differs = self.written != self.programmed.map(feed_of);
+                self.doubtful = is_suppressed(line) && (self.doubtful || differs);
+                self.programmed = Some((number, units));
+                self.written = decoder.state.feed;
+            }
+            None if decoder.block.g.inverse_time == Some(false) => {
+                (self.programmed, self.written) = (None, None);
+            }
+            None => {}
+        }
+        Ok(moves)
+    }
+
+    /// Lowers the F word of inverse time.
+    fn inverse(&mut self, line: &[u8], cut: Cut, limit: f64, refed: &mut Refed) -> Option<Edit> {
+        if !is_below(limit, cut.feed) {
+            return None;
+        }
+        let block = &self.decoder.block;
+        let slowest = cut.slowest(self.decoder.state.units);
+        let word = block.get(Letter::F).zip(block.columns(Letter::F));
+        let lower = word.and_then(|(number, columns)| {
+            let (_, text) = rounded_down(number * (limit / cut.feed))?;
+            (!is_below(limit, slowest)).then(|| Edit::replace(line, &columns, &text))
+        });
+        if lower.is_some() {
+            refed.lowered += 1;
+        } else {
+            self.report(Reason::InverseTime, cut.feed, limit, refed);
+        }
+        lower
+    }
+
+    fn report(&self, reason: Reason, programmed: f64, limit: f64, refed: &mut Refed) {
+        let place = self.decoder.out.place();
+        refed.report(Unrepaired { place, reason, programmed, limit });
+    }
+
+    /// The F word that a cut needs for the feed that is programmed.
+    fn as_programmed(&self, cut: Cut, units: LengthUnit) -> (f64, String) {
+        let number = match self.programmed {
+            // Per minute, whatever the units.
+            Some((number, was)) if cut.turns || was == units => number,
+            _ => {
+                let number = cut.number(cut.feed, units);
+                // What the change of units has added is noise.
+                let text = format!("{number:.12e}");
+                text.parse().unwrap_or(number)
+            }
+        };
+        (number, number.to_string())
+    }
+}
+
+fn feed_of((number, units): (f64, LengthUnit)) -> Feed {
+    Feed::per_minute(number, units)
+}
+
+impl<I: Iterator<Item = io::Result<LineLimit>>> Interpreter for Running<I> {
+    const MAX_LINE_BYTES: usize = MAX_LINE_BYTES;
+
+    fn line(&mut self, line: &[u8], refed: &mut Refed) -> Result<Option<Edit>, RefeedError> {
+        if self.decoder.ended {
+            return Ok(None);
+        }
+        let units = self.decoder.state.units;
+        let moves = self.carry_out(line).map_err(RefeedError::Read)?;
+        let limit = self.limits.of(self.decoder.lines())?;
+        if let Some(rapid) = moves.rapid.filter(|rapid| is_below(limit.rapid, *rapid)) {
+            self.report(Reason::Rapid, rapid, limit.rapid, refed);
+        }
+        let Some(cut) = moves.cut else { return Ok(None) };
+        if self.decoder.state.inverse_time {
+            return Ok(self.inverse(line, cut, limit.feed, refed));
+        }
+        let lowered = is_below(limit.feed, cut.feed);
+        let (number, text) = if lowered {
+            if let Some(lower) = rounded_down(cut.number(limit.feed, units)) {
+                refed.lowered += 1;
+                lower
+            } else {
+                self.report(Reason::NoFeed, cut.feed, limit.feed, refed);
+                self.as_programmed(cut, units)
+            }
+        } else {
+            self.as_programmed(cut, units)
+        };
+        let feed = Feed::per_minute(number, units);
+        let is_there = self.written.is_some_and(|now| is_same(cut.own(now), cut.own(feed)));
+        let columns = self.decoder.block.get(Letter::F).and(self.decoder.block.columns(Letter::F));
+        if is_there && (columns.is_some() || !self.doubtful) {
+            return Ok(None);
+        }
+        let last = self.decoder.block.last_columns();
+        let edit = match (columns, last) {
+            (Some(columns), _) => Edit::replace(line, &columns, &text),
+            (None, Some(last)) if has_room(line, MAX_LINE_BYTES) => {
+                Edit::insert(line, &last, &text)
+            }
+            _ => {
+                let written = self.written.map_or(cut.feed, |now| cut.own(now));
+                self.report(Reason::LongLine, written, limit.feed, refed);
+                return Ok(None);
+            }
+        };
+        self.written = Some(feed);
+        self.doubtful = is_suppressed(line);
+        Ok(Some(edit))
+    }
+}

@@ -1,0 +1,444 @@
+//! Modal state of the RS274 interpreter: G codes, offsets, feed and tool between blocks, and the execution of a block.
+
+use super::block::{Block, Letter, Letters};
+use super::cycle::Series;
+use super::error::{DecodeError, Problem};
+use super::offsets::{Location, Offsets};
+use super::options::{DecoderOptions, LengthUnit, PathMode, Position};
+use super::output::Output;
+use super::probe::ProbeTarget;
+use super::tool_table::ToolTable;
+use super::word::{Cycle, Motion, OneShot};
+use twin_path::{ElementKind, MParameters, Plane};
+
+/// Limits of numbers, in their own units.
+pub(super) const MAX_FEED: f64 = 1e9;
+const MAX_SPEED: f64 = 1e9;
+const MAX_DWELL_S: f64 = 1e6;
+
+/// F of G94 in both of its meanings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Feed {
+    /// m/s.
+    pub(super) linear: f64,
+    /// Feed of moves of rotary axes only, degrees/s.
+    pub(super) rotary: f64,
+}
+
+impl Feed {
+    /// That of an F word.
+    pub(super) fn per_minute(number: f64, units: LengthUnit) -> Self {
+        Self { linear: units.to_metres(number) / 60.0, rotary: number / 60.0 }
+    }
+}
+
+/// The interpreter between two blocks.
+#[derive(Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "modes of the language, each on or off")]
+pub(super) struct State {
+    pub(super) rapid_velocity: f64,
+    pub(super) acceleration: f64,
+    pub(super) deceleration: f64,
+    pub(super) keep_empty_moves: bool,
+    g28: Position,
+    g30: Position,
+    tools: Option<ToolTable>,
+    /// Target of the probe, if it is known.
+    pub(super) probe_target: Option<Box<dyn ProbeTarget>>,
+    pub(super) probe_settle_ns: i64,
+
+    pub(super) offsets: Offsets,
+    pub(super) location: Location,
+    /// End of the last element; none before the first.
+    pub(super) path_end: Option<Position>,
+    /// A rotary axis has been named.
+    pub(super) rotary: bool,
+
+    pub(super) units: LengthUnit,
+    pub(super) plane: Plane,
+    motion: Motion,
+    pub(super) relative: bool,
+    pub(super) absolute_centers: bool,
+    pub(super) inverse_time: bool,
+    pub(super) initial_level: bool,
+    pub(super) path_mode: PathMode,
+    pub(super) feed: Option<Feed>,
+    pub(super) feed_reported: bool,
+    /// The canned cycles in a row, if the last motion was one.
+    pub(super) series: Option<Series>,
+    pub(super) speed: Option<f64>,
+    spindle_on: bool,
+    coolant_on: bool,
+    selected_tool: Option<u32>,
+    pub(super) tool: u32,
+}
+
+impl State {
+    pub(super) fn new(options: DecoderOptions) -> Self {
+        let offsets = Offsets::new(&options.work_offsets, options.reference);
+        let location = Location::new(options.start, &offsets, options.units);
+        Self {
+            rapid_velocity: options.rapid_velocity,
+            acceleration: options.acceleration,
+            deceleration: options.deceleration,
+            keep_empty_moves: options.keep_empty_moves,
+            g28: options.g28,
+            g30: options.g30,
+            tools: options.tools,
+            probe_target: options.surroundings.map(|surroundings| surroundings.target()),
+            probe_settle_ns: options.probe_settle_ns,
+            offsets,
+            location,
+            path_end: None,
+            rotary: options.start.rotary.iter().any(|angle| *angle != 0.0),
+            units: options.units,
+            plane: Plane::Xy,
+            motion: Motion::Off,
+            relative: false,
+            absolute_centers: false,
+            inverse_time: false,
+            initial_level: false,
+            path_mode: PathMode::default(),
+            feed: None,
+            feed_reported: false,
+            series: None,
+            speed: None,
+            spindle_on: false,
+            coolant_on: false,
+            selected_tool: None,
+            tool: options.tool,
+        }
+    }
+
+    /// Takes over the modes of a block that cannot be executed, so that the blocks after it mean what they are meant
+    /// to.
+    pub(super) fn adopt(&mut self, block: &Block) {
+        if self.set_feed(block).is_err() {
+            self.feed_reported = true;
+        }
+        self.set_modes(block);
+        if let Some(motion) = block.g.motion {
+            self.set_motion(motion);
+        }
+    }
+
+    /// A missing F has been told of, in one way or another.
+    pub(super) fn forgive_missing_feed(&mut self) {
+        self.feed_reported = true;
+    }
+
+    /// Does what a block asks for; false if the program ends with it.
+    ///
+    /// # Errors
+    /// What is wrong with it. Nothing of it has been done then, or only what comes before in LinuxCNC's order.
+    pub(super) fn execute(&mut self, block: &Block, out: &mut Output) -> Result<bool, Problem> {
+        // Most blocks: G1 X1 Y2, X1 Y2.
+        let motion = self.motion_of(block)?;
+        self.check_words(block, motion)?;
+        self.set_feed(block)?;
+        self.set_tool_and_speed(block, out)?;
+        if block.g.one_shot == Some(OneShot::Dwell) {
+            let seconds = block.get(Letter::P).ok_or(DecodeError::MissingDwell)?;
+            self.dwell(seconds, out)?;
+        }
+        self.set_modes(block);
+        self.set_tool_length(block, out)?;
+        if let Some(system) = block.g.system {
+            self.offsets.select(system);
+            self.location.find_program(&self.offsets, self.units);
+        }
+        self.set_path_mode(block);
+        match block.g.one_shot {
+            Some(OneShot::Home) => self.go_home(self.g28, block, out)?,
+            Some(OneShot::SecondHome) => self.go_home(self.g30, block, out)?,
+            Some(
+                shot @ (OneShot::SetPosition
+                | OneShot::ClearOffset
+                | OneShot::SuspendOffset
+                | OneShot::RestoreOffset),
+            ) => self.set_g92(shot, block),
+            Some(OneShot::Dwell | OneShot::MachineFrame) | None => {}
+        }
+        if let Some(motion) = block.g.motion {
+            self.set_motion(motion);
+        }
+        if let Some(motion) = motion {
+            match motion {
+                Motion::Rapid | Motion::Line => self.go_straight(motion, block, out)?,
+                Motion::Arc { clockwise } => self.go_round(clockwise, block, out)?,
+                Motion::Probe(probing) => self.probe(probing, block, out)?,
+                Motion::Cycle(cycle) => self.drill(cycle, block, out)?,
+                Motion::Off => {}
+            }
+        }
+        match block.m.stop {
+            Some(2 | 30) => return Ok(false),
+            Some(number) => self.m_function(number, None, out),
+            None => {}
+        }
+        Ok(true)
+    }
+
+    /// The motion that a block asks for, if any.
+    fn motion_of(&self, block: &Block) -> Result<Option<Motion>, DecodeError> {
+        let axes = block.letters().meets(Letters::AXES);
+        let active = block.g.motion.filter(|motion| *motion != Motion::Off);
+        let other = match block.g.one_shot {
+            Some(OneShot::Home) => Some((28.0, false)),
+            Some(OneShot::SecondHome) => Some((30.0, false)),
+            Some(OneShot::SetPosition) => Some((92.0, true)),
+            _ => None,
+        };
+        if let Some((number, needs_axes)) = other {
+            return match active {
+                Some(motion) => Err(DecodeError::AxesUsedTwice { motion: motion.number() }),
+                None if needs_axes && !axes => Err(DecodeError::MissingAxes { number }),
+                None => Ok(None),
+            };
+        }
+        match (block.g.motion, axes) {
+            (Some(motion @ (Motion::Cycle(_) | Motion::Probe(_))), false) => {
+                Err(DecodeError::MissingAxes { number: motion.number() })
+            }
+            (Some(Motion::Off), true) => Err(DecodeError::AxesWithoutMotion),
+            (Some(motion), _) => Ok(Some(motion)),
+            (None, true) if self.motion == Motion::Off => Err(DecodeError::AxesWithoutMotion),
+            (None, true) => Ok(Some(self.motion)),
+            (None, false) if matches!(self.motion, Motion::Arc { .. }) => {
+                Ok(block.letters().meets(Letters::CENTER).then_some(self.motion))
+            }
+            (None, false) => Ok(None),
+        }
+    }
+
+    /// Checks that each word of `block` has something to act on.
+    fn check_words(&self, block: &Block, motion: Option<Motion>) -> Result<(), Problem> {
+        const PLAIN: Letters = Letters::AXES.with(Letters::of(&[Letter::F, Letter::S, Letter::T]));
+        let mut used = PLAIN;
+        match motion {
+            Some(Motion::Arc { .. }) => {
+                used = used.with(Letters::CENTER).with(Letters::of(&[Letter::P, Letter::R]));
+            }
+            Some(Motion::Cycle(cycle)) => {
+                used = used.without(Letters::ROTARY).with(Letters::of(&[Letter::L, Letter::R]));
+                used = match cycle {
+                    Cycle::Drill => used,
+                    Cycle::DrillDwell => used.with(Letters::of(&[Letter::P])),
+                    Cycle::Peck => used.with(Letters::of(&[Letter::Q])),
+                };
+            }
+            _ => {}
+        }
+        if block.g.one_shot == Some(OneShot::Dwell) {
+            used = used.with(Letters::of(&[Letter::P]));
+        }
+        if block.g.exact_path == Some(false) {
+            used = used.with(Letters::of(&[Letter::P, Letter::Q]));
+        }
+        if block.g.tool_length == Some(true) {
+            used = used.with(Letters::of(&[Letter::H]));
+        }
+        if let Some(letter) = block.letters().without(used).first() {
+            let error = DecodeError::UnusedWord { letter: letter.as_char() };
+            return Err(Problem { columns: block.columns(letter), error });
+        }
+        if block.g.one_shot == Some(OneShot::MachineFrame) {
+            if !matches!(motion, Some(Motion::Rapid | Motion::Line)) {
+                return Err(DecodeError::MachineFrameWithoutLine.into());
+            }
+            if block.g.relative.unwrap_or(self.relative) {
+                return Err(DecodeError::MachineFrameIncremental.into());
+            }
+        }
+        Ok(())
+    }
+
+    /// The number of a word that must be from 0 to `max`.
+    fn in_range(block: &Block, letter: Letter, max: f64) -> Result<Option<f64>, Problem> {
+        let Some(value) = block.get(letter) else { return Ok(None) };
+        if (0.0..=max).contains(&value) {
+            return Ok(Some(value));
+        }
+        let error =
+            DecodeError::OutOfRange { letter: letter.as_char(), value, min: 0.0, max, unit: "" };
+        Err(Problem { columns: block.columns(letter), error })
+    }
+
+    fn set_feed(&mut self, block: &Block) -> Result<(), Problem> {
+        if let Some(inverse_time) = block.g.inverse_time {
+            self.inverse_time = inverse_time;
+            if !inverse_time {
+                self.feed = None;
+            }
+        }
+        let Some(feed) = Self::in_range(block, Letter::F, MAX_FEED)? else { return Ok(()) };
+        if !self.inverse_time {
+            self.feed = Some(Feed::per_minute(feed, self.units));
+            // F0 is none.
+            self.feed_reported &= feed <= 0.0;
+        }
+        Ok(())
+    }
+
+    fn set_tool_and_speed(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
+        if let Some(speed) = Self::in_range(block, Letter::S, MAX_SPEED)? {
+            self.speed = Some(speed);
+        }
+        if let Some(tool) = block.whole(Letter::T, 0)? {
+            self.find_tool(tool)?;
+            self.selected_tool = Some(tool);
+        }
+        if block.m.tool_change {
+            // The spindle stands for it.
+            self.stop_spindle(out);
+            self.tool = self.selected_tool.unwrap_or(self.tool);
+            self.m_function(6, Some(f64::from(self.tool)), out);
+        }
+        if let Some(number) = block.m.spindle {
+            self.spindle_on = number != 5;
+            self.m_function(number, self.speed.filter(|_| number != 5), out);
+        }
+        if let Some(number) = block.m.coolant {
+            self.coolant_on = number != 9;
+            self.m_function(number, None, out);
+        }
+        Ok(())
+    }
+
+    fn stop_spindle(&mut self, out: &mut Output) {
+        if std::mem::take(&mut self.spindle_on) {
+            self.m_function(5, None, out);
+        }
+    }
+
+    /// At the end of a program spindle and coolant stop.
+    pub(super) fn end(&mut self, out: &mut Output) {
+        self.stop_spindle(out);
+        if std::mem::take(&mut self.coolant_on) {
+            self.m_function(9, None, out);
+        }
+    }
+
+    /// The offset of a tool, m: zero if there is no tool 0 or no table.
+    fn find_tool(&self, number: u32) -> Result<[f64; 3], DecodeError> {
+        let Some(tools) = &self.tools else { return Ok([0.0; 3]) };
+        match tools.get(number) {
+            Some(tool) => Ok(tool.offset),
+            None if number == 0 => Ok([0.0; 3]),
+            None => Err(DecodeError::UnknownTool { number }),
+        }
+    }
+
+    fn set_modes(&mut self, block: &Block) {
+        let words = &block.g;
+        if let Some(units) = words.units
+            && units != self.units
+        {
+            if let Some(series) = &mut self.series {
+                series.initial = units.from_metres(self.units.to_metres(series.initial));
+            }
+            self.units = units;
+            self.location.find_program(&self.offsets, units);
+        }
+        self.plane = words.plane.unwrap_or(self.plane);
+        self.relative = words.relative.unwrap_or(self.relative);
+        self.absolute_centers = words.absolute_centers.unwrap_or(self.absolute_centers);
+        self.initial_level = words.initial_level.unwrap_or(self.initial_level);
+    }
+
+    fn set_motion(&mut self, motion: Motion) {
+        self.motion = motion;
+        if !matches!(motion, Motion::Cycle(_)) {
+            self.series = None;
+        }
+    }
+
+    fn set_tool_length(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
+        let offset = match block.g.tool_length {
+            None => return Ok(()),
+            Some(false) => [0.0; 3],
+            Some(true) => {
+                // H0 is the tool in the spindle.
+                let tool = block.whole(Letter::H, 0)?.filter(|tool| *tool != 0);
+                let number = tool.unwrap_or(self.tool);
+                if self.tools.is_none() && number != 0 {
+                    out.warning(
+                        block.get(Letter::H).and_then(|_| block.columns(Letter::H)),
+                        DecodeError::NoToolTable { number },
+                    );
+                }
+                self.find_tool(number)?
+            }
+        };
+        let moved = self.offsets.set_tool(offset);
+        for (machine, moved) in self.location.machine.linear.iter_mut().zip(moved) {
+            *machine += moved;
+        }
+        self.location.find_program(&self.offsets, self.units);
+        Ok(())
+    }
+
+    fn set_path_mode(&mut self, block: &Block) {
+        let metres = |letter| block.get(letter).map(|length| self.units.to_metres(length));
+        match block.g.exact_path {
+            Some(true) => self.path_mode = PathMode::ExactPath,
+            Some(false) => {
+                self.path_mode = match metres(Letter::P) {
+                    Some(path) => PathMode::Tolerance { path, naive_cam: metres(Letter::Q) },
+                    None => PathMode::Continuous,
+                }
+            }
+            None => {}
+        }
+    }
+
+    fn set_g92(&mut self, shot: OneShot, block: &Block) {
+        match shot {
+            OneShot::ClearOffset => self.offsets.clear_g92(),
+            OneShot::SuspendOffset => self.offsets.suspend_g92(),
+            OneShot::RestoreOffset => self.offsets.restore_g92(),
+            _ => {
+                let units = self.units;
+                self.rotary |= block.letters().meets(Letters::ROTARY);
+                self.offsets.set_g92(
+                    &self.location.machine,
+                    Letter::LINEAR.map(|axis| block.get(axis).map(|value| units.to_metres(value))),
+                    Letter::ROTARY.map(|axis| block.get(axis)),
+                );
+            }
+        }
+        self.location.find_program(&self.offsets, self.units);
+        if shot == OneShot::SetPosition {
+            // Not but for the rounding of the offset.
+            for (program, axis) in self.location.program.iter_mut().zip(Letter::LINEAR) {
+                *program = block.get(axis).unwrap_or(*program);
+            }
+        }
+    }
+
+    /// `seconds` in ns.
+    ///
+    /// # Errors
+    /// [`DecodeError::OutOfRange`].
+    pub(super) fn dwell_ns(seconds: f64) -> Result<i64, DecodeError> {
+        if !(0.0..=MAX_DWELL_S).contains(&seconds) {
+            let (min, max) = (0.0, MAX_DWELL_S);
+            let letter = Letter::P.as_char();
+            return Err(DecodeError::OutOfRange { letter, value: seconds, min, max, unit: " s" });
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "at most 10¹⁵")]
+        Ok((seconds * 1e9).round() as i64)
+    }
+
+    /// Waits for `seconds`.
+    pub(super) fn dwell(&mut self, seconds: f64, out: &mut Output) -> Result<(), DecodeError> {
+        let time_ns = Self::dwell_ns(seconds)?;
+        self.stand(ElementKind::Dwell { time_ns }, MParameters::default(), out);
+        Ok(())
+    }
+
+    fn m_function(&mut self, number: u16, k: Option<f64>, out: &mut Output) {
+        let parameters = MParameters { k, ..MParameters::default() };
+        self.stand(ElementKind::MFunction { number }, parameters, out);
+    }
+}

@@ -1,0 +1,73 @@
+//! Tests of the dialect, and the decoding helpers that they share.
+
+#![expect(clippy::float_cmp, reason = "rounded before, or to be the same bit for bit")]
+#![expect(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    reason = "counts, turns and dwells: far below 2^53"
+)]
+
+mod corpus;
+mod cycles;
+mod errors;
+mod linuxcnc;
+mod moves;
+mod offsets;
+mod probe;
+mod random;
+mod refeed;
+mod tools;
+mod unsupported;
+mod words;
+
+use super::{Decoder, DecoderOptions, Diagnostic, Failure, Item, Position};
+use twin_path::{ElementKind, PathElement};
+
+/// Everything a program gives.
+#[derive(Debug, Default)]
+struct Decoded {
+    elements: Vec<PathElement>,
+    warnings: Vec<Diagnostic>,
+    errors: Vec<Diagnostic>,
+}
+
+fn decode_with(options: DecoderOptions, program: &[u8]) -> Decoded {
+    let mut decoded = Decoded::default();
+    for item in Decoder::new(program, options) {
+        match item {
+            Ok(Item::Element(element)) => decoded.elements.push(element),
+            Ok(Item::Warning(diagnostic)) => decoded.warnings.push(diagnostic),
+            Err(Failure::Diagnostic(diagnostic)) => decoded.errors.push(diagnostic),
+            Err(Failure::Io(error)) => panic!("reading from memory: {error}"),
+        }
+    }
+    decoded
+}
+
+fn decode(program: &str) -> Decoded {
+    decode_with(DecoderOptions::default(), program.as_bytes())
+}
+
+/// The elements of a program in which nothing is wrong.
+#[track_caller]
+fn elements_with(options: DecoderOptions, program: &str) -> Vec<PathElement> {
+    let decoded = decode_with(options, program.as_bytes());
+    assert_eq!(decoded.errors, [], "{program}");
+    decoded.elements
+}
+
+#[track_caller]
+fn elements(program: &str) -> Vec<PathElement> {
+    elements_with(DecoderOptions::default(), program)
+}
+
+/// Where elements end, mm, rounded to a nanometre.
+fn ends_mm(elements: &[PathElement]) -> Vec<[f64; 3]> {
+    let round = |metres: f64| (metres * 1e9).round() / 1e6 + 0.0;
+    elements.iter().map(|element| element.end().coords.map(round).into()).collect()
+}
+
+/// `X Y Z` in m and no rotary axes.
+fn at(linear: [f64; 3]) -> Position {
+    Position { linear, rotary: [0.0; 3] }
+}

@@ -1,0 +1,415 @@
+//! Moves: straight (G0, G1), arcs (G2, G3), and home (G28, G30).
+
+use super::arc::Ends;
+use super::block::{Block, Letter, Letters};
+use super::error::{DecodeError, Problem};
+use super::offsets::Location;
+use super::options::Position;
+use super::output::Output;
+use super::state::State;
+use super::word::{Motion, OneShot};
+use nalgebra::Point3;
+use twin_path::{Details, ElementKind, ExtraAxes, MParameters, PathElement, Shape};
+
+/// Beyond these no machine is meant, and the squares of lengths lose the micrometre.
+const MAX_POSITION: f64 = 1e3;
+const MAX_ANGLE: f64 = 1e9;
+/// Flat arcs have centres far away.
+const MAX_RADIUS: f64 = 1e6;
+
+/// The lowest velocity that inverse time leads to, program units or degrees per minute.
+pub(super) const MIN_INVERSE_TIME_FEED: f64 = 0.1;
+
+impl State {
+    /// Target of the axis words of `block`.
+    pub(super) fn target(&self, block: &Block, relative: bool) -> Result<Location, Problem> {
+        let mut to = self.location;
+        let letters = block.letters();
+        let offset = self.offsets.sum();
+        let axes = to.program.iter_mut().zip(&mut to.machine.linear);
+        for (((program, machine), offset), axis) in axes.zip(offset.linear).zip(Letter::LINEAR) {
+            let Some(word) = block.get(axis) else { continue };
+            *program = if relative { *program + word } else { word };
+            *machine = self.units.to_metres(*program) + offset;
+            in_range(block, axis, *machine, MAX_POSITION, " m")?;
+        }
+        if letters.meets(Letters::ROTARY) {
+            let axes = to.program_rotary.iter_mut().zip(&mut to.machine.rotary);
+            for (((program, machine), offset), axis) in axes.zip(offset.rotary).zip(Letter::ROTARY)
+            {
+                let Some(word) = block.get(axis) else { continue };
+                *program = if relative { *program + word } else { word };
+                *machine = *program + offset;
+                in_range(block, axis, *machine, MAX_ANGLE, "°")?;
+            }
+        }
+        Ok(to)
+    }
+
+    /// Target of the axis words of `block` in the machine frame (G53).
+    fn machine_target(&self, block: &Block) -> Result<Location, Problem> {
+        let mut machine = self.location.machine;
+        let tool = self.offsets.machine_frame();
+        for ((machine, tool), axis) in machine.linear.iter_mut().zip(tool).zip(Letter::LINEAR) {
+            let Some(word) = block.get(axis) else { continue };
+            *machine = self.units.to_metres(word) + tool;
+            in_range(block, axis, *machine, MAX_POSITION, " m")?;
+        }
+        for (machine, axis) in machine.rotary.iter_mut().zip(Letter::ROTARY) {
+            let Some(word) = block.get(axis) else { continue };
+            *machine = word;
+            in_range(block, axis, word, MAX_ANGLE, "°")?;
+        }
+        Ok(Location::new(machine, &self.offsets, self.units))
+    }
+
+    /// G0 and G1.
+    pub(super) fn go_straight(
+        &mut self,
+        motion: Motion,
+        block: &Block,
+        out: &mut Output,
+    ) -> Result<(), Problem> {
+        self.rotary |= block.letters().meets(Letters::ROTARY);
+        let to = if block.g.one_shot == Some(OneShot::MachineFrame) {
+            self.machine_target(block)?
+        } else {
+            self.target(block, self.relative)?
+        };
+        if motion == Motion::Rapid {
+            self.rapid(to, out);
+            return Ok(());
+        }
+        let shape = self.line_to(&to);
+        self.cut(shape, to, block.get(Letter::F), out)
+    }
+
+    /// G2 and G3.
+    pub(super) fn go_round(
+        &mut self,
+        clockwise: bool,
+        block: &Block,
+        out: &mut Output,
+    ) -> Result<(), Problem> {
+        self.rotary |= block.letters().meets(Letters::ROTARY);
+        let to = self.target(block, self.relative)?;
+        match self.arc(clockwise, block, &to) {
+            Ok(shape) => self.cut(shape, to, block.get(Letter::F), out),
+            Err(problem) => {
+                // The blocks after it continue where it was to end.
+                self.location = to;
+                Err(problem)
+            }
+        }
+    }
+
+    fn arc(&self, clockwise: bool, block: &Block, to: &Location) -> Result<Shape, Problem> {
+        let turns = block.whole(Letter::P, 1)?.unwrap_or(1);
+        let ends = Ends {
+            plane: self.plane,
+            start: Point3::from(self.location.machine.linear),
+            end: Point3::from(to.machine.linear),
+            clockwise,
+            turns,
+        };
+        let [first, second, normal] = self.axes();
+        let arc = if let Some(radius) = block.get(Letter::R) {
+            if block.letters().meets(Letters::CENTER) {
+                return Err(DecodeError::RadiusAndCenter.into());
+            }
+            if block.get(first.letter).is_none() && block.get(second.letter).is_none() {
+                return Err(DecodeError::RadiusWithoutEnd.into());
+            }
+            let radius = self.units.to_metres(radius);
+            in_range(block, Letter::R, radius, MAX_RADIUS, " m")?;
+            ends.by_radius(radius)?
+        } else {
+            let center = self.center(block, [first, second, normal])?;
+            ends.about_center(&center, self.units)?
+        };
+        Ok(Shape::Arc(arc))
+    }
+
+    /// The centre that I, J and K say, m.
+    fn center(&self, block: &Block, axes: [Axis; 3]) -> Result<Point3<f64>, Problem> {
+        let [first, second, normal] = axes;
+        if block.get(normal.center).is_some() {
+            let error = DecodeError::CenterOutsidePlane { letter: normal.center.as_char() };
+            return Err(Problem { columns: block.columns(normal.center), error });
+        }
+        if !block.letters().meets(Letters::CENTER) {
+            return Err(DecodeError::ArcWithoutCenter.into());
+        }
+        let offset = self.offsets.sum();
+        let mut center = self.location.machine.linear;
+        for axis in [first, second] {
+            let from = if self.absolute_centers { &offset.linear } else { &center };
+            let from = from.get(axis.index).copied().unwrap_or_default();
+            let word = match block.get(axis.center) {
+                Some(word) => self.units.to_metres(word),
+                None if self.absolute_centers => {
+                    let letter = axis.center.as_char();
+                    return Err(DecodeError::IncompleteCenter { letter }.into());
+                }
+                None => 0.0,
+            };
+            in_range(block, axis.center, word, MAX_RADIUS, " m")?;
+            if let Some(slot) = center.get_mut(axis.index) {
+                *slot = from + word;
+            }
+        }
+        Ok(Point3::from(center))
+    }
+
+    /// G28 and G30: to the point of the axis words, if there are any, and from there with the axes named, or all of
+    /// them, to `home`.
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
+    pub(super) fn go_home(
+        &mut self,
+        home: Position,
+        block: &Block,
+        out: &mut Output,
+    ) -> Result<(), Problem> {
+        self.rotary |= block.letters().meets(Letters::ROTARY);
+        let through = self.target(block, self.relative)?;
+        self.rapid(through, out);
+        let letters = block.letters();
+        let all = !letters.meets(Letters::AXES);
+        let mut machine = self.location.machine;
+        let tool = self.offsets.machine_frame();
+        let linear = machine.linear.iter_mut().zip(home.linear).zip(tool).zip(Letter::LINEAR);
+        for (((machine, home), tool), axis) in linear {
+            if all || letters.contains(axis) {
+                *machine = home + tool;
+            }
+        }
+        for ((machine, home), axis) in
+            machine.rotary.iter_mut().zip(home.rotary).zip(Letter::ROTARY)
+        {
+            if all || letters.contains(axis) {
+                self.rotary |= *machine != home;
+                *machine = home;
+            }
+        }
+        self.rapid(Location::new(machine, &self.offsets, self.units), out);
+        Ok(())
+    }
+
+    pub(super) fn line_to(&self, to: &Location) -> Shape {
+        Shape::Line {
+            start: Point3::from(self.location.machine.linear),
+            end: Point3::from(to.machine.linear),
+        }
+    }
+
+    /// Goes straight to `to` with the velocity of rapids.
+    pub(super) fn rapid(&mut self, to: Location, out: &mut Output) {
+        let shape = self.line_to(&to);
+        self.go(ElementKind::Rapid, shape, self.rapid_velocity, to, out);
+    }
+
+    /// Goes straight to `to` with the feed of G94.
+    pub(super) fn feed_to(&mut self, to: Location, out: &mut Output) -> Result<(), Problem> {
+        let shape = self.line_to(&to);
+        self.cut(shape, to, None, out)
+    }
+
+    /// Goes along `shape` to `to`, its end, with the feed in force or the F of inverse time.
+    fn cut(
+        &mut self,
+        shape: Shape,
+        to: Location,
+        inverse_time: Option<f64>,
+        out: &mut Output,
+    ) -> Result<(), Problem> {
+        if let Some(feed) = self.feed_for(&shape, &to, inverse_time)? {
+            self.go(ElementKind::Cut, shape, feed, to, out);
+        }
+        Ok(())
+    }
+
+    /// The feed along `shape` to `to`, as [`PathElement::feed`] has it; none if that it is missing has been told.
+    pub(super) fn feed_for(
+        &mut self,
+        shape: &Shape,
+        to: &Location,
+        inverse_time: Option<f64>,
+    ) -> Result<Option<f64>, Problem> {
+        let error = match self.feed_along(shape, to, inverse_time) {
+            Ok(feed) => return Ok(Some(feed)),
+            Err(error) => error,
+        };
+        // The path goes on where it was to lead.
+        self.location = *to;
+        let told = self.feed_reported && !matches!(error, DecodeError::MissingInverseTime);
+        self.feed_reported |= !matches!(error, DecodeError::MissingInverseTime);
+        if told { Ok(None) } else { Err(error.into()) }
+    }
+
+    /// m/s, or a thousandth of degrees/s where only rotary axes move.
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
+    fn feed_along(
+        &self,
+        shape: &Shape,
+        to: &Location,
+        inverse_time: Option<f64>,
+    ) -> Result<f64, DecodeError> {
+        let from = &self.location.machine.rotary;
+        // Without rotary axes no length is needed.
+        let turned = if self.rotary && from != &to.machine.rotary && shape.length() <= 0.0 {
+            Some(from.iter().zip(to.machine.rotary).map(|(from, to)| (to - from).powi(2)))
+        } else {
+            None
+        };
+        if self.inverse_time {
+            let per_minute = inverse_time.ok_or(DecodeError::MissingInverseTime)?;
+            return Ok(match turned {
+                Some(squares) => {
+                    (squares.sum::<f64>().sqrt() * per_minute).max(MIN_INVERSE_TIME_FEED) * 1e-3
+                }
+                None => {
+                    (shape.length() * per_minute).max(self.units.to_metres(MIN_INVERSE_TIME_FEED))
+                }
+            } / 60.0);
+        }
+        let feed = self.feed.ok_or(DecodeError::MissingFeed)?;
+        let feed = if turned.is_some() { feed.rotary * 1e-3 } else { feed.linear };
+        if feed > 0.0 { Ok(feed) } else { Err(DecodeError::ZeroFeed) }
+    }
+
+    /// Goes along `shape` to `to`.
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
+    pub(super) fn go(
+        &mut self,
+        kind: ElementKind,
+        shape: Shape,
+        feed: f64,
+        to: Location,
+        out: &mut Output,
+    ) {
+        let from = std::mem::replace(&mut self.location, to).machine;
+        let kept = self.keep_empty_moves || matches!(kind, ElementKind::Probe { .. });
+        if !kept && shape.length() <= 0.0 && from.rotary == to.machine.rotary {
+            return;
+        }
+        self.connect(&from, out);
+        self.emit(kind, shape, feed, [from.rotary, to.machine.rotary], None, out);
+    }
+
+    /// Waits, or calls an M function, where the tool is.
+    pub(super) fn stand(&mut self, kind: ElementKind, parameters: MParameters, out: &mut Output) {
+        let at = self.location.machine;
+        self.connect(&at, out);
+        let point = Point3::from(at.linear);
+        let shape = Shape::Line { start: point, end: point };
+        self.emit(kind, shape, 0.0, [at.rotary; 2], Some(parameters), out);
+    }
+
+    /// Lets the set-point jump to `at` if the path has ended elsewhere: after G43 if the path is that of the tip, or
+    /// after a block that could not be executed.
+    fn connect(&mut self, at: &Position, out: &mut Output) {
+        if let Some(end) = self.path_end
+            && end != *at
+        {
+            let shape =
+                Shape::Line { start: Point3::from(end.linear), end: Point3::from(at.linear) };
+            self.emit(ElementKind::Jump, shape, 0.0, [end.rotary, at.rotary], None, out);
+        }
+    }
+
+    fn emit(
+        &mut self,
+        kind: ElementKind,
+        shape: Shape,
+        feed: f64,
+        rotary: [[f64; 3]; 2],
+        parameters: Option<MParameters>,
+        out: &mut Output,
+    ) {
+        let [start, end] = rotary;
+        self.path_end = Some(Position { linear: shape.end().into(), rotary: end });
+        let mut details = None;
+        let parameters = parameters.filter(|parameters| parameters.k.is_some());
+        if self.rotary || parameters.is_some() {
+            let angles = |[a, b, c]: [f64; 3]| [a, b, c, 0.0, 0.0];
+            let extra = ExtraAxes { start: angles(start), end: angles(end) };
+            details = Some(Box::new(Details {
+                extra: self.rotary.then_some(extra),
+                parameters: parameters.unwrap_or_default(),
+                ..Details::default()
+            }));
+        }
+        out.element(PathElement {
+            feed,
+            acceleration: self.acceleration,
+            deceleration: self.deceleration,
+            details,
+            ..PathElement::new(out.place(), kind, shape)
+        });
+    }
+}
+
+/// An axis of the plane in force, or its normal.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Axis {
+    /// Of coordinates.
+    pub(super) index: usize,
+    pub(super) letter: Letter,
+    /// Its word for the centre of an arc.
+    pub(super) center: Letter,
+}
+
+impl State {
+    /// First and second axis of the plane in force, and its normal.
+    pub(super) fn axes(&self) -> [Axis; 3] {
+        const X: Axis = Axis { index: 0, letter: Letter::X, center: Letter::I };
+        const Y: Axis = Axis { index: 1, letter: Letter::Y, center: Letter::J };
+        const Z: Axis = Axis { index: 2, letter: Letter::Z, center: Letter::K };
+        match self.plane {
+            twin_path::Plane::Xy => [X, Y, Z],
+            twin_path::Plane::Zx => [Z, X, Y],
+            twin_path::Plane::Yz => [Y, Z, X],
+        }
+    }
+
+    /// Position of the tool if one coordinate of the program changes.
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
+    pub(super) fn with(
+        &self,
+        at: &Location,
+        axis: Axis,
+        program: f64,
+    ) -> Result<Location, Problem> {
+        let mut to = *at;
+        let offset = self.offsets.sum().linear.get(axis.index).copied().unwrap_or_default();
+        let slots = (to.program.get_mut(axis.index), to.machine.linear.get_mut(axis.index));
+        if let (Some(slot), Some(machine)) = slots {
+            // What does not change stays, bit for bit.
+            if *slot != program {
+                *slot = program;
+                *machine = self.units.to_metres(program) + offset;
+            }
+            let metres = *machine;
+            if metres.is_nan() || metres.abs() > MAX_POSITION {
+                let (letter, min, max) = (axis.letter.as_char(), -MAX_POSITION, MAX_POSITION);
+                let error = DecodeError::OutOfRange { letter, value: metres, min, max, unit: " m" };
+                return Err(error.into());
+            }
+        }
+        Ok(to)
+    }
+}
+
+fn in_range(
+    block: &Block,
+    letter: Letter,
+    value: f64,
+    max: f64,
+    unit: &'static str,
+) -> Result<(), Problem> {
+    if value.abs() <= max {
+        return Ok(());
+    }
+    let error = DecodeError::OutOfRange { letter: letter.as_char(), value, min: -max, max, unit };
+    Err(Problem { columns: block.columns(letter), error })
+}

@@ -1,0 +1,226 @@
+//! Meaning of G and M words, and their modal groups.
+
+use super::LengthUnit;
+use twin_path::{Plane, Probing};
+
+/// Group 1: what the axis words of this line and the following ones do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Motion {
+    /// G0.
+    Rapid,
+    /// G1.
+    Line,
+    /// G2 or G3.
+    Arc {
+        /// G2.
+        clockwise: bool,
+    },
+    /// G38.2 to G38.5.
+    Probe(Probing),
+    /// G81 to G83.
+    Cycle(Cycle),
+    /// G80: nothing, axis words are errors.
+    Off,
+}
+
+/// A canned cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Cycle {
+    /// G81.
+    Drill,
+    /// G82.
+    DrillDwell,
+    /// G83.
+    Peck,
+}
+
+impl Motion {
+    /// The number after G.
+    pub(super) fn number(self) -> f64 {
+        match self {
+            Self::Rapid => 0.0,
+            Self::Line => 1.0,
+            Self::Arc { clockwise: true } => 2.0,
+            Self::Arc { clockwise: false } => 3.0,
+            Self::Probe(probing) => probing.g_number(),
+            Self::Cycle(cycle) => cycle.number().into(),
+            Self::Off => 80.0,
+        }
+    }
+}
+
+impl Cycle {
+    /// The number after G.
+    pub(super) fn number(self) -> u8 {
+        match self {
+            Self::Drill => 81,
+            Self::DrillDwell => 82,
+            Self::Peck => 83,
+        }
+    }
+}
+
+/// Group 0: what holds for one line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum OneShot {
+    /// G4.
+    Dwell,
+    /// G28.
+    Home,
+    /// G30.
+    SecondHome,
+    /// G53.
+    MachineFrame,
+    /// G92.
+    SetPosition,
+    /// G92.1.
+    ClearOffset,
+    /// G92.2.
+    SuspendOffset,
+    /// G92.3.
+    RestoreOffset,
+}
+
+/// G words of a line but for their columns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct GWords {
+    pub(super) motion: Option<Motion>,
+    pub(super) one_shot: Option<OneShot>,
+    pub(super) plane: Option<Plane>,
+    pub(super) units: Option<LengthUnit>,
+    /// G40.
+    pub(super) compensation_off: bool,
+    /// G43 (true), G49.
+    pub(super) tool_length: Option<bool>,
+    /// G54 to G59.3 as 0 to 8.
+    pub(super) system: Option<u8>,
+    /// G61 (true), G64.
+    pub(super) exact_path: Option<bool>,
+    /// G91 (true), G90.
+    pub(super) relative: Option<bool>,
+    /// G90.1 (true), G91.1.
+    pub(super) absolute_centers: Option<bool>,
+    /// G93 (true), G94.
+    pub(super) inverse_time: Option<bool>,
+    /// G98 (true), G99.
+    pub(super) initial_level: Option<bool>,
+}
+
+/// Error of a G or M word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum CodeError {
+    /// Not executed.
+    Unsupported,
+    /// Another one of its group is in the line already.
+    Conflict,
+}
+
+/// Puts `value` into `slot`.
+fn set<T>(slot: &mut Option<T>, value: T) -> Result<(), CodeError> {
+    if slot.is_some() {
+        return Err(CodeError::Conflict);
+    }
+    *slot = Some(value);
+    Ok(())
+}
+
+impl GWords {
+    /// Adds the G word whose number is `tenths` / 10.
+    pub(super) fn add(&mut self, tenths: u16) -> Result<(), CodeError> {
+        let shot = |words: &mut Self, shot| set(&mut words.one_shot, shot);
+        match tenths {
+            0 => self.motion(Motion::Rapid),
+            10 => self.motion(Motion::Line),
+            20 => self.motion(Motion::Arc { clockwise: true }),
+            30 => self.motion(Motion::Arc { clockwise: false }),
+            382 => self.motion(Motion::Probe(Probing::TOUCH)),
+            383 => self.motion(Motion::Probe(Probing::TRY_TOUCH)),
+            384 => self.motion(Motion::Probe(Probing::RELEASE)),
+            385 => self.motion(Motion::Probe(Probing::TRY_RELEASE)),
+            810 => self.motion(Motion::Cycle(Cycle::Drill)),
+            820 => self.motion(Motion::Cycle(Cycle::DrillDwell)),
+            830 => self.motion(Motion::Cycle(Cycle::Peck)),
+            800 => self.motion(Motion::Off),
+            40 => shot(self, OneShot::Dwell),
+            280 => shot(self, OneShot::Home),
+            300 => shot(self, OneShot::SecondHome),
+            530 => shot(self, OneShot::MachineFrame),
+            920 => shot(self, OneShot::SetPosition),
+            921 => shot(self, OneShot::ClearOffset),
+            922 => shot(self, OneShot::SuspendOffset),
+            923 => shot(self, OneShot::RestoreOffset),
+            170 => set(&mut self.plane, Plane::Xy),
+            180 => set(&mut self.plane, Plane::Zx),
+            190 => set(&mut self.plane, Plane::Yz),
+            200 => set(&mut self.units, LengthUnit::Inch),
+            210 => set(&mut self.units, LengthUnit::Millimetre),
+            400 if self.compensation_off => Err(CodeError::Conflict),
+            400 => {
+                self.compensation_off = true;
+                Ok(())
+            }
+            430 => set(&mut self.tool_length, true),
+            490 => set(&mut self.tool_length, false),
+            540 => set(&mut self.system, 0),
+            550 => set(&mut self.system, 1),
+            560 => set(&mut self.system, 2),
+            570 => set(&mut self.system, 3),
+            580 => set(&mut self.system, 4),
+            590 => set(&mut self.system, 5),
+            591 => set(&mut self.system, 6),
+            592 => set(&mut self.system, 7),
+            593 => set(&mut self.system, 8),
+            610 => set(&mut self.exact_path, true),
+            640 => set(&mut self.exact_path, false),
+            900 => set(&mut self.relative, false),
+            910 => set(&mut self.relative, true),
+            901 => set(&mut self.absolute_centers, true),
+            911 => set(&mut self.absolute_centers, false),
+            930 => set(&mut self.inverse_time, true),
+            940 => set(&mut self.inverse_time, false),
+            980 => set(&mut self.initial_level, true),
+            990 => set(&mut self.initial_level, false),
+            _ => Err(CodeError::Unsupported),
+        }
+    }
+
+    /// G80 may stand beside any other motion, which then holds, and beside itself.
+    fn motion(&mut self, motion: Motion) -> Result<(), CodeError> {
+        match (self.motion, motion) {
+            (Some(Motion::Off), _) => self.motion = Some(motion),
+            (Some(_), Motion::Off) => {}
+            _ => return set(&mut self.motion, motion),
+        }
+        Ok(())
+    }
+}
+
+/// M words of a line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct MWords {
+    /// M6.
+    pub(super) tool_change: bool,
+    /// M3, M4 or M5.
+    pub(super) spindle: Option<u16>,
+    /// M7, M8 or M9.
+    pub(super) coolant: Option<u16>,
+    /// M0, M1, M2, M30 or M60.
+    pub(super) stop: Option<u16>,
+}
+
+impl MWords {
+    /// Adds M`number`.
+    pub(super) fn add(&mut self, number: u16) -> Result<(), CodeError> {
+        match number {
+            0 | 1 | 2 | 30 | 60 => set(&mut self.stop, number),
+            3..=5 => set(&mut self.spindle, number),
+            6 if self.tool_change => Err(CodeError::Conflict),
+            6 => {
+                self.tool_change = true;
+                Ok(())
+            }
+            7..=9 => set(&mut self.coolant, number),
+            _ => Err(CodeError::Unsupported),
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! Tests of transition velocities, [`CheckVelocities`].
+
+use super::{Error, PROBE, arc, cut, element, line, m_function};
+use crate::prepare::{CheckError, CheckVelocities, Limit};
+use crate::{AxisMask, Details, ElementKind, ExtraAxes, PathElement, Shape};
+use nalgebra::Point3;
+use std::cell::Cell;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+fn check(
+    elements: Vec<Result<PathElement, Error>>,
+    angle_tolerance: f64,
+) -> Vec<Result<f64, Error>> {
+    CheckVelocities::new(elements.into_iter(), angle_tolerance)
+        .map(|element| element.map(|element| element.end_velocity))
+        .collect()
+}
+
+fn end_velocities<const N: usize>(elements: [PathElement; N], angle_tolerance: f64) -> Vec<f64> {
+    let elements = elements.into_iter().map(Ok).collect();
+    check(elements, angle_tolerance).into_iter().map(Result::unwrap).collect()
+}
+
+/// Vector `cnc-transition`: 0/0 → 100/0 → 200/20 turns by 11.309932474°; F 50 and 30.
+#[test]
+fn cnc_transition() {
+    let path = || {
+        let corner = [0.1, 0.0, 0.0];
+        [cut([0.0; 3], corner, 0.05), cut(corner, [0.2, 0.02, 0.0], 0.03)]
+    };
+    assert_eq!(end_velocities(path(), 15_f64.to_radians()), [0.03, 0.0]);
+    assert_eq!(end_velocities(path(), 10_f64.to_radians()), [0.0, 0.0]);
+    // The angle itself, from both sides.
+    assert_eq!(end_velocities(path(), 11.309_933_f64.to_radians()), [0.03, 0.0]);
+    assert_eq!(end_velocities(path(), 11.309_932_f64.to_radians()), [0.0, 0.0]);
+}
+
+/// What [`crate::prepare::LimitCircularVelocities`] has set stays, where it is the smallest.
+#[test]
+fn a_limit_on_the_transition_is_kept() {
+    let at = |x: f64| [x, 0.0, 0.0];
+    let limited = |end_velocity| PathElement { end_velocity, ..cut(at(0.0), at(0.1), 0.05) };
+    for (limit, expected) in [(0.02, 0.02), (0.04, 0.03), (0.0, 0.0), (f64::INFINITY, 0.03)] {
+        let path = [limited(limit), cut(at(0.1), at(0.2), 0.03)];
+        assert_eq!(end_velocities(path, 0.0), [expected, 0.0]);
+    }
+    for limit in [-0.01, f64::NAN] {
+        let results = check(vec![Ok(limited(limit))], 0.0);
+        assert!(matches!(results[..], [Err(Error::Check(CheckError::EndVelocity { .. }))]));
+    }
+    // At the end of the path and before an error it is a stop, whatever was set.
+    let end = vec![Ok(limited(0.02)), Err(Error::Upstream(1)), Ok(limited(0.02))];
+    assert_eq!(check(end, 0.0), [Ok(0.0), Err(Error::Upstream(1)), Ok(0.0)]);
+}
+
+#[test]
+fn m_functions_and_dwells_stop_the_path() {
+    let at = |x: f64| [x, 0.0, 0.0];
+    let here = Point3::from(at(0.1));
+    let dwell = element(
+        ElementKind::Dwell { time_ns: 1_000_000 },
+        Shape::Line { start: here, end: here },
+        0.05,
+    );
+    for stop in [m_function(here), dwell] {
+        let path = [cut(at(0.0), at(0.1), 0.05), stop, cut(at(0.1), at(0.2), 0.05)];
+        assert_eq!(end_velocities(path, PI), [0.0; 3]);
+    }
+}
+
+/// A probe that trips has nowhere to go on to.
+#[test]
+fn probing_moves_begin_and_end_at_rest() {
+    let at = |x: f64| [x, 0.0, 0.0];
+    let probe = line(PROBE, at(0.1), at(0.2), 0.05);
+    let path = [cut(at(0.0), at(0.1), 0.05), probe, cut(at(0.2), at(0.3), 0.05)];
+    assert_eq!(end_velocities(path.clone(), PI), [0.0; 3]);
+    let items = path.into_iter().map(Ok::<_, Error>);
+    let kinds: Vec<_> = CheckVelocities::new(items, PI).map(|item| item.unwrap().kind).collect();
+    assert_eq!(kinds, [ElementKind::Cut, PROBE, ElementKind::Cut]);
+}
+
+/// Their path has another unit than that of the tool; among themselves they turn as lines do.
+#[test]
+fn motions_of_extra_axes_alone() {
+    let at = |x: f64| [x, 0.0, 0.0];
+    let extra = |start: [f64; 2], end: [f64; 2]| {
+        let wide = |[p, q]: [f64; 2]| [p, q, 0.0, 0.0, 0.0];
+        let extra = Some(ExtraAxes { start: wide(start), end: wide(end) });
+        let details = Some(Box::new(Details { extra, ..Details::default() }));
+        PathElement { details, ..cut(at(0.1), at(0.1), 0.05) }
+    };
+    let path = [
+        cut(at(0.0), at(0.1), 0.05),
+        extra([0.0, 0.0], [10.0, 0.0]),
+        extra([10.0, 0.0], [30.0, 0.0]),
+        extra([30.0, 0.0], [40.0, 10.0]),
+        cut(at(0.1), at(0.2), 0.05),
+    ];
+    let limit = 40_f64.to_radians();
+    assert_eq!(end_velocities(path.clone(), limit), [0.0, 0.05, 0.0, 0.0, 0.0]);
+    let limit = 50_f64.to_radians();
+    assert_eq!(end_velocities(path, limit), [0.0, 0.05, 0.05, 0.0, 0.0]);
+}
+
+/// With the S profile Z begins and ends at rest (manual 3.2): what turns is the motion in X and Y.
+#[test]
+fn z_with_the_s_profile() {
+    let smooth = |mut element: PathElement| {
+        element.details = Some(Box::new(Details { s_profile: AxisMask::Z, ..Details::default() }));
+        element
+    };
+    let (a, b) = ([0.1, 0.0, 0.1], [0.2, 0.0, 0.1]);
+    let ramp = || cut([0.0; 3], a, 0.05);
+    assert_eq!(end_velocities([ramp(), cut(a, b, 0.05)], 0.1), [0.0, 0.0]);
+    assert_eq!(end_velocities([smooth(ramp()), cut(a, b, 0.05)], 0.0), [0.05, 0.0]);
+    // Nothing but Z: at rest at both ends.
+    let plunge = || cut([0.0, 0.0, 0.1], [0.0; 3], 0.05);
+    let on = || cut([0.0; 3], [0.0, 0.0, -0.1], 0.05);
+    assert_eq!(end_velocities([plunge(), on()], 0.0), [0.05, 0.0]);
+    assert_eq!(end_velocities([smooth(plunge()), on()], 0.0), [0.0, 0.0]);
+}
+
+#[test]
+fn rapids_stop_at_both_ends() {
+    let at = |x: f64| [x, 0.0, 0.0];
+    let path = [
+        cut(at(0.0), at(0.1), 0.05),
+        line(ElementKind::Rapid, at(0.1), at(0.2), 0.5),
+        line(ElementKind::Rapid, at(0.2), at(0.3), 0.5),
+        cut(at(0.3), at(0.4), 0.05),
+        cut(at(0.4), at(0.5), 0.06),
+    ];
+    assert_eq!(end_velocities(path, PI), [0.0, 0.0, 0.0, 0.05, 0.0]);
+}
+
+#[test]
+fn jumps_and_elements_of_length_zero_stop_at_both_ends() {
+    let at = |x: f64| [x, 0.0, 0.0];
+    let path = [
+        cut(at(0.0), at(0.1), 0.05),
+        line(ElementKind::Jump, at(0.1), at(0.0), 0.0),
+        cut(at(0.0), at(0.1), 0.05),
+        cut(at(0.1), at(0.1), 0.0),
+        cut(at(0.1), at(0.2), 0.05),
+    ];
+    assert_eq!(end_velocities(path, PI), [0.0; 5]);
+}
+
+#[test]
+fn segments_in_line_do_not_stop_even_without_tolerance() {
+    // Sums of 0.1 mm: neighbouring directions differ in the last digits.
+    let at = |n: u32| {
+        let n = f64::from(n);
+        [0.3 + n * 1e-4, 0.7 * (0.3 + n * 1e-4), 0.1]
+    };
+    let elements = (0..1000).map(|n| Ok(cut(at(n), at(n + 1), 0.05))).collect();
+    let velocities = check(elements, 0.0);
+    assert_eq!(velocities.iter().filter(|v| **v == Ok(0.05)).count(), 999);
+}
+
+#[test]
+fn turns_are_measured_in_space() {
+    let corner = [0.1, 0.0, 0.0];
+    let path = || [cut([0.0; 3], corner, 0.05), cut(corner, [0.1, 0.0, 0.1], 0.05)];
+    assert_eq!(end_velocities(path(), 1.01 * FRAC_PI_2), [0.05, 0.0]);
+    assert_eq!(end_velocities(path(), 0.99 * FRAC_PI_2), [0.0, 0.0]);
+}
+
+#[test]
+fn turns_near_nothing_and_near_reversal_keep_their_digits() {
+    // acos(1 − 5e-15) knows 1e-7 rad only to a tenth.
+    for (turn, side) in [(1e-7, 1.0), (PI - 1e-7, 1.0), (1e-7, -1.0), (PI - 1e-7, -1.0)] {
+        let corner = [1.0, 0.0, 0.0];
+        let end = [1.0 + f64::cos(turn), side * f64::sin(turn), 0.0];
+        let path = || [cut([0.0; 3], corner, 0.05), cut(corner, end, 0.05)];
+        assert_eq!(end_velocities(path(), turn + 2e-9), [0.05, 0.0], "turn {turn}");
+        assert_eq!(end_velocities(path(), turn - 2e-9), [0.0, 0.0], "turn {turn}");
+    }
+}
+
+#[test]
+fn arcs_count_with_their_tangents() {
+    let start_of_arc = [0.1, 0.0, 0.0];
+    // Counter-clockwise about a centre on the left: goes on in +x, ends in +y.
+    let path = [
+        cut([0.0; 3], start_of_arc, 0.05),
+        arc([0.1, 0.05, 0.0], 0.05, -FRAC_PI_2, FRAC_PI_2, 0.04),
+        cut([0.15, 0.05, 0.0], [0.15, 0.1, 0.0], 0.05),
+        // The same arc the other way about begins in −x: a reversal.
+        arc([0.15, 0.15, 0.0], 0.05, -FRAC_PI_2, -FRAC_PI_2, 0.04),
+    ];
+    assert_eq!(end_velocities(path, 1e-6), [0.04, 0.04, 0.0, 0.0]);
+}
+
+#[test]
+fn errors_keep_their_place_and_the_path_stops_before_them() {
+    let at = |x: f64| [x, 0.0, 0.0];
+    let elements = vec![
+        Err(Error::Upstream(1)),
+        Ok(cut(at(0.0), at(0.1), 0.05)),
+        Ok(cut(at(0.1), at(0.2), 0.05)),
+        Err(Error::Upstream(2)),
+        Err(Error::Upstream(3)),
+        Ok(cut(at(0.2), at(0.3), 0.05)),
+    ];
+    let expected = [
+        Err(Error::Upstream(1)),
+        Ok(0.05),
+        Ok(0.0),
+        Err(Error::Upstream(2)),
+        Err(Error::Upstream(3)),
+        Ok(0.0),
+    ];
+    assert_eq!(check(elements, 0.0), expected);
+}
+
+/// `SMC_CV_ACC_DEC_VEL_NONPOSITIVE`, error 1100.
+#[test]
+fn limits_must_be_positive_and_finite() {
+    let good = || cut([0.0; 3], [0.1, 0.0, 0.0], 0.05);
+    for value in [0.0, -0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let cases = [
+            (Limit::Feed, PathElement { feed: value, ..good() }),
+            (Limit::Acceleration, PathElement { acceleration: value, ..good() }),
+            (Limit::Deceleration, PathElement { deceleration: value, ..good() }),
+        ];
+        for (limit, element) in cases {
+            let results = check(vec![Ok(good()), Ok(element)], 0.0);
+            assert_eq!(results[0], Ok(0.0));
+            let Err(Error::Check(CheckError::NonPositiveLimit {
+                place,
+                limit: found,
+                value: reported,
+            })) = results[1]
+            else {
+                panic!("{value} as {limit:?} was let through: {results:?}");
+            };
+            assert_eq!((place, found), (good().place, limit));
+            assert_eq!(reported.to_bits(), value.to_bits());
+        }
+    }
+    let error =
+        CheckError::NonPositiveLimit { place: good().place, limit: Limit::Feed, value: 0.0 };
+    assert_eq!(
+        error.to_string(),
+        "line 1 (N10): the velocity (F) is 0 m/s, it must be positive and finite"
+    );
+}
+
+#[test]
+fn lengths_must_be_finite() {
+    for x in [f64::NAN, f64::INFINITY, 1e200] {
+        for kind in [ElementKind::Cut, ElementKind::Rapid, ElementKind::Jump] {
+            let results = check(vec![Ok(line(kind, [0.0; 3], [x, 0.0, 0.0], 0.05))], 0.0);
+            assert!(
+                matches!(results[..], [Err(Error::Check(CheckError::Length { .. }))]),
+                "{kind:?} to {x}: {results:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn holds_one_element_back() {
+    let pulled = Cell::new(0);
+    let upstream = (0..10_u32).map(|n| {
+        pulled.set(pulled.get() + 1);
+        let x = f64::from(n);
+        Ok::<_, Error>(cut([x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], 0.05))
+    });
+    let mut checked = CheckVelocities::new(upstream, 0.0);
+    for handed_out in 1..10 {
+        assert!(checked.next().is_some());
+        assert_eq!(pulled.get(), handed_out + 1);
+    }
+}
+
+#[test]
+fn nothing_comes_from_nothing() {
+    assert_eq!(check(Vec::new(), 0.0), []);
+}

@@ -1,0 +1,230 @@
+//! Tests of [`Preparation`]: the adapters in a row.
+
+use super::random_path;
+use super::{Error, arc, assert_continuous, close, cut, m_function, numbered, polyline, taken};
+use crate::prepare::{
+    CircularLimits, DEFAULT_LOOP_WINDOW, Incompatible, Notices, Preparation, Rounding, Smoothing,
+    Stage, ToolRadiusOptions,
+};
+use crate::{ElementKind, Marks, PathElement, Shape};
+use proptest::prelude::*;
+
+const CIRCULAR: CircularLimits = CircularLimits { acceleration: 0.2, acceleration_jump: 0.1 };
+
+fn run(preparation: Preparation, path: Vec<PathElement>) -> Vec<PathElement> {
+    let items = path.into_iter().map(Ok::<_, Error>);
+    let prepared = preparation.apply(items, &Notices::default());
+    prepared.expect("stages that can be combined").map(Result::unwrap).collect()
+}
+
+/// Correction, rounding and smoothing are not combinable with each other (manual 3.4).
+#[test]
+fn incompatible_stages() {
+    let tool_radius = Some(ToolRadiusOptions::default());
+    let smoothing = Some(Smoothing::default());
+    let rounding = Some(Rounding::default());
+    let none = Preparation::default();
+    let cases = [
+        (Preparation { tool_radius, smoothing, ..none }, Stage::ToolRadius, Stage::Smoothing),
+        (Preparation { tool_radius, rounding, ..none }, Stage::ToolRadius, Stage::Rounding),
+        (Preparation { smoothing, rounding, ..none }, Stage::Smoothing, Stage::Rounding),
+    ];
+    for (preparation, first, second) in cases {
+        let path = std::iter::empty::<Result<PathElement, Error>>();
+        let error = preparation.apply(path, &Notices::default()).err();
+        assert_eq!(error, Some(Incompatible { first, second }));
+    }
+    let error = Incompatible { first: Stage::Smoothing, second: Stage::Rounding };
+    assert_eq!(error.to_string(), "smoothing and rounding cannot be combined: D belongs to either");
+}
+
+#[test]
+fn what_marks_ask_for() {
+    let none = Preparation::default();
+    assert_eq!(Preparation::for_marks(Marks::CORNERS_END), Ok(none));
+    let loops = Some(DEFAULT_LOOP_WINDOW);
+    let tool_radius = Some(ToolRadiusOptions::default());
+    for mark in [Marks::CORRECTION_LEFT, Marks::CORRECTION_RIGHT] {
+        let expected = Preparation { tool_radius, loops, ..none };
+        assert_eq!(Preparation::for_marks(mark.with(Marks::LOOPS)), Ok(expected));
+    }
+    let smoothing = Some(Smoothing::default());
+    assert_eq!(Preparation::for_marks(Marks::SMOOTHING), Ok(Preparation { smoothing, ..none }));
+    let rounding = Some(Rounding::default());
+    assert_eq!(Preparation::for_marks(Marks::ROUNDING), Ok(Preparation { rounding, ..none }));
+    let error = Incompatible { first: Stage::ToolRadius, second: Stage::Rounding };
+    let marks = Marks::ROUNDING.with(Marks::CORRECTION_LEFT);
+    assert_eq!(Preparation::for_marks(marks), Err(error));
+}
+
+/// Every stage with every other that it goes with.
+fn combinations() -> Vec<Preparation> {
+    let corners = [
+        Preparation::default(),
+        Preparation { tool_radius: Some(ToolRadiusOptions::default()), ..Preparation::default() },
+        Preparation { smoothing: Some(Smoothing::default()), ..Preparation::default() },
+        Preparation { rounding: Some(Rounding::default()), ..Preparation::default() },
+    ];
+    let loops = [None, Some(DEFAULT_LOOP_WINDOW)];
+    let circular = [None, Some(CIRCULAR)];
+    let mut all = Vec::new();
+    for corner in corners {
+        for loops in loops {
+            all.extend(circular.map(|circular| Preparation { loops, circular, ..corner }));
+        }
+    }
+    all
+}
+
+/// A path with marks for all of them.
+fn marked_for_all() -> Vec<PathElement> {
+    let mut path = polyline(&[
+        [0.0, 0.0],
+        [100.0, 0.0],
+        [100.0, 50.0],
+        [50.0, 50.0],
+        [50.0, -50.0],
+        [0.0, -50.0],
+    ]);
+    let bend = arc([0.0, -0.08, 0.0], 0.03, std::f64::consts::FRAC_PI_2, 2.0, 0.5);
+    path[4].shape = Shape::Line { start: path[4].start(), end: bend.start() };
+    path.push(bend);
+    for element in &mut path {
+        element.tool_radius = 0.004;
+    }
+    path[0].marks =
+        Marks::CORRECTION_LEFT.with(Marks::LOOPS).with(Marks::SMOOTHING).with(Marks::ROUNDING);
+    path[5].marks = Marks::CORRECTION_END.with(Marks::LOOPS_END).with(Marks::CORNERS_END);
+    path.insert(2, m_function(path[1].end()));
+    numbered(path)
+}
+
+#[test]
+fn every_combination() {
+    for preparation in combinations() {
+        let path = run(preparation, marked_for_all());
+        assert_continuous(&path);
+        let count = |is: &dyn Fn(&PathElement) -> bool| path.iter().filter(|e| is(e)).count();
+        assert_eq!(count(&|element| matches!(element.kind, ElementKind::MFunction { .. })), 1);
+        assert_eq!(count(&|e| e.kind == ElementKind::Rapid) > 0, preparation.tool_radius.is_some());
+        let cubics = count(&|element| matches!(element.shape, Shape::Cubic(_)));
+        assert_eq!(cubics > 0, preparation.smoothing.is_some());
+        let arcs = count(&|element| matches!(element.shape, Shape::Arc(_)));
+        assert_eq!(arcs > 1, preparation.rounding.is_some() || preparation.tool_radius.is_some());
+        let slowest = path.iter().map(|element| element.feed).fold(f64::INFINITY, f64::min);
+        assert_eq!(slowest < 0.05, preparation.circular.is_some() && arcs + cubics > 1);
+        // A loop goes from line 1 to line 5 (the M function is 3).
+        let lines: Vec<_> = path.iter().map(|element| element.place.line).collect();
+        assert_eq!(lines.contains(&2), preparation.loops.is_none(), "{preparation:?}: {lines:?}");
+    }
+}
+
+/// The order is the manual's: what correction makes can be a loop, and what loop avoidance leaves has a corner.
+#[test]
+fn corners_of_what_loop_avoidance_leaves() {
+    let preparation = Preparation {
+        loops: Some(DEFAULT_LOOP_WINDOW),
+        rounding: Some(Rounding { distance: 0.02, angle_tolerance: 0.0 }),
+        ..Preparation::default()
+    };
+    let mut path =
+        polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 50.0], [50.0, 50.0], [50.0, -50.0]]);
+    path[0].marks = Marks::LOOPS.with(Marks::ROUNDING);
+    let path = run(preparation, path);
+    assert_eq!(path.len(), 3);
+    assert!(close(path[0].end(), [30.0, 0.0, 0.0]) && close(path[1].end(), [50.0, -20.0, 0.0]));
+}
+
+#[test]
+fn checked_to_the_end() {
+    let notices = Notices::default();
+    let preparation = Preparation {
+        rounding: Some(Rounding { distance: 0.02, angle_tolerance: 0.0 }),
+        circular: Some(CIRCULAR),
+        ..Preparation::default()
+    };
+    let mut path = polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 100.0]]);
+    path[0].marks = Marks::ROUNDING;
+    let items = path.into_iter().map(Ok::<_, Error>);
+    let checked = preparation.check(items, 1e-6, &notices).unwrap();
+    let velocities: Vec<_> = checked.map(|element| element.unwrap().end_velocity).collect();
+    // √(0.1·0.02) into and out of an arc of 20 mm; F 50 mm/s is above it.
+    let limit = 0.002_f64.sqrt();
+    assert!((velocities[0] - limit).abs() < 1e-9 && (velocities[1] - limit).abs() < 1e-9);
+    assert_eq!((velocities.len(), velocities[2]), (3, 0.0));
+    assert!(taken(&notices).is_empty());
+}
+
+/// An error is where it was, between the elements it was between.
+#[test]
+fn errors_keep_their_place() {
+    for preparation in combinations() {
+        let mut items: Vec<_> = (0..50_u32)
+            .map(|n| {
+                let at = |n: u32| [f64::from(n.div_ceil(2)), f64::from(n / 2), 0.0];
+                Ok(cut(at(n), at(n + 1), 0.05))
+            })
+            .collect();
+        for (number, item) in (1..).zip(&mut items) {
+            if let Ok(element) = item {
+                element.place.line = number;
+                element.tool_radius = 0.01;
+                if number == 1 {
+                    element.marks = marked_for_all()[0].marks;
+                }
+            }
+        }
+        items.insert(25, Err(Error::Upstream(25)));
+        let prepared: Vec<_> =
+            preparation.apply(items.into_iter(), &Notices::default()).unwrap().collect();
+        let at = prepared.iter().position(Result::is_err).unwrap();
+        assert_eq!(prepared[at], Err(Error::Upstream(25)));
+        let line = |item: Option<&Result<PathElement, Error>>| {
+            item.and_then(|item| item.as_ref().ok()).map(|element| element.place.line)
+        };
+        // Around a corner there is an arc of either neighbour's.
+        assert!(matches!(line(prepared.get(at - 1)), Some(25 | 26)), "{preparation:?}");
+        assert_eq!(line(prepared.get(at + 1)), Some(26), "{preparation:?}");
+        assert_eq!(prepared.iter().filter(|item| item.is_err()).count(), 1);
+    }
+}
+
+proptest! {
+    /// However often the consumer stops to look, and whatever the input comes from, the path is the same; marks that
+    /// are obeyed are gone.
+    #[test]
+    fn chunks_do_not_matter(
+        path in random_path(true),
+        which in 0_usize..16,
+        chunk in 1_usize..4,
+        radius in 0.0..0.02,
+    ) {
+        let preparation = combinations()[which];
+        let mut path = path;
+        for element in &mut path {
+            element.tool_radius = radius;
+        }
+        if let Some(first) = path.first_mut() {
+            first.marks = marked_for_all()[0].marks;
+        }
+        let whole = run(preparation, path.clone());
+        assert_continuous(&whole);
+        let chunks = path.chunks(chunk).flat_map(<[PathElement]>::to_vec).map(Ok::<_, Error>);
+        let mut prepared = preparation.apply(chunks, &Notices::default()).unwrap();
+        let mut pieces = Vec::new();
+        loop {
+            let before = pieces.len();
+            pieces.extend(prepared.by_ref().take(chunk).map(Result::unwrap));
+            if pieces.len() == before {
+                break;
+            }
+        }
+        prop_assert_eq!(whole, pieces);
+    }
+
+    #[test]
+    fn without_marks_all_of_it_is_the_identity(path in random_path(true), which in 0_usize..16) {
+        let preparation = Preparation { circular: None, ..combinations()[which] };
+        prop_assert_eq!(run(preparation, path.clone()), path);
+    }
+}

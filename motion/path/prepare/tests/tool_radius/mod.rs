@@ -1,0 +1,236 @@
+//! Tests of tool radius correction, [`ToolRadius`].
+
+mod marks;
+mod narrow;
+mod random;
+
+use super::{
+    Error, VECTOR_TOLERANCE, arc, assert_continuous, close, cut, element, numbered, polyline, taken,
+};
+use crate::prepare::{Notice, Notices, ToolRadius, ToolRadiusOptions};
+use crate::{Cubic, ElementKind, Marks, PathElement, Shape};
+use nalgebra::Vector2;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+const LEFT: Marks = Marks::CORRECTION_LEFT;
+const RIGHT: Marks = Marks::CORRECTION_RIGHT;
+
+/// The elements with D and the marks of one contour.
+fn contour(mut elements: Vec<PathElement>, side: Marks, radius_mm: f64) -> Vec<PathElement> {
+    for element in &mut elements {
+        element.tool_radius = radius_mm * 1e-3;
+    }
+    if let Some(first) = elements.first_mut() {
+        first.marks = first.marks.with(side);
+    }
+    if let Some(last) = elements.last_mut() {
+        last.marks = last.marks.with(Marks::CORRECTION_END);
+    }
+    elements
+}
+
+fn correct(
+    elements: Vec<PathElement>,
+    options: ToolRadiusOptions,
+) -> (Vec<PathElement>, Vec<Notice>) {
+    let notices = Notices::default();
+    let items = elements.into_iter().map(Ok::<_, Error>);
+    let path: Vec<_> =
+        ToolRadius::new(items, options, notices.clone()).map(Result::unwrap).collect();
+    assert_continuous(&path);
+    (path, taken(&notices))
+}
+
+/// The contour's path without the positionings at its two ends.
+fn beside(elements: Vec<PathElement>, side: Marks, radius_mm: f64) -> Vec<PathElement> {
+    let (mut path, notices) =
+        correct(contour(elements, side, radius_mm), ToolRadiusOptions::default());
+    assert_eq!(notices, []);
+    assert_eq!(path.first().map(|element| element.kind), Some(ElementKind::Rapid));
+    assert_eq!(path.pop().map(|element| element.kind), Some(ElementKind::Rapid));
+    path.remove(0);
+    path
+}
+
+fn assert_points(path: &[PathElement], points_mm: &[[f64; 2]]) {
+    let found: Vec<_> =
+        path.iter().map(|element| (element.start() * 1e3, element.end() * 1e3)).collect();
+    assert_eq!(path.len() + 1, points_mm.len(), "{found:?}");
+    for (element, ends) in path.iter().zip(points_mm.windows(2)) {
+        let [from, to] = [ends[0], ends[1]].map(|[x, y]| [x, y, 0.0]);
+        assert!(close(element.start(), from) && close(element.end(), to), "{found:?}");
+    }
+}
+
+const CORNER: [[f64; 2]; 3] = [[0.0, 0.0], [100.0, 0.0], [100.0, 100.0]];
+
+/// Vector `prep-toolcorr-inner`: G41 D10 on 0/0 → 100/0 → 100/100.
+#[test]
+fn prep_toolcorr_inner() {
+    let path = beside(polyline(&CORNER), LEFT, 10.0);
+    assert_points(&path, &[[0.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
+    let lines: Vec<_> = path.iter().map(|element| element.place.line).collect();
+    assert_eq!(lines, [1, 2]);
+}
+
+/// Vector `prep-toolcorr-outer`: G42 D10 on the same contour.
+#[test]
+fn prep_toolcorr_outer() {
+    let path = beside(polyline(&CORNER), RIGHT, 10.0);
+    assert_points(&path, &[[0.0, -10.0], [100.0, -10.0], [110.0, 0.0], [110.0, 100.0]]);
+    let Shape::Arc(arc) = &path[1].shape else { panic!("{:?}", path[1]) };
+    assert!(close(arc.center(), [100.0, 0.0, 0.0]));
+    assert!((arc.radius() - 0.01).abs() <= VECTOR_TOLERANCE);
+    assert!((arc.length() - 0.015_707_963_268).abs() <= VECTOR_TOLERANCE);
+    assert!(arc.sweep() > 0.0, "move type 3: counter-clockwise");
+}
+
+#[test]
+fn half_of_the_radius_may_come_from_the_options() {
+    let elements = contour(polyline(&CORNER), LEFT, 4.0);
+    let options = ToolRadiusOptions { radius: 0.006, ..ToolRadiusOptions::default() };
+    let (path, _) = correct(elements, options);
+    assert_points(&path[1..3], &[[0.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
+}
+
+/// A circle's offset is a circle about the same centre, closed like the circle itself.
+#[test]
+fn circles() {
+    for (sweep, side, radius) in
+        [(TAU, LEFT, 40.0), (TAU, RIGHT, 60.0), (-TAU, LEFT, 60.0), (-TAU, RIGHT, 40.0)]
+    {
+        let path = beside(vec![arc([0.1, 0.0, 0.0], 0.05, 0.3, sweep, 0.05)], side, 10.0);
+        let [PathElement { shape: Shape::Arc(offset), .. }] = &path[..] else { panic!("{path:?}") };
+        assert!(close(offset.center(), [100.0, 0.0, 0.0]));
+        assert!((offset.radius() * 1e3 - radius).abs() < 1e-9);
+        assert!((offset.sweep() - sweep).abs() < 1e-12);
+        assert!((offset.start() - offset.end()).norm() < 1e-12);
+    }
+}
+
+/// A slot's outline with semicircles: tangent corners need neither arc nor cut.
+#[test]
+fn tangent_corners_stay_tangent() {
+    let outline = vec![
+        cut([0.0; 3], [0.1, 0.0, 0.0], 0.05),
+        arc([0.1, 0.02, 0.0], 0.02, -FRAC_PI_2, PI, 0.05),
+        cut([0.1, 0.04, 0.0], [0.0, 0.04, 0.0], 0.05),
+        arc([0.0, 0.02, 0.0], 0.02, FRAC_PI_2, PI, 0.05),
+    ];
+    for (side, y, radius) in [(LEFT, 5.0, 15.0), (RIGHT, -5.0, 25.0)] {
+        let path = beside(outline.clone(), side, 5.0);
+        assert_eq!(path.len(), 4);
+        assert!(close(path[0].start(), [0.0, y, 0.0]) && close(path[0].end(), [100.0, y, 0.0]));
+        let Shape::Arc(end) = &path[1].shape else { panic!("{path:?}") };
+        assert!((end.radius() * 1e3 - radius).abs() < 1e-9);
+        assert!((path[3].end() - path[0].start()).norm() < 1e-12, "closed");
+    }
+}
+
+/// Line into an arc it meets at an angle, inner and outer.
+#[test]
+fn lines_and_arcs_meet() {
+    // Along +X to 50/0, then counter-clockwise about 50/50: tangent would be +X, the arc starts at −X−Y instead.
+    let bend = || {
+        vec![
+            cut([-0.1, 0.0, 0.0], [0.05, 0.0, 0.0], 0.05),
+            // From 50/0 about 20/40: r 50, starting towards 80/30 turned by 36.87° to the left.
+            arc([0.02, 0.04, 0.0], 0.05, f64::atan2(-0.04, 0.03), 1.0, 0.05),
+        ]
+    };
+    let inner = beside(bend(), LEFT, 10.0);
+    assert_eq!(inner.len(), 2);
+    // y = 10 meets the circle r 40 about 20/40 at x = 20 + √(1600 − 900).
+    assert!(close(inner[0].end(), [20.0 + 700.0_f64.sqrt(), 10.0, 0.0]));
+    let Shape::Arc(arc) = &inner[1].shape else { panic!("{inner:?}") };
+    assert!((arc.radius() - 0.04).abs() < 1e-12);
+    let outer = beside(bend(), RIGHT, 10.0);
+    assert_eq!(outer.len(), 3);
+    assert!(close(outer[0].end(), [50.0, -10.0, 0.0]));
+    assert!(close(outer[1].end(), [56.0, -8.0, 0.0]));
+    let Shape::Arc(arc) = &outer[2].shape else { panic!("{outer:?}") };
+    assert!((arc.radius() - 0.06).abs() < 1e-12);
+}
+
+/// There and back: the tool goes around the end.
+#[test]
+fn a_reversal_is_an_outer_corner() {
+    for (side, y) in [(LEFT, 10.0), (RIGHT, -10.0)] {
+        let path = beside(polyline(&[[0.0, 0.0], [100.0, 0.0], [0.0, 0.0]]), side, 10.0);
+        assert_points(&path, &[[0.0, y], [100.0, y], [100.0, -y], [0.0, -y]]);
+        let tip = path[1].at(path[1].length() / 2.0).position;
+        assert!(close(tip, [110.0, 0.0, 0.0]));
+    }
+}
+
+/// Closed, from a corner, around the outside: it comes back to a radius from where it began.
+#[test]
+fn closed_square_outside() {
+    let square = polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 100.0], [0.0, 100.0], [0.0, 0.0]]);
+    let path = beside(square, RIGHT, 10.0);
+    assert_eq!(path.len(), 7);
+    assert!(close(path[0].start(), [0.0, -10.0, 0.0]) && close(path[6].end(), [-10.0, 0.0, 0.0]));
+    let length: f64 = path.iter().map(PathElement::length).sum();
+    assert!((length - (0.4 + 1.5 * PI * 0.01)).abs() < 1e-12);
+}
+
+/// Closed, from the middle of a side, along the inside.
+#[test]
+fn closed_square_inside() {
+    let square = polyline(&[
+        [50.0, 0.0],
+        [100.0, 0.0],
+        [100.0, 100.0],
+        [0.0, 100.0],
+        [0.0, 0.0],
+        [50.0, 0.0],
+    ]);
+    let path = beside(square, LEFT, 10.0);
+    let points =
+        [[50.0, 10.0], [90.0, 10.0], [90.0, 90.0], [10.0, 90.0], [10.0, 10.0], [50.0, 10.0]];
+    assert_points(&path, &points);
+}
+
+/// Helices keep their Z: the heights of their ends, however their length changes.
+#[test]
+fn height_stays() {
+    let shape = |element: &PathElement| element.shape.clone();
+    let Shape::Arc(flat) = shape(&arc([0.0; 3], 0.05, 0.0, PI, 0.05)) else { panic!() };
+    let mut end = flat.end();
+    end.z = 0.02;
+    let helix = crate::Arc::new(flat.start(), end, flat.center(), PI);
+    let helix = PathElement { shape: Shape::Arc(helix), ..arc([0.0; 3], 0.05, 0.0, PI, 0.05) };
+    let down = cut(end.into(), [-0.05, -0.1, -0.01], 0.05);
+    for side in [LEFT, RIGHT] {
+        let path = beside(vec![helix.clone(), down.clone()], side, 10.0);
+        assert_eq!((path[0].start().z, path[0].end().z), (0.0, 0.02));
+        assert_eq!((path[1].start().z, path[1].end().z), (0.02, -0.01));
+    }
+}
+
+/// A spline that goes straight back over the line before it runs out beyond its end first, and turns there: no piece of
+/// it has lost its direction, and the tool goes out on one side and comes back on the other.
+#[test]
+fn splines_that_turn_back() {
+    // G1 X87.48 Y51.53, then G5 X0 Y0: the spline leaves in the direction of the line and arrives along its chord.
+    let line = polyline(&[[0.0, 0.0], [87.48, 51.53]]);
+    let (start, end) = (line[0].end(), line[0].start());
+    let chord = (end - start).xy();
+    let spline = Cubic::hermite(start, end, -chord, chord);
+    let spline = element(ElementKind::Cut, Shape::Cubic(Box::new(spline)), 0.05);
+    let elements = numbered(vec![line[0].clone(), spline]);
+    let (path, _) = correct(contour(elements, RIGHT, 27.7), ToolRadiusOptions::default());
+    let direction = Vector2::new(87.48, 51.53).normalize();
+    let mut sides = [0, 0];
+    // But for the positionings.
+    for element in path.iter().filter(|element| element.kind == ElementKind::Cut) {
+        let end = element.end().coords.xy();
+        let (along, across) = (direction.dot(&end), direction.perp(&end));
+        assert!(element.length().is_finite(), "{element:?}");
+        if along < 0.087_48 {
+            assert!((across.abs() - 27.7e-3).abs() <= 2e-6, "{element:?}");
+        }
+        sides[usize::from(across > 0.0)] += 1;
+    }
+    assert!(sides.iter().all(|count| *count > 0), "{sides:?}");
+}

@@ -1,0 +1,268 @@
+//! Tests of contours that are too narrow for the tool.
+
+use super::{LEFT, RIGHT, assert_points, contour, correct};
+use crate::Place;
+use crate::prepare::tests::{Error, arc, cut, element, m_function, numbered, polyline, taken};
+use crate::prepare::{AvoidLoops, Notice, Notices, ToolRadius, ToolRadiusOptions};
+use crate::{Cubic, ElementKind, Ellipse, Marks, PathElement, Shape, Switch};
+use nalgebra::{Point2, Point3, Vector2};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+fn with_notices(elements: Vec<PathElement>) -> (Vec<PathElement>, Vec<Notice>) {
+    let (mut path, notices) = correct(elements, ToolRadiusOptions::default());
+    // Without the ramps.
+    path.remove(0);
+    path.pop();
+    (path, notices)
+}
+
+/// Lines 1 and 3 with a fillet of 5 mm in the corner between them.
+fn filleted() -> Vec<PathElement> {
+    numbered(vec![
+        cut([0.0; 3], [0.095, 0.0, 0.0], 0.05),
+        arc([0.095, 0.005, 0.0], 0.005, -FRAC_PI_2, FRAC_PI_2, 0.05),
+        cut([0.1, 0.005, 0.0], [0.1, 0.1, 0.0], 0.05),
+    ])
+}
+
+/// The tool touches both lines and leaves the fillet to a smaller one: told, and no gouge.
+#[test]
+fn an_arc_smaller_than_the_tool_vanishes() {
+    let (path, notices) = with_notices(contour(filleted(), LEFT, 10.0));
+    assert_points(&path, &[[0.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
+    let [Notice::TooNarrow { place, radius: Some(radius), tool_radius }] = notices[..] else {
+        panic!("{notices:?}");
+    };
+    assert_eq!(place.line, 2);
+    assert!((radius - 0.005).abs() < 1e-12 && (tool_radius - 0.01).abs() < 1e-12);
+    assert_eq!(
+        notices[0].to_string(),
+        "line 2: an arc of radius 5.000000 mm is too narrow for a tool of radius 10.000000 mm"
+    );
+    // On the outside it becomes larger.
+    let (path, notices) = with_notices(contour(filleted(), RIGHT, 10.0));
+    assert_eq!((path.len(), notices.len()), (3, 0));
+}
+
+/// A chamfer of 7.07 mm: each of its corners takes 10·tan(22.5°) = 4.14 mm of it.
+const CHAMFERED: [[f64; 2]; 4] = [[0.0, 0.0], [95.0, 0.0], [100.0, 5.0], [100.0, 100.0]];
+
+#[test]
+fn an_element_between_inner_corners_reverses() {
+    let (path, notices) = with_notices(contour(polyline(&CHAMFERED), LEFT, 10.0));
+    assert_points(&path, &[[0.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
+    let place = Place { line: 2, block: None };
+    assert_eq!(notices, [Notice::TooNarrow { place, radius: None, tool_radius: 0.01 }]);
+    assert_eq!(notices[0].rule(), "compensation-gouge");
+    // A smaller tool fits.
+    let (path, notices) = with_notices(contour(polyline(&CHAMFERED), LEFT, 8.0));
+    assert_eq!((path.len(), notices.len()), (3, 0));
+}
+
+/// Several short elements in one corner.
+#[test]
+fn the_path_is_found_again_behind_several_elements() {
+    let mut points = vec![[0.0, 0.0]];
+    points.extend((0..=6).map(|step| {
+        let angle = f64::from(step) * 15_f64.to_radians();
+        [97.0 + 3.0 * angle.sin(), 3.0 - 3.0 * angle.cos()]
+    }));
+    points.push([100.0, 100.0]);
+    let (path, notices) = with_notices(contour(polyline(&points), LEFT, 10.0));
+    assert_points(&path, &[[0.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
+    let lines: Vec<_> = notices.iter().map(|notice| notice.place().line).collect();
+    assert_eq!(lines, [2, 3, 4, 5, 6, 7]);
+}
+
+/// What the dropped element carried is done where it would have been.
+#[test]
+fn nothing_but_the_path_is_dropped() {
+    let mut elements = contour(polyline(&CHAMFERED), LEFT, 10.0);
+    elements[1].marks = Marks::LOOPS;
+    let details = elements[1].details.get_or_insert_default();
+    assert!(details.switches.add(Switch { number: 7, on: true, at: 0.5 }));
+    elements.insert(1, m_function([0.095, 0.0, 0.0].into()));
+    elements.insert(3, m_function([0.1, 0.005, 0.0].into()));
+    let (path, _) = with_notices(elements);
+    assert_points(&path, &[[0.0, 10.0], [90.0, 10.0], [90.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
+    let m = ElementKind::MFunction { number: 8 };
+    assert_eq!((path[1].kind, path[2].kind), (m, m));
+    assert_eq!(path[3].marks, Marks::LOOPS);
+    assert_eq!(path[3].switches(), [Switch { number: 7, on: true, at: 0.0 }]);
+}
+
+/// Down a slot of 10 mm with a tool of 20 mm: it cannot but cut into the other wall.
+#[test]
+fn a_slot_narrower_than_the_tool_is_gouged() {
+    let slot = polyline(&[[0.0, 100.0], [0.0, 0.0], [10.0, 0.0], [10.0, 100.0]]);
+    let (path, notices) = with_notices(contour(slot, LEFT, 10.0));
+    assert!(path.len() >= 3);
+    let depth = |from: u32, into: u32| {
+        notices.iter().find_map(|notice| match notice {
+            Notice::Gouge { place, damaged, depth }
+                if (place.line, damaged.line) == (from, into) =>
+            {
+                Some(*depth)
+            }
+            _ => None,
+        })
+    };
+    // Beside the one wall the centre is in the other.
+    for (from, into) in [(1, 3), (3, 1)] {
+        assert!(depth(from, into).is_some_and(|depth| (depth - 0.01).abs() < 1e-12), "{notices:?}");
+    }
+    let text = notices.iter().map(ToString::to_string).find(|text| text.contains("line 3"));
+    assert!(text.is_some_and(|text| text.ends_with("mm into the contour of line 3")));
+}
+
+/// A contour that closes at an inner corner: its first and last element do not know of each other, but the tool is
+/// looked at.
+#[test]
+fn inner_corner_where_a_contour_closes() {
+    let mut square = vec![[0.0, 0.0], [100.0, 0.0], [100.0, 100.0]];
+    // Long enough to leave the window.
+    square.extend((0..200).map(|step| [100.0 - f64::from(step) * 0.5, 100.0]));
+    square.extend([[0.0, 100.0], [0.0, 0.0]]);
+    square.dedup();
+    let last = u32::try_from(square.len() - 1).unwrap();
+    let (_, notices) = with_notices(contour(polyline(&square), LEFT, 10.0));
+    let pairs: Vec<_> = notices
+        .iter()
+        .filter_map(|notice| match notice {
+            Notice::Gouge { place, damaged, .. } => Some((place.line, damaged.line)),
+            _ => None,
+        })
+        .collect();
+    assert!(pairs.contains(&(1, last)) && pairs.contains(&(last, 1)), "{pairs:?}");
+}
+
+#[test]
+fn a_hole_smaller_than_the_tool() {
+    let hole = numbered(vec![arc([0.0; 3], 0.005, 0.0, TAU, 0.05)]);
+    let (_, notices) = with_notices(contour(hole, LEFT, 10.0));
+    assert!(notices.iter().any(|notice| matches!(notice, Notice::TooNarrow { .. })));
+    assert!(notices.iter().any(|notice| matches!(notice, Notice::Gouge { .. })));
+}
+
+/// Without look-ahead the offset crosses itself, as in the manual; loop avoidance after it finds the same path.
+#[test]
+fn loop_avoidance_does_it_too() {
+    for elements in [filleted(), polyline(&CHAMFERED)] {
+        let mut elements = contour(elements, LEFT, 10.0);
+        elements[0].marks = elements[0].marks.with(Marks::LOOPS);
+        elements[2].marks = elements[2].marks.with(Marks::LOOPS_END);
+        let notices = Notices::default();
+        let options = ToolRadiusOptions { look_ahead: 0, ..ToolRadiusOptions::default() };
+        let items = elements.into_iter().map(Ok::<_, Error>);
+        let offset = ToolRadius::new(items, options, notices.clone());
+        let mut path: Vec<_> =
+            AvoidLoops::new(offset, notices.clone()).map(Result::unwrap).collect();
+        path.remove(0);
+        path.pop();
+        assert_points(&path, &[[0.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
+        let told = taken(&notices);
+        assert!(told.iter().any(|notice| matches!(notice, Notice::LoopCut { .. })), "{told:?}");
+    }
+}
+
+/// Ellipses and splines: the tool stays its radius away from them, to the tolerance; their offset has no kinks.
+#[test]
+fn curves_are_offset_to_the_tolerance() {
+    let start = Point3::new(0.08, 0.0, 0.0);
+    let ellipse = Ellipse::new(start, start, Point2::origin(), Vector2::new(0.08, 0.0), 0.05, TAU);
+    let bend = Cubic::hermite(
+        Point3::new(0.0, 0.0, 0.0),
+        Point3::new(0.2, 0.05, 0.03),
+        Vector2::new(0.2, 0.1),
+        Vector2::new(0.2, 0.1),
+    );
+    for shape in [Shape::Ellipse(Box::new(ellipse)), Shape::Cubic(Box::new(bend))] {
+        for (side, tolerance) in [(LEFT, 1e-6), (RIGHT, 1e-6), (LEFT, 1e-4)] {
+            let mut curve = element(ElementKind::Cut, shape.clone(), 0.05);
+            let details = curve.details.get_or_insert_default();
+            assert!(details.switches.add(Switch { number: 7, on: true, at: 0.5 }));
+            let options = ToolRadiusOptions { tolerance, ..ToolRadiusOptions::default() };
+            let (path, notices) = correct(contour(vec![curve], side, 5.0), options);
+            assert_eq!(notices, []);
+            let path = &path[1..path.len() - 1];
+            let points: Vec<_> = (0..=4000)
+                .map(|sample| shape.at(shape.length() * f64::from(sample) / 4000.0).position.xy())
+                .collect();
+            for element in path {
+                for part in [0.0, 0.3, 0.7] {
+                    let at = element.at(part * element.length()).position.xy();
+                    let nearest =
+                        points.iter().map(|p| (p - at).norm()).fold(f64::INFINITY, f64::min);
+                    assert!((nearest - 0.005).abs() < tolerance + 1e-6, "{nearest}");
+                }
+            }
+            for pair in path.windows(2) {
+                let turn = pair[0].end_tangent().xy().normalize()
+                    - pair[1].start_tangent().xy().normalize();
+                assert!(turn.norm() < 1e-7);
+            }
+            let heights = (path[0].start().z, path[path.len() - 1].end().z);
+            assert_eq!(heights, (shape.start().z, shape.end().z));
+            let switches: Vec<_> = path.iter().flat_map(PathElement::switches).collect();
+            assert_eq!(switches.len(), 1);
+        }
+    }
+}
+
+/// Memory is bounded wherever the path goes, and however many M functions come in a row.
+#[test]
+fn the_window_is_bounded() {
+    let stairs = (0..5000_u32).map(|n| {
+        let at = |n: u32| [f64::from(n.div_ceil(2)) * 0.1, f64::from(n / 2) * 0.1, 0.0];
+        let marks = if n == 0 { LEFT } else { Marks::default() };
+        let place = Place { line: n + 1, block: None };
+        let step = cut(at(n), at(n + 1), 0.05);
+        Ok::<_, Error>(PathElement { place, marks, tool_radius: 0.01, ..step })
+    });
+    let pulled = std::cell::Cell::new(0);
+    let stairs = stairs.inspect(|_| pulled.set(pulled.get() + 1));
+    let options = ToolRadiusOptions::default();
+    let mut path = ToolRadius::new(stairs, options, Notices::default());
+    while let Some(Ok(element)) = path.next() {
+        assert!(pulled.get() <= element.place.line + 130, "{} at {}", pulled.get(), element.place);
+    }
+    assert_eq!(pulled.get(), 5000);
+    let lines = contour(polyline(&super::CORNER), LEFT, 10.0);
+    let many = std::iter::repeat_with(|| Ok::<_, Error>(m_function(lines[0].end()))).take(10_000);
+    let items = std::iter::once(Ok(lines[0].clone())).chain(many).chain([Ok(lines[1].clone())]);
+    let path: Vec<_> =
+        ToolRadius::new(items, options, Notices::default()).map(Result::unwrap).collect();
+    crate::prepare::tests::assert_continuous(&path);
+    assert_eq!(path.iter().filter(|element| !element.kind.is_motion()).count(), 10_000);
+}
+
+/// A semicircle of exactly the tool's radius shrinks to a point.
+#[test]
+fn an_arc_of_the_tools_radius() {
+    let pocket = numbered(vec![
+        cut([0.0; 3], [0.1, 0.0, 0.0], 0.05),
+        arc([0.1, 0.01, 0.0], 0.01, -FRAC_PI_2, PI, 0.05),
+        cut([0.1, 0.02, 0.0], [0.0, 0.02, 0.0], 0.05),
+    ]);
+    let (path, _) = with_notices(contour(pocket, LEFT, 10.0));
+    let length: f64 = path.iter().map(PathElement::length).sum();
+    assert!((length - 0.2).abs() < 1e-9, "{path:?}");
+}
+/// A circle in segments of 0.1 mm, its numbers in micrometres: corners of both kinds, none of which is one.
+#[test]
+fn fine_segments() {
+    let rounded = |x: f64| (x * 1e6).round() * 1e-6;
+    let at = |step: u32| {
+        let angle = f64::from(step) * 0.005;
+        [rounded(0.02 * angle.cos()), rounded(0.02 * angle.sin()), 0.0]
+    };
+    for (side, radius) in [(LEFT, 0.015), (RIGHT, 0.025)] {
+        let path = numbered((0..1200).map(|step| cut(at(step), at(step + 1), 0.05)).collect());
+        let (after, notices) = with_notices(contour(path, side, 5.0));
+        assert_eq!(notices, []);
+        for element in after {
+            let found = element.at(element.length() / 2.0).position.coords.norm();
+            assert!((found - radius).abs() < 1e-6, "{found} on {element:?}");
+        }
+    }
+}

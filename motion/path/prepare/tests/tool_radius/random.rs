@@ -1,0 +1,119 @@
+//! Properties of the offset of random paths.
+
+use super::{LEFT, RIGHT, contour, correct};
+use crate::prepare::planar::{Curve, distance};
+use crate::prepare::tests::{Error, cut, element, numbered, random_path};
+use crate::prepare::{Notice, Notices, ToolRadius, ToolRadiusOptions};
+use crate::{Arc, ElementKind, PathElement, Shape};
+use nalgebra::{Point3, Vector3};
+use proptest::prelude::*;
+use std::collections::HashSet;
+use std::f64::consts::TAU;
+
+/// Distance of a point of the path from an element of the contour in X and Y, m.
+fn from_contour(path: &PathElement, part: f64, contour: &Curve) -> f64 {
+    let point = path.at(part * path.length()).position.xy();
+    distance(&Curve::Line { start: point, end: point }, contour)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    /// Nowhere nearer to any element than the radius unless a gouge tells it, and beside its own element exactly.
+    #[test]
+    fn the_tool_keeps_its_distance(
+        path in random_path(false),
+        left in any::<bool>(),
+        radius in 0.0005..0.03,
+    ) {
+        let side = if left { LEFT } else { RIGHT };
+        let (after, notices) =
+            correct(contour(path.clone(), side, radius * 1e3), ToolRadiusOptions::default());
+        let told: HashSet<_> = notices
+            .iter()
+            .filter_map(|notice| match notice {
+                Notice::Gouge { place, damaged, .. } => Some((place.line, damaged.line)),
+                _ => None,
+            })
+            .collect();
+        let contours: Vec<_> = path
+            .iter()
+            .filter_map(|element| Some((element.place.line, Curve::of(&element.shape)?)))
+            .collect();
+        for element in after.iter().filter(|element| element.kind == ElementKind::Cut) {
+            for (line, contour) in &contours {
+                let own = *line == element.place.line;
+                if told.contains(&(element.place.line, *line)) {
+                    continue;
+                }
+                for part in [0.0, 0.1, 0.25, 0.5, 0.8, 1.0] {
+                    let distance = from_contour(element, part, contour);
+                    prop_assert!(distance >= radius - 1e-9, "{distance} {line} {element:?}");
+                    prop_assert!(!own || distance <= radius + 1e-9, "{distance} {element:?}");
+                }
+            }
+        }
+    }
+
+    /// Numbers in whole micrometres leave neighbours that were tangent with a turn, and arcs with two radii. That is
+    /// no reason to find anything wrong, nor to lose a piece.
+    #[test]
+    fn programs_have_rounded_numbers(
+        steps in prop::collection::vec((0.02..0.06, 0.02..0.05, 0.2..2.0, any::<bool>()), 1..6),
+        left in any::<bool>(),
+    ) {
+        let rounded = |point: Point3<f64>| point.map(|x| (x * 1e6).round() * 1e-6);
+        let (mut at, mut heading) = (Point3::origin(), 0.0_f64);
+        let mut path = Vec::new();
+        for (way, radius, sweep, turns_left) in steps {
+            let sweep: f64 = if turns_left { sweep } else { -sweep };
+            let ahead = Vector3::new(heading.cos(), heading.sin(), 0.0);
+            let joint = rounded(at + ahead * way);
+            path.push(cut(at.into(), joint.into(), 0.05));
+            // To the left or right of the direction.
+            let radius: f64 = if turns_left { radius } else { -radius };
+            let center = rounded(joint + Vector3::new(-ahead.y, ahead.x, 0.0) * radius);
+            heading += sweep;
+            let outward = Vector3::new(heading.sin(), -heading.cos(), 0.0);
+            let end = rounded(center + outward * radius);
+            let angle = |point: Point3<f64>| (point - center).y.atan2((point - center).x);
+            let turned = (angle(end) - angle(joint)) * sweep.signum();
+            let sweep = turned.rem_euclid(TAU) * sweep.signum();
+            let bend = Arc::new(joint, end, center, sweep);
+            path.push(element(ElementKind::Cut, Shape::Arc(bend), 0.05));
+            at = end;
+        }
+        let path = numbered(path);
+        let side = if left { LEFT } else { RIGHT };
+        let (after, notices) = correct(contour(path.clone(), side, 5.0), ToolRadiusOptions::default());
+        // Far away from itself the path may come near to itself.
+        let beside = |notice: &&Notice| match notice {
+            Notice::Gouge { place, damaged, .. } => place.line.abs_diff(damaged.line) <= 1,
+            _ => true,
+        };
+        prop_assert_eq!(notices.iter().find(beside), None);
+        let lines: HashSet<_> = after.iter().map(|element| element.place.line).collect();
+        prop_assert_eq!(lines.len(), path.len());
+    }
+
+    #[test]
+    fn without_marks_it_is_the_identity(path in random_path(true)) {
+        let items: Vec<_> = path.into_iter().map(Ok::<_, Error>).collect();
+        let options = ToolRadiusOptions { radius: 0.01, ..ToolRadiusOptions::default() };
+        let same: Vec<_> =
+            ToolRadius::new(items.clone().into_iter(), options, Notices::default()).collect();
+        prop_assert_eq!(same, items);
+    }
+
+    /// Also with curves the path never breaks, and its ends are those of the contour.
+    #[test]
+    fn the_path_never_breaks(path in random_path(true), left in any::<bool>(), radius in 0.0..0.05) {
+        let side = if left { LEFT } else { RIGHT };
+        let (after, _) =
+            correct(contour(path.clone(), side, radius * 1e3), ToolRadiusOptions::default());
+        let ends = |path: &[PathElement]| {
+            path.first().map(PathElement::start).zip(path.last().map(PathElement::end))
+        };
+        prop_assert_eq!(ends(&after), ends(&path));
+    }
+}

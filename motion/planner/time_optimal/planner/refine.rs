@@ -1,0 +1,349 @@
+//! Grid of a window: the cells between which the profile may change its acceleration.
+
+use super::{NoWindow, Planner};
+use crate::time_optimal::axis_path::AxisPath;
+use crate::time_optimal::bound::{Cap, CapSource};
+use crate::time_optimal::grid::Grid;
+use crate::time_optimal::reachable;
+use crate::time_optimal::rows::LEAST_TIME;
+use crate::time_optimal::sample::grid;
+use crate::time_optimal::smooth::{Beginning, Guess};
+use twin_path::prepare::CheckedElement;
+
+/// Within this time, s, after the path rested, or before it will, steps are shorter in proportion: there the velocity changes
+/// fast.
+const GRADE: f64 = 0.06;
+/// Cells that take no more than this, s, are not cut for the sake of time: a few cuts more, and their jerks could not be told.
+pub(super) const SHORTEST: f64 = 4.0 * LEAST_TIME;
+/// The first and last cell of a path between stops take so long, s, and at most a quarter of the whole: there the jerk is
+/// constant.
+const LAUNCH: f64 = 8e-3;
+/// Steps of the grid that is first solved on where jerks are limited, in steps of the one that counts.
+const COARSE: f64 = 4.0;
+/// Between stops there are at least so many steps.
+const FEWEST_STEPS: f64 = 12.0;
+/// Cells that take more steps are cut.
+const TOO_LONG: f64 = 1.6;
+/// A path that takes less than so many horizons is planned in one window.
+const BEYOND: f64 = 1.5;
+/// A first profile may be faster by this part, in u̇², than what keeps the jerk limits at constant velocity: not much more can be won
+/// by speeding up and slowing down.
+const BEND_ROOM: f64 = 2.0;
+/// The path does not rest where b is more than this part of what it is a node before.
+const NO_REST: f64 = 1e-6;
+/// Between stops there are at least so many cells.
+const FEWEST: usize = 4;
+/// Cells in which jerks differ by more than this part of their limits are cut in half.
+const VARIES: f64 = 0.12;
+
+impl<I, E, A> Planner<I, E, A>
+where
+    I: Iterator<Item = Result<CheckedElement, E>>,
+    A: AxisPath,
+{
+    /// A first profile of b at the nodes, with stops as jerk limits allow them, and its duration.
+    pub(super) fn estimate(&self, grid: &Grid) -> (Vec<f64>, f64) {
+        let cells = 0..grid.cells();
+        let start = match self.beginning {
+            Beginning::Rest => 0.0,
+            Beginning::Moving { b, .. } => b,
+        };
+        let mut b = reachable::fastest(grid, cells.clone(), start, 0.0);
+        if self.jerk_limited
+            && let Some(slower) = slow_in_bends(grid, &b)
+        {
+            b = reachable::fastest(&slower, cells.clone(), start, 0.0);
+        }
+        go_on(grid, &mut b);
+        if self.jerk_limited {
+            if self.beginning == Beginning::Rest {
+                soften(&mut b, grid.nodes(), grid.jerk_start(0));
+            }
+            let mirrored: Vec<f64> = grid.nodes().iter().rev().map(|u| -u).collect();
+            b.reverse();
+            soften(&mut b, &mirrored, grid.jerk_end(cells.end.saturating_sub(1)));
+            b.reverse();
+        }
+        let pairs = b.windows(2).zip(cells);
+        let duration =
+            pairs.map(|(pair, cell)| time(pair, grid.length(cell), self.jerk_limited)).sum();
+        (b, duration)
+    }
+
+    /// Leaves what is more than `horizon` s ahead for the next window.
+    pub(super) fn cut_off(&mut self, horizon: f64) -> Result<(), NoWindow> {
+        let (b, duration) = self.estimate(&grid(&self.sampler, &self.cells));
+        if duration < BEYOND * horizon {
+            return Ok(());
+        }
+        let mut left = horizon;
+        let ends = b.iter().zip(b.iter().skip(1)).zip(&self.cells);
+        let times =
+            ends.map(|((from, to), cell)| time(&[*from, *to], cell.length(), self.jerk_limited));
+        let mut times = times.enumerate();
+        // What was planned before stays in the window, and something is to be new.
+        let least = self.kept.len();
+        let Some((index, takes)) = times.find(|(index, takes)| {
+            left -= takes;
+            left <= 0.0 && *index >= least
+        }) else {
+            return Ok(());
+        };
+        let Some(cell) = self.cells.get(index) else { return Ok(()) };
+        let part = 1.0 + left / takes;
+        // A window of one cell would begin and end at rest all the way.
+        let at = if takes > 0.1 * horizon && part > 0.1 && part < 0.9 {
+            vec![0.5 * part, part]
+        } else {
+            vec![0.5]
+        };
+        let parts = self.sampler.parts(cell, &at);
+        let mut parts = parts.map_err(|error| NoWindow::Kinematics(cell.element.place(), error))?;
+        let behind = parts.split_off(parts.len().min(2));
+        let mut beyond = self.cells.split_off(index + 1);
+        beyond.splice(..0, behind);
+        self.cells.truncate(index);
+        self.cells.append(&mut parts);
+        if !beyond.is_empty() {
+            self.return_beyond(&beyond);
+        }
+        Ok(())
+    }
+
+    /// Cuts cells that take too long, but not those that are kept. Where jerks are limited this is only the grid of a first,
+    /// rough solution, which is then cut by how long its cells take ([`Self::subdivide`]).
+    pub(super) fn refine(&mut self) -> Result<(), NoWindow> {
+        // Little is to choose where the path has to brake nearly as hard as it can: there the grid is fine from the beginning.
+        let coarse = self.jerk_limited && !self.smooth.positive;
+        let step = if coarse { COARSE * self.options.step } else { self.options.step };
+        for _ in 0..12 {
+            if self.budget.is_spent() {
+                break;
+            }
+            let grid = grid(&self.sampler, &self.cells);
+            let (b, duration) = self.estimate(&grid);
+            let step = step.min(duration / FEWEST_STEPS);
+            let count = self.cells.len();
+            let mut refined = Vec::with_capacity(2 * count);
+            self.budget.looked(count);
+            let mut cut = false;
+            // Time since the path rested, and until it will.
+            let mut since = if self.beginning == Beginning::Rest { 0.0 } else { f64::INFINITY };
+            let mut left = if self.stops() { duration } else { f64::INFINITY };
+            let mut known = std::mem::take(&mut self.cells).into_iter().enumerate();
+            while let Some((index, cell)) = known.next() {
+                let pair = b.get(index..index + 2).unwrap_or_default();
+                let takes = time(pair, cell.length(), self.jerk_limited);
+                let fine = graded(step, since.min(left));
+                since += takes;
+                left -= takes;
+                // A profile with limited jerk has to have a choice.
+                let few = self.jerk_limited && count < FEWEST;
+                let fine_enough = takes <= TOO_LONG * fine && !few || self.budget.is_spent();
+                if index + 1 < self.kept.len() || fine_enough {
+                    refined.push(cell);
+                    continue;
+                }
+                let rest = [
+                    self.jerk_limited && index == 0 && self.beginning == Beginning::Rest,
+                    self.jerk_limited && index + 1 == count,
+                ];
+                let mut at = if rest == [false; 2] {
+                    cuts(pair, takes, fine)
+                } else {
+                    rest_cuts(
+                        cell.length(),
+                        rest,
+                        grid.rest_rates(index),
+                        LAUNCH.min(0.25 * duration),
+                    )
+                };
+                if few && at.is_empty() {
+                    at.push(0.5);
+                }
+                cut |= !at.is_empty();
+                self.budget.sampled(at.len() + 1);
+                match self.sampler.parts(&cell, &at) {
+                    Ok(parts) => refined.extend(parts),
+                    Err(error) => {
+                        // Nothing of the path is lost.
+                        let place = cell.element.place();
+                        refined.push(cell);
+                        refined.extend(known.map(|(_, cell)| cell));
+                        self.cells = refined;
+                        return Err(NoWindow::Kinematics(place, error));
+                    }
+                }
+            }
+            self.cells = refined;
+            if !cut {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Cuts cells that take too long at `guess`, but not those that are kept, nor those that begin or end at rest.
+    pub(super) fn subdivide(&mut self, guess: &mut Guess) {
+        let times = self.cells.iter().enumerate().map(|(index, cell)| {
+            let motion = guess.motion(index, cell.length());
+            motion.map_or(0.0, |motion| motion.duration)
+        });
+        let times: Vec<f64> = times.collect();
+        let duration: f64 = times.iter().sum();
+        let step = self.options.step.min(duration / FEWEST_STEPS);
+        let mut since = if self.beginning == Beginning::Rest { 0.0 } else { f64::INFINITY };
+        let mut left = if self.stops() { duration } else { f64::INFINITY };
+        let inner = self.kept.len().max(2) - 1..self.cells.len().saturating_sub(1);
+        let mut cells = Vec::with_capacity(self.cells.len());
+        for ((index, cell), takes) in
+            std::mem::take(&mut self.cells).into_iter().enumerate().zip(times)
+        {
+            let fine = graded(step, since.min(left));
+            since += takes;
+            left -= takes;
+            let place = cells.len();
+            let pair = guess.b.get(place..place + 2).unwrap_or_default();
+            if inner.contains(&index)
+                && takes > TOO_LONG * fine
+                && let at = cuts(pair, takes, fine)
+                && let Ok(parts) = self.sampler.parts(&cell, &at)
+                && parts.len() == at.len() + 1
+            {
+                self.budget.sampled(parts.len());
+                guess.cut(place, &at);
+                cells.extend(parts);
+            } else {
+                cells.push(cell);
+            }
+        }
+        self.cells = cells;
+    }
+
+    /// Cuts cells in half in which jerks would differ too much from place to place.
+    pub(super) fn bend(&mut self, guess: &mut Guess) {
+        let grid = grid(&self.sampler, &self.cells);
+        let fresh = self.kept.len().saturating_sub(1);
+        let mut cells = Vec::with_capacity(self.cells.len());
+        let last = grid.cells().saturating_sub(1);
+        for (index, cell) in std::mem::take(&mut self.cells).into_iter().enumerate() {
+            let place = cells.len();
+            let rest = index == last || index == 0;
+            if !rest
+                && index >= fresh
+                && let Some(motion) = guess.motion(place, grid.length(index))
+                && motion.duration > SHORTEST
+                && grid.varies(index, &motion.ends) > VARIES
+                && let Ok(parts) = self.sampler.parts(&cell, &[0.5])
+                && parts.len() == 2
+            {
+                self.budget.sampled(parts.len());
+                guess.cut(place, &[0.5]);
+                cells.extend(parts);
+            } else {
+                cells.push(cell);
+            }
+        }
+        self.cells = cells;
+    }
+}
+
+/// Lets a profile go on that all but rests on the way. In a cell in which an axis nearly turns round two passes may be as fast
+/// as possible at its start and then have to stop at its end, where being slower before would be better.
+fn go_on(grid: &Grid, b: &mut [f64]) {
+    for node in 2..b.len().saturating_sub(1) {
+        let (Some(before), Some(here)) = (b.get(node - 1), b.get(node)) else { continue };
+        if *before <= 0.0 || *here > NO_REST * before {
+            continue;
+        }
+        let bends = grid.jerk_bound(node - 1).min(grid.jerk_bound(node));
+        let from = bends.min(0.5 * before);
+        let onwards = reachable::fastest(grid, node..grid.cells(), from, 0.0);
+        for (b, onwards) in b.iter_mut().skip(node).zip(onwards) {
+            *b = b.max(onwards);
+        }
+    }
+}
+
+/// The grid with bounds on the velocity where `b` is so large that the bends alone ask for much more jerk than there is; none if
+/// it is so nowhere.
+fn slow_in_bends(grid: &Grid, b: &[f64]) -> Option<Grid> {
+    let mut slower = None;
+    for cell in 0..grid.cells() {
+        let v2 = BEND_ROOM * grid.jerk_bound(cell);
+        // Where the window begins it is as fast as it is.
+        for node in [cell, cell + 1] {
+            if node > 0 && b.get(node).is_some_and(|b| *b > v2) {
+                let slower = slower.get_or_insert_with(|| grid.clone());
+                slower.cap_at(node, Cap { v2, source: CapSource::Nothing });
+            }
+        }
+    }
+    slower
+}
+
+/// Lowers `b` from rest at the first node on to what the jerk allows, u being the parameter of the nodes.
+fn soften(b: &mut [f64], u: &[f64], jerk: f64) {
+    if !jerk.is_finite() {
+        // Nothing moves whose jerk is limited.
+        return;
+    }
+    let start = u.first().copied().unwrap_or_default();
+    let scale = 0.25 * jerk.powf(2.0 / 3.0);
+    for (b, u) in b.iter_mut().zip(u) {
+        let most = scale * (6.0 * (u - start)).powf(4.0 / 3.0);
+        // Beyond the first meeting the acceleration is what counts.
+        if most >= *b && u > &start {
+            break;
+        }
+        *b = most;
+    }
+}
+
+/// Time for a cell with these b at its ends, s.
+pub(super) fn time(pair: &[f64], length: f64, jerk_limited: bool) -> f64 {
+    let [from, to] = pair else { return 0.0 };
+    let rest = from.min(*to) <= 0.0;
+    // With constant jerk from rest the mean velocity is a third of the last one, with constant acceleration half of it.
+    let parts = if rest && jerk_limited { 3.0 } else { 2.0 };
+    parts * length / (from.sqrt() + to.sqrt())
+}
+
+/// Where to cut a cell that begins or ends at rest, as parts of its length: after what is gone in `time` with the whole of the
+/// jerk limit, or until the acceleration is what it may be. What is left of it is cut like others. `limits`: acceleration and
+/// jerk of the parameter at its start and its end.
+fn rest_cuts(length: f64, rest: [bool; 2], limits: [[f64; 2]; 2], time: f64) -> Vec<f64> {
+    let [first, last] = limits.map(|[acceleration, jerk]| {
+        // Where no jerk is limited: that which builds up the acceleration in the time.
+        let jerk = if jerk.is_finite() { jerk } else { acceleration / time };
+        jerk * time.min(acceleration / jerk).powi(3) / 6.0 / length
+    });
+    match rest {
+        [true, true] => vec![first.min(0.25), 0.5, 1.0 - last.min(0.25)],
+        [true, false] if first < 0.8 => vec![first],
+        [false, true] if last < 0.8 => vec![1.0 - last],
+        _ => Vec::new(),
+    }
+}
+
+/// The step so long, s, after the path rested, or before it will.
+fn graded(step: f64, from_rest: f64) -> f64 {
+    (step * (from_rest / GRADE).clamp(0.125, 1.0)).max(SHORTEST)
+}
+
+/// Cuts of a cell that takes `takes` into parts of about `step`, as parts of its length.
+fn cuts(pair: &[f64], takes: f64, step: f64) -> Vec<f64> {
+    let [from, to] = pair else { return Vec::new() };
+    let parts = (takes / step).round().clamp(2.0, 8.0);
+    // Evenly where nothing moves.
+    let (v0, v1) = if from + to > 0.0 { (from.sqrt(), to.sqrt()) } else { (1.0, 1.0) };
+    let mut at = Vec::new();
+    let mut index = 1.0;
+    while index < parts {
+        // With constant acceleration: the way after a part of the time.
+        let part = index / parts;
+        at.push(part * (2.0 * v0 + part * (v1 - v0)) / (v0 + v1));
+        index += 1.0;
+    }
+    at
+}
