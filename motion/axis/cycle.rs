@@ -1,7 +1,7 @@
 //! Cycle of an axis: reading the drive, supervision, and the command at its end.
 
+use super::axis::DriveReport;
 use super::drive::{Command, ControllerMode, Feedback};
-use super::single::DriveReport;
 use super::state::AxisState;
 use super::{Axis, SmcError};
 use twin_profile::{Profile, RampType, State};

@@ -12,7 +12,7 @@
 //!
 //! There is no clock and no input or output: the caller gives the cycle time and the drive's feedback.
 
-mod axis_ref;
+mod axis;
 mod block;
 mod config;
 mod cycle;
@@ -20,20 +20,18 @@ mod diagnose;
 mod direction;
 mod drive;
 mod error;
-mod errors;
 mod gear;
 mod latch;
 mod master;
 mod math;
 mod moves;
 mod ownership;
-mod single;
 mod state;
 #[cfg(test)]
 mod tests;
 mod virtual_axes;
 
-pub use axis_ref::{Access, PARAMETERS, Parameter, Value};
+pub use axis::{Access, Axis, PARAMETERS, Parameter, Value};
 pub use block::{Block, Motion, Progress, Stage};
 pub use config::{AxisConfig, Movement};
 pub use diagnose::{Largest, TrackingError, tracking_error};
@@ -58,6 +56,5 @@ pub use moves::{
     VelocityProfile, Watched, WriteParameter,
 };
 pub use ownership::{Refusal, Start};
-pub use single::Axis;
 pub use state::AxisState;
 pub use virtual_axes::{Encoder, EncoderConfig, EncoderOutputs, TimeAxis, units};

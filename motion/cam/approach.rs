@@ -24,6 +24,7 @@ pub struct Gap {
     pub acceleration: f64,
     /// Of a rotary slave, u.
     pub period: Option<f64>,
+    /// Direction in which a rotary slave may go.
     pub mode: StartMode,
 }
 

@@ -29,9 +29,13 @@ pub struct Trigger {
 /// A cycle, as far as tappets see it: where the master came from and went to, on the scale of the cam but not wrapped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
+    /// Position of the master at its beginning.
     pub from: f64,
+    /// Position of the master at its end.
     pub to: f64,
+    /// Time of its beginning, ns.
     pub from_ns: i64,
+    /// Time of its end, ns.
     pub to_ns: i64,
 }
 
@@ -67,6 +71,7 @@ impl Stands {
 }
 
 impl Watch {
+    /// Watches over tappets with this hysteresis, on a scale that repeats after `width`.
     pub fn new(tappets: &[Tappet], hysteresis: f64, width: Option<f64>) -> Self {
         let tappets = tappets.iter().map(|tappet| (*tappet, None)).collect();
         Self { tappets, hysteresis: hysteresis.abs(), width, seam: None, found: Vec::new() }
@@ -149,10 +154,12 @@ pub struct Heading {
 }
 
 impl Heading {
+    /// A master at x that travels forwards or backwards.
     pub fn new(x: f64, forwards: bool) -> Self {
         Self { forwards, farthest: x }
     }
 
+    /// True while the master travels forwards.
     pub fn is_forwards(&self) -> bool {
         self.forwards
     }
@@ -190,6 +197,7 @@ pub struct LookAhead {
 /// Dead time of the look-ahead, and the hysteresis of a reversal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lead {
+    /// Dead time of what is switched, s.
     pub dead_time_s: f64,
     /// In the unit of the place.
     pub hysteresis: f64,

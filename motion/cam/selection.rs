@@ -1,7 +1,7 @@
 //! Cam selection and the inputs of `MC_CamIn` (`MC_CamTableSelect`, manual 4.6.1, 5.4).
 
 use super::bridge::BridgeLimits;
-use super::coupling::CouplingError;
+use super::coupled::CouplingError;
 use super::reference::Cam;
 use std::sync::Arc;
 

@@ -6,7 +6,7 @@ use super::{AxisLimits, ProfileError, RampType, State, parabolic, sigmoid, trape
 /// Motion of an axis over time, from a state at time 0 to an end with constant velocity, and on with that.
 ///
 /// ```
-/// use crate::{AxisLimits, Profile, RampType, State};
+/// use twin_profile::{AxisLimits, Profile, RampType, State};
 ///
 /// let limits = AxisLimits { velocity: 10.0, acceleration: 20.0, deceleration: 20.0, jerk: 200.0 };
 /// let profile =
@@ -14,7 +14,7 @@ use super::{AxisLimits, ProfileError, RampType, State, parabolic, sigmoid, trape
 /// assert_eq!(profile.duration(), 10.5);
 /// assert_eq!(profile.at(0.5).velocity, 10.0);
 /// assert_eq!(profile.at(20.0), State::resting(100.0));
-/// # Ok::<(), crate::ProfileError>(())
+/// # Ok::<(), twin_profile::ProfileError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profile {

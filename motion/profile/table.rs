@@ -44,7 +44,7 @@ pub struct ProfileTable<'a> {
 /// must not ask for another position or velocity. The acceleration may step there.
 ///
 /// ```
-/// use crate::{ProfilePoint, ProfileTable, State, TableProfile};
+/// use twin_profile::{ProfilePoint, ProfileTable, State, TableProfile};
 ///
 /// let points = [(0.0, 0.0), (1.0, 10.0), (1.0, 15.0)]
 ///     .map(|(delta_time, value)| ProfilePoint { delta_time, value });
@@ -52,7 +52,7 @@ pub struct ProfileTable<'a> {
 /// let profile = TableProfile::positions(State::resting(0.0), table)?;
 /// assert!((profile.at(1.0).velocity - 11.25).abs() < 1e-12);
 /// assert_eq!(profile.at(2.0), State::resting(15.0));
-/// # Ok::<(), crate::ProfileError>(())
+/// # Ok::<(), twin_profile::ProfileError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableProfile {

@@ -4,7 +4,7 @@
 //! ([`Axis::read_fb_error`](super::Axis::read_fb_error)). Errors of the drive itself are numbers of its maker.
 //!
 //! ```
-//! use crate::{Language, SmcError};
+//! use twin_axis::{Language, SmcError};
 //!
 //! let error = SmcError::from_number(626).expect("a number of the manual");
 //! assert_eq!(error.name(), "SMC_CI_MASTER_OUT_OF_SCALE");

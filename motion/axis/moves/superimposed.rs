@@ -13,7 +13,7 @@ use twin_profile::State;
 /// a motion below it moves the axis alone. Like every block it is called by way of one with its inputs:
 ///
 /// ```
-/// use crate::{MoveSuperImposed, SuperImposed};
+/// use twin_axis::{MoveSuperImposed, SuperImposed};
 ///
 /// let inputs =
 ///     MoveSuperImposed { distance: 3.0, velocity_diff: 5.0, acceleration: 100.0, deceleration: 100.0 };

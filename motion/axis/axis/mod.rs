@@ -1,11 +1,16 @@
 //! [`Axis`]: an axis with its values, motion and owner (`AXIS_REF`, manual 2.4).
 
-use super::axis_ref::AxisRef;
+mod error_memory;
+mod parameters;
+
+pub use parameters::{Access, PARAMETERS, Parameter, Value};
+
 use super::config::{AxisConfig, Movement};
 use super::drive::{Answer, Capture, ControllerMode, Transfer};
-use super::errors::BlockErrors;
 use super::math::fmod;
 use super::state::AxisState;
+use error_memory::BlockErrors;
+use parameters::AxisRef;
 use twin_profile::{AxisLimits, Profile, RampType, State};
 
 /// An axis (`AXIS_REF`, manual 2.4), cycle by cycle.
@@ -17,7 +22,7 @@ use twin_profile::{AxisLimits, Profile, RampType, State};
 /// without moving the axis.
 ///
 /// ```
-/// use crate::{Axis, AxisConfig, Block, Direction, MoveAbsolute, Power, VirtualDrive};
+/// use twin_axis::{Axis, AxisConfig, Block, Direction, MoveAbsolute, Power, VirtualDrive};
 ///
 /// let mut axis = Axis::new(AxisConfig { cycle: 0.01, ..AxisConfig::default() });
 /// let mut drive = VirtualDrive::new(0.0);

@@ -1,6 +1,7 @@
 //! Error memory of an axis: the latest errors of its blocks (manual 9.1).
 
-use super::{Axis, SmcError};
+use super::Axis;
+use crate::SmcError;
 use std::collections::VecDeque;
 
 /// Number of errors kept; the manual names none.
@@ -8,7 +9,7 @@ const KEPT: usize = 16;
 
 /// Errors that blocks have shown, the oldest first.
 #[derive(Clone, Debug, Default)]
-pub(super) struct BlockErrors(VecDeque<SmcError>);
+pub(crate) struct BlockErrors(VecDeque<SmcError>);
 
 impl Axis {
     /// Keeps what a block shows as its error; the oldest is dropped where there are too many.

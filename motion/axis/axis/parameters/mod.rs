@@ -12,7 +12,8 @@ pub(crate) use table::AxisRef;
 pub use table::PARAMETERS;
 pub use value::{Access, Parameter, Value};
 
-use super::{Axis, SmcError};
+use super::Axis;
+use crate::SmcError;
 
 impl Parameter {
     /// The parameter of a number: the manual's from 1000, or PLCopen's.
