@@ -1,15 +1,13 @@
-//! Check of manual names: every `MC_` and `SMC_` name in `docs/coverage.md` has a type or a `#[doc(alias)]`. It covers
-//! the cams, axes and their files that the page reports as working, so that the documentation search finds them.
+//! Check of manual names: every `MC_` and `SMC_` name in `tests/coverage` has a type or a `#[doc(alias)]`. It covers
+//! the cams, axes and their files that are there, so that the documentation search finds them.
 
-use crate::markdown;
+use crate::coverage::table::{self, State};
 use crate::tree::{Offence, Tree};
 use std::collections::BTreeSet;
 use std::io;
 
-const PAGE: &str = "docs/coverage.md";
-/// The sections whose names are blocks, structures and enumerations that somebody may look for.
-const SECTIONS: [&str; 4] =
-    ["CAM (manual 4)", "SM_DriveBasic.lib", "SM_PLCopen.lib", "SM_FileFBs.lib"];
+/// The chapters whose names are blocks, structures and enumerations that somebody may look for.
+const CHAPTERS: [&str; 4] = ["CAM", "SM_DriveBasic.lib", "SM_PLCopen.lib", "SM_FileFBs.lib"];
 /// Names of tables of examples, and types of variables that are said by words in a file.
 const OF_FILES: &str = "SMC_TYPE_";
 const CRATES: [&str; 3] = ["motion/", "drives/", "twin/"];
@@ -23,24 +21,17 @@ fn check(tree: &Tree) -> io::Result<Vec<Offence>> {
         let text = tree.read(file)?;
         known.extend(text.lines().filter_map(declared).map(str::to_owned));
     }
-    let page = tree.read(PAGE)?;
+    let (rows, _) = table::read(tree)?;
+    let is_there = |state| matches!(state, State::Works | State::Library);
+    let searched = |chapter: &str| CHAPTERS.iter().any(|one| chapter.starts_with(one));
     let mut offences = Vec::new();
-    let mut inside = false;
-    for (index, line) in page.lines().enumerate() {
-        if let Some(heading) = line.strip_prefix("### ").or_else(|| line.strip_prefix("## ")) {
-            inside = SECTIONS.iter().any(|section| heading.starts_with(section));
-        }
-        let Some(cells) = markdown::cells(line).filter(|_| inside) else { continue };
-        let (Some(item), Some(state)) = (cells.first(), cells.last()) else { continue };
-        if !state.starts_with("works") {
-            continue;
-        }
-        for name in names(item).filter(|name| !name.starts_with(OF_FILES) && !known.contains(*name))
-        {
+    for row in rows.iter().filter(|row| is_there(row.state) && searched(&row.chapter)) {
+        let unknown = |name: &&str| !name.starts_with(OF_FILES) && !known.contains(*name);
+        for name in names(&row.item).filter(unknown) {
             let what = format!(
-                "`{name}` works, and nothing of motion, drives or twin has its name or `#[doc(alias = \"{name}\")]`"
+                "nothing of motion, drives or twin is named `{name}` or has `#[doc(alias = \"{name}\")]`"
             );
-            offences.push(Offence::new(PAGE, index + 1, what));
+            offences.push(row.offence(what));
         }
     }
     Ok(offences)
@@ -75,20 +66,22 @@ fn names_of_the_manual_are_found() {
 }
 
 #[test]
-fn a_name_without_an_alias_is_told() {
-    let row = |item: &str, state: &str| format!("| {item} | 5.3 | | | {state} |\n");
-    let page = format!(
-        "## SoftMotion\n### SM_PLCopen.lib (manual 5)\n{}{}{}{}### CNC\n{}",
-        row("`MC_Halt` brakes", "works"),
-        row("`MC_Stop` and `SMC_Table_<T>`", "works"),
-        row("`MC_Home`", "left out: none"),
-        row("`SMC_Own`", "works"),
-        row("`SMC_Elsewhere`", "works")
-    );
+fn a_name_without_an_alias_is_found() {
+    let table = table::fake::table(&[
+        "`MC_Halt` brakes,works,MC_Halt,,,",
+        "`MC_Stop` and `SMC_Table_<T>`,library,twin_axis::Stop,,,",
+        "`MC_Home`,left out,,none,,",
+        "`SMC_Own`,works,twin check,,,",
+    ]);
+    let (ours, other) =
+        (table.replace(",C,", ",SM_PLCopen.lib,"), table.replace(",C,", ",SM_CNC.lib,"));
     let source = "#[doc(alias = \"MC_Halt\")]\npub struct Halt;\npub struct SMC_Own;\n#[doc(alias = \"SMC_Table\")]\n";
-    let (_folder, tree) = crate::tree::fake::tree(&[(PAGE, &page), ("motion/halt.rs", source)]);
-    let told: Vec<_> =
-        check(&tree).expect("readable").into_iter().map(|one| (one.line, one.what)).collect();
-    assert_eq!(told.len(), 1, "{told:?}");
-    assert!(told[0].0 == 4 && told[0].1.starts_with("`MC_Stop` works"), "{told:?}");
+    let (_folder, tree) = crate::tree::fake::tree(&[
+        ("tests/coverage/ours.csv", &ours),
+        ("tests/coverage/other.csv", &other),
+        ("motion/halt.rs", source),
+    ]);
+    let found = check(&tree).expect("readable");
+    let [only] = found.as_slice() else { panic!("one offence: {found:?}") };
+    assert!(only.line == 3 && only.what.contains("is named `MC_Stop`"), "{only}");
 }

@@ -72,9 +72,14 @@ impl Tree {
         self.files.binary_search_by(|file| file.as_str().cmp(path)).is_ok()
     }
 
+    /// The path of a file on this machine.
+    pub(crate) fn path(&self, file: &str) -> PathBuf {
+        self.root.join(file)
+    }
+
     /// The text of a file. The error names the file.
     pub(crate) fn read(&self, file: &str) -> io::Result<String> {
-        fs::read_to_string(self.root.join(file))
+        fs::read_to_string(self.path(file))
             .map_err(|error| io::Error::new(error.kind(), format!("{file}: {error}")))
     }
 }

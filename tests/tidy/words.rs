@@ -8,16 +8,16 @@ use std::io;
 
 /// A construction, what to write instead, and how often it is left.
 const LEFT: [(&str, &str, usize); 10] = [
-    ("told", "\"reported\" or \"said by\"", 1324),
+    ("told", "\"reported\" or \"said by\"", 1316),
     ("tells", "\"reports\" or \"says\"", 156),
     ("reckoned", "\"computed\"", 9),
     ("so many", "the number", 194),
-    ("is no", "\"is not\"", 518),
-    ("are no", "\"are not\"", 88),
+    ("is no", "\"is not\"", 509),
+    ("are no", "\"are not\"", 75),
     ("what is in the way", "\"obstacles\"", 13),
     ("of a run that", "\"when a run …\"", 3),
     ("held against", "\"compared with\"", 8),
-    ("beside", "\"next to\", or the relation that is meant", 613),
+    ("beside", "\"next to\", or the relation that is meant", 611),
 ];
 
 /// Questions that a heading leaves open.
@@ -28,7 +28,8 @@ const QUESTIONS: [&str; 9] =
 fn pages(tree: &Tree) -> impl Iterator<Item = &str> {
     let endings = ["rs", "md", "toml"];
     let files = endings.into_iter().flat_map(|ending| tree.with_extension(ending));
-    files.filter(|file| *file != "tests/tidy/words.rs")
+    let tables = tree.with_extension("csv").filter(|file| file.starts_with("tests/coverage/"));
+    files.chain(tables).filter(|file| *file != "tests/tidy/words.rs")
 }
 
 /// Constructions of which there are more than are left.
