@@ -139,7 +139,7 @@ fn raised_in(block: &str) -> impl Iterator<Item = SmcError> {
 }
 
 /// Where the inputs of blocks stand.
-const KEYS: &str = "docs/guide.md, \"Jobs: cams and gears on a machine\"";
+const KEYS: &str = "docs/src/jobs.md, \"Blocks\"";
 
 /// The numbers below and above.
 fn near_number(number: i64) -> String {

@@ -1,4 +1,4 @@
-//! Tests that the guide's table of blocks lists every block that jobs accept, with every key.
+//! Tests that the table of blocks in docs/src/jobs.md lists every block that jobs accept, with every key.
 
 use super::CamsBefore;
 use super::kind::BLOCKS;
@@ -38,9 +38,9 @@ fn asked(name: &str) -> BTreeSet<String> {
     keys.iter().map(unit).filter(|key| !COMMON.contains(&key.as_str())).collect()
 }
 
-/// The keys between backticks in the guide's row of each block.
+/// The keys between backticks in the row of each block of docs/src/jobs.md.
 fn told() -> BTreeMap<String, BTreeSet<String>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/guide.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src/jobs.md");
     let guide = std::fs::read_to_string(path).unwrap();
     let table = guide.split_once(BEGIN).expect("the table").1;
     let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));

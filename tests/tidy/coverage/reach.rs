@@ -270,9 +270,9 @@ mod tests {
                 "motion/gcode/din66025/word.rs",
                 "const LETTERS: [X; 1] = [Some(Letter::D)];\nfn from_number() {\n  5 => A,\n    }\n",
             ),
-            ("Cargo.toml", "[workspace]\nmembers = [\"motion\"]\n"),
-            ("motion/Cargo.toml", "[package]\nname = \"twin-motion\"\n"),
-            ("motion/lib.rs", "pub mod axis;\npub struct Axis;\n    pub const fn turn() {}\n"),
+            ("Cargo.toml", "[workspace]\nmembers = [\"motion/axis\"]\n"),
+            ("motion/axis/Cargo.toml", "[package]\nname = \"twin-axis\"\n"),
+            ("motion/axis/lib.rs", "pub struct Axis;\n    pub const fn turn() {}\n"),
         ]);
         let known = Reach::of(&tree).unwrap();
         let there = [
@@ -303,7 +303,7 @@ mod tests {
             "MC_Stop",
             "E",
             "G6",
-            "twin_cam::axis",
+            "twin_cam::Axis",
             "twin_axis::Halt",
         ];
         for reach in gone {

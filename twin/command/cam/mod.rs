@@ -35,7 +35,7 @@ enum Action {
     /// Run a job, in which axes follow cams and gears, on the simulated machine and on drives, as `twin run` runs programs
     ///
     /// A job (examples/jobs, commented as documentation of the format) calls `MC_MoveAbsolute`, `MC_CamIn` and other blocks (moves,
-    /// profiles over time, zeros, gears and cams; docs/guide.md lists them) with the axes of a machine file and with virtual
+    /// profiles over time, zeros, gears and cams; docs/src/jobs.md lists them) with the axes of a machine file and with virtual
     /// masters. What the tappets of its cams switch is told. It is checked first, and nothing moves if it is not fit for the
     /// machine. `twin check` and `twin run` take jobs, too.
     Run(Box<command_run::Arguments>),
