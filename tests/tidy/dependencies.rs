@@ -30,7 +30,7 @@ struct Common {
 }
 
 /// Every dependency that the page does not allow, and every line of the page that speaks of something that is not
-/// there. What only tests use may come from anywhere outside, but not from a member the crate must not know.
+/// there. Tests, benches and examples may use everything from outside, and members that do not know their crate.
 fn check(tree: &Tree) -> io::Result<Vec<Offence>> {
     let (root, members) = Manifest::workspace(tree)?;
     let page = tree.read(PAGE)?;
@@ -48,7 +48,8 @@ fn check(tree: &Tree) -> io::Result<Vec<Offence>> {
         for dependency in member.dependencies(&root) {
             let name = dependency.package.as_str();
             let allowed = if let Some(ours) = members.iter().find(|other| other.package() == name) {
-                row.ours.as_ref().is_none_or(|known| known.contains(&ours.folder))
+                (dependency.dev && !knows(&rows, &ours.folder, &row.folder))
+                    || row.ours.as_ref().is_none_or(|known| known.contains(&ours.folder))
             } else if let Some(common) = commons.iter().find(|common| common.package == name) {
                 !common.all_but.contains(&row.folder)
             } else {
@@ -93,6 +94,14 @@ fn common(line: &Line<'_>) -> Option<Common> {
         line: line.number,
         package,
         all_but: markdown::code_spans(after).map(str::to_owned).collect(),
+    })
+}
+
+/// Whether the page allows a member to know another one, directly or through others.
+fn knows(rows: &[Row], member: &str, other: &str) -> bool {
+    let Some(row) = rows.iter().find(|row| row.folder == member) else { return false };
+    row.ours.as_ref().is_none_or(|ours| {
+        ours.iter().any(|known| known == other || (known != member && knows(rows, known, other)))
     })
 }
 
