@@ -1,7 +1,7 @@
 //! Check of a cam against the limits of its slave.
 
 use super::CamFile;
-pub use super::usage::{AxisLimits, CamUse, unit_fits};
+pub use super::usage::{AxisLimits, CamUse};
 use crate::finding::{Finding, Rule, Severity};
 use crate::number::{apart, at_most, beside, readable};
 use serde_json::{Value, json};

@@ -1,5 +1,6 @@
 //! Metadata of a cam file: scales of master and slave, and the coupling.
 
+use crate::axis_kind::AxisKind;
 use twin_cam::{CamInput, Scale, StartMode};
 
 /// Range and unit of master or slave, for tables and pictures.
@@ -124,4 +125,13 @@ impl Coupling {
         let mode = self.input.start_mode;
         START_MODES.iter().find(|(_, other)| *other == mode).map_or("absolute", |(name, _)| name)
     }
+}
+
+/// Whether a scale that names its unit fits an axis.
+pub fn unit_fits(scale: &AxisScale, kind: AxisKind) -> bool {
+    let known: &[&str] = match kind {
+        AxisKind::Rotary => &["deg", "°", "degree", "degrees"],
+        AxisKind::Linear => &["mm"],
+    };
+    scale.unit.is_empty() || known.contains(&scale.unit.trim())
 }

@@ -28,7 +28,7 @@ pub use csv_form::csv_of;
 pub use error::CamFileError;
 pub use file::{CamFile, Form, write_file};
 pub(crate) use form::no_scaling;
-pub use form::{AxisScale, Coupling, LEAST_SCALING, START_MODES, WANTED};
+pub use form::{AxisScale, Coupling, LEAST_SCALING, START_MODES, WANTED, unit_fits};
 pub use lost::lost;
 pub(crate) use toml_writer::tappet as tappet_line;
 pub use toml_writer::write_toml;

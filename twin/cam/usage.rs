@@ -1,7 +1,6 @@
 //! Use of a cam: master motion, offsets and scalings, and limits of the slave.
 
-use super::{AxisScale, CamFile, Coupling};
-use crate::axis_kind::AxisKind;
+use super::{CamFile, Coupling};
 use twin_cam::{Factors, MasterMotion, SlaveLimits};
 
 /// What the slave can do, u; infinite where there is no limit.
@@ -22,15 +21,6 @@ impl AxisLimits {
         motion: SlaveLimits::NONE,
         period: None,
     };
-}
-
-/// Whether a scale that names its unit fits an axis.
-pub fn unit_fits(scale: &AxisScale, kind: AxisKind) -> bool {
-    let known: &[&str] = match kind {
-        AxisKind::Rotary => &["deg", "°", "degree", "degrees"],
-        AxisKind::Linear => &["mm"],
-    };
-    scale.unit.is_empty() || known.contains(&scale.unit.trim())
 }
 
 /// What a cam is checked with.

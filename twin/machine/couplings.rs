@@ -3,7 +3,7 @@
 
 use super::axis::Axis;
 use crate::axis_kind::AxisKind;
-use crate::cam::check::unit_fits;
+use crate::cam::unit_fits;
 use crate::cam::{CamFile, CamFileError, START_MODES, no_scaling};
 use crate::ring;
 use crate::section::Section;

@@ -13,6 +13,7 @@ mod geometry;
 mod limits;
 mod m_functions;
 mod payload;
+mod physics;
 mod refusal;
 mod scenario;
 mod simulated;

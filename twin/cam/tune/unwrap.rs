@@ -7,8 +7,9 @@
 //! taken to be where that is nearest to what it is told.
 
 use super::super::CamFile;
-use super::super::check::{CamUse, unit_fits};
+use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample};
+use super::super::unit_fits;
 use super::errors;
 use super::from_run::median;
 use crate::axis_kind::AxisKind;

@@ -1,6 +1,7 @@
 //! Options of the `twin cam` commands: reading and use of the cam, motion of the master, limits of the slave.
 
-use crate::cam::check::{AxisLimits, CamUse, unit_fits};
+use crate::cam::check::{AxisLimits, CamUse};
+use crate::cam::unit_fits;
 use crate::cam::{CamFile, Coupling, no_scaling};
 use crate::command::Failure;
 use crate::machine::{Axis, Machine};

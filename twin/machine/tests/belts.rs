@@ -15,7 +15,6 @@
 use super::{edited, load};
 use crate::machine::Machine;
 use crate::physics::{PhysicsMachine, axis_inertia};
-use crate::simulated::Simulated;
 use std::f64::consts::TAU;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics};
 
@@ -185,7 +184,7 @@ fn drives_hold_and_move_it() {
     for elastic in [false, true] {
         let machine = load(&text(elastic));
         let start = AxisVector::zeros(3);
-        let mut physics = Simulated::new(&machine, &start).unwrap().physics().clone();
+        let mut physics = machine.physics(&start).unwrap();
         let [a, b] = holding();
         for _ in 0..300 {
             let state = physics.step(&AxisMotion::at_rest(start)).unwrap();

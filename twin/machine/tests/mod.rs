@@ -5,19 +5,15 @@
 mod belts;
 mod couplings;
 mod drives;
-mod faults;
 mod kinds;
 mod limits;
 mod payload;
-mod plates;
 mod programs;
 mod refusal;
 mod scenario;
-mod shipped;
 mod simulated;
 mod surroundings;
 mod survival;
-mod urdf;
 
 use super::{Axis, DriveFamily, InterpCncEntry, Machine, Parity};
 use crate::axis_kind::AxisKind;

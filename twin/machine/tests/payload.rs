@@ -3,7 +3,6 @@
 use super::{edited, load, problems, workspace};
 use crate::machine::Machine;
 use crate::physics::axis_inertia;
-use crate::simulated::Simulated;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 use twin_kinematics::AxisVector;
@@ -35,7 +34,7 @@ fn with(text: &str, payload: &str) -> Machine {
 fn added(text: &str, position: &AxisVector) -> [Vec<f64>; 2] {
     let [without, with] = [load(text), with(text, HELD)].map(|machine| {
         let inertia = axis_inertia(&machine.model, position).unwrap();
-        let effort = Simulated::new(&machine, position).unwrap().physics().axis_state().effort;
+        let effort = machine.physics(position).unwrap().axis_state().effort;
         [inertia, effort]
     });
     [0, 1].map(|which| {
@@ -161,7 +160,7 @@ fn it_hangs_where_the_tool_does() {
     let position = AxisVector::from_values(axes);
     let [without, with] = [read(""), read(HELD)].map(|machine| {
         let inertia = axis_inertia(&machine.model, &position).unwrap();
-        let effort = Simulated::new(&machine, &position).unwrap().physics().axis_state().effort;
+        let effort = machine.physics(&position).unwrap().axis_state().effort;
         [inertia[1], effort[2]]
     });
     near(with[0] - without[0], MASS * ((0.345 + x) * (0.345 + x) + y * y) + ABOUT_Z);

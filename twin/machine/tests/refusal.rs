@@ -3,7 +3,6 @@
 use super::{SCARA2, edited, load};
 use crate::machine::{Machine, SimulationError};
 use crate::physics::{PhysicsError, Side};
-use crate::simulated::Simulated;
 
 fn said(machine: &Machine, error: PhysicsError) -> String {
     SimulationError::of(machine, error).to_string()
@@ -59,7 +58,7 @@ fn axes_joints_and_links_have_names() {
 fn the_part_that_is_wrong_is_the_one_that_is_named() {
     let refused = |machine: &Machine| {
         let start = machine.start_axes().unwrap();
-        Simulated::new(machine, &start).unwrap_err().to_string()
+        SimulationError::of(machine, machine.physics(&start).unwrap_err()).to_string()
     };
     let mut machine = load(SCARA2);
     machine.model.links[2].inertial.as_mut().unwrap().inertia.m11 = -1.0;

@@ -79,8 +79,7 @@ fn shipped_machines_do_not_run_into_themselves() {
         let overlapping: Vec<_> =
             overlapping.iter().map(|pair| pair.map(|part| machine.part_name(part))).collect();
         assert!(overlapping.is_empty(), "{}: {overlapping:?}", path.display());
-        let twin = crate::simulated::Simulated::new(&machine, &start).unwrap();
-        let mut physics = twin.physics().clone();
+        let mut physics = machine.physics(&start).unwrap();
         let rest = twin_kinematics::AxisMotion::at_rest(start);
         for _ in 0..50 {
             physics.step(&rest).unwrap();

@@ -1,10 +1,11 @@
 //! Tests of machine files that refer to a URDF.
 
-use super::{Problem, workspace};
+use super::workspace;
 use crate::machine::Machine;
 use crate::physics::{AxisDriveParameters, PhysicsError, PhysicsMachine, ServoParameters};
 use crate::plant::Plant;
 use crate::section::MachineFileError;
+use crate::section::Problem;
 use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
 use crate::tappets::TappetBits;

@@ -1,5 +1,8 @@
 //! Simulated machine as a plant: one simulated cycle per set-point.
 
+#[cfg(test)]
+mod tests;
+
 use crate::in_loop::DrivesInLoop;
 use crate::machine::{
     Collision, FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError,
@@ -64,18 +67,9 @@ impl Simulated {
     }
 
     fn built(machine: &Machine, start: &AxisVector) -> Result<Self, PhysicsError> {
-        let inertia = axis_inertia(&machine.model, start)?;
-        let drives: Vec<_> = machine
-            .axes
-            .iter()
-            .zip(inertia.iter())
-            .map(|(axis, inertia)| axis.simulated.drive(*inertia))
-            .collect();
-        let mut physics =
-            PhysicsMachine::new(&machine.model, &drives, machine.gravity, start, machine.cycle_ns)?;
+        let physics = machine.physics(start)?;
         let mut probe = None;
         if let Some(Collision { surroundings, .. }) = &machine.collision {
-            physics.insert_surroundings(surroundings)?;
             let scan = ClearanceScan::of_tool(&machine.model, machine.axes.len(), surroundings)?;
             probe = Some(TouchProbe::new(scan, DrivesInLoop::resolution(machine)));
         }

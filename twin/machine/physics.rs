@@ -1,0 +1,23 @@
+//! The simulated machine of a machine file, in rapier.
+
+use super::{Collision, Machine};
+use crate::physics::{PhysicsError, PhysicsMachine, axis_inertia};
+use twin_kinematics::AxisVector;
+
+impl Machine {
+    /// The machine in rapier at rest at `start`, with its drives and what is around it.
+    ///
+    /// # Errors
+    /// [`PhysicsError`] if bodies or drives cannot be simulated; [`super::SimulationError::of`] names them.
+    pub fn physics(&self, start: &AxisVector) -> Result<PhysicsMachine, PhysicsError> {
+        let inertia = axis_inertia(&self.model, start)?;
+        let axes = self.axes.iter().zip(inertia.iter());
+        let drives: Vec<_> = axes.map(|(axis, inertia)| axis.simulated.drive(*inertia)).collect();
+        let mut physics =
+            PhysicsMachine::new(&self.model, &drives, self.gravity, start, self.cycle_ns)?;
+        if let Some(Collision { surroundings, .. }) = &self.collision {
+            physics.insert_surroundings(surroundings)?;
+        }
+        Ok(physics)
+    }
+}
