@@ -33,7 +33,7 @@ impl<E> Control<E> {
 
 /// What is still to happen after some requests.
 #[derive(Clone, Debug)]
-pub(crate) struct Agenda<E>(Vec<(u32, Control<E>)>);
+pub struct Agenda<E>(Vec<(u32, Control<E>)>);
 
 impl<E> Default for Agenda<E> {
     fn default() -> Self {
@@ -43,12 +43,7 @@ impl<E> Default for Agenda<E> {
 
 impl<E> Agenda<E> {
     /// Makes it happen, now or later: to the wire, or to the device by `happen`.
-    pub(crate) fn obey(
-        &mut self,
-        control: Control<E>,
-        wire: &mut FaultyWire,
-        happen: &mut dyn FnMut(E),
-    ) {
+    pub fn obey(&mut self, control: Control<E>, wire: &mut FaultyWire, happen: &mut dyn FnMut(E)) {
         match control {
             Control::Event(event) => happen(event),
             Control::Fault(rule) => wire.add(rule),
@@ -63,7 +58,7 @@ impl<E> Agenda<E> {
     }
 
     /// A request has come; what happens with it, in the order in which it was asked for.
-    pub(crate) fn request(&mut self) -> Vec<Control<E>> {
+    pub fn request(&mut self) -> Vec<Control<E>> {
         let mut due = Vec::new();
         for (requests, what) in std::mem::take(&mut self.0) {
             if requests <= 1 {

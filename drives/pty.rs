@@ -26,7 +26,7 @@ use crate::EmulatorError;
 /// The slave side stays open here as long as the value lives: a master whose slave nobody holds reads EIO. It is
 /// opened without a lock, so that others can open its path; both sides are raw.
 #[derive(Debug)]
-pub(crate) struct PseudoTerminal {
+pub struct PseudoTerminal {
     path: PathBuf,
     #[expect(dead_code, reason = "it goes with the terminal")]
     link: Option<Link>,
@@ -37,7 +37,7 @@ impl PseudoTerminal {
     /// Opens a pair and gives the near end (master) with it. `link`, if any, becomes a symbolic link to the far end;
     /// one there that leads nowhere, or was made for a terminal that is no more, is replaced, but never that of an emulator
     /// that lives: it keeps a lock on a file beside it.
-    pub(crate) fn open(link: Option<&Path>) -> Result<(TTYPort, Self), EmulatorError> {
+    pub fn open(link: Option<&Path>) -> Result<(TTYPort, Self), EmulatorError> {
         let terminal = |source: io::Error| EmulatorError::Terminal { source };
         // pair() gives (master, slave).
         let (master, keeper) = TTYPort::pair().map_err(|error| terminal(error.into()))?;
@@ -56,7 +56,7 @@ impl PseudoTerminal {
     ///
     /// # Errors
     /// If the terminal takes no speed.
-    pub(crate) fn at_speed<S>(
+    pub fn at_speed<S>(
         &mut self,
         stream: S,
         baud: &DeviceSpeed,
@@ -69,7 +69,7 @@ impl PseudoTerminal {
     }
 
     /// Path of the far end.
-    pub(crate) fn path(&self) -> &Path {
+    pub fn path(&self) -> &Path {
         &self.path
     }
 }
@@ -127,16 +127,16 @@ impl Drop for Link {
 
 /// The speed of a device, bits per second: its terminal goes by it, and the device changes it.
 #[derive(Clone, Debug)]
-pub(crate) struct DeviceSpeed(Arc<AtomicU32>);
+pub struct DeviceSpeed(Arc<AtomicU32>);
 
 impl DeviceSpeed {
     /// Of a device at power-up.
-    pub(crate) fn new(baud: u32) -> Self {
+    pub fn new(baud: u32) -> Self {
         Self(Arc::new(AtomicU32::new(baud)))
     }
 
     /// The device speaks at another from now on.
-    pub(crate) fn set(&self, baud: u32) {
+    pub fn set(&self, baud: u32) {
         self.0.store(baud, Ordering::Relaxed);
     }
 
@@ -148,7 +148,7 @@ impl DeviceSpeed {
 /// The near end of a pseudo-terminal whose device understands one speed only: what a master sends at another is noise to
 /// it, of which a frame's check leaves nothing.
 #[derive(Debug)]
-pub(crate) struct AtSpeed<S> {
+pub struct AtSpeed<S> {
     stream: S,
     far: TTYPort,
     /// None if all are understood.

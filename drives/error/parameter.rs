@@ -5,11 +5,7 @@ use crate::{ParameterId, ParameterInfo};
 
 impl ParameterInfo {
     /// Checks that the parameter can be set to a value; `at` says where the error is.
-    pub(crate) fn check(
-        &self,
-        value: i64,
-        at: impl FnOnce() -> Exchange,
-    ) -> Result<(), DriveError> {
+    pub fn check(&self, value: i64, at: impl FnOnce() -> Exchange) -> Result<(), DriveError> {
         let id = self.id;
         if !self.writable {
             Err(DriveError::ReadOnly { at: at(), id })
@@ -23,7 +19,7 @@ impl ParameterInfo {
 }
 
 /// The parameter of this number among those a device has.
-pub(crate) fn find_parameter(
+pub fn find_parameter(
     all: Vec<ParameterInfo>,
     id: ParameterId,
     at: impl FnOnce() -> Exchange,

@@ -6,7 +6,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::{Assumed, AssumedError, OpenQuestion, bim2ax, interpcnc, smartdrive};
+use twin_bim2ax as bim2ax;
+use twin_drives::{Assumed, AssumedError, OpenQuestion};
+use twin_interpcnc as interpcnc;
+use twin_smartdrive as smartdrive;
 
 /// Lines of the digest of InterpCNC, and how many assumptions stand on each.
 const INTERPCNC: [(u16, usize); 9] =

@@ -3,13 +3,13 @@
 use crate::process::{Desk, Done};
 use std::time::Duration;
 use twin::clock::Clock;
-use twin_drives::bim2ax::emulator as module;
-use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
-use twin_drives::bim2ax::{Contact, ModuleAxis};
-use twin_drives::interpcnc::BoardAxis;
-use twin_drives::interpcnc::emulator as board;
-use twin_drives::smartdrive::Mode;
-use twin_drives::smartdrive::emulator as bus;
+use twin_bim2ax::emulator as module;
+use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
+use twin_bim2ax::{Contact, ModuleAxis};
+use twin_interpcnc::BoardAxis;
+use twin_interpcnc::emulator as board;
+use twin_smartdrive::Mode;
+use twin_smartdrive::emulator as bus;
 
 pub(crate) fn clock() -> impl Fn() -> i64 + Send + Sync {
     let clock = Clock::start();
@@ -76,18 +76,18 @@ pub(crate) fn row<'a>(done: &'a Done, column: usize, word: &str) -> Vec<&'a str>
 }
 
 /// A board whose home switch of X is pressed from 1500 steps behind the start on, input 5.
-pub(crate) fn a_board(station: u8) -> (board::EmulatedBoard, Hand) {
+pub(crate) fn a_board(address: u8) -> (board::EmulatedBoard, Hand) {
     let cam =
         board::Cam { input: 5, axis: BoardAxis::X, from: -3000, to: -1500, normally_closed: false };
     let options = board::EmulatorOptions {
-        board: board::BoardOptions { station, ..board::BoardOptions::default() },
+        board: board::BoardOptions { address, ..board::BoardOptions::default() },
         bench: board::Bench { cams: vec![cam], encoder: None },
         ..board::EmulatorOptions::default()
     };
     let running = board::EmulatedBoard::start(&options, clock()).expect("it starts");
     let port = running.path().to_str().expect("a path").to_owned();
-    let station = station.to_string();
-    (running, Hand::new("interpcnc", &port, &["--station", &station, "--deadline", "1500"]))
+    let address = address.to_string();
+    (running, Hand::new("interpcnc", &port, &["--station", &address, "--deadline", "1500"]))
 }
 
 #[test]
@@ -576,7 +576,7 @@ fn what_to_do_next_is_said() {
             .contains("next: `unlock`, which makes the position 0, then `home`")
     );
     hand.does("unlock");
-    let alarms = twin_drives::smartdrive::Alarms::OVERTEMPERATURE;
+    let alarms = twin_smartdrive::Alarms::OVERTEMPERATURE;
     bus.happen(0, bus::Event::Fault { alarms, present: true }).expect("it runs");
     let status = hand.does("status");
     assert!(

@@ -5,9 +5,9 @@ use crate::drive_stop::under_way_on;
 use crate::process::Done;
 use std::process::{Child, Stdio};
 use std::time::Duration;
-use twin_drives::interpcnc::BoardAxis;
-use twin_drives::interpcnc::emulator as board;
-use twin_drives::smartdrive::emulator as bus;
+use twin_interpcnc::BoardAxis;
+use twin_interpcnc::emulator as board;
+use twin_smartdrive::emulator as bus;
 
 /// `EE_COUPLAGE_AXE`, parameter 86: 1 = A goes along with X, 2 = B does.
 #[test]

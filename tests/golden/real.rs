@@ -5,7 +5,7 @@ use crate::shop::{SHORT, Shop, a_board, clock, listens, mixture};
 use serde_json::Value;
 use std::io::Write;
 use std::process::{Command, Stdio};
-use twin_drives::smartdrive::emulator as bus;
+use twin_smartdrive::emulator as bus;
 
 /// What a run on real drives shows is what was predicted, as far as that can be: an axis of speed v is as much farther away as it
 /// moves while nobody corrects it longer than planned, the longest gap between samples of its device (and 12 ms at most for what a

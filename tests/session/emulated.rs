@@ -13,8 +13,8 @@ use twin::machine::Machine;
 use twin::session::{Ending, Session, Stopped};
 use twin::simulated::Simulated;
 use twin_drives::DriveError;
-use twin_drives::interpcnc::emulator::{Board, Control, EmulatedBoard, Event};
-use twin_drives::interpcnc::registers::BoardAxis;
+use twin_interpcnc::emulator::{Board, Control, EmulatedBoard, Event};
+use twin_interpcnc::protocol::registers::BoardAxis;
 use twin_kinematics::AxisVector;
 
 /// Part of their largest velocity with which axes come to the start.

@@ -13,13 +13,13 @@ use std::{
 };
 
 use super::{Control, Eeprom, Module, ModuleOptions, Surroundings};
-use crate::{
+use crate::protocol::memory::{
+    BIM2AX_BOCM, HOST_PAGE, IDENTIFIER, INTERRUPT, MODULE_PAGE, Mapping, PAGE_REGISTER, RECEIPTS,
+    WINDOW_LENGTH, file_offset,
+};
+use twin_drives::{
     Accelerated, Clock, EmulatorError, Speed,
-    bim2ax::memory::{
-        BIM2AX_BOCM, HOST_PAGE, IDENTIFIER, INTERRUPT, MODULE_PAGE, Mapping, PAGE_REGISTER,
-        RECEIPTS, WINDOW_LENGTH, file_offset,
-    },
-    kept::{Keeper, replace},
+    locked_file::{LockedFile, replace},
     port::FILE_LENGTH,
 };
 
@@ -69,7 +69,7 @@ pub struct EmulatedModule {
     /// Dropped to end the thread.
     end: Option<SyncSender<()>>,
     thread: Option<JoinHandle<io::Result<()>>>,
-    _keeper: Option<Keeper>,
+    _lock: Option<LockedFile>,
 }
 
 impl EmulatedModule {
@@ -85,7 +85,7 @@ impl EmulatedModule {
             let path = path.to_path_buf();
             move |source| EmulatorError::File { path, source }
         };
-        let mut keeper = options.eeprom.as_deref().map(Keeper::of).transpose()?;
+        let mut lock = options.eeprom.as_deref().map(LockedFile::lock).transpose()?;
         let eeprom = match &options.eeprom {
             Some(path) if path.exists() => {
                 let image = fs::read(path).map_err(failed(path))?;
@@ -94,7 +94,7 @@ impl EmulatedModule {
             }
             _ => Eeprom::new(options.module.rating_ma),
         };
-        keeper.iter_mut().for_each(Keeper::stay);
+        lock.iter_mut().for_each(LockedFile::keep);
         let file = memory_file(&options.path)?;
         let mapping = Mapping::new(file, 0, FILE_LENGTH).map_err(failed(&options.path))?;
         let mut module = Module::new(&options.module, &eeprom, &options.surroundings);
@@ -119,7 +119,7 @@ impl EmulatedModule {
             .spawn(move || server.run(&ended))
             .map_err(|source| EmulatorError::Thread { source })?;
         let path = options.path.clone();
-        Ok(Self { path, module, end: Some(end), thread: Some(thread), _keeper: keeper })
+        Ok(Self { path, module, end: Some(end), thread: Some(thread), _lock: lock })
     }
 
     /// The memory file.

@@ -8,11 +8,11 @@ use tokio::{
 };
 
 use super::{Board, Control, Event, rtu};
-use crate::{
-    Clock, FaultyWire,
-    interpcnc::Line,
+use crate::{Line, protocol::frame};
+use twin_drives::{
+    Clock, FaultyWire, emulator_host as slave,
+    emulator_host::{Message, Slave},
     pty::DeviceSpeed,
-    slave::{self, Message, Slave},
 };
 
 /// How slow the wire and the board are. Pseudo-terminals pass bytes at once, so the emulator waits in their place.
@@ -124,7 +124,7 @@ impl Slave for Served {
     /// its end cannot be told from its bytes.
     fn whole(&self, bytes: &[u8]) -> Option<usize> {
         let length = rtu::request_length(bytes)?;
-        rtu::open(bytes.get(..length)?).map(|_| length)
+        frame::open(bytes.get(..length)?).map(|_| length)
     }
 
     fn handle(&mut self, frame: &[u8]) -> Option<Vec<u8>> {

@@ -13,11 +13,11 @@ use super::{
     Bench, Board, BoardOptions, Control, Event, Wire,
     serve::{Served, serve_with},
 };
-use crate::{
-    Accelerated, Clock, EmulatorError, FaultyWire, Speed,
-    kept::{Keeper, replace},
+use twin_drives::{
+    Accelerated, Clock, EmulatorError, FaultyWire, Speed, emulator_host as slave,
+    emulator_host::Message,
+    locked_file::{LockedFile, replace},
     pty::{DeviceSpeed, PseudoTerminal},
-    slave::{self, Message},
 };
 
 /// What to emulate.
@@ -50,7 +50,7 @@ pub struct EmulatedBoard {
     /// Closed to end the thread.
     control: Option<mpsc::Sender<Message<Served>>>,
     thread: Option<JoinHandle<io::Result<Board>>>,
-    _keeper: Option<Keeper>,
+    _lock: Option<LockedFile>,
 }
 
 impl std::fmt::Debug for EmulatedBoard {
@@ -69,9 +69,9 @@ impl EmulatedBoard {
         options: &EmulatorOptions,
         clock: impl Clock + 'static,
     ) -> Result<Self, EmulatorError> {
-        let mut keeper = options.eeprom.as_deref().map(Keeper::of).transpose()?;
+        let mut lock = options.eeprom.as_deref().map(LockedFile::lock).transpose()?;
         let mut board = power_up(options)?;
-        keeper.iter_mut().for_each(Keeper::stay);
+        lock.iter_mut().for_each(LockedFile::keep);
         board.set_bench(options.bench.clone());
         let (master, mut terminal) = PseudoTerminal::open(options.link.as_deref())?;
         let failed = |source| EmulatorError::Thread { source };
@@ -104,7 +104,7 @@ impl EmulatedBoard {
                 runtime.block_on(serve_with(stream, board, wire, &clock, messages, stored))
             })
             .map_err(failed)?;
-        Ok(Self { terminal, control: Some(control), thread: Some(thread), _keeper: keeper })
+        Ok(Self { terminal, control: Some(control), thread: Some(thread), _lock: lock })
     }
 
     /// Where to open the board: the pseudo-terminal itself.

@@ -8,10 +8,10 @@ use tokio::{
 };
 
 use super::{Control, Device, Happening};
-use crate::{
-    Clock, FaultyWire,
-    slave::{self, Message, Slave},
-    smartdrive::{Execution, frame::command_length, wire_time},
+use crate::{Execution, protocol::frame::command_length, wire_time};
+use twin_drives::{
+    Clock, FaultyWire, emulator_host as slave,
+    emulator_host::{Message, Slave},
 };
 
 /// How slow the wire and the devices are, and what else the line does.

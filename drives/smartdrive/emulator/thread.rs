@@ -13,12 +13,12 @@ use super::{
     Control, Device, DeviceOptions, Event, Wire,
     serve::{Bus, serve_with},
 };
-use crate::{
-    Accelerated, Clock, EmulatorError, FaultyWire, Speed,
-    kept::{Keeper, replace},
+use crate::BAUD;
+use twin_drives::{
+    Accelerated, Clock, EmulatorError, FaultyWire, Speed, emulator_host as slave,
+    emulator_host::Message,
+    locked_file::{LockedFile, replace},
     pty::{DeviceSpeed, PseudoTerminal},
-    slave::{self, Message},
-    smartdrive::BAUD,
 };
 
 /// What to emulate.
@@ -51,7 +51,7 @@ pub struct EmulatedBus {
     /// Closed to end the thread.
     control: Option<mpsc::Sender<Message<Bus>>>,
     thread: Option<JoinHandle<io::Result<Vec<Device>>>>,
-    _keepers: Vec<Keeper>,
+    _locks: Vec<LockedFile>,
 }
 
 impl std::fmt::Debug for EmulatedBus {
@@ -70,10 +70,10 @@ impl EmulatedBus {
         options: &EmulatorOptions,
         clock: impl Clock + 'static,
     ) -> Result<Self, EmulatorError> {
-        let keepers = options.files.iter().map(|file| Keeper::of(file));
-        let mut keepers = keepers.collect::<Result<Vec<_>, _>>()?;
+        let locks = options.files.iter().map(|file| LockedFile::lock(file));
+        let mut locks = locks.collect::<Result<Vec<_>, _>>()?;
         let devices = power_up(options)?;
-        keepers.iter_mut().for_each(Keeper::stay);
+        locks.iter_mut().for_each(LockedFile::keep);
         let (master, mut terminal) = PseudoTerminal::open(options.link.as_deref())?;
         let failed = |source| EmulatorError::Thread { source };
         let runtime =
@@ -99,7 +99,7 @@ impl EmulatedBus {
                 runtime.block_on(serve_with(stream, devices, wire, &clock, messages, stored))
             })
             .map_err(failed)?;
-        Ok(Self { terminal, control: Some(control), thread: Some(thread), _keepers: keepers })
+        Ok(Self { terminal, control: Some(control), thread: Some(thread), _locks: locks })
     }
 
     /// Where to open the bus: the pseudo-terminal itself.

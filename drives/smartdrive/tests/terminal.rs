@@ -9,21 +9,17 @@ use std::{
 use serialport::TTYPort;
 
 use super::wire::axis;
-use crate::smartdrive::Fault;
-use crate::tests::fault_of;
+use crate::Fault;
+use crate::tests::common::fault_of;
+use crate::tests::common::wall_clock;
 use crate::{
-    Axes, Drive, DriveError, IncrementMotion, MAX_DRIVE_AXES, SetpointStream,
-    smartdrive::{
-        Alarms, Command, Mode, SmartDriveBus, SmartDriveOptions,
-        emulator::{
-            Cam, Device, DeviceOptions, EmulatedBus, EmulatorOptions, Event, HomingOptions, Input,
-            Wire,
-        },
-        frame::encode,
-        vectors::vector,
+    Alarms, Command, Mode, SmartDriveBus, SmartDriveOptions,
+    emulator::{
+        Cam, Device, DeviceOptions, EmulatedBus, EmulatorOptions, Event, HomingOptions, Input, Wire,
     },
-    tests::peer::wall_clock,
+    protocol::{frame::encode, vectors::vector},
 };
+use twin_drives::{Axes, Drive, DriveError, IncrementMotion, MAX_DRIVE_AXES, SetpointStream};
 
 /// A plan of two axes: to and fro, at rest before and after, from 500 and −500 on.
 struct Plan<C> {
@@ -207,7 +203,7 @@ fn drives_that_stop_obeying_say_why() {
     bus.happen(1, Event::Fault { alarms: fault, present: true }).unwrap();
     let alarm = lost(&mut drive);
     assert_eq!(alarm.fault(), Some(&Fault::Alarm(fault)));
-    assert_eq!(alarm.at().station, 2);
+    assert_eq!(alarm.at().address, 2);
     // A move is refused for the mode, which is for the alarm.
     let refused = drive.move_to(&[0; 5], &[8e3; 5]);
     assert!(matches!(fault_of(&refused), Some(Fault::Alarm(_))), "{refused:?}");
@@ -280,7 +276,7 @@ fn a_drive_that_is_not_there_is_a_timeout() {
     let mut nobody = SmartDriveBus::open(bus.path().to_str().unwrap(), &options).unwrap();
     let lost = nobody.sample(&stream);
     let Err(DriveError::Timeout { at, .. }) = lost else { panic!("{lost:?}") };
-    assert_eq!(at.station, 9);
+    assert_eq!(at.address, 9);
     assert_eq!(at.to_string(), format!("{}, address 9: command 01h (PING)", bus.path().display()));
 }
 
@@ -355,17 +351,17 @@ fn a_drive_that_does_not_answer_does_not_cost_the_others_their_current() {
         // The supply of one fails, for so long that it is not back.
         bus.control(Event::BrownOut { off_ns: 1_000_000_000_000 }.to(silent)).unwrap();
         let other = 1 - silent;
-        let station = |place: usize| u8::try_from(place + 1).unwrap();
+        let address = |place: usize| u8::try_from(place + 1).unwrap();
         let mode = |place: usize| bus.look().unwrap()[place].mode();
         let error = drive.soft_stop().unwrap_err();
-        assert_eq!(error.at().station, station(silent), "{error}");
+        assert_eq!(error.at().address, address(silent), "{error}");
         assert_eq!(bus.look().unwrap()[other].motion().1.to_bits(), 0, "the other one stands");
         let error = drive.hard_stop().unwrap_err();
-        assert_eq!(error.at().station, station(silent), "{error}");
+        assert_eq!(error.at().address, address(silent), "{error}");
         assert_eq!(mode(other), Mode::Remote, "what has stopped keeps its current");
         // Asked to stop at once without having been asked to stop: everything is switched off.
         let error = drive.hard_stop().unwrap_err();
-        assert_eq!(error.at().station, station(silent), "{error}");
+        assert_eq!(error.at().address, address(silent), "{error}");
         while mode(other) == Mode::Changing {}
         assert_eq!(mode(other), Mode::Off);
         bus.control(Event::BrownOut { off_ns: 0 }.to(silent)).unwrap();

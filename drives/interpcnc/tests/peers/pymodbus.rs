@@ -5,17 +5,14 @@ use std::{env, ffi::OsString, process::Command as Process, sync::Arc, time::Dura
 use tokio_serial::SerialStream;
 
 use super::board;
-use crate::interpcnc::Exception;
-use crate::tests::fault_of;
+use crate::Exception;
+use crate::tests::common::fault_of;
+use crate::tests::{common::wall_clock, peer::Peer};
 use crate::{
-    DriveError,
-    interpcnc::{
-        AxisMask, AxisOptions, BoardAxis, Command, HomeAxis, InterpCnc, InterpCncOptions,
-        MoveProfile, ProbeMove, registers::Status,
-    },
-    pty::PseudoTerminal,
-    tests::peer::{Peer, wall_clock},
+    AxisMask, AxisOptions, BoardAxis, Command, HomeAxis, InterpCnc, InterpCncOptions, MoveProfile,
+    ProbeMove, protocol::registers::Status,
 };
+use twin_drives::{DriveError, pty::PseudoTerminal};
 
 /// Version the tests are about.
 const VERSION: &str = "3.16.1";
@@ -33,7 +30,7 @@ fn start(script: &str, port: &str) -> Option<Peer> {
         println!("no pymodbus {VERSION} here (TWIN_PYMODBUS_PYTHON): not witnessed");
         return None;
     }
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/interpcnc/tests/peers/");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peers/");
     let script = format!("{folder}{script}");
     Some(Peer::start(Process::new(python).args(["-B", &script, port])))
 }
@@ -179,7 +176,7 @@ async fn the_driver_reads_and_writes_every_block_of_pymodbus() {
     let patience = Duration::from_secs(5);
     driver.unlock(clock).await.unwrap();
     let identity = driver.identify(clock).await.unwrap();
-    assert_eq!((identity.station, identity.speed, identity.parity), (1, 115_200, 0));
+    assert_eq!((identity.address, identity.speed, identity.parity), (1, 115_200, 0));
     peer.have("requests");
 
     driver.set_output(17, true, clock).await.unwrap();
