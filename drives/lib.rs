@@ -7,7 +7,6 @@
 pub mod assumptions;
 pub mod backup;
 mod clock;
-pub mod control;
 mod decimal_ratio;
 mod device;
 pub mod drive;
@@ -17,18 +16,15 @@ mod error;
 mod fault;
 pub mod follow;
 pub mod homing;
-pub mod locked_file;
 pub mod pause;
 pub mod port;
 pub mod prediction;
-pub mod pty;
 pub mod ramp;
 mod stamp;
 pub mod transport;
 
 pub use assumptions::{Assumed, AssumedError, AssumedValues, OpenQuestion};
 pub use clock::{Accelerated, Clock, Speed};
-pub use control::Control;
 pub use decimal_ratio::DecimalRatio;
 pub use device::{
     AxisSignals, Bits, DeviceLimits, Identity, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Signals,
@@ -37,6 +33,7 @@ pub use device::{
 pub use drive::{
     Commanded, Drive, HomingWays, IncrementMotion, Increments, Sample, SetpointStream,
 };
+pub use emulator_host::Control;
 pub use error::{
     Action, Axes, DeviceFault, DriveError, EmulatorError, Exchange, ProtocolFault, find_parameter,
 };

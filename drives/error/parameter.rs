@@ -5,6 +5,9 @@ use crate::{ParameterId, ParameterInfo};
 
 impl ParameterInfo {
     /// Checks that the parameter can be set to a value; `at` says where the error is.
+    ///
+    /// # Errors
+    /// If the parameter is read-only or takes other values only.
     pub fn check(&self, value: i64, at: impl FnOnce() -> Exchange) -> Result<(), DriveError> {
         let id = self.id;
         if !self.writable {
@@ -19,6 +22,9 @@ impl ParameterInfo {
 }
 
 /// The parameter of this number among those a device has.
+///
+/// # Errors
+/// [`DriveError::NoParameter`].
 pub fn find_parameter(
     all: Vec<ParameterInfo>,
     id: ParameterId,

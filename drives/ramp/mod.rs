@@ -257,12 +257,14 @@ impl Motion {
     }
 
     /// The same motion so much later.
+    #[must_use]
     pub fn later(mut self, ns: i64) -> Self {
         self.start_ns = self.start_ns.saturating_add(ns);
         self
     }
 
     /// The same motion somewhere else, so many steps farther.
+    #[must_use]
     pub fn shifted(mut self, by: f64) -> Self {
         for stretch in &mut self.stretches {
             stretch.state.position += by;

@@ -51,7 +51,7 @@ fn fields(value: &impl std::fmt::Debug) -> BTreeMap<String, String> {
             .filter(|inside| !inside.starts_with([' ', '}', ']', ')']))
             .and_then(|inside| inside.split_once(": "))
         {
-            name = field.to_owned();
+            field.clone_into(&mut name);
             fields.insert(name.clone(), plain(rest));
         } else if let Some(inside) = inside {
             *fields.get_mut(&name).unwrap() += &plain(inside);

@@ -136,7 +136,7 @@ pub(crate) fn smartdrive() -> Bench {
     let drive = SmartDriveBus::open(bus.path().to_str().unwrap(), &options).unwrap();
     let home = Switch::Input { number: 2, pressed: true };
     let brown_out = Box::new(move || {
-        bus.happen(0, smartdrive::emulator::Event::BrownOut { off_ns: 0 }).unwrap();
+        bus.control(smartdrive::emulator::Event::BrownOut { off_ns: 0 }.to(0)).unwrap();
     });
     Bench { drive: Box::new(drive), clock, home, limit: LIMIT, brown_out, _files: Box::new(()) }
 }

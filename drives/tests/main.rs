@@ -1,5 +1,12 @@
 //! Tests of the behaviour common to all families, with the real drivers and their emulators in real time.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    reason = "a test that cannot be set up has failed"
+)]
+
 mod assumptions;
 mod backup;
 mod bench;

@@ -160,7 +160,7 @@ fn an_interpcnc_board_homes_by_the_parameters_that_were_set() {
 #[test]
 fn inputs_and_outputs_of_an_interpcnc_board() {
     let (running, hand) = a_board(1);
-    running.set_input(17, true).expect("it runs");
+    running.happen(board::Event::Input { number: 17, level: true }).expect("it runs");
     let inputs = hand.does("inputs");
     assert_eq!((row(&inputs, 0, "17")[1], row(&inputs, 0, "16")[1]), ("on", "off"));
     hand.refuses("outputs 3=on", "the board is locked");
@@ -278,7 +278,7 @@ fn parameters_of_a_smartdrive_are_set_and_saved() {
 fn inputs_and_outputs_of_a_smartdrive() {
     let (running, hand) = a_bus(Vec::new());
     let event = bus::Event::Input { input: bus::Input::LimP, level: true };
-    running.happen(0, event).expect("it runs");
+    running.control(event.to(0)).expect("it runs");
     let inputs = hand.does("inputs");
     assert_eq!((row(&inputs, 0, "LIMP")[1], row(&inputs, 0, "LIMN")[1]), ("on", "off"));
     // At rest, whatever has stopped it.
@@ -564,7 +564,7 @@ fn what_to_do_next_is_said() {
     hand.tries("move X 10 --yes").ended(2, "help: `unlock`, then `home`");
     hand.does("unlock");
     assert!(!hand.does("status").stdout.contains("next:"));
-    board.set_enable(false).expect("it runs");
+    board.happen(board::Event::Enable(false)).expect("it runs");
     let open = |_| hand.does("status").stdout.contains("next: release the emergency stop");
     assert!((0..50).any(open), "it is not said");
     hand.tries("unlock").ended(2, "release the emergency stop");
@@ -577,15 +577,15 @@ fn what_to_do_next_is_said() {
     );
     hand.does("unlock");
     let alarms = twin_smartdrive::Alarms::OVERTEMPERATURE;
-    bus.happen(0, bus::Event::Fault { alarms, present: true }).expect("it runs");
+    bus.control(bus::Event::Fault { alarms, present: true }.to(0)).expect("it runs");
     let status = hand.does("status");
     assert!(
         status.stdout.contains("next: remove the cause of the alarm, then `unlock`"),
         "{}",
         status.stdout
     );
-    bus.happen(0, bus::Event::Fault { alarms, present: false }).expect("it runs");
-    bus.happen(0, bus::Event::BrownOut { off_ns: 1_000_000 }).expect("it runs");
+    bus.control(bus::Event::Fault { alarms, present: false }.to(0)).expect("it runs");
+    bus.control(bus::Event::BrownOut { off_ns: 1_000_000 }.to(0)).expect("it runs");
     let off = |_| hand.tries("status").stdout.contains("next: `unlock`");
     assert!((0..50).any(off), "it is not said");
 

@@ -73,9 +73,9 @@ fn a_smartdrive_is_stopped_whatever_state_it_is_in() {
     hand.does("stop");
     hand.does("unlock");
     let alarms = twin_smartdrive::Alarms::OVERTEMPERATURE;
-    running.happen(0, bus::Event::Fault { alarms, present: true }).expect("it runs");
+    running.control(bus::Event::Fault { alarms, present: true }.to(0)).expect("it runs");
     hand.does("stop");
-    running.happen(0, bus::Event::Fault { alarms, present: false }).expect("it runs");
+    running.control(bus::Event::Fault { alarms, present: false }.to(0)).expect("it runs");
     assert_eq!(hand.does("stop --now").stdout, "off\n");
 }
 

@@ -99,7 +99,7 @@ fn an_address_that_two_drives_have_is_shown() {
     assert!((0..50).any(answers), "nobody answers");
     // What they say differs, as where they stand usually does.
     let alarms = twin_smartdrive::Alarms::OVERTEMPERATURE;
-    running.happen(0, bus::Event::Fault { alarms, present: true }).expect("it runs");
+    running.control(bus::Event::Fault { alarms, present: true }.to(0)).expect("it runs");
     let found = hand.does("scan --addresses 2-3");
     assert!(
         found.stdout.contains("address 2: answers garble each other: two devices"),

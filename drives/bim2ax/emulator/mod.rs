@@ -17,15 +17,15 @@ mod bus;
 mod control;
 mod eeprom;
 mod interrupt;
+mod memory_file;
 mod parameters;
 mod shared;
-mod thread;
 
 pub use axis::{Bench, Contact, EncoderBench, EncoderKind};
 pub use control::{Control, Event};
 pub use eeprom::Eeprom;
+pub use memory_file::{EmulatedModule, EmulatorOptions};
 pub use shared::SharedModule;
-pub use thread::{EmulatedModule, EmulatorOptions};
 
 use super::{AXES, Assumptions, Corrections, ModuleAxis};
 use crate::{
@@ -42,7 +42,7 @@ use crate::{
     },
 };
 use bus::{LateAnswer, LateRequest, Page};
-use twin_drives::{FaultyWire, control::Agenda};
+use twin_drives::{FaultyWire, emulator_host::Agenda};
 
 /// Bytes of RAM.
 const RAM_LENGTH: usize = 1024;

@@ -29,7 +29,6 @@ mod segments;
 mod serve;
 #[cfg(test)]
 mod tests;
-mod thread;
 mod time;
 
 use bench::Surroundings;
@@ -43,8 +42,7 @@ pub(super) use motion::Axis;
 use probe::Probe;
 use segments::Buffer;
 pub(super) use segments::segment_ramps;
-pub use serve::{Wire, serve};
-pub use thread::{EmulatedBoard, EmulatorOptions};
+pub use serve::{EmulatedBoard, EmulatorOptions, ServedBoard, Wire, serve};
 
 use super::{Assumptions, Line};
 use crate::protocol::registers::{AXES, AxisMask, BoardAxis, Status};

@@ -177,7 +177,7 @@ fn an_open_enable_input_is_an_error_of_its_own() {
     let mut drive = open(&board, &options(&[BoardAxis::X]));
     drive.enable().unwrap();
     drive.move_to(&[1_000_000, 0, 0, 0, 0], &[5000.0; 5]).unwrap();
-    board.set_enable(false).unwrap();
+    board.happen(Event::Enable(false)).unwrap();
     let lost = loop {
         match drive.sample(&stream) {
             Ok(_) => {}
@@ -187,7 +187,7 @@ fn an_open_enable_input_is_an_error_of_its_own() {
     assert!(matches!(lost, DriveError::EnableOpen { .. }), "{lost:?}");
     assert!(matches!(drive.probe(&stream), Err(DriveError::EnableOpen { .. })));
     assert!(matches!(drive.enable(), Err(DriveError::EnableOpen { .. })));
-    board.set_enable(true).unwrap();
+    board.happen(Event::Enable(true)).unwrap();
     drive.enable().unwrap();
     assert!(!drive.sample(&stream).unwrap().moving);
 }

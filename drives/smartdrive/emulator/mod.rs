@@ -22,13 +22,11 @@ mod power;
 mod serve;
 #[cfg(test)]
 mod tests;
-mod thread;
 
 pub use control::{Condition, Control, Event, Happening};
 pub use inputs::Input;
 pub use options::{Cam, DeviceOptions, HomingOptions};
-pub use serve::{Wire, serve};
-pub use thread::{EmulatedBus, EmulatorOptions};
+pub use serve::{EmulatedBus, EmulatorOptions, ServedBus, Wire, serve};
 
 use control::Shown;
 use homing::Homing;

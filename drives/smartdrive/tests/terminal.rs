@@ -189,18 +189,18 @@ fn drives_that_stop_obeying_say_why() {
         }
     };
     drive.move_to(&[-1_000_000, 0, 0, 0, 0], &[8e3; 5]).unwrap();
-    bus.happen(0, Event::Input { input: Input::LimN, level: true }).unwrap();
+    bus.control(Event::Input { input: Input::LimN, level: true }.to(0)).unwrap();
     let limit = lost(&mut drive);
     assert!(matches!(limit, DriveError::LimitSwitch { axes: Axes::Only, .. }), "{limit:?}");
     // At rest it can be moved away from the switch.
     while drive.run(async |bus| bus.state(1, &clock).await).unwrap().0.moving() {}
     drive.move_to(&[100, 0, 0, 0, 0], &[8e3; 5]).unwrap();
     drive.sample(&stream).unwrap();
-    bus.happen(0, Event::Input { input: Input::LimN, level: false }).unwrap();
+    bus.control(Event::Input { input: Input::LimN, level: false }.to(0)).unwrap();
 
     drive.move_to(&[100, 1_000_000, 0, 0, 0], &[8e3; 5]).unwrap();
     let fault = Alarms::OVERTEMPERATURE;
-    bus.happen(1, Event::Fault { alarms: fault, present: true }).unwrap();
+    bus.control(Event::Fault { alarms: fault, present: true }.to(1)).unwrap();
     let alarm = lost(&mut drive);
     assert_eq!(alarm.fault(), Some(&Fault::Alarm(fault)));
     assert_eq!(alarm.at().address, 2);
@@ -209,7 +209,7 @@ fn drives_that_stop_obeying_say_why() {
     assert!(matches!(fault_of(&refused), Some(Fault::Alarm(_))), "{refused:?}");
     let refused = drive.enable();
     assert!(matches!(fault_of(&refused), Some(Fault::Alarm(_))), "{refused:?}");
-    bus.happen(1, Event::Fault { alarms: fault, present: false }).unwrap();
+    bus.control(Event::Fault { alarms: fault, present: false }.to(1)).unwrap();
     drive.enable().unwrap();
     assert_eq!(drive.sample(&stream).unwrap().position[1], 0);
 }

@@ -68,7 +68,7 @@ fn agreed(device: DeviceOptions, wire: Wire, parts: &[&str]) -> Option<Vec<Strin
             None => break,
             Some(("agreed", part)) => agreed.push(part.to_owned()),
             Some(_) => {
-                bus.happen(0, event(&line)).unwrap();
+                bus.control(event(&line).to(0)).unwrap();
                 master.say("done");
             }
         }

@@ -12,7 +12,7 @@ use crate::{
     AxisMask, AxisOptions, BoardAxis, Command, HomeAxis, InterpCnc, InterpCncOptions, MoveProfile,
     ProbeMove, protocol::registers::Status,
 };
-use twin_drives::{DriveError, pty::PseudoTerminal};
+use twin_drives::{DriveError, emulator_host::PseudoTerminal};
 
 /// Version the tests are about.
 const VERSION: &str = "3.16.1";
@@ -46,9 +46,16 @@ fn pymodbus_is_the_master_of_the_emulated_board() {
         let line = master.line();
         match *line.split(' ').collect::<Vec<_>>().as_slice() {
             ["agreed", part] => agreed.push(part.to_owned()),
-            ["enable", closed] => board.set_enable(closed == "1").unwrap(),
+            ["enable", closed] => {
+                board.happen(crate::emulator::Event::Enable(closed == "1")).unwrap();
+            }
             ["input", number, level] => {
-                board.set_input(number.parse().unwrap(), level == "1").unwrap();
+                board
+                    .happen(crate::emulator::Event::Input {
+                        number: number.parse().unwrap(),
+                        level: level == "1",
+                    })
+                    .unwrap();
             }
             _ => break,
         }

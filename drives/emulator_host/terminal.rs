@@ -37,6 +37,9 @@ impl PseudoTerminal {
     /// Opens a pair and gives the near end (master) with it. `link`, if any, becomes a symbolic link to the far end;
     /// one there that leads nowhere, or was made for a terminal that is no more, is replaced, but never that of an emulator
     /// that lives: it keeps a lock on a file beside it.
+    ///
+    /// # Errors
+    /// If the system gives no pseudo-terminal, or the link cannot be made or is in use.
     pub fn open(link: Option<&Path>) -> Result<(TTYPort, Self), EmulatorError> {
         let terminal = |source: io::Error| EmulatorError::Terminal { source };
         // pair() gives (master, slave).

@@ -8,7 +8,6 @@ use std::{
         Arc, Mutex, MutexGuard, PoisonError,
         mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel},
     },
-    thread::{Builder, JoinHandle},
     time::Duration,
 };
 
@@ -19,7 +18,7 @@ use crate::protocol::memory::{
 };
 use twin_drives::{
     Accelerated, Clock, EmulatorError, Speed,
-    locked_file::{LockedFile, replace},
+    emulator_host::{Host, LockedFile, replace, restored},
     port::FILE_LENGTH,
 };
 
@@ -66,10 +65,7 @@ impl EmulatorOptions {
 pub struct EmulatedModule {
     path: PathBuf,
     module: Arc<Mutex<Module>>,
-    /// Dropped to end the thread.
-    end: Option<SyncSender<()>>,
-    thread: Option<JoinHandle<io::Result<()>>>,
-    _lock: Option<LockedFile>,
+    host: Host<SyncSender<()>, ()>,
 }
 
 impl EmulatedModule {
@@ -81,22 +77,16 @@ impl EmulatedModule {
         options: &EmulatorOptions,
         clock: impl Clock + 'static,
     ) -> Result<Self, EmulatorError> {
-        let failed = |path: &Path| {
-            let path = path.to_path_buf();
-            move |source| EmulatorError::File { path, source }
-        };
         let mut lock = options.eeprom.as_deref().map(LockedFile::lock).transpose()?;
-        let eeprom = match &options.eeprom {
-            Some(path) if path.exists() => {
-                let image = fs::read(path).map_err(failed(path))?;
-                let none = || io::Error::new(io::ErrorKind::InvalidData, NO_IMAGE);
-                Eeprom::of_image(&image).ok_or_else(none).map_err(failed(path))?
-            }
-            _ => Eeprom::new(options.module.rating_ma),
-        };
+        let stored = options.eeprom.as_deref();
+        let stored = stored
+            .map(|path| restored(path, |image| Eeprom::of_image(image).ok_or(NO_IMAGE)))
+            .transpose()?;
+        let eeprom = stored.flatten().unwrap_or_else(|| Eeprom::new(options.module.rating_ma));
         lock.iter_mut().for_each(LockedFile::keep);
         let file = memory_file(&options.path)?;
-        let mapping = Mapping::new(file, 0, FILE_LENGTH).map_err(failed(&options.path))?;
+        let mapping = Mapping::new(file, 0, FILE_LENGTH)
+            .map_err(|source| EmulatorError::File { path: options.path.clone(), source })?;
         let mut module = Module::new(&options.module, &eeprom, &options.surroundings);
         module.set_seed(options.seed);
         let clock = Accelerated::new(clock, options.speed);
@@ -114,12 +104,10 @@ impl EmulatedModule {
             stores: 0,
             gone: false,
         };
-        let thread = Builder::new()
-            .name(format!("bim2ax {}", options.path.display()))
-            .spawn(move || server.run(&ended))
-            .map_err(|source| EmulatorError::Thread { source })?;
-        let path = options.path.clone();
-        Ok(Self { path, module, end: Some(end), thread: Some(thread), _lock: lock })
+        let name = format!("bim2ax {}", options.path.display());
+        let locks = lock.into_iter().collect();
+        let host = Host::start(name, end, locks, move || server.run(&ended))?;
+        Ok(Self { path: options.path.clone(), module, host })
     }
 
     /// The memory file.
@@ -142,13 +130,8 @@ impl EmulatedModule {
     /// # Errors
     /// If the emulator has ended before, because of its files.
     pub fn stop(mut self) -> Result<Module, EmulatorError> {
-        self.end = None;
-        let thread = self.thread.take().ok_or(EmulatorError::Ended)?;
         let path = self.path.clone();
-        thread
-            .join()
-            .map_err(|_panic| EmulatorError::Ended)?
-            .map_err(|source| EmulatorError::File { path, source })?;
+        self.host.stop(|source| EmulatorError::File { path, source })?;
         let module = self.module().clone();
         Ok(module)
     }
@@ -156,12 +139,8 @@ impl EmulatedModule {
 
 impl Drop for EmulatedModule {
     fn drop(&mut self) {
-        self.end = None;
-        if let Some(thread) = self.thread.take() {
-            // Its result matters to nobody any more.
-            drop(thread.join());
-        }
-        // Nothing can be done about a file that does not go.
+        // An error that ended it before has no reader any more, nor has a file that cannot be removed.
+        drop(self.host.stop(|source| EmulatorError::Thread { source }));
         drop(fs::remove_file(&self.path));
     }
 }

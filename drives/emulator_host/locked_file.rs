@@ -1,6 +1,7 @@
 //! Locked state files of emulated devices, which outlast the emulator.
 
 use std::{
+    error::Error,
     fs::{self, File, OpenOptions, TryLockError},
     io,
     path::{Path, PathBuf},
@@ -65,6 +66,25 @@ impl Drop for LockedFile {
             // One that cannot be removed is as empty as before.
             fs::remove_file(made).unwrap_or_default();
         }
+    }
+}
+
+/// Device whose memory is in a file; none while there is no such file.
+///
+/// # Errors
+/// [`EmulatorError::File`]: the file cannot be read, or `decode` takes its content for something else.
+pub fn restored<D, E: Into<Box<dyn Error + Send + Sync>>>(
+    path: &Path,
+    decode: impl FnOnce(&[u8]) -> Result<D, E>,
+) -> Result<Option<D>, EmulatorError> {
+    let failed = |source| EmulatorError::File { path: path.to_path_buf(), source };
+    match fs::read(path) {
+        Ok(image) => {
+            let wrong = |why| failed(io::Error::new(io::ErrorKind::InvalidData, why));
+            decode(&image).map(Some).map_err(wrong)
+        }
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(failed(error)),
     }
 }
 
