@@ -80,7 +80,7 @@ pub enum AssumedError {
 }
 
 /// Text form of the values of an option.
-pub(crate) trait TextForm<T> {
+pub trait TextForm<T> {
     /// The value that a text means.
     fn read(&self, text: &str) -> Option<T>;
 
@@ -102,10 +102,11 @@ pub(crate) trait TextForm<T> {
 }
 
 /// One of some values, by name.
-pub(crate) struct Choice<T: 'static>(pub(crate) &'static [(&'static str, T)]);
+#[derive(Clone, Debug)]
+pub struct Choice<T: 'static>(pub &'static [(&'static str, T)]);
 
 /// Yes or no.
-pub(crate) const FLAG: Choice<bool> = Choice(&[("true", true), ("false", false)]);
+pub const FLAG: Choice<bool> = Choice(&[("true", true), ("false", false)]);
 
 impl<T: Copy + PartialEq> TextForm<T> for Choice<T> {
     fn read(&self, text: &str) -> Option<T> {
@@ -125,7 +126,8 @@ impl<T: Copy + PartialEq> TextForm<T> for Choice<T> {
 }
 
 /// A number of a range, with its unit.
-pub(crate) struct Number<T>(pub(crate) RangeInclusive<T>, pub(crate) &'static str);
+#[derive(Clone, Debug)]
+pub struct Number<T>(pub RangeInclusive<T>, pub &'static str);
 
 impl<T: FromStr + PartialOrd + Display> TextForm<T> for Number<T> {
     fn read(&self, text: &str) -> Option<T> {
@@ -146,7 +148,8 @@ impl<T: FromStr + PartialOrd + Display> TextForm<T> for Number<T> {
 }
 
 /// A time in whole microseconds.
-pub(crate) struct Microseconds(pub(crate) RangeInclusive<u64>);
+#[derive(Clone, Debug)]
+pub struct Microseconds(pub RangeInclusive<u64>);
 
 impl TextForm<Duration> for Microseconds {
     fn read(&self, text: &str) -> Option<Duration> {
@@ -168,7 +171,8 @@ impl TextForm<Duration> for Microseconds {
 }
 
 /// A value, or `none`.
-pub(crate) struct OrNone<F>(pub(crate) F);
+#[derive(Clone, Debug)]
+pub struct OrNone<F>(pub F);
 
 impl<T, F: TextForm<T>> TextForm<Option<T>> for OrNone<F> {
     fn read(&self, text: &str) -> Option<Option<T>> {
@@ -192,6 +196,7 @@ impl<T, F: TextForm<T>> TextForm<Option<T>> for OrNone<F> {
 ///
 /// A row: field, type, default, text form, then line of the digest, question, other answers, and what the driver makes of
 /// it. Questions that options of driver or emulator answer come last, with those options.
+#[macro_export]
 macro_rules! assumptions {
     (
         $(#[$attribute:meta])*
@@ -271,4 +276,5 @@ macro_rules! assumptions {
         }
     };
 }
-pub(crate) use assumptions;
+#[doc(inline)]
+pub use assumptions;

@@ -22,7 +22,7 @@ pub struct IncrementMotion {
 
 impl IncrementMotion {
     /// Of axes with these positions and velocities.
-    pub(crate) fn of(axes: impl Iterator<Item = (f64, f64)>) -> Self {
+    pub fn of(axes: impl Iterator<Item = (f64, f64)>) -> Self {
         let mut motion = Self::default();
         let slots = motion.position.iter_mut().zip(&mut motion.velocity);
         for ((position, velocity), axis) in slots.zip(axes) {
@@ -78,7 +78,7 @@ pub type HomingWays = [Option<u32>; MAX_DRIVE_AXES];
 ///
 /// What not every device has (homing, inputs, parameters) has a body here that says so.
 pub trait Drive: Send {
-    /// Family, port and station, for messages.
+    /// Family, port and address, for messages.
     fn describe(&self) -> String;
 
     /// Number of axes in use; the first this many entries of every array count.
@@ -280,7 +280,7 @@ pub trait Drive: Send {
 
 /// A device that has said nothing but its name.
 fn nowhere(device: &str) -> Exchange {
-    Exchange { port: device.into(), station: 0, action: Action::Nothing }
+    Exchange { port: device.into(), address: 0, action: Action::Nothing }
 }
 
 fn unsupported(device: &str, what: &'static str) -> DriveError {
@@ -288,7 +288,7 @@ fn unsupported(device: &str, what: &'static str) -> DriveError {
 }
 
 /// Whether an axis is told nothing.
-pub(crate) fn is_zero(speed: f64) -> bool {
+pub fn is_zero(speed: f64) -> bool {
     // −0 is 0, too.
     speed.abs().to_bits() == 0
 }

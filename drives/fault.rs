@@ -174,7 +174,7 @@ impl FaultyWire {
 
     /// What befalls the next frame, for those who are not to lose, change or delay bytes of a stream but something else.
     /// Nothing where the plug is pulled ([`Self::is_disconnected`]).
-    pub(crate) fn befalling(&mut self, direction: Direction) -> Vec<WireFault> {
+    pub fn befalling(&mut self, direction: Direction) -> Vec<WireFault> {
         if self.disconnected {
             return Vec::new();
         }
@@ -263,7 +263,7 @@ impl FaultyWire {
     }
 
     /// Changes so many different bytes.
-    pub(crate) fn corrupt(&mut self, frame: &mut [u8], bytes: usize) {
+    pub fn corrupt(&mut self, frame: &mut [u8], bytes: usize) {
         let mut places: Vec<usize> = (0..frame.len()).collect();
         for _ in 0..bytes.min(frame.len()) {
             let place = places.swap_remove(self.place(places.len()));

@@ -1,37 +1,30 @@
-//! Real drives and their emulators.
+//! Common parts of all drive families.
 //!
-//! This crate knows increments, registers and wires; it never learns which machine hangs on the axes.
+//! The trait [`Drive`] is a device with one to five axes; positions are increments. For the families there are the
+//! follower of a plan, the profile generator, homing by a switch, backups of parameters, faults of a wire and the host that
+//! serves an emulated device. This crate knows no family, and no machine that the axes belong to.
 
-mod assumptions;
+pub mod assumptions;
 pub mod backup;
-pub mod bim2ax;
 mod clock;
-mod control;
 mod decimal_ratio;
 mod device;
-mod drive;
+pub mod drive;
+pub mod emulator_host;
+pub mod encoder_check;
 mod error;
 mod fault;
-mod follow;
+pub mod follow;
 pub mod homing;
-pub mod interpcnc;
-mod kept;
-mod pause;
-mod port;
-mod pty;
-mod ramp;
-mod rehearsal;
-mod shaft;
-mod slave;
-pub mod smartdrive;
+pub mod pause;
+pub mod port;
+pub mod prediction;
+pub mod ramp;
 mod stamp;
-#[cfg(test)]
-mod tests;
-mod transport;
+pub mod transport;
 
 pub use assumptions::{Assumed, AssumedError, AssumedValues, OpenQuestion};
 pub use clock::{Accelerated, Clock, Speed};
-pub use control::Control;
 pub use decimal_ratio::DecimalRatio;
 pub use device::{
     AxisSignals, Bits, DeviceLimits, Identity, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Signals,
@@ -40,8 +33,11 @@ pub use device::{
 pub use drive::{
     Commanded, Drive, HomingWays, IncrementMotion, Increments, Sample, SetpointStream,
 };
-pub use error::{Action, Axes, DeviceFault, DriveError, EmulatorError, Exchange, ProtocolFault};
+pub use emulator_host::Control;
+pub use error::{
+    Action, Axes, DeviceFault, DriveError, EmulatorError, Exchange, ProtocolFault, find_parameter,
+};
 pub use fault::{Direction, FaultRule, FaultyWire, When, WireFault};
 pub use port::Port;
-pub use rehearsal::{Rehearsal, WireRates};
+pub use prediction::{Prediction, WireRates};
 pub use stamp::Stamp;

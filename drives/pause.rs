@@ -5,11 +5,11 @@ use std::time::Duration;
 use tokio::time::{Instant, sleep_until};
 
 /// The runtime's timers are late by up to a millisecond and a bit: pauses of 2 ms would take half as long again.
-pub(crate) const TIMER: Duration = Duration::from_micros(1200);
+pub const TIMER: Duration = Duration::from_micros(1200);
 
 /// A pause that has begun.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pause {
+pub struct Pause {
     end: Instant,
     /// Whether what a timer cannot tell is slept away, and with it whatever else runs on this thread.
     exact: bool,
@@ -17,12 +17,12 @@ pub(crate) struct Pause {
 
 impl Pause {
     /// From now on. `exact` is for those who have their thread to themselves.
-    pub(crate) fn begin(duration: Duration, exact: bool) -> Self {
+    pub fn begin(duration: Duration, exact: bool) -> Self {
         Self { end: Instant::now() + duration, exact }
     }
 
     /// Waits until it is over.
-    pub(crate) async fn over(self) {
+    pub async fn over(self) {
         if !self.exact {
             return sleep_until(self.end).await;
         }

@@ -9,7 +9,7 @@ use std::{
 use tokio_serial::{SerialPortBuilder, SerialPortBuilderExt, SerialStream};
 
 /// Bytes of a memory file, in which an emulated module on a bus lives.
-pub(crate) const FILE_LENGTH: usize = 0x405;
+pub const FILE_LENGTH: usize = 0x405;
 
 /// What something else stands in the place of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,7 +112,7 @@ impl Port {
 ///
 /// # Errors
 /// If there is none, or it is in use.
-pub(crate) fn open_serial(path: &str, port: SerialPortBuilder) -> io::Result<SerialStream> {
+pub fn open_serial(path: &str, port: SerialPortBuilder) -> io::Result<SerialStream> {
     Port::Serial.check(Path::new(path))?;
     port.open_native_async().map_err(Port::explain)
 }

@@ -1,9 +1,11 @@
 //! Troubleshooting hints for drive errors: the next check or step.
 
 use std::io::{self, ErrorKind};
-use twin_drives::bim2ax::bits::{message, uc};
-use twin_drives::smartdrive::{self, RejectCode};
-use twin_drives::{Action, DriveError, Exchange, ProtocolFault, bim2ax};
+use twin_bim2ax as bim2ax;
+use twin_bim2ax::protocol::bits::{message, uc};
+use twin_drives::{Action, DriveError, Exchange, ProtocolFault};
+use twin_smartdrive as smartdrive;
+use twin_smartdrive::RejectCode;
 
 /// Hint after an emergency stop.
 pub(crate) const RELEASE: &str =
@@ -21,7 +23,7 @@ pub(crate) const NOBODY: &str = "is the device powered, are A and B of the line 
 pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
     Some(match error {
         DriveError::Device { at, .. } => return of_fault(error, at),
-        DriveError::Timeout { at, .. } if at.station == 0 => {
+        DriveError::Timeout { at, .. } if at.address == 0 => {
             "is the module powered, and does its software run? Is it at this offset (--map), or is its emulator \
              running? A slow bus needs a longer --deadline"
         }
@@ -30,7 +32,7 @@ pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
              (`scan` asks all), and are baud rate and parity those of the device? A slow adapter needs a longer \
              --deadline"
         }
-        DriveError::Protocol { at, .. } if at.station == 0 => {
+        DriveError::Protocol { at, .. } if at.address == 0 => {
             "is another master at the module, or does something disturb its bus? Is it at this offset (--map, or `map_offset` \
              of the machine file), and are its numbers in this byte order (--little-endian, or `byte_order`)?"
         }
@@ -105,7 +107,7 @@ fn of_fault(error: &DriveError, at: &Exchange) -> Option<&'static str> {
 /// As [`advice`], where the deadline is a key of the machine file and no option: in `twin run`.
 pub(crate) fn advice_in_run(error: &DriveError) -> Option<&'static str> {
     Some(match error {
-        DriveError::Timeout { at, .. } if at.station == 0 => {
+        DriveError::Timeout { at, .. } if at.address == 0 => {
             "is the module powered, and does its software run? Is it at this offset (`map_offset` of the machine file), or is \
              its emulator running? A slow bus needs a larger `answer_deadline_ms` of its [[drives]]"
         }
@@ -142,7 +144,7 @@ fn is_move(at: &Exchange) -> bool {
 
 fn port(at: &Exchange, error: &io::Error) -> Option<&'static str> {
     // Both others have addresses from 1.
-    let is_module = at.station == 0;
+    let is_module = at.address == 0;
     if at.action != Action::Open {
         return Some(
             "the port is gone: is the adapter plugged in (`dmesg` tells when it came and went), or has the emulator ended? \
@@ -198,7 +200,7 @@ mod tests {
     #[test]
     fn a_refused_target_tells_which_parameters_to_look_at() {
         let refused = |action, reason| {
-            let at = Exchange { port: "bus".into(), station: 2, action };
+            let at = Exchange { port: "bus".into(), address: 2, action };
             advice(&DriveError::device(at, smartdrive::Fault::Rejected(reason)))
         };
         let go_to = Action::Atb { code: 0x63, name: "GOTO" };

@@ -2,11 +2,11 @@
 
 use crate::emulated::software_limits;
 use crate::machine::{Axis, DriveFamily, Machine, Parity};
+use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
+use twin_bim2ax::{ByteOrder, MOST_POSITION, ModuleAxis};
 use twin_drives::ParameterId;
-use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
-use twin_drives::bim2ax::{ByteOrder, MOST_POSITION, ModuleAxis};
-use twin_drives::interpcnc::parameters;
-use twin_drives::smartdrive::parameters::{PARAMETERS, POSITION_MAX, POSITION_MIN};
+use twin_interpcnc::protocol::parameters;
+use twin_smartdrive::protocol::parameters::{PARAMETERS, POSITION_MAX, POSITION_MIN};
 
 /// Beginning of the line that makes set parameters take effect.
 pub(crate) const THEN: &str = "then:";
@@ -18,7 +18,7 @@ pub(crate) fn command(machine: &Machine, device: usize, address: usize) -> Optio
     let port = quoted(entry.port.as_deref().unwrap_or("PORT"));
     let command = match &entry.family {
         DriveFamily::InterpCnc(board) => {
-            let address = board.station;
+            let address = board.address;
             let baud = match board.baud {
                 115_200 => String::new(),
                 baud => format!(" --baud {baud}"),
@@ -55,7 +55,7 @@ pub(crate) fn set_to(
     id: ParameterId,
     value: &str,
 ) -> Option<String> {
-    let command = command(machine, device, id.station.into())?;
+    let command = command(machine, device, id.address.into())?;
     let name = match &machine.drives.get(device)?.family {
         DriveFamily::InterpCnc(_) => parameters::name(id.number).unwrap_or(id.number.to_string()),
         DriveFamily::SmartDrive(_) => {
@@ -77,7 +77,7 @@ pub(crate) fn set(machine: &Machine, device: usize, id: ParameterId, value: i64)
 
 /// The command that lets a parameter count once it is set; none where it does at once, and is kept.
 fn then(machine: &Machine, device: usize, id: ParameterId) -> Option<String> {
-    let command = command(machine, device, id.station.into())?;
+    let command = command(machine, device, id.address.into())?;
     let (word, why) = match &machine.drives.get(device)?.family {
         // They are kept as soon as they are set.
         DriveFamily::InterpCnc(_) => return None,
@@ -97,11 +97,11 @@ pub(crate) fn set_limits(machine: &Machine, device: usize, axis: &Axis) -> Vec<S
     let Some((entry, place)) = machine.drives.get(device).zip(axis.drive.as_ref()) else {
         return Vec::new();
     };
-    let (station, numbers, most) = match &entry.family {
+    let (address, numbers, most) = match &entry.family {
         DriveFamily::InterpCnc(_) => return Vec::new(),
         DriveFamily::SmartDrive(_) => {
-            let station = u8::try_from(place.index).unwrap_or(0);
-            (station, [POSITION_MIN, POSITION_MAX].map(Some), [i32::MIN, i32::MAX])
+            let address = u8::try_from(place.index).unwrap_or(0);
+            (address, [POSITION_MIN, POSITION_MAX].map(Some), [i32::MIN, i32::MAX])
         }
         DriveFamily::Bim2Ax(_) => {
             let Some(on_module) = ModuleAxis::ALL.get(place.index) else { return Vec::new() };
@@ -113,7 +113,7 @@ pub(crate) fn set_limits(machine: &Machine, device: usize, axis: &Axis) -> Vec<S
     let [low, high] = most;
     let wanted = software_limits(axis, most).map(|limit| limit.clamp(low, high));
     let commands = numbers.into_iter().zip(wanted).filter_map(|(number, limit)| {
-        Some(set(machine, device, ParameterId { station, number: number? }, limit.into()))
+        Some(set(machine, device, ParameterId { address, number: number? }, limit.into()))
     });
     let mut said: Vec<String> = Vec::new();
     for line in commands.flatten() {

@@ -6,23 +6,26 @@ use crate::machine::{
     Axis, Bim2AxEntry, DeviceEntry, DriveFamily, InterpCncEntry, Machine, Parity, SmartDriveEntry,
 };
 use std::time::Duration;
-use twin_drives::bim2ax::emulator::{Eeprom, Module, ModuleOptions, Surroundings};
-use twin_drives::bim2ax::{
-    self, AxisSettings, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, Bim2AxRehearsal,
-    MOST_POSITION, RehearsalOptions, SharedModule,
+use twin_bim2ax as bim2ax;
+use twin_bim2ax::emulator::{Eeprom, Module, ModuleOptions, Surroundings};
+use twin_bim2ax::{
+    AxisSettings, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, Bim2AxPrediction, MOST_POSITION,
+    PredictionOptions, SharedModule,
 };
-use twin_drives::interpcnc::emulator::{
+use twin_drives::{Drive, DriveError, EmulatorError, Prediction};
+use twin_interpcnc as interpcnc;
+use twin_interpcnc::emulator::{
     Bench, BoardOptions, EmulatedBoard, EmulatorOptions, EncoderLink, Wire,
 };
-use twin_drives::interpcnc::{
-    self, AxisOptions, EncoderOptions, Following, InterpCncDrive, InterpCncOptions, Line,
-    registers::{BoardAxis, MAX_SPEED_HZ},
+use twin_interpcnc::{
+    AxisOptions, EncoderOptions, Following, InterpCncDrive, InterpCncOptions, Line,
+    protocol::registers::{BoardAxis, MAX_SPEED_HZ},
 };
-use twin_drives::smartdrive::emulator::EmulatedBus;
-use twin_drives::smartdrive::{
-    self, BusDelays, SmartDriveBus, SmartDriveOptions, SmartDriveRehearsal, parameters,
+use twin_smartdrive as smartdrive;
+use twin_smartdrive::emulator::EmulatedBus;
+use twin_smartdrive::{
+    BusDelays, SmartDriveBus, SmartDriveOptions, SmartDrivePrediction, protocol::parameters,
 };
-use twin_drives::{Drive, DriveError, EmulatorError, Rehearsal};
 
 /// How long an emulated board may take to answer. The kernel passes the bytes of a pseudo-terminal on when nothing
 /// more urgent is to be done, which on a busy computer can be a while; a wire does not wait.
@@ -162,7 +165,7 @@ fn smartdrive(machine: &Machine, (device, entry): (usize, &SmartDriveEntry)) -> 
 }
 
 fn bim2ax(machine: &Machine, (device, entry): (usize, &Bim2AxEntry)) -> Opened {
-    use bim2ax::parameter::{AxisParameter, Parameter};
+    use bim2ax::protocol::parameter::{AxisParameter, Parameter};
     let assumptions = entry.assumptions;
     let options = ModuleOptions { assumptions, ..ModuleOptions::default() };
     let mut eeprom = Eeprom::new(options.rating_ma);
@@ -188,7 +191,7 @@ fn bim2ax(machine: &Machine, (device, entry): (usize, &Bim2AxEntry)) -> Opened {
             for (parameter, value) in [
                 (AxisParameter::Dividend, encoder.increments_per_turn),
                 (AxisParameter::Divisor, encoder.points_per_turn),
-                (AxisParameter::EncoderDefinition, bim2ax::bits::definition::PRESENT),
+                (AxisParameter::EncoderDefinition, bim2ax::protocol::bits::definition::PRESENT),
             ] {
                 eeprom.set(Parameter::Axis(parameter, on_module), value.into());
             }
@@ -226,7 +229,7 @@ pub(crate) fn module_options(entry: &Bim2AxEntry) -> Bim2AxDriveOptions {
 /// How long a round takes on the wire of a device (with its place in the file), in which each of its axes gets a command and
 /// is seen.
 pub(crate) fn round(machine: &Machine, (index, device): (usize, &DeviceEntry)) -> Duration {
-    let rates = rehearsal(machine, (index, device)).rates();
+    let rates = prediction(machine, (index, device)).rates();
     let axes = u32::try_from(machine.axes_of(index).count()).unwrap_or(u32::MAX);
     let seconds = (f64::from(axes) / rates.commands_per_s).max(1.0 / rates.samples_per_s);
     Duration::try_from_secs_f64(seconds).unwrap_or_default()
@@ -234,14 +237,19 @@ pub(crate) fn round(machine: &Machine, (index, device): (usize, &DeviceEntry)) -
 
 /// What driver and device make of a plan on the wire that `device` (with its place in the file) describes, in simulated
 /// time.
-pub(crate) fn rehearsal(
+pub(crate) fn prediction(
     machine: &Machine,
     (index, device): (usize, &DeviceEntry),
-) -> Box<dyn Rehearsal> {
+) -> Box<dyn Prediction> {
     match &device.family {
         DriveFamily::InterpCnc(entry) => {
             let options = driver_options(machine, (index, entry));
-            interpcnc::rehearse(&options.axes, &wire(entry), options.following, options.encoder)
+            interpcnc::board_prediction(
+                &options.axes,
+                &wire(entry),
+                options.following,
+                options.encoder,
+            )
         }
         DriveFamily::SmartDrive(entry) => {
             let axes: Vec<_> =
@@ -249,15 +257,15 @@ pub(crate) fn rehearsal(
             let response = Duration::from_micros(entry.response_us.into());
             let answers = entry.assumptions.answer_length;
             let delays = BusDelays { response, answers, ..BusDelays::default() };
-            Box::new(SmartDriveRehearsal::new(&axes, delays))
+            Box::new(SmartDrivePrediction::new(&axes, delays))
         }
         DriveFamily::Bim2Ax(entry) => {
             let axes = machine.axes_of(index).map(|(_, axis)| bim2ax_axis(axis, entry)).collect();
             let order_ns = i64::from(entry.order_us) * 1000;
-            let mut options = RehearsalOptions { order_ns, ..RehearsalOptions::new(axes) };
+            let mut options = PredictionOptions { order_ns, ..PredictionOptions::new(axes) };
             // A look at counters is followed by one at encoders.
             options.read_ns *= if entry.encoder.is_some() { 2 } else { 1 };
-            Box::new(Bim2AxRehearsal::new(&options))
+            Box::new(Bim2AxPrediction::new(&options))
         }
     }
 }
@@ -331,7 +339,7 @@ pub fn emulator_options(entry: &InterpCncEntry) -> EmulatorOptions {
     let line = line(entry);
     EmulatorOptions {
         board: BoardOptions {
-            station: entry.station,
+            address: entry.address,
             line,
             assumptions: entry.assumptions,
             ..BoardOptions::default()
@@ -364,7 +372,7 @@ pub(crate) fn driver_options(
         })
     });
     InterpCncOptions {
-        station: entry.station,
+        address: entry.address,
         line: line(entry),
         following: entry.following,
         encoder: entry.encoder,
@@ -379,7 +387,7 @@ fn wire(entry: &InterpCncEntry) -> Wire {
 
 /// The line of a board.
 pub(crate) fn line(entry: &InterpCncEntry) -> Line {
-    use twin_drives::interpcnc::Parity as WireParity;
+    use twin_interpcnc::Parity as WireParity;
     let parity = match entry.parity {
         Parity::None => WireParity::None,
         Parity::Even => WireParity::Even,

@@ -7,13 +7,13 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
-use twin_drives::bim2ax::{
+use twin_bim2ax::{
     Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, MappedMemory, Master, Memory, MemoryFile,
     ModuleAxis,
 };
-use twin_drives::interpcnc::{InterpCncDrive, InterpCncOptions};
-use twin_drives::smartdrive::{SmartDriveBus, SmartDriveOptions};
 use twin_drives::{Action, Drive, DriveError, Exchange};
+use twin_interpcnc::{InterpCncDrive, InterpCncOptions};
+use twin_smartdrive::{SmartDriveBus, SmartDriveOptions};
 
 /// Errors that leave a device without a driver.
 #[derive(Debug, thiserror::Error)]
@@ -127,7 +127,7 @@ fn module(
     let options = Bim2AxDriveOptions { driver, axes, ..module_options(entry) };
     let failed = |source| {
         let port: Arc<str> = port.into();
-        DriveError::Transport { at: Exchange { port, station: 0, action: Action::Open }, source }
+        DriveError::Transport { at: Exchange { port, address: 0, action: Action::Open }, source }
     };
     let memory = module_memory(Path::new(port), entry.map_offset).map_err(failed)?;
     Bim2AxDrive::new(port, memory, &options)

@@ -91,15 +91,15 @@ impl Reader<'_> {
     fn entry(
         &mut self,
         line: u32,
-        station: Option<&str>,
+        address: Option<&str>,
         number: Option<&str>,
         value: Option<&str>,
     ) -> Entry {
-        let station = self.number(line, "station", station, (0, u8::MAX.into()));
+        let address = self.number(line, "station", address, (0, u8::MAX.into()));
         let number = self.number(line, "number", number, (0, u16::MAX.into()));
         let value = self.number(line, "value", value, (i64::MIN, i64::MAX));
         let id = ParameterId {
-            station: u8::try_from(station).unwrap_or(0),
+            address: u8::try_from(address).unwrap_or(0),
             number: u16::try_from(number).unwrap_or(0),
         };
         Entry { line, id, value }
@@ -168,9 +168,9 @@ impl Reader<'_> {
         let mut entries = Vec::new();
         for node in root.children().filter(roxmltree::Node::is_element) {
             if node.tag_name().name() == PARAMETER {
-                let [station, number, value] =
+                let [address, number, value] =
                     ["station", "number", "value"].map(|name| node.attribute(name));
-                entries.push(self.entry(line(node), station, number, value));
+                entries.push(self.entry(line(node), address, number, value));
             } else {
                 let word = node.tag_name().name().to_owned();
                 self.error(line(node), LineFault::Unexpected { word });

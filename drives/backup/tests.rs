@@ -26,12 +26,12 @@ impl Shelf {
     }
 
     fn place(id: ParameterId) -> Result<usize, DriveError> {
-        let known = (id.station == 0).then(|| usize::from(id.number)).filter(|place| *place < 3);
+        let known = (id.address == 0).then(|| usize::from(id.number)).filter(|place| *place < 3);
         known.ok_or_else(|| DriveError::NoParameter { at: Self::at(), id })
     }
 
     fn at() -> Exchange {
-        Exchange { port: "shelf".into(), station: 0, action: Action::Nothing }
+        Exchange { port: "shelf".into(), address: 0, action: Action::Nothing }
     }
 
     fn never<T>() -> Result<T, DriveError> {
@@ -97,7 +97,7 @@ impl Drive for Shelf {
             let deadline = std::time::Duration::from_millis(1);
             return Err(DriveError::Timeout { at: Self::at(), deadline });
         }
-        let id = |number| ParameterId { station: 0, number };
+        let id = |number| ParameterId { address: 0, number };
         let speed = ParameterInfo {
             unit: "rpm",
             ..ParameterInfo::new(id(0), "speed".to_owned(), Values::Between(1, 500))

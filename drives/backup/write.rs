@@ -68,7 +68,7 @@ fn chosen(
 
 fn none(drive: &dyn Drive, id: ParameterId) -> DriveError {
     let port = drive.describe().into();
-    let at = crate::Exchange { port, station: 0, action: crate::Action::Nothing };
+    let at = crate::Exchange { port, address: 0, action: crate::Action::Nothing };
     DriveError::NoParameter { at, id }
 }
 
@@ -88,8 +88,8 @@ fn text(
     writeln!(output, "family {family}")?;
     writeln!(output, "# station number value")?;
     for (info, value) in values {
-        let ParameterId { station, number } = info.id;
-        write!(output, "{station} {number} {value} # {}", single_line(&info.name))?;
+        let ParameterId { address, number } = info.id;
+        write!(output, "{address} {number} {value} # {}", single_line(&info.name))?;
         if !info.unit.is_empty() {
             write!(output, " [{}]", info.unit)?;
         }
@@ -131,9 +131,9 @@ fn xml(
     let (family, device) = (escaped(family), escaped(device));
     writeln!(output, r#"<{ROOT} version="{VERSION}" family="{family}" device="{device}">"#)?;
     for (info, value) in values {
-        let ParameterId { station, number } = info.id;
+        let ParameterId { address, number } = info.id;
         let (name, unit) = (escaped(&info.name), escaped(info.unit));
-        write!(output, r#"  <{PARAMETER} station="{station}" number="{number}" value="{value}""#)?;
+        write!(output, r#"  <{PARAMETER} station="{address}" number="{number}" value="{value}""#)?;
         write!(output, r#" name="{name}""#)?;
         if !unit.is_empty() {
             write!(output, r#" unit="{unit}""#)?;

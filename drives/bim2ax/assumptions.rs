@@ -3,7 +3,7 @@
 //! Paragraphs are those of the digest that the tests list (`drives/tests/assumptions.rs`). The byte order, which the
 //! manual does not say either, is an option of its own on both sides ([`super::ByteOrder`]): it comes before all else.
 
-use crate::assumptions::{Choice, FLAG, assumptions};
+use twin_drives::assumptions::{Choice, FLAG, assumptions};
 
 /// In which order the zones are taken that the entries at $70 to $73 name, from version 15 on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

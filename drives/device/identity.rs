@@ -15,7 +15,7 @@ pub struct Identity {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct UnitIdentity {
     /// Address on the bus; 0 where there is none.
-    pub station: u8,
+    pub address: u8,
     /// Version of the firmware, as its maker writes it.
     pub firmware: Option<String>,
     /// Serial number.
@@ -37,12 +37,12 @@ impl fmt::Display for Identity {
 
 impl fmt::Display for UnitIdentity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let station = (self.station != 0).then(|| format!("address {}", self.station));
+        let address = (self.address != 0).then(|| format!("address {}", self.address));
         let firmware = self.firmware.as_ref().map(|version| format!("firmware {version}"));
         let serial = self.serial.as_ref().map(|number| format!("serial number {number}"));
         let details = self.details.iter().map(|(name, value)| format!("{name} {value}"));
         let parts: Vec<_> =
-            station.into_iter().chain(firmware).chain(serial).chain(details).collect();
+            address.into_iter().chain(firmware).chain(serial).chain(details).collect();
         f.write_str(&parts.join(", "))
     }
 }
@@ -54,13 +54,13 @@ mod tests {
     #[test]
     fn all_that_is_known_is_said() {
         let first = UnitIdentity {
-            station: 3,
+            address: 3,
             firmware: Some("1.2.0".to_owned()),
             serial: None,
             details: vec![("PID", "5342h".to_owned())],
         };
         let second =
-            UnitIdentity { station: 4, serial: Some("77".to_owned()), ..Default::default() };
+            UnitIdentity { address: 4, serial: Some("77".to_owned()), ..Default::default() };
         let identity = Identity { family: "SmartDRIVE", units: vec![first, second] };
         let text = "SmartDRIVE, address 3, firmware 1.2.0, PID 5342h; address 4, serial number 77";
         assert_eq!(identity.to_string(), text);

@@ -6,16 +6,16 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ParameterId {
     /// Address of the drive on its bus; 0 where a device is one unit.
-    pub station: u8,
+    pub address: u8,
     /// Number in the manual.
     pub number: u16,
 }
 
 impl fmt::Display for ParameterId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.station {
+        match self.address {
             0 => write!(f, "parameter {}", self.number),
-            station => write!(f, "parameter {} at address {station}", self.number),
+            address => write!(f, "parameter {} at address {address}", self.number),
         }
     }
 }
@@ -74,7 +74,7 @@ pub struct ParameterInfo {
 
 impl ParameterInfo {
     /// A parameter that can be set, acts at once and has nothing to do with the line.
-    pub(crate) fn new(id: ParameterId, name: String, values: Values) -> Self {
+    pub fn new(id: ParameterId, name: String, values: Values) -> Self {
         Self {
             id,
             name,

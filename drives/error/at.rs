@@ -39,7 +39,7 @@ impl DriveError {
         }
     }
 
-    /// Which axes of the device it is about, where it says; that of a station with one axis is named by [`Self::at`].
+    /// Which axes of the device it is about, where it says; that of a address with one axis is named by [`Self::at`].
     pub fn axes(&self) -> Option<Axes> {
         match self {
             Self::Device { fault, .. } => fault.axes(),

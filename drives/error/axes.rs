@@ -9,7 +9,7 @@ pub enum Axes {
     Letters(u8),
     /// From 1: bit 0 = axis 1 (BIM2AX).
     Numbers(u8),
-    /// The only one of its station, which is named before (SmartDRIVE).
+    /// The only one of its address, which is named before (SmartDRIVE).
     Only,
 }
 

@@ -119,7 +119,7 @@ pub struct Exchange {
     /// Path of the port.
     pub port: Arc<str>,
     /// Station (slave) address on that port; 0 where the device has none.
-    pub station: u8,
+    pub address: u8,
     /// What was being done.
     pub action: Action,
 }
@@ -127,8 +127,8 @@ pub struct Exchange {
 impl fmt::Display for Exchange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.port)?;
-        if self.station != 0 {
-            write!(f, ", address {}", self.station)?;
+        if self.address != 0 {
+            write!(f, ", address {}", self.address)?;
         }
         if self.action == Action::Nothing {
             return Ok(());
@@ -140,7 +140,7 @@ impl fmt::Display for Exchange {
 /// An answer that arrived in time and is not the answer to what was asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ProtocolFault {
-    /// Another station answered.
+    /// Another address answered.
     #[error("another address answered")]
     Station,
     /// The answer belongs to another function.

@@ -9,7 +9,7 @@ mod parameter;
 
 use std::{fmt::Display, io, time::Duration};
 
-pub(crate) use self::parameter::find_parameter;
+pub use self::parameter::find_parameter;
 pub use self::{
     axes::Axes,
     device_fault::DeviceFault,
@@ -319,6 +319,3 @@ pub enum DriveError {
 fn with_unit(value: impl Display, unit: &str) -> String {
     if unit.is_empty() { value.to_string() } else { format!("{value} {unit}") }
 }
-
-#[cfg(test)]
-mod tests;

@@ -5,11 +5,10 @@ use crate::{ParameterId, ParameterInfo};
 
 impl ParameterInfo {
     /// Checks that the parameter can be set to a value; `at` says where the error is.
-    pub(crate) fn check(
-        &self,
-        value: i64,
-        at: impl FnOnce() -> Exchange,
-    ) -> Result<(), DriveError> {
+    ///
+    /// # Errors
+    /// If the parameter is read-only or takes other values only.
+    pub fn check(&self, value: i64, at: impl FnOnce() -> Exchange) -> Result<(), DriveError> {
         let id = self.id;
         if !self.writable {
             Err(DriveError::ReadOnly { at: at(), id })
@@ -23,7 +22,10 @@ impl ParameterInfo {
 }
 
 /// The parameter of this number among those a device has.
-pub(crate) fn find_parameter(
+///
+/// # Errors
+/// [`DriveError::NoParameter`].
+pub fn find_parameter(
     all: Vec<ParameterInfo>,
     id: ParameterId,
     at: impl FnOnce() -> Exchange,

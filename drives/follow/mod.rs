@@ -21,12 +21,12 @@
 //! What the registers of a family can say, its [`Registers`] tell: which speeds and rates there are, and whether
 //! acceleration and deceleration are one number.
 
-mod chance;
+mod candidates;
 mod window;
 
 use std::fmt::Debug;
 
-use chance::{COMPARED, Chance};
+use candidates::{COMPARED, Candidates};
 use window::Window;
 
 use crate::{
@@ -35,7 +35,7 @@ use crate::{
 };
 
 /// An axis is left alone while its present move stays this near to the plan, increments: what rounding makes.
-pub(crate) const TOLERANCE: f64 = 0.6;
+pub const TOLERANCE: f64 = 0.6;
 /// Weight of an exchange in the running means.
 const MEAN_GAIN: f64 = 0.2;
 /// A duration counts as at most so many times the mean: one exchange that something else delayed says little.
@@ -61,7 +61,7 @@ const CATCH_UP_LEAST: f64 = 0.05;
 const STUCK_STEP: f64 = 2.0;
 
 /// What the registers of one axis of a device can say about a move.
-pub(crate) trait Registers: Copy + Debug {
+pub trait Registers: Copy + Debug {
     /// A move as it goes to the device.
     type Move: Copy + Debug + PartialEq;
 
@@ -89,15 +89,15 @@ pub(crate) trait Registers: Copy + Debug {
 
 /// What exchanges are expected to take until some have been seen, s.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Timing {
+pub struct Timing {
     /// From the decision for a command to its answer.
-    pub(crate) exchange: f64,
+    pub exchange: f64,
     /// From the decision for a command to its execution.
-    pub(crate) lead: f64,
+    pub lead: f64,
     /// Uncertainty of a time stamp.
-    pub(crate) uncertainty: f64,
+    pub uncertainty: f64,
     /// Exchanges of a round besides its commands: 1 where samples are asked for, 0 where every answer is one.
-    pub(crate) samples: usize,
+    pub samples: usize,
 }
 
 /// A mean of durations, s.
@@ -152,16 +152,16 @@ struct Tracked<R> {
 
 /// A command for an axis, computed for the instant at which it will probably be executed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Order<M> {
+pub struct Order<M> {
     /// Index of the axis among those in use.
-    pub(crate) axis: usize,
+    pub axis: usize,
     /// What to send.
-    pub(crate) profile: M,
+    pub profile: M,
 }
 
 /// Follows a plan; speaks to nobody.
 #[derive(Clone, Debug)]
-pub(crate) struct Follower<R> {
+pub struct Follower<R> {
     axes: Vec<Tracked<R>>,
     window: Window,
     /// Duration of an exchange, silence before it included.
@@ -175,7 +175,8 @@ pub(crate) struct Follower<R> {
 }
 
 impl<R: Registers> Follower<R> {
-    pub(crate) fn with_timing(axes: &[R], timing: &Timing) -> Self {
+    /// A follower of axes at rest at 0, until the first sample, on a wire with this timing.
+    pub fn new(axes: &[R], timing: &Timing) -> Self {
         let tracked = |registers: &R| Tracked {
             registers: *registers,
             motion: Motion::at_rest(0.0),
@@ -196,7 +197,7 @@ impl<R: Registers> Follower<R> {
     }
 
     /// Forgets where the axes are: something else than [`Self::order`] has moved or stopped them.
-    pub(crate) fn restart(&mut self) {
+    pub fn restart(&mut self) {
         for axis in &mut self.axes {
             axis.started = false;
             axis.stuck = Stuck::default();
@@ -205,7 +206,7 @@ impl<R: Registers> Follower<R> {
 
     /// An axis that samples have shown at the same place for long although its commands move it, and where they should
     /// have brought it: its status is stuck.
-    pub(crate) fn astray(&self) -> Option<(usize, f64)> {
+    pub fn astray(&self) -> Option<(usize, f64)> {
         let astray =
             |axis: &Tracked<R>| axis.stuck.samples >= STUCK_SAMPLES && axis.stuck.way > STUCK_WAY;
         let index = self.axes.iter().position(astray)?;
@@ -213,7 +214,7 @@ impl<R: Registers> Follower<R> {
     }
 
     /// Looks at the plan and names the axes that need a command.
-    pub(crate) fn survey(&mut self, stream: &dyn SetpointStream) -> Vec<usize> {
+    pub fn survey(&mut self, stream: &dyn SetpointStream) -> Vec<usize> {
         let before_ns = self.window.start_ns;
         self.window = Window::look(stream, self.axes.len());
         let faded = (-seconds(self.window.start_ns - before_ns).max(0.0) / CATCH_UP_FADES_S).exp();
@@ -236,18 +237,18 @@ impl<R: Registers> Follower<R> {
 
     /// The command for an axis, decided at `now_ns` in a round of `round` commands; none if no command makes it
     /// better than it is.
-    pub(crate) fn order(&self, index: usize, round: usize, now_ns: i64) -> Option<Order<R::Move>> {
+    pub fn order(&self, index: usize, round: usize, now_ns: i64) -> Option<Order<R::Move>> {
         let axis = self.axes.get(index).filter(|axis| axis.started)?;
         let plan = self.window.axis(index);
-        let chance = Chance {
+        let candidates = Candidates {
             axis,
             plan,
             executed_ns: now_ns + nanoseconds(self.lead.0),
             round: self.round(round),
         };
-        let mut best = (chance.cost(&axis.motion), None);
-        for profile in chance.candidates() {
-            let cost = chance.cost(&chance.motion(&profile));
+        let mut best = (candidates.cost(&axis.motion), None);
+        for profile in candidates.profiles() {
+            let cost = candidates.cost(&candidates.motion(&profile));
             if cost < best.0 {
                 best = (cost, Some(profile));
             }
@@ -256,7 +257,7 @@ impl<R: Registers> Follower<R> {
     }
 
     /// The device has accepted an order that was decided at `decided_ns`.
-    pub(crate) fn executed(&mut self, order: &Order<R::Move>, decided_ns: i64, stamp: &Stamp) {
+    pub fn executed(&mut self, order: &Order<R::Move>, decided_ns: i64, stamp: &Stamp) {
         let executed_ns = stamp.executed_ns;
         self.exchange.add(seconds(stamp.answered_ns - decided_ns));
         self.lead.add(seconds(executed_ns - decided_ns));
@@ -272,7 +273,7 @@ impl<R: Registers> Follower<R> {
     }
 
     /// The device has shown the counters of all axes and which of them move.
-    pub(crate) fn sampled(&mut self, stamp: &Stamp, counters: impl Iterator<Item = (i32, bool)>) {
+    pub fn sampled(&mut self, stamp: &Stamp, counters: impl Iterator<Item = (i32, bool)>) {
         self.uncertainty.add(seconds(stamp.uncertainty_ns));
         for (axis, (counter, moving)) in self.axes.iter_mut().zip(counters) {
             axis.sampled(stamp, self.uncertainty.0, counter, moving);
@@ -280,7 +281,7 @@ impl<R: Registers> Follower<R> {
     }
 
     /// The device has shown the counter of one axis and whether it moves.
-    pub(crate) fn sampled_axis(&mut self, index: usize, stamp: &Stamp, counter: i32, moving: bool) {
+    pub fn sampled_axis(&mut self, index: usize, stamp: &Stamp, counter: i32, moving: bool) {
         self.uncertainty.add(seconds(stamp.uncertainty_ns));
         if let Some(axis) = self.axes.get_mut(index) {
             axis.sampled(stamp, self.uncertainty.0, counter, moving);
@@ -288,7 +289,7 @@ impl<R: Registers> Follower<R> {
     }
 
     /// How far an axis moves from one instant to another, as modelled; 0 if nothing is known of it.
-    pub(crate) fn moved(&self, index: usize, from_ns: i64, to_ns: i64) -> f64 {
+    pub fn moved(&self, index: usize, from_ns: i64, to_ns: i64) -> f64 {
         self.axes
             .get(index)
             .filter(|axis| axis.started)
@@ -296,7 +297,7 @@ impl<R: Registers> Follower<R> {
     }
 
     /// True if the time of a sample is so much less certain than usual that another is worth its time.
-    pub(crate) fn is_poor(&self, stamp: &Stamp) -> bool {
+    pub fn is_poor(&self, stamp: &Stamp) -> bool {
         seconds(stamp.uncertainty_ns) > (3.0 * self.uncertainty.0).max(0.004)
     }
 

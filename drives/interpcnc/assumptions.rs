@@ -4,11 +4,8 @@
 
 use std::time::Duration;
 
-use super::{
-    options::{Line, Parity},
-    parameters,
-};
-use crate::assumptions::{Choice, FLAG, Microseconds, Number, OrNone, assumptions};
+use crate::{protocol::line::Line, protocol::parameters};
+use twin_drives::assumptions::{Choice, FLAG, Microseconds, Number, OrNone, assumptions};
 
 /// How an axis is brought to rest when the board does it by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -164,14 +161,14 @@ assumptions! {
                 "any codes", "tells an EEPROM failure by its code, others as they are");
     }
     others {
-        "BoardOptions.station" = "1",
-            (7, "What station is a board that nobody has set?",
-                "1 to 247", "InterpCncOptions.station");
+        "BoardOptions.address" = "1",
+            (7, "Which address has a board that nobody has set?",
+                "1 to 247", "InterpCncOptions.address");
         "BoardOptions.line" = "Line { baud: 115200, parity: None }",
             (7, "At which speed and parity?",
                 "4800 to 256000 b/s, even, odd", "InterpCncOptions.line");
-        "InterpCncOptions.station" = "1",
-            (7, "What station does the driver speak to?",
+        "InterpCncOptions.address" = "1",
+            (7, "Which address does the client speak to?",
                 "1 to 247", "speaks to it");
         "InterpCncOptions.line" = "Line { baud: 115200, parity: None }",
             (7, "At which speed and parity does the driver speak?",
@@ -186,22 +183,6 @@ impl Assumptions {
     /// Silence that ends a frame on a line.
     pub fn silence_on(&self, line: Line) -> Duration {
         self.silence.unwrap_or_else(|| line.silence())
-    }
-}
-
-impl Parity {
-    /// As parameter 102 says it: 0 none, 1 even, 2 odd (assumed).
-    pub fn code(self) -> u32 {
-        match self {
-            Self::None => 0,
-            Self::Even => 1,
-            Self::Odd => 2,
-        }
-    }
-
-    /// What parameter 102 says.
-    pub fn from_code(code: u32) -> Option<Self> {
-        [Self::None, Self::Even, Self::Odd].into_iter().find(|parity| parity.code() == code)
     }
 }
 

@@ -14,17 +14,17 @@ mod tests;
 
 /// What limits a motion and where it goes, in steps and seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Ramp {
+pub struct Ramp {
     /// Speed at which the axis may start and stop at once, steps/s.
-    pub(crate) start_stop: f64,
+    pub start_stop: f64,
     /// Steps/s², more than zero.
-    pub(crate) acceleration: f64,
+    pub acceleration: f64,
     /// Steps/s, more than zero.
-    pub(crate) speed: f64,
+    pub speed: f64,
     /// Steps/s², more than zero.
-    pub(crate) deceleration: f64,
+    pub deceleration: f64,
     /// Steps.
-    pub(crate) target: f64,
+    pub target: f64,
 }
 
 /// Ways shorter than this are rounding errors (positions of 32 bits), steps.
@@ -32,9 +32,11 @@ const TOLERANCE: f64 = 1e-6;
 
 /// Position and velocity, steps and steps/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct State {
-    pub(crate) position: f64,
-    pub(crate) velocity: f64,
+pub struct State {
+    /// Steps.
+    pub position: f64,
+    /// Steps/s.
+    pub velocity: f64,
 }
 
 /// A stretch of constant acceleration.
@@ -57,7 +59,7 @@ impl Stretch {
 
 /// A motion from one instant on: at most a brake before reversing, then up (or down) to speed, cruise and final brake.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Motion {
+pub struct Motion {
     start_ns: i64,
     stretches: [Stretch; 4],
     end_s: f64,
@@ -70,12 +72,12 @@ pub(crate) struct Motion {
 
 impl Motion {
     /// Standing at `position`.
-    pub(crate) fn at_rest(position: f64) -> Self {
+    pub fn at_rest(position: f64) -> Self {
         Self { rest: position, ..Self::default() }
     }
 
     /// The motion that a move command given at `start_ns` makes of `state`.
-    pub(crate) fn plan(start_ns: i64, mut state: State, ramp: &Ramp) -> Self {
+    pub fn plan(start_ns: i64, mut state: State, ramp: &Ramp) -> Self {
         let mut stretches = [Stretch::default(); 4];
         let mut final_sense = if state.velocity == 0.0 { 0.0 } else { state.velocity.signum() };
         let [turn, change, cruise, brake] = &mut stretches;
@@ -131,7 +133,7 @@ impl Motion {
 
     /// The motion that brings `state` to `velocity` (with sign, steps/s) and keeps it there for ever; a reversal brakes
     /// with `deceleration` and accelerates again with `acceleration`, steps/s² (SmartDRIVE START).
-    pub(crate) fn run(
+    pub fn run(
         start_ns: i64,
         mut state: State,
         velocity: f64,
@@ -158,19 +160,19 @@ impl Motion {
     }
 
     /// True once the speed no longer changes, or for good at the end.
-    pub(crate) fn at_speed(&self, time_ns: i64) -> bool {
+    pub fn at_speed(&self, time_ns: i64) -> bool {
         let [turn, change, ..] = &self.stretches;
         self.elapsed(time_ns) >= turn.duration + change.duration
     }
 
     /// Sign of the velocity with which it ends; 0 if it never moves.
-    pub(crate) fn final_sense(&self) -> f64 {
+    pub fn final_sense(&self) -> f64 {
         self.final_sense
     }
 
     /// The motion that a ramp stop (commands 41, 42) given at `start_ns` makes of `state`: it ends on the whole step
     /// nearest to where the ramp ends.
-    pub(crate) fn stop(start_ns: i64, state: State, ramp: &Ramp) -> Self {
+    pub fn stop(start_ns: i64, state: State, ramp: &Ramp) -> Self {
         let slow = ramp.start_stop.min(state.velocity.abs());
         let (brake, stopped) = stretch_to(state, state.velocity.signum(), slow, ramp.deceleration);
         let mut stretches = [Stretch::default(); 4];
@@ -188,7 +190,7 @@ impl Motion {
     }
 
     /// Position and velocity at an instant; before the start as at the start.
-    pub(crate) fn at(&self, time_ns: i64) -> State {
+    pub fn at(&self, time_ns: i64) -> State {
         let mut time = self.elapsed(time_ns);
         if time >= self.end_s {
             return State { position: self.rest, velocity: 0.0 };
@@ -203,12 +205,12 @@ impl Motion {
     }
 
     /// True until the motion has ended.
-    pub(crate) fn moving(&self, time_ns: i64) -> bool {
+    pub fn moving(&self, time_ns: i64) -> bool {
         self.elapsed(time_ns) < self.end_s
     }
 
     /// The first instant at which it has ended, ns.
-    pub(crate) fn end_ns(&self) -> i64 {
+    pub fn end_ns(&self) -> i64 {
         let mut time_ns = nanoseconds(self.end_s);
         // Seconds and nanoseconds round differently: by a nanosecond or, after years, by a few.
         while self.elapsed(self.start_ns.saturating_add(time_ns)) < self.end_s && time_ns < i64::MAX
@@ -220,7 +222,7 @@ impl Motion {
 
     /// The first instant after `after_ns` at which the axis is on the other side of `edge` than at `after_ns`, ns; on
     /// the far side is who stands on the edge or beyond it in positive direction.
-    pub(crate) fn crossing(&self, after_ns: i64, edge: f64) -> Option<i64> {
+    pub fn crossing(&self, after_ns: i64, edge: f64) -> Option<i64> {
         let beyond = |time_ns: i64| self.at(time_ns).position >= edge;
         let here = beyond(after_ns);
         // Between these instants the axis moves in one direction only.
@@ -243,25 +245,27 @@ impl Motion {
     }
 
     /// Whether it brakes in order to reverse, or to turn back to a target that lies behind.
-    pub(crate) fn turns(&self) -> bool {
+    pub fn turns(&self) -> bool {
         let [turn, ..] = &self.stretches;
         turn.duration > 0.0 && self.end_s > turn.duration
     }
 
     /// The instant at which it has braked in order to reverse, ns; its start if it does not.
-    pub(crate) fn turn_ns(&self) -> i64 {
+    pub fn turn_ns(&self) -> i64 {
         let [turn, ..] = &self.stretches;
         self.start_ns.saturating_add(nanoseconds(turn.duration))
     }
 
     /// The same motion so much later.
-    pub(crate) fn later(mut self, ns: i64) -> Self {
+    #[must_use]
+    pub fn later(mut self, ns: i64) -> Self {
         self.start_ns = self.start_ns.saturating_add(ns);
         self
     }
 
     /// The same motion somewhere else, so many steps farther.
-    pub(crate) fn shifted(mut self, by: f64) -> Self {
+    #[must_use]
+    pub fn shifted(mut self, by: f64) -> Self {
         for stretch in &mut self.stretches {
             stretch.state.position += by;
         }
@@ -270,13 +274,13 @@ impl Motion {
     }
 
     /// Sign of the velocity at an instant, after the end of the last velocity; 0 if it never moves.
-    pub(crate) fn sense(&self, time_ns: i64) -> f64 {
+    pub fn sense(&self, time_ns: i64) -> f64 {
         let velocity = self.at(time_ns).velocity;
         if velocity == 0.0 { self.final_sense } else { velocity.signum() }
     }
 
     /// True while it brakes to stand on the target.
-    pub(crate) fn in_final_brake(&self, time_ns: i64) -> bool {
+    pub fn in_final_brake(&self, time_ns: i64) -> bool {
         let time = self.elapsed(time_ns);
         time < self.end_s && time >= self.end_s - self.final_brake_s
     }
@@ -307,7 +311,7 @@ fn stretch_to(state: State, sense: f64, speed: f64, rate: f64) -> (Stretch, Stat
     clippy::cast_precision_loss,
     reason = "spans of at most days: the rounding is below a nanosecond"
 )]
-pub(crate) fn seconds(ns: i64) -> f64 {
+pub fn seconds(ns: i64) -> f64 {
     ns as f64 * 1e-9
 }
 
@@ -316,11 +320,11 @@ pub(crate) fn seconds(ns: i64) -> f64 {
     clippy::cast_possible_truncation,
     reason = "a float cast saturates, and spans are far from the limit"
 )]
-pub(crate) fn nanoseconds(seconds: f64) -> i64 {
+pub fn nanoseconds(seconds: f64) -> i64 {
     (seconds * 1e9).round() as i64
 }
 
 /// A duration in whole nanoseconds.
-pub(crate) fn whole_ns(duration: std::time::Duration) -> i64 {
+pub fn whole_ns(duration: std::time::Duration) -> i64 {
     i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX)
 }

@@ -2,11 +2,9 @@
 //!
 //! Paragraphs are those of the digest that the tests list (`drives/tests/assumptions.rs`).
 
-use super::{
-    RejectCode,
-    parameters::{ACCELERATION_CURRENT, DECELERATION_SETPOINT},
-};
-use crate::assumptions::{Choice, FLAG, assumptions};
+use super::{AnswerLength, RejectCode};
+use crate::protocol::parameters::{ACCELERATION_CURRENT, DECELERATION_SETPOINT};
+use twin_drives::assumptions::{Choice, FLAG, assumptions};
 
 /// What a drive makes of a frame for itself whose check sum or length is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,19 +13,6 @@ pub enum BadFrame {
     Silent,
     /// It refuses it.
     Refused(RejectCode),
-}
-
-/// How long the data of an answer are: the column RR of the table of commands, which the manual does not explain.
-///
-/// The manual draws answers of nine bytes and all entries of RR are 0, but the check sum of an answer goes over
-/// `RSP_DAT_LEN` bytes of data, as that of a command over `CMD_DAT_LEN` = 4·2^EE.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AnswerLength {
-    /// RR is the exponent of the answer, `RSP_DAT_LEN` = 4·2^RR: four bytes.
-    Four,
-    /// RR is none, and the answer has as many bytes of data as its command, 4·2^EE: what is drawn comes first, zeros
-    /// follow up to TAG.
-    AsCommand,
 }
 
 /// What an output does whose bit is in both bytes of IOUPDATE.

@@ -6,7 +6,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::{Assumed, AssumedError, OpenQuestion, bim2ax, interpcnc, smartdrive};
+use twin_bim2ax as bim2ax;
+use twin_drives::{Assumed, AssumedError, OpenQuestion};
+use twin_interpcnc as interpcnc;
+use twin_smartdrive as smartdrive;
 
 /// Lines of the digest of InterpCNC, and how many assumptions stand on each.
 const INTERPCNC: [(u16, usize); 9] =
@@ -48,7 +51,7 @@ fn fields(value: &impl std::fmt::Debug) -> BTreeMap<String, String> {
             .filter(|inside| !inside.starts_with([' ', '}', ']', ')']))
             .and_then(|inside| inside.split_once(": "))
         {
-            name = field.to_owned();
+            field.clone_into(&mut name);
             fields.insert(name.clone(), plain(rest));
         } else if let Some(inside) = inside {
             *fields.get_mut(&name).unwrap() += &plain(inside);

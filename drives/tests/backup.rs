@@ -1,7 +1,7 @@
 //! Parameters of all families to a file and back.
 
 use super::bench::{Bench, bim2ax, interpcnc, quick_interpcnc, smartdrive};
-use crate::{
+use twin_drives::{
     Drive, ParameterId, ParameterInfo, Values,
     backup::{Format, plan, read, write_parameters},
 };
@@ -68,7 +68,7 @@ fn survive(mut bench: Bench) {
     assert_eq!(write_parameters(drive, Some(&list), Format::Text, "f", &mut file).unwrap(), 2);
     let few = read("f", &mut file.as_slice()).unwrap();
     assert_eq!(few.entries.iter().map(|entry| entry.id).collect::<Vec<_>>(), list);
-    let unknown = [ParameterId { station: 9, number: 9999 }];
+    let unknown = [ParameterId { address: 9, number: 9999 }];
     let mut file = Vec::new();
     let error = write_parameters(drive, Some(&unknown), Format::Text, "f", &mut file).unwrap_err();
     assert_eq!((error.number(), file.len()), (Some(3003), 0));
@@ -105,5 +105,5 @@ fn files_of_others_are_refused_and_addresses_stay() {
     assert!(plan.is_empty());
     assert_eq!((plan.of_the_line.len(), plan.of_the_line[0].to), (1, 9));
     plan.carry_out(&mut *bus.drive, true).unwrap();
-    assert_eq!(bus.drive.parameter(ParameterId { station: 3, number: 2 }).unwrap(), 3);
+    assert_eq!(bus.drive.parameter(ParameterId { address: 3, number: 2 }).unwrap(), 3);
 }

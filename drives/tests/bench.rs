@@ -1,24 +1,28 @@
 //! One device of every family, with switches on its way, behind the trait.
 
-use std::{any::Any, time::Duration, time::Instant};
+use std::{any::Any, time::Duration};
 
-use crate::{
-    Control, Drive, IncrementMotion, SetpointStream,
-    bim2ax::{
-        self, Bim2AxDrive, Bim2AxDriveOptions, Contact, MemoryFile, ModuleAxis,
+use super::common::WallClock;
+
+use twin_bim2ax as bim2ax;
+use twin_bim2ax::{
+    Bim2AxDrive, Bim2AxDriveOptions, Contact, MemoryFile, ModuleAxis,
+    emulator::{Eeprom, EmulatedModule},
+    protocol::{
         bits::coefficient,
-        emulator::{Eeprom, EmulatedModule},
         parameter::{AxisParameter, Parameter},
     },
-    homing::Switch,
-    interpcnc::{
-        self, AxisOptions, BoardAxis, InterpCncDrive, InterpCncOptions,
-        emulator::{EmulatedBoard, Wire},
-    },
-    smartdrive::{
-        self, SmartDriveBus, SmartDriveOptions, StepsPerTurn,
-        emulator::{DeviceOptions, EmulatedBus, HomingOptions, Input},
-    },
+};
+use twin_drives::{Control, Drive, homing::Switch};
+use twin_interpcnc as interpcnc;
+use twin_interpcnc::{
+    AxisOptions, BoardAxis, InterpCncDrive, InterpCncOptions,
+    emulator::{EmulatedBoard, Wire},
+};
+use twin_smartdrive as smartdrive;
+use twin_smartdrive::{
+    SmartDriveBus, SmartDriveOptions, StepsPerTurn,
+    emulator::{DeviceOptions, EmulatedBus, HomingOptions, Input},
 };
 
 /// A device of two axes. Its home switches are pressed from [`FAR`] to [`HOME`] increments from where the axes stand, and
@@ -43,39 +47,6 @@ pub(crate) const HOME: i32 = -400;
 pub(crate) const FAR: i32 = -900;
 /// Where the limit switches of boards and drives are; a module's are further out.
 const LIMIT: i32 = -1500;
-
-/// The clock of these tests: they run in real time.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct WallClock(Instant);
-
-impl WallClock {
-    #[expect(
-        clippy::disallowed_methods,
-        reason = "these tests run in real time and are their own session"
-    )]
-    pub(crate) fn new() -> Self {
-        Self(Instant::now())
-    }
-
-    pub(crate) fn now(self) -> i64 {
-        i64::try_from(self.0.elapsed().as_nanos()).unwrap()
-    }
-}
-
-/// A stream for its clock: nothing moves by it.
-impl SetpointStream for WallClock {
-    fn now_ns(&self) -> i64 {
-        self.now()
-    }
-
-    fn at(&self, _time_ns: i64) -> IncrementMotion {
-        IncrementMotion::default()
-    }
-
-    fn horizon_ns(&self) -> i64 {
-        0
-    }
-}
 
 impl Bench {
     /// Waits until the axes are at rest.
@@ -165,7 +136,7 @@ pub(crate) fn smartdrive() -> Bench {
     let drive = SmartDriveBus::open(bus.path().to_str().unwrap(), &options).unwrap();
     let home = Switch::Input { number: 2, pressed: true };
     let brown_out = Box::new(move || {
-        bus.happen(0, smartdrive::emulator::Event::BrownOut { off_ns: 0 }).unwrap();
+        bus.control(smartdrive::emulator::Event::BrownOut { off_ns: 0 }.to(0)).unwrap();
     });
     Bench { drive: Box::new(drive), clock, home, limit: LIMIT, brown_out, _files: Box::new(()) }
 }

@@ -3,10 +3,10 @@
 use std::collections::HashSet;
 
 use super::bench::{Bench, HOME, bim2ax, interpcnc, smartdrive};
-use crate::{DeviceLimits, Drive, DriveError, ParameterId, ParameterInfo, Values};
+use twin_drives::{DeviceLimits, Drive, DriveError, ParameterId, ParameterInfo, Values};
 
-fn id(station: u8, number: u16) -> ParameterId {
-    ParameterId { station, number }
+fn id(address: u8, number: u16) -> ParameterId {
+    ParameterId { address, number }
 }
 
 /// Homes the first axis: it ends on the edge of the switch, of which the second knows as much as before.

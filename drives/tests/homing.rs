@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use super::bench::{Bench, FAR, HOME, bim2ax, interpcnc, smartdrive};
-use crate::{
+use twin_drives::{
     Action, Drive, DriveError, Exchange, Identity, Increments, MAX_DRIVE_AXES, ParameterId, Sample,
     SetpointStream, Signals,
     homing::{
@@ -206,7 +206,7 @@ impl Drive for Cut {
         self.live()?.enable()
     }
 
-    fn signals(&mut self, clock: &dyn crate::Clock) -> Result<Signals, DriveError> {
+    fn signals(&mut self, clock: &dyn twin_drives::Clock) -> Result<Signals, DriveError> {
         self.live()?.signals(clock)
     }
 
@@ -303,7 +303,7 @@ fn a_module_ends_its_leg_where_nobody_looks() {
 /// The limit switch of X is known to the board by parameters 104 and 105.
 fn interpcnc_with_limit() -> Bench {
     let mut bench = interpcnc();
-    bench.drive.set_parameter(ParameterId { station: 0, number: 104 }, 8).unwrap();
+    bench.drive.set_parameter(ParameterId { address: 0, number: 104 }, 8).unwrap();
     bench
 }
 
@@ -357,7 +357,7 @@ struct Runaway;
 
 impl Runaway {
     fn deaf<T>() -> Result<T, DriveError> {
-        let at = Exchange { port: "wire".into(), station: 3, action: Action::ReadState };
+        let at = Exchange { port: "wire".into(), address: 3, action: Action::ReadState };
         Err(DriveError::Timeout { at, deadline: std::time::Duration::from_millis(7) })
     }
 
@@ -419,7 +419,7 @@ impl Drive for Runaway {
 #[test]
 fn an_axis_that_could_not_be_stopped_is_told_with_what_went_wrong_before() {
     let run = HomingRun { axis: 0, switch: Switch::Home, options: options(HomingMode::ALL[0]) };
-    let clock = super::bench::WallClock::new();
+    let clock = super::common::WallClock::new();
     let error =
         home_by_switch(&mut Runaway, &run, &clock, &mut |_, _| None, &|| false).unwrap_err();
     assert_eq!(

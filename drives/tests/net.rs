@@ -16,22 +16,24 @@ use tokio::{
     time::Instant,
 };
 
-use crate::{
-    Drive, IncrementMotion, SetpointStream,
-    bim2ax::{
-        Bim2AxDrive, Bim2AxDriveOptions, Memory, ModuleAxis, SharedModule,
+use twin_bim2ax::{
+    Bim2AxDrive, Bim2AxDriveOptions, Memory, ModuleAxis, SharedModule,
+    emulator::{Eeprom, Module, ModuleOptions, Surroundings},
+    protocol::{
         bits::coefficient,
-        emulator::{Eeprom, Module, ModuleOptions, Surroundings},
         parameter::{AxisParameter, Parameter},
     },
-    interpcnc::{
-        self, AxisOptions, BoardAxis, InterpCnc, InterpCncDrive, InterpCncOptions,
-        emulator::{Board, BoardOptions},
-    },
-    smartdrive::{
-        self, SmartDrive, SmartDriveBus, SmartDriveOptions, StepsPerTurn,
-        emulator::{Device, DeviceOptions},
-    },
+};
+use twin_drives::{Drive, IncrementMotion, SetpointStream};
+use twin_interpcnc as interpcnc;
+use twin_interpcnc::{
+    AxisOptions, BoardAxis, InterpCnc, InterpCncDrive, InterpCncOptions,
+    emulator::{Board, BoardOptions},
+};
+use twin_smartdrive as smartdrive;
+use twin_smartdrive::{
+    SmartDrive, SmartDriveBus, SmartDriveOptions, StepsPerTurn,
+    emulator::{Device, DeviceOptions},
 };
 
 /// The bytes of a wire in the order in which they pass; 0 and 1 before them where the direction changes.

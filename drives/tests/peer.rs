@@ -1,9 +1,8 @@
-//! Another program at the other end of the wire, and the clock of tests in real time.
+//! Another program at the other end of the wire.
 
 use std::{
     io::{BufRead, BufReader, Write},
     process::{Child, ChildStdin, ChildStdout, Command, Stdio},
-    time::Instant,
 };
 
 /// A program under way, with its standard streams to talk to.
@@ -55,13 +54,4 @@ impl Peer {
         drop(self.input.take());
         assert!(self.process.wait().unwrap().success());
     }
-}
-
-#[expect(
-    clippy::disallowed_methods,
-    reason = "these tests run in real time and are their own session"
-)]
-pub(crate) fn wall_clock() -> impl Fn() -> i64 + Send + Sync + Copy {
-    let zero = Instant::now();
-    move || i64::try_from(zero.elapsed().as_nanos()).unwrap()
 }

@@ -1,11 +1,11 @@
 //! Faults under other assumptions: points that the manuals leave open are changed in device and driver alike.
 
-use twin_drives::{
-    Assumed, Direction, WireFault,
-    bim2ax::{self, ByteOrder},
-    interpcnc,
-    smartdrive::{self, TagLayout},
-};
+use twin_bim2ax as bim2ax;
+use twin_bim2ax::ByteOrder;
+use twin_drives::{Assumed, Direction, WireFault};
+use twin_interpcnc as interpcnc;
+use twin_smartdrive as smartdrive;
+use twin_smartdrive::TagLayout;
 
 use crate::faults::{DeviceFault, Doing, Family, Fault};
 

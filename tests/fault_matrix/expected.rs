@@ -11,7 +11,9 @@
 //! * InterpCNC and BIM2AX without encoders do not detect a held shaft; with an encoder they report it, and a soft stop
 //!   reports it once the axis is at rest.
 
-use twin_drives::{Direction, DriveError, WireFault, bim2ax, smartdrive};
+use twin_bim2ax as bim2ax;
+use twin_drives::{Direction, DriveError, WireFault};
+use twin_smartdrive as smartdrive;
 
 use crate::{
     faults::{DeviceFault, Doing, Family, Fault},
@@ -347,7 +349,7 @@ fn only_what_is_late_is_made_again() {
 
     use crate::rig::Truth;
 
-    let at = || Exchange { port: "port".into(), station: 1, action: Action::ReadState };
+    let at = || Exchange { port: "port".into(), address: 1, action: Action::ReadState };
     let timeout = || DriveError::Timeout { at: at(), deadline: std::time::Duration::ZERO };
     let cell = |outcome| Cell {
         outcome,

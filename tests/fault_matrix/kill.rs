@@ -12,12 +12,12 @@ use std::{
     time::{Duration, SystemTime, UNIX_EPOCH},
 };
 
-use twin_drives::{
-    Drive, IncrementMotion, MAX_DRIVE_AXES, SetpointStream,
-    bim2ax::{Bim2Ax, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, MemoryFile, ModuleAxis},
-    interpcnc::{self, BoardAxis, Following, InterpCncDrive, InterpCncOptions},
-    smartdrive::{self, SmartDriveBus, SmartDriveOptions, StepsPerTurn},
-};
+use twin_bim2ax::{Bim2Ax, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, MemoryFile, ModuleAxis};
+use twin_drives::{Drive, IncrementMotion, MAX_DRIVE_AXES, SetpointStream};
+use twin_interpcnc as interpcnc;
+use twin_interpcnc::{BoardAxis, Following, InterpCncDrive, InterpCncOptions};
+use twin_smartdrive as smartdrive;
+use twin_smartdrive::{SmartDriveBus, SmartDriveOptions, StepsPerTurn};
 
 use crate::{
     faults::Family,

@@ -3,23 +3,28 @@
 use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
+use twin_bim2ax as bim2ax;
+use twin_bim2ax::{
+    Bim2AxDrive, Bim2AxDriveOptions, Contact, EncoderBench, MemoryFile, ModuleAxis,
+    emulator::{EmulatedModule, Module, ModuleOptions},
+    protocol::{
+        bits::definition,
+        parameter::{AxisParameter, Parameter},
+    },
+};
 use twin_drives::{
     Accelerated, Action, Clock, Control, Direction, Drive, DriveError, Exchange, FaultRule,
     IncrementMotion, MAX_DRIVE_AXES, ParameterId, SetpointStream, Speed, When, WireFault,
-    bim2ax::{
-        self, Bim2AxDrive, Bim2AxDriveOptions, Contact, EncoderBench, MemoryFile, ModuleAxis,
-        bits::definition,
-        emulator::{EmulatedModule, Module, ModuleOptions},
-        parameter::{AxisParameter, Parameter},
-    },
-    interpcnc::{
-        self, BoardAxis, EncoderOptions, Following, InterpCncDrive, InterpCncOptions,
-        emulator::{Bench, BoardOptions, Cam, EmulatedBoard, EncoderLink},
-    },
-    smartdrive::{
-        self, Alarms, Mode, SmartDriveBus, SmartDriveOptions, StepsPerTurn, TagLayout,
-        emulator::{DeviceOptions, EmulatedBus, Input},
-    },
+};
+use twin_interpcnc as interpcnc;
+use twin_interpcnc::{
+    BoardAxis, EncoderOptions, Following, InterpCncDrive, InterpCncOptions,
+    emulator::{Bench, BoardOptions, Cam, EmulatedBoard, EncoderLink},
+};
+use twin_smartdrive as smartdrive;
+use twin_smartdrive::{
+    Alarms, Mode, SmartDriveBus, SmartDriveOptions, StepsPerTurn, TagLayout,
+    emulator::{DeviceOptions, EmulatedBus, Input},
 };
 
 use crate::{
@@ -261,7 +266,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         ways.iter_mut().take(count).for_each(|way| *way = Some(HOMING_WAY));
         let begun_ns = self.clock.now_ns();
         self.drive().begin_homing(&ways)?;
-        let at = || Exchange { port: "rig".into(), station: 1, action: Action::ReadState };
+        let at = || Exchange { port: "rig".into(), address: 1, action: Action::ReadState };
         while self.drive().sample(&rest)?.moving {
             if self.clock.now_ns() - begun_ns > HOMING_NS {
                 let patience = Duration::from_nanos(HOMING_NS.unsigned_abs());
@@ -422,7 +427,7 @@ pub(crate) fn prepare_homing(drive: &mut dyn Drive) -> Result<(), DriveError> {
     // Switch on IN1, speed, acceleration, start-stop, slow.
     let parameters = [(29, 1), (12, 2000), (13, 50), (14, 400), (15, 1000)];
     parameters.into_iter().try_for_each(|(number, value)| {
-        drive.set_parameter(ParameterId { station: 0, number }, value)
+        drive.set_parameter(ParameterId { address: 0, number }, value)
     })
 }
 

@@ -372,14 +372,14 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         if found == AFTERWARDS {
             return Ok(());
         }
-        let at = twin_drives::Exchange { port: "".into(), station: 0, action: Action::ReadState };
+        let at = twin_drives::Exchange { port: "".into(), address: 0, action: Action::ReadState };
         Err(DriveError::NotArrived { at, axis: Axes::Only, target: AFTERWARDS, found })
     }
 }
 
 /// What whoever waits for a move makes of it when it has not ended after so many looks.
 fn unfinished(looks: u32) -> DriveError {
-    let at = twin_drives::Exchange { port: "".into(), station: 0, action: Action::ReadState };
+    let at = twin_drives::Exchange { port: "".into(), address: 0, action: Action::ReadState };
     DriveError::Unfinished { at, patience: looks * PAUSE }
 }
 

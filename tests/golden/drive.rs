@@ -3,13 +3,13 @@
 use crate::process::{Desk, Done};
 use std::time::Duration;
 use twin::clock::Clock;
-use twin_drives::bim2ax::emulator as module;
-use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
-use twin_drives::bim2ax::{Contact, ModuleAxis};
-use twin_drives::interpcnc::BoardAxis;
-use twin_drives::interpcnc::emulator as board;
-use twin_drives::smartdrive::Mode;
-use twin_drives::smartdrive::emulator as bus;
+use twin_bim2ax::emulator as module;
+use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
+use twin_bim2ax::{Contact, ModuleAxis};
+use twin_interpcnc::BoardAxis;
+use twin_interpcnc::emulator as board;
+use twin_smartdrive::Mode;
+use twin_smartdrive::emulator as bus;
 
 pub(crate) fn clock() -> impl Fn() -> i64 + Send + Sync {
     let clock = Clock::start();
@@ -76,18 +76,18 @@ pub(crate) fn row<'a>(done: &'a Done, column: usize, word: &str) -> Vec<&'a str>
 }
 
 /// A board whose home switch of X is pressed from 1500 steps behind the start on, input 5.
-pub(crate) fn a_board(station: u8) -> (board::EmulatedBoard, Hand) {
+pub(crate) fn a_board(address: u8) -> (board::EmulatedBoard, Hand) {
     let cam =
         board::Cam { input: 5, axis: BoardAxis::X, from: -3000, to: -1500, normally_closed: false };
     let options = board::EmulatorOptions {
-        board: board::BoardOptions { station, ..board::BoardOptions::default() },
+        board: board::BoardOptions { address, ..board::BoardOptions::default() },
         bench: board::Bench { cams: vec![cam], encoder: None },
         ..board::EmulatorOptions::default()
     };
     let running = board::EmulatedBoard::start(&options, clock()).expect("it starts");
     let port = running.path().to_str().expect("a path").to_owned();
-    let station = station.to_string();
-    (running, Hand::new("interpcnc", &port, &["--station", &station, "--deadline", "1500"]))
+    let address = address.to_string();
+    (running, Hand::new("interpcnc", &port, &["--station", &address, "--deadline", "1500"]))
 }
 
 #[test]
@@ -160,7 +160,7 @@ fn an_interpcnc_board_homes_by_the_parameters_that_were_set() {
 #[test]
 fn inputs_and_outputs_of_an_interpcnc_board() {
     let (running, hand) = a_board(1);
-    running.set_input(17, true).expect("it runs");
+    running.happen(board::Event::Input { number: 17, level: true }).expect("it runs");
     let inputs = hand.does("inputs");
     assert_eq!((row(&inputs, 0, "17")[1], row(&inputs, 0, "16")[1]), ("on", "off"));
     hand.refuses("outputs 3=on", "the board is locked");
@@ -278,7 +278,7 @@ fn parameters_of_a_smartdrive_are_set_and_saved() {
 fn inputs_and_outputs_of_a_smartdrive() {
     let (running, hand) = a_bus(Vec::new());
     let event = bus::Event::Input { input: bus::Input::LimP, level: true };
-    running.happen(0, event).expect("it runs");
+    running.control(event.to(0)).expect("it runs");
     let inputs = hand.does("inputs");
     assert_eq!((row(&inputs, 0, "LIMP")[1], row(&inputs, 0, "LIMN")[1]), ("on", "off"));
     // At rest, whatever has stopped it.
@@ -564,7 +564,7 @@ fn what_to_do_next_is_said() {
     hand.tries("move X 10 --yes").ended(2, "help: `unlock`, then `home`");
     hand.does("unlock");
     assert!(!hand.does("status").stdout.contains("next:"));
-    board.set_enable(false).expect("it runs");
+    board.happen(board::Event::Enable(false)).expect("it runs");
     let open = |_| hand.does("status").stdout.contains("next: release the emergency stop");
     assert!((0..50).any(open), "it is not said");
     hand.tries("unlock").ended(2, "release the emergency stop");
@@ -576,16 +576,16 @@ fn what_to_do_next_is_said() {
             .contains("next: `unlock`, which makes the position 0, then `home`")
     );
     hand.does("unlock");
-    let alarms = twin_drives::smartdrive::Alarms::OVERTEMPERATURE;
-    bus.happen(0, bus::Event::Fault { alarms, present: true }).expect("it runs");
+    let alarms = twin_smartdrive::Alarms::OVERTEMPERATURE;
+    bus.control(bus::Event::Fault { alarms, present: true }.to(0)).expect("it runs");
     let status = hand.does("status");
     assert!(
         status.stdout.contains("next: remove the cause of the alarm, then `unlock`"),
         "{}",
         status.stdout
     );
-    bus.happen(0, bus::Event::Fault { alarms, present: false }).expect("it runs");
-    bus.happen(0, bus::Event::BrownOut { off_ns: 1_000_000 }).expect("it runs");
+    bus.control(bus::Event::Fault { alarms, present: false }.to(0)).expect("it runs");
+    bus.control(bus::Event::BrownOut { off_ns: 1_000_000 }.to(0)).expect("it runs");
     let off = |_| hand.tries("status").stdout.contains("next: `unlock`");
     assert!((0..50).any(off), "it is not said");
 

@@ -5,9 +5,9 @@ use crate::drive_stop::under_way_on;
 use crate::process::Done;
 use std::process::{Child, Stdio};
 use std::time::Duration;
-use twin_drives::interpcnc::BoardAxis;
-use twin_drives::interpcnc::emulator as board;
-use twin_drives::smartdrive::emulator as bus;
+use twin_interpcnc::BoardAxis;
+use twin_interpcnc::emulator as board;
+use twin_smartdrive::emulator as bus;
 
 /// `EE_COUPLAGE_AXE`, parameter 86: 1 = A goes along with X, 2 = B does.
 #[test]
@@ -93,7 +93,7 @@ fn a_smartdrive_that_was_off_meanwhile_does_not_stand_at_0() {
     hand.does("unlock");
     let moves = begun(&hand, "move 1000000 --speed 120 --yes");
     under_way_on_bus(&running);
-    running.happen(0, bus::Event::BrownOut { off_ns: 200_000_000 }).expect("it runs");
+    running.control(bus::Event::BrownOut { off_ns: 200_000_000 }.to(0)).expect("it runs");
     tells_of_the_restart(moves, "the drive does not obey the bus, and its position is 0");
 }
 
@@ -163,7 +163,7 @@ fn conditions_of_a_smartdrive_are_shown() {
     let status = hand.does("status").stdout;
     assert!(words.iter().all(|word| !status.contains(word)), "{status}");
     for condition in [bus::Condition::Busy, bus::Condition::Signalled, bus::Condition::Triggered] {
-        running.happen(0, bus::Event::Condition(condition, true)).expect("it runs");
+        running.control(bus::Event::Condition(condition, true).to(0)).expect("it runs");
     }
     let status = hand.does("status").stdout;
     assert!(status.contains("at rest, busy, signalled, triggered"), "{status}");

@@ -1,10 +1,10 @@
 //! `twin drive … home --by-switch`: homing onto switches that the drive only reports.
 
 use crate::drive::{a_board, a_bus, a_module, row};
-use twin_drives::bim2ax::emulator::Event;
-use twin_drives::bim2ax::{Contact, ModuleAxis};
-use twin_drives::interpcnc::BoardAxis;
-use twin_drives::interpcnc::emulator as board;
+use twin_bim2ax::emulator::Event;
+use twin_bim2ax::{Contact, ModuleAxis};
+use twin_interpcnc::BoardAxis;
+use twin_interpcnc::emulator as board;
 
 /// As a look at the switch takes, some tens of µsteps at the slow speed, with the time of this computer.
 const LATE: f64 = 150.0;

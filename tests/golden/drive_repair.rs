@@ -4,10 +4,10 @@
 use crate::drive::{QUICK_BOOT_NS, a_module, clock, row};
 use crate::process::Desk;
 use std::fs;
-use twin_drives::bim2ax::ModuleAxis;
-use twin_drives::bim2ax::emulator::{Eeprom, EmulatorOptions, Event};
-use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
-use twin_drives::interpcnc::emulator as board;
+use twin_bim2ax::ModuleAxis;
+use twin_bim2ax::emulator::{Eeprom, EmulatorOptions, Event};
+use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
+use twin_interpcnc::emulator as board;
 
 const WRONG: &str = "check sum of the EEPROM is wrong";
 
@@ -73,8 +73,8 @@ fn a_new_module_gets_the_parameters_of_a_backup() {
 }
 
 /// A module whose software runs, also where its watchdog has dropped (8.1).
-fn module_of(options: &EmulatorOptions) -> twin_drives::bim2ax::emulator::EmulatedModule {
-    let running = twin_drives::bim2ax::emulator::EmulatedModule::start(options, clock());
+fn module_of(options: &EmulatorOptions) -> twin_bim2ax::emulator::EmulatedModule {
+    let running = twin_bim2ax::emulator::EmulatedModule::start(options, clock());
     let running = running.expect("it starts");
     std::thread::sleep(std::time::Duration::from_millis(400));
     running

@@ -5,11 +5,11 @@ use crate::process::{BINARY, Desk, started};
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use std::time::Duration;
-use twin_drives::bim2ax::emulator::{EmulatedModule, Event};
-use twin_drives::bim2ax::{Bim2AxDrive, Bim2AxDriveOptions, MemoryFile, ModuleAxis};
-use twin_drives::interpcnc::{BoardAxis, emulator as board};
-use twin_drives::smartdrive::emulator as bus;
+use twin_bim2ax::emulator::{EmulatedModule, Event};
+use twin_bim2ax::{Bim2AxDrive, Bim2AxDriveOptions, MemoryFile, ModuleAxis};
 use twin_drives::{Drive, MAX_DRIVE_AXES};
+use twin_interpcnc::{BoardAxis, emulator as board};
+use twin_smartdrive::emulator as bus;
 
 /// A module whose axis 1 runs far, and its master.
 fn under_way() -> (EmulatedModule, Hand, Bim2AxDrive) {
@@ -72,10 +72,10 @@ fn a_smartdrive_is_stopped_whatever_state_it_is_in() {
     let (running, hand) = a_bus(Vec::new());
     hand.does("stop");
     hand.does("unlock");
-    let alarms = twin_drives::smartdrive::Alarms::OVERTEMPERATURE;
-    running.happen(0, bus::Event::Fault { alarms, present: true }).expect("it runs");
+    let alarms = twin_smartdrive::Alarms::OVERTEMPERATURE;
+    running.control(bus::Event::Fault { alarms, present: true }.to(0)).expect("it runs");
     hand.does("stop");
-    running.happen(0, bus::Event::Fault { alarms, present: false }).expect("it runs");
+    running.control(bus::Event::Fault { alarms, present: false }.to(0)).expect("it runs");
     assert_eq!(hand.does("stop --now").stdout, "off\n");
 }
 

@@ -3,7 +3,7 @@
 use crate::drive::{Hand, a_board, a_bus, clock, row};
 use crate::process::Desk;
 use std::fs;
-use twin_drives::smartdrive::emulator as bus;
+use twin_smartdrive::emulator as bus;
 
 /// Number, name, value, saved, factory, unit: the working value is that of the file already, what is saved is not.
 #[test]
@@ -98,8 +98,8 @@ fn an_address_that_two_drives_have_is_shown() {
     let answers = |_| hand.tries("--address 3 status").status == Some(0);
     assert!((0..50).any(answers), "nobody answers");
     // What they say differs, as where they stand usually does.
-    let alarms = twin_drives::smartdrive::Alarms::OVERTEMPERATURE;
-    running.happen(0, bus::Event::Fault { alarms, present: true }).expect("it runs");
+    let alarms = twin_smartdrive::Alarms::OVERTEMPERATURE;
+    running.control(bus::Event::Fault { alarms, present: true }.to(0)).expect("it runs");
     let found = hand.does("scan --addresses 2-3");
     assert!(
         found.stdout.contains("address 2: answers garble each other: two devices"),

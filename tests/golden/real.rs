@@ -5,7 +5,7 @@ use crate::shop::{SHORT, Shop, a_board, clock, listens, mixture};
 use serde_json::Value;
 use std::io::Write;
 use std::process::{Command, Stdio};
-use twin_drives::smartdrive::emulator as bus;
+use twin_smartdrive::emulator as bus;
 
 /// What a run on real drives shows is what was predicted, as far as that can be: an axis of speed v is as much farther away as it
 /// moves while nobody corrects it longer than planned, the longest gap between samples of its device (and 12 ms at most for what a
@@ -66,7 +66,7 @@ fn a_mixture_of_all_three_families_runs_to_its_end() {
 fn every_check_that_fails_is_told_with_what_was_found_and_what_is_wanted() {
     let shop = Shop::new();
     shop.by_hand("interpcnc", "board", "set zero-after-homing 0");
-    shop.board.set_enable(false).expect("it runs");
+    shop.board.happen(twin_interpcnc::emulator::Event::Enable(false)).expect("it runs");
     shop.by_hand("smartdrive", "bus", "set Trj_VelMax 500");
     shop.by_hand("smartdrive", "bus", "set Trj_PosMax 90000");
     let text = mixture(&shop.desk);

@@ -4,9 +4,9 @@ use crate::process::Desk;
 use crate::real::alone;
 use crate::shop::{SHORT, Shop, a_board, clock, mixture};
 use std::time::Duration;
+use twin_bim2ax::{EncoderBench, ModuleAxis, emulator as module};
 use twin_drives::Control;
-use twin_drives::bim2ax::{EncoderBench, ModuleAxis, emulator as module};
-use twin_drives::interpcnc::{BoardAxis, emulator as board};
+use twin_interpcnc::{BoardAxis, emulator as board};
 
 /// Four points a step of X, as the machine file of [`declared`] has it.
 const LINK: board::EncoderLink =

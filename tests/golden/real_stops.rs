@@ -2,9 +2,9 @@
 
 use crate::shop::{Shop, mixture};
 use std::time::Duration;
+use twin_bim2ax::ModuleAxis;
 use twin_drives::Control;
-use twin_drives::bim2ax::ModuleAxis;
-use twin_drives::interpcnc::BoardAxis;
+use twin_interpcnc::BoardAxis;
 
 /// The driver of the board waits two seconds for each answer; the others do not go on for so long.
 #[test]

@@ -5,11 +5,11 @@ use std::cell::RefCell;
 use std::path::Path;
 use std::time::Duration;
 use twin::clock::Clock;
-use twin_drives::bim2ax::emulator as module;
-use twin_drives::bim2ax::{Contact, ModuleAxis};
-use twin_drives::interpcnc::BoardAxis;
-use twin_drives::interpcnc::emulator as board;
-use twin_drives::smartdrive::emulator as bus;
+use twin_bim2ax::emulator as module;
+use twin_bim2ax::{Contact, ModuleAxis};
+use twin_interpcnc::BoardAxis;
+use twin_interpcnc::emulator as board;
+use twin_smartdrive::emulator as bus;
 
 pub(crate) fn clock() -> impl Fn() -> i64 + Send + Sync {
     let clock = Clock::start();

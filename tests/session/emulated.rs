@@ -13,8 +13,8 @@ use twin::machine::Machine;
 use twin::session::{Ending, Session, Stopped};
 use twin::simulated::Simulated;
 use twin_drives::DriveError;
-use twin_drives::interpcnc::emulator::{Board, Control, EmulatedBoard, Event};
-use twin_drives::interpcnc::registers::BoardAxis;
+use twin_interpcnc::emulator::{Board, Control, EmulatedBoard, Event};
+use twin_interpcnc::protocol::registers::BoardAxis;
 use twin_kinematics::AxisVector;
 
 /// Part of their largest velocity with which axes come to the start.
@@ -71,7 +71,7 @@ fn run(
     };
     let ending = session.run(&mut recorder, &|| interrupts.get()).unwrap();
     let recorder = recorder.ended();
-    Outcome { ending, recorder, board: board.into_inner().map(|board| board.stop().unwrap()) }
+    Outcome { ending, recorder, board: board.into_inner().map(|board| *board.stop().unwrap()) }
 }
 
 struct Outcome {
@@ -242,7 +242,7 @@ fn a_board_that_keeps_its_position_is_not_called_restarted() {
     let program = Program::new(CIRCLES);
     let outcome = run(&machine, &program, |time_ns, board, _| {
         if time_ns >= 500_000_000 {
-            board.borrow().as_ref().unwrap().set_enable(false).unwrap();
+            board.borrow().as_ref().unwrap().happen(Event::Enable(false)).unwrap();
         }
     });
     assert!(matches!(outcome.ending.stopped, Some(Stopped::Drives { .. })));
@@ -281,7 +281,7 @@ fn an_open_enable_input_stops_the_run_and_is_named() {
     let program = Program::new(CIRCLES);
     let outcome = run(&machine, &program, |time_ns, board, _| {
         if time_ns == 500_000_000 {
-            board.borrow().as_ref().unwrap().set_enable(false).unwrap();
+            board.borrow().as_ref().unwrap().happen(Event::Enable(false)).unwrap();
         }
     });
     let Some(stopped @ Stopped::Drives { .. }) = &outcome.ending.stopped else {
@@ -299,7 +299,7 @@ fn an_error_of_the_drives_is_not_lost_behind_an_interrupt() {
     let program = Program::new(CIRCLES);
     let outcome = run(&machine, &program, |time_ns, board, interrupts| {
         if time_ns == 500_000_000 {
-            board.borrow().as_ref().unwrap().set_enable(false).unwrap();
+            board.borrow().as_ref().unwrap().happen(Event::Enable(false)).unwrap();
             interrupts.set(1);
         }
     });
@@ -312,7 +312,7 @@ fn a_board_without_enable_is_refused_before_anything_is_followed() {
     let machine = machine(SCARA2);
     let start = machine.start_axes().unwrap();
     let (board, attached) = board(&machine);
-    board.set_enable(false).unwrap();
+    board.happen(Event::Enable(false)).unwrap();
     let mut hardware =
         Hardware::start(&machine, vec![attached], &start, machine.cycle_ns, APPROACH).unwrap();
     let error = approach(&mut hardware).unwrap_err();

@@ -49,7 +49,7 @@ impl Puppet {
 }
 
 fn unanswered() -> DriveError {
-    let at = Exchange { port: "puppet".into(), station: 1, action: Action::ReadState };
+    let at = Exchange { port: "puppet".into(), address: 1, action: Action::ReadState };
     DriveError::Timeout { at, deadline: Duration::from_millis(1) }
 }
 

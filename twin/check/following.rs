@@ -110,11 +110,11 @@ impl<'m> Follower<'m> {
             self.follow(&resting);
         }
         let duration = self.span_ns.map_or(0.0, |[first_ns, last_ns]| seconds(last_ns - first_ns));
-        let traffic = self.drives.rehearsals().map(|(device, rehearsal)| {
+        let traffic = self.drives.predictions().map(|(device, prediction)| {
             #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2^53")]
-            let exchanges = rehearsal.exchanges() as f64;
+            let exchanges = prediction.exchanges() as f64;
             let exchanges_per_s = if duration > 0.0 { exchanges / duration } else { 0.0 };
-            PredictedTraffic { device, rates: rehearsal.rates(), exchanges_per_s }
+            PredictedTraffic { device, rates: prediction.rates(), exchanges_per_s }
         });
         self.predicted.devices = traffic.collect();
         (self.predicted, self.findings)
@@ -124,8 +124,8 @@ impl<'m> Follower<'m> {
 /// Largest rates that the wires of the drives of `machine` carry, device by device (index into [`Machine::drives`]).
 pub fn wire_rates(machine: &Machine) -> Vec<(usize, WireRates)> {
     let drives = DrivesInLoop::all(machine);
-    let rehearsals = drives.iter().flat_map(DrivesInLoop::rehearsals);
-    rehearsals.map(|(device, rehearsal)| (device, rehearsal.rates())).collect()
+    let predictions = drives.iter().flat_map(DrivesInLoop::predictions);
+    predictions.map(|(device, prediction)| (device, prediction.rates())).collect()
 }
 
 /// Following-error prediction in a background thread. It takes about as long as the check itself.

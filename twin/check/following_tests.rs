@@ -12,7 +12,7 @@ use crate::tappets::TappetBits;
 use nalgebra::Point3;
 use std::collections::VecDeque;
 use std::path::Path;
-use twin_drives::{IncrementMotion, Rehearsal, SetpointStream, WireRates};
+use twin_drives::{IncrementMotion, Prediction, SetpointStream, WireRates};
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
 use twin_path::Place;
 
@@ -26,7 +26,7 @@ struct Late {
     seen: VecDeque<(i64, IncrementMotion)>,
 }
 
-impl Rehearsal for Late {
+impl Prediction for Late {
     fn axis_count(&self) -> usize {
         3
     }
@@ -47,7 +47,7 @@ impl Rehearsal for Late {
         WireRates::default()
     }
 
-    fn copied(&self) -> Box<dyn Rehearsal> {
+    fn copied(&self) -> Box<dyn Prediction> {
         Box::new(self.clone())
     }
 }
@@ -63,7 +63,7 @@ fn machine(text: &str) -> Machine {
 fn a_late_device_is_speed_times_delay_behind() {
     let machine = machine(GANTRY3);
     let late = Late { delay_ns: 12_000_000, seen: VecDeque::new() };
-    let drives = DrivesInLoop::rehearsing(&machine, |_, _| Some(late.copied())).unwrap();
+    let drives = DrivesInLoop::predicting(&machine, |_, _| Some(late.copied())).unwrap();
     let height = machine.kinematics.forward(&AxisVector::zeros(3)).unwrap().position.z;
     let mut follower = Follower::new(&machine, drives);
     // 0.1 m/s of X for a second, then half of that.

@@ -54,9 +54,9 @@ impl TypedValueParser for Said {
             return Ok(said);
         }
         let list = match command.get_name() {
-            "smartdrive" => list::<twin_drives::smartdrive::Assumptions>(),
-            "bim2ax" => list::<twin_drives::bim2ax::Assumptions>(),
-            _ => list::<twin_drives::interpcnc::Assumptions>(),
+            "smartdrive" => list::<twin_smartdrive::Assumptions>(),
+            "bim2ax" => list::<twin_bim2ax::Assumptions>(),
+            _ => list::<twin_interpcnc::Assumptions>(),
         };
         Err(clap::Error::raw(ErrorKind::DisplayHelp, format!("{list}\n")))
     }
@@ -96,15 +96,15 @@ mod tests {
     #[test]
     fn what_is_assumed_is_listed_as_it_is_said() {
         let flat = |table: String| table.split_whitespace().collect::<Vec<_>>().join(" ");
-        let board = flat(list::<twin_drives::interpcnc::Assumptions>());
+        let board = flat(list::<twin_interpcnc::Assumptions>());
         for said in
             ["raw or hundreds or index raw", "0 to 10000000000 ns 5000000 ns", "none or 1 to"]
         {
             assert!(board.contains(said), "{said}: {board}");
         }
-        let drives = flat(list::<twin_drives::smartdrive::Assumptions>());
+        let drives = flat(list::<twin_smartdrive::Assumptions>());
         assert!(drives.contains("is-offset or goes-offset is-offset"), "{drives}");
-        let module = flat(list::<twin_drives::bim2ax::Assumptions>());
+        let module = flat(list::<twin_bim2ax::Assumptions>());
         assert!(module.contains("edge-taken or far-edge edge-taken"), "{module}");
         for debug in ["AtOnce", "IsOffset", "EdgeTaken", "None"] {
             assert!(![&board, &drives, &module].iter().any(|list| list.contains(debug)), "{debug}");

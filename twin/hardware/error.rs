@@ -183,7 +183,7 @@ impl Names {
         let about = |place: usize| {
             let axes = source.axes();
             if self.bus {
-                source.at().station == 0 || usize::from(source.at().station) == place
+                source.at().address == 0 || usize::from(source.at().address) == place
             } else {
                 axes.is_none_or(|axes| axes.contains(place))
             }
@@ -231,8 +231,8 @@ mod tests {
         Names::of(&machine, device)
     }
 
-    fn at(station: u8) -> Exchange {
-        Exchange { port: "/dev/ttyUSB0".into(), station, action: Action::ReadState }
+    fn at(address: u8) -> Exchange {
+        Exchange { port: "/dev/ttyUSB0".into(), address, action: Action::ReadState }
     }
 
     #[test]
@@ -251,7 +251,7 @@ mod tests {
             axes: vec![(3, "X".to_owned()), (7, "Y".to_owned())],
             bus: true,
         };
-        let told = |station| bus.tell(DriveError::Stalled { at: at(station) }).to_string();
+        let told = |address| bus.tell(DriveError::Stalled { at: at(address) }).to_string();
         assert!(told(7).starts_with("device `line`, axis Y: "), "{}", told(7));
         assert!(told(0).starts_with("device `line`, axes X, Y: "), "{}", told(0));
         assert!(told(9).starts_with("device `line`: "), "{}", told(9));
@@ -260,7 +260,7 @@ mod tests {
             Names { bus: false, axes: vec![(0, "A".to_owned()), (1, "B".to_owned())], ..bus };
         let told = module.tell(DriveError::device(
             at(0),
-            twin_drives::bim2ax::Fault::AxisMessages { axis: 2, messages: 1 },
+            twin_bim2ax::Fault::AxisMessages { axis: 2, messages: 1 },
         ));
         assert!(told.to_string().starts_with("device `line`, axis B: "), "{told}");
     }

@@ -71,7 +71,7 @@ struct Puppet {
 
 impl Puppet {
     fn refusal() -> DriveError {
-        let at = Exchange { port: "puppet".into(), station: 1, action: Action::ReadState };
+        let at = Exchange { port: "puppet".into(), address: 1, action: Action::ReadState };
         DriveError::Timeout { at, deadline: Duration::from_millis(1) }
     }
 

@@ -1,7 +1,7 @@
 //! Drives in the loop: driver and device models between the set-points and the motors of the simulated machine.
 //!
 //! A drive does not follow set-points. It generates profiles of its own from the commands that reach it as fast as its
-//! wire allows. In the loop, driver and device process the same set-points in simulated time ([`Rehearsal`]). The
+//! wire allows. In the loop, driver and device process the same set-points in simulated time ([`Prediction`]). The
 //! motors receive the output of the devices' profile generators.
 
 #[cfg(test)]
@@ -14,7 +14,7 @@ use crate::number::seconds;
 use crate::setpoint::AxisSetpoint;
 use crate::setpoint::HORIZON_NS;
 use std::collections::VecDeque;
-use twin_drives::{IncrementMotion, Rehearsal, SetpointStream};
+use twin_drives::{IncrementMotion, Prediction, SetpointStream};
 use twin_kinematics::{AxisMotion, AxisVector};
 
 /// The drives of a machine, in simulated time.
@@ -30,13 +30,13 @@ pub(crate) struct DrivesInLoop {
 struct Device {
     /// Index into [`Machine::drives`].
     index: usize,
-    rehearsal: Box<dyn Rehearsal>,
+    prediction: Box<dyn Prediction>,
     axes: Vec<DeviceAxis>,
 }
 
 impl Clone for Device {
     fn clone(&self) -> Self {
-        Self { index: self.index, rehearsal: self.rehearsal.copied(), axes: self.axes.clone() }
+        Self { index: self.index, prediction: self.prediction.copied(), axes: self.axes.clone() }
     }
 }
 
@@ -60,15 +60,15 @@ impl DrivesInLoop {
     }
 
     fn among(machine: &Machine, chosen: impl Fn(&DeviceEntry) -> bool) -> Option<Self> {
-        Self::rehearsing(machine, |index, entry| {
-            chosen(entry).then(|| emulated::rehearsal(machine, (index, entry)))
+        Self::predicting(machine, |index, entry| {
+            chosen(entry).then(|| emulated::prediction(machine, (index, entry)))
         })
     }
 
-    /// The devices for which `rehearsal` returns a simulation, given their index and entry; `None` without any.
-    pub(crate) fn rehearsing(
+    /// The devices for which `prediction` returns a simulation, given their index and entry; `None` without any.
+    pub(crate) fn predicting(
         machine: &Machine,
-        rehearsal: impl Fn(usize, &DeviceEntry) -> Option<Box<dyn Rehearsal>>,
+        prediction: impl Fn(usize, &DeviceEntry) -> Option<Box<dyn Prediction>>,
     ) -> Option<Self> {
         let devices = machine.drives.iter().enumerate();
         let devices: Vec<_> = devices
@@ -77,8 +77,8 @@ impl DrivesInLoop {
                     Some(DeviceAxis { axis, counting: described.counting()? })
                 });
                 let axes: Vec<_> = axes.collect();
-                let rehearsal = if axes.is_empty() { None } else { rehearsal(index, entry) };
-                Some(Device { index, rehearsal: rehearsal?, axes })
+                let prediction = if axes.is_empty() { None } else { prediction(index, entry) };
+                Some(Device { index, prediction: prediction?, axes })
             })
             .collect();
         let cycle_ns = machine.cycle_ns;
@@ -103,8 +103,8 @@ impl DrivesInLoop {
     }
 
     /// The devices, by their places in [`Machine::drives`].
-    pub(crate) fn rehearsals(&self) -> impl Iterator<Item = (usize, &dyn Rehearsal)> {
-        self.devices.iter().map(|device| (device.index, &*device.rehearsal))
+    pub(crate) fn predictions(&self) -> impl Iterator<Item = (usize, &dyn Prediction)> {
+        self.devices.iter().map(|device| (device.index, &*device.prediction))
     }
 
     /// True if the set-points of the motors are at rest at the end of the plan, to an increment.
@@ -135,7 +135,7 @@ impl DrivesInLoop {
                 ahead,
                 cycle_ns: self.cycle_ns,
             };
-            let asked = device.rehearsal.advance(&plan, setpoint.time_ns);
+            let asked = device.prediction.advance(&plan, setpoint.time_ns);
             let asked = asked.position.iter().zip(asked.velocity);
             for (place, (position, velocity)) in device.axes.iter().zip(asked) {
                 let DeviceAxis { axis, counting } = *place;

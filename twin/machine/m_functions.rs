@@ -2,7 +2,7 @@
 
 use crate::section::Section;
 use std::ops::RangeInclusive;
-use twin_drives::interpcnc::registers::OUTPUTS;
+use twin_interpcnc::protocol::registers::OUTPUTS;
 
 /// `[[m_functions]]` of a machine file: what an M function switches.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

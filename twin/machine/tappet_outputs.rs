@@ -3,8 +3,8 @@
 use super::drives::{Kind, Seen};
 use crate::section::Section;
 use crate::tappets::TappetOutput;
-use twin_drives::interpcnc::registers::OUTPUTS as BOARD_OUTPUTS;
-use twin_drives::smartdrive::OUTPUTS as SMARTDRIVE_OUTPUTS;
+use twin_interpcnc::protocol::registers::OUTPUTS as BOARD_OUTPUTS;
+use twin_smartdrive::OUTPUTS as SMARTDRIVE_OUTPUTS;
 
 /// Reads the tappet outputs; `drives` are the devices with the number of their axes.
 pub(super) fn read(root: &Section<'_>, drives: &[(&Seen, usize)]) -> Vec<TappetOutput> {

@@ -6,8 +6,8 @@ use super::looker::Looker;
 use crate::by_hand;
 use crate::emulated::line;
 use crate::machine::{DriveFamily, Machine};
-use twin_drives::interpcnc::{Parity, parameters};
 use twin_drives::{Drive, DriveError, ParameterId};
+use twin_interpcnc::{Parity, protocol::parameters};
 
 impl Looker<'_> {
     /// Checks the stored line settings of a board against the machine file.
@@ -26,7 +26,7 @@ impl Looker<'_> {
         for number in
             [parameters::MODBUS_SPEED, parameters::MODBUS_PARITY, parameters::MODBUS_ADDRESS]
         {
-            let id = ParameterId { station: 0, number };
+            let id = ParameterId { address: 0, number };
             let stored = drive.parameter(id)?;
             let Ok(code) = u32::try_from(stored) else { continue };
             // (Whether it is the same, what is wanted.) A code that says nothing is none.
@@ -41,7 +41,7 @@ impl Looker<'_> {
                     let same = Parity::from_code(code).is_none_or(|stored| stored == parity);
                     (same, Some(parity.code()))
                 }
-                _ => (code == u32::from(board.station), Some(board.station.into())),
+                _ => (code == u32::from(board.address), Some(board.address.into())),
             };
             if !same {
                 let name = parameters::name(number).unwrap_or(number.to_string());

@@ -7,7 +7,7 @@ use crate::by_hand;
 use crate::clock::Clock;
 use crate::machine::{Axis, DriveFamily, Machine};
 use std::time::Duration;
-use twin_drives::bim2ax::Fault;
+use twin_bim2ax::Fault;
 use twin_drives::{Drive, DriveError, Increments, ParameterInfo, SetpointStream};
 
 /// What is said of an axis that is homed by the user's word alone and counts 0: its device may have lost its position since.
@@ -156,10 +156,10 @@ impl<'a> Looker<'a> {
                 continue;
             }
             let found = unit.firmware.as_deref().unwrap_or("not told by the device");
-            let station = if unit.station == 0 {
+            let station = if unit.address == 0 {
                 String::new()
             } else {
-                format!("address {}: ", unit.station)
+                format!("address {}: ", unit.address)
             };
             let told = format!("{station}the firmware is {found}; {wanted} is wanted");
             let (name, file) = (self.name, machine.path.display());

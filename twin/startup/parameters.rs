@@ -3,13 +3,13 @@
 use crate::by_hand;
 use crate::emulated::{bim2ax_axis, smartdrive_axis, velocity_within};
 use crate::machine::{DriveFamily, Machine};
+use twin_bim2ax::protocol::bits::definition;
+use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
+use twin_bim2ax::{DriveMode, ModuleAxis};
 use twin_drives::ParameterId;
-use twin_drives::bim2ax::bits::definition;
-use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
-use twin_drives::bim2ax::{DriveMode, ModuleAxis};
-use twin_drives::interpcnc::Following;
-use twin_drives::interpcnc::parameters::{COUPLING, ZERO_AFTER_HOMING};
-use twin_drives::smartdrive::parameters::{
+use twin_interpcnc::Following;
+use twin_interpcnc::protocol::parameters::{COUPLING, ZERO_AFTER_HOMING};
+use twin_smartdrive::protocol::parameters::{
     ACCELERATION_MAX, DECELERATION_MAX, FULL_STEPS, STEP_DIVISOR, VELOCITY_MAX,
 };
 
@@ -140,7 +140,7 @@ pub(super) fn wanted(machine: &Machine, index: usize) -> Vec<Wanted> {
                 ]);
             }
             for (number, value, key) in known {
-                let (id, must) = (ParameterId { station: 0, number }, Must::Be(value));
+                let (id, must) = (ParameterId { address: 0, number }, Must::Be(value));
                 wanted.push(Wanted { id, must, axis: None, key });
             }
         }
@@ -161,7 +161,7 @@ pub(super) fn wanted(machine: &Machine, index: usize) -> Vec<Wanted> {
                     (DECELERATION_MAX, deceleration, "deceleration_rpm_per_s"),
                 ] {
                     let key = if key.is_empty() { Key::Velocity } else { Key::OfDevice(key) };
-                    let id = ParameterId { station: driven.address, number };
+                    let id = ParameterId { address: driven.address, number };
                     wanted.push(Wanted { id, must, axis: Some(axis.name.clone()), key });
                 }
             }
@@ -203,7 +203,7 @@ pub(super) fn wanted(machine: &Machine, index: usize) -> Vec<Wanted> {
                 {
                     let number = Parameter::Axis(parameter, on_module).number();
                     let Some(number) = number else { continue };
-                    let id = ParameterId { station: 0, number };
+                    let id = ParameterId { address: 0, number };
                     wanted.push(Wanted { id, must, axis: Some(axis.name.clone()), key });
                 }
             }

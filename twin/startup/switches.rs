@@ -7,15 +7,15 @@ use super::limits::what_is_left;
 use super::looker::Looker;
 use crate::by_hand;
 use crate::machine::{Axis, DriveFamily, Machine, Switches};
-use twin_drives::bim2ax::ModuleAxis;
-use twin_drives::bim2ax::bits::coefficient::{HOME_PLUS, IGNORE_SWITCHES};
-use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
-use twin_drives::interpcnc::BoardAxis;
-use twin_drives::interpcnc::parameters::{
+use twin_bim2ax::ModuleAxis;
+use twin_bim2ax::protocol::bits::coefficient::{HOME_PLUS, IGNORE_SWITCHES};
+use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
+use twin_drives::{Drive, DriveError, ParameterId};
+use twin_interpcnc::BoardAxis;
+use twin_interpcnc::protocol::parameters::{
     HOME_SLOW_SPEED, home_direction, home_input, home_speed, limit_input,
 };
-use twin_drives::smartdrive::parameters::POSITION_OFFSET;
-use twin_drives::{Drive, DriveError, ParameterId};
+use twin_smartdrive::protocol::parameters::POSITION_OFFSET;
 
 /// The sign of a direction.
 fn sign(positive: bool) -> char {
@@ -60,8 +60,8 @@ impl Looker<'_> {
                     self.board_homing(axis, at, (drive, who == Homed::First))?;
                 }
                 DriveFamily::SmartDrive(_) => {
-                    let station = u8::try_from(place.index).unwrap_or(0);
-                    self.drive_origin(axis, (machine, device, station), drive)?;
+                    let address = u8::try_from(place.index).unwrap_or(0);
+                    self.drive_origin(axis, (machine, device, address), drive)?;
                 }
                 DriveFamily::Bim2Ax(_) => {
                     let Some(on_module) = ModuleAxis::ALL.get(place.index) else { continue };
@@ -86,7 +86,7 @@ impl Looker<'_> {
         for (positive, input) in [false, true].into_iter().zip(&mut inputs) {
             // Which of the board's ends that is.
             let number = limit_input(on_board, positive != reversed);
-            let mut value = |number| drive.parameter(ParameterId { station: 0, number });
+            let mut value = |number| drive.parameter(ParameterId { address: 0, number });
             *input = value(number)?;
             if *input != 0 {
                 let contact = if value(number + 1)? == 0 { "NO" } else { "NC" };
@@ -105,7 +105,7 @@ impl Looker<'_> {
                 [false, true].into_iter().zip(wanted.into_iter().zip(found))
             {
                 let number = limit_input(on_board, positive != reversed);
-                let id = ParameterId { station: 0, number };
+                let id = ParameterId { address: 0, number };
                 if wanted && !found {
                     let command = by_hand::set_to(machine, device, id, "N");
                     help.extend(command.map(|set| format!("{set}, where N is its input")));
@@ -140,7 +140,7 @@ impl Looker<'_> {
         (drive, first): (&mut dyn Drive, bool),
     ) -> Result<(), DriveError> {
         let (switches, reversed) = said(axis);
-        let id = |number| ParameterId { station: 0, number };
+        let id = |number| ParameterId { address: 0, number };
         let mut value = |number| drive.parameter(id(number));
         let input = value(home_input(on_board))?;
         if input == 0 && !first && switches.home_positive.is_none() {
@@ -206,10 +206,10 @@ impl Looker<'_> {
     fn drive_origin(
         &mut self,
         axis: &Axis,
-        (machine, device, station): (&Machine, usize, u8),
+        (machine, device, address): (&Machine, usize, u8),
         drive: &mut dyn Drive,
     ) -> Result<(), DriveError> {
-        let id = ParameterId { station, number: POSITION_OFFSET };
+        let id = ParameterId { address, number: POSITION_OFFSET };
         let (name, unit) = (&axis.name, axis.unit());
         let (switches, _) = said(axis);
         if switches != Switches::default() {
@@ -250,7 +250,7 @@ impl Looker<'_> {
     ) -> Result<(), DriveError> {
         let parameter = Parameter::Axis(AxisParameter::Coefficient, on_module);
         let Some(number) = parameter.number() else { return Ok(()) };
-        let id = ParameterId { station: 0, number };
+        let id = ParameterId { address: 0, number };
         let bits = drive.parameter(id)?;
         let (switches, reversed) = said(axis);
         let (name, file) = (&axis.name, machine.path.display());

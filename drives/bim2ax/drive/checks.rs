@@ -4,7 +4,7 @@ use super::{
     Action, Bim2AxDrive, BusStamp, Clock, DriveError, Duration, FAULTS, Following, NOT_READY,
     Positions, STRAY_LOOKS, message, no_clock,
 };
-use crate::bim2ax::Fault;
+use crate::Fault;
 
 /// A leg that lasts so much longer than it should, ns, does not end.
 const OVERDUE_NS: i64 = 1_000_000_000;
@@ -38,7 +38,7 @@ impl Bim2AxDrive {
             let watched = if obeys.is_ok() { self.watch_encoders(&seen, clock) } else { Ok(()) };
             if looks >= STRAY_LOOKS {
                 obeys?;
-                watched.inspect_err(|error| self.told(error))?;
+                watched.inspect_err(|error| self.doubt_encoder(error))?;
                 return stray.map_or(Ok(seen), |stray| {
                     self.sent = None;
                     Err(stray)
@@ -64,7 +64,7 @@ impl Bim2AxDrive {
             let watched = ready.and_then(|()| self.watch_encoders(&seen, &no_clock));
             match watched.and_then(|()| self.check_homes(&seen.0)) {
                 Err(error) if looks >= STRAY_LOOKS => {
-                    self.told(&error);
+                    self.doubt_encoder(&error);
                     return Err(error);
                 }
                 Err(_) => {}
@@ -79,7 +79,7 @@ impl Bim2AxDrive {
         let mut looks = 1;
         while let Err(error) = self.watch_known(&seen) {
             if looks >= STRAY_LOOKS {
-                self.told(&error);
+                self.doubt_encoder(&error);
                 return Err(error);
             }
             looks += 1;
@@ -88,8 +88,8 @@ impl Bim2AxDrive {
         Ok(())
     }
 
-    /// An encoder has been told to be elsewhere: from where its axis rests next it is watched anew.
-    fn told(&mut self, error: &DriveError) {
+    /// Forgets the references of the encoders after an error of one: they are taken anew where the axes rest next.
+    fn doubt_encoder(&mut self, error: &DriveError) {
         if error.is_of_encoder() {
             self.encoders.forget();
         }

@@ -2,7 +2,7 @@
 //!
 //! An axis whose parameters declare an encoder (definition bit 0) is watched. After each reading of counters and
 //! messages the driver reads the encoder positions, in steps, with one more exchange, and compares both
-//! ([`crate::shaft`]). If they differ it reads the counters once more, to know how far the axis moved meanwhile. The
+//! ([`twin_drives::encoder_check`]). If they differ it reads the counters once more, to know how far the axis moved meanwhile. The
 //! bus has no check sums, so two readings in a row have to agree.
 //!
 //! The first readings of counter and encoder at rest are taken as the reference; so are those after homing or after
@@ -21,13 +21,15 @@ use super::{
     AXES, Action, Bim2AxDrive, BusStamp, Clock, DriveError, ModuleAxis, Positions, no_clock,
 };
 use crate::{
-    bim2ax::{
-        AxisSettings, Fault,
+    AxisSettings, Fault,
+    protocol::{
         bits::{definition, encoder_message, message},
         parameter::{AxisParameter, Parameter},
     },
+};
+use twin_drives::{
+    encoder_check::{Apart, EncoderCheck, EncoderLimits, Passed},
     ramp::seconds,
-    shaft::{Apart, Passed, Shaft, Watching},
 };
 
 /// A rotor comes to rest at every fourth full step of the same current in its windings, and slips beyond two: what is farther
@@ -43,7 +45,7 @@ const KINDS: u16 = encoder_message::INCREMENTAL | encoder_message::SSI | encoder
 /// The encoder of an axis.
 #[derive(Clone, Copy, Debug)]
 struct Watched {
-    shaft: Shaft,
+    shaft: EncoderCheck,
     /// The axis was homed when it was seen last.
     homed: bool,
     /// There has to be one: the user has said so.
@@ -99,7 +101,7 @@ impl Bim2AxDrive {
             let dividend = self.encoder_parameter(AxisParameter::Dividend, axis)?;
             let divisor = self.encoder_parameter(AxisParameter::Divisor, axis)?;
             let microsteps = u32::from(settings.mode.microsteps());
-            let watching = Watching {
+            let watching = EncoderLimits {
                 points: 1,
                 increments: 1,
                 tolerance: self.options.encoder_tolerance.unwrap_or(FULL_STEPS * microsteps),
@@ -108,7 +110,7 @@ impl Bim2AxDrive {
                 start_stop: settings.start_stop(),
                 fastest: settings.speed(u16::MAX),
             };
-            let shaft = Shaft::new(&watching);
+            let shaft = EncoderCheck::new(&watching);
             *slot = Some(Watched { shaft, homed: false, wanted, plug: None });
         }
         self.encoders = encoders;

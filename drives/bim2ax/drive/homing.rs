@@ -1,12 +1,10 @@
-//! The module's own homing and its lock as a [`crate::Drive`] offers them.
+//! The module's own homing and its lock as a [`twin_drives::Drive`] offers them.
 
 use std::time::Duration;
 
 use super::{AXES, Bim2AxDrive, BusStamp, Positions, STRAY_LOOKS, no_clock};
-use crate::{
-    Action, DriveError, HomingWays, MAX_DRIVE_AXES,
-    bim2ax::{Fault, bits::message},
-};
+use crate::{Fault, protocol::bits::message};
+use twin_drives::{Action, DriveError, HomingWays, MAX_DRIVE_AXES};
 
 /// A counter that counts on through homing goes no further between two looks than the axis does at its start-stop speed, but
 /// for when exactly each look was: so much more, µsteps.
@@ -31,7 +29,7 @@ impl Bim2AxDrive {
         }
         let now = (stamp.middle_ns(), self.in_order(seen));
         if let Some((then_ns, before)) = self.homes.on_the_way {
-            let speeds = self.settings.iter().map(crate::bim2ax::AxisSettings::start_stop);
+            let speeds = self.settings.iter().map(crate::AxisSettings::start_stop);
             for ((place, speed), (before, after)) in
                 (0_u8..).zip(speeds).zip(before.into_iter().zip(now.1))
             {

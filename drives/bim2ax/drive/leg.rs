@@ -1,7 +1,7 @@
 //! The legs of a plan that is followed.
 
 use super::{AXES, Bim2AxDrive, DriveError, Following, Move, SetpointStream, Start};
-use crate::ramp::{nanoseconds, seconds};
+use twin_drives::ramp::{nanoseconds, seconds};
 
 /// Weight of an exchange in the running means.
 const MEAN_GAIN: f64 = 0.2;

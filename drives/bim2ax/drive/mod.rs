@@ -2,8 +2,10 @@
 
 mod checks;
 mod encoders;
+pub(crate) mod follow;
 mod homing;
 mod leg;
+pub(crate) mod options;
 mod positions;
 mod settings;
 
@@ -11,18 +13,22 @@ use std::time::Duration;
 
 use tokio::{runtime::Runtime, time::sleep};
 
+pub use options::Bim2AxDriveOptions;
+
 use encoders::Encoders;
 use homing::Homes;
 use leg::mean;
 
-use super::{
-    AXES, AxisSettings, Bim2Ax, Bim2AxDriveOptions, BusStamp, ModuleAxis, Move, Start,
-    bits::{coefficient, message},
-    follow::{Follower, Timing},
-    memory::Memory,
-    zone::{Positions, WriteZone},
-};
+use super::{AXES, AxisSettings, Bim2Ax, BusStamp, ModuleAxis, Move, Start};
 use crate::{
+    drive::follow::{Follower, Timing},
+    protocol::{
+        bits::{coefficient, message},
+        memory::Memory,
+        zone::{Positions, WriteZone},
+    },
+};
+use twin_drives::{
     Action, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity,
     Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
     drive::is_zero,
@@ -92,14 +98,17 @@ impl Bim2AxDrive {
     ) -> Result<Self, DriveError> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
         let runtime = runtime.map_err(|source| {
-            let at = Exchange { port: port.into(), station: 0, action: Action::Open };
+            let at = Exchange { port: port.into(), address: 0, action: Action::Open };
             DriveError::Transport { at, source }
         })?;
         Self::on(runtime, port, memory, options)
     }
 
     /// The same on a runtime of the caller's, whose time may be virtual.
-    pub(crate) fn on(
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn on(
         runtime: Runtime,
         port: &str,
         memory: impl Memory + 'static,
@@ -110,7 +119,7 @@ impl Bim2AxDrive {
             let value = u32::try_from(options.axes.len()).unwrap_or(u32::MAX);
             let high = if twice { 1 } else { 2 };
             let setting = "number of axes";
-            let at = Exchange { port: port.into(), station: 0, action: Action::Open };
+            let at = Exchange { port: port.into(), address: 0, action: Action::Open };
             return Err(DriveError::Setting { at, setting, value, low: 1, high });
         }
         let timing = Timing { order_ns: ORDER_NS, look_ns: LOOK_NS };
@@ -317,7 +326,7 @@ impl Drive for Bim2AxDrive {
     fn shows_restart(&mut self) -> Result<bool, DriveError> {
         self.runtime.block_on(self.module.identify(&no_clock))?;
         let (seen, _) = self.look(&no_clock)?;
-        let reset = |axis: &crate::bim2ax::ModuleAxis| {
+        let reset = |axis: &crate::ModuleAxis| {
             let messages = seen.messages.get(axis.index()).copied().unwrap_or(0);
             let off = messages & message::PHASES_OFF != 0 && messages & message::HOMED == 0;
             off && seen.positions.get(axis.index()).copied() == Some(0)

@@ -4,10 +4,8 @@ use super::{
     AXES, Action, AxisSettings, Bim2AxDrive, BusStamp, DriveError, MAX_DRIVE_AXES, ModuleAxis,
     Positions, Sample, Start, message,
 };
-use crate::{
-    Axes,
-    bim2ax::{MOST_POSITION, zone::WriteZone},
-};
+use crate::{MOST_POSITION, protocol::zone::WriteZone};
+use twin_drives::Axes;
 
 impl Bim2AxDrive {
     /// Positions of the axes in use, in their order.

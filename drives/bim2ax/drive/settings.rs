@@ -1,16 +1,17 @@
-//! Identity, inputs, parameters and limits of a module for the trait [`crate::Drive`].
+//! Identity, inputs, parameters and limits of a module for the trait [`twin_drives::Drive`].
 
 use super::{Bim2AxDrive, no_clock};
 use crate::{
-    Action, AxisSignals, Bits, Clock, DeviceLimits, DriveError, Exchange, Identity, MAX_DRIVE_AXES,
-    ParameterId, ParameterInfo, Signals, UnitIdentity,
-    bim2ax::{
-        Assumptions, ModuleAxis,
+    Assumptions, ModuleAxis,
+    protocol::{
         bits::message,
         parameter::{AxisParameter, Parameter, Range},
         zone::Positions,
     },
-    error::find_parameter,
+};
+use twin_drives::{
+    Action, AxisSignals, Bits, Clock, DeviceLimits, DriveError, Exchange, Identity, MAX_DRIVE_AXES,
+    ParameterId, ParameterInfo, Signals, UnitIdentity, find_parameter,
 };
 
 /// Inputs of an axis, as the messages show them (2.2.1).
@@ -42,7 +43,7 @@ fn describe(
         unit,
         writable: parameter.range() != Range::ReadOnly,
         needs_restart: parameter.needs_reset() && !at_once,
-        ..ParameterInfo::new(ParameterId { station: 0, number }, parameter.word(), values)
+        ..ParameterInfo::new(ParameterId { address: 0, number }, parameter.word(), values)
     })
 }
 
@@ -64,7 +65,7 @@ impl Bim2AxDrive {
         let told = self.runtime.block_on(self.module.identify_any(&no_clock))?;
         let Some(told) = told else {
             let details = vec![("EEPROM", "its check sum is wrong".to_owned())];
-            let unit = UnitIdentity { station: 0, firmware: None, serial: None, details };
+            let unit = UnitIdentity { address: 0, firmware: None, serial: None, details };
             return Ok(Identity { family: "BIM2AX-BOCM", units: vec![unit] });
         };
         let rating = match told.rating_ma {
@@ -72,7 +73,7 @@ impl Bim2AxDrive {
             rating_ma => format!("{rating_ma} mA"),
         };
         let unit = UnitIdentity {
-            station: 0,
+            address: 0,
             firmware: Some(told.version.to_string()),
             serial: None,
             details: vec![("current rating", rating)],
@@ -144,7 +145,7 @@ impl Bim2AxDrive {
     }
 
     fn known(&self, id: ParameterId, written: bool) -> Result<Parameter, DriveError> {
-        let parameter = Parameter::from_number(id.number).filter(|_| id.station == 0);
+        let parameter = Parameter::from_number(id.number).filter(|_| id.address == 0);
         let at = || self.parameter_at(id, written);
         parameter.ok_or_else(|| DriveError::NoParameter { at: at(), id })
     }

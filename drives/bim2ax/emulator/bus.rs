@@ -1,7 +1,7 @@
 //! Bus between host and module: when writes and interrupts arrive, with the faults of the bus.
 //!
 //! A request is everything the host writes for one interrupt: zone numbers, the zones they name, the entries. An answer
-//! is what the module writes after it: the requested zone and its number. The faults of [`crate::FaultRule`] mean here:
+//! is what the module writes after it: the requested zone and its number. The faults of [`twin_drives::FaultRule`] mean here:
 //!
 //! | fault | request | answer |
 //! |---|---|---|
@@ -17,13 +17,11 @@
 //! With the plug pulled nobody drives the bus: everything reads $FF.
 
 use super::{Module, ZONES_AT_ONCE};
-use crate::{
-    Direction, WireFault,
-    bim2ax::{
-        memory::{ENTRIES, HOST_PAGE, INTERRUPT_STATUS, MODULE_PAGE, WINDOW_LENGTH, ZONES},
-        zone::{ReadZone, WriteZone, ZONE_LENGTH, ZoneBytes},
-    },
+use crate::protocol::{
+    memory::{ENTRIES, HOST_PAGE, INTERRUPT_STATUS, MODULE_PAGE, WINDOW_LENGTH, ZONES},
+    zone::{ReadZone, WriteZone, ZONE_LENGTH, ZoneBytes},
 };
+use twin_drives::{Direction, WireFault};
 
 /// High nibble of [`ZONES`]: no zone to write.
 pub(super) const NO_ZONE: u8 = 0xF;

@@ -1,10 +1,10 @@
 //! Events at an emulated module other than on its bus, and their handling.
 
 use super::{Module, Surroundings};
-use crate::bim2ax::ModuleAxis;
+use crate::ModuleAxis;
 
 /// What happens to a module, and to its bus.
-pub type Control = crate::Control<Event>;
+pub type Control = twin_drives::Control<Event>;
 
 /// What happens to a module other than on its bus.
 #[derive(Clone, Debug, PartialEq, Eq)]

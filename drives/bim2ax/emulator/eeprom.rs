@@ -1,8 +1,8 @@
 //! The EEPROM of the emulated module.
 
-use crate::bim2ax::{
+use crate::{
     AxisSettings, DriveMode, ModuleAxis, REFERENCES,
-    parameter::{AxisParameter, Parameter},
+    protocol::parameter::{AxisParameter, Parameter},
 };
 
 /// Parameters that are stored: $0 to $41.

@@ -1,18 +1,20 @@
 //! Interrupt handling of the module: takes the zones written by the host and refreshes its answers (9.2).
 
 use super::{Module, RAM_LENGTH, ZONES_AT_ONCE, bus::NO_ZONE};
-use crate::bim2ax::{
+use crate::{
     AXES, EntryOrder, ModuleAxis,
-    axis::{Axis, AxisOrder},
-    bits::{card, uc},
-    memory::{
-        ENTRIES, INTERRUPT_STATUS, MODULE_PAGE, RECEIPT_ORDERS, RECEIPT_PARAMETER, RECEIPTS,
-        WINDOW_LENGTH, ZONES,
-    },
-    parameter::AxisParameter,
-    zone::{
-        Orders, ParameterExchange, Plugs, Positions, ReadZone, Target, WriteZone, ZONE_LENGTH,
-        ZoneBytes,
+    emulator::axis::{Axis, AxisOrder},
+    protocol::{
+        bits::{card, uc},
+        memory::{
+            ENTRIES, INTERRUPT_STATUS, MODULE_PAGE, RECEIPT_ORDERS, RECEIPT_PARAMETER, RECEIPTS,
+            WINDOW_LENGTH, ZONES,
+        },
+        parameter::AxisParameter,
+        zone::{
+            Orders, ParameterExchange, Plugs, Positions, ReadZone, Target, WriteZone, ZONE_LENGTH,
+            ZoneBytes,
+        },
     },
 };
 

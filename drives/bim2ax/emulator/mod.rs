@@ -12,30 +12,37 @@
 //! in motion; writing any parameter makes the check sum right, and the module works again after RESET; the last
 //! encoder position is stored in points; an axis with an absolute encoder starts where that shows it to be.
 
+pub(crate) mod axis;
 mod bus;
 mod control;
 mod eeprom;
 mod interrupt;
+mod memory_file;
 mod parameters;
-mod thread;
+mod shared;
 
+pub use axis::{Bench, Contact, EncoderBench, EncoderKind};
 pub use control::{Control, Event};
 pub use eeprom::Eeprom;
-pub use thread::{EmulatedModule, EmulatorOptions};
+pub use memory_file::{EmulatedModule, EmulatorOptions};
+pub use shared::SharedModule;
 
-use super::{
-    AXES, Assumptions, Bench, Corrections, EncoderBench, ModuleAxis,
-    axis::{Axis, AxisSettings},
-    bits::{coefficient, encoder_message, message},
-    memory::{
-        BIM2AX_BOCM, ByteOrder, HOST_PAGE, IDENTIFIER, INTERRUPT, NOT_RUNNING, PAGE_REGISTER,
-        WINDOW_LENGTH,
+use super::{AXES, Assumptions, Corrections, ModuleAxis};
+use crate::{
+    AxisSettings,
+    emulator::axis::Axis,
+    protocol::{
+        bits::{coefficient, encoder_message, message},
+        memory::{
+            BIM2AX_BOCM, ByteOrder, HOST_PAGE, IDENTIFIER, INTERRUPT, NOT_RUNNING, PAGE_REGISTER,
+            WINDOW_LENGTH,
+        },
+        parameter::{AxisParameter, Parameter},
+        zone::{ParameterExchange, Target, ZoneBytes},
     },
-    parameter::{AxisParameter, Parameter},
-    zone::{ParameterExchange, Target, ZoneBytes},
 };
-use crate::{FaultyWire, control::Agenda};
 use bus::{LateAnswer, LateRequest, Page};
+use twin_drives::{FaultyWire, emulator_host::Agenda};
 
 /// Bytes of RAM.
 const RAM_LENGTH: usize = 1024;

@@ -1,12 +1,14 @@
 //! The zone "Paramètre" and what RESET does.
 
 use super::Module;
-use crate::bim2ax::{
+use crate::{
     AXES, EncoderKind, ModuleAxis,
-    axis::{Axis, Encoder, saturated},
-    bits::{card, coefficient, definition},
-    parameter::{AxisParameter, Parameter, order},
-    zone::ParameterExchange,
+    emulator::axis::{Axis, Encoder, saturated},
+    protocol::{
+        bits::{card, coefficient, definition},
+        parameter::{AxisParameter, Parameter, order},
+        zone::ParameterExchange,
+    },
 };
 
 impl Module {

@@ -1,15 +1,13 @@
 //! Driver and module with what the manual leaves open done in every way that is known.
 
 use super::*;
-use crate::bim2ax::Fault;
-use crate::tests::fault_of;
+use crate::Fault;
+use crate::tests::common::fault_of;
 use crate::{
-    Axes, DriveError,
-    bim2ax::{
-        Assumptions, CamStart, EntryOrder, Start,
-        bits::{message, uc},
-    },
+    Assumptions, CamStart, EntryOrder, Start,
+    protocol::bits::{message, uc},
 };
+use twin_drives::{Axes, DriveError};
 
 /// A rig whose driver assumes `driver` of a module that does as `module`.
 async fn rig(module: Assumptions, driver: Assumptions) -> Rig {

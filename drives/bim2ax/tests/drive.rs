@@ -1,16 +1,14 @@
 //! The module as a drive: in real time on a memory file served by another thread, and in virtual time.
 
 use super::*;
-use crate::bim2ax::Fault;
+use crate::Fault;
+use crate::tests::common::wall_clock;
 use crate::{
-    Axes, Drive, DriveError, IncrementMotion, SetpointStream,
-    bim2ax::{
-        Bim2AxDrive, Bim2AxDriveOptions, MemoryFile,
-        bits::message,
-        emulator::{EmulatedModule, EmulatorOptions},
-    },
-    tests::peer::wall_clock,
+    Bim2AxDrive, Bim2AxDriveOptions, MemoryFile,
+    emulator::{EmulatedModule, EmulatorOptions},
+    protocol::bits::message,
 };
+use twin_drives::{Axes, Drive, DriveError, IncrementMotion, SetpointStream};
 
 /// A plan of two axes: a line to and fro, at rest before and after.
 pub(super) struct Plan<C> {
@@ -64,7 +62,7 @@ fn emulated() -> (tempfile::TempDir, EmulatedModule) {
     let mut memory = MemoryFile::beside(module.path()).unwrap();
     let mut identifier = [0];
     while identifier != [0x4E] {
-        crate::bim2ax::Memory::read(&mut memory, 0xFF, &mut identifier).unwrap();
+        crate::Memory::read(&mut memory, 0xFF, &mut identifier).unwrap();
         std::thread::yield_now();
     }
     (folder, module)
@@ -171,12 +169,12 @@ fn an_eeprom_survives_a_restart_and_the_file_goes_with_the_emulator() {
 fn files_that_are_no_memory_or_in_use_are_left_alone() {
     let (folder, module) = emulated();
     let second = EmulatedModule::start(&EmulatorOptions::new(module.path()), || 0);
-    assert!(matches!(second, Err(crate::EmulatorError::LinkTaken { .. })));
+    assert!(matches!(second, Err(twin_drives::EmulatorError::LinkTaken { .. })));
     assert!(module.path().exists());
     let precious = folder.path().join("precious");
     std::fs::write(&precious, "precious").unwrap();
     let refused = EmulatedModule::start(&EmulatorOptions::new(&precious), || 0);
-    assert!(matches!(refused, Err(crate::EmulatorError::LinkTaken { .. })));
+    assert!(matches!(refused, Err(twin_drives::EmulatorError::LinkTaken { .. })));
     assert_eq!(std::fs::read_to_string(&precious).unwrap(), "precious");
     assert!(MemoryFile::open(&precious).is_err(), "too short");
 }

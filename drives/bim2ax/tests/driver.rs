@@ -1,15 +1,13 @@
 //! Tests of the driver beyond the vectors, in virtual time.
 
 use super::*;
-use crate::bim2ax::Fault;
-use crate::tests::fault_of;
+use crate::Fault;
+use crate::tests::common::fault_of;
 use crate::{
-    Axes, DriveError,
-    bim2ax::{
-        Assumptions, ByteOrder, Move, Start,
-        bits::{card, message, uc},
-    },
+    Assumptions, ByteOrder, Move, Start,
+    protocol::bits::{card, message, uc},
 };
+use twin_drives::{Axes, DriveError};
 
 #[tokio::test(start_paused = true)]
 async fn it_tells_who_is_there() {
@@ -50,7 +48,7 @@ async fn strangers_and_modules_that_do_not_run_are_told() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("bus");
     std::fs::write(&path, [0xFF; 256]).unwrap();
-    let memory = crate::bim2ax::MappedMemory::open(&path, 0).unwrap();
+    let memory = crate::MappedMemory::open(&path, 0).unwrap();
     let mut driver = Bim2Ax::new("bus", memory, &Bim2AxOptions::default());
     let error = driver.identify(&clock()).await.unwrap_err();
     assert!(
@@ -209,7 +207,7 @@ async fn samples_are_of_the_middle_of_their_exchange() {
         assert_eq!(stamp.answered_ns - stamp.sent_ns, 1_000_000);
         let now = rig.module.module().position(ModuleAxis::One);
         // 1000 µsteps/s: half a step in half an exchange, and the module says whole steps of 0.2 ms before.
-        let then = now - 1000.0 * crate::ramp::seconds(clock() - stamp.middle_ns());
+        let then = now - 1000.0 * twin_drives::ramp::seconds(clock() - stamp.middle_ns());
         assert!((f64::from(seen.positions[0]) - then).abs() <= 0.75, "{seen:?} {then}");
     }
 }

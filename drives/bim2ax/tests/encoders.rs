@@ -4,15 +4,13 @@ use super::{
     drive::{Plan, virtual_drive},
     *,
 };
-use crate::bim2ax::Fault;
+use crate::Fault;
 use crate::{
-    Axes, Direction, Drive, DriveError, FaultRule, SetpointStream, When, WireFault,
-    bim2ax::{
-        Bim2AxDrive, Bim2AxDriveOptions, EncoderBench, EncoderKind,
-        bits::{definition, encoder_message},
-        emulator::{Control, Event},
-    },
+    Bim2AxDrive, Bim2AxDriveOptions, EncoderBench, EncoderKind,
+    emulator::{Control, Event},
+    protocol::bits::{definition, encoder_message},
 };
+use twin_drives::{Axes, Direction, Drive, DriveError, FaultRule, SetpointStream, When, WireFault};
 
 const FAST: [f64; 5] = [10_000.0; 5];
 

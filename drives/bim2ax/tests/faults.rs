@@ -2,16 +2,14 @@
 //! the driver says, and that the module can be used again afterwards.
 
 use super::*;
-use crate::bim2ax::Fault;
-use crate::tests::fault_of;
+use crate::Fault;
+use crate::tests::common::fault_of;
 use crate::{
-    Direction, DriveError, FaultRule, When, WireFault,
-    bim2ax::{
-        Start,
-        bits::{card, message},
-        emulator::Control,
-    },
+    Start,
+    emulator::Control,
+    protocol::bits::{card, message},
 };
+use twin_drives::{Direction, DriveError, FaultRule, When, WireFault};
 
 /// What an axis is doing when something goes wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -138,7 +136,7 @@ async fn late_answers_are_not_taken_for_those_to_the_next_question() {
             }
             if let Ok((seen, stamp)) = rig.driver.positions(clock).await {
                 let now = rig.module.module().position(ModuleAxis::One);
-                let moved = 10_000.0 * crate::ramp::seconds(clock() - stamp.sent_ns) + 1.0;
+                let moved = 10_000.0 * twin_drives::ramp::seconds(clock() - stamp.sent_ns) + 1.0;
                 assert!((f64::from(seen.positions[0]) - now).abs() <= moved, "{what:?}: stale");
             }
         }
@@ -328,7 +326,7 @@ async fn a_module_that_is_slow_to_reset_does_not_count_as_running_again() {
 #[tokio::test(start_paused = true)]
 async fn a_memory_that_is_gone_is_told() {
     struct Gone;
-    impl crate::bim2ax::Memory for Gone {
+    impl crate::Memory for Gone {
         fn read(&mut self, _: u8, _: &mut [u8]) -> std::io::Result<()> {
             Err(std::io::ErrorKind::NotConnected.into())
         }

@@ -1,5 +1,12 @@
 //! Driver and emulated module together, in virtual time and on a memory file.
 
+#[path = "../../tests/common.rs"]
+#[allow(dead_code, reason = "each family uses a part")]
+mod common;
+#[path = "../../tests/peer.rs"]
+#[allow(dead_code, reason = "each family uses a part")]
+mod peer;
+
 mod assumptions;
 mod drive;
 mod driver;
@@ -15,8 +22,10 @@ use tokio::time::{Instant, sleep};
 
 use super::{
     Bim2Ax, Bim2AxOptions, Contact, ModuleAxis, SharedModule,
-    bits::coefficient,
     emulator::{Eeprom, Module, ModuleOptions, Surroundings},
+};
+use crate::protocol::{
+    bits::coefficient,
     parameter::{AxisParameter, Parameter},
     vectors::{Log, Recorded},
 };

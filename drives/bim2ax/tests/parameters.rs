@@ -1,14 +1,12 @@
 //! Parameters, EEPROM, RESET, plugs and encoders, through the driver in virtual time.
 
 use super::*;
-use crate::bim2ax::Fault;
+use crate::Fault;
 use crate::{
-    DriveError,
-    bim2ax::{
-        Corrections, EncoderBench, EncoderKind, Start,
-        bits::{card, definition, encoder_message, message},
-    },
+    Corrections, EncoderBench, EncoderKind, Start,
+    protocol::bits::{card, definition, encoder_message, message},
 };
+use twin_drives::DriveError;
 
 fn axis_1(parameter: AxisParameter) -> Parameter {
     Parameter::Axis(parameter, ModuleAxis::One)
@@ -305,8 +303,9 @@ async fn encoder_faults_are_latched_until_reset() {
         [(single, 0, definition::SINGLE_ENDED), (ssi, definition::PARITY, 0), (cut, 0, 0)]
     {
         let mut rig = with_encoder(bench, bits, 0).await;
-        let faulty =
-            |found: crate::bim2ax::zone::Positions| found.messages[0] & encoder_message::FAULT != 0;
+        let faulty = |found: crate::protocol::zone::Positions| {
+            found.messages[0] & encoder_message::FAULT != 0
+        };
         assert!(faulty(rig.driver.encoder_points(clock).await.unwrap().0), "{bench:?}");
         rig.rewire(|surroundings| {
             surroundings.encoders[0] = Some(EncoderBench { disconnected: false, ..bench });

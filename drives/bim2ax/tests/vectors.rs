@@ -3,11 +3,13 @@
 use std::collections::BTreeSet;
 
 use super::*;
-use crate::bim2ax::{
+use crate::{
     Memory, Move, Start,
-    bits::message,
-    vectors::{VECTORS, answer, play, vector},
-    zone::{Orders, ReadZone},
+    protocol::{
+        bits::message,
+        vectors::{VECTORS, answer, play, vector},
+        zone::{Orders, ReadZone},
+    },
 };
 
 /// Parameters with which the manual's examples come out as printed: 2000 as fast speed of axis 1, axis 2 slow enough

@@ -4,17 +4,15 @@
 use std::path::Path;
 
 use super::*;
-use crate::bim2ax::Fault;
-use crate::tests::fault_of;
+use crate::Fault;
+use crate::tests::common::fault_of;
+use crate::tests::{common::wall_clock, peer::Peer};
 use crate::{
-    DriveError, Speed,
-    bim2ax::{
-        EncoderBench, EncoderKind, MemoryFile, Move, Start,
-        bits::{bloc, card, encoder_message, message, uc},
-        emulator::{EmulatedModule, EmulatorOptions, Event},
-    },
-    tests::peer::{Peer, wall_clock},
+    EncoderBench, EncoderKind, MemoryFile, Move, Start,
+    emulator::{EmulatedModule, EmulatorOptions, Event},
+    protocol::bits::{bloc, card, encoder_message, message, uc},
 };
+use twin_drives::{DriveError, Speed};
 
 /// Parts of the manual that the host goes through, as it names them.
 const PARTS: [&str; 13] = [
@@ -35,7 +33,7 @@ const PARTS: [&str; 13] = [
 
 /// The other reading as `face` at a memory file.
 fn witness(face: &str, path: &Path) -> Option<Peer> {
-    Some(Peer::start(Peer::reference("bim2ax/tests/reference")?.arg(face).arg(path)))
+    Some(Peer::start(Peer::reference("tests/reference")?.arg(face).arg(path)))
 }
 
 /// Does at the module what the host wants done; false if that is nothing known.
@@ -104,7 +102,7 @@ fn another_host_finds_everything_in_the_emulated_module_as_it_reads_the_manual()
 async fn the_driver_has_everything_done_by_another_module() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("module");
-    std::fs::write(&path, [0; crate::port::FILE_LENGTH]).unwrap();
+    std::fs::write(&path, [0; twin_drives::port::FILE_LENGTH]).unwrap();
     let Some(mut other) = witness("module", &path) else { return };
     assert_eq!(other.line(), "ready");
 
@@ -137,7 +135,7 @@ fn of(parameter: AxisParameter, axis: ModuleAxis) -> Parameter {
 }
 
 /// Each number is written and read back by the other's own table of them.
-async fn parameters(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
+async fn parameters(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
     let settings = driver.axis_settings(ModuleAxis::Two, clock).await.unwrap();
     let known = (settings.fast_speed, settings.start_stop_speed, settings.acceleration);
     assert_eq!(known, (10_000, 2000, 20_000));
@@ -166,13 +164,13 @@ async fn parameters(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
     );
 }
 
-async fn rest(driver: &mut Bim2Ax, clock: &dyn crate::Clock) -> ([i32; 2], [u16; 2]) {
+async fn rest(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) -> ([i32; 2], [u16; 2]) {
     let (seen, _) = driver.rested(seconds(20), clock).await.unwrap();
     (seen.positions, seen.messages)
 }
 
 /// Programmed moves, in their own time, and what is refused on the way.
-async fn moves(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
+async fn moves(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
     driver.set_phases(&BOTH, true, clock).await.unwrap();
     driver.start([Some(Start::to(-2000)), Some(Start::to(5))], clock).await.unwrap();
     let acknowledged = driver.acknowledgements(clock).await.unwrap();
@@ -195,7 +193,7 @@ async fn moves(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
     references(driver, clock).await;
 }
 
-async fn references(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
+async fn references(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
     for place in [1, 10] {
         let number = of(AxisParameter::Reference(place), ModuleAxis::Two);
         driver.set_parameter(number, 70 * u32::from(place), clock).await.unwrap();
@@ -208,7 +206,7 @@ async fn references(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
 }
 
 /// Homing, and positions that are declared.
-async fn positions(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
+async fn positions(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
     driver.home(&BOTH, clock).await.unwrap();
     let acknowledged = driver.acknowledgements(clock).await.unwrap();
     assert!(acknowledged.uc.contains(&uc::HOME), "{acknowledged:?}");
@@ -227,7 +225,7 @@ async fn positions(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
     assert_eq!(rest(driver, clock).await.0, [-77, 0]);
 }
 
-async fn stops(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
+async fn stops(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
     let slowly = |to| Some(Start { to: Move::To(to), speed: Some(500), directly: false });
     driver.start([slowly(2000), slowly(2000)], clock).await.unwrap();
     driver.abandon(clock).await.unwrap();
@@ -251,7 +249,7 @@ async fn stops(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
     assert_eq!(off, [0, message::PHASES_OFF]);
 }
 
-async fn switches(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
+async fn switches(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
     for (plus, switch) in [(true, message::PLUS_SWITCH), (false, message::MINUS_SWITCH)] {
         driver.manual(ModuleAxis::Two, plus, clock).await.unwrap();
         let moving = driver.set_parameter(of(AxisParameter::Approach, ModuleAxis::One), 1, clock);
@@ -276,7 +274,7 @@ async fn switches(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
 }
 
 /// The examples of 6.4.1: 2000 steps are 20000 points.
-async fn encoders_and_plugs(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
+async fn encoders_and_plugs(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
     let definition = of(AxisParameter::EncoderDefinition, ModuleAxis::Two);
     driver.set_parameter(definition, 1, clock).await.unwrap();
     driver.start([None, Some(Start::to(2000))], clock).await.unwrap();

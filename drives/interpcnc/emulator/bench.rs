@@ -1,7 +1,7 @@
 //! Mechanics around an emulated board: switches and cams along the axes, an encoder, and manual actions.
 
 use super::Board;
-use crate::interpcnc::registers::BoardAxis;
+use crate::protocol::registers::BoardAxis;
 
 /// Something that presses the switch of an input while an axis is between two places: a home or limit switch, or a
 /// piece that a probe touches (which ends nowhere).

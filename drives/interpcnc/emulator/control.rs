@@ -1,10 +1,10 @@
 //! Events at a served board other than on the wire, and their handling.
 
 use super::{Bench, Board, Condition};
-use crate::interpcnc::registers::BoardAxis;
+use crate::protocol::registers::BoardAxis;
 
 /// What happens to the board, and to the wire.
-pub type Control = crate::Control<Event>;
+pub type Control = twin_drives::Control<Event>;
 
 /// What happens to the board other than on the wire.
 #[derive(Clone, Debug, PartialEq, Eq)]

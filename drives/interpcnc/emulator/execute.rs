@@ -10,20 +10,23 @@ use super::{
     rtu::{self, Block, Refusal, Request},
     segments::Segment,
 };
-use crate::interpcnc::{
-    BoardStop, Command, MoveProfile, parameters,
-    registers::{AxisMask, COMMAND},
+use crate::{
+    BoardStop, Command, MoveProfile,
+    protocol::{
+        frame, parameters,
+        registers::{AxisMask, COMMAND},
+    },
 };
 
 impl Board {
     /// Takes one frame and gives the answer, if the board answers.
     pub fn handle(&mut self, frame: &[u8]) -> Option<Vec<u8>> {
-        let (station, function, data) = rtu::open(frame)?;
-        let broadcast = station == 0;
+        let (address, function, data) = frame::open(frame)?;
+        let broadcast = address == 0;
         if !self.is_dead() {
             self.frames_seen += 1;
         }
-        if self.is_dead() || (station != self.station && !broadcast) {
+        if self.is_dead() || (address != self.address && !broadcast) {
             return None;
         }
         self.frames_handled += 1;
@@ -33,17 +36,17 @@ impl Board {
         let done = Request::decode(function, data).and_then(|request| self.execute(&request, data));
         self.settle();
         let answer = match done {
-            Ok(body) => [&[station, function], body.as_slice()].concat(),
-            Err(refusal) => vec![station, function | 0x80, refusal.code(&self.assumptions)?],
+            Ok(body) => [&[address, function], body.as_slice()].concat(),
+            Err(refusal) => vec![address, function | 0x80, refusal.code(&self.assumptions)?],
         };
-        (!broadcast).then(|| rtu::seal(answer))
+        (!broadcast).then(|| frame::seal(answer))
     }
 
     /// The answer that refuses a frame with an exception, if it is one that the board would answer at all.
     pub fn refusal(&self, frame: &[u8], code: u8) -> Option<Vec<u8>> {
-        let (station, function, _) = rtu::open(frame)?;
-        (!self.is_dead() && station == self.station)
-            .then(|| rtu::seal(vec![station, function | 0x80, code]))
+        let (address, function, _) = frame::open(frame)?;
+        (!self.is_dead() && address == self.address)
+            .then(|| frame::seal(vec![address, function | 0x80, code]))
     }
 
     /// Gives the board a command as a master does, in a frame of its own (function 16).
@@ -54,9 +57,9 @@ impl Board {
         let registers = command.registers();
         let count = u8::try_from(registers.len()).map_err(|_beyond| 3_u8)?;
         let [high, low] = COMMAND.to_be_bytes();
-        let mut frame = vec![self.station, 16, high, low, 0, count, count.saturating_mul(2)];
+        let mut frame = vec![self.address, 16, high, low, 0, count, count.saturating_mul(2)];
         frame.extend(registers.iter().flat_map(|register| register.to_be_bytes()));
-        match self.handle(&rtu::seal(frame)).as_deref() {
+        match self.handle(&frame::seal(frame)).as_deref() {
             Some([_, function, code, ..]) if function & 0x80 != 0 => Err(*code),
             _ => Ok(()),
         }

@@ -9,9 +9,12 @@
 use std::collections::VecDeque;
 
 use super::{Board, bench::input_bit};
-use crate::interpcnc::{
-    AxisValues, MoveProfile, parameters,
-    registers::{AXES, AxisMask, BoardAxis},
+use crate::{
+    AxisValues, MoveProfile,
+    protocol::{
+        parameters,
+        registers::{AXES, AxisMask, BoardAxis},
+    },
 };
 
 /// A homing run of one axis.

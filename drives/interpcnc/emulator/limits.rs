@@ -1,13 +1,16 @@
 //! Limit switches: parameters 104 to 123 name an input and its polarity for both ends of each axis; 0 means none.
 //!
 //! An active switch shows in B27 to B31. Assumed: an axis that moves towards its active switch is stopped (see
-//! [`crate::interpcnc::Assumptions::limit_stop`]), and away from it moves freely; in an interpolated move all axes are
+//! [`crate::Assumptions::limit_stop`]), and away from it moves freely; in an interpolated move all axes are
 //! stopped and the command buffer is cleared. A switch that is also the home switch stops no homing.
 
 use super::{Board, bench::input_bit};
-use crate::interpcnc::{
-    BoardStop, parameters,
-    registers::{AxisMask, BoardAxis},
+use crate::{
+    BoardStop,
+    protocol::{
+        parameters,
+        registers::{AxisMask, BoardAxis},
+    },
 };
 
 impl Board {

@@ -1,7 +1,10 @@
 //! Lock, ENABLE input and unlock input ("Commande 66 : Reset et Ré-armement").
 
 use super::{Board, bench::input_bit};
-use crate::interpcnc::{BoardStop, parameters, registers::AxisMask};
+use crate::{
+    BoardStop,
+    protocol::{parameters, registers::AxisMask},
+};
 
 /// Losing ENABLE counts after this long (firmware 5.27: "Filtrage entrée ENABLE (100ms sur toutes les cartes)").
 pub(super) const ENABLE_FILTER_NS: i64 = 100_000_000;

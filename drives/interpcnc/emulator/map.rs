@@ -5,10 +5,12 @@
 use std::ops::RangeInclusive;
 
 use super::{Board, bench::Condition, eeprom::KEPT, rtu::Refusal};
-use crate::interpcnc::{
+use crate::{
     BoardStop,
-    parameters::{self, FIRST_PARAMETER, PARAMETERS},
-    registers::{AXES, BoardAxis, COMMAND, COMMAND_REGISTERS, words},
+    protocol::{
+        parameters::{self, FIRST_PARAMETER, PARAMETERS},
+        registers::{AXES, BoardAxis, COMMAND, COMMAND_REGISTERS, words},
+    },
 };
 
 /// Outputs OUT1 to OUT32 as coils.

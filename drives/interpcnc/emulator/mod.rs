@@ -29,7 +29,6 @@ mod segments;
 mod serve;
 #[cfg(test)]
 mod tests;
-mod thread;
 mod time;
 
 use bench::Surroundings;
@@ -41,22 +40,18 @@ use homing::Homings;
 use map::Memory;
 pub(super) use motion::Axis;
 use probe::Probe;
-pub(super) use rtu::seal;
 use segments::Buffer;
 pub(super) use segments::segment_ramps;
-pub use serve::{Wire, serve};
-pub use thread::{EmulatedBoard, EmulatorOptions};
+pub use serve::{EmulatedBoard, EmulatorOptions, ServedBoard, Wire, serve};
 
-use super::{
-    Assumptions, Line,
-    registers::{AXES, AxisMask, BoardAxis, Status},
-};
+use super::{Assumptions, Line};
+use crate::protocol::registers::{AXES, AxisMask, BoardAxis, Status};
 
 /// A board at power-up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoardOptions {
     /// Station address; a board with an EEPROM of its own takes that from there.
-    pub station: u8,
+    pub address: u8,
     /// Serial line; the board shows it in its parameters. A board with an EEPROM of its own takes that from there.
     pub line: Line,
     /// Whether 24 V are on the ENABLE input.
@@ -71,7 +66,7 @@ impl Default for BoardOptions {
     /// Station 1, 115200 baud, no parity (the manual gives no defaults), ENABLE active, a board with encoder and counters.
     fn default() -> Self {
         let assumptions = Assumptions::default();
-        Self { station: 1, line: Line::default(), enable: true, counts: true, assumptions }
+        Self { address: 1, line: Line::default(), enable: true, counts: true, assumptions }
     }
 }
 
@@ -79,7 +74,7 @@ impl Default for BoardOptions {
 #[derive(Clone, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "independent facts, each so or not")]
 pub struct Board {
-    station: u8,
+    address: u8,
     line: Line,
     assumptions: Assumptions,
     now_ns: i64,
@@ -196,12 +191,12 @@ impl Board {
         self.buffer.last_target(axis).unwrap_or(moved)
     }
 
-    /// Frames that were whole, error-free and for this station; LED D1 changes with each.
+    /// Frames that were whole, error-free and for this address; LED D1 changes with each.
     pub fn frames_handled(&self) -> u64 {
         self.frames_handled
     }
 
-    /// Frames that were whole and error-free, whichever station they were for; LED D2 changes with each.
+    /// Frames that were whole and error-free, whichever address they were for; LED D2 changes with each.
     pub fn frames_seen(&self) -> u64 {
         self.frames_seen
     }
@@ -232,7 +227,7 @@ impl Board {
 
     /// The axis that goes along with X (parameter 86).
     fn coupled(&self) -> Option<BoardAxis> {
-        match self.memory.parameter(super::parameters::COUPLING) {
+        match self.memory.parameter(crate::protocol::parameters::COUPLING) {
             1 => Some(BoardAxis::A),
             2 => Some(BoardAxis::B),
             _ => None,

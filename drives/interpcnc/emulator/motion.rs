@@ -1,13 +1,11 @@
 //! One axis of the emulated board.
 
-use crate::{
-    interpcnc::{MoveProfile, registers::MAX_SPEED_HZ},
-    ramp::{Motion, Ramp, State},
-};
+use crate::{MoveProfile, protocol::registers::MAX_SPEED_HZ};
+use twin_drives::ramp::{Motion, Ramp, State};
 
 /// An axis: a motion under way or ended, and the profile it was started with.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::interpcnc) struct Axis {
+pub(crate) struct Axis {
     motion: Motion,
     ramp: Ramp,
     /// Sense of the motion before the present one, which counts as long as that has not moved.
@@ -40,7 +38,7 @@ impl Default for Axis {
 
 impl Axis {
     /// Standing somewhere, perhaps between two steps of its counter.
-    pub(in crate::interpcnc) fn at_rest(position: f64) -> Self {
+    pub(crate) fn at_rest(position: f64) -> Self {
         Self { motion: Motion::at_rest(position), ..Self::default() }
     }
 
@@ -49,12 +47,12 @@ impl Axis {
         clippy::cast_possible_truncation,
         reason = "whole, and a float cast saturates as a counter may"
     )]
-    pub(in crate::interpcnc) fn counter(&self, now_ns: i64) -> i32 {
+    pub(crate) fn counter(&self, now_ns: i64) -> i32 {
         (self.motion.at(now_ns).position + 0.5).floor() as i32
     }
 
     /// True while any move is in progress.
-    pub(in crate::interpcnc) fn moving(&self, now_ns: i64) -> bool {
+    pub(crate) fn moving(&self, now_ns: i64) -> bool {
         self.motion.moving(now_ns)
     }
 
@@ -74,18 +72,18 @@ impl Axis {
     }
 
     /// Speed, steps/s, with sign.
-    pub(in crate::interpcnc) fn velocity(&self, now_ns: i64) -> f64 {
+    pub(crate) fn velocity(&self, now_ns: i64) -> f64 {
         self.motion.at(now_ns).velocity
     }
 
     /// Direction bit of the extended status: of the motion, or of the last one.
-    pub(in crate::interpcnc) fn positive(&self, now_ns: i64) -> bool {
+    pub(crate) fn positive(&self, now_ns: i64) -> bool {
         let sense = self.motion.sense(now_ns);
         if sense == 0.0 { self.positive } else { sense > 0.0 }
     }
 
     /// Command 80.
-    pub(in crate::interpcnc) fn start(&mut self, now_ns: i64, profile: &MoveProfile) {
+    pub(crate) fn start(&mut self, now_ns: i64, profile: &MoveProfile) {
         let ramp = Ramp {
             start_stop: f64::from(profile.start_stop_hz),
             acceleration: 1e3 * f64::from(profile.acceleration_khz_per_s),
@@ -98,14 +96,14 @@ impl Axis {
     }
 
     /// Its part of an interpolated move, from rest.
-    pub(in crate::interpcnc) fn start_segment(&mut self, now_ns: i64, ramp: &Ramp) {
+    pub(crate) fn start_segment(&mut self, now_ns: i64, ramp: &Ramp) {
         self.replace(now_ns, Motion::plan(now_ns, self.motion.at(now_ns), ramp));
         self.ramp = *ramp;
         self.interpolated = true;
     }
 
     /// Command 96: ignored at rest, in the final deceleration and in other moves than independent ones.
-    pub(in crate::interpcnc) fn change_speed(&mut self, now_ns: i64, speed_hz: u32) {
+    pub(crate) fn change_speed(&mut self, now_ns: i64, speed_hz: u32) {
         if self.independent(now_ns) && !self.braking && !self.motion.in_final_brake(now_ns) {
             self.ramp.speed = f64::from(speed_hz.min(MAX_SPEED_HZ));
             self.replace(now_ns, Motion::plan(now_ns, self.motion.at(now_ns), &self.ramp));
@@ -113,7 +111,7 @@ impl Axis {
     }
 
     /// Commands 41 and 42.
-    pub(in crate::interpcnc) fn ramp_stop(&mut self, now_ns: i64) {
+    pub(crate) fn ramp_stop(&mut self, now_ns: i64) {
         if self.moving(now_ns) && !self.braking {
             let interpolated = self.interpolated;
             self.replace(now_ns, Motion::stop(now_ns, self.motion.at(now_ns), &self.ramp));
@@ -122,13 +120,13 @@ impl Axis {
     }
 
     /// Command 43, loss of ENABLE: stands where it is.
-    pub(in crate::interpcnc) fn stop(&mut self, now_ns: i64) {
+    pub(crate) fn stop(&mut self, now_ns: i64) {
         let counter = self.counter(now_ns);
         self.replace(now_ns, Motion::at_rest(f64::from(counter)));
     }
 
     /// Command 67; ignored while the axis moves.
-    pub(in crate::interpcnc) fn write_counter(&mut self, now_ns: i64, counter: i32) {
+    pub(crate) fn write_counter(&mut self, now_ns: i64, counter: i32) {
         if !self.moving(now_ns) {
             let counter = f64::from(counter);
             self.shift += self.state(now_ns).position - counter;
@@ -137,7 +135,7 @@ impl Axis {
     }
 
     /// Position and velocity between the steps.
-    pub(in crate::interpcnc) fn state(&self, now_ns: i64) -> State {
+    pub(crate) fn state(&self, now_ns: i64) -> State {
         self.motion.at(now_ns)
     }
 

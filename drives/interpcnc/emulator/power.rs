@@ -4,9 +4,12 @@ use super::{
     BadImage, Board, BoardOptions, Buffer, Eeprom, Homings, Probe, Surroundings,
     eeprom::from_image, map::Memory, motion::Axis,
 };
-use crate::interpcnc::{
-    BoardStop, Line, Parity, parameters,
-    registers::{AXES, BoardAxis},
+use crate::{
+    BoardStop, Line, Parity,
+    protocol::{
+        parameters,
+        registers::{AXES, BoardAxis},
+    },
 };
 
 impl Board {
@@ -19,7 +22,7 @@ impl Board {
         let mut values = vec![
             (parameters::MODBUS_SPEED, assumed.baud_code.encode(baud).unwrap_or(0)),
             (parameters::MODBUS_PARITY, parity.code()),
-            (parameters::MODBUS_ADDRESS, options.station.into()),
+            (parameters::MODBUS_ADDRESS, options.address.into()),
             (parameters::DEFAULT_ACCELERATION, 50),
             (parameters::DEFAULT_START_STOP, 200),
             (parameters::HOME_START_STOP, 200),
@@ -47,7 +50,7 @@ impl Board {
     fn powered(options: &BoardOptions, stored: Vec<u16>) -> Self {
         let memory = Memory::new(&stored);
         let mut board = Self {
-            station: options.station,
+            address: options.address,
             line: options.line,
             assumptions: options.assumptions,
             now_ns: 0,
@@ -90,11 +93,11 @@ impl Board {
         let value = |number| self.memory.parameter(number);
         let baud = self.assumptions.baud_code.decode(value(parameters::MODBUS_SPEED));
         let parity = Parity::from_code(value(parameters::MODBUS_PARITY));
-        let station = u8::try_from(value(parameters::MODBUS_ADDRESS)).ok();
+        let address = u8::try_from(value(parameters::MODBUS_ADDRESS)).ok();
         self.line.baud = baud.unwrap_or(self.line.baud);
         self.line.parity = parity.unwrap_or(self.line.parity);
-        let station = station.filter(|station| (1..=247).contains(station));
-        self.station = station.unwrap_or(self.station);
+        let address = address.filter(|address| (1..=247).contains(address));
+        self.address = address.unwrap_or(self.address);
     }
 
     /// The supply fails and is back after so long: the axes stand at once, all that is in RAM is lost, counters
@@ -118,7 +121,7 @@ impl Board {
     }
 
     /// Sets a parameter as it was before power-up, without a write to the EEPROM.
-    pub(in crate::interpcnc) fn set_parameter(&mut self, number: u16, value: u32) {
+    pub(crate) fn set_parameter(&mut self, number: u16, value: u32) {
         self.memory.set_parameter(number, value);
         self.eeprom = Eeprom::new(self.memory.kept());
     }

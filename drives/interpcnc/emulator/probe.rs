@@ -5,7 +5,7 @@
 //! axis shows as moving independently meanwhile. There is one search at a time: that of another axis ends on its ramp.
 
 use super::{Board, bench::input_bit, motion::Axis};
-use crate::interpcnc::{MoveProfile, registers::BoardAxis};
+use crate::{MoveProfile, protocol::registers::BoardAxis};
 
 /// The last probing move.
 #[derive(Clone, Copy, Debug, Default)]

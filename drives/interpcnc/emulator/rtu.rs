@@ -3,31 +3,7 @@
 //! Source: "MODBUS over serial line specification" 1.02 (frame, check sum) and the board's manual, "Traitement des
 //! erreurs et diagnostique" (what is answered and what is not).
 
-use crate::interpcnc::Assumptions;
-
-/// Check sum of a frame: CRC-16 with polynomial `A001h`, start `FFFFh`, sent low byte first.
-pub(super) fn crc16(bytes: &[u8]) -> u16 {
-    bytes.iter().fold(0xFFFF, |crc, byte| {
-        (0..8).fold(
-            crc ^ u16::from(*byte),
-            |crc: u16, _| if crc & 1 == 1 { crc >> 1 ^ 0xA001 } else { crc >> 1 },
-        )
-    })
-}
-
-/// The frame with its check sum.
-pub(in crate::interpcnc) fn seal(mut frame: Vec<u8>) -> Vec<u8> {
-    let crc = crc16(&frame);
-    frame.extend(crc.to_le_bytes());
-    frame
-}
-
-/// Station, function and data of a frame whose check sum is right.
-pub(super) fn open(frame: &[u8]) -> Option<(u8, u8, &[u8])> {
-    let (body, crc) = frame.split_last_chunk::<2>()?;
-    let [station, function, data @ ..] = body else { return None };
-    (crc16(body) == u16::from_le_bytes(*crc)).then_some((*station, *function, data))
-}
+use crate::Assumptions;
 
 /// Length of the request that starts with these bytes, as far as they tell. `None` for functions whose length the
 /// board does not know; silence ends those.
@@ -178,14 +154,6 @@ fn counted(mut bytes: Vec<u8>) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_check_sum_is_that_of_modbus() {
-        // Check value of the vector generator, which tokio-modbus' own test shares.
-        assert_eq!(seal(vec![0x01, 0x03, 0x08, 0x2B, 0x00, 0x02])[6..], [0xB6, 0x63]);
-        // "MODBUS over serial line specification" 1.02, appendix B: 02 07 has check sum 1241h.
-        assert_eq!(crc16(&[0x02, 0x07]), 0x1241);
-    }
 
     #[test]
     fn lengths_are_known_once_the_byte_count_is() {

@@ -8,12 +8,10 @@ use std::collections::VecDeque;
 
 use super::{Board, rtu::Refusal};
 use crate::{
-    interpcnc::{
-        AxisValues,
-        registers::{AXES, AxisMask, BoardAxis, MAX_SPEED_HZ},
-    },
-    ramp::Ramp,
+    AxisValues,
+    protocol::registers::{AXES, AxisMask, BoardAxis, MAX_SPEED_HZ},
 };
+use twin_drives::ramp::Ramp;
 
 /// A segment that waits.
 #[derive(Clone, Copy, Debug)]
@@ -69,7 +67,7 @@ impl Buffer {
 }
 
 /// What makes of ways, one per axis, an interpolated move: the ramp of each axis that moves.
-pub(in crate::interpcnc) fn segment_ramps(
+pub(crate) fn segment_ramps(
     from: [f64; AXES],
     targets: &AxisValues,
     speed_hz: u32,

@@ -1,18 +1,17 @@
 //! A board on a stream of bytes, at the pace of a wire.
 
-use std::{io, time::Duration};
+use std::{io, path::PathBuf, time::Duration};
 
 use tokio::{
     io::{AsyncRead, AsyncWrite},
     sync::mpsc::Receiver,
 };
 
-use super::{Board, Control, Event, rtu};
-use crate::{
-    Clock, FaultyWire,
-    interpcnc::Line,
-    pty::DeviceSpeed,
-    slave::{self, Message, Slave},
+use super::{Bench, Board, BoardOptions, Control, Event, rtu};
+use crate::{Line, protocol::frame};
+use twin_drives::{
+    Clock, EmulatorError, FaultyWire, Speed,
+    emulator_host::{self, DeviceSpeed, Emulated, Hosting, SerialDevice, replace, restored},
 };
 
 /// How slow the wire and the board are. Pseudo-terminals pass bytes at once, so the emulator waits in their place.
@@ -31,11 +30,38 @@ impl Default for Wire {
     }
 }
 
+/// Settings of an emulated board.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct EmulatorOptions {
+    /// The board at power-up.
+    pub board: BoardOptions,
+    /// Emulated delays. Its line is that of the bytes; the board's own only shows in its parameters, until these ask for
+    /// another: in the file of the EEPROM, or when the board starts anew.
+    pub wire: Wire,
+    /// Symbolic link to make to the pseudo-terminal; it is removed at the end.
+    pub link: Option<PathBuf>,
+    /// What stands around the board.
+    pub bench: Bench,
+    /// File with the EEPROM. If it is there the board powers up with it, else with the parameters of a new one; what
+    /// the board stores goes there at once.
+    pub eeprom: Option<PathBuf>,
+    /// It understands masters whatever speed they have set on their side of the pseudo-terminal; otherwise one at another
+    /// speed gets no answer, as from the device. Masters that set no speed find the right one.
+    pub any_speed: bool,
+    /// Decides what faults by chance do.
+    pub seed: u64,
+    /// How many times faster than its clock the board lives, its wire included.
+    pub speed: Speed,
+}
+
+/// A board on a pseudo-terminal, on a thread of its own. Dropping it stops it.
+pub type EmulatedBoard = Emulated<ServedBoard>;
+
 /// Serves `board` on `stream` until `control` is closed or the stream ends, and gives the board back.
 ///
 /// A request is executed when its bytes have passed the wire and the silence that ends a frame has passed; its
-/// answer arrives a turnaround and its own time on the wire later. Both instants are computed, so that what the
-/// board does does not depend on how precisely this task is woken.
+/// answer arrives a turnaround and its own time on the wire later. Both instants are computed, so that the board's
+/// actions do not depend on how precisely this task is woken.
 ///
 /// # Errors
 /// If the stream cannot be read or written.
@@ -46,46 +72,31 @@ pub async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
     clock: &dyn Clock,
     control: Receiver<Control>,
 ) -> io::Result<Board> {
-    let speed = DeviceSpeed::new(wire.line.baud);
-    let served = Served::new(board, (*wire, speed), Box::new(|_| Ok(())));
-    let faults = FaultyWire::new(0);
-    slave::serve(stream, served, faults, (clock, false), control).await.map(|served| served.board)
+    let (served, faults) = (ServedBoard::new(board, *wire, None), FaultyWire::new(0));
+    let served = emulator_host::serve(stream, served, faults, (clock, false), control).await?;
+    Ok(served.board)
 }
-
-/// As [`serve`] and as precise as the thread can, on a wire with faults and a terminal at `speed`; `stored` is called whenever the EEPROM has
-/// stored something.
-pub(super) async fn serve_with<S: AsyncRead + AsyncWrite + Unpin>(
-    stream: S,
-    board: Board,
-    (wire, faults, speed): (&Wire, FaultyWire, DeviceSpeed),
-    clock: &dyn Clock,
-    control: Receiver<Message<Served>>,
-    stored: Box<Stored>,
-) -> io::Result<Board> {
-    let served = Served::new(board, (*wire, speed), stored);
-    slave::serve(stream, served, faults, (clock, true), control).await.map(|served| served.board)
-}
-
-/// What is done with a board whose EEPROM has stored something.
-pub(super) type Stored = dyn FnMut(&Board) -> io::Result<()> + Send;
 
 /// A board that is being served.
-pub(super) struct Served {
+#[derive(Debug)]
+pub struct ServedBoard {
     board: Board,
     wire: Wire,
-    stored: Box<Stored>,
-    /// Of the EEPROM, as it was last looked at.
+    /// File of the EEPROM.
+    file: Option<PathBuf>,
+    /// Generation of the EEPROM in the file.
     generation: u64,
     /// The board's line, as it was last looked at.
     line: Line,
-    /// Of its terminal.
+    /// Speed of the terminal.
     speed: DeviceSpeed,
 }
 
-impl Served {
-    fn new(board: Board, (wire, speed): (Wire, DeviceSpeed), stored: Box<Stored>) -> Self {
+impl ServedBoard {
+    fn new(board: Board, wire: Wire, file: Option<PathBuf>) -> Self {
         let (generation, line) = (board.eeprom_generation(), board.line());
-        Self { board, wire, stored, generation, line, speed }
+        let speed = DeviceSpeed::new(wire.line.baud);
+        Self { board, wire, file, generation, line, speed }
     }
 
     /// The bytes go by the board's line if it has changed that.
@@ -98,9 +109,42 @@ impl Served {
     }
 }
 
-impl Slave for Served {
+impl SerialDevice for ServedBoard {
+    type Options = EmulatorOptions;
     type Event = Event;
     type Seen = Box<Board>;
+
+    const FAMILY: &'static str = "interpcnc";
+
+    fn hosting(options: &EmulatorOptions) -> Hosting<'_> {
+        Hosting {
+            link: options.link.as_deref(),
+            files: options.eeprom.as_slice(),
+            any_speed: options.any_speed,
+            seed: options.seed,
+            speed: options.speed,
+        }
+    }
+
+    fn power_up(options: &EmulatorOptions) -> Result<Self, EmulatorError> {
+        let stored = options
+            .eeprom
+            .as_deref()
+            .map(|path| restored(path, |image| Board::with_eeprom(&options.board, image)));
+        let stored = stored.transpose()?.flatten();
+        let mut board = stored.unwrap_or_else(|| Board::new(&options.board));
+        board.set_bench(options.bench.clone());
+        let mut wire = options.wire;
+        if board.line() != options.board.line {
+            // The EEPROM says so.
+            wire.line = board.line();
+        }
+        Ok(Self::new(board, wire, options.eeprom.clone()))
+    }
+
+    fn line_speed(&self) -> DeviceSpeed {
+        self.speed.clone()
+    }
 
     fn seen(&self) -> Box<Board> {
         Box::new(self.board.clone())
@@ -124,7 +168,7 @@ impl Slave for Served {
     /// its end cannot be told from its bytes.
     fn whole(&self, bytes: &[u8]) -> Option<usize> {
         let length = rtu::request_length(bytes)?;
-        rtu::open(bytes.get(..length)?).map(|_| length)
+        frame::open(bytes.get(..length)?).map(|_| length)
     }
 
     fn handle(&mut self, frame: &[u8]) -> Option<Vec<u8>> {
@@ -163,6 +207,9 @@ impl Slave for Served {
         if std::mem::replace(&mut self.generation, generation) == generation {
             return Ok(());
         }
-        (self.stored)(&self.board)
+        match &self.file {
+            Some(path) => replace(path, &self.board.eeprom()),
+            None => Ok(()),
+        }
     }
 }

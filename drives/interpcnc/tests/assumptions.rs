@@ -6,14 +6,12 @@ use tokio::time::sleep;
 
 use super::board::{Hand, LONG, no_clock, profile, with_board};
 use crate::{
-    DriveError,
-    interpcnc::{
-        Assumptions, AxisMask, BaudCode, BoardAxis, BoardStop, Command, InterpCnc,
-        InterpCncOptions, OutputCode,
-        emulator::{Bench, BoardOptions, Control, Event},
-        registers::Status,
-    },
+    Assumptions, AxisMask, BaudCode, BoardAxis, BoardStop, Command, InterpCnc, InterpCncOptions,
+    OutputCode,
+    emulator::{Bench, BoardOptions, Control, Event},
+    protocol::registers::Status,
 };
+use twin_drives::DriveError;
 
 /// Every alternative, one at a time.
 fn alternatives() -> Vec<Assumptions> {

@@ -9,20 +9,17 @@ use tokio::{
     time::{Instant, sleep},
 };
 
-use crate::interpcnc::Exception;
-use crate::tests::fault_of;
+use crate::Exception;
+use crate::tests::common::fault_of;
 use crate::{
-    Axes, DriveError,
-    interpcnc::{
-        Assumptions, AxisMask, AxisOptions, BoardAxis, Command, HomeAxis, InterpCnc,
-        InterpCncOptions, Line, MoveProfile, ProbeMove,
-        emulator::{
-            Bench, Board, BoardOptions, Cam, Condition, Control, EncoderLink, Event, Wire, serve,
-        },
-        parameters,
-        registers::Status,
+    Assumptions, AxisMask, AxisOptions, BoardAxis, Command, HomeAxis, InterpCnc, InterpCncOptions,
+    Line, MoveProfile, ProbeMove,
+    emulator::{
+        Bench, Board, BoardOptions, Cam, Condition, Control, EncoderLink, Event, Wire, serve,
     },
+    protocol::{parameters, registers::Status},
 };
+use twin_drives::{Axes, DriveError};
 
 /// Longer than anything here takes.
 pub(super) const LONG: Duration = Duration::from_mins(1);
@@ -547,17 +544,16 @@ fn inputs_and_outputs_are_those_of_the_board() {
 #[test]
 fn a_board_is_identified_by_its_parameters() {
     let line = Line { baud: 19_200, ..Line::default() };
-    let assumptions =
-        Assumptions { baud_code: crate::interpcnc::BaudCode::Index, ..Assumptions::default() };
-    let options = BoardOptions { station: 9, line, assumptions, ..BoardOptions::default() };
+    let assumptions = Assumptions { baud_code: crate::BaudCode::Index, ..Assumptions::default() };
+    let options = BoardOptions { address: 9, line, assumptions, ..BoardOptions::default() };
     let settings = |settings: &mut InterpCncOptions| {
-        (settings.station, settings.line) = (9, line);
+        (settings.address, settings.line) = (9, line);
     };
     let (identity, _) =
         with_board(&options, Bench::default(), settings, |mut driver, _hand| async move {
             driver.identify(&no_clock).await.unwrap()
         });
-    assert_eq!((identity.station, identity.speed, identity.parity), (9, 2, 0));
+    assert_eq!((identity.address, identity.speed, identity.parity), (9, 2, 0));
     assert_eq!((identity.line, identity.has_recipes), (Some(line), true));
 }
 

@@ -1,15 +1,15 @@
 //! The encoder against the counter, on a pseudo-terminal: 4 points for 3 steps of X.
 
 use super::terminal::{Plan, open, options};
+use crate::tests::common::wall_clock;
 use crate::{
-    Axes, Direction, Drive, DriveError, FaultRule, ParameterId, SetpointStream, When, WireFault,
-    interpcnc::{
-        BoardAxis, EncoderOptions, Following, InterpCncDrive, InterpCncOptions,
-        emulator::{
-            Bench, BoardOptions, Cam, Control, EmulatedBoard, EmulatorOptions, EncoderLink, Event,
-        },
+    BoardAxis, EncoderOptions, Following, InterpCncDrive, InterpCncOptions,
+    emulator::{
+        Bench, BoardOptions, Cam, Control, EmulatedBoard, EmulatorOptions, EncoderLink, Event,
     },
-    tests::peer::wall_clock,
+};
+use twin_drives::{
+    Axes, Direction, Drive, DriveError, FaultRule, ParameterId, SetpointStream, When, WireFault,
 };
 
 const LINK: EncoderLink =
@@ -106,7 +106,7 @@ fn a_shaft_that_follows_is_never_doubted() {
         rests(&mut drive, &stream).unwrap();
 
         for (number, value) in [(29, 1), (12, 5000), (13, 500), (14, 400), (15, 500), (128, 1)] {
-            drive.set_parameter(ParameterId { station: 0, number }, value).unwrap();
+            drive.set_parameter(ParameterId { address: 0, number }, value).unwrap();
         }
         drive.begin_homing(&[Some(20_000), None, None, None, None]).unwrap();
         assert_eq!(rests(&mut drive, &stream).unwrap()[0], 0);
@@ -136,7 +136,7 @@ fn a_shaft_that_follows_segments_is_never_doubted() {
     }
     let mut drive = open(&board, &options);
     for (number, value) in [(4, 1000), (5, 2000)] {
-        drive.set_parameter(ParameterId { station: 0, number }, value).unwrap();
+        drive.set_parameter(ParameterId { address: 0, number }, value).unwrap();
     }
     drive.enable().unwrap();
     let stream = Plan { clock, start_ns: clock() + 100_000_000 };
@@ -215,7 +215,7 @@ fn a_held_shaft_is_told_while_it_homes_and_is_not_home() {
     let mut drive = enabled(&board, &options);
     let stream = Plan { clock, start_ns: i64::MAX / 2 };
     for (number, value) in [(29, 1), (12, 5000), (13, 500), (14, 400), (15, 500), (128, 1)] {
-        drive.set_parameter(ParameterId { station: 0, number }, value).unwrap();
+        drive.set_parameter(ParameterId { address: 0, number }, value).unwrap();
     }
     stall(&board, true);
     drive.begin_homing(&[Some(200_000), None, None, None, None]).unwrap();

@@ -6,15 +6,13 @@ use std::time::Duration;
 use tokio::time::sleep;
 
 use super::board::{Hand, no_clock, profile, with_board};
-use crate::interpcnc::Exception;
-use crate::tests::fault_of;
+use crate::Exception;
+use crate::tests::common::fault_of;
 use crate::{
-    Direction, DriveError, FaultRule, When, WireFault,
-    interpcnc::{
-        AxisMask, BoardAxis, Command, InterpCnc, InterpCncOptions,
-        emulator::{Bench, Board, BoardOptions, Control, Event},
-    },
+    AxisMask, BoardAxis, Command, InterpCnc, InterpCncOptions,
+    emulator::{Bench, Board, BoardOptions, Control, Event},
 };
+use twin_drives::{Direction, DriveError, FaultRule, When, WireFault};
 
 const LONG: Duration = Duration::from_mins(1);
 

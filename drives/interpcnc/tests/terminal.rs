@@ -8,18 +8,19 @@ use std::{
 
 use serialport::TTYPort;
 
+use crate::protocol::frame::seal;
+use crate::tests::common::wall_clock;
 use crate::{
-    Direction, Drive, DriveError, FaultRule, IncrementMotion, MAX_DRIVE_AXES, SetpointStream, When,
-    WireFault,
-    interpcnc::{
-        AxisOptions, BoardAxis, InterpCncDrive, InterpCncOptions, Line, Parity,
-        emulator::{
-            Bench, BoardOptions, Cam, Control, EmulatedBoard, EmulatorOptions, Event, Wire, seal,
-        },
+    AxisOptions, BoardAxis, InterpCncDrive, InterpCncOptions, Line, Parity,
+    emulator::{Bench, BoardOptions, Cam, Control, EmulatedBoard, EmulatorOptions, Event, Wire},
+    protocol::{
         parameters,
         vectors::{bytes, vector},
     },
-    tests::peer::wall_clock,
+};
+use twin_drives::{
+    Direction, Drive, DriveError, FaultRule, IncrementMotion, MAX_DRIVE_AXES, SetpointStream, When,
+    WireFault,
 };
 
 /// A plan of two axes: to and fro, at rest before and after.
@@ -176,7 +177,7 @@ fn an_open_enable_input_is_an_error_of_its_own() {
     let mut drive = open(&board, &options(&[BoardAxis::X]));
     drive.enable().unwrap();
     drive.move_to(&[1_000_000, 0, 0, 0, 0], &[5000.0; 5]).unwrap();
-    board.set_enable(false).unwrap();
+    board.happen(Event::Enable(false)).unwrap();
     let lost = loop {
         match drive.sample(&stream) {
             Ok(_) => {}
@@ -186,7 +187,7 @@ fn an_open_enable_input_is_an_error_of_its_own() {
     assert!(matches!(lost, DriveError::EnableOpen { .. }), "{lost:?}");
     assert!(matches!(drive.probe(&stream), Err(DriveError::EnableOpen { .. })));
     assert!(matches!(drive.enable(), Err(DriveError::EnableOpen { .. })));
-    board.set_enable(true).unwrap();
+    board.happen(Event::Enable(true)).unwrap();
     drive.enable().unwrap();
     assert!(!drive.sample(&stream).unwrap().moving);
 }
@@ -219,23 +220,23 @@ fn another_station_and_other_line_settings_work() {
     let stream = Plan { clock, start_ns: 0 };
     let line = Line { baud: 19_200, parity: Parity::Even };
     let emulator = EmulatorOptions {
-        board: BoardOptions { station: 42, line, ..BoardOptions::default() },
+        board: BoardOptions { address: 42, line, ..BoardOptions::default() },
         wire: Wire { line, ..Wire::default() },
         ..EmulatorOptions::default()
     };
     let board = EmulatedBoard::start(&emulator, clock).unwrap();
-    let right = InterpCncOptions { station: 42, line, ..options(&[BoardAxis::X]) };
+    let right = InterpCncOptions { address: 42, line, ..options(&[BoardAxis::X]) };
     open(&board, &right).probe(&stream).unwrap();
-    let wrong = InterpCncOptions { station: 41, deadline: Duration::from_millis(60), ..right };
+    let wrong = InterpCncOptions { address: 41, deadline: Duration::from_millis(60), ..right };
     let wrong = InterpCncOptions { worst_latency: Duration::from_millis(10), ..wrong };
     let nobody = open(&board, &wrong).probe(&stream);
     assert!(matches!(nobody, Err(DriveError::Timeout { .. })), "{nobody:?}");
     // At another speed nothing is understood, and nothing is left of it for who speaks as the board does.
     let line = Line { baud: 38_400, ..line };
-    let fast = InterpCncOptions { station: 42, line, ..wrong.clone() };
+    let fast = InterpCncOptions { address: 42, line, ..wrong.clone() };
     let nobody = open(&board, &fast).probe(&stream);
     assert!(matches!(nobody, Err(DriveError::Timeout { .. })), "{nobody:?}");
-    let right = InterpCncOptions { station: 42, ..wrong };
+    let right = InterpCncOptions { address: 42, ..wrong };
     open(&board, &right).probe(&stream).unwrap();
     // Unless the wire is told to let all speeds pass.
     let emulator = EmulatorOptions { any_speed: true, ..emulator };
@@ -303,7 +304,7 @@ fn the_eeprom_survives_a_restart_in_its_file() {
     }
     std::fs::write(&file, b"something else").unwrap();
     let refused = EmulatedBoard::start(&emulator, clock);
-    assert!(matches!(refused, Err(crate::EmulatorError::File { .. })), "{refused:?}");
+    assert!(matches!(refused, Err(twin_drives::EmulatorError::File { .. })), "{refused:?}");
 }
 
 /// Parameter 101 counts from the next start on (an assumption, `line_at_restart`): until then the old speed holds, then the new one

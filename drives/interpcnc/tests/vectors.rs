@@ -5,18 +5,19 @@ use std::{collections::BTreeSet, sync::Arc};
 
 use tokio::io::{AsyncReadExt, AsyncWriteExt, duplex};
 
-use crate::interpcnc::Exception;
-use crate::tests::fault_of;
+use crate::Exception;
+use crate::protocol::frame::seal;
+use crate::tests::common::fault_of;
 use crate::{
-    DriveError, ProtocolFault,
-    interpcnc::{
-        AxisMask, AxisOptions, BoardAxis, Command, HomeAxis, InterpCnc, InterpCncOptions,
-        MoveProfile, ProbeMove,
-        emulator::{Board, BoardOptions, seal},
+    AxisMask, AxisOptions, BoardAxis, Command, HomeAxis, InterpCnc, InterpCncOptions, MoveProfile,
+    ProbeMove,
+    emulator::{Board, BoardOptions},
+    protocol::{
         registers::Status,
         vectors::{VECTORS, bytes, frame, vector},
     },
 };
+use twin_drives::{DriveError, ProtocolFault};
 
 /// Vectors that masters send; 19 and 24 are also their own answers.
 const REQUESTS: [usize; 23] =

@@ -7,17 +7,17 @@ use tokio::{
     time::sleep,
 };
 
-use crate::interpcnc::Exception;
-use crate::tests::fault_of;
+use crate::Exception;
+use crate::tests::common::fault_of;
 use crate::{
-    Action, DriveError, ProtocolFault,
-    interpcnc::{
-        AxisMask, AxisOptions, BoardAxis, Command, InterpCnc, InterpCncOptions, MoveProfile,
-        emulator::seal,
+    AxisMask, AxisOptions, BoardAxis, Command, InterpCnc, InterpCncOptions, MoveProfile,
+    protocol::frame::seal,
+    protocol::{
         registers::Status,
         vectors::{bytes, vector},
     },
 };
+use twin_drives::{Action, DriveError, ProtocolFault};
 
 fn no_clock() -> i64 {
     0
@@ -27,7 +27,7 @@ fn run<T>(test: impl Future<Output = T>) -> T {
     tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(test)
 }
 
-/// A driver of station 1 and the other end of its wire.
+/// A driver of address 1 and the other end of its wire.
 fn attached(deadline_ms: u64, worst_latency_ms: u64) -> (InterpCnc, DuplexStream) {
     let (near, far) = duplex(4096);
     let mut options = InterpCncOptions::new(vec![AxisOptions::new(BoardAxis::X)]);
@@ -200,7 +200,7 @@ fn an_exception_is_an_error_with_its_code_and_command() {
     let error = outcome.unwrap_err();
     let at = error.at();
     assert_eq!(
-        (at.station, at.action),
+        (at.address, at.action),
         (1, Action::Command { number: 80, name: "independent move" })
     );
     assert_eq!(

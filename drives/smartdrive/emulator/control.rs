@@ -1,10 +1,10 @@
 //! Events at served devices other than on the wire, and their handling.
 
 use super::{Cam, Device, HomingOptions, Input, Phase};
-use crate::smartdrive::{Alarms, BadFrame, Status, TrajectoryFlags, frame};
+use crate::{Alarms, BadFrame, Status, TrajectoryFlags, protocol::frame};
 
 /// What happens to devices on a line, and to the line.
-pub type Control = crate::Control<Happening>;
+pub type Control = twin_drives::Control<Happening>;
 
 /// What happens to a device other than on the wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

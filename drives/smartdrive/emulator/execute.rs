@@ -1,13 +1,15 @@
 //! Execution of commands by the emulated device.
 
 use super::{Device, Phase, Work, control::Shown, memory::Copies};
-use crate::smartdrive::{
+use crate::{
     Alarms, Command, Init, Mode, RejectCode, SetEffect, Status, TrajectoryFlags,
-    frame::Answer,
-    parameters::{
-        ACCELERATION_SETPOINT, ALARM_STATUS, ANALOG_1, ANALOG_2, INPUT_GO, Kind, OUTPUT_LED,
-        OUTPUT_RDY, POSITION_ACTUAL, POSITION_SETPOINT, REVERSE_LIMN, SUPPLY, VAR_ENCODER_1,
-        VAR_ENCODER_2, VELOCITY_ACTUAL, VELOCITY_ATTENUATION, VELOCITY_SETPOINT, variable_at,
+    protocol::{
+        frame::Answer,
+        parameters::{
+            ACCELERATION_SETPOINT, ALARM_STATUS, ANALOG_1, ANALOG_2, INPUT_GO, Kind, OUTPUT_LED,
+            OUTPUT_RDY, POSITION_ACTUAL, POSITION_SETPOINT, REVERSE_LIMN, SUPPLY, VAR_ENCODER_1,
+            VAR_ENCODER_2, VELOCITY_ACTUAL, VELOCITY_ATTENUATION, VELOCITY_SETPOINT, variable_at,
+        },
     },
 };
 

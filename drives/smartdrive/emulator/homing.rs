@@ -5,10 +5,10 @@
 //! position 0 ([`HomePosition`]).
 
 use super::{Device, Input};
-use crate::smartdrive::{
+use crate::{
     Alarms, HomePosition, RejectCode,
-    motion::Ceilings,
-    parameters::{
+    emulator::motion::Ceilings,
+    protocol::parameters::{
         ACCELERATION_HOME, DECELERATION_HOME, POSITION_OFFSET, VELOCITY_ENTER_HOME,
         VELOCITY_EXIT_HOME,
     },

@@ -3,7 +3,7 @@
 //! Source: "IOUPDATE". The bits are 7 LIMN, 6 LIMP, 5 OFF, 4 DIR, 3 GO, 2 LED, 1 BRK, 0 RDY; the last three are
 //! outputs, which are shown among the inputs. Edges of outputs are not caught (assumed).
 
-use crate::smartdrive::{BothBits, IoUpdate};
+use crate::{BothBits, IoUpdate};
 
 /// A level counts for the captures when it has lasted longer than this (100 µs).
 pub(super) const CAPTURE_NS: i64 = 100_000;

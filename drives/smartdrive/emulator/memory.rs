@@ -1,9 +1,9 @@
 //! The three copies of the parameters: factory, saved, working.
 
-use crate::smartdrive::{
+use crate::{
     Assumptions, RejectCode, StepsPerTurn,
-    motion::Ceilings,
-    parameters::{
+    emulator::motion::Ceilings,
+    protocol::parameters::{
         ACCELERATION_MAX, ADDRESS, DECELERATION_LIMIT, DECELERATION_MAX, Entry, FULL_STEPS,
         PARAMETER_WORDS, PARAMETERS, POSITION_MAX, POSITION_MIN, RELEASE, STEP_DIVISOR,
         VELOCITY_MAX, parameter_at,

@@ -4,7 +4,7 @@
 //! inputs. [`EmulatedBus`] serves several in real time on a pseudo-terminal.
 //!
 //! Where the manual is silent the device behaves by its [`DeviceOptions`] and their [`super::Assumptions`]. Beyond those
-//! (see also `super::motion`): an index that does not exist is NOTAVAILABLE, one that cannot be written and a value out of
+//! (see also `crate::emulator::motion`): an index that does not exist is NOTAVAILABLE, one that cannot be written and a value out of
 //! range are BADPARAMS; a new address counts with the next command; homing approaches at `VelEnterHome`, brakes on the
 //! switch and leaves it at `VelExitHome`; while it runs STOP ends it and other motion commands are refused as WORKING;
 //! modes with inputs use GO for GOP and START and DIR for GON; an alarm whose cause is still there comes back when a
@@ -16,30 +16,32 @@ mod homing;
 mod inputs;
 mod memory;
 mod modes;
+pub(crate) mod motion;
 mod options;
 mod power;
 mod serve;
 #[cfg(test)]
 mod tests;
-mod thread;
 
 pub use control::{Condition, Control, Event, Happening};
 pub use inputs::Input;
 pub use options::{Cam, DeviceOptions, HomingOptions};
-pub use serve::{Wire, serve};
-pub use thread::{EmulatedBus, EmulatorOptions};
+pub use serve::{EmulatedBus, EmulatorOptions, ServedBus, Wire, serve};
 
 use control::Shown;
 use homing::Homing;
 use inputs::{CAPTURE_NS, Pins};
 use memory::Memory;
 
-use super::{
-    Alarms, LoadSource, Mode, RejectCode, SetEffect, Status, TrajectoryFlags, frame,
-    motion::{Ceilings, Generator},
-    parameters::{ADDRESS, ENCODER_1, ENCODER_2},
+use super::{Alarms, LoadSource, Mode, RejectCode, SetEffect, Status, TrajectoryFlags};
+use crate::{
+    emulator::motion::{Ceilings, Generator},
+    protocol::{
+        frame,
+        parameters::{ADDRESS, ENCODER_1, ENCODER_2},
+    },
 };
-use crate::ramp::State;
+use twin_drives::ramp::State;
 
 /// Distance of the instants at which switches, homing and inputs are looked at, ns.
 const TICK_NS: i64 = CAPTURE_NS;

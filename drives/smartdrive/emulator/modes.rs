@@ -1,9 +1,9 @@
 //! The modes that move by inputs. The manual gives their names and which inputs they have; what is here is assumed.
 
 use super::{Device, Input, Phase, inputs::Pins};
-use crate::smartdrive::{
+use crate::{
     Mode,
-    parameters::{POSITION_MAX, POSITION_MIN, PUSH_PULL_DISTANCE},
+    protocol::parameters::{POSITION_MAX, POSITION_MIN, PUSH_PULL_DISTANCE},
 };
 
 /// Levels that a mode has seen: GO, DIR and the analog input.

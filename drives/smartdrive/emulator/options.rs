@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::Input;
-use crate::smartdrive::{Assumptions, Mode, TagLayout};
+use crate::{Assumptions, Mode, TagLayout};
 
 /// A switch that the mechanics operate.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Supply, faults and alarms, and what switches the power off.
 
 use super::{Device, Mode, Phase};
-use crate::smartdrive::{Alarms, TrajectoryFlags};
+use crate::{Alarms, TrajectoryFlags};
 
 impl Device {
     /// Sets the supply, V. Too much or too little is an alarm; much too little stops the CPU, which boots when the

@@ -1,17 +1,21 @@
 //! Devices on a stream of bytes, at the pace of a wire.
 
-use std::{io, time::Duration};
+use std::{
+    io,
+    path::{Path, PathBuf},
+    time::Duration,
+};
 
 use tokio::{
     io::{AsyncRead, AsyncWrite},
     sync::mpsc::Receiver,
 };
 
-use super::{Control, Device, Happening};
-use crate::{
-    Clock, FaultyWire,
-    slave::{self, Message, Slave},
-    smartdrive::{Execution, frame::command_length, wire_time},
+use super::{Control, Device, DeviceOptions, Happening};
+use crate::{BAUD, Execution, protocol::frame::command_length, wire_time};
+use twin_drives::{
+    Clock, EmulatorError, FaultyWire, Speed,
+    emulator_host::{self, DeviceSpeed, Emulated, Hosting, SerialDevice, replace, restored},
 };
 
 /// How slow the wire and the devices are, and what else the line does.
@@ -39,6 +43,33 @@ impl Default for Wire {
     }
 }
 
+/// Settings of emulated devices.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EmulatorOptions {
+    /// The devices on the bus.
+    pub devices: Vec<DeviceOptions>,
+    /// Images of their flash memories, in the same order; a device without one, or with one that is damaged, is as it
+    /// left the factory.
+    pub flash: Vec<Vec<u8>>,
+    /// Files that keep flash memories, in the same order. What is in a file counts instead of an image, a file that is
+    /// not there is made, and SAVE replaces it at once. A device without a file forgets.
+    pub files: Vec<PathBuf>,
+    /// Emulated delays.
+    pub wire: Wire,
+    /// Symbolic link to make to the pseudo-terminal; it is removed at the end.
+    pub link: Option<PathBuf>,
+    /// It understands masters whatever speed they have set on their side of the pseudo-terminal; otherwise one at another
+    /// speed gets no answer, as from the device. Masters that set no speed find the right one.
+    pub any_speed: bool,
+    /// Decides what faults by chance do.
+    pub seed: u64,
+    /// How many times faster than their clock the devices live, their wire included.
+    pub speed: Speed,
+}
+
+/// Devices on a pseudo-terminal, on a thread of their own. Dropping it stops them.
+pub type EmulatedBus = Emulated<ServedBus>;
+
 /// Serves `devices` on `stream` until `control` is closed or the stream ends, and gives the devices back.
 ///
 /// A command is carried out when its bytes have passed the wire ([`Wire::execution`]); its answer arrives a response
@@ -54,43 +85,27 @@ pub async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
     clock: &dyn Clock,
     control: Receiver<Control>,
 ) -> io::Result<Vec<Device>> {
-    let bus = Bus::new(devices, *wire, Box::new(|_, _| Ok(())));
-    let served = slave::serve(stream, bus, FaultyWire::new(0), (clock, false), control).await?;
+    let (bus, faults) = (ServedBus::new(devices, *wire, Vec::new()), FaultyWire::new(0));
+    let served = emulator_host::serve(stream, bus, faults, (clock, false), control).await?;
     Ok(served.devices)
 }
-
-/// As [`serve`] and as precise as the thread can, on a wire with faults; `stored` is called whenever a device has saved
-/// its parameters.
-pub(super) async fn serve_with<S: AsyncRead + AsyncWrite + Unpin>(
-    stream: S,
-    devices: Vec<Device>,
-    (wire, faults): (Wire, FaultyWire),
-    clock: &dyn Clock,
-    control: Receiver<Message<Bus>>,
-    stored: Box<Stored>,
-) -> io::Result<Vec<Device>> {
-    let bus = Bus::new(devices, wire, stored);
-    let served = slave::serve(stream, bus, faults, (clock, true), control).await?;
-    Ok(served.devices)
-}
-
-/// What is done with a device that has saved its parameters, and its place on the bus.
-pub(super) type Stored = dyn FnMut(usize, &Device) -> io::Result<()> + Send;
 
 /// Devices on one line.
-pub(super) struct Bus {
+#[derive(Debug)]
+pub struct ServedBus {
     devices: Vec<Device>,
     wire: Wire,
     now_ns: i64,
-    stored: Box<Stored>,
+    /// Files of their flash memories.
+    files: Vec<PathBuf>,
     /// Of each device, as they were last looked at.
     saves: Vec<u64>,
 }
 
-impl Bus {
-    fn new(devices: Vec<Device>, wire: Wire, stored: Box<Stored>) -> Self {
+impl ServedBus {
+    fn new(devices: Vec<Device>, wire: Wire, files: Vec<PathBuf>) -> Self {
         let saves = devices.iter().map(Device::saves).collect();
-        Self { devices, wire, now_ns: 0, stored, saves }
+        Self { devices, wire, now_ns: 0, files, saves }
     }
 
     /// What all devices answer. Two that have the same address answer at once, which leaves nothing to be read.
@@ -100,9 +115,40 @@ impl Bus {
     }
 }
 
-impl Slave for Bus {
+impl SerialDevice for ServedBus {
+    type Options = EmulatorOptions;
     type Event = Happening;
     type Seen = Vec<Device>;
+
+    const FAMILY: &'static str = "smartdrive";
+
+    fn hosting(options: &EmulatorOptions) -> Hosting<'_> {
+        Hosting {
+            link: options.link.as_deref(),
+            files: &options.files,
+            any_speed: options.any_speed,
+            seed: options.seed,
+            speed: options.speed,
+        }
+    }
+
+    fn power_up(options: &EmulatorOptions) -> Result<Self, EmulatorError> {
+        let one = |(place, device): (usize, &DeviceOptions)| {
+            let remembered = match options.files.get(place) {
+                Some(path) => remembered(path, device)?,
+                None => {
+                    options.flash.get(place).and_then(|image| Device::with_flash(device, image))
+                }
+            };
+            Ok(remembered.unwrap_or_else(|| Device::new(device)))
+        };
+        let devices = options.devices.iter().enumerate().map(one);
+        Ok(Self::new(devices.collect::<Result<_, _>>()?, options.wire, options.files.clone()))
+    }
+
+    fn line_speed(&self) -> DeviceSpeed {
+        DeviceSpeed::new(BAUD)
+    }
 
     fn seen(&self) -> Vec<Device> {
         self.devices.clone()
@@ -170,9 +216,22 @@ impl Slave for Bus {
         for (place, (device, known)) in self.devices.iter().zip(&mut self.saves).enumerate() {
             if device.saves() != *known {
                 *known = device.saves();
-                (self.stored)(place, device)?;
+                if let Some(path) = self.files.get(place) {
+                    replace(path, &device.flash())?;
+                }
             }
         }
         Ok(())
     }
+}
+
+/// The device of a file; none if the file is new.
+fn remembered(path: &Path, options: &DeviceOptions) -> Result<Option<Device>, EmulatorError> {
+    const OTHER: &str = "this is no image of the flash memory of an emulated SmartDRIVE";
+    let found = restored(path, |image| Device::with_flash(options, image).ok_or(OTHER))?;
+    if found.is_none() {
+        replace(path, &Device::new(options).flash())
+            .map_err(|source| EmulatorError::File { path: path.to_path_buf(), source })?;
+    }
+    Ok(found)
 }

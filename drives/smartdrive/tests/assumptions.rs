@@ -12,22 +12,19 @@ use super::{
     requests::with_spoilt,
     wire::{axis, no_clock},
 };
-use crate::smartdrive::Fault;
-use crate::tests::fault_of;
+use crate::Fault;
+use crate::tests::common::WallClock;
+use crate::tests::common::fault_of;
 use crate::{
-    Drive, DriveError, ParameterId,
-    smartdrive::{
-        AccCurrent, Accelerations, AnswerLength, Assumptions, BadFrame, BothBits, Command,
-        Execution, HomePosition, IoUpdate, LimitStop, Mode, RejectCode, SetEffect, SmartDrive,
-        SmartDriveBus, SmartDriveOptions, StepFrom, TrajectoryFlags, ZeroRate,
-        emulator::{
-            Cam, Device, DeviceOptions, EmulatedBus, EmulatorOptions, HomingOptions, Input, Wire,
-            serve,
-        },
-        frame::{Answer, encode},
+    AccCurrent, Accelerations, AnswerLength, Assumptions, BadFrame, BothBits, Command, Execution,
+    HomePosition, IoUpdate, LimitStop, Mode, RejectCode, SetEffect, SmartDrive, SmartDriveBus,
+    SmartDriveOptions, StepFrom, TrajectoryFlags, ZeroRate,
+    emulator::{
+        Cam, Device, DeviceOptions, EmulatedBus, EmulatorOptions, HomingOptions, Input, Wire, serve,
     },
-    tests::bench::WallClock,
+    protocol::frame::{Answer, encode},
 };
+use twin_drives::{Drive, DriveError, ParameterId};
 
 /// Every alternative, one at a time.
 fn alternatives() -> Vec<Assumptions> {
@@ -183,7 +180,7 @@ fn on_terminal(
     let options = EmulatorOptions { devices, ..EmulatorOptions::default() };
     let clock = WallClock::new();
     let bus = EmulatedBus::start(&options, move || clock.now()).unwrap();
-    let axis = crate::smartdrive::AxisOptions { deceleration_rpm_per_s, ..axis(1) };
+    let axis = crate::AxisOptions { deceleration_rpm_per_s, ..axis(1) };
     let mut options = SmartDriveOptions::new(vec![axis]);
     options.deadline = Duration::from_secs(2);
     options.mode_change = Duration::from_secs(10);
@@ -198,7 +195,7 @@ fn parameters_take_effect_when_the_drive_is_enabled() {
         let (state, _) = drive.run(async |bus| bus.state(1, &no_clock).await).unwrap();
         (state.position, state.mode, state.moving())
     };
-    let highest = ParameterId { station: 1, number: 28 };
+    let highest = ParameterId { address: 1, number: 28 };
     for set_effect in [SetEffect::AtOnce, SetEffect::WithMode, SetEffect::RestartsMode] {
         let (_emulator, mut drive, _) =
             on_terminal(Assumptions { set_effect, ..Assumptions::default() }, 0);

@@ -16,12 +16,10 @@ use tokio::{
 
 use super::wire::{axis, no_clock, run};
 use crate::{
-    DriveError,
-    smartdrive::{
-        Init, IoUpdate, Mode, SmartDrive, SmartDriveOptions, TrajectoryFlags,
-        emulator::{Cam, Device, DeviceOptions, Input},
-    },
+    Init, IoUpdate, Mode, SmartDrive, SmartDriveOptions, TrajectoryFlags,
+    emulator::{Cam, Device, DeviceOptions, Input},
 };
+use twin_drives::DriveError;
 
 /// What happens to one exchange.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

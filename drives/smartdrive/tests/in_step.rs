@@ -10,13 +10,11 @@ use tokio::{
 
 use super::wire::axis;
 use crate::{
-    DriveError, ProtocolFault,
-    smartdrive::{
-        SmartDrive, SmartDriveOptions,
-        emulator::{Device, DeviceOptions},
-        parameters::PARAMETERS,
-    },
+    SmartDrive, SmartDriveOptions,
+    emulator::{Device, DeviceOptions},
+    protocol::parameters::PARAMETERS,
 };
+use twin_drives::{DriveError, ProtocolFault};
 
 /// Between a command and its answer.
 const RESPONSE: Duration = Duration::from_millis(2);

@@ -12,19 +12,15 @@ use tokio::{
 };
 
 use super::wire::{axis, no_clock, run};
-use crate::smartdrive::Fault;
-use crate::tests::fault_of;
+use crate::Fault;
+use crate::tests::common::fault_of;
 use crate::{
-    DriveError,
-    smartdrive::{
-        Assumptions, Command, Init, IoUpdate, LoadSource, Mode, RejectCode, SmartDrive,
-        SmartDriveOptions, TagLayout, TrajectoryFlags,
-        emulator::{
-            Cam, Condition, Device, DeviceOptions, Event, HomingOptions, Input, Wire, serve,
-        },
-        frame::command_length,
-    },
+    Assumptions, Command, Init, IoUpdate, LoadSource, Mode, RejectCode, SmartDrive,
+    SmartDriveOptions, TagLayout, TrajectoryFlags,
+    emulator::{Cam, Condition, Device, DeviceOptions, Event, HomingOptions, Input, Wire, serve},
+    protocol::frame::command_length,
 };
+use twin_drives::DriveError;
 
 /// Runs `test` with a master of devices whose time passes by 25 ms with every command they hear.
 fn with_devices(devices: &[DeviceOptions], test: impl AsyncFnOnce(&mut SmartDrive)) {

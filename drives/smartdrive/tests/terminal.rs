@@ -9,21 +9,17 @@ use std::{
 use serialport::TTYPort;
 
 use super::wire::axis;
-use crate::smartdrive::Fault;
-use crate::tests::fault_of;
+use crate::Fault;
+use crate::tests::common::fault_of;
+use crate::tests::common::wall_clock;
 use crate::{
-    Axes, Drive, DriveError, IncrementMotion, MAX_DRIVE_AXES, SetpointStream,
-    smartdrive::{
-        Alarms, Command, Mode, SmartDriveBus, SmartDriveOptions,
-        emulator::{
-            Cam, Device, DeviceOptions, EmulatedBus, EmulatorOptions, Event, HomingOptions, Input,
-            Wire,
-        },
-        frame::encode,
-        vectors::vector,
+    Alarms, Command, Mode, SmartDriveBus, SmartDriveOptions,
+    emulator::{
+        Cam, Device, DeviceOptions, EmulatedBus, EmulatorOptions, Event, HomingOptions, Input, Wire,
     },
-    tests::peer::wall_clock,
+    protocol::{frame::encode, vectors::vector},
 };
+use twin_drives::{Axes, Drive, DriveError, IncrementMotion, MAX_DRIVE_AXES, SetpointStream};
 
 /// A plan of two axes: to and fro, at rest before and after, from 500 and −500 on.
 struct Plan<C> {
@@ -193,27 +189,27 @@ fn drives_that_stop_obeying_say_why() {
         }
     };
     drive.move_to(&[-1_000_000, 0, 0, 0, 0], &[8e3; 5]).unwrap();
-    bus.happen(0, Event::Input { input: Input::LimN, level: true }).unwrap();
+    bus.control(Event::Input { input: Input::LimN, level: true }.to(0)).unwrap();
     let limit = lost(&mut drive);
     assert!(matches!(limit, DriveError::LimitSwitch { axes: Axes::Only, .. }), "{limit:?}");
     // At rest it can be moved away from the switch.
     while drive.run(async |bus| bus.state(1, &clock).await).unwrap().0.moving() {}
     drive.move_to(&[100, 0, 0, 0, 0], &[8e3; 5]).unwrap();
     drive.sample(&stream).unwrap();
-    bus.happen(0, Event::Input { input: Input::LimN, level: false }).unwrap();
+    bus.control(Event::Input { input: Input::LimN, level: false }.to(0)).unwrap();
 
     drive.move_to(&[100, 1_000_000, 0, 0, 0], &[8e3; 5]).unwrap();
     let fault = Alarms::OVERTEMPERATURE;
-    bus.happen(1, Event::Fault { alarms: fault, present: true }).unwrap();
+    bus.control(Event::Fault { alarms: fault, present: true }.to(1)).unwrap();
     let alarm = lost(&mut drive);
     assert_eq!(alarm.fault(), Some(&Fault::Alarm(fault)));
-    assert_eq!(alarm.at().station, 2);
+    assert_eq!(alarm.at().address, 2);
     // A move is refused for the mode, which is for the alarm.
     let refused = drive.move_to(&[0; 5], &[8e3; 5]);
     assert!(matches!(fault_of(&refused), Some(Fault::Alarm(_))), "{refused:?}");
     let refused = drive.enable();
     assert!(matches!(fault_of(&refused), Some(Fault::Alarm(_))), "{refused:?}");
-    bus.happen(1, Event::Fault { alarms: fault, present: false }).unwrap();
+    bus.control(Event::Fault { alarms: fault, present: false }.to(1)).unwrap();
     drive.enable().unwrap();
     assert_eq!(drive.sample(&stream).unwrap().position[1], 0);
 }
@@ -280,7 +276,7 @@ fn a_drive_that_is_not_there_is_a_timeout() {
     let mut nobody = SmartDriveBus::open(bus.path().to_str().unwrap(), &options).unwrap();
     let lost = nobody.sample(&stream);
     let Err(DriveError::Timeout { at, .. }) = lost else { panic!("{lost:?}") };
-    assert_eq!(at.station, 9);
+    assert_eq!(at.address, 9);
     assert_eq!(at.to_string(), format!("{}, address 9: command 01h (PING)", bus.path().display()));
 }
 
@@ -355,17 +351,17 @@ fn a_drive_that_does_not_answer_does_not_cost_the_others_their_current() {
         // The supply of one fails, for so long that it is not back.
         bus.control(Event::BrownOut { off_ns: 1_000_000_000_000 }.to(silent)).unwrap();
         let other = 1 - silent;
-        let station = |place: usize| u8::try_from(place + 1).unwrap();
+        let address = |place: usize| u8::try_from(place + 1).unwrap();
         let mode = |place: usize| bus.look().unwrap()[place].mode();
         let error = drive.soft_stop().unwrap_err();
-        assert_eq!(error.at().station, station(silent), "{error}");
+        assert_eq!(error.at().address, address(silent), "{error}");
         assert_eq!(bus.look().unwrap()[other].motion().1.to_bits(), 0, "the other one stands");
         let error = drive.hard_stop().unwrap_err();
-        assert_eq!(error.at().station, station(silent), "{error}");
+        assert_eq!(error.at().address, address(silent), "{error}");
         assert_eq!(mode(other), Mode::Remote, "what has stopped keeps its current");
         // Asked to stop at once without having been asked to stop: everything is switched off.
         let error = drive.hard_stop().unwrap_err();
-        assert_eq!(error.at().station, station(silent), "{error}");
+        assert_eq!(error.at().address, address(silent), "{error}");
         while mode(other) == Mode::Changing {}
         assert_eq!(mode(other), Mode::Off);
         bus.control(Event::BrownOut { off_ns: 0 }.to(silent)).unwrap();

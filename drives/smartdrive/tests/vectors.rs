@@ -4,17 +4,17 @@
 use std::collections::BTreeSet;
 
 use super::wire::{attached, exchange, received, run};
-use crate::smartdrive::Fault;
-use crate::tests::fault_of;
+use crate::Fault;
+use crate::tests::common::fault_of;
 use crate::{
-    Action,
-    smartdrive::{
-        Command, Init, IoUpdate, LoadSource, Mode, RejectCode,
-        emulator::{Device, DeviceOptions, Input},
+    Command, Init, IoUpdate, LoadSource, Mode, RejectCode,
+    emulator::{Device, DeviceOptions, Input},
+    protocol::{
         frame::encode,
         vectors::{VECTORS, vector},
     },
 };
+use twin_drives::Action;
 
 /// Vectors that masters send.
 const COMMANDS: [usize; 23] =
@@ -96,7 +96,7 @@ fn the_driver_produces_every_command_and_understands_every_answer() {
         let (bytes, outcome) = exchange(go_to(3200, None), &vector(number));
         let Some(Fault::Rejected(reason)) = fault_of(&outcome) else { panic!("{outcome:?}") };
         let Err(error) = &outcome else { panic!("{outcome:?}") };
-        assert_eq!((*reason, error.at().station), (expected, 1));
+        assert_eq!((*reason, error.at().address), (expected, 1));
         assert_eq!(error.at().action, Action::Atb { code: 0x23, name: "GOTO" });
         ledger.note(&bytes, Some(&vector(number)));
     }

@@ -8,12 +8,10 @@ use tokio::{
 };
 
 use crate::{
-    DriveError, ProtocolFault,
-    smartdrive::{
-        AxisOptions, Command, Execution, Init, IoUpdate, LoadSource, SmartDrive, SmartDriveOptions,
-        StepsPerTurn, TrajectoryFlags, vectors::vector,
-    },
+    AxisOptions, Command, Execution, Init, IoUpdate, LoadSource, SmartDrive, SmartDriveOptions,
+    StepsPerTurn, TrajectoryFlags, protocol::vectors::vector,
 };
+use twin_drives::{DriveError, ProtocolFault};
 
 pub(super) fn no_clock() -> i64 {
     0
@@ -75,7 +73,7 @@ async fn unanswered(mut far: DuplexStream) -> Vec<Vec<u8>> {
 pub(super) fn exchange(
     command: Command,
     answer: &[u8],
-) -> (Vec<u8>, Result<crate::smartdrive::frame::Answer, DriveError>) {
+) -> (Vec<u8>, Result<crate::protocol::frame::Answer, DriveError>) {
     run(async {
         let (mut driver, mut far) = attached(200, 1);
         let device = async {

@@ -4,24 +4,20 @@
 use std::time::Duration;
 
 use super::wire::axis;
-use crate::smartdrive::Fault;
-use crate::tests::fault_of;
+use crate::Fault;
+use crate::tests::common::fault_of;
+use crate::tests::{common::wall_clock, peer::Peer};
 use crate::{
-    Clock, DriveError,
-    smartdrive::{
-        Alarms, Init, IoState, IoUpdate, LoadSource, Mode, ParameterValue, RejectCode, SmartDrive,
-        SmartDriveOptions, TrajectoryFlags,
-        emulator::{
-            DeviceOptions, EmulatedBus, EmulatorOptions, Event, HomingOptions, Input, Wire,
-        },
-        parameters::{PARAMETERS, VARIABLES},
-    },
-    tests::peer::{Peer, wall_clock},
+    Alarms, Init, IoState, IoUpdate, LoadSource, Mode, ParameterValue, RejectCode, SmartDrive,
+    SmartDriveOptions, TrajectoryFlags,
+    emulator::{DeviceOptions, EmulatedBus, EmulatorOptions, Event, HomingOptions, Input, Wire},
+    protocol::parameters::{PARAMETERS, VARIABLES},
 };
+use twin_drives::{Clock, DriveError};
 
 /// The other reading as `face`.
 fn witness(face: &[&str]) -> Option<Peer> {
-    Some(Peer::start(Peer::reference("smartdrive/tests/reference")?.args(face)))
+    Some(Peer::start(Peer::reference("tests/reference")?.args(face)))
 }
 
 /// Requests the device has had since it was asked last, but those whose answers are known: how often the driver makes sure
@@ -72,7 +68,7 @@ fn agreed(device: DeviceOptions, wire: Wire, parts: &[&str]) -> Option<Vec<Strin
             None => break,
             Some(("agreed", part)) => agreed.push(part.to_owned()),
             Some(_) => {
-                bus.happen(0, event(&line)).unwrap();
+                bus.control(event(&line).to(0)).unwrap();
                 master.say("done");
             }
         }
@@ -199,7 +195,7 @@ async fn another_device_understands_every_command() {
     driver.set_parameter(1, 100, -123).await.unwrap();
     assert_eq!(driver.home(1).await.unwrap(), -123);
     requests(&mut device);
-    driver.broadcast(&crate::smartdrive::Command::Stop { rate: 0 }).await.unwrap();
+    driver.broadcast(&crate::Command::Stop { rate: 0 }).await.unwrap();
     driver.state(1, clock).await.unwrap();
     assert_eq!(requests(&mut device), "STOP DEC=0 to all | PING");
 
@@ -217,7 +213,7 @@ async fn another_device_understands_every_command() {
     driver.set_parameter(1, 30, 700).await.unwrap();
     requests(&mut device);
     driver.reset(1, false).await.unwrap();
-    driver.changed(1, &crate::smartdrive::Command::Ping).await.unwrap();
+    driver.changed(1, &crate::Command::Ping).await.unwrap();
     assert!(requests(&mut device).starts_with("RESET BL=0 | PING"));
     assert_eq!(driver.parameter(1, 30).await.unwrap().working, 600);
     driver.reset(1, true).await.unwrap();
@@ -226,8 +222,8 @@ async fn another_device_understands_every_command() {
 }
 
 /// `index:access:low:high` for each entry.
-fn rows(entries: &[crate::smartdrive::parameters::Entry]) -> Vec<String> {
-    let row = |entry: &crate::smartdrive::parameters::Entry| {
+fn rows(entries: &[crate::protocol::parameters::Entry]) -> Vec<String> {
+    let row = |entry: &crate::protocol::parameters::Entry| {
         let access = if entry.writable { "RW" } else { "RO" };
         format!("{}:{access}:{}:{}", entry.index, entry.low, entry.high)
     };

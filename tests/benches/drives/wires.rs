@@ -148,7 +148,7 @@ fn exchanges(emulator: Emulator) -> f64 {
         Emulator::InterpCnc(board) => board.stop().expect("a board").frames_handled(),
         Emulator::SmartDrive(bus) => {
             let devices = bus.stop().expect("a bus");
-            devices.iter().map(twin_drives::smartdrive::emulator::Device::frames_handled).sum()
+            devices.iter().map(twin_smartdrive::emulator::Device::frames_handled).sum()
         }
         Emulator::Bim2Ax(module) => module.module().served(),
     };

@@ -191,7 +191,7 @@ mod tests {
         if confirmed {
             return Ok(());
         }
-        let at = Exchange { port: "p".into(), station: 7, action: Action::ReadState };
+        let at = Exchange { port: "p".into(), address: 7, action: Action::ReadState };
         Err(DriveError::Timeout { at, deadline: Duration::from_millis(1) })
     }
 
@@ -255,7 +255,7 @@ mod tests {
         let session = Session::start().expect("a runtime");
         let mut drive = Drive::new([false, false]);
         let moved = async |_: &mut Drive| {
-            let at = Exchange { port: "p".into(), station: 7, action: Action::ReadState };
+            let at = Exchange { port: "p".into(), address: 7, action: Action::ReadState };
             Err::<(), _>(DriveError::Stalled { at })
         };
         let said = session.interruptible(&mut drive, moved, pending::<&str>);

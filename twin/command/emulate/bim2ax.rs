@@ -5,10 +5,10 @@ use super::control::{Obeys, Switch};
 use super::faults::{self, Carrier, Said, WireWord};
 use super::{Common, Failure, Status, serve};
 use crate::clock::Clock;
-use twin_drives::bim2ax::emulator::{
+use twin_bim2ax::emulator::{
     Control, EmulatedModule, EmulatorOptions, Event, ModuleOptions, Surroundings,
 };
-use twin_drives::bim2ax::{ByteOrder, Contact, EncoderBench, EncoderKind, ModuleAxis};
+use twin_bim2ax::{ByteOrder, Contact, EncoderBench, EncoderKind, ModuleAxis};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {

@@ -5,11 +5,11 @@ use super::control::{Obeys, Switch};
 use super::faults::{self, Carrier, Said, WireWord};
 use super::{Common, Failure, Status, milliseconds, serve};
 use crate::clock::Clock;
-use twin_drives::interpcnc::emulator::{
+use twin_interpcnc::emulator::{
     Bench, BoardOptions, Cam, Condition, Control, EmulatedBoard, EmulatorOptions, EncoderLink,
     Event, Wire,
 };
-use twin_drives::interpcnc::{BoardAxis, Line, Parity};
+use twin_interpcnc::{BoardAxis, Line, Parity};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {
@@ -79,7 +79,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     let emulator = EmulatorOptions {
         bench,
         board: BoardOptions {
-            station: options.address,
+            address: options.address,
             line,
             enable,
             counts: !options.older,

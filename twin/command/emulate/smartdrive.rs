@@ -8,11 +8,11 @@ use crate::clock::Clock;
 use std::collections::HashSet;
 use std::path::PathBuf;
 use std::time::Duration;
-use twin_drives::smartdrive::emulator::{
+use twin_smartdrive::emulator::{
     Cam, Condition, Control, DeviceOptions, EmulatedBus, EmulatorOptions, Event, Happening,
     HomingOptions, Input, Wire,
 };
-use twin_drives::smartdrive::{Alarms, Mode};
+use twin_smartdrive::{Alarms, Mode};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {

@@ -84,7 +84,7 @@ pub(super) fn drives(machine: &Machine) -> Vec<Value> {
                         "tolerance_increments": encoder.tolerance,
                     })
                 });
-                json!({ "station": board.station, "baud": board.baud, "encoder": encoder })
+                json!({ "station": board.address, "baud": board.baud, "encoder": encoder })
             }
             DriveFamily::SmartDrive(bus) => json!({ "microsteps_per_turn": bus.turn.get() }),
             DriveFamily::Bim2Ax(module) => {

@@ -12,7 +12,7 @@ use comfy_table::{Cell, CellAlignment};
 use nalgebra::Point3;
 use std::io::{self, Write};
 use twin_drives::Axes;
-use twin_drives::interpcnc::EncoderOptions;
+use twin_interpcnc::EncoderOptions;
 use twin_kinematics::{AxisVector, Branch, Kinematics, ReachOf};
 
 pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
@@ -167,7 +167,7 @@ fn drives(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
         write!(out, "drive {}: {} on {port}", device.name, device.family_name())?;
         match &device.family {
             DriveFamily::InterpCnc(board) => {
-                write!(out, ", address {}, {} baud", board.station, board.baud)?;
+                write!(out, ", address {}, {} baud", board.address, board.baud)?;
             }
             DriveFamily::SmartDrive(bus) => {
                 write!(out, ", {} µsteps per turn", bus.turn.get())?;

@@ -8,13 +8,13 @@ use crate::machine::{Axis, DriveFamily, Machine};
 use crate::number::fixed;
 use crate::startup::{self, way_in_all};
 use comfy_table::{Cell, CellAlignment};
-use twin_drives::bim2ax::ModuleAxis;
-use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
-use twin_drives::interpcnc::parameters as interpcnc;
-use twin_drives::interpcnc::registers::BoardAxis;
-use twin_drives::smartdrive::parameters::VELOCITY_ENTER_HOME;
+use twin_bim2ax::ModuleAxis;
+use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
 use twin_drives::{Increments, ParameterId};
+use twin_interpcnc::protocol::parameters as interpcnc;
+use twin_interpcnc::protocol::registers::BoardAxis;
 use twin_kinematics::AxisVector;
+use twin_smartdrive::protocol::parameters::VELOCITY_ENTER_HOME;
 
 /// Facts that the user is asked to confirm.
 pub(super) struct Asked<'a> {
@@ -51,17 +51,17 @@ fn homing_parameter(machine: &Machine, axis: &Axis) -> Option<(ParameterId, f64)
         DriveFamily::InterpCnc(_) => {
             // The only board of its driver.
             let number = interpcnc::home_speed(*BoardAxis::ALL.get(place.index)?);
-            (ParameterId { station: 0, number }, 1.0)
+            (ParameterId { address: 0, number }, 1.0)
         }
         DriveFamily::SmartDrive(bus) => {
-            let station = u8::try_from(place.index).ok()?;
-            (ParameterId { station, number: VELOCITY_ENTER_HOME }, bus.turn.steps(1.0))
+            let address = u8::try_from(place.index).ok()?;
+            (ParameterId { address, number: VELOCITY_ENTER_HOME }, bus.turn.steps(1.0))
         }
         DriveFamily::Bim2Ax(module) => {
             // All of it goes at the start-stop speed (5.1).
             let speed = AxisParameter::StartStopSpeed;
             let number = Parameter::Axis(speed, *ModuleAxis::ALL.get(place.index)?).number()?;
-            (ParameterId { station: 0, number }, module.mode.speed_unit())
+            (ParameterId { address: 0, number }, module.mode.speed_unit())
         }
     })
 }

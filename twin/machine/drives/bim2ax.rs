@@ -2,7 +2,7 @@
 
 use super::{Abilities, ModuleEncoder, assumptions, encoder, microseconds};
 use crate::section::Section;
-use twin_drives::bim2ax::{Assumptions, ByteOrder, DriveMode, MOST_POSITION};
+use twin_bim2ax::{Assumptions, ByteOrder, DriveMode, MOST_POSITION};
 
 /// Entry of a module, whose axes are alike.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 
 use super::Kind;
 use crate::section::Section;
-use twin_drives::bim2ax::{DriveMode, ModuleAxis};
-use twin_drives::interpcnc::{BoardAxis, EncoderOptions};
+use twin_bim2ax::{DriveMode, ModuleAxis};
+use twin_interpcnc::{BoardAxis, EncoderOptions};
 
 /// Encoder and counter may be no farther apart than this, whatever the file says.
 const MOST_TOLERANCE: i64 = 1_000_000;

@@ -2,14 +2,14 @@
 
 use super::{Abilities, assumptions, encoder, microseconds};
 use crate::section::Section;
-use twin_drives::interpcnc::registers::MAX_SPEED_HZ;
-use twin_drives::interpcnc::{Assumptions, EncoderOptions, Following};
+use twin_interpcnc::protocol::registers::MAX_SPEED_HZ;
+use twin_interpcnc::{Assumptions, EncoderOptions, Following};
 
 /// Entry of a board.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InterpCncEntry {
     /// Modbus station.
-    pub station: u8,
+    pub address: u8,
     /// Bits per second.
     pub baud: u32,
     /// Parity on the wire.
@@ -50,7 +50,7 @@ impl InterpCncEntry {
 }
 
 pub(super) fn read(section: &Section<'_>) -> Option<InterpCncEntry> {
-    let station = section.integer("station", 1..=247).unwrap_or(1);
+    let address = section.integer("station", 1..=247).unwrap_or(1);
     let baud = section.integer("baud", 4800..=256_000).unwrap_or(115_200);
     let parities = [("none", Parity::None), ("even", Parity::Even), ("odd", Parity::Odd)];
     let parity = section.choice("parity", &parities).unwrap_or(Parity::None);
@@ -64,7 +64,7 @@ pub(super) fn read(section: &Section<'_>) -> Option<InterpCncEntry> {
     let ways = [("retargeted", Following::Retargeted), ("buffered", buffered)];
     let following = section.choice("following", &ways).unwrap_or_default();
     Some(InterpCncEntry {
-        station: u8::try_from(station).ok()?,
+        address: u8::try_from(address).ok()?,
         baud: u32::try_from(baud).ok()?,
         parity,
         turnaround_us,

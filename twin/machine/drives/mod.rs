@@ -238,9 +238,9 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
     };
     let (name, family) = (name?.to_owned(), family?);
     let assumed = match family {
-        DriveFamily::InterpCnc(_) => otherwise::<twin_drives::interpcnc::Assumptions>(section),
-        DriveFamily::SmartDrive(_) => otherwise::<twin_drives::smartdrive::Assumptions>(section),
-        DriveFamily::Bim2Ax(_) => otherwise::<twin_drives::bim2ax::Assumptions>(section),
+        DriveFamily::InterpCnc(_) => otherwise::<twin_interpcnc::Assumptions>(section),
+        DriveFamily::SmartDrive(_) => otherwise::<twin_smartdrive::Assumptions>(section),
+        DriveFamily::Bim2Ax(_) => otherwise::<twin_bim2ax::Assumptions>(section),
     };
     Some(DeviceEntry {
         name,

@@ -2,7 +2,7 @@
 
 use super::{Abilities, assumptions, microseconds};
 use crate::section::Section;
-use twin_drives::smartdrive::{Assumptions, StepsPerTurn};
+use twin_smartdrive::{Assumptions, StepsPerTurn};
 
 /// Entry of the drives on a bus, which are alike.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -149,7 +149,7 @@ fn encoders_are_declared_beside_their_device() {
     let keys = "axis = \"Y\"\npoints = -4000\nper_increments = 3200\ntolerance_increments = 64";
     let machine = load(&of("interpcnc", keys));
     let encoder = super::board(&machine).encoder.expect("it is there");
-    assert_eq!(encoder.axis, twin_drives::interpcnc::BoardAxis::Y);
+    assert_eq!(encoder.axis, twin_interpcnc::BoardAxis::Y);
     assert_eq!((encoder.points, encoder.increments, encoder.tolerance), (-4000, 3200, 64));
     assert_eq!(super::board(&load(SHORT)).encoder, None);
     for (old, new, place, parts) in [
@@ -190,7 +190,7 @@ fn encoders_are_declared_beside_their_device() {
     let machine = load(&module("axes = [2]\npoints_per_turn = 4000"));
     let DriveFamily::Bim2Ax(entry) = &machine.drives[1].family else { panic!("a module") };
     let encoder = entry.encoder.as_ref().expect("it is there");
-    assert_eq!(encoder.axes, [twin_drives::bim2ax::ModuleAxis::Two]);
+    assert_eq!(encoder.axes, [twin_bim2ax::ModuleAxis::Two]);
     // 200 steps of 8.
     let found = (encoder.points_per_turn, encoder.increments_per_turn, encoder.tolerance);
     assert_eq!(found, (4000, 1600, None));

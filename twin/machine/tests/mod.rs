@@ -19,7 +19,7 @@ use super::{Axis, DriveFamily, InterpCncEntry, Machine, Parity};
 use crate::axis_kind::AxisKind;
 use crate::section::{MachineFileError, Problem};
 use std::path::Path;
-use twin_drives::interpcnc::Following;
+use twin_interpcnc::Following;
 use twin_kinematics::{AxisVector, Kinematics, Pose};
 
 const SCARA2: &str = include_str!("../../../machines/scara2.toml");
@@ -137,7 +137,7 @@ fn the_shipped_machines_are_as_their_comments_say() {
     near(scara.conditions.angle_tolerance, 2f64.to_radians());
     assert_eq!(scara.gravity, nalgebra::vector![0.0, 0.0, -9.81]);
     let board = board(&scara);
-    assert_eq!((board.station, board.baud, board.parity), (1, 115_200, Parity::None));
+    assert_eq!((board.address, board.baud, board.parity), (1, 115_200, Parity::None));
     assert_eq!(scara.drives[0].port.as_deref(), Some("/dev/ttyUSB0"));
     assert_eq!((board.start_stop_hz, board.acceleration_khz_per_s), (200, 2000));
     assert_eq!(board.turnaround_us, 2000);
@@ -211,7 +211,7 @@ fn no_two_devices_are_on_one_port() {
 /// What a manual leaves open is a question of the device at hand: the machine file may answer it.
 #[test]
 fn assumptions_are_taken_from_the_file() {
-    use twin_drives::interpcnc::Assumptions;
+    use twin_interpcnc::Assumptions;
     let with = |line: &str| {
         let table = format!("[drives.assumptions]\n{line}\n\n[preparation]");
         GANTRY3.replacen("[preparation]", &table, 1)

@@ -87,7 +87,7 @@ fn vectors_13_and_14_move_several_axes_at_once() {
     assert!((board.velocity(BoardAxis::Z) + 5000.0).abs() < 1e-6);
     assert!((board.velocity(BoardAxis::X) - 2500.0).abs() < 1e-6);
     assert!((2.0 * board.position(BoardAxis::X) + board.position(BoardAxis::Z)).abs() < 1e-6);
-    let left = crate::ramp::nanoseconds(total) - 100 * MS;
+    let left = twin_drives::ramp::nanoseconds(total) - 100 * MS;
     board.advance(left - MS);
     assert!(!board.status().segments_finished());
     board.advance(2 * MS);

@@ -1,7 +1,7 @@
 //! Tests of the register map: exceptions, requests without an answer, and register contents.
 
 use super::*;
-use crate::interpcnc::vectors::VECTORS;
+use crate::protocol::vectors::VECTORS;
 
 #[test]
 fn addresses_outside_the_map_reserved_or_read_only_get_exception_2() {
@@ -59,7 +59,7 @@ fn every_truncation_wrong_check_sum_and_wrong_station_gets_silence() {
         assert_eq!(board.handle(&seal(foreign)), None);
     }
     assert_eq!(board.frames_handled(), handled);
-    // Whole frames for another station are seen and not handled.
+    // Whole frames for another address are seen and not handled.
     assert_eq!(board.frames_seen(), handled + u64::try_from(VECTORS.len()).unwrap());
     assert_eq!((board.counters(), board.outputs()), ([0; 5], 0));
 }

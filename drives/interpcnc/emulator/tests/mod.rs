@@ -9,10 +9,14 @@ mod power;
 mod probe;
 mod segments;
 
-use super::{rtu::seal, *};
-use crate::interpcnc::{
-    BoardStop, Command, MoveProfile, parameters,
-    vectors::{bytes, vector},
+use super::*;
+use crate::protocol::frame::seal;
+use crate::{
+    BoardStop, Command, MoveProfile,
+    protocol::{
+        parameters,
+        vectors::{bytes, vector},
+    },
 };
 
 fn unlocked() -> Board {
@@ -21,7 +25,7 @@ fn unlocked() -> Board {
     board
 }
 
-/// Sends a command from station 1 and expects it to be accepted.
+/// Sends a command from address 1 and expects it to be accepted.
 fn send(board: &mut Board, command: Command) {
     assert_eq!(write(board, &command.registers()), None, "{command:?}");
 }
@@ -44,7 +48,7 @@ fn write(board: &mut Board, registers: &[u16]) -> Option<u8> {
     (answer[1] != 16).then_some(answer[2])
 }
 
-/// The exception code that a request from station 1 gets.
+/// The exception code that a request from address 1 gets.
 fn refusal(board: &mut Board, request: &str) -> Option<u8> {
     let answer = board.handle(&seal(bytes(request))).unwrap();
     (answer[1] & 0x80 != 0).then(|| answer[2])

@@ -116,7 +116,7 @@ fn the_line_parameters_count_from_the_next_start_on() {
     board.brown_out(0);
     assert_eq!(board.handle(&vector(20)), None);
     assert!(board.handle(&seal(bytes("09 04 04 00 00 0C"))).is_some());
-    assert_eq!(board.line(), Line { baud: 19_200, parity: crate::interpcnc::Parity::Even });
+    assert_eq!(board.line(), Line { baud: 19_200, parity: crate::Parity::Even });
 
     let assumptions = Assumptions { line_at_restart: false, ..Assumptions::default() };
     let mut board = Board::new(&BoardOptions { assumptions, ..BoardOptions::default() });

@@ -19,7 +19,7 @@ fn segments_are_carried_out_one_after_the_other_and_stop_in_between() {
     assert!(!board.status().has(Status::BUFFER_EMPTY));
     // Each ramps from 200 to 5000 Hz and back: 96 ms and 249.6 steps per ramp, the rest at 5000 Hz.
     let took_ms = |steps: f64| 2.0 * 96.0 + (steps - 2.0 * 249.6) / 5.0;
-    let first = crate::ramp::nanoseconds(1e-3 * took_ms(3000.0));
+    let first = twin_drives::ramp::nanoseconds(1e-3 * took_ms(3000.0));
     board.advance(first - MS / 10);
     // At the end of the first segment both are as slow as the start frequency of the major axis allows.
     assert!(board.velocity(BoardAxis::X) < 206.0 && board.velocity(BoardAxis::Y) < 69.0);
@@ -28,7 +28,7 @@ fn segments_are_carried_out_one_after_the_other_and_stop_in_between() {
     assert_eq!(board.counters()[0], 3000);
     assert_eq!(board.status().interpolating(), BoardAxis::Y.mask());
     assert!(board.status().has(Status::BUFFER_EMPTY) && !board.status().segments_finished());
-    let second = crate::ramp::nanoseconds(1e-3 * took_ms(3000.0));
+    let second = twin_drives::ramp::nanoseconds(1e-3 * took_ms(3000.0));
     board.advance(second - MS);
     assert!(!board.status().segments_finished());
     board.advance(2 * MS);

@@ -20,11 +20,11 @@ struct Mbpoll<'a>(&'a Path);
 
 impl Mbpoll<'_> {
     /// What it says with these arguments, or its complaint.
-    fn run(station: &str, table: &str, rest: &[&str]) -> Result<String, String> {
+    fn run(address: &str, table: &str, rest: &[&str]) -> Result<String, String> {
         let mut mbpoll = Command::new("mbpoll");
         // RTU, addresses from 0, high word first, no parity, once, ten seconds to answer.
         mbpoll.args(["-m", "rtu", "-0", "-B", "-P", "none", "-b", "115200", "-1", "-o"]);
-        mbpoll.args([if station == "1" { "10" } else { "0.3" }, "-a", station, "-t", table]);
+        mbpoll.args([if address == "1" { "10" } else { "0.3" }, "-a", address, "-t", table]);
         let output = mbpoll.args(rest).output().unwrap();
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         if output.status.success() { Ok(text(&output.stdout)) } else { Err(text(&output.stderr)) }
@@ -85,7 +85,7 @@ fn mbpoll_reads_every_block_of_the_emulated_board() {
     let board = board();
     let it = Mbpoll(board.path());
     // First address, number of values and, where one is not 0 after power-up, which: B5 and B8 of the status, the
-    // board's lock; parameters 101 (speed) and 103 (station); the size of recipes.
+    // board's lock; parameters 101 (speed) and 103 (address); the size of recipes.
     let blocks: [(&str, u16, u16, Others); 20] = [
         (DISCRETE, 2048, 16, &[]),
         (DISCRETE, 2080, 40, &[(2085, 1), (2088, 1)]),

@@ -7,8 +7,8 @@
 mod mbpoll;
 mod pymodbus;
 
-use crate::interpcnc::emulator::{EmulatedBoard, EmulatorOptions};
-use crate::tests::peer::wall_clock;
+use crate::emulator::{EmulatedBoard, EmulatorOptions};
+use crate::tests::common::wall_clock;
 
 fn board() -> EmulatedBoard {
     EmulatedBoard::start(&EmulatorOptions::default(), wall_clock()).unwrap()

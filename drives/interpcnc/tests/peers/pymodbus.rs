@@ -5,17 +5,14 @@ use std::{env, ffi::OsString, process::Command as Process, sync::Arc, time::Dura
 use tokio_serial::SerialStream;
 
 use super::board;
-use crate::interpcnc::Exception;
-use crate::tests::fault_of;
+use crate::Exception;
+use crate::tests::common::fault_of;
+use crate::tests::{common::wall_clock, peer::Peer};
 use crate::{
-    DriveError,
-    interpcnc::{
-        AxisMask, AxisOptions, BoardAxis, Command, HomeAxis, InterpCnc, InterpCncOptions,
-        MoveProfile, ProbeMove, registers::Status,
-    },
-    pty::PseudoTerminal,
-    tests::peer::{Peer, wall_clock},
+    AxisMask, AxisOptions, BoardAxis, Command, HomeAxis, InterpCnc, InterpCncOptions, MoveProfile,
+    ProbeMove, protocol::registers::Status,
 };
+use twin_drives::{DriveError, emulator_host::PseudoTerminal};
 
 /// Version the tests are about.
 const VERSION: &str = "3.16.1";
@@ -33,7 +30,7 @@ fn start(script: &str, port: &str) -> Option<Peer> {
         println!("no pymodbus {VERSION} here (TWIN_PYMODBUS_PYTHON): not witnessed");
         return None;
     }
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/interpcnc/tests/peers/");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peers/");
     let script = format!("{folder}{script}");
     Some(Peer::start(Process::new(python).args(["-B", &script, port])))
 }
@@ -49,9 +46,16 @@ fn pymodbus_is_the_master_of_the_emulated_board() {
         let line = master.line();
         match *line.split(' ').collect::<Vec<_>>().as_slice() {
             ["agreed", part] => agreed.push(part.to_owned()),
-            ["enable", closed] => board.set_enable(closed == "1").unwrap(),
+            ["enable", closed] => {
+                board.happen(crate::emulator::Event::Enable(closed == "1")).unwrap();
+            }
             ["input", number, level] => {
-                board.set_input(number.parse().unwrap(), level == "1").unwrap();
+                board
+                    .happen(crate::emulator::Event::Input {
+                        number: number.parse().unwrap(),
+                        level: level == "1",
+                    })
+                    .unwrap();
             }
             _ => break,
         }
@@ -179,7 +183,7 @@ async fn the_driver_reads_and_writes_every_block_of_pymodbus() {
     let patience = Duration::from_secs(5);
     driver.unlock(clock).await.unwrap();
     let identity = driver.identify(clock).await.unwrap();
-    assert_eq!((identity.station, identity.speed, identity.parity), (1, 115_200, 0));
+    assert_eq!((identity.address, identity.speed, identity.parity), (1, 115_200, 0));
     peer.have("requests");
 
     driver.set_output(17, true, clock).await.unwrap();

@@ -1,7 +1,7 @@
 //! Tests of the assumptions about what the manual leaves open: every alternative differs from the default.
 
 use super::*;
-use crate::smartdrive::{
+use crate::{
     AccCurrent, AnswerLength, BadFrame, BothBits, HomePosition, IoUpdate, LimitStop, SetEffect,
     StepFrom, ZeroRate,
 };

@@ -1,7 +1,7 @@
 //! Modes, limits, alarms, resets.
 
 use super::*;
-use crate::smartdrive::TagLayout;
+use crate::TagLayout;
 
 #[test]
 fn other_addresses_and_broken_frames_get_silence() {
@@ -65,7 +65,7 @@ fn while_the_mode_changes_only_looking_is_allowed() {
         Command::Set { parameter: 30, value: 1 },
         go_to(1, 0, 0),
         Command::Reset { bootloader: false },
-        Command::IoUpdate(crate::smartdrive::IoUpdate::default()),
+        Command::IoUpdate(crate::IoUpdate::default()),
     ];
     for command in others {
         assert_eq!(refusal(&mut device, command), Some(RejectCode::Working), "{command:?}");

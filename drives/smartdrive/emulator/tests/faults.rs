@@ -7,7 +7,7 @@ use tokio::{
 };
 
 use super::*;
-use crate::smartdrive::{Execution, vectors::vector};
+use crate::{Execution, protocol::vectors::vector};
 
 #[test]
 fn a_length_that_is_not_that_of_its_code_is_refused_as_chosen() {

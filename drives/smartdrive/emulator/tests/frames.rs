@@ -1,7 +1,7 @@
 //! The digest's vectors, by number, as the device takes and gives them.
 
 use super::*;
-use crate::smartdrive::vectors::vector;
+use crate::protocol::vectors::vector;
 
 #[test]
 fn vectors_1_and_2_ping_a_device_in_mode_remote() {
@@ -173,7 +173,7 @@ fn vectors_21_29_and_30_switch_outputs_and_show_inputs() {
     // The capture is shown once more as it is cleared.
     assert_eq!(device.handle(&vector(29)), Some(vector(30)));
     assert_eq!(
-        ask(&mut device, Command::IoUpdate(crate::smartdrive::IoUpdate::default())).data,
+        ask(&mut device, Command::IoUpdate(crate::IoUpdate::default())).data,
         [0x0C, 0, 0, 0]
     );
 }

@@ -1,7 +1,7 @@
 //! Inputs, their captures, encoders, and the modes that move by inputs.
 
 use super::*;
-use crate::smartdrive::IoUpdate;
+use crate::IoUpdate;
 
 fn captures(device: &mut Device) -> (u8, u8) {
     let [_, _, active, reverse] = ask(device, Command::IoUpdate(IoUpdate::default())).data;

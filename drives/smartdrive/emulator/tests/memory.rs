@@ -1,9 +1,9 @@
 //! Parameters: three copies, words, ranges, and what survives.
 
 use super::*;
-use crate::smartdrive::{
+use crate::{
     LoadSource,
-    parameters::{PARAMETERS, VARIABLES},
+    protocol::parameters::{PARAMETERS, VARIABLES},
 };
 
 /// Saved, working and factory value of a word.

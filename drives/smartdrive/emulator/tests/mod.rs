@@ -9,9 +9,9 @@ mod inputs;
 mod memory;
 
 use super::*;
-use crate::smartdrive::{
+use crate::{
     Assumptions, Command, Init, RejectCode,
-    frame::{Answer, encode},
+    protocol::frame::{Answer, encode},
 };
 
 const MS: i64 = 1_000_000;
@@ -63,7 +63,7 @@ fn set(device: &mut Device, parameter: u16, value: i32) {
     let [a, b, c, d] = value.to_le_bytes();
     let low = u16::from_le_bytes([a, b]);
     ask(device, Command::Set { parameter, value: low });
-    let entry = crate::smartdrive::parameters::parameter_at(parameter).unwrap().0;
+    let entry = crate::protocol::parameters::parameter_at(parameter).unwrap().0;
     if entry.kind.is_long() {
         let high = u16::from_le_bytes([c, d]);
         ask(device, Command::Set { parameter: parameter + 1, value: high });

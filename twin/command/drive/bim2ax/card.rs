@@ -4,9 +4,9 @@ use super::super::session::{BRAKING, Stands, Stopping, no_clock};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::time::{Instant, sleep};
-use twin_drives::bim2ax::bits::message;
-use twin_drives::bim2ax::zone::Positions;
-use twin_drives::bim2ax::{Bim2Ax, Bim2AxOptions, Memory, ModuleAxis};
+use twin_bim2ax::protocol::bits::message;
+use twin_bim2ax::protocol::zone::Positions;
+use twin_bim2ax::{Bim2Ax, Bim2AxOptions, Memory, ModuleAxis};
 use twin_drives::{Action, Axes, DriveError, Exchange};
 
 /// Position and messages of an axis.
@@ -68,7 +68,7 @@ impl Card {
         }
         stopped.and_then(|_| {
             let at =
-                Exchange { port: Arc::clone(&self.port), station: 0, action: Action::ReadState };
+                Exchange { port: Arc::clone(&self.port), address: 0, action: Action::ReadState };
             Err(DriveError::Moving { at, axes: Axes::Numbers(0b11) })
         })
     }
@@ -137,8 +137,8 @@ impl Stopping for Card {
 mod tests {
     use super::*;
     use std::io;
-    use twin_drives::bim2ax::SharedModule;
-    use twin_drives::bim2ax::emulator::{Eeprom, Module as Emulated, ModuleOptions, Surroundings};
+    use twin_bim2ax::SharedModule;
+    use twin_bim2ax::emulator::{Eeprom, Module as Emulated, ModuleOptions, Surroundings};
 
     /// A module that is asked nothing any more once it has been asked so many times.
     struct Falling {

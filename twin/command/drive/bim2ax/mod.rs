@@ -20,8 +20,8 @@ use comfy_table::Cell;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
-use twin_drives::bim2ax::parameter::Parameter;
-use twin_drives::bim2ax::{Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, ByteOrder, ModuleAxis};
+use twin_bim2ax::protocol::parameter::Parameter;
+use twin_bim2ax::{Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, ByteOrder, ModuleAxis};
 use twin_drives::{Action as Doing, Drive, DriveError, Exchange};
 
 /// A module.
@@ -122,7 +122,7 @@ fn memory(command: &Command<Module>) -> Result<(Arc<str>, ModuleMemory, Bim2AxOp
     let stops = matches!(command.action, Action::Stop { .. });
     let memory = if stops { module_beside } else { module_memory };
     let memory = memory(&line.port, line.map).map_err(|source| {
-        let at = Exchange { port: Arc::clone(&port), station: 0, action: Doing::Open };
+        let at = Exchange { port: Arc::clone(&port), address: 0, action: Doing::Open };
         Failure::Drive(DriveError::Transport { at, source })
     })?;
     Ok((port, memory, options))

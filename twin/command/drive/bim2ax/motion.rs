@@ -7,9 +7,9 @@ use super::Module;
 use super::card::of;
 use crate::command::Failure;
 use std::time::Duration;
-use twin_drives::bim2ax::bits::message;
-use twin_drives::bim2ax::zone::Positions;
-use twin_drives::bim2ax::{AxisSettings, MOST_POSITION, ModuleAxis};
+use twin_bim2ax::protocol::bits::message;
+use twin_bim2ax::protocol::zone::Positions;
+use twin_bim2ax::{AxisSettings, MOST_POSITION, ModuleAxis};
 
 impl Module {
     /// What both axes say, none of which moves.
@@ -32,7 +32,7 @@ impl Module {
         axes: &[ModuleAxis],
         timeout: Option<Duration>,
     ) -> Result<(), Failure> {
-        use twin_drives::bim2ax::bits::coefficient::HOME_PLUS;
+        use twin_bim2ax::protocol::bits::coefficient::HOME_PLUS;
         let seen = self.standing("home")?;
         let mut said = Vec::with_capacity(axes.len());
         let mut patience = Duration::ZERO;

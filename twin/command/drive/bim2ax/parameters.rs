@@ -4,9 +4,9 @@ use super::super::session::{Session, no_clock};
 use super::super::words::{self, right};
 use crate::command::Failure;
 use comfy_table::Cell;
+use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter, Range};
+use twin_bim2ax::{Bim2Ax, DriveMode, ModuleAxis};
 use twin_drives::Values;
-use twin_drives::bim2ax::parameter::{AxisParameter, Parameter, Range};
-use twin_drives::bim2ax::{Bim2Ax, DriveMode, ModuleAxis};
 
 /// The rating of the largest module.
 const MOST_RATING_MA: i64 = 5000;
@@ -176,8 +176,8 @@ pub(super) fn set(
 #[cfg(test)]
 mod tests {
     use super::{all, find, shown};
-    use twin_drives::bim2ax::ModuleAxis;
-    use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
+    use twin_bim2ax::ModuleAxis;
+    use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
 
     #[test]
     fn every_parameter_is_found_by_its_name_and_number() {

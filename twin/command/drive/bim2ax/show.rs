@@ -5,9 +5,9 @@ use super::super::words::{self, on_off};
 use super::card::{Card, of};
 use crate::advice;
 use crate::command::{Failure, show};
-use twin_drives::bim2ax::bits::{card, encoder_message, message};
-use twin_drives::bim2ax::zone::Positions;
-use twin_drives::bim2ax::{Identity, ModuleAxis, describe_messages};
+use twin_bim2ax::protocol::bits::{card, encoder_message, message};
+use twin_bim2ax::protocol::zone::Positions;
+use twin_bim2ax::{Identity, ModuleAxis, describe_messages};
 
 pub(super) fn scan(identity: &Identity) -> Result<(), Failure> {
     let axes = [(card::AXIS_1, "1"), (card::AXIS_2, "2")];

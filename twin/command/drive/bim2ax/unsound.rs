@@ -10,8 +10,8 @@ use super::parameters::set_unseen;
 use super::show::positions;
 use crate::advice::CHECK_SUM;
 use crate::command::{Failure, Status};
-use twin_drives::bim2ax::Fault;
-use twin_drives::bim2ax::bits::card;
+use twin_bim2ax::Fault;
+use twin_bim2ax::protocol::bits::card;
 use twin_drives::{Action as Doing, DriveError, Exchange};
 
 impl Module {
@@ -37,7 +37,7 @@ impl Module {
             Action::Reset => self.reset(),
             _ => {
                 let port = std::sync::Arc::clone(&self.card.port);
-                let at = Exchange { port, station: 0, action: Doing::Identify };
+                let at = Exchange { port, address: 0, action: Doing::Identify };
                 let unsound = Fault::CardMessages { messages: card::CHECKSUM };
                 Err(DriveError::device(at, unsound).into())
             }

@@ -3,8 +3,8 @@
 use super::super::session::no_clock;
 use super::HandBoard;
 use crate::command::Failure;
-use twin_drives::interpcnc::BoardAxis;
-use twin_drives::interpcnc::parameters::COUPLING;
+use twin_interpcnc::BoardAxis;
+use twin_interpcnc::protocol::parameters::COUPLING;
 
 impl HandBoard {
     /// The axis that goes along where these are moved.
@@ -55,7 +55,7 @@ pub(super) fn beside(follower: Option<BoardAxis>) -> String {
 #[cfg(test)]
 mod tests {
     use super::of_code;
-    use twin_drives::interpcnc::BoardAxis::{A, B, X, Y};
+    use twin_interpcnc::BoardAxis::{A, B, X, Y};
 
     /// `EE_COUPLAGE_AXE`: 1 = A goes along with X, 2 = B does.
     #[test]

@@ -19,8 +19,8 @@ use show::Output;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 use twin_drives::Drive;
-use twin_drives::interpcnc::registers::MAX_SPEED_HZ;
-use twin_drives::interpcnc::{
+use twin_interpcnc::protocol::registers::MAX_SPEED_HZ;
+use twin_interpcnc::{
     AxisOptions, BoardAxis, InterpCnc, InterpCncDrive, InterpCncOptions, Line, MoveProfile, Parity,
 };
 
@@ -132,8 +132,8 @@ fn addresses(text: &str) -> Result<RangeInclusive<u8>, String> {
 
 impl HandBoard {
     /// The board at an address.
-    fn at(command: &Command<Self>, station: u8) -> Result<Self, Failure> {
-        let options = options(command, station, &BoardAxis::ALL)?;
+    fn at(command: &Command<Self>, address: u8) -> Result<Self, Failure> {
+        let options = options(command, address, &BoardAxis::ALL)?;
         let session = Session::start()?;
         let board = session.inside(|| InterpCnc::open(&command.line.port, &options))?;
         Ok(Self { session, board, consent: command.consent(), follower: None })
@@ -143,7 +143,7 @@ impl HandBoard {
 /// Settings of the driver for a board at an address, of which these axes are in use.
 fn options(
     command: &Command<HandBoard>,
-    station: u8,
+    address: u8,
     axes: &[BoardAxis],
 ) -> Result<InterpCncOptions, Failure> {
     let line = &command.line;
@@ -154,7 +154,7 @@ fn options(
     };
     Ok(InterpCncOptions {
         assumptions: command.assume.take()?,
-        station,
+        address,
         line: Line { baud: line.baud, parity },
         deadline: line.deadline,
         worst_latency: 2 * line.deadline,
@@ -200,7 +200,7 @@ impl Family for HandBoard {
     }
 
     fn scan(command: &Command<Self>, scan: &Scan) -> Result<Status, Failure> {
-        show::scan(scan.addresses.clone(), |station| Self::at(command, station))
+        show::scan(scan.addresses.clone(), |address| Self::at(command, address))
     }
 
     fn home_by_switch(

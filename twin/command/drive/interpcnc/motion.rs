@@ -7,11 +7,11 @@ use super::coupled::beside;
 use super::{HandBoard, Ramps};
 use crate::command::Failure;
 use std::time::Duration;
-use twin_drives::interpcnc::registers::Status;
-use twin_drives::interpcnc::{
-    AxisValues, BoardAxis, BoardState, InterpCnc, MoveProfile, parameters,
-};
 use twin_drives::{Action, DriveError};
+use twin_interpcnc::protocol::registers::Status;
+use twin_interpcnc::{
+    AxisValues, BoardAxis, BoardState, InterpCnc, MoveProfile, protocol::parameters,
+};
 
 impl Stopping for InterpCnc {
     async fn soft_stop(&mut self) -> Result<(), DriveError> {

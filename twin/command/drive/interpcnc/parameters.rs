@@ -5,8 +5,8 @@ use super::super::session::{Session, no_clock};
 use super::super::words;
 use crate::command::Failure;
 use std::time::Duration;
-use twin_drives::interpcnc::parameters as numbers;
-use twin_drives::interpcnc::{Assumptions, BAUD_RATES, BoardAxis, InterpCnc, Parity};
+use twin_interpcnc::protocol::parameters as numbers;
+use twin_interpcnc::{Assumptions, BAUD_RATES, BoardAxis, InterpCnc, Parity};
 
 /// How long the EEPROM may take.
 const STORING: Duration = Duration::from_secs(5);
@@ -152,7 +152,7 @@ fn of_the_line(number: u16, value: u32, assumed: &Assumptions) -> Result<Option<
 #[cfg(test)]
 mod tests {
     use super::{known, of_the_line};
-    use twin_drives::interpcnc::{Assumptions, BaudCode};
+    use twin_interpcnc::{Assumptions, BaudCode};
 
     #[test]
     fn a_speed_that_no_board_has_is_refused_and_others_say_how_to_go_on() {

@@ -8,8 +8,8 @@ use crate::command::show;
 use crate::command::{Failure, Status};
 use std::ops::RangeInclusive;
 use twin_drives::DriveError;
-use twin_drives::interpcnc::registers::{INPUTS, MAX_ANALOG, OUTPUTS, Status as Bits};
-use twin_drives::interpcnc::{BoardAxis, Exception, InterpCnc, Snapshot};
+use twin_interpcnc::protocol::registers::{INPUTS, MAX_ANALOG, OUTPUTS, Status as Bits};
+use twin_interpcnc::{BoardAxis, Exception, InterpCnc, Snapshot};
 
 pub(super) fn scan(
     addresses: RangeInclusive<u8>,

@@ -3,28 +3,28 @@
 use super::super::consent::Consent;
 use super::super::session::{BRAKING, Session, Stands, Stopping, no_clock};
 use std::sync::Arc;
-use twin_drives::smartdrive::{DriveState, Fault, Mode, SmartDrive};
 use twin_drives::{Action as Doing, DriveError, Exchange};
+use twin_smartdrive::{DriveState, Fault, Mode, SmartDrive};
 
 /// One drive of a bus, with what the command line says about it.
 #[derive(Debug)]
 pub(in crate::command::drive) struct Axis {
     pub(super) session: Session,
-    pub(super) station: Station,
+    pub(super) unit: Unit,
     pub(super) consent: Consent,
 }
 
 /// One drive of a bus.
 #[derive(Debug)]
-pub(super) struct Station {
+pub(super) struct Unit {
     pub(super) bus: SmartDrive,
     pub(super) port: Arc<str>,
     pub(super) address: u8,
 }
 
-impl Station {
+impl Unit {
     pub(super) fn at(&self) -> Exchange {
-        Exchange { port: Arc::clone(&self.port), station: self.address, action: Doing::ReadState }
+        Exchange { port: Arc::clone(&self.port), address: self.address, action: Doing::ReadState }
     }
 
     pub(super) async fn state(&mut self) -> Result<DriveState, DriveError> {
@@ -32,7 +32,7 @@ impl Station {
     }
 }
 
-impl Stopping for Station {
+impl Stopping for Unit {
     async fn soft_stop(&mut self) -> Result<(), DriveError> {
         match self.bus.stop(self.address, 0).await {
             // A drive that is off or in alarm refuses; then it does not move.

@@ -13,17 +13,17 @@ use super::words;
 use crate::advice;
 use crate::command::{Failure, Status};
 pub(super) use axis::Axis;
-use axis::Station;
+use axis::Unit;
 use comfy_table::Cell;
 use parameters::Found;
 use std::ops::RangeInclusive;
 use std::time::Duration;
-use twin_drives::smartdrive::parameters::{ACCELERATION_MAX, FULL_STEPS, STEP_DIVISOR};
-use twin_drives::smartdrive::{
+use twin_drives::{Drive, DriveError, ParameterId};
+use twin_smartdrive::protocol::parameters::{ACCELERATION_MAX, FULL_STEPS, STEP_DIVISOR};
+use twin_smartdrive::{
     ADDRESSES, AxisOptions, IoUpdate, Mode, SmartDrive, SmartDriveBus, SmartDriveOptions,
     StepsPerTurn,
 };
-use twin_drives::{Drive, DriveError, ParameterId};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct LineOptions {
@@ -135,8 +135,8 @@ impl Family for Axis {
         let (options, line) = (any_options(command)?, &command.line);
         let session = Session::start()?;
         let bus = session.inside(|| SmartDrive::open(&line.port, &options))?;
-        let station = Station { bus, port: line.port.as_str().into(), address: line.address };
-        Ok(Self { session, station, consent: command.consent() })
+        let unit = Unit { bus, port: line.port.as_str().into(), address: line.address };
+        Ok(Self { session, unit, consent: command.consent() })
     }
 
     fn drive(command: &Command<Self>, _: bool) -> Result<Box<dyn Drive>, Failure> {
@@ -144,10 +144,10 @@ impl Family for Axis {
     }
 
     fn scan(command: &Command<Self>, scan: &Scan) -> Result<Status, Failure> {
-        let Self { session, mut station, .. } = Self::open(command)?;
+        let Self { session, mut unit, .. } = Self::open(command)?;
         let (mut found, mut garbled) = (Vec::new(), Vec::new());
         for address in scan.addresses.clone() {
-            match session.ask(station.bus.state(address, &no_clock)) {
+            match session.ask(unit.bus.state(address, &no_clock)) {
                 Ok((state, _)) => found.push((address, state, None)),
                 Err(Failure::Drive(DriveError::Timeout { .. })) => {}
                 Err(Failure::Drive(DriveError::Protocol { .. })) => garbled.push(address),
@@ -176,10 +176,10 @@ impl Family for Axis {
         _: &Home,
         by_switch: &BySwitch,
     ) -> Result<(), Failure> {
-        let (port, station) = (&command.line.port, command.line.address);
+        let (port, address) = (&command.line.port, command.line.address);
         let mut drive = SmartDriveBus::open(port, &any_options(command)?)?;
         let mut value = |number| {
-            let id = ParameterId { station, number };
+            let id = ParameterId { address, number };
             drive.parameter(id).map(|value| u16::try_from(value).unwrap_or(0))
         };
         let [full_steps, divisor] = [value(FULL_STEPS)?, value(STEP_DIVISOR)?];
@@ -195,17 +195,17 @@ impl Family for Axis {
             axis.acceleration_rpm_per_s = rate.max(1);
         }
         let mut drive = SmartDriveBus::open(port, &options)?;
-        let name = format!("drive {station}");
+        let name = format!("drive {address}");
         let (named, consent) = ((name.as_str(), Self::UNIT), command.consent());
         by_switch.carry_out_at_zero(&mut drive, named, consent, |drive| drive.zero_here(0))
     }
 
     fn status(&mut self) -> Result<(), Failure> {
-        let Self { session, station, .. } = self;
-        let state = session.ask(station.state())?;
-        let address = station.address;
+        let Self { session, unit, .. } = self;
+        let state = session.ask(unit.state())?;
+        let address = unit.address;
         // While its mode changes a drive says nothing of its pins.
-        let pins = session.ask(station.bus.io(address, IoUpdate::default())).ok();
+        let pins = session.ask(unit.bus.io(address, IoUpdate::default())).ok();
         show::status(&[(address, state, pins.map(|pins| pins.levels))])?;
         if let Some(next) = show::next(&state) {
             say!("next: {next}");
@@ -218,7 +218,7 @@ impl Family for Axis {
         if state.mode == Mode::Remote.number() && state.alarms.is_empty() {
             say!("obeys the bus already, at {}", state.position);
         } else {
-            let Station { bus, address, .. } = &mut self.station;
+            let Unit { bus, address, .. } = &mut self.unit;
             self.session.ask(bus.set_mode(*address, Some(Mode::Remote)))?;
             say!("obeys the bus, at 0");
         }
@@ -243,19 +243,19 @@ impl Family for Axis {
     }
 
     fn travel(&mut self, _: &Nothing, to: &Travel<(u16, u16)>) -> Result<(), Failure> {
-        self.session.motion(&mut self.station, async |station| {
+        self.session.motion(&mut self.unit, async |unit| {
             let profile = Some(to.profile);
-            station.bus.travel(station.address, to.target, profile, to.patience).await
+            unit.bus.travel(unit.address, to.target, profile, to.patience).await
         })
     }
 
     fn stop(&mut self, now: bool) -> Result<String, Failure> {
         if now {
-            self.session.ask(self.station.hard_stop())?;
+            self.session.ask(self.unit.hard_stop())?;
             return Ok("off".to_owned());
         }
-        self.session.ask(self.station.soft_stop())?;
-        let state = self.session.ask(self.station.state())?;
+        self.session.ask(self.unit.soft_stop())?;
+        let state = self.session.ask(self.unit.state())?;
         Ok(format!("at rest at {}", state.position))
     }
 
@@ -268,7 +268,7 @@ impl Family for Axis {
     }
 
     fn row(&mut self, found: &Found) -> Result<Vec<Cell>, Failure> {
-        parameters::row(&self.session, &mut self.station, *found)
+        parameters::row(&self.session, &mut self.unit, *found)
     }
 
     fn set(&mut self, found: &Found, value: &str) -> Result<(), Failure> {
@@ -277,17 +277,17 @@ impl Family for Axis {
 
     fn save(&mut self) -> Result<(), Failure> {
         self.standing("save")?;
-        let Station { bus, address, .. } = &mut self.station;
+        let Unit { bus, address, .. } = &mut self.unit;
         self.session.ask(bus.save(*address))?;
         say!("saved; the position is 0");
         Ok(())
     }
 
     fn inputs(&mut self) -> Result<(), Failure> {
-        show::inputs(&self.session, &mut self.station)
+        show::inputs(&self.session, &mut self.unit)
     }
 
     fn outputs(&mut self, outputs: &Outputs) -> Result<(), Failure> {
-        show::outputs(&self.session, &mut self.station, &outputs.switches)
+        show::outputs(&self.session, &mut self.unit, &outputs.switches)
     }
 }

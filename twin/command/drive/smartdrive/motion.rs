@@ -3,11 +3,11 @@
 use super::super::family::Travel;
 use super::super::words;
 use super::Ramps;
-use super::axis::{Axis, Station};
+use super::axis::{Axis, Unit};
 use super::show::{mode, turns};
 use crate::command::Failure;
-use twin_drives::smartdrive::parameters::{self, FULL_STEPS, STEP_DIVISOR};
-use twin_drives::smartdrive::{DriveState, Mode};
+use twin_smartdrive::protocol::parameters::{self, FULL_STEPS, STEP_DIVISOR};
+use twin_smartdrive::{DriveState, Mode};
 
 /// No drive goes beyond its position limits, which count where the lower is below the upper.
 fn within([low, high]: [i64; 2], target: i32) -> Result<(), String> {
@@ -28,9 +28,9 @@ fn within([low, high]: [i64; 2], target: i32) -> Result<(), String> {
 impl Axis {
     /// The state of a drive that does not move.
     pub(super) fn standing(&mut self, what: &str) -> Result<DriveState, Failure> {
-        let state = self.session.ask(self.station.state())?;
+        let state = self.session.ask(self.unit.state())?;
         if turns(&state) {
-            let at = self.station.at();
+            let at = self.unit.at();
             let message =
                 format!("{at}: it moves, which `{what}` could end or spoil: `stop` first");
             return Err(Failure::Usage(message));
@@ -42,7 +42,7 @@ impl Axis {
     fn obeying(&mut self, what: &str) -> Result<DriveState, Failure> {
         let state = self.standing(what)?;
         if state.mode != Mode::Remote.number() {
-            let (at, mode) = (self.station.at(), mode(state.mode));
+            let (at, mode) = (self.unit.at(), mode(state.mode));
             let message = format!("{at}: it is in mode {mode}: `unlock` first");
             return Err(Failure::Usage(message));
         }
@@ -51,25 +51,24 @@ impl Axis {
 
     /// The working value of a parameter.
     fn working(&mut self, index: u16) -> Result<i64, Failure> {
-        let Station { bus, address, .. } = &mut self.station;
+        let Unit { bus, address, .. } = &mut self.unit;
         Ok(self.session.ask(bus.parameter(*address, index))?.working)
     }
 
     pub(super) fn home_axis(&mut self) -> Result<(), Failure> {
         let from = self.obeying("home")?.position;
-        let address = self.station.address;
+        let address = self.unit.address;
         let enter = self.working(parameters::VELOCITY_ENTER_HOME)?;
         let offset = self.working(parameters::POSITION_OFFSET)?;
         let configured = self.working(parameters::HOME_CONFIGURATION)?;
-        let longest = self.station.bus.options().homing.as_secs();
+        let longest = self.unit.bus.options().homing.as_secs();
         self.consent.ask(&format!(
             "home the axis at address {address} from {from} to its switch, which is at {offset} µsteps, at {enter} rpm, for {longest} s \
              at most, in the direction that the drive is set to (CfgHome is {configured}, which its manual does not explain: the \
              axis may go either way)"
         ))?;
-        let position = self
-            .session
-            .motion(&mut self.station, async |station| station.bus.home(address).await)?;
+        let position =
+            self.session.motion(&mut self.unit, async |unit| unit.bus.home(address).await)?;
         say!("home, at {position}");
         Ok(())
     }
@@ -88,13 +87,13 @@ impl Axis {
         let turn = f64::from(full_steps) * f64::from(narrow(self.working(STEP_DIVISOR)?));
         let low = self.working(parameters::POSITION_MIN)?;
         let limits = [low, self.working(parameters::POSITION_MAX)?];
-        let at = self.station.at();
+        let at = self.unit.at();
         within(limits, target).map_err(|why| Failure::Usage(format!("{at}: {why}")))?;
         // More than its ceilings no drive does.
         let speed = ramps.speed.map_or(speed, |wanted| wanted.min(speed));
         let acceleration =
             ramps.acceleration.map_or(acceleration, |wanted| wanted.min(acceleration));
-        let address = self.station.address;
+        let address = self.unit.address;
         let question = format!(
             "move the axis at address {address} from {from} to {target} µsteps at {speed} rpm"
         );

@@ -2,11 +2,11 @@
 
 use super::super::session::{Session, no_clock};
 use super::super::words::{self, right};
-use super::axis::{Axis, Station};
+use super::axis::{Axis, Unit};
 use crate::command::Failure;
 use comfy_table::Cell;
 use twin_drives::DriveError;
-use twin_drives::smartdrive::parameters::{self, ADDRESS, Entry, Kind, PARAMETERS, VARIABLES};
+use twin_smartdrive::protocol::parameters::{self, ADDRESS, Entry, Kind, PARAMETERS, VARIABLES};
 
 /// A parameter or a variable.
 #[derive(Clone, Copy)]
@@ -59,11 +59,7 @@ pub(super) fn all() -> Vec<Found> {
 }
 
 /// Number, name, value, saved, factory, unit.
-pub(super) fn row(
-    session: &Session,
-    axis: &mut Station,
-    found: Found,
-) -> Result<Vec<Cell>, Failure> {
+pub(super) fn row(session: &Session, axis: &mut Unit, found: Found) -> Result<Vec<Cell>, Failure> {
     let address = axis.address;
     let (entry, number, value, saved, factory) = match found {
         Found::Parameter(entry) => {
@@ -84,7 +80,7 @@ pub(super) fn row(
 impl Axis {
     /// Sets a parameter or a variable.
     pub(super) fn set_parameter(&mut self, found: Found, value: &str) -> Result<(), Failure> {
-        let address = self.station.address;
+        let address = self.unit.address;
         let (Found::Parameter(entry) | Found::Variable(entry)) = found;
         if !entry.writable {
             return Err(Failure::Usage(format!("{} ({}) is read-only", entry.name, entry.index)));
@@ -94,7 +90,7 @@ impl Axis {
         if matches!(found, Found::Parameter(_)) {
             self.standing("set")?;
         }
-        let Self { session, station, .. } = self;
+        let Self { session, unit, .. } = self;
         let named = format!("{} ({})", entry.name, entry.index);
         words::check_value(&named, value, (&entry.values(), entry.unit))?;
         let new_address = u8::try_from(value)
@@ -102,7 +98,7 @@ impl Axis {
             .filter(|_| entry.index == ADDRESS && matches!(found, Found::Parameter(_)));
         if let Some(new) = new_address.filter(|new| *new != address) {
             // Two at one address can be told apart by their cables alone.
-            match session.ask(station.bus.state(new, &no_clock)) {
+            match session.ask(unit.bus.state(new, &no_clock)) {
                 Err(Failure::Drive(DriveError::Timeout { .. })) => {}
                 Ok(_) | Err(Failure::Drive(DriveError::Protocol { .. })) => {
                     return Err(Failure::Usage(format!(
@@ -114,11 +110,11 @@ impl Axis {
         }
         let (entry, old, new) = match found {
             Found::Parameter(entry) => {
-                let old = session.ask(station.bus.parameter(address, entry.index))?.working;
+                let old = session.ask(unit.bus.parameter(address, entry.index))?.working;
                 (
                     entry,
                     old,
-                    session.ask(station.bus.set_parameter(address, entry.index, value))?.working,
+                    session.ask(unit.bus.set_parameter(address, entry.index, value))?.working,
                 )
             }
             Found::Variable(entry) => {
@@ -126,8 +122,8 @@ impl Axis {
                     .ok()
                     .filter(|_| entry.accepts(value))
                     .ok_or_else(|| Failure::Usage(format!("{} cannot be {value}", entry.name)))?;
-                let old = session.ask(station.bus.read(address, entry.index))?;
-                (entry, old, session.ask(station.bus.write_variable(address, entry.index, wanted))?)
+                let old = session.ask(unit.bus.read(address, entry.index))?;
+                (entry, old, session.ask(unit.bus.write_variable(address, entry.index, wanted))?)
             }
         };
         say!("{} ({}): {}", entry.name, entry.index, words::changed(old, new, entry.unit));
@@ -143,7 +139,7 @@ impl Axis {
 #[cfg(test)]
 mod tests {
     use super::{find, number};
-    use twin_drives::smartdrive::parameters::{PARAMETERS, named};
+    use twin_smartdrive::protocol::parameters::{PARAMETERS, named};
 
     /// "Annexe": 0.3 · 32768 = 9830.
     #[test]

@@ -2,10 +2,10 @@
 
 use super::super::session::Session;
 use super::super::words::{on_off, right};
-use super::axis::Station;
+use super::axis::Unit;
 use crate::command::Failure;
 use crate::command::show;
-use twin_drives::smartdrive::{Command, DriveState, IoUpdate, Mode, TrajectoryFlags};
+use twin_smartdrive::{Command, DriveState, IoUpdate, Mode, TrajectoryFlags};
 
 /// Names of the pins, bit 0 first: three outputs, then the inputs.
 const PINS: [&str; 8] = ["RDY", "BRK", "LED", "GO", "DIR", "OFF", "LIMP", "LIMN"];
@@ -86,7 +86,7 @@ pub(super) fn next(state: &DriveState) -> Option<&'static str> {
     }
 }
 
-pub(super) fn inputs(session: &Session, axis: &mut Station) -> Result<(), Failure> {
+pub(super) fn inputs(session: &Session, axis: &mut Unit) -> Result<(), Failure> {
     let seen = session.ask(axis.bus.io(axis.address, IoUpdate::default()))?;
     let mut table = show::table();
     table.set_header(["input", "level", "caught, active", "caught, inverse"]);
@@ -100,7 +100,7 @@ pub(super) fn inputs(session: &Session, axis: &mut Station) -> Result<(), Failur
 
 pub(super) fn outputs(
     session: &Session,
-    axis: &mut Station,
+    axis: &mut Unit,
     switches: &[(String, bool)],
 ) -> Result<(), Failure> {
     let mut update = IoUpdate::default();

@@ -1,0 +1,354 @@
+//! The board over the wire: one exchange at a time, each with a deadline.
+
+use std::{borrow::Cow, sync::Arc};
+
+use tokio_modbus::{Request, Response};
+use tokio_serial::{DataBits, FlowControl, StopBits};
+
+mod access;
+mod exchange;
+mod homing;
+mod lock;
+mod memory;
+mod motion;
+pub(crate) mod options;
+mod outcome;
+pub(crate) mod port;
+mod ranges;
+mod segments;
+mod settings;
+
+pub use homing::{HomeAxis, ProbeMove};
+pub use memory::Snapshot;
+pub use options::{AxisOptions, EncoderOptions, Following, InterpCncOptions};
+pub use settings::{Identity, Recipes};
+
+use super::{Command, Line, Parity};
+use crate::{
+    client::port::SharedPort,
+    protocol::registers::{
+        AXES, COMMAND, FIRST_OUTPUT, OUTPUTS, STATE_REGISTERS, STATUS, Status, join,
+    },
+};
+use twin_drives::{
+    Action, Clock, DriveError, Exchange, ProtocolFault, Stamp, pause::Pause, port::open_serial,
+    transport::Transport,
+};
+
+/// Attempts at a request that may be sent again.
+const ATTEMPTS: u32 = 2;
+/// Attempts at a stop, which never waits for the wire to become quiet first.
+const STOP_ATTEMPTS: u32 = 3;
+/// Reads after which no more silence is waited for.
+const MOST_LEFTOVERS: u32 = 64;
+
+/// Status and positions, registers 1024 to 1035.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BoardState {
+    /// Status bits.
+    pub status: Status,
+    /// Position counters X, Y, Z, A, B, steps.
+    pub positions: [i32; AXES],
+}
+
+impl BoardState {
+    fn from_registers(registers: &[u16]) -> Option<Self> {
+        let registers: &[u16; STATE_REGISTERS as usize] = registers.try_into().ok()?;
+        let [high, low, counters @ ..] = *registers;
+        let mut positions = [0; AXES];
+        for (position, pair) in positions.iter_mut().zip(counters.chunks_exact(2)) {
+            let &[high, low] = pair else { continue };
+            *position = join(high, low).cast_signed();
+        }
+        Some(Self { status: Status(join(high, low)), positions })
+    }
+}
+
+/// The board as a Modbus address. All calls need a tokio runtime with I/O and time.
+///
+/// After an exchange without a proper answer the answer may still come, and would be taken for that to the next
+/// request. Before the next request, unless it is a stop, the driver therefore waits until no answer can come any more
+/// and throws away what has come.
+pub struct InterpCnc {
+    port: Arc<str>,
+    options: InterpCncOptions,
+    transport: SharedPort,
+    /// The last request has been answered: what comes now answers nothing, and there is no need to wait for silence.
+    in_step: bool,
+    /// An answer may still be on its way.
+    late: bool,
+    /// Silence between the last frame and the next.
+    silence: Option<Pause>,
+    /// Whether it has its thread to itself.
+    alone: bool,
+    /// Segments that may still wait in the command buffer or be under way.
+    outstanding: u16,
+}
+
+impl std::fmt::Debug for InterpCnc {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { port, options, late, .. } = self;
+        f.debug_struct("InterpCnc")
+            .field("port", port)
+            .field("options", options)
+            .field("late", late)
+            .finish()
+    }
+}
+
+impl InterpCnc {
+    /// Opens the serial port. Sends nothing.
+    ///
+    /// # Errors
+    /// If an option is impossible or the port cannot be opened.
+    pub fn open(port: &str, options: &InterpCncOptions) -> Result<Self, DriveError> {
+        let name: Arc<str> = port.into();
+        options.check(&name)?;
+        let Line { baud, parity } = options.line;
+        let parity = match parity {
+            Parity::None => tokio_serial::Parity::None,
+            Parity::Even => tokio_serial::Parity::Even,
+            Parity::Odd => tokio_serial::Parity::Odd,
+        };
+        let serial = tokio_serial::new(port, baud)
+            .parity(parity)
+            .data_bits(DataBits::Eight)
+            .stop_bits(StopBits::One)
+            .flow_control(FlowControl::None);
+        let stream = open_serial(port, serial).map_err(|source| DriveError::Transport {
+            at: Exchange {
+                port: Arc::clone(&name),
+                address: options.address,
+                action: Action::Open,
+            },
+            source,
+        })?;
+        Ok(Self::attach(name, stream, options))
+    }
+
+    /// The board at the other end of any stream of bytes.
+    pub fn attach(
+        port: Arc<str>,
+        transport: impl Transport + 'static,
+        options: &InterpCncOptions,
+    ) -> Self {
+        let transport = SharedPort::new(transport, options.echo);
+        // What lies in the input from before is nobody's answer: the first exchange starts by clearing it.
+        Self {
+            port,
+            options: options.clone(),
+            transport,
+            in_step: false,
+            late: false,
+            silence: None,
+            alone: false,
+            outstanding: 0,
+        }
+    }
+
+    /// Keeps silences to the microsecond by putting its thread to sleep for up to 1.2 ms, which nobody else may need
+    /// meanwhile. The timers of a runtime, which it waits for otherwise, make exchanges a fifth longer.
+    #[must_use]
+    pub fn alone(self) -> Self {
+        Self { alone: true, ..self }
+    }
+
+    /// Where and in the course of what something happens.
+    pub(crate) fn at(&self, action: Action) -> Exchange {
+        Exchange { port: Arc::clone(&self.port), address: self.options.address, action }
+    }
+
+    /// Whether a command or an answer may still be on its way.
+    pub(crate) fn is_late(&self) -> bool {
+        self.late
+    }
+
+    /// Options it was opened with.
+    pub fn options(&self) -> &InterpCncOptions {
+        &self.options
+    }
+
+    /// Reads status and positions; asked again once if no proper answer comes.
+    ///
+    /// # Errors
+    /// If no proper answer comes.
+    pub async fn state(&mut self, clock: &dyn Clock) -> Result<(BoardState, Stamp), DriveError> {
+        let request = Request::ReadInputRegisters(STATUS, STATE_REGISTERS);
+        let mut attempt = 1;
+        loop {
+            let outcome = self.settled_exchange(Action::ReadState, request.clone(), clock).await;
+            match outcome.and_then(|(response, stamp)| Ok((self.state_of(&response)?, stamp))) {
+                Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })
+                    if attempt < ATTEMPTS =>
+                {
+                    attempt += 1;
+                }
+                done => return done,
+            }
+        }
+    }
+
+    /// Sends a command; success means that the board has accepted it, not that it is finished.
+    ///
+    /// Only commands that are idempotent ([`Command::is_idempotent`]) are sent again if no proper answer comes. After
+    /// an error of any other it is unknown whether the board has executed it.
+    ///
+    /// # Errors
+    /// If a value is beyond what the board takes, if the board refuses it, or if no proper answer comes.
+    pub async fn send(
+        &mut self,
+        command: &Command,
+        clock: &dyn Clock,
+    ) -> Result<Stamp, DriveError> {
+        self.check(command)?;
+        let stop =
+            matches!(command, Command::RampStopAxes { .. } | Command::RampStop | Command::Stop);
+        let attempts = if stop {
+            STOP_ATTEMPTS
+        } else if command.is_idempotent() {
+            ATTEMPTS
+        } else {
+            1
+        };
+        let registers = command.registers();
+        let mut attempt = 1;
+        loop {
+            let request = Request::WriteMultipleRegisters(COMMAND, Cow::Borrowed(&registers));
+            let outcome = if stop {
+                // A stop does not wait: a late answer of another exchange confirms other registers and is told apart.
+                self.exchange(command.action(), request, clock).await
+            } else {
+                self.settled_exchange(command.action(), request, clock).await
+            };
+            match outcome.and_then(|(response, stamp)| {
+                self.confirmed(command, &registers, &response).map(|()| stamp)
+            }) {
+                Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })
+                    if attempt < attempts =>
+                {
+                    attempt += 1;
+                }
+                Err(error) => return Err(self.if_locked(error, clock).await),
+                done => return done,
+            }
+        }
+    }
+
+    /// Sends a command register by register with function 6, arguments first and the number last, as the manual tells
+    /// masters that have no function 16. If it fails on the way nothing is carried out, and nothing is repeated.
+    ///
+    /// # Errors
+    /// As [`Self::send`].
+    pub async fn send_singly(
+        &mut self,
+        command: &Command,
+        clock: &dyn Clock,
+    ) -> Result<Stamp, DriveError> {
+        self.check(command)?;
+        let action = command.action();
+        let registers = command.registers();
+        let (number, arguments) = registers.split_first().unwrap_or((&0, &[]));
+        let mut stamp = Stamp::default();
+        let arguments = (COMMAND + 1..).zip(arguments);
+        for (address, value) in arguments.chain(std::iter::once((COMMAND, number))) {
+            let request = Request::WriteSingleRegister(address, *value);
+            let (answer, then) = match self.settled_exchange(action, request, clock).await {
+                Ok(done) => done,
+                Err(error) => return Err(self.if_locked(error, clock).await),
+            };
+            if answer != Response::WriteSingleRegister(address, *value) {
+                return Err(self.distrust(action, ProtocolFault::Garbled));
+            }
+            stamp = then;
+        }
+        Ok(stamp)
+    }
+
+    /// Switches output `output` (1 to 32) and reads it back: a locked board confirms the write and leaves the output
+    /// alone. Asked again once if no proper answer comes.
+    ///
+    /// # Errors
+    /// If there is no such output, the board refuses it or is locked, or no proper answer comes.
+    pub async fn set_output(
+        &mut self,
+        output: u8,
+        on: bool,
+        clock: &dyn Clock,
+    ) -> Result<(), DriveError> {
+        let action = Action::SwitchOutput { output, on };
+        if !(1..=OUTPUTS).contains(&output) {
+            return Err(DriveError::Range {
+                at: self.at(action),
+                register: FIRST_OUTPUT,
+                value: output.into(),
+                unit: "",
+                low: 1.0,
+                high: OUTPUTS.into(),
+            });
+        }
+        let coil = FIRST_OUTPUT + u16::from(output) - 1;
+        let write = Request::WriteSingleCoil(coil, on);
+        let done = Response::WriteSingleCoil(coil, on);
+        let confirmed = |answer: &Response| (*answer == done).then_some(());
+        if let Err(error) = self.asked_twice(action, &write, clock, confirmed).await {
+            return Err(self.if_locked(error, clock).await);
+        }
+        let read = Request::ReadCoils(coil, 1);
+        let state = self.asked_twice(action, &read, clock, |answer| match answer {
+            Response::ReadCoils(coils) => coils.first().copied(),
+            _ => None,
+        });
+        if state.await? == on { Ok(()) } else { Err(DriveError::Locked { at: self.at(action) }) }
+    }
+
+    /// Checks that the board is neither locked nor without ENABLE.
+    ///
+    /// # Errors
+    /// [`DriveError::EnableOpen`], [`DriveError::Locked`]; `action` is what they name.
+    pub fn check_obeys(&self, state: &BoardState, action: Action) -> Result<(), DriveError> {
+        if state.status.enable_open() {
+            Err(DriveError::EnableOpen { at: self.at(action) })
+        } else if state.status.locked() {
+            Err(DriveError::Locked { at: self.at(action) })
+        } else {
+            Ok(())
+        }
+    }
+
+    fn state_of(&mut self, response: &Response) -> Result<BoardState, DriveError> {
+        let registers = match response {
+            Response::ReadInputRegisters(registers) => registers.as_slice(),
+            _ => &[],
+        };
+        BoardState::from_registers(registers).ok_or_else(|| {
+            let fault = ProtocolFault::Length {
+                expected: STATE_REGISTERS.into(),
+                received: registers.len(),
+            };
+            self.distrust(Action::ReadState, fault)
+        })
+    }
+
+    fn confirmed(
+        &mut self,
+        command: &Command,
+        written: &[u16],
+        response: &Response,
+    ) -> Result<(), DriveError> {
+        let (confirmed_address, confirmed_count) = match response {
+            Response::WriteMultipleRegisters(address, count) => (*address, *count),
+            _ => (0, 0),
+        };
+        let count = u16::try_from(written.len()).unwrap_or(u16::MAX);
+        if (confirmed_address, confirmed_count) == (COMMAND, count) {
+            return Ok(());
+        }
+        let fault = ProtocolFault::Confirmation {
+            address: COMMAND,
+            count,
+            confirmed_address,
+            confirmed_count,
+        };
+        Err(self.distrust(command.action(), fault))
+    }
+}

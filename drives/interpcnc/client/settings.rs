@@ -1,0 +1,314 @@
+//! Identity of the board, and access to its EEPROM: parameters, user memory and recipes.
+
+use std::time::Duration;
+
+use super::InterpCnc;
+use crate::{
+    Exception, Line, Parity,
+    protocol::{
+        parameters::{self, FIRST_PARAMETER, PARAMETERS},
+        registers::{
+            FIRST_RECIPE, FIRST_USER_MEMORY, RECIPE_INDEX, RECIPE_PAGE, RECIPE_PAGES,
+            RECIPE_REGISTERS, RECIPE_SIZE, Status, USER_MEMORY, join, words,
+        },
+    },
+};
+use twin_drives::{Action, Clock, DriveError};
+
+/// What a board tells about itself: the manual knows no register for its name or firmware.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Identity {
+    /// Station address by parameter 103.
+    pub address: u32,
+    /// Speed by parameter 101, as it is coded there.
+    pub speed: u32,
+    /// Parity by parameter 102, as it is coded there.
+    pub parity: u32,
+    /// Speed and parity, if the codes make sense as assumed.
+    pub line: Option<Line>,
+    /// Whether it has recipes: firmware 5.30 or later, which also knows command 78.
+    pub has_recipes: bool,
+}
+
+/// How recipes are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Recipes {
+    /// Registers of each, 1 to 250.
+    pub size: u16,
+    /// Recipe shown on page 0 to 3.
+    pub shown: [u16; 4],
+}
+
+impl Recipes {
+    /// How many fit into the 5000 registers.
+    pub fn count(&self) -> u16 {
+        RECIPE_REGISTERS.checked_div(self.size).unwrap_or(0)
+    }
+}
+
+impl InterpCnc {
+    /// Who answers. Changes nothing.
+    ///
+    /// # Errors
+    /// If no proper answer comes.
+    pub async fn identify(&mut self, clock: &dyn Clock) -> Result<Identity, DriveError> {
+        let speed = self.parameter(parameters::MODBUS_SPEED, clock).await?;
+        let parity = self.parameter(parameters::MODBUS_PARITY, clock).await?;
+        let address = self.parameter(parameters::MODBUS_ADDRESS, clock).await?;
+        let has_recipes = match self.read_holding("recipe size", RECIPE_SIZE, 1, clock).await {
+            Ok(_) => true,
+            Err(error) if Exception::code_of(&error).is_some() => false,
+            Err(error) => return Err(error),
+        };
+        let baud = self.options().assumptions.baud_code.decode(speed);
+        let line = baud.zip(Parity::from_code(parity)).map(|(baud, parity)| Line { baud, parity });
+        Ok(Identity { address, speed, parity, line, has_recipes })
+    }
+
+    /// Address of a parameter.
+    fn parameter_address(
+        &self,
+        number: u16,
+        count: usize,
+        written: bool,
+    ) -> Result<u16, DriveError> {
+        let (what, size) = ("parameter", 2 * PARAMETERS);
+        let first = number.saturating_mul(2);
+        if written {
+            self.within_area(what, FIRST_PARAMETER, size, first, 2 * count)
+        } else {
+            self.within_read(what, FIRST_PARAMETER, size, first, 2 * count)
+        }
+    }
+
+    /// Parameter `number` (0 to 383).
+    ///
+    /// # Errors
+    /// If there is none or no proper answer comes.
+    pub async fn parameter(&mut self, number: u16, clock: &dyn Clock) -> Result<u32, DriveError> {
+        let values = self.parameters(number, 1, clock).await?;
+        Ok(values.first().copied().unwrap_or(0))
+    }
+
+    /// `count` parameters from `first` on; all of them are 384 from 0.
+    ///
+    /// # Errors
+    /// If there are not so many or no proper answer comes.
+    pub async fn parameters(
+        &mut self,
+        first: u16,
+        count: u16,
+        clock: &dyn Clock,
+    ) -> Result<Vec<u32>, DriveError> {
+        let address = self.parameter_address(first, count.into(), false)?;
+        let registers = self.read_holding("parameter", address, 2 * count, clock).await?;
+        let pairs = registers.chunks_exact(2);
+        Ok(pairs
+            .filter_map(|pair| <[u16; 2]>::try_from(pair).ok())
+            .map(|[high, low]| join(high, low))
+            .collect())
+    }
+
+    /// Writes a parameter, waits until the EEPROM has it and reads it back. Writes only what is not so already: every
+    /// write wears the EEPROM. After a write that has failed (B15) what is read may be in RAM alone, and is written again.
+    ///
+    /// # Errors
+    /// If there is none, the board refuses it, the EEPROM fails or is not ready in time, the parameter reads back
+    /// otherwise, or no proper answer comes.
+    pub async fn set_parameter(
+        &mut self,
+        number: u16,
+        value: u32,
+        patience: Duration,
+        clock: &dyn Clock,
+    ) -> Result<(), DriveError> {
+        let address = self.parameter_address(number, 1, true)?;
+        if self.parameter(number, clock).await? == value {
+            let (state, _) = self.state(clock).await?;
+            let doubtful = [Status::EEPROM_BUSY, Status::EEPROM_ERROR];
+            if !doubtful.into_iter().any(|bit| state.status.has(bit)) {
+                return Ok(());
+            }
+        }
+        self.write_kept("parameter", address, &words(value), patience, clock).await?;
+        let found = self.parameter(number, clock).await?;
+        if found == value {
+            return Ok(());
+        }
+        let action = Action::Write { what: "parameter", address, count: 2 };
+        Err(DriveError::NotKept { at: self.at(action), address: number, written: value, found })
+    }
+
+    /// Writes registers that the EEPROM keeps and waits until it has them: B14 clear, then B15 tells.
+    async fn write_kept(
+        &mut self,
+        what: &'static str,
+        address: u16,
+        values: &[u16],
+        patience: Duration,
+        clock: &dyn Clock,
+    ) -> Result<(), DriveError> {
+        let count = u16::try_from(values.len()).unwrap_or(u16::MAX);
+        let action = Action::Write { what, address, count };
+        let failure = self.options().assumptions.exceptions_failure;
+        match self.write_holding(what, address, values, clock).await {
+            Err(error) if Exception::code_of(&error) == Some(failure) => {
+                return Err(DriveError::EepromFailed { at: error.at().clone() });
+            }
+            written => written?,
+        }
+        self.wait(action, patience, clock, |board, state| {
+            if state.status.has(Status::EEPROM_BUSY) {
+                return None;
+            }
+            Some(if state.status.has(Status::EEPROM_ERROR) {
+                Err(DriveError::EepromFailed { at: board.at(action) })
+            } else {
+                Ok(())
+            })
+        })
+        .await
+    }
+
+    /// User memory in EEPROM: `count` registers from `first` (0 to 511) on.
+    ///
+    /// # Errors
+    /// If there are not so many or no proper answer comes.
+    pub async fn user_memory(
+        &mut self,
+        first: u16,
+        count: u16,
+        clock: &dyn Clock,
+    ) -> Result<Vec<u16>, DriveError> {
+        let (what, start) = ("user memory", FIRST_USER_MEMORY);
+        let address = self.within_read(what, start, USER_MEMORY, first, count.into())?;
+        self.read_holding(what, address, count, clock).await
+    }
+
+    /// Writes user memory in EEPROM from `first` on and waits until the EEPROM has it.
+    ///
+    /// # Errors
+    /// If there are not so many registers, the board refuses it, the EEPROM fails or is not ready in time, or no
+    /// proper answer comes.
+    pub async fn set_user_memory(
+        &mut self,
+        first: u16,
+        values: &[u16],
+        patience: Duration,
+        clock: &dyn Clock,
+    ) -> Result<(), DriveError> {
+        let (what, start) = ("user memory", FIRST_USER_MEMORY);
+        let address = self.within_area(what, start, USER_MEMORY, first, values.len())?;
+        self.write_kept(what, address, values, patience, clock).await
+    }
+
+    /// How recipes are stored and which are shown.
+    ///
+    /// # Errors
+    /// If no proper answer comes.
+    pub async fn recipes(&mut self, clock: &dyn Clock) -> Result<Recipes, DriveError> {
+        let registers = self.read_holding("recipes", RECIPE_SIZE, 1 + RECIPE_PAGES, clock).await?;
+        Ok(match *registers.as_slice() {
+            [size, a, b, c, d] => Recipes { size, shown: [a, b, c, d] },
+            _ => Recipes { size: 0, shown: [0; 4] },
+        })
+    }
+
+    /// Gives recipes another size, 1 to 250 registers. **All recipes are lost.**
+    ///
+    /// # Errors
+    /// If there is no such size, the board refuses it, the EEPROM fails or is not ready in time, or no proper answer
+    /// comes.
+    pub async fn erase_recipes(
+        &mut self,
+        size: u16,
+        patience: Duration,
+        clock: &dyn Clock,
+    ) -> Result<(), DriveError> {
+        let what = "recipe size";
+        if !(1..=RECIPE_PAGE).contains(&size) {
+            let at = self.at(Action::Write { what, address: RECIPE_SIZE, count: 1 });
+            let (low, high) = (1.0, RECIPE_PAGE.into());
+            return Err(DriveError::Range {
+                at,
+                register: RECIPE_SIZE,
+                value: size.into(),
+                unit: "",
+                low,
+                high,
+            });
+        }
+        self.write_kept(what, RECIPE_SIZE, &[size], patience, clock).await
+    }
+
+    /// Shows recipe `recipe` (from 0) on page `page` (0 to 3).
+    ///
+    /// # Errors
+    /// If there is no such page or recipe, the board refuses it, the EEPROM fails or is not ready in time, or no
+    /// proper answer comes.
+    pub async fn show_recipe(
+        &mut self,
+        page: u16,
+        recipe: u16,
+        patience: Duration,
+        clock: &dyn Clock,
+    ) -> Result<(), DriveError> {
+        let what = "recipe index";
+        let address = self.within_area(what, RECIPE_INDEX, RECIPE_PAGES, page, 1)?;
+        let count = self.recipes(clock).await?.count();
+        if recipe >= count {
+            let at = self.at(Action::Write { what, address, count: 1 });
+            let high = f64::from(count) - 1.0;
+            return Err(DriveError::Range {
+                at,
+                register: address,
+                value: recipe.into(),
+                unit: "",
+                low: 0.0,
+                high,
+            });
+        }
+        self.write_kept(what, address, &[recipe], patience, clock).await
+    }
+
+    /// The recipe that page `page` (0 to 3) shows.
+    ///
+    /// # Errors
+    /// If there is no such page, the board refuses it (exception 2: beyond the stored ones) or no proper answer comes.
+    pub async fn recipe(&mut self, page: u16, clock: &dyn Clock) -> Result<Vec<u16>, DriveError> {
+        let size = self.recipes(clock).await?.size;
+        self.within_read("recipe page", RECIPE_INDEX, RECIPE_PAGES, page, 1)?;
+        let start = FIRST_RECIPE + RECIPE_PAGE * page;
+        let address = self.within_read("recipe", start, size, 0, size.into())?;
+        self.read_holding("recipe", address, size, clock).await
+    }
+
+    /// Writes registers of the recipe that page `page` shows, from `first` on.
+    ///
+    /// # Errors
+    /// If the recipe has not so many, the board refuses it, the EEPROM fails or is not ready in time, or no proper
+    /// answer comes.
+    pub async fn set_recipe(
+        &mut self,
+        page: u16,
+        first: u16,
+        values: &[u16],
+        patience: Duration,
+        clock: &dyn Clock,
+    ) -> Result<(), DriveError> {
+        let size = self.recipes(clock).await?.size;
+        let address = self.recipe_address(page, first, size, values.len())?;
+        self.write_kept("recipe", address, values, patience, clock).await
+    }
+
+    fn recipe_address(
+        &self,
+        page: u16,
+        first: u16,
+        size: u16,
+        count: usize,
+    ) -> Result<u16, DriveError> {
+        self.within_area("recipe page", RECIPE_INDEX, RECIPE_PAGES, page, 1)?;
+        self.within_area("recipe", FIRST_RECIPE + RECIPE_PAGE * page, size, first, count)
+    }
+}

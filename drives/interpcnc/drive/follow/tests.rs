@@ -1,0 +1,529 @@
+//! The closed loop without wire and wall clock: follower and board, exchanges of computed duration.
+
+use std::{
+    f64::consts::TAU,
+    sync::atomic::{AtomicI64, Ordering},
+};
+
+use super::*;
+use crate::{
+    BoardAxis, Command,
+    emulator::{Board, BoardOptions},
+    protocol::vectors::{frame, vector},
+};
+use twin_drives::{
+    IncrementMotion, MAX_DRIVE_AXES, SetpointStream, Stamp,
+    follow::{Order, TOLERANCE},
+    ramp::seconds,
+};
+
+const MS: i64 = 1_000_000;
+
+/// A plan in closed form, and the time.
+struct Plan<'a> {
+    now_ns: AtomicI64,
+    horizon_ns: i64,
+    end_s: f64,
+    of: &'a (dyn Fn(f64) -> IncrementMotion + Sync),
+}
+
+impl SetpointStream for Plan<'_> {
+    fn now_ns(&self) -> i64 {
+        self.now_ns.load(Ordering::Relaxed)
+    }
+
+    fn at(&self, time_ns: i64) -> IncrementMotion {
+        let time = seconds(time_ns);
+        let mut motion = (self.of)(time.clamp(0.0, self.end_s));
+        if time < 0.0 || time >= self.end_s {
+            motion.velocity = [0.0; MAX_DRIVE_AXES];
+        }
+        motion
+    }
+
+    fn horizon_ns(&self) -> i64 {
+        self.horizon_ns
+    }
+}
+
+/// How exchanges go.
+#[derive(Clone, Copy, Debug)]
+struct Wire {
+    /// Between the end of a request and its execution, ns: silence and the board's own time.
+    before_ns: i64,
+    /// Between execution and answer, ns.
+    turnaround_ns: i64,
+    /// Up to so much later, at random, is everything that is woken by a timer, ns.
+    jitter_ns: i64,
+    /// One wait in so many lasts so much longer, ns: a master or an emulator that the operating system keeps waiting.
+    stalls: Option<(u64, i64)>,
+}
+
+const EMULATED: Wire =
+    Wire { before_ns: 1_750_000, turnaround_ns: 2 * MS, jitter_ns: MS, stalls: None };
+
+/// Position errors of one axis over a run, increments.
+#[derive(Clone, Copy, Debug, Default)]
+struct Errors {
+    largest: f64,
+    squares: f64,
+    count: f64,
+    fastest: f64,
+}
+
+impl Errors {
+    fn rms(&self) -> f64 {
+        (self.squares / self.count).sqrt()
+    }
+}
+
+/// Follower and board, following `plan` from 200 ms before its start until one second after its end.
+struct Loop<'a> {
+    plan: Plan<'a>,
+    board: Board,
+    follower: Follower,
+    wire: Wire,
+    line: Line,
+    seed: u64,
+    errors: Vec<Errors>,
+    orders: u32,
+}
+
+impl Loop<'_> {
+    /// A number from 0 to the jitter (a linear congruential generator: the same every time).
+    fn jitter(&mut self) -> i64 {
+        self.seed = self
+            .seed
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let number = self.seed >> 33;
+        let stall = self
+            .wire
+            .stalls
+            .filter(|(one_in, _)| (number / 7919).is_multiple_of(*one_in))
+            .map_or(0, |(_, ns)| ns);
+        i64::try_from(number).unwrap() % (self.wire.jitter_ns + 1) + stall
+    }
+
+    fn bytes(&self, count: usize) -> i64 {
+        i64::try_from(self.line.duration(count).as_nanos()).unwrap()
+    }
+
+    /// Lets time pass and compares the board with the plan every half millisecond.
+    fn pass(&mut self, ns: i64) {
+        let mut left = ns;
+        while left > 0 {
+            let step = left.min(MS / 2);
+            left -= step;
+            let now = self.plan.now_ns() + step;
+            self.plan.now_ns.store(now, Ordering::Relaxed);
+            self.board.advance(step);
+            let motion = self.plan.at(now);
+            for (index, errors) in self.errors.iter_mut().enumerate() {
+                let error = self.board.position(BoardAxis::ALL[index]) - motion.position[index];
+                errors.largest = errors.largest.max(error.abs());
+                errors.squares += error * error;
+                errors.count += 1.0;
+                errors.fastest = errors.fastest.max(motion.velocity[index].abs());
+            }
+        }
+    }
+
+    /// One exchange; what the driver takes for the instant of execution, and what the board shows at the real one.
+    fn exchange(&mut self, request: &[u8], answer_bytes: usize) -> (Stamp, Vec<(i32, bool)>) {
+        let silence = 1_750_000 + self.jitter();
+        self.pass(silence);
+        let sent_ns = self.plan.now_ns();
+        self.pass(self.bytes(request.len()) + self.wire.before_ns);
+        self.board.handle(request).unwrap();
+        let moving = self.board.status().moving();
+        let shown = self.board.counters().into_iter().zip(BoardAxis::ALL);
+        let shown = shown.map(|(counter, axis)| (counter, moving.contains(axis))).collect();
+        let late = self.jitter();
+        self.pass(self.wire.turnaround_ns + self.bytes(answer_bytes) + late);
+        let answered_ns = self.plan.now_ns();
+        let (first, last) =
+            (sent_ns + self.bytes(request.len()), answered_ns - self.bytes(answer_bytes));
+        let executed_ns = i64::midpoint(first, last);
+        (Stamp { sent_ns, executed_ns, uncertainty_ns: (last - first) / 2, answered_ns }, shown)
+    }
+
+    fn round(&mut self) {
+        let needing = self.follower.survey(&self.plan);
+        for index in &needing {
+            let decided = self.plan.now_ns();
+            let Some(order) = self.follower.order(*index, needing.len(), decided) else { continue };
+            self.check_target(&order, decided);
+            self.orders += 1;
+            let command = Command::Move { axis: BoardAxis::ALL[*index], profile: order.profile };
+            let (stamp, _) = self.exchange(&frame(&command), 8);
+            self.follower.executed(&order, decided, &stamp);
+        }
+        let (mut stamp, mut shown) = self.exchange(&vector(20), 29);
+        if self.follower.is_poor(&stamp) {
+            (stamp, shown) = self.exchange(&vector(20), 29);
+        }
+        self.follower.sampled(&stamp, shown.into_iter());
+    }
+
+    /// A target is a position that the plan reaches within its horizon.
+    fn check_target(&self, order: &Order<MoveProfile>, decided_ns: i64) {
+        let target = f64::from(order.profile.target);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for part in 0..=self.plan.horizon_ns / MS {
+            let position = self.plan.at(decided_ns + part * MS).position[order.axis];
+            low = low.min(position);
+            high = high.max(position);
+        }
+        assert!(
+            target >= low - 0.6 && target <= high + 0.6,
+            "{order:?}: the plan goes from {low} to {high}"
+        );
+    }
+}
+
+/// Follows a plan; the errors per axis, which is at rest on the end of the plan afterwards.
+fn follow(
+    axes: &[AxisOptions],
+    wire: Wire,
+    seed: u64,
+    end_s: f64,
+    of: &(dyn Fn(f64) -> IncrementMotion + Sync),
+) -> Vec<Errors> {
+    let mut run = start(axes, wire, seed, end_s, of);
+    while seconds(run.plan.now_ns()) < end_s + 1.0 {
+        run.round();
+    }
+    let end = of(end_s).position;
+    for (index, errors) in run.errors.iter().enumerate() {
+        let position = run.board.position(BoardAxis::ALL[index]);
+        assert!(
+            (position - end[index]).abs() <= TOLERANCE,
+            "axis {index} ends at {position}, plan at {}",
+            end[index]
+        );
+        println!(
+            "axis {index}: {:.0} Hz at most; error rms {:.1}, max {:.1} increments = {:.2}, {:.2} ms; {} orders",
+            errors.fastest,
+            errors.rms(),
+            errors.largest,
+            1e3 * errors.rms() / errors.fastest,
+            1e3 * errors.largest / errors.fastest,
+            run.orders,
+        );
+    }
+    assert!(run.board.status().moving().is_empty());
+    run.errors
+}
+
+/// Everything at rest on the start of the plan, 200 ms before it begins.
+fn start<'a>(
+    axes: &[AxisOptions],
+    wire: Wire,
+    seed: u64,
+    end_s: f64,
+    of: &'a (dyn Fn(f64) -> IncrementMotion + Sync),
+) -> Loop<'a> {
+    let line = Line::default();
+    let plan = Plan { now_ns: AtomicI64::new(-200 * MS), horizon_ns: 250 * MS, end_s, of };
+    let mut board = Board::new(&BoardOptions::default());
+    board.handle(&vector(1)).unwrap();
+    let start = of(0.0).position.map(|position| {
+        #[expect(clippy::cast_possible_truncation, reason = "small")]
+        Some(position.round() as i32)
+    });
+    board.handle(&frame(&Command::WritePosition { positions: start })).unwrap();
+    let follower = follower(axes, line);
+    let errors = vec![Errors::default(); axes.len()];
+    Loop { plan, board, follower, wire, line, seed, errors, orders: 0 }
+}
+
+/// Ramps of 1000 kHz/s on the first axes.
+fn steep(count: usize) -> Vec<AxisOptions> {
+    let steep = |axis| AxisOptions {
+        acceleration_khz_per_s: 1000,
+        deceleration_khz_per_s: 1000,
+        ..AxisOptions::new(axis)
+    };
+    BoardAxis::ALL.into_iter().take(count).map(steep).collect()
+}
+
+/// `amplitude`·(1 − cos 2πft) on the first `count` axes, each a bit slower than the one before: starts and ends at
+/// rest if `end·f` is whole.
+fn sines(count: usize, amplitude: f64, frequency: f64) -> impl Fn(f64) -> IncrementMotion + Sync {
+    move |time| {
+        let mut motion = IncrementMotion::default();
+        for axis in 0..count {
+            let pulsation = TAU * frequency / f64::from(u32::try_from(axis).unwrap() + 1);
+            motion.position[axis] = amplitude * (1.0 - (pulsation * time).cos());
+            motion.velocity[axis] = amplitude * pulsation * (pulsation * time).sin();
+        }
+        motion
+    }
+}
+
+/// Asserts lag-equivalent errors: milliseconds at the largest speed.
+fn assert_within(errors: &[Errors], rms_ms: f64, largest_ms: f64) {
+    for (axis, errors) in errors.iter().enumerate() {
+        let (rms, largest) =
+            (1e3 * errors.rms() / errors.fastest, 1e3 * errors.largest / errors.fastest);
+        assert!(
+            rms <= rms_ms && largest <= largest_ms,
+            "axis {axis}: rms {rms:.2} ms, max {largest:.2} ms"
+        );
+    }
+}
+
+#[test]
+fn a_sine_is_followed() {
+    // 80 mm to and fro at 100 increments per mm, 1 Hz: 25 kHz, 158 kHz/s.
+    for seed in 0..4 {
+        assert_within(&follow(&steep(1), EMULATED, seed, 3.0, &sines(1, 4000.0, 1.0)), 0.5, 1.5);
+    }
+}
+
+#[test]
+fn three_sines_are_followed() {
+    assert_within(&follow(&steep(3), EMULATED, 1, 6.0, &sines(3, 4000.0, 1.0)), 0.8, 3.0);
+}
+
+#[test]
+fn a_fast_sine_is_followed() {
+    // 3 Hz: a turn every 170 ms, a round takes 30.
+    assert_within(&follow(&steep(2), EMULATED, 1, 4.0, &sines(2, 1000.0, 3.0)), 1.0, 4.0);
+}
+
+#[test]
+fn ramps_little_steeper_than_the_plan_suffice() {
+    let gentle = |options: AxisOptions| AxisOptions {
+        acceleration_khz_per_s: 200,
+        deceleration_khz_per_s: 200,
+        max_speed_hz: 30_000,
+        ..options
+    };
+    let axes: Vec<_> = steep(2).into_iter().map(gentle).collect();
+    assert_within(&follow(&axes, EMULATED, 1, 4.0, &sines(2, 4000.0, 1.0)), 1.0, 4.0);
+}
+
+#[test]
+fn a_board_that_executes_later_than_assumed_is_followed() {
+    // Executed just before the answer instead of just after the request.
+    let late = Wire { before_ns: 6 * MS, turnaround_ns: 0, jitter_ns: MS, ..EMULATED };
+    assert_within(&follow(&steep(2), late, 1, 4.0, &sines(2, 4000.0, 1.0)), 3.0, 6.0);
+}
+
+#[test]
+fn a_slow_adapter_is_endured() {
+    // The 16 ms latency timer of USB adapters, and answers up to 5 ms late.
+    let slow = Wire { before_ns: 2 * MS, turnaround_ns: 16 * MS, jitter_ns: 5 * MS, ..EMULATED };
+    assert_within(&follow(&steep(2), slow, 1, 4.0, &sines(2, 4000.0, 1.0)), 10.0, 20.0);
+}
+
+#[test]
+fn a_busy_computer_is_endured() {
+    // One wait in fifty lasts 40 ms longer: a stall every 250 ms.
+    let busy = Wire { stalls: Some((50, 40 * MS)), ..EMULATED };
+    for seed in 0..4 {
+        assert_within(&follow(&steep(2), busy, seed, 6.0, &sines(2, 4000.0, 1.0)), 5.0, 40.0);
+    }
+}
+
+/// Position and velocity after `time` of a move over `way` with speed `v` and acceleration `a`, from rest to rest.
+fn trapezoid(time: f64, way: f64, v: f64, a: f64) -> (f64, f64) {
+    let up = v / a;
+    let end = way / v + up;
+    let left = end - time;
+    if time < up {
+        (0.5 * a * time * time, a * time)
+    } else if left > up {
+        (v * (time - 0.5 * up), v)
+    } else if left > 0.0 {
+        (way - 0.5 * a * left * left, a * left)
+    } else {
+        (way, 0.0)
+    }
+}
+
+#[test]
+fn a_trapezoid_is_followed() {
+    // 400 kHz/s up to 40 kHz.
+    let errors = follow(&steep(1), EMULATED, 1, 1.5, &|time| {
+        let (position, velocity) = trapezoid(time, 40e3, 40e3, 400e3);
+        let mut motion = IncrementMotion::default();
+        motion.position[0] = position;
+        motion.velocity[0] = velocity;
+        motion
+    });
+    assert_within(&errors, 0.5, 2.0);
+}
+
+#[test]
+fn an_axis_that_the_plan_leaves_alone_gets_no_command() {
+    let plan = |time: f64| {
+        let (position, velocity) = trapezoid(time, 20e3, 5e3, 400e3);
+        let mut motion = IncrementMotion::default();
+        motion.position[0] = position;
+        motion.velocity[0] = velocity;
+        motion
+    };
+    let errors = follow(&steep(2), EMULATED, 1, 4.5, &plan);
+    // The second axis stands on the plan from beginning to end.
+    assert_eq!(errors[1].largest.to_bits(), 0.0_f64.to_bits());
+    assert_within(&errors[..1], 0.5, 2.0);
+}
+
+#[test]
+fn a_slow_axis_is_followed_step_by_step() {
+    // 9 increments per second: never farther than rounding and one round make.
+    let errors = follow(&steep(1), EMULATED, 1, 4.0, &sines(1, 3.0, 0.5));
+    assert!(errors[0].largest < 1.5, "{errors:?}");
+}
+
+#[test]
+fn an_axis_whose_master_dies_stands_on_the_plan() {
+    let of = sines(2, 4000.0, 1.0);
+    for rounds in 10..60 {
+        let mut run = start(&steep(2), EMULATED, 7, 4.0, &of);
+        (0..rounds).for_each(|_| run.round());
+        let now = run.plan.now_ns();
+        run.board.advance(3000 * MS);
+        for axis in 0..2 {
+            let stands = run.board.position(BoardAxis::ALL[axis]);
+            let planned = (0..=run.plan.horizon_ns / MS)
+                .map(|part| run.plan.at(now + part * MS).position[axis]);
+            // The last command is a few rounds old at most.
+            let nearest =
+                planned.map(|position| (position - stands).abs()).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 60.0, "axis {axis} stands at {stands}, {nearest} from the plan");
+            assert!(
+                (-0.6..=8000.6).contains(&stands),
+                "axis {axis} stands at {stands}, beyond the turning points"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_short_horizon_makes_the_axis_lag_and_never_lead() {
+    // The plan reaches 60 ms ahead only: the axis brakes for the end of what is planned.
+    let of = |time: f64| {
+        let (position, velocity) = trapezoid(time, 20e3, 20e3, 200e3);
+        let mut motion = IncrementMotion::default();
+        motion.position[0] = position;
+        motion.velocity[0] = velocity;
+        motion
+    };
+    let mut run = start(&steep(1), EMULATED, 3, 1.5, &of);
+    run.plan.horizon_ns = 60 * MS;
+    while run.plan.now_ns() < 2500 * MS {
+        run.round();
+        let ahead = run.plan.at(run.plan.now_ns() + 60 * MS).position[0];
+        assert!(run.board.position(BoardAxis::X) <= ahead + 0.6);
+    }
+    assert!((run.board.position(BoardAxis::X) - 20e3).abs() < TOLERANCE);
+}
+
+/// A plan of axis X: way, speed and rate of its ramps, in increments.
+fn ramps(way: f64, speed: f64, rate: f64) -> impl Fn(f64) -> IncrementMotion + Sync {
+    move |time| {
+        let (position, velocity) = trapezoid(time, way, speed, rate);
+        let mut motion = IncrementMotion::default();
+        motion.position[0] = position;
+        motion.velocity[0] = velocity;
+        motion
+    }
+}
+
+#[test]
+fn an_axis_that_was_left_behind_comes_back_no_faster_than_three_times_the_plan() {
+    // 30 mm/s at 320 increments per mm; a lost answer takes 770 ms, in which the axis runs to its last target and stands.
+    let (way, speed) = (60e3, 9.6e3);
+    let end_s = way / speed + speed / 100e3;
+    let of = ramps(way, speed, 100e3);
+    for rounds in 60..80 {
+        let mut run = start(&steep(1), EMULATED, 5, end_s, &of);
+        (0..rounds).for_each(|_| run.round());
+        run.pass(770 * MS);
+        let behind = run.plan.at(run.plan.now_ns()).position[0] - run.board.position(BoardAxis::X);
+        assert!(behind > 4000.0, "{behind}");
+        let mut before = (run.plan.now_ns(), run.board.position(BoardAxis::X));
+        let mut fastest = 0.0_f64;
+        while run.plan.now_ns() < 7500 * MS {
+            run.round();
+            let now = (run.plan.now_ns(), run.board.position(BoardAxis::X));
+            fastest = fastest.max((now.1 - before.1) / seconds(now.0 - before.0));
+            assert!(now.1 <= way + 0.6, "{} is beyond the end", now.1);
+            before = now;
+            if now.0 > 4500 * MS && now.0 < 6000 * MS {
+                let apart = run.plan.at(now.0).position[0] - now.1;
+                assert!(apart.abs() < 100.0, "still {apart} behind after 2 s");
+            }
+        }
+        assert!(fastest > 2.0 * speed && fastest <= 3.0 * speed * 1.000_001, "{fastest}");
+        assert!((before.1 - way).abs() <= TOLERANCE, "{before:?}");
+    }
+}
+
+#[test]
+fn an_axis_left_behind_stops_with_the_plan() {
+    let (way, speed, rate) = (60e3, 9.6e3, 100e3);
+    let of = ramps(way, speed, rate);
+    // What the board has been told before the plan changes it may still do: brake at 1000 kHz/s from its largest speed.
+    let braking = (3.0 * speed).powi(2) * 0.5 / 1e6;
+    for rounds in 60..80 {
+        let mut run = start(&steep(1), EMULATED, 5, 7.0, &of);
+        (0..rounds).for_each(|_| run.round());
+        run.pass(770 * MS);
+        // So late after it has noticed, the run brakes: another plan.
+        for _ in 0..rounds % 5 {
+            run.round();
+        }
+        let from_s = seconds(run.plan.now_ns());
+        let (start, _) = trapezoid(from_s, way, speed, rate);
+        let rest = start + speed * speed * 0.5 / rate;
+        let braked = |time: f64| {
+            let mut motion = of(time.min(from_s));
+            let since = (time - from_s).clamp(0.0, speed / rate);
+            motion.position[0] += (speed - 0.5 * rate * since) * since;
+            motion.velocity[0] =
+                if time < from_s { motion.velocity[0] } else { speed - rate * since };
+            motion
+        };
+        let mut run = Loop { plan: Plan { of: &braked, end_s: 8.0, ..run.plan }, ..run };
+        while run.plan.now_ns() < 6000 * MS {
+            run.round();
+            let position = run.board.position(BoardAxis::X);
+            assert!(position <= rest + braking, "{position} is beyond {rest}");
+        }
+        assert!((run.board.position(BoardAxis::X) - rest).abs() <= TOLERANCE);
+    }
+}
+
+#[test]
+fn a_rehearsal_is_what_driver_and_board_do_without_jitter() {
+    let wire = Wire { jitter_ns: 0, ..EMULATED };
+    let turnaround = std::time::Duration::from_nanos(u64::try_from(wire.turnaround_ns).unwrap());
+    let of = sines(3, 4000.0, 1.0);
+    let mut run = start(&steep(3), wire, 0, 6.0, &of);
+    let paced = crate::emulator::Wire { line: Line::default(), turnaround };
+    let mut prediction = crate::InterpCncPrediction::new(&steep(3), &paced);
+    let mut farthest = 0.0_f64;
+    let first_ns = run.plan.now_ns();
+    twin_drives::Prediction::advance(&mut prediction, &run.plan, first_ns);
+    while seconds(run.plan.now_ns()) < 7.0 {
+        run.round();
+        let now_ns = run.plan.now_ns();
+        let motion = twin_drives::Prediction::advance(&mut prediction, &run.plan, now_ns);
+        for (index, position) in motion.position.iter().take(3).enumerate() {
+            let board = run.board.position(BoardAxis::ALL[index]);
+            assert!(
+                (position - board).abs() < 1e-6,
+                "axis {index} at {now_ns}: {position}, {board}"
+            );
+            farthest = farthest.max(board);
+        }
+    }
+    assert!(farthest > 7900.0 && run.orders > 100);
+    // Three axes and a sample: every exchange of the loop is one of the prediction.
+    assert!(twin_drives::Prediction::exchanges(&prediction) > u64::from(run.orders));
+}

@@ -1,0 +1,33 @@
+//! SmartDRIVE v1.2, drives for step motors with one axis each, up to 31 on one RS485 bus, protocol ATB.
+//!
+//! [`SmartDrive`] speaks to all drives of a bus, one exchange after the other, and [`SmartDriveBus`] makes up to five of
+//! them a [`twin_drives::Drive`]; [`emulator`] is the drives without hardware, and [`SmartDrivePrediction`] what both make of a
+//! plan in simulated time. Commands and answers, [`parameters`] and variables are the same tables for all, checked
+//! against frames computed elsewhere.
+//!
+//! Source: "SmartDRIVE v1.2 - Protocole série ATB".
+
+mod assumptions;
+mod client;
+mod drive;
+pub mod emulator;
+mod prediction;
+pub mod protocol;
+#[cfg(test)]
+mod tests;
+
+pub use assumptions::{
+    AccCurrent, Assumptions, BadFrame, BothBits, HomePosition, LimitStop, SetEffect, StepFrom,
+    ZeroRate,
+};
+pub use client::{
+    Accelerations, AxisOptions, DriveState, IoState, ParameterValue, SmartDrive, SmartDriveOptions,
+};
+pub use drive::{OUTPUTS, SmartDriveBus};
+pub use prediction::{BusDelays, SmartDrivePrediction};
+pub use protocol::command::{Command, Init, IoUpdate, LoadSource, Mode};
+pub use protocol::fault::Fault;
+pub use protocol::frame::AnswerLength;
+pub use protocol::line::{ADDRESSES, BAUD, Execution, wire_time};
+pub use protocol::status::{Alarms, RejectCode, Status, TagLayout, TrajectoryFlags};
+pub use protocol::units::StepsPerTurn;
