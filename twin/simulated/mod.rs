@@ -9,7 +9,7 @@ use crate::machine::{
 };
 use crate::physics::{
     self, ClearanceScan, Contact, EventKind, Fault, MotorState, PhysicsError, PhysicsEvent,
-    PhysicsMachine, Side, SwitchStates, YieldingTool, axis_inertia,
+    PhysicsMachine, Side, SwitchStates, YieldingTool,
 };
 use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord, ProbeMiss, ProbeTouch};
 use crate::setpoint::AxisSetpoint;
