@@ -5,7 +5,7 @@ use twin_drives::Drive;
 /// A device of the machine file and its driver. The axes of its arrays are the machine axes that it drives, in the
 /// order of the machine file.
 pub struct Attached {
-    /// Index into [`Machine::drives`](crate::machine::Machine::drives).
+    /// Index into [`Machine::drives`](twin_machine::Machine::drives).
     pub device: usize,
     /// The driver.
     pub drive: Box<dyn Drive>,

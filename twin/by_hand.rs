@@ -1,11 +1,11 @@
 //! Repair commands: `twin drive` command lines that correct what a start-up check has found, for the user to copy.
 
 use crate::emulated::software_limits;
-use crate::machine::{Axis, DriveFamily, Machine, Parity};
 use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
 use twin_bim2ax::{ByteOrder, MOST_POSITION, ModuleAxis};
 use twin_drives::ParameterId;
 use twin_interpcnc::protocol::parameters;
+use twin_machine::{Axis, DriveFamily, Machine, Parity};
 use twin_smartdrive::protocol::parameters::{PARAMETERS, POSITION_MAX, POSITION_MIN};
 
 /// Beginning of the line that makes set parameters take effect.
@@ -142,8 +142,8 @@ fn quoted(path: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::{command, quoted};
-    use crate::machine::Machine;
     use std::path::Path;
+    use twin_machine::Machine;
 
     /// What is copied drives the device as the run does, also where the manual leaves something open.
     #[test]

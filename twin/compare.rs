@@ -1,8 +1,8 @@
 //! Tracking errors of twin and drives: maximum and root mean square, against the set-points and against each other.
 
-use crate::machine::Machine;
 use nalgebra::Point3;
 use twin_kinematics::{AxisVector, Kinematics};
+use twin_machine::Machine;
 use twin_path::Place;
 
 /// Running maximum and root mean square of one error. SI.

@@ -2,9 +2,6 @@
 
 use crate::attached::Attached;
 use crate::clock::Clock;
-use crate::machine::{
-    Axis, Bim2AxEntry, DeviceEntry, DriveFamily, InterpCncEntry, Machine, Parity, SmartDriveEntry,
-};
 use std::time::Duration;
 use twin_bim2ax as bim2ax;
 use twin_bim2ax::emulator::{Eeprom, Module, ModuleOptions, Surroundings};
@@ -20,6 +17,9 @@ use twin_interpcnc::emulator::{
 use twin_interpcnc::{
     AxisOptions, EncoderOptions, Following, InterpCncDrive, InterpCncOptions, Line,
     protocol::registers::{BoardAxis, MAX_SPEED_HZ},
+};
+use twin_machine::{
+    Axis, Bim2AxEntry, DeviceEntry, DriveFamily, InterpCncEntry, Machine, Parity, SmartDriveEntry,
 };
 use twin_smartdrive as smartdrive;
 use twin_smartdrive::emulator::EmulatedBus;

@@ -1,9 +1,9 @@
 //! Findings: faults of a program, each with its rule, severity, line, value and limit.
 
-use crate::section::Elsewhere;
 use serde::Serialize;
 use std::ops::Range;
 use std::sync::Arc;
+use twin_machine::section::Elsewhere;
 use twin_path::Place;
 
 /// The rule a finding belongs to. The names are part of the command-line contract.

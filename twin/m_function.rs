@@ -1,9 +1,9 @@
 //! M functions: the outputs they switch, and their acknowledgement (`SMC_Interpolator.bAcknM`, manual 6.2.9).
 
-use crate::machine::Machine;
 use std::collections::BTreeMap;
 use std::str::FromStr;
 use std::time::Duration;
+use twin_machine::Machine;
 use twin_path::Place;
 use twin_planner::time_optimal::MTimes;
 

@@ -1,11 +1,11 @@
 //! Messages of findings that check, limit, planning and jobs share: the fault, with value and limit.
 
-use crate::coupled::AxesError;
 use crate::finding::{Finding, Rule, Severity};
-use crate::machine::Axis;
 use crate::tolerance::ROUNDING;
 use std::collections::BTreeSet;
 use twin_kinematics::KinematicsError;
+use twin_machine::Axis;
+use twin_machine::coupled::AxesError;
 use twin_path::Place;
 
 /// A set-point without axis positions.

@@ -1,7 +1,7 @@
 //! Peaks: the largest position, velocity, acceleration and jerk commanded to each axis, with their lines.
 
-use crate::machine::Axis;
-use crate::number::rounded;
+use twin_machine::Axis;
+use twin_number::rounded;
 use twin_path::Place;
 
 /// A value, its limit and where it was found. SI.

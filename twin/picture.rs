@@ -1,19 +1,19 @@
 //! Live view of a run: sends the programmed path and the motion of twin and drives to the view.
 
-use crate::axis_kind::AxisKind;
 use crate::compare::Measured;
 use crate::job::JobSetpoints;
-use crate::machine::{Machine, SimulationError};
-use crate::physics::{ClearanceScan, MotorState};
 use crate::program::{Dialect, ElementItem, Elements, ProgramFile};
 use crate::session::{DriveSample, TwinCycle};
 use crate::setpoint::Transformer;
 use crate::setpoint_source::PlanItem;
-use crate::tappets::TappetBits;
 use nalgebra::{Isometry3, Point3};
 use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
+use twin_machine::axis_kind::AxisKind;
+use twin_machine::tappets::TappetBits;
+use twin_machine::{Machine, SimulationError};
 use twin_path::{ElementKind, PathElement, Shape};
+use twin_physics::{ClearanceScan, MotorState};
 use twin_viz::{
     Axis, AxisUnit, ClearanceFrame, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, Obstacle,
     PathStrip, Program, Scene, SceneOptions, Setup, Viewer, VizError,

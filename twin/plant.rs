@@ -1,11 +1,11 @@
 //! Plant: the interface of anything that follows set-points, a simulated machine or drives.
 
-use crate::machine::FaultAt;
-use crate::physics::{EventKind, MotorLoad, MotorState, Part};
 use crate::setpoint::AxisSetpoint;
 use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
+use twin_machine::FaultAt;
 use twin_path::Place;
+use twin_physics::{EventKind, MotorLoad, MotorState, Part};
 
 /// Measured axis positions at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]

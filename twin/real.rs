@@ -2,7 +2,6 @@
 
 use crate::advice::advice_in_run;
 use crate::emulated::{driver_options, module_options, smartdrive_axis};
-use crate::machine::{Bim2AxEntry, DeviceEntry, DriveFamily, Machine};
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -13,6 +12,7 @@ use twin_bim2ax::{
 };
 use twin_drives::{Action, Drive, DriveError, Exchange};
 use twin_interpcnc::{InterpCncDrive, InterpCncOptions};
+use twin_machine::{Bim2AxEntry, DeviceEntry, DriveFamily, Machine};
 use twin_smartdrive::{SmartDriveBus, SmartDriveOptions};
 
 /// Errors that leave a device without a driver.

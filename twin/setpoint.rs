@@ -1,10 +1,10 @@
 //! Axis set-points, one per cycle: the stream that physics and drives both receive, and the transform that produces it.
 
-use crate::coupled::{AxesError, Coupled};
 use crate::m_function::MCall;
-use crate::machine::Machine;
-use crate::tappets::{MasterPlace, Signal, TappetBits};
 use twin_kinematics::{AxisMotion, AxisSource, AxisVector, Kinematics, Pose, ToolMotion};
+use twin_machine::Machine;
+use twin_machine::coupled::{AxesError, Coupled};
+use twin_machine::tappets::{MasterPlace, Signal, TappetBits};
 use twin_path::Place;
 use twin_planner::controller::ToolSetpoint;
 

@@ -1,10 +1,10 @@
 //! Touch probe: the tool of the simulated machine during a probing move.
 
-use crate::physics::{ClearanceScan, Part, PhysicsError, YieldingTool};
 use crate::plant::{ProbeMiss, ProbeTouch};
 use crate::setpoint::AxisSetpoint;
 use twin_kinematics::AxisVector;
 use twin_path::Place;
+use twin_physics::{ClearanceScan, Part, PhysicsError, YieldingTool};
 
 /// Nearer than this a probe touches, m: what it takes to switch. The path ends where nothing is left between.
 const TOUCH: f64 = 1e-6;

@@ -11,12 +11,12 @@
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::path::Path;
-use twin::machine::Machine;
 use twin::plant::Plant;
 use twin::program::{Dialect, ProgramFile, ProgramItem};
 use twin::setpoint::{AxisSetpoint, Transformer};
 use twin::simulated::Simulated;
 use twin_kinematics::Kinematics;
+use twin_machine::Machine;
 use twin_planner::controller::ToolSetpoint;
 
 fn machine() -> Machine {

@@ -8,10 +8,10 @@ use std::cell::Cell;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use twin::m_function::Acknowledge;
-use twin::machine::Machine;
 use twin::program::settings::ReadSettings;
 use twin::session::{Answer, Ending, Stopped};
 use twin_kinematics::AxisVector;
+use twin_machine::Machine;
 
 /// The SCARA with jerks that are limited: 60000°/s³ in A and B, 100 m/s³ in Z.
 pub(crate) fn scara() -> Machine {

@@ -9,13 +9,13 @@ use twin::check::CheckOptions;
 use twin::emulated::{Emulator, connect};
 use twin::hardware::{Hardware, HardwareError};
 use twin::m_function::Acknowledge;
-use twin::machine::Machine;
 use twin::session::{Ending, Session, Stopped};
 use twin::simulated::Simulated;
 use twin_drives::DriveError;
 use twin_interpcnc::emulator::{Board, Control, EmulatedBoard, Event};
 use twin_interpcnc::protocol::registers::BoardAxis;
 use twin_kinematics::AxisVector;
+use twin_machine::Machine;
 
 /// Part of their largest velocity with which axes come to the start.
 const APPROACH: f64 = 0.25;

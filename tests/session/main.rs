@@ -29,12 +29,12 @@ use twin::check::CheckOptions;
 use twin::finding::{Finding, Rule, Severity};
 use twin::limit::Limits;
 use twin::m_function::Acknowledge;
-use twin::machine::Machine;
 use twin::program::settings::ReadSettings;
 use twin::program::{Dialect, ProgramFile};
 use twin::session::{Ending, OverrideAt, Session};
 use twin::simulated::Simulated;
 use twin_kinematics::AxisVector;
+use twin_machine::Machine;
 
 use recorder::Recorder;
 

@@ -7,9 +7,9 @@ use crate::simulated::CIRCLES;
 use crate::{Program, Recorder, portal, simulate};
 use std::cell::Cell;
 use twin::m_function::Acknowledge;
-use twin::machine::Machine;
 use twin::session::{Answer, Ending, OverrideChange, Session, Stopped};
 use twin::simulated::Simulated;
+use twin_machine::Machine;
 
 /// What begins within this time, s, goes on as it was planned.
 const LEAD: f64 = 0.1;

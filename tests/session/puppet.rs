@@ -9,8 +9,6 @@ use std::time::Duration;
 use twin::attached::Attached;
 use twin::hardware::{Guarded, Hardware, HardwareError};
 use twin::m_function::Acknowledge;
-use twin::machine::Machine;
-use twin::physics::PhysicsError;
 use twin::plant::{AxisFeedback, Plant};
 use twin::session::{Ending, Session, Stopped};
 use twin::setpoint::AxisSetpoint;
@@ -19,6 +17,8 @@ use twin_drives::{
     SetpointStream,
 };
 use twin_kinematics::AxisVector;
+use twin_machine::Machine;
+use twin_physics::PhysicsError;
 
 /// A drive that is where the stream says at any time, and knows that time exactly.
 #[derive(Debug, Default)]

@@ -3,9 +3,9 @@
 use std::collections::VecDeque;
 use twin::compare::Measured;
 use twin::m_function::MCall;
-use twin::physics::MotorState;
 use twin::session::{Answer, DriveSample, Observer, TwinCycle};
 use twin_kinematics::AxisMotion;
+use twin_physics::MotorState;
 
 /// One cycle of the simulated machine.
 #[derive(Clone, Copy, Debug)]

@@ -6,9 +6,9 @@ use twin::clock::Clock;
 use twin::compare::ErrorStatistics;
 use twin::limit::{LimitFailure, Limits};
 use twin::m_function::Acknowledge;
-use twin::physics::MotorState;
 use twin::session::{Session, Stopped};
 use twin::simulated::Simulated;
+use twin_physics::MotorState;
 
 /// 18.03 mm, a semicircle of 10 mm radius, 17 mm: 1.2 s on the SCARA.
 const SHORT: &str =

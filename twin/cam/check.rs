@@ -1,11 +1,11 @@
 //! Check of a cam against the limits of its slave.
 
-use super::CamFile;
 pub use super::usage::{AxisLimits, CamUse};
 use crate::finding::{Finding, Rule, Severity};
-use crate::number::{apart, at_most, beside, readable};
 use serde_json::{Value, json};
 use twin_cam::{Bounds, Jump, Largest, LimitError, Passage, Quantity, Range, SlaveLimits, Tappet};
+use twin_machine::cam_file::CamFile;
+use twin_number::{apart, at_most, beside, readable};
 use twin_path::Place;
 
 /// A limit that is exceeded by less than this part is kept.

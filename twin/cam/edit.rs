@@ -1,10 +1,10 @@
 //! Changes to the text of a cam's TOML file that leave everything else as it is, comments included.
 
-use super::toml_writer::Number;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use twin_cam::{Knot, Tappet};
+use twin_machine::cam_file::Number;
 
 /// A change.
 #[derive(Clone, Debug, PartialEq)]

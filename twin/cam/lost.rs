@@ -1,7 +1,7 @@
 //! Losses of a conversion: the data of a cam that another file form cannot hold.
 
-use super::{AxisScale, CamFile};
 use twin_cam::{Element, Interpolation, Shape, Source, VariableType};
+use twin_machine::cam_file::{AxisScale, CamFile};
 
 /// What `from` says that `to`, read again from its file, does not: a line for each.
 pub fn lost(from: &CamFile, to: &CamFile) -> Vec<String> {
@@ -122,7 +122,7 @@ fn coupling(lines: &mut Vec<String>, from: &CamFile, to: &CamFile) {
     if let Some(wanted) =
         from.coupling.wanted.filter(|_| from.coupling.wanted != to.coupling.wanted)
     {
-        for (key, value) in super::WANTED.into_iter().zip(wanted) {
+        for (key, value) in twin_machine::cam_file::WANTED.into_iter().zip(wanted) {
             lines.push(format!("[coupling] {key} = {value}"));
         }
     }

@@ -1,12 +1,12 @@
 //! Recorded runs: where master and slave were, and what tappets had switched.
 
-use super::columns;
-use super::form::{AxisScale, unit_of};
-use super::{CamFile, CamFileError};
-use crate::bounded;
-use crate::number::counted;
 use std::borrow::Cow;
 use std::path::Path;
+use twin_machine::bounded;
+use twin_machine::cam_file::columns;
+use twin_machine::cam_file::{AxisScale, unit_of};
+use twin_machine::cam_file::{CamFile, CamFileError};
+use twin_number::counted;
 
 /// A sample of a run.
 #[derive(Clone, Debug, PartialEq)]

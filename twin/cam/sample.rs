@@ -1,10 +1,10 @@
 //! A cam as a table of positions with their derivatives by time.
 
-use super::CamFile;
 use super::check::CamUse;
-use crate::number::{significant, without_dust};
 use std::io::{self, Write};
 use twin_cam::Bounds;
+use twin_machine::cam_file::CamFile;
+use twin_number::{significant, without_dust};
 
 /// Significant digits of what is written.
 const DIGITS: usize = 12;
@@ -25,7 +25,7 @@ pub const MOST: usize = 100_000_000;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "a step of {step} makes {} places of {start} to {end}, more than {MOST}; {} is the least step",
-    super::file::digits(*.places), super::file::digits(*.least)
+    twin_machine::cam_file::digits(*.places), twin_machine::cam_file::digits(*.least)
 )]
 pub struct TooMany {
     /// The step.

@@ -1,13 +1,13 @@
 //! Start range of `MC_CamIn`: the master must be on the cam, even on a periodic one, or the block ends with error 626
 //! (manual 4.6.1).
 
-use super::CamFile;
 use super::usage::CamUse;
 use crate::finding::{Finding, Rule};
-use crate::number::beside;
 use serde_json::{Value, json};
 use twin_cam::Curve;
 use twin_cam::file::clean;
+use twin_machine::cam_file::CamFile;
+use twin_number::beside;
 use twin_path::Place;
 
 /// What a rotary slave gains in whole passes is a whole number of its periods but for this part.

@@ -1,7 +1,7 @@
 //! Use of a cam: master motion, offsets and scalings, and limits of the slave.
 
-use super::{CamFile, Coupling};
 use twin_cam::{Factors, MasterMotion, SlaveLimits};
+use twin_machine::cam_file::{CamFile, Coupling};
 
 /// What the slave can do, u; infinite where there is no limit.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,9 +3,9 @@
 use super::messages;
 use crate::compare::Comparison;
 use crate::finding::Finding;
-use crate::machine::Machine;
 use crate::plant::{Happening, PlantRecord};
 use crate::tolerance::exceeds;
+use twin_machine::Machine;
 
 /// Following errors of the simulated machine in a run that are beyond the limits of the machine file.
 pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Finding> {

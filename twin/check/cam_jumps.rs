@@ -2,12 +2,12 @@
 
 use crate::finding::{Finding, Rule, Severity};
 use crate::job::JobSetpoints;
-use crate::machine::{Axis, CoupledBy, Machine};
-use crate::number::seconds;
-use crate::number::significant;
 use crate::setpoint::AxisSetpoint;
 use twin_cam::Joints;
 use twin_kinematics::AxisVector;
+use twin_machine::{Axis, CoupledBy, Machine};
+use twin_number::seconds;
+use twin_number::significant;
 
 /// A part of a limit below which a jump is rounding.
 const ROUNDING: f64 = 1e-9;
@@ -39,7 +39,7 @@ struct Watched<'m> {
 impl<'m> CamJumps<'m> {
     /// Cam jumps of `machine`.
     pub(super) fn new(machine: &'m Machine) -> Self {
-        let watched = |coupling: &'m crate::machine::Coupling| {
+        let watched = |coupling: &'m twin_machine::Coupling| {
             let CoupledBy::Cam(selection) = &coupling.by else { return None };
             let (table, input) = (&selection.table, &selection.input);
             let joints = Joints::of(table.cam.curve(), table.periodic);

@@ -1,8 +1,8 @@
 //! Findings of one program, with a maximum number per severity.
 
 use crate::finding::{Finding, Rule, Severity};
-use crate::physics::Part;
 use std::collections::{BTreeMap, VecDeque};
+use twin_physics::Part;
 
 /// Findings beyond this number of each severity are counted, not kept: a program that is wrong on every one of ten
 /// million lines is reported as well by its first thousand.

@@ -5,8 +5,6 @@ use super::messages;
 use crate::compare::{Measured, Statistics};
 use crate::finding::Finding;
 use crate::in_loop::DrivesInLoop;
-use crate::machine::Machine;
-use crate::number::seconds;
 use crate::setpoint::HORIZON_NS;
 use crate::setpoint::{AxisSetpoint, resting_behind};
 use crate::tolerance::exceeds;
@@ -15,6 +13,8 @@ use std::io;
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{Scope, ScopedJoinHandle};
 use twin_drives::WireRates;
+use twin_machine::Machine;
+use twin_number::seconds;
 
 /// Set-points that go to the thread in one go.
 const BATCH: usize = 256;

@@ -4,16 +4,16 @@ use super::following::Follower;
 use super::{CheckOptions, Outcome, check, wire_rates};
 use crate::finding::{Finding, Rule, Severity};
 use crate::in_loop::DrivesInLoop;
-use crate::machine::Machine;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use crate::setpoint::AxisSetpoint;
-use crate::tappets::TappetBits;
 use nalgebra::Point3;
 use std::collections::VecDeque;
 use std::path::Path;
 use twin_drives::{IncrementMotion, Prediction, SetpointStream, WireRates};
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
+use twin_machine::Machine;
+use twin_machine::tappets::TappetBits;
 use twin_path::Place;
 
 /// Three linear axes of 320 increments per mm and more, half a millimetre of following error, on a board.

@@ -1,16 +1,16 @@
 //! Messages of the check: the fault, with value and limit.
 
-use crate::axis_kind::AxisKind;
 use crate::finding::{Finding, Rule, Severity};
-use crate::machine::{Axis, FaultAt, FaultStart, Machine, SimulationError, VelocitySource};
 use crate::messages::beyond_position;
-use crate::number::seconds;
-use crate::physics::{Clearance, EventKind, Fault, Part};
 use crate::plant::{Blow, Happening, ProbeMiss, ProbeTouch};
 use std::collections::BTreeSet;
 use twin_cam::MAX_TRIGGERS;
 use twin_kinematics::Kinematics;
+use twin_machine::axis_kind::AxisKind;
+use twin_machine::{Axis, FaultAt, FaultStart, Machine, SimulationError, VelocitySource};
+use twin_number::seconds;
 use twin_path::Place;
+use twin_physics::{Clearance, EventKind, Fault, Part};
 
 /// An axis that is farther than this from where it is sent, m or rad, beyond its software limits, is not only following behind.
 const RUN_AWAY: f64 = 2e-3;
@@ -91,7 +91,7 @@ pub(super) fn too_far(axis: &Axis, place: Place, error: f64, limit: f64) -> Find
 
 /// Hint on a rapid in RS274 that is too fast, whose velocity is `velocity`, m/s.
 pub(super) fn rapid_hint(velocity: f64) -> String {
-    let velocity = crate::number::significant(velocity * 1e3, 6);
+    let velocity = twin_number::significant(velocity * 1e3, 6);
     format!(
         "G0 goes as fast as `rapid_velocity_mm_per_s` in [rs274] of the machine file says: {velocity} mm/s"
     )

@@ -20,17 +20,15 @@ mod way;
 #[cfg(test)]
 mod way_tests;
 
-use crate::finding::{self, Finding};
+use crate::finding;
+use crate::finding::Finding;
 use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
-use crate::machine::Machine;
 use crate::peak::AxisPeak;
-use crate::physics::MotorLoad;
 use crate::planning::Planning;
 use crate::plant::PlantRecord;
 use crate::program::{Dialect, ProgramFile};
 use crate::setpoint_source::PlanItem;
-use crate::tappets::{Signal, Switched};
 pub use after::{faults_to_come, following_errors, happening, happenings};
 use checker::Checker;
 pub use clearance::{ClearanceCsv, ClearancePicture};
@@ -41,6 +39,9 @@ pub use options::{CheckFailure, CheckOptions};
 use rehearsal::Rehearsal;
 use std::collections::BTreeSet;
 use twin_kinematics::AxisVector;
+use twin_machine::Machine;
+use twin_machine::tappets::{Signal, Switched};
+use twin_physics::MotorLoad;
 use way::Way;
 pub use way::{BlockClearance, Clearances};
 

@@ -2,8 +2,8 @@
 
 use crate::limit::{LimitFailure, Limits, MachinePathError};
 use crate::m_function::Acknowledge;
-use crate::machine::{Scenario, SimulationError};
 use std::io;
+use twin_machine::{Scenario, SimulationError};
 
 /// Errors that make a check impossible.
 #[derive(Debug, thiserror::Error)]

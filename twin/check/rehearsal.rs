@@ -2,12 +2,12 @@
 
 use super::Checker;
 use super::messages;
-use crate::machine::{Machine, Scenario, SimulationError};
-use crate::physics::PhysicsError;
 use crate::plant::{Plant, PlantRecord};
 use crate::setpoint::{AxisSetpoint, resting_behind};
 use crate::simulated::Simulated;
 use std::collections::VecDeque;
+use twin_machine::{Machine, Scenario, SimulationError};
+use twin_physics::PhysicsError;
 
 /// The simulated machine on which a program is tried.
 #[derive(Debug)]

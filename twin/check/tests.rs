@@ -5,12 +5,12 @@
 use super::findings::MAX_FINDINGS;
 use super::{CheckFailure, CheckOptions, Outcome, check};
 use crate::finding::{Finding, Rule, Severity, unfit};
-use crate::machine::Machine;
-use crate::number::seconds;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use std::fmt::Write;
 use std::path::Path;
+use twin_machine::Machine;
+use twin_number::seconds;
 
 /// Start at 0, 0, 20; X: 400 mm/s, 3000 mm/s², to 650 mm; Z: 200 mm/s.
 const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
@@ -89,7 +89,7 @@ fn a_circle_asks_for_its_feed_and_feed_squared_by_radius_of_each_axis() {
     near(outcome.length, (200.0 + circle) * 1e-3, 1e-12);
     let duration = 2.0 * (1.0 + 0.5) + circle / 100.0;
     // The last set-point is the first at or after the end.
-    let cycles = crate::number::seconds(outcome.duration_ns) * 1e3;
+    let cycles = twin_number::seconds(outcome.duration_ns) * 1e3;
     assert_eq!(cycles.round(), (duration * 1e3).ceil());
     assert_eq!(outcome.elements, 3);
     assert_eq!(outcome.start.unwrap().to_vec(), [0.0, 0.0, 0.06]);

@@ -2,10 +2,10 @@
 
 use super::findings::{About, Findings};
 use super::messages;
-use crate::machine::{Machine, SimulationError};
-use crate::physics::{Clearance, ClearanceScan, Part};
 use crate::setpoint::AxisSetpoint;
+use twin_machine::{Machine, SimulationError};
 use twin_path::Place;
+use twin_physics::{Clearance, ClearanceScan, Part};
 
 /// Blocks that are kept: a picture of more shows no more.
 const MOST_BLOCKS: usize = 100_000;

@@ -2,10 +2,10 @@
 
 use crate::check::{CheckOptions, Outcome, check};
 use crate::finding::{Finding, Rule, Severity};
-use crate::machine::Machine;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use std::path::Path;
+use twin_machine::Machine;
 
 /// Jaws with their tops at Z−10, the fixed one from Y−20 to Y0, stock from Z−30 to Z0; a tool of 6 mm, a holder 35 mm above its tip.
 const VICE: &str = include_str!("../../machines/gantry3_vice.toml");

@@ -2,11 +2,11 @@
 
 use super::options::MachineOption;
 use super::{Failure, Status, axes_probe};
-use crate::machine::Machine;
-use crate::number::significant;
 use nalgebra::Point3;
 use std::io;
 use twin_kinematics::{AxisVector, Coordinate, Kinematics, Pose};
+use twin_machine::Machine;
+use twin_number::significant;
 
 /// Digits of the answers.
 const DIGITS: usize = 12;

@@ -2,12 +2,12 @@
 
 use super::options::{InLoopOption, MachineOption};
 use super::{Failure, Status};
-use crate::machine::{Axis, DriveFamily, Machine};
-use crate::number::significant;
 use crate::probe::{AxisProbe, AxisProbeEnd};
 use crate::simulated::Simulated;
 use std::io::{self, Write};
 use twin_kinematics::AxisVector;
+use twin_machine::{Axis, DriveFamily, Machine};
+use twin_number::significant;
 
 /// Digits of the answers.
 const DIGITS: usize = 12;

@@ -164,7 +164,7 @@ impl SourceCode for Line {
 struct ShownFinding<'a> {
     finding: &'a Finding,
     /// Problems of the file that is named there.
-    others: Vec<crate::section::Shown>,
+    others: Vec<twin_machine::section::Shown>,
     /// The line and the words to underline.
     source: Option<(Line, Vec<Range<usize>>)>,
     /// In which words to speak of feeds.

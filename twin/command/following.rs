@@ -3,11 +3,11 @@
 use super::show::{against, amount, table};
 use crate::check::{Outcome, PredictedFollowing};
 use crate::compare::Statistics;
-use crate::machine::Machine;
 use crate::real;
 use comfy_table::{Cell, CellAlignment, Table};
 use std::time::Duration;
 use twin_drives::WireRates;
+use twin_machine::Machine;
 
 /// The table of how well the drives will follow.
 pub(super) fn predicted(machine: &Machine, predicted: &PredictedFollowing) -> Table {

@@ -25,15 +25,15 @@ mod view;
 mod whole;
 
 use crate::advice::{advice, advice_in_run};
-use crate::cam::CamFileError;
 use crate::check::CheckFailure;
 use crate::program::ProgramFile;
-use crate::section::MachineFileError;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use miette::MietteDiagnostic;
 use std::io::Write;
 use std::process::ExitCode;
+use twin_machine::cam_file::CamFileError;
+use twin_machine::section::MachineFileError;
 
 /// Result of a command, in the order of the exit status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -174,7 +174,7 @@ pub(crate) enum Failure {
     Variables(#[from] crate::program::settings::VariablesError),
     /// The simulated machine.
     #[error("the simulated machine cannot be built: {0}")]
-    Physics(#[from] crate::machine::SimulationError),
+    Physics(#[from] twin_machine::SimulationError),
     /// Emulated drives.
     #[error(transparent)]
     Connect(#[from] crate::emulated::ConnectError),
@@ -206,7 +206,7 @@ pub(crate) enum Failure {
     Restore(Box<twin_drives::backup::RestoreError>),
     /// The file of a cam.
     #[error(transparent)]
-    Cam(#[from] Box<crate::cam::CamFileError>),
+    Cam(#[from] Box<twin_machine::cam_file::CamFileError>),
     /// The view.
     #[error(transparent)]
     View(#[from] twin_viz::VizError),

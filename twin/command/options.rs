@@ -2,7 +2,6 @@
 
 use super::Failure;
 use crate::m_function::Acknowledge;
-use crate::machine::{Machine, Scenario, tool_table_problem};
 use crate::program::settings;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
@@ -14,6 +13,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use twin_gcode::din66025::{DEFAULT_JUMPS, Variables};
 use twin_gcode::rs274::{LengthUnit, ToolTable, ToolTableError};
+use twin_machine::{Machine, Scenario, tool_table_problem};
 use twin_planner::controller::{DEFAULT_WINDOW, Inputs, Override, VelocityMode};
 
 /// The machine.

@@ -2,8 +2,8 @@
 
 use crate::check::Progress;
 use crate::clock::Clock;
-use crate::number::seconds;
 use std::io::{self, IsTerminal, Write};
+use twin_number::seconds;
 
 const MINUTE_NS: i64 = 60_000_000_000;
 

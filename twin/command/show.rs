@@ -2,14 +2,14 @@
 
 pub(super) use super::findings::findings;
 use crate::check::Progress;
-use crate::machine::{Axis, Machine};
-use crate::number::fixed;
-use crate::number::seconds;
 use crate::peak::{AxisPeak, Peak};
-use crate::physics::MotorLoad;
 pub(super) use crate::table::table;
 use comfy_table::{Cell, CellAlignment, Color, Table};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use twin_machine::{Axis, Machine};
+use twin_number::fixed;
+use twin_number::seconds;
+use twin_physics::MotorLoad;
 
 /// The table of largest values per axis, each against its limit.
 pub(super) fn peaks(machine: &Machine, peaks: &[AxisPeak]) -> Table {

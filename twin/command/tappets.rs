@@ -1,11 +1,11 @@
 //! Tappet switchings as a table.
 
 use super::show::table;
-use crate::number::fixed;
-use crate::number::seconds;
-use crate::tappets::{MasterPlace, Switched, TappetSwitch};
 use comfy_table::{Cell, CellAlignment};
 use std::io::{self, Write};
+use twin_machine::tappets::{MasterPlace, Switched, TappetSwitch};
+use twin_number::fixed;
+use twin_number::seconds;
 
 /// So many switchings are shown whole; of more the first and the last ones.
 const SHOWN: usize = 20;

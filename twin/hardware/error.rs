@@ -1,8 +1,8 @@
 //! Errors of the drives during a run.
 
 use crate::advice::advice_in_run;
-use crate::machine::{Axis, DriveFamily, Machine};
 use twin_drives::DriveError;
+use twin_machine::{Axis, DriveFamily, Machine};
 
 /// Errors of the drives during a run.
 #[derive(Debug, thiserror::Error)]

@@ -6,10 +6,10 @@
 
 use super::HardwareError;
 use super::stream::Stream;
-use crate::machine::{Axis, DeviceEntry, Machine};
 use crate::{emulated, real};
 use std::time::Duration;
 use twin_drives::{MAX_DRIVE_AXES, SetpointStream};
+use twin_machine::{Axis, DeviceEntry, Machine};
 
 /// How long a device may keep silent where the machine file does not say otherwise: at least this, ms.
 const USUAL_SILENCE_MS: u32 = 300;

@@ -1,6 +1,6 @@
 //! Sample statistics of devices: count, rate and longest gap.
 
-use crate::number::seconds;
+use twin_number::seconds;
 
 /// Sample statistics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

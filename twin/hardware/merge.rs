@@ -141,7 +141,7 @@ mod tests {
 
     /// A plan of 3 m/s for every axis.
     fn planned(time_ns: i64) -> Positions {
-        [3.0 * crate::number::seconds(time_ns); MAX_DRIVE_AXES]
+        [3.0 * twin_number::seconds(time_ns); MAX_DRIVE_AXES]
     }
 
     /// A sample that is off the plan.

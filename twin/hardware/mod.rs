@@ -14,7 +14,6 @@ mod unit;
 
 use crate::attached::Attached;
 use crate::clock::Clock;
-use crate::machine::{DriveFamily, Machine};
 use crate::plant::{AxisFeedback, Plant};
 use crate::setpoint::AxisSetpoint;
 pub use error::HardwareError;
@@ -28,6 +27,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 pub use switched::SwitchedOutputs;
 use twin_kinematics::AxisVector;
+use twin_machine::{DriveFamily, Machine};
 use unit::Unit;
 
 /// How long devices may take to stop until those are named that have not confirmed it: longer than ramps take, and then a hard

@@ -1,6 +1,6 @@
 //! Delay of switched outputs.
 
-use crate::number::seconds;
+use twin_number::seconds;
 
 /// Number of switched outputs of a device, and their delays after the set-points at which they were due.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -10,11 +10,9 @@ use super::stream::Stream;
 use super::{Guarded, Hardware, HardwareError};
 use crate::attached::Attached;
 use crate::clock::Clock;
-use crate::machine::Machine;
 use crate::plant::{AxisFeedback, Plant};
 use crate::setpoint::AxisSetpoint;
 use crate::setpoint::HORIZON_NS;
-use crate::tappets::TappetBits;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -25,6 +23,8 @@ use twin_drives::{
     Sample, SetpointStream,
 };
 use twin_kinematics::{AxisMotion, AxisVector, Pose, ToolMotion};
+use twin_machine::Machine;
+use twin_machine::tappets::TappetBits;
 use twin_path::Place;
 
 /// 320, 320 and 640 increments per mm.

@@ -7,7 +7,6 @@ use super::stream::Stream;
 use super::{Event, HardwareError, Switch};
 use crate::attached::Attached;
 use crate::clock::Clock;
-use crate::machine::{Counting, Machine};
 use crate::setpoint::AxisSetpoint;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -17,6 +16,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use twin_drives::{IncrementMotion, MAX_DRIVE_AXES, Sample, SetpointStream};
 use twin_kinematics::AxisVector;
+use twin_machine::{Counting, Machine};
 
 /// Samples that may wait for the session before the device's thread waits for it.
 const WAITING_SAMPLES: usize = 1024;

@@ -7,15 +7,15 @@
 #[cfg(test)]
 mod tests;
 
-use crate::axis_kind::AxisKind;
 use crate::emulated;
-use crate::machine::{Counting, DeviceEntry, Machine};
-use crate::number::seconds;
 use crate::setpoint::AxisSetpoint;
 use crate::setpoint::HORIZON_NS;
 use std::collections::VecDeque;
 use twin_drives::{IncrementMotion, Prediction, SetpointStream};
 use twin_kinematics::{AxisMotion, AxisVector};
+use twin_machine::axis_kind::AxisKind;
+use twin_machine::{Counting, DeviceEntry, Machine};
+use twin_number::seconds;
 
 /// The drives of a machine, in simulated time.
 #[derive(Clone, Debug)]

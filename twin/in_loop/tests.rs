@@ -2,7 +2,6 @@
 
 use crate::check::{CheckOptions, Outcome, check, wire_rates};
 use crate::finding::{Rule, Severity, unfit};
-use crate::machine::Machine;
 use crate::peak::AxisPeak;
 use crate::plant::Plant;
 use crate::program::settings::ReadSettings;
@@ -10,11 +9,12 @@ use crate::program::{Dialect, ProgramFile};
 use crate::setpoint::AxisSetpoint;
 use crate::setpoint::HORIZON_NS;
 use crate::simulated::Simulated;
-use crate::tappets::TappetBits;
 use nalgebra::Point3;
 use std::collections::VecDeque;
 use std::path::Path;
 use twin_kinematics::{AxisMotion, AxisVector, Pose, ToolMotion};
+use twin_machine::Machine;
+use twin_machine::tappets::TappetBits;
 
 /// Three linear axes of 320 increments per mm.
 const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
@@ -74,7 +74,7 @@ fn setpoints(machine: &Machine, speed: f64, rate: f64) -> VecDeque<AxisSetpoint>
     let mut setpoints = VecDeque::new();
     let mut time_ns = 0;
     loop {
-        let time = crate::number::seconds(time_ns);
+        let time = twin_number::seconds(time_ns);
         if time > duration {
             break;
         }
@@ -166,7 +166,7 @@ fn bim2ax_modules_go_from_point_to_point() {
     let came = moved(&mixed(), speed, rate);
     let error = farthest(&came, 0);
     assert!(error > 0.4 * speed * 11e-3, "{error}");
-    assert!(error < speed * crate::number::seconds(HORIZON_NS), "{error}");
+    assert!(error < speed * twin_number::seconds(HORIZON_NS), "{error}");
     // It stands several times on the way, and there both axes have arrived together: on the line, but for whole increments
     // and what the servos have not caught up with yet.
     let stands = came.windows(2).filter(|pair| {
@@ -357,7 +357,7 @@ fn a_probe_that_does_not_arrive_is_told() {
     std::fs::write(&path, "G0 Z30\nG0 X50 Y-60\nG0 Z-20\nG38.2 Y10 F60\nM2\n").unwrap();
     let program = ProgramFile::new(&path, Some(Dialect::Rs274), ReadSettings::default()).unwrap();
     let machine = self::machine(machine);
-    let scenario = crate::machine::Scenario::parse(faults, &machine).unwrap();
+    let scenario = twin_machine::Scenario::parse(faults, &machine).unwrap();
     let options = CheckOptions { physics: true, scenario, ..CheckOptions::default() };
     let outcome = check(&machine, &program, options, &mut |_| {}).unwrap();
     let miss = outcome.findings.iter().find(|one| one.message.contains("does not touch")).unwrap();

@@ -3,11 +3,11 @@
 use super::tests::{job, machine, near, run};
 use crate::check::{CheckOptions, Outcome, check};
 use crate::finding::{Finding, Rule, Severity};
-use crate::machine::Machine;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use std::path::Path;
 use tempfile::TempDir;
+use twin_machine::Machine;
 
 /// 0 to 60 mm and back over 0 to 100 mm of the master; outside there is nothing.
 const CAM: &str = r#"

@@ -4,10 +4,10 @@ use super::CamsBefore;
 use super::kind::BLOCKS;
 use super::read::{Known, Lines, Reader};
 use super::tests::machine;
-use crate::axis_kind::AxisKind;
-use crate::section::{Section, parse};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use twin_machine::axis_kind::AxisKind;
+use twin_machine::section::{Section, parse};
 
 /// Keys of every block.
 const COMMON: [&str; 6] =

@@ -2,10 +2,10 @@
 
 use super::JobSetpoints;
 use super::tests::{job, machine};
-use crate::machine::Machine;
 use crate::setpoint_source::PlanItem;
 use proptest::prelude::*;
 use std::sync::LazyLock;
+use twin_machine::Machine;
 
 static MACHINE: LazyLock<Machine> = LazyLock::new(machine);
 

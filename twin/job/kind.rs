@@ -5,14 +5,14 @@ use super::direct::{Gaps, direct};
 use super::probe::{abort, probe};
 use super::read::{FAR, Known};
 use super::values::Values;
-use crate::machine::{CamSelection, read_cam, read_ratio};
-use crate::section::Section;
 use std::path::Path;
 use twin_axis::{
     AccelerationProfile, CamIn, Decouple, Direction, GearIn, GearInPos, Halt, Home, MoveAbsolute,
     MoveAdditive, MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative, MoveSuperImposed,
     MoveVelocity, Phasing, PositionProfile, Stop, SuperImposed, VelocityProfile,
 };
+use twin_machine::section::Section;
+use twin_machine::{CamSelection, read_cam, read_ratio};
 
 /// Blocks by the names of the manual.
 pub(super) const BLOCKS: [(&str, Kind); 29] = [

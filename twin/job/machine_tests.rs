@@ -1,9 +1,9 @@
 //! Tests of jobs on machines whose axes are not the coordinates of the tool, against closed forms.
 
 use super::tests::{job, near, run};
-use crate::machine::Machine;
 use crate::setpoint::AxisSetpoint;
 use std::path::Path;
+use twin_machine::Machine;
 
 fn shipped(name: &str) -> Machine {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines").join(name);

@@ -136,7 +136,7 @@ fn files_of_another_kind_are_told_as_such() {
         ("[[blocks]]\nblock = \"MC_Halt\"\naxis = \"X\"\n", "this is a job, no machine file"),
         (include_str!("../../examples/cams/pick_and_place.toml"), "this is a cam, no machine file"),
     ] {
-        let problems = crate::machine::Machine::parse(path, text).expect_err("no machine");
+        let problems = twin_machine::Machine::parse(path, text).expect_err("no machine");
         assert_eq!(problems.len(), 1, "{problems:#?}");
         assert!(problems[0].message.starts_with(words), "{problems:#?}");
     }

@@ -64,11 +64,11 @@ mod word_tests;
 pub(crate) use read::read;
 pub(crate) use stream::JobSetpoints;
 
-use crate::machine::Machine;
-use crate::tappets::Tracks;
 use block::Called;
 use probe::JobTrigger;
 use std::collections::BTreeMap;
+use twin_machine::Machine;
+use twin_machine::tappets::Tracks;
 use twin_path::Place;
 use twin_profile::RampType;
 

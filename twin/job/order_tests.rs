@@ -84,7 +84,7 @@ fn a_ring_is_refused_at_the_block_that_closes_it() {
         std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/gantry3.toml");
     let geared = std::fs::read_to_string(&machine_file).unwrap()
         + "\n[[gears]]\naxis = \"Y\"\nmaster = \"X\"\nratio_numerator = 1\n";
-    let machine = crate::machine::Machine::parse(&machine_file, &geared).unwrap();
+    let machine = twin_machine::Machine::parse(&machine_file, &geared).unwrap();
     let ring = gear("X", "Y", "");
     let (_, findings) = run(&job(&ring), &machine);
     assert_eq!((findings[0].rule, findings[0].line), (Rule::Coupling, 2), "{findings:?}");

@@ -5,13 +5,13 @@ use super::kind::BLOCKS;
 use super::probe::{JobTrigger, When};
 use super::values::Values;
 use super::{Begins, Call, CamsBefore, Job, Start, VirtualAxis};
-use crate::axis_kind::AxisKind;
-use crate::machine::{CamAxis, CamSelection, CoupledBy, Coupling, Machine};
-use crate::section::{FileKind, Problem};
-use crate::section::{Section, parse};
-use crate::tappets::{MOST_SIGNALS, Tracks};
 use std::path::Path;
 use twin_axis::{CamIn, GearIn};
+use twin_machine::axis_kind::AxisKind;
+use twin_machine::section::{FileKind, Problem};
+use twin_machine::section::{Section, parse};
+use twin_machine::tappets::{MOST_SIGNALS, Tracks};
+use twin_machine::{CamAxis, CamSelection, CoupledBy, Coupling, Machine};
 use twin_profile::RampType;
 
 /// Longest time in a job, s: a day.
@@ -282,7 +282,7 @@ impl Reader<'_> {
 }
 
 impl Known {
-    pub(super) fn of(axis: &crate::machine::Axis) -> Self {
+    pub(super) fn of(axis: &twin_machine::Axis) -> Self {
         let max_acceleration = Some(axis.from_si(axis.max_acceleration));
         Self { name: axis.name.clone(), kind: axis.kind, max_acceleration }
     }

@@ -1,11 +1,11 @@
 //! Start positions of the axes of a job.
 
 use super::{Begins, Call, Start};
-use crate::coupled::Coupled;
 use crate::finding::{Finding, Rule};
-use crate::machine::Machine;
 use crate::messages::no_axes;
 use twin_kinematics::AxisVector;
+use twin_machine::Machine;
+use twin_machine::coupled::Coupled;
 use twin_path::Place;
 
 /// Start positions of the axes, in their units: those of programs, except where the job has `said` others. Cams of the
@@ -47,7 +47,7 @@ pub(super) fn starts(
     let coupled = Coupled::at_rest(machine, own).map_err(|error| no_axes(first, &error))?;
     for Start { line, axis, .. } in said {
         let place = Place { line: *line, block: None };
-        crate::coupled::begins_at(machine, *axis, &own, &coupled)
+        twin_machine::coupled::begins_at(machine, *axis, &own, &coupled)
             .map_err(|error| no_axes(place, &error))?;
     }
     let shown = machine.axes.iter().zip(coupled.iter()).map(|(axis, value)| axis.from_si(*value));

@@ -6,19 +6,19 @@ use super::pace::{Bears, Pace};
 use super::start::starts;
 use super::{Call, read};
 use crate::finding::{Finding, Rule, Severity};
-use crate::machine::{Axis, Machine};
 use crate::messages::out_of_order;
-use crate::number::seconds;
-use crate::number::significant;
 use crate::program::ProgramFile;
-use crate::section::Problem;
 use crate::setpoint::AxisSetpoint;
 use crate::setpoint_source::PlanItem;
-use crate::tappets::{MasterPlace, Signal, TappetBits, Tracks};
 use std::collections::VecDeque;
 use std::io;
 use twin_cam::Trigger;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics};
+use twin_machine::section::Problem;
+use twin_machine::tappets::{MasterPlace, Signal, TappetBits, Tracks};
+use twin_machine::{Axis, Machine};
+use twin_number::seconds;
+use twin_number::significant;
 use twin_path::Place;
 
 /// Set-points of a job on a machine, one per cycle, from rest to rest.

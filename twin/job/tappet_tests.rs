@@ -5,11 +5,11 @@
 
 use super::tests::{job, machine};
 use crate::check::{CheckOptions, Outcome, check};
-use crate::machine::Machine;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
-use crate::tappets::Switched;
 use std::path::Path;
+use twin_machine::Machine;
+use twin_machine::tappets::Switched;
 use twin_planner::controller::Override;
 
 fn outcome(machine: &Machine, program: &ProgramFile) -> Outcome {

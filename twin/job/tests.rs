@@ -4,12 +4,12 @@
 
 use super::JobSetpoints;
 use crate::finding::{Finding, Rule};
-use crate::machine::Machine;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use crate::setpoint::AxisSetpoint;
 use crate::setpoint_source::PlanItem;
 use std::path::Path;
+use twin_machine::Machine;
 
 /// The axes X, Y and Z of the shipped gantry, in mm.
 pub(super) fn machine() -> Machine {
@@ -52,7 +52,7 @@ pub(super) fn moves(text: &str) -> Vec<AxisSetpoint> {
 
 /// s.
 pub(super) fn time(setpoint: &AxisSetpoint) -> f64 {
-    crate::number::seconds(setpoint.time_ns)
+    twin_number::seconds(setpoint.time_ns)
 }
 
 pub(super) fn near(actual: f64, expected: f64, tolerance: f64) {

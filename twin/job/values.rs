@@ -4,8 +4,8 @@ use super::direct::Point;
 use super::kind::Asks;
 use super::probe::JobTrigger;
 use super::read::{FAR, Known, LONGEST};
-use crate::section::Section;
 use twin_axis::{Direction, Follow, Points};
+use twin_machine::section::Section;
 use twin_profile::{MOST_POINTS, ProfilePoint};
 
 /// The inputs of a block, in units of its axis and its master.

@@ -2,8 +2,8 @@
 
 use super::tests::{job, machine, near, run};
 use crate::finding::{Rule, Severity};
-use crate::machine::Machine;
 use std::path::Path;
+use twin_machine::Machine;
 
 /// A cam on which Z is 0 at first, and a master that never moves before it begins; Z stands at 60.
 #[test]

@@ -1,7 +1,7 @@
 //! Binding limit: the limit of an axis or of the path that determines the velocity at an instant.
 
-use crate::axis_kind::AxisKind;
-use crate::machine::Axis;
+use twin_machine::Axis;
+use twin_machine::axis_kind::AxisKind;
 
 /// Limited quantity of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -5,12 +5,12 @@ use super::machine_path::{AxisRules, MachinePath, efforts, overloaded};
 use super::watch::Watch;
 use super::{Binding, LimitFailure, ProfileItem, ProfileSample};
 use crate::m_function::Acknowledgement;
-use crate::machine::Machine;
-use crate::number::seconds;
 use crate::program::{ProgramFile, ProgramItem, Setpoints};
 use crate::setpoint::Transformer;
 use crate::tolerance::is_hidden;
 use twin_kinematics::{AxisMotion, AxisVector};
+use twin_machine::Machine;
+use twin_number::seconds;
 use twin_planner::controller::{Status, ToolSetpoint};
 
 /// The part of the programmed velocity from which on it counts as reached.

@@ -1,10 +1,10 @@
 //! Profile as a CSV table.
 
 use super::ProfileSample;
-use crate::machine::Axis;
-use crate::number::{exact_seconds, significant};
 use csv::{ByteRecord, Writer};
 use std::io::Write;
+use twin_machine::Axis;
+use twin_number::{exact_seconds, significant};
 
 /// Significant digits of all numbers but times, which are whole nanoseconds.
 const DIGITS: usize = 12;

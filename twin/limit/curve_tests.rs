@@ -2,7 +2,7 @@
 
 use super::effort_tests::{GANTRY3, Limited, edited, limited, near};
 use super::*;
-use crate::machine::Machine;
+use twin_machine::Machine;
 
 /// dMaxAcc 500 and dMaxAccJump 125 mm/s²: on arcs of 50 mm √(500·50) mm/s, into them √(125·50) mm/s.
 const CURVES: (&str, &str) = (

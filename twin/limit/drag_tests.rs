@@ -3,7 +3,7 @@
 
 use super::effort_tests::{GANTRY3, Limited, edited, limited, near, rest_to_rest};
 use super::*;
-use crate::machine::Machine;
+use twin_machine::Machine;
 
 const GANTRY_H2: &str = include_str!("../../machines/gantry_h2.toml");
 const TRIPOD: &str = include_str!("../../machines/tripod.toml");

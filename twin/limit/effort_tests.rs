@@ -3,13 +3,13 @@
 
 use super::*;
 use crate::finding::{Finding, Rule};
-use crate::machine::Machine;
-use crate::physics::motion_effort;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use std::path::Path;
 use twin_gcode::refeed::LineLimit;
 use twin_kinematics::AxisMotion;
+use twin_machine::Machine;
+use twin_physics::motion_effort;
 
 /// With X bridge 18, carriage 6, quill 3, tool 0.3 and rotor 6 kg move; with Z the quill, the tool and a rotor of 3 kg.
 pub(super) const GANTRY3: &str = include_str!("../../machines/gantry3.toml");

@@ -2,10 +2,10 @@
 
 use super::plan::{LimitRules, Profile};
 use super::{Binding, ProfileSample, Quantity};
-use crate::machine::{Machine, PathLimits, VelocitySource};
-use crate::number::seconds;
-use crate::physics::TorqueAlongPath;
 use twin_kinematics::AxisVector;
+use twin_machine::{Machine, PathLimits, VelocitySource};
+use twin_number::seconds;
+use twin_physics::TorqueAlongPath;
 use twin_planner::time_optimal::course::CourseElement;
 use twin_planner::time_optimal::{
     AxisPath, Cap, CapSource, Constraint, DragRow, FIRST_FURTHER_ROW, Followed, MOST_FURTHER_ROWS,

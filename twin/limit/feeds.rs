@@ -3,11 +3,11 @@
 use super::plan::Profile;
 use super::{Binding, Quantity};
 use crate::finding::{Finding, Rule, Severity};
-use crate::machine::Machine;
-use crate::number::significant;
-use crate::physics::TorqueAlongPath;
 use twin_gcode::refeed::LineLimit;
+use twin_machine::Machine;
+use twin_number::significant;
 use twin_path::Place;
+use twin_physics::TorqueAlongPath;
 use twin_planner::time_optimal::{AxisLimits, AxisPath, Followed, Rates};
 
 /// Feeds that differ by no more than this part of them are the same.

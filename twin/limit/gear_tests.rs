@@ -2,10 +2,10 @@
 
 use crate::check::{CheckOptions, check};
 use crate::limit::Limits;
-use crate::machine::Machine;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use std::path::Path;
+use twin_machine::Machine;
 
 fn gantry(gears: &str) -> Machine {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/gantry3.toml");
@@ -40,7 +40,7 @@ fn seconds(machine: &Machine, limits: Limits) -> Result<f64, Vec<String>> {
     let outcome = check(machine, &program, options, &mut |_| {}).unwrap();
     let errors = outcome.findings.iter().filter(|one| one.rule.name() != "feed-reduced");
     let errors: Vec<_> = errors.map(|one| one.message.clone()).collect();
-    if errors.is_empty() { Ok(crate::number::seconds(outcome.duration_ns)) } else { Err(errors) }
+    if errors.is_empty() { Ok(twin_number::seconds(outcome.duration_ns)) } else { Err(errors) }
 }
 
 /// From rest to rest over 60 mm with this velocity and acceleration of X, mm/s and mm/s².

@@ -2,11 +2,11 @@
 
 use super::{Binding, Change, LimitSummary, LineLoss};
 use crate::finding::Finding;
-use crate::machine::{Axis, Machine};
-use crate::number::rounded;
 use crate::peak::AxisPeakReport;
 use crate::per_axis::PerAxis;
 use crate::program::ProgramFile;
+use twin_machine::{Axis, Machine};
+use twin_number::rounded;
 
 /// The summary as JSON.
 #[derive(Clone, Debug, serde::Serialize)]

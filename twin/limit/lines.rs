@@ -1,11 +1,11 @@
 //! Lost time per line of a program and per binding limit.
 
 use super::Binding;
-use crate::machine::Axis;
-use crate::number::significant;
 use csv::Writer;
 use std::collections::BTreeMap;
 use std::io::Write;
+use twin_machine::Axis;
+use twin_number::significant;
 use twin_path::Place;
 
 /// Significant digits of feeds and times.

@@ -1,11 +1,11 @@
 //! Machine model for time-optimal planning: transform from the program's frame to the axes, and their limits.
 
 use super::slaves::Slaves;
-use crate::machine::{DirectionRule, Machine, SimulationError};
-use crate::physics::{AxisEffort, EffortRow, PathDynamics, TorqueAlongPath};
 use std::cell::RefCell;
 use twin_kinematics::{AxisSource, AxisVector, KinematicsError, Pose, ToolJerk, ToolMotion};
+use twin_machine::{DirectionRule, Machine, SimulationError};
 use twin_path::ExtraPoint;
+use twin_physics::{AxisEffort, EffortRow, PathDynamics, TorqueAlongPath};
 use twin_planner::time_optimal::course::{Bearing, CourseElement, CoursePoint};
 use twin_planner::time_optimal::{
     AxisLimits, AxisPath, AxisPoint, Cap, CapSource, DragRow, Rates, Row, axis_point,
@@ -111,7 +111,7 @@ impl<'m> MachinePath<'m> {
                 continue;
             }
             for (slot, row) in slots.iter_mut().zip(effort.rows(axis)) {
-                *slot = row.into();
+                *slot = drag_row(&row);
             }
             let source = CapSource::Motor(u8::try_from(axis).unwrap_or(u8::MAX));
             cap = cap.min(Cap { v2: effort.largest_speed().powi(2), source });
@@ -183,11 +183,10 @@ pub(super) fn overloaded(torque: &TorqueAlongPath) -> impl Iterator<Item = (usiz
     overloaded.map(|(axis, effort)| (axis, effort.weight.abs() + effort.dry))
 }
 
-impl From<EffortRow> for DragRow {
-    fn from(row: EffortRow) -> Self {
-        let [a, b, drag] = [row.acceleration, row.speed_v2, row.speed].map(|part| part / row.limit);
-        Self { row: Row { a, b }, drag }
-    }
+/// A bound of a motor's effort as the planner takes it.
+fn drag_row(row: &EffortRow) -> DragRow {
+    let [a, b, drag] = row.per_limit();
+    DragRow { row: Row { a, b }, drag }
 }
 
 /// Whether the motor holds the axis and has something left to move it.

@@ -3,11 +3,11 @@
 
 use super::text::{self, digits, percent};
 use super::{Binding, ProfileSample};
-use crate::axis_kind::AxisKind;
-use crate::machine::Axis;
-use crate::number::seconds;
 use crate::peak::Peak;
-use crate::plot::{
+use twin_machine::Axis;
+use twin_machine::axis_kind::AxisKind;
+use twin_number::seconds;
+use twin_plot::{
     BACK, Chart, Color, INK, Legend, MARK, Mark, Row, Shape, Side, Sign, Stroke, Timeline,
 };
 
@@ -222,7 +222,7 @@ impl<'m> Picture<'m> {
     fn path(&self) -> Row {
         let points = [PATH, FEED].map(|curve| self.timeline.curve(curve));
         let values = points.into_iter().flatten().map(|(_, value)| *value);
-        let [low, high] = crate::plot::reach(values).unwrap_or_default();
+        let [low, high] = twin_plot::reach(values).unwrap_or_default();
         let range = [low.min(0.0) * ROOM, if high > 0.0 { high * ROOM } else { 1.0 }];
         let mut row = Row::new("path velocity", "mm/s", self.height(), range);
         row.shapes = vec![

@@ -4,10 +4,10 @@
 //! f′m′, f″m′² + f′m″ and f‴m′³ + 3f″m′m″ + f′m‴. Ramp-ins onto a cam are left out. The offset of a cam that depends on
 //! the start position of its master or slave follows from the start position of programs.
 
-use crate::machine::{Axis, CamSelection, CoupledBy, Machine};
 use std::sync::Arc;
 use twin_cam::{Cam, CamInput, Derivatives, StartMode};
 use twin_kinematics::AxisVector;
+use twin_machine::{Axis, CamSelection, CoupledBy, Machine};
 use twin_planner::time_optimal::{AxisPoint, Rates};
 
 /// The couplings of a machine file along a path.

@@ -3,9 +3,9 @@
 use super::lines::{LineShare, LineShares};
 use super::losses::Losses;
 use super::{Binding, ProfileSample};
-use crate::number::seconds;
 use crate::peak::AxisPeak;
 use std::collections::BTreeMap;
+use twin_number::seconds;
 use twin_path::Place;
 
 /// How many lines that lose time are named.

@@ -1,12 +1,12 @@
 //! Tests of profiles with closed forms, as tables, pictures and summaries.
 
 use super::*;
-use crate::machine::Machine;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile, ProgramItem};
 use crate::setpoint::Transformer;
 use std::path::{Path, PathBuf};
 use twin_kinematics::AxisVector;
+use twin_machine::Machine;
 use twin_path::Place;
 
 fn root() -> PathBuf {

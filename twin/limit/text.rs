@@ -1,13 +1,13 @@
 //! Summary of a plan as text for people.
 
 use super::{Binding, Change, LimitSummary, Limits};
-use crate::machine::{Axis, Machine};
-use crate::number::significant;
 use crate::peak::Peak;
 use crate::program::ProgramFile;
 use crate::table::table;
 use comfy_table::{Cell, CellAlignment, Color, Table};
 use std::io::{self, Write};
+use twin_machine::{Axis, Machine};
+use twin_number::significant;
 use twin_path::Place;
 
 /// Changes are named that gain at least this, s, and this part of the program's time; so many of them.

@@ -2,10 +2,10 @@
 
 use super::effort_tests::{Limited, edited, limited};
 use super::*;
-use crate::machine::Machine;
 use crate::setpoint::Transformer;
 use std::f64::consts::{FRAC_PI_2, PI};
 use twin_kinematics::AxisVector;
+use twin_machine::Machine;
 use twin_planner::time_optimal::AxisPath;
 
 /// R: 1080 deg/s, 20000 deg/s²; the edge of the knife is 2 mm behind it.

@@ -1,11 +1,11 @@
 //! Faults at set-points of a plan, each reported once per line.
 
-use crate::coupled::AxesError;
 use crate::finding::{Finding, Rule};
-use crate::machine::{Axis, Machine};
 use crate::messages::{beyond_position, no_axes};
 use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
+use twin_machine::coupled::AxesError;
+use twin_machine::{Axis, Machine};
 use twin_path::Place;
 
 /// Watcher of set-points. Every fault is reported once per line.

@@ -1,12 +1,12 @@
 //! Surroundings of a machine for probing moves: clearance of its tool to the obstacles of its file.
 
 use crate::approach::{Approach, Clearance};
-use crate::machine::{DirectionRule, Machine};
-use crate::physics::ClearanceScan;
+use crate::{DirectionRule, Machine};
 use nalgebra::Vector3;
 use std::sync::Arc;
 use twin_gcode::rs274::{Position, Surroundings};
 use twin_kinematics::{AxisSource, AxisVector, Kinematics, MachineAxes, Pose, WorkFrame};
+use twin_physics::ClearanceScan;
 
 /// The tool of a machine among what its file says is around it.
 #[derive(Clone, Debug)]

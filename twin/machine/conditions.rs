@@ -214,7 +214,7 @@ fn read_rs274(
 }
 
 /// Message about a tool table, with its file and the reason.
-pub(crate) fn said(path: &Path, error: &ToolTableError) -> String {
+pub fn said(path: &Path, error: &ToolTableError) -> String {
     match error {
         ToolTableError::Io(source) => format!("{}: {source}", path.display()),
         error => format!("{}: {error}", path.display()),

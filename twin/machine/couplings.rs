@@ -3,8 +3,8 @@
 
 use super::axis::Axis;
 use crate::axis_kind::AxisKind;
-use crate::cam::unit_fits;
-use crate::cam::{CamFile, CamFileError, START_MODES, no_scaling};
+use crate::cam_file::unit_fits;
+use crate::cam_file::{CamFile, CamFileError, START_MODES, no_scaling};
 use crate::ring;
 use crate::section::Section;
 use crate::section::{Elsewhere, MachineFileError};
@@ -186,7 +186,7 @@ fn masters_first(mut left: Vec<Coupling>) -> Option<Vec<Coupling>> {
 }
 
 /// `ratio_numerator` (not 0) and `ratio_denominator` (1 if absent, and at least 1).
-pub(crate) fn read_ratio(section: &Section<'_>) -> Option<(i32, i32)> {
+pub fn read_ratio(section: &Section<'_>) -> Option<(i32, i32)> {
     let most = i64::from(i32::MAX);
     let numerator = section.required_integer("ratio_numerator", -most..=most);
     let denominator = section.integer("ratio_denominator", 1..=most);
@@ -205,11 +205,11 @@ pub(crate) fn read_ratio(section: &Section<'_>) -> Option<(i32, i32)> {
 
 /// An axis of a cam, as far as the cam has to fit it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct CamAxis<'a> {
+pub struct CamAxis<'a> {
     /// Its name.
-    pub(crate) name: &'a str,
+    pub name: &'a str,
     /// Kind of its unit, mm or degrees.
-    pub(crate) kind: AxisKind,
+    pub kind: AxisKind,
 }
 
 impl<'a> CamAxis<'a> {
@@ -221,7 +221,7 @@ impl<'a> CamAxis<'a> {
 /// Reads a cam and its start; `path` is the file that names it. Defaults come from the cam's own file, except for the
 /// three flags of `MC_CamTableSelect`, which are true. For an unknown axis there are no keys with units; other errors
 /// are reported.
-pub(crate) fn read_cam(
+pub fn read_cam(
     section: &Section<'_>,
     path: &Path,
     slave: Option<CamAxis<'_>>,

@@ -2,10 +2,10 @@
 
 use super::conditions::PreparationInputs;
 use super::{Axis, Machine, SimulationError};
-use crate::physics::{AxisLoad, PathDynamics};
 use crate::section::Section;
 use std::ops::RangeInclusive;
 use twin_interpcnc::protocol::registers::MAX_SPEED_HZ;
+use twin_physics::{AxisLoad, PathDynamics};
 
 /// How far the path may leave the programmed one at joints, unless the machine file says otherwise, m.
 const BLEND_TOLERANCE: f64 = 1e-6;

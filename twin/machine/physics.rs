@@ -1,8 +1,8 @@
 //! The simulated machine of a machine file, in rapier.
 
 use super::{Collision, Machine};
-use crate::physics::{PhysicsError, PhysicsMachine, axis_inertia};
 use twin_kinematics::AxisVector;
+use twin_physics::{PhysicsError, PhysicsMachine, axis_inertia};
 
 impl Machine {
     /// The machine in rapier at rest at `start`, with its drives and what is around it.

@@ -1,8 +1,8 @@
 //! Simulation error: an error of the physics, with the names of the machine file.
 
 use super::Machine;
-use crate::physics::{PhysicsError, Subject};
 use std::fmt;
+use twin_physics::{PhysicsError, Subject};
 
 /// A [`PhysicsError`] with the names of axes, joints and links in the place of their numbers.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,13 +1,13 @@
 //! `[[obstacles]]` and `[collision]`: obstacles around the machine, and pairs of parts for the collision check.
 
 use super::Machine;
-use crate::physics::{ClearanceScan, Obstacle, ObstacleKind, Part, PhysicsError, Surroundings};
 use crate::section::Section;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::ops::RangeInclusive;
 use std::path::Path;
 use std::sync::Arc;
 use twin_kinematics::WorkFrame;
+use twin_physics::{ClearanceScan, Obstacle, ObstacleKind, Part, PhysicsError, Surroundings};
 use twin_urdf::{Mesh, Model, Solid, SolidShape};
 
 /// mm; of bodies.

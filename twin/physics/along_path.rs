@@ -128,6 +128,13 @@ pub struct EffortRow {
     pub limit: f64,
 }
 
+impl EffortRow {
+    /// The coefficients of s̈, ṡ² and ṡ as parts of the limit.
+    pub fn per_limit(&self) -> [f64; 3] {
+        [self.acceleration, self.speed_v2, self.speed].map(|part| part / self.limit)
+    }
+}
+
 /// The effort of one axis at one point of a path, as coefficients in N or Nm per unit of their variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisEffort {

@@ -2,7 +2,6 @@
 
 use crate::finding::Finding;
 use crate::limit::{LimitFailure, LimitRules, planner};
-use crate::machine::Machine;
 use crate::program::{Findings, Halt, Prepared, ProgramFile};
 use std::collections::VecDeque;
 use std::io;
@@ -11,6 +10,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, sync_channel};
 use std::thread::Scope;
+use twin_machine::Machine;
 use twin_path::prepare::CheckedElement;
 use twin_planner::time_optimal::{
     Arrival, Lead, LimitError, Piece, Pieces, Planned, Replan, Request, Spliced,

@@ -8,15 +8,15 @@ mod within;
 use crate::job::JobSetpoints;
 use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledgement, MCall};
-use crate::machine::Machine;
 use crate::program::{Dialect, Findings, ProgramFile, Setpoints};
 use crate::setpoint::Transformer;
 use crate::setpoint_source::MOST_OVERRIDE;
 use crate::setpoint_source::PlanItem;
-use crate::tappets::Signal;
 use beside::Beside;
 use std::task::Poll;
 use std::thread::Scope;
+use twin_machine::Machine;
+use twin_machine::tappets::Signal;
 use within::WithinAxes;
 
 /// The set-points of a program, as the controller itself plans them or within the limits of the axes.

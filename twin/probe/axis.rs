@@ -7,11 +7,11 @@
 //! If the axis is on an InterpCNC board in the loop of the simulated machine, the board itself moves it.
 
 use super::board::{BoardRefusal, BoardSearch};
-use crate::machine::{Machine, SimulationError};
-use crate::number::seconds;
-use crate::physics::PhysicsError;
 use crate::simulated::Simulated;
 use twin_kinematics::{AxisMotion, AxisVector};
+use twin_machine::{Machine, SimulationError};
+use twin_number::seconds;
+use twin_physics::PhysicsError;
 
 /// Parameters of a probing move. m or rad, and s.
 #[derive(Clone, Copy, Debug, PartialEq)]

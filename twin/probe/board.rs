@@ -2,10 +2,10 @@
 //! simulated machine is its input.
 
 use super::axis::{AxisProbe, Search};
-use crate::machine::{Axis, Counting, DriveFamily, Machine};
 use twin_interpcnc::emulator::{Board, BoardOptions};
 use twin_interpcnc::protocol::registers::{BoardAxis, MAX_SPEED_HZ};
 use twin_interpcnc::{AxisValues, Command};
+use twin_machine::{Axis, Counting, DriveFamily, Machine};
 
 /// The input that the probe is wired to; which one it is makes no difference to an axis.
 const INPUT: u8 = 1;

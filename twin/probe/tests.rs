@@ -1,13 +1,13 @@
 //! Tests of probing moves above a plane against closed forms.
 
-use crate::approach::{Approach, Clearance, RELEASE, TOUCH};
 use crate::check::{CheckOptions, Outcome, check};
 use crate::finding::{Finding, Rule, Severity};
-use crate::machine::Machine;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ElementItem, ProgramFile};
 use std::path::Path;
 use twin_gcode::rs274::{Position, ProbePath, ProbeTarget, Surroundings};
+use twin_machine::Machine;
+use twin_machine::approach::{Approach, Clearance, RELEASE, TOUCH};
 use twin_path::Place;
 use twin_path::{ElementKind, PathElement, ProbeOutcome, ProbeTrip, Probing};
 

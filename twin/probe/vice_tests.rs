@@ -3,12 +3,12 @@
 use super::{AxisProbe, AxisProbeEnd};
 use crate::check::{CheckOptions, Outcome, check};
 use crate::finding::{Rule, Severity};
-use crate::machine::Machine;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use crate::simulated::Simulated;
 use std::path::Path;
 use twin_kinematics::{Kinematics, Pose};
+use twin_machine::Machine;
 
 /// Jaws with their tops at Z−10, the fixed one from Y−20 to Y0, stock from Z−30 to Z0, 100 × 60 mm; a tool of 6 mm.
 const VICE: &str = include_str!("../../machines/gantry3_vice.toml");

@@ -13,7 +13,6 @@ pub use stream::{ElementItem, Elements, Facts, FileFacts, ProgramItem, Setpoints
 pub(crate) use stream::{Findings, Prepared};
 
 use crate::m_function::Acknowledgement;
-use crate::machine::{Machine, ProgramConditions};
 use settings::ReadSettings;
 use source::{Counted, Decoded, Decoder, Ledger};
 use std::cell::RefCell;
@@ -26,6 +25,7 @@ use std::sync::Arc;
 use std::time::SystemTime;
 use stream::Stage;
 use twin_gcode::{din66025, rs274};
+use twin_machine::{Machine, ProgramConditions};
 use twin_path::Place;
 use twin_path::prepare::{Incompatible, Notices, Preparation};
 use twin_path::queue::{Generator, QueueReader};

@@ -232,7 +232,7 @@ const UNFORESEEN: &str =
 /// What is wrong with an element that takes absurdly long.
 fn endless(element: &PathElement) -> Option<Finding> {
     if let ElementKind::Dwell { time_ns } = element.kind {
-        let time = crate::number::seconds(time_ns);
+        let time = twin_number::seconds(time_ns);
         return (time > LONGEST_MOVE).then(|| {
             let message = format!(
                 "this dwell takes {time:.0} s; the limit is {LONGEST_MOVE:.0} s, and what follows is not planned"

@@ -1,11 +1,11 @@
 //! Report of drives: following-error prediction and axis maxima.
 
 use crate::check::PredictedFollowing;
-use crate::machine::{Axis, Machine};
-use crate::number::rounded;
 use crate::per_axis::PerAxis;
 use crate::report::StatisticsReport;
 use twin_axis::Largest;
+use twin_machine::{Axis, Machine};
+use twin_number::rounded;
 
 /// Following-error prediction of the drives.
 #[derive(Clone, Debug, serde::Serialize)]

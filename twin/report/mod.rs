@@ -8,8 +8,6 @@ mod tappets;
 use crate::check::{BlockClearance, Outcome};
 use crate::compare::{ErrorStatistics, Statistics};
 use crate::finding::Finding;
-use crate::machine::{Axis, Machine};
-use crate::number::{rounded, seconds};
 use crate::peak::AxisPeakReport;
 use crate::per_axis::PerAxis;
 use crate::program::ProgramFile;
@@ -18,6 +16,8 @@ pub use drives::{AxisMaximaReport, PredictedFollowingReport};
 pub use motor_load::MotorLoadReport;
 pub use rest::RestReport;
 use tappets::TappetsReport;
+use twin_machine::{Axis, Machine};
+use twin_number::{rounded, seconds};
 
 /// Report of `twin check` per program, which is also a part of the report of `twin run`.
 #[derive(Clone, Debug, serde::Serialize)]

@@ -1,8 +1,8 @@
 //! Motor load of an axis of the simulated machine, in its units.
 
-use crate::machine::Axis;
-use crate::number::rounded;
-use crate::physics::MotorLoad;
+use twin_machine::Axis;
+use twin_number::rounded;
+use twin_physics::MotorLoad;
 
 /// Load of the motor of one axis in the simulated machine, at the axis.
 #[derive(Clone, Debug, serde::Serialize)]

@@ -1,10 +1,10 @@
 //! Report of the rest positions of a stopped run.
 
 use crate::compare::Measured;
-use crate::machine::Machine;
-use crate::number::{rounded, seconds};
 use crate::per_axis::PerAxis;
 use crate::session::Rest;
+use twin_machine::Machine;
+use twin_number::{rounded, seconds};
 
 /// Rest positions of the axes.
 #[derive(Clone, Debug, serde::Serialize)]

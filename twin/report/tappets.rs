@@ -1,7 +1,7 @@
 //! Report of tappet switchings.
 
-use crate::number::{rounded, seconds};
-use crate::tappets::{MasterPlace, Switched, TappetSwitch};
+use twin_machine::tappets::{MasterPlace, Switched, TappetSwitch};
+use twin_number::{rounded, seconds};
 
 /// Tappet switchings of all slaves and groups.
 #[derive(Clone, Debug, serde::Serialize)]

@@ -1,10 +1,10 @@
 //! Braking off the path: every axis stops on its own at its largest deceleration and jerk.
 
-use crate::machine::Machine;
-use crate::number::seconds;
 use crate::setpoint::AxisSetpoint;
 use std::f64::consts::TAU;
 use twin_kinematics::{AxisMotion, Kinematics, ToolMotion};
+use twin_machine::Machine;
+use twin_number::seconds;
 use twin_planner::time_optimal::emergency::{EmergencyStop, StopError, StopLimits};
 
 /// So many time constants of the slowest position loop the set-points rest at the end, for what follows them to rest as well.

@@ -5,9 +5,9 @@ use super::{DriveSample, Observer, Stopped};
 use crate::clock::Clock;
 use crate::compare::Measured;
 use crate::hardware::{Hardware, HardwareError};
-use crate::physics::PhysicsError;
 use crate::plant::{AxisFeedback, Plant};
 use std::time::Duration;
+use twin_physics::PhysicsError;
 
 /// How long drives may take to come to rest at the end before the session ends without them.
 const LONGEST_SETTLING: Duration = Duration::from_secs(10);

@@ -1,11 +1,11 @@
 //! History of set-points and twin positions, for comparison with late samples of the drives.
 
 use crate::compare::Measured;
-use crate::machine::Machine;
 use crate::plant::AxisFeedback;
 use crate::setpoint::AxisSetpoint;
 use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
+use twin_machine::Machine;
 use twin_path::Place;
 
 /// How long set-points and twin are remembered for samples of the drives that come late, in cycles.

@@ -4,12 +4,12 @@ use super::run::Run;
 use super::{Answer, Observer, Stopped};
 use crate::hardware::Hardware;
 use crate::m_function::MCall;
-use crate::machine::MFunction;
-use crate::machine::Machine;
-use crate::physics::PhysicsError;
 use crate::plant::Plant;
 use crate::setpoint::AxisSetpoint;
-use crate::tappets::{Signal, TappetBits};
+use twin_machine::MFunction;
+use twin_machine::Machine;
+use twin_machine::tappets::{Signal, TappetBits};
+use twin_physics::PhysicsError;
 
 /// The outputs of `machine` that follow one of `signals`: index of the signal, device, output.
 pub(super) fn tappet_outputs(machine: &Machine, signals: &[Signal]) -> Vec<(usize, usize, u8)> {

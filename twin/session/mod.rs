@@ -11,12 +11,9 @@ mod run;
 
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
-use crate::coupled::AxesError;
 use crate::hardware::{Hardware, HardwareError, Heard, LastHeard, SwitchedOutputs};
 use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledge, Acknowledgement, MCall};
-use crate::machine::{Machine, SimulationError};
-use crate::physics::{MotorState, PhysicsError};
 use crate::planning::Planning;
 use crate::plant::{Plant, PlantRecord};
 use crate::program::ProgramFile;
@@ -26,7 +23,10 @@ pub use punctuality::Punctuality;
 pub use rest::{Rest, whereabouts};
 use run::Run;
 use std::time::Duration;
+use twin_machine::coupled::AxesError;
+use twin_machine::{Machine, SimulationError};
 use twin_path::Place;
+use twin_physics::{MotorState, PhysicsError};
 
 /// Set-points simulated in one go where nothing has to wait for the wall clock.
 const BATCH_NS: i64 = 100_000_000;

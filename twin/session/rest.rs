@@ -2,10 +2,10 @@
 
 use crate::compare::Measured;
 use crate::hardware::LastHeard;
-use crate::machine::Machine;
-use crate::number::seconds;
 use crate::setpoint::AxisSetpoint;
 use std::fmt::Write;
+use twin_machine::Machine;
+use twin_number::seconds;
 use twin_path::Place;
 
 /// Rest positions of the axes before the end of the program.

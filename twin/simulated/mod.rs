@@ -4,20 +4,19 @@
 mod tests;
 
 use crate::in_loop::DrivesInLoop;
-use crate::machine::{
-    Collision, FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError,
-};
-use crate::physics::{
-    self, ClearanceScan, Contact, EventKind, Fault, MotorState, PhysicsError, PhysicsEvent,
-    PhysicsMachine, Side, SwitchStates, YieldingTool,
-};
 use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord, ProbeMiss, ProbeTouch};
 use crate::setpoint::AxisSetpoint;
 use crate::setpoint::HORIZON_NS;
 use crate::touch_probe::TouchProbe;
 use std::collections::{BTreeMap, VecDeque};
 use twin_kinematics::{AxisMotion, AxisVector};
+use twin_machine::{Collision, FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError};
 use twin_path::Place;
+
+use twin_physics::{
+    ClearanceScan, Contact, EventKind, Fault, MotorState, PhysicsError, PhysicsEvent,
+    PhysicsMachine, Side, SwitchStates, YieldingTool,
+};
 
 /// Happenings that are kept: what goes on in every line of a long program is told as well by its first thousand.
 const MOST_HAPPENINGS: usize = 1000;
@@ -147,12 +146,11 @@ impl Simulated {
         let collisions = self.physics.take_collisions();
         let mut blows: Vec<_> = collisions
             .iter()
-            .map(|physics::Collision { speed, contact: Contact { parts, force, .. }, .. }| Blow {
-                place,
-                parts: *parts,
-                speed: *speed,
-                force: *force,
-            })
+            .map(
+                |twin_physics::Collision {
+                     speed, contact: Contact { parts, force, .. }, ..
+                 }| Blow { place, parts: *parts, speed: *speed, force: *force },
+            )
             .collect();
         let Some(first) = blows.first().map(|blow| blow.parts) else { return Ok(()) };
         // The drives hold where the machine is, as they do when they are told to stop at once.

@@ -4,8 +4,8 @@ use super::{Still, position};
 use crate::attached::Attached;
 use crate::by_hand;
 use crate::clock::Clock;
-use crate::machine::{Axis, DriveFamily, Machine};
 use twin_drives::{Drive, DriveError, HomingWays, MAX_DRIVE_AXES, Sample};
+use twin_machine::{Axis, DriveFamily, Machine};
 
 /// A home switch may lie so much further away than the whole way between the software limits.
 const FURTHER: f64 = 1.2;

@@ -3,8 +3,8 @@
 use super::in_units;
 use super::looker::Looker;
 use crate::by_hand;
-use crate::machine::{Axis, DriveFamily, Machine};
 use twin_drives::{DeviceLimits, Drive, DriveError};
+use twin_machine::{Axis, DriveFamily, Machine};
 
 /// End of a message about a device that does not limit the way of an axis: the limits that remain.
 pub(super) fn what_is_left(axis: &Axis) -> String {

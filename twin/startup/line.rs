@@ -5,9 +5,9 @@
 use super::looker::Looker;
 use crate::by_hand;
 use crate::emulated::line;
-use crate::machine::{DriveFamily, Machine};
 use twin_drives::{Drive, DriveError, ParameterId};
 use twin_interpcnc::{Parity, protocol::parameters};
+use twin_machine::{DriveFamily, Machine};
 
 impl Looker<'_> {
     /// Checks the stored line settings of a board against the machine file.

@@ -5,10 +5,10 @@ use super::{Check, Homed, Looked, Needs, Still, Verdict, home_by_hand, position}
 use crate::advice::{RELEASE, advice_in_run};
 use crate::by_hand;
 use crate::clock::Clock;
-use crate::machine::{Axis, DriveFamily, Machine};
 use std::time::Duration;
 use twin_bim2ax::Fault;
 use twin_drives::{Drive, DriveError, Increments, ParameterInfo, SetpointStream};
+use twin_machine::{Axis, DriveFamily, Machine};
 
 /// What is said of an axis that is homed by the user's word alone and counts 0: its device may have lost its position since.
 const ZERO: &str = "; it counts 0, as after it was switched on, reset, saved or unlocked: if it was, home it again";

@@ -14,11 +14,11 @@ mod switches;
 use crate::attached::Attached;
 use crate::by_hand;
 use crate::clock::Clock;
-use crate::machine::{Axis, Machine};
 pub use homing::{HomingError, home, home_by_hand, longest_way, way_in_all};
 use looker::Looker;
 use std::fmt;
 use twin_drives::{IncrementMotion, Increments, MAX_DRIVE_AXES, SetpointStream};
+use twin_machine::{Axis, Machine};
 
 /// Verdict of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

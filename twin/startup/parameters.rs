@@ -2,13 +2,13 @@
 
 use crate::by_hand;
 use crate::emulated::{bim2ax_axis, smartdrive_axis, velocity_within};
-use crate::machine::{DriveFamily, Machine};
 use twin_bim2ax::protocol::bits::definition;
 use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
 use twin_bim2ax::{DriveMode, ModuleAxis};
 use twin_drives::ParameterId;
 use twin_interpcnc::Following;
 use twin_interpcnc::protocol::parameters::{COUPLING, ZERO_AFTER_HOMING};
+use twin_machine::{DriveFamily, Machine};
 use twin_smartdrive::protocol::parameters::{
     ACCELERATION_MAX, DECELERATION_MAX, FULL_STEPS, STEP_DIVISOR, VELOCITY_MAX,
 };

@@ -6,7 +6,6 @@ use super::Homed;
 use super::limits::what_is_left;
 use super::looker::Looker;
 use crate::by_hand;
-use crate::machine::{Axis, DriveFamily, Machine, Switches};
 use twin_bim2ax::ModuleAxis;
 use twin_bim2ax::protocol::bits::coefficient::{HOME_PLUS, IGNORE_SWITCHES};
 use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
@@ -15,6 +14,7 @@ use twin_interpcnc::BoardAxis;
 use twin_interpcnc::protocol::parameters::{
     HOME_SLOW_SPEED, home_direction, home_input, home_speed, limit_input,
 };
+use twin_machine::{Axis, DriveFamily, Machine, Switches};
 use twin_smartdrive::protocol::parameters::POSITION_OFFSET;
 
 /// The sign of a direction.

@@ -1,11 +1,11 @@
 //! Extent of the workspace: a box around the reachable tool positions, found by sampling the axis positions.
 
 use super::space::Space;
-use crate::axis_kind::AxisKind;
-use crate::machine::Axis;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::PI;
 use twin_kinematics::{AxisVector, Kinematics};
+use twin_machine::Axis;
+use twin_machine::axis_kind::AxisKind;
 
 /// Axis positions that are looked at, all axes together.
 const SAMPLES: f64 = 60_000.0;

@@ -1,7 +1,7 @@
 //! Singularity measure: distance of the axis positions from a singular pose.
 
-use crate::machine::Machine;
 use twin_kinematics::{AxisVector, Kinematics};
+use twin_machine::Machine;
 
 /// The singularity measure with the axes at `axes`: the smallest singular value of the Jacobian, dimensionless; 0 where
 /// there is no Jacobian.

@@ -7,13 +7,14 @@ use super::section::{Cut, Section};
 use super::silhouette::{silhouette, surroundings};
 use super::space::State;
 use super::survey::Workspace;
-use crate::physics::ObstacleKind;
-use crate::plot::{self, Color, FAINT, INK, Legend, MARK, Map, Paint, Sheet, Sign, Stroke, short};
 use nalgebra::{Point2, Point3};
 use std::collections::BTreeMap;
+use twin_physics::ObstacleKind;
+
+use twin_plot::{Color, FAINT, INK, Legend, MARK, Map, Paint, Sheet, Sign, Stroke, short};
 
 /// Largest size of the section on the page, pixels.
-const LARGEST: plot::Point = (690.0, 620.0);
+const LARGEST: twin_plot::Point = (690.0, 620.0);
 /// Opacity of the colours of axes beyond their limits: where there are two, both are seen.
 const TINT: f64 = 0.3;
 /// Arrows of the machine frame are this long, pixels.
@@ -21,7 +22,7 @@ const ARROW: f64 = 36.0;
 const MACHINE: Color = Color::rgb(60, 66, 78);
 
 /// A polygon and its paint.
-type Body = (Vec<plot::Point>, Paint);
+type Body = (Vec<twin_plot::Point>, Paint);
 
 /// Draws a section as SVG.
 pub fn picture(
@@ -65,7 +66,7 @@ pub fn picture(
         },
         range: [section.grid.min, section.grid.max()].map(|corner| mm(&corner)),
         largest: LARGEST,
-        scale: Some(plot::Scale {
+        scale: Some(twin_plot::Scale {
             name: "singularity measure".to_owned(),
             colors: (0..scale.bands()).map(|band| scale.color(band)).collect(),
             step: scale.least(1),
@@ -97,11 +98,11 @@ pub fn picture(
     map.finish(&legend)
 }
 
-fn mm(at: &Point2<f64>) -> plot::Point {
+fn mm(at: &Point2<f64>) -> twin_plot::Point {
     (at.x * 1e3, at.y * 1e3)
 }
 
-fn loops(region: &Region) -> Vec<Vec<plot::Point>> {
+fn loops(region: &Region) -> Vec<Vec<twin_plot::Point>> {
     region.loops.iter().map(|one| one.iter().map(|vertex| mm(&vertex.at)).collect()).collect()
 }
 

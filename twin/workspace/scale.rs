@@ -1,6 +1,6 @@
 //! Colours for the singularity measure.
 
-use crate::plot::Color;
+use twin_plot::Color;
 
 /// The measure in bands of colour, from dark (0) to bright: viridis, which people with any colour vision can read, and
 /// which stays in order without colours.

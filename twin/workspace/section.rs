@@ -4,9 +4,9 @@ use super::extent::Extent;
 use super::grid::Grid;
 use super::region::{self, Region};
 use super::space::{Sample, Space, State};
-use crate::plot::short;
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 use std::fmt;
+use twin_plot::short;
 
 /// Cells along the longer side of a section.
 const CELLS: u32 = 200;

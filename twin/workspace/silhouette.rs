@@ -1,11 +1,11 @@
 //! The machine and what is around it, as they are seen from a side.
 
 use super::section::Plane;
-use crate::machine::Collision;
-use crate::physics::ObstacleKind;
-use crate::plot;
 use nalgebra::{Isometry3, Point2, Point3};
 use std::f64::consts::TAU;
+use twin_machine::Collision;
+use twin_physics::ObstacleKind;
+
 use twin_urdf::{Model, Solid, SolidShape};
 
 /// Points around a cylinder or a sphere.
@@ -72,5 +72,5 @@ fn outline(solid: &Solid, pose: &Isometry3<f64>, plane: &Plane) -> Vec<Point2<f6
 
 fn hull(points: Vec<Point2<f64>>) -> Vec<Point2<f64>> {
     let points = points.into_iter().map(|point| (point.x, point.y)).collect();
-    plot::hull(points).into_iter().map(|(x, y)| Point2::new(x, y)).collect()
+    twin_plot::hull(points).into_iter().map(|(x, y)| Point2::new(x, y)).collect()
 }

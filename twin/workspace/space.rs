@@ -1,9 +1,9 @@
 //! State of one point of the workspace: within limits, beyond limits of some axes, or out of reach.
 
 use super::measure;
-use crate::machine::Machine;
 use nalgebra::Point3;
 use twin_kinematics::{AxisVector, Kinematics, Pose};
+use twin_machine::Machine;
 
 /// Beyond a limit by no more than this is rounding, m or rad.
 const SLACK: f64 = 1e-9;

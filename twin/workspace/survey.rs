@@ -5,9 +5,9 @@ use super::extent::{Extent, Sweep};
 use super::section::{Cut, Plane, Section};
 use super::silhouette::{silhouette, surroundings};
 use super::space::Space;
-use crate::machine::Machine;
 use nalgebra::{Point2, Point3, Vector2};
 use twin_kinematics::{AxisVector, Coordinate, Kinematics, KinematicsError, ReachOf};
+use twin_machine::Machine;
 
 /// Farther than any machine reaches, m.
 const FAR: f64 = 1e7;

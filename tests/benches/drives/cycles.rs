@@ -7,11 +7,11 @@ use twin::emulated::connect;
 use twin::hardware::Hardware;
 use twin::limit::Limits;
 use twin::m_function::Acknowledge;
-use twin::machine::Machine;
 use twin::program::settings::ReadSettings;
 use twin::program::{Dialect, ProgramFile};
 use twin::session::{Answer, DriveSample, Observer, Punctuality, Session, TwinCycle};
 use twin::simulated::Simulated;
+use twin_machine::Machine;
 
 /// Part of their largest velocity with which axes come to the start.
 const APPROACH: f64 = 0.25;

@@ -1,7 +1,7 @@
 //! Machines on the measured devices: a gantry on a board, on a bus, and on a module with a board.
 
 use std::path::Path;
-use twin::machine::Machine;
+use twin_machine::Machine;
 
 /// 320, 320 and 640 increments per mm.
 const GANTRY3: &str = include_str!("../../../machines/gantry3.toml");

@@ -3,9 +3,9 @@
 use super::machines::{on_board, on_bus, on_module};
 use twin::clock::Clock;
 use twin::emulated::{Emulator, connect};
-use twin::machine::Machine;
 use twin::setpoint::HORIZON_NS;
 use twin_drives::{IncrementMotion, MAX_DRIVE_AXES, SetpointStream};
+use twin_machine::Machine;
 
 /// Duration of the followed motion, s.
 const FOLLOWED: f64 = 10.0;

@@ -4,12 +4,12 @@
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
-use twin::physics::{
+use twin_kinematics::tripod::{Tripod, TripodDeviations, TripodDimensions as Rings};
+use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
+use twin_physics::{
     AxisDriveParameters, AxisLoad, ElasticTransmission, FrictionParameters, PathDynamics,
     PhysicsMachine, ServoParameters, Surroundings,
 };
-use twin_kinematics::tripod::{Tripod, TripodDeviations, TripodDimensions as Rings};
-use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
 use twin_urdf::{
     Inertial, Joint, JointDrive, JointKind, Link, MachineJoint, Model, Solid, SolidShape, Tip,
     TripodDimensions,

@@ -1,7 +1,7 @@
 //! Lines over the master.
 
 use super::Shown;
-use crate::plot::Point;
+use twin_plot::Point;
 
 /// Points of a line over the whole width, and columns that are told apart.
 const POINTS: f64 = 1800.0;

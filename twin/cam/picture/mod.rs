@@ -8,15 +8,15 @@ use bars::alternates;
 pub(super) use bars::on_stretches;
 pub use ramp::{RampPicture, ramp_chart};
 
-use super::CamFile;
 use super::check::CamUse;
 use super::sample::{at, reach as reached, reaches};
-use crate::number::beside;
-use crate::plot::{
-    Across, BACK, Chart, Color, Legend, MARK, Point, Row, Shape, Sign, Strip, Stroke, reach,
-};
 use lines::line_of;
 use twin_cam::SlaveLimits;
+use twin_machine::cam_file::CamFile;
+use twin_number::beside;
+use twin_plot::{
+    Across, BACK, Chart, Color, Legend, MARK, Point, Row, Shape, Sign, Strip, Stroke, reach,
+};
 
 /// Height of a row of curves, pixels.
 const HEIGHT: f64 = 150.0;

@@ -1,10 +1,8 @@
 //! The picture of a start with a ramp: what the slave does before and after over the time, next to its cam.
 
-use crate::number::{beside, significant};
-use crate::plot::{
-    Across, BACK, Chart, Color, Legend, MARK, Point, Row, Shape, Sign, Stroke, reach,
-};
 use twin_cam::tune::{RampError, RampIn, RampMoment, RampShown, RampWish, on_cam, ramp_shown};
+use twin_number::{beside, significant};
+use twin_plot::{Across, BACK, Chart, Color, Legend, MARK, Point, Row, Shape, Sign, Stroke, reach};
 use twin_profile::State;
 
 /// Height of a row of curves, pixels.

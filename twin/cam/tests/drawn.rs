@@ -1,11 +1,11 @@
 //! Numbers of pictures, whatever their size.
 
 use super::found::{LIFT, cam, using};
-use crate::cam::CamFile;
 use crate::cam::check::AxisLimits;
 use crate::cam::picture::{Recorded, Shown, cam_chart, on_stretches};
 use std::sync::Arc;
 use twin_cam::{CamCoupling, CamInput, CamTable, TappetValue};
+use twin_machine::cam_file::CamFile;
 use twin_profile::State;
 
 /// Where the dots of a recorded run are, and the highest place of the first curve.

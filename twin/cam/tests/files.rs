@@ -1,12 +1,16 @@
 //! Tests of cam files: a written file reads back the same, and errors name their place.
 
-use crate::cam::edit::{self, Change, EditError};
-use crate::cam::{CamFile, CamFileError, Coupling, Form, csv_of, lost, write_file, write_toml};
+use crate::cam::edit;
+use crate::cam::edit::{Change, EditError};
+use crate::cam::lost;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use twin_cam::{
     Action, CamInput, Element, Equidistant, Interpolation, Kind, Knot, PairTable, Passage, Scale,
     Shape, Source, StartMode, TableScale, Tappet, VariableType,
+};
+use twin_machine::cam_file::{
+    CamFile, CamFileError, Coupling, Form, csv_of, write_file, write_toml,
 };
 
 fn read(text: &str) -> Result<CamFile, CamFileError> {
@@ -15,8 +19,9 @@ fn read(text: &str) -> Result<CamFile, CamFileError> {
 
 /// Messages with the words they are about.
 pub(super) fn problems(text: &str) -> Vec<(String, String)> {
-    let Err(CamFileError::Toml(crate::section::MachineFileError::Content { problems, .. })) =
-        read(text)
+    let Err(CamFileError::Toml(twin_machine::section::MachineFileError::Content {
+        problems, ..
+    })) = read(text)
     else {
         panic!("{:?}", read(text));
     };

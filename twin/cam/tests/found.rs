@@ -1,6 +1,5 @@
 //! Checks against closed forms, and runs whose truth is known.
 
-use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::picture::{Shown, on_stretches};
 use crate::cam::run::RecordedRun;
@@ -13,6 +12,7 @@ use std::fmt::Write;
 use std::path::Path;
 use twin_cam::tune::{FitError, Free, Tolerance};
 use twin_cam::{MasterMotion, Quantity, SlaveLimits};
+use twin_machine::cam_file::CamFile;
 
 pub(super) const LIFT: &str = r#"
 name = "lift"

@@ -2,12 +2,12 @@
 
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::sample::{Sampling, write};
-use crate::cam::{CamFile, CamFileError};
-use crate::section::MachineFileError;
 use proptest::prelude::*;
 use std::path::Path;
 use twin_cam::file::AsciiError;
 use twin_cam::{Interpolation, MasterMotion, SlaveLimits};
+use twin_machine::cam_file::{CamFile, CamFileError};
+use twin_machine::section::MachineFileError;
 
 const TOML: &str = "name = \"lift\"\nmaster = { min = 0, max = 360, unit = \"deg\" }\n\
     slave = { min = 0, max = 100, unit = \"mm\" }\nelements = [{ master = 0, slave = 0 }, { master = 360, slave = 100 }]\n\

@@ -1,11 +1,11 @@
 //! Outputs of runs that contradict each other, or that no tappet has switched.
 
 use super::found::{Random, cam, using};
-use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{OutputError, Part, TuneError, run_dead_time};
 use twin_cam::tune::{Estimate, FitError};
+use twin_machine::cam_file::CamFile;
 
 const TWO: &str = r#"
 name = "two"

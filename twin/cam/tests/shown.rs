@@ -2,7 +2,6 @@
 
 use super::found::{Random, cam, using};
 use super::tuned::{Plant, VELOCITY, recorded, uneven};
-use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{
@@ -10,6 +9,7 @@ use crate::cam::tune::{
 };
 use twin_cam::Quantity;
 use twin_cam::tune::Free;
+use twin_machine::cam_file::CamFile;
 
 /// A run every 2 ms of a master, with noise of it.
 fn driven(count: i32, noise: f64, master: impl Fn(f64) -> f64) -> RecordedRun {

@@ -1,13 +1,13 @@
 //! Tests of the start of `MC_CamIn`: against the coupling itself, shifted by whole passes, and at the begin of runs.
 
 use super::found::{LIFT, Random, cam, using};
-use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{TuneError, begin, started_at};
 use crate::finding::Rule;
 use std::sync::Arc;
 use twin_cam::{CamCoupling, CamTable, CouplingError};
+use twin_machine::cam_file::CamFile;
 use twin_profile::State;
 
 /// 100 forwards in every pass.

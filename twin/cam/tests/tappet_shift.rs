@@ -2,14 +2,15 @@
 
 use super::found::{LIFT, Random, cam, using};
 use super::tuned::{VELOCITY, uneven};
-use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamUse};
-use crate::cam::edit::{self, Change, EditError};
+use crate::cam::edit;
+use crate::cam::edit::{Change, EditError};
 use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{Kept, TuneError, corrected, fit_run, keep_tappets, wanted, within};
 use std::path::Path;
 use twin_cam::tune::Free;
 use twin_cam::{Action, Passage, Tappet};
+use twin_machine::cam_file::CamFile;
 
 fn with(file: &CamFile, master_offset: f64, master_scaling: f64) -> CamUse {
     let mut use_it = using(file, VELOCITY, AxisLimits::NONE);

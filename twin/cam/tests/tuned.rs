@@ -6,9 +6,9 @@ use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{
     TuneError, changes, corrected, errors, fit_run, rms, switchings, tappet_dead_time, wanted,
 };
-use crate::cam::{CamFile, Coupling};
 use std::path::Path;
 use twin_cam::tune::{Estimate, Free};
+use twin_machine::cam_file::{CamFile, Coupling};
 
 /// A machine: its slave lags, s, and is at `gain` times where it should be, and `shift` beside it.
 pub(super) struct Plant {

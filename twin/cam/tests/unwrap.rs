@@ -2,11 +2,11 @@
 //! runs that were recorded on and on.
 
 use super::found::{Random, cam, using};
-use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{Unwound, fit_run, run_dead_time, unwound};
 use twin_cam::tune::Free;
+use twin_machine::cam_file::CamFile;
 
 const TRIALS: u32 = 100;
 /// Of 100 trials that hold with 95 % fewer do in one case of 100.

@@ -1,10 +1,10 @@
 //! Tests of the messages about errors in cam files: all are reported, with their place and the correct form.
 
 use super::files::problems;
-use crate::cam::{CamFile, CamFileError};
-use crate::section::MachineFileError;
 use std::path::Path;
 use twin_cam::Interpolation;
+use twin_machine::cam_file::{CamFile, CamFileError};
+use twin_machine::section::MachineFileError;
 
 const SCALES: &str = "master = { min = 0, max = 3 }\nslave = { min = 0, max = 9 }\n";
 

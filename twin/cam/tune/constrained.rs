@@ -1,19 +1,19 @@
 //! Offsets and scalings within limits, in the units of the axes: with the least error of a recorded slave, the least change, or the
 //! least peak of the slave.
 
-use super::super::CamFile;
 use super::super::check::{CamCheck, CamUse};
 use super::super::run::RecordedRun;
 use super::correction::{Deviation, of_coupling, wanted, with_exactly, with_values};
 use super::{TuneError, errors, rms, same};
 use crate::finding::{Finding, Rule, Severity};
-use crate::number::significant;
 use twin_cam::Quantity;
 use twin_cam::file::clean;
 use twin_cam::tune as motion;
 use twin_cam::tune::{
     Bound, ConstraintError, Constraints, Estimate, Fit, Free, Objective, Sample, constrained_fit,
 };
+use twin_machine::cam_file::CamFile;
+use twin_number::significant;
 
 /// Values that constraints have changed.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,10 +1,10 @@
 //! Correction of a deviation: from what a slave did to the coupling with which it does what is wanted.
 
-use super::super::CamFile;
 use super::super::check::CamUse;
 use super::same;
 use twin_cam::file::clean;
 use twin_cam::tune::{Estimate, Fit};
+use twin_machine::cam_file::CamFile;
 
 /// A deviation that is smaller than this part of what it is measured against is rounding, whatever its interval says.
 const ROUNDING: f64 = 1e-9;

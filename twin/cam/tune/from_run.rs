@@ -1,18 +1,18 @@
 //! Fit of a recorded run: offsets, scalings, and the dead time of tappets.
 
-use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample};
 use super::TuneError;
 use super::correction::of_coupling;
 use super::tappets::{CHANCE, refuse_contradictory, refuse_random};
-use crate::number::significant;
 use twin_cam::file::clean;
 use twin_cam::tune::{
     DeadTime, Estimate, Fit, FitError, FitOptions, Free, Sample, Switching, dead_time, fit,
     student_975, student_exceeds,
 };
 use twin_cam::{Action, Passage, Tappet};
+use twin_machine::cam_file::CamFile;
+use twin_number::significant;
 
 /// Finds offsets and scalings in a run, beginning with those in use; `between` says between what `MasterOffset`, `MasterScaling`,
 /// `SlaveOffset` and `SlaveScaling` are, where that is known.

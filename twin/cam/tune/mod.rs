@@ -30,13 +30,13 @@ pub use unwrap::{Unwound, unwound};
 
 use super::check::CamUse;
 use super::edit::Change;
-use super::{CamFile, WANTED};
-use crate::number::significant;
 use std::sync::Arc;
 use twin_cam::tune::{
     ConstraintError, FitError, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
 };
 use twin_cam::{CamError, CamTable, Element, Knot, LimitError, Shape, StartMode};
+use twin_machine::cam_file::{CamFile, WANTED};
+use twin_number::significant;
 use twin_profile::{RampType, State};
 
 /// Why something is not tuned.

@@ -1,10 +1,10 @@
 //! Motion in a recorded run: velocity and direction of the master, and start of the slave.
 
-use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample};
 use super::correction::Deviation;
 use twin_cam::MasterMotion;
+use twin_machine::cam_file::CamFile;
 use twin_profile::State;
 
 /// Samples that a parabola is laid through, and how few of them say anything.

@@ -1,10 +1,10 @@
 //! Points of a cam moved within tolerances, in the units of the axes.
 
-use super::super::CamFile;
 use super::super::check::CamUse;
 use super::{TuneError, same};
 use twin_cam::tune::{ReshapeError, Tolerance, Wish, reshape, soften};
 use twin_cam::{Element, Knot, Peak, Quantity, Shape, SlaveLimits, Source};
+use twin_machine::cam_file::CamFile;
 
 /// A shape before and after, with what it was made for.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,11 +1,11 @@
 //! Start of a recorded run: whether its slave was coupled there, and the start of a ramp that begins as the run does.
 
-use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::RecordedRun;
 use super::TuneError;
 use super::correction::Deviation;
 use super::recorded::state;
+use twin_machine::cam_file::CamFile;
 use twin_profile::State;
 
 /// So many standard deviations of the master's noise are no motion.

@@ -1,8 +1,8 @@
 //! Errors of the dead-time estimate: why the outputs of a run do not determine the dead time of tappets.
 
 use super::from_run::Seen;
-use crate::number::significant;
 use std::fmt;
+use twin_number::significant;
 
 /// A part of the switchings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

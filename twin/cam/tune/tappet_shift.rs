@@ -4,11 +4,11 @@
 //! elsewhere on the cam to be passed there again. A cam that is put end to end is passed again and again: with another scaling
 //! its passes are longer or shorter on the master, so tappets are kept on one of them, that which the cam's own range was.
 
-use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::edit::Change;
 use super::{TuneError, same};
 use twin_cam::{Cam, Tappet};
+use twin_machine::cam_file::CamFile;
 
 /// A tappet, and where it stood.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,6 @@
 //! The dead time of a run's outputs, and whether tappets can have switched them: outputs that contradict each other, or that
 //! something else switches, are told.
 
-use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::RecordedRun;
 use super::TuneError;
@@ -9,6 +8,7 @@ use super::from_run::{Seen, median, switchings, tappet_dead_time};
 use super::tappet_error::{OutputError, Part, SwitchingPart};
 use super::unwrap::unwound;
 use twin_cam::tune::{DeadTime, student_exceeds};
+use twin_machine::cam_file::CamFile;
 
 /// What noise does in one run of so many is told.
 pub(super) const CHANCE: f64 = 1e-4;

@@ -1,10 +1,10 @@
 //! Runs that seem to be in other units than the cam.
 
-use super::super::CamFile;
 use super::super::check::CamUse;
 use super::TuneError;
-use crate::number::significant;
 use twin_cam::tune::{Estimate, Fit};
+use twin_machine::cam_file::CamFile;
+use twin_number::significant;
 
 /// A slave that goes so many times as far as is wanted, or only that part of it, is taken for one in other units.
 const STROKES: f64 = 2.0;

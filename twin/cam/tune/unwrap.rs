@@ -6,14 +6,14 @@
 //! place, and so is what it gains in whole passes of a master of which nobody knows how often it went round before: the slave is
 //! taken to be where that is nearest to what it is told.
 
-use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample};
-use super::super::unit_fits;
 use super::errors;
 use super::from_run::median;
-use crate::axis_kind::AxisKind;
 use std::borrow::Cow;
+use twin_machine::axis_kind::AxisKind;
+use twin_machine::cam_file::CamFile;
+use twin_machine::cam_file::unit_fits;
 
 /// Periods of so many passes or turns are known again.
 const MOST: u32 = 12;
@@ -72,7 +72,7 @@ pub fn unwound<'a>(
     found
 }
 
-fn is_angle(scale: &super::super::AxisScale) -> bool {
+fn is_angle(scale: &twin_machine::cam_file::AxisScale) -> bool {
     !scale.unit.is_empty() && unit_fits(scale, AxisKind::Rotary)
 }
 

@@ -1,10 +1,10 @@
 //! The table.
 
 use crate::check::BlockClearance;
-use crate::machine::Machine;
-use crate::number::{exact_seconds, significant};
 use csv::Writer;
 use std::io::Write;
+use twin_machine::Machine;
+use twin_number::{exact_seconds, significant};
 
 /// Significant digits of lengths, which are told to the nanometre: beyond that is noise.
 const DIGITS: usize = 12;

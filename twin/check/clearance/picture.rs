@@ -1,14 +1,14 @@
 //! Clearance along a program as a picture.
 
 use crate::check::BlockClearance;
-use crate::machine::Machine;
-use crate::number::seconds;
-use crate::number::significant;
-use crate::physics::Part;
-use crate::plot::{
+use twin_machine::Machine;
+use twin_number::seconds;
+use twin_number::significant;
+use twin_path::Place;
+use twin_physics::Part;
+use twin_plot::{
     Chart, Color, INK, Legend, MARK, Mark, Row, Shape, Side, Sign, Stroke, Timeline, reach,
 };
-use twin_path::Place;
 
 /// Heights of the rows, pixels: all of it, and what is near.
 const HEIGHTS: [f64; 2] = [210.0, 150.0];

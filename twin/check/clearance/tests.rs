@@ -2,11 +2,11 @@
 
 use super::{ClearanceCsv, ClearancePicture};
 use crate::check::BlockClearance;
-use crate::machine::Machine;
-use crate::physics::{Clearance, Part};
 use nalgebra::Point3;
 use std::path::Path;
+use twin_machine::Machine;
 use twin_path::Place;
+use twin_physics::{Clearance, Part};
 
 /// Nearer than 2 mm is told; its obstacles are table, fixed jaw, moving jaw, screw and stock.
 fn machine() -> Machine {

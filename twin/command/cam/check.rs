@@ -2,17 +2,17 @@
 
 use super::options::{LimitOptions, MasterOptions, UseOptions, load, number};
 use super::show_findings;
-use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::command::show::table;
 use crate::command::{Failure, Status};
 use crate::finding;
-use crate::number::{at_most, beside, readable};
 use clap::ValueEnum;
 use comfy_table::CellAlignment;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use twin_cam::{Action, Largest, Passage, Range};
+use twin_machine::cam_file::CamFile;
+use twin_number::{at_most, beside, readable};
 
 /// Check a cam: exact bounds of the slave against its limits, how fast the master may go, jumps, tappets
 ///

@@ -2,13 +2,14 @@
 
 use super::options::{self, Between, load, magnitude};
 use super::reduced::{ROUNDING, Wish, reduced, unusable};
-use crate::cam::{CamFile, Form, lost, write_file};
+use crate::cam::lost;
 use crate::command::whole;
 use crate::command::{Failure, Status};
-use crate::number::significant;
 use clap::ValueEnum;
 use std::path::PathBuf;
 use twin_cam::{Cam, Compile, Curve, Interpolation, Peak, TableScale, VariableType};
+use twin_machine::cam_file::{CamFile, Form, write_file};
+use twin_number::significant;
 
 /// Write a cam in another form: what it is read and written as say the endings of the files
 ///

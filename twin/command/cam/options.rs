@@ -1,13 +1,13 @@
 //! Options of the `twin cam` commands: reading and use of the cam, motion of the master, limits of the slave.
 
 use crate::cam::check::{AxisLimits, CamUse};
-use crate::cam::unit_fits;
-use crate::cam::{CamFile, Coupling, no_scaling};
 use crate::command::Failure;
-use crate::machine::{Axis, Machine};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use twin_cam::{Interpolation, MasterMotion, SlaveLimits};
+use twin_machine::cam_file::unit_fits;
+use twin_machine::cam_file::{CamFile, Coupling, no_scaling};
+use twin_machine::{Axis, Machine};
 
 /// A finite number.
 pub(in crate::command) fn number(text: &str) -> Result<f64, String> {

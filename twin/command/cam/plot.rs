@@ -5,9 +5,9 @@ use crate::cam::check::CamCheck;
 use crate::cam::picture::{Recorded, Shown, cam_chart};
 use crate::command::whole;
 use crate::command::{Failure, Status};
-use crate::number::{at_most, readable};
 use std::path::PathBuf;
 use twin_cam::Largest;
+use twin_number::{at_most, readable};
 
 /// Draw a cam: position, velocity, acceleration and jerk of the slave over the master, and the tappets
 #[derive(Debug, clap::Args)]

@@ -1,11 +1,11 @@
 //! Cam table reduction: remove points within a tolerance.
 
 use super::options::Between;
-use crate::cam::CamFile;
 use crate::command::Failure;
-use crate::number::{readable, significant};
 use twin_cam::file::reduce;
 use twin_cam::{Cam, CamError, Curve, Interpolation, PairTable, Shape, TableScale, VariableType};
+use twin_machine::cam_file::CamFile;
+use twin_number::{readable, significant};
 
 /// Steps of the search for how many points may be left out: to a part in 4096 of the tolerance.
 const STEPS: usize = 12;

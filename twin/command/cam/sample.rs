@@ -3,7 +3,8 @@
 use super::options::{MasterOptions, UseOptions, load, positive};
 use crate::cam::check::AxisLimits;
 use crate::cam::sample::{MOST, Sampling, write};
-use crate::command::whole::{self, WholeFile, unwritable};
+use crate::command::whole;
+use crate::command::whole::{WholeFile, unwritable};
 use crate::command::{Failure, Status};
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;

@@ -2,10 +2,11 @@
 
 use super::{Arguments, Failure};
 use crate::check::{BlockClearance, ClearanceCsv, ClearancePicture};
-use crate::command::whole::{self, WholeFile, unwritable};
-use crate::machine::{Machine, SimulationError};
+use crate::command::whole;
+use crate::command::whole::{WholeFile, unwritable};
 use crate::program::ProgramFile;
 use std::path::{Path, PathBuf};
+use twin_machine::{Machine, SimulationError};
 
 /// The files that it is written to.
 pub(super) struct ClearanceFiles<'m> {

@@ -8,12 +8,10 @@ use super::options::{
 };
 use super::progress::ProgressLines;
 use super::{Failure, Status, following, show, tappets};
-use crate::check::{self, CheckOptions, Outcome};
+use crate::check;
+use crate::check::{CheckOptions, Outcome};
 use crate::finding;
 use crate::limit::Limits;
-use crate::machine::{Machine, Scenario};
-use crate::number::counted;
-use crate::number::seconds;
 use crate::program::ProgramFile;
 use crate::report::CheckReport;
 use clearance::ClearanceFiles;
@@ -22,6 +20,9 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use twin_machine::{Machine, Scenario};
+use twin_number::counted;
+use twin_number::seconds;
 
 /// Check programs against a machine: syntax, reach, axis limits, velocities and accelerations, per program line
 ///

@@ -3,13 +3,13 @@
 use super::Failure;
 use crate::command::options::unreadable;
 use crate::command::whole::{WholeFile, unwritable};
-use crate::machine::Machine;
 use crate::program::{Dialect, ProgramFile};
 use std::fs::File;
 use std::io::{self, BufReader, Write};
 use std::path::Path;
 use twin_gcode::refeed::{LineLimit, Refed, RefeedError, Unrepaired};
 use twin_gcode::{din66025, rs274};
+use twin_machine::Machine;
 
 /// Only programs have F words.
 pub(super) fn check_dialect(program: &ProgramFile) -> Result<(), Failure> {

@@ -7,12 +7,12 @@ use super::options::{MachineOption, ReadOptions, expect_path, plans_without_inpu
 use super::whole::{self, WholeFile, unwritable};
 use super::{Failure, Status, show};
 use crate::command::progress::ProgressLines;
-use crate::finding::{self, Finding};
+use crate::finding;
+use crate::finding::Finding;
 use crate::limit::{
     AxisRules, ControllerProfile, LimitFailure, LimitReport, LimitRules, LimitSummary, Limits,
     Profile, ProfileItem, Summing, Windows, write_lines, write_summary,
 };
-use crate::machine::Machine;
 use crate::program::{Dialect, ProgramFile};
 use indicatif::ProgressBar;
 use outputs::Outputs;
@@ -21,6 +21,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::PathBuf;
 use twin_gcode::refeed::LineLimit;
+use twin_machine::Machine;
 
 /// Plan a program as fast as all limits of the machine allow: which limit holds it back, where, and what it costs
 ///

@@ -1,11 +1,12 @@
 //! Profile output files of `twin limit`.
 
 use super::Failure;
-use crate::command::whole::{self, WholeFile, unwritable};
+use crate::command::whole;
+use crate::command::whole::{WholeFile, unwritable};
 use crate::limit::{Limits, Picture, ProfileCsv, ProfileSample};
-use crate::machine::Machine;
 use crate::program::ProgramFile;
 use std::path::{Path, PathBuf};
+use twin_machine::Machine;
 
 /// The files a profile is written to.
 #[derive(Default)]

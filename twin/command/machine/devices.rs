@@ -1,8 +1,8 @@
 //! Motors, drives and payload of a machine as JSON.
 
 use crate::check::wire_rates;
-use crate::machine::{Axis, DeviceEntry, DriveFamily, FeedForward, Machine, SimulatedMotor};
 use serde_json::{Value, json};
+use twin_machine::{Axis, DeviceEntry, DriveFamily, FeedForward, Machine, SimulatedMotor};
 
 /// Motor of an axis of the simulated machine: efforts in N or Nm, friction and inertia at the axis.
 pub(super) fn motor(axis: &Axis) -> Value {

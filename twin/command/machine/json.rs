@@ -1,13 +1,13 @@
 //! Machine description as JSON: one object on one line.
 
 use super::{Facts, devices};
-use crate::machine::{Axis, Collision, CoupledBy, Coupling, Machine};
-use crate::physics::{Obstacle, ObstacleKind, Part};
 use crate::workspace::{Cut, Example, MeasureAt, Section};
 use nalgebra::Point3;
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
 use twin_kinematics::AxisVector;
+use twin_machine::{Axis, Collision, CoupledBy, Coupling, Machine};
+use twin_physics::{Obstacle, ObstacleKind, Part};
 use twin_urdf::SolidShape;
 
 pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {

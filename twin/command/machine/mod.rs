@@ -7,11 +7,11 @@ mod text;
 
 use super::options::{self, DEFAULT_ADDRESS};
 use super::{Failure, Status, run, whole};
-use crate::machine::Machine;
 use crate::workspace::{Example, Section, View, Workspace, WorkspaceError, picture};
 use std::io::{self, Write};
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use twin_machine::Machine;
 use twin_viz::{SceneOptions, Viewer};
 
 /// Check a machine file and show what the machine is and can do

@@ -1,10 +1,10 @@
 //! Motors, transmissions and payload of the simulated machine as a table.
 
 use crate::command::show;
-use crate::machine::{Axis, FeedForward, Machine, SimulatedMotor};
-use crate::number::significant;
 use comfy_table::{Cell, CellAlignment};
 use std::io::{self, Write};
+use twin_machine::{Axis, FeedForward, Machine, SimulatedMotor};
+use twin_number::significant;
 
 /// Writes the table of motors and transmissions, and the payload.
 pub(super) fn write(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
@@ -83,8 +83,8 @@ fn friction(axis: &Axis) -> String {
 /// Of rotor and gear, at the axis.
 fn inertia(axis: &Axis) -> String {
     let unit = match axis.kind {
-        crate::axis_kind::AxisKind::Rotary => "kg·m²",
-        crate::axis_kind::AxisKind::Linear => "kg",
+        twin_machine::axis_kind::AxisKind::Rotary => "kg·m²",
+        twin_machine::axis_kind::AxisKind::Linear => "kg",
     };
     if axis.simulated.armature <= 0.0 {
         return "–".to_owned();

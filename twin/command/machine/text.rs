@@ -3,10 +3,6 @@
 use super::{Facts, motors};
 use crate::check::wire_rates;
 use crate::command::{following, show};
-use crate::machine::{
-    Axis, Bim2AxEntry, DriveFamily, InterpCncEntry, Machine, VelocityLimit, VelocitySource,
-};
-use crate::number::{fixed, significant};
 use crate::workspace::{Cut, Example, MeasureAt, Section};
 use comfy_table::{Cell, CellAlignment};
 use nalgebra::Point3;
@@ -14,6 +10,10 @@ use std::io::{self, Write};
 use twin_drives::Axes;
 use twin_interpcnc::EncoderOptions;
 use twin_kinematics::{AxisVector, Branch, Kinematics, ReachOf};
+use twin_machine::{
+    Axis, Bim2AxEntry, DriveFamily, InterpCncEntry, Machine, VelocityLimit, VelocitySource,
+};
+use twin_number::{fixed, significant};
 
 pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
     file(out, facts.machine)?;

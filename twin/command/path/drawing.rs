@@ -3,13 +3,13 @@
 use super::numbers::within;
 use crate::command::Failure;
 use crate::command::options::unreadable;
-use crate::machine::ProgramConditions;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use nalgebra::Point3;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
+use twin_machine::ProgramConditions;
 use twin_path::dxf;
 use twin_path::dxf::{DxfReadError, Heights, ImportOptions, Order, Split};
 

@@ -6,8 +6,6 @@ use crate::command::Failure;
 use crate::command::options::unreadable;
 use crate::finding::{Finding, Severity};
 use crate::m_function::Acknowledgement;
-use crate::number::fixed;
-use crate::number::seconds;
 use crate::program::{Dialect, ProgramItem};
 use nalgebra::Point3;
 use std::fs::File;
@@ -15,6 +13,8 @@ use std::io::{self, BufRead, BufReader, Write};
 use twin_gcode::info::{
     Counts, ProgramInfo, QUEUE_HEADING, QueueRow, SHOWN, first_lines, shown_block,
 };
+use twin_number::fixed;
+use twin_number::seconds;
 use twin_path::Place;
 
 /// The key figures.

@@ -1,11 +1,11 @@
 //! Path elements and set-points as JSON, one object per line.
 
-use crate::number::significant;
 use nalgebra::{Point3, Vector3};
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use twin_kinematics::WorkFrame;
+use twin_number::significant;
 use twin_path::{AxisMask, EXTRA_AXES, ElementKind, PathElement, ProbeOutcome, Shape};
 use twin_planner::controller::{Status, ToolSetpoint};
 
@@ -142,7 +142,7 @@ pub(super) fn write(
         l: details.and_then(|details| details.parameters.l).map(number),
         parameters: details.and_then(|details| details.parameters.o).map(|all| all.map(number)),
         dwell_s: match element.kind {
-            ElementKind::Dwell { time_ns } => Some(number(crate::number::seconds(time_ns))),
+            ElementKind::Dwell { time_ns } => Some(number(twin_number::seconds(time_ns))),
             _ => None,
         },
         probe: match element.kind {
@@ -209,7 +209,7 @@ pub(super) fn write_setpoint(out: &mut dyn Write, setpoint: &ToolSetpoint) -> io
     let extra = EXTRA_AXES.into_iter().zip(setpoint.extra.position);
     let tangent = setpoint.tangent();
     let row = SetpointRow {
-        time_s: number(crate::number::seconds(setpoint.time_ns)),
+        time_s: number(twin_number::seconds(setpoint.time_ns)),
         line: setpoint.place.line,
         block: setpoint.place.block,
         status: match setpoint.status {

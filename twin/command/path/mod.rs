@@ -13,8 +13,8 @@ mod svg;
 
 use super::options::{ReadOptions, expect_path, unreadable};
 use super::{Failure, Status, show, whole};
-use crate::finding::{self, Finding};
-use crate::machine::{Machine, ProgramConditions};
+use crate::finding;
+use crate::finding::Finding;
 use crate::program::{Dialect, ElementItem, Elements, ProgramFile};
 use drawing::DrawingOptions;
 use file::Target;
@@ -24,6 +24,7 @@ use setpoints::SetpointOptions;
 use std::io;
 use std::path::{Path, PathBuf};
 use twin_kinematics::WorkFrame;
+use twin_machine::{Machine, ProgramConditions};
 
 /// Print the path of a program, before or after preparation, or make something of it
 ///

@@ -2,8 +2,8 @@
 
 use super::numbers::{list, within};
 use crate::command::Failure;
-use crate::machine::ProgramConditions;
 use crate::program::Operations;
+use twin_machine::ProgramConditions;
 use twin_path::Chords;
 use twin_path::prepare::CircularLimits;
 

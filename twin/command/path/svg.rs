@@ -6,10 +6,10 @@ use super::picture::Picture;
 use crate::command::Failure;
 use crate::command::options::unreadable;
 use crate::m_function::Acknowledgement;
-use crate::number::seconds;
 use crate::program::ProgramItem;
 use std::io::Write;
 use twin_gcode::info::ProgramInfo;
+use twin_number::seconds;
 
 /// Between the crosses that show where the tool is, ns (manual 3.5).
 const CROSSES_NS: i64 = 100_000_000;

@@ -4,9 +4,8 @@ use crate::attached::Attached;
 use crate::check::Outcome;
 use crate::command::show;
 use crate::emulated::CATCH_UP;
-use crate::machine::{Axis, DriveFamily, Machine};
-use crate::number::fixed;
-use crate::startup::{self, way_in_all};
+use crate::startup;
+use crate::startup::way_in_all;
 use comfy_table::{Cell, CellAlignment};
 use twin_bim2ax::ModuleAxis;
 use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
@@ -14,6 +13,8 @@ use twin_drives::{Increments, ParameterId};
 use twin_interpcnc::protocol::parameters as interpcnc;
 use twin_interpcnc::protocol::registers::BoardAxis;
 use twin_kinematics::AxisVector;
+use twin_machine::{Axis, DriveFamily, Machine};
+use twin_number::fixed;
 use twin_smartdrive::protocol::parameters::VELOCITY_ENTER_HOME;
 
 /// Facts that the user is asked to confirm.

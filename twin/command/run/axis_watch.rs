@@ -3,8 +3,6 @@
 
 use crate::command::Failure;
 use crate::command::whole::WholeFile;
-use crate::machine::{Axis, Machine};
-use crate::number::seconds;
 use crate::report::AxisMaximaReport;
 use crate::session::{DriveSample, TwinCycle};
 use std::collections::VecDeque;
@@ -13,6 +11,8 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use twin_axis::{Largest, tracking_error};
 use twin_kinematics::AxisVector;
+use twin_machine::{Axis, Machine};
+use twin_number::seconds;
 
 /// Cycles whose set positions are remembered: the longest dead time, and how late drives may be heard of.
 const REMEMBERED: usize = 4000;

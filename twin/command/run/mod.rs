@@ -20,7 +20,6 @@ use super::{Failure, Status, check, following, show, whole};
 use crate::check::{CheckOptions, Outcome};
 use crate::finding;
 use crate::limit::Limits;
-use crate::machine::Machine;
 use crate::program::{Dialect, ProgramFile};
 use crate::session::{Ending, OverrideAt, Stopped, whereabouts};
 use axis_watch::AxisWatchOptions;
@@ -31,6 +30,7 @@ use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use summary::{Report, summary};
+use twin_machine::Machine;
 
 /// Part of each axis's largest velocity with which the drives approach the start of the program.
 const APPROACH: f64 = 0.25;

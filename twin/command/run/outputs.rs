@@ -3,11 +3,11 @@
 use crate::attached::Attached;
 use crate::check::Outcome;
 use crate::hardware::{SwitchedOutputs, switching_drive};
-use crate::machine::MFunction;
-use crate::machine::Machine;
-use crate::number::rounded;
 use crate::per_axis::PerAxis;
 use crate::report::SwitchedOutputsReport;
+use twin_machine::MFunction;
+use twin_machine::Machine;
+use twin_number::rounded;
 
 /// The outputs that the program switches by M functions and by tappets, a line per cause; nothing if it switches none.
 pub(super) fn switched(machine: &Machine, drives: &[Attached], outcome: &Outcome) -> Vec<String> {

@@ -8,13 +8,13 @@ use super::{APPROACH, Arguments, Drives, startup};
 use crate::command::progress::ProgressLines;
 use crate::command::{Failure, show};
 use crate::hardware::Heard;
-use crate::machine::DeviceEntry;
-use crate::number::seconds;
 use crate::picture::Picture;
 use crate::report::AxisMaximaReport;
 use crate::session::{Ending, Session};
 use crate::simulated::Simulated;
 use twin_kinematics::AxisVector;
+use twin_machine::DeviceEntry;
+use twin_number::seconds;
 use twin_viz::{Playback, SceneOptions};
 
 /// A run that has come to its end, wherever that was.

@@ -10,12 +10,13 @@ use crate::command::drive::consent::Consent;
 use crate::command::following::lost_answers;
 use crate::emulated::Emulator;
 use crate::hardware::{Guarded, Hardware};
-use crate::machine::{Axis, Machine};
 use crate::real;
-use crate::startup::{self, Check, Homed, Looked, Needs, Verdict};
+use crate::startup;
+use crate::startup::{Check, Homed, Looked, Needs, Verdict};
 use indicatif::ProgressBar;
 use std::time::Duration;
 use twin_kinematics::AxisVector;
+use twin_machine::{Axis, Machine};
 
 /// How real drives are started up. Positions of devices are compared to two and a half increments, as the guide says.
 #[derive(Clone, Debug, clap::Args)]

@@ -6,8 +6,6 @@ use crate::command::whole::{WholeFile, unwritable};
 use crate::command::{Failure, show};
 use crate::compare::{Comparison, ErrorStatistics, Statistics};
 use crate::hardware::Heard;
-use crate::machine::Machine;
-use crate::number::seconds;
 use crate::per_axis::PerAxis;
 use crate::program::ProgramFile;
 use crate::report::AxisMaximaReport;
@@ -18,6 +16,8 @@ use crate::report::{
 use crate::session::Ending;
 use std::io::{self, Write};
 use std::path::Path;
+use twin_machine::Machine;
+use twin_number::seconds;
 
 /// How often drives were heard of, all together and each.
 fn samples_report(all: Heard, devices: &[(String, Heard)]) -> DriveSamplesReport {

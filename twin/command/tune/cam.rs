@@ -8,7 +8,8 @@ use super::start::Started;
 use super::words::{Format, Goal, Ramp, SlaveColumn, part, point, start};
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::RecordedRun;
-use crate::cam::tune::{self, PointTolerance, changes};
+use crate::cam::tune;
+use crate::cam::tune::{PointTolerance, changes};
 use crate::command::cam::{
     LimitOptions, MasterOptions, UseOptions, load, number, positive, show_findings,
 };

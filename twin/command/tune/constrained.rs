@@ -3,10 +3,10 @@
 use super::report::{Report, of, short};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{Constrained, errors, with_exactly};
-use crate::number::significant;
 use serde_json::{Value, json};
 use std::io::{self, Write};
 use twin_cam::tune::Bound;
+use twin_number::significant;
 
 /// Why a value has changed that no constraint holds.
 const CHANGE: &str = "for the least change with the others";

@@ -5,16 +5,17 @@ use super::least::{Shown, intervals};
 use super::outcome::with_knots;
 use super::report::Report;
 use super::words::SlaveColumn;
-use crate::cam::CamFile;
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::RecordedRun;
+use crate::cam::tune;
 use crate::cam::tune::{
-    self, Deviation, Least, Told, TuneError, errors, fit_run, limited, minimise, ramp, ramp_wish,
+    Deviation, Least, Told, TuneError, errors, fit_run, limited, minimise, ramp, ramp_wish,
     run_dead_time, shape, within_limits,
 };
 use twin_cam::file::clean;
 use twin_cam::tune::{Fit, FitError, RampGoal};
 use twin_cam::{Quantity, StartMode};
+use twin_machine::cam_file::CamFile;
 use twin_profile::State;
 
 /// Within this part of itself `MasterScaling` is looked for in a run, if nothing else is said.

@@ -1,7 +1,8 @@
 //! JSON output of the tuning report.
 
 use super::report::Report;
-use crate::cam::tune::{self, ShapeGoal};
+use crate::cam::tune;
+use crate::cam::tune::ShapeGoal;
 use serde_json::{Value, json};
 use twin_cam::tune::Estimate;
 use twin_profile::RampType;

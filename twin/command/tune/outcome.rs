@@ -1,15 +1,16 @@
 //! Output of tuning: the cam with its new points, the picture, and the changed file.
 
 use super::report::Report;
+use crate::cam::edit;
 use crate::cam::picture::{RampPicture, Recorded, Shown, cam_chart, ramp_chart};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::ramp_of;
-use crate::cam::{CamFile, Form, edit};
 use crate::command::Failure;
 use crate::command::whole;
-use crate::plot::charts;
 use std::path::Path;
 use twin_cam::{Cam, Shape};
+use twin_machine::cam_file::{CamFile, Form};
+use twin_plot::charts;
 
 /// The cam with other points.
 pub(super) fn with_knots(file: &CamFile, knots: &[twin_cam::Knot]) -> Option<CamFile> {

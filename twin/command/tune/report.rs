@@ -2,15 +2,16 @@
 
 use super::start::Started;
 use super::words::Format;
-use crate::cam::CamFile;
 use crate::cam::check::CamUse;
 use crate::cam::edit::Change;
-use crate::cam::tune::{self, Begin, Constrained, Kept, ShapeGoal, Shaped};
+use crate::cam::tune;
+use crate::cam::tune::{Begin, Constrained, Kept, ShapeGoal, Shaped};
 use crate::command::show::table;
-use crate::number::{beside, significant};
 use std::io::{self, Write};
 use twin_cam::tune::{DeadTime, Estimate, Fit, RampIn, RampWish};
 use twin_cam::{MasterMotion, Quantity};
+use twin_machine::cam_file::CamFile;
+use twin_number::{beside, significant};
 use twin_profile::RampType;
 
 /// Six significant digits.

@@ -2,9 +2,9 @@
 
 use super::report::{Report, of, short};
 use crate::cam::tune::{ShapeGoal, Shaped};
-use crate::number::at_most;
 use std::io::{self, Write};
 use twin_cam::Curve;
+use twin_number::at_most;
 
 impl Report<'_> {
     pub(super) fn tell_shape(&self, out: &mut impl Write, shaped: &Shaped) -> io::Result<()> {

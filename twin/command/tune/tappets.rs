@@ -2,10 +2,10 @@
 
 use super::report::{Report, short};
 use crate::cam::edit::Change;
-use crate::cam::tappet_line;
 use crate::cam::tune::{KeptTappet, passed_at, told_at};
 use serde_json::{Value, json};
 use std::io::{self, Write};
+use twin_machine::cam_file::tappet_line;
 
 /// A way of the master, as a part of a pass, that is rounding.
 const ROUNDING: f64 = 1e-9;

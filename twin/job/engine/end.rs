@@ -5,9 +5,9 @@ use super::super::{Call, ON_TOP, SUPERIMPOSED};
 use super::moved::Moved;
 use super::{Engine, Running};
 use crate::finding::{Finding, Rule};
-use crate::number::seconds;
-use crate::number::significant;
 use twin_axis::AxisState;
+use twin_number::seconds;
+use twin_number::significant;
 use twin_path::Place;
 
 /// Where everything has stood for so long and nothing is due, nothing will move any more, ns.

@@ -12,14 +12,14 @@ mod watch;
 use super::block::Fired;
 use super::{Begins, Call, CamsBefore, Job, ON_TOP, SUPERIMPOSED};
 use crate::finding::{Finding, Rule};
-use crate::machine::Machine;
-use crate::number::seconds;
 use called::told;
 use inputs::Inputs;
 use moved::{Moved, Moving, assumed_jerks};
 use schedule::Schedule;
 use std::collections::BTreeMap;
 use twin_axis::{AxisConfig, SmcError};
+use twin_machine::Machine;
+use twin_number::seconds;
 use twin_path::Place;
 
 /// State of motion of an axis, in its unit; a rotary axis from period to period.

@@ -3,8 +3,8 @@
 use super::super::Job;
 use super::State;
 use crate::finding::{Finding, Rule, Severity};
-use crate::number::significant;
 use twin_axis::{Axis, AxisConfig, AxisState, Block, Halt, Movement, Power, VirtualDrive};
+use twin_number::significant;
 use twin_path::Place;
 use twin_profile::RampType;
 

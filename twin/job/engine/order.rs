@@ -8,7 +8,7 @@
 use super::super::{Begins, ON_TOP};
 use super::{Engine, Running};
 use crate::finding::{Finding, Rule};
-use crate::ring;
+use twin_machine::ring;
 use twin_path::Place;
 
 /// A master and its slave.

@@ -8,9 +8,9 @@ use super::super::Begins;
 use super::super::probe::When;
 use super::{Engine, Running, nanoseconds};
 use crate::finding::{Finding, Rule};
-use crate::number::seconds;
-use crate::number::significant;
 use twin_axis::AxisState;
+use twin_number::seconds;
+use twin_number::significant;
 use twin_path::Place;
 
 /// Where nothing is due and every axis has kept its velocity for so long, nothing will change any more, ns.

@@ -4,8 +4,8 @@ use super::super::block::CamStart;
 use super::moved::Moved;
 use super::{Begins, Call, Engine, ON_TOP, STOP, SUPERIMPOSED};
 use crate::finding::{Finding, Rule};
-use crate::number::seconds;
-use crate::number::significant;
+use twin_number::seconds;
+use twin_number::significant;
 use twin_path::Place;
 
 /// A block that only looks at its axis, and that another one may end.

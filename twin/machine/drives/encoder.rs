@@ -76,7 +76,7 @@ pub(super) fn of_module(of_device: &Section<'_>, mode: DriveMode) -> Option<Modu
 }
 
 /// Checks that the axes with an encoder are among those of the device: `names` as in `[[axes]]`.
-pub(in crate::machine) fn check(of_device: &Section<'_>, kind: Option<Kind>, names: &[&str]) {
+pub(crate) fn check(of_device: &Section<'_>, kind: Option<Kind>, names: &[&str]) {
     // Others do not know the key.
     if !matches!(kind, Some(Kind::InterpCnc | Kind::Bim2Ax)) {
         return;

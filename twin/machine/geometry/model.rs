@@ -2,8 +2,8 @@
 
 use super::design::{Design, LENGTH_MM};
 use super::kind::{Family, Kind};
-use crate::machine::tool::Tool;
 use crate::section::Section;
+use crate::tool::Tool;
 use nalgebra::Vector3;
 use std::ops::RangeInclusive;
 use twin_urdf::{

@@ -1,14 +1,14 @@
 //! Assignment of transform outputs and coordinates to the axes of a machine.
 
 use super::kind::Kind;
+use crate::axis::AxisEntry;
 use crate::axis_kind::AxisKind;
-use crate::machine::axis::AxisEntry;
 use crate::section::Section;
 use twin_kinematics::{AxisSource, Coordinate};
 use twin_path::EXTRA_AXES;
 
 /// The number of an additional axis.
-pub(in crate::machine) fn additional(role: &str) -> Option<u8> {
+pub(crate) fn additional(role: &str) -> Option<u8> {
     (0..).zip(EXTRA_AXES).find(|(_, letter)| letter.to_string() == role).map(|(number, _)| number)
 }
 

@@ -4,14 +4,14 @@ mod motor;
 mod shaft;
 
 use crate::axis_kind::AxisKind;
-use crate::physics::{
+use crate::section::Section;
+use motor::Motors;
+use shaft::{elastic, needs_shaft, shaft};
+use twin_physics::{
     AxisDriveParameters, BrakeParameters, EffortFeedForward, ElasticTransmission,
     FrictionParameters, Motor, NoiseParameters, OverloadParameters, ServoParameters,
     StepperParameters, SwitchParameters,
 };
-use crate::section::Section;
-use motor::Motors;
-use shaft::{elastic, needs_shaft, shaft};
 
 /// Motor and transmission of an axis of the simulated machine. SI, at the axis (behind the gear).
 #[derive(Clone, Debug, PartialEq)]

@@ -3,13 +3,13 @@
 use super::shaft::{Shaft, needs_shaft};
 use super::{FeedForward, SimulatedMotor, SimulatedServo};
 use crate::axis_kind::AxisKind;
-use crate::physics::{
-    BrakeParameters, EffortCurve, EncoderParameters, EncoderSide, FrictionParameters,
-    OverloadParameters, ServoParameters, StepperParameters,
-};
 use crate::section::Section;
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
+use twin_physics::{
+    BrakeParameters, EffortCurve, EncoderParameters, EncoderSide, FrictionParameters,
+    OverloadParameters, ServoParameters, StepperParameters,
+};
 
 /// Torques, Nm.
 const TORQUE: RangeInclusive<f64> = 1e-6..=1e7;

@@ -2,9 +2,9 @@
 
 use super::SimulatedTransmission;
 use crate::axis_kind::AxisKind;
-use crate::physics::EffortCurve;
 use crate::section::Section;
 use std::f64::consts::TAU;
+use twin_physics::EffortCurve;
 
 /// Where a spring's damping is not known.
 const DAMPING_RATIO: f64 = 0.05;

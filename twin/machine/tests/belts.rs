@@ -13,10 +13,10 @@
 //! ```
 
 use super::{edited, load};
-use crate::machine::Machine;
-use crate::physics::{PhysicsMachine, axis_inertia};
+use crate::Machine;
 use std::f64::consts::TAU;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics};
+use twin_physics::{PhysicsMachine, axis_inertia};
 
 const SHIPPED: &str = include_str!("../../../machines/gantry_h2.toml");
 

@@ -1,8 +1,8 @@
 //! Tests of gears and cams of the machine file, and of the motion of their slaves.
 
 use super::{Machine, SHORT, load, problems};
+use crate::CoupledBy;
 use crate::coupled::{AxesError, Coupled};
-use crate::machine::CoupledBy;
 use std::path::Path;
 use twin_kinematics::{AxisMotion, AxisVector};
 

@@ -1,7 +1,7 @@
 //! Tests of machine files of every kind: transform and links agree on the tool position for any dimensions.
 
 use super::{edited, load, problems};
-use crate::machine::{DirectionRule, Machine};
+use crate::{DirectionRule, Machine};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use twin_kinematics::{AxisVector, Branch, Kinematics, KinematicsError, Pose, ToPath};

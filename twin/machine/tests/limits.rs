@@ -1,7 +1,7 @@
 //! Tests of the limits of axes and path in machine files.
 
 use super::{GANTRY3, SCARA2, SHORT, edited, load, near, problem, problems, refused};
-use crate::machine::{AxisLimit, Machine, VelocitySource};
+use crate::{AxisLimit, Machine, VelocitySource};
 use twin_kinematics::AxisVector;
 
 const TRIPOD: &str = include_str!("../../../machines/tripod.toml");

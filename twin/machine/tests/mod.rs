@@ -68,7 +68,7 @@ per_mm = 5
 "#;
 
 fn workspace() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+    Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap()
 }
 
 fn parse(text: &str) -> Result<Machine, Vec<Problem>> {

@@ -1,11 +1,11 @@
 //! Tests of the payload against closed forms.
 
 use super::{edited, load, problems, workspace};
-use crate::machine::Machine;
-use crate::physics::axis_inertia;
+use crate::Machine;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 use twin_kinematics::AxisVector;
+use twin_physics::axis_inertia;
 
 /// m/s².
 const G: f64 = 9.81;

@@ -1,8 +1,8 @@
 //! Tests that simulation errors use the names of the machine file.
 
 use super::{SCARA2, edited, load};
-use crate::machine::{Machine, SimulationError};
-use crate::physics::{PhysicsError, Side};
+use crate::{Machine, SimulationError};
+use twin_physics::{PhysicsError, Side};
 
 fn said(machine: &Machine, error: PhysicsError) -> String {
     SimulationError::of(machine, error).to_string()

@@ -1,8 +1,8 @@
 //! Tests of scenarios, valid and invalid.
 
 use super::{GANTRY3, load};
-use crate::machine::{FaultAt, FaultKind, FaultStart, Machine, Scenario};
 use crate::section::Problem;
+use crate::{FaultAt, FaultKind, FaultStart, Machine, Scenario};
 
 const MOTORS: &str = include_str!("../../../machines/gantry3_motors.toml");
 

@@ -1,9 +1,9 @@
 //! Tests of motors, transmissions and drives of the simulated machine in machine files.
 
 use super::{SHORT, edited, load, problems};
-use crate::machine::{FeedForward, Machine, SimulatedAxis, SimulatedMotor};
-use crate::physics::{AxisDriveParameters, EffortFeedForward, EncoderSide, Motor};
+use crate::{FeedForward, Machine, SimulatedAxis, SimulatedMotor};
 use std::f64::consts::TAU;
+use twin_physics::{AxisDriveParameters, EffortFeedForward, EncoderSide, Motor};
 
 fn near(one: f64, other: f64) {
     assert!((one - other).abs() <= 1e-12 * other.abs(), "{one} is not {other}");

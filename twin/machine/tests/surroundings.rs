@@ -1,14 +1,14 @@
 //! Tests of `[[obstacles]]`, `[collision]` and tool shapes.
 
 use super::*;
-use crate::physics::{ObstacleKind, Part};
 use nalgebra::Point3;
+use twin_physics::{ObstacleKind, Part};
 use twin_urdf::SolidShape;
 
 const VICE: &str = include_str!("../../../machines/gantry3_vice.toml");
 
 /// The start is at X0 Y0 Z40 of the work, which is at X200 Y100 Z0 of the machine.
-fn nearest(machine: &Machine, work_mm: [f64; 3]) -> crate::physics::Clearance {
+fn nearest(machine: &Machine, work_mm: [f64; 3]) -> twin_physics::Clearance {
     let place = Pose { position: (Point3::from(work_mm) * 1e-3), direction: 0.0 };
     let axes =
         machine.kinematics.inverse(&machine.frame.pose_to_machine(&place), &machine.middle());
@@ -16,7 +16,7 @@ fn nearest(machine: &Machine, work_mm: [f64; 3]) -> crate::physics::Clearance {
     scan.nearest(&axes.unwrap()).unwrap().unwrap()
 }
 
-fn names(machine: &Machine, found: &crate::physics::Clearance) -> [String; 2] {
+fn names(machine: &Machine, found: &twin_physics::Clearance) -> [String; 2] {
     found.parts.map(|part| machine.part_name(part))
 }
 

@@ -21,7 +21,7 @@ impl OverloadParameters {
 
 /// The losses of a motor, smoothed by its thermal time constant: 1 is the continuous limit.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::physics) struct Overload {
+pub(crate) struct Overload {
     parameters: OverloadParameters,
     warmth: f64,
     warned: bool,
@@ -35,7 +35,7 @@ impl Overload {
     }
 
     /// After `dt` s with `effort`. True when it gets too warm, once until it has cooled down to 90 %.
-    pub(in crate::physics) fn advance(&mut self, effort: f64, dt: f64) -> bool {
+    pub(crate) fn advance(&mut self, effort: f64, dt: f64) -> bool {
         let losses = (effort / self.parameters.continuous_effort).powi(2);
         self.warmth = losses + (self.warmth - losses) * (-dt / self.parameters.time_constant).exp();
         let too_warm = self.warmth > 1.0;
@@ -45,7 +45,7 @@ impl Overload {
     }
 
     /// Smoothed losses; 1 is the continuous limit.
-    pub(in crate::physics) fn warmth(&self) -> f64 {
+    pub(crate) fn warmth(&self) -> f64 {
         self.warmth
     }
 }

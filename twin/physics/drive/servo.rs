@@ -131,21 +131,21 @@ impl ServoParameters {
 
 /// Set-point and state of one axis as its drive sees it.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::physics) struct DriveInput {
-    pub(in crate::physics) position_setpoint: f64,
-    pub(in crate::physics) velocity_setpoint: f64,
+pub(crate) struct DriveInput {
+    pub(crate) position_setpoint: f64,
+    pub(crate) velocity_setpoint: f64,
     /// Feed-forward, N or Nm.
-    pub(in crate::physics) effort: f64,
+    pub(crate) effort: f64,
     /// Of the axis.
-    pub(in crate::physics) position: f64,
-    pub(in crate::physics) motor_position: f64,
-    pub(in crate::physics) motor_velocity: f64,
+    pub(crate) position: f64,
+    pub(crate) motor_position: f64,
+    pub(crate) motor_velocity: f64,
 }
 
 /// A servo drive at work.
 #[derive(Clone, Debug)]
-pub(in crate::physics) struct ServoDrive {
-    pub(in crate::physics) parameters: ServoParameters,
+pub(crate) struct ServoDrive {
+    pub(crate) parameters: ServoParameters,
     /// Effort of the integral action, with the balance it was started from.
     integral: f64,
     /// Output of the position loop.
@@ -182,12 +182,7 @@ impl ServoDrive {
 
     /// One pass of the velocity loop, and of the position loop if it is due; `period` is that of the velocity loop, s.
     /// True where the effort is limited.
-    pub(in crate::physics) fn control(
-        &mut self,
-        input: &DriveInput,
-        positions: bool,
-        period: f64,
-    ) -> bool {
+    pub(crate) fn control(&mut self, input: &DriveInput, positions: bool, period: f64) -> bool {
         let parameters = &self.parameters;
         let EncoderParameters { side, resolution } = parameters.encoder;
         if positions {
@@ -231,7 +226,7 @@ impl ServoDrive {
     }
 
     /// Lets the current loop go on for `dt` (s).
-    pub(in crate::physics) fn begin_step(&mut self, dt: f64) {
+    pub(crate) fn begin_step(&mut self, dt: f64) {
         let [_, before] = self.course;
         self.effort = before;
         if self.parameters.current_bandwidth.is_infinite() {

@@ -36,7 +36,7 @@ pub struct StepperParameters {
 
 impl StepperParameters {
     /// The stiffness of the magnetic spring at `speed` (m/s or rad/s), N/m or Nm/rad.
-    pub(in crate::physics) fn stiffness(&self, speed: f64) -> f64 {
+    pub(crate) fn stiffness(&self, speed: f64) -> f64 {
         self.pull_out.at(speed) * FRAC_PI_2 / self.full_step
     }
 
@@ -65,15 +65,15 @@ fn whole(angle: f64) -> f64 {
 
 /// Set-point of the field of a motor at one instant.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::physics) struct FieldSetpoint {
-    pub(in crate::physics) position: f64,
-    pub(in crate::physics) velocity: f64,
+pub(crate) struct FieldSetpoint {
+    pub(crate) position: f64,
+    pub(crate) velocity: f64,
 }
 
 /// A step motor at work.
 #[derive(Clone, Debug)]
-pub(in crate::physics) struct StepperDrive {
-    pub(in crate::physics) parameters: StepperParameters,
+pub(crate) struct StepperDrive {
+    pub(crate) parameters: StepperParameters,
     /// d, s/m or s/rad.
     damping: f64,
     /// The field at start, middle and end of the step.
@@ -123,7 +123,7 @@ impl StepperDrive {
     }
 
     /// Sets the course of the field for the next step, of `dt` s.
-    pub(in crate::physics) fn begin_step(&mut self, setpoints: [FieldSetpoint; 3], dt: f64) {
+    pub(crate) fn begin_step(&mut self, setpoints: [FieldSetpoint; 3], dt: f64) {
         self.step = dt;
         let microstep = self.parameters.full_step / f64::from(self.parameters.microsteps);
         self.field = setpoints.map(|setpoint| {
@@ -140,13 +140,13 @@ impl StepperDrive {
     }
 
     /// Load angle: lead of the field over the rotor, in full steps.
-    pub(in crate::physics) fn load_angle(&self, rotor: f64) -> f64 {
+    pub(crate) fn load_angle(&self, rotor: f64) -> f64 {
         let [.., end] = self.field;
         (end.position - rotor) / self.parameters.full_step
     }
 
     /// The full steps lost since it was asked last: more than 0 where the rotor fell behind a field that moves upwards.
-    pub(in crate::physics) fn lost(&mut self, rotor: f64) -> i64 {
+    pub(crate) fn lost(&mut self, rotor: f64) -> i64 {
         let turns = (self.load_angle(rotor) / PERIOD).round();
         // A rotor that runs away for good is not counted for ever.
         #[expect(clippy::cast_possible_truncation, reason = "within what is just said")]
@@ -161,7 +161,7 @@ impl StepperDrive {
     }
 
     /// Drops the next `full_steps` full steps of the pulse train, in either direction.
-    pub(in crate::physics) fn drop_steps(&mut self, full_steps: f64) {
+    pub(crate) fn drop_steps(&mut self, full_steps: f64) {
         self.missing += full_steps;
     }
 

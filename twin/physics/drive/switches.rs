@@ -24,7 +24,7 @@ pub struct SwitchStates {
 
 impl SwitchParameters {
     /// States of the switches with the axis at `position`.
-    pub(in crate::physics) fn at(&self, position: f64) -> SwitchStates {
+    pub(crate) fn at(&self, position: f64) -> SwitchStates {
         SwitchStates {
             lower: self.lower.is_some_and(|lower| position <= lower),
             upper: self.upper.is_some_and(|upper| position >= upper),

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::scara::{FEED_FORWARD, circle, scara};
 use super::*;
-use twin_planner::time_optimal::DragRow;
+use twin_planner::time_optimal::{DragRow, Row};
 
 pub(super) const FREE: AxisLoad = AxisLoad {
     effort_limit: f64::INFINITY,
@@ -15,6 +15,11 @@ pub(super) const FREE: AxisLoad = AxisLoad {
     armature: 0.0,
     headroom: 0.0,
 };
+
+fn drag_row(row: &EffortRow) -> DragRow {
+    let [a, b, drag] = row.per_limit();
+    DragRow { row: Row { a, b }, drag }
+}
 
 /// Efforts on the circle of the reference at time `t`, by a path parameter u = t + 0.1·sin(3t) that goes neither as fast
 /// as time nor evenly.
@@ -40,7 +45,7 @@ fn efforts_on_a_circle_are_pinocchios() {
 /// Every row of the peer's file, if it is there (`TWIN_SHARED` or beside the workspace).
 #[test]
 fn all_efforts_on_the_circle_are_pinocchios() {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
     let shared = std::env::var_os("TWIN_SHARED").map_or(beside, PathBuf::from);
     let Ok(mut file) = csv::Reader::from_path(shared.join("reference/scara_circle.csv")) else {
         println!("skipped: no scara_circle.csv (TWIN_SHARED, ../shared)");
@@ -158,7 +163,7 @@ proptest! {
         prop_assert!(axis.holds());
         let most = torque.largest_speed().map_or(10.0, |(speed, _)| speed.min(10.0));
         let mut speed = motion.1 * most;
-        let rows: Vec<_> = torque.rows().map(|row| DragRow::from(row).tangent(reference)).collect();
+        let rows: Vec<_> = torque.rows().map(|row| drag_row(&row).tangent(reference)).collect();
         // The fastest there is room for, and an acceleration within it: rest is always possible.
         let bounds = |speed: f64| rows.iter().fold([f64::NEG_INFINITY, f64::INFINITY], |[low, high], row| {
             let bound = (1.0 - row.b * speed * speed) / row.a;
@@ -193,7 +198,7 @@ proptest! {
         let torque = dynamics.at(&axes([0.0]), &axes([first]), &axes([second])).unwrap();
         let speed = part * torque.largest_speed().unwrap().0;
         let [up, _] = torque.axes()[0].rows(0);
-        let tangent = DragRow::from(up).tangent(speed);
+        let tangent = drag_row(&up).tangent(speed);
         let acceleration = (1.0 - tangent.b * speed * speed) / tangent.a;
         let effort = torque.axes()[0].effort(acceleration, speed) + 5.0;
         prop_assert!((effort - 100.0).abs() < 1e-9, "{effort} N");

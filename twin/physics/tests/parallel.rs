@@ -76,7 +76,7 @@ pub(super) fn reference<const N: usize>(columns: [&str; N]) -> Option<Vec<[f64; 
 
 /// The rows of a file of `reference/`, if it is there (`TWIN_SHARED` or beside the workspace).
 pub(super) fn rows_of<const N: usize>(name: &str, columns: [&str; N]) -> Option<Vec<[f64; N]>> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
     let shared = std::env::var_os("TWIN_SHARED").map_or(beside, PathBuf::from);
     let Ok(mut file) = csv::Reader::from_path(shared.join("reference").join(name)) else {
         println!("skipped: no {name} (TWIN_SHARED, ../shared)");

@@ -14,8 +14,6 @@ use crate::compare::Comparison;
 use crate::finding::{Finding, Severity};
 use crate::hardware::Hardware;
 use crate::m_function::MCall;
-use crate::machine::{Machine, SimulationError};
-use crate::physics::PhysicsError;
 use crate::planning::Planning;
 use crate::plant::{AxisFeedback, Plant};
 use crate::setpoint::HORIZON_NS;
@@ -23,7 +21,9 @@ use crate::setpoint::{AxisSetpoint, Transformer, resting_behind};
 use crate::setpoint_source::PlanItem;
 use std::collections::VecDeque;
 use std::task::Poll;
+use twin_machine::{Machine, SimulationError};
 use twin_path::Place;
+use twin_physics::PhysicsError;
 
 /// State of the plan: more set-points, or a stop on or off the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

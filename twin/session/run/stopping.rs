@@ -1,11 +1,11 @@
 //! Stops before the end of a run, by the user or after a failure.
 
 use super::{Plan, Run};
-use crate::machine::SimulationError;
-use crate::physics::PhysicsError;
 use crate::plant::Plant;
 use crate::session::Stopped;
 use crate::session::braking::{braking, resting};
+use twin_machine::SimulationError;
+use twin_physics::PhysicsError;
 
 impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
     /// Handles interrupts of the user, `interrupts` being their number so far.

@@ -1,12 +1,12 @@
 //! Tests of scenario faults on machines from files: they begin at their time and have their effect.
 
 use super::load;
-use crate::machine::{Machine, Scenario};
 use crate::plant::Plant;
 use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
-use crate::tappets::TappetBits;
 use twin_kinematics::{AxisMotion, AxisVector, Pose, ToolMotion};
+use twin_machine::tappets::TappetBits;
+use twin_machine::{Machine, Scenario};
 use twin_path::Place;
 
 const MOTORS: &str = include_str!("../../../machines/gantry3_motors.toml");

@@ -7,8 +7,8 @@ mod plates;
 mod shipped;
 mod urdf;
 
-use crate::machine::Machine;
 use std::path::Path;
+use twin_machine::Machine;
 
 fn workspace() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()

@@ -3,16 +3,16 @@
 
 use super::shipped::{Read, SAME, apart, farthest};
 use super::workspace;
-use crate::machine::Machine;
-use crate::physics::{Part, PhysicsError, PhysicsMachine};
 use crate::plant::Plant;
 use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
-use crate::tappets::TappetBits;
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Vector3};
 use std::path::Path;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
+use twin_machine::Machine;
+use twin_machine::tappets::TappetBits;
 use twin_path::Place;
+use twin_physics::{Part, PhysicsError, PhysicsMachine};
 use twin_urdf::{JointPositions, Solid};
 
 /// Of the plate, m.

@@ -1,14 +1,14 @@
 //! Tests of every shipped machine file: its descriptions agree, and its URDF export is valid.
 
 use super::workspace;
-use crate::machine::Machine;
 use crate::plant::Plant;
 use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
-use crate::tappets::TappetBits;
 use nalgebra::{Isometry3, Matrix3, Matrix4, Point3, Vector3};
 use std::f64::consts::TAU;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
+use twin_machine::Machine;
+use twin_machine::tappets::TappetBits;
 use twin_path::Place;
 use twin_urdf::{Joint, JointKind, JointPositions, Loaded, Model, Solid, SolidShape, UrdfOptions};
 

@@ -1,21 +1,21 @@
 //! Tests of machine files that refer to a URDF.
 
 use super::workspace;
-use crate::machine::Machine;
-use crate::physics::{AxisDriveParameters, PhysicsError, PhysicsMachine, ServoParameters};
 use crate::plant::Plant;
-use crate::section::MachineFileError;
-use crate::section::Problem;
 use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
-use crate::tappets::TappetBits;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{PI, TAU};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
+use twin_machine::Machine;
+use twin_machine::section::MachineFileError;
+use twin_machine::section::Problem;
+use twin_machine::tappets::TappetBits;
 use twin_path::Place;
+use twin_physics::{AxisDriveParameters, PhysicsError, PhysicsMachine, ServoParameters};
 use twin_urdf::{JointKind, SolidShape, UrdfNote};
 
 fn tutorial() -> Machine {
@@ -156,7 +156,7 @@ fn agree(machine: &Machine, motion: impl Fn(f64, usize, [f64; 2]) -> [f64; 3], f
         AxisMotion { position, velocity, acceleration }
     };
     let start = at(0.0).position;
-    let drives: Vec<_> = crate::physics::axis_inertia(&machine.model, &start)
+    let drives: Vec<_> = twin_physics::axis_inertia(&machine.model, &start)
         .unwrap()
         .iter()
         .map(|inertia| {

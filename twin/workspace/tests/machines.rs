@@ -1,10 +1,10 @@
 //! Tests of the workspaces of whole machines: gantry, SCARA and others, their sections and extents.
 
-use crate::machine::Machine;
 use crate::workspace::{Cut, Section, View, Way, Workspace, WorkspaceError};
 use nalgebra::{Point2, Point3};
 use std::f64::consts::PI;
 use std::path::Path;
+use twin_machine::Machine;
 
 pub(super) fn machine(name: &str) -> Machine {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();

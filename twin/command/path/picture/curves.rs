@@ -1,9 +1,9 @@
 //! Shapes as commands of SVG paths, in mm and with Y upwards.
 
-use crate::plot::{Point, hull, number};
 use nalgebra::Point3;
 use std::f64::consts::FRAC_PI_2;
 use twin_path::{Cubic, Plane, Shape};
+use twin_plot::{Point, hull, number};
 
 /// Lines per quarter of an upright arc.
 const LINES_PER_QUARTER: f64 = 16.0;

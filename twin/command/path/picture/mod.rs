@@ -7,11 +7,11 @@ mod curves;
 #[cfg(test)]
 mod tests;
 
-use crate::plot::{Color, Legend, Map, Point, Sheet, Sign, Stroke, short};
 use curves::{place, point};
 use nalgebra::Point3;
 use std::io::{self, Write};
 use twin_path::{Bounds, ElementKind, PathElement, Shape};
+use twin_plot::{Color, Legend, Map, Point, Sheet, Sign, Stroke, short};
 
 /// Arrows and other marks that are drawn at most; when there are more, every second one is left out.
 const MOST_MARKS: usize = 400;

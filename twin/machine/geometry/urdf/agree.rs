@@ -1,7 +1,7 @@
 //! Consistency check of URDF chain and transform.
 
 use super::{Given, Source, fit};
-use crate::machine::axis::AxisEntry;
+use crate::axis::AxisEntry;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use twin_kinematics::{AxisVector, Kinematics, MachineAxes};
 use twin_urdf::Model;

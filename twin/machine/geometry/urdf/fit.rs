@@ -2,7 +2,7 @@
 
 use super::agree::{Difference, largest, rounded};
 use super::{Given, Source};
-use crate::machine::geometry::design::Design;
+use crate::geometry::design::Design;
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::FRAC_PI_2;
 use twin_kinematics::{Kinematics, MachineAxes};

@@ -11,7 +11,7 @@ const MOST_BYTES: u64 = 256 << 20;
 ///
 /// # Errors
 /// If it cannot be read, or is longer ([`io::ErrorKind::FileTooLarge`]).
-pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
+pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     up_to(path, MOST_BYTES)
 }
 

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 /// Finds a coupling cycle, from master to slave. It begins and ends with the axis of the least number that is in a
 /// cycle. `couplings` are masters with their slaves. None if there is no cycle.
-pub(crate) fn find(couplings: &[(usize, usize)]) -> Option<Vec<usize>> {
+pub fn find(couplings: &[(usize, usize)]) -> Option<Vec<usize>> {
     let mut axes: Vec<_> = couplings.iter().map(|(master, _)| *master).collect();
     axes.sort_unstable();
     axes.dedup();
@@ -33,7 +33,7 @@ fn back_to(axis: usize, couplings: &[(usize, usize)]) -> Option<Vec<usize>> {
 }
 
 /// The cycle in words: `X -> Y -> X`.
-pub(crate) fn told<'n>(ring: &[usize], name: impl Fn(usize) -> &'n str) -> String {
+pub fn told<'n>(ring: &[usize], name: impl Fn(usize) -> &'n str) -> String {
     ring.iter().map(|axis| name(*axis)).collect::<Vec<_>>().join(" -> ")
 }
 

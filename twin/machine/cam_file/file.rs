@@ -1,12 +1,12 @@
 //! Cams read from files and written to them, in the form that their ending says.
 
-use super::columns;
-use super::csv_form::{csv_of, csv_shape};
-use super::form::unit_of;
-use super::toml_form::{self, TomlCam};
-use super::{AxisScale, CamFileError, Coupling, write_toml};
 use crate::bounded;
-use crate::number::significant;
+use crate::cam_file::columns;
+use crate::cam_file::csv_form::{csv_of, csv_shape};
+use crate::cam_file::form::unit_of;
+use crate::cam_file::toml_form;
+use crate::cam_file::toml_form::TomlCam;
+use crate::cam_file::{AxisScale, CamFileError, Coupling, write_toml};
 use crate::section;
 use crate::section::MachineFileError;
 use crate::section::read_text;
@@ -16,6 +16,7 @@ use twin_cam::file::{read_ascii, write_ascii};
 use twin_cam::{
     Cam, Element, Interpolation, Kind, PairTable, Scale, Shape, Source, TableScale, VariableType,
 };
+use twin_number::significant;
 
 /// How a cam is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -287,6 +288,6 @@ pub fn write_file(
 }
 
 /// Twelve significant digits.
-pub(super) fn digits(value: f64) -> String {
+pub fn digits(value: f64) -> String {
     significant(value, 12)
 }

@@ -33,7 +33,7 @@ pub struct Elsewhere {
 
 impl Elsewhere {
     /// A diagnostic for every problem, with its line.
-    pub(crate) fn shown(&self) -> Vec<Shown> {
+    pub fn shown(&self) -> Vec<Shown> {
         self.problems.iter().map(|problem| shown(&self.path, &self.text, problem)).collect()
     }
 }
@@ -99,7 +99,7 @@ impl MachineFileError {
 
 /// A problem together with the text it is about.
 #[derive(Debug)]
-pub(crate) struct Shown {
+pub struct Shown {
     problem: Problem,
     source: NamedSource<String>,
     /// Problems of the file that is named here.
@@ -139,7 +139,7 @@ impl Diagnostic for Shown {
 }
 
 /// The text of a file.
-pub(crate) fn read_text(what: &'static str, path: &Path) -> Result<String, MachineFileError> {
+pub fn read_text(what: &'static str, path: &Path) -> Result<String, MachineFileError> {
     let text = bounded::read(path).and_then(|bytes| {
         String::from_utf8(bytes).map_err(|error| {
             std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error())

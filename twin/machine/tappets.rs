@@ -31,7 +31,7 @@ pub struct TappetOutput {
     pub axis: String,
     /// Number of the group.
     pub group: i16,
-    /// The device, an index into [`crate::machine::Machine::drives`].
+    /// The device, an index into [`crate::Machine::drives`].
     pub device: usize,
     /// The output, from 1, as [`twin_drives::Drive::set_output`] counts them.
     pub output: u8,
@@ -74,7 +74,7 @@ pub struct MasterPlace {
 
 /// The signals of a program under way.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Tracks {
+pub struct Tracks {
     signals: Vec<Signal>,
     of_signals: Vec<Track>,
     lost: u64,
@@ -92,7 +92,7 @@ struct Track {
 
 impl Tracks {
     /// Adds a signal for this group of this slave, if there is none yet; false if there are too many.
-    pub(crate) fn add(&mut self, slave: usize, name: &str, group: i16) -> bool {
+    pub fn add(&mut self, slave: usize, name: &str, group: i16) -> bool {
         if self.find(slave, group).is_some() {
             return true;
         }
@@ -109,12 +109,12 @@ impl Tracks {
         both.position(|(signal, track)| track.slave == slave && signal.group == group)
     }
 
-    pub(crate) fn signals(&self) -> &[Signal] {
+    pub fn signals(&self) -> &[Signal] {
         &self.signals
     }
 
     /// A tappet of the cam between `slave` and `master` acts.
-    pub(crate) fn take(&mut self, slave: usize, master: usize, trigger: &Trigger) {
+    pub fn take(&mut self, slave: usize, master: usize, trigger: &Trigger) {
         if let Some(index) = self.find(slave, trigger.group)
             && let Some(track) = self.of_signals.get_mut(index)
         {
@@ -125,12 +125,7 @@ impl Tracks {
 
     /// Takes the tappet actions of the cam between `slave` and `master` in a cycle, whose clock is `later_ns` behind
     /// the program's.
-    pub(crate) fn take_all(
-        &mut self,
-        (slave, master): (usize, usize),
-        data: &TappetData,
-        later_ns: i64,
-    ) {
+    pub fn take_all(&mut self, (slave, master): (usize, usize), data: &TappetData, later_ns: i64) {
         self.lose(data);
         for trigger in data.triggers() {
             let time_ns = trigger.time_ns.saturating_add(later_ns);
@@ -139,17 +134,17 @@ impl Tracks {
     }
 
     /// Counts what a cycle had no room for.
-    pub(crate) fn lose(&mut self, data: &TappetData) {
+    pub fn lose(&mut self, data: &TappetData) {
         self.lost = self.lost.saturating_add(u64::try_from(data.lost).unwrap_or(u64::MAX));
     }
 
     /// Tappets that did not act because there were too many in a cycle.
-    pub(crate) fn lost(&self) -> u64 {
+    pub fn lost(&self) -> u64 {
         self.lost
     }
 
     /// States of the signals at the set-point at `time_ns`.
-    pub(crate) fn at(&mut self, time_ns: i64) -> TappetBits {
+    pub fn at(&mut self, time_ns: i64) -> TappetBits {
         let mut bits = TappetBits::default();
         for (index, track) in self.of_signals.iter_mut().enumerate() {
             bits.set(index, track.bit.at(time_ns));
@@ -158,7 +153,7 @@ impl Tracks {
     }
 
     /// The axis whose passage switched the signal `index` last.
-    pub(crate) fn master(&self, index: usize) -> Option<usize> {
+    pub fn master(&self, index: usize) -> Option<usize> {
         self.of_signals.get(index)?.master
     }
 }
@@ -199,7 +194,7 @@ pub struct Switched {
 
 impl Switched {
     /// A set-point more; `master` is asked where the master of a signal is.
-    pub(crate) fn see(
+    pub fn see(
         &mut self,
         bits: TappetBits,
         (time_ns, place): (i64, twin_path::Place),

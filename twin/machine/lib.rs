@@ -1,10 +1,15 @@
 //! Machine file: one TOML file that describes a machine. The comments of `machines/*.toml` document it.
 
+pub mod approach;
 mod around;
 mod axis;
 mod axis_drive;
+pub mod axis_kind;
+pub mod bounded;
+pub mod cam_file;
 mod conditions;
 mod counting;
+pub mod coupled;
 mod couplings;
 mod direction;
 mod drives;
@@ -15,10 +20,13 @@ mod m_functions;
 mod payload;
 mod physics;
 mod refusal;
+pub mod ring;
 mod scenario;
+pub mod section;
 mod simulated;
 mod surroundings;
 mod tappet_outputs;
+pub mod tappets;
 #[cfg(test)]
 mod tests;
 mod tool;
@@ -26,10 +34,10 @@ mod tool;
 use crate::section::FileKind;
 pub use axis::Axis;
 pub use axis_drive::{AxisDrive, IncrementRatio, Switches};
-pub(crate) use conditions::said as tool_table_problem;
+pub use conditions::said as tool_table_problem;
 pub use conditions::{PreparationInputs, ProgramConditions};
 pub use counting::Counting;
-pub(crate) use couplings::{CamAxis, read_cam, read_ratio};
+pub use couplings::{CamAxis, read_cam, read_ratio};
 pub use couplings::{CamSelection, CoupledBy, Coupling};
 pub use direction::DirectionRule;
 use drives::Seen;
@@ -45,7 +53,7 @@ pub use simulated::{
 };
 pub use surroundings::Collision;
 
-use crate::section::{self, MachineFileError, Problem, Section, read_text};
+use crate::section::{MachineFileError, Problem, Section, read_text};
 use crate::tappets::TappetOutput;
 use axis::AxisEntry;
 use nalgebra::{Point3, Vector3};
@@ -180,7 +188,7 @@ impl Machine {
     }
 
     /// Axis positions at a start that the program leaves open, before slaves are put where their masters have them.
-    pub(crate) fn start_without_slaves(&self) -> Option<AxisVector> {
+    pub fn start_without_slaves(&self) -> Option<AxisVector> {
         let mut axes = self.kinematics.inverse(&self.start_pose(), &self.middle()).ok()?;
         // The transform knows nothing of additional axes: they start where the file says.
         let sources = self.kinematics.sources().iter().zip(&self.axes);

@@ -1,6 +1,6 @@
 //! Cams written as TOML, as people write them.
 
-use super::form::{Coupling, WANTED};
+use crate::cam_file::form::{Coupling, WANTED};
 use std::fmt::{self, Display, Write};
 use twin_cam::{
     Action, Element, Equidistant, Interpolation, Kind, Knot, PairTable, Passage, Scale, Shape,
@@ -8,7 +8,7 @@ use twin_cam::{
 };
 
 /// A number as TOML has it, the shortest that reads back as it was.
-pub(super) struct Number(pub(super) f64);
+pub struct Number(pub f64);
 
 impl Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -116,7 +116,7 @@ fn element(element: &Element) -> String {
 }
 
 /// A tappet as a line of `tappets`.
-pub(crate) fn tappet(tappet: &Tappet) -> String {
+pub fn tappet(tappet: &Tappet) -> String {
     let Tappet { group, master, passage, action } = *tappet;
     let passage = match passage {
         Passage::Positive => "positive",

@@ -1,8 +1,8 @@
 //! Cams as people write them in TOML.
 
-use super::form::Coupling;
-use super::toml_coupling::coupling;
-use super::toml_table;
+use crate::cam_file::form::Coupling;
+use crate::cam_file::toml_coupling::coupling;
+use crate::cam_file::toml_table;
 use crate::section::FileKind;
 use crate::section::Section;
 use std::ops::{Range, RangeInclusive};

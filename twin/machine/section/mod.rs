@@ -4,9 +4,9 @@ mod file_kind;
 mod numbers;
 mod problem;
 
-pub(crate) use file_kind::FileKind;
+pub use file_kind::FileKind;
 pub use problem::{Elsewhere, MachineFileError, Problem};
-pub(crate) use problem::{Shown, read_text};
+pub use problem::{Shown, read_text};
 use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
@@ -15,12 +15,12 @@ use toml::de::{DeTable, DeValue};
 
 /// Collector of the errors of a file, so that a user sees all of them at once.
 #[derive(Debug, Default)]
-pub(crate) struct Complaints {
+pub struct Complaints {
     list: RefCell<Vec<Problem>>,
 }
 
 impl Complaints {
-    pub(crate) fn add(&self, span: Range<usize>, message: String, help: Option<String>) {
+    pub fn add(&self, span: Range<usize>, message: String, help: Option<String>) {
         self.list.borrow_mut().push(Problem { span, message, help, elsewhere: None });
     }
 
@@ -30,7 +30,7 @@ impl Complaints {
         self.list.borrow_mut().push(Problem { span, message, help: None, elsewhere });
     }
 
-    pub(crate) fn into_list(self) -> Vec<Problem> {
+    pub fn into_list(self) -> Vec<Problem> {
         let mut list = self.list.into_inner();
         list.sort_by_key(|problem| problem.span.start);
         list
@@ -41,7 +41,7 @@ impl Complaints {
 ///
 /// # Errors
 /// With everything that is wrong with it, in file order.
-pub(crate) fn parse<T>(
+pub fn parse<T>(
     text: &str,
     read: impl FnOnce(&Section<'_>) -> Option<T>,
 ) -> Result<T, Vec<Problem>> {
@@ -57,7 +57,7 @@ pub(crate) fn parse<T>(
 
 /// One table of the file. It records the keys that are read: the others are unknown keys.
 #[derive(Debug)]
-pub(crate) struct Section<'a> {
+pub struct Section<'a> {
     name: String,
     table: Option<&'a DeTable<'a>>,
     span: Range<usize>,
@@ -66,7 +66,7 @@ pub(crate) struct Section<'a> {
 }
 
 impl<'a> Section<'a> {
-    pub(crate) fn root(table: &'a Spanned<DeTable<'a>>, complaints: &'a Complaints) -> Self {
+    pub fn root(table: &'a Spanned<DeTable<'a>>, complaints: &'a Complaints) -> Self {
         Self::new("the file".to_owned(), Some(table.get_ref()), 0..0, complaints)
     }
 
@@ -80,64 +80,63 @@ impl<'a> Section<'a> {
     }
 
     /// Complains about this section as a whole.
-    pub(crate) fn complain(&self, message: String) {
+    pub fn complain(&self, message: String) {
         self.complaints.add(self.span.clone(), message, None);
     }
 
     /// Complains about the value of `key`, or about the section if the key is absent.
-    pub(crate) fn complain_at(&self, key: &str, message: String) {
+    pub fn complain_at(&self, key: &str, message: String) {
         self.complaints.add(self.span_of(key), message, None);
     }
 
     /// Complains about the value of `key`, with what would be right.
-    pub(crate) fn complain_with_help(&self, key: &str, message: String, help: Option<String>) {
+    pub fn complain_with_help(&self, key: &str, message: String, help: Option<String>) {
         self.complaints.add(self.span_of(key), message, help);
     }
 
     /// The keys that have been read.
-    #[cfg(test)]
-    pub(crate) fn asked_for(&self) -> std::collections::BTreeSet<String> {
+    pub fn asked_for(&self) -> std::collections::BTreeSet<String> {
         self.known.borrow().iter().cloned().collect()
     }
 
     /// Complains about the value of `key`, which names a file that something is wrong with.
-    pub(crate) fn complain_elsewhere(&self, key: &str, elsewhere: Elsewhere) {
+    pub fn complain_elsewhere(&self, key: &str, elsewhere: Elsewhere) {
         self.complaints.add_elsewhere(self.span_of(key), elsewhere);
     }
 
     /// The keys that are there, none of which is unknown then.
-    pub(crate) fn keys(&self) -> Vec<&'a str> {
+    pub fn keys(&self) -> Vec<&'a str> {
         self.accept_all();
         self.table.into_iter().flatten().map(|(key, _)| key.get_ref().as_ref()).collect()
     }
 
     /// Complains about a place known from before.
-    pub(crate) fn complain_over(&self, span: &Range<usize>, message: String) {
+    pub fn complain_over(&self, span: &Range<usize>, message: String) {
         self.complaints.add(span.clone(), message, None);
     }
 
     /// Place of the value of `key`; that of the section, if the key is absent.
-    pub(crate) fn span_of(&self, key: &str) -> Range<usize> {
+    pub fn span_of(&self, key: &str) -> Range<usize> {
         self.look_up(key).map_or_else(|| self.span.clone(), Spanned::span)
     }
 
     /// Place of entry `index` of the array `key`, from 0; complains about nothing and leaves the key unknown.
-    pub(crate) fn span_of_item(&self, key: &str, index: usize) -> Option<Range<usize>> {
+    pub fn span_of_item(&self, key: &str, index: usize) -> Option<Range<usize>> {
         let array = self.look_up(key)?.get_ref().as_array()?;
         array.get(index).map(Spanned::span)
     }
 
     /// The text of `key`, if that is what it is; complains about nothing and leaves the key unknown.
-    pub(crate) fn glance_at_text(&self, key: &str) -> Option<&'a str> {
+    pub fn glance_at_text(&self, key: &str) -> Option<&'a str> {
         self.look_up(key)?.get_ref().as_str()
     }
 
-    pub(crate) fn has(&self, key: &str) -> bool {
+    pub fn has(&self, key: &str) -> bool {
         self.look_up(key).is_some()
     }
 
     /// Marks `key` as known, without reading it.
-    pub(crate) fn accept(&self, key: &str) {
+    pub fn accept(&self, key: &str) {
         self.value(key);
     }
 
@@ -166,7 +165,7 @@ impl<'a> Section<'a> {
     }
 
     /// A table; an absent one is read as empty, so that its keys take their defaults.
-    pub(crate) fn section(&self, key: &str) -> Section<'a> {
+    pub fn section(&self, key: &str) -> Section<'a> {
         let value = self.value(key);
         let table = value.and_then(|value| {
             let table = value.get_ref().as_table();
@@ -180,7 +179,7 @@ impl<'a> Section<'a> {
     }
 
     /// An array of tables (`[[key]]`), empty if absent.
-    pub(crate) fn sections(&self, key: &str) -> Vec<Section<'a>> {
+    pub fn sections(&self, key: &str) -> Vec<Section<'a>> {
         let Some(value) = self.value(key) else { return Vec::new() };
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, &format!("tables headed [[{key}]]"));
@@ -201,7 +200,7 @@ impl<'a> Section<'a> {
         sections
     }
 
-    pub(crate) fn text(&self, key: &str) -> Option<&'a str> {
+    pub fn text(&self, key: &str) -> Option<&'a str> {
         let value = self.value(key)?;
         let Some(text) = value.get_ref().as_str() else {
             self.wrong_type(key, value, "a string");
@@ -214,7 +213,7 @@ impl<'a> Section<'a> {
         Some(text)
     }
 
-    pub(crate) fn required_text(&self, key: &str) -> Option<&'a str> {
+    pub fn required_text(&self, key: &str) -> Option<&'a str> {
         if !self.has(key) {
             self.value(key);
             self.missing(key);
@@ -224,7 +223,7 @@ impl<'a> Section<'a> {
     }
 
     /// One of a few words, each with its meaning.
-    pub(crate) fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
+    pub fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
         let text = self.text(key)?;
         let found = choices.iter().find(|(word, _)| *word == text).map(|(_, meaning)| *meaning);
         if found.is_none() {
@@ -240,7 +239,7 @@ impl<'a> Section<'a> {
         found
     }
 
-    pub(crate) fn required_choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
+    pub fn required_choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
         if !self.has(key) {
             self.value(key);
             self.missing(key);
@@ -250,12 +249,12 @@ impl<'a> Section<'a> {
     }
 
     /// Place of the section.
-    pub(crate) fn span(&self) -> Range<usize> {
+    pub fn span(&self) -> Range<usize> {
         self.span.clone()
     }
 
     /// `true` or `false`.
-    pub(crate) fn flag(&self, key: &str) -> Option<bool> {
+    pub fn flag(&self, key: &str) -> Option<bool> {
         let value = self.value(key)?;
         let flag = value.get_ref().as_bool();
         if flag.is_none() {
@@ -265,7 +264,7 @@ impl<'a> Section<'a> {
     }
 
     /// Pairs of names, each with its place in the file; none if the key is absent.
-    pub(crate) fn pairs_of_names(&self, key: &str) -> Vec<([String; 2], Range<usize>)> {
+    pub fn pairs_of_names(&self, key: &str) -> Vec<([String; 2], Range<usize>)> {
         let Some(value) = self.value(key) else { return Vec::new() };
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, "an array of pairs of names");
@@ -288,18 +287,18 @@ impl<'a> Section<'a> {
     }
 
     /// Lets every key pass, where an earlier complaint keeps the section from being read.
-    pub(crate) fn accept_all(&self) {
+    pub fn accept_all(&self) {
         let keys = self.table.into_iter().flatten().map(|(key, _)| key.get_ref().to_string());
         self.known.borrow_mut().extend(keys);
     }
 
     /// Ends reading: reports keys that were not read as unknown.
-    pub(crate) fn finish(self) {
+    pub fn finish(self) {
         self.check_unknown();
     }
 
     /// As [`Self::finish`], for a section that is still used.
-    pub(crate) fn check_unknown(&self) {
+    pub fn check_unknown(&self) {
         let Some(table) = self.table else { return };
         let known = self.known.borrow();
         for (key, _) in table {

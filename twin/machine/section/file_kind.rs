@@ -4,7 +4,7 @@ use super::Section;
 
 /// Kind of a TOML file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum FileKind {
+pub enum FileKind {
     Machine,
     Job,
     Cam,
@@ -12,7 +12,7 @@ pub(crate) enum FileKind {
 
 impl FileKind {
     /// True if a file that should be of this kind is of another one. That is then reported, and nothing else.
-    pub(crate) fn refuses(self, root: &Section<'_>) -> bool {
+    pub fn refuses(self, root: &Section<'_>) -> bool {
         if self.is(root) {
             return false;
         }

@@ -1,7 +1,7 @@
 //! Axis couplings: slaves that follow masters by the gears and cams of the machine file while a program moves the tool.
 
-use crate::machine::{Axis, CamSelection, CoupledBy, Coupling, Machine};
 use crate::tappets::{MasterPlace, Signal, TappetBits, Tracks};
+use crate::{Axis, CamSelection, CoupledBy, Coupling, Machine};
 use twin_cam::{CamCoupling, CamTable, CouplingError, StartMode};
 use twin_kinematics::{AxisMotion, AxisSource, AxisVector, KinematicsError};
 use twin_profile::State;
@@ -69,7 +69,7 @@ impl Machine {
 
 /// The couplings of a machine under way.
 #[derive(Clone, Debug)]
-pub(crate) struct Coupled<'m> {
+pub struct Coupled<'m> {
     machine: &'m Machine,
     /// Where the axes of a program are that does not say where it begins, slaves aside; none if what it begins with is not
     /// looked at.
@@ -98,14 +98,14 @@ struct Running {
 impl<'m> Coupled<'m> {
     /// Couplings of `machine` before a program begins. The program must not start a slave of a cam away from its place
     /// on the cam.
-    pub(crate) fn for_program(machine: &'m Machine) -> Self {
+    pub fn for_program(machine: &'m Machine) -> Self {
         let start =
             if machine.couplings.is_empty() { None } else { machine.start_without_slaves() };
         Self { start, ..Self::new(machine) }
     }
 
     /// Couplings of `machine`, before they begin.
-    pub(crate) fn new(machine: &'m Machine) -> Self {
+    pub fn new(machine: &'m Machine) -> Self {
         let sources = machine.kinematics.sources();
         let moves_tool = machine.couplings.iter().any(|coupling| {
             !matches!(sources.get(coupling.axis), None | Some(AxisSource::Additional(_)))
@@ -131,27 +131,27 @@ impl<'m> Coupled<'m> {
     }
 
     /// True if the tool is elsewhere than the program says.
-    pub(crate) fn moves_tool(&self) -> bool {
+    pub fn moves_tool(&self) -> bool {
         self.moves_tool
     }
 
     /// Signals of the tappets, as of the last set-point.
-    pub(crate) fn tappets(&self) -> TappetBits {
+    pub fn tappets(&self) -> TappetBits {
         self.tappets
     }
 
     /// The signals of the tappets.
-    pub(crate) fn signals(&self) -> &[Signal] {
+    pub fn signals(&self) -> &[Signal] {
         self.tracks.signals()
     }
 
     /// Tappets that did not act because there were too many in a cycle.
-    pub(crate) fn lost_tappets(&self) -> u64 {
+    pub fn lost_tappets(&self) -> u64 {
         self.tracks.lost()
     }
 
     /// The couplings whose masters were on tappets at the first set-point, each with the tappet groups.
-    pub(crate) fn stood_on_tappets(&self) -> impl Iterator<Item = (&'m Coupling, Vec<i16>)> {
+    pub fn stood_on_tappets(&self) -> impl Iterator<Item = (&'m Coupling, Vec<i16>)> {
         self.machine.couplings.iter().zip(&self.running).filter_map(|(coupling, running)| {
             let stood = running.cam.iter().flat_map(|cam| cam.stood_on());
             let groups: Vec<_> = stood.map(|tappet| tappet.group).collect();
@@ -160,7 +160,7 @@ impl<'m> Coupled<'m> {
     }
 
     /// Position of the master that switched a signal last, as of the last set-point.
-    pub(crate) fn tappet_master(&self, signal: usize) -> Option<MasterPlace> {
+    pub fn tappet_master(&self, signal: usize) -> Option<MasterPlace> {
         let index = self.tracks.master(signal)?;
         let axis = self.machine.axes.get(index)?;
         let (_, position) = self.masters.iter().find(|(master, _)| *master == index)?;
@@ -171,7 +171,7 @@ impl<'m> Coupled<'m> {
     ///
     /// # Errors
     /// If the program moves a slave itself, or there is no cam where its master is.
-    pub(crate) fn apply(&mut self, axes: &mut AxisMotion, time_ns: i64) -> Result<(), AxesError> {
+    pub fn apply(&mut self, axes: &mut AxisMotion, time_ns: i64) -> Result<(), AxesError> {
         self.masters.clear();
         let by_program = axes.position;
         for (index, coupling) in self.machine.couplings.iter().enumerate() {
@@ -250,7 +250,7 @@ impl<'m> Coupled<'m> {
     }
 
     /// Axis positions with slaves, while the axes rest at `axes`.
-    pub(crate) fn at_rest(machine: &Machine, axes: AxisVector) -> Result<AxisVector, AxesError> {
+    pub fn at_rest(machine: &Machine, axes: AxisVector) -> Result<AxisVector, AxesError> {
         let mut motion = AxisMotion::at_rest(axes);
         Coupled::new(machine).apply(&mut motion, 0)?;
         Ok(motion.position)
@@ -262,7 +262,7 @@ impl<'m> Coupled<'m> {
 ///
 /// # Errors
 /// [`AxesError::Begins`] if it is elsewhere.
-pub(crate) fn begins_at(
+pub fn begins_at(
     machine: &Machine,
     axis: usize,
     own: &AxisVector,

@@ -1,7 +1,7 @@
 //! `[coupling]` of cams in TOML: inputs of `MC_CamIn`.
 
-use super::form::{Coupling, START_MODES, WANTED, no_scaling};
-use super::toml_form::ANY;
+use crate::cam_file::form::{Coupling, START_MODES, WANTED, no_scaling};
+use crate::cam_file::toml_form::ANY;
 use crate::section::Section;
 use twin_cam::CamInput;
 

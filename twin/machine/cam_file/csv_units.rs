@@ -1,6 +1,6 @@
 //! Units in the headers of points: velocity and acceleration are those of the slave by its master (manual 4.7), never by time.
 
-use super::form::unit_of;
+use crate::cam_file::form::unit_of;
 
 /// What a column of derivatives is, and which power of the master's unit its own is by.
 const DERIVATIVES: [(&str, &str); 2] = [("velocity", ""), ("acceleration", "2")];

@@ -1,6 +1,6 @@
 //! `[table]` of cams in TOML: numbers at equal distances of the master, or pairs.
 
-use super::toml_form::ANY;
+use crate::cam_file::toml_form::ANY;
 use crate::section::Section;
 use std::ops::Range;
 use twin_cam::{Equidistant, Interpolation, PairTable, Scale, Shape, TableScale, VariableType};

@@ -7,12 +7,12 @@ use toml::de::DeValue;
 
 impl Section<'_> {
     /// A number within `range`, as written (in the unit its key names).
-    pub(crate) fn number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
+    pub fn number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
         let value = self.value(key)?;
         self.checked_number(key, value, &range)
     }
 
-    pub(crate) fn required_number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
+    pub fn required_number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
         if !self.has(key) {
             self.value(key);
             self.missing(key);
@@ -22,7 +22,7 @@ impl Section<'_> {
     }
 
     /// `N` numbers, each within `range`.
-    pub(crate) fn numbers<const N: usize>(
+    pub fn numbers<const N: usize>(
         &self,
         key: &str,
         range: RangeInclusive<f64>,
@@ -32,7 +32,7 @@ impl Section<'_> {
     }
 
     /// Pairs of numbers, each within `range`; `None` if there are none.
-    pub(crate) fn pairs(&self, key: &str, range: &RangeInclusive<f64>) -> Option<Vec<[f64; 2]>> {
+    pub fn pairs(&self, key: &str, range: &RangeInclusive<f64>) -> Option<Vec<[f64; 2]>> {
         let value = self.value(key)?;
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, "an array of pairs of numbers");
@@ -48,7 +48,7 @@ impl Section<'_> {
     }
 
     /// As many numbers as there are, each within `range`; none if the key is absent.
-    pub(crate) fn list(&self, key: &str, range: &RangeInclusive<f64>) -> Option<Vec<f64>> {
+    pub fn list(&self, key: &str, range: &RangeInclusive<f64>) -> Option<Vec<f64>> {
         let value = self.value(key)?;
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, "an array of numbers");
@@ -85,7 +85,7 @@ impl Section<'_> {
         complete.then_some(numbers)
     }
 
-    pub(crate) fn required_integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
+    pub fn required_integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
         if !self.has(key) {
             self.value(key);
             self.missing(key);
@@ -95,7 +95,7 @@ impl Section<'_> {
     }
 
     /// The whole numbers of `key`, if that is what they are; complains about nothing and leaves the key unknown.
-    pub(crate) fn glance_at_integers(&self, key: &str) -> Vec<i64> {
+    pub fn glance_at_integers(&self, key: &str) -> Vec<i64> {
         let array = self.look_up(key).and_then(|value| value.get_ref().as_array());
         let number = |item: &Spanned<DeValue<'_>>| {
             let integer = item.get_ref().as_integer()?;
@@ -105,7 +105,7 @@ impl Section<'_> {
     }
 
     /// Whole numbers within `range`, up to `most` of them; none if the key is absent.
-    pub(crate) fn integers(&self, key: &str, range: &RangeInclusive<i64>, most: usize) -> Vec<i64> {
+    pub fn integers(&self, key: &str, range: &RangeInclusive<i64>, most: usize) -> Vec<i64> {
         let Some(value) = self.value(key) else { return Vec::new() };
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, "an array of whole numbers");
@@ -119,7 +119,7 @@ impl Section<'_> {
         array.iter().filter_map(|item| self.checked_integer(key, item, range)).collect()
     }
 
-    pub(crate) fn required_numbers<const N: usize>(
+    pub fn required_numbers<const N: usize>(
         &self,
         key: &str,
         range: RangeInclusive<f64>,
@@ -133,7 +133,7 @@ impl Section<'_> {
     }
 
     /// A whole number within `range`.
-    pub(crate) fn integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
+    pub fn integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
         let value = self.value(key)?;
         self.checked_integer(key, value, &range)
     }

@@ -1,14 +1,15 @@
 //! Cams as CSV: positions, or points with velocity and acceleration.
 
-use super::columns::{self, Columns};
-use super::csv_units;
-use super::file::pair_table;
-use super::toml_writer::Number;
-use super::{CamFile, CamFileError};
-use crate::number::counted;
+use crate::cam_file::columns;
+use crate::cam_file::columns::Columns;
+use crate::cam_file::csv_units;
+use crate::cam_file::file::pair_table;
+use crate::cam_file::toml_writer::Number;
+use crate::cam_file::{CamFile, CamFileError};
 use std::path::Path;
 use twin_cam::file::clean;
 use twin_cam::{Interpolation, Knot, Shape};
+use twin_number::counted;
 
 /// Two columns are a table of pairs, four are points with velocity and acceleration.
 pub(super) fn csv_shape(

@@ -1,17 +1,17 @@
 //! Trip point of a probing move (RS274: G38.2 to G38.5) by the clearances along it.
 //!
 //! The surroundings of a machine come from its file. Every reader of a program on a machine uses them
-//! ([`crate::machine::ProgramConditions::rs274`]), so that check, run, limit, path and view see the same path.
+//! ([`crate::ProgramConditions::rs274`]), so that check, run, limit, path and view see the same path.
 
 use std::fmt;
 use twin_gcode::rs274::{Position, ProbePath, ProbeTarget};
 use twin_path::ProbeTrip;
 
 /// Nearer than this is touching, m: the rounding of distances.
-pub(crate) const TOUCH: f64 = 1e-8;
+pub const TOUCH: f64 = 1e-8;
 
 /// Farther than this is free again, m. More than [`TOUCH`], so that what has just been touched is not left by rounding.
-pub(crate) const RELEASE: f64 = 1e-6;
+pub const RELEASE: f64 = 1e-6;
 
 /// How well the place of a trip is found along the move, m.
 const PLACE: f64 = 1e-9;

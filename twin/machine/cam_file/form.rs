@@ -47,7 +47,7 @@ impl AxisScale {
 }
 
 /// What a column says of its unit; `u` says that it is not known.
-pub(super) fn unit_of(column: &str) -> String {
+pub fn unit_of(column: &str) -> String {
     let unit = super::columns::unit(column);
     if unit == "u" { String::new() } else { unit.to_owned() }
 }
@@ -74,7 +74,7 @@ pub struct Coupling {
 pub const LEAST_SCALING: f64 = 1e-15;
 
 /// Why a number is no scaling, of whatever `name` it is: 0, or nothing but its rounding, or none at all.
-pub(crate) fn no_scaling(name: &str, value: f64) -> Option<String> {
+pub fn no_scaling(name: &str, value: f64) -> Option<String> {
     if value == 0.0 {
         Some(format!("{name} is 0; nothing would move"))
     } else if !value.is_finite() {

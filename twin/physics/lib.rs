@@ -123,7 +123,6 @@ pub fn holding_effort(
 ///
 /// # Errors
 /// Those of [`axis_inertia`].
-#[cfg(test)]
 pub fn motion_effort(
     model: &Model,
     gravity: Vector3<f64>,

@@ -1,29 +1,29 @@
 //! Tables of numbers with or without a header, and with the lines they come from.
 
-use super::CamFileError;
-use crate::number::counted;
+use crate::cam_file::CamFileError;
 use std::path::Path;
+use twin_number::counted;
 
 /// More rows are not read.
-pub(super) const MOST_ROWS: usize = 1 << 22;
+pub const MOST_ROWS: usize = 1 << 22;
 
 /// What is larger is no position and no time.
 const LARGEST: f64 = 1e15;
 
 /// Numbers in columns.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Columns {
+pub struct Columns {
     /// The header, if there is one.
-    pub(super) names: Option<Vec<String>>,
+    pub names: Option<Vec<String>>,
     /// Its line, from 1.
-    pub(super) header: u64,
+    pub header: u64,
     /// Numbers and the line they stand in, from 1; all rows are as long.
-    pub(super) rows: Vec<(u64, Vec<f64>)>,
+    pub rows: Vec<(u64, Vec<f64>)>,
 }
 
 /// Reads a table: columns are parted by semicolons, tabs or commas, whichever stands in the first line that says anything; a
 /// decimal comma is read as a point where commas part no columns. Lines that begin with `#` do not count.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
+pub fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
     let wrong = |line, message| CamFileError::Table { path: path.to_owned(), line, message };
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err(wrong(1, "this is text in UTF-16; save it as UTF-8".to_owned()));
@@ -133,13 +133,13 @@ fn line_of(at: &csv::Position, bytes: &[u8]) -> u64 {
 }
 
 /// The name of a column without its unit, in small letters: `time` of `Time (ms)`, `slave` of `slave_mm`.
-pub(super) fn plain(name: &str) -> String {
+pub fn plain(name: &str) -> String {
     let end = name.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(name.len());
     name.get(..end).unwrap_or_default().to_lowercase()
 }
 
 /// What stands behind the name: `ms` of `Time (ms)` and of `time_ms`.
-pub(super) fn unit(name: &str) -> &str {
+pub fn unit(name: &str) -> &str {
     let end = name.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(name.len());
     name.get(end..).unwrap_or_default().trim_matches(|c: char| " _()[]/".contains(c))
 }

@@ -1,0 +1,52 @@
+//! Short number format for messages.
+
+use std::fmt;
+
+/// A number in short form, as people write it: without the noise of binary fractions and of lengths converted from
+/// metres, 6 instead of 5.999999999999999.
+#[derive(Clone, Copy, Debug)]
+pub struct Short(pub f64);
+
+/// Beyond this there is no room for decimals.
+const LARGE: f64 = 1e9;
+/// Below this six decimals would hide it.
+const SMALL: f64 = 1e-3;
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let value = self.0;
+        let magnitude = value.abs();
+        if magnitude >= 1e15 || (magnitude > 0.0 && magnitude < 1e-9) {
+            return write!(f, "{value:e}");
+        }
+        if magnitude >= LARGE {
+            return write!(f, "{value}");
+        }
+        let scale = if magnitude < SMALL { 1e12 } else { 1e6 };
+        // Plus zero, so that nothing is never minus nothing.
+        write!(f, "{}", (value * scale).round() / scale + 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Short;
+
+    #[test]
+    fn numbers() {
+        for (value, text) in [
+            (5.999_999_999_999_999, "6"),
+            (0.1 + 0.2, "0.3"),
+            (-0.0, "0"),
+            (-12.5, "-12.5"),
+            (24.9, "24.9"),
+            (1e-5 + 1e-22, "0.00001"),
+            (1.25e-20, "1.25e-20"),
+            (2e9, "2000000000"),
+            (1e20, "1e20"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(Short(value).to_string(), text, "{value:e}");
+        }
+    }
+}
