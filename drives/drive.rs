@@ -210,7 +210,7 @@ pub trait Drive: Send {
     fn soft_stop(&mut self) -> Result<(), DriveError>;
 
     /// Stops at once what moves and locks the device; how each family does is in its page of the manual and in
-    /// docs/src/encoders_homing_stops.md. Of several devices behind one interface (SmartDRIVE) those that have
+    /// `docs/src/encoders_homing_stops.md`. Of several devices behind one interface (SmartDRIVE) those that have
     /// confirmed the [`Self::soft_stop`] before are left as they stand.
     ///
     /// # Errors

@@ -107,6 +107,9 @@ impl CamInput {
     }
 
     /// The same as numbers: velocity, acceleration and deceleration.
+    ///
+    /// # Errors
+    /// [`CouplingError::RampNeedsValues`] if one of them is not positive.
     pub fn ramp(&self) -> Result<[f64; 3], CouplingError> {
         let inputs = [
             ("VelocityDiff", self.velocity_difference),

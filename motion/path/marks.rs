@@ -67,12 +67,14 @@ impl Marks {
     }
 
     /// The start marks that exclude one another with these.
+    #[must_use]
     pub fn rivals(self) -> Self {
         let groups = PAIRS.iter().filter(|(starts, _)| self.0 & starts.0 != 0);
         groups.fold(Self::default(), |rivals, (starts, _)| rivals.with(*starts))
     }
 
     /// The start marks of what these end.
+    #[must_use]
     pub fn begun(self) -> Self {
         let groups = PAIRS.iter().filter(|(_, end)| self.0 & end.0 != 0);
         groups.fold(Self::default(), |begun, (starts, _)| begun.with(*starts))

@@ -250,6 +250,9 @@ impl<'m> Coupled<'m> {
     }
 
     /// Axis positions with slaves, while the axes rest at `axes`.
+    ///
+    /// # Errors
+    /// [`AxesError`] if a cam has no place there for its slave.
     pub fn at_rest(machine: &Machine, axes: AxisVector) -> Result<AxisVector, AxesError> {
         let mut motion = AxisMotion::at_rest(axes);
         Coupled::new(machine).apply(&mut motion, 0)?;

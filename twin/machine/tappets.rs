@@ -109,6 +109,7 @@ impl Tracks {
         both.position(|(signal, track)| track.slave == slave && signal.group == group)
     }
 
+    /// The signals that tappets switch.
     pub fn signals(&self) -> &[Signal] {
         &self.signals
     }

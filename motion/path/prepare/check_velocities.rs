@@ -225,6 +225,7 @@ impl CheckedElement {
     }
 
     /// Its start, as something without length at which the path rests.
+    #[must_use]
     pub fn start_at_rest(&self) -> Self {
         let at = self.start();
         let mut element = PathElement {

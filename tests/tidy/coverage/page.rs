@@ -23,7 +23,9 @@ pub(super) fn made(tree: &Tree, rows: &[Row]) -> io::Result<(&'static str, Strin
 /// Chapters in the order of the tables, and all of them.
 fn totals(rows: &[Row]) -> String {
     let mut table = "| manual | chapter |".to_owned();
-    State::ALL.iter().for_each(|state| write!(table, " {} |", state.name()).unwrap_or_default());
+    for state in State::ALL {
+        write!(table, " {} |", state.name()).unwrap_or_default();
+    }
     table += " rows |\n|---|---|---:|---:|---:|---:|---:|\n";
     let mut line = |manual: &str, chapter: &str, of: &dyn Fn(&&Row) -> bool| {
         write!(table, "| {manual} | {chapter} |").unwrap_or_default();

@@ -138,7 +138,7 @@ pub(crate) mod fake {
 
     /// The text of a table; a row is given from `item` on.
     pub(crate) fn table(rows: &[&str]) -> String {
-        let rows: String = rows.iter().map(|row| format!("M,C,S,1,{row}\n")).collect();
+        let rows = rows.iter().fold(String::new(), |text, row| text + "M,C,S,1," + row + "\n");
         format!("{}\n{rows}", HEAD.join(","))
     }
 }

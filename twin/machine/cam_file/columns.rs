@@ -23,6 +23,9 @@ pub struct Columns {
 
 /// Reads a table: columns are parted by semicolons, tabs or commas, whichever stands in the first line that says anything; a
 /// decimal comma is read as a point where commas part no columns. Lines that begin with `#` do not count.
+///
+/// # Errors
+/// [`CamFileError::Table`] with the line that is wrong.
 pub fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
     let wrong = |line, message| CamFileError::Table { path: path.to_owned(), line, message };
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {

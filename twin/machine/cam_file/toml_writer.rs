@@ -8,6 +8,7 @@ use twin_cam::{
 };
 
 /// A number as TOML has it, the shortest that reads back as it was.
+#[derive(Clone, Copy, Debug)]
 pub struct Number(pub f64);
 
 impl Display for Number {

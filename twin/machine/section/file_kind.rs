@@ -5,8 +5,11 @@ use super::Section;
 /// Kind of a TOML file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileKind {
+    /// A machine file.
     Machine,
+    /// A job: a sequence of PLCopen blocks.
     Job,
+    /// A cam.
     Cam,
 }
 

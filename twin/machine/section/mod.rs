@@ -20,6 +20,7 @@ pub struct Complaints {
 }
 
 impl Complaints {
+    /// Adds a problem at `span` of the file.
     pub fn add(&self, span: Range<usize>, message: String, help: Option<String>) {
         self.list.borrow_mut().push(Problem { span, message, help, elsewhere: None });
     }
@@ -30,6 +31,7 @@ impl Complaints {
         self.list.borrow_mut().push(Problem { span, message, help: None, elsewhere });
     }
 
+    /// All problems, in the order in which they were found.
     pub fn into_list(self) -> Vec<Problem> {
         let mut list = self.list.into_inner();
         list.sort_by_key(|problem| problem.span.start);
@@ -66,6 +68,7 @@ pub struct Section<'a> {
 }
 
 impl<'a> Section<'a> {
+    /// The file as a whole.
     pub fn root(table: &'a Spanned<DeTable<'a>>, complaints: &'a Complaints) -> Self {
         Self::new("the file".to_owned(), Some(table.get_ref()), 0..0, complaints)
     }
@@ -131,6 +134,7 @@ impl<'a> Section<'a> {
         self.look_up(key)?.get_ref().as_str()
     }
 
+    /// True if the section has the key, which stays unknown.
     pub fn has(&self, key: &str) -> bool {
         self.look_up(key).is_some()
     }
@@ -165,6 +169,7 @@ impl<'a> Section<'a> {
     }
 
     /// A table; an absent one is read as empty, so that its keys take their defaults.
+    #[must_use]
     pub fn section(&self, key: &str) -> Section<'a> {
         let value = self.value(key);
         let table = value.and_then(|value| {
@@ -200,6 +205,7 @@ impl<'a> Section<'a> {
         sections
     }
 
+    /// The text of `key`, if it is there.
     pub fn text(&self, key: &str) -> Option<&'a str> {
         let value = self.value(key)?;
         let Some(text) = value.get_ref().as_str() else {
@@ -213,6 +219,7 @@ impl<'a> Section<'a> {
         Some(text)
     }
 
+    /// The text of `key`; a problem if it is missing.
     pub fn required_text(&self, key: &str) -> Option<&'a str> {
         if !self.has(key) {
             self.value(key);
@@ -239,6 +246,7 @@ impl<'a> Section<'a> {
         found
     }
 
+    /// One of the `choices` by its name; a problem if `key` is missing or names none of them.
     pub fn required_choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
         if !self.has(key) {
             self.value(key);

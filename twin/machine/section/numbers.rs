@@ -12,6 +12,7 @@ impl Section<'_> {
         self.checked_number(key, value, &range)
     }
 
+    /// The number of `key` within `range`; a problem if it is missing or outside.
     pub fn required_number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
         if !self.has(key) {
             self.value(key);
@@ -85,6 +86,7 @@ impl Section<'_> {
         complete.then_some(numbers)
     }
 
+    /// The integer of `key` within `range`; a problem if it is missing or outside.
     pub fn required_integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
         if !self.has(key) {
             self.value(key);
@@ -119,6 +121,7 @@ impl Section<'_> {
         array.iter().filter_map(|item| self.checked_integer(key, item, range)).collect()
     }
 
+    /// The `N` numbers of `key`, each within `range`; a problem otherwise.
     pub fn required_numbers<const N: usize>(
         &self,
         key: &str,

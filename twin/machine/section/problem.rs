@@ -139,6 +139,9 @@ impl Diagnostic for Shown {
 }
 
 /// The text of a file.
+///
+/// # Errors
+/// [`MachineFileError`] if the file cannot be read, is too long or is not UTF-8.
 pub fn read_text(what: &'static str, path: &Path) -> Result<String, MachineFileError> {
     let text = bounded::read(path).and_then(|bytes| {
         String::from_utf8(bytes).map_err(|error| {
