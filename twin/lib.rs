@@ -3,7 +3,7 @@
 //! This library contains the code of the `twin` command; ARCHITECTURE.md describes its parts.
 
 #[macro_use]
-mod tell;
+mod stderr;
 
 pub mod attached;
 pub mod cam;
@@ -15,10 +15,10 @@ pub mod emulated;
 pub mod finding;
 pub mod hardware;
 pub mod limit;
+pub mod live_view;
 pub mod m_function;
 pub mod peak;
 pub mod per_axis;
-pub mod picture;
 pub mod plant;
 pub mod priority;
 pub mod probe;
@@ -32,12 +32,12 @@ pub mod simulated;
 pub mod startup;
 pub mod workspace;
 
-mod advice;
-mod by_hand;
 mod in_loop;
 mod job;
 mod messages;
 mod planning;
+mod repair_commands;
 mod table;
 mod tolerance;
 mod touch_probe;
+mod troubleshooting;

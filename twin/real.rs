@@ -1,7 +1,7 @@
 //! Real drives: opens the ports of a machine file and connects the drivers.
 
-use crate::advice::advice_in_run;
 use crate::emulated::{driver_options, module_options, smartdrive_axis};
+use crate::troubleshooting::advice_in_run;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;

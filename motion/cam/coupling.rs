@@ -4,15 +4,15 @@
 //! A periodic cam goes on as y(x + Offset1) + Offset2: in every pass Offset1 loses the width of the cam and Offset2
 //! gains its rise (manual 4.6.2).
 
-use super::bridge::{Bridge, BridgeLimits};
-use super::coupled::check;
-pub use super::coupled::{Coupled, CouplingError, MAX_TRIGGERS, TappetData};
 use super::knot::Derivatives;
 use super::passage::{Lead, LookAhead, Move, Watch};
 use super::reference::Cam;
 use super::selection::{CamInput, CamTable, StartMode};
 use super::tappet::Tappet;
 use super::unwrap::Unwrap;
+use crate::coupling_output::check;
+pub use crate::coupling_output::{Coupled, CouplingError, MAX_TRIGGERS, TappetData};
+use crate::ramp_in::{Bridge, BridgeLimits};
 use std::sync::Arc;
 use twin_profile::State;
 

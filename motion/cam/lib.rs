@@ -6,23 +6,23 @@
 //!
 //! Everything is in the axes' technical units u. There is no clock: the caller gives the time of each cycle.
 
-mod apart;
 mod approach;
 mod bit;
 mod bounds;
-mod bridge;
 mod cells;
-mod coupled;
 mod coupling;
+mod coupling_output;
 mod curve;
+mod curve_distance;
+mod decompile;
 mod error;
 pub mod file;
 mod joints;
 mod knot;
-mod largest;
-mod loaded;
+mod maximum_master_velocity;
 pub mod passage;
 mod polynomial;
+mod ramp_in;
 mod reference;
 mod register;
 mod selection;
@@ -45,7 +45,7 @@ pub use curve::{Curve, CurveExtremes, Jump, Jumps, MAX_POINTS, Range};
 pub use error::CamError;
 pub use joints::{Joint, Joints};
 pub use knot::{Derivatives, Knot, quintic};
-pub use largest::{Largest, LimitError};
+pub use maximum_master_velocity::{Largest, LimitError};
 pub use passage::Trigger;
 pub use reference::{Cam, Shape};
 pub use register::{CamRegister, RegisterError, RegisterInput};

@@ -1,8 +1,8 @@
 //! Cam selection and the inputs of `MC_CamIn` (`MC_CamTableSelect`, manual 4.6.1, 5.4).
 
-use super::bridge::BridgeLimits;
-use super::coupled::CouplingError;
 use super::reference::Cam;
+use crate::coupling_output::CouplingError;
+use crate::ramp_in::BridgeLimits;
 use std::sync::Arc;
 
 /// A cam chosen for a pair of axes: the output `CamTableID` of `MC_CamTableSelect` (manual 5.4).

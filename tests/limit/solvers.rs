@@ -7,7 +7,7 @@ use twin_kinematics::{AxisVector, KinematicsError};
 use twin_path::Place;
 use twin_path::prepare::{CheckError, CheckVelocities};
 use twin_path::{ElementKind, PathElement, Shape};
-use twin_planner::time_optimal::course::{CourseElement, CourseOptions};
+use twin_planner::time_optimal::blended_path::{CourseElement, CourseOptions};
 use twin_planner::time_optimal::{
     AxisLimits, AxisPath, AxisPoint, Beginning, Cap, CapSource, CellEnd, Effort, Grid,
     LimitOptions, LinearProfile, LinearSolver, Planned, Planner, Rates, SmoothProfile,

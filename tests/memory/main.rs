@@ -33,7 +33,7 @@ use twin_path::prepare::{
     CheckVelocities, CircularLimits, Notices, Preparation, Rounding, ToolRadiusOptions,
 };
 use twin_path::{ElementKind, Marks, PathElement, Shape};
-use twin_planner::time_optimal::course::CourseOptions;
+use twin_planner::time_optimal::blended_path::CourseOptions;
 use twin_planner::time_optimal::{LimitOptions, Planned, Planner};
 
 const FEW: u32 = 1_000;

@@ -6,7 +6,7 @@ use std::io::{self, BufRead, Read};
 use twin_gcode::decode::Item;
 use twin_gcode::rs274::{Decoder, DecoderOptions};
 use twin_path::prepare::{CheckError, CheckVelocities};
-use twin_planner::time_optimal::course::CourseOptions;
+use twin_planner::time_optimal::blended_path::CourseOptions;
 use twin_planner::time_optimal::{Law, LimitOptions, Planned, Planner};
 
 /// Gives so many bytes at a time.

@@ -7,7 +7,7 @@ use std::time::Instant;
 use twin_kinematics::AxisVector;
 use twin_path::PathElement;
 use twin_path::prepare::{CheckError, CheckVelocities};
-use twin_planner::time_optimal::course::{CourseElement, CourseOptions, Order};
+use twin_planner::time_optimal::blended_path::{CourseElement, CourseOptions, Order};
 use twin_planner::time_optimal::{
     AxisLimits, AxisPath, AxisPoint, Effort, Leg, LimitError, LimitOptions, Planned, Planner,
 };

@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use std::f64::consts::{PI, TAU};
 use twin_path::Place;
 use twin_path::{Arc, ElementKind, PathElement, Plane, Shape};
-use twin_planner::time_optimal::course::CourseOptions;
+use twin_planner::time_optimal::blended_path::CourseOptions;
 use twin_planner::time_optimal::{AxisLimits, LimitOptions};
 
 /// The arm's first joint alone has a jerk limit.

@@ -1,9 +1,11 @@
 //! Program check on the virtual machine, before anything moves.
 
-mod after;
 mod cam_jumps;
 mod checker;
 mod clearance;
+mod collision;
+#[cfg(test)]
+mod collision_tests;
 #[cfg(test)]
 mod direction_tests;
 mod findings;
@@ -14,11 +16,9 @@ mod instant;
 mod messages;
 mod options;
 mod rehearsal;
+mod run_findings;
 #[cfg(test)]
 mod tests;
-mod way;
-#[cfg(test)]
-mod way_tests;
 
 use crate::finding;
 use crate::finding::Finding;
@@ -29,21 +29,21 @@ use crate::planning::Planning;
 use crate::plant::PlantRecord;
 use crate::program::{Dialect, ProgramFile};
 use crate::setpoint_source::PlanItem;
-pub use after::{faults_to_come, following_errors, happening, happenings};
 use checker::Checker;
 pub use clearance::{ClearanceCsv, ClearancePicture};
+use collision::Way;
+pub use collision::{BlockClearance, Clearances};
 use findings::About;
 use following::FollowingBeside;
 pub use following::{PredictedFollowing, PredictedTraffic, wire_rates};
 pub use options::{CheckFailure, CheckOptions};
 use rehearsal::Rehearsal;
+pub use run_findings::{faults_to_come, following_errors, happening, happenings};
 use std::collections::BTreeSet;
 use twin_kinematics::AxisVector;
 use twin_machine::Machine;
 use twin_machine::tappets::{Signal, Switched};
 use twin_physics::MotorLoad;
-use way::Way;
-pub use way::{BlockClearance, Clearances};
 
 /// By which factors set-points may exceed velocities, accelerations and jerks of axes: the controller's own not at all; those
 /// within the limits of the axes by what may happen between the places at which these are asked for.

@@ -140,7 +140,7 @@ fn note_limits(machine: &Machine, axes: &AxisVector) {
     for (axis, position) in machine.axes.iter().zip(axes.iter()) {
         let [low, high] = axis.position_limits;
         if !(low..=high).contains(position) {
-            tell!(
+            stderr!(
                 "note: axis {} at {:.3} {unit} is beyond its limits {:.3} to {:.3} {unit}",
                 axis.name,
                 axis.from_si(*position),

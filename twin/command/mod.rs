@@ -1,6 +1,7 @@
 //! Command line: one module per command, and the exit status of each.
 
 mod assume;
+mod atomic_file;
 mod axes;
 mod axes_probe;
 mod cam;
@@ -22,11 +23,10 @@ mod tappets;
 mod tune;
 mod underline;
 mod view;
-mod whole;
 
-use crate::advice::{advice, advice_in_run};
 use crate::check::CheckFailure;
 use crate::program::ProgramFile;
+use crate::troubleshooting::{advice, advice_in_run};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use miette::MietteDiagnostic;
@@ -212,7 +212,7 @@ pub(crate) enum Failure {
     View(#[from] twin_viz::VizError),
     /// The view of a run.
     #[error(transparent)]
-    Picture(#[from] crate::picture::PictureError),
+    Picture(#[from] crate::live_view::PictureError),
     /// The machine as URDF.
     #[error(transparent)]
     Urdf(#[from] twin_urdf::UrdfError),
@@ -266,23 +266,23 @@ impl Failure {
         match self {
             Self::Machine(error) => {
                 for report in error.reports() {
-                    tell!("{report:?}");
+                    stderr!("{report:?}");
                 }
             }
             Self::Cam(error) => match *error {
                 CamFileError::Toml(error) => {
                     for report in error.reports() {
-                        tell!("{report:?}");
+                        stderr!("{report:?}");
                     }
                 }
-                other => tell!("{:?}", miette::Report::msg(other.to_string())),
+                other => stderr!("{:?}", miette::Report::msg(other.to_string())),
             },
             // Whoever reads our output has gone: not worth a message.
             Self::Stdio(error) if error.kind() == std::io::ErrorKind::BrokenPipe => {}
             other => {
                 let mut diagnostic = MietteDiagnostic::new(other.to_string());
                 diagnostic.help = other.advice().map(str::to_owned);
-                tell!("{:?}", miette::Report::new(diagnostic));
+                stderr!("{:?}", miette::Report::new(diagnostic));
             }
         }
     }

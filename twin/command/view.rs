@@ -21,8 +21,8 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let interrupt = run::Interrupt::catch_as_started()?;
     let viewer = twin_viz::view_recording(&arguments.recording, arguments.serve)?;
-    tell!("{} is shown at {}", arguments.recording.display(), viewer.url());
-    tell!("{}", interrupt.how_it_ends());
+    stderr!("{} is shown at {}", arguments.recording.display(), viewer.url());
+    stderr!("{}", interrupt.how_it_ends());
     interrupt.wait();
     Ok(Status::Fit)
 }

@@ -1,6 +1,6 @@
 //! Errors of the drives during a run.
 
-use crate::advice::advice_in_run;
+use crate::troubleshooting::advice_in_run;
 use twin_drives::DriveError;
 use twin_machine::{Axis, DriveFamily, Machine};
 

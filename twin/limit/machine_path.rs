@@ -6,7 +6,7 @@ use twin_kinematics::{AxisSource, AxisVector, KinematicsError, Pose, ToolJerk, T
 use twin_machine::{DirectionRule, Machine, SimulationError};
 use twin_path::ExtraPoint;
 use twin_physics::{AxisEffort, EffortRow, PathDynamics, TorqueAlongPath};
-use twin_planner::time_optimal::course::{Bearing, CourseElement, CoursePoint};
+use twin_planner::time_optimal::blended_path::{Bearing, CourseElement, CoursePoint};
 use twin_planner::time_optimal::{
     AxisLimits, AxisPath, AxisPoint, Cap, CapSource, DragRow, Rates, Row, axis_point,
 };

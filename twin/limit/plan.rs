@@ -17,7 +17,7 @@ use twin_machine::{DirectionRule, Machine};
 use twin_path::Place;
 use twin_path::prepare::CheckedElement;
 use twin_planner::controller::{DEFAULT_CYCLE_NS, ToolSetpoint};
-use twin_planner::time_optimal::course::{CourseElement, CourseOptions, Order};
+use twin_planner::time_optimal::blended_path::{CourseElement, CourseOptions, Order};
 use twin_planner::time_optimal::{
     AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, NotSolved, Planner, Rates,
 };

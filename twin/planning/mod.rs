@@ -2,8 +2,8 @@
 //!
 //! A check and a run take the same set-points, so the run executes exactly what was checked.
 
-mod beside;
-mod within;
+mod axis_limited;
+mod background_planner;
 
 use crate::job::JobSetpoints;
 use crate::limit::{LimitFailure, Limits};
@@ -12,12 +12,12 @@ use crate::program::{Dialect, Findings, ProgramFile, Setpoints};
 use crate::setpoint::Transformer;
 use crate::setpoint_source::MOST_OVERRIDE;
 use crate::setpoint_source::PlanItem;
-use beside::Beside;
+use axis_limited::WithinAxes;
+use background_planner::Beside;
 use std::task::Poll;
 use std::thread::Scope;
 use twin_machine::Machine;
 use twin_machine::tappets::Signal;
-use within::WithinAxes;
 
 /// The set-points of a program, as the controller itself plans them or within the limits of the axes.
 #[derive(Debug)]

@@ -2,8 +2,8 @@
 
 use super::{Still, position};
 use crate::attached::Attached;
-use crate::by_hand;
 use crate::clock::Clock;
+use crate::repair_commands;
 use twin_drives::{Drive, DriveError, HomingWays, MAX_DRIVE_AXES, Sample};
 use twin_machine::{Axis, DriveFamily, Machine};
 
@@ -232,7 +232,7 @@ fn patience_s(axis: &Axis) -> f64 {
 pub fn home_by_hand(machine: &Machine, axis: &Axis) -> Option<String> {
     let place = axis.drive.as_ref()?;
     let device = machine.drives.get(place.device)?;
-    let command = by_hand::command(machine, place.device, place.index)?;
+    let command = repair_commands::command(machine, place.device, place.index)?;
     Some(match &device.family {
         DriveFamily::InterpCnc(_) => {
             let (name, stroke) = (device.axis_name(place.index), longest_way(axis));

@@ -1,8 +1,8 @@
 //! Software limits of devices, checked against the machine file and the program.
 
 use super::in_units;
-use super::looker::Looker;
-use crate::by_hand;
+use crate::repair_commands;
+use crate::startup::device_check::Looker;
 use twin_drives::{DeviceLimits, Drive, DriveError};
 use twin_machine::{Axis, DriveFamily, Machine};
 
@@ -52,12 +52,12 @@ impl Looker<'_> {
                 let [least, most] = axis.position_limits.map(|limit| axis.from_si(limit));
                 let wanted =
                     format!("at least as tight as {least:.4} … {most:.4} {unit} is wanted");
-                let help = by_hand::set_limits(machine, device, axis);
+                let help = repair_commands::set_limits(machine, device, axis);
                 self.add_with(false, format!("{found}; {wanted}"), help);
             } else if let Some(range) = too_tight {
                 let [from, to] = range.map(|position| axis.from_si(position));
                 let told = format!("{found}; the program goes from {from:.4} to {to:.4} {unit}");
-                self.add_with(false, told, by_hand::set_limits(machine, device, axis));
+                self.add_with(false, told, repair_commands::set_limits(machine, device, axis));
             } else {
                 self.add(true, found);
             }
@@ -97,7 +97,7 @@ impl Looker<'_> {
             "axis {name}: the software limits of its drive are off (Trj_PosMin is not below Trj_PosMax); {left}, or to a limit \
              switch if one is wired to LIMP or LIMN, which the drive does not tell"
         );
-        let mut help = by_hand::set_limits(machine, device, axis);
+        let mut help = repair_commands::set_limits(machine, device, axis);
         // The machine file has its limits: those of the drive are to follow, not the other way round.
         help.pop();
         self.tell(told, help);

@@ -2,9 +2,9 @@
 //!
 //! The stored settings take effect at the next power-up, even if the present connection works with others.
 
-use super::looker::Looker;
-use crate::by_hand;
 use crate::emulated::line;
+use crate::repair_commands;
+use crate::startup::device_check::Looker;
 use twin_drives::{Drive, DriveError, ParameterId};
 use twin_interpcnc::{Parity, protocol::parameters};
 use twin_machine::{DriveFamily, Machine};
@@ -46,7 +46,8 @@ impl Looker<'_> {
             if !same {
                 let name = parameters::name(number).unwrap_or(number.to_string());
                 other.push(format!("parameter {number} ({name}) is {stored}"));
-                let set = wanted.map(|wanted| by_hand::set(machine, index, id, wanted.into()));
+                let set =
+                    wanted.map(|wanted| repair_commands::set(machine, index, id, wanted.into()));
                 help.extend(set.unwrap_or_default());
             }
         }

@@ -4,18 +4,18 @@
 //! Each device is checked on its own, and all failed checks are reported together. Only a device that does not answer ends
 //! its checks early.
 
+mod device_check;
 mod homing;
 mod limits;
 mod line;
-mod looker;
 mod parameters;
 mod switches;
 
 use crate::attached::Attached;
-use crate::by_hand;
 use crate::clock::Clock;
+use crate::repair_commands;
+use device_check::Looker;
 pub use homing::{HomingError, home, home_by_hand, longest_way, way_in_all};
-use looker::Looker;
 use std::fmt;
 use twin_drives::{IncrementMotion, Increments, MAX_DRIVE_AXES, SetpointStream};
 use twin_machine::{Axis, Machine};
@@ -142,7 +142,7 @@ fn say_once(checks: &mut [Check]) {
     for check in checks.iter_mut().rev() {
         let mut kept: Vec<String> = check.help.drain(..).rev().collect();
         kept.retain(|line| {
-            !line.starts_with(by_hand::THEN) || {
+            !line.starts_with(repair_commands::THEN) || {
                 let first = !said.contains(line);
                 said.push(line.clone());
                 first

@@ -1,7 +1,7 @@
 //! Required parameter values of real devices for a machine file.
 
-use crate::by_hand;
 use crate::emulated::{bim2ax_axis, smartdrive_axis, velocity_within};
+use crate::repair_commands;
 use twin_bim2ax::protocol::bits::definition;
 use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
 use twin_bim2ax::{DriveMode, ModuleAxis};
@@ -73,7 +73,7 @@ impl Wanted {
     /// Remedies for a difference between device and machine file: the commands that set the parameter, and the key that
     /// would match the value found.
     pub(super) fn help(&self, machine: &Machine, device: usize, found: i64) -> Vec<String> {
-        let mut help = by_hand::set(machine, device, self.id, self.must.value(found));
+        let mut help = repair_commands::set(machine, device, self.id, self.must.value(found));
         let name = machine.drives.get(device).map_or("", |entry| &entry.name);
         let file = machine.path.display();
         let of_device =

@@ -4,8 +4,8 @@
 
 use super::Homed;
 use super::limits::what_is_left;
-use super::looker::Looker;
-use crate::by_hand;
+use crate::repair_commands;
+use crate::startup::device_check::Looker;
 use twin_bim2ax::ModuleAxis;
 use twin_bim2ax::protocol::bits::coefficient::{HOME_PLUS, IGNORE_SWITCHES};
 use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
@@ -107,10 +107,10 @@ impl Looker<'_> {
                 let number = limit_input(on_board, positive != reversed);
                 let id = ParameterId { address: 0, number };
                 if wanted && !found {
-                    let command = by_hand::set_to(machine, device, id, "N");
+                    let command = repair_commands::set_to(machine, device, id, "N");
                     help.extend(command.map(|set| format!("{set}, where N is its input")));
                 } else if found && !wanted {
-                    help.extend(by_hand::set(machine, device, id, 0));
+                    help.extend(repair_commands::set(machine, device, id, 0));
                 }
             }
             let file = machine.path.display();
@@ -160,7 +160,8 @@ impl Looker<'_> {
                 sign(wanted)
             );
             let value = i64::from(wanted != reversed);
-            let mut help = by_hand::set(machine, device, id(home_direction(on_board)), value);
+            let mut help =
+                repair_commands::set(machine, device, id(home_direction(on_board)), value);
             let found = if positive { "positive" } else { "negative" };
             let file = machine.path.display();
             help.push(format!("or `home_direction = \"{found}\"` of axis {name} in {file}"));
@@ -180,12 +181,16 @@ impl Looker<'_> {
                 let told = format!(
                     "axis {name}: the board moves it {what} at {speed:.3} {unit}/s ({steps} steps/s); its max_velocity is {most:.3} {unit}/s"
                 );
-                self.add_with(false, told, by_hand::set(machine, device, id(number), possible));
+                self.add_with(
+                    false,
+                    told,
+                    repair_commands::set(machine, device, id(number), possible),
+                );
             } else if steps == 0 && first {
                 let told = format!(
                     "axis {name}: it is to be homed, and the board's speed {what} is 0 steps/s"
                 );
-                let command = by_hand::set_to(machine, device, id(number), "N");
+                let command = repair_commands::set_to(machine, device, id(number), "N");
                 let help =
                     command.map(|set| format!("{set}, where N is its speed, {possible} at most"));
                 self.add_with(false, told, help.into_iter().collect());
@@ -230,7 +235,7 @@ impl Looker<'_> {
             "axis {name}: App_PosOffset is {offset} µsteps: where its home switch opens it counts {:.4} {unit}, not 0",
             axis.from_si(home)
         );
-        let help = by_hand::set(machine, device, id, 0);
+        let help = repair_commands::set(machine, device, id, 0);
         if axis.limited && !(least..=most).contains(&home) {
             let [least, most] = [least, most].map(|limit| axis.from_si(limit));
             let wanted = format!("its limits are {least:.4} … {most:.4} {unit}");
@@ -259,7 +264,7 @@ impl Looker<'_> {
         let mut set_to = bits;
         let mut flipped = |bit: u16| {
             set_to ^= i64::from(bit);
-            by_hand::set(machine, device, id, set_to)
+            repair_commands::set(machine, device, id, set_to)
         };
         let positive = has(HOME_PLUS) != reversed;
         if let Some(wanted) = switches.home_positive.filter(|wanted| *wanted != positive) {

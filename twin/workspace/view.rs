@@ -1,7 +1,7 @@
 //! A section in space, beside the machine.
 
 use super::{Example, Scale, Section, State, Workspace};
-use crate::picture::obstacles;
+use crate::live_view::obstacles;
 use nalgebra::Point2;
 use twin_viz::{Mark, SceneOptions, SheetLine, Viewer, VizError, WorkspaceView, show_workspace};
 

@@ -1,11 +1,11 @@
 //! Couplings to a master axis: gears, cams and phasing (manual 5.4), and cam switches along an axis (manual 5.5).
 
 mod cam;
+mod cam_switch_track;
 mod follower;
 mod in_pos;
 mod phasing;
 mod switch;
-mod switched;
 mod track;
 mod velocity;
 

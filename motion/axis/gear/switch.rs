@@ -1,8 +1,8 @@
 //! `MC_DigitalCamSwitch`: outputs that an axis switches at its positions.
 
-use super::switched::{Ahead, Switched};
 use super::track::{CamSwitch, Track};
 use crate::Axis;
+use crate::gear::cam_switch_track::{Ahead, Switched};
 use twin_cam::Unwrap;
 
 /// Outputs, at most.

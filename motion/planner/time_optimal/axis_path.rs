@@ -1,8 +1,8 @@
 //! [`AxisPath`]: axis positions and rates at points of the blended path, through the machine's kinematics.
 
 use super::bound::{AxisLimits, Cap, Rates};
-use super::course::{CourseElement, CoursePoint};
 use super::drag::DragRow;
+use crate::time_optimal::blended_path::{CourseElement, CoursePoint};
 use twin_kinematics::{
     AxisVector, Kinematics, KinematicsError, MAX_AXES, Pose, ToolJerk, ToolMotion,
 };

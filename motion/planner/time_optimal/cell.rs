@@ -2,9 +2,9 @@
 
 use super::axis_path::MOST_FURTHER_ROWS;
 use super::bound::{AxisLimits, Cap, Disc, FIRST_FURTHER_ROW, Rates, Row};
-use super::course::CourseElement;
 use super::drag::DragRow;
-use super::stretch::Stretch;
+use crate::time_optimal::blended_path::CourseElement;
+use crate::time_optimal::profile_segment::Stretch;
 use std::sync::Arc;
 use twin_kinematics::AxisVector;
 

@@ -1,6 +1,6 @@
 //! Programmed feed along the path under the override, and its relaxation while the path brakes.
 
-use super::course::CourseElement;
+use crate::time_optimal::blended_path::CourseElement;
 use std::ops::Range;
 use std::sync::Arc;
 

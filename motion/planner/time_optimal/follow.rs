@@ -1,12 +1,12 @@
 //! Follower: set-points along the planned motion, one per cycle.
 
 use super::axis_path::AxisPath;
-use super::course::{Bearing, CourseElement};
 use super::planner::{Leg, LimitError, Planned, Planner};
-use super::stretch::Progress;
 use crate::controller::instant::Instant;
 use crate::controller::switches::SwitchBoard;
 use crate::controller::{ExtraMotion, Heading, Status, ToolSetpoint};
+use crate::time_optimal::blended_path::{Bearing, CourseElement};
+use crate::time_optimal::profile_segment::Progress;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::num::NonZeroU32;

@@ -11,26 +11,26 @@
 
 mod asked;
 mod axis_path;
+pub mod blended_path;
 mod bound;
 mod cell;
 mod convex;
-pub mod course;
 mod drag;
 pub mod emergency;
 mod feeds;
 mod follow;
-mod gain;
 mod grid;
 mod linear;
 mod options;
+mod plan_executor;
 mod plane;
 mod planner;
+mod profile_segment;
 pub mod reachable;
 mod rows;
 mod sample;
+mod sensitivity;
 mod smooth;
-mod spliced;
-mod stretch;
 
 pub use axis_path::{AxisPath, AxisPoint, KinematicPath, MOST_FURTHER_ROWS, axis_point};
 pub use bound::{
@@ -39,11 +39,11 @@ pub use bound::{
 pub use convex::NotSolved;
 pub use drag::DragRow;
 pub use follow::{Followed, Follower, MTimes, Replan};
-pub use gain::Gain;
 pub use grid::{CellEnd, Grid};
 pub use linear::{LinearProfile, LinearSolver};
 pub use options::LimitOptions;
+pub use plan_executor::{Arrival, Lead, Spliced};
 pub use planner::{Behind, Effort, Leg, LimitError, Piece, Pieces, Planned, Planner, Request};
+pub use profile_segment::{Law, Progress, Stretch};
+pub use sensitivity::Gain;
 pub use smooth::{Beginning, SmoothProfile, SmoothSolver};
-pub use spliced::{Arrival, Lead, Spliced};
-pub use stretch::{Law, Progress, Stretch};

@@ -1,6 +1,6 @@
 //! Options of time-optimal planning: limits and resolution.
 
-use super::course::CourseOptions;
+use crate::time_optimal::blended_path::CourseOptions;
 use twin_path::prepare::CircularLimits;
 
 /// Settings of the feed limiter.

@@ -3,12 +3,12 @@
 use super::axis_path::{AxisPath, AxisPoint, MOST_FURTHER_ROWS};
 use super::bound::{Cap, CapSource, Disc, Row};
 use super::cell::{ALONG, Cell, Sample};
-use super::course::{CourseElement, Transition};
 use super::drag::DragRow;
 use super::feeds::Feeds;
 use super::grid::{CellEnd, Grid};
 use super::options::LimitOptions;
 use super::rows::LEAST_TIME;
+use crate::time_optimal::blended_path::{CourseElement, Transition};
 use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::Arc;

@@ -3,7 +3,7 @@
 use super::options::{self, Between, load, magnitude};
 use super::reduced::{ROUNDING, Wish, reduced, unusable};
 use crate::cam::lost;
-use crate::command::whole;
+use crate::command::atomic_file;
 use crate::command::{Failure, Status};
 use clap::ValueEnum;
 use std::path::PathBuf;
@@ -91,8 +91,8 @@ impl From<Numbers> for VariableType {
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let form = Form::of(&arguments.to).map_err(Box::new)?;
     let from = [arguments.from.as_path()];
-    whole::check_targets(None, from, [("OUT", arguments.to.as_path())])?;
-    whole::refuse_existing(&arguments.to, arguments.force)?;
+    atomic_file::check_targets(None, from, [("OUT", arguments.to.as_path())])?;
+    atomic_file::refuse_existing(&arguments.to, arguments.force)?;
     let as_text = matches!(form, Form::Csv | Form::Ascii);
     let mut file = read(arguments, as_text)?;
     let whole_curve = file.cam.curve().clone();
@@ -106,14 +106,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         let between = arguments.interpolation.or(as_text.then_some(Between::Linear));
         let wish = Wish { whole: &whole_curve, tolerance, between };
         let cam = reduced(&file, &wish)?;
-        tell!("{} points became {}", file.cam.shape().len(), cam.shape().len());
+        stderr!("{} points became {}", file.cam.shape().len(), cam.shape().len());
         file.cam = cam;
         file.source = None;
     }
     let points = arguments.points.map(|points| usize::try_from(points).unwrap_or(usize::MAX));
     let positions = if arguments.table.is_none() { points } else { None };
     let bytes = write_file(&file, &arguments.to, positions).map_err(Box::new)?;
-    whole::write(&arguments.to, &bytes)?;
+    atomic_file::write(&arguments.to, &bytes)?;
     tell(&made, &whole_curve, arguments)?;
     Ok(Status::Fit)
 }
@@ -152,7 +152,7 @@ fn tell(file: &CamFile, whole: &Curve, arguments: &Arguments) -> Result<(), Fail
     let again = CamFile::load(&arguments.to, interpolation(arguments)).map_err(Box::new)?;
     let Peak { value: far, master: at } = whole.largest_distance(again.cam.curve());
     for line in lost(file, &again) {
-        tell!("{}: lost: {line}", arguments.to.display());
+        stderr!("{}: lost: {line}", arguments.to.display());
     }
     let unit = file.slave.unit();
     // Rounding of decimals that were cleaned moves nothing.
@@ -166,7 +166,7 @@ fn tell(file: &CamFile, whole: &Curve, arguments: &Arguments) -> Result<(), Fail
             significant(at, 6)
         )
     };
-    tell!("{}: {} points; {difference}", arguments.to.display(), again.cam.shape().len());
+    stderr!("{}: {} points; {difference}", arguments.to.display(), again.cam.shape().len());
     Ok(())
 }
 

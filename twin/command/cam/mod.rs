@@ -54,7 +54,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 /// Shows findings on standard error, the worst first.
 pub(super) fn show_findings(findings: &[Finding]) {
     for finding in findings {
-        tell!("{:?}", miette::Report::new(Shown(finding.clone())));
+        stderr!("{:?}", miette::Report::new(Shown(finding.clone())));
     }
 }
 

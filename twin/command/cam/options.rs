@@ -82,7 +82,7 @@ pub(super) fn read(path: &Path, between: Option<Between>) -> Result<CamFile, Fai
     let interpolation = between.map_or(Interpolation::Linear, Interpolation::from);
     let file = CamFile::load(path, interpolation).map_err(Box::new)?;
     if let Some(out_of_order) = &file.out_of_order {
-        tell!("{}: {out_of_order}", path.display());
+        stderr!("{}: {out_of_order}", path.display());
     }
     Ok(file)
 }

@@ -3,7 +3,7 @@
 use super::options::{LimitOptions, MasterOptions, UseOptions, load};
 use crate::cam::check::CamCheck;
 use crate::cam::picture::{Recorded, Shown, cam_chart};
-use crate::command::whole;
+use crate::command::atomic_file;
 use crate::command::{Failure, Status};
 use std::path::PathBuf;
 use twin_cam::Largest;
@@ -31,9 +31,9 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    whole::check_picture(&arguments.output)?;
+    atomic_file::check_picture(&arguments.output)?;
     let read = [arguments.cam.as_path()].into_iter().chain(arguments.limits.machine_file());
-    whole::check_targets(None, read, [("--output", arguments.output.as_path())])?;
+    atomic_file::check_targets(None, read, [("--output", arguments.output.as_path())])?;
     let file = load(&arguments.cam, arguments.coupling.interpolation)?;
     let limits = arguments.limits.limits(&file)?;
     let using = arguments.coupling.using(&file, arguments.master.motion(), limits);
@@ -58,6 +58,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let shown = Shown { file: &file, using: &using, name: &name };
     let heading = format!("{name} ({})", file.path.display());
     let chart = cam_chart(&heading, &below, &[shown], &Recorded::default());
-    whole::write(&arguments.output, chart.svg().as_bytes())?;
+    atomic_file::write(&arguments.output, chart.svg().as_bytes())?;
     Ok(Status::Fit)
 }

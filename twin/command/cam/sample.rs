@@ -3,8 +3,8 @@
 use super::options::{MasterOptions, UseOptions, load, positive};
 use crate::cam::check::AxisLimits;
 use crate::cam::sample::{MOST, Sampling, write};
-use crate::command::whole;
-use crate::command::whole::{WholeFile, unwritable};
+use crate::command::atomic_file;
+use crate::command::atomic_file::{WholeFile, unwritable};
 use crate::command::{Failure, Status};
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
@@ -57,7 +57,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         .check(curve.start(), curve.end())
         .map_err(|error| Failure::Usage(format!("--step: {error}")))?;
     if let Some(path) = &arguments.output {
-        whole::check_targets(None, [arguments.cam.as_path()], [("--output", path.as_path())])?;
+        atomic_file::check_targets(
+            None,
+            [arguments.cam.as_path()],
+            [("--output", path.as_path())],
+        )?;
         let mut out = WholeFile::create(path)?;
         write(&file, &using, sampling, &mut out).map_err(|error| unwritable(path, error))?;
         out.finish()?;

@@ -2,8 +2,8 @@
 
 use super::{Arguments, Failure};
 use crate::check::{BlockClearance, ClearanceCsv, ClearancePicture};
-use crate::command::whole;
-use crate::command::whole::{WholeFile, unwritable};
+use crate::command::atomic_file;
+use crate::command::atomic_file::{WholeFile, unwritable};
 use crate::program::ProgramFile;
 use std::path::{Path, PathBuf};
 use twin_machine::{Machine, SimulationError};
@@ -60,7 +60,7 @@ impl<'m> ClearanceFiles<'m> {
         if let Some(picture) = self.picture {
             let text = picture.draw(&program.path().display().to_string());
             for path in self.pictures {
-                whole::write(path, text.as_bytes())?;
+                atomic_file::write(path, text.as_bytes())?;
             }
         }
         Ok(())
@@ -114,5 +114,5 @@ pub(super) fn check(arguments: &Arguments, machine: &Machine) -> Result<(), Fail
     let read = [arguments.machine.path()].into_iter().chain(arguments.read.variables_file());
     let read = read.chain(arguments.simulation.faults_file());
     let targets = files.iter().map(|path| ("--clearance", path.as_path()));
-    whole::check_targets(Some(program), read, targets)
+    atomic_file::check_targets(Some(program), read, targets)
 }

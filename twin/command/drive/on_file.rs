@@ -2,7 +2,7 @@
 
 use super::consent::Consent;
 use crate::command::Failure;
-use crate::command::whole::{WholeFile, refuse_existing};
+use crate::command::atomic_file::{WholeFile, refuse_existing};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use twin_drives::Drive;

@@ -155,7 +155,7 @@ impl Session {
 /// no stop waits for that.
 fn beside(words: String) {
     let thread = std::thread::Builder::new().name("words".to_owned());
-    drop(thread.spawn(move || tell!("{words}")));
+    drop(thread.spawn(move || stderr!("{words}")));
 }
 
 /// Returns on the next Ctrl-C, or what is like it, with its name.

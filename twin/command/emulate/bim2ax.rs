@@ -80,11 +80,11 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     for what in afterwards {
         running.control(what);
     }
-    tell!("BIM2AX-BOCM, memory file {}", running.path().display());
+    stderr!("BIM2AX-BOCM, memory file {}", running.path().display());
     serve(console, &mut running)?;
     let module = running.stop()?;
     let positions = ModuleAxis::ALL.map(|axis| module.position(axis));
-    tell!("{} interrupts served; positions {positions:?}", module.served());
+    stderr!("{} interrupts served; positions {positions:?}", module.served());
     Ok(Status::Fit)
 }
 

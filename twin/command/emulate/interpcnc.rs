@@ -97,7 +97,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     let mut running = EmulatedBoard::start(&emulator, move || clock.now_ns())
         .map_err(|error| options.common.named(error))?;
     afterwards.into_iter().try_for_each(|what| running.control(what))?;
-    tell!(
+    stderr!(
         "InterpCNC, address {}, {} baud, on {} ({})",
         options.address,
         options.baud,
@@ -106,7 +106,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     );
     serve(console, &mut running)?;
     let board = running.stop()?;
-    tell!("{} frames answered; counters {:?}", board.frames_handled(), board.counters());
+    stderr!("{} frames answered; counters {:?}", board.frames_handled(), board.counters());
     Ok(Status::Fit)
 }
 

@@ -155,7 +155,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 /// Serves until Ctrl-C, obeying the control socket.
 fn serve(mut console: Option<Console>, device: &mut dyn Obeys) -> Result<(), Failure> {
     let interrupt = run::Interrupt::catch_as_started()?;
-    tell!("{}", interrupt.how_it_ends());
+    stderr!("{}", interrupt.how_it_ends());
     while interrupt.count() == 0 {
         if let Some(console) = &mut console {
             console.serve(device);

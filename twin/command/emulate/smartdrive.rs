@@ -96,7 +96,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     let bus = EmulatedBus::start(&emulator, move || clock.now_ns())
         .map_err(|error| options.common.named(error))?;
     afterwards.into_iter().try_for_each(|what| bus.control(what))?;
-    tell!(
+    stderr!(
         "SmartDRIVE, addresses {:?}, on {} ({})",
         options.address,
         link.display(),
@@ -106,7 +106,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     serve(console, &mut bus)?;
     let devices = bus.bus.stop()?;
     for (device, address) in devices.iter().zip(&options.address) {
-        tell!(
+        stderr!(
             "address {address}: {} frames, position {}",
             device.frames_handled(),
             device.counter()

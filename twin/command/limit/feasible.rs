@@ -1,8 +1,8 @@
 //! Feed rewriting: the program with F words that the axes can follow.
 
 use super::Failure;
+use crate::command::atomic_file::{WholeFile, unwritable};
 use crate::command::options::unreadable;
-use crate::command::whole::{WholeFile, unwritable};
 use crate::program::{Dialect, ProgramFile};
 use std::fs::File;
 use std::io::{self, BufReader, Write};

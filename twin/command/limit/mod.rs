@@ -4,8 +4,9 @@ mod feasible;
 mod outputs;
 
 use super::options::{MachineOption, ReadOptions, expect_path, plans_without_inputs, unreadable};
-use super::whole::{self, WholeFile, unwritable};
 use super::{Failure, Status, show};
+use crate::command::atomic_file;
+use crate::command::atomic_file::{WholeFile, unwritable};
 use crate::command::progress::ProgressLines;
 use crate::finding;
 use crate::finding::Finding;
@@ -155,7 +156,7 @@ impl Arguments {
         let lines = self.lines.iter().map(|path| ("--lines", path.as_path()));
         let outputs = self.output.iter().map(|path| ("--output", path.as_path()));
         let read = [self.machine.path()].into_iter().chain(self.read.variables_file());
-        whole::check_targets(Some(program.path()), read, outputs.chain(lines).chain(feasible))
+        atomic_file::check_targets(Some(program.path()), read, outputs.chain(lines).chain(feasible))
     }
 
     fn rules(&self) -> Result<LimitRules, Failure> {

@@ -1,8 +1,8 @@
 //! Profile output files of `twin limit`.
 
 use super::Failure;
-use crate::command::whole;
-use crate::command::whole::{WholeFile, unwritable};
+use crate::command::atomic_file;
+use crate::command::atomic_file::{WholeFile, unwritable};
 use crate::limit::{Limits, Picture, ProfileCsv, ProfileSample};
 use crate::program::ProgramFile;
 use std::path::{Path, PathBuf};
@@ -72,7 +72,7 @@ impl<'m> Outputs<'m> {
             };
             let text = picture.draw(&name, &machine);
             for path in self.pictures {
-                whole::write(path, text.as_bytes())?;
+                atomic_file::write(path, text.as_bytes())?;
             }
         }
         Ok(())

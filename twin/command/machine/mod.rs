@@ -6,7 +6,8 @@ mod motors;
 mod text;
 
 use super::options::{self, DEFAULT_ADDRESS};
-use super::{Failure, Status, run, whole};
+use super::{Failure, Status, run};
+use crate::command::atomic_file;
 use crate::workspace::{Example, Section, View, Workspace, WorkspaceError, picture};
 use std::io::{self, Write};
 use std::net::SocketAddr;
@@ -112,7 +113,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let machine = Machine::load(&arguments.machine)?;
     let svg = arguments.svg.iter().map(|path| ("--svg", path.as_path()));
     let record = arguments.record.iter().map(|path| ("--record", path.as_path()));
-    whole::check_targets(None, [arguments.machine.as_path()], svg.chain(record))?;
+    atomic_file::check_targets(None, [arguments.machine.as_path()], svg.chain(record))?;
     let mut out = io::stdout().lock();
     if arguments.urdf {
         let text = machine.model.to_urdf()?;
@@ -134,7 +135,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     };
     if let Some(path) = &arguments.svg {
         let text = picture(&facts.workspace, section, facts.example.as_ref());
-        whole::write(path, text.as_bytes())?;
+        atomic_file::write(path, text.as_bytes())?;
     }
     let viewer = show(arguments, &facts, section)?;
     match arguments.format {
@@ -145,8 +146,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     .map_err(Failure::Stdio)?;
     if let Some(viewer) = viewer {
         let interrupt = run::Interrupt::catch_as_started()?;
-        tell!("the workspace is shown at {}", viewer.url());
-        tell!("{}", interrupt.how_it_ends());
+        stderr!("the workspace is shown at {}", viewer.url());
+        stderr!("{}", interrupt.how_it_ends());
         interrupt.wait();
     }
     Ok(Status::Fit)

@@ -2,7 +2,7 @@
 
 use super::Format;
 use crate::command::Failure;
-use crate::command::whole::{WholeFile, unwritable};
+use crate::command::atomic_file::{WholeFile, unwritable};
 use std::fs;
 use std::io::{self, BufWriter, IsTerminal, Stdout, Write};
 use std::path::{Path, PathBuf};

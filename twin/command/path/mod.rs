@@ -12,7 +12,8 @@ mod setpoints;
 mod svg;
 
 use super::options::{ReadOptions, expect_path, unreadable};
-use super::{Failure, Status, show, whole};
+use super::{Failure, Status, show};
+use crate::command::atomic_file;
 use crate::finding;
 use crate::finding::Finding;
 use crate::program::{Dialect, ElementItem, Elements, ProgramFile};
@@ -182,16 +183,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         (vec![(drawing::name(source), program)], Vec::new())
     };
     let dialect = programs.first().map_or("dxf", |(_, program)| program.dialect().name());
-    tell!("{} is read as {dialect}", source.display());
+    stderr!("{} is read as {dialect}", source.display());
     for note in &notes {
-        tell!("{}: {note}", source.display());
+        stderr!("{}: {note}", source.display());
     }
-    if arguments.output.as_deref().is_some_and(|output| whole::is_same(output, source)) {
+    if arguments.output.as_deref().is_some_and(|output| atomic_file::is_same(output, source)) {
         let message = format!("{} would be replaced by what is made of it", source.display());
         return Err(Failure::Usage(message));
     }
     let read = arguments.machine.as_deref().into_iter().chain(arguments.read.variables_file());
-    let is_read = |output: &Path| read.clone().any(|read| whole::is_same(output, read));
+    let is_read = |output: &Path| read.clone().any(|read| atomic_file::is_same(output, read));
     if let Some(output) = arguments.output.as_deref().filter(|output| is_read(output)) {
         let message = format!("--output {}: it is read from; name another file", output.display());
         return Err(Failure::Usage(message));
@@ -223,23 +224,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         if kept || target.is_stdout() {
             file.finish()?;
         } else {
-            tell!("{name} is not written: the program has errors");
+            stderr!("{name} is not written: the program has errors");
         }
         finding::sort(&mut job.findings);
         show::findings(program, &job.findings);
         if job.left_out > 0 {
-            tell!("… and {} more that are not kept", job.left_out);
+            stderr!("… and {} more that are not kept", job.left_out);
         }
         if unfit {
             status = Status::Unfit;
         }
         if job.elements == 0 && !unfit {
-            tell!("{} has nothing in it that is a path", source.display());
+            stderr!("{} has nothing in it that is a path", source.display());
             status = Status::Unfit;
         }
     }
     if programs.is_empty() {
-        tell!("{} has nothing in it that is a path", source.display());
+        stderr!("{} has nothing in it that is a path", source.display());
         status = Status::Unfit;
     }
     Ok(status)

@@ -167,7 +167,7 @@ fn forwards(job: &mut Job<'_>, mut schedule: Schedule, out: &mut dyn Write) -> R
             Some(ProgramItem::Setpoint(setpoint)) => {
                 jsonl::write_setpoint(out, &setpoint).map_err(stdio)?;
                 if rest.has_lasted(&setpoint) && schedule.is_over() {
-                    tell!("the path rests; nothing of --at sets it going again");
+                    stderr!("the path rests; nothing of --at sets it going again");
                     break;
                 }
             }

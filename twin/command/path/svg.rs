@@ -43,7 +43,7 @@ pub(super) fn picture(job: &mut Job<'_>, out: &mut dyn Write) -> Result<(), Fail
     job.each(|element| picture.element(&element).map_err(stdio))?;
     let duration_ns = if job.prepare { super::info::duration(job)?.unwrap_or(0) } else { 0 };
     if duration_ns > MOST_CROSSES * CROSSES_NS {
-        tell!("no crosses every 100 ms: the program takes {:.0} s", seconds(duration_ns));
+        stderr!("no crosses every 100 ms: the program takes {:.0} s", seconds(duration_ns));
     } else if job.prepare {
         let setpoints = program.setpoints(conditions, None, Acknowledgement::default());
         let mut next_ns = 0;

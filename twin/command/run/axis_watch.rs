@@ -2,7 +2,7 @@
 //! (`SMC_GetTrackingError`), largest set values (`SMC_GetMaxSetVelocity`, `SMC_GetMaxSetAccDec`).
 
 use crate::command::Failure;
-use crate::command::whole::WholeFile;
+use crate::command::atomic_file::WholeFile;
 use crate::report::AxisMaximaReport;
 use crate::session::{DriveSample, TwinCycle};
 use std::collections::VecDeque;

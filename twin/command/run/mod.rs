@@ -16,8 +16,9 @@ use super::options::{
     plans_without_inputs, unreadable,
 };
 use super::progress::ProgressLines;
-use super::{Failure, Status, check, following, show, whole};
+use super::{Failure, Status, check, following, show};
 use crate::check::{CheckOptions, Outcome};
+use crate::command::atomic_file;
 use crate::finding;
 use crate::limit::Limits;
 use crate::program::{Dialect, ProgramFile};
@@ -122,7 +123,7 @@ impl Arguments {
         let record = self.record.iter().map(|path| ("--record", path.as_path()));
         let report = self.report.iter().map(|path| ("--report", path.as_path()));
         let logs = self.axis_watch.targets();
-        whole::check_targets(Some(program.path()), read, record.chain(report).chain(logs))
+        atomic_file::check_targets(Some(program.path()), read, record.chain(report).chain(logs))
     }
 }
 
@@ -134,7 +135,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         startup::expect_real(&mut machine);
     }
     let program = arguments.read.program(&arguments.program, machine.conditions.rs274.units)?;
-    tell!("{} is read as {}", program.path().display(), program.dialect().name());
+    stderr!("{} is read as {}", program.path().display(), program.dialect().name());
     program.size().map_err(|source| unreadable(program.path(), source))?;
     if !program.is_repeatable() {
         return Err(Failure::Usage(format!(
@@ -171,7 +172,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     };
 
     if let Some(predicted) = &outcome.following {
-        tell!("{}", following::predicted(&machine, predicted));
+        stderr!("{}", following::predicted(&machine, predicted));
     }
     let (done, interrupt) = match perform(arguments, &report, &start) {
         Ok(done) => done,
@@ -200,33 +201,33 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
     summary(&mut out, &machine, &done).map_err(Failure::Stdio)?;
     if let Some(reason) = &reason {
-        tell!("{reason}");
+        stderr!("{reason}");
     }
     if let (Some(Stopped::Interrupted(_)), Some(signal)) =
         (&done.ending.stopped, interrupt.signal())
     {
-        tell!("what asked for it was {signal}, nobody at the keyboard");
+        stderr!("what asked for it was {signal}, nobody at the keyboard");
     }
     if let Some(rest) = &done.ending.rest {
-        tell!("{}", rest.told(&machine));
+        stderr!("{}", rest.told(&machine));
     }
     for line in whereabouts(&machine, &done.ending.last_heard) {
-        tell!("{line}");
+        stderr!("{line}");
     }
     if let Some(Stopped::Drives { source, .. }) = &done.ending.stopped
         && let Some(advice) = source.advice()
     {
-        tell!("help: {advice}");
+        stderr!("help: {advice}");
     }
     tell_not_stopped(&done.ending.not_stopped);
     for output in &done.ending.left_on {
-        tell!("output {output} of the drives could not be switched off: it is perhaps still on");
+        stderr!("output {output} of the drives could not be switched off: it is perhaps still on");
     }
     done.shown?;
     let unfit = if finding::unfit(&outcome.findings) { Status::Unfit } else { Status::Fit };
     let status = judge(arguments, &done.ending).max(unfit);
     if let Some(url) = done.picture.url().filter(|_| interrupt.count() == 0) {
-        tell!("the view stays at {url} until Ctrl-C");
+        stderr!("the view stays at {url} until Ctrl-C");
         interrupt.wait();
     }
     Ok(status)
@@ -268,7 +269,7 @@ impl Arguments {
 /// Nothing is worse than an axis that nobody can stop.
 fn tell_not_stopped(devices: &[String]) {
     for device in devices {
-        tell!("{device}: it has not confirmed that it stops; use the emergency stop");
+        stderr!("{device}: it has not confirmed that it stops; use the emergency stop");
     }
 }
 
@@ -281,7 +282,7 @@ fn judge(arguments: &Arguments, ending: &Ending) -> Status {
         let Some((error, place)) = statistics.maximum() else { continue };
         let error = error * 1e3;
         if error > tolerance {
-            tell!(
+            stderr!(
                 "the tool of the {who} is {error:.4} mm off at {place}; the tolerance is {tolerance} mm"
             );
             status = status.max(Status::Unfit);

@@ -8,7 +8,7 @@ use super::{APPROACH, Arguments, Drives, startup};
 use crate::command::progress::ProgressLines;
 use crate::command::{Failure, show};
 use crate::hardware::Heard;
-use crate::picture::Picture;
+use crate::live_view::Picture;
 use crate::report::AxisMaximaReport;
 use crate::session::{Ending, Session};
 use crate::simulated::Simulated;
@@ -63,12 +63,12 @@ pub(super) fn perform<'m>(
     };
     let mut picture = Picture::open(&scene, machine, program, start, named.as_deref())?;
     if let Some(url) = picture.url() {
-        tell!("live view: {url}");
+        stderr!("live view: {url}");
     }
     let interrupt =
         if real.is_some() { Interrupt::catch_for_drives() } else { Interrupt::catch() }?;
     if arguments.drives == Drives::Emulated && !emulated {
-        tell!("{} names no drives; the simulated machine runs alone", machine.path.display());
+        stderr!("{} names no drives; the simulated machine runs alone", machine.path.display());
     }
     let scenario = arguments.simulation.scenario(machine)?;
     let twin = Simulated::new(machine, start)?.in_scenario(&scenario);

@@ -81,7 +81,7 @@ pub(super) struct Ready {
 pub(super) fn expect_real(machine: &mut Machine) {
     for device in &mut machine.drives {
         if !device.expect_real() {
-            tell!(
+            stderr!(
                 "note: device `{}` is reckoned to answer after {} ms; `turnaround_ms` in the machine file says what it takes",
                 device.name,
                 f64::from(device.reckoned_us()) * 1e-3
@@ -116,7 +116,7 @@ pub(super) fn real(
         }
         let Looked { checks: found, position } = match real::open(machine, (index, entry)) {
             Ok(drive) => {
-                tell!("device `{}`: {}", entry.name, drive.describe());
+                stderr!("device `{}`: {}", entry.name, drive.describe());
                 let mut attached = Attached { device: index, drive };
                 let looked = startup::look(machine, &mut attached, &needs);
                 drives.push(attached);
@@ -128,7 +128,7 @@ pub(super) fn real(
             }
         };
         for check in &found {
-            tell!("  {check}");
+            stderr!("  {check}");
         }
         positions.push((index, position));
         checks.extend(found);
@@ -140,13 +140,13 @@ pub(super) fn real(
     }
     let homing = homing_speeds(machine, &mut drives, &to_home);
     let asked = Asked { outcome, start, approach, homing };
-    tell!("{}", moves(machine, &positions, &to_home, &asked));
-    tell!("{}", allowance());
+    stderr!("{}", moves(machine, &positions, &to_home, &asked));
+    stderr!("{}", allowance());
     for output in outputs::switched(machine, &drives, outcome) {
-        tell!("{output}");
+        stderr!("{output}");
     }
     for note in lost_answers(machine, outcome) {
-        tell!("{note}");
+        stderr!("{note}");
     }
     let what = if to_home.is_empty() {
         "move these axes to the start of the program, and run it"
@@ -182,7 +182,7 @@ fn emulated(
     let needs = needs(outcome, |_| Homed::Emulated);
     let looked = startup::look(machine, attached, &needs);
     for check in looked.checks.iter().filter(|check| check.has_failed()) {
-        tell!("  {check}");
+        stderr!("  {check}");
     }
     refuse_failed(&looked.checks)?;
     let passed = |check: &&Check| check.verdict == Verdict::Passed;
@@ -205,7 +205,7 @@ impl Ready {
             let homed = startup::home(machine, &mut drives, &[index], &|| interrupt.count() > 0);
             bar.finish_and_clear();
             homed?;
-            tell!("axis {} is home", axis.name);
+            stderr!("axis {} is home", axis.name);
         }
         Ok(drives)
     }
@@ -222,7 +222,7 @@ pub(super) fn connect(
     for (emulator, attached) in &mut connected {
         let (described, place) = (attached.drive.describe(), emulator.place());
         let count = emulated(machine, attached, outcome)?;
-        tell!("emulated {described} on {place}: {count} start-up checks passed");
+        stderr!("emulated {described} on {place}: {count} start-up checks passed");
     }
     let (emulators, drives) = connected.into_iter().unzip();
     let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?
@@ -246,7 +246,7 @@ pub(super) fn start_real(
 
 fn ask_for_priority() {
     if crate::priority::real_time().is_err() {
-        tell!(
+        stderr!(
             "note: this user may not run the drives with real-time priority; on a busy computer they lag behind"
         );
     }

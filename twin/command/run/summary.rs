@@ -2,7 +2,7 @@
 
 use super::{Done, outputs};
 use crate::check::Outcome;
-use crate::command::whole::{WholeFile, unwritable};
+use crate::command::atomic_file::{WholeFile, unwritable};
 use crate::command::{Failure, show};
 use crate::compare::{Comparison, ErrorStatistics, Statistics};
 use crate::hardware::Heard;

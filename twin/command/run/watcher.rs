@@ -5,8 +5,8 @@ use super::keys::{self, Keys};
 use super::prompt::Prompt;
 use crate::command::progress::ProgressLines;
 use crate::hardware::Heard;
+use crate::live_view::Picture;
 use crate::m_function::MCall;
-use crate::picture::Picture;
 use crate::program::ProgramFile;
 use crate::session::{Answer, DriveSample, Observer, TwinCycle};
 use indicatif::ProgressBar;
@@ -30,12 +30,12 @@ pub(super) fn open_keys(program: &ProgramFile) -> Option<Keys> {
     match Keys::open(program.settings().inputs.override_factor.factor()) {
         Ok(keys) => {
             if keys.is_some() {
-                tell!("{}", keys::HELP);
+                stderr!("{}", keys::HELP);
             }
             keys
         }
         Err(error) => {
-            tell!("note: the terminal gives no single keys ({error}): the override stays");
+            stderr!("note: the terminal gives no single keys ({error}): the override stays");
             None
         }
     }
@@ -63,11 +63,11 @@ impl Observer for Watcher<'_, '_> {
     fn m_function(&mut self, call: &MCall, asked: bool) {
         let MCall { number, place, .. } = call;
         if asked {
-            self.bar.suspend(|| tell!("M{number} at {place}: press Enter when it is done"));
+            self.bar.suspend(|| stderr!("M{number} at {place}: press Enter when it is done"));
             if let Some(keys) = &mut self.keys {
                 keys.ask();
             } else if let Err(error) = self.prompt.ask() {
-                self.bar.suspend(|| tell!("standard input cannot be read: {error}"));
+                self.bar.suspend(|| stderr!("standard input cannot be read: {error}"));
             }
         }
         self.bar.set_message(format!("{place}  M{number}"));
@@ -87,7 +87,7 @@ impl Observer for Watcher<'_, '_> {
         } else {
             "the path is held".to_owned()
         };
-        self.bar.suspend(|| tell!("{text}"));
+        self.bar.suspend(|| stderr!("{text}"));
         Some(factor)
     }
 

@@ -10,10 +10,10 @@ use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune;
 use crate::cam::tune::{PointTolerance, changes};
+use crate::command::atomic_file;
 use crate::command::cam::{
     LimitOptions, MasterOptions, UseOptions, load, number, positive, show_findings,
 };
-use crate::command::whole;
 use crate::command::{Failure, Status};
 use crate::finding;
 use std::io;
@@ -183,17 +183,21 @@ impl Arguments {
     fn check_targets(&self) -> Result<(), Failure> {
         let read = [Some(self.cam.as_path()), self.run.as_deref(), self.limits.machine_file()];
         let other = match &self.write {
-            Some(Some(path)) if !whole::is_same(path, &self.cam) => {
+            Some(Some(path)) if !atomic_file::is_same(path, &self.cam) => {
                 Some(("--write", path.as_path()))
             }
             _ => None,
         };
         if let Some((_, path)) = other {
-            whole::refuse_existing(path, self.force)?;
+            atomic_file::refuse_existing(path, self.force)?;
         }
-        self.output.as_deref().map_or(Ok(()), whole::check_picture)?;
+        self.output.as_deref().map_or(Ok(()), atomic_file::check_picture)?;
         let picture = self.output.as_deref().map(|path| ("--output", path));
-        whole::check_targets(None, read.into_iter().flatten(), picture.into_iter().chain(other))
+        atomic_file::check_targets(
+            None,
+            read.into_iter().flatten(),
+            picture.into_iter().chain(other),
+        )
     }
 
     /// Something must be asked for, and what is said must say something.
@@ -261,7 +265,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             report
                 .write(arguments.format, arguments.write.is_some(), &mut io::stdout().lock())
                 .map_err(Failure::Stdio)?;
-            tell!("{:?}", miette::Report::msg(error.to_string()));
+            stderr!("{:?}", miette::Report::msg(error.to_string()));
             return Ok(Status::Unfit);
         }
     }
@@ -293,7 +297,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         let exceeds = tune::exceeds(refused);
         let why =
             if exceeds { "the slave would exceed a limit" } else { "MC_CamIn would not start" };
-        tell!("nothing is written: {why}");
+        stderr!("nothing is written: {why}");
     }
     show_findings(&check.findings);
     Ok(if finding::unfit(&check.findings) { Status::Unfit } else { Status::Fit })

@@ -6,7 +6,7 @@ use crate::cam::picture::{RampPicture, Recorded, Shown, cam_chart, ramp_chart};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::ramp_of;
 use crate::command::Failure;
-use crate::command::whole;
+use crate::command::atomic_file;
 use std::path::Path;
 use twin_cam::{Cam, Shape};
 use twin_machine::cam_file::{CamFile, Form};
@@ -87,7 +87,7 @@ pub(super) fn picture(
                 Failure::Usage(format!("the picture cannot be drawn: {error}"))
             })?);
     }
-    whole::write(path, charts(&pages).as_bytes())
+    atomic_file::write(path, charts(&pages).as_bytes())
 }
 
 /// Writes what was found: into the text of a TOML file, comments kept, or as a new one.
@@ -124,8 +124,8 @@ pub(super) fn apply(
     if !same {
         return Err(wrong("the file cannot be changed so that it says what was found".to_owned()));
     }
-    whole::write(target, text.as_bytes())?;
-    tell!("written to {}", target.display());
+    atomic_file::write(target, text.as_bytes())?;
+    stderr!("written to {}", target.display());
     Ok(())
 }
 

@@ -1,12 +1,12 @@
 //! Job engine: the simulated controller with its axes and blocks, cycle by cycle.
 
 mod called;
+mod deadlock;
 mod end;
 mod inputs;
 mod moved;
 mod order;
 mod schedule;
-mod vain;
 mod watch;
 
 use super::block::Fired;

@@ -17,9 +17,9 @@ pub(super) use region::Region;
 use super::super::bounds::{MasterMotion, Quantity, SlaveLimits};
 use super::super::curve::Curve;
 use super::super::knot::Derivatives;
-use super::super::largest::LimitError;
 use super::Sample;
 use super::fit::NAMES;
+use crate::maximum_master_velocity::LimitError;
 #[cfg(not(test))]
 use region::Region;
 use region::{End, Quadratic};

@@ -1,12 +1,12 @@
 //! A start with a ramp: what values make of it, and whether that keeps the limits.
 
-use super::super::super::bridge::Bridge;
 use super::super::super::coupling::CamCoupling;
 use super::super::super::curve::Curve;
 use super::super::super::selection::{CamInput, StartMode};
 use super::course::{Course, Way};
 use super::wish::{RampError, RampGoal, RampIn, RampWish};
 use crate::SlaveLimits;
+use crate::ramp_in::Bridge;
 use crate::{Approach, Gap};
 use twin_profile::{AxisLimits, RampType};
 

@@ -18,7 +18,7 @@ use super::super::bounds::{Factors, MasterMotion, Peak, Quantity, SlaveLimits};
 use super::super::curve::Curve;
 use super::super::error::CamError;
 use super::super::knot::Knot;
-use super::super::largest::{Largest, LimitError};
+use crate::maximum_master_velocity::{Largest, LimitError};
 use clarabel::solver::SolverStatus;
 use program::Problem;
 use scale::scaled;

@@ -20,8 +20,8 @@
 use super::CAPPED;
 use super::scaled::{Active, Scaled};
 use crate::time_optimal::bound::Constraint;
-use crate::time_optimal::gain::Gain;
 use crate::time_optimal::grid::Grid;
+use crate::time_optimal::sensitivity::Gain;
 use std::ops::Range;
 
 /// A row that is less active holds nothing.

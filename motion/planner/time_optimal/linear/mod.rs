@@ -21,9 +21,9 @@ mod tests;
 
 use super::bound::Constraint;
 use super::convex::{Answer, Cone, NotSolved, Origin, Program};
-use super::gain::{Gain, gains};
 use super::grid::Grid;
 use super::reachable;
+use crate::time_optimal::sensitivity::{Gain, gains};
 use approach::Open;
 use chain::Chain;
 use presolve::Presolved;

@@ -4,7 +4,7 @@ use super::Planner;
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::cell::{Cell, Sample};
 use crate::time_optimal::drag::DragRow;
-use crate::time_optimal::stretch::Stretch;
+use crate::time_optimal::profile_segment::Stretch;
 use std::sync::Arc;
 use twin_path::prepare::CheckedElement;
 

@@ -5,7 +5,7 @@ use super::refine::SHORTEST;
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::bound::AxisLimits;
 use crate::time_optimal::cell::{Cell, Sample};
-use crate::time_optimal::stretch::Stretch;
+use crate::time_optimal::profile_segment::Stretch;
 use twin_path::prepare::CheckedElement;
 
 /// An acceleration may change by this part of its limit from one end of a cell to the other.

@@ -4,17 +4,17 @@
 //! known path. Of a window that does not end at a stop, only the part that this provisional end does not influence is
 //! committed.
 
+mod backlog;
 mod budget;
 mod commit;
 mod drag;
 mod even;
+mod fallback_scaling;
 mod guess;
+mod minimum_speed;
 mod pieces;
 mod refine;
 mod replan;
-mod returned;
-mod slowed;
-mod slowest;
 mod verify;
 mod window;
 
@@ -22,17 +22,17 @@ use super::axis_path::AxisPath;
 use super::bound::Constraint;
 use super::cell::Cell;
 use super::convex::NotSolved;
-use super::course::{Course, CourseElement};
-use super::gain::Gain;
 use super::linear::LinearSolver;
 use super::options::LimitOptions;
 use super::sample::{Sampler, grid};
 use super::smooth::{Beginning, SmoothSolver};
-use super::stretch::Stretch;
+use crate::time_optimal::blended_path::{Course, CourseElement};
+use crate::time_optimal::profile_segment::Stretch;
+use crate::time_optimal::sensitivity::Gain;
+use backlog::{Part, Returned};
 use budget::Budget;
 use clarabel::solver::SolverStatus;
 pub use pieces::{Behind, Piece, Pieces, Request};
-use returned::{Part, Returned};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use twin_kinematics::{AxisVector, KinematicsError};
@@ -55,12 +55,12 @@ pub struct Leg {
 impl Leg {
     /// True if the path rests at its beginning.
     pub fn begins_at_rest(&self) -> bool {
-        returned::rests(self.stretch.at_position(0.0).0)
+        backlog::rests(self.stretch.at_position(0.0).0)
     }
 
     /// True if the path rests at its end.
     pub fn ends_at_rest(&self) -> bool {
-        returned::rests(self.stretch.at_position(self.stretch.length()).0)
+        backlog::rests(self.stretch.at_position(self.stretch.length()).0)
     }
 }
 

@@ -1,10 +1,10 @@
 //! Plan pieces: hands the plan in parts to a separate executor, each with a way to rest.
 
-use super::returned::rests;
 use super::{Leg, LimitError, Planned, Planner};
 use crate::time_optimal::axis_path::AxisPath;
-use crate::time_optimal::course::CourseElement;
+use crate::time_optimal::blended_path::CourseElement;
 use crate::time_optimal::feeds::Feeds;
+use crate::time_optimal::planner::backlog::rests;
 use crate::time_optimal::smooth::Beginning;
 use std::collections::VecDeque;
 use std::sync::Arc;

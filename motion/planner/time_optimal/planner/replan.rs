@@ -1,12 +1,12 @@
 //! Replanning after an override, a feed hold or its end, from the present motion of the path.
 
 use super::budget::Budget;
-use super::slowest::{Look, Room, Slowest};
 use super::{Leg, NoWindow, Planned, Planner};
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::feeds::Feeds;
+use crate::time_optimal::planner::minimum_speed::{Look, Room, Slowest};
+use crate::time_optimal::profile_segment::Stretch;
 use crate::time_optimal::smooth::Beginning;
-use crate::time_optimal::stretch::Stretch;
 use std::sync::Arc;
 use twin_path::prepare::CheckedElement;
 

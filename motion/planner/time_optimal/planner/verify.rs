@@ -5,9 +5,9 @@ use super::commit::KEPT_ROOM;
 use super::refine::SHORTEST;
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::cell::Cell;
+use crate::time_optimal::profile_segment::Stretch;
 use crate::time_optimal::rows::LEAST_TIME;
 use crate::time_optimal::smooth::{Broken, Guess};
-use crate::time_optimal::stretch::Stretch;
 use twin_path::prepare::CheckedElement;
 
 /// Acceleration, jerk and velocity between the places where limits are asked for may be so much of the limit; a cell in which

@@ -8,10 +8,10 @@ use super::{NOT_SOLVED, Planner};
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::convex::NotSolved;
 use crate::time_optimal::grid::Grid;
+use crate::time_optimal::profile_segment::Stretch;
 use crate::time_optimal::reachable;
 use crate::time_optimal::sample::grid;
 use crate::time_optimal::smooth::{Beginning, Broken, Guess, SmoothProfile};
-use crate::time_optimal::stretch::Stretch;
 use std::ops::Range;
 use twin_path::prepare::CheckedElement;
 

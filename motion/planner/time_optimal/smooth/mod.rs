@@ -32,9 +32,9 @@ pub(super) use guess::{Broken, Guess};
 
 use super::bound::{CapSource, Constraint};
 use super::convex::{NotSolved, Origin, Program};
-use super::gain::{Gain, gains};
 use super::grid::{End, Grid};
 use super::rows::{Around, Known, Place, Screen, Writer};
+use crate::time_optimal::sensitivity::{Gain, gains};
 use std::ops::Range;
 
 /// A c that is to be positive is at least this part of the guess.

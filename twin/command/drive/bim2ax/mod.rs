@@ -12,9 +12,9 @@ use super::consent::Consent;
 use super::family::{Family, Nothing, Travel};
 use super::session::{Session, no_clock};
 use super::words;
-use crate::advice::CHECK_SUM;
 use crate::command::{Failure, Status};
 use crate::real::{ModuleMemory, module_beside, module_memory};
+use crate::troubleshooting::CHECK_SUM;
 use card::Card;
 use comfy_table::Cell;
 use std::path::PathBuf;
@@ -194,7 +194,7 @@ impl Family for Module {
             if !self.card.is_beside() || module_memory(&line.port, line.map).is_ok() {
                 return Ok(Some(Status::Fit));
             }
-            tell!(
+            stderr!(
                 "another program drives this module and may move it again, for one that waits sees no stop: end it, or use the \
                  emergency stop"
             );
@@ -243,7 +243,7 @@ impl Family for Module {
 
     fn stop(&mut self, now: bool) -> Result<String, Failure> {
         if self.session.ask(self.card.stop_for_good(now))? {
-            tell!("the module writes its numbers in the other byte order: see --little-endian");
+            stderr!("the module writes its numbers in the other byte order: see --little-endian");
         }
         let (seen, _) = self.session.ask(self.card.driver.positions(&no_clock))?;
         let [one, two] = seen.positions;

@@ -3,8 +3,8 @@
 use super::super::session::{Session, no_clock};
 use super::super::words::{self, on_off};
 use super::card::{Card, of};
-use crate::advice;
 use crate::command::{Failure, show};
+use crate::troubleshooting;
 use twin_bim2ax::protocol::bits::{card, encoder_message, message};
 use twin_bim2ax::protocol::zone::Positions;
 use twin_bim2ax::{Identity, ModuleAxis, describe_messages};
@@ -62,7 +62,7 @@ pub(super) fn status(seen: &Positions) -> Result<(), Failure> {
     for axis in ModuleAxis::ALL {
         let (_, messages) = of(seen, axis);
         if messages & message::MOVING == 0
-            && let Some(next) = advice::of_axis(messages)
+            && let Some(next) = troubleshooting::of_axis(messages)
         {
             say!("next for axis {}: {next}", axis.number());
         }

@@ -3,9 +3,9 @@
 use super::super::session::{Session, no_clock};
 use super::super::words::{self, on_off, right};
 use super::HandBoard;
-use crate::advice;
 use crate::command::show;
 use crate::command::{Failure, Status};
+use crate::troubleshooting;
 use std::ops::RangeInclusive;
 use twin_drives::DriveError;
 use twin_interpcnc::protocol::registers::{INPUTS, MAX_ANALOG, OUTPUTS, Status as Bits};
@@ -37,13 +37,13 @@ pub(super) fn scan(
             }
             // Something is there that speaks otherwise, or at another speed.
             Err(Failure::Drive(error @ DriveError::Protocol { .. })) => {
-                tell!("{error}");
+                stderr!("{error}");
             }
             Err(other) => return Err(other),
         }
     }
     if found == 0 {
-        tell!("no address answers: {}", advice::NOBODY);
+        stderr!("no address answers: {}", troubleshooting::NOBODY);
         return Ok(Status::Unfit);
     }
     say!("{table}");
@@ -90,7 +90,7 @@ pub(super) fn status(seen: &Snapshot) -> Result<(), Failure> {
 /// What a board in this state waits for.
 fn next(status: Bits) -> Option<&'static str> {
     if status.enable_open() {
-        Some(advice::RELEASE)
+        Some(troubleshooting::RELEASE)
     } else if status.locked() {
         Some("`unlock`, then `home`: a locked board does not know where its axes are")
     } else if status.has(Bits::EEPROM_ERROR) {

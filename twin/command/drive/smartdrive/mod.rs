@@ -10,8 +10,8 @@ use super::by_switch::BySwitch;
 use super::family::{Family, Nothing, Travel};
 use super::session::{Session, Stopping, no_clock};
 use super::words;
-use crate::advice;
 use crate::command::{Failure, Status};
+use crate::troubleshooting;
 pub(super) use axis::Axis;
 use axis::Unit;
 use comfy_table::Cell;
@@ -161,7 +161,7 @@ impl Family for Axis {
             );
         }
         if found.is_empty() && garbled.is_empty() {
-            tell!("no address answers: {}", advice::NOBODY);
+            stderr!("no address answers: {}", troubleshooting::NOBODY);
             return Ok(Status::Unfit);
         }
         if !found.is_empty() {

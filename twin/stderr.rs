@@ -5,8 +5,8 @@ use std::io::{self, Write};
 
 /// Says something on standard error, like `eprintln!`, and never fails: a terminal that has been closed, or a pipe that nobody
 /// reads any more, must not end a program that still has axes to bring to rest.
-macro_rules! tell {
-    ($($words:tt)*) => { $crate::tell::line(format_args!($($words)*)) };
+macro_rules! stderr {
+    ($($words:tt)*) => { $crate::stderr::line(format_args!($($words)*)) };
 }
 
 /// A line for people.

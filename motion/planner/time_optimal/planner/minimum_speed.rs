@@ -3,15 +3,15 @@
 use super::refine::time;
 use super::{Leg, NOT_SOLVED, Planner};
 use crate::time_optimal::axis_path::AxisPath;
+use crate::time_optimal::blended_path::CourseElement;
 use crate::time_optimal::cell::Cell;
 use crate::time_optimal::convex::NotSolved;
-use crate::time_optimal::course::CourseElement;
 use crate::time_optimal::feeds::Feeds;
 use crate::time_optimal::grid::Grid;
+use crate::time_optimal::profile_segment::{Law, Stretch};
 use crate::time_optimal::reachable;
 use crate::time_optimal::sample::grid;
 use crate::time_optimal::smooth::{Aim, Beginning, Guess};
-use crate::time_optimal::stretch::{Law, Stretch};
 use std::sync::Arc;
 use twin_path::prepare::CheckedElement;
 

@@ -4,9 +4,9 @@ use super::Planner;
 use super::verify::exceeds;
 use super::window::{can_be_followed, stretches};
 use crate::time_optimal::axis_path::AxisPath;
+use crate::time_optimal::profile_segment::Stretch;
 use crate::time_optimal::sample::grid;
 use crate::time_optimal::smooth::Beginning;
-use crate::time_optimal::stretch::Stretch;
 use twin_path::prepare::CheckedElement;
 
 /// So often every value of the first guess is made a mean of its neighbours before it is slowed down.
@@ -103,7 +103,7 @@ fn smooth(values: &mut [f64]) {
 #[cfg(test)]
 #[allow(clippy::expect_used, clippy::panic, reason = "tests")]
 mod tests {
-    use crate::time_optimal::course::CourseOptions;
+    use crate::time_optimal::blended_path::CourseOptions;
     use crate::time_optimal::smooth::Aim;
     use crate::time_optimal::{
         AxisLimits, AxisPath, KinematicPath, Leg, LimitOptions, Planned, Planner,

@@ -2,8 +2,8 @@
 
 use super::{After, Leg, LimitError, Planned, Planner};
 use crate::time_optimal::axis_path::AxisPath;
+use crate::time_optimal::blended_path::CourseElement;
 use crate::time_optimal::cell::Cell;
-use crate::time_optimal::course::CourseElement;
 use crate::time_optimal::sample::SAME_PLACE;
 use crate::time_optimal::smooth::Beginning;
 use std::collections::VecDeque;

@@ -6,8 +6,8 @@
 //!                          └▶ the new plan, if it is there before this place is reached
 //! ```
 
-use super::course::CourseElement;
 use super::planner::{Behind, Leg, LimitError, Piece, Planned, Request};
+use crate::time_optimal::blended_path::CourseElement;
 use std::collections::VecDeque;
 use std::sync::Arc;
 

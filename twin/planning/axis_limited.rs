@@ -1,10 +1,10 @@
 //! Axis-limited planning: set-points of a program within the limits of the axes.
 
-use super::beside::{Beside, Fault};
 use crate::finding::{Finding, Rule};
 use crate::limit::{LimitFailure, LimitRules, Profile, ProfileItem, not_solved};
 use crate::m_function::{Acknowledgement, MCall, Waiting};
 use crate::messages::unreachable;
+use crate::planning::background_planner::{Beside, Fault};
 use crate::program::{Findings, Halt, ProgramFile, ProgramItem};
 use crate::setpoint_source::LEAST_OVERRIDE;
 use std::io;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::task::Poll;
 use twin_machine::Machine;
 use twin_planner::controller::{DEFAULT_CYCLE_NS, ToolSetpoint};
-use twin_planner::time_optimal::course::CourseElement;
+use twin_planner::time_optimal::blended_path::CourseElement;
 use twin_planner::time_optimal::{Follower, LimitError};
 
 /// A program within the limits of the axes.

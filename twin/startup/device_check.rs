@@ -2,9 +2,9 @@
 
 use super::parameters::{Must, wanted};
 use super::{Check, Homed, Looked, Needs, Still, Verdict, home_by_hand, position};
-use crate::advice::{RELEASE, advice_in_run};
-use crate::by_hand;
 use crate::clock::Clock;
+use crate::repair_commands;
+use crate::troubleshooting::{RELEASE, advice_in_run};
 use std::time::Duration;
 use twin_bim2ax::Fault;
 use twin_drives::{Drive, DriveError, Increments, ParameterInfo, SetpointStream};
@@ -136,7 +136,7 @@ impl<'a> Looker<'a> {
         if moving.is_empty() {
             moving.push("an axis moves already".to_owned());
         }
-        let command = by_hand::command(machine, device, self.first_address());
+        let command = repair_commands::command(machine, device, self.first_address());
         let stop = command.map(|command| format!("stop it: {command} stop"));
         let told = format!("{}: {}", drive.describe(), moving.join("; "));
         self.add_with(false, told, stop.into_iter().collect());
@@ -260,7 +260,7 @@ impl<'a> Looker<'a> {
         let told =
             format!("axis {name}: it is to be homed, and the board knows no home switch for it");
         let help = axis.drive.as_ref().and_then(|place| {
-            let command = by_hand::command(machine, place.device, place.index)?;
+            let command = repair_commands::command(machine, place.device, place.index)?;
             let device = machine.drives.get(place.device)?;
             let of_board = device.axis_name(place.index).to_lowercase();
             Some(format!("set it: {command} set home-input-{of_board} N, where N is its input"))
