@@ -160,7 +160,13 @@ impl Waiting {
     }
 
     /// Observes the next set-point, after due acknowledgements.
-    pub(crate) fn see(&mut self, was_over: bool, number: Option<u16>, place: Place, now_ns: i64) {
+    pub(crate) fn observe(
+        &mut self,
+        was_over: bool,
+        number: Option<u16>,
+        place: Place,
+        now_ns: i64,
+    ) {
         if was_over || number.is_none() {
             self.call = None;
         }
@@ -203,21 +209,21 @@ mod tests {
         let mut waiting = Waiting::new(rules);
         let place = Place::default();
         assert!(!waiting.is_over(0));
-        waiting.see(false, Some(5), place, 10);
+        waiting.observe(false, Some(5), place, 10);
         assert!(waiting.is_over(10), "otherwise at once");
         // The next one follows without a set-point in between.
-        waiting.see(true, Some(3), place, 11);
+        waiting.observe(true, Some(3), place, 11);
         assert_eq!(waiting.call().map(|call| (call.index, call.number)), Some((1, 3)));
         assert!(!waiting.is_over(12) && waiting.is_over(13));
-        waiting.see(true, Some(6), place, 14);
+        waiting.observe(true, Some(6), place, 14);
         assert!(waiting.for_word() && !waiting.is_over(i64::MAX));
-        waiting.see(false, Some(6), place, 15);
+        waiting.observe(false, Some(6), place, 15);
         assert_eq!(waiting.call().map(|call| call.since_ns), Some(14));
         waiting.tell();
         assert!(!waiting.for_word() && waiting.is_over(15));
-        waiting.see(true, Some(6), place, 16);
+        waiting.observe(true, Some(6), place, 16);
         assert!(waiting.for_word(), "the same again waits again");
-        waiting.see(false, None, place, 17);
+        waiting.observe(false, None, place, 17);
         assert_eq!(waiting.call(), None);
     }
 }

@@ -12,7 +12,7 @@ use super::tappet::Tappet;
 use super::unwrap::Unwrap;
 use crate::coupling_output::check;
 pub use crate::coupling_output::{Coupled, CouplingError, MAX_TRIGGERS, TappetData};
-use crate::ramp_in::{Bridge, BridgeLimits};
+use crate::ramp_in::{RampIn, RampInLimits};
 use std::sync::Arc;
 use twin_profile::State;
 
@@ -27,7 +27,7 @@ pub struct CamCoupling {
     master_shift: f64,
     /// Added to the slave's position at the end: where it was for relative starts, whole periods otherwise.
     slave_shift: f64,
-    bridge: Option<Bridge>,
+    bridge: Option<RampIn>,
     watch: Watch,
     start_ns: i64,
     now_ns: i64,
@@ -105,7 +105,7 @@ impl CamCoupling {
     }
 
     /// Ramp-in from the slave's motion to the cam's motion.
-    fn lay_bridge(&mut self, master: &State, slave: &State, limits: &BridgeLimits) {
+    fn lay_bridge(&mut self, master: &State, slave: &State, limits: &RampInLimits) {
         let cam = self.on_cam(master);
         let velocity = slave.velocity - cam.velocity;
         let mut distance = cam.position - slave.position;
@@ -120,7 +120,7 @@ impl CamCoupling {
             distance -= turns * period;
             self.slave_shift -= turns * period;
         }
-        self.bridge = Some(Bridge::new(distance, velocity, limits));
+        self.bridge = Some(RampIn::new(distance, velocity, limits));
     }
 
     /// Motion of the slave on the cam, without bridges.
@@ -222,7 +222,7 @@ impl CamCoupling {
     }
 
     /// The way to the cam, as long as the slave is on it.
-    pub(crate) fn bridge(&self) -> Option<&Bridge> {
+    pub(crate) fn bridge(&self) -> Option<&RampIn> {
         self.bridge.as_ref()
     }
 

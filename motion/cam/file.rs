@@ -26,7 +26,7 @@ pub enum AsciiError {
     },
     /// A column holds no finite number.
     #[error("line {line}: {column} `{text}` is no number")]
-    NoNumber {
+    NotANumber {
         /// Line, from 1.
         line: usize,
         /// Column.
@@ -148,7 +148,7 @@ fn row(line: usize, text: &str) -> Result<[f64; 2], AsciiError> {
         let number = text.replacen(',', ".", 1).parse().ok();
         *slot = number
             .filter(|number: &f64| number.is_finite())
-            .ok_or_else(|| AsciiError::NoNumber { line, column, text: text.to_owned() })?;
+            .ok_or_else(|| AsciiError::NotANumber { line, column, text: text.to_owned() })?;
     }
     Ok(row)
 }

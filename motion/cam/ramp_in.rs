@@ -3,7 +3,7 @@
 
 /// A motion that ends at rest: pieces of constant acceleration, as fast as velocity and accelerations allow.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Bridge {
+pub(crate) struct RampIn {
     /// Duration in seconds and acceleration of each.
     pieces: [(f64, f64); 4],
     velocity: f64,
@@ -12,23 +12,23 @@ pub(crate) struct Bridge {
 
 /// Limits of a bridge, all greater than 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct BridgeLimits {
+pub(crate) struct RampInLimits {
     pub(crate) velocity: f64,
     pub(crate) acceleration: f64,
     pub(crate) deceleration: f64,
 }
 
-impl BridgeLimits {
+impl RampInLimits {
     /// Distance of a stop from `velocity`, with its sign.
     pub(crate) fn stop(&self, velocity: f64) -> f64 {
         velocity * velocity.abs() / (2.0 * self.deceleration)
     }
 }
 
-impl Bridge {
+impl RampIn {
     /// Goes `distance` on, from `velocity` to rest.
-    pub(crate) fn new(distance: f64, velocity: f64, limits: &BridgeLimits) -> Self {
-        let BridgeLimits { velocity: most, acceleration: up, deceleration: down } = *limits;
+    pub(crate) fn new(distance: f64, velocity: f64, limits: &RampInLimits) -> Self {
+        let RampInLimits { velocity: most, acceleration: up, deceleration: down } = *limits;
         // All that follows is for a motion that ends forwards.
         let sign = if distance - limits.stop(velocity) < 0.0 { -1.0 } else { 1.0 };
         let (mut v, mut left) = (velocity * sign, distance * sign);
@@ -78,15 +78,15 @@ impl Bridge {
 
 #[cfg(test)]
 mod tests {
-    use super::{Bridge, BridgeLimits};
+    use super::{RampIn, RampInLimits};
     use proptest::prelude::*;
 
     proptest! {
         /// It ends where it should, at rest, without a step and within its limits (but for a velocity it begins with).
         #[test]
         fn bridges_arrive(distance in -50.0..50.0_f64, velocity in -20.0..20.0_f64, most in 0.1..30.0_f64, up in 0.1..30.0_f64, down in 0.1..30.0_f64) {
-            let limits = BridgeLimits { velocity: most, acceleration: up, deceleration: down };
-            let bridge = Bridge::new(distance, velocity, &limits);
+            let limits = RampInLimits { velocity: most, acceleration: up, deceleration: down };
+            let bridge = RampIn::new(distance, velocity, &limits);
             let total: f64 = bridge.pieces.iter().map(|(duration, _)| duration).sum();
             prop_assert!(bridge.pieces.iter().all(|(duration, _)| *duration >= 0.0));
             let (left, speed, ..) = bridge.at(total * (1.0 - 1e-12));
@@ -111,8 +111,8 @@ mod tests {
     /// 10 at 2 u/s, 1 and 2 u/s²: 2 s up, 1 s down, 3 u of ramps and 7 u at 2 u/s.
     #[test]
     fn a_trapezoid() {
-        let limits = BridgeLimits { velocity: 2.0, acceleration: 1.0, deceleration: 2.0 };
-        let bridge = Bridge::new(10.0, 0.0, &limits);
+        let limits = RampInLimits { velocity: 2.0, acceleration: 1.0, deceleration: 2.0 };
+        let bridge = RampIn::new(10.0, 0.0, &limits);
         let total: f64 = bridge.pieces.iter().map(|(duration, _)| duration).sum();
         assert!((total - 6.5).abs() < 1e-12);
         assert_eq!(bridge.at(2.0), (8.0, 2.0, 0.0, false));

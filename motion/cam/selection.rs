@@ -2,7 +2,7 @@
 
 use super::reference::Cam;
 use crate::coupling_output::CouplingError;
-use crate::ramp_in::BridgeLimits;
+use crate::ramp_in::RampInLimits;
 use std::sync::Arc;
 
 /// A cam chosen for a pair of axes: the output `CamTableID` of `MC_CamTableSelect` (manual 5.4).
@@ -101,9 +101,9 @@ impl Default for CamInput {
 
 impl CamInput {
     /// Limits of a ramp-in (error 627 without).
-    pub(super) fn ramp_limits(&self) -> Result<BridgeLimits, CouplingError> {
+    pub(super) fn ramp_limits(&self) -> Result<RampInLimits, CouplingError> {
         let [velocity, acceleration, deceleration] = self.ramp()?;
-        Ok(BridgeLimits { velocity, acceleration, deceleration })
+        Ok(RampInLimits { velocity, acceleration, deceleration })
     }
 
     /// The same as numbers: velocity, acceleration and deceleration.

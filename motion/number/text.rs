@@ -79,9 +79,9 @@ pub fn fixed(value: f64, decimals: usize) -> String {
 
 /// A value and a limit that it exceeds, with six significant digits, or as many more as it takes to tell them apart.
 pub fn apart(value: f64, limit: f64) -> [String; 2] {
-    let told = |digits: usize| [value, limit].map(|number| readable(number, digits));
+    let message = |digits: usize| [value, limit].map(|number| readable(number, digits));
     let differs = |[one, other]: &[String; 2]| one != other;
-    (6..17).map(told).find(differs).unwrap_or_else(|| told(17))
+    (6..17).map(message).find(differs).unwrap_or_else(|| message(17))
 }
 
 /// A count with its noun, `what` being the singular.

@@ -27,7 +27,7 @@ use std::time::Instant;
 use twin_path::Place;
 use twin_path::prepare::{CheckError, CheckVelocities};
 use twin_path::{ElementKind, PathElement, Shape};
-use twin_planner::time_optimal::blended_path::{CourseOptions, Order};
+use twin_planner::time_optimal::blended_path::{BlendOptions, Order};
 use twin_planner::time_optimal::{LimitOptions, Planned, Planner};
 
 /// Values to which the override changes.
@@ -98,7 +98,7 @@ fn print(machine: &str, factor: &str, attempts: &mut [Attempt]) {
 /// The override becomes `factor` at `time`, s, of the program; none if that is over by then.
 fn attempt(machine: Machine, factor: f64, time: f64) -> Option<Attempt> {
     let elements = program(machine).into_iter().map(Ok::<_, CheckError>);
-    let course = CourseOptions { order: Order::Acceleration, ..CourseOptions::new(1e-5) };
+    let course = BlendOptions { order: Order::Acceleration, ..BlendOptions::new(1e-5) };
     let path = machine.path(true);
     let mut planner =
         Planner::new(CheckVelocities::new(elements, PI), path, LimitOptions::new(course));

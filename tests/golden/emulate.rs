@@ -7,7 +7,7 @@ use std::os::unix::net::UnixStream;
 use std::path::Path;
 
 /// Says lines to a control socket and takes an answer for each.
-fn told(socket: &Path, lines: &[&str]) -> Vec<String> {
+fn message(socket: &Path, lines: &[&str]) -> Vec<String> {
     let mut stream = UnixStream::connect(socket).expect("it listens");
     let mut answers = BufReader::new(stream.try_clone().expect("a handle")).lines();
     let mut said = Vec::new();
@@ -33,7 +33,7 @@ fn every_family_listens_to_its_control_socket() {
         let done = desk.meanwhile("-INT", "Ctrl-C ends it", &arguments, || {
             // The socket is made before that is said; the device, too.
             assert!(link.symlink_metadata().is_ok(), "{family}");
-            let said = told(&socket, &[good, bad, "dance"]);
+            let said = message(&socket, &[good, bad, "dance"]);
             assert_eq!(said[0], "ok", "{family}");
             assert!(said[1].starts_with("error: ") && said[2].starts_with("error: "), "{said:?}");
             // Faults have the same words for all of them.
@@ -43,7 +43,7 @@ fn every_family_listens_to_its_control_socket() {
                 "fault request melt",
                 "no-faults",
             ];
-            let said = told(&socket, &words);
+            let said = message(&socket, &words);
             assert_eq!((&*said[0], &*said[1], &*said[3]), ("ok", "ok", "ok"), "{family}");
             assert!(said[2].starts_with("error: "), "{said:?}");
         });
@@ -79,19 +79,19 @@ fn faults_of_the_wire_are_the_same_for_every_family() {
             ["emulate", family, "--link", family, "--control", "control", "--speed", "2"];
         let status =
             || desk.twin(&["drive", family, "--port", family, "--deadline", "700", "status"]);
-        let told = |line| assert_eq!(told(&socket, &[line]), ["ok"], "{family}: {line}");
+        let message = |line| assert_eq!(message(&socket, &[line]), ["ok"], "{family}: {line}");
         let done = desk.meanwhile("-INT", "Ctrl-C ends it", &arguments, || {
             // It may still start up.
             while status().status != Some(0) {}
-            told("plug off");
+            message("plug off");
             status().ended(2, family_word(family));
-            told("plug on");
-            told("fault answer drop --next 1");
+            message("plug on");
+            message("fault answer drop --next 1");
             status().ended(0, "");
-            told("after 1 plug off");
+            message("after 1 plug off");
             status().ended(2, family_word(family));
-            told("plug on");
-            told("no-faults");
+            message("plug on");
+            message("no-faults");
             status().ended(0, "");
         });
         done.ended(0, "");

@@ -162,7 +162,7 @@ fn faults_on_purpose_have_lines() {
     let fault = |kind: &str| {
         desk.write("faults.toml", &format!("[[faults]]\nkind = {kind}\nat_line = 4\n"));
     };
-    let told = |desk: &Desk, rule: &str, line: u32| {
+    let message = |desk: &Desk, rule: &str, line: u32| {
         let check = ["check", "down.cnc", "-m", "motors.toml", "--physics", "--format", "json"];
         let done = desk.twin(&[&check[..], &["--faults", "faults.toml"]].concat());
         let report: Value = serde_json::from_str(&done.stdout).expect("a report");
@@ -172,15 +172,15 @@ fn faults_on_purpose_have_lines() {
         done
     };
     fault("\"lost_steps\"\naxis = \"Z\"\nsteps = 12");
-    let done = told(&desk, "lost-steps", 4);
+    let done = message(&desk, "lost-steps", 4);
     assert!(done.stdout.contains("lost 12 full steps"), "{}", done.stdout);
-    told(&desk, "fault", 4);
+    message(&desk, "fault", 4);
     // 40 mm on a screw of 5 mm, 200 steps a turn, against an axis that jams on the way.
     fault("\"jam\"\naxis = \"Z\"");
-    told(&desk, "lost-steps", 4);
-    told(&desk, "following-error", 4);
+    message(&desk, "lost-steps", 4);
+    message(&desk, "following-error", 4);
     fault("\"power_loss\"");
-    told(&desk, "fault", 4);
+    message(&desk, "fault", 4);
 
     let run =
         ["run", "down.cnc", "-m", "motors.toml", "--drives", "none", "--faults", "faults.toml"];

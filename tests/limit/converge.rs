@@ -2,7 +2,7 @@
 
 use crate::cases::Case;
 use crate::solvers::{equal_times, grid, smooth, stretches};
-use twin_planner::time_optimal::{Beginning, SmoothSolver, Stretch};
+use twin_planner::time_optimal::{Beginning, ProfileSegment, SmoothSolver};
 
 /// Cells to begin with, and rounds in which they are cut.
 const CELLS: usize = 400;
@@ -36,11 +36,11 @@ pub fn duration(case: &Case) -> f64 {
         let finer = cut(&nodes, &laws);
         known = (std::mem::replace(&mut nodes, finer), laws);
     }
-    known.1.iter().map(Stretch::duration).sum()
+    known.1.iter().map(ProfileSegment::duration).sum()
 }
 
 /// Time until the acceleration no longer grows, s.
-fn build_up(laws: &[Stretch]) -> f64 {
+fn build_up(laws: &[ProfileSegment]) -> f64 {
     let mut most = 0.0;
     let growing = laws.iter().take_while(|law| {
         let (_, a) = law.at_position(law.length());
@@ -48,7 +48,7 @@ fn build_up(laws: &[Stretch]) -> f64 {
         most = a;
         grows
     });
-    growing.map(Stretch::duration).sum()
+    growing.map(ProfileSegment::duration).sum()
 }
 
 /// With a first and a last cell that are gone through with constant jerk.
@@ -79,7 +79,7 @@ fn uneven(case: &Case, [first, last]: [f64; 2]) -> bool {
 }
 
 /// What is known of the squared rates, at other nodes.
-fn at_nodes(nodes: &[f64], (known, laws): &(Vec<f64>, Vec<Stretch>)) -> Vec<f64> {
+fn at_nodes(nodes: &[f64], (known, laws): &(Vec<f64>, Vec<ProfileSegment>)) -> Vec<f64> {
     let mut cell = 0;
     let squared = nodes.iter().map(|u| {
         while cell + 1 < laws.len() && known[cell + 1] <= *u {
@@ -91,7 +91,7 @@ fn at_nodes(nodes: &[f64], (known, laws): &(Vec<f64>, Vec<Stretch>)) -> Vec<f64>
 }
 
 /// Cells in halves where jerk or velocity change much.
-fn cut(nodes: &[f64], laws: &[Stretch]) -> Vec<f64> {
+fn cut(nodes: &[f64], laws: &[ProfileSegment]) -> Vec<f64> {
     let jerks: Vec<f64> = laws.iter().map(|law| law.jerk_at(0.5 * law.length())).collect();
     let most = jerks.iter().fold(0.0_f64, |most, jerk| most.max(jerk.abs()));
     let mut finer = vec![nodes[0]];

@@ -11,7 +11,7 @@ use twin_kinematics::AxisVector;
 use twin_kinematics::gantry::Gantry3;
 use twin_path::prepare::CheckError;
 use twin_planner::controller::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
-use twin_planner::time_optimal::blended_path::{CourseOptions, Order};
+use twin_planner::time_optimal::blended_path::{BlendOptions, Order};
 use twin_planner::time_optimal::{AxisLimits, KinematicPath, LimitOptions};
 use twin_planner::time_optimal::{Planned as Part, Planner as Limiter};
 
@@ -69,7 +69,7 @@ fn limited_each(program: &Program, jerks: [Option<f64>; 3]) -> Result<Planned, S
     };
     let smooth = jerks.iter().any(Option::is_some);
     let order = if smooth { Order::Acceleration } else { Order::Velocity };
-    let course = CourseOptions { order, ..CourseOptions::new(tolerance) };
+    let course = BlendOptions { order, ..BlendOptions::new(tolerance) };
     let options = LimitOptions { path_acceleration: false, ..LimitOptions::new(course) };
     let limits =
         jerks.map(|jerk| AxisLimits { velocity: VELOCITY, acceleration: ACCELERATION, jerk });

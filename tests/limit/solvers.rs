@@ -7,11 +7,11 @@ use twin_kinematics::{AxisVector, KinematicsError};
 use twin_path::Place;
 use twin_path::prepare::{CheckError, CheckVelocities};
 use twin_path::{ElementKind, PathElement, Shape};
-use twin_planner::time_optimal::blended_path::{CourseElement, CourseOptions};
+use twin_planner::time_optimal::blended_path::{BlendOptions, BlendedElement};
 use twin_planner::time_optimal::{
     AxisLimits, AxisPath, AxisPoint, Beginning, Cap, CapSource, CellEnd, Effort, Grid,
-    LimitOptions, LinearProfile, LinearSolver, Planned, Planner, Rates, SmoothProfile,
-    SmoothSolver, Stretch, reachable,
+    LimitOptions, LinearProfile, LinearSolver, Planned, Planner, ProfileSegment, Rates,
+    SmoothProfile, SmoothSolver, reachable,
 };
 
 /// The path as a grid, with jerk limits or without.
@@ -94,25 +94,25 @@ pub fn smooth(grid: &Grid, solves: u32) -> Option<SmoothProfile> {
 }
 
 /// The profile in time, as the interpolator follows it: cell by cell.
-pub fn stretches(grid: &Grid, profile: &SmoothProfile) -> Vec<Stretch> {
+pub fn stretches(grid: &Grid, profile: &SmoothProfile) -> Vec<ProfileSegment> {
     let last = grid.cells() - 1;
     let stretches = (0..grid.cells()).map(|cell| {
         let length = grid.length(cell);
         let (from, to) = (profile.b[cell], profile.b[cell + 1]);
         if cell == 0 {
-            Stretch::launch(length, to)
+            ProfileSegment::launch(length, to)
         } else if cell == last {
-            Stretch::landing(length, from)
+            ProfileSegment::landing(length, from)
         } else {
-            Stretch::bent(length, from, from + profile.a[cell] * length, to)
+            ProfileSegment::bent(length, from, from + profile.a[cell] * length, to)
         }
     });
     stretches.collect()
 }
 
 /// Nodes that the profile passes in equal times.
-pub fn equal_times(grid: &Grid, stretches: &[Stretch], cells: usize) -> Vec<f64> {
-    let total: f64 = stretches.iter().map(Stretch::duration).sum();
+pub fn equal_times(grid: &Grid, stretches: &[ProfileSegment], cells: usize) -> Vec<f64> {
+    let total: f64 = stretches.iter().map(ProfileSegment::duration).sum();
     let step = total / as_float(cells);
     let mut nodes = vec![grid.nodes()[0]];
     let (mut cell, mut before) = (0, 0.0);
@@ -145,7 +145,7 @@ impl<F: Fn(f64) -> crate::path::Rates> AxisPath for Given<F> {
 
     fn axes(
         &self,
-        _: &CourseElement,
+        _: &BlendedElement,
         s: f64,
         near: &AxisVector,
     ) -> Result<AxisPoint, KinematicsError> {
@@ -166,7 +166,7 @@ pub struct Fineness {
 impl Fineness {
     /// As programs are planned.
     pub fn ordinary() -> Self {
-        let LimitOptions { step, horizon, .. } = LimitOptions::new(CourseOptions::new(0.0));
+        let LimitOptions { step, horizon, .. } = LimitOptions::new(BlendOptions::new(0.0));
         Self { step, horizon }
     }
 
@@ -209,7 +209,7 @@ pub fn planned(
         path_acceleration: false,
         step,
         horizon,
-        ..LimitOptions::new(CourseOptions::new(0.0))
+        ..LimitOptions::new(BlendOptions::new(0.0))
     };
     let mut planner = Planner::new(path, axes, options);
     let mut duration = 0.0;

@@ -33,7 +33,7 @@ use twin_path::prepare::{
     CheckVelocities, CircularLimits, Notices, Preparation, Rounding, ToolRadiusOptions,
 };
 use twin_path::{ElementKind, Marks, PathElement, Shape};
-use twin_planner::time_optimal::blended_path::CourseOptions;
+use twin_planner::time_optimal::blended_path::BlendOptions;
 use twin_planner::time_optimal::{LimitOptions, Planned, Planner};
 
 const FEW: u32 = 1_000;
@@ -118,7 +118,7 @@ fn circles(rounds: u32) -> impl Iterator<Item = PathElement> {
 
 /// Within the limits of the axes, which may be such of jerk.
 fn limited(rounds: u32, jerk: bool) {
-    let options = LimitOptions::new(CourseOptions::new(1e-5));
+    let options = LimitOptions::new(BlendOptions::new(1e-5));
     let path = prepare(circles(rounds).map(Ok));
     let mut planner = Planner::new(path, Machine::Scara2.path(jerk), options);
     let mut pauses = 0;

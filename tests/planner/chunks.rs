@@ -6,7 +6,7 @@ use std::io::{self, BufRead, Read};
 use twin_gcode::decode::Item;
 use twin_gcode::rs274::{Decoder, DecoderOptions};
 use twin_path::prepare::{CheckError, CheckVelocities};
-use twin_planner::time_optimal::blended_path::CourseOptions;
+use twin_planner::time_optimal::blended_path::BlendOptions;
 use twin_planner::time_optimal::{Law, LimitOptions, Planned, Planner};
 
 /// Gives so many bytes at a time.
@@ -68,7 +68,7 @@ fn planned(text: &str, size: usize, jerk: bool) -> Vec<(u32, Option<(f64, Law)>)
         Item::Warning(_) => None,
     });
     let checked = CheckVelocities::new(elements, std::f64::consts::PI);
-    let options = LimitOptions::new(CourseOptions::new(5e-5));
+    let options = LimitOptions::new(BlendOptions::new(5e-5));
     let planner = Planner::new(checked, Machine::Gantry3.path(jerk), options);
     let parts = planner.map(|part| match part.unwrap() {
         Planned::Hold { .. } => unreachable!("nobody has asked for it"),

@@ -7,7 +7,7 @@ use std::time::Instant;
 use twin_kinematics::AxisVector;
 use twin_path::PathElement;
 use twin_path::prepare::{CheckError, CheckVelocities};
-use twin_planner::time_optimal::blended_path::{CourseElement, CourseOptions, Order};
+use twin_planner::time_optimal::blended_path::{BlendOptions, BlendedElement, Order};
 use twin_planner::time_optimal::{
     AxisLimits, AxisPath, AxisPoint, Effort, Leg, LimitError, LimitOptions, Planned, Planner,
 };
@@ -33,7 +33,7 @@ pub struct Settings {
 
 impl Settings {
     pub fn options(&self) -> LimitOptions {
-        let mut course = CourseOptions::new(self.tolerance);
+        let mut course = BlendOptions::new(self.tolerance);
         if self.machine.turns() {
             course.turning = true;
             course.order = if self.jerk { Order::Jerk } else { Order::Acceleration };
@@ -109,7 +109,7 @@ pub struct Watch<'m, A> {
     before: [AxisVector; 3],
     cycles: u64,
     /// Where the last leg ended: element, parameter, u̇, ü.
-    last: Option<(Arc<CourseElement>, f64, f64, f64)>,
+    last: Option<(Arc<BlendedElement>, f64, f64, f64)>,
     pub report: Report,
     /// The override, and from when on the path may be faster only where it slows down, s.
     pub factor: (f64, f64),

@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use std::f64::consts::{PI, TAU};
 use twin_path::Place;
 use twin_path::{Arc, ElementKind, PathElement, Plane, Shape};
-use twin_planner::time_optimal::blended_path::CourseOptions;
+use twin_planner::time_optimal::blended_path::BlendOptions;
 use twin_planner::time_optimal::{AxisLimits, LimitOptions};
 
 /// The arm's first joint alone has a jerk limit.
@@ -45,7 +45,7 @@ fn lissajous(count: u32) -> Vec<PathElement> {
 /// Plans `path` under these limits, with or without what the program asks for.
 fn plan(path: &[PathElement], limits: &[AxisLimits], programmed: bool) -> Report {
     let axes = [limits, limits].map(|limits| Machine::Scara2.path_within(limits.to_vec()));
-    let options = LimitOptions::new(CourseOptions::new(1e-5));
+    let options = LimitOptions::new(BlendOptions::new(1e-5));
     let options = LimitOptions { feed: programmed, path_acceleration: programmed, ..options };
     run_on(axes, path.iter().cloned(), PI, options, 1e-3)
 }

@@ -8,7 +8,8 @@ use std::collections::VecDeque;
 use twin_path::prepare::{CheckError, CheckVelocities};
 use twin_path::{PathElement, Plane};
 use twin_planner::time_optimal::{
-    Arrival, KinematicPath, Lead, LimitError, Piece, Pieces, Planned, Planner, Request, Spliced,
+    Arrival, KinematicPath, Lead, LimitError, Piece, Pieces, PlanExecutor, Planned, Planner,
+    Request,
 };
 
 /// A held path rests so long, s.
@@ -44,7 +45,7 @@ fn execute(path: &[PathElement], settings: &Settings, changes: &[Change], pace: 
     let axes = settings.machine.path(settings.jerk);
     let mut watch = Watch::new(&axes);
     let mut result = Executed::default();
-    let mut spliced: Spliced<Wrong> = Spliced::new(Lead::default());
+    let mut spliced: PlanExecutor<Wrong> = PlanExecutor::new(Lead::default());
     let mut changes: VecDeque<Change> = changes.iter().copied().collect();
     let mut paces = pace.0.iter().copied().cycle();
     // What is on its way, and when it is there.

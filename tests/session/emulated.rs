@@ -201,7 +201,7 @@ fn an_interrupt_brings_drives_and_simulated_machine_to_rest_at_the_same_place() 
         let error = (drives - wanted) * axis.increments_per_si();
         assert!(error.abs() <= 1.0, "axis {}: {error} increments", axis.name);
     }
-    assert!(rest.told(&machine).contains("; the drives were last heard of at "));
+    assert!(rest.message(&machine).contains("; the drives were last heard of at "));
 }
 
 /// The error names what was found when the board was looked at again: right away where it answers, and after its silence.

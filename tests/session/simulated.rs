@@ -130,7 +130,7 @@ fn an_interrupt_stops_on_the_path_at_rest() {
     let before = &recorder.cycles[recorder.cycles.len() - 100];
     assert!(before.path_velocity > 0.01, "it braked, and did not just stop");
     // Where that was: v/a = 0.2 s after the end of the 0.1 s that were simulated already, on the circle.
-    let reason = ending.rest.as_ref().unwrap().told(&machine);
+    let reason = ending.rest.as_ref().unwrap().message(&machine);
     let rest = ending.rest.unwrap();
     let asked_ns = rest.asked_ns.unwrap();
     assert!((1_500_000_000..1_600_000_000).contains(&asked_ns), "{asked_ns}");

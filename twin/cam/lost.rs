@@ -26,11 +26,11 @@ pub fn lost(from: &CamFile, to: &CamFile) -> Vec<String> {
         _ => {}
     }
     if from.repeated != to.repeated {
-        let told = |repeated: bool| if repeated { "put end to end" } else { "once" };
+        let message = |repeated: bool| if repeated { "put end to end" } else { "once" };
         lines.push(format!(
             "that the cam is {} (read again it is {})",
-            told(from.repeated),
-            told(to.repeated)
+            message(from.repeated),
+            message(to.repeated)
         ));
     }
     elements(&mut lines, from, to);

@@ -110,19 +110,19 @@ pub fn write(
     )?;
     let curve = file.cam.curve();
     let scales = scales(file, using);
-    let told = |value: f64, column: usize| {
+    let message = |value: f64, column: usize| {
         let scale = scales.get(column).copied().unwrap_or_default();
         significant(without_dust(value, scale), DIGITS)
     };
     for place in sampling.places(curve.start(), curve.end()) {
         let row = at(file, using, place);
         let mut column = 0..;
-        let cells = row.map(|value| told(value, column.next().unwrap_or_default()));
+        let cells = row.map(|value| message(value, column.next().unwrap_or_default()));
         write!(out, "{}", cells.join(","))?;
         if reaches(using) {
             let [acceleration, jerk] = reach(file, using, place);
             let [pull, jolt] = [(acceleration, 3), (jerk, 4)]
-                .map(|(ends, column)| ends.map(|value| told(value, column)).join(","));
+                .map(|(ends, column)| ends.map(|value| message(value, column)).join(","));
             write!(out, ",{pull},{jolt}")?;
         }
         writeln!(out)?;

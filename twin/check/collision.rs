@@ -47,7 +47,7 @@ impl BlockClearance {
     }
 
     /// A sentence about it as the least of all, with the names of the machine.
-    pub fn told(&self, machine: &Machine) -> String {
+    pub fn message(&self, machine: &Machine) -> String {
         let Self { place, nearest, .. } = self;
         let [one, other] = nearest.parts.map(|part| machine.part_name(part));
         if self.is_collision() {

@@ -10,7 +10,7 @@ use tempfile::NamedTempFile;
 /// A file under a temporary name that is renamed on success: an existing file of its name stays until then. Devices and
 /// pipes are written to directly.
 #[derive(Debug)]
-pub(super) struct WholeFile {
+pub(super) struct AtomicFile {
     out: BufWriter<Out>,
     /// As it was given.
     name: PathBuf,
@@ -23,7 +23,7 @@ enum Out {
     Device(File),
 }
 
-impl WholeFile {
+impl AtomicFile {
     /// Begins the file `path`.
     ///
     /// # Errors
@@ -73,7 +73,7 @@ impl WholeFile {
     }
 }
 
-impl Write for WholeFile {
+impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.out.write(bytes)
     }
@@ -182,7 +182,7 @@ pub(super) fn refuse_existing(path: &Path, force: bool) -> Result<(), Failure> {
 /// # Errors
 /// [`Failure::Write`] with its name.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let mut file = WholeFile::create(path)?;
+    let mut file = AtomicFile::create(path)?;
     file.write_all(bytes).map_err(|source| unwritable(path, source))?;
     file.finish()
 }

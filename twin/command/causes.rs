@@ -101,16 +101,16 @@ mod tests {
             [found(1, "X", "G38.2 meets nothing at 5"), found(2, "X", "G38.3 meets nothing at 7")];
         assert_eq!(of(&probes).len(), 2);
         // What probes have found is told for each of them, where it is not the same.
-        let told = |rule, line, message: &str| {
+        let message = |rule, line, message: &str| {
             let place = Place { line, block: None };
             let finding = Finding::error(rule, place, message.to_owned());
             Finding { severity: Severity::Note, ..finding }
         };
         for rule in [Rule::FunctionBlock, Rule::Probe] {
             let recorded = [
-                told(rule, 3, "X at 48.3 mm"),
-                told(rule, 5, "X at 98.3 mm"),
-                told(rule, 9, "X at 98.3 mm"),
+                message(rule, 3, "X at 48.3 mm"),
+                message(rule, 5, "X at 98.3 mm"),
+                message(rule, 9, "X at 98.3 mm"),
             ];
             let counts: Vec<_> = of(&recorded).iter().map(super::Cause::count).collect();
             assert_eq!(counts, [1, 2], "{rule:?}");

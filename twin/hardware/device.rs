@@ -104,7 +104,7 @@ impl Device {
     /// As the machine file calls it.
     fn named(&self, error: HardwareError) -> HardwareError {
         match error {
-            HardwareError::Bare(source) => self.names.tell(source),
+            HardwareError::WithoutUnit(source) => self.names.tell(source),
             error => error,
         }
     }

@@ -9,7 +9,7 @@ use twin_machine::{Axis, DriveFamily, Machine};
 pub enum HardwareError {
     /// A device or its wire, on the way out of its thread.
     #[error("{0}")]
-    Bare(#[from] DriveError),
+    WithoutUnit(#[from] DriveError),
     /// The same, by the names of the machine file.
     #[error("{whose}: {source}")]
     Drive {
@@ -208,7 +208,7 @@ impl HardwareError {
     /// Hint after an error of the drives of a run.
     pub(crate) fn advice(&self) -> Option<&'static str> {
         match self {
-            Self::Bare(error) => advice_in_run(error),
+            Self::WithoutUnit(error) => advice_in_run(error),
             Self::Drive { source, .. } => advice_in_run(source),
             Self::Silent { .. } => Some(
                 "look at its cable and its supply. When it answers again, `status` tells whether it has been off or locked: then its \
@@ -251,10 +251,10 @@ mod tests {
             axes: vec![(3, "X".to_owned()), (7, "Y".to_owned())],
             bus: true,
         };
-        let told = |address| bus.tell(DriveError::Stalled { at: at(address) }).to_string();
-        assert!(told(7).starts_with("device `line`, axis Y: "), "{}", told(7));
-        assert!(told(0).starts_with("device `line`, axes X, Y: "), "{}", told(0));
-        assert!(told(9).starts_with("device `line`: "), "{}", told(9));
+        let message = |address| bus.tell(DriveError::Stalled { at: at(address) }).to_string();
+        assert!(message(7).starts_with("device `line`, axis Y: "), "{}", message(7));
+        assert!(message(0).starts_with("device `line`, axes X, Y: "), "{}", message(0));
+        assert!(message(9).starts_with("device `line`: "), "{}", message(9));
         // A module says which of its axes, from 1.
         let module =
             Names { bus: false, axes: vec![(0, "A".to_owned()), (1, "B".to_owned())], ..bus };

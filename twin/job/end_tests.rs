@@ -122,7 +122,7 @@ fn a_cam_ramps_in_with_the_acceleration_of_its_axis() {
     assert_ne!(slow, setpoints);
 }
 
-fn told(text: &str) -> Vec<Finding> {
+fn message(text: &str) -> Vec<Finding> {
     let (_, findings) = run(&job(text), &machine());
     findings
 }
@@ -146,7 +146,7 @@ fn what_moves_on_top_is_taken_over_where_the_job_says_when() {
         near(over.axes.velocity[0] * 1e3, 20.0, 1e-9);
     }
     // One that begins in the same cycle has taken over from nobody who has moved.
-    let found = told(&format!(
+    let found = message(&format!(
         "duration_s = 3\n{START}{moves_on}{}{}",
         on_top(30.0, "at_s = 0.2"),
         on_top(-10.0, "with_previous = true")
@@ -203,7 +203,7 @@ fn who_waits_for_a_place_behind_its_master_is_told_at_once() {
     let between =
         "[[blocks]]\nblock = \"MC_GearIn\"\naxis = \"Y\"\nmaster = \"web\"\nratio_numerator = 1\n";
     let gear = in_gear(20.0, "").replace("\"web\"", "\"Y\"");
-    let found = told(&format!("{START}{WEB}{between}{}{gear}", web(50.0, "positive")));
+    let found = message(&format!("{START}{WEB}{between}{}{gear}", web(50.0, "positive")));
     let [finding] = found.as_slice() else { panic!("{found:?}") };
     assert!(finding.message.contains("its master Y moves away from 20 mm"), "{finding:?}");
 }

@@ -39,7 +39,7 @@ fn asked(name: &str) -> BTreeSet<String> {
 }
 
 /// The keys between backticks in the row of each block of docs/src/jobs.md.
-fn told() -> BTreeMap<String, BTreeSet<String>> {
+fn message() -> BTreeMap<String, BTreeSet<String>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src/jobs.md");
     let guide = std::fs::read_to_string(path).unwrap();
     let table = guide.split_once(BEGIN).expect("the table").1;
@@ -60,7 +60,7 @@ fn told() -> BTreeMap<String, BTreeSet<String>> {
 
 #[test]
 fn the_table_of_blocks_is_what_jobs_take() {
-    let told = told();
+    let told = message();
     let names: BTreeSet<_> = BLOCKS.iter().map(|(name, _)| (*name).to_owned()).collect();
     assert_eq!(told.keys().cloned().collect::<BTreeSet<_>>(), names);
     for (name, keys) in &told {

@@ -2,7 +2,7 @@
 
 use super::tests::{job, machine, run};
 
-fn told(text: &str) -> Vec<String> {
+fn message(text: &str) -> Vec<String> {
     let (_, findings) = run(&job(text), &machine());
     findings.into_iter().map(|finding| finding.message).collect()
 }
@@ -10,7 +10,7 @@ fn told(text: &str) -> Vec<String> {
 /// Each of these has a line in what is told, and there is nothing else.
 #[track_caller]
 fn said(text: &str, expected: &[&str]) {
-    let found = told(text);
+    let found = message(text);
     for words in expected {
         let times = found.iter().filter(|message| message.contains(words)).count();
         assert_eq!(times, 1, "{words}: {found:#?}");
@@ -59,7 +59,7 @@ fn a_mistake_makes_no_other() {
         "{SHAFT}[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"shaft\"\ncam = \"none.toml\"\n[[blocks]]\n\
          block = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"shaft\"\ncam = \"none.toml\"\nat_end_of_profile = true\n"
     );
-    let found = told(&text);
+    let found = message(&text);
     assert!(found.len() == 2 && found.iter().all(|one| one.contains("(error 2200)")), "{found:#?}");
     // The deceleration is known though the acceleration is wrong.
     said(
@@ -112,13 +112,13 @@ fn names_that_are_given_twice_are_listed_once() {
     let axes = "[[virtual_axes]]\nname = \"X\"\nkind = \"linear\"\n[[virtual_axes]]\nname = \"n\"\nkind = \"linear\"\n\
                 [[virtual_axes]]\nname = \"n\"\nkind = \"linear\"\n";
     let block = "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"Q\"\n";
-    let found = told(&format!("{axes}{block}"));
+    let found = message(&format!("{axes}{block}"));
     let [x, n, q] = found.as_slice() else { panic!("{found:#?}") };
     assert!(x.contains("\"X\" already") && n.contains("\"n\" already"), "{found:#?}");
     assert!(q.ends_with("there are X, Y, Z, n"), "{q}");
     let triggers = "[[triggers]]\nname = \"t\"\nat_s = 1\n[[triggers]]\nname = \"t\"\nat_s = 2\n";
     let block = "[[blocks]]\nblock = \"MC_TouchProbe\"\naxis = \"X\"\ntrigger = \"u\"\n";
-    let found = told(&format!("{triggers}{block}"));
+    let found = message(&format!("{triggers}{block}"));
     let [twice, none] = found.as_slice() else { panic!("{found:#?}") };
     assert!(twice.contains("\"t\" already"), "{twice}");
     assert!(none.ends_with("there is no trigger \"u\"; there are t"), "{none}");

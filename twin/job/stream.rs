@@ -108,7 +108,7 @@ impl<'m> JobSetpoints<'m> {
                 setpoints.tracks = job.tracks.clone();
                 setpoints.masters = job.masters(machine);
                 setpoints.problems =
-                    job.calls.iter().flat_map(|call| told(call, &setpoints.masters)).collect();
+                    job.calls.iter().flat_map(|call| message(call, &setpoints.masters)).collect();
                 setpoints.blocks = u64::try_from(job.calls.len()).unwrap_or(u64::MAX);
                 let start = match starts(machine, &job.starts, &mut job.calls) {
                     Ok(start) => start,
@@ -319,7 +319,7 @@ impl<'m> JobSetpoints<'m> {
 
 /// What is to be told of a block's cam before anything moves: that its elements do not stand by ascending masters, and that it goes on
 /// at its end, and elsewhere than it began, because nothing is said. `axes` are names, periods and units.
-fn told(
+fn message(
     call: &Call,
     axes: &[(String, Option<f64>, &'static str)],
 ) -> impl Iterator<Item = Finding> {

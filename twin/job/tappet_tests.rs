@@ -19,7 +19,7 @@ fn outcome(machine: &Machine, program: &ProgramFile) -> Outcome {
 }
 
 /// Group, on or off, time in ms and place of the master of everything that was switched.
-fn told(switched: &Switched) -> Vec<(i16, bool, i64, f64)> {
+fn message(switched: &Switched) -> Vec<(i16, bool, i64, f64)> {
     assert_eq!(switched.left_out, 0);
     let told = switched.switches.iter().map(|one| {
         let master = one.master.as_ref().unwrap().position;
@@ -35,7 +35,7 @@ fn cycle(seconds: f64) -> i64 {
 }
 
 fn assert_told(switched: &Switched, expected: &[(i16, bool, f64)], master: impl Fn(f64) -> f64) {
-    let found = told(switched);
+    let found = message(switched);
     let times: Vec<_> = found.iter().map(|(group, on, ms, _)| (*group, *on, *ms)).collect();
     let wanted: Vec<_> =
         expected.iter().map(|(group, on, seconds)| (*group, *on, cycle(*seconds))).collect();
@@ -169,7 +169,7 @@ fn hysteresis_holds_a_tappet_back() {
         let cam = CAM.replace("passage = \"positive\", action = \"on\"", "action = \"invert\"");
         std::fs::write(job.folder.path().join("flat.toml"), cam).unwrap();
         let switched = outcome(&machine(), &job.program).tappets;
-        told(&switched).iter().map(|(_, on, _, _)| *on).collect::<Vec<_>>()
+        message(&switched).iter().map(|(_, on, _, _)| *on).collect::<Vec<_>>()
     };
     let around = [52.0, 49.0, 52.0];
     assert_eq!(moves(&around, "tappet_hysteresis_mm = 0.0"), [true, false, true]);

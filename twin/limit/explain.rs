@@ -6,7 +6,7 @@ use twin_kinematics::AxisVector;
 use twin_machine::{Machine, PathLimits, VelocitySource};
 use twin_number::seconds;
 use twin_physics::TorqueAlongPath;
-use twin_planner::time_optimal::blended_path::CourseElement;
+use twin_planner::time_optimal::blended_path::BlendedElement;
 use twin_planner::time_optimal::{
     AxisPath, Cap, CapSource, Constraint, DragRow, FIRST_FURTHER_ROW, Followed, MOST_FURTHER_ROWS,
 };
@@ -31,7 +31,7 @@ impl LimitRules {
 
 impl Profile<'_> {
     /// The largest velocity along the path that the curve allows at `s`, m/s.
-    pub(super) fn speed_on_curve(&self, element: &CourseElement, s: f64) -> f64 {
+    pub(super) fn speed_on_curve(&self, element: &BlendedElement, s: f64) -> f64 {
         let CircularLimits { acceleration, .. } = self.rules.centripetal(self.machine);
         if acceleration > 0.0 && element.element().kind == ElementKind::Cut {
             (acceleration / element.curvature(s)).sqrt()
@@ -61,7 +61,7 @@ impl Profile<'_> {
             Constraint::Velocity(CapSource::AxisVelocity(axis)) => {
                 self.of_axis(usize::from(axis), Quantity::Velocity)
             }
-            Constraint::Velocity(CapSource::Stop | CapSource::Joint | CapSource::Nothing) => {
+            Constraint::Velocity(CapSource::Stop | CapSource::Joint | CapSource::Unconstrained) => {
                 return None;
             }
             Constraint::AxisAcceleration(axis) => of_axis(axis, Quantity::Acceleration),

@@ -6,7 +6,7 @@ use twin_kinematics::{AxisSource, AxisVector, KinematicsError, Pose, ToolJerk, T
 use twin_machine::{DirectionRule, Machine, SimulationError};
 use twin_path::ExtraPoint;
 use twin_physics::{AxisEffort, EffortRow, PathDynamics, TorqueAlongPath};
-use twin_planner::time_optimal::blended_path::{Bearing, CourseElement, CoursePoint};
+use twin_planner::time_optimal::blended_path::{Bearing, BlendedElement, BlendedPoint};
 use twin_planner::time_optimal::{
     AxisLimits, AxisPath, AxisPoint, Cap, CapSource, DragRow, Rates, Row, axis_point,
 };
@@ -129,7 +129,7 @@ impl<'m> MachinePath<'m> {
 
     /// The direction of the tool with three derivatives at `s` of `element`, where the course is at `point`, rad in the work
     /// frame.
-    fn direction(&self, element: &CourseElement, s: f64, point: &CoursePoint) -> [f64; 4] {
+    fn direction(&self, element: &BlendedElement, s: f64, point: &BlendedPoint) -> [f64; 4] {
         match (self.machine.direction, &point.extra) {
             (DirectionRule::Path(to_path, angle), _) => {
                 let bearing = element.bearing(s, point).unwrap_or_default();
@@ -211,14 +211,14 @@ impl AxisPath for MachinePath<'_> {
 
     fn axes(
         &self,
-        element: &CourseElement,
+        element: &BlendedElement,
         s: f64,
         near: &AxisVector,
     ) -> Result<AxisPoint, KinematicsError> {
         let point = element.at(s);
         let [direction, direction_velocity, direction_acceleration, direction_jerk] =
             self.direction(element, s, &point);
-        let CoursePoint { position, first, second, third, extra } = point;
+        let BlendedPoint { position, first, second, third, extra } = point;
         // The parameter in the place of time.
         let work = ToolMotion {
             pose: Pose { position, direction },

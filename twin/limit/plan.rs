@@ -17,7 +17,7 @@ use twin_machine::{DirectionRule, Machine};
 use twin_path::Place;
 use twin_path::prepare::CheckedElement;
 use twin_planner::controller::{DEFAULT_CYCLE_NS, ToolSetpoint};
-use twin_planner::time_optimal::blended_path::{CourseElement, CourseOptions, Order};
+use twin_planner::time_optimal::blended_path::{BlendOptions, BlendedElement, Order};
 use twin_planner::time_optimal::{
     AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, NotSolved, Planner, Rates,
 };
@@ -76,7 +76,7 @@ where
 {
     let axes = MachinePath::new(machine, rules.axes)?;
     let limits = &machine.path_limits;
-    let mut course = CourseOptions::new(limits.blend_tolerance);
+    let mut course = BlendOptions::new(limits.blend_tolerance);
     course.turning = matches!(machine.direction, DirectionRule::Path(..));
     let jerk_limited = axes.limits().iter().any(|axis| axis.jerk.is_some());
     // The direction of the path is a derivative already.
@@ -131,7 +131,7 @@ pub struct Profile<'m> {
     /// The last one.
     tool: Option<ToolSetpoint>,
     /// The element it is on, and whether it is the first on it.
-    element: Option<Arc<CourseElement>>,
+    element: Option<Arc<BlendedElement>>,
     entered: bool,
 }
 

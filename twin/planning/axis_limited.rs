@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::task::Poll;
 use twin_machine::Machine;
 use twin_planner::controller::{DEFAULT_CYCLE_NS, ToolSetpoint};
-use twin_planner::time_optimal::blended_path::CourseElement;
+use twin_planner::time_optimal::blended_path::BlendedElement;
 use twin_planner::time_optimal::{Follower, LimitError};
 
 /// A program within the limits of the axes.
@@ -134,7 +134,7 @@ impl<'m> WithinAxes<'m> {
             ProgramItem::Setpoint(mut tool) => {
                 tool.time_ns += self.later_ns;
                 // Two of the same number in a row are two calls all the same.
-                self.waiting.see(enters, tool.m_function, tool.place, tool.time_ns);
+                self.waiting.observe(enters, tool.m_function, tool.place, tool.time_ns);
                 self.tool = Some(tool);
                 ProgramItem::Setpoint(tool)
             }
@@ -179,7 +179,7 @@ fn checked(profile: &mut Profile<'_>) -> Option<Next> {
 struct Running<'m> {
     follower: Follower<Beside<'m>>,
     /// The element that the last set-point is on.
-    element: Option<Arc<CourseElement>>,
+    element: Option<Arc<BlendedElement>>,
 }
 
 impl Running<'_> {

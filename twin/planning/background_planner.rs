@@ -13,7 +13,7 @@ use std::thread::Scope;
 use twin_machine::Machine;
 use twin_path::prepare::CheckedElement;
 use twin_planner::time_optimal::{
-    Arrival, Lead, LimitError, Piece, Pieces, Planned, Replan, Request, Spliced,
+    Arrival, Lead, LimitError, Piece, Pieces, PlanExecutor, Planned, Replan, Request,
 };
 
 /// Fault of the program. It may be reported again after another override.
@@ -70,7 +70,7 @@ enum Link<'m> {
 /// A plan that is executed while it is made.
 #[derive(Debug)]
 pub(super) struct Beside<'m> {
-    spliced: Spliced<Fault>,
+    spliced: PlanExecutor<Fault>,
     link: Link<'m>,
     /// A request that has found no room.
     unsent: Option<Request<Fault>>,
@@ -118,7 +118,7 @@ impl<'m> Beside<'m> {
     }
 
     fn over(link: Link<'m>) -> Self {
-        let spliced = Spliced::new(Lead::default());
+        let spliced = PlanExecutor::new(Lead::default());
         Self { spliced, link, unsent: None, findings: VecDeque::new(), waits: true }
     }
 

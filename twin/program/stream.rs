@@ -262,7 +262,7 @@ impl Iterator for Setpoints {
         match next {
             Some(Ok(setpoint)) => {
                 let ToolSetpoint { m_function, place, time_ns, .. } = setpoint;
-                self.waiting.see(acknowledge_m, m_function, place, time_ns);
+                self.waiting.observe(acknowledge_m, m_function, place, time_ns);
                 self.now_ns = time_ns;
                 Some(ProgramItem::Setpoint(setpoint))
             }

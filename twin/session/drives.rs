@@ -121,7 +121,7 @@ impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
                 self.stopped.get_or_insert(Stopped::Unsettled);
                 return;
             }
-            self.heed(interrupts());
+            self.handle_interrupt(interrupts());
             std::thread::sleep(Duration::from_millis(1));
         }
     }

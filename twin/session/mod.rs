@@ -289,7 +289,7 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
             .with_overrides(self.overrides);
         let ahead_ns = run.horizon_ns();
         // Drives that begin to follow find a plan.
-        run.heed(interrupts());
+        run.handle_interrupt(interrupts());
         run.plan(ahead_ns);
         // Drives that have looked around are ready for the first move when it is due.
         let lead = if run.hardware.is_some() { LEAD } else { Duration::ZERO };
@@ -298,7 +298,7 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
         let round_ns = self.machine.cycle_ns.clamp(1, ROUND_NS);
         while run.goes_on() {
             let now_ns = if paced { clock.now_ns() } else { run.executed_ns() + BATCH_NS };
-            run.heed(interrupts());
+            run.handle_interrupt(interrupts());
             run.heed_override(observer);
             run.lose_overdue(now_ns);
             // Time that nobody has waited for shall not pass.
@@ -306,7 +306,7 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
             if !waits {
                 run.plan(now_ns + ahead_ns);
             }
-            run.take_up(now_ns);
+            run.record_lateness(now_ns);
             run.simulate(now_ns, observer);
             run.listen(observer);
             run.acknowledge(observer);

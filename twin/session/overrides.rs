@@ -73,7 +73,7 @@ impl Overrides {
     }
 
     /// Applies the scheduled requests that are due before the set-point at `time_ns` to `items`.
-    pub(super) fn pursue(&mut self, time_ns: i64, items: &mut Planning<'_>) {
+    pub(super) fn apply_due(&mut self, time_ns: i64, items: &mut Planning<'_>) {
         while let Some(due) = self.schedule.pop_front_if(|next| next.time_ns <= time_ns) {
             self.ask(due, items);
         }
@@ -86,7 +86,7 @@ impl Overrides {
     }
 
     /// Observes a set-point of `items`, and records the time from which the path follows.
-    pub(super) fn see(&mut self, time_ns: i64, items: &Planning<'_>) {
+    pub(super) fn observe(&mut self, time_ns: i64, items: &Planning<'_>) {
         if let Some(last) = self.changes.last_mut()
             && last.follows_ns.is_none()
             && items.follows_override()

@@ -27,7 +27,7 @@ pub struct Rest {
 
 impl Rest {
     /// In words, with the names and units of a machine.
-    pub fn told(&self, machine: &Machine) -> String {
+    pub fn message(&self, machine: &Machine) -> String {
         let mut told = String::new();
         let time = seconds(self.time_ns);
         let place = self.place;

@@ -16,7 +16,7 @@ const ZERO: &str = "; it counts 0, as after it was switched on, reset, saved or 
 /// Time between two looks at axes that move.
 const MOVING_LOOK: Duration = Duration::from_millis(50);
 
-pub(super) struct Looker<'a> {
+pub(super) struct DeviceCheck<'a> {
     name: &'a str,
     /// Wanted.
     firmware: Option<&'a str>,
@@ -28,7 +28,7 @@ pub(super) struct Looker<'a> {
     pub(super) looked: Looked,
 }
 
-impl<'a> Looker<'a> {
+impl<'a> DeviceCheck<'a> {
     pub(super) fn new(machine: &'a Machine, device: usize, needs: &'a [Needs]) -> Self {
         let entry = machine.drives.get(device);
         let axes = machine.axes_of(device).collect();

@@ -62,7 +62,7 @@ pub enum HomingError {
     },
     /// It has not come home, for a reason that does not tell where it stands.
     #[error("{why}; it stands at {at:.3} {unit}")]
-    Stands {
+    AtRest {
         /// Why it is not home.
         why: Box<HomingError>,
         /// Where the device counts it, in `unit`.
@@ -89,7 +89,7 @@ impl HomingError {
     pub fn of_drive(&self) -> Option<&DriveError> {
         match self {
             Self::Drive { source, .. } | Self::NotStopped { source, .. } => Some(source),
-            Self::Stands { why, .. } => why.of_drive(),
+            Self::AtRest { why, .. } => why.of_drive(),
             _ => None,
         }
     }
@@ -131,7 +131,7 @@ pub fn home(
             Ok(()) => {
                 let found = drive.probe(&Still(Clock::start())).ok();
                 match found.and_then(|sample| position(axis, slot, &sample.position)) {
-                    Some(at) => HomingError::Stands { why: Box::new(why), at, unit: axis.unit() },
+                    Some(at) => HomingError::AtRest { why: Box::new(why), at, unit: axis.unit() },
                     None => why,
                 }
             }

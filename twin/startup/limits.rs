@@ -2,7 +2,7 @@
 
 use super::in_units;
 use crate::repair_commands;
-use crate::startup::device_check::Looker;
+use crate::startup::device_check::DeviceCheck;
 use twin_drives::{DeviceLimits, Drive, DriveError};
 use twin_machine::{Axis, DriveFamily, Machine};
 
@@ -16,7 +16,7 @@ pub(super) fn what_is_left(axis: &Axis) -> String {
     )
 }
 
-impl Looker<'_> {
+impl DeviceCheck<'_> {
     /// Software limits of the device: no wider than those of the machine file, and no tighter than the program.
     pub(super) fn limits(
         &mut self,

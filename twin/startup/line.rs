@@ -4,12 +4,12 @@
 
 use crate::emulated::line;
 use crate::repair_commands;
-use crate::startup::device_check::Looker;
+use crate::startup::device_check::DeviceCheck;
 use twin_drives::{Drive, DriveError, ParameterId};
 use twin_interpcnc::{Parity, protocol::parameters};
 use twin_machine::{DriveFamily, Machine};
 
-impl Looker<'_> {
+impl DeviceCheck<'_> {
     /// Checks the stored line settings of a board against the machine file.
     pub(super) fn stored_line(
         &mut self,

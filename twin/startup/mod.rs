@@ -14,7 +14,7 @@ mod switches;
 use crate::attached::Attached;
 use crate::clock::Clock;
 use crate::repair_commands;
-use device_check::Looker;
+use device_check::DeviceCheck;
 pub use homing::{HomingError, home, home_by_hand, longest_way, way_in_all};
 use std::fmt;
 use twin_drives::{IncrementMotion, Increments, MAX_DRIVE_AXES, SetpointStream};
@@ -127,7 +127,7 @@ pub fn look(machine: &Machine, attached: &mut Attached, needs: &[Needs]) -> Look
     if machine.drives.get(attached.device).is_none() {
         return Looked::default();
     }
-    let mut looker = Looker::new(machine, attached.device, needs);
+    let mut looker = DeviceCheck::new(machine, attached.device, needs);
     if let Err(error) = looker.look(machine, attached.device, &mut *attached.drive) {
         looker.failed(&error);
     }

@@ -5,7 +5,7 @@
 use super::Homed;
 use super::limits::what_is_left;
 use crate::repair_commands;
-use crate::startup::device_check::Looker;
+use crate::startup::device_check::DeviceCheck;
 use twin_bim2ax::ModuleAxis;
 use twin_bim2ax::protocol::bits::coefficient::{HOME_PLUS, IGNORE_SWITCHES};
 use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
@@ -39,7 +39,7 @@ fn said(axis: &Axis) -> (Switches, bool) {
         .map_or((Switches::default(), false), |drive| (drive.switches, drive.reversed()))
 }
 
-impl Looker<'_> {
+impl DeviceCheck<'_> {
     /// Limit switches and homing, axis by axis.
     pub(super) fn switches(
         &mut self,

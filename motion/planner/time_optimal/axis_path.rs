@@ -2,7 +2,7 @@
 
 use super::bound::{AxisLimits, Cap, Rates};
 use super::drag::DragRow;
-use crate::time_optimal::blended_path::{CourseElement, CoursePoint};
+use crate::time_optimal::blended_path::{BlendedElement, BlendedPoint};
 use twin_kinematics::{
     AxisVector, Kinematics, KinematicsError, MAX_AXES, Pose, ToolJerk, ToolMotion,
 };
@@ -33,7 +33,7 @@ pub trait AxisPath {
     /// What the kinematics refuses.
     fn axes(
         &self,
-        element: &CourseElement,
+        element: &BlendedElement,
         s: f64,
         near: &AxisVector,
     ) -> Result<AxisPoint, KinematicsError>;
@@ -53,7 +53,7 @@ pub trait AxisPath {
 }
 
 /// Kinematics without work frame and additional axes. The direction of the tool is that of the path where the course knows it
-/// ([`CourseOptions::turning`](super::course::CourseOptions::turning)), else 0.
+/// ([`BlendOptions::turning`](super::course::BlendOptions::turning)), else 0.
 #[derive(Debug)]
 pub struct KinematicPath<K> {
     kinematics: K,
@@ -79,13 +79,13 @@ impl<K: Kinematics> AxisPath for KinematicPath<K> {
 
     fn axes(
         &self,
-        element: &CourseElement,
+        element: &BlendedElement,
         s: f64,
         near: &AxisVector,
     ) -> Result<AxisPoint, KinematicsError> {
         let point = element.at(s);
         let bearing = element.bearing(s, &point).unwrap_or_default();
-        let CoursePoint { position, first, second, third, .. } = point;
+        let BlendedPoint { position, first, second, third, .. } = point;
         // With the parameter in the place of time, derivatives by time are those by the parameter.
         let tool = ToolMotion {
             pose: Pose { position, direction: bearing.along },

@@ -114,8 +114,8 @@ pub enum CapSource {
     EndVelocity,
     /// A turn or a step of the curvature at a joint.
     Joint,
-    /// Nothing: the acceleration alone.
-    Nothing,
+    /// Unconstrained: the acceleration alone.
+    Unconstrained,
 }
 
 impl CapSource {
@@ -164,7 +164,7 @@ pub struct Cap {
 
 impl Cap {
     /// None.
-    pub const NONE: Self = Self { v2: f64::INFINITY, source: CapSource::Nothing };
+    pub const NONE: Self = Self { v2: f64::INFINITY, source: CapSource::Unconstrained };
     /// A stop.
     pub const STOP: Self = Self { v2: 0.0, source: CapSource::Stop };
 

@@ -3,8 +3,8 @@
 use super::axis_path::MOST_FURTHER_ROWS;
 use super::bound::{AxisLimits, Cap, Disc, FIRST_FURTHER_ROW, Rates, Row};
 use super::drag::DragRow;
-use crate::time_optimal::blended_path::CourseElement;
-use crate::time_optimal::profile_segment::Stretch;
+use crate::time_optimal::blended_path::BlendedElement;
+use crate::time_optimal::profile_segment::ProfileSegment;
 use std::sync::Arc;
 use twin_kinematics::AxisVector;
 
@@ -47,7 +47,12 @@ impl Sample {
 
     /// The largest acceleration, jerk and velocity, of any axis and along the path, where the motion is that of `stretch` at
     /// `u`, each as a part of the limit.
-    pub(super) fn excess(&self, limits: &[AxisLimits], stretch: &Stretch, u: f64) -> [f64; 3] {
+    pub(super) fn excess(
+        &self,
+        limits: &[AxisLimits],
+        stretch: &ProfileSegment,
+        u: f64,
+    ) -> [f64; 3] {
         let (b, a) = stretch.at_position(u);
         let (v, jerk) = (b.sqrt(), stretch.jerk_at(u));
         let Rates { first, second, third } = &self.rates;
@@ -77,7 +82,7 @@ impl Sample {
 /// A part of an element.
 #[derive(Clone, Debug)]
 pub(super) struct Cell {
-    pub(super) element: Arc<CourseElement>,
+    pub(super) element: Arc<BlendedElement>,
     pub(super) from: f64,
     pub(super) to: f64,
     pub(super) start: Arc<Sample>,

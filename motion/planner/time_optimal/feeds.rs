@@ -1,6 +1,6 @@
 //! Programmed feed along the path under the override, and its relaxation while the path brakes.
 
-use crate::time_optimal::blended_path::CourseElement;
+use crate::time_optimal::blended_path::BlendedElement;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ impl Default for Feeds {
 /// u̇² on an element while braking.
 #[derive(Clone, Debug)]
 struct Braking {
-    element: Arc<CourseElement>,
+    element: Arc<BlendedElement>,
     /// At some places, m: what braking comes to, and what more is allowed. Linear in between.
     bounds: Vec<(f64, [f64; 2])>,
 }
@@ -43,7 +43,7 @@ impl Feeds {
     /// come in their order along the path.
     pub(super) fn brake(
         &mut self,
-        element: &Arc<CourseElement>,
+        element: &Arc<BlendedElement>,
         part: Range<f64>,
         [start, end]: [[f64; 2]; 2],
     ) {
@@ -58,7 +58,7 @@ impl Feeds {
     }
 
     /// Kinks of the bound: places where the braking velocity falls below the programmed one, or rises above it.
-    pub(super) fn kinks(&self) -> Vec<(Arc<CourseElement>, f64)> {
+    pub(super) fn kinks(&self) -> Vec<(Arc<BlendedElement>, f64)> {
         let mut kinks = Vec::new();
         for Braking { element, bounds } in &self.braking {
             for pair in bounds.windows(2) {
@@ -76,7 +76,7 @@ impl Feeds {
     }
 
     /// The bound on u̇² at `s` of `element`, where `v2` is what is programmed.
-    pub(super) fn bound(&self, element: &CourseElement, s: f64, v2: f64) -> f64 {
+    pub(super) fn bound(&self, element: &BlendedElement, s: f64, v2: f64) -> f64 {
         let v2 = self.factor * self.factor * v2;
         let here = self
             .braking

@@ -5,7 +5,7 @@ use super::planner::{Leg, LimitError, Planned, Planner};
 use crate::controller::instant::Instant;
 use crate::controller::switches::SwitchBoard;
 use crate::controller::{ExtraMotion, Heading, Status, ToolSetpoint};
-use crate::time_optimal::blended_path::{Bearing, CourseElement};
+use crate::time_optimal::blended_path::{Bearing, BlendedElement};
 use crate::time_optimal::profile_segment::Progress;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -20,7 +20,7 @@ pub struct Followed {
     /// The interpolator's output of the cycle.
     pub tool: ToolSetpoint,
     /// The element under way.
-    pub element: Arc<CourseElement>,
+    pub element: Arc<BlendedElement>,
     /// The path parameter on it and its derivatives by time; its position is from the start of the element, m.
     pub progress: Progress,
 }
@@ -76,12 +76,12 @@ pub struct Follower<P> {
     reached: Instant,
     board: SwitchBoard,
     /// The element whose switches are being passed, and how many are.
-    switching: Option<(Arc<CourseElement>, usize)>,
+    switching: Option<(Arc<BlendedElement>, usize)>,
     heading: Heading,
     /// Way to the start of the element under way, m.
     way: f64,
     /// The element at hand, and where on it the path comes to rest next.
-    last: Option<(Arc<CourseElement>, f64)>,
+    last: Option<(Arc<BlendedElement>, f64)>,
     m_times: MTimes,
     /// The path ends where it rests next.
     stopping: bool,
@@ -189,7 +189,7 @@ where
     }
 
     /// Duration of a pause, ns.
-    fn pause_ns(&self, element: &CourseElement) -> i64 {
+    fn pause_ns(&self, element: &BlendedElement) -> i64 {
         match element.element().kind {
             ElementKind::Dwell { time_ns } => time_ns.max(self.cycle_ns),
             ElementKind::MFunction { number } => {
@@ -202,7 +202,7 @@ where
     }
 
     /// The element before is left behind; the path goes as far as `to` on this one, m.
-    fn enter(&mut self, element: &Arc<CourseElement>, to: f64) {
+    fn enter(&mut self, element: &Arc<BlendedElement>, to: f64) {
         if let Some((passed, count)) = &mut self.switching
             && !Arc::ptr_eq(passed, element)
         {
@@ -216,14 +216,14 @@ where
         self.last = Some((Arc::clone(element), to));
     }
 
-    fn along(&mut self, element: &Arc<CourseElement>, progress: Progress) -> Followed {
+    fn along(&mut self, element: &Arc<BlendedElement>, progress: Progress) -> Followed {
         let status = Status::of_acceleration(progress.acceleration);
         self.setpoint(element, progress, status)
     }
 
     fn setpoint(
         &mut self,
-        element: &Arc<CourseElement>,
+        element: &Arc<BlendedElement>,
         progress: Progress,
         status: Status,
     ) -> Followed {

@@ -1,13 +1,13 @@
 //! Options of time-optimal planning: limits and resolution.
 
-use crate::time_optimal::blended_path::CourseOptions;
+use crate::time_optimal::blended_path::BlendOptions;
 use twin_path::prepare::CircularLimits;
 
 /// Settings of the feed limiter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimitOptions {
     /// Options of blending.
-    pub course: CourseOptions,
+    pub course: BlendOptions,
     /// The programmed velocity (F) counts, and that at the end of an element, if it asks for one.
     pub feed: bool,
     /// The programmed accelerations along the path (E+, E−) count.
@@ -24,7 +24,7 @@ pub struct LimitOptions {
 
 impl LimitOptions {
     /// Everything that the program and the axes ask for, with joints rounded as `course` says.
-    pub fn new(course: CourseOptions) -> Self {
+    pub fn new(course: BlendOptions) -> Self {
         Self {
             course,
             feed: true,

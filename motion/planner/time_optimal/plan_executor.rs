@@ -7,7 +7,7 @@
 //! ```
 
 use super::planner::{Behind, Leg, LimitError, Piece, Planned, Request};
-use crate::time_optimal::blended_path::CourseElement;
+use crate::time_optimal::blended_path::BlendedElement;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -33,10 +33,10 @@ impl Default for Lead {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrival {
     /// It is executed when its turn comes.
-    Spliced,
+    PlanExecutor,
     /// It belongs to a plan that was given up.
     Outdated,
-    /// The place where it begins has been passed: another has to be asked for ([`Spliced::ask_again`]).
+    /// The place where it begins has been passed: another has to be asked for ([`PlanExecutor::ask_again`]).
     Late,
 }
 
@@ -47,7 +47,7 @@ pub enum Arrival {
 /// that planning takes. How long a feed hold takes at most, even if no plan ever comes again: to the end of what is planned,
 /// [`Self::ahead`], which is where the path rests.
 #[derive(Debug)]
-pub struct Spliced<E> {
+pub struct PlanExecutor<E> {
     lead: Lead,
     /// What is used at present, s.
     current: f64,
@@ -58,7 +58,7 @@ pub struct Spliced<E> {
     rest: VecDeque<Leg>,
     behind: Behind,
     /// Where the path is behind the last item.
-    last: Option<(Arc<CourseElement>, f64)>,
+    last: Option<(Arc<BlendedElement>, f64)>,
     /// The first item that is not in the plan of the other side, perhaps, and what was executed from there on.
     fork: u64,
     passed: VecDeque<Result<Planned, LimitError<E>>>,
@@ -71,7 +71,7 @@ pub struct Spliced<E> {
     late: u64,
 }
 
-impl<E: Clone> Spliced<E> {
+impl<E: Clone> PlanExecutor<E> {
     /// Before the first piece.
     pub fn new(lead: Lead) -> Self {
         Self {
@@ -182,7 +182,7 @@ impl<E: Clone> Spliced<E> {
             self.current = self.lead.first;
             self.begins = first;
         }
-        Arrival::Spliced
+        Arrival::PlanExecutor
     }
 
     /// Takes the next item to execute; none at the end. If nothing further is planned and the path rests, it is

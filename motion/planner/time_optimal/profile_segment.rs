@@ -41,13 +41,13 @@ pub enum Law {
 
 /// Profile segment: a cell of the path and the law of motion through it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch {
+pub struct ProfileSegment {
     length: f64,
     law: Law,
     duration: f64,
 }
 
-impl Stretch {
+impl ProfileSegment {
     /// A cell of `length` gone through by `law`, whose u̇² must be positive at least at one end and nowhere negative.
     pub fn new(length: f64, law: Law) -> Self {
         let duration = match law {
@@ -232,7 +232,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// Time by the midpoint rule, in a variable that takes the roots at the ends away.
-    fn quadrature(stretch: &Stretch) -> f64 {
+    fn quadrature(stretch: &ProfileSegment) -> f64 {
         const PARTS: u32 = 20_000;
         let value = |index: u32| {
             let w = (f64::from(index) + 0.5) / f64::from(PARTS);
@@ -244,7 +244,7 @@ mod tests {
         (0..PARTS).map(value).sum::<f64>() / f64::from(PARTS)
     }
 
-    fn check(stretch: &Stretch) {
+    fn check(stretch: &ProfileSegment) {
         let time = stretch.duration();
         let end = stretch.at(time);
         assert!(
@@ -281,33 +281,33 @@ mod tests {
     proptest! {
         #[test]
         fn time_and_way_fit(length in 1e-6..1.0_f64, from in 1e-3..1.0_f64, middle in 1e-3..1.0_f64, to in 1e-3..1.0_f64) {
-            check(&Stretch::bent(length, from, middle, to));
+            check(&ProfileSegment::bent(length, from, middle, to));
         }
 
         #[test]
         fn from_and_to_rest(length in 1e-9..1.0_f64, b in 1e-6..1.0_f64) {
-            check(&Stretch::launch(length, b));
-            check(&Stretch::landing(length, b));
-            let end = Stretch::launch(length, b).at(1e9);
+            check(&ProfileSegment::launch(length, b));
+            check(&ProfileSegment::landing(length, b));
+            let end = ProfileSegment::launch(length, b).at(1e9);
             prop_assert!((end.velocity.powi(2) - b).abs() <= 1e-12 * b);
-            prop_assert!(Stretch::landing(length, b).at(1e9).velocity.abs() <= 0.0);
+            prop_assert!(ProfileSegment::landing(length, b).at(1e9).velocity.abs() <= 0.0);
         }
     }
 
     #[test]
     fn uniform_from_rest_is_the_school_formula() {
-        let stretch = Stretch::uniform(0.5, 0.0, 1.0);
+        let stretch = ProfileSegment::uniform(0.5, 0.0, 1.0);
         assert!((stretch.duration() - 1.0).abs() < 1e-15);
         assert!((stretch.at(0.5).position - 0.125).abs() < 1e-15);
         check(&stretch);
-        check(&Stretch::uniform(0.5, 1.0, 0.0));
+        check(&ProfileSegment::uniform(0.5, 1.0, 0.0));
     }
 
     /// Where the square of the velocity at the end is 0 but for its rounding, the time is that of the school formula as well.
     #[test]
     fn uniform_to_rest_takes_its_time() {
         let (length, b) = (3.890_243_159_207_496e-8, 7.934_570_312_567_944e-8_f64);
-        let time = Stretch::uniform(length, b, 0.0).duration();
+        let time = ProfileSegment::uniform(length, b, 0.0).duration();
         assert!((time / (2.0 * length / b.sqrt()) - 1.0).abs() < 1e-9, "{time}");
     }
 }

@@ -195,7 +195,7 @@ impl Writer<'_> {
         {
             // Of the slower end: where the path slows down to next to nothing, c is not far from nothing as well.
             let least = LEAST * ends.min(*scale) / scale;
-            let constraint = Constraint::Velocity(CapSource::Nothing);
+            let constraint = Constraint::Velocity(CapSource::Unconstrained);
             let origin = Origin { upper: false, ..self.origin(constraint, 0.0) };
             let entries = [(variable, -1.0), (0, 0.0), (0, 0.0)];
             if *c < 2.0 * least * scale {

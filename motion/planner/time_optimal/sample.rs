@@ -8,7 +8,7 @@ use super::feeds::Feeds;
 use super::grid::{CellEnd, Grid};
 use super::options::LimitOptions;
 use super::rows::LEAST_TIME;
-use crate::time_optimal::blended_path::{CourseElement, Transition};
+use crate::time_optimal::blended_path::{BlendedElement, Transition};
 use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::Arc;
@@ -60,7 +60,7 @@ impl<A: AxisPath> Sampler<A> {
     /// The cells of a part of `element`, as few as its geometry asks for.
     pub(super) fn cells(
         &self,
-        element: &Arc<CourseElement>,
+        element: &Arc<BlendedElement>,
         part: Range<f64>,
         near: &AxisVector,
         cells: &mut Vec<Cell>,
@@ -106,7 +106,7 @@ impl<A: AxisPath> Sampler<A> {
     /// A part of `element` as one cell.
     pub(super) fn cell(
         &self,
-        element: &Arc<CourseElement>,
+        element: &Arc<BlendedElement>,
         part: Range<f64>,
         near: &AxisVector,
     ) -> Result<Cell, KinematicsError> {
@@ -118,7 +118,7 @@ impl<A: AxisPath> Sampler<A> {
     /// The same, with nothing known half-way.
     fn ends(
         &self,
-        element: &Arc<CourseElement>,
+        element: &Arc<BlendedElement>,
         Range { start: from, end: to }: Range<f64>,
         near: &AxisVector,
     ) -> Result<Cell, KinematicsError> {
@@ -190,7 +190,7 @@ impl<A: AxisPath> Sampler<A> {
     /// Sample at `s` of `element`.
     pub(super) fn sample(
         &self,
-        element: &CourseElement,
+        element: &BlendedElement,
         s: f64,
         near: &AxisVector,
     ) -> Result<Sample, KinematicsError> {
@@ -236,7 +236,7 @@ impl<A: AxisPath> Sampler<A> {
     }
 
     /// The bound of the acceleration towards the centre of a curve: that of the programmed path, also where it is rounded.
-    fn on_curve(&self, element: &CourseElement, s: f64) -> Cap {
+    fn on_curve(&self, element: &BlendedElement, s: f64) -> Cap {
         let CircularLimits { acceleration, .. } = self.options.centripetal;
         if acceleration > 0.0 && element.element().kind == ElementKind::Cut {
             Cap { v2: acceleration / element.curvature(s), source: CapSource::Centripetal }
@@ -246,7 +246,7 @@ impl<A: AxisPath> Sampler<A> {
     }
 
     /// Bound at a joint of two elements, if it is at `s`.
-    fn transition(&self, element: &CourseElement, s: f64) -> Cap {
+    fn transition(&self, element: &BlendedElement, s: f64) -> Cap {
         let [head, tail] = element.transitions();
         let near = NEAR * element.length();
         let Transition { curvature_jump, velocity } = if s <= near {

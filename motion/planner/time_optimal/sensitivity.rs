@@ -5,7 +5,7 @@ use super::convex::Origin;
 
 /// Sensitivity of the duration to one limit in one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gain {
+pub struct Sensitivity {
     /// The cell, from that of the window.
     pub cell: usize,
     /// The limit.
@@ -15,8 +15,8 @@ pub struct Gain {
     pub time: f64,
 }
 
-pub(super) fn gains(multipliers: &[(Origin, f64)]) -> Vec<Gain> {
-    let of = |(origin, time): &(Origin, f64)| Gain {
+pub(super) fn gains(multipliers: &[(Origin, f64)]) -> Vec<Sensitivity> {
+    let of = |(origin, time): &(Origin, f64)| Sensitivity {
         cell: origin.cell,
         constraint: origin.constraint,
         time: *time,

@@ -597,12 +597,13 @@ fn a_cam_without_a_name_is_called_as_its_file() {
 fn one_mistake_is_one_message() {
     let scales = "master = { min = 0, max = 360 }\nslave = { min = 0, max = 1 }\n";
     let good = "elements = [{ master = 0, slave = 0 }, { master = 360, slave = 1 }]\n";
-    let told = |text: &str| -> Vec<String> {
+    let message = |text: &str| -> Vec<String> {
         problems(&format!("{scales}{text}")).into_iter().map(|(message, _)| message).collect()
     };
-    let found = told("elements = [{ master = \"0\", slave = 0 }, { master = 360, slave = 1 }]\n");
+    let found =
+        message("elements = [{ master = \"0\", slave = 0 }, { master = 360, slave = 1 }]\n");
     assert_eq!(found, ["`master` is a string; expected a number"]);
-    let found = told("elemnts = [{ master = 0, slave = 0 }]\n");
+    let found = message("elemnts = [{ master = 0, slave = 0 }]\n");
     let [none, unknown] = found.as_slice() else { panic!("{found:?}") };
     assert!(none.contains("no `elements`") && unknown.contains("`elemnts`"), "{found:?}");
     // Every key of [coupling] is known whatever is wrong with another one.
@@ -620,7 +621,7 @@ fn one_mistake_is_one_message() {
         ),
     ] {
         let keys = format!("\n{keys}").replacen(&format!("\n{right}"), &format!("\n{wrong}"), 1);
-        let found = told(&format!("{good}[coupling]{keys}"));
+        let found = message(&format!("{good}[coupling]{keys}"));
         let [one] = found.as_slice() else { panic!("{found:?}") };
         assert!(one.starts_with(said), "{one}");
     }

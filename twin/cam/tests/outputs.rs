@@ -43,7 +43,7 @@ pub(super) fn late(time: f64, [on, off]: [f64; 2], [rise, fall]: [f64; 2]) -> bo
     since(on, rise) < since(off, fall)
 }
 
-pub(super) fn told(run: &RecordedRun) -> Result<Estimate, TuneError> {
+pub(super) fn message(run: &RecordedRun) -> Result<Estimate, TuneError> {
     let (file, use_it) = two();
     run_dead_time(&file, &use_it, run).map(|(found, _)| found.dead_time_s)
 }
@@ -55,7 +55,7 @@ pub(super) fn two() -> (CamFile, CamUse) {
 }
 
 pub(super) fn output_error(run: &RecordedRun) -> OutputError {
-    match told(run) {
+    match message(run) {
         Err(TuneError::Output(error)) => error,
         other => panic!("{other:?}"),
     }
@@ -83,7 +83,7 @@ fn groups_that_contradict_each_other_are_told() {
         let run = recorded(&[1, 2], between, 3000, |time| {
             vec![late(time, FIRST, [0.0053; 2]), late(time, SECOND, [0.0053; 2])]
         });
-        assert!(told(&run).expect("one dead time").holds(0.0053));
+        assert!(message(&run).expect("one dead time").holds(0.0053));
     }
 }
 
@@ -131,7 +131,7 @@ fn scatter_is_no_contradiction() {
                 let [a, b, c, d] = drawn[turn];
                 vec![late(time, FIRST, [a, b]), late(time, SECOND, [c, d])]
             });
-            let found = told(&run).unwrap_or_else(|error| panic!("{seed}: {error}"));
+            let found = message(&run).unwrap_or_else(|error| panic!("{seed}: {error}"));
             hits += usize::from(found.holds(0.012));
         }
         assert!(hits >= 190, "{hits} of 200");
@@ -150,7 +150,7 @@ fn outputs_at_random_are_told() {
                 on ^= random.share() < chance;
                 vec![on]
             });
-            fitted += usize::from(told(&run).is_ok());
+            fitted += usize::from(message(&run).is_ok());
         }
     }
     assert_eq!(fitted, 0);
@@ -160,7 +160,7 @@ fn outputs_at_random_are_told() {
     assert!(matches!(error, OutputError::Random { group: 1, .. }), "{error}");
     // 25 turns, and one pulse.
     let run = recorded(&[1], 0.002, 15_000, |time| vec![(0.205..0.67).contains(&time)]);
-    let error = told(&run).expect_err("two switchings");
+    let error = message(&run).expect_err("two switchings");
     assert!(matches!(error, TuneError::DeadTime(FitError::TooFewSwitchings { .. })), "{error}");
 }
 

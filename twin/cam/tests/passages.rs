@@ -1,7 +1,7 @@
 //! Tests of tappet passages in recorded runs: a master that begins again, is noisy, or has gaps.
 
 use super::found::{Random, cam, using};
-use super::outputs::{VELOCITY, late, recorded, told};
+use super::outputs::{VELOCITY, late, recorded, message};
 use crate::cam::check::AxisLimits;
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{TuneError, run_dead_time};
@@ -118,6 +118,6 @@ fn noise_beside_a_tappet_is_no_passage() {
 fn gaps_of_a_run_say_nothing() {
     let mut run = recorded(&[1], 0.002, 20_000, |time| vec![late(time, [60.0, 200.0], [0.007; 2])]);
     run.samples.retain(|sample| sample.time_s.rem_euclid(4.0) < 1.3);
-    let found = told(&run).unwrap_or_else(|error| panic!("{error}"));
+    let found = message(&run).unwrap_or_else(|error| panic!("{error}"));
     assert!(found.holds(0.007) && found.half_width < 0.002, "{found:?}");
 }

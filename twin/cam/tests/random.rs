@@ -1,7 +1,7 @@
 //! Outputs that switch at random, and few switchings that do not.
 
 use super::found::Random;
-use super::outputs::{VELOCITY, output_error, recorded, told};
+use super::outputs::{VELOCITY, message, output_error, recorded};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::OutputError;
 
@@ -69,7 +69,7 @@ fn few_switchings_that_are_right_are_taken() {
                 };
                 let times: Vec<_> = (0..count).map(&mut place).collect();
                 let run = switched(&times, between, &mut random, noise);
-                if let Err(error) = told(&run) {
+                if let Err(error) = message(&run) {
                     refused
                         .push(format!("{count} with {between} s, {scatter} s, {noise}: {error}"));
                 }
@@ -91,7 +91,7 @@ fn few_switchings_at_random_are_not() {
                 let long = EVERY * f64::from(count) / 2.0;
                 let mut times: Vec<_> = (0..count).map(|_| 0.1 + long * random.share()).collect();
                 times.sort_by(f64::total_cmp);
-                fitted += u32::from(told(&switched(&times, between, &mut random, 0.0)).is_ok());
+                fitted += u32::from(message(&switched(&times, between, &mut random, 0.0)).is_ok());
             }
             let within: f64 = 0.067 + between / EVERY;
             let chance = f64::from(count) * within.powf(f64::from(count) - 1.0);

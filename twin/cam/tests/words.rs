@@ -94,26 +94,26 @@ fn scalings_next_to_nothing_are_refused() {
 #[test]
 fn columns_are_counted() {
     let folder = tempfile::tempdir().expect("a folder");
-    let told = |name: &str, text: &str| {
+    let message = |name: &str, text: &str| {
         let path = folder.path().join(name);
         std::fs::write(&path, text).expect("written");
         let error = CamFile::load(&path, Interpolation::Linear).expect_err("no cam");
         error.to_string().replace(&format!("{}: ", path.display()), "")
     };
-    assert_eq!(told("a.asc", "0;0\n1\n"), "line 2: 1 column instead of 2");
-    assert_eq!(told("b.asc", "0;0\n1;2;3\n"), "line 2: 3 columns instead of 2");
-    assert_eq!(told("c.csv", "0,0\n1\n"), "line 2: 1 column instead of 2");
+    assert_eq!(message("a.asc", "0;0\n1\n"), "line 2: 1 column instead of 2");
+    assert_eq!(message("b.asc", "0;0\n1;2;3\n"), "line 2: 3 columns instead of 2");
+    assert_eq!(message("c.csv", "0,0\n1\n"), "line 2: 1 column instead of 2");
     // Lines of blanks are counted, and say nothing.
-    assert_eq!(told("d.csv", "0,0\n \t\n\n1\n\t"), "line 4: 1 column instead of 2");
+    assert_eq!(message("d.csv", "0,0\n \t\n\n1\n\t"), "line 4: 1 column instead of 2");
     let expected = "expected master and slave, or these with velocity and acceleration";
-    assert_eq!(told("d.csv", "0\n1\n"), format!("line 1: 1 column; {expected}"));
-    assert_eq!(told("e.csv", "0,0,0\n1,0,0\n"), format!("line 1: 3 columns; {expected}"));
+    assert_eq!(message("d.csv", "0\n1\n"), format!("line 1: 1 column; {expected}"));
+    assert_eq!(message("e.csv", "0,0,0\n1,0,0\n"), format!("line 1: 3 columns; {expected}"));
     let jerk = "# points\nmaster,slave,velocity,acceleration,jerk\n0,0,0,0,0\n1,0,0,0,0\n";
-    let said = told("f.csv", jerk);
+    let said = message("f.csv", jerk);
     assert_eq!(said, format!("line 3: 5 columns; {expected}: leave out `jerk`"));
     // The line of the header is that of the file.
     let other =
         "\n# points\nmaster_deg,slave_mm,velocity_mm_per_s,acceleration\n0,0,0,0\n1,0,0,0\n";
-    let said = told("g.csv", other);
+    let said = message("g.csv", other);
     assert!(said.starts_with("line 3: column `velocity_mm_per_s` is by time"), "{said}");
 }

@@ -120,7 +120,7 @@ impl<'m> ClearancePicture<'m> {
     /// Words below the title.
     fn verdict(&self) -> String {
         let [begin, end] = self.timeline.span();
-        let least = self.least.map(|least| least.told(self.machine));
+        let least = self.least.map(|least| least.message(self.machine));
         let least = least.unwrap_or_else(|| "nothing moves".to_owned());
         let hits = match self.hit_count {
             0 => String::new(),

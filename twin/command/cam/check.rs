@@ -123,12 +123,13 @@ fn tell(
     ] {
         let Range { min, at_min, max, at_max } = range;
         // What is rounding beside the whole is nothing.
-        let told = |value: f64| if value.abs() < 1e-12 * range.magnitude() { 0.0 } else { value };
+        let message =
+            |value: f64| if value.abs() < 1e-12 * range.magnitude() { 0.0 } else { value };
         rows.add_row([
             format!("{name} ({slave}{unit})"),
-            short(told(*min)),
+            short(message(*min)),
             check.place(*at_min),
-            short(told(*max)),
+            short(message(*max)),
             check.place(*at_max),
             limit_text(limit),
         ]);

@@ -81,13 +81,13 @@ struct Table {
 
 impl Table {
     fn of(file: &CamFile, between: Option<Between>) -> Result<Self, Failure> {
-        let told = |own: Interpolation| between.map_or(own, Interpolation::from);
+        let message = |own: Interpolation| between.map_or(own, Interpolation::from);
         match file.cam.shape() {
             Shape::Pairs(table) => {
                 let position =
                     |[x, y]: &[f64; 2]| [table.master.position(*x), table.slave.position(*y)];
                 let positions = table.pairs.iter().map(position).collect();
-                let interpolation = told(table.interpolation);
+                let interpolation = message(table.interpolation);
                 let periodic = file.repeated;
                 Ok(Self {
                     pairs: PairTable { interpolation, periodic, ..table.clone() },
@@ -103,7 +103,7 @@ impl Table {
                     master: TableScale::IDENTITY,
                     slave: TableScale::IDENTITY,
                     periodic: file.repeated,
-                    interpolation: told(table.interpolation),
+                    interpolation: message(table.interpolation),
                     pairs: positions.clone(),
                 };
                 Ok(Self { pairs, positions })

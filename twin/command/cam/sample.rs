@@ -4,7 +4,7 @@ use super::options::{MasterOptions, UseOptions, load, positive};
 use crate::cam::check::AxisLimits;
 use crate::cam::sample::{MOST, Sampling, write};
 use crate::command::atomic_file;
-use crate::command::atomic_file::{WholeFile, unwritable};
+use crate::command::atomic_file::{AtomicFile, unwritable};
 use crate::command::{Failure, Status};
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
@@ -62,7 +62,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             [arguments.cam.as_path()],
             [("--output", path.as_path())],
         )?;
-        let mut out = WholeFile::create(path)?;
+        let mut out = AtomicFile::create(path)?;
         write(&file, &using, sampling, &mut out).map_err(|error| unwritable(path, error))?;
         out.finish()?;
     } else {

@@ -3,14 +3,14 @@
 use super::{Arguments, Failure};
 use crate::check::{BlockClearance, ClearanceCsv, ClearancePicture};
 use crate::command::atomic_file;
-use crate::command::atomic_file::{WholeFile, unwritable};
+use crate::command::atomic_file::{AtomicFile, unwritable};
 use crate::program::ProgramFile;
 use std::path::{Path, PathBuf};
 use twin_machine::{Machine, SimulationError};
 
 /// The files that it is written to.
 pub(super) struct ClearanceFiles<'m> {
-    tables: Vec<(&'m Path, ClearanceCsv<'m, WholeFile>)>,
+    tables: Vec<(&'m Path, ClearanceCsv<'m, AtomicFile>)>,
     pictures: Vec<&'m Path>,
     picture: Option<ClearancePicture<'m>>,
     /// What could not be written.
@@ -24,7 +24,7 @@ impl<'m> ClearanceFiles<'m> {
         for path in files {
             match Kind::of(path)? {
                 Kind::Table => {
-                    let table = ClearanceCsv::new(WholeFile::create(path)?, machine);
+                    let table = ClearanceCsv::new(AtomicFile::create(path)?, machine);
                     let table = table.map_err(|error| unwritable(path, error.into()))?;
                     found.tables.push((path, table));
                 }

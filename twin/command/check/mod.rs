@@ -228,7 +228,7 @@ pub(super) fn summary(
         writeln!(out, "{}", show::loads(machine, &outcome.loads))?;
     }
     if let Some(least) = &outcome.clearances.least {
-        writeln!(out, "{} (as planned)", least.told(machine))?;
+        writeln!(out, "{} (as planned)", least.message(machine))?;
     }
     tappets::write(out, &outcome.tappets)?;
     if outcome.untaken_ns > 0 {

@@ -2,7 +2,7 @@
 
 use super::consent::Consent;
 use crate::command::Failure;
-use crate::command::atomic_file::{WholeFile, refuse_existing};
+use crate::command::atomic_file::{AtomicFile, refuse_existing};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use twin_drives::Drive;
@@ -60,7 +60,7 @@ impl OnFile {
 fn backup(drive: &mut dyn Drive, path: &Path) -> Result<(), Failure> {
     let xml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xml"));
     let format = if xml { Format::Xml } else { Format::Text };
-    let mut file = WholeFile::create(path)?;
+    let mut file = AtomicFile::create(path)?;
     let name = path.display().to_string();
     let count = write_parameters(drive, None, format, &name, &mut file)?;
     file.finish()?;

@@ -132,13 +132,16 @@ mod tests {
 
     #[test]
     fn a_change_is_told_with_its_unit_or_with_what_it_means() {
-        let told = |unit| changed(0, 5, unit);
-        assert_eq!(told(""), "0 -> 5");
-        assert_eq!([told("rpm"), told("1000 steps/s²")], ["0 -> 5 rpm", "0 -> 5 1000 steps/s²"]);
-        assert_eq!(told("/32768"), "0 -> 5/32768");
+        let message = |unit| changed(0, 5, unit);
+        assert_eq!(message(""), "0 -> 5");
+        assert_eq!(
+            [message("rpm"), message("1000 steps/s²")],
+            ["0 -> 5 rpm", "0 -> 5 1000 steps/s²"]
+        );
+        assert_eq!(message("/32768"), "0 -> 5/32768");
         let legends = ["0 = none, 1 = A with X", "bits, X first", "0 to 1023", "0 or 1", "code"];
         for legend in legends {
-            assert_eq!(told(legend), format!("0 -> 5 ({legend})"));
+            assert_eq!(message(legend), format!("0 -> 5 ({legend})"));
         }
     }
 

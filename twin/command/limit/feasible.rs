@@ -1,7 +1,7 @@
 //! Feed rewriting: the program with F words that the axes can follow.
 
 use super::Failure;
-use crate::command::atomic_file::{WholeFile, unwritable};
+use crate::command::atomic_file::{AtomicFile, unwritable};
 use crate::command::options::unreadable;
 use crate::program::{Dialect, ProgramFile};
 use std::fs::File;
@@ -29,7 +29,7 @@ pub(super) fn write(
 ) -> Result<Refed, Failure> {
     let source = File::open(program.path()).map_err(|error| unreadable(program.path(), error))?;
     let reader = BufReader::new(source);
-    let mut out = WholeFile::create(target)?;
+    let mut out = AtomicFile::create(target)?;
     let limits = limits.into_iter().map(Ok);
     let refed = if program.dialect() == Dialect::Rs274 {
         let options = program.rs274_options(&machine.conditions);

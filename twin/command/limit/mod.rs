@@ -6,7 +6,7 @@ mod outputs;
 use super::options::{MachineOption, ReadOptions, expect_path, plans_without_inputs, unreadable};
 use super::{Failure, Status, show};
 use crate::command::atomic_file;
-use crate::command::atomic_file::{WholeFile, unwritable};
+use crate::command::atomic_file::{AtomicFile, unwritable};
 use crate::command::progress::ProgressLines;
 use crate::finding;
 use crate::finding::Finding;
@@ -210,7 +210,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     };
     outputs.finish(&program, &machine, arguments.limits)?;
     if let Some(path) = &arguments.lines {
-        let mut file = WholeFile::create(path)?;
+        let mut file = AtomicFile::create(path)?;
         let written = write_lines(&mut file, &machine.axes, &summary.every_line);
         written.map_err(|error| unwritable(path, error.into()))?;
         file.finish()?;

@@ -2,7 +2,7 @@
 
 use super::Failure;
 use crate::command::atomic_file;
-use crate::command::atomic_file::{WholeFile, unwritable};
+use crate::command::atomic_file::{AtomicFile, unwritable};
 use crate::limit::{Limits, Picture, ProfileCsv, ProfileSample};
 use crate::program::ProgramFile;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use twin_machine::Machine;
 /// The files a profile is written to.
 #[derive(Default)]
 pub(super) struct Outputs<'m> {
-    tables: Vec<(&'m Path, ProfileCsv<'m, WholeFile>)>,
+    tables: Vec<(&'m Path, ProfileCsv<'m, AtomicFile>)>,
     pictures: Vec<&'m Path>,
     picture: Option<Picture<'m>>,
 }
@@ -24,7 +24,7 @@ impl<'m> Outputs<'m> {
             let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
             match ending.as_deref() {
                 Some("csv") => {
-                    let file = WholeFile::create(path)?;
+                    let file = AtomicFile::create(path)?;
                     let table = ProfileCsv::new(file, &machine.axes, efforts);
                     outputs
                         .tables

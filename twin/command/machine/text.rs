@@ -221,7 +221,7 @@ fn positions(machine: &Machine, axes: &AxisVector) -> String {
 }
 
 /// A dimension of the machine file. What deviates from nominal is told only where it does.
-fn told(value: &toml::Value) -> Option<toml::Value> {
+fn message(value: &toml::Value) -> Option<toml::Value> {
     fn is_zero(value: &toml::Value) -> bool {
         match value {
             toml::Value::Array(values) => values.iter().all(is_zero),
@@ -244,7 +244,7 @@ fn workspace(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
         .machine
         .dimensions
         .iter()
-        .filter_map(|(key, value)| Some(format!("{key} = {}", told(value)?)))
+        .filter_map(|(key, value)| Some(format!("{key} = {}", message(value)?)))
         .collect();
     writeln!(out, "kinematics {}: {}", facts.machine.kind, dimensions.join(", "))?;
     if let Some(reach) = workspace.reach {

@@ -2,7 +2,7 @@
 
 use super::Format;
 use crate::command::Failure;
-use crate::command::atomic_file::{WholeFile, unwritable};
+use crate::command::atomic_file::{AtomicFile, unwritable};
 use std::fs;
 use std::io::{self, BufWriter, IsTerminal, Stdout, Write};
 use std::path::{Path, PathBuf};
@@ -59,7 +59,7 @@ impl Target {
                 folder.join(format!("{number:03}-{name}.{}", format.ending()))
             }
         };
-        Ok(File::Named(WholeFile::create(&path)?))
+        Ok(File::Named(AtomicFile::create(&path)?))
     }
 }
 
@@ -67,7 +67,7 @@ impl Target {
 #[derive(Debug)]
 pub(super) enum File {
     Stdout(BufWriter<Stdout>),
-    Named(WholeFile),
+    Named(AtomicFile),
 }
 
 impl File {

@@ -2,7 +2,7 @@
 //! (`SMC_GetTrackingError`), largest set values (`SMC_GetMaxSetVelocity`, `SMC_GetMaxSetAccDec`).
 
 use crate::command::Failure;
-use crate::command::atomic_file::WholeFile;
+use crate::command::atomic_file::AtomicFile;
 use crate::report::AxisMaximaReport;
 use crate::session::{DriveSample, TwinCycle};
 use std::collections::VecDeque;
@@ -97,7 +97,7 @@ impl AxisWatchOptions {
                 let (name, names) = (&wanted.axis, names.join(", "));
                 Failure::Usage(format!("--log-axis: there is no axis `{name}`; there are {names}"))
             })?;
-            let out = WholeFile::create(&wanted.file)?;
+            let out = AtomicFile::create(&wanted.file)?;
             logs.push(Log { axis, selection: wanted.selection, out, last: None });
         }
         Ok(AxisWatch {
@@ -137,7 +137,7 @@ struct Watched {
 struct Log {
     axis: usize,
     selection: [bool; VALUES.len()],
-    out: WholeFile,
+    out: AtomicFile,
     /// The record before, and when.
     last: Option<(i64, [f64; VALUES.len()])>,
 }

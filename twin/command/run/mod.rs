@@ -209,7 +209,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         stderr!("what asked for it was {signal}, nobody at the keyboard");
     }
     if let Some(rest) = &done.ending.rest {
-        stderr!("{}", rest.told(&machine));
+        stderr!("{}", rest.message(&machine));
     }
     for line in whereabouts(&machine, &done.ending.last_heard) {
         stderr!("{line}");

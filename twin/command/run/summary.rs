@@ -2,7 +2,7 @@
 
 use super::{Done, outputs};
 use crate::check::Outcome;
-use crate::command::atomic_file::{WholeFile, unwritable};
+use crate::command::atomic_file::{AtomicFile, unwritable};
 use crate::command::{Failure, show};
 use crate::compare::{Comparison, ErrorStatistics, Statistics};
 use crate::hardware::Heard;
@@ -170,7 +170,7 @@ impl Report<'_> {
             ),
             axis_maxima: maxima.map(PerAxis),
         };
-        let mut file = WholeFile::create(path)?;
+        let mut file = AtomicFile::create(path)?;
         write_json(&mut file, &report).map_err(|source| unwritable(path, source))?;
         file.finish()
     }
@@ -182,7 +182,7 @@ impl Report<'_> {
     }
 }
 
-fn write_json(file: &mut WholeFile, report: &RunReport) -> io::Result<()> {
+fn write_json(file: &mut AtomicFile, report: &RunReport) -> io::Result<()> {
     serde_json::to_writer_pretty(&mut *file, report)?;
     writeln!(file)
 }

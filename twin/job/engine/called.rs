@@ -100,7 +100,7 @@ impl Engine {
     fn failed(&self, index: usize, error: SmcError) -> Result<(), Box<Finding>> {
         let Some(Running { call, .. }) = self.calls.get(index) else { return Ok(()) };
         let axis = self.axes.get(call.axis).map_or("", |moved| moved.name.as_str());
-        let message = format!("{} of axis {axis}: {}", call.name, told(error));
+        let message = format!("{} of axis {axis}: {}", call.name, message(error));
         let mut finding = Finding::error(Rule::FunctionBlock, call.place(), message);
         finding.axis = Some(axis.to_owned());
         let more = format!("`twin explain {}` says more", error.number());
@@ -166,6 +166,6 @@ fn recorded(call: &Call, moved: &Moved) -> Option<Finding> {
 }
 
 /// An error in words.
-pub(super) fn told(error: SmcError) -> String {
+pub(super) fn message(error: SmcError) -> String {
     format!("{} ({}): {}", error.name(), error.number(), error.text(Language::English))
 }

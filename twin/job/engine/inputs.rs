@@ -39,7 +39,7 @@ impl Inputs {
 
     /// Evaluates the triggers at the beginning of a cycle. Each is TRUE for the first cycle in which its condition
     /// holds.
-    pub(super) fn see(&mut self, begin_ns: i64, cycle_ns: i64, axes: &[Moved]) {
+    pub(super) fn observe(&mut self, begin_ns: i64, cycle_ns: i64, axes: &[Moved]) {
         for ((when, trigger), before) in
             self.when.iter().zip(&mut self.triggers).zip(&mut self.before)
         {

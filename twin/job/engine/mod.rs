@@ -12,7 +12,7 @@ mod watch;
 use super::block::Fired;
 use super::{Begins, Call, CamsBefore, Job, ON_TOP, SUPERIMPOSED};
 use crate::finding::{Finding, Rule};
-use called::told;
+use called::message;
 use inputs::Inputs;
 use moved::{Moved, Moving, assumed_jerks};
 use schedule::Schedule;
@@ -234,7 +234,7 @@ impl Engine {
         self.now_ns += self.cycle_ns;
         self.fired.clear();
         self.axes.iter_mut().for_each(Moved::begin);
-        self.inputs.see(begin_ns, self.cycle_ns, &self.axes);
+        self.inputs.observe(begin_ns, self.cycle_ns, &self.axes);
         self.raise(begin_ns);
         self.reorder()?;
         for place in 0..self.order.len() {
@@ -254,7 +254,7 @@ impl Engine {
         match failed {
             Some((moved, id)) => {
                 let error = u16::try_from(id).ok().and_then(SmcError::from_number);
-                let said = error.map_or(format!("error {id}"), told);
+                let said = error.map_or(format!("error {id}"), message);
                 let message = format!("axis {} stops by itself: {said}", moved.name);
                 Err(Finding::error(Rule::FunctionBlock, self.place(), message).into())
             }

@@ -211,20 +211,20 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             if self.stopped.is_none() {
                 let last = self.planned.back().or(self.executed.as_ref());
                 let next_ns = last.map_or(0, |last| last.time_ns + self.machine.cycle_ns);
-                self.overrides.pursue(next_ns, &mut self.items);
+                self.overrides.apply_due(next_ns, &mut self.items);
             }
             let Poll::Ready(item) = self.items.poll(waits) else { break };
             match item {
                 Some(PlanItem::Tool(tool)) => {
-                    self.overrides.see(tool.time_ns, &self.items);
+                    self.overrides.observe(tool.time_ns, &self.items);
                     let call = self.items.m_call();
                     match self.transformer.axes(&tool, call) {
                         Ok(setpoint) => self.take(&setpoint),
-                        Err(source) => self.lose_plan(Stopped::Path { place: tool.place, source }),
+                        Err(source) => self.fail_plan(Stopped::Path { place: tool.place, source }),
                     }
                 }
                 Some(PlanItem::Axes(setpoint)) => {
-                    self.overrides.see(setpoint.time_ns, &self.items);
+                    self.overrides.observe(setpoint.time_ns, &self.items);
                     self.take(&setpoint);
                 }
                 // The check has refused programs with errors; warnings have been shown by it.
@@ -232,10 +232,10 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
                     if finding.severity == Severity::Error {
                         let Finding { line, block, message, .. } = finding;
                         let place = Place { line, block };
-                        self.lose_plan(Stopped::Program { place, message });
+                        self.fail_plan(Stopped::Program { place, message });
                     }
                 }
-                Some(PlanItem::Io(error)) => self.lose_plan(Stopped::Read(error)),
+                Some(PlanItem::Io(error)) => self.fail_plan(Stopped::Read(error)),
                 None => {
                     self.plan = Plan::Ends;
                     self.settle_stop();
@@ -260,7 +260,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     }
 
     /// Records the lateness of the cycles that are due, in step with the wall clock.
-    pub(super) fn take_up(&mut self, now_ns: i64) {
+    pub(super) fn record_lateness(&mut self, now_ns: i64) {
         let Some(punctuality) = &mut self.punctuality else { return };
         for due in self.planned.iter().take_while(|next| next.time_ns <= now_ns) {
             punctuality.record(due.time_ns, now_ns);
@@ -283,8 +283,8 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             let feedback = self.twin.command_before(&setpoint, &self.planned);
             let feedback = feedback.and_then(|()| self.twin.feedback());
             for news in self.twin.news() {
-                if let Some(told) = check::happening(self.machine, &news) {
-                    observer.happened(setpoint.time_ns, news.place, &told.message);
+                if let Some(finding) = check::happening(self.machine, &news) {
+                    observer.happened(setpoint.time_ns, news.place, &finding.message);
                 }
             }
             let feedback = match feedback {

@@ -9,7 +9,7 @@ use twin_physics::PhysicsError;
 
 impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
     /// Handles interrupts of the user, `interrupts` being their number so far.
-    pub(in crate::session) fn heed(&mut self, interrupts: u32) {
+    pub(in crate::session) fn handle_interrupt(&mut self, interrupts: u32) {
         while self.interrupts < interrupts {
             self.interrupts += 1;
             self.resting.asked_ns.get_or_insert(self.executed_ns());
@@ -89,7 +89,7 @@ impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
 
     /// Handles a failure of the planner: there are no set-points that lead to rest on the path. The existing plan is
     /// still good, and the axes brake from its end.
-    pub(super) fn lose_plan(&mut self, reason: Stopped) {
+    pub(super) fn fail_plan(&mut self, reason: Stopped) {
         self.stopped.get_or_insert(reason);
         self.come_to_rest();
     }

@@ -6,7 +6,7 @@ use super::super::super::selection::{CamInput, StartMode};
 use super::course::{Course, Way};
 use super::wish::{RampError, RampGoal, RampIn, RampWish};
 use crate::SlaveLimits;
-use crate::ramp_in::Bridge;
+use crate::ramp_in::RampIn as RampInMotion;
 use crate::{Approach, Gap};
 use twin_profile::{AxisLimits, RampType};
 
@@ -166,7 +166,7 @@ impl<'a> Problem<'a> {
                 ..*input
             };
             let coupling = CamCoupling::start(table.clone(), input, master, slave, 0)?;
-            let bridge = coupling.bridge().into_iter().flat_map(Bridge::pieces);
+            let bridge = coupling.bridge().into_iter().flat_map(RampInMotion::pieces);
             bridge.map(|(duration, pull)| [duration, pull, 0.0, 0.0]).collect()
         } else {
             let limits = AxisLimits { velocity, acceleration, deceleration, jerk };

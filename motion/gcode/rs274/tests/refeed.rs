@@ -157,8 +157,8 @@ proptest! {
         let (text, refed) = written(program.as_bytes(), &table);
         let text = String::from_utf8(text).unwrap();
         let (before, after) = (path(program.as_bytes()), path(text.as_bytes()));
-        let told = |line| refed.unrepaired.iter().any(|one| one.place.line == line && one.reason != Reason::Rapid);
-        check_path(&before, &after, &table, |e| is_cut(e) && !told(e.place.line), |e| limit_of(&table, e))?;
+        let message = |line| refed.unrepaired.iter().any(|one| one.place.line == line && one.reason != Reason::Rapid);
+        check_path(&before, &after, &table, |e| is_cut(e) && !message(e.place.line), |e| limit_of(&table, e))?;
         let slow = refed.unrepaired.iter().filter(|one| one.reason != Reason::Rapid);
         for one in slow {
             prop_assert_eq!(one.reason, Reason::InverseTime);

@@ -1,6 +1,6 @@
 //! Blends: polynomials that replace the path near a joint.
 
-use super::{CoursePoint, Order};
+use super::{BlendedPoint, Order};
 use nalgebra::{Point3, SVector, Vector2};
 use twin_path::ExtraPoint;
 
@@ -28,8 +28,8 @@ impl Blend {
     pub(super) fn new(
         half_width: f64,
         joint: Point3<f64>,
-        before: &CoursePoint,
-        after: &CoursePoint,
+        before: &BlendedPoint,
+        after: &BlendedPoint,
         order: Order,
     ) -> Option<Self> {
         let scale = half_width;
@@ -64,14 +64,14 @@ impl Blend {
 
     /// Position and derivatives at `way` m from the joint, −[`Self::half_width`] to [`Self::half_width`]; what is
     /// beyond counts as the end.
-    pub fn at(&self, way: f64) -> CoursePoint {
+    pub fn at(&self, way: f64) -> BlendedPoint {
         let x = (way / self.half_width).clamp(-1.0, 1.0);
         let [position, first, second, third] = self.space.at(x, self.half_width);
         let extra = self.extra.as_ref().map(|extra| {
             let [position, first, second, third] = extra.at(x, self.half_width).map(Into::into);
             ExtraPoint { position, first, second, third }
         });
-        CoursePoint { position: position.into(), first, second, third, extra }
+        BlendedPoint { position: position.into(), first, second, third, extra }
     }
 
     /// The fourth derivative of X and Y at `way` m from the joint, 1/m³.

@@ -1,6 +1,6 @@
 //! Deviation of a blend from the path.
 
-use super::{Blend, CoursePoint};
+use super::{Blend, BlendedPoint};
 use nalgebra::{SVector, Vector3};
 use twin_path::ExtraPoint;
 
@@ -9,7 +9,7 @@ use twin_path::ExtraPoint;
 const BEND: f64 = 0.3;
 
 /// With the extra axes where they are at the joint, if the element does not know them.
-pub(super) fn completed(mut point: CoursePoint, joint: &CoursePoint) -> CoursePoint {
+pub(super) fn completed(mut point: BlendedPoint, joint: &BlendedPoint) -> BlendedPoint {
     point.extra = point.extra.or(joint.extra);
     point
 }
@@ -36,7 +36,7 @@ struct Deviation {
 
 impl Check<'_> {
     /// Goes along the points of the path on one side of the joint.
-    pub(super) fn side(&mut self, points: impl Iterator<Item = (f64, CoursePoint)>) {
+    pub(super) fn side(&mut self, points: impl Iterator<Item = (f64, BlendedPoint)>) {
         let mut last: Option<Deviation> = None;
         for (way, point) in points {
             let here = self.deviation(way, &point);
@@ -47,7 +47,7 @@ impl Check<'_> {
         }
     }
 
-    fn deviation(&mut self, way: f64, point: &CoursePoint) -> Deviation {
+    fn deviation(&mut self, way: f64, point: &BlendedPoint) -> Deviation {
         let blended = self.blend.at(way);
         let [new, old] = [blended.extra, point.extra].map(Option::<ExtraPoint>::unwrap_or_default);
         let speeds = if point.first == Vector3::zeros() && blended.first == Vector3::zeros() {

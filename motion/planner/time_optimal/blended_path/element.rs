@@ -33,7 +33,7 @@ impl Transition {
 /// the path there are also turns at rest, [`Self::is_turn`], which replace nothing: the original of such an element is the
 /// place where the path rests.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CourseElement {
+pub struct BlendedElement {
     element: CheckedElement,
     head: Option<Arc<Blend>>,
     tail: Option<Arc<Blend>>,
@@ -44,7 +44,7 @@ pub struct CourseElement {
     held: Option<Held>,
 }
 
-impl CourseElement {
+impl BlendedElement {
     /// As it is, with a stop at its end.
     pub(super) fn new(element: CheckedElement) -> Self {
         let transitions = [Transition::NONE; 2];
@@ -72,9 +72,9 @@ impl CourseElement {
     }
 
     /// The direction of the path seen from above at `s`, where the course is at `point`; none unless
-    /// [`CourseOptions::turning`](super::CourseOptions::turning). Where the path has none it stays as it was; before the
+    /// [`BlendOptions::turning`](super::BlendOptions::turning). Where the path has none it stays as it was; before the
     /// first, it is the first.
-    pub fn bearing(&self, s: f64, point: &CoursePoint) -> Option<Bearing> {
+    pub fn bearing(&self, s: f64, point: &BlendedPoint) -> Option<Bearing> {
         let Held { along, turn } = self.held?;
         if turn != 0.0 {
             let first = turn / self.length();
@@ -162,13 +162,13 @@ impl CourseElement {
     /// What has no length is where it ends, and its derivatives are zero.
     ///
     /// A blend costs about as much as an arc, a fifth of a cubic.
-    pub fn at(&self, s: f64) -> CoursePoint {
+    pub fn at(&self, s: f64) -> BlendedPoint {
         let length = self.length();
         let s = s.max(0.0).min(length);
         match (&self.head, &self.tail) {
             (Some(blend), _) if s <= blend.half_width() => blend.at(s),
             (_, Some(blend)) if s >= self.tail_start() => blend.at(s - length),
-            _ => CoursePoint::of(&self.element, s),
+            _ => BlendedPoint::of(&self.element, s),
         }
     }
 
@@ -237,7 +237,7 @@ impl CourseElement {
 
 /// Position and derivatives of the course by its parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CoursePoint {
+pub struct BlendedPoint {
     /// Position, m.
     pub position: Point3<f64>,
     /// First derivative: the unit tangent of the original path, no unit vector within a blend.
@@ -250,7 +250,7 @@ pub struct CoursePoint {
     pub extra: Option<ExtraPoint>,
 }
 
-impl CoursePoint {
+impl BlendedPoint {
     /// That of the original path.
     pub(super) fn of(element: &CheckedElement, s: f64) -> Self {
         let extra = element.extra_at(s);

@@ -1,7 +1,7 @@
 //! Joints: steps of the derivatives where two elements meet.
 
 use super::blend::resting;
-use super::{CoursePoint, Order};
+use super::{BlendedPoint, Order};
 use nalgebra::SVector;
 use twin_path::prepare::CheckedElement;
 use twin_path::{ExtraPoint, Shape};
@@ -50,8 +50,8 @@ impl Joint {
 /// The two sides of a joint of elements that both have a length, and what counts as a step between them.
 #[derive(Clone, Debug)]
 pub(super) struct Steps {
-    pub(super) before: CoursePoint,
-    pub(super) after: CoursePoint,
+    pub(super) before: BlendedPoint,
+    pub(super) after: BlendedPoint,
     joint: Joint,
     /// Whether each derivative (first, second, third) of space and (first, second) of the extra axes has a step that is not
     /// rounding. The third is looked at with [`Order::Jerk`].
@@ -65,8 +65,8 @@ pub(super) struct Steps {
 
 impl Steps {
     pub(super) fn between(from: &CheckedElement, to: &CheckedElement, order: Order) -> Self {
-        let mut before = CoursePoint::of(from, from.path_length());
-        let mut after = CoursePoint::of(to, 0.0);
+        let mut before = BlendedPoint::of(from, from.path_length());
+        let mut after = BlendedPoint::of(to, 0.0);
         before.extra = before.extra.or(after.extra.map(resting));
         after.extra = after.extra.or(before.extra.map(resting));
         let shorter = from.path_length().min(to.path_length());

@@ -1,7 +1,7 @@
 //! Blended path (the course): the path of time-optimal planning, without steps of its derivatives.
 //!
 //! An axis that follows x(s(t)) has the velocity x′·ṡ and the acceleration x″·ṡ² + x′·s̈: a step of x′ is a step of the
-//! velocity at every feed, and a step of x″ (line to arc) is a step of the acceleration. [`Course`] replaces the path
+//! velocity at every feed, and a step of x″ (line to arc) is a step of the acceleration. [`BlendedPath`] replaces the path
 //! near such joints by a [`Blend`], a polynomial within a tolerance, and keeps the parameter: s is the length of the
 //! original element everywhere, so switches, blocks and lengths keep their places.
 
@@ -15,7 +15,7 @@ mod turn;
 mod width;
 
 pub use blend::Blend;
-pub use element::{CourseElement, CoursePoint, Transition};
+pub use element::{BlendedElement, BlendedPoint, Transition};
 pub use joint::Joint;
 pub use turn::Bearing;
 
@@ -45,7 +45,7 @@ pub enum Order {
 
 /// Options of the course: tolerances and order of blending.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CourseOptions {
+pub struct BlendOptions {
     /// Largest distance in space between course and path at the same parameter, m. At 0 (and below, and no number)
     /// nothing is blended.
     pub tolerance: f64,
@@ -54,11 +54,11 @@ pub struct CourseOptions {
     /// Order of the derivatives whose steps are blended.
     pub order: Order,
     /// The tool turns with the path: where the direction of the path seen from above steps the path stops, and the course has
-    /// a turn at rest ([`CourseElement::is_turn`]) before it goes on. [`CourseElement::bearing`] tells the direction.
+    /// a turn at rest ([`BlendedElement::is_turn`]) before it goes on. [`BlendedElement::bearing`] tells the direction.
     pub turning: bool,
 }
 
-impl CourseOptions {
+impl BlendOptions {
     /// Blends within `tolerance`, m, all steps up to the second derivative; with the same number in mm as the tolerance
     /// of the extra axes in u.
     pub fn new(tolerance: f64) -> Self {
@@ -73,7 +73,7 @@ impl CourseOptions {
     }
 }
 
-/// The course along the elements of `upstream`: an iterator of [`CourseElement`]s, one for each [`CheckedElement`].
+/// The course along the elements of `upstream`: an iterator of [`BlendedElement`]s, one for each [`CheckedElement`].
 ///
 /// A joint is left as it is where
 /// - the path stops: [`twin_path::PathElement::end_velocity`] is 0, as [`twin_path::prepare::CheckVelocities`] sets it
@@ -86,20 +86,20 @@ impl CourseOptions {
 /// - the elements do not meet, by more than a nanometre (10⁻⁹ of an extra axis' position and at least 10⁻⁹ u). A stop
 ///   is asked for there as well.
 ///
-/// What is left is told by [`CourseElement::joint`].
+/// What is left is told by [`BlendedElement::joint`].
 ///
-/// With [`CourseOptions::turning`] the path also stops where its direction steps and no blend leads on, where it seen from
+/// With [`BlendOptions::turning`] the path also stops where its direction steps and no blend leads on, where it seen from
 /// above folds back, and where it begins or ends to go straight up or down; arcs that stand upright are cut there.
 ///
 /// One element is held back, since its end depends on the next; errors from upstream come in their place.
 #[derive(Debug)]
-pub struct Course<I, E> {
+pub struct BlendedPath<I, E> {
     upstream: I,
-    options: CourseOptions,
+    options: BlendOptions,
     /// The newest element, its end not yet joined to anything.
-    held: Option<CourseElement>,
+    held: Option<BlendedElement>,
     /// What comes before that: a turn.
-    turn: Option<CourseElement>,
+    turn: Option<BlendedElement>,
     /// An error that comes after the element just handed out.
     failure: Option<E>,
     /// What was taken from upstream ahead of its time.
@@ -109,12 +109,12 @@ pub struct Course<I, E> {
     ended: bool,
 }
 
-impl<I, E> Course<I, E>
+impl<I, E> BlendedPath<I, E>
 where
     I: Iterator<Item = Result<CheckedElement, E>>,
 {
     /// The course along the elements of `upstream`.
-    pub fn new(upstream: I, options: CourseOptions) -> Self {
+    pub fn new(upstream: I, options: BlendOptions) -> Self {
         Self {
             upstream,
             options,
@@ -170,24 +170,24 @@ where
     }
 
     /// `element`, which comes next, and the turn that has to come before it, unless a blend leads into it.
-    fn turned(&mut self, element: CheckedElement) -> (CourseElement, Option<CourseElement>) {
-        let mut next = CourseElement::new(element);
+    fn turned(&mut self, element: CheckedElement) -> (BlendedElement, Option<BlendedElement>) {
+        let mut next = BlendedElement::new(element);
         let Some(bearing) = self.bearing else { return (next, None) };
         let directions = turn::directions(next.element());
         let [start, end] = directions.unwrap_or([bearing; 2]);
         next.hold(Held { along: start, turn: 0.0 });
         self.bearing = Some(end);
         let turn = turn::turn_between(bearing, start);
-        let turn = turn.map(|turn| CourseElement::turn(next.element(), bearing, turn));
+        let turn = turn.map(|turn| BlendedElement::turn(next.element(), bearing, turn));
         (next, turn)
     }
 }
 
-impl<I, E> Iterator for Course<I, E>
+impl<I, E> Iterator for BlendedPath<I, E>
 where
     I: Iterator<Item = Result<CheckedElement, E>>,
 {
-    type Item = Result<CourseElement, E>;
+    type Item = Result<BlendedElement, E>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if let Some(error) = self.failure.take() {
@@ -233,9 +233,9 @@ where
 
 /// Leads the course from `element`, which ends in a stop so far, into `next`. `turns`: its direction seen from above turns.
 fn join(
-    element: &mut CourseElement,
-    next: &mut CourseElement,
-    options: &CourseOptions,
+    element: &mut BlendedElement,
+    next: &mut BlendedElement,
+    options: &BlendOptions,
     turns: bool,
 ) {
     let (from, to) = (element.element(), next.element());

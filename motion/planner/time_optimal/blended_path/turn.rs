@@ -8,7 +8,7 @@
 //! ```
 
 use super::joint::{SLOWEST, Steps};
-use super::{CourseElement, CoursePoint};
+use super::{BlendedElement, BlendedPoint};
 use crate::controller::heading;
 use nalgebra::Vector2;
 use std::f64::consts::{PI, TAU};
@@ -53,7 +53,7 @@ impl Bearing {
 
     /// At `point`, where the fourth derivative of X and Y is `fourth`; none where the path goes straight up or down.
     /// Derivatives too large for a number, on paths too small for any machine, count as none.
-    pub(super) fn at(point: &CoursePoint, fourth: Vector2<f64>) -> Option<Self> {
+    pub(super) fn at(point: &BlendedPoint, fourth: Vector2<f64>) -> Option<Self> {
         let along = direction(point.first.xy())?;
         let derivatives = [point.second.xy(), point.third.xy(), fourth];
         let rates = direction_rates(point.first.xy(), derivatives)?;
@@ -159,7 +159,7 @@ pub(super) struct Held {
     pub(super) turn: f64,
 }
 
-impl CourseElement {
+impl BlendedElement {
     /// A turn at the start of `next`, at rest, by `turn` from the direction `along`, rad.
     pub(super) fn turn(next: &CheckedElement, along: f64, turn: f64) -> Self {
         let mut element = Self::new(next.start_at_rest());

@@ -3,7 +3,7 @@
 use super::deviation::{Check, completed};
 use super::element::SAME_PLACE;
 use super::joint::{SLOWEST, Steps};
-use super::{Blend, CourseOptions, CoursePoint, Order};
+use super::{Blend, BlendOptions, BlendedPoint, Order};
 use nalgebra::SVector;
 use twin_path::prepare::CheckedElement;
 
@@ -88,7 +88,7 @@ pub(super) fn widest(
     to: &CheckedElement,
     head: f64,
     steps: &Steps,
-    options: &CourseOptions,
+    options: &BlendOptions,
 ) -> Result<Blend, NoBlend> {
     let blend = widest_alone(from, to, steps, options)?;
     let (width, free) = (blend.half_width(), from.path_length() - head);
@@ -107,7 +107,7 @@ fn widest_alone(
     from: &CheckedElement,
     to: &CheckedElement,
     steps: &Steps,
-    options: &CourseOptions,
+    options: &BlendOptions,
 ) -> Result<Blend, NoBlend> {
     let most = SHARE * from.path_length().min(to.path_length());
     let least = NARROWEST.max(DIGITS * steps.blur);
@@ -255,7 +255,8 @@ impl Expected {
 
 /// Rounding of the extra axes, u, which does not count as a deviation.
 fn rounding(steps: &Steps) -> f64 {
-    let far = |at: &CoursePoint| at.extra.map_or(0.0, |extra| SVector::from(extra.position).amax());
+    let far =
+        |at: &BlendedPoint| at.extra.map_or(0.0, |extra| SVector::from(extra.position).amax());
     16.0 * f64::EPSILON * far(&steps.before).max(far(&steps.after))
 }
 
@@ -276,12 +277,12 @@ impl Trial {
         from: &CheckedElement,
         to: &CheckedElement,
         steps: &Steps,
-        options: &CourseOptions,
+        options: &BlendOptions,
         half_width: f64,
     ) -> Self {
         let length = from.path_length();
-        let start = completed(CoursePoint::of(from, length - half_width), &steps.before);
-        let end = completed(CoursePoint::of(to, half_width), &steps.after);
+        let start = completed(BlendedPoint::of(from, length - half_width), &steps.before);
+        let end = completed(BlendedPoint::of(to, half_width), &steps.after);
         let none = Self { blend: None, deviation: f64::INFINITY, folds: false, coarse: false };
         let Some(blend) = Blend::new(half_width, steps.after.position, &start, &end, options.order)
         else {
@@ -299,12 +300,12 @@ impl Trial {
         let way = |count: u8| step * f64::from(count);
         let inner = || 1..INTERVALS;
         let before = inner().rev().map(|count| {
-            let point = CoursePoint::of(from, length - way(count));
+            let point = BlendedPoint::of(from, length - way(count));
             (-way(count), completed(point, &steps.before))
         });
         check.side([(-half_width, start)].into_iter().chain(before).chain([(0.0, steps.before)]));
         let after = inner()
-            .map(|count| (way(count), completed(CoursePoint::of(to, way(count)), &steps.after)));
+            .map(|count| (way(count), completed(BlendedPoint::of(to, way(count)), &steps.after)));
         check.side([(0.0, steps.after)].into_iter().chain(after).chain([(half_width, end)]));
         let Check { deviation, slowest: [blended, original], coarse, .. } = check;
         let folds = blended < SLOWEST * original;

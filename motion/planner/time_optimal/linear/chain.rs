@@ -21,7 +21,7 @@ use super::CAPPED;
 use super::scaled::{Active, Scaled};
 use crate::time_optimal::bound::Constraint;
 use crate::time_optimal::grid::Grid;
-use crate::time_optimal::sensitivity::Gain;
+use crate::time_optimal::sensitivity::Sensitivity;
 use std::ops::Range;
 
 /// A row that is less active holds nothing.
@@ -132,11 +132,11 @@ impl<'g> Chain<'g> {
     }
 
     /// Sensitivities of the limits, to be added to those found elsewhere: they may be negative.
-    pub(super) fn gains(&self) -> impl Iterator<Item = Gain> {
+    pub(super) fn gains(&self) -> impl Iterator<Item = Sensitivity> {
         self.held.iter().zip(&self.duals).filter_map(|(held, dual)| {
             let time = dual * held.share;
             let constraint = held.constraint.filter(|_| time != 0.0)?;
-            Some(Gain { cell: held.cell, constraint, time })
+            Some(Sensitivity { cell: held.cell, constraint, time })
         })
     }
 

@@ -23,7 +23,7 @@ use super::bound::Constraint;
 use super::convex::{Answer, Cone, NotSolved, Origin, Program};
 use super::grid::Grid;
 use super::reachable;
-use crate::time_optimal::sensitivity::{Gain, gains};
+use crate::time_optimal::sensitivity::{Sensitivity, gains};
 use approach::Open;
 use chain::Chain;
 use presolve::Presolved;
@@ -55,7 +55,7 @@ pub struct LinearProfile {
     /// Rows it was given.
     pub rows: usize,
     /// Sensitivities to the limits.
-    pub gains: Vec<Gain>,
+    pub gains: Vec<Sensitivity>,
 }
 
 /// Solves windows with limited acceleration; keeps its memory from one to the next.
@@ -278,13 +278,13 @@ impl LinearSolver {
 }
 
 /// Of each limit in each cell what it costs in all: one that holds both of its b may do so to one at the cost of the other.
-fn added(gains: impl Iterator<Item = Gain>) -> Vec<Gain> {
+fn added(gains: impl Iterator<Item = Sensitivity>) -> Vec<Sensitivity> {
     let mut sums = BTreeMap::<_, f64>::new();
-    for Gain { cell, constraint, time } in gains {
+    for Sensitivity { cell, constraint, time } in gains {
         *sums.entry((cell, constraint)).or_default() += time;
     }
     let sums = sums.into_iter().filter(|(_, time)| *time > chain::NO_GAIN);
-    sums.map(|((cell, constraint), time)| Gain { cell, constraint, time }).collect()
+    sums.map(|((cell, constraint), time)| Sensitivity { cell, constraint, time }).collect()
 }
 
 /// Profile about which the duration is expanded.

@@ -2,7 +2,7 @@
 
 use super::{After, Leg, LimitError, Planned, Planner};
 use crate::time_optimal::axis_path::AxisPath;
-use crate::time_optimal::blended_path::CourseElement;
+use crate::time_optimal::blended_path::BlendedElement;
 use crate::time_optimal::cell::Cell;
 use crate::time_optimal::sample::SAME_PLACE;
 use crate::time_optimal::smooth::Beginning;
@@ -16,14 +16,14 @@ const AT_REST: f64 = 1e-7;
 /// A part of an element, m.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
-    pub(super) element: Arc<CourseElement>,
+    pub(super) element: Arc<BlendedElement>,
     pub(super) from: f64,
     pub(super) to: f64,
 }
 
 impl Part {
     /// All of an element.
-    pub(super) fn whole(element: Arc<CourseElement>) -> Self {
+    pub(super) fn whole(element: Arc<BlendedElement>) -> Self {
         Self { from: 0.0, to: element.length(), element }
     }
 
@@ -47,9 +47,9 @@ impl Part {
 
 /// Item of the backlog, before the rest of the course.
 #[derive(Debug)]
-pub(super) enum Returned<E> {
+pub(super) enum Backlog<E> {
     Part(Part),
-    Pause(Arc<CourseElement>),
+    Pause(Arc<BlendedElement>),
     Error(LimitError<E>),
     /// Here the path is to rest.
     Hold,
@@ -109,20 +109,20 @@ where
         for item in items.into_iter().rev() {
             match item {
                 Ok(Planned::Leg(leg)) => self.return_part(Part::of(&leg)),
-                Ok(Planned::Pause(element)) => self.returned.push_front(Returned::Pause(element)),
+                Ok(Planned::Pause(element)) => self.returned.push_front(Backlog::Pause(element)),
                 Ok(Planned::Hold { .. }) => {}
-                Err(error) => self.returned.push_front(Returned::Error(error)),
+                Err(error) => self.returned.push_front(Backlog::Error(error)),
             }
         }
     }
 
     /// Takes the next item along the path.
-    pub(super) fn take_next(&mut self) -> Option<Returned<E>> {
+    pub(super) fn take_next(&mut self) -> Option<Backlog<E>> {
         self.returned.pop_front().or_else(|| {
             Some(match self.course.next()? {
-                Ok(element) if element.length() <= 0.0 => Returned::Pause(Arc::new(element)),
-                Ok(element) => Returned::Part(Part::whole(Arc::new(element))),
-                Err(error) => Returned::Error(LimitError::Upstream(error)),
+                Ok(element) if element.length() <= 0.0 => Backlog::Pause(Arc::new(element)),
+                Ok(element) => Backlog::Part(Part::whole(Arc::new(element))),
+                Err(error) => Backlog::Error(LimitError::Upstream(error)),
             })
         })
     }
@@ -131,15 +131,15 @@ where
     pub(super) fn hold(&mut self) -> Option<Result<Planned, LimitError<E>>> {
         loop {
             let (next, element, at) = match self.take_next() {
-                Some(Returned::Part(part)) => {
+                Some(Backlog::Part(part)) => {
                     let (element, at) = (Arc::clone(&part.element), part.from);
-                    (Returned::Part(part), element, at)
+                    (Backlog::Part(part), element, at)
                 }
-                Some(Returned::Pause(element)) => {
-                    (Returned::Pause(Arc::clone(&element)), element, 0.0)
+                Some(Backlog::Pause(element)) => {
+                    (Backlog::Pause(Arc::clone(&element)), element, 0.0)
                 }
-                Some(Returned::Error(error)) => return Some(Err(error)),
-                Some(Returned::Hold) => continue,
+                Some(Backlog::Error(error)) => return Some(Err(error)),
+                Some(Backlog::Hold) => continue,
                 None => {
                     self.over = true;
                     return None;
@@ -174,16 +174,16 @@ where
     /// Puts a part before what is to be planned.
     fn return_part(&mut self, part: Part) {
         match self.returned.front_mut() {
-            Some(Returned::Part(next)) if part.leads_to(next) => next.from = part.from,
-            _ => self.returned.push_front(Returned::Part(part)),
+            Some(Backlog::Part(next)) if part.leads_to(next) => next.from = part.from,
+            _ => self.returned.push_front(Backlog::Part(part)),
         }
     }
 
     /// Forgets the cells: what they are of is to be planned. Where the path was to be held it is not any more.
     pub(super) fn unplan(&mut self) {
         match self.after.take() {
-            Some(After::Pause(element)) => self.returned.push_front(Returned::Pause(element)),
-            Some(After::Error(error)) => self.returned.push_front(Returned::Error(error)),
+            Some(After::Pause(element)) => self.returned.push_front(Backlog::Pause(element)),
+            Some(After::Error(error)) => self.returned.push_front(Backlog::Error(error)),
             Some(After::Path | After::Hold | After::End) | None => {}
         }
         if let Some(first) = self.cells.first() {
@@ -192,7 +192,7 @@ where
         let cells = std::mem::take(&mut self.cells);
         self.return_cells(&cells);
         self.kept.clear();
-        self.returned.retain(|returned| !matches!(returned, Returned::Hold));
+        self.returned.retain(|returned| !matches!(returned, Backlog::Hold));
     }
 
     fn return_cells(&mut self, cells: &[Cell]) {
@@ -204,9 +204,9 @@ where
     /// Gives back `cells`, which are behind the window, and what follows them.
     pub(super) fn return_beyond(&mut self, cells: &[Cell]) {
         match self.after.take() {
-            Some(After::Pause(element)) => self.returned.push_front(Returned::Pause(element)),
-            Some(After::Error(error)) => self.returned.push_front(Returned::Error(error)),
-            Some(After::Hold) => self.returned.push_front(Returned::Hold),
+            Some(After::Pause(element)) => self.returned.push_front(Backlog::Pause(element)),
+            Some(After::Error(error)) => self.returned.push_front(Backlog::Error(error)),
+            Some(After::Hold) => self.returned.push_front(Backlog::Hold),
             Some(After::Path | After::End) | None => {}
         }
         self.return_cells(cells);
@@ -216,8 +216,8 @@ where
     }
 
     /// Drops what is to be planned up to `s` of `element`.
-    pub(super) fn skip_to(&mut self, element: &Arc<CourseElement>, s: f64) {
-        while let Some(Returned::Part(part)) = self.returned.front_mut() {
+    pub(super) fn skip_to(&mut self, element: &Arc<BlendedElement>, s: f64) {
+        while let Some(Backlog::Part(part)) = self.returned.front_mut() {
             let own = Arc::ptr_eq(&part.element, element);
             let near = SAME_PLACE * element.length();
             if own && part.to > s + near {
@@ -235,27 +235,27 @@ where
 
     /// Drops a pause or an error that is next.
     pub(super) fn skip_pause(&mut self) {
-        if let Some(Returned::Pause(_) | Returned::Error(_)) = self.returned.front() {
+        if let Some(Backlog::Pause(_) | Backlog::Error(_)) = self.returned.front() {
             self.returned.pop_front();
         }
     }
 
     /// The path is to rest at `s` of `element`, which is to be planned.
-    pub(super) fn hold_at(&mut self, element: &Arc<CourseElement>, s: f64) {
+    pub(super) fn hold_at(&mut self, element: &Arc<BlendedElement>, s: f64) {
         if let Some(behind) = self.split_at(element, s) {
-            self.returned.insert(behind, Returned::Hold);
+            self.returned.insert(behind, Backlog::Hold);
         }
     }
 
     /// Parts what is to be planned at `s` of `element`, which it is a part of; what is behind.
-    pub(super) fn split_at(&mut self, element: &Arc<CourseElement>, s: f64) -> Option<usize> {
+    pub(super) fn split_at(&mut self, element: &Arc<BlendedElement>, s: f64) -> Option<usize> {
         let near = SAME_PLACE * element.length();
         let place = self.returned.iter().position(|returned| {
-            matches!(returned, Returned::Part(part)
+            matches!(returned, Backlog::Part(part)
                 if Arc::ptr_eq(&part.element, element) && part.to >= s - near)
         });
         let index = place?;
-        if let Some(Returned::Part(part)) = self.returned.get_mut(index)
+        if let Some(Backlog::Part(part)) = self.returned.get_mut(index)
             && part.to > s + near
         {
             if part.from >= s - near {
@@ -264,7 +264,7 @@ where
             }
             let behind = Part { from: s, ..part.clone() };
             part.to = s;
-            self.returned.insert(index + 1, Returned::Part(behind));
+            self.returned.insert(index + 1, Backlog::Part(behind));
         }
         Some(index + 1)
     }

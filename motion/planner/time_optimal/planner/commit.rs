@@ -5,7 +5,7 @@ use super::{Leg, LimitError, Planned, Planner};
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::convex::NotSolved;
 use crate::time_optimal::grid::Grid;
-use crate::time_optimal::profile_segment::Stretch;
+use crate::time_optimal::profile_segment::ProfileSegment;
 use crate::time_optimal::reachable;
 use crate::time_optimal::smooth::Beginning;
 use std::sync::Arc;
@@ -85,7 +85,7 @@ where
     }
 
     /// Hands out the first `end` cells, some, keeps those up to `free` and prepares the rest for the next window.
-    pub(super) fn commit(&mut self, stretches: &[Stretch], (end, free): (usize, usize)) {
+    pub(super) fn commit(&mut self, stretches: &[ProfileSegment], (end, free): (usize, usize)) {
         let legs = self.cells.iter().zip(stretches).map(|(cell, stretch)| Leg {
             element: Arc::clone(&cell.element),
             from: cell.from,

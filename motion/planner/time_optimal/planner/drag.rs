@@ -4,7 +4,7 @@ use super::Planner;
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::cell::{Cell, Sample};
 use crate::time_optimal::drag::DragRow;
-use crate::time_optimal::profile_segment::Stretch;
+use crate::time_optimal::profile_segment::ProfileSegment;
 use std::sync::Arc;
 use twin_path::prepare::CheckedElement;
 
@@ -22,7 +22,7 @@ where
 {
     /// Takes the tangent of the drag at the present velocity in cells where drag holds the motion back and is
     /// overestimated; that allows the present motion and faster ones. Returns the numbers of these cells.
-    pub(super) fn take_tangents(&mut self, stretches: &[Stretch]) -> Vec<usize> {
+    pub(super) fn take_tangents(&mut self, stretches: &[ProfileSegment]) -> Vec<usize> {
         let rows = self.sampler.axes().further_rows();
         if rows == 0 {
             return Vec::new();
@@ -75,7 +75,7 @@ where
 
 impl Cell {
     /// Counts drag as it is at the velocities of `stretch`.
-    pub(super) fn take_tangents(&mut self, stretch: &Stretch) {
+    pub(super) fn take_tangents(&mut self, stretch: &ProfileSegment) {
         let take = |end: &mut Arc<Sample>, u: f64| {
             Arc::make_mut(end).reference = stretch.at_position(u).0.sqrt();
         };

@@ -5,7 +5,7 @@ use super::refine::SHORTEST;
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::bound::AxisLimits;
 use crate::time_optimal::cell::{Cell, Sample};
-use crate::time_optimal::profile_segment::Stretch;
+use crate::time_optimal::profile_segment::ProfileSegment;
 use twin_path::prepare::CheckedElement;
 
 /// An acceleration may change by this part of its limit from one end of a cell to the other.
@@ -23,7 +23,7 @@ where
 {
     /// Cuts cells in which an acceleration that is asked for in full at one end is much less at the other: with the same ü all
     /// over the cell and limits at both of its ends the path would be slower than it can be. Whether there were any.
-    pub(super) fn even_out(&mut self, stretches: &[Stretch]) -> bool {
+    pub(super) fn even_out(&mut self, stretches: &[ProfileSegment]) -> bool {
         let known = std::mem::take(&mut self.cells);
         let fresh = self.kept.len().saturating_sub(1);
         let count = known.len();
@@ -51,7 +51,7 @@ where
     }
 
     /// The cell `index`, which was planned before, is cut at these parts of its length.
-    pub(super) fn keep_within(&mut self, index: usize, stretch: &Stretch, at: &[f64]) {
+    pub(super) fn keep_within(&mut self, index: usize, stretch: &ProfileSegment, at: &[f64]) {
         let place = (index + 1).min(self.kept.len());
         let between = at.iter().map(|part| stretch.at_position(part * stretch.length()).0);
         self.kept.splice(place..place, between);
@@ -59,7 +59,7 @@ where
 }
 
 /// By how much an acceleration changes in a cell, at most, as a part of its limit.
-fn changes(cell: &Cell, limits: &[AxisLimits], stretch: &Stretch) -> f64 {
+fn changes(cell: &Cell, limits: &[AxisLimits], stretch: &ProfileSegment) -> f64 {
     let ends = [(&cell.start, 0.0), (&cell.end, stretch.length())];
     let [start, end] =
         ends.map(|(sample, u)| accelerations(sample, limits, stretch.at_position(u)));

@@ -4,7 +4,7 @@ use super::Planner;
 use super::verify::exceeds;
 use super::window::{can_be_followed, stretches};
 use crate::time_optimal::axis_path::AxisPath;
-use crate::time_optimal::profile_segment::Stretch;
+use crate::time_optimal::profile_segment::ProfileSegment;
 use crate::time_optimal::sample::grid;
 use crate::time_optimal::smooth::Beginning;
 use twin_path::prepare::CheckedElement;
@@ -23,7 +23,7 @@ where
 {
     /// From rest to rest, within all limits: with u̇ k times what it is on any profile with a continuous ü accelerations are k² times
     /// what they are and jerks k³ times. The fastest that comes of the first guess; none if the window does not begin at rest.
-    pub(super) fn slowed(&mut self) -> Option<Vec<Stretch>> {
+    pub(super) fn slowed(&mut self) -> Option<Vec<ProfileSegment>> {
         if self.beginning != Beginning::Rest {
             return None;
         }
@@ -32,7 +32,7 @@ where
         self.bend(&mut guess);
         let largest = guess.c.iter().copied().fold(0.0, f64::max);
         let mut logs: Vec<f64> = guess.c.iter().map(|c| c.max(LEAST * largest).ln()).collect();
-        let mut fastest: Option<(f64, Vec<Stretch>)> = None;
+        let mut fastest: Option<(f64, Vec<ProfileSegment>)> = None;
         let mut passes = 0;
         for wanted in SMOOTHED {
             while passes < wanted {
@@ -41,7 +41,7 @@ where
             }
             let c: Vec<f64> = logs.iter().map(|log| log.exp()).collect();
             let Some(slowed) = self.slow_down(&c) else { continue };
-            let duration = slowed.iter().map(Stretch::duration).sum();
+            let duration = slowed.iter().map(ProfileSegment::duration).sum();
             if fastest.as_ref().is_none_or(|(least, _)| duration < *least) {
                 fastest = Some((duration, slowed));
             }
@@ -56,7 +56,7 @@ where
     }
 
     /// The profile of these c, as fast as the limits let it be.
-    fn slow_down(&mut self, c: &[f64]) -> Option<Vec<Stretch>> {
+    fn slow_down(&mut self, c: &[f64]) -> Option<Vec<ProfileSegment>> {
         let grid = grid(&self.sampler, &self.cells);
         let mut profile = self.smooth.profile(&grid, self.beginning, c);
         for _ in 0..LOOKS {
@@ -79,7 +79,7 @@ where
     }
 
     /// The largest acceleration, jerk and velocity, as parts of the limits, those at joints included.
-    fn worst_of(&self, stretches: &[Stretch]) -> [f64; 3] {
+    fn worst_of(&self, stretches: &[ProfileSegment]) -> [f64; 3] {
         let cells = self.cells.iter().zip(stretches);
         cells.fold([0.0; 3], |[a, j, v]: [f64; 3], (cell, stretch)| {
             let [acceleration, jerk, velocity] = self.worst(cell, stretch);
@@ -103,7 +103,7 @@ fn smooth(values: &mut [f64]) {
 #[cfg(test)]
 #[allow(clippy::expect_used, clippy::panic, reason = "tests")]
 mod tests {
-    use crate::time_optimal::blended_path::CourseOptions;
+    use crate::time_optimal::blended_path::BlendOptions;
     use crate::time_optimal::smooth::Aim;
     use crate::time_optimal::{
         AxisLimits, AxisPath, KinematicPath, Leg, LimitOptions, Planned, Planner,
@@ -137,7 +137,7 @@ mod tests {
             vec![LIMITS; 2],
             AxisVector::zeros(2),
         );
-        let options = LimitOptions::new(CourseOptions::new(tolerance));
+        let options = LimitOptions::new(BlendOptions::new(tolerance));
         let mut planner = Planner::new(CheckVelocities::new(elements, PI), axes, options);
         if !solvable {
             planner.smooth.aim = Aim::Slowest;

@@ -62,7 +62,7 @@ where
                 let rows = ends.into_iter().flat_map(|(cell, end)| grid.jerks(cell, end));
                 let sharpest = rows.fold(0.0, |most: f64, row| most.max(row.third.abs()));
                 let v2 = SHARP * part * sharpest.powf(-2.0 / 3.0);
-                grid.cap_at(node, Cap { v2, source: CapSource::Nothing });
+                grid.cap_at(node, Cap { v2, source: CapSource::Unconstrained });
             }
         }
         let mut guess = self.estimate(&grid).0;

@@ -3,12 +3,12 @@
 use super::refine::time;
 use super::{Leg, NOT_SOLVED, Planner};
 use crate::time_optimal::axis_path::AxisPath;
-use crate::time_optimal::blended_path::CourseElement;
+use crate::time_optimal::blended_path::BlendedElement;
 use crate::time_optimal::cell::Cell;
 use crate::time_optimal::convex::NotSolved;
 use crate::time_optimal::feeds::Feeds;
 use crate::time_optimal::grid::Grid;
-use crate::time_optimal::profile_segment::{Law, Stretch};
+use crate::time_optimal::profile_segment::{Law, ProfileSegment};
 use crate::time_optimal::reachable;
 use crate::time_optimal::sample::grid;
 use crate::time_optimal::smooth::{Aim, Beginning, Guess};
@@ -87,7 +87,7 @@ impl Slowest {
     }
 
     /// Place where the path comes to rest.
-    pub(super) fn rest(&self, room: Room) -> Option<(&Arc<CourseElement>, f64)> {
+    pub(super) fn rest(&self, room: Room) -> Option<(&Arc<BlendedElement>, f64)> {
         let mut left = self.rest.map_or(f64::INFINITY, |rest| rest * (1.0 + room.behind));
         for cell in &self.cells {
             if left <= cell.length() {
@@ -274,7 +274,7 @@ where
         let legs = || self.tail.iter().take(count).map(|leg| &leg.stretch);
         let mut b: Vec<f64> = legs().map(|stretch| stretch.at_position(0.0).0).collect();
         b.extend(legs().next_back().map(|stretch| stretch.at_position(stretch.length()).0));
-        let middle = |stretch: &Stretch| match stretch.law() {
+        let middle = |stretch: &ProfileSegment| match stretch.law() {
             Law::Quadratic { b, a, .. } => b + a * stretch.length(),
             // What jerk is constant in is at an end, where c is none of the variables.
             Law::Launch { .. } | Law::Landing { .. } => {

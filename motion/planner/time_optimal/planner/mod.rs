@@ -26,10 +26,10 @@ use super::linear::LinearSolver;
 use super::options::LimitOptions;
 use super::sample::{Sampler, grid};
 use super::smooth::{Beginning, SmoothSolver};
-use crate::time_optimal::blended_path::{Course, CourseElement};
-use crate::time_optimal::profile_segment::Stretch;
-use crate::time_optimal::sensitivity::Gain;
-use backlog::{Part, Returned};
+use crate::time_optimal::blended_path::{BlendedElement, BlendedPath};
+use crate::time_optimal::profile_segment::ProfileSegment;
+use crate::time_optimal::sensitivity::Sensitivity;
+use backlog::{Backlog, Part};
 use budget::Budget;
 use clarabel::solver::SolverStatus;
 pub use pieces::{Behind, Piece, Pieces, Request};
@@ -43,11 +43,11 @@ use twin_path::prepare::CheckedElement;
 #[derive(Clone, Debug)]
 pub struct Leg {
     /// The element.
-    pub element: Arc<CourseElement>,
+    pub element: Arc<BlendedElement>,
     /// Begin of the part on it, m.
     pub from: f64,
     /// Motion through it.
-    pub stretch: Stretch,
+    pub stretch: ProfileSegment,
     /// Axis positions at its start, m or rad.
     pub start: AxisVector,
 }
@@ -70,11 +70,11 @@ pub enum Planned {
     /// Motion.
     Leg(Leg),
     /// Item without motion: an M function, a dwell, a jump. The path rests before it.
-    Pause(Arc<CourseElement>),
+    Pause(Arc<BlendedElement>),
     /// The path rests until [`Planner::set_override`] lets it go on, and would go on from here. It comes again and again until then.
     Hold {
         /// The element that is next.
-        element: Arc<CourseElement>,
+        element: Arc<BlendedElement>,
         /// Its place on it, m.
         at: f64,
     },
@@ -135,7 +135,7 @@ pub struct Effort {
 #[derive(Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a state of its own")]
 pub struct Planner<I, E, A> {
-    course: Course<I, E>,
+    course: BlendedPath<I, E>,
     sampler: Sampler<A>,
     options: LimitOptions,
     jerk_limited: bool,
@@ -150,7 +150,7 @@ pub struct Planner<I, E, A> {
     after: Option<After<E>>,
     near: AxisVector,
     /// What of the path was known before and is not in the cells: it comes before the rest of the course.
-    returned: VecDeque<Returned<E>>,
+    returned: VecDeque<Backlog<E>>,
     ready: VecDeque<Result<Planned, LimitError<E>>>,
     /// The override that is asked for, and whether that is to be seen to.
     asked: f64,
@@ -164,7 +164,7 @@ pub struct Planner<I, E, A> {
     /// Attempts to plan anew, since the last that was not in vain.
     misses: u32,
     /// What limits cost in the window that is being planned, and in all that was committed.
-    gains: Vec<Gain>,
+    gains: Vec<Sensitivity>,
     costs: BTreeMap<Constraint, f64>,
     over: bool,
 }
@@ -173,7 +173,7 @@ pub struct Planner<I, E, A> {
 enum After<E> {
     /// The path goes on from rest.
     Path,
-    Pause(Arc<CourseElement>),
+    Pause(Arc<BlendedElement>),
     Error(LimitError<E>),
     /// The path is to rest here until it is let go on.
     Hold,
@@ -190,7 +190,7 @@ where
         let near = axes.home();
         let jerk_limited = axes.limits().iter().any(|limits| limits.jerk.is_some());
         Self {
-            course: Course::new(upstream, options.course),
+            course: BlendedPath::new(upstream, options.course),
             sampler: Sampler::new(axes, options),
             options,
             jerk_limited,
@@ -230,10 +230,10 @@ where
     /// Takes one more part of the path.
     fn pull(&mut self) {
         self.after = match self.take_next() {
-            Some(Returned::Part(part)) => self.add(&part),
-            Some(Returned::Pause(element)) => Some(After::Pause(element)),
-            Some(Returned::Error(error)) => Some(After::Error(error)),
-            Some(Returned::Hold) => Some(After::Hold),
+            Some(Backlog::Part(part)) => self.add(&part),
+            Some(Backlog::Pause(element)) => Some(After::Pause(element)),
+            Some(Backlog::Error(error)) => Some(After::Error(error)),
+            Some(Backlog::Hold) => Some(After::Hold),
             None => Some(After::End),
         };
     }

@@ -2,7 +2,7 @@
 
 use super::{Leg, LimitError, Planned, Planner};
 use crate::time_optimal::axis_path::AxisPath;
-use crate::time_optimal::blended_path::CourseElement;
+use crate::time_optimal::blended_path::BlendedElement;
 use crate::time_optimal::feeds::Feeds;
 use crate::time_optimal::planner::backlog::rests;
 use crate::time_optimal::smooth::Beginning;
@@ -35,7 +35,7 @@ pub enum Behind {
     /// Nothing until another override: the path is held, and would go on here.
     Hold {
         /// The element that is next.
-        element: Arc<CourseElement>,
+        element: Arc<BlendedElement>,
         /// Its place on it, m.
         at: f64,
     },
@@ -66,7 +66,7 @@ impl<E> Request<E> {
 }
 
 /// A [`Planner`] that hands out its plan in pieces, each with a way to rest: the executor always has a plan that ends
-/// at rest, and keeps the old one until a new one arrives ([`Spliced`](crate::time_optimal::Spliced)).
+/// at rest, and keeps the old one until a new one arrives ([`PlanExecutor`](crate::time_optimal::PlanExecutor)).
 #[derive(Debug)]
 pub struct Pieces<I, E, A> {
     planner: Planner<I, E, A>,
@@ -99,7 +99,7 @@ where
         self.resting
     }
 
-    /// Items below this number will not be asked back: [`Spliced::needs`](crate::time_optimal::Spliced::needs).
+    /// Items below this number will not be asked back: [`PlanExecutor::needs`](crate::time_optimal::PlanExecutor::needs).
     pub fn forget(&mut self, number: u64) {
         while self.oldest < number && self.record.pop_front().is_some() {
             self.oldest += 1;

@@ -275,7 +275,7 @@ fn slow_in_bends(grid: &Grid, b: &[f64]) -> Option<Grid> {
         for node in [cell, cell + 1] {
             if node > 0 && b.get(node).is_some_and(|b| *b > v2) {
                 let slower = slower.get_or_insert_with(|| grid.clone());
-                slower.cap_at(node, Cap { v2, source: CapSource::Nothing });
+                slower.cap_at(node, Cap { v2, source: CapSource::Unconstrained });
             }
         }
     }

@@ -5,7 +5,7 @@ use super::{Leg, NoWindow, Planned, Planner};
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::feeds::Feeds;
 use crate::time_optimal::planner::minimum_speed::{Look, Room, Slowest};
-use crate::time_optimal::profile_segment::Stretch;
+use crate::time_optimal::profile_segment::ProfileSegment;
 use crate::time_optimal::smooth::Beginning;
 use std::sync::Arc;
 use twin_path::prepare::CheckedElement;
@@ -67,7 +67,7 @@ where
     /// overbooked: half of them within 31 ms, 19 of 20 within 0.12 s and all within 0.2 s; 27 were tried again later.
     ///
     /// Who cannot wait for that executes the plan by [`Pieces`](crate::time_optimal::Pieces) and
-    /// [`Spliced`](crate::time_optimal::Spliced): what is executed then ends at rest at any time, and a new plan takes its place only if
+    /// [`PlanExecutor`](crate::time_optimal::PlanExecutor): what is executed then ends at rest at any time, and a new plan takes its place only if
     /// it is there in time.
     pub fn set_override(&mut self, factor: f64) {
         self.misses = 0;
@@ -203,7 +203,7 @@ where
     }
 
     /// True if a profile begins as fast as the path is: without jerk limits the solver may lower the first velocity.
-    pub(super) fn begins_with(&self, stretches: &[Stretch]) -> bool {
+    pub(super) fn begins_with(&self, stretches: &[ProfileSegment]) -> bool {
         let Beginning::Moving { b, .. } = self.beginning else { return true };
         stretches.first().is_some_and(|first| first.at_position(0.0).0 >= b * (1.0 - SLOWER))
     }

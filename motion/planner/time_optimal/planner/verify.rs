@@ -5,7 +5,7 @@ use super::commit::KEPT_ROOM;
 use super::refine::SHORTEST;
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::cell::Cell;
-use crate::time_optimal::profile_segment::Stretch;
+use crate::time_optimal::profile_segment::ProfileSegment;
 use crate::time_optimal::rows::LEAST_TIME;
 use crate::time_optimal::smooth::{Broken, Guess};
 use twin_path::prepare::CheckedElement;
@@ -33,7 +33,7 @@ where
     /// numbers; `guess` is fitted to the new ones. Cells before `first` stay as they are.
     pub(super) fn tighten(
         &mut self,
-        stretches: &[Stretch],
+        stretches: &[ProfileSegment],
         (first, round): (usize, u32),
         broken: &Broken,
         mut guess: Option<&mut Guess>,
@@ -111,7 +111,7 @@ where
     }
 
     /// The largest acceleration, jerk and velocity in a cell as parts of the limits.
-    pub(super) fn worst(&self, cell: &Cell, stretch: &Stretch) -> [f64; 3] {
+    pub(super) fn worst(&self, cell: &Cell, stretch: &ProfileSegment) -> [f64; 3] {
         let mut worst = [0.0_f64; 3];
         let limits = self.sampler.axes().limits();
         // What jerk limits have smoothed is not so far from the places where it is known.

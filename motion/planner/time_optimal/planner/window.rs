@@ -8,7 +8,7 @@ use super::{NOT_SOLVED, Planner};
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::convex::NotSolved;
 use crate::time_optimal::grid::Grid;
-use crate::time_optimal::profile_segment::Stretch;
+use crate::time_optimal::profile_segment::ProfileSegment;
 use crate::time_optimal::reachable;
 use crate::time_optimal::sample::grid;
 use crate::time_optimal::smooth::{Beginning, Broken, Guess, SmoothProfile};
@@ -33,7 +33,7 @@ where
 {
     /// Solves, looks between the places where limits were asked for, and makes them tighter, or the cells shorter, where they
     /// are exceeded.
-    pub(super) fn solve_verified(&mut self) -> Result<Vec<Stretch>, NotSolved> {
+    pub(super) fn solve_verified(&mut self) -> Result<Vec<ProfileSegment>, NotSolved> {
         self.effort.windows += 1;
         if self.jerk_limited {
             return self.solve_smooth();
@@ -64,7 +64,7 @@ where
         }
     }
 
-    fn solve_smooth(&mut self) -> Result<Vec<Stretch>, NotSolved> {
+    fn solve_smooth(&mut self) -> Result<Vec<ProfileSegment>, NotSolved> {
         let failed = self.effort.failed;
         let asked = self.asked_of_kept();
         let mut solved = self.solve_smooth_about(self.first_guess());
@@ -94,7 +94,7 @@ where
         solved
     }
 
-    fn solve_smooth_about(&mut self, mut guess: Guess) -> Result<Vec<Stretch>, NotSolved> {
+    fn solve_smooth_about(&mut self, mut guess: Guess) -> Result<Vec<ProfileSegment>, NotSolved> {
         self.solve_whole(&mut guess)?;
         self.subdivide(&mut guess);
         self.bend(&mut guess);
@@ -184,7 +184,7 @@ where
     }
 
     /// True if there will be no further round; counts what is still exceeded then.
-    fn is_last(&mut self, round: u32, stretches: &[Stretch]) -> bool {
+    fn is_last(&mut self, round: u32, stretches: &[ProfileSegment]) -> bool {
         if round >= ROUNDS {
             self.count_exceeded(stretches);
         }
@@ -192,13 +192,13 @@ where
     }
 
     /// True if nothing is so much more than it may be that cells are too long.
-    fn are_nearly_kept(&self, stretches: &[Stretch]) -> bool {
+    fn are_nearly_kept(&self, stretches: &[ProfileSegment]) -> bool {
         let mut cells = self.cells.iter().zip(stretches);
         cells.all(|(cell, stretch)| !is_too_long(self.worst(cell, stretch)))
     }
 
     /// Counts the window if something in it is more than it may be.
-    fn count_exceeded(&mut self, stretches: &[Stretch]) {
+    fn count_exceeded(&mut self, stretches: &[ProfileSegment]) {
         let fresh = self.kept.len().saturating_sub(1);
         let mut cells = self.cells.iter().zip(stretches).enumerate();
         if cells.any(|(index, (cell, stretch))| exceeds(self.worst(cell, stretch), index < fresh)) {
@@ -309,7 +309,7 @@ where
     }
 
     /// Motion through each cell without jerk limits.
-    fn solve_linear(&mut self, grid: &Grid) -> Vec<Stretch> {
+    fn solve_linear(&mut self, grid: &Grid) -> Vec<ProfileSegment> {
         let cells = 0..grid.cells();
         let start = match self.beginning {
             Beginning::Rest => 0.0,
@@ -334,28 +334,28 @@ where
         let ends = b.iter().zip(b.iter().skip(1));
         cells
             .zip(ends)
-            .map(|(cell, (from, to))| Stretch::uniform(grid.length(cell), *from, *to))
+            .map(|(cell, (from, to))| ProfileSegment::uniform(grid.length(cell), *from, *to))
             .collect()
     }
 }
 
 /// True if a profile never goes backwards.
-pub(super) fn can_be_followed(stretches: &[Stretch]) -> bool {
+pub(super) fn can_be_followed(stretches: &[ProfileSegment]) -> bool {
     stretches.iter().all(|stretch| stretch.duration().is_finite())
 }
 
 /// Motion through each cell.
-pub(super) fn stretches(grid: &Grid, profile: &SmoothProfile) -> Vec<Stretch> {
+pub(super) fn stretches(grid: &Grid, profile: &SmoothProfile) -> Vec<ProfileSegment> {
     let last = grid.cells().saturating_sub(1);
     let ends = profile.b.iter().zip(profile.b.iter().skip(1)).zip(&profile.a);
     let stretch = |(cell, ((from, to), a)): (usize, ((&f64, &f64), &f64))| {
         let length = grid.length(cell);
         if cell == 0 && profile.beginning == Beginning::Rest {
-            Stretch::launch(length, *to)
+            ProfileSegment::launch(length, *to)
         } else if cell == last {
-            Stretch::landing(length, *from)
+            ProfileSegment::landing(length, *from)
         } else {
-            Stretch::bent(length, *from, from + a * length, *to)
+            ProfileSegment::bent(length, *from, from + a * length, *to)
         }
     };
     ends.enumerate().map(stretch).collect()

@@ -34,7 +34,7 @@ use super::bound::{CapSource, Constraint};
 use super::convex::{NotSolved, Origin, Program};
 use super::grid::{End, Grid};
 use super::rows::{Around, Known, Place, Screen, Writer};
-use crate::time_optimal::sensitivity::{Gain, gains};
+use crate::time_optimal::sensitivity::{Sensitivity, gains};
 use std::ops::Range;
 
 /// A c that is to be positive is at least this part of the guess.
@@ -91,7 +91,7 @@ pub struct SmoothProfile {
     /// Rows of the last solve.
     pub rows: usize,
     /// Sensitivities to the limits.
-    pub gains: Vec<Gain>,
+    pub gains: Vec<Sensitivity>,
 }
 
 impl SmoothProfile {

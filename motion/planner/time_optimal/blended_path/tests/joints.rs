@@ -36,7 +36,7 @@ fn corner_in_closed_form() {
 fn corner_of_a_septic_in_closed_form() {
     for turn in [0.01, 0.3, FRAC_PI_2, 2.0, 2.9] {
         let [along, away] = turned(turn);
-        let options = CourseOptions { order: Order::Jerk, ..within(1e-4) };
+        let options = BlendOptions { order: Order::Jerk, ..within(1e-4) };
         let course = course(corner(turn, [0.1, 0.2]), options);
         let blend = course[0].tail().unwrap();
         let d = blend.half_width();
@@ -187,7 +187,7 @@ fn steps_of_an_extra_axis() {
         ]
     };
     for (ways, step) in [([0.0, 10.0], 100.0), ([10.0, -10.0], 200.0), ([1.0, 3.0], 20.0)] {
-        let options = CourseOptions { extra_tolerance: 0.05, ..within(1e-6) };
+        let options = BlendOptions { extra_tolerance: 0.05, ..within(1e-6) };
         let found = course(path(ways), options);
         let d = found[0].tail().unwrap().half_width();
         let expected = f64::min(0.05 / (0.1875 * step), 0.05);
@@ -195,7 +195,7 @@ fn steps_of_an_extra_axis() {
         let [space, u] = deviation(&found, 1000);
         assert!(space < 1e-15 && u <= 0.05, "{space} {u}");
         for extra_tolerance in [0.0, -1.0, f64::NAN] {
-            let left = course(path(ways), CourseOptions { extra_tolerance, ..options });
+            let left = course(path(ways), BlendOptions { extra_tolerance, ..options });
             assert_eq!(left[0].tail(), None);
             let joint = left[0].joint();
             assert!((joint.extra_slope_jump - step).abs() < 1e-9 && joint.tangent_jump == 0.0);
@@ -205,7 +205,7 @@ fn steps_of_an_extra_axis() {
     // A corner that P passes evenly needs no tolerance of P.
     let mut even = corner(1.0, [0.1, 0.1]);
     even = even.into_iter().zip([7.0, 9.0]).map(|(e, p)| with_p(e, p, p + 2.0)).collect();
-    let exact = CourseOptions { extra_tolerance: 0.0, ..within(1e-5) };
+    let exact = BlendOptions { extra_tolerance: 0.0, ..within(1e-5) };
     assert!(course(even, exact)[0].tail().is_some());
 }
 
@@ -243,7 +243,7 @@ fn extra_axes_alone() {
     let expected = 0.1875 * blend.half_width() * 1e3 * 0.5_f64.sqrt();
     assert!((off[1] - expected).abs() < 1e-9 && off[1] <= 0.01 && off[1] > 0.009, "{off:?}");
     assert_eq!(blend.at(0.0).position, Point3::from(here));
-    let exact = CourseOptions { extra_tolerance: 0.0, ..within(1e-5) };
+    let exact = BlendOptions { extra_tolerance: 0.0, ..within(1e-5) };
     let joint = course(pair(10.0), exact)[0].joint();
     assert!((joint.angle - 0.25 * PI).abs() < 1e-12 && joint.tangent_jump == 0.0);
     // There and back.

@@ -7,7 +7,7 @@ mod random;
 mod stream;
 mod turning;
 
-use super::{Blend, Course, CourseElement, CourseOptions, CoursePoint, Joint, Order};
+use super::{Blend, BlendOptions, BlendedElement, BlendedPath, BlendedPoint, Joint, Order};
 use nalgebra::{Point3, SVector, Vector3};
 use std::f64::consts::PI;
 use twin_path::Place;
@@ -56,18 +56,18 @@ fn with_p(mut element: PathElement, start: f64, end: f64) -> PathElement {
 }
 
 /// The course along `path`, on which no corner is too sharp to be passed.
-fn course(path: Vec<PathElement>, options: CourseOptions) -> Vec<CourseElement> {
+fn course(path: Vec<PathElement>, options: BlendOptions) -> Vec<BlendedElement> {
     let checked = CheckVelocities::new(path.into_iter().map(Ok::<_, Error>), PI);
-    Course::new(checked, options).map(Result::unwrap).collect()
+    BlendedPath::new(checked, options).map(Result::unwrap).collect()
 }
 
 /// That of the original path.
-fn original(element: &CourseElement, s: f64) -> CoursePoint {
-    CoursePoint::of(element.element(), s)
+fn original(element: &BlendedElement, s: f64) -> BlendedPoint {
+    BlendedPoint::of(element.element(), s)
 }
 
 /// How far two points are apart, and their derivatives: space first.
-fn steps(a: &CoursePoint, b: &CoursePoint) -> ([f64; 4], [f64; 4]) {
+fn steps(a: &BlendedPoint, b: &BlendedPoint) -> ([f64; 4], [f64; 4]) {
     let space =
         [a.position - b.position, a.first - b.first, a.second - b.second, a.third - b.third];
     let [from, to] = [a.extra.unwrap_or_default(), b.extra.unwrap_or_default()]
@@ -77,7 +77,7 @@ fn steps(a: &CoursePoint, b: &CoursePoint) -> ([f64; 4], [f64; 4]) {
 }
 
 /// The largest deviation of the course from the path, m and u, at `count` points of each element.
-fn deviation(course: &[CourseElement], count: u32) -> [f64; 2] {
+fn deviation(course: &[BlendedElement], count: u32) -> [f64; 2] {
     let mut largest = [0.0_f64; 2];
     for element in course {
         for part in 0..=count {
@@ -106,10 +106,10 @@ fn corner(turn: f64, lengths: [f64; 2]) -> Vec<PathElement> {
 }
 
 /// Blends within `tolerance`, m, and the same number of mm of u.
-fn within(tolerance: f64) -> CourseOptions {
-    CourseOptions::new(tolerance)
+fn within(tolerance: f64) -> BlendOptions {
+    BlendOptions::new(tolerance)
 }
 
-fn only_velocity(tolerance: f64) -> CourseOptions {
-    CourseOptions { order: Order::Velocity, ..within(tolerance) }
+fn only_velocity(tolerance: f64) -> BlendOptions {
+    BlendOptions { order: Order::Velocity, ..within(tolerance) }
 }

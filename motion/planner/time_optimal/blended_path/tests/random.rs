@@ -122,10 +122,10 @@ pub(super) fn path() -> impl Strategy<Value = Vec<PathElement>> {
     (prop::collection::vec(step(), 2..8), origin).prop_map(|(steps, origin)| walk(steps, origin))
 }
 
-pub(super) fn options() -> impl Strategy<Value = CourseOptions> {
+pub(super) fn options() -> impl Strategy<Value = BlendOptions> {
     let exponent = || -7.0..-2.0;
     let order = prop_oneof![Just(Order::Velocity), Just(Order::Acceleration), Just(Order::Jerk)];
-    (exponent(), exponent(), order).prop_map(|(space, extra, order)| CourseOptions {
+    (exponent(), exponent(), order).prop_map(|(space, extra, order)| BlendOptions {
         tolerance: 10_f64.powf(space),
         extra_tolerance: 1e3 * 10_f64.powf(extra),
         order,
@@ -141,10 +141,10 @@ fn rounding(size: f64, [first, second, third]: [f64; 3], width: f64) -> [f64; 4]
 }
 
 /// The derivatives up to the `order`-th are the same on both sides.
-fn same(a: &CoursePoint, b: &CoursePoint, width: f64, order: usize) -> Result<(), TestCaseError> {
+fn same(a: &BlendedPoint, b: &BlendedPoint, width: f64, order: usize) -> Result<(), TestCaseError> {
     let (space, extra) = steps(a, b);
-    let norms = |p: &CoursePoint| [p.first.norm(), p.second.norm(), p.third.norm()];
-    let norms_u = |p: &CoursePoint| {
+    let norms = |p: &BlendedPoint| [p.first.norm(), p.second.norm(), p.third.norm()];
+    let norms_u = |p: &BlendedPoint| {
         let extra = p.extra.unwrap_or_default();
         [extra.first, extra.second, extra.third].map(|value| SVector::from(value).amax())
     };
@@ -299,10 +299,10 @@ proptest! {
                 }
             }
             let [first, second, third] = found;
-            let differences = CoursePoint { position: here.position, first, second, third, ..here };
+            let differences = BlendedPoint { position: here.position, first, second, third, ..here };
             let [first, second, third] = found_u.map(Into::into);
             let extra = here.extra.map(|at| twin_path::ExtraPoint { first, second, third, ..at });
-            same(&here, &CoursePoint { extra, ..differences }, 0.003 * d, 3)?;
+            same(&here, &BlendedPoint { extra, ..differences }, 0.003 * d, 3)?;
             let size = here.first.norm() + (here.second.norm() + here.third.norm() * d) * d + 1.0;
             let off = (blend.fourth(way) - fourth.xy()).norm();
             prop_assert!(off <= 1e-8 * (size / d / d / d + fourth.norm()), "{off} of {}", fourth.norm());

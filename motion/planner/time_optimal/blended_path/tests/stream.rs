@@ -20,7 +20,7 @@ fn one_element_is_held_back() {
     let path: Vec<_> =
         CheckVelocities::new(zigzag(6).into_iter().map(Ok::<_, Error>), PI).collect();
     let counted = path.into_iter().inspect(|_| pulled.set(pulled.get() + 1));
-    let mut course = Course::new(counted, within(1e-4));
+    let mut course = BlendedPath::new(counted, within(1e-4));
     assert_eq!(pulled.get(), 0);
     for handed_out in 1..=6 {
         assert_eq!(course.next().unwrap().unwrap().place().line, handed_out);
@@ -37,7 +37,7 @@ fn errors_keep_their_place() {
     path.insert(0, Err(Error::Upstream(1)));
     path.push(Err(Error::Upstream(9)));
     let checked = CheckVelocities::new(path.into_iter(), PI);
-    let results: Vec<_> = Course::new(checked, within(1e-4)).collect();
+    let results: Vec<_> = BlendedPath::new(checked, within(1e-4)).collect();
     let places: Vec<_> =
         results.iter().map(|result| result.as_ref().map(|element| element.place().line)).collect();
     let up = |number| Error::Upstream(number);
@@ -55,7 +55,8 @@ fn errors_keep_their_place() {
 #[test]
 fn the_end_is_a_stop() {
     let checked = CheckVelocities::new(zigzag(4).into_iter().map(Ok::<_, Error>), PI);
-    let course: Vec<_> = Course::new(checked.take(2), within(1e-4)).map(Result::unwrap).collect();
+    let course: Vec<_> =
+        BlendedPath::new(checked.take(2), within(1e-4)).map(Result::unwrap).collect();
     assert_eq!(course.len(), 2);
     assert!(course[1].end_velocity() > 0.0 && course[1].stops_at_end());
 }

@@ -6,11 +6,11 @@ use crate::time_optimal::blended_path::Bearing;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-fn turning(tolerance: f64) -> CourseOptions {
-    CourseOptions { turning: true, order: Order::Jerk, ..within(tolerance) }
+fn turning(tolerance: f64) -> BlendOptions {
+    BlendOptions { turning: true, order: Order::Jerk, ..within(tolerance) }
 }
 
-fn bearing(element: &CourseElement, s: f64) -> Bearing {
+fn bearing(element: &BlendedElement, s: f64) -> Bearing {
     element.bearing(s, &element.at(s)).unwrap()
 }
 
@@ -19,15 +19,15 @@ fn between(from: f64, to: f64) -> f64 {
     (to - from + PI).rem_euclid(TAU) - PI
 }
 
-fn turns(course: &[CourseElement]) -> Vec<f64> {
+fn turns(course: &[BlendedElement]) -> Vec<f64> {
     let turns = course.iter().filter(|element| element.is_turn());
     turns.map(|turn| bearing(turn, turn.length()).along - bearing(turn, 0.0).along).collect()
 }
 
 /// The course stops at corners that it does not round, and turns there.
-fn stopping(path: Vec<PathElement>, options: CourseOptions) -> Vec<CourseElement> {
+fn stopping(path: Vec<PathElement>, options: BlendOptions) -> Vec<BlendedElement> {
     let checked = CheckVelocities::new(path.into_iter().map(Ok::<_, Error>), 0.01);
-    Course::new(checked, options).map(Result::unwrap).collect()
+    BlendedPath::new(checked, options).map(Result::unwrap).collect()
 }
 
 #[test]
@@ -153,9 +153,9 @@ fn turns_behind_errors() {
     let mut path: Vec<_> = corner(1.0, [0.1, 0.1]).into_iter().map(Ok).collect();
     path.insert(1, Err(Error::Upstream(3)));
     let checked = CheckVelocities::new(path.into_iter(), PI);
-    let found: Vec<_> = Course::new(checked, turning(1e-5)).collect();
+    let found: Vec<_> = BlendedPath::new(checked, turning(1e-5)).collect();
     let kinds: Vec<_> =
-        found.iter().map(|next| next.as_ref().map(CourseElement::is_turn)).collect();
+        found.iter().map(|next| next.as_ref().map(BlendedElement::is_turn)).collect();
     assert_eq!(kinds, [Ok(false), Err(&Error::Upstream(3)), Ok(true), Ok(false)]);
 }
 
@@ -167,7 +167,7 @@ proptest! {
     #[test]
     fn without_steps(path in path(), options in options(), jerk in any::<bool>()) {
         let order = if jerk { Order::Jerk } else { Order::Acceleration };
-        let course = course(path, CourseOptions { turning: true, order, ..options });
+        let course = course(path, BlendOptions { turning: true, order, ..options });
         for pair in course.windows(2) {
             let [a, b] = pair else { unreachable!() };
             let (before, after) = (bearing(a, a.length()), bearing(b, 0.0));
@@ -175,7 +175,7 @@ proptest! {
             prop_assert!(step.abs() < 2e-8, "{step}: {a:?} {b:?}");
             let Some(blend) = a.tail() else { continue };
             let d = blend.half_width();
-            let outer = |element: &CourseElement, s: f64| {
+            let outer = |element: &BlendedElement, s: f64| {
                 let at = original(element, s);
                 Bearing::at(&at, element.element().shape.fourth_at(s))
             };
@@ -203,7 +203,7 @@ proptest! {
     /// Each derivative is that of the one before, wherever differences tell.
     #[test]
     fn derivatives_are_differences(path in path(), options in options(), part in 0.05..0.95) {
-        let course = course(path, CourseOptions { turning: true, order: Order::Jerk, ..options });
+        let course = course(path, BlendOptions { turning: true, order: Order::Jerk, ..options });
         let mut told = 0;
         for element in &course {
             let breaks: Vec<_> = element.breaks().collect();
