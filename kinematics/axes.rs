@@ -40,7 +40,7 @@ impl Deref for AxisVector {
     type Target = [f64];
 
     fn deref(&self) -> &[f64] {
-        self.values.get(..self.len).unwrap_or_default()
+        &self.values[..self.len]
     }
 }
 

@@ -65,7 +65,7 @@ impl<const N: usize> Transform<N> for Gantry<N> {
     type Differential = Serial<Straight>;
 
     fn coordinates(&self) -> &'static [Coordinate] {
-        Coordinate::TRANSLATIONS.get(..N).unwrap_or_default()
+        &Coordinate::TRANSLATIONS[..N]
     }
 
     fn rotary(&self) -> [bool; N] {

@@ -107,7 +107,7 @@ impl<const N: usize> GantryCutter<N> {
     #[inline]
     fn moved(values: &SVector<f64, N>, by: Vector2<f64>, z: f64, last: f64) -> SVector<f64, N> {
         SVector::from_fn(|row, _| {
-            let value = values.get(row).copied().unwrap_or_default();
+            let value = values[row];
             match row {
                 0 => value + by.x,
                 1 => value + by.y,

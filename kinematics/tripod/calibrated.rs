@@ -74,7 +74,7 @@ struct Spoke {
 
 impl Spoke {
     fn height(&self, of: &Vector3<f64>) -> f64 {
-        of.get(self.carriage).copied().unwrap_or_default()
+        of[self.carriage]
     }
 }
 
@@ -133,7 +133,7 @@ impl CalibratedTripod {
     fn spokes(&self, state: &State) -> [Spoke; 6] {
         self.rods.map(|rod| {
             let r = state.attitude * (rod.lower.coords - self.tool);
-            let height = state.heights.get(rod.carriage).copied().unwrap_or_default();
+            let height = state.heights[rod.carriage];
             let upper = Vector3::new(rod.upper.x, rod.upper.y, rod.upper.z + height);
             Spoke { s: state.tip + r - upper, r, carriage: rod.carriage }
         })

@@ -105,7 +105,7 @@ impl TripodDimensions {
         for (index, (rod, deviation)) in rods.iter_mut().zip(deviations.rod_lengths).enumerate() {
             let carriage = index / 2;
             let side = if index % 2 == 0 { -0.5 } else { 0.5 };
-            let of = |values: [f64; 3]| values.get(carriage).copied().unwrap_or_default();
+            let of = |values: [f64; 3]| values[carriage];
             let end = |radius: f64, distance: f64, turned: f64| {
                 let (sin, cos) = (self.angle(carriage) + turned).sin_cos();
                 let (out, along) = (chord_middle(radius, distance)?, side * distance);

@@ -165,12 +165,8 @@ fn checked(
             let transformer = &checker.transformer;
             let at = (setpoint.time_ns, setpoint.place);
             match items.job() {
-                Some(job) => {
-                    switched.see(setpoint.tappets, at, |signal| job.tappet_master(signal))
-                }
-                None => {
-                    switched.see(setpoint.tappets, at, |one| transformer.tappet_master(one))
-                }
+                Some(job) => switched.see(setpoint.tappets, at, |signal| job.tappet_master(signal)),
+                None => switched.see(setpoint.tappets, at, |one| transformer.tappet_master(one)),
             }
         }
         let Some(setpoint) = setpoint else {

@@ -42,8 +42,7 @@ impl State {
         out: &mut Output,
     ) -> Result<(), Problem> {
         let [first, second, normal] = self.axes();
-        let height =
-            |state: &Self| state.location.program.get(normal.index).copied().unwrap_or_default();
+        let height = |state: &Self| state.location.program[normal.index];
         let series = self.row(cycle, block, height(self), normal.letter)?;
         let repeats = block.whole(Letter::L, 1)?.unwrap_or(1);
         if self.inverse_time {
@@ -71,7 +70,7 @@ impl State {
             let mut above = self.location;
             for axis in [first, second] {
                 let Some(word) = block.get(axis.letter) else { continue };
-                let from = above.program.get(axis.index).copied().unwrap_or_default();
+                let from = above.program[axis.index];
                 above = self.with(&above, axis, if self.relative { from + word } else { word })?;
             }
             above = self.with(&above, normal, level)?;

@@ -48,6 +48,11 @@
 //! - A block with an error changes only the modal state. LinuxCNC stops there; here the rest is read as well, so that
 //!   all errors are found.
 
+#![allow(
+    clippy::indexing_slicing,
+    reason = "arrays of the three coordinates and nine coordinate systems, indexed by values of these types"
+)]
+
 mod arc;
 mod block;
 mod cycle;

@@ -116,15 +116,15 @@ impl Offsets {
     }
 
     fn add_up(&mut self) {
-        let system = self.systems.get(self.system).copied().unwrap_or_default();
+        let system = self.systems[self.system];
         let tool = self.point_from_tip();
         self.sum = Position {
             linear: std::array::from_fn(|axis| {
-                let part = |values: &[f64; 3]| values.get(axis).copied().unwrap_or_default();
+                let part = |values: &[f64; 3]| values[axis];
                 part(&system.linear) + part(&self.g92.linear) + part(&tool)
             }),
             rotary: std::array::from_fn(|axis| {
-                let part = |values: &[f64; 3]| values.get(axis).copied().unwrap_or_default();
+                let part = |values: &[f64; 3]| values[axis];
                 part(&system.rotary) + part(&self.g92.rotary)
             }),
         };

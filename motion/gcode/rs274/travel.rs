@@ -144,7 +144,7 @@ impl State {
         let mut center = self.location.machine.linear;
         for axis in [first, second] {
             let from = if self.absolute_centers { &offset.linear } else { &center };
-            let from = from.get(axis.index).copied().unwrap_or_default();
+            let from = from[axis.index];
             let word = match block.get(axis.center) {
                 Some(word) => self.units.to_metres(word),
                 None if self.absolute_centers => {
@@ -381,7 +381,7 @@ impl State {
         program: f64,
     ) -> Result<Location, Problem> {
         let mut to = *at;
-        let offset = self.offsets.sum().linear.get(axis.index).copied().unwrap_or_default();
+        let offset = self.offsets.sum().linear[axis.index];
         let slots = (to.program.get_mut(axis.index), to.machine.linear.get_mut(axis.index));
         if let (Some(slot), Some(machine)) = slots {
             // What does not change stays, bit for bit.

@@ -1,7 +1,7 @@
 //! Tests of tappet passages in recorded runs: a master that begins again, is noisy, or has gaps.
 
 use super::found::{Random, cam, using};
-use super::outputs::{VELOCITY, late, recorded, message};
+use super::outputs::{VELOCITY, late, message, recorded};
 use crate::cam::check::AxisLimits;
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{TuneError, run_dead_time};
