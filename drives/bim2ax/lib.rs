@@ -15,6 +15,7 @@ mod assumptions;
 mod client;
 mod drive;
 pub mod emulator;
+mod family;
 mod prediction;
 pub mod protocol;
 #[cfg(test)]
@@ -24,6 +25,7 @@ pub use assumptions::{Assumptions, CamStart, Corrections, EntryOrder};
 pub use client::{Bim2Ax, Bim2AxOptions, BusStamp, Identity, Move, Start};
 pub use drive::{Bim2AxDrive, Bim2AxDriveOptions};
 pub use emulator::{Bench, Contact, EncoderBench, EncoderKind, SharedModule};
+pub use family::{Bim2AxEntry, Bim2AxFamily, ModuleEncoder};
 pub use prediction::{Bim2AxPrediction, PredictionOptions};
 pub use protocol::describe::describe_messages;
 pub use protocol::fault::Fault;

@@ -9,6 +9,7 @@ mod assumptions;
 mod client;
 mod drive;
 pub mod emulator;
+mod family;
 mod prediction;
 pub mod protocol;
 #[cfg(test)]
@@ -20,6 +21,7 @@ pub use client::{
     InterpCncOptions, ProbeMove, Recipes, Snapshot,
 };
 pub use drive::InterpCncDrive;
+pub use family::{InterpCncEntry, InterpCncFamily};
 pub use prediction::{InterpCncPrediction, PredictionSummary, board_prediction, predict};
 pub use protocol::command::{AxisValues, BadCommand, Command, CommandRegisters, MoveProfile};
 pub use protocol::exception::Exception;

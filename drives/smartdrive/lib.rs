@@ -11,6 +11,7 @@ mod assumptions;
 mod client;
 mod drive;
 pub mod emulator;
+mod family;
 mod prediction;
 pub mod protocol;
 #[cfg(test)]
@@ -24,6 +25,7 @@ pub use client::{
     Accelerations, AxisOptions, DriveState, IoState, ParameterValue, SmartDrive, SmartDriveOptions,
 };
 pub use drive::{OUTPUTS, SmartDriveBus};
+pub use family::{SmartDriveEntry, SmartDriveFamily};
 pub use prediction::{BusDelays, SmartDrivePrediction};
 pub use protocol::command::{Command, Init, IoUpdate, LoadSource, Mode};
 pub use protocol::fault::Fault;

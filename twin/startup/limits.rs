@@ -3,7 +3,7 @@
 use super::in_units;
 use super::looker::Looker;
 use crate::by_hand;
-use crate::machine::{Axis, DriveFamily, Machine};
+use crate::machine::{Axis, DeviceEntry, DriveFamily, Machine};
 use twin_drives::{DeviceLimits, Drive, DriveError};
 
 /// End of a message about a device that does not limit the way of an axis: the limits that remain.
@@ -24,7 +24,7 @@ impl Looker<'_> {
         (device, drive): (usize, &mut dyn Drive),
     ) -> Result<(), DriveError> {
         let limits = drive.limits()?;
-        let family = machine.drives.get(device).map(|entry| &entry.family);
+        let family = machine.drives.get(device).map(DeviceEntry::family);
         for ((index, axis), limits) in self.axes.clone().into_iter().zip(limits) {
             self.maxima(axis, &limits);
             let name = &axis.name;

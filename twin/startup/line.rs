@@ -4,8 +4,7 @@
 
 use super::looker::Looker;
 use crate::by_hand;
-use crate::emulated::line;
-use crate::machine::{DriveFamily, Machine};
+use crate::machine::{DeviceEntry, DriveFamily, Machine};
 use twin_drives::{Drive, DriveError, ParameterId};
 use twin_interpcnc::{Parity, protocol::parameters};
 
@@ -17,7 +16,7 @@ impl Looker<'_> {
         drive: &mut dyn Drive,
     ) -> Result<(), DriveError> {
         let Some(DriveFamily::InterpCnc(board)) =
-            machine.drives.get(index).map(|entry| &entry.family)
+            machine.drives.get(index).map(DeviceEntry::family)
         else {
             return Ok(());
         };
@@ -37,7 +36,7 @@ impl Looker<'_> {
                     (same, codes.encode(board.baud))
                 }
                 parameters::MODBUS_PARITY => {
-                    let parity = line(board).parity;
+                    let parity = board.parity;
                     let same = Parity::from_code(code).is_none_or(|stored| stored == parity);
                     (same, Some(parity.code()))
                 }

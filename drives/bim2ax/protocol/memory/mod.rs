@@ -12,6 +12,7 @@
 mod file;
 mod mapped;
 mod master;
+mod opened;
 #[cfg(test)]
 mod tests;
 mod window;
@@ -22,6 +23,7 @@ pub use file::{MemoryFile, file_offset};
 pub use mapped::MappedMemory;
 pub(crate) use mapped::Mapping;
 pub use master::Master;
+pub use opened::OpenedMemory;
 pub(crate) use window::Window;
 
 /// Bytes of the window.
