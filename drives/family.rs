@@ -32,7 +32,7 @@ pub trait Keys {
     /// A whole number within a range.
     fn integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64>;
 
-    /// Up to so many whole numbers within a range; none if the key is absent.
+    /// Up to `most` whole numbers within a range; none if the key is absent.
     fn integers(&self, key: &str, range: &RangeInclusive<i64>, most: usize) -> Vec<i64>;
 
     /// A number within a range.
@@ -201,7 +201,7 @@ pub trait Device: Any + Debug + Send + Sync {
     /// by which its axes move.
     ///
     /// # Errors
-    /// If there is no emulator, or it cannot be opened.
+    /// If the emulator does not start, or it cannot be opened.
     fn emulate(&self, axes: &[AxisDemand], clock: DeviceClock) -> Result<Connected, ConnectError>;
 
     /// The device and its client in simulated time.

@@ -10,12 +10,12 @@ pub struct OpenedMemory {
     /// Lock of a device; a memory file holds its own.
     #[expect(dead_code, reason = "its lock is what counts")]
     master: Option<Master>,
-    beside: bool,
+    shared: bool,
 }
 
 impl fmt::Debug for OpenedMemory {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("OpenedMemory").field("beside", &self.beside).finish_non_exhaustive()
+        f.debug_struct("OpenedMemory").field("shared", &self.shared).finish_non_exhaustive()
     }
 }
 
@@ -33,7 +33,7 @@ impl OpenedMemory {
                 (Box::new(memory), Some(Master::of_device(path, start)?))
             }
         };
-        Ok(Self { memory, master, beside: false })
+        Ok(Self { memory, master, shared: false })
     }
 
     /// As [`Self::alone`], also if another program is the master: for a stop, which has to get through.
@@ -44,10 +44,10 @@ impl OpenedMemory {
         match Self::alone(path, map_offset) {
             Err(error) if error.kind() == io::ErrorKind::ResourceBusy => {
                 let memory: Box<dyn Memory> = match map_offset {
-                    None => Box::new(MemoryFile::beside(path)?),
+                    None => Box::new(MemoryFile::shared(path)?),
                     Some(start) => Box::new(MappedMemory::open(path, start)?),
                 };
-                Ok(Self { memory, master: None, beside: true })
+                Ok(Self { memory, master: None, shared: true })
             }
             opened => opened,
         }
@@ -55,7 +55,7 @@ impl OpenedMemory {
 
     /// True if another program is the master of the module.
     pub fn has_other_master(&self) -> bool {
-        self.beside
+        self.shared
     }
 }
 
