@@ -1,7 +1,8 @@
 //! SOPROLEC InterpCNC V2.1, a stepper board for five axes on Modbus RTU.
 //!
-//! [`InterpCncDrive`] is the driver; [`emulator`] is the board without hardware. Both take registers and commands
-//! from the same tables ([`registers`], [`Command`]), which are checked against frames computed elsewhere.
+//! [`InterpCnc`] is the client, [`InterpCncDrive`] the same as a [`twin_drives::Drive`], [`emulator`] the board without
+//! hardware, and [`InterpCncPrediction`] both in simulated time. All take registers and commands from the tables of
+//! [`protocol`], which are checked against frames computed elsewhere.
 //!
 //! Source: "Carte d'axe SOPROLEC InterpCNC V2.1, Protocole de communication MODBUS" (firmware up to 5.30).
 
