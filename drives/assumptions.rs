@@ -18,11 +18,11 @@ pub struct OpenQuestion {
     pub default: &'static str,
     /// Other answers.
     pub alternatives: &'static str,
-    /// What the driver makes of it.
+    /// Consequence for the client.
     pub driver: &'static str,
 }
 
-/// What an assumption can be.
+/// Values of an assumption.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AssumedValues {
     /// All values, in words.
@@ -37,16 +37,16 @@ pub struct AssumedValues {
 pub trait Assumed: Default + PartialEq {
     /// Names, those of the fields.
     const NAMES: &'static [&'static str];
-    /// What the manual leaves open about the family.
+    /// Questions that the manual of the family leaves open.
     const QUESTIONS: &'static [OpenQuestion];
 
     /// Assumes something else. `-` in a name is as good as `_`.
     ///
     /// # Errors
-    /// If there is no such assumption, or it cannot be so.
+    /// If the assumption does not exist, or it cannot be so.
     fn set(&mut self, name: &str, value: &str) -> Result<(), AssumedError>;
 
-    /// What an assumption can be; `None` if there is no such assumption.
+    /// Values of an assumption; `None` for an unknown name.
     fn values(name: &str) -> Option<AssumedValues>;
 
     /// The question that an assumption answers.
@@ -56,13 +56,13 @@ pub trait Assumed: Default + PartialEq {
     }
 }
 
-/// What cannot be assumed.
+/// Error of an assumption.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum AssumedError {
     /// There is no such assumption.
     #[error("there is no assumption `{name}`; there are {}", known.join(", "))]
     Unknown {
-        /// What was asked for.
+        /// Text that was asked for.
         name: String,
         /// All there are.
         known: &'static [&'static str],
@@ -72,9 +72,9 @@ pub enum AssumedError {
     Value {
         /// The assumption.
         name: String,
-        /// What was asked for.
+        /// Text that was asked for.
         value: String,
-        /// What can be asked for.
+        /// Possible values.
         allowed: String,
     },
 }

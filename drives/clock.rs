@@ -1,15 +1,15 @@
-//! Time as this crate is told it.
+//! Clocks of emulated devices, in real time or faster.
 
 use std::time::Duration;
 
-/// Where an emulated device gets the time from. Any function or closure that returns nanoseconds is a clock.
+/// Clock of an emulated device. Any function or closure that returns nanoseconds is a clock.
 ///
 /// Only differences count; the clock never runs backwards.
 pub trait Clock: Send + Sync {
     /// The time, ns.
     fn now_ns(&self) -> i64;
 
-    /// How long somebody has to wait in the world outside until so much time of this clock has passed, ns; nothing
+    /// Time to wait in the world outside until this much time of the clock has passed, ns; zero
     /// where that is past.
     fn wait(&self, ns: i64) -> Duration {
         Duration::from_nanos(u64::try_from(ns).unwrap_or(0))
@@ -32,10 +32,9 @@ impl Clock for &dyn Clock {
     }
 }
 
-/// How many times faster than the clock they are given emulated devices live, wires included: all they do takes so many
-/// times less. 1 is real time.
+/// Speed of the time of emulated devices against their clock, wires included. 1 is real time.
 ///
-/// What a device does depends on its own time alone: the same requests at the same instants of it are answered in the
+/// The behaviour of a device depends on its own time alone: the same requests at the same instants of it are answered in the
 /// same way at any speed. A master's deadlines are its own, in its own time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Speed(u32);
@@ -46,12 +45,12 @@ impl Speed {
     /// Fastest speed; the shortest waits are then below what an operating system can wait.
     pub const MOST: u32 = 1000;
 
-    /// So many times faster; at least 1 and at most [`Self::MOST`].
+    /// This factor; at least 1 and at most [`Self::MOST`].
     pub fn times(times: u32) -> Self {
         Self(times.clamp(1, Self::MOST))
     }
 
-    /// How many times faster.
+    /// The factor.
     pub fn get(self) -> u32 {
         self.0
     }

@@ -17,7 +17,7 @@ pub struct DecimalRatio {
 }
 
 impl DecimalRatio {
-    /// So many `increments` for `per_units` units, times 10^`power`: 3 makes millimetres metres.
+    /// `increments` increments for `per_units` units, times 10^`power`: 3 makes millimetres metres.
     ///
     /// `per_units` counts as the shortest decimal that is read as this number: 9.525 is 9525/1000, as whoever wrote it meant.
     ///
@@ -53,7 +53,7 @@ impl DecimalRatio {
         self.converted(units, Way::ToIncrements)
     }
 
-    /// Units of so many increments, which may lie between whole ones: the number nearest to them.
+    /// Units of a number of increments, which may lie between whole ones: the number nearest to them.
     pub fn units_of(self, increments: f64) -> f64 {
         self.converted(increments, Way::ToUnits)
     }
@@ -243,7 +243,7 @@ impl Wide {
         by
     }
 
-    /// Its highest 128 bits, with what is below them as a rest. It has so many at least.
+    /// Its highest 128 bits, with what is below them as a rest. It has 128 at least.
     fn quotient(mut self, exponent: i32) -> Quotient {
         let raised = self.raise();
         let [a, b, c, d, low, high] = self.limbs;

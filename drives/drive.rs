@@ -8,10 +8,10 @@ use crate::{
 /// Whole increments (steps) per axis of one device.
 pub type Increments = [i64; MAX_DRIVE_AXES];
 
-/// Where each axis of a device has been sent, increments; `None` where that is not known.
+/// Commanded position of each axis of a device, increments; `None` where it is not known.
 pub type Commanded = [Option<i64>; MAX_DRIVE_AXES];
 
-/// Where the axes of one device shall be at one instant.
+/// Set-point of the axes of one device at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct IncrementMotion {
     /// Increments; fractions are what the planner asks for, the device rounds.
@@ -44,7 +44,7 @@ impl IncrementMotion {
     }
 }
 
-/// What a device said about itself at one instant.
+/// State that a device reported at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Middle of the exchange on the session's clock, ns.
@@ -64,11 +64,11 @@ pub trait SetpointStream: Sync {
     /// at the first and last position (velocity 0). Instants up to [`Self::horizon_ns`] ahead of now are planned.
     fn at(&self, time_ns: i64) -> IncrementMotion;
 
-    /// How far ahead of now the plan reaches, ns.
+    /// Length of the plan ahead of now, ns.
     fn horizon_ns(&self) -> i64;
 }
 
-/// How far each axis may go at most to find its home switch, increments; `None` for axes that are not to be homed.
+/// Longest way of each axis to its home switch, increments; `None` for axes that are not to be homed.
 pub type HomingWays = [Option<u32>; MAX_DRIVE_AXES];
 
 /// A device with one or more axes. Calls block until the exchange with the device is over or its deadline has
@@ -84,7 +84,7 @@ pub trait Drive: Send {
     /// Number of axes in use; the first this many entries of every array count.
     fn axis_count(&self) -> usize;
 
-    /// Who the device is, for messages and start-up checks. Moves nothing, changes nothing.
+    /// Identity of the device, for messages and start-up checks. Moves nothing, changes nothing.
     ///
     /// # Errors
     /// If the device does not answer.
@@ -112,7 +112,7 @@ pub trait Drive: Send {
     }
 
     /// Starts the device's own homing of the axes that have a way, with the parameters the device has, and returns.
-    /// [`Self::sample`] tells by `moving` when it is over and [`Self::homed`] how it has ended.
+    /// [`Self::sample`] shows by `moving` when it is over and [`Self::homed`] how it has ended.
     ///
     /// Boards that take the longest way are given it; other devices stop by their own limit switches or time.
     ///
@@ -122,7 +122,7 @@ pub trait Drive: Send {
         Err(unsupported(&self.describe(), "homing"))
     }
 
-    /// Which axes are homed; `None` where neither the device nor the driver knows: the device does not keep it, and the
+    /// Homed axes; `None` where neither the device nor the client knows: the device does not keep it, and the
     /// driver has not homed the axis.
     ///
     /// # Errors
@@ -142,7 +142,7 @@ pub trait Drive: Send {
     /// Switches digital output `output`, from 1, and returns when the device has confirmed it.
     ///
     /// # Errors
-    /// If there is no such output, or the device refuses or is locked.
+    /// If the output does not exist, or the device refuses or is locked.
     fn set_output(&mut self, output: u8, on: bool) -> Result<(), DriveError>;
 
     /// Declares the present position of the axes, which must be at rest, to be `position`.
@@ -152,7 +152,7 @@ pub trait Drive: Send {
     fn set_position(&mut self, position: &Increments) -> Result<(), DriveError>;
 
     /// Starts every axis towards `target` at no more than `speed` increments/s each, independently, and returns. An axis
-    /// whose speed is 0 is told nothing.
+    /// whose speed is 0 gets no command.
     ///
     /// # Errors
     /// If the device refuses or a value does not fit its registers.
@@ -196,7 +196,7 @@ pub trait Drive: Send {
     /// As [`Self::sample`] and [`Self::move_to`].
     fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError>;
 
-    /// Where the last commands that the device has confirmed send the axes, as the driver remembers it; the device is
+    /// Targets of the last commands that the device has confirmed, as the client remembers them; the device is
     /// asked nothing. `None` for an axis of which it is not known: it has been sent nowhere, a command was not confirmed,
     /// or something else (a stop, homing, another zero) has come since.
     fn commanded(&self) -> Commanded {
@@ -287,7 +287,7 @@ fn unsupported(device: &str, what: &'static str) -> DriveError {
     DriveError::Unsupported { at: nowhere(device), what }
 }
 
-/// Whether an axis is told nothing.
+/// True for the speed of an axis that gets no command.
 pub fn is_zero(speed: f64) -> bool {
     // −0 is 0, too.
     speed.abs().to_bits() == 0

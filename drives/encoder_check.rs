@@ -16,16 +16,16 @@
 /// when exactly each look was: so much more, increments.
 const JUMP: f64 = 16.0;
 
-/// What is watched of an axis.
+/// Ratio and limits of an axis with an encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EncoderLimits {
-    /// The encoder counts so many points, less than 0 if it counts down where the counter counts up …
+    /// Points that the encoder counts, less than 0 if it counts down where the counter counts up …
     pub points: i32,
-    /// … for so many increments of the counter.
+    /// … for this number of increments of the counter.
     pub increments: u32,
     /// So far encoder and counter may be apart, increments.
     pub tolerance: u32,
-    /// So far the numbers of both may be off because they are whole, beside one point of the encoder, increments.
+    /// So far the numbers of both may be off because they are whole, in addition to one point of the encoder, increments.
     pub rounding: u32,
     /// Largest acceleration or deceleration, increments/s².
     pub rate: f64,
@@ -35,7 +35,7 @@ pub struct EncoderLimits {
     pub fastest: f64,
 }
 
-/// What the counter passed while the encoder was read.
+/// Range of the counter while the encoder was read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passed {
     /// Seen before, increments.
@@ -56,9 +56,9 @@ impl Passed {
 /// Counter and encoder are farther apart than they may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Apart {
-    /// What the counter showed, nearest to the encoder, increments.
+    /// Counter, at its reading nearest to the encoder, increments.
     pub counter: i64,
-    /// What it would be by the encoder, increments.
+    /// Counter by the encoder, increments.
     pub encoder: i64,
 }
 
@@ -129,7 +129,7 @@ impl EncoderCheck {
     }
 
     /// The same while an axis homes, whose counter may be made 0 on the way: which points belong to which counter is forgotten
-    /// where it jumps. One that jumps by less than the axis can have moved is no reason to doubt the shaft.
+    /// where it jumps. One that jumps by less than the axis can have moved does not put the shaft in doubt.
     pub fn apart_homing(&mut self, passed: &Passed, points: i32) -> Option<Apart> {
         let jump = 2.0 * self.limits.fastest * passed.duration + JUMP;
         #[expect(clippy::cast_precision_loss, reason = "counters have 32 bits")]

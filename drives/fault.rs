@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-/// Which way a frame goes.
+/// Direction of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Direction {
     /// From the master to the device.
@@ -15,7 +15,7 @@ pub enum Direction {
     Answer,
 }
 
-/// What happens to a frame.
+/// Fault of a frame on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum WireFault {
     /// It does not arrive.
@@ -25,24 +25,24 @@ pub enum WireFault {
         /// Nanoseconds, more than 0.
         ns: i64,
     },
-    /// So many of its bytes arrive as others.
+    /// Some of its bytes arrive as others.
     Corrupt {
-        /// How many; all of them if there are fewer.
+        /// Number of bytes; all of them if there are fewer.
         bytes: usize,
     },
-    /// So many of its bytes, wherever they are, do not arrive: a receiver that was read too late.
+    /// Some of its bytes, wherever they are, do not arrive: a receiver that was read too late.
     Lose {
-        /// How many; all of them if there are fewer.
+        /// Number of bytes; all of them if there are fewer.
         bytes: usize,
     },
-    /// So many of its bytes, wherever they are, arrive twice.
+    /// Some of its bytes, wherever they are, arrive twice.
     Double {
-        /// How many; all of them if there are fewer.
+        /// Number of bytes; all of them if there are fewer.
         bytes: usize,
     },
     /// Only its first bytes arrive.
     Truncate {
-        /// How many.
+        /// Number of bytes.
         keep: usize,
     },
     /// It arrives twice.
@@ -53,7 +53,7 @@ pub enum WireFault {
     WrongCheck,
     /// Bytes of noise arrive before it.
     Noise {
-        /// How many.
+        /// Number of bytes.
         bytes: usize,
     },
     /// The device hears it and refuses it with this code of its family (Modbus exception, ATB NAK), unexecuted. Only of
@@ -62,7 +62,7 @@ pub enum WireFault {
         /// The code.
         code: u8,
     },
-    /// What the master sends also comes back to it, before the answer, as over a two-wire adapter that listens while
+    /// Bytes of the master also come back to it, before the answer, as over a two-wire adapter that listens while
     /// it sends. Only of requests.
     Echo,
 }
@@ -86,36 +86,36 @@ impl fmt::Display for WireFault {
     }
 }
 
-/// Which frames a fault befalls.
+/// Frames that a fault befalls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum When {
     /// All of them.
     Always,
-    /// The next so many.
+    /// The next ones, of this number.
     Next(u32),
-    /// The next after so many that pass unharmed, and no other.
+    /// The next one after this number that pass unharmed.
     After(u32),
     /// Every so-many-th; 0 and 1 are all.
     Every(u32),
-    /// By chance, so many of a million.
+    /// By chance, this number of a million.
     PerMillion(u32),
 }
 
 /// A fault, the frames it befalls and the way they go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FaultRule {
-    /// Which way.
+    /// Direction of the frames.
     pub direction: Direction,
-    /// Which frames.
+    /// Choice of the frames.
     pub when: When,
-    /// What happens to them.
+    /// Their fault.
     pub fault: WireFault,
 }
 
-/// What has become of a frame.
+/// Result of a frame's way over the wire.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Passed {
-    /// What arrives, and how much later than it should, ns.
+    /// Pieces that arrive, each with its delay, ns.
     pub pieces: Vec<(i64, Vec<u8>)>,
     /// The code with which the device is to refuse it.
     pub refusal: Option<u8>,
@@ -159,7 +159,7 @@ impl FaultyWire {
         self.disconnected
     }
 
-    /// What becomes of a frame.
+    /// Sends a frame over the wire.
     pub fn pass(&mut self, direction: Direction, frame: &[u8]) -> Passed {
         let mut passed = Passed::default();
         if self.disconnected {
@@ -172,7 +172,7 @@ impl FaultyWire {
         passed
     }
 
-    /// What befalls the next frame, for those who are not to lose, change or delay bytes of a stream but something else.
+    /// Faults of the next frame, for transports other than a stream of bytes.
     /// Nothing where the plug is pulled ([`Self::is_disconnected`]).
     pub fn befalling(&mut self, direction: Direction) -> Vec<WireFault> {
         if self.disconnected {
@@ -195,7 +195,7 @@ impl FaultyWire {
         faults
     }
 
-    /// Whether a rule that has seen so many frames befalls this one.
+    /// Whether a rule that has seen `seen` frames befalls this one.
     fn befalls(&mut self, when: When, seen: u32) -> bool {
         match when {
             When::Always => true,
@@ -262,7 +262,7 @@ impl FaultyWire {
         }
     }
 
-    /// Changes so many different bytes.
+    /// Changes `bytes` different bytes.
     pub fn corrupt(&mut self, frame: &mut [u8], bytes: usize) {
         let mut places: Vec<usize> = (0..frame.len()).collect();
         for _ in 0..bytes.min(frame.len()) {
@@ -275,7 +275,7 @@ impl FaultyWire {
         }
     }
 
-    /// Repeats so many different bytes, each behind itself.
+    /// Repeats `bytes` different bytes, each behind itself.
     fn double(&mut self, frame: &mut Vec<u8>, bytes: usize) {
         let mut times = vec![1; frame.len()];
         let mut places: Vec<usize> = (0..frame.len()).collect();
@@ -365,7 +365,7 @@ mod tests {
         assert_eq!(changed(&once(WireFault::Corrupt { bytes: 3 })[0].1).len(), 3);
         assert_eq!(changed(&once(WireFault::Corrupt { bytes: 99 })[0].1).len(), 8);
         assert_eq!(changed(&once(WireFault::WrongCheck)[0].1), [7]);
-        // What is left are bytes of the frame in their order, and what is too much are bytes beside themselves.
+        // What is left are bytes of the frame in their order, and what is too much are bytes next to themselves.
         for bytes in [1, 3, 99] {
             let lost = once(WireFault::Lose { bytes }).pop().map_or(Vec::new(), |(_, frame)| frame);
             assert_eq!(lost.len(), FRAME.len().saturating_sub(bytes));

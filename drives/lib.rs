@@ -13,6 +13,7 @@ pub mod drive;
 pub mod emulator_host;
 pub mod encoder_check;
 mod error;
+pub mod family;
 mod fault;
 pub mod follow;
 pub mod homing;

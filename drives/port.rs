@@ -11,7 +11,7 @@ use tokio_serial::{SerialPortBuilder, SerialPortBuilderExt, SerialStream};
 /// Bytes of a memory file, in which an emulated module on a bus lives.
 pub const FILE_LENGTH: usize = 0x405;
 
-/// What something else stands in the place of.
+/// Kind of a port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Port {
     /// A serial line.

@@ -6,7 +6,7 @@ use crate::{IncrementMotion, SetpointStream};
 /// generators after the time that the exchanges take on the wire. No bytes, no threads, no clock: the same plan gives
 /// the same motion, bit by bit.
 ///
-/// It stands in the loop of a simulated machine, between set-points and motors, and tells before a run how far the
+/// It stands in the loop of a simulated machine, between set-points and motors, and shows before a run how far the
 /// drives will be from the plan.
 pub trait Prediction: Send + std::fmt::Debug {
     /// Number of axes in use; the first this many entries of every array count.
@@ -22,14 +22,14 @@ pub trait Prediction: Send + std::fmt::Debug {
     /// Exchanges with the device so far: commands and samples.
     fn exchanges(&self) -> u64;
 
-    /// What the wire carries at most: as much as there is room for while every axis needs a command.
+    /// Capacity of the wire while every axis needs a command.
     fn rates(&self) -> WireRates;
 
     /// The same once more, to go on from here twice.
     fn copied(&self) -> Box<dyn Prediction>;
 }
 
-/// How often a device can be spoken to, by the timing of its wire.
+/// Exchanges that the timing of a wire allows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WireRates {
     /// Commands for axes, all axes of the device together, 1/s.
@@ -39,7 +39,7 @@ pub struct WireRates {
 }
 
 impl WireRates {
-    /// Of rounds of so many s in which every axis gets so many commands and is seen once.
+    /// Of rounds of `duration` s in which every axis gets `commands` commands and is seen once.
     pub fn of_rounds(commands: usize, duration: f64) -> Self {
         let samples_per_s = 1.0 / duration.max(1e-9);
         let commands = f64::from(u32::try_from(commands).unwrap_or(u32::MAX));

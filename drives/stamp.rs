@@ -1,6 +1,6 @@
 //! Time stamps of an exchange between driver and device.
 
-/// When an exchange took place, on the caller's clock.
+/// Time stamps of an exchange, on the caller's clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stamp {
     /// The first byte was handed to the port, ns.

@@ -4,8 +4,8 @@ use crate::emulated::software_limits;
 use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
 use twin_bim2ax::{ByteOrder, MOST_POSITION, ModuleAxis};
 use twin_drives::ParameterId;
-use twin_interpcnc::protocol::parameters;
-use twin_machine::{Axis, DriveFamily, Machine, Parity};
+use twin_interpcnc::{Parity, protocol::parameters};
+use twin_machine::{Axis, DriveFamily, Machine};
 use twin_smartdrive::protocol::parameters::{PARAMETERS, POSITION_MAX, POSITION_MIN};
 
 /// Beginning of the line that makes set parameters take effect.
@@ -16,7 +16,7 @@ pub(crate) const THEN: &str = "then:";
 pub(crate) fn command(machine: &Machine, device: usize, address: usize) -> Option<String> {
     let entry = machine.drives.get(device)?;
     let port = quoted(entry.port.as_deref().unwrap_or("PORT"));
-    let command = match &entry.family {
+    let command = match entry.family() {
         DriveFamily::InterpCnc(board) => {
             let address = board.address;
             let baud = match board.baud {
@@ -40,6 +40,7 @@ pub(crate) fn command(machine: &Machine, device: usize, address: usize) -> Optio
                 if module.byte_order == ByteOrder::Little { " --little-endian" } else { "" };
             format!("twin drive bim2ax --port {port}{map}{little}")
         }
+        DriveFamily::Other => return None,
     };
     let deadline = entry.answer_ms.map_or(String::new(), |ms| format!(" --deadline {ms}"));
     let assumed = entry.assumed.iter();
@@ -56,7 +57,7 @@ pub(crate) fn set_to(
     value: &str,
 ) -> Option<String> {
     let command = command(machine, device, id.address.into())?;
-    let name = match &machine.drives.get(device)?.family {
+    let name = match machine.drives.get(device)?.family() {
         DriveFamily::InterpCnc(_) => parameters::name(id.number).unwrap_or(id.number.to_string()),
         DriveFamily::SmartDrive(_) => {
             let known = PARAMETERS.iter().find(|entry| entry.index == id.number);
@@ -65,6 +66,7 @@ pub(crate) fn set_to(
         DriveFamily::Bim2Ax(_) => {
             Parameter::from_number(id.number).map_or(id.number.to_string(), Parameter::word)
         }
+        DriveFamily::Other => return None,
     };
     Some(format!("set it: {command} set {name} {value}"))
 }
@@ -78,9 +80,9 @@ pub(crate) fn set(machine: &Machine, device: usize, id: ParameterId, value: i64)
 /// The command that lets a parameter count once it is set; none where it does at once, and is kept.
 fn then(machine: &Machine, device: usize, id: ParameterId) -> Option<String> {
     let command = command(machine, device, id.address.into())?;
-    let (word, why) = match &machine.drives.get(device)?.family {
+    let (word, why) = match machine.drives.get(device)?.family() {
         // They are kept as soon as they are set.
-        DriveFamily::InterpCnc(_) => return None,
+        DriveFamily::InterpCnc(_) | DriveFamily::Other => return None,
         DriveFamily::SmartDrive(_) => {
             ("save", "keeps it when the drive is switched off; its position becomes 0")
         }
@@ -97,8 +99,8 @@ pub(crate) fn set_limits(machine: &Machine, device: usize, axis: &Axis) -> Vec<S
     let Some((entry, place)) = machine.drives.get(device).zip(axis.drive.as_ref()) else {
         return Vec::new();
     };
-    let (address, numbers, most) = match &entry.family {
-        DriveFamily::InterpCnc(_) => return Vec::new(),
+    let (address, numbers, most) = match entry.family() {
+        DriveFamily::InterpCnc(_) | DriveFamily::Other => return Vec::new(),
         DriveFamily::SmartDrive(_) => {
             let address = u8::try_from(place.index).unwrap_or(0);
             (address, [POSITION_MIN, POSITION_MAX].map(Some), [i32::MIN, i32::MAX])
@@ -111,7 +113,7 @@ pub(crate) fn set_limits(machine: &Machine, device: usize, axis: &Axis) -> Vec<S
         }
     };
     let [low, high] = most;
-    let wanted = software_limits(axis, most).map(|limit| limit.clamp(low, high));
+    let wanted = software_limits(axis).unwrap_or(most).map(|limit| limit.clamp(low, high));
     let commands = numbers.into_iter().zip(wanted).filter_map(|(number, limit)| {
         Some(set(machine, device, ParameterId { address, number: number? }, limit.into()))
     });

@@ -12,7 +12,7 @@ pub enum BackupError {
     Write {
         /// Name of the file.
         file: String,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The file cannot be read.
@@ -20,7 +20,7 @@ pub enum BackupError {
     Read {
         /// Name of the file.
         file: String,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The device does not tell its parameters (`SMC_WDPF_ERROR_WHEN_READING_PARAMS`).
@@ -59,11 +59,11 @@ pub struct LineError {
     pub file: String,
     /// Line, from 1.
     pub line: u32,
-    /// What is wrong.
+    /// The fault.
     pub fault: LineFault,
 }
 
-/// What is wrong with a line.
+/// Fault of a line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LineFault {
     /// It is no XML.
@@ -75,21 +75,21 @@ pub enum LineFault {
     /// A later version, or none.
     #[error("version {found:?} is not known (1)")]
     Version {
-        /// What it says.
+        /// Name that the file gives.
         found: String,
     },
     /// Something is missing.
     #[error("{what} is missing")]
     Missing {
-        /// What.
+        /// Missing part.
         what: &'static str,
     },
     /// A word is no number, or one that does not fit.
     #[error("{what}: {word:?} is no whole number from {low} to {high}")]
     Number {
-        /// What it should be.
+        /// Expected form.
         what: &'static str,
-        /// What is there.
+        /// Text of the file.
         word: String,
         /// Smallest.
         low: i64,
@@ -99,7 +99,7 @@ pub enum LineFault {
     /// There is more than should be there.
     #[error("{word:?} is not expected here")]
     Unexpected {
-        /// What is there.
+        /// Text of the file.
         word: String,
     },
     /// The parameters of another family.
@@ -113,40 +113,40 @@ pub enum LineFault {
     /// The device has no such parameter.
     #[error("the device has no {id}")]
     NoParameter {
-        /// Which.
+        /// Number of the parameter.
         id: ParameterId,
     },
     /// The same parameter is given before.
     #[error("{id} is given in line {first} already")]
     Twice {
-        /// Which.
+        /// Number of the parameter.
         id: ParameterId,
-        /// Where it is given first.
+        /// First line that gives it.
         first: u32,
     },
     /// The parameter cannot have this value.
     #[error("{id} ({name}) = {value} is impossible ({values})")]
     Value {
-        /// Which.
+        /// Number of the parameter.
         id: ParameterId,
-        /// What the device calls it.
+        /// Name that the device gives it.
         name: String,
         /// The value.
         value: i64,
-        /// What it takes.
+        /// Values that it takes.
         values: Values,
     },
 }
 
-/// Why a restore has ended. What has been written before stays written.
+/// Error that ends a restore. Values that were written before stay written.
 #[derive(Debug, thiserror::Error)]
 pub enum RestoreError {
     /// The device refuses a parameter or does not answer.
     #[error("{id} ({name}) = {value}: {source}; {written} of {all} changes have been made")]
     Write {
-        /// Which.
+        /// Number of the parameter.
         id: ParameterId,
-        /// What the device calls it.
+        /// Name that the device gives it.
         name: String,
         /// The value.
         value: i64,
@@ -154,15 +154,15 @@ pub enum RestoreError {
         written: usize,
         /// Changes that were to be made.
         all: usize,
-        /// What the device says.
+        /// Error of the device.
         source: Box<DriveError>,
     },
     /// A parameter does not say what was written, once all have been.
     #[error("{id} ({name}) reads {found} after {value} was written")]
     Differs {
-        /// Which.
+        /// Number of the parameter.
         id: ParameterId,
-        /// What the device calls it.
+        /// Name that the device gives it.
         name: String,
         /// Written.
         value: i64,

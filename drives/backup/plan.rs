@@ -10,15 +10,15 @@ use crate::{Drive, DriveError, ParameterId, ParameterInfo};
 pub struct Change {
     /// Line of the file.
     pub line: u32,
-    /// Which.
+    /// Number of the parameter.
     pub id: ParameterId,
-    /// What the device calls it.
+    /// Name that the device gives it.
     pub name: String,
     /// Its unit.
     pub unit: &'static str,
-    /// What the device has; `None` if it does not tell.
+    /// Value of the device; `None` if it does not answer for it.
     pub from: Option<i64>,
-    /// What the file has.
+    /// Value of the file.
     pub to: i64,
     /// Whether it acts after a restart only.
     pub needs_restart: bool,
@@ -36,22 +36,22 @@ impl fmt::Display for Change {
     }
 }
 
-/// What a file would change on a device: nothing has been written.
+/// Changes that a file would make on a device: nothing has been written.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Plan {
-    /// What would be written, in the order of the file.
+    /// Values to write, in the order of the file.
     pub changes: Vec<Change>,
-    /// What differs and cannot be written.
+    /// Differences that cannot be written.
     pub read_only: Vec<Change>,
-    /// What differs and is not written, as the device would not be heard any more: address, speed and parity of the line.
+    /// Differences that are not written, because the device would not be heard any more: address, speed and parity of the line.
     pub of_the_line: Vec<Change>,
     /// Parameters that are as in the file.
     pub same: usize,
-    /// Those that the device keeps if it is told to: what can be written, but for what the line depends on.
+    /// Those that the device keeps on demand: what can be written, but for what the line depends on.
     pub kept: Vec<ParameterId>,
     /// Parameters that can be written and that the file does not have.
     pub absent: Vec<(ParameterId, String)>,
-    /// The device takes parameters and tells none ([`DriveError::takes_writes_only`]): all that can be written is, and
+    /// The device takes parameters and reports none ([`DriveError::takes_writes_only`]): all that can be written is, and
     /// nothing is read back.
     pub unseen: bool,
 }
@@ -168,7 +168,7 @@ impl Plan {
         self.changes.iter().any(|change| change.needs_restart)
     }
 
-    /// How many of the file's parameters the device would lose when it is switched off, as it has them now
+    /// Number of the file's parameters that the device would lose when it is switched off, as it has them now
     /// ([`Drive::unsaved_parameters`]).
     ///
     /// # Errors

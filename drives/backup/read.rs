@@ -13,7 +13,7 @@ const LONGEST: u64 = 4 << 20;
 pub struct Entry {
     /// Line, from 1.
     pub line: u32,
-    /// Which.
+    /// Number of the parameter.
     pub id: ParameterId,
     /// Its value.
     pub value: i64,

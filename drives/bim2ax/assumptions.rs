@@ -14,7 +14,7 @@ pub enum EntryOrder {
     ByNumber,
 }
 
-/// What homing does that begins on the cam, with coefficient bit 11 (no clearing).
+/// First leg of homing that begins on the cam, with coefficient bit 11 (no clearing).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CamStart {
     /// The edge counts as taken where the axis stands.
@@ -23,8 +23,8 @@ pub enum CamStart {
     FarEdge,
 }
 
-/// How a module corrects programmed moves after what its encoder shows. The manual says that it does, and that a message bit
-/// tells "au moins une correction" (2.2.4); not when it corrects, nor how often. The emulated module behaves by it; the
+/// Correction of programmed moves by the encoder. The manual says that there is one, and that a message bit
+/// shows "au moins une correction" (2.2.4); not when it corrects, nor how often. The emulated module behaves by it; the
 /// driver asks for neither number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Corrections {
@@ -41,7 +41,7 @@ impl Default for Corrections {
 }
 
 assumptions! {
-    /// What is assumed where the manual is silent. The emulated device behaves by it, and the driver expects it where it
+    /// Assumptions where the manual is silent. The emulated device behaves by them, and the client expects them where it
     /// matters to it.
     pub struct Assumptions {
         refreshes_all: bool = true, FLAG,

@@ -1,13 +1,12 @@
 //! BIBOX BIM2AX-BOCM, a module for two stepper axes behind a dual-port RAM.
 //!
-//! [`Bim2Ax`] is the driver over any [`Memory`], [`Bim2AxDrive`] the same as a [`twin_drives::Drive`]; [`emulator`] is the
-//! module without hardware, and [`Bim2AxPrediction`] what a plan becomes of in simulated time. Driver and emulator take
-//! zones, bits and parameters from the same tables, which are checked against vectors packed elsewhere and against a
-//! second reading of the manual.
+//! [`Bim2Ax`] is the client over any [`Memory`], [`Bim2AxDrive`] the same as a [`twin_drives::Drive`]; [`emulator`] is the
+//! module without hardware, and [`Bim2AxPrediction`] both in simulated time. All take zones, bits and parameters from the
+//! tables of [`protocol`], which are checked against vectors packed elsewhere and against a second reading of the manual.
 //!
 //! Nothing in the module watches its host. If that is gone, a programmed move goes on to its target, which while a
 //! plan is followed lies within the plan's horizon; homing goes on to the origin or an end switch, and a manual move
-//! until the end switch: manual moves want a host that lives.
+//! until the end switch: manual moves need a host that lives.
 //!
 //! Source: "Module BIM2AX-BOCM, Manuel d'utilisation", MUT/0712/0206D, revision D of May 2013.
 
@@ -15,6 +14,7 @@ mod assumptions;
 mod client;
 mod drive;
 pub mod emulator;
+mod family;
 mod prediction;
 pub mod protocol;
 #[cfg(test)]
@@ -24,6 +24,7 @@ pub use assumptions::{Assumptions, CamStart, Corrections, EntryOrder};
 pub use client::{Bim2Ax, Bim2AxOptions, BusStamp, Identity, Move, Start};
 pub use drive::{Bim2AxDrive, Bim2AxDriveOptions};
 pub use emulator::{Bench, Contact, EncoderBench, EncoderKind, SharedModule};
+pub use family::{Bim2AxEntry, Bim2AxFamily, ModuleEncoder};
 pub use prediction::{Bim2AxPrediction, PredictionOptions};
 pub use protocol::describe::describe_messages;
 pub use protocol::fault::Fault;

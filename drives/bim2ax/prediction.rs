@@ -10,7 +10,7 @@ use twin_drives::{
     IncrementMotion, Prediction, SetpointStream, WireRates, prediction::SeenAt, ramp::seconds,
 };
 
-/// What to predict.
+/// Settings of a prediction.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PredictionOptions {
     /// The axes in use, one or two.

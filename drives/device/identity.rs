@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Who a device is, as it tells itself.
+/// Identity of a device, as it reports it itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity {
     /// Name of the family.
@@ -11,7 +11,7 @@ pub struct Identity {
     pub units: Vec<UnitIdentity>,
 }
 
-/// Who one unit of a device is. What the family does not tell is absent.
+/// Identity of one unit of a device. Parts that the family does not report are absent.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct UnitIdentity {
     /// Address on the bus; 0 where there is none.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Which parameter of a device.
+/// Number of a parameter of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ParameterId {
     /// Address of the drive on its bus; 0 where a device is one unit.
@@ -20,7 +20,7 @@ impl fmt::Display for ParameterId {
     }
 }
 
-/// What values a parameter takes.
+/// Values that a parameter takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Values {
     /// All from the first to the second.
@@ -51,10 +51,10 @@ impl fmt::Display for Values {
     }
 }
 
-/// What is known about a parameter.
+/// Description of a parameter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ParameterInfo {
-    /// Which.
+    /// Number of the parameter.
     pub id: ParameterId,
     /// Name as in the manual, where it has one.
     pub name: String,
@@ -62,7 +62,7 @@ pub struct ParameterInfo {
     pub axis: Option<usize>,
     /// Unit, empty if there is none.
     pub unit: &'static str,
-    /// What it takes.
+    /// Values that it takes.
     pub values: Values,
     /// Whether it can be set.
     pub writable: bool,

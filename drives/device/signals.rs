@@ -28,7 +28,7 @@ impl Bits {
         self.levels
     }
 
-    /// How many signals there are.
+    /// Number of signals.
     pub fn count(&self) -> u8 {
         self.count
     }
@@ -60,7 +60,7 @@ impl Bits {
     }
 }
 
-/// What the inputs of a device mean for one axis. Absent is what the device does not have or does not tell apart.
+/// Meaning of the inputs of a device for one axis. Absent are inputs that the device does not have or does not distinguish.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct AxisSignals {
     /// On the limit switch towards larger positions.
@@ -80,9 +80,9 @@ pub struct Signals {
     pub inputs: Bits,
     /// Outputs as the device shows them, numbered as [`crate::Drive::set_output`] does.
     pub outputs: Bits,
-    /// Whether the enable input lets the device work; `None` if there is no such input.
+    /// Whether the enable input lets the device work; `None` if the input does not exist.
     pub enable: Option<bool>,
-    /// What some of the inputs are for the axes.
+    /// Inputs with a meaning for the axes.
     pub axes: [AxisSignals; MAX_DRIVE_AXES],
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{FaultRule, FaultyWire};
 
-/// What happens to an emulated device and to what it hangs on. `E` is what can happen to the devices of a family.
+/// Event at an emulated device, or fault of its wire. `E` is an event at the devices of a family.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Control<E> {
     /// Something happens to the device itself.
@@ -13,25 +13,25 @@ pub enum Control<E> {
     NoFaults,
     /// The plug is pulled (true) or put back: meanwhile nothing arrives either way.
     Disconnect(bool),
-    /// Something happens when so many more requests have come, just before the last of them is carried out; at once
+    /// Something happens after this number of further requests, just before the last of them is carried out; at once
     /// if 0. So it can be put into the middle of what a master does, however fast that is.
     After {
         /// Requests, those included that faults spoil.
         requests: u32,
-        /// What happens then.
+        /// Control that then takes effect.
         what: Box<Control<E>>,
     },
 }
 
 impl<E> Control<E> {
-    /// This, when so many more requests have come.
+    /// This, after a number of further requests.
     #[must_use]
     pub fn after(self, requests: u32) -> Self {
         Self::After { requests, what: Box::new(self) }
     }
 }
 
-/// What is still to happen after some requests.
+/// Controls that wait for a number of requests.
 #[derive(Clone, Debug)]
 pub struct Agenda<E>(Vec<(u32, Control<E>)>);
 

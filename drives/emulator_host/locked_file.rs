@@ -11,13 +11,13 @@ use crate::EmulatorError;
 
 /// A file in which one emulated device alone keeps things, as long as this lives.
 ///
-/// The file is replaced when something is stored, so what is locked is an empty one beside it, `….lock`, which stays: unless
+/// The file is replaced when something is stored, so what is locked is an empty one next to it, `….lock`, which stays: unless
 /// the file turns out to be none of a device.
 #[derive(Debug)]
 pub struct LockedFile {
     #[expect(dead_code, reason = "its lock is what counts")]
     lock: File,
-    /// The file beside, as long as it is not to stay.
+    /// The empty file, as long as it is not to stay.
     made: Option<PathBuf>,
 }
 
@@ -40,13 +40,14 @@ impl LockedFile {
         let real = path.canonicalize().unwrap_or_else(|_new| path.to_path_buf());
         let mut name = real.file_name().unwrap_or_default().to_owned();
         name.push(".lock");
-        let beside = real.with_file_name(name);
+        let lock_path = real.with_file_name(name);
         let mut options = OpenOptions::new();
-        let (lock, made) = match options.write(true).create_new(true).open(&beside) {
-            Ok(lock) => (lock, Some(beside)),
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-                (OpenOptions::new().write(true).create(true).truncate(false).open(&beside)?, None)
-            }
+        let (lock, made) = match options.write(true).create_new(true).open(&lock_path) {
+            Ok(lock) => (lock, Some(lock_path)),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => (
+                OpenOptions::new().write(true).create(true).truncate(false).open(&lock_path)?,
+                None,
+            ),
             Err(error) => return Err(error),
         };
         match lock.try_lock() {
@@ -129,10 +130,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("letter.txt");
         fs::write(&path, "dear all").unwrap();
-        let beside = folder.path().join("letter.txt.lock");
+        let lock_path = folder.path().join("letter.txt.lock");
         let lock = LockedFile::lock(&path).unwrap();
-        assert!(beside.exists());
+        assert!(lock_path.exists());
         drop(lock);
-        assert!(!beside.exists());
+        assert!(!lock_path.exists());
     }
 }

@@ -32,7 +32,7 @@ impl Received {
         self.until_ns.saturating_add(whole_ns(silence))
     }
 
-    /// The first so many bytes, or all, and when they came. What is left came with the last of them.
+    /// The first `length` bytes, or all, and when they came. What is left came with the last of them.
     pub(super) fn take(&mut self, length: usize) -> (Vec<u8>, i64, i64) {
         let rest = self.bytes.split_off(length.min(self.bytes.len()));
         let frame = std::mem::replace(&mut self.bytes, rest);

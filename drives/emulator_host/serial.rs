@@ -52,7 +52,7 @@ pub trait SerialDevice: Sized {
     /// Name of the family in lower case.
     const FAMILY: &'static str;
 
-    /// Where and how to serve them.
+    /// Settings of the host.
     fn hosting(options: &Self::Options) -> Hosting<'_>;
 
     /// The devices after power-up, with the memories of their files.
@@ -76,7 +76,7 @@ pub trait SerialDevice: Sized {
     /// Something happens to it.
     fn happen(&mut self, event: Self::Event);
 
-    /// Length of the request at the head of these bytes, if it is there as a whole and its end can be told.
+    /// Length of the request at the head of these bytes, if it is there as a whole and its end is known.
     fn whole(&self, bytes: &[u8]) -> Option<usize>;
 
     /// Carries out a request, or whatever silence has ended, and gives the answer, if there is one.
@@ -88,7 +88,7 @@ pub trait SerialDevice: Sized {
     /// Time that bytes take on the wire.
     fn wire_time(&self, bytes: usize) -> Duration;
 
-    /// Silence that ends what cannot be told to be whole.
+    /// Silence that ends a request of unknown length.
     fn silence(&self) -> Duration;
 
     /// From the last byte of a request to its execution.
@@ -102,7 +102,7 @@ pub trait SerialDevice: Sized {
         false
     }
 
-    /// When something that is to be kept is next stored without a request, ns.
+    /// Next instant at which the devices store something without a request, ns.
     fn stores_at_ns(&self) -> Option<i64> {
         None
     }
@@ -116,7 +116,7 @@ pub trait SerialDevice: Sized {
     }
 }
 
-/// What is asked of a served device from the side.
+/// Message to a served device other than on its wire.
 #[derive(Debug)]
 pub enum Message<T: SerialDevice> {
     /// Something happens.
@@ -171,7 +171,7 @@ pub async fn serve<T: SerialDevice, S: AsyncRead + AsyncWrite + Unpin, M: Into<M
                 };
                 match message.into() {
                     Message::Control(control) => served.obey(control),
-                    // Who no longer waits is not told.
+                    // Nobody may wait any more.
                     Message::Look(to) => drop(to.try_send(served.device.seen())),
                 }
             }

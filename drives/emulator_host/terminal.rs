@@ -1,7 +1,7 @@
 //! Pseudo-terminals: a serial port without hardware for an emulated device.
 //!
 //! A pseudo-terminal keeps the speed that its master has set and goes at none: [`AtSpeed`] makes a device deaf to masters
-//! at another speed. Parity is not kept (Linux sets 8 bits without parity whatever is asked for), so it cannot be told.
+//! at another speed. Parity is not kept (Linux sets 8 bits without parity whatever is asked for), so it is unknown.
 
 use std::{
     fs::{self, File, OpenOptions, TryLockError},
@@ -35,8 +35,8 @@ pub struct PseudoTerminal {
 
 impl PseudoTerminal {
     /// Opens a pair and gives the near end (master) with it. `link`, if any, becomes a symbolic link to the far end;
-    /// one there that leads nowhere, or was made for a terminal that is no more, is replaced, but never that of an emulator
-    /// that lives: it keeps a lock on a file beside it.
+    /// one there that leads nowhere, or was made for a terminal that has gone, is replaced, but never that of an emulator
+    /// that lives: it keeps a lock on a file next to it.
     ///
     /// # Errors
     /// If the system gives no pseudo-terminal, or the link cannot be made or is in use.
@@ -159,7 +159,7 @@ pub struct AtSpeed<S> {
 }
 
 impl<S> AtSpeed<S> {
-    /// Whether the master speaks as the device does; one whose speed cannot be told does.
+    /// Whether the master speaks as the device does; one of unknown speed does.
     fn understands(&self) -> bool {
         let Some(baud) = &self.baud else { return true };
         self.far.baud_rate().map_or(true, |set| set == baud.get())
@@ -202,7 +202,7 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for AtSpeed<S> {
     }
 }
 
-/// Whether a link was made for a terminal that is no more: it leads nowhere, or to a terminal that is younger than the
+/// Whether a link was made for a terminal that has gone: it leads nowhere, or to a terminal that is younger than the
 /// link, because numbers of terminals are given anew – perhaps that of the one the link is now wanted for.
 fn is_left_behind(link: &Path, own: &Path) -> bool {
     let Ok(target) = fs::metadata(link) else { return true };

@@ -3,7 +3,7 @@
 use super::{Axes, DriveError, Exchange};
 
 impl DriveError {
-    /// Where and in the course of what it happened.
+    /// Exchange in which it happened.
     pub fn at(&self) -> &Exchange {
         match self {
             Self::Transport { at, .. }
@@ -39,7 +39,7 @@ impl DriveError {
         }
     }
 
-    /// Which axes of the device it is about, where it says; that of a address with one axis is named by [`Self::at`].
+    /// Axes of the device that it is about, where it says; that of a device with one axis is named by [`Self::at`].
     pub fn axes(&self) -> Option<Axes> {
         match self {
             Self::Device { fault, .. } => fault.axes(),

@@ -22,7 +22,7 @@ impl Axes {
         }
     }
 
-    /// What their counters count, as the manuals call it.
+    /// Unit of their counters, as the manuals call it.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Letters(_) => "steps",

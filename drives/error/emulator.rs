@@ -8,7 +8,7 @@ pub enum EmulatorError {
     /// No pseudo-terminal.
     #[error("cannot open a pseudo-terminal: {source}")]
     Terminal {
-        /// What the operating system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The path for the link is taken by something else, or by a link to a terminal that is in use.
@@ -22,7 +22,7 @@ pub enum EmulatorError {
     Link {
         /// The path.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// A file that the emulated device lives in cannot be made, read, written or mapped.
@@ -30,13 +30,13 @@ pub enum EmulatorError {
     File {
         /// The path.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The thread that serves the emulated device cannot be started.
     #[error("cannot start the emulator's thread: {source}")]
     Thread {
-        /// What the operating system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The emulator has ended.

@@ -2,7 +2,7 @@
 
 use std::{fmt, sync::Arc};
 
-/// What was being done with a device when something went wrong.
+/// Action under way with a device when something went wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     /// Nothing: the driver knows the outcome without asking.
@@ -15,39 +15,39 @@ pub enum Action {
     Command {
         /// Number on the wire.
         number: u16,
-        /// What the manual calls it.
+        /// Name in the manual.
         name: &'static str,
     },
     /// Sending a command of the protocol ATB, whose manual has them in hexadecimal.
     Atb {
         /// Code on the wire.
         code: u8,
-        /// What the manual calls it.
+        /// Name in the manual.
         name: &'static str,
     },
     /// Switching a digital output.
     SwitchOutput {
-        /// Which, from 1.
+        /// Number of the output, from 1.
         output: u8,
         /// On or off.
         on: bool,
     },
     /// Reading registers or bits.
     Read {
-        /// What they hold.
+        /// Content.
         what: &'static str,
         /// First address.
         address: u16,
-        /// How many.
+        /// Number of them.
         count: u16,
     },
     /// Writing registers or bits.
     Write {
-        /// What they hold.
+        /// Content.
         what: &'static str,
         /// First address.
         address: u16,
-        /// How many.
+        /// Number of them.
         count: u16,
     },
     /// Looking at identifier and status of a module on a bus.
@@ -56,28 +56,28 @@ pub enum Action {
     ReadZone {
         /// Number of the zone.
         zone: u8,
-        /// What the manual calls it.
+        /// Name in the manual.
         name: &'static str,
     },
     /// Writing a zone of a module's memory.
     WriteZone {
         /// Number of the zone.
         zone: u8,
-        /// What the manual calls it.
+        /// Name in the manual.
         name: &'static str,
     },
     /// Giving an order to the axes of a module.
     Order {
         /// The order's bits.
         bits: u16,
-        /// What it is.
+        /// Name.
         name: &'static str,
     },
     /// Reading or writing a parameter.
     Parameter {
         /// Its number.
         number: u16,
-        /// What it is.
+        /// Name.
         name: &'static str,
         /// Written, else read.
         written: bool,
@@ -113,14 +113,14 @@ impl fmt::Display for Action {
     }
 }
 
-/// Where and in the course of what an error happened.
+/// Port, address and action of an error.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Exchange {
     /// Path of the port.
     pub port: Arc<str>,
     /// Station (slave) address on that port; 0 where the device has none.
     pub address: u8,
-    /// What was being done.
+    /// Action under way.
     pub action: Action,
 }
 

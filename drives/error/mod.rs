@@ -24,15 +24,15 @@ pub enum DriveError {
     /// The port cannot be opened, read or written.
     #[error("{at}: {source}")]
     Transport {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// No answer before the deadline. Whether the device got the request is unknown.
     #[error("{at}: no answer within {} ms", deadline.as_millis())]
     Timeout {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
         /// The deadline.
         deadline: Duration,
@@ -40,23 +40,23 @@ pub enum DriveError {
     /// An answer came that is not the answer to the request.
     #[error("{at}: {fault}")]
     Protocol {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
-        /// What is wrong with it.
+        /// The fault.
         fault: ProtocolFault,
     },
     /// The device reports a fault in the terms of its family.
     #[error("{at}: {fault}")]
     Device {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
-        /// Which.
+        /// The fault.
         fault: Box<dyn DeviceFault>,
     },
     /// The device is not in the mode in which it obeys, or does not leave it.
     #[error("{at}: the drive is in mode {found}, not in {expected}")]
     Mode {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
         /// Number of the mode it should be in.
         expected: u8,
@@ -66,35 +66,35 @@ pub enum DriveError {
     /// The motor was blocked.
     #[error("{at}: the motor has stalled")]
     Stalled {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
     },
     /// Homing has ended without a home position.
     #[error("{at}: homing has not found its switch")]
     NotHomed {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
     },
     /// The device is not what it should be, or set otherwise than it should be.
     #[error("{at}: {name} is {found}, not {}", with_unit(expected, unit))]
     Parameter {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
         /// Name of the parameter.
         name: &'static str,
         /// Its unit; empty for what has none.
         unit: &'static str,
-        /// What it should be, at least for ceilings.
+        /// Expected value, at least for ceilings.
         expected: i64,
-        /// What it is.
+        /// Found value.
         found: i64,
     },
     /// A value is beyond what the command can say.
     #[error("{at}: {what} = {} is impossible ({low} to {high})", with_unit(value, unit))]
     Value {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
-        /// What it is.
+        /// Found value.
         what: &'static str,
         /// The value.
         value: f64,
@@ -108,7 +108,7 @@ pub enum DriveError {
     /// An output that the device should have switched is as it was.
     #[error("{at}: the drive has confirmed it, and the output is still {}", if *on { "off" } else { "on" })]
     NotSwitched {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
         /// As it should be.
         on: bool,
@@ -116,41 +116,41 @@ pub enum DriveError {
     /// The device is locked: it accepts motion commands and does nothing.
     #[error("{at}: the board is locked")]
     Locked {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
     },
     /// The enable input is open (emergency stop): the device is locked and cannot be unlocked.
     #[error("{at}: the ENABLE input is open, the board cannot be unlocked")]
     EnableOpen {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
     },
     /// The device should have locked itself and has not.
     #[error("{at}: the board is not locked")]
     NotLocked {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
     },
     /// An axis has run onto a limit switch.
     #[error("{at}: a limit switch is active{}", axes.listed())]
     LimitSwitch {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
-        /// Which.
+        /// The axes.
         axes: Axes,
     },
     /// Axes move that must be at rest for what was asked.
     #[error("{at}: still moving{}", axes.listed())]
     Moving {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
-        /// Which.
+        /// The axes.
         axes: Axes,
     },
-    /// What was begun has not ended in the time it was given.
+    /// An action has not ended in the time it was given.
     #[error("{at}: not finished within {} ms", patience.as_millis())]
     Unfinished {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
         /// The time.
         patience: Duration,
@@ -158,21 +158,21 @@ pub enum DriveError {
     /// An axis has stopped elsewhere than on its target: something else has stopped it.
     #[error("{at}: {axis} stands at {found} instead of {target} {}", axis.unit())]
     NotArrived {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
-        /// Which.
+        /// The axis.
         axis: Axes,
-        /// Where it should be, increments.
+        /// Expected position, increments.
         target: i64,
-        /// Where it is, increments.
+        /// Found position, increments.
         found: i64,
     },
     /// Homing has failed: no switch within the stroke, or something else has stopped it.
     #[error("{at}: homing has failed{}", axes.listed())]
     HomingFailed {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
-        /// Which.
+        /// The axes.
         axes: Axes,
     },
     /// The shaft of an axis is not where its counter says, by its encoder: it is held, steps are lost, or the encoder does not
@@ -182,37 +182,37 @@ pub enum DriveError {
         points.map_or_else(String::new, |points| format!(" ({points} points)"))
     )]
     EncoderDiffers {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
-        /// Which.
+        /// The axis.
         axis: Axes,
-        /// What the counter shows, increments; of a stretch that it passed while the encoder was read the nearest place.
+        /// Counter, increments; of a range that it passed while the encoder was read the nearest value.
         counter: i64,
-        /// What it would be by the encoder, increments.
+        /// Counter by the encoder, increments.
         encoder: i64,
-        /// What increments of this device are called.
+        /// Name of this device's increments.
         unit: &'static str,
         /// So far they may be apart, increments; what the axis may have moved between two readings comes on top.
         tolerance: u32,
-        /// What the encoder itself shows, points, where the device does not tell increments.
+        /// Encoder itself, points, where the device does not report increments.
         points: Option<i32>,
     },
     /// The input that a probing move awaited did not come.
     #[error("{at}: the probe has found nothing")]
     ProbeFailed {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
     },
     /// The device could not write its EEPROM.
     #[error("{at}: the EEPROM could not be written")]
     EepromFailed {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
     },
     /// A register or parameter does not hold what was just written to it.
     #[error("{at}: {address} reads {found} after {written} was written")]
     NotKept {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
         /// Register, or number of the parameter.
         address: u16,
@@ -221,26 +221,26 @@ pub enum DriveError {
         /// Read back.
         found: u32,
     },
-    /// A parameter of the device is not what the driver has been told.
+    /// A parameter of the device differs from the settings of the client.
     #[error("{at}: parameter {number} is {found} instead of {}", with_unit(expected, unit))]
     ParameterDiffers {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
         /// Number of the parameter.
         number: u16,
         /// Its unit; empty for what has none.
         unit: &'static str,
-        /// What the driver has been told.
+        /// Expected value of the settings.
         expected: u32,
-        /// What the device has.
+        /// Value of the device.
         found: u32,
     },
     /// A position counter does not hold what was just written to it.
     #[error("{at}: the counter of {axis} reads {found} after {written} {} was written", axis.unit())]
     NotWritten {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
-        /// Which.
+        /// The axis.
         axis: Axes,
         /// Increments written.
         written: i64,
@@ -250,7 +250,7 @@ pub enum DriveError {
     /// A value does not fit the register that carries it.
     #[error("{at}: {} does not fit register {register} ({low} to {high})", with_unit(value, unit))]
     Range {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
         /// First register of the value.
         register: u16,
@@ -266,43 +266,43 @@ pub enum DriveError {
     /// The device has no such function.
     #[error("{at}: the device has no {what}")]
     Unsupported {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
-        /// What it does not have.
+        /// Missing ability.
         what: &'static str,
     },
     /// There is no such parameter.
     #[error("{at}: there is no {id}")]
     NoParameter {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
-        /// Which.
+        /// Number of the parameter.
         id: ParameterId,
     },
     /// The parameter cannot be set.
     #[error("{at}: {id} is read-only")]
     ReadOnly {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
-        /// Which.
+        /// Number of the parameter.
         id: ParameterId,
     },
     /// The parameter cannot have this value.
     #[error("{at}: {id} = {value} is impossible ({values})")]
     ParameterValue {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
-        /// Which.
+        /// Number of the parameter.
         id: ParameterId,
         /// The value.
         value: i64,
-        /// What it takes.
+        /// Values that it takes.
         values: Values,
     },
     /// A setting of the driver itself is impossible.
     #[error("{at}: {setting} = {value} is impossible ({low} to {high})")]
     Setting {
-        /// Where.
+        /// Exchange in which it happened.
         at: Exchange,
         /// Name of the setting.
         setting: &'static str,

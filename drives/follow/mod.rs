@@ -5,7 +5,7 @@
 //! where the plan will be one round later. Two things make that accurate at 10 ms per exchange:
 //!
 //! * The driver keeps a model of each axis, moved by the device's own kind of profile ([`crate::ramp`]) from the
-//!   instants at which commands were executed, and corrected by what samples show. It tells where the axis will be
+//!   instants at which commands were executed, and corrected by what samples show. It gives the position of the axis
 //!   when the next command reaches it.
 //! * Of a few commands that make sense (cruise with one of several ramps, stand on the next point of rest, turn),
 //!   the one whose modelled motion stays nearest to the plan is sent; none if the present one does as well.
@@ -38,7 +38,7 @@ use crate::{
 pub const TOLERANCE: f64 = 0.6;
 /// Weight of an exchange in the running means.
 const MEAN_GAIN: f64 = 0.2;
-/// A duration counts as at most so many times the mean: one exchange that something else delayed says little.
+/// A duration counts as at most this multiple of the mean: one exchange that something else delayed says little.
 const MEAN_LIMIT: f64 = 2.0;
 /// What a model may have strayed between two samples, as a part of what a usual time stamp is uncertain by: samples
 /// come with that uncertainty times the speed, and between them the model errs less.
@@ -47,9 +47,9 @@ const STRAYING: f64 = 0.36;
 const STRAYING_V2: f64 = 0.05;
 /// Variance of a counter, which shows whole steps, increments².
 const STEP_V2: f64 = 0.1;
-/// A difference beyond so many times what is explained is an axis that does not do as modelled: the sample is right.
+/// A difference beyond this multiple of the explained one is an axis that does not move as modelled: the sample is right.
 const DOUBT: f64 = 5.0;
-/// So many samples in a row at the same place, while the axis should have gone so far, increments, are no accident.
+/// Samples in a row at the same place, and the way that the axis should have gone meanwhile, increments: both together are not an accident.
 const STUCK_SAMPLES: u32 = 12;
 const STUCK_WAY: f64 = 50.0;
 /// How fast an axis may come back to its plan: in parts of the plan's own speed, which counts for a while behind it, s,
@@ -60,7 +60,7 @@ const CATCH_UP_LEAST: f64 = 0.05;
 /// What the model of an axis that rests may move between two samples, increments.
 const STUCK_STEP: f64 = 2.0;
 
-/// What the registers of one axis of a device can say about a move.
+/// Resolution of the registers of one axis of a device for a move.
 pub trait Registers: Copy + Debug {
     /// A move as it goes to the device.
     type Move: Copy + Debug + PartialEq;
@@ -83,11 +83,11 @@ pub trait Registers: Copy + Debug {
     /// The move nearest to what is wanted, within the limits.
     fn encode(&self, wanted: &Ramp) -> Self::Move;
 
-    /// What the device makes of a move.
+    /// Ramp that the device makes of a move.
     fn ramp(&self, order: &Self::Move) -> Ramp;
 }
 
-/// What exchanges are expected to take until some have been seen, s.
+/// Expected times of exchanges until some have been measured, s.
 #[derive(Clone, Copy, Debug)]
 pub struct Timing {
     /// From the decision for a command to its answer.
@@ -155,7 +155,7 @@ struct Tracked<R> {
 pub struct Order<M> {
     /// Index of the axis among those in use.
     pub axis: usize,
-    /// What to send.
+    /// Move to send.
     pub profile: M,
 }
 
@@ -288,7 +288,7 @@ impl<R: Registers> Follower<R> {
         }
     }
 
-    /// How far an axis moves from one instant to another, as modelled; 0 if nothing is known of it.
+    /// Way of an axis from one instant to another, as modelled; 0 if nothing is known of it.
     pub fn moved(&self, index: usize, from_ns: i64, to_ns: i64) -> f64 {
         self.axes
             .get(index)
@@ -301,7 +301,7 @@ impl<R: Registers> Follower<R> {
         seconds(stamp.uncertainty_ns) > (3.0 * self.uncertainty.0).max(0.004)
     }
 
-    /// Duration of a round of so many commands and a sample, s.
+    /// Duration of a round of `commands` commands and a sample, s.
     fn round(&self, commands: usize) -> f64 {
         let exchanges = u32::try_from(commands + self.samples).unwrap_or(u32::MAX);
         self.exchange.0 * f64::from(exchanges)

@@ -9,12 +9,12 @@ use super::legs::Legs;
 use super::{Homing, HomingFault, HomingOptions, Order, Seen};
 use crate::{Bits, Drive, DriveError, Increments, MAX_DRIVE_AXES, SetpointStream, Signals};
 
-/// Which signal of a device a switch is.
+/// Signal of a device that is a switch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Switch {
     /// An input, from 1, which has this level while the switch is pressed.
     Input {
-        /// Which.
+        /// Number of the input.
         number: u8,
         /// Its level on the switch.
         pressed: bool,
@@ -52,7 +52,7 @@ impl Switch {
     }
 }
 
-/// Which axis of a device is homed, and how.
+/// Axis of a device to be homed, and its settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HomingRun {
     /// Index of the arrays of [`Drive`].
@@ -63,30 +63,30 @@ pub struct HomingRun {
     pub options: HomingOptions,
 }
 
-/// How homing has ended.
+/// Result of homing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HomingReport {
-    /// Where the reference was in the count from before, increments.
+    /// Reference in the count from before, increments.
     pub reference: f64,
-    /// What positions have become more by, increments.
+    /// Shift of positions, increments.
     pub shift: i64,
     /// Longest time from one look at the switch to the next, ns: of this depends how exact the reference is
     /// ([`HomingOptions::uncertainty`]).
     pub longest_look_ns: i64,
 }
 
-/// Why homing has failed. The axis has been stopped, but where it is said that it has not.
+/// Error of homing. The axis has been stopped, unless the error says that it has not.
 #[derive(Debug, thiserror::Error)]
 pub enum HomingError {
-    /// What the axis did.
+    /// Fault of the axis.
     #[error("homing of axis {}: {error}", axis + 1)]
     Axis {
         /// Index of the arrays.
         axis: usize,
-        /// What.
+        /// The fault.
         error: HomingFault,
     },
-    /// What the device did.
+    /// Error of the device.
     #[error(transparent)]
     Drive(#[from] DriveError),
     /// The device does not show the switch.
@@ -94,7 +94,7 @@ pub enum HomingError {
     NoSwitch {
         /// Index of the arrays.
         axis: usize,
-        /// Which switch.
+        /// The switch.
         switch: Switch,
     },
     /// The axis moves already.
@@ -106,9 +106,9 @@ pub enum HomingError {
     /// Homing has failed, and the device has confirmed neither stop: whether the axis is at rest is not known.
     #[error("{why}; and the axis could not be stopped: {source}; use the emergency stop")]
     NotStopped {
-        /// Why homing has failed.
+        /// Error of homing.
         why: Box<HomingError>,
-        /// Why it could not be stopped.
+        /// Error of the stop.
         source: Box<DriveError>,
     },
     /// It was asked to stop.
@@ -240,7 +240,7 @@ impl Runner<'_> {
             switch.pressed(&signals, axis).ok_or(HomingError::NoSwitch { axis, switch })?;
         let ignore = self.run.options.ignore_hardware_limit;
         let sample = match self.drive.sample(stream) {
-            // The device tells positions to who does not ask whether it obeys.
+            // The device reports positions also while it does not obey.
             Err(error) if ignore && error.is_limit_switch() => self.drive.probe(stream)?,
             sample => sample?,
         };

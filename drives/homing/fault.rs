@@ -1,13 +1,13 @@
 //! Reasons why homing by a switch fails, with the manual's numbers (9.3) where it has them.
 
-/// Why homing by a switch fails. Values are in the unit of the caller: technical units, or increments.
+/// Fault of homing by a switch. Values are in the unit of the caller: technical units, or increments.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum HomingFault {
     /// The axis is on a limit switch that is watched; the manual has no other number than that of the software limits
     /// (`SMC_DI_SWLIMITS_EXCEEDED`).
     #[error("position {position} is on the {} limit switch", if *.positive { "positive" } else { "negative" })]
     HardwareLimit {
-        /// Where it is.
+        /// Position of the axis.
         position: f64,
         /// On that towards larger positions.
         positive: bool,
@@ -15,7 +15,7 @@ pub enum HomingFault {
     /// A velocity, acceleration or deceleration of homing is impossible (`SMC_3SH_INVALID_VELACC_VALUES`).
     #[error("homing cannot be done with {what} = {value}")]
     Value {
-        /// Which.
+        /// Name of the value.
         what: &'static str,
         /// The value.
         value: f64,
@@ -26,11 +26,11 @@ pub enum HomingFault {
     /// Homing has gone as far as it may.
     #[error("{what} has not come within {travel} from {from}")]
     Travel {
-        /// What was sought.
+        /// Signal that was sought.
         what: &'static str,
-        /// Where the search began.
+        /// Start of the search.
         from: f64,
-        /// How far it may go.
+        /// Longest way.
         travel: f64,
     },
     /// The axis was past the home switch before it stood still.
@@ -38,15 +38,15 @@ pub enum HomingFault {
         "the home switch is shorter than the way the axis brakes: it stands at {position}, past it"
     )]
     SwitchPassed {
-        /// Where it stands.
+        /// Position of the axis.
         position: f64,
     },
     /// The axis does not stand where homing has sent it.
     #[error("the axis stands at {position} instead of {target}")]
     NotArrived {
-        /// Where it stands.
+        /// Position of the axis.
         position: f64,
-        /// Where it should be.
+        /// Target.
         target: f64,
     },
 }

@@ -33,7 +33,7 @@ impl History {
         }
     }
 
-    /// Where the axis was at `time_ns`, on straight lines between the samples; before the first and after the last it was
+    /// Position of the axis at `time_ns`, on straight lines between the samples; before the first and after the last it was
     /// where they are. `None` without samples.
     pub fn at(&self, time_ns: i64) -> Option<f64> {
         let after = self.samples.partition_point(|(time, _)| *time <= time_ns);

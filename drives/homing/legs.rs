@@ -26,7 +26,7 @@ struct Way {
     rests: bool,
 }
 
-/// How far an axis is sent at a time at so many increments/s.
+/// Length of a leg at a speed, increments/s.
 pub(super) fn leg(velocity: f64) -> f64 {
     (velocity * LEG_S).ceil().max(1.0)
 }
@@ -102,7 +102,7 @@ mod tests {
         assert!((legs.begin(70.0, -2530.0, 2000.0) + 930.0).abs() < 1e-9);
         assert_eq!(legs.next(&seen(-300.0, true), true), None);
         assert_eq!(legs.next(&seen(-431.0, true), true), Some((-1431.0, 2000.0)));
-        // One that takes no target while it moves stands between legs, which is no end of the way.
+        // One that takes no target while it moves stands between legs, which is not the end of the way.
         let mut waits = legs;
         assert_eq!(waits.next(&seen(-1400.0, true), false), None);
         assert!(waits.seen(&seen(-1431.0, false)).moving);

@@ -127,9 +127,9 @@ pub struct HomingOptions {
     pub return_to_zero: bool,
     /// `bIgnoreHWLimit`: limit switches do not end homing, so that one of them can be the home switch.
     pub ignore_hardware_limit: bool,
-    /// How far the axis may go to find its switch, u.
+    /// Longest way of the axis to its switch, u.
     pub max_fast_way: f64,
-    /// How far it may go slowly until the switch has opened and the index has come, u.
+    /// Longest slow way until the switch has opened and the index has come, u.
     pub max_slow_way: f64,
 }
 
@@ -186,19 +186,19 @@ impl HomingOptions {
         }
     }
 
-    /// How far the reference may be from where the switch opens, u, if the longest time from one look at the switch to the
+    /// Largest distance of the reference from the opening point of the switch, u, if the longest time from one look at the switch to the
     /// next is `looks_s`: what the axis goes slowly in that time, and in half of it, as neither switch nor position are
     /// known to be of the middle of their exchanges. A signal delay of half that time makes the mean error 0.
     pub fn uncertainty(&self, looks_s: f64) -> f64 {
         1.5 * self.velocity_slow * looks_s
     }
 
-    /// How far [`home_by_switch`] sends an axis at a time at most, u: so far it goes where nobody looks any more.
+    /// Longest leg of [`home_by_switch`], u: the axis goes no farther when nobody looks any more.
     pub fn longest_leg(&self) -> f64 {
         legs::leg(self.velocity_fast.max(self.velocity_slow))
     }
 
-    /// How far the axis goes at most in its direction and against it from where it starts, u, before it returns to zero:
+    /// Longest ways of the axis in its direction and against it from its start, u, before it returns to zero:
     /// a drive is sent no further, so that it stops there if the switch never comes.
     pub fn longest_ways(&self) -> (f64, f64) {
         if self.mode.reverses() {

@@ -6,7 +6,7 @@ use super::{History, HomingFault, HomingOptions};
 /// began to move.
 const LOOKS_AT_REST: u8 = 2;
 
-/// What is seen of the axis. Switch and position may be of different instants.
+/// Look at the axis. Switch and position may be of different instants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
     /// Time of the position, ns.
@@ -25,7 +25,7 @@ pub struct Seen {
     pub limit: Option<bool>,
 }
 
-/// What is to be done.
+/// Next action.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Order {
     /// Look again.
@@ -110,7 +110,7 @@ impl Homing {
         Ok(Self { options, phase, history, from: 0.0, looks_at_rest: 0, reference: None })
     }
 
-    /// Where the reference is, u in the count from before it was declared; known once it has been found.
+    /// Reference, u in the count from before it was declared; known once it has been found.
     pub fn reference(&self) -> Option<f64> {
         self.reference
     }
@@ -120,7 +120,7 @@ impl Homing {
         matches!(self.phase, Phase::Index { .. })
     }
 
-    /// What is to be done.
+    /// Next action.
     ///
     /// # Errors
     /// [`HomingFault::Travel`] if switch or index do not come within the way; [`HomingFault::SwitchPassed`];

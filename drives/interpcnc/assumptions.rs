@@ -7,7 +7,7 @@ use std::time::Duration;
 use crate::{protocol::line::Line, protocol::parameters};
 use twin_drives::assumptions::{Choice, FLAG, Microseconds, Number, OrNone, assumptions};
 
-/// How an axis is brought to rest when the board does it by itself.
+/// Stop of an axis that the board makes by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoardStop {
     /// Without ramp.
@@ -16,7 +16,7 @@ pub enum BoardStop {
     OnRamp,
 }
 
-/// How parameter 101 says a speed.
+/// Coding of a speed in parameter 101.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BaudCode {
     /// The speed itself, bits per second.
@@ -54,7 +54,7 @@ impl BaudCode {
     }
 }
 
-/// What parameters 87, 92, 93 and 94 hold.
+/// Coding of outputs in parameters 87, 92, 93 and 94.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputCode {
     /// One bit per output, OUT1 in bit 0 (the manual's table allows all 32 bits).
@@ -84,7 +84,7 @@ const CODE: Number<u8> = Number(1..=255, "(code)");
 const TIME_NS: Number<i64> = Number(0..=10_000_000_000, "ns");
 
 assumptions! {
-    /// What is assumed where the manual is silent. The emulated device behaves by it, and the driver expects it where it
+    /// Assumptions where the manual is silent. The emulated device behaves by them, and the client expects them where it
     /// matters to it.
     pub struct Assumptions {
         buffer_segments: u16 = 64, Number(1..=1024, "segments"),

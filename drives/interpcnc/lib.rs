@@ -1,7 +1,8 @@
 //! SOPROLEC InterpCNC V2.1, a stepper board for five axes on Modbus RTU.
 //!
-//! [`InterpCncDrive`] is the driver; [`emulator`] is the board without hardware. Both take registers and commands
-//! from the same tables ([`registers`], [`Command`]), which are checked against frames computed elsewhere.
+//! [`InterpCnc`] is the client, [`InterpCncDrive`] the same as a [`twin_drives::Drive`], [`emulator`] the board without
+//! hardware, and [`InterpCncPrediction`] both in simulated time. All take registers and commands from the tables of
+//! [`protocol`], which are checked against frames computed elsewhere.
 //!
 //! Source: "Carte d'axe SOPROLEC InterpCNC V2.1, Protocole de communication MODBUS" (firmware up to 5.30).
 
@@ -9,6 +10,7 @@ mod assumptions;
 mod client;
 mod drive;
 pub mod emulator;
+mod family;
 mod prediction;
 pub mod protocol;
 #[cfg(test)]
@@ -20,6 +22,7 @@ pub use client::{
     InterpCncOptions, ProbeMove, Recipes, Snapshot,
 };
 pub use drive::InterpCncDrive;
+pub use family::{InterpCncEntry, InterpCncFamily};
 pub use prediction::{InterpCncPrediction, PredictionSummary, board_prediction, predict};
 pub use protocol::command::{AxisValues, BadCommand, Command, CommandRegisters, MoveProfile};
 pub use protocol::exception::Exception;

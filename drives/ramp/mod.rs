@@ -12,7 +12,7 @@
 #[cfg(test)]
 mod tests;
 
-/// What limits a motion and where it goes, in steps and seconds.
+/// Limits and target of a motion, in steps and seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ramp {
     /// Speed at which the axis may start and stop at once, steps/s.
@@ -81,7 +81,7 @@ impl Motion {
         let mut stretches = [Stretch::default(); 4];
         let mut final_sense = if state.velocity == 0.0 { 0.0 } else { state.velocity.signum() };
         let [turn, change, cruise, brake] = &mut stretches;
-        // Below the start/stop frequency there is no ramp.
+        // Below the start/stop frequency a motion has no ramp.
         let base = ramp.start_stop.min(ramp.speed);
         let base_v2 = base * base;
         let half_up = 0.5 / ramp.acceleration;
@@ -263,7 +263,7 @@ impl Motion {
         self
     }
 
-    /// The same motion somewhere else, so many steps farther.
+    /// The same motion somewhere else, `by` steps farther.
     #[must_use]
     pub fn shifted(mut self, by: f64) -> Self {
         for stretch in &mut self.stretches {

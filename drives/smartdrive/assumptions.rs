@@ -6,7 +6,7 @@ use super::{AnswerLength, RejectCode};
 use crate::protocol::parameters::{ACCELERATION_CURRENT, DECELERATION_SETPOINT};
 use twin_drives::assumptions::{Choice, FLAG, assumptions};
 
-/// What a drive makes of a frame for itself whose check sum or length is wrong.
+/// Reaction of a drive to a frame for itself whose check sum or length is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BadFrame {
     /// It says nothing.
@@ -15,7 +15,7 @@ pub enum BadFrame {
     Refused(RejectCode),
 }
 
-/// What an output does whose bit is in both bytes of IOUPDATE.
+/// State of an output whose bit is in both bytes of IOUPDATE.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BothBits {
     /// Stays as it is.
@@ -26,7 +26,7 @@ pub enum BothBits {
     Clear,
 }
 
-/// Where STEP counts from.
+/// Origin of STEP.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepFrom {
     /// The set-point, where that is just now.
@@ -35,7 +35,7 @@ pub enum StepFrom {
     Target,
 }
 
-/// How a drive brakes on LIMP and LIMN.
+/// Stop of a drive on LIMP and LIMN.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LimitStop {
     /// With `DecLim`.
@@ -46,7 +46,7 @@ pub enum LimitStop {
     AtOnce,
 }
 
-/// What `PosOffset` is to homing.
+/// Meaning of `PosOffset` for homing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HomePosition {
     /// The position where the switch releases.
@@ -55,7 +55,7 @@ pub enum HomePosition {
     GoesOffset,
 }
 
-/// Where the variable `Acc_Current` is; the manual prints 85, as for `Dec_Setpoint`.
+/// Index of the variable `Acc_Current`; the manual prints 85, as for `Dec_Setpoint`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AccCurrent {
     /// At 86, after `Dec_Setpoint`.
@@ -79,7 +79,7 @@ impl AccCurrent {
     }
 }
 
-/// What a `DecMax` or `DecLim` of 0 means.
+/// Meaning of a `DecMax` or `DecLim` of 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ZeroRate {
     /// `AccMax`.
@@ -88,12 +88,12 @@ pub enum ZeroRate {
     Unlimited,
 }
 
-/// When the drive goes by a value of SET; GET shows it at once.
+/// Instant from which a value of SET acts; GET shows it at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SetEffect {
     /// At once.
     AtOnce,
-    /// When a mode next begins.
+    /// With the next mode.
     WithMode,
     /// SET begins the present mode anew (RTD), which takes as long as MODE and loses the position.
     RestartsMode,
@@ -108,7 +108,7 @@ const CODES: Choice<RejectCode> = Choice(&[
 ]);
 
 assumptions! {
-    /// What is assumed where the manual is silent. The emulated device behaves by it, and the driver expects it where it
+    /// Assumptions where the manual is silent. The emulated device behaves by them, and the client expects them where it
     /// matters to it.
     pub struct Assumptions {
         bad_frame: BadFrame = BadFrame::Silent, Choice(&[

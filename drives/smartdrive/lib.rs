@@ -1,9 +1,9 @@
 //! SmartDRIVE v1.2, drives for step motors with one axis each, up to 31 on one RS485 bus, protocol ATB.
 //!
-//! [`SmartDrive`] speaks to all drives of a bus, one exchange after the other, and [`SmartDriveBus`] makes up to five of
-//! them a [`twin_drives::Drive`]; [`emulator`] is the drives without hardware, and [`SmartDrivePrediction`] what both make of a
-//! plan in simulated time. Commands and answers, [`parameters`] and variables are the same tables for all, checked
-//! against frames computed elsewhere.
+//! [`SmartDrive`] is the client of all drives of a bus, one exchange after the other, [`SmartDriveBus`] makes up to five of
+//! them a [`twin_drives::Drive`]; [`emulator`] is the drives without hardware, and [`SmartDrivePrediction`] both in
+//! simulated time. All take commands, answers and parameters from the tables of [`protocol`], which are checked against
+//! frames computed elsewhere.
 //!
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB".
 
@@ -11,6 +11,7 @@ mod assumptions;
 mod client;
 mod drive;
 pub mod emulator;
+mod family;
 mod prediction;
 pub mod protocol;
 #[cfg(test)]
@@ -24,6 +25,7 @@ pub use client::{
     Accelerations, AxisOptions, DriveState, IoState, ParameterValue, SmartDrive, SmartDriveOptions,
 };
 pub use drive::{OUTPUTS, SmartDriveBus};
+pub use family::{SmartDriveEntry, SmartDriveFamily};
 pub use prediction::{BusDelays, SmartDrivePrediction};
 pub use protocol::command::{Command, Init, IoUpdate, LoadSource, Mode};
 pub use protocol::fault::Fault;

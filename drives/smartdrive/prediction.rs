@@ -20,14 +20,14 @@ use twin_drives::{
 const GOTO_BYTES: usize = 11;
 const PING_BYTES: usize = 7;
 
-/// What an exchange takes besides its bytes.
+/// Delays of an exchange in addition to its bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BusDelays {
     /// From the execution of a command to the first byte of its answer; the manual allows 50 ms.
     pub response: Duration,
     /// From an answer to the next command: adapter, operating system, silence.
     pub gap: Duration,
-    /// How long answers are.
+    /// Length of answers.
     pub answers: AnswerLength,
 }
 
@@ -43,7 +43,7 @@ impl Default for BusDelays {
 }
 
 impl BusDelays {
-    /// The time that the answer to a command of so many bytes takes on the wire.
+    /// Time of the answer to a command of this length on the wire.
     fn answer(&self, command: usize) -> Duration {
         wire_time(match self.answers {
             AnswerLength::Four => ANSWER_BYTES,

@@ -168,7 +168,7 @@ pub(crate) fn bim2ax() -> Bench {
     }
     let module = EmulatedModule::start(&options, move || clock.now()).unwrap();
     // Until its status is there, the file is that of a module that runs and has no identifier.
-    let mut memory = MemoryFile::beside(module.path()).unwrap();
+    let mut memory = MemoryFile::shared(module.path()).unwrap();
     let mut identifier = [0];
     while identifier != [0x4E] {
         bim2ax::Memory::read(&mut memory, 0xFF, &mut identifier).unwrap();

@@ -321,7 +321,7 @@ fn a_memory_file_has_one_master_until_that_is_killed_and_a_stop_gets_through() {
         rig.truth().mechanical.abs() > 500.0
     });
     let refused = MemoryFile::open(port.as_ref()).map(|_| ());
-    let beside = MemoryFile::beside(port.as_ref()).expect("it is there");
+    let beside = MemoryFile::shared(port.as_ref()).expect("it is there");
     let options = Bim2AxOptions { deadline: Duration::from_secs(5), ..Bim2AxOptions::default() };
     let mut module = Bim2Ax::new(&port, beside, &options);
     let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();

@@ -1,7 +1,7 @@
 //! Fault matrix: every fault of every drive family in every state, over its real transport, with its outcome as a
 //! table.
 //!
-//! `cargo test -p twin-drives --test fault_matrix -- --nocapture` prints it. `expected.rs` has the expectation of each
+//! `cargo test -p twin-drives-tests --test fault_matrix -- --nocapture` prints it. `expected.rs` has the expectation of each
 //! cell, written before any run; the test reads the true state from the emulated device, not from the driver.
 
 #![expect(clippy::expect_used, reason = "a test that cannot be set up has failed")]

@@ -403,7 +403,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
                 DeviceFault::BrownOut | DeviceFault::Outage | DeviceFault::Gone,
             ) => {
                 // The emulator writes its status byte into the file when it next looks at it.
-                let mut memory = MemoryFile::beside(module.path()).expect("it is there");
+                let mut memory = MemoryFile::shared(module.path()).expect("it is there");
                 let mut status = [0];
                 while status[0] & 1 == 0 {
                     bim2ax::Memory::read(&mut memory, 0xFD, &mut status).expect("it is there");

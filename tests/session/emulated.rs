@@ -6,7 +6,7 @@ use std::cell::{Cell, RefCell};
 use std::time::Duration;
 use twin::attached::Attached;
 use twin::check::CheckOptions;
-use twin::emulated::{Emulator, connect};
+use twin::emulated::connect;
 use twin::hardware::{Hardware, HardwareError};
 use twin::m_function::Acknowledge;
 use twin::session::{Ending, Session, Stopped};
@@ -30,11 +30,10 @@ fn approach(hardware: &mut Hardware) -> Result<(), HardwareError> {
 /// The only device of a machine, a board.
 fn board(machine: &Machine) -> (EmulatedBoard, Attached) {
     let mut connected = connect(machine).unwrap();
-    let (Some((Emulator::InterpCnc(board), attached)), None) = (connected.pop(), connected.pop())
-    else {
-        panic!("one board")
+    let (Some((emulator, attached)), None) = (connected.pop(), connected.pop()) else {
+        panic!("one device")
     };
-    (board, attached)
+    (*emulator.into().expect("a board"), attached)
 }
 
 fn drives(machine: &Machine, start: &AxisVector) -> (EmulatedBoard, Hardware) {

@@ -13,5 +13,6 @@ mod markdown;
 mod names;
 mod orphans;
 mod paths;
+mod rooms;
 mod tree;
 mod words;

@@ -6,7 +6,7 @@ use crate::probe::{AxisProbe, AxisProbeEnd};
 use crate::simulated::Simulated;
 use std::io::{self, Write};
 use twin_kinematics::AxisVector;
-use twin_machine::{Axis, DriveFamily, Machine};
+use twin_machine::{Axis, DeviceEntry, DriveFamily, Machine};
 use twin_number::significant;
 
 /// Digits of the answers.
@@ -131,7 +131,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 /// What an axis starts at: nothing, or what the ramps of its board do.
 fn default_start(machine: &Machine, axis: &Axis) -> f64 {
     let device = axis.drive.as_ref().and_then(|drive| machine.drives.get(drive.device));
-    match device.filter(|device| device.in_loop).map(|device| &device.family) {
+    match device.filter(|device| device.in_loop).map(DeviceEntry::family) {
         Some(DriveFamily::InterpCnc(board)) => {
             axis.from_si(f64::from(board.start_stop_hz) / axis.increments_per_si().abs())
         }

@@ -3,7 +3,6 @@
 use super::show::{against, amount, table};
 use crate::check::{Outcome, PredictedFollowing};
 use crate::compare::Statistics;
-use crate::real;
 use comfy_table::{Cell, CellAlignment, Table};
 use std::time::Duration;
 use twin_drives::WireRates;
@@ -64,7 +63,7 @@ pub(super) fn rates(rates: &WireRates) -> String {
 pub(super) fn lost_answers(machine: &Machine, outcome: &Outcome) -> Vec<String> {
     let mut notes = Vec::new();
     for (index, entry) in machine.drives.iter().enumerate() {
-        let lost: Duration = real::waits(entry).into_iter().sum();
+        let lost: Duration = entry.waits().into_iter().sum();
         for (place, axis) in machine.axes_of(index) {
             let peak = outcome.peaks.get(place).map(|peak| peak.velocity);
             let Some((limit, peak)) = axis.max_following_error.zip(peak) else { continue };

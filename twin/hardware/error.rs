@@ -174,7 +174,7 @@ impl Names {
                 .axes_of(device)
                 .map(|(_, axis)| (place(axis), axis.name.clone()))
                 .collect(),
-            bus: entry.is_some_and(|entry| matches!(entry.family, DriveFamily::SmartDrive(_))),
+            bus: entry.is_some_and(|entry| matches!(entry.family(), DriveFamily::SmartDrive(_))),
         }
     }
 

@@ -6,7 +6,7 @@
 
 use super::HardwareError;
 use super::stream::Stream;
-use crate::{emulated, real};
+use crate::emulated;
 use std::time::Duration;
 use twin_drives::{MAX_DRIVE_AXES, SetpointStream};
 use twin_machine::{Axis, DeviceEntry, Machine};
@@ -160,7 +160,7 @@ impl Limit {
 /// then waits for the deadline, waits until no late answer comes any more, and asks again; another round may pass until
 /// the axes are seen.
 fn usual_silence_ms(machine: &Machine, device: (usize, &DeviceEntry)) -> u32 {
-    let [deadline, latency] = real::waits(device.1);
+    let [deadline, latency] = device.1.waits();
     whole_ms(deadline + latency + 2 * emulated::round(machine, device)).max(USUAL_SILENCE_MS)
 }
 

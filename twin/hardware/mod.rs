@@ -69,7 +69,7 @@ pub struct Hardware {
 pub fn switching_drive(machine: &Machine, drives: &[Attached]) -> Option<usize> {
     let board = drives.iter().position(|attached| {
         let entry = machine.drives.get(attached.device);
-        entry.is_some_and(|entry| matches!(entry.family, DriveFamily::InterpCnc(_)))
+        entry.is_some_and(|entry| matches!(entry.family(), DriveFamily::InterpCnc(_)))
     });
     board.or_else(|| (!drives.is_empty()).then_some(0))
 }

@@ -1,9 +1,10 @@
 //! Drive of an axis in `[[axes]]`: device, increments per unit, limit switches and homing direction.
 
 use super::counting::Counting;
-use super::drives::{Abilities, Seen};
+use super::drives::Seen;
 use crate::axis_kind::AxisKind;
 use crate::section::Section;
+use twin_drives::family::Abilities;
 
 /// Increments of a drive per unit of the axis, as an exact ratio (the manual's
 /// `dwRatioTechUnitsDenom` / `iRatioTechUnitsNum`).
@@ -110,15 +111,14 @@ pub(super) fn read(section: &Section<'_>, kind: AxisKind, devices: &[Seen]) -> O
         return None;
     };
     let seen = devices.get(found)?;
-    let kind = seen.kind;
-    // Without a kind it is not known which axes there are.
-    let kind = kind?;
-    let index = kind.axis(section);
-    for key in axis_keys.into_iter().filter(|key| *key != kind.axis_key() && section.has(key)) {
-        let message = format!("axes of this drive are named by `{}`", kind.axis_key());
+    // Without a family it is not known which axes there are.
+    let family = seen.family?;
+    let index = family.axis(section);
+    for key in axis_keys.into_iter().filter(|key| *key != family.axis_key() && section.has(key)) {
+        let message = format!("axes of this drive are named by `{}`", family.axis_key());
         section.complain_at(key, message);
     }
-    for key in [kind.axis_key(), "increments", &per_key] {
+    for key in [family.axis_key(), "increments", &per_key] {
         if !section.has(key) {
             section.complain(format!("an axis with a `drive` needs `{key}` too"));
         }

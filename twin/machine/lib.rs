@@ -41,9 +41,7 @@ pub use couplings::{CamAxis, read_cam, read_ratio};
 pub use couplings::{CamSelection, CoupledBy, Coupling};
 pub use direction::DirectionRule;
 use drives::Seen;
-pub use drives::{
-    Bim2AxEntry, DeviceEntry, DriveFamily, InterpCncEntry, ModuleEncoder, Parity, SmartDriveEntry,
-};
+pub use drives::{DeviceEntry, DriveFamily, FAMILIES};
 pub use limits::{AxisLimit, PathLimits, VelocityLimit, VelocityLimits, VelocitySource};
 pub use m_functions::MFunction;
 pub use refusal::SimulationError;
@@ -61,6 +59,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tool::Tool;
 use twin_drives::MAX_DRIVE_AXES;
+use twin_drives::family::Family;
 use twin_kinematics::{AxisSource, AxisVector, Kinematics, MAX_AXES, MachineAxes, Pose, WorkFrame};
 use twin_urdf::{Inertial, JointKind, Model, UrdfWarning};
 
@@ -137,7 +136,19 @@ impl Machine {
     /// # Errors
     /// With everything that is wrong with it, in file order.
     pub fn parse(path: &Path, text: &str) -> Result<Self, Vec<Problem>> {
-        let machine = section::parse(text, |root| read(path, root))?;
+        Self::parse_with(path, text, FAMILIES)
+    }
+
+    /// As [`Self::parse`], with these drive families instead of [`FAMILIES`].
+    ///
+    /// # Errors
+    /// As [`Self::parse`].
+    pub fn parse_with(
+        path: &Path,
+        text: &str,
+        families: &[&'static dyn Family],
+    ) -> Result<Self, Vec<Problem>> {
+        let machine = section::parse(text, |root| read(path, root, families))?;
         let mut machine = Self { dimensions: dimensions(text), ..machine };
         machine.conditions.rs274.surroundings = around::surroundings(&machine);
         Ok(machine)
@@ -209,15 +220,16 @@ impl Machine {
     }
 }
 
-fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
+fn read(path: &Path, root: &Section<'_>, families: &[&'static dyn Family]) -> Option<Machine> {
     if FileKind::Machine.refuses(root) {
         return None;
     }
     let name = root.required_text("name");
     let drives = root.sections("drives");
-    let devices: Vec<_> = drives.iter().map(drives::read).collect();
+    let devices: Vec<_> = drives.iter().map(|section| drives::read(section, families)).collect();
     let seen = drives.iter().zip(&devices);
-    let seen: Vec<_> = seen.map(|(section, entry)| Seen::of(section, entry.as_ref())).collect();
+    let seen: Vec<_> =
+        seen.map(|(section, entry)| Seen::of(section, entry.as_ref(), families)).collect();
     for (section, one) in drives.iter().zip(&seen) {
         let earlier = seen.iter().take_while(|other| !std::ptr::eq(*other, one));
         if earlier.into_iter().any(|other| other.name == one.name) && section.has("name") {
@@ -243,7 +255,7 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         let hang =
             axis_sections.iter().filter(|axis| axis.glance_at_text("drive") == Some(&one.name));
         let names: Vec<_> = hang.filter_map(|axis| axis.glance_at_text("drive_axis")).collect();
-        drives::check_encoder(section, one.kind, &names);
+        drives::check_encoder(section, one.family, &names);
     }
     drives.into_iter().for_each(Section::finish);
     let hanging = |one: &Seen| {

@@ -1,10 +1,11 @@
 //! `[[tappet_outputs]]`: outputs of drives that follow the tappets of cams.
 
-use super::drives::{Kind, Seen};
+use super::drives::Seen;
 use crate::section::Section;
 use crate::tappets::TappetOutput;
+use twin_drives::family::Family;
+use twin_interpcnc::InterpCncFamily;
 use twin_interpcnc::protocol::registers::OUTPUTS as BOARD_OUTPUTS;
-use twin_smartdrive::OUTPUTS as SMARTDRIVE_OUTPUTS;
 
 /// Reads the tappet outputs; `drives` are the devices with the number of their axes.
 pub(super) fn read(root: &Section<'_>, drives: &[(&Seen, usize)]) -> Vec<TappetOutput> {
@@ -34,20 +35,21 @@ pub(super) fn read(root: &Section<'_>, drives: &[(&Seen, usize)]) -> Vec<TappetO
     outputs
 }
 
+/// True for boards, whose outputs are for the machine.
+fn is_board(family: &dyn Family) -> bool {
+    family.kind() == InterpCncFamily.kind()
+}
+
 /// Which device it is, the first one that has outputs if the section does not say, and how many outputs that has.
 fn device(section: &Section<'_>, drives: &[(&Seen, usize)]) -> Option<(usize, i64)> {
-    let outputs = |(seen, axes): &(&Seen, usize)| match seen.kind {
-        Some(Kind::InterpCnc) => i64::from(BOARD_OUTPUTS),
-        Some(Kind::SmartDrive) => {
-            i64::try_from(*axes).unwrap_or_default().saturating_mul(SMARTDRIVE_OUTPUTS.into())
-        }
-        // Of a kind that there is not something else is said.
-        Some(Kind::Bim2Ax) | None => 0,
+    // A kind that does not exist is reported elsewhere.
+    let outputs = |(seen, axes): &(&Seen, usize)| {
+        seen.family.map_or(0, |family| i64::from(family.outputs(*axes)))
     };
     let Some(name) = section.text("drive") else {
         // As with M functions: a board rather than others.
         let with = || drives.iter().enumerate().filter(|(_, drive)| outputs(drive) > 0);
-        let board = with().find(|(_, (seen, _))| matches!(seen.kind, Some(Kind::InterpCnc)));
+        let board = with().find(|(_, (seen, _))| seen.family.is_some_and(is_board));
         let found = board.or_else(|| with().next());
         if found.is_none() && !section.has("drive") {
             section.complain("there is no [[drives]] that has outputs".to_owned());
@@ -60,7 +62,7 @@ fn device(section: &Section<'_>, drives: &[(&Seen, usize)]) -> Option<(usize, i6
         return None;
     };
     let count = outputs(drive);
-    if count == 0 && drive.0.kind.is_some() {
+    if count == 0 && drive.0.family.is_some() {
         section.complain_at("drive", format!("drive \"{name}\" has no outputs"));
         return None;
     }

@@ -77,9 +77,9 @@ impl BoardSearch {
     ) -> Option<Result<Self, BoardRefusal>> {
         let drive = axis.drive.as_ref()?;
         let device = machine.drives.get(drive.device).filter(|device| device.in_loop)?;
-        let name = match device.family {
+        let name = match device.family() {
             DriveFamily::InterpCnc(_) => BoardAxis::ALL.get(drive.index).copied(),
-            DriveFamily::SmartDrive(_) | DriveFamily::Bim2Ax(_) => None,
+            DriveFamily::SmartDrive(_) | DriveFamily::Bim2Ax(_) | DriveFamily::Other => None,
         };
         let family = device.family_name();
         if probe.window.is_some() && name.is_some() {

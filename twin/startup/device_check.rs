@@ -34,7 +34,8 @@ impl<'a> DeviceCheck<'a> {
         let axes = machine.axes_of(device).collect();
         let name = entry.map_or("", |entry| &entry.name);
         let firmware = entry.and_then(|entry| entry.firmware.as_deref());
-        let is_board = entry.is_some_and(|entry| matches!(entry.family, DriveFamily::InterpCnc(_)));
+        let is_board =
+            entry.is_some_and(|entry| matches!(entry.family(), DriveFamily::InterpCnc(_)));
         Self { name, firmware, is_board, axes, needs, looked: Looked::default() }
     }
 

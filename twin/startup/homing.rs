@@ -233,12 +233,13 @@ pub fn home_by_hand(machine: &Machine, axis: &Axis) -> Option<String> {
     let place = axis.drive.as_ref()?;
     let device = machine.drives.get(place.device)?;
     let command = repair_commands::command(machine, place.device, place.index)?;
-    Some(match &device.family {
+    Some(match device.family() {
         DriveFamily::InterpCnc(_) => {
             let (name, stroke) = (device.axis_name(place.index), longest_way(axis));
             format!("{command} home {name} --max-stroke {stroke}")
         }
         DriveFamily::SmartDrive(_) => format!("{command} home"),
         DriveFamily::Bim2Ax(_) => format!("{command} home {}", device.axis_name(place.index)),
+        DriveFamily::Other => return None,
     })
 }

@@ -1,10 +1,10 @@
 //! Software limits of devices, checked against the machine file and the program.
 
+use super::device_check::DeviceCheck;
 use super::in_units;
 use crate::repair_commands;
-use crate::startup::device_check::DeviceCheck;
 use twin_drives::{DeviceLimits, Drive, DriveError};
-use twin_machine::{Axis, DriveFamily, Machine};
+use twin_machine::{Axis, DeviceEntry, DriveFamily, Machine};
 
 /// End of a message about a device that does not limit the way of an axis: the limits that remain.
 pub(super) fn what_is_left(axis: &Axis) -> String {
@@ -24,7 +24,7 @@ impl DeviceCheck<'_> {
         (device, drive): (usize, &mut dyn Drive),
     ) -> Result<(), DriveError> {
         let limits = drive.limits()?;
-        let family = machine.drives.get(device).map(|entry| &entry.family);
+        let family = machine.drives.get(device).map(DeviceEntry::family);
         for ((index, axis), limits) in self.axes.clone().into_iter().zip(limits) {
             self.maxima(axis, &limits);
             let name = &axis.name;

@@ -2,12 +2,11 @@
 //!
 //! The stored settings take effect at the next power-up, even if the present connection works with others.
 
-use crate::emulated::line;
+use super::device_check::DeviceCheck;
 use crate::repair_commands;
-use crate::startup::device_check::DeviceCheck;
 use twin_drives::{Drive, DriveError, ParameterId};
 use twin_interpcnc::{Parity, protocol::parameters};
-use twin_machine::{DriveFamily, Machine};
+use twin_machine::{DeviceEntry, DriveFamily, Machine};
 
 impl DeviceCheck<'_> {
     /// Checks the stored line settings of a board against the machine file.
@@ -17,7 +16,7 @@ impl DeviceCheck<'_> {
         drive: &mut dyn Drive,
     ) -> Result<(), DriveError> {
         let Some(DriveFamily::InterpCnc(board)) =
-            machine.drives.get(index).map(|entry| &entry.family)
+            machine.drives.get(index).map(DeviceEntry::family)
         else {
             return Ok(());
         };
@@ -37,7 +36,7 @@ impl DeviceCheck<'_> {
                     (same, codes.encode(board.baud))
                 }
                 parameters::MODBUS_PARITY => {
-                    let parity = line(board).parity;
+                    let parity = board.parity;
                     let same = Parity::from_code(code).is_none_or(|stored| stored == parity);
                     (same, Some(parity.code()))
                 }

@@ -1,6 +1,6 @@
 //! Required parameter values of real devices for a machine file.
 
-use crate::emulated::{bim2ax_axis, smartdrive_axis, velocity_within};
+use crate::emulated::{demand, velocity_within};
 use crate::repair_commands;
 use twin_bim2ax::protocol::bits::definition;
 use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
@@ -99,8 +99,8 @@ impl Wanted {
     fn slower(&self, machine: &Machine, device: usize, found: i64) -> Option<String> {
         let mut axes = machine.axes_of(device);
         let (_, axis) = axes.find(|(_, axis)| Some(&axis.name) == self.axis.as_ref())?;
-        let unit = match &machine.drives.get(device)?.family {
-            DriveFamily::InterpCnc(_) => return None,
+        let unit = match machine.drives.get(device)?.family() {
+            DriveFamily::InterpCnc(_) | DriveFamily::Other => return None,
             DriveFamily::SmartDrive(bus) => bus.turn.steps(1.0),
             DriveFamily::Bim2Ax(module) => module.mode.speed_unit(),
         };
@@ -118,7 +118,7 @@ impl Wanted {
 pub(super) fn wanted(machine: &Machine, index: usize) -> Vec<Wanted> {
     let Some(entry) = machine.drives.get(index) else { return Vec::new() };
     let mut wanted = Vec::new();
-    match &entry.family {
+    match entry.family() {
         // Moves carry their speeds and ramps; that an axis goes along with another is kept by the board.
         DriveFamily::InterpCnc(board) => {
             // A counter that homing leaves as it is counts from anywhere.
@@ -146,7 +146,7 @@ pub(super) fn wanted(machine: &Machine, index: usize) -> Vec<Wanted> {
         }
         DriveFamily::SmartDrive(bus) => {
             for (_, axis) in machine.axes_of(index) {
-                let driven = smartdrive_axis(axis, bus);
+                let driven = bus.axis(&demand(axis));
                 let deceleration = match driven.deceleration_rpm_per_s {
                     0 => driven.acceleration_rpm_per_s,
                     rate => rate,
@@ -170,7 +170,7 @@ pub(super) fn wanted(machine: &Machine, index: usize) -> Vec<Wanted> {
             for (_, axis) in machine.axes_of(index) {
                 let place = axis.drive.as_ref().map_or(0, |drive| drive.index);
                 let Some(on_module) = ModuleAxis::ALL.get(place).copied() else { continue };
-                let driven = bim2ax_axis(axis, module);
+                let driven = module.settings(&demand(axis));
                 let start_stop = Must::Be(driven.start_stop_speed.into());
                 let start_stop = (start_stop, Key::OfDevice("start_stop_steps_per_s"));
                 let acceleration = Must::BeAtLeast(driven.acceleration.into());
@@ -208,6 +208,7 @@ pub(super) fn wanted(machine: &Machine, index: usize) -> Vec<Wanted> {
                 }
             }
         }
+        DriveFamily::Other => {}
     }
     wanted
 }

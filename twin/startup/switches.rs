@@ -52,7 +52,7 @@ impl DeviceCheck<'_> {
             let Some(place) = axis.drive.as_ref().filter(|_| who != Homed::Emulated) else {
                 continue;
             };
-            match &entry.family {
+            match entry.family() {
                 DriveFamily::InterpCnc(_) => {
                     let Some(on_board) = BoardAxis::ALL.get(place.index) else { continue };
                     let at = (machine, device, *on_board);
@@ -67,6 +67,7 @@ impl DeviceCheck<'_> {
                     let Some(on_module) = ModuleAxis::ALL.get(place.index) else { continue };
                     self.module_switches(axis, (machine, device, *on_module), drive)?;
                 }
+                DriveFamily::Other => {}
             }
         }
         Ok(())

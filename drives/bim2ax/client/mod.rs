@@ -1,7 +1,7 @@
 //! The module over its memory: one exchange at a time, each with a deadline.
 //!
 //! An exchange is an interrupt and its answer. What the module says only changes with an interrupt, and whether it
-//! has changed cannot be told from its content; so before every exchange the driver writes $FF over the number of
+//! has changed does not show in its content; so before every exchange the driver writes $FF over the number of
 //! the zone refreshed last, and waits until the module has put one there again. The module needs 300 µs for an
 //! interrupt and may not be asked without pause (9.2.4), so the driver looks every millisecond.
 
@@ -50,7 +50,7 @@ pub struct Bim2AxOptions {
     pub reset_deadline: Duration,
     /// From version 15 on: write positions and orders with one interrupt and ask for receipts of orders.
     pub zones_at_once: bool,
-    /// What is assumed where the manual is silent.
+    /// Assumptions where the manual is silent.
     pub assumptions: Assumptions,
 }
 
@@ -71,7 +71,7 @@ impl Default for Bim2AxOptions {
     }
 }
 
-/// When an exchange took place, on the caller's clock.
+/// Time stamps of an exchange, on the caller's clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BusStamp {
     /// The module was interrupted, ns.
@@ -87,7 +87,7 @@ impl BusStamp {
     }
 }
 
-/// Who the module is.
+/// Identity of a module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Identity {
     /// Version of its software, parameter $63.
@@ -129,7 +129,7 @@ impl Bim2Ax {
         &self.options
     }
 
-    /// Where and in the course of what something happens.
+    /// Exchange of an error, with the action under way.
     pub(crate) fn at(&self, action: Action) -> Exchange {
         Exchange { port: Arc::clone(&self.port), address: 0, action }
     }
@@ -150,7 +150,7 @@ impl Bim2Ax {
         known.ok_or_else(|| checksum_fault.at(self.at(Action::Identify)))
     }
 
-    /// The same; `None` of a module the check sum of whose EEPROM is wrong. It takes no orders and tells no parameters, so
+    /// The same; `None` of a module the check sum of whose EEPROM is wrong. It takes no orders and reports no parameters, so
     /// neither version nor rating: it only has parameters written (8.1).
     ///
     /// # Errors
@@ -168,8 +168,8 @@ impl Bim2Ax {
         if let Some(found) = self.bus(action, found)? {
             return Err(Fault::Identity { expected: BIM2AX_BOCM, found }.at(self.at(action)));
         }
-        let (bytes, told) = self.look_at_card(clock).await?;
-        if told.is_some_and(|order| order != self.options.byte_order) {
+        let (bytes, order) = self.look_at_card(clock).await?;
+        if order.is_some_and(|order| order != self.options.byte_order) {
             return Err(Fault::ByteOrder.at(self.at(action)));
         }
         let card_messages = ParameterExchange::decode(&bytes, self.options.byte_order).messages;
@@ -202,15 +202,15 @@ impl Bim2Ax {
         Ok((bytes, ByteOrder::of_card_messages([a, b, c, d])))
     }
 
-    /// Takes the byte order that the module itself tells, if it tells one; true if it is another than before. Changes
+    /// Takes the byte order that the module itself reports, if it reports one; true if it is another than before. Changes
     /// nothing in the module.
     ///
     /// # Errors
     /// If it does not answer.
     pub async fn adopt_byte_order(&mut self, clock: &dyn Clock) -> Result<bool, DriveError> {
-        let (_, told) = self.look_at_card(clock).await?;
+        let (_, order) = self.look_at_card(clock).await?;
         let before = self.options.byte_order;
-        self.options.byte_order = told.unwrap_or(before);
+        self.options.byte_order = order.unwrap_or(before);
         Ok(self.options.byte_order != before)
     }
 

@@ -146,7 +146,7 @@ impl Bim2Ax {
         Ok(self.order(name, orders, [None; AXES], clock).await?.0)
     }
 
-    /// Checks that an axis does as it was told, or has done already.
+    /// Checks that an axis obeys, or has done so already.
     pub(super) async fn check_started(
         &mut self,
         name: &'static str,
@@ -179,7 +179,7 @@ impl Bim2Ax {
         Ok(())
     }
 
-    /// Starts homing. [`Self::rested`] waits for its end, when message bit 4 tells whether it is done.
+    /// Starts homing. [`Self::rested`] waits for its end, when message bit 4 shows whether it is done.
     ///
     /// # Errors
     /// If an axis does not start, or the module does not answer.

@@ -118,7 +118,7 @@ impl Bim2Ax {
         Err(DriveError::Protocol { at: self.at(action), fault: ProtocolFault::Garbled })
     }
 
-    /// What the parameters say about the motion of an axis.
+    /// Reads the parameters that the motion of an axis depends on.
     ///
     /// # Errors
     /// As [`Self::parameter`], or if the drive mode does not exist.

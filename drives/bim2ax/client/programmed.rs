@@ -8,7 +8,7 @@ use crate::{
     protocol::bits::{bloc, message, uc},
 };
 
-/// Where a programmed move goes.
+/// Destination of a programmed move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Move {
     /// To a position, µsteps.
@@ -22,7 +22,7 @@ pub enum Move {
 /// A programmed move of one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Start {
-    /// Where to.
+    /// Destination.
     pub to: Move,
     /// Speed in the unit of the drive mode, capped by the fast speed; none for the fast speed.
     pub speed: Option<u16>,
@@ -62,7 +62,7 @@ impl Bim2Ax {
     ) -> Result<BusStamp, DriveError> {
         const NAME: &str = "programmed move";
         let (before, _) = match moves {
-            // Where a relative move starts tells whether it has ended.
+            // The start of a relative move shows whether it has ended.
             [Some(Start { to: Move::By(_), .. }), _] | [_, Some(Start { to: Move::By(_), .. })] => {
                 self.positions(clock).await?
             }

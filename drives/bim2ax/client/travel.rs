@@ -65,7 +65,7 @@ impl Bim2Ax {
     ///
     /// # Errors
     /// [`Fault::AxisMessages`] with the reason if it stands elsewhere (end switch, limit, motor), or
-    /// [`DriveError::NotArrived`] if it tells none; else as [`Bim2Ax::start`] and [`Bim2Ax::rested`].
+    /// [`DriveError::NotArrived`] if it reports none; else as [`Bim2Ax::start`] and [`Bim2Ax::rested`].
     pub async fn travel(
         &mut self,
         axis: ModuleAxis,

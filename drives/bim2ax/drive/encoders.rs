@@ -176,7 +176,7 @@ impl Bim2AxDrive {
         if doubtful { self.bracket(seen, stamp, &shown, clock) } else { Ok(()) }
     }
 
-    /// Looks once more at axes of which it has just been noted what belongs together, beside the bit of the plug: either look may
+    /// Looks once more at axes whose reference has just been noted, in addition to the bit of the plug: either look may
     /// have been spoilt.
     fn confirm(&mut self, referred: [Option<bool>; AXES]) -> Result<(), DriveError> {
         let (seen, _) = self.look(&no_clock)?;
@@ -281,7 +281,7 @@ impl Bim2AxDrive {
         first.map_or(Ok(()), |(place, apart)| Err(self.differs(place, apart)))
     }
 
-    /// What is told of the axis at a place among those in use.
+    /// Error of the axis at a place among those in use.
     pub(super) fn differs(&self, place: u8, apart: Apart) -> DriveError {
         let watched = self.encoders.0.get(usize::from(place)).copied().flatten();
         DriveError::EncoderDiffers {

@@ -54,7 +54,7 @@ enum Following {
     Unknown,
     /// The axes rest there.
     Rest([i32; AXES]),
-    /// They move, until then as far as can be told, ns.
+    /// They move, probably until then, ns.
     Leg(i64),
 }
 
@@ -71,7 +71,7 @@ const STRAY_LOOKS: u32 = 2;
 pub struct Bim2AxDrive {
     module: Bim2Ax,
     options: Bim2AxDriveOptions,
-    /// Of the axes in use, once the module has told.
+    /// Of the axes in use, once the module has reported them.
     settings: Vec<AxisSettings>,
     encoders: Encoders,
     follower: Follower,
@@ -240,7 +240,7 @@ impl Drive for Bim2AxDrive {
         }
         self.encoders.forget();
         for ((axis, position), found) in wanted.iter().zip(self.in_order(&before)) {
-            // An encoder that shows something else is told the position, too.
+            // An encoder that shows something else gets the position, too.
             if *position == found && !self.encoders.any() {
                 continue;
             }

@@ -62,19 +62,19 @@ fn bits(value: i64) -> Option<u32> {
 
 impl Bim2AxDrive {
     pub(super) fn who(&mut self) -> Result<Identity, DriveError> {
-        let told = self.runtime.block_on(self.module.identify_any(&no_clock))?;
-        let Some(told) = told else {
+        let identity = self.runtime.block_on(self.module.identify_any(&no_clock))?;
+        let Some(identity) = identity else {
             let details = vec![("EEPROM", "its check sum is wrong".to_owned())];
             let unit = UnitIdentity { address: 0, firmware: None, serial: None, details };
             return Ok(Identity { family: "BIM2AX-BOCM", units: vec![unit] });
         };
-        let rating = match told.rating_ma {
+        let rating = match identity.rating_ma {
             -1 => "unknown".to_owned(),
             rating_ma => format!("{rating_ma} mA"),
         };
         let unit = UnitIdentity {
             address: 0,
-            firmware: Some(told.version.to_string()),
+            firmware: Some(identity.version.to_string()),
             serial: None,
             details: vec![("current rating", rating)],
         };
@@ -127,7 +127,7 @@ impl Bim2AxDrive {
         let asked = self.module.parameter(Parameter::Rating, &no_clock);
         let rating_ma = match self.runtime.block_on(asked) {
             Err(error) if error.takes_writes_only() => -1,
-            told => told?.cast_signed(),
+            value => value?.cast_signed(),
         };
         // Where the software does not know its rating, the largest module decides.
         let rating_ma = if rating_ma > 0 { rating_ma } else { 5000 };

@@ -3,10 +3,10 @@
 use super::{Module, Surroundings};
 use crate::ModuleAxis;
 
-/// What happens to a module, and to its bus.
+/// Events at a module, and faults of its bus.
 pub type Control = twin_drives::Control<Event>;
 
-/// What happens to a module other than on its bus.
+/// Event at a module other than on its bus.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Event {
     /// Something else is connected from now on.
@@ -21,7 +21,7 @@ pub enum Event {
     PhaseShort(ModuleAxis, bool),
     /// Positions and axis messages are shown as they are now for good (true), or as they are.
     StuckStatus(bool),
-    /// The supply fails and is back after so many ns: the module starts anew.
+    /// The supply fails and is back after this time, ns: the module starts anew.
     BrownOut {
         /// Without supply for so long, ns.
         off_ns: i64,

@@ -27,7 +27,7 @@ const NO_IMAGE: &str = "this is no image of the EEPROM of an emulated BIM2AX-BOC
 /// Pause between two looks at the file.
 const PAUSE: Duration = Duration::from_micros(200);
 
-/// What to emulate.
+/// Settings of an emulated module.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EmulatorOptions {
     /// The memory file ([`super::super::MemoryFile`] says what is in it). It is made if it does not exist, and
@@ -35,14 +35,14 @@ pub struct EmulatorOptions {
     pub path: PathBuf,
     /// The module.
     pub module: ModuleOptions,
-    /// What is connected to it.
+    /// Surroundings of its axes.
     pub surroundings: Surroundings,
     /// File with the image of the EEPROM, read at the start if it exists and replaced whenever something is stored;
     /// none for an EEPROM that is as new at every start.
     pub eeprom: Option<PathBuf>,
     /// Decides what faults by chance do.
     pub seed: u64,
-    /// How many times faster than its clock the module lives. It looks at its file no more often for that.
+    /// Speed of the module's time against the clock. It looks at its file no more often for that.
     pub speed: Speed,
 }
 

@@ -1,10 +1,10 @@
 //! The module without hardware: its memory, its parameters and its motion.
 //!
-//! [`Module`] is pure and deterministic: it is told the time and which bytes its host reads and writes.
+//! [`Module`] is pure and deterministic: time and accesses of its host come from the caller.
 //! [`EmulatedModule`] serves one in real time on a memory file for other processes;
 //! [`super::SharedModule`] is for the same process.
 //!
-//! Where the manual is silent the module behaves by its [`Assumptions`]. Beyond those, and what `drives/bim2ax/axis`
+//! Where the manual is silent the module behaves by its [`Assumptions`]. Beyond those, and what `drives/bim2ax/emulator/axis`
 //! says: an interrupt takes
 //! effect 300 µs later, which is how long the module needs for it (9.2.4); the RAM is 0 at the start; bytes that do
 //! not exist read $FF; values out of the range of a parameter are refused as numbers out of range are; a refused
@@ -49,7 +49,7 @@ const RAM_LENGTH: usize = 1024;
 /// First version that takes and refreshes several zones with one interrupt.
 const ZONES_AT_ONCE: u16 = 15;
 
-/// What a module is and how fast.
+/// Version, rating and timing of a module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ModuleOptions {
     /// Version of the software, parameter $63. From 15 on, several zones go with one interrupt.
@@ -66,9 +66,9 @@ pub struct ModuleOptions {
     pub plugs_ns: i64,
     /// The order "phases on" is known, which revision D of the manual has added.
     pub phases_on_order: bool,
-    /// How it corrects moves after what its encoders show.
+    /// Correction of moves by its encoders.
     pub corrections: Corrections,
-    /// What is assumed where the manual is silent.
+    /// Assumptions where the manual is silent.
     pub assumptions: Assumptions,
 }
 
@@ -89,7 +89,7 @@ impl Default for ModuleOptions {
     }
 }
 
-/// What is connected to a module.
+/// Surroundings of a module: contacts, motors, encoders and plugs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Surroundings {
     /// Motors and switches of axes 1 and 2.
@@ -226,7 +226,7 @@ impl Module {
         self.now_ns
     }
 
-    /// What the host reads at an offset from the module's base.
+    /// Reads for the host at an offset from the module's base.
     pub fn bus_read(&self, offset: u8) -> u8 {
         match offset {
             _ if self.bus.is_disconnected() => 0xFF,
@@ -238,7 +238,7 @@ impl Module {
         }
     }
 
-    /// What the host writes at an offset from the module's base.
+    /// Writes for the host at an offset from the module's base.
     pub fn bus_write(&mut self, offset: u8, value: u8) {
         match offset {
             _ if self.bus.is_disconnected() => {}
@@ -278,12 +278,12 @@ impl Module {
         self.garbled = garbled;
     }
 
-    /// What chance does to the bus is decided by this number from now on; its faults are gone.
+    /// Sets the seed of faults by chance; the faults of the bus so far are gone.
     pub fn set_seed(&mut self, seed: u64) {
         self.bus = FaultyWire::new(seed);
     }
 
-    /// What is connected.
+    /// The surroundings.
     pub fn surroundings(&self) -> &Surroundings {
         &self.surroundings
     }
@@ -320,7 +320,7 @@ impl Module {
         self.eeprom.spoil();
     }
 
-    /// How often something has been stored in the EEPROM.
+    /// Number of times that the EEPROM has stored something.
     pub fn stores(&self) -> u64 {
         self.stores
     }
@@ -369,7 +369,7 @@ impl Module {
         self.axis(axis).state().position
     }
 
-    /// Where the programmed move under way ends, µsteps; where the counter stands if there is none.
+    /// End of the programmed move under way, µsteps; the counter if there is none.
     pub fn target(&self, axis: ModuleAxis) -> i32 {
         self.axis(axis).target()
     }

@@ -179,6 +179,6 @@ pub mod definition {
     pub const CLOCK_800_KHZ: u16 = 0x0200;
     /// Absolute: clock of 400 kHz; with none of the three, 100 kHz.
     pub const CLOCK_400_KHZ: u16 = 0x0400;
-    /// Which stored positions an incremental encoder reloads at the start: three bits with a table of their own.
+    /// Stored positions that an incremental encoder reloads at the start: three bits with a table of their own.
     pub const RELOAD: u16 = 0x3800;
 }

@@ -2,7 +2,7 @@
 
 use super::bits::{card, encoder_message, message};
 
-/// What the message bits of an axis say; what is normal is left out, but for homing.
+/// Message bits of an axis in words, without those of an axis in order, but with homing.
 pub fn describe_messages(messages: u16) -> String {
     let known = [
         (message::PLUS_SWITCH, "on the + end switch"),

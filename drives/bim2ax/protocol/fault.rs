@@ -12,7 +12,7 @@ pub enum Fault {
     Identity {
         /// Identifier of the device expected.
         expected: u8,
-        /// What was read.
+        /// Identifier that was read.
         found: u8,
     },
     /// The module's software does not run: it has just been switched on or reset.
@@ -57,13 +57,13 @@ pub enum Fault {
         }
     )]
     HomeCount {
-        /// Which.
+        /// The axis.
         axis: Axes,
         /// Whether the counter is expected to count on through homing.
         counted_on: bool,
-        /// What it counted last on its way, increments.
+        /// Last count on its way, increments.
         before: i64,
-        /// What it counts at home, increments.
+        /// Count at home, increments.
         found: i64,
     },
 }

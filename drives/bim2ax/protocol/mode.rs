@@ -1,6 +1,6 @@
 //! "Mode de commande" (parameters 2 and 3; manual 3.1.2).
 
-/// How the motor is driven and in which unit its speeds are.
+/// Drive mode: microsteps of the motor, and unit of its speeds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveMode {
     code: u16,
@@ -35,7 +35,7 @@ impl DriveMode {
     /// Full steps with current in both windings; an axis in this mode forces the other into it.
     pub const FULL_STEP_TWO_WINDINGS: Self = Self { code: 1, microsteps: 1, per_step: false };
 
-    /// The mode of a parameter's value; none if there is no such mode.
+    /// The mode of a parameter's value; none if the mode does not exist.
     pub fn from_code(code: u16) -> Option<Self> {
         let (_, microsteps) = Self::MODES.into_iter().find(|(known, _)| *known == code)?;
         Some(Self { code, microsteps, per_step: code >= 0x0100 })
@@ -51,7 +51,7 @@ impl DriveMode {
         self.microsteps
     }
 
-    /// What a speed of 1 is, µsteps/s; what an acceleration of 1 is, µsteps/s².
+    /// Unit of speeds, µsteps/s, and of accelerations, µsteps/s².
     pub fn speed_unit(self) -> f64 {
         if self.per_step { f64::from(self.microsteps) } else { 1.0 }
     }

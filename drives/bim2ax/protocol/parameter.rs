@@ -48,7 +48,7 @@ impl ModuleAxis {
     }
 }
 
-/// What values a parameter takes.
+/// Values that a parameter takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Range {
     /// Sixteen bits, each with a meaning of its own.
@@ -95,7 +95,7 @@ impl Range {
     }
 }
 
-/// What there is for each axis.
+/// Parameter that each axis has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisParameter {
     /// Coefficient (3.1.1).
@@ -232,7 +232,7 @@ impl Parameter {
         of_axes.chain(singles).find(|parameter| parameter.number() == Some(number))
     }
 
-    /// What values it takes.
+    /// Values that it takes.
     pub fn range(self) -> Range {
         match self {
             Self::Axis(AxisParameter::Reference(_), _) => Range::Position,
@@ -272,7 +272,7 @@ impl Parameter {
         (0..=0x63).filter_map(Self::from_number).find(|parameter| parameter.word() == plain)
     }
 
-    /// What it is called.
+    /// Name in the manual.
     pub fn name(self) -> &'static str {
         match self {
             Self::Axis(AxisParameter::Reference(_), _) => "reference position",

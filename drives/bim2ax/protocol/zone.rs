@@ -53,7 +53,7 @@ impl WriteZone {
         0x02 + 12 * self.number()
     }
 
-    /// What the manual calls it.
+    /// Name in the manual.
     pub fn name(self) -> &'static str {
         match self {
             Self::Orders => "Ordre UC",
@@ -114,7 +114,7 @@ impl ReadZone {
         0x02 + 12 * self.number()
     }
 
-    /// What the manual calls it.
+    /// Name in the manual.
     pub fn name(self) -> &'static str {
         match self {
             Self::Positions => "Position",

@@ -59,7 +59,7 @@ fn emulated() -> (tempfile::TempDir, EmulatedModule) {
     options.module.boot_ns = 0;
     let module = EmulatedModule::start(&options, wall_clock()).unwrap();
     // Until its status is there, the file is that of a module that runs and has no identifier.
-    let mut memory = MemoryFile::beside(module.path()).unwrap();
+    let mut memory = MemoryFile::shared(module.path()).unwrap();
     let mut identifier = [0];
     while identifier != [0x4E] {
         crate::Memory::read(&mut memory, 0xFF, &mut identifier).unwrap();

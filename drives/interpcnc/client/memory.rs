@@ -133,7 +133,7 @@ impl InterpCnc {
     /// Switches several outputs at once, `first` (from 1) and those after it (function 15), and reads them back.
     ///
     /// # Errors
-    /// If there are no such outputs, the board refuses or is locked, or no proper answer comes.
+    /// If the outputs do not exist, the board refuses or is locked, or no proper answer comes.
     pub async fn switch_outputs(
         &mut self,
         first: u8,
@@ -201,7 +201,7 @@ impl InterpCnc {
     /// Writes user bits from `first` (0 to 95) on.
     ///
     /// # Errors
-    /// If there are not so many, the board refuses it or no proper answer comes.
+    /// If they are fewer, the board refuses it or no proper answer comes.
     pub async fn set_user_bits(
         &mut self,
         first: u16,
@@ -224,7 +224,7 @@ impl InterpCnc {
     /// Writes user registers in RAM from `first` (0 to 45) on.
     ///
     /// # Errors
-    /// If there are not so many, the board refuses it or no proper answer comes.
+    /// If they are fewer, the board refuses it or no proper answer comes.
     pub async fn set_user_registers(
         &mut self,
         first: u16,
@@ -295,7 +295,7 @@ impl InterpCnc {
     /// Sets analog output `number` (1 or 2) to 0 to 1023 and reads it back.
     ///
     /// # Errors
-    /// If there is no such output or value, the board refuses it or is locked, or no proper answer comes.
+    /// If the output or value does not exist, the board refuses it or is locked, or no proper answer comes.
     pub async fn set_analog_output(
         &mut self,
         number: u8,

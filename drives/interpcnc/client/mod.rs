@@ -153,7 +153,7 @@ impl InterpCnc {
         Self { alone: true, ..self }
     }
 
-    /// Where and in the course of what something happens.
+    /// Exchange of an error, with the action under way.
     pub(crate) fn at(&self, action: Action) -> Exchange {
         Exchange { port: Arc::clone(&self.port), address: self.options.address, action }
     }
@@ -215,7 +215,7 @@ impl InterpCnc {
         loop {
             let request = Request::WriteMultipleRegisters(COMMAND, Cow::Borrowed(&registers));
             let outcome = if stop {
-                // A stop does not wait: a late answer of another exchange confirms other registers and is told apart.
+                // A stop does not wait: a late answer of another exchange confirms other registers, which shows it.
                 self.exchange(command.action(), request, clock).await
             } else {
                 self.settled_exchange(command.action(), request, clock).await
@@ -234,7 +234,7 @@ impl InterpCnc {
         }
     }
 
-    /// Sends a command register by register with function 6, arguments first and the number last, as the manual tells
+    /// Sends a command register by register with function 6, arguments first and the number last, as the manual says
     /// masters that have no function 16. If it fails on the way nothing is carried out, and nothing is repeated.
     ///
     /// # Errors
@@ -268,7 +268,7 @@ impl InterpCnc {
     /// alone. Asked again once if no proper answer comes.
     ///
     /// # Errors
-    /// If there is no such output, the board refuses it or is locked, or no proper answer comes.
+    /// If the output does not exist, the board refuses it or is locked, or no proper answer comes.
     pub async fn set_output(
         &mut self,
         output: u8,

@@ -20,7 +20,7 @@ const MODBUS_WRITTEN: u16 = 123;
 /// Profile limits of one axis of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AxisOptions {
-    /// Which axis of the board.
+    /// Axis of the board.
     pub axis: BoardAxis,
     /// Speed at which the motor starts and stops without ramp, steps/s.
     pub start_stop_hz: u16,
@@ -50,16 +50,16 @@ impl AxisOptions {
 pub struct EncoderOptions {
     /// The axis, which is in use.
     pub axis: BoardAxis,
-    /// It counts so many points, less than 0 if it counts down where the axis counts up …
+    /// Points that it counts, less than 0 if it counts down where the axis counts up …
     pub points: i32,
-    /// … for so many steps of the axis.
+    /// … for this number of steps of the axis.
     pub increments: u32,
     /// So far the axis may be from where its counter says by the encoder, steps; a step, a point and what the axis may have
     /// moved between two readings come on top.
     pub tolerance: u32,
 }
 
-/// How a plan is followed.
+/// Method of following a plan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Following {
     /// Independent moves that are retargeted in flight, axis by axis (command 80): near to any plan.
@@ -91,7 +91,7 @@ pub struct InterpCncOptions {
     pub axes: Vec<AxisOptions>,
     /// The encoder, with which the counter of its axis is compared.
     pub encoder: Option<EncoderOptions>,
-    /// How a plan is followed.
+    /// Method of following a plan.
     pub following: Following,
     /// Whether the adapter hears what it sends (two-wire RS485 without receiver control): the echo is taken away.
     pub echo: bool,
@@ -100,7 +100,7 @@ pub struct InterpCncOptions {
     pub most_segments: u16,
     /// Time that boards get to carry out a broadcast before the next frame.
     pub broadcast_delay: Duration,
-    /// What is assumed where the manual is silent.
+    /// Assumptions where the manual is silent.
     pub assumptions: Assumptions,
 }
 

@@ -1,7 +1,7 @@
 //! Interpolated moves (command 6), few of them in the board at a time.
 //!
 //! How full the board's buffer is cannot be read, only that it is empty (B5). The driver counts what it has sent: once
-//! so many are outstanding it waits until the buffer is empty, when only the one under way is left.
+//! the most are outstanding it waits until the buffer is empty, when only the one under way is left.
 
 use std::time::Duration;
 

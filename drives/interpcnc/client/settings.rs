@@ -15,7 +15,7 @@ use crate::{
 };
 use twin_drives::{Action, Clock, DriveError};
 
-/// What a board tells about itself: the manual knows no register for its name or firmware.
+/// Identity of a board: the manual knows no register for its name or firmware.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Identity {
     /// Station address by parameter 103.
@@ -30,7 +30,7 @@ pub struct Identity {
     pub has_recipes: bool,
 }
 
-/// How recipes are stored.
+/// Size and number of stored recipes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Recipes {
     /// Registers of each, 1 to 250.
@@ -40,14 +40,14 @@ pub struct Recipes {
 }
 
 impl Recipes {
-    /// How many fit into the 5000 registers.
+    /// Number of recipes that fit into the 5000 registers.
     pub fn count(&self) -> u16 {
         RECIPE_REGISTERS.checked_div(self.size).unwrap_or(0)
     }
 }
 
 impl InterpCnc {
-    /// Who answers. Changes nothing.
+    /// Reads the identity of the board. Changes nothing.
     ///
     /// # Errors
     /// If no proper answer comes.
@@ -93,7 +93,7 @@ impl InterpCnc {
     /// `count` parameters from `first` on; all of them are 384 from 0.
     ///
     /// # Errors
-    /// If there are not so many or no proper answer comes.
+    /// If they are fewer or no proper answer comes.
     pub async fn parameters(
         &mut self,
         first: u16,
@@ -139,7 +139,7 @@ impl InterpCnc {
         Err(DriveError::NotKept { at: self.at(action), address: number, written: value, found })
     }
 
-    /// Writes registers that the EEPROM keeps and waits until it has them: B14 clear, then B15 tells.
+    /// Writes registers that the EEPROM keeps and waits until it has them: B14 clear, then B15 shows the outcome.
     async fn write_kept(
         &mut self,
         what: &'static str,
@@ -173,7 +173,7 @@ impl InterpCnc {
     /// User memory in EEPROM: `count` registers from `first` (0 to 511) on.
     ///
     /// # Errors
-    /// If there are not so many or no proper answer comes.
+    /// If they are fewer or no proper answer comes.
     pub async fn user_memory(
         &mut self,
         first: u16,
@@ -188,7 +188,7 @@ impl InterpCnc {
     /// Writes user memory in EEPROM from `first` on and waits until the EEPROM has it.
     ///
     /// # Errors
-    /// If there are not so many registers, the board refuses it, the EEPROM fails or is not ready in time, or no
+    /// If the registers are fewer, the board refuses it, the EEPROM fails or is not ready in time, or no
     /// proper answer comes.
     pub async fn set_user_memory(
         &mut self,
@@ -202,7 +202,7 @@ impl InterpCnc {
         self.write_kept(what, address, values, patience, clock).await
     }
 
-    /// How recipes are stored and which are shown.
+    /// Reads the sizes of recipes and the numbers of those that are shown.
     ///
     /// # Errors
     /// If no proper answer comes.
@@ -217,7 +217,7 @@ impl InterpCnc {
     /// Gives recipes another size, 1 to 250 registers. **All recipes are lost.**
     ///
     /// # Errors
-    /// If there is no such size, the board refuses it, the EEPROM fails or is not ready in time, or no proper answer
+    /// If the size does not exist, the board refuses it, the EEPROM fails or is not ready in time, or no proper answer
     /// comes.
     pub async fn erase_recipes(
         &mut self,
@@ -244,7 +244,7 @@ impl InterpCnc {
     /// Shows recipe `recipe` (from 0) on page `page` (0 to 3).
     ///
     /// # Errors
-    /// If there is no such page or recipe, the board refuses it, the EEPROM fails or is not ready in time, or no
+    /// If the page or recipe does not exist, the board refuses it, the EEPROM fails or is not ready in time, or no
     /// proper answer comes.
     pub async fn show_recipe(
         &mut self,
@@ -274,7 +274,7 @@ impl InterpCnc {
     /// The recipe that page `page` (0 to 3) shows.
     ///
     /// # Errors
-    /// If there is no such page, the board refuses it (exception 2: beyond the stored ones) or no proper answer comes.
+    /// If the page does not exist, the board refuses it (exception 2: beyond the stored ones) or no proper answer comes.
     pub async fn recipe(&mut self, page: u16, clock: &dyn Clock) -> Result<Vec<u16>, DriveError> {
         let size = self.recipes(clock).await?.size;
         self.within_read("recipe page", RECIPE_INDEX, RECIPE_PAGES, page, 1)?;
@@ -286,7 +286,7 @@ impl InterpCnc {
     /// Writes registers of the recipe that page `page` shows, from `first` on.
     ///
     /// # Errors
-    /// If the recipe has not so many, the board refuses it, the EEPROM fails or is not ready in time, or no proper
+    /// If the recipe has fewer, the board refuses it, the EEPROM fails or is not ready in time, or no proper
     /// answer comes.
     pub async fn set_recipe(
         &mut self,

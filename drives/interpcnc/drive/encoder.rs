@@ -74,7 +74,7 @@ impl Watched {
         self.options.axis
     }
 
-    /// Something else than following moves or stops the axis: what has been read is not held against what comes.
+    /// Something else than following moves or stops the axis: earlier readings are not compared with later ones.
     pub(super) fn restart(&mut self) {
         self.reading = None;
         self.rested = false;
@@ -106,7 +106,7 @@ impl InterpCncDrive {
                 let what = "encoder: boards have one from V2.1D on";
                 Err(DriveError::Unsupported { at: error.at().clone(), what })
             }
-            told => told.map(drop),
+            answered => answered.map(drop),
         }
     }
 

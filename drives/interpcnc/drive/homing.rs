@@ -10,7 +10,7 @@ use crate::{
 };
 use twin_drives::{Action, Axes, DriveError, HomingWays, MAX_DRIVE_AXES};
 
-/// What is known of homing: the board tells whether one is under way and whether the last one has failed, no more.
+/// Homing as the client knows it: the board shows whether one is under way and whether the last one has failed, no more.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Homing {
     /// Axes that this driver has ever homed.

@@ -48,7 +48,7 @@ pub struct InterpCncDrive {
     encoder: Option<Watched>,
     /// Targets of the axes in use that the board has confirmed, until something else moves or stops them.
     commanded: [Option<i32>; MAX_DRIVE_AXES],
-    /// What inputs are for, once the board has told.
+    /// Meaning of the inputs, once the board has reported it.
     wiring: Option<Wiring>,
     /// Last, so that the port is closed while its runtime exists.
     runtime: Runtime,

@@ -25,7 +25,7 @@ const OUTPUT_NAMES: [&str; 32] = [
 /// Parameters up to the last that says what an input is for.
 const INPUT_PARAMETERS: u16 = 124;
 
-/// So many parameters are asked for one by one; more by asking for all.
+/// Largest number of parameters that are asked for one by one; more by asking for all.
 const AT_ONCE: usize = 7;
 
 /// An input and the level that it has on its switch.
@@ -84,10 +84,10 @@ impl Wiring {
 
 impl InterpCncDrive {
     pub(super) fn who(&mut self) -> Result<Identity, DriveError> {
-        let told = self.runtime.block_on(self.board.identify(&no_clock))?;
-        let recipes = if told.has_recipes { "yes, firmware 5.30 or later" } else { "no" };
-        let line = told.line.map_or_else(
-            || format!("codes {} and {}", told.speed, told.parity),
+        let identity = self.runtime.block_on(self.board.identify(&no_clock))?;
+        let recipes = if identity.has_recipes { "yes, firmware 5.30 or later" } else { "no" };
+        let line = identity.line.map_or_else(
+            || format!("codes {} and {}", identity.speed, identity.parity),
             |line| format!("{} baud, {}", line.baud, line.parity),
         );
         let unit = UnitIdentity {
@@ -95,7 +95,7 @@ impl InterpCncDrive {
             firmware: None,
             serial: None,
             details: vec![
-                ("address by parameter 103", told.address.to_string()),
+                ("address by parameter 103", identity.address.to_string()),
                 ("line", line),
                 ("recipes", recipes.to_owned()),
             ],

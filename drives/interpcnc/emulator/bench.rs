@@ -15,7 +15,7 @@ pub struct Cam {
     pub axis: BoardAxis,
     /// First step on which the switch is pressed.
     pub from: i32,
-    /// First step on which it is no more.
+    /// First step on which it is released.
     pub to: i32,
     /// Whether pressing opens the contact (NC), so that the input is 0 while pressed; else it closes it (NO).
     pub normally_closed: bool,
@@ -26,7 +26,7 @@ pub struct Cam {
 pub struct EncoderLink {
     /// Axis whose mechanics turn it.
     pub axis: BoardAxis,
-    /// Counts (edges of A and B) for so many steps; negative if it turns the other way.
+    /// Counts (edges of A and B) for `steps` steps; negative if it turns the other way.
     pub counts: i32,
     /// Steps, more than 0.
     pub steps: u32,
@@ -34,7 +34,7 @@ pub struct EncoderLink {
     pub counts_per_revolution: u32,
 }
 
-/// What stands around the board.
+/// Surroundings of the board.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Bench {
     /// Switches and cams; several may press the same input.
@@ -114,7 +114,7 @@ impl Board {
         self.settle();
     }
 
-    /// What stands around the board.
+    /// Surroundings of the board.
     pub fn bench(&self) -> &Bench {
         &self.surroundings.bench
     }
@@ -162,7 +162,7 @@ impl Board {
         self.settle();
     }
 
-    /// Where the mechanics of an axis are, steps from where they were at the first power-up.
+    /// Position of the mechanics of an axis, steps from that at the first power-up.
     pub fn mechanical(&self, axis: BoardAxis) -> f64 {
         self.axes.get(axis.index()).map_or(0.0, |axis| axis.mechanical(self.now_ns))
     }

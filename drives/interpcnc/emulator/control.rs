@@ -3,10 +3,10 @@
 use super::{Bench, Board, Condition};
 use crate::protocol::registers::BoardAxis;
 
-/// What happens to the board, and to the wire.
+/// Events at the board, and faults of the wire.
 pub type Control = twin_drives::Control<Event>;
 
-/// What happens to the board other than on the wire.
+/// Event at the board other than on the wire.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Event {
     /// The ENABLE input closes (true) or opens.
@@ -31,7 +31,7 @@ pub enum Event {
     Pulses {
         /// Counter B.
         second: bool,
-        /// How many.
+        /// Number of pulses.
         count: u32,
     },
     /// The board gets another bench.
@@ -44,7 +44,7 @@ pub enum Event {
     StuckStatus(bool),
     /// Writes to the EEPROM fail (true) or no more.
     BreakEeprom(bool),
-    /// The supply fails and is back after so many ns.
+    /// The supply fails and is back after this time, ns.
     BrownOut {
         /// Without supply for so long, ns.
         off_ns: i64,

@@ -95,12 +95,12 @@ impl Board {
         image
     }
 
-    /// How often something has been stored since the first power-up.
+    /// Number of times that something has been stored since the first power-up.
     pub fn eeprom_generation(&self) -> u64 {
         self.eeprom.generation
     }
 
-    /// When the EEPROM has stored what is being written, ns since power-up; none if nothing is.
+    /// End of the write under way, ns since power-up; none if there is none.
     pub fn eeprom_due_ns(&self) -> Option<i64> {
         self.eeprom.due_ns()
     }

@@ -112,7 +112,7 @@ impl Memory {
         }
     }
 
-    /// The command registers but the first so many are 0 from now on.
+    /// The command registers are 0 from now on, but for the first `count`.
     pub(super) fn forget_arguments(&mut self, written: usize) {
         let arguments = self.holding.iter_mut().take(COMMAND_REGISTERS.into()).skip(written);
         arguments.for_each(|argument| *argument = 0);

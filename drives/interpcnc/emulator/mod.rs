@@ -1,6 +1,6 @@
 //! The board without hardware: its own Modbus slave, byte for byte, and its motion.
 //!
-//! [`Board`] is pure and deterministic: it is told how much time passes and which frames arrive, and stands on a
+//! [`Board`] is pure and deterministic: time and frames come from the caller, and it stands on a
 //! [`Bench`] whose switches its axes press as they move. [`EmulatedBoard`] serves one in real time on a
 //! pseudo-terminal.
 //!
@@ -58,7 +58,7 @@ pub struct BoardOptions {
     pub enable: bool,
     /// Whether it has an encoder and counters, as boards from V2.1D on: otherwise their registers are outside its map.
     pub counts: bool,
-    /// What is assumed where the manual is silent.
+    /// Assumptions where the manual is silent.
     pub assumptions: Assumptions,
 }
 
@@ -125,7 +125,7 @@ impl Board {
         self.line
     }
 
-    /// What is assumed where the manual is silent.
+    /// Assumptions where the manual is silent.
     pub fn assumptions(&self) -> &Assumptions {
         &self.assumptions
     }
@@ -185,7 +185,7 @@ impl Board {
         self.axes.get(axis.index()).map_or(0.0, |axis| axis.state(self.now_ns).position)
     }
 
-    /// Where an axis stands when all that the board has been told is done, the segments that wait included, steps.
+    /// End of an axis when all commands are done, the waiting segments included, steps.
     pub fn target(&self, axis: BoardAxis) -> i32 {
         let moved = self.axes.get(axis.index()).map_or(0, |axis| axis.counter(i64::MAX));
         self.buffer.last_target(axis).unwrap_or(moved)

@@ -14,7 +14,7 @@ use twin_drives::{
     emulator_host::{self, DeviceSpeed, Emulated, Hosting, SerialDevice, replace, restored},
 };
 
-/// How slow the wire and the board are. Pseudo-terminals pass bytes at once, so the emulator waits in their place.
+/// Delays of the wire and the board. Pseudo-terminals pass bytes at once, so the emulator waits in their place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wire {
     /// Speed and parity.
@@ -40,7 +40,7 @@ pub struct EmulatorOptions {
     pub wire: Wire,
     /// Symbolic link to make to the pseudo-terminal; it is removed at the end.
     pub link: Option<PathBuf>,
-    /// What stands around the board.
+    /// Surroundings of the board.
     pub bench: Bench,
     /// File with the EEPROM. If it is there the board powers up with it, else with the parameters of a new one; what
     /// the board stores goes there at once.
@@ -50,7 +50,7 @@ pub struct EmulatorOptions {
     pub any_speed: bool,
     /// Decides what faults by chance do.
     pub seed: u64,
-    /// How many times faster than its clock the board lives, its wire included.
+    /// Speed of the board's time against the clock, its wire included.
     pub speed: Speed,
 }
 
@@ -165,7 +165,7 @@ impl SerialDevice for ServedBoard {
     }
 
     /// The request at the head, if its length is known and its check sum is right. Anything else waits for silence:
-    /// its end cannot be told from its bytes.
+    /// its bytes do not show its end.
     fn whole(&self, bytes: &[u8]) -> Option<usize> {
         let length = rtu::request_length(bytes)?;
         frame::open(bytes.get(..length)?).map(|_| length)

@@ -29,7 +29,7 @@ pub(super) struct BufferedPrediction {
     readings: Readings,
 }
 
-/// What happens next.
+/// Next event.
 #[derive(Clone, Debug)]
 enum Next {
     /// The driver looks at the plan, and sends a segment if one is due.
@@ -113,7 +113,7 @@ impl BufferedPrediction {
         Next::Show(stamp)
     }
 
-    /// What is due now happens.
+    /// Makes the due event happen.
     fn happen(&mut self, plan: &dyn SetpointStream) {
         let now_ns = self.due_ns;
         self.next = match std::mem::replace(&mut self.next, Next::Survey) {

@@ -33,7 +33,7 @@ const STATE_BYTES: (usize, usize) = (8, 29);
 /// Bytes of a question for the position of the encoder, and of its answer.
 const ENCODER_BYTES: (usize, usize) = (8, 9);
 
-/// When the driver reads the encoder of a board beside following a plan.
+/// Readings of the encoder of a board while it follows a plan.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Readings {
     /// The place of its axis among those in use; none of a board without.
@@ -84,7 +84,7 @@ pub struct InterpCncPrediction {
     readings: Readings,
 }
 
-/// What happens next.
+/// Next event.
 #[derive(Clone, Debug)]
 enum Next {
     /// The driver looks at the plan, and begins a round of commands for the axes that need one.
@@ -108,7 +108,7 @@ struct Sent {
     round: Round,
 }
 
-/// The axes that are still to be commanded, of so many that need it.
+/// The axes that are still to be commanded, and the number of those that need it.
 #[derive(Clone, Debug)]
 struct Round {
     left: VecDeque<usize>,
@@ -170,7 +170,7 @@ impl InterpCncPrediction {
         Next::Show(stamp)
     }
 
-    /// What is due now happens.
+    /// Makes the due event happen.
     fn happen(&mut self, plan: &dyn SetpointStream) {
         let now_ns = self.due_ns;
         self.next = match std::mem::replace(&mut self.next, Next::Survey) {
@@ -243,7 +243,7 @@ impl Prediction for InterpCncPrediction {
     }
 }
 
-/// An exchange of so many bytes that the driver begins at `begin_ns`: what it will make of its times, and when the board
+/// An exchange of these bytes that the client begins at `begin_ns`: what it will make of its times, and when the board
 /// executes it.
 fn exchange(wire: &Wire, begin_ns: i64, (request, answer): (usize, usize)) -> (Stamp, i64) {
     let line = wire.line;

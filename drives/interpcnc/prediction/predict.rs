@@ -7,7 +7,7 @@ use twin_drives::{MAX_DRIVE_AXES, Prediction, SetpointStream, ramp::seconds};
 /// Instants at which the axes are compared with the plan are so far apart, ns.
 const SPACING_NS: i64 = 1_000_000;
 
-/// How far axes will be from their plan, and how often the board will be spoken to.
+/// Predicted distance of the axes from their plan, and rate of exchanges.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PredictionSummary {
     /// Root of the mean square of the error per axis, increments.

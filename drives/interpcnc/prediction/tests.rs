@@ -121,7 +121,7 @@ fn stops_between_segments_cost_what_they_must() {
 }
 
 #[test]
-fn a_prediction_is_what_a_rehearsal_makes() {
+fn a_summary_is_of_the_prediction() {
     let plan = sines(4000.0);
     let axes = axes(2);
     for following in [Following::Retargeted, BUFFERED] {

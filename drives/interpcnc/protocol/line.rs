@@ -24,7 +24,7 @@ impl fmt::Display for Parity {
     }
 }
 
-/// How the bytes travel: 8 data bits and 1 stop bit always.
+/// Serial line: 8 data bits and 1 stop bit always.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Line {
     /// Bits per second; the firmware supports 4800 to 256000.
@@ -71,7 +71,7 @@ impl Parity {
         }
     }
 
-    /// What parameter 102 says.
+    /// Parity of a code of parameter 102.
     pub fn from_code(code: u32) -> Option<Self> {
         [Self::None, Self::Even, Self::Odd].into_iter().find(|parity| parity.code() == code)
     }

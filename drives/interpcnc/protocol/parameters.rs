@@ -90,7 +90,7 @@ pub fn limit_input(axis: BoardAxis, positive: bool) -> u16 {
     of_axis([104, 108, 112, 116, 120], axis) + if positive { 2 } else { 0 }
 }
 
-/// What a parameter takes, as far as that is known: there are 32 inputs and five axes. A parameter whose values nobody
+/// Values that a parameter takes, as far as they are known: there are 32 inputs and five axes. A parameter whose values nobody
 /// explains takes any number.
 pub fn values(number: u16) -> Values {
     let input = Values::Between(0, INPUTS.into());

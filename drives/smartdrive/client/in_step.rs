@@ -125,7 +125,7 @@ impl SmartDrive {
     /// an answer to something else would leave its own for that.
     ///
     /// # Errors
-    /// As [`SmartDrive::send`]; [`ProtocolFault::OutOfStep`] if answers cannot be told apart.
+    /// As [`SmartDrive::send`]; [`ProtocolFault::OutOfStep`] if answers cannot be distinguished.
     pub(crate) async fn ask_surely(
         &mut self,
         address: u8,

@@ -40,7 +40,7 @@ impl SmartDrive {
     /// READ: a variable.
     ///
     /// # Errors
-    /// As [`SmartDrive::send`]; [`crate::Fault::Rejected`] if there is no such variable.
+    /// As [`SmartDrive::send`]; [`crate::Fault::Rejected`] if the variable does not exist.
     pub async fn read(&mut self, address: u8, variable: u16) -> Result<i64, DriveError> {
         let number = self.ask_surely(address, Command::Read { variable }).await?.number();
         Ok(variable_at(variable).map_or(number.into(), |entry| entry.value(number.cast_unsigned())))
@@ -49,7 +49,7 @@ impl SmartDrive {
     /// WRITE: changes a variable; its value afterwards.
     ///
     /// # Errors
-    /// As [`SmartDrive::send`]; [`crate::Fault::Rejected`] if there is no such variable or it cannot be written.
+    /// As [`SmartDrive::send`]; [`crate::Fault::Rejected`] if the variable does not exist or cannot be written.
     pub async fn write_variable(
         &mut self,
         address: u8,
@@ -63,7 +63,7 @@ impl SmartDrive {
     /// GET: the three copies of a parameter, 32-bit ones in two steps.
     ///
     /// # Errors
-    /// As [`SmartDrive::send`]; [`crate::Fault::Rejected`] if there is no such parameter.
+    /// As [`SmartDrive::send`]; [`crate::Fault::Rejected`] if the parameter does not exist.
     pub async fn parameter(
         &mut self,
         address: u8,

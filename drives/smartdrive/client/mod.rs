@@ -121,7 +121,7 @@ impl SmartDrive {
         }
     }
 
-    /// Where and in the course of what something happens.
+    /// Exchange of an error, with the action under way.
     pub(crate) fn at(&self, address: u8, action: Action) -> Exchange {
         Exchange { port: Arc::clone(&self.port), address, action }
     }
@@ -144,7 +144,7 @@ impl SmartDrive {
     /// on their way ([`BadFrame::Refused`]), any command that is refused so is sent again once: it was not executed.
     ///
     /// # Errors
-    /// If there is no such address, if the drive refuses the command, or if no proper answer comes.
+    /// If the address does not exist, if the drive refuses the command, or if no proper answer comes.
     pub async fn send(
         &mut self,
         address: u8,

@@ -47,20 +47,20 @@ pub struct SmartDriveOptions {
     /// Time after which an answer that is late comes no more. After a missed deadline the driver waits so long before
     /// it asks anything but a stop, lest the late answer be taken for the next.
     pub worst_latency: Duration,
-    /// When drives carry out commands: samples are stamped with that instant.
+    /// Instant at which drives execute commands: samples are stamped with it.
     pub execution: Execution,
-    /// What the driver waits between an answer and the next command. Drives take bytes that follow each other within
+    /// Pause of the client between an answer and the next command. Drives take bytes that follow each other within
     /// 10 bit times for one frame; a serial port and its operating system pause longer by themselves.
     pub silence: Duration,
-    /// What the driver waits after a broadcast, which nobody answers, besides its time on the wire.
+    /// Pause of the client after a broadcast, which nobody answers, in addition to its time on the wire.
     pub broadcast_pause: Duration,
-    /// How often a stop that nobody confirms (broadcast) is sent.
+    /// Number of times that a stop without confirmation (broadcast) is sent.
     pub stop_broadcasts: u32,
     /// Longest time a change of mode may take; the manual says about 250 ms.
     pub mode_change: Duration,
     /// Longest time homing may take.
     pub homing: Duration,
-    /// What is assumed where the manual is silent.
+    /// Assumptions where the manual is silent.
     pub assumptions: Assumptions,
 }
 

@@ -13,7 +13,7 @@ use twin_drives::{Clock, DriveError, Stamp};
 /// Time between two looks at a drive that takes its time.
 pub(crate) const LOOK: Duration = Duration::from_millis(5);
 
-/// What a drive says about itself.
+/// State that a drive reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveState {
     /// Position counter, µsteps.
@@ -193,7 +193,7 @@ impl SmartDrive {
         Ok(IoState { levels, active, reverse })
     }
 
-    /// START: runs at `speed` rpm with sign, at `rate` rpm/s (0: the largest). It runs until it is told otherwise:
+    /// START: runs at `speed` rpm with sign, at `rate` rpm/s (0: the largest). It runs until another command:
     /// prefer [`SmartDrive::go_to`].
     ///
     /// # Errors

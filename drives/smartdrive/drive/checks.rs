@@ -133,7 +133,7 @@ impl SmartDriveBus {
         failed.map_or(Ok(()), Err)
     }
 
-    /// Waits until a drive is off, and tells it once more if it has not heard.
+    /// Waits until a drive is off, and switches it off once more if it has not heard.
     pub(super) fn switched_off(&mut self, address: u8, off: &Command) -> Result<(), DriveError> {
         let (state, _) = self.state(address, &no_clock)?;
         // In alarm it is off already.

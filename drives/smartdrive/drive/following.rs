@@ -1,4 +1,4 @@
-//! Following a plan, drive by drive, and what they have been told.
+//! Following a plan, drive by drive, and their commanded positions.
 
 use super::{SmartDriveBus, positions::Shifted};
 use crate::{Command, DriveState, TrajectoryFlags};

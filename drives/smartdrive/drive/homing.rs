@@ -4,7 +4,7 @@ use super::{Seen, SmartDriveBus, no_clock};
 use crate::{Command, Init, Mode, TrajectoryFlags};
 use twin_drives::{Action, Axes, DriveError, HomingWays, MAX_DRIVE_AXES};
 
-/// What the driver knows of the homing of a drive: the drive tells whether homing runs, and no more.
+/// Homing of a drive as the client knows it: the drive shows whether homing runs, and no more.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Homing {
     /// Nothing.

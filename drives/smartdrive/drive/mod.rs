@@ -42,7 +42,7 @@ type Seen = (DriveState, Stamp);
 /// position limits, stays as it is. Outputs are numbered 1 RDY, 2 BRK, 3 LED of the first drive, then those of the
 /// second.
 ///
-/// The drives are asked one after the other; a sample tells all positions at the middle of that time, to which each is
+/// The drives are asked one after the other; a sample has all positions at the middle of that time, to which each is
 /// carried over by the follower's model of it.
 ///
 /// Owns the runtime its exchanges run on; calls must not be made from within another runtime.

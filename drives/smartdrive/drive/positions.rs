@@ -8,7 +8,7 @@ use twin_drives::{Action, Axes, DriveError, IncrementMotion, Increments, Sample,
 /// 1 rpm and 1 rpm/s, and 200 full steps per turn that is 3.3 µsteps/s and 3.3 µsteps/s², it is one µstep away from where it
 /// began after 0.8 s, and where it turns it is on the same for 1.1 s.
 const FROZEN_NS: i64 = 2_000_000_000;
-/// So many samples in a row have to show that: what is between two that an outage has set apart is unknown.
+/// Number of samples in a row that have to show that: what is between two that an outage has set apart is unknown.
 const FROZEN_SAMPLES: u32 = 12;
 
 /// Since when a drive on its way has shown the same counter.
@@ -56,7 +56,7 @@ impl SmartDriveBus {
     /// driver, until the drive's mode changes.
     ///
     /// # Errors
-    /// If there is no such axis, the drive moves, is not in REMOTE or refuses, or its counter is not 0 afterwards.
+    /// If the axis does not exist, the drive moves, is not in REMOTE or refuses, or its counter is not 0 afterwards.
     pub fn zero_here(&mut self, axis: usize) -> Result<(), DriveError> {
         let Some(address) = self.axes().nth(axis) else {
             let at = self.bus.at(0, Action::ReadState);

@@ -3,15 +3,15 @@
 use super::{Cam, Device, HomingOptions, Input, Phase};
 use crate::{Alarms, BadFrame, Status, TrajectoryFlags, protocol::frame};
 
-/// What happens to devices on a line, and to the line.
+/// Events at devices on a line, and faults of the line.
 pub type Control = twin_drives::Control<Happening>;
 
-/// What happens to a device other than on the wire.
+/// Event at a device other than on the wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// An input changes.
     Input {
-        /// Which.
+        /// The input.
         input: Input,
         /// Its level.
         level: bool,
@@ -25,14 +25,14 @@ pub enum Event {
     },
     /// The supply changes, V.
     Supply(u16),
-    /// The supply fails and is back after so many ns: the device starts anew.
+    /// The supply fails and is back after this time, ns: the device starts anew.
     BrownOut {
         /// Without supply for so long, ns.
         off_ns: i64,
     },
     /// The cause of alarms comes or goes.
     Fault {
-        /// Which.
+        /// The alarms.
         alarms: Alarms,
         /// Comes or goes.
         present: bool,
@@ -58,7 +58,7 @@ pub enum Event {
     Homing(HomingOptions),
 }
 
-/// What the device shows without its manual saying what brings it about: two bits "for internal use", and a trigger for which
+/// Condition whose cause the manual does not say: two bits "for internal use", and a trigger for which
 /// there is no command. A new motion command clears the last, a restart all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Condition {
@@ -75,7 +75,7 @@ pub enum Condition {
 pub struct Happening {
     /// Place on the bus, from 0.
     pub device: usize,
-    /// What happens.
+    /// The event.
     pub event: Event,
 }
 
@@ -173,7 +173,7 @@ impl Device {
         answer.encode_in(frame::answer_length(command, assumed))
     }
 
-    /// What it says to a frame whose check sum or length is wrong, if it is for this device as far as can be told.
+    /// Its answer to a frame whose check sum or length is wrong, if the frame seems to be for this device.
     pub(super) fn bad_frame(&self, frame: &[u8]) -> Option<Vec<u8>> {
         match self.options.assumptions.bad_frame {
             BadFrame::Refused(code)

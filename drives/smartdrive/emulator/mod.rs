@@ -1,7 +1,7 @@
 //! Drives without hardware: parameters, modes, inputs, motion and alarms of each, byte for byte on the wire.
 //!
-//! [`Device`] is pure and deterministic: it is told how much time passes, which frames arrive and what happens to its
-//! inputs. [`EmulatedBus`] serves several in real time on a pseudo-terminal.
+//! [`Device`] is pure and deterministic: time, frames and events at its inputs come from the caller.
+//! [`EmulatedBus`] serves several in real time on a pseudo-terminal.
 //!
 //! Where the manual is silent the device behaves by its [`DeviceOptions`] and their [`super::Assumptions`]. Beyond those
 //! (see also `crate::emulator::motion`): an index that does not exist is NOTAVAILABLE, one that cannot be written and a value out of
@@ -139,12 +139,12 @@ impl Device {
         self.memory.to_bytes()
     }
 
-    /// How often SAVE has been carried out since power-up.
+    /// Number of times that SAVE has been executed since power-up.
     pub fn saves(&self) -> u64 {
         self.memory.saves()
     }
 
-    /// When the SAVE under way has been carried out, ns since power-up; none if there is none.
+    /// End of the SAVE under way, ns since power-up; none if there is none.
     pub fn save_due_ns(&self) -> Option<i64> {
         match self.phase {
             Phase::Changing { until_ns, work: Work::Save, .. } => Some(until_ns),
@@ -192,7 +192,7 @@ impl Device {
         self.generator.target()
     }
 
-    /// Where the mechanics are, µsteps from where they were at the start, whatever position 0 was since.
+    /// Position of the mechanics, µsteps from that at the start, whatever position 0 was since.
     pub fn mechanical(&self) -> f64 {
         self.origin + self.generator.state(self.now_ns).position
     }

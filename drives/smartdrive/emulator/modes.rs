@@ -88,7 +88,7 @@ impl Device {
     fn go(&mut self, target: i32) {
         let ceilings = self.ceilings();
         let accepted = self.generator.go_to(self.now_ns, &ceilings, target, 0, 0).is_ok();
-        // Outside the position limits it goes nowhere; nobody is there to be told.
+        // Outside the position limits it does not move, and no master hears of it.
         if !accepted {
             self.generator.stop(self.now_ns, &ceilings, 0);
         }

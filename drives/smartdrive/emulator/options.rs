@@ -16,10 +16,10 @@ pub struct Cam {
     pub to: f64,
 }
 
-/// How homing works; the meaning of `CfgHome` is not documented.
+/// Settings of homing; the meaning of `CfgHome` is not documented.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HomingOptions {
-    /// Where the home switch is wired to.
+    /// Input of the home switch.
     pub input: Input,
     /// Whether the switch is sought in the positive direction.
     pub positive: bool,
@@ -44,17 +44,17 @@ pub struct DeviceOptions {
     /// Fourth part of the release: from 310 on there are encoders to zero and DONE ends homing, from 315 on homing has
     /// an alarm.
     pub build: u16,
-    /// Where the trajectory flags are; the manual gives two layouts.
+    /// Layout of the trajectory flags; the manual gives two.
     pub layout: TagLayout,
     /// Mode that power-up and MODE 255 choose; its parameter is not documented.
     pub configured_mode: Mode,
     /// Homing.
     pub homing: HomingOptions,
-    /// What else the manual leaves open.
+    /// Other assumptions where the manual is silent.
     pub assumptions: Assumptions,
     /// Switches on the way.
     pub cams: Vec<Cam>,
-    /// How long a change of mode, SAVE and LOAD take.
+    /// Duration of a change of mode, of SAVE and of LOAD.
     pub mode_change: Duration,
     /// From RESET or power-up to the first answer: the bootloader's 250 ms and the start of the firmware.
     pub boot: Duration,

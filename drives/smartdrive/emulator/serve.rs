@@ -18,12 +18,12 @@ use twin_drives::{
     emulator_host::{self, DeviceSpeed, Emulated, Hosting, SerialDevice, replace, restored},
 };
 
-/// How slow the wire and the devices are, and what else the line does.
+/// Delays of the wire and the devices, and echo of the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wire {
     /// From the last byte of a command to the first byte of its answer, at most 50 ms on a device in order.
     pub response: Duration,
-    /// When in that time the command is carried out. Not documented; `Between` is its middle.
+    /// Instant of the execution within that time. Not documented; `Between` is its middle.
     pub execution: Execution,
     /// Silence that ends a frame that is not whole. The device takes 10 bit times, which no pseudo-terminal can tell.
     pub frame_timeout: Duration,
@@ -63,7 +63,7 @@ pub struct EmulatorOptions {
     pub any_speed: bool,
     /// Decides what faults by chance do.
     pub seed: u64,
-    /// How many times faster than their clock the devices live, their wire included.
+    /// Speed of the devices' time against the clock, their wire included.
     pub speed: Speed,
 }
 

@@ -79,7 +79,7 @@ impl Mode {
     }
 }
 
-/// What TRJINIT does.
+/// Effect of TRJINIT.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Init {
     /// 0, the generator, internal.
@@ -114,7 +114,7 @@ impl Init {
     }
 }
 
-/// Where LOAD takes the parameters from.
+/// Source of the parameters of LOAD.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LoadSource {
     /// 0, saved values.
@@ -251,7 +251,7 @@ impl Command {
         }
     }
 
-    /// What the manual calls it.
+    /// Name in the manual.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Reset { .. } => "RESET",
@@ -325,7 +325,7 @@ impl Command {
         }
     }
 
-    /// Lengths of the data that belong to CMD; `None` if there is no such code.
+    /// Lengths of the data that belong to CMD; `None` if the code does not exist.
     pub(crate) fn lengths(code: u8) -> Option<&'static [usize]> {
         match code & 0x3F {
             WRITE => Some(&[8]),
@@ -335,7 +335,7 @@ impl Command {
         }
     }
 
-    /// What a device understands of CMD and data, whose length is that which CMD says.
+    /// Decodes CMD and data, whose length is that of CMD.
     ///
     /// # Errors
     /// The reason for which the device refuses it: an unknown code, a length that does not belong to the code (assumed

@@ -13,13 +13,13 @@ pub fn wire_time(bytes: usize) -> Duration {
     Duration::from_nanos(bits.saturating_mul(1_000_000_000) / u64::from(BAUD))
 }
 
-/// When a drive carries out a command, between its last byte and the first of the answer. Not documented.
+/// Instant at which a drive executes a command, between its last byte and the first of the answer. Not documented.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Execution {
     /// Somewhere between: the middle is never wrong by more than half of that time.
     #[default]
     Between,
-    /// When its last byte has come.
+    /// With its last byte.
     OnArrival,
     /// Just before it answers.
     BeforeAnswer,

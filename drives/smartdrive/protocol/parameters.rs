@@ -6,7 +6,7 @@
 
 use twin_drives::Values;
 
-/// How a number is stored: its size and its sign.
+/// Format of a stored number: its size and its sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// 16 bits without sign, or not negative.
@@ -45,7 +45,7 @@ pub struct Entry {
     pub unit: &'static str,
     /// Whether it can be changed.
     pub writable: bool,
-    /// What the emulated device has from the factory.
+    /// Factory setting of the emulated device.
     pub factory: i64,
 }
 
@@ -77,7 +77,7 @@ impl Entry {
         Self { writable: false, ..self }
     }
 
-    /// What it takes: of `StepDivisor` the powers of 2.
+    /// Values that it takes: of `StepDivisor` the powers of 2.
     pub fn values(&self) -> Values {
         if self.index == STEP_DIVISOR {
             Values::OneOf((self.low..=self.high).filter(|value| self.accepts(*value)).collect())
@@ -139,7 +139,7 @@ pub const POSITION_OFFSET: u16 = 100;
 pub const PUSH_PULL_DISTANCE: u16 = 102;
 /// Speed towards the home switch.
 pub const VELOCITY_ENTER_HOME: u16 = 116;
-/// How homing goes, in bits that the manual does not explain.
+/// Settings of homing, in bits that the manual does not explain.
 pub const HOME_CONFIGURATION: u16 = 120;
 /// Speed off the home switch.
 pub const VELOCITY_EXIT_HOME: u16 = 117;

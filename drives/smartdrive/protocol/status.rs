@@ -72,7 +72,7 @@ impl Status {
     }
 }
 
-/// Why a command was refused; TAG if `STA_REJECT` is set.
+/// Reason of a refused command; TAG if `STA_REJECT` is set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RejectCode {
     /// `REJ_GENERIC` 0, not specified.
@@ -174,7 +174,7 @@ impl std::fmt::Display for Alarms {
     }
 }
 
-/// Which of the two layouts that the manual gives for the trajectory flags a device uses.
+/// Layout of the trajectory flags, of which the manual gives two.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TagLayout {
     /// Bits 0 and 8 to 13.

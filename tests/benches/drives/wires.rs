@@ -2,10 +2,14 @@
 
 use super::machines::{on_board, on_bus, on_module};
 use twin::clock::Clock;
-use twin::emulated::{Emulator, connect};
+use twin::emulated::connect;
 use twin::setpoint::HORIZON_NS;
+use twin_bim2ax::SharedModule;
+use twin_drives::family::Emulator;
 use twin_drives::{IncrementMotion, MAX_DRIVE_AXES, SetpointStream};
+use twin_interpcnc::emulator::EmulatedBoard;
 use twin_machine::Machine;
+use twin_smartdrive::emulator::EmulatedBus;
 
 /// Duration of the followed motion, s.
 const FOLLOWED: f64 = 10.0;
@@ -137,20 +141,20 @@ fn follow(machine: &Machine, seconds: f64) -> Counts {
         let deviations = deviations.map(|(found, planned)| (*found as f64 - planned).abs());
         counts.deviation = deviations.fold(counts.deviation, f64::max);
     }
-    counts.exchanges = exchanges(emulator);
+    counts.exchanges = exchanges(&*emulator);
     drop(drive);
     counts
 }
 
 /// Requests that the device has handled; of a module, its interrupts.
-fn exchanges(emulator: Emulator) -> f64 {
-    let handled = match emulator {
-        Emulator::InterpCnc(board) => board.stop().expect("a board").frames_handled(),
-        Emulator::SmartDrive(bus) => {
-            let devices = bus.stop().expect("a bus");
-            devices.iter().map(twin_smartdrive::emulator::Device::frames_handled).sum()
-        }
-        Emulator::Bim2Ax(module) => module.module().served(),
+fn exchanges(emulator: &dyn Emulator) -> f64 {
+    let handled = if let Some(board) = emulator.of::<EmulatedBoard>() {
+        board.look().expect("a board").frames_handled()
+    } else if let Some(bus) = emulator.of::<EmulatedBus>() {
+        let devices = bus.look().expect("a bus");
+        devices.iter().map(twin_smartdrive::emulator::Device::frames_handled).sum()
+    } else {
+        emulator.of::<SharedModule>().expect("a module").module().served()
     };
     handled as f64
 }

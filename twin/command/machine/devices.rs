@@ -74,7 +74,7 @@ pub(super) fn drives(machine: &Machine) -> Vec<Value> {
             "in_loop": device.in_loop,
             "wire": carries(index),
         });
-        let more = match &device.family {
+        let more = match device.family() {
             DriveFamily::InterpCnc(board) => {
                 let encoder = board.encoder.map(|encoder| {
                     json!({
@@ -99,6 +99,7 @@ pub(super) fn drives(machine: &Machine) -> Vec<Value> {
                 });
                 json!({ "microsteps_per_step": module.mode.microsteps(), "encoder": encoder })
             }
+            DriveFamily::Other => json!({}),
         };
         if let (Value::Object(object), Value::Object(more)) = (&mut object, more) {
             object.extend(more);

@@ -7,12 +7,12 @@ use crate::workspace::{Cut, Example, MeasureAt, Section};
 use comfy_table::{Cell, CellAlignment};
 use nalgebra::Point3;
 use std::io::{self, Write};
+use twin_bim2ax::Bim2AxEntry;
 use twin_drives::Axes;
 use twin_interpcnc::EncoderOptions;
+use twin_interpcnc::InterpCncEntry;
 use twin_kinematics::{AxisVector, Branch, Kinematics, ReachOf};
-use twin_machine::{
-    Axis, Bim2AxEntry, DriveFamily, InterpCncEntry, Machine, VelocityLimit, VelocitySource,
-};
+use twin_machine::{Axis, DriveFamily, Machine, VelocityLimit, VelocitySource};
 use twin_number::{fixed, significant};
 
 pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
@@ -138,7 +138,7 @@ fn in_the_way(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
 }
 
 /// The encoders with which a device is compared.
-fn encoder(out: &mut impl Write, family: &DriveFamily) -> io::Result<()> {
+fn encoder(out: &mut impl Write, family: DriveFamily<'_>) -> io::Result<()> {
     match family {
         DriveFamily::InterpCnc(InterpCncEntry { encoder: Some(encoder), .. }) => {
             let axis = Axes::Letters(encoder.axis.mask().bits());
@@ -165,7 +165,7 @@ fn drives(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     for (index, device) in machine.drives.iter().enumerate() {
         let port = device.port.as_deref().unwrap_or("no port given");
         write!(out, "drive {}: {} on {port}", device.name, device.family_name())?;
-        match &device.family {
+        match device.family() {
             DriveFamily::InterpCnc(board) => {
                 write!(out, ", address {}, {} baud", board.address, board.baud)?;
             }
@@ -175,8 +175,9 @@ fn drives(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
             DriveFamily::Bim2Ax(module) => {
                 write!(out, ", {} microsteps per step", module.mode.microsteps())?;
             }
+            DriveFamily::Other => {}
         }
-        encoder(out, &device.family)?;
+        encoder(out, device.family())?;
         writeln!(
             out,
             "{}",

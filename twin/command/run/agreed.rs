@@ -48,7 +48,7 @@ pub(super) fn homing_speeds(
 /// The parameter with the speed of homing, and how many increments/s its unit is.
 fn homing_parameter(machine: &Machine, axis: &Axis) -> Option<(ParameterId, f64)> {
     let place = axis.drive.as_ref()?;
-    Some(match &machine.drives.get(place.device)?.family {
+    Some(match machine.drives.get(place.device)?.family() {
         DriveFamily::InterpCnc(_) => {
             // The only board of its driver.
             let number = interpcnc::home_speed(*BoardAxis::ALL.get(place.index)?);
@@ -64,6 +64,7 @@ fn homing_parameter(machine: &Machine, axis: &Axis) -> Option<(ParameterId, f64)
             let number = Parameter::Axis(speed, *ModuleAxis::ALL.get(place.index)?).number()?;
             (ParameterId { address: 0, number }, module.mode.speed_unit())
         }
+        DriveFamily::Other => return None,
     })
 }
 

@@ -8,13 +8,13 @@ use crate::check::Outcome;
 use crate::command::Failure;
 use crate::command::drive::consent::Consent;
 use crate::command::following::lost_answers;
-use crate::emulated::Emulator;
 use crate::hardware::{Guarded, Hardware};
 use crate::real;
 use crate::startup;
 use crate::startup::{Check, Homed, Looked, Needs, Verdict};
 use indicatif::ProgressBar;
 use std::time::Duration;
+use twin_drives::family::Emulator;
 use twin_kinematics::AxisVector;
 use twin_machine::{Axis, Machine};
 
@@ -84,7 +84,7 @@ pub(super) fn expect_real(machine: &mut Machine) {
             stderr!(
                 "note: device `{}` is reckoned to answer after {} ms; `turnaround_ms` in the machine file says what it takes",
                 device.name,
-                f64::from(device.reckoned_us()) * 1e-3
+                f64::from(device.expected_response_us()) * 1e-3
             );
         }
     }
@@ -216,7 +216,7 @@ pub(super) fn connect(
     machine: &Machine,
     (outcome, start): (&Outcome, &AxisVector),
     interrupt: &Interrupt,
-) -> Result<(Hardware, Vec<Emulator>), Failure> {
+) -> Result<(Hardware, Vec<Box<dyn Emulator>>), Failure> {
     ask_for_priority();
     let mut connected = crate::emulated::connect(machine)?;
     for (emulator, attached) in &mut connected {

@@ -1,23 +1,22 @@
 //! `[[drives]]`: the devices that drive axes, each of a drive family.
 
-mod bim2ax;
 mod encoder;
-mod interpcnc;
-mod smartdrive;
 
 use crate::section::Section;
-pub use bim2ax::Bim2AxEntry;
-pub use encoder::ModuleEncoder;
 pub(super) use encoder::check as check_encoder;
-pub use interpcnc::{InterpCncEntry, Parity};
-pub use smartdrive::SmartDriveEntry;
 use std::fs;
-use std::ops::RangeInclusive;
 use std::path::{self, Path, PathBuf};
-use twin_drives::Assumed;
+use std::time::Duration;
+use twin_bim2ax::{Bim2AxEntry, Bim2AxFamily};
+use twin_drives::family::{Abilities, Device, Family};
+use twin_interpcnc::{InterpCncEntry, InterpCncFamily};
+use twin_smartdrive::{SmartDriveEntry, SmartDriveFamily};
+
+/// The drive families. One more takes a folder in `drives` and a line here.
+pub const FAMILIES: &[&dyn Family] = &[&InterpCncFamily, &SmartDriveFamily, &Bim2AxFamily];
 
 /// A device that moves one or more axes.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct DeviceEntry {
     /// The name axes refer to.
     pub name: String,
@@ -34,65 +33,29 @@ pub struct DeviceEntry {
     pub turnaround_us: Option<u32>,
     /// True if it is in the loop, between set-points and motors of the simulated machine.
     pub in_loop: bool,
-    /// Its family.
-    pub family: DriveFamily,
+    /// The device itself, as its family describes it.
+    pub device: Box<dyn Device>,
     /// Names and values of its assumptions that differ from the defaults of the family, as in the file.
     pub assumed: Vec<(String, String)>,
 }
 
-/// A drive family, with what the file says of a device of it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum DriveFamily {
+/// A device by its family: start-up checks, repair commands and reports know more of these families than of any other.
+#[derive(Clone, Copy, Debug)]
+pub enum DriveFamily<'a> {
     /// SOPROLEC InterpCNC V2.1: a board for five axes on Modbus RTU.
-    InterpCnc(InterpCncEntry),
+    InterpCnc(&'a InterpCncEntry),
     /// SmartDRIVE v1.2: up to five drives of one axis on a serial bus, by the ATB protocol.
-    SmartDrive(SmartDriveEntry),
+    SmartDrive(&'a SmartDriveEntry),
     /// BIM2AX-BOCM: a module for two axes in dual-port RAM.
-    Bim2Ax(Bim2AxEntry),
+    Bim2Ax(&'a Bim2AxEntry),
+    /// Any other family.
+    Other,
 }
 
-/// Value of `kind`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    InterpCnc,
-    SmartDrive,
-    Bim2Ax,
-}
-
-impl Kind {
-    pub(super) const ALL: [(&str, Self); 3] = [
-        ("interpcnc", Self::InterpCnc),
-        ("smartdrive", Self::SmartDrive),
-        ("bim2ax", Self::Bim2Ax),
-    ];
-
-    /// The kind of a section, even if the section has errors.
-    pub(super) fn glance(section: &Section<'_>) -> Option<Self> {
-        let said = section.glance_at_text("kind")?;
-        Self::ALL.into_iter().find(|(name, _)| *name == said).map(|(_, kind)| kind)
-    }
-
-    /// Axis of the device that an axis of the machine uses; the keys are those of `[[axes]]`.
-    pub(super) fn axis(self, section: &Section<'_>) -> Option<usize> {
-        match self {
-            Self::InterpCnc => {
-                section.choice("drive_axis", &[("X", 0), ("Y", 1), ("Z", 2), ("A", 3), ("B", 4)])
-            }
-            Self::SmartDrive => {
-                let address = section.integer("drive_address", 1..=31)?;
-                usize::try_from(address).ok()
-            }
-            Self::Bim2Ax => section.choice("drive_axis", &[("1", 0), ("2", 1)]),
-        }
-    }
-
-    /// The key of that.
-    pub(super) fn axis_key(self) -> &'static str {
-        match self {
-            Self::InterpCnc | Self::Bim2Ax => "drive_axis",
-            Self::SmartDrive => "drive_address",
-        }
-    }
+/// The family of a section, even if the section has errors.
+fn glance(section: &Section<'_>, families: &[&'static dyn Family]) -> Option<&'static dyn Family> {
+    let said = section.glance_at_text("kind")?;
+    families.iter().copied().find(|family| family.kind() == said)
 }
 
 /// A device as axes see it, also if there is something wrong with it.
@@ -100,123 +63,93 @@ impl Kind {
 pub(super) struct Seen {
     pub(super) name: String,
     /// Not known of a kind that there is not.
-    pub(super) kind: Option<Kind>,
+    pub(super) family: Option<&'static dyn Family>,
     /// Known of a device with which nothing is wrong.
     pub(super) abilities: Option<Abilities>,
 }
 
 impl Seen {
-    pub(super) fn of(section: &Section<'_>, entry: Option<&DeviceEntry>) -> Self {
+    pub(super) fn of(
+        section: &Section<'_>,
+        entry: Option<&DeviceEntry>,
+        families: &[&'static dyn Family],
+    ) -> Self {
         Self {
             name: section.glance_at_text("name").unwrap_or_default().to_owned(),
-            kind: Kind::glance(section),
-            abilities: entry.map(DeviceEntry::abilities),
+            family: glance(section, families),
+            abilities: entry.map(|entry| entry.device.abilities()),
         }
     }
 }
 
-/// Abilities of a device on any machine.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Abilities {
-    /// Speeds that an axis may have at its largest velocity, increments/s.
-    pub(super) speeds: RangeInclusive<f64>,
-    /// Largest position it counts to, increments.
-    pub(super) counts: f64,
-}
-
 impl DeviceEntry {
+    /// The device by its family.
+    pub fn family(&self) -> DriveFamily<'_> {
+        if let Some(board) = self.device.of() {
+            DriveFamily::InterpCnc(board)
+        } else if let Some(bus) = self.device.of() {
+            DriveFamily::SmartDrive(bus)
+        } else if let Some(module) = self.device.of() {
+            DriveFamily::Bim2Ax(module)
+        } else {
+            DriveFamily::Other
+        }
+    }
+
     /// Name of the family.
     pub fn family_name(&self) -> &'static str {
-        match self.family {
-            DriveFamily::InterpCnc(_) => "InterpCNC",
-            DriveFamily::SmartDrive(_) => "SmartDRIVE",
-            DriveFamily::Bim2Ax(_) => "BIM2AX",
-        }
+        self.device.family().title()
     }
 
     /// Uses the response time of the real device from now on; false if the file does not give it.
     pub fn expect_real(&mut self) -> bool {
         let Some(turnaround_us) = self.turnaround_us else { return false };
-        match &mut self.family {
-            DriveFamily::InterpCnc(entry) => entry.turnaround_us = turnaround_us,
-            DriveFamily::SmartDrive(entry) => entry.response_us = turnaround_us,
-            DriveFamily::Bim2Ax(entry) => entry.order_us = turnaround_us,
-        }
+        self.device.expect_response_us(turnaround_us);
         true
     }
 
     /// Expected response time, µs.
-    pub fn reckoned_us(&self) -> u32 {
-        match &self.family {
-            DriveFamily::InterpCnc(entry) => entry.turnaround_us,
-            DriveFamily::SmartDrive(entry) => entry.response_us,
-            DriveFamily::Bim2Ax(entry) => entry.order_us,
-        }
+    pub fn expected_response_us(&self) -> u32 {
+        self.device.response_us()
+    }
+
+    /// Response timeout of the client of the real device, and the pause before it asks again.
+    pub fn waits(&self) -> [Duration; 2] {
+        self.device.waits(self.answer_ms.map(|time_ms| Duration::from_millis(time_ms.into())))
     }
 
     /// Place of the real device, which is unique: its port, and the offset in it of a module that is mapped. One port
     /// has many names: links in `/dev/serial/by-id` lead to it, and `./` before it changes nothing.
     pub(super) fn place(&self) -> Option<(PathBuf, Option<u64>)> {
-        let offset = match &self.family {
-            DriveFamily::Bim2Ax(entry) => entry.map_offset,
-            DriveFamily::InterpCnc(_) | DriveFamily::SmartDrive(_) => None,
-        };
         let port = Path::new(self.port.as_deref()?);
         // One that is not plugged in has no other name that could be known.
         let real = fs::canonicalize(port).or_else(|_| path::absolute(port));
-        Some((real.unwrap_or_else(|_| port.to_owned()), offset))
+        Some((real.unwrap_or_else(|_| port.to_owned()), self.device.map_offset()))
     }
 
     /// Name of an axis of the device.
     pub fn axis_name(&self, index: usize) -> String {
-        match self.family {
-            DriveFamily::InterpCnc(_) => {
-                ["X", "Y", "Z", "A", "B"].get(index).copied().unwrap_or("?").to_owned()
-            }
-            DriveFamily::SmartDrive(_) => format!("address {index}"),
-            DriveFamily::Bim2Ax(_) => format!("{}", index.saturating_add(1)),
-        }
-    }
-
-    pub(super) fn abilities(&self) -> Abilities {
-        match &self.family {
-            DriveFamily::InterpCnc(_) => InterpCncEntry::abilities(),
-            DriveFamily::SmartDrive(entry) => entry.abilities(),
-            DriveFamily::Bim2Ax(entry) => entry.abilities(),
-        }
+        self.device.family().axis_name(index)
     }
 }
 
-/// The manuals speak of addresses: says where one belongs, which depends on the family.
-fn misplaced_address(section: &Section<'_>, kind: Kind) {
-    let words: &[&str] = match kind {
-        Kind::InterpCnc => &["address", "drive_address"],
-        Kind::SmartDrive | Kind::Bim2Ax => &["address", "station", "drive_address"],
-    };
-    for key in words.iter().filter(|key| section.has(key)) {
-        let (message, help) = match kind {
-            Kind::InterpCnc => (
-                format!("`{key}` is no key of a board: its Modbus address is `station` here"),
-                "write `station = …`, 1 to 247".to_owned(),
-            ),
-            Kind::SmartDrive => (
-                format!("`{key}` is no key of a line of SmartDRIVEs: each axis says the address of its own drive"),
-                "write `drive_address = …`, 1 to 31, in the [[axes]] that hang on it".to_owned(),
-            ),
-            Kind::Bim2Ax => (
-                format!("`{key}` is no key of a module, which has no address"),
-                "`map_offset` says where it is in the window, `drive_axis` of the [[axes]] which of its two axes it is".to_owned(),
-            ),
-        };
-        section.accept(key);
-        section.complain_with_help(key, message, Some(help));
+/// Says where an address belongs, which the manuals speak of and each family has in another place.
+fn misplaced_address(section: &Section<'_>, family: &dyn Family) {
+    for key in ["address", "station", "drive_address"] {
+        if section.has(key)
+            && let Some((message, help)) = family.misplaced_address(key)
+        {
+            section.accept(key);
+            section.complain_with_help(key, message, Some(help));
+        }
     }
 }
 
 /// Reads one `[[drives]]` table.
-pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
+pub(super) fn read(section: &Section<'_>, families: &[&'static dyn Family]) -> Option<DeviceEntry> {
     let name = section.required_text("name");
-    let kind = section.required_choice("kind", &Kind::ALL);
+    let kinds: Vec<_> = families.iter().map(|family| (family.kind(), *family)).collect();
+    let family = section.required_choice("kind", &kinds);
     let port = section.text("port").map(str::to_owned);
     let firmware = section.text("firmware").map(str::to_owned);
     let turnaround_us = section.number("turnaround_ms", 0.0..=1000.0).map(whole_microseconds);
@@ -225,23 +158,15 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
     let silence_ms = section.integer("longest_silence_ms", 20..=60_000);
     let silence_ms = silence_ms.and_then(|time_ms| u32::try_from(time_ms).ok());
     let in_loop = section.flag("in_loop").unwrap_or(false);
-    let Some(kind) = kind else {
+    let Some(family) = family else {
         // What other keys there are is not known.
         section.accept_all();
         return None;
     };
-    misplaced_address(section, kind);
-    let family = match kind {
-        Kind::InterpCnc => interpcnc::read(section).map(DriveFamily::InterpCnc),
-        Kind::SmartDrive => smartdrive::read(section).map(DriveFamily::SmartDrive),
-        Kind::Bim2Ax => bim2ax::read(section).map(DriveFamily::Bim2Ax),
-    };
-    let (name, family) = (name?.to_owned(), family?);
-    let assumed = match family {
-        DriveFamily::InterpCnc(_) => otherwise::<twin_interpcnc::Assumptions>(section),
-        DriveFamily::SmartDrive(_) => otherwise::<twin_smartdrive::Assumptions>(section),
-        DriveFamily::Bim2Ax(_) => otherwise::<twin_bim2ax::Assumptions>(section),
-    };
+    misplaced_address(section, family);
+    let device = family.read(section);
+    let (name, device) = (name?.to_owned(), device?);
+    let assumed = otherwise(section, family);
     Some(DeviceEntry {
         name,
         port,
@@ -250,47 +175,21 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
         silence_ms,
         turnaround_us,
         in_loop,
-        family,
+        device,
         assumed,
     })
 }
 
-/// What `[drives.assumptions]` says that is not assumed anyway; what is wrong with it has been told.
-fn otherwise<A: Assumed + PartialEq>(section: &Section<'_>) -> Vec<(String, String)> {
+/// Assumptions of `[drives.assumptions]` that differ from the usual ones.
+fn otherwise(section: &Section<'_>, family: &dyn Family) -> Vec<(String, String)> {
     if !section.has("assumptions") {
         return Vec::new();
     }
     let said = section.section("assumptions");
-    let differs = |name: &str, value: &str| {
-        let mut assumed = A::default();
-        assumed.set(name, value).is_ok() && assumed != A::default()
-    };
     let names = said.keys().into_iter();
     let said = names.filter_map(|name| Some((name, said.glance_at_text(name)?)));
-    let said = said.filter(|(name, value)| differs(name, value));
+    let said = said.filter(|(name, value)| family.is_assumed_otherwise(name, value));
     said.map(|(name, value)| (name.to_owned(), value.to_owned())).collect()
-}
-
-/// What `[drives.assumptions]` says, over what is assumed of any device of the family.
-fn assumptions<A: Assumed>(section: &Section<'_>) -> A {
-    let mut assumed = A::default();
-    if !section.has("assumptions") {
-        return assumed;
-    }
-    let said = section.section("assumptions");
-    for name in said.keys() {
-        if let Some(value) = said.text(name)
-            && let Err(error) = assumed.set(name, value)
-        {
-            said.complain_at(name, error.to_string());
-        }
-    }
-    assumed
-}
-
-/// A time in ms as microseconds.
-fn microseconds(section: &Section<'_>, key: &str, default_ms: f64) -> u32 {
-    whole_microseconds(section.number(key, 0.0..=1000.0).unwrap_or(default_ms))
 }
 
 fn whole_microseconds(time_ms: f64) -> u32 {

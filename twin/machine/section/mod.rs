@@ -1,6 +1,7 @@
 //! TOML reader of machine files, jobs and cams: every value knows its place, and every error names it.
 
 mod file_kind;
+mod keys;
 mod numbers;
 mod problem;
 

@@ -188,7 +188,7 @@ fn encoders_are_declared_beside_their_device() {
         text.replace("max_velocity_mm_per_s = 400", "max_velocity_mm_per_s = 100")
     };
     let machine = load(&module("axes = [2]\npoints_per_turn = 4000"));
-    let DriveFamily::Bim2Ax(entry) = &machine.drives[1].family else { panic!("a module") };
+    let DriveFamily::Bim2Ax(entry) = machine.drives[1].family() else { panic!("a module") };
     let encoder = entry.encoder.as_ref().expect("it is there");
     assert_eq!(encoder.axes, [twin_bim2ax::ModuleAxis::Two]);
     // 200 steps of 8.
@@ -196,7 +196,7 @@ fn encoders_are_declared_beside_their_device() {
     assert_eq!(found, (4000, 1600, None));
     let rest = "points_per_turn = 4000\nincrements_per_turn = 3200\ntolerance_increments = 9";
     let machine = load(&module(&format!("axes = [2]\n{rest}")));
-    let DriveFamily::Bim2Ax(entry) = &machine.drives[1].family else { panic!("a module") };
+    let DriveFamily::Bim2Ax(entry) = machine.drives[1].family() else { panic!("a module") };
     let encoder = entry.encoder.as_ref().expect("it is there");
     assert_eq!((encoder.increments_per_turn, encoder.tolerance), (3200, Some(9)));
     for (axes, parts) in [

@@ -15,11 +15,12 @@ mod simulated;
 mod surroundings;
 mod survival;
 
-use super::{Axis, DriveFamily, InterpCncEntry, Machine, Parity};
+use super::{Axis, DriveFamily, Machine};
 use crate::axis_kind::AxisKind;
 use crate::section::{MachineFileError, Problem};
 use std::path::Path;
 use twin_interpcnc::Following;
+use twin_interpcnc::{InterpCncEntry, Parity};
 use twin_kinematics::{AxisVector, Kinematics, Pose};
 
 const SCARA2: &str = include_str!("../../../machines/scara2.toml");
@@ -161,7 +162,7 @@ fn the_shipped_machines_are_as_their_comments_say() {
 fn real_devices_are_reckoned_with_by_their_own_time() {
     let mut machine = load(GANTRY3);
     assert!(!machine.drives[0].expect_real());
-    assert_eq!(machine.drives[0].reckoned_us(), 2000);
+    assert_eq!(machine.drives[0].expected_response_us(), 2000);
     let slow = "kind = \"interpcnc\"\nturnaround_ms = 18.5\nfollowing = \"buffered\"\n\
                 start_stop_hz = 1500\n";
     let mut machine = load(&GANTRY3.replace("kind = \"interpcnc\"\n", slow));
@@ -230,7 +231,7 @@ fn assumptions_are_taken_from_the_file() {
 }
 
 fn board(machine: &Machine) -> &InterpCncEntry {
-    let DriveFamily::InterpCnc(entry) = &machine.drives[0].family else { panic!("{machine:?}") };
+    let DriveFamily::InterpCnc(entry) = machine.drives[0].family() else { panic!("{machine:?}") };
     entry
 }
 

@@ -24,7 +24,7 @@ struct Plan<F>(F);
 
 impl<F: Fn(f64) -> IncrementMotion + Sync> SetpointStream for Plan<F> {
     fn now_ns(&self) -> i64 {
-        panic!("a rehearsal has a time of its own")
+        panic!("a prediction has a time of its own")
     }
     fn at(&self, time_ns: i64) -> IncrementMotion {
         (self.0)(seconds(time_ns))
@@ -158,7 +158,7 @@ fn a_sine_is_followed_to_its_turning_points_and_ends_at_rest() {
 }
 
 #[test]
-fn expectation_and_rehearsal_agree() {
+fn expectation_and_prediction_agree() {
     // The mean square over the whole motion, sampled, is what the follower expected of its legs: they are moved by
     // the same profiles. The time before the first leg (latency) and rounding of sampling differ.
     let plan = Plan(line([1500.0, -400.0]));
@@ -191,7 +191,7 @@ fn the_same_plan_gives_the_same_motion_however_often_it_is_asked() {
 }
 
 #[test]
-fn a_rehearsal_is_of_axes_that_are_homed_and_have_no_switches() {
+fn a_prediction_is_of_axes_that_are_homed_and_have_no_switches() {
     use crate::protocol::bits::coefficient;
     // Opening switches that are not there would be actuated, and before homing nothing would move.
     let coefficient = coefficient::PRESENT | coefficient::HOMING_MANDATORY;

@@ -17,7 +17,7 @@ pub enum EncoderKind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "independent facts, each on or off")]
 pub struct EncoderBench {
-    /// What it is; none if both inputs are on, which no encoder is.
+    /// Its kind; none if both inputs are on, as with no encoder.
     pub kind: Option<EncoderKind>,
     /// Points per turn: lines × 4 of an incremental encoder.
     pub points_per_turn: u32,
@@ -164,14 +164,14 @@ impl Encoder {
         Some(super::saturated(points * i64::from(self.dividend) / i64::from(self.divisor)))
     }
 
-    /// Declares the present position to be so many points.
+    /// Declares the present position, points.
     pub(crate) fn set_points(&mut self, shaft: i64, points: i64) {
         if self.kind.is_some() {
             self.offset = points - self.shown(shaft);
         }
     }
 
-    /// Declares the present position to be so many steps.
+    /// Declares the present position, steps.
     pub(crate) fn set_steps(&mut self, shaft: i64, steps: i32) {
         if self.dividend != 0 {
             let points = i64::from(steps) * i64::from(self.divisor) / i64::from(self.dividend);

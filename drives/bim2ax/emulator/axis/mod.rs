@@ -1,8 +1,8 @@
-//! The motion of one axis as the module makes it: a state machine that is told the time and the orders.
+//! The motion of one axis as the module makes it: a state machine of time and orders.
 //!
 //! It is pure and deterministic. What happens between two calls (a cam reached, a limit, the end of a ramp) happens
 //! at the nanosecond at which the profile gets there, whenever it is asked. An axis never has more than one order:
-//! there is no queue and no change of target on the way, so every leg starts from rest and goes in one direction.
+//! it has no queue and no change of target on the way, so every leg starts from rest and goes in one direction.
 //!
 //! Positions are µsteps of the counter ("position théorique"). The shaft of the motor has whole µsteps of its own,
 //! which the switches of the [`Bench`] see: shaft = offset ± counter; zeroing the counter changes the offset, not the

@@ -43,7 +43,7 @@ pub mod file_offset {
 pub struct MemoryFile {
     mapping: Mapping,
     page: u8,
-    /// None for one that is beside the master.
+    /// None if it is open next to the master.
     #[expect(dead_code, reason = "kept for as long as this lives")]
     master: Option<Master>,
 }
@@ -55,8 +55,8 @@ impl MemoryFile {
     /// If it cannot be opened for reading and writing, or is too short; [`io::ErrorKind::ResourceBusy`] if it has another
     /// master, in this program or another one.
     pub fn open(path: &Path) -> io::Result<Self> {
-        let beside = Self::beside(path)?;
-        Ok(Self { master: Some(Master::of_file(path)?), ..beside })
+        let shared = Self::shared(path)?;
+        Ok(Self { master: Some(Master::of_file(path)?), ..shared })
     }
 
     /// Opens it whoever is its master: for a stop, which has to get through. Each of the two may miss what the module says
@@ -64,7 +64,7 @@ impl MemoryFile {
     ///
     /// # Errors
     /// If it cannot be opened for reading and writing, or is too short.
-    pub fn beside(path: &Path) -> io::Result<Self> {
+    pub fn shared(path: &Path) -> io::Result<Self> {
         Port::Memory.check(path)?;
         let file = OpenOptions::new().read(true).write(true).open(path)?;
         let mapping = Mapping::new(file, 0, FILE_LENGTH)?;

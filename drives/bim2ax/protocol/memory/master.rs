@@ -1,7 +1,7 @@
 //! One master at a time.
 //!
 //! Two masters of a module would take each other's receipts and answers for their own. An emulator holds a lock on its
-//! memory file itself, so masters keep each other out by one on a second file beside it, which is empty and stays. The
+//! memory file itself, so masters keep each other out by one on a second file next to it, which is empty and stays. The
 //! lock belongs to an open file: the system frees it when the program ends, however it does. Several modules may be mapped
 //! from one device (`/dev/mem`): of a device the bytes of the module are locked, by an open file description (fcntl,
 //! `F_OFD_SETLK`).
@@ -33,15 +33,15 @@ pub struct Master {
 impl Master {
     /// Of a memory file, whatever name leads to it.
     pub(super) fn of_file(path: &Path) -> io::Result<Self> {
-        let beside = lock_file(&path.canonicalize()?);
+        let lock_path = lock_file(&path.canonicalize()?);
         // Another user may have made it: a lock needs no right to write.
-        let open = OpenOptions::new().write(true).create(true).truncate(false).open(&beside);
+        let open = OpenOptions::new().write(true).create(true).truncate(false).open(&lock_path);
         let lock = open.or_else(|error| match error.kind() {
-            io::ErrorKind::PermissionDenied => File::open(&beside),
+            io::ErrorKind::PermissionDenied => File::open(&lock_path),
             _ => Err(error),
         });
         let named = |error: io::Error| {
-            let message = format!("{}, which keeps masters apart: {error}", beside.display());
+            let message = format!("{}, which keeps masters apart: {error}", lock_path.display());
             io::Error::new(error.kind(), message)
         };
         Self::locked(lock.map_err(named)?, path)
@@ -88,7 +88,7 @@ fn taken(path: &Path) -> io::Error {
     io::Error::new(io::ErrorKind::ResourceBusy, message)
 }
 
-/// The file beside a memory file that its master has locked.
+/// The file next to a memory file that its master has locked.
 fn lock_file(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(ENDING);

@@ -12,6 +12,7 @@
 mod file;
 mod mapped;
 mod master;
+mod opened;
 #[cfg(test)]
 mod tests;
 mod window;
@@ -22,6 +23,7 @@ pub use file::{MemoryFile, file_offset};
 pub use mapped::MappedMemory;
 pub(crate) use mapped::Mapping;
 pub use master::Master;
+pub use opened::OpenedMemory;
 pub(crate) use window::Window;
 
 /// Bytes of the window.
@@ -36,7 +38,7 @@ pub const PAGE_REGISTER: u8 = 0xFD;
 pub const NOT_RUNNING: u8 = 0x01;
 /// Offset of the identifier.
 pub const IDENTIFIER: u8 = 0xFF;
-/// What stands there.
+/// Identifier of the module.
 pub const BIM2AX_BOCM: u8 = 0x4E;
 /// Offset of the numbers of the zones to write and to read; on page 6, of the zone read.
 pub const ZONES: u8 = 0x00;
@@ -77,7 +79,7 @@ pub(crate) fn offsets(offset: u8, length: usize) -> io::Result<impl Iterator<Ite
     last.map(|last| offset..=last).ok_or_else(|| io::ErrorKind::InvalidInput.into())
 }
 
-/// Which byte of a number comes first. The manual does not say; its notation and packing are those of a 68000, so
+/// Order of the bytes of a number. The manual does not say it; its notation and packing are those of a 68000, so
 /// big-endian is assumed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ByteOrder {
@@ -121,7 +123,7 @@ impl ByteOrder {
         }
     }
 
-    /// The order in which a module writes, told from its four bytes "Messages carte" (page 6, $22 to $25) without
+    /// The order in which a module writes, by its four bytes "Messages carte" (page 6, $22 to $25) without
     /// changing anything: all their bits are in the lowest byte, where a declared axis sets one. None if no axis is
     /// declared or other bits are set.
     pub fn of_card_messages(bytes: [u8; 4]) -> Option<Self> {

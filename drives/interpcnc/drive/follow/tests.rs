@@ -500,7 +500,7 @@ fn an_axis_left_behind_stops_with_the_plan() {
 }
 
 #[test]
-fn a_rehearsal_is_what_driver_and_board_do_without_jitter() {
+fn a_prediction_is_what_driver_and_board_do_without_jitter() {
     let wire = Wire { jitter_ns: 0, ..EMULATED };
     let turnaround = std::time::Duration::from_nanos(u64::try_from(wire.turnaround_ns).unwrap());
     let of = sines(3, 4000.0, 1.0);

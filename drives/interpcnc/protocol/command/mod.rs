@@ -126,7 +126,7 @@ pub enum Command {
     },
 }
 
-/// Why command registers make no command.
+/// Fault of command registers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BadCommand {
     /// The number is none of the manual's.

@@ -30,7 +30,7 @@ struct Plan<F> {
 
 impl<F: Fn(f64) -> IncrementMotion + Sync> SetpointStream for Plan<F> {
     fn now_ns(&self) -> i64 {
-        panic!("the rehearsal has no clock but the time it is told");
+        panic!("the prediction has no clock but the time it is given");
     }
 
     fn at(&self, time_ns: i64) -> IncrementMotion {
@@ -177,7 +177,7 @@ fn exchanges_fill_the_bus() {
 
 /// The same plan gives the same motion, however often it is looked at.
 #[test]
-fn a_rehearsal_depends_on_nothing_but_its_plan() {
+fn a_prediction_depends_on_nothing_but_its_plan() {
     let plan = Plan { end_s: 2.0, of: sines(2, 4000.0, 1.0) };
     let mut often = SmartDrivePrediction::new(&axes(2), delays(2));
     let mut seldom = SmartDrivePrediction::new(&axes(2), delays(2));
@@ -195,7 +195,7 @@ fn a_rehearsal_depends_on_nothing_but_its_plan() {
 /// The prediction is driver and device without bytes: the same exchanges, spoken with an emulated device in frames, move
 /// it in the same way.
 #[test]
-fn the_rehearsal_moves_as_the_device_does() {
+fn the_prediction_moves_as_the_device_does() {
     let plan = Plan { end_s: 2.0, of: sines(1, 4000.0, 1.0) };
     let mut device =
         Device::new(&DeviceOptions { configured_mode: Mode::Remote, ..DeviceOptions::default() });

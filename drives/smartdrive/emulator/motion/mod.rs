@@ -1,6 +1,6 @@
 //! The trajectory generator of one drive: what START, STOP, GOTO and STEP make of its motion.
 //!
-//! It is told the time of every command and asked for the state at any later instant. Emulated device and prediction
+//! Every command comes with its time, and every later instant has a state. Emulated device and prediction
 //! move by it.
 //!
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB", sections START to GOTO, "Paramètres de configuration" (ceilings).

@@ -9,7 +9,7 @@ pub const ANSWER_BYTES: usize = 9;
 /// First bytes of commands are below this (the three upper bits of ADR are 0).
 pub const FIRST_BITS: u8 = 0x20;
 
-/// How long the data of an answer are: the column RR of the table of commands, which the manual does not explain.
+/// Length of the data of an answer: the column RR of the table of commands, which the manual does not explain.
 ///
 /// The manual draws answers of nine bytes and all entries of RR are 0, but the check sum of an answer goes over
 /// `RSP_DAT_LEN` bytes of data, as that of a command over `CMD_DAT_LEN` = 4·2^EE.

@@ -13,13 +13,13 @@ use super::family::{Family, Nothing, Travel};
 use super::session::{Session, no_clock};
 use super::words;
 use crate::command::{Failure, Status};
-use crate::real::{ModuleMemory, module_beside, module_memory};
 use crate::troubleshooting::CHECK_SUM;
 use card::Card;
 use comfy_table::Cell;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
+use twin_bim2ax::protocol::memory::OpenedMemory;
 use twin_bim2ax::protocol::parameter::Parameter;
 use twin_bim2ax::{Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, ByteOrder, ModuleAxis};
 use twin_drives::{Action as Doing, Drive, DriveError, Exchange};
@@ -109,7 +109,7 @@ pub(super) struct NoOutputs {
 }
 
 /// The module's name and memory, and how it is spoken to. Only a stop goes to a module that has another master.
-fn memory(command: &Command<Module>) -> Result<(Arc<str>, ModuleMemory, Bim2AxOptions), Failure> {
+fn memory(command: &Command<Module>) -> Result<(Arc<str>, OpenedMemory, Bim2AxOptions), Failure> {
     let line = &command.line;
     let port: Arc<str> = line.port.display().to_string().into();
     let byte_order = if line.little_endian { ByteOrder::Little } else { ByteOrder::Big };
@@ -120,7 +120,7 @@ fn memory(command: &Command<Module>) -> Result<(Arc<str>, ModuleMemory, Bim2AxOp
         ..Default::default()
     };
     let stops = matches!(command.action, Action::Stop { .. });
-    let memory = if stops { module_beside } else { module_memory };
+    let memory = if stops { OpenedMemory::shared } else { OpenedMemory::alone };
     let memory = memory(&line.port, line.map).map_err(|source| {
         let at = Exchange { port: Arc::clone(&port), address: 0, action: Doing::Open };
         Failure::Drive(DriveError::Transport { at, source })
@@ -156,7 +156,7 @@ impl Family for Module {
     fn open(command: &Command<Self>) -> Result<Self, Failure> {
         let session = Session::start()?;
         let (port, memory, options) = memory(command)?;
-        let beside = memory.is_beside();
+        let beside = memory.has_other_master();
         let card = Card::new(port, memory, options, beside);
         Ok(Self { session, card, consent: command.consent(), per_step: None })
     }
@@ -191,7 +191,7 @@ impl Family for Module {
             say!("{}", self.stop(now)?);
             // One that has noticed and ended meanwhile moves nothing any more.
             let line = &command.line;
-            if !self.card.is_beside() || module_memory(&line.port, line.map).is_ok() {
+            if !self.card.is_beside() || OpenedMemory::alone(&line.port, line.map).is_ok() {
                 return Ok(Some(Status::Fit));
             }
             stderr!(
