@@ -1,31 +1,9 @@
 //! Drive of an axis in `[[axes]]`: device, increments per unit, limit switches and homing direction.
 
-use super::counting::Counting;
+use super::counting::{Counting, IncrementRatio};
 use super::drives::{Abilities, Seen};
 use crate::axis_kind::AxisKind;
 use crate::section::Section;
-
-/// Increments of a drive per unit of the axis, as an exact ratio (the manual's
-/// `dwRatioTechUnitsDenom` / `iRatioTechUnitsNum`).
-///
-/// [`Counting`] converts with it, by a [`twin_drives::DecimalRatio`]. The manual's fraction of whole numbers in 32 bits is
-/// not enough: a machine file gives what its builder reads off the gear, the belt and the encoder, up to 10^12 increments
-/// per 9.525 mm.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct IncrementRatio {
-    /// Increments …
-    pub increments: i64,
-    /// … per this many degrees or millimetres.
-    pub per_units: f64,
-}
-
-impl IncrementRatio {
-    /// Increments per degree or millimetre.
-    #[expect(clippy::cast_precision_loss, reason = "read from a file where it is at most 10^12")]
-    pub(super) fn per_unit(&self) -> f64 {
-        self.increments as f64 / self.per_units
-    }
-}
 
 /// The drive of an axis.
 #[derive(Clone, Debug, PartialEq)]

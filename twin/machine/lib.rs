@@ -1,5 +1,6 @@
 //! Machine file: one TOML file that describes a machine. The comments of `machines/*.toml` document it.
 
+mod additional_axis;
 pub mod approach;
 mod around;
 mod axis;
@@ -19,6 +20,7 @@ mod limits;
 mod m_functions;
 mod payload;
 mod physics;
+mod plan_limits;
 mod refusal;
 pub mod ring;
 mod scenario;
@@ -33,10 +35,10 @@ mod tool;
 
 use crate::section::FileKind;
 pub use axis::Axis;
-pub use axis_drive::{AxisDrive, IncrementRatio, Switches};
+pub use axis_drive::{AxisDrive, Switches};
 pub use conditions::said as tool_table_problem;
 pub use conditions::{PreparationInputs, ProgramConditions};
-pub use counting::Counting;
+pub use counting::{Counting, IncrementRatio};
 pub use couplings::{CamAxis, read_cam, read_ratio};
 pub use couplings::{CamSelection, CoupledBy, Coupling};
 pub use direction::DirectionRule;

@@ -17,10 +17,11 @@ use nalgebra::Vector3;
 use twin_kinematics::{AxisVector, MAX_AXES};
 use twin_urdf::Model;
 
-use super::dynamics::at;
-use super::error::PhysicsError;
-use super::mechanism::Mechanism;
-use super::{checked, joint_vector};
+use crate::checked;
+use crate::error::PhysicsError;
+use crate::joint::at;
+use crate::joint::joint_vector;
+use crate::mechanism::Mechanism;
 
 /// The drive of an axis as its efforts along a path see it; everything behind the gear.
 #[derive(Clone, Copy, Debug, PartialEq)]

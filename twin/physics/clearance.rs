@@ -4,14 +4,14 @@ use nalgebra::{Isometry3, Vector3};
 use twin_kinematics::AxisVector;
 use twin_urdf::Model;
 
-use super::checked;
-use super::distances::{Clearance, Distances};
-use super::dynamics::JointVector;
-use super::equation::Equation;
-use super::error::PhysicsError;
-use super::pairs::Pairs;
-use super::posed::Posed;
-use super::surroundings::{Part, Surroundings};
+use crate::checked;
+use crate::distances::{Clearance, Distances};
+use crate::equation::Equation;
+use crate::error::PhysicsError;
+use crate::joint::JointVector;
+use crate::pairs::Pairs;
+use crate::posed::Posed;
+use crate::surroundings::{Part, Surroundings};
 
 /// Search for the nearest pair of parts, pose by pose along a way.
 #[derive(Clone, Debug)]

@@ -12,12 +12,12 @@ use rapier3d_f64::parry::query::{
 };
 use twin_urdf::Model;
 
-use super::error::PhysicsError;
-use super::maths;
-use super::pairs::Pairs;
-use super::penetration;
-use super::solids::{self, Placed};
-use super::surroundings::{Part, Surroundings};
+use crate::error::PhysicsError;
+use crate::maths;
+use crate::pairs::Pairs;
+use crate::penetration;
+use crate::solids::{self, Placed};
+use crate::surroundings::{Part, Surroundings};
 
 /// Distance of two parts.
 #[derive(Clone, Copy, Debug, PartialEq)]

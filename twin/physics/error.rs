@@ -1,7 +1,7 @@
 //! Errors of the simulated machine: invalid models, invalid inputs, and failures during motion.
 
-use super::event::Side;
-use super::surroundings::Part;
+use crate::side::Side;
+use crate::surroundings::Part;
 use std::fmt;
 use twin_kinematics::MAX_AXES;
 

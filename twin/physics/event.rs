@@ -1,6 +1,6 @@
 //! Events of the simulated machine: lost steps, overload, limit switches, brakes, faults.
 
-use super::fault::Fault;
+use crate::side::Side;
 
 /// Something that happened in the simulated machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,20 +29,21 @@ pub enum EventKind {
     Failed(Fault),
 }
 
-/// An end of an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// Where positions are small.
-    Lower,
-    /// Where they are large.
-    Upper,
-}
-
-impl std::fmt::Display for Side {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Lower => "lower",
-            Self::Upper => "upper",
-        })
-    }
+/// A fault of one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fault {
+    /// The axis does not move any more, whatever pushes it.
+    Jam,
+    /// The next so many full steps of the pulse train do not reach the step motor. A servo motor has none to lose.
+    LostSteps(f64),
+    /// The belt, or whatever gives way, has this part of its stiffness and damping left, and this much more play (m or rad).
+    /// A rigid transmission has nothing to loosen.
+    LooseBelt {
+        /// Above 0, usually below 1.
+        stiffness: f64,
+        /// m or rad, not below 0.
+        backlash: f64,
+    },
+    /// The drive has no power any more; its brake, if there is one, closes.
+    PowerLoss,
 }

@@ -5,7 +5,7 @@
 
 use twin_kinematics::MAX_AXES;
 
-use super::dynamics::{JointMatrix, JointVector};
+use crate::joint::{JointMatrix, JointVector};
 
 /// `inertia⁻¹·effort` for the first `axis_count` axes, 0 for others; `None` where `inertia` is not positive definite.
 #[inline]

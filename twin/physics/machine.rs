@@ -4,18 +4,18 @@ use nalgebra::{Isometry3, Vector3};
 use twin_kinematics::{AxisMotion, AxisVector, MAX_AXES};
 use twin_urdf::Model;
 
-use super::drive::{
+use crate::checked;
+use crate::contact::ContactState;
+use crate::drive::{
     AxisDrive, AxisDriveParameters, EffortFeedForward, Motor, MotorAtWork, SwitchStates,
 };
-use super::dynamics::{JointVector, at};
-use super::equation::Equation;
-use super::error::PhysicsError;
-use super::event::PhysicsEvent;
-use super::integrate::{Elastic, JointState, MachineState, Train};
-use super::load::{LoadSums, MotorLoad, MotorState};
-use super::touch::Touch;
-use super::world::RapierWorld;
-use super::{axis_vector, checked, joint_vector};
+use crate::equation::Equation;
+use crate::error::PhysicsError;
+use crate::event::PhysicsEvent;
+use crate::joint::{JointVector, at, axis_vector, joint_vector};
+use crate::load::{LoadSums, MotorLoad, MotorState};
+use crate::state::{Elastic, JointState, MachineState, Train};
+use crate::world::RapierWorld;
 
 /// State of the axes at the end of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +46,7 @@ pub struct PhysicsMachine {
     pub(super) homed: JointVector,
     pub(super) loads: [LoadSums; MAX_AXES],
     pub(super) events: Vec<PhysicsEvent>,
-    pub(super) touch: Touch,
+    pub(super) contact: ContactState,
     /// At the end of the last cycle.
     pub(super) setpoint: AxisMotion,
     pub(super) state: AxisState,
@@ -153,7 +153,7 @@ impl PhysicsMachine {
             homed,
             loads: [LoadSums::default(); MAX_AXES],
             events: Vec::new(),
-            touch: Touch::default(),
+            contact: ContactState::default(),
             setpoint: AxisMotion::at_rest(*initial),
             state,
             cycle_ns,

@@ -3,10 +3,11 @@
 use nalgebra::Vector3;
 use twin_urdf::Model;
 
-use super::dynamics::{Dynamics, JointVector};
-use super::equation::Equation;
-use super::error::PhysicsError;
-use super::tripod::TripodDynamics;
+use crate::dynamics::Dynamics;
+use crate::equation::Equation;
+use crate::error::PhysicsError;
+use crate::joint::JointVector;
+use crate::tripod::TripodDynamics;
 
 /// Mechanism: a tree of links or a tripod.
 #[derive(Clone, Debug)]

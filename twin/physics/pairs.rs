@@ -2,7 +2,7 @@
 
 use twin_urdf::Model;
 
-use super::surroundings::{Part, Surroundings};
+use crate::surroundings::{Part, Surroundings};
 
 /// The numbered parts of a machine and its surroundings, and the pairs of them that may touch.
 #[derive(Clone, Debug)]

@@ -16,7 +16,7 @@
 use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use twin_urdf::{Joint, JointDrive, Model};
 
-use super::linkage::{Hanging, chain, hanging, platform};
+use crate::linkage::{Hanging, chain, hanging, platform};
 
 /// What counts as a right angle: the cosine.
 const SQUARE: f64 = 1e-12;

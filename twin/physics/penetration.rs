@@ -9,7 +9,7 @@ use rapier3d_f64::geometry::Shape;
 use rapier3d_f64::math::{Pose, Vector};
 use rapier3d_f64::parry::query::contact;
 
-use super::maths;
+use crate::maths;
 
 /// Penetration of two bodies.
 pub(super) struct Penetration {

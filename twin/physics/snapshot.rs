@@ -1,6 +1,6 @@
 //! Snapshots: the state of the whole machine at one time, which can be restored any number of times.
 
-use super::machine::PhysicsMachine;
+use crate::machine::PhysicsMachine;
 
 /// A machine as it was: bodies, contacts, rotors, drives, heat, noise.
 #[derive(Clone, Debug)]

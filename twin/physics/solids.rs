@@ -13,9 +13,9 @@ use rapier3d_f64::parry::transformation::vhacd::{VHACD, VHACDParameters};
 use rapier3d_f64::parry::transformation::voxelization::FillMode;
 use twin_urdf::{Link, Mesh, Model, Solid, SolidShape};
 
-use super::error::PhysicsError;
-use super::maths;
-use super::surroundings::{Part, Surroundings};
+use crate::error::PhysicsError;
+use crate::maths;
+use crate::surroundings::{Part, Surroundings};
 
 /// How far a corner of a mesh may be outside of one of its faces for it to be convex, in parts of its size.
 const CONVEX: f64 = 1e-6;

@@ -6,10 +6,12 @@
 
 use twin_kinematics::MAX_AXES;
 
-use super::dynamics::at;
-use super::friction::{DryFriction, REST};
-use super::integrate::{Arrival, Elastic, MachineState, Motors, Step, Train};
-use super::settle::{Holding, Settled};
+use crate::dry_friction::{Holding, Settled};
+use crate::friction::{DryFriction, REST};
+use crate::joint::at;
+use crate::runge_kutta::Arrival;
+use crate::state::{Elastic, MachineState, Motors, Train};
+use crate::step::Step;
 
 /// Ends tried for one stop; three or four do.
 const MOST_ENDS: usize = 12;

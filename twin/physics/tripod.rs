@@ -35,19 +35,13 @@ use twin_kinematics::tripod::{CalibratedTripod, Rod, Tripod};
 use twin_kinematics::{MAX_AXES, Transform};
 use twin_urdf::Model;
 
-use super::bodies::MassProperties;
-use super::dynamics::{Dynamics, JointMatrix, JointVector, at};
-use super::error::PhysicsError;
-use super::level::LevelTripod;
-use super::linear::{solve, solve_and_invert};
-use super::linkage::{Linkage, RodBody, level_tripod};
-
-/// A carriage.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Carriage {
-    pub(super) axis: usize,
-    pub(super) mass: f64,
-}
+use crate::bodies::MassProperties;
+use crate::delta_dynamics::DeltaDynamics;
+use crate::dynamics::Dynamics;
+use crate::error::PhysicsError;
+use crate::joint::{JointMatrix, JointVector, at};
+use crate::linear::{solve, solve_and_invert};
+use crate::linkage::{Carriage, Linkage, RodBody, level_tripod};
 
 /// The equation of motion of one tripod, including additional axes.
 #[derive(Clone, Debug)]
@@ -62,7 +56,7 @@ pub(super) struct TripodDynamics {
     /// The same in closed form, if rods are parallel in pairs and towers a third of a turn apart: the platform stays level.
     level: Option<Tripod>,
     /// All of it in closed form, if moreover every carriage has an axis of its own.
-    closed: Option<LevelTripod>,
+    closed: Option<DeltaDynamics>,
     /// Axes that have nothing to do with the tool.
     others: Option<Dynamics>,
 }
@@ -137,7 +131,7 @@ impl TripodDynamics {
                 }
                 Dynamics::of_tree(tree, axis_count, gravity, rotors)
             });
-            apart.then(|| LevelTripod::new(gravity, &armature, parts, others))
+            apart.then(|| DeltaDynamics::new(gravity, &armature, parts, others))
         });
         let others = others.map(|tree| Dynamics::of_tree(tree, axis_count, gravity, rotorless));
         Ok(Self {

@@ -2,7 +2,7 @@
 //!
 //! Joint positions come from the equation of motion; collision bodies are placed from them each cycle. Pairs of parts
 //! that may have come near each other are examined (`distances`). rapier's geometry (parry) finds the points where they
-//! would touch. `contact` computes the effect on the motion in joint space. rapier's own solver is not used: it closes
+//! would touch. `contact_solver` computes the effect on the motion in joint space. rapier's own solver is not used: it closes
 //! loops to a fraction of a micrometre only, lets 89 N press its bodies 50 to 150 µm into each other, and keeps points
 //! of contact while bodies slip by up to a millimetre.
 
@@ -10,15 +10,15 @@ use nalgebra::Isometry3;
 use rapier3d_f64::dynamics::{RigidBodyBuilder, RigidBodyHandle, RigidBodySet};
 use twin_urdf::Model;
 
-use super::distances::{Distances, Near};
-use super::dynamics::JointVector;
-use super::equation::Equation;
-use super::error::PhysicsError;
-use super::maths;
-use super::pairs::Pairs;
-use super::posed::Posed;
-use super::solids;
-use super::surroundings::{Part, Surroundings, YieldingTool};
+use crate::distances::{Distances, Near};
+use crate::equation::Equation;
+use crate::error::PhysicsError;
+use crate::joint::JointVector;
+use crate::maths;
+use crate::pairs::Pairs;
+use crate::posed::Posed;
+use crate::solids;
+use crate::surroundings::{Part, Surroundings, YieldingTool};
 
 /// How far is looked at least, m.
 const REACH: f64 = 4e-3;

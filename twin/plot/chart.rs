@@ -1,15 +1,12 @@
 //! Charts: rows and strips over a common axis.
 
 use super::color::{BACK, Color, FAINT, INK, Stroke};
-use super::page::{self, Head, Legend, TEXT};
+use super::page::{self, Head, LEFT, Legend, RIGHT, TEXT};
 use super::row::Row;
 use super::series::Stretches;
 use super::svg::{Anchor, Svg};
 use super::ticks::ticks;
 
-/// Left and right end of the rows, pixels.
-pub(super) const LEFT: f64 = 84.0;
-pub(super) const RIGHT: f64 = LEFT + 860.0;
 /// Width of the page, pixels: next to the rows there are notes.
 const WIDTH: f64 = RIGHT + 246.0;
 /// Between rows, and between strips, pixels.

@@ -10,6 +10,9 @@ pub(super) const SUBTITLE: f64 = 15.0;
 pub(super) const TEXT: f64 = 13.5;
 /// Height of a line of the legend and of notes, pixels.
 pub(super) const LINE: f64 = 19.0;
+/// Left and right end of the rows, pixels.
+pub(super) const LEFT: f64 = 84.0;
+pub(super) const RIGHT: f64 = LEFT + 860.0;
 /// Width of a letter as a part of its size, on average: without a font there is no exact one.
 const LETTER: f64 = 0.56;
 

@@ -1,9 +1,8 @@
 //! A row of a chart: curves, limits, marks and notes over one quantity.
 
 use super::Point;
-use super::chart::{LEFT, RIGHT};
 use super::color::{BACK, Color, GRID, INK, MARK, Stroke};
-use super::page::{LINE, TEXT, width};
+use super::page::{LEFT, LINE, RIGHT, TEXT, width};
 use super::series::thinned;
 use super::svg::{Anchor, Svg};
 use super::ticks::{power_of_ten, short, ticks};

@@ -8,8 +8,6 @@ mod model;
 mod sources;
 mod urdf;
 
-pub(super) use sources::additional;
-
 use super::axis::{Axis, AxisEntry};
 use super::direction::DirectionRule;
 use super::tool::Tool;

@@ -17,12 +17,12 @@ pub use switches::{SwitchParameters, SwitchStates};
 pub(super) use servo::{DriveInput, ServoDrive};
 pub(super) use stepper::{FieldSetpoint, StepperDrive};
 
-use super::dynamics::JointVector;
-use super::friction::FrictionParameters;
-use super::integrate::{JointState, Motors, Stage};
-use super::joint_vector;
-use super::noise::{Noise, NoiseParameters};
-use super::transmission::ElasticTransmission;
+use crate::friction::FrictionParameters;
+use crate::joint::JointVector;
+use crate::joint::joint_vector;
+use crate::noise::{Noise, NoiseParameters};
+use crate::state::{JointState, Motors, Stage};
+use crate::transmission::ElasticTransmission;
 use overload::Overload;
 
 /// Parameters of a drive. Efforts in N or Nm, lengths in m or rad, everything at the axis (behind the gear).

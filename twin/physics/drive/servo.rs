@@ -10,9 +10,9 @@
 //! holds the axis against gravity when the drive is enabled: the start value that a real drive gets before it releases
 //! the brake. A current loop that is tuned by cancelling the motor's electrical pole closes to a first-order lag.
 
-use super::super::integrate::Stage;
 use super::curve::EffortCurve;
 use super::encoder::{EncoderParameters, EncoderSide};
+use crate::state::Stage;
 
 /// Most velocity periods from measuring to the current set-point.
 pub const MAX_DELAY: usize = 8;

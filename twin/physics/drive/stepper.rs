@@ -13,8 +13,8 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::super::integrate::Stage;
 use super::curve::EffortCurve;
+use crate::state::Stage;
 
 /// Full steps in which the field is back where it was.
 const PERIOD: f64 = 4.0;

@@ -10,8 +10,8 @@ use twin_kinematics::{Kinematics, Pose, ToolMotion, tripod::Tripod};
 use twin_urdf::{GantryDimensions, HBelt, JointPositions, MachineJoint, TripodDimensions};
 
 use super::along_path::FREE;
-use super::tripod::TripodDynamics;
 use super::*;
+use crate::tripod::TripodDynamics;
 
 pub(super) const NAMES: [&str; 3] = ["A", "B", "C"];
 

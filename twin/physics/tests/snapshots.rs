@@ -4,7 +4,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use twin_urdf::SolidShape;
 
-use super::touching::{around, cuboid, solid, solid_gantry};
+use super::contact::{around, cuboid, solid, solid_gantry};
 use super::*;
 
 /// Motors of every kind, with noise, on a gantry.

@@ -11,7 +11,8 @@ mod mass;
 
 use super::design::Design;
 use super::kind::{Family, Kind};
-use super::{Built, mount, sources};
+use super::{Built, mount};
+use crate::additional_axis;
 use crate::axis::{Axis, AxisEntry};
 use crate::axis_kind::AxisKind;
 use crate::section::Section;
@@ -158,7 +159,7 @@ impl Source {
                 effort_limit: axis.effort_limit(),
                 ..MachineJoint::new(axis.name.clone(), index, axis.position_limits)
             };
-            let number = sources::additional(&entry.role).unwrap_or_default();
+            let number = additional_axis::number(&entry.role).unwrap_or_default();
             model.add_additional_axis(&joint, axis.kind == AxisKind::Rotary, number);
         }
         self.masses.complete(&mut model, body)?;

@@ -5,9 +5,9 @@ use twin_kinematics::tripod::{Rod, TripodDeviations};
 use twin_urdf::{JointPositions, MachineJoint, TripodDimensions};
 
 use super::parallel::{NAMES, generated, rings};
-use super::passive::PassiveJoints;
-use super::tripod::TripodDynamics;
 use super::*;
+use crate::passive::PassiveJoints;
+use crate::tripod::TripodDynamics;
 
 /// The tripod that `rods` are, with parts of different masses, which is no matter for the platform.
 fn uneven(rods: &[Rod; 6], masses: [f64; 5]) -> Model {
