@@ -186,7 +186,7 @@ fn read_rs274(
             .map_err(ToolTableError::Io)
             .and_then(|table| ToolTable::read(table, units));
         if let Err(error) = &table {
-            section.complain_at("tool_table", said(&path, error));
+            section.complain_at("tool_table", tool_table_problem(&path, error));
         }
         table.ok()
     });
@@ -214,7 +214,7 @@ fn read_rs274(
 }
 
 /// Message about a tool table, with its file and the reason.
-pub fn said(path: &Path, error: &ToolTableError) -> String {
+pub fn tool_table_problem(path: &Path, error: &ToolTableError) -> String {
     match error {
         ToolTableError::Io(source) => format!("{}: {source}", path.display()),
         error => format!("{}: {error}", path.display()),

@@ -5,7 +5,7 @@ use super::axis::Axis;
 use crate::axis_kind::AxisKind;
 use crate::cam_file::unit_fits;
 use crate::cam_file::{CamFile, CamFileError, START_MODES, no_scaling};
-use crate::ring;
+use crate::coupling_cycle;
 use crate::section::Section;
 use crate::section::{Elsewhere, MachineFileError};
 use crate::tappets::MOST_SIGNALS;
@@ -121,12 +121,13 @@ pub(super) fn read(
     let pairs: Vec<_> = found.iter().map(|one| (one.master, one.axis)).collect();
     let sorted = masters_first(found);
     if sorted.is_none() {
-        let ring = ring::find(&pairs).unwrap_or_default();
-        let names = ring::told(&ring, |axis| axes.get(axis).map_or("", |axis| &axis.name));
+        let cycle = coupling_cycle::find(&pairs).unwrap_or_default();
+        let names =
+            coupling_cycle::message(&cycle, |axis| axes.get(axis).map_or("", |axis| &axis.name));
         let message =
             format!("axes of [[gears]] and [[cams]] follow each other in a ring: {names}");
         // At the first of those that are part of it.
-        let part = |pair: &(usize, usize)| ring.windows(2).any(|two| two == [pair.0, pair.1]);
+        let part = |pair: &(usize, usize)| cycle.windows(2).any(|two| two == [pair.0, pair.1]);
         match pairs.iter().position(part).and_then(|index| spans.get(index)) {
             Some(span) => root.complain_over(span, message),
             None => root.complain(message),
@@ -175,7 +176,7 @@ fn one(section: &Section<'_>, path: &Path, axes: &[Axis], is_gear: bool) -> Opti
     Some(Coupling { axis, master, by: by? })
 }
 
-/// Sorted so that whoever is followed comes first; none if there is a ring.
+/// Sorted so that whoever is followed comes first; `None` if there is a cycle.
 fn masters_first(mut left: Vec<Coupling>) -> Option<Vec<Coupling>> {
     let mut sorted = Vec::new();
     while !left.is_empty() {

@@ -194,8 +194,8 @@ pub struct Switched {
 }
 
 impl Switched {
-    /// A set-point more; `master` is asked where the master of a signal is.
-    pub fn see(
+    /// Takes the next set-point; `master` gives the position of the master of a signal.
+    pub fn observe(
         &mut self,
         bits: TappetBits,
         (time_ns, place): (i64, twin_path::Place),

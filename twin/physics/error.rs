@@ -31,7 +31,7 @@ impl fmt::Display for Subject {
 }
 
 /// A machine that cannot be simulated, or an input it cannot follow. Axes, joints and links are counted from 0;
-/// [`Self::said`] replaces the numbers by names.
+/// [`Self::message`] replaces the numbers by names.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PhysicsError {
     /// The number of values does not fit the number of axes.
@@ -171,7 +171,7 @@ pub enum PhysicsError {
 
 impl PhysicsError {
     /// Message of the error, with `name` for the axes, joints and links that it concerns.
-    pub fn said(&self, name: impl Fn(Subject) -> String) -> String {
+    pub fn message(&self, name: impl Fn(Subject) -> String) -> String {
         let axis = |axis| name(Subject::Axis(axis));
         let joint = |joint| name(Subject::Joint(joint));
         let link = |link| name(Subject::Link(link));
@@ -297,7 +297,7 @@ impl PhysicsError {
 
 impl fmt::Display for PhysicsError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.said(|part| part.to_string()))
+        f.write_str(&self.message(|part| part.to_string()))
     }
 }
 

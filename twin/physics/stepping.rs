@@ -157,7 +157,7 @@ impl PhysicsMachine {
                 if overload.advance(effort, dt) {
                     happens(EventKind::Overload);
                 }
-                load.see_warmth(overload.warmth());
+                load.observe_warmth(overload.warmth());
             }
             if let MotorAtWork::Stepper(stepper) = &mut drive.motor {
                 let lost = stepper.lost(at(&joints.motors.position, axis));

@@ -178,7 +178,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         (part, known): (f64, Option<Stop>),
     ) -> Option<(Stop, f64)> {
         let mut first: Option<(Stop, f64)> = None;
-        let mut see = |stop: Stop| {
+        let mut consider = |stop: Stop| {
             let before = stop.value(self.trains, state, &settled.holding);
             let after = stop.value(self.trains, &arrival.state, &arrival.holding);
             if known == Some(stop) || !stop.happens(before, after) {
@@ -195,24 +195,24 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         for (axis, (train, (dry, dry_motor))) in trains.enumerate().take(self.axes) {
             match dry {
                 DryFriction::None => {}
-                DryFriction::Slides(direction) => see(Stop::Axis(axis, *direction)),
-                DryFriction::Sticks => see(Stop::AxisBreaks(axis, train.friction.dry(0.0))),
+                DryFriction::Slides(direction) => consider(Stop::Axis(axis, *direction)),
+                DryFriction::Sticks => consider(Stop::AxisBreaks(axis, train.friction.dry(0.0))),
             }
             let Some(Elastic { transmission, friction, .. }) = &train.elastic else { continue };
             match dry_motor {
                 DryFriction::None => {}
-                DryFriction::Slides(direction) => see(Stop::Motor(axis, *direction)),
-                DryFriction::Sticks => see(Stop::MotorBreaks(axis, friction.dry(0.0))),
+                DryFriction::Slides(direction) => consider(Stop::Motor(axis, *direction)),
+                DryFriction::Sticks => consider(Stop::MotorBreaks(axis, friction.dry(0.0))),
             }
             if transmission.backlash <= 0.0 {
                 continue;
             }
             let [before, after] = [state, &arrival.state].map(|state| twist(state, axis));
             for edge in transmission.edges_between(before, after) {
-                see(Stop::Teeth(axis, edge));
+                consider(Stop::Teeth(axis, edge));
             }
             if transmission.is_wound(before) && before * after > 0.0 {
-                see(Stop::Push(axis));
+                consider(Stop::Push(axis));
             }
         }
         first

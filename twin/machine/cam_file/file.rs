@@ -1,12 +1,12 @@
 //! Cams read from files and written to them, in the form that their ending says.
 
-use crate::bounded;
 use crate::cam_file::columns;
 use crate::cam_file::csv_form::{csv_of, csv_shape};
 use crate::cam_file::form::unit_of;
 use crate::cam_file::toml_form;
 use crate::cam_file::toml_form::TomlCam;
 use crate::cam_file::{AxisScale, CamFileError, Coupling, write_toml};
+use crate::limited_read;
 use crate::section;
 use crate::section::MachineFileError;
 use crate::section::read_text;
@@ -137,7 +137,7 @@ impl CamFile {
                 slave: (&source.slave).into(),
                 coupling,
                 source: table.is_none().then_some(source),
-                out_of_order: out_of_order.map(|element| element.told(&text)),
+                out_of_order: out_of_order.map(|element| element.message(&text)),
                 text: Some(text),
                 cam,
             }),
@@ -220,7 +220,7 @@ fn stem(path: &Path) -> String {
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>, CamFileError> {
-    bounded::read(path).map_err(|source| CamFileError::Read { path: path.to_owned(), source })
+    limited_read::read(path).map_err(|source| CamFileError::Read { path: path.to_owned(), source })
 }
 
 fn periodic(shape: &Shape) -> Option<bool> {

@@ -38,8 +38,8 @@ pub(super) struct OutOfOrder {
 }
 
 impl OutOfOrder {
-    /// In words, with the line of the text.
-    pub(super) fn told(&self, text: &str) -> String {
+    /// Message with the line of the text.
+    pub(super) fn message(&self, text: &str) -> String {
         let line = 1 + text.get(..self.span.start).unwrap_or_default().matches('\n').count();
         format!(
             "line {line}: the element at master {} stands behind the one at {}; they are taken by ascending masters",

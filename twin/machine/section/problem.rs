@@ -1,6 +1,6 @@
 //! Problems of a TOML file: place, message and help, and their diagnostics.
 
-use crate::bounded;
+use crate::limited_read;
 use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode};
 use std::fmt;
 use std::ops::Range;
@@ -143,7 +143,7 @@ impl Diagnostic for Shown {
 /// # Errors
 /// [`MachineFileError`] if the file cannot be read, is too long or is not UTF-8.
 pub fn read_text(what: &'static str, path: &Path) -> Result<String, MachineFileError> {
-    let text = bounded::read(path).and_then(|bytes| {
+    let text = limited_read::read(path).and_then(|bytes| {
         String::from_utf8(bytes).map_err(|error| {
             std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error())
         })

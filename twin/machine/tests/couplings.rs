@@ -2,7 +2,7 @@
 
 use super::{Machine, SHORT, load, problems};
 use crate::CoupledBy;
-use crate::coupled::{AxesError, Coupled};
+use crate::axis_couplings::{AxesError, AxisCouplings};
 use std::path::Path;
 use twin_kinematics::{AxisMotion, AxisVector};
 
@@ -27,7 +27,7 @@ fn at(position: [f64; 3], velocity: [f64; 3], acceleration: [f64; 3]) -> AxisMot
 fn a_gear_counts_from_where_both_start() {
     let machine = load(&with(GEAR));
     assert!(matches!(machine.couplings[0].by, CoupledBy::Gear(-3, 2)));
-    let mut coupled = Coupled::new(&machine);
+    let mut coupled = AxisCouplings::new(&machine);
     let mut axes = at([0.1, 0.2, 0.0], [0.0; 3], [0.0; 3]);
     coupled.apply(&mut axes, 0).unwrap();
     near(axes.position[1], 0.2);
@@ -41,7 +41,7 @@ fn a_gear_counts_from_where_both_start() {
 #[test]
 fn the_program_must_not_move_a_slave() {
     let machine = load(&with(GEAR));
-    let mut coupled = Coupled::new(&machine);
+    let mut coupled = AxisCouplings::new(&machine);
     coupled.apply(&mut at([0.0; 3], [0.0; 3], [0.0; 3]), 0).unwrap();
     let moved = coupled.apply(&mut at([0.0, 0.001, 0.0], [0.0; 3], [0.0; 3]), 1_000_000);
     let said = moved.unwrap_err();
@@ -65,10 +65,10 @@ fn a_cam_drives_an_axis_that_drives_another() {
     );
     let machine = Machine::parse(&folder.path().join("machine.toml"), &text).unwrap();
     let rest = AxisVector::from_values([0.01, 0.0, 0.0]);
-    let rest = Coupled::at_rest(&machine, rest).unwrap();
+    let rest = AxisCouplings::at_rest(&machine, rest).unwrap();
     near(rest[1], 0.025);
     near(rest[2], 0.0);
-    let mut coupled = Coupled::new(&machine);
+    let mut coupled = AxisCouplings::new(&machine);
     coupled.apply(&mut at([0.01, 0.0, 0.0], [0.0; 3], [0.0; 3]), 0).unwrap();
     let mut axes = at([0.05, 0.0, 0.0], [0.1, 0.0, 0.0], [1.0, 0.0, 0.0]);
     coupled.apply(&mut axes, 1_000_000).unwrap();
@@ -95,7 +95,7 @@ fn a_cam_knows_the_period_of_its_master() {
         let values = [0.0, 0.0, 0.0, degrees.to_radians()];
         AxisMotion::at_rest(AxisVector::from_values(values))
     };
-    let mut coupled = Coupled::new(&machine);
+    let mut coupled = AxisCouplings::new(&machine);
     let mut axes = at(400.0);
     coupled.apply(&mut axes, 0).unwrap();
     near(axes.position[1], 4e-3);

@@ -9,9 +9,9 @@ mod kinds;
 mod limits;
 mod payload;
 mod programs;
-mod refusal;
 mod scenario;
 mod simulated;
+mod simulation_error;
 mod surroundings;
 mod survival;
 

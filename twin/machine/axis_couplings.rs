@@ -63,13 +63,13 @@ pub enum AxesError {
 impl Machine {
     /// Axis positions at the default start of programs, if the machine can reach it.
     pub fn start_axes(&self) -> Option<AxisVector> {
-        Coupled::at_rest(self, self.start_without_slaves()?).ok()
+        AxisCouplings::at_rest(self, self.start_without_slaves()?).ok()
     }
 }
 
 /// The couplings of a machine under way.
 #[derive(Clone, Debug)]
-pub struct Coupled<'m> {
+pub struct AxisCouplings<'m> {
     machine: &'m Machine,
     /// Where the axes of a program are that does not say where it begins, slaves aside; none if what it begins with is not
     /// looked at.
@@ -95,7 +95,7 @@ struct Running {
     shift: f64,
 }
 
-impl<'m> Coupled<'m> {
+impl<'m> AxisCouplings<'m> {
     /// Couplings of `machine` before a program begins. The program must not start a slave of a cam away from its place
     /// on the cam.
     pub fn for_program(machine: &'m Machine) -> Self {
@@ -255,7 +255,7 @@ impl<'m> Coupled<'m> {
     /// [`AxesError`] if a cam has no place there for its slave.
     pub fn at_rest(machine: &Machine, axes: AxisVector) -> Result<AxisVector, AxesError> {
         let mut motion = AxisMotion::at_rest(axes);
-        Coupled::new(machine).apply(&mut motion, 0)?;
+        AxisCouplings::new(machine).apply(&mut motion, 0)?;
         Ok(motion.position)
     }
 }
