@@ -65,7 +65,7 @@ impl Axis {
         Some(self.simulated.effort_limit).filter(|limit| limit.is_finite())
     }
 
-    /// The velocity it can have, without headroom.
+    /// Velocity limit without headroom.
     pub fn velocity_limit(&self) -> VelocityLimit {
         self.velocity_limits.smallest()
     }

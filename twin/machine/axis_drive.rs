@@ -109,7 +109,7 @@ pub(super) fn read(section: &Section<'_>, kind: AxisKind, devices: &[Seen]) -> O
         return None;
     }
     let ratio = IncrementRatio { increments: increments?, per_units: per_units? };
-    // Without its abilities something is wrong with the device, and told already.
+    // Without its abilities the device has an error, which is reported already.
     #[expect(clippy::cast_possible_truncation, reason = "the counters of devices have 32 bits")]
     let most = seen.abilities.as_ref().map_or(i32::MAX.into(), |able| able.counts as i64);
     let counting = Counting::new(axis_kind, &ratio, most)?;

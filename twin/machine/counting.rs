@@ -11,9 +11,9 @@ use twin_drives::DecimalRatio;
 /// per 9.525 mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IncrementRatio {
-    /// Increments …
+    /// Increments of the drive …
     pub increments: i64,
-    /// … per this many degrees or millimetres.
+    /// … in this number of degrees or millimetres.
     pub per_units: f64,
 }
 

@@ -136,7 +136,7 @@ pub(super) fn read(
     sorted.filter(|_| whole)
 }
 
-/// How many groups of tappets there are, of every slave its own.
+/// Number of tappet groups, counted per slave.
 fn groups(couplings: &[Coupling]) -> usize {
     let of = |coupling: &Coupling| match &coupling.by {
         CoupledBy::Gear(..) => 0,
@@ -159,7 +159,7 @@ fn one(section: &Section<'_>, path: &Path, axes: &[Axis], is_gear: bool) -> Opti
         }
         found
     });
-    // What else is wrong is told as well.
+    // Other errors are reported as well.
     let by = if is_gear {
         let ratio = read_ratio(section);
         ratio.map(|(numerator, denominator)| CoupledBy::Gear(numerator, denominator.unsigned_abs()))
@@ -220,7 +220,7 @@ impl<'a> CamAxis<'a> {
 }
 
 /// Reads a cam and its start; `path` is the file that names it. Defaults come from the cam's own file, except for the
-/// three flags of `MC_CamTableSelect`, which are true. For an unknown axis there are no keys with units; other errors
+/// three flags of `MC_CamTableSelect`, which are true. An unknown axis has no keys with units; other errors
 /// are reported.
 pub fn read_cam(
     section: &Section<'_>,
@@ -309,11 +309,11 @@ pub fn read_cam(
     Some(CamSelection { table, input, out_of_order, gain_unsaid })
 }
 
-/// What helps a cam over time.
+/// Advice for a cam over time.
 const NO_TIME: &str = ": no axis is time itself; a linear axis that MC_MoveVelocity moves with 1 mm/s counts seconds in mm, so that the \
                        unit of the master is mm";
 
-/// What is wrong with a cam's file: in a line, and, where its lines are known, with these.
+/// Reports the error of a cam file in one line, with the lines of the file if they are known.
 fn complain(section: &Section<'_>, path: &Path, error: CamFileError) {
     let said = error.to_string();
     let named = path.display().to_string();

@@ -322,7 +322,7 @@ fn dimensions(text: &str) -> toml::Table {
     dimensions
 }
 
-/// What must hold between the axes. False if two have the same name.
+/// Checks the axes against each other. False if two have the same name.
 fn check_axes(root: &Section<'_>, sections: &[Section<'_>], entries: &[Option<AxisEntry>]) -> bool {
     let mut unique = true;
     if sections.is_empty() {

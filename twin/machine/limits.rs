@@ -5,7 +5,7 @@ use crate::section::Section;
 use std::ops::RangeInclusive;
 use twin_interpcnc::protocol::registers::MAX_SPEED_HZ;
 
-/// How far the path may leave the programmed one at joints, unless the machine file says otherwise, m.
+/// Default of the largest distance from the programmed path at joints, m.
 const BLEND_TOLERANCE: f64 = 1e-6;
 
 /// Step frequencies that may be given, kHz: at most what the board makes.
@@ -36,7 +36,7 @@ impl VelocitySource {
     }
 }
 
-/// The velocity an axis can have, and what keeps it from more.
+/// Velocity limit of an axis, and its source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VelocityLimit {
     /// m/s or rad/s.

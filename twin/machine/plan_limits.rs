@@ -13,7 +13,7 @@ impl Machine {
     /// `None` if no axis has a `max_torque_nm` or `max_force_n`.
     ///
     /// # Errors
-    /// [`SimulationError`] if the model is none that physics can have.
+    /// [`SimulationError`] if physics cannot simulate the model.
     pub fn path_dynamics(&self) -> Result<Option<PathDynamics>, SimulationError> {
         let loads: Vec<_> = self
             .axes

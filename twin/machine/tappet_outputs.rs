@@ -34,7 +34,7 @@ pub(super) fn read(root: &Section<'_>, drives: &[(&Seen, usize)]) -> Vec<TappetO
     outputs
 }
 
-/// Which device it is, the first one that has outputs if the section does not say, and how many outputs that has.
+/// The device and its number of outputs; the first one with outputs unless the section names one.
 fn device(section: &Section<'_>, drives: &[(&Seen, usize)]) -> Option<(usize, i64)> {
     let outputs = |(seen, axes): &(&Seen, usize)| match seen.kind {
         Some(Kind::InterpCnc) => i64::from(BOARD_OUTPUTS),

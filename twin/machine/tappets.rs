@@ -180,7 +180,7 @@ pub const MOST_SWITCHES: usize = 10_000;
 /// Everything that tappets switched along a program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Switched {
-    /// The signals there are.
+    /// The signals.
     pub signals: Vec<Signal>,
     /// The first [`MOST_SWITCHES`] switchings, in the order of time.
     pub switches: Vec<TappetSwitch>,

@@ -192,7 +192,7 @@ impl AxisEffort {
         speeds.fold(f64::INFINITY, f64::min)
     }
 
-    /// What weight and dry friction leave of the effort, upwards and downwards.
+    /// Effort left by weight and dry friction, upwards and downwards.
     fn spare(&self) -> [f64; 2] {
         [self.limit - self.weight - self.dry, self.limit + self.weight - self.dry]
     }

@@ -28,7 +28,7 @@ impl ClearanceScan {
     /// Scan of the links of `model`, moved by its machine axes, among `surroundings`.
     ///
     /// # Errors
-    /// [`PhysicsError`] if the model is none that can be simulated, and [`PhysicsError::FlatMesh`].
+    /// [`PhysicsError`] if the model cannot be simulated, and [`PhysicsError::FlatMesh`].
     pub fn new(
         model: &Model,
         axis_count: usize,
@@ -39,7 +39,7 @@ impl ClearanceScan {
         })
     }
 
-    /// Of the tool alone, among all that is around the machine, stock included: what a probe can find.
+    /// Scan of the tool alone among all obstacles, stock included: the surfaces that a probe can find.
     ///
     /// # Errors
     /// Those of [`Self::new`].
@@ -78,12 +78,13 @@ impl ClearanceScan {
         })
     }
 
-    /// True if there is no pair of parts to measure.
+    /// True without a pair of parts to measure.
     pub fn is_empty(&self) -> bool {
         self.distances.is_empty()
     }
 
-    /// The two parts that are nearest to each other with the axes at `axes` (m or rad); `None` if nothing may touch anything.
+    /// The two parts that are nearest to each other with the axes at `axes` (m or rad); `None` without a pair that may
+    /// touch.
     ///
     /// # Errors
     /// [`PhysicsError::Apart`], [`PhysicsError::AxisCount`] and [`PhysicsError::Input`].

@@ -7,7 +7,7 @@ use crate::distances::Near;
 use crate::joint::JointVector;
 use crate::surroundings::{Part, Surroundings};
 
-/// Two parts that push each other.
+/// Contact force between two parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// The parts.
@@ -35,7 +35,7 @@ pub struct Collision {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TouchingPair {
     pub(super) parts: [usize; 2],
-    /// How deep they were in each other before they were known to touch, m.
+    /// Penetration depth before the contact was found, m.
     pub(super) depth: f64,
 }
 

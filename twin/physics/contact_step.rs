@@ -20,20 +20,21 @@ use crate::machine::PhysicsMachine;
 use crate::state::{JointState, MachineState};
 use crate::surroundings::{Surroundings, YieldingTool};
 
-/// How far axes are moved to see how gaps open, m or rad: central differences of this are right to 1e-10.
+/// Axis displacement for the central differences of the gaps, m or rad: they are right to 1e-10.
 const NUDGE: f64 = 1e-6;
 
-/// How much stiffer than points of contact what keeps a lasting force from doing anything is: as good as rigid.
+/// Factor of the contact stiffness that is as good as rigid.
 const RIGID: f64 = 1e6;
 
 /// Parts of a step at which it is looked whether parts meet.
 const PLACES: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 
 impl PhysicsMachine {
-    /// Gives the links of a machine at rest their solids as what they touch with, and puts `surroundings` around it.
+    /// Adds collision shapes to the links of a machine at rest, and `surroundings` around it.
     ///
     /// # Errors
-    /// [`PhysicsError::FlatMesh`], [`PhysicsError::Overlap`], and [`PhysicsError::Input`] if the stiffness is no number above 0.
+    /// [`PhysicsError::FlatMesh`], [`PhysicsError::Overlap`], and [`PhysicsError::Input`] unless the stiffness is above
+    /// 0.
     pub fn insert_surroundings(&mut self, surroundings: &Surroundings) -> Result<(), PhysicsError> {
         let stiffness = surroundings.stiffness;
         if !(stiffness.is_finite() && stiffness > 0.0) {
@@ -43,7 +44,7 @@ impl PhysicsMachine {
         self.world.insert(surroundings)
     }
 
-    /// From now on the tool gives way to `yielding`.
+    /// Sets the parts without contact force against the tool.
     pub fn set_yielding(&mut self, yielding: YieldingTool) {
         self.world.yielding = yielding;
     }
@@ -53,12 +54,12 @@ impl PhysicsMachine {
         &self.contact.contacts
     }
 
-    /// Takes the contacts that have begun since it was asked last.
+    /// Takes the contacts that have begun since the last call.
     pub fn take_collisions(&mut self) -> Vec<Collision> {
         std::mem::take(&mut self.contact.collisions)
     }
 
-    /// Looks what may be touched in the cycle that begins.
+    /// Finds the near points of the cycle that begins.
     pub(super) fn begin_contacts(&mut self) {
         self.world.near(&mut self.contact.near);
         std::mem::swap(&mut self.contact.contacts, &mut self.contact.before);
@@ -169,7 +170,7 @@ impl PhysicsMachine {
         Ok(())
     }
 
-    /// Where the axes are instead of `free`, because of what is near.
+    /// Axis state that replaces `free` because of nearby parts.
     fn push_apart(
         &mut self,
         (from, free, dt): (&JointState, &JointState, f64),
@@ -206,7 +207,7 @@ impl PhysicsMachine {
         Ok(JointState { position, velocity: touched.velocity })
     }
 
-    /// How the gaps of `rows` open with each axis.
+    /// Fills `rows` with the change of the gaps with each axis.
     fn open(
         &mut self,
         free: &JointState,
@@ -269,7 +270,7 @@ fn by_push(inertia: &JointMatrix, push: &JointVector) -> Option<JointVector> {
     Some(inertia.cholesky()?.solve(push))
 }
 
-/// What `forces` at the points of `rows` are at the axes.
+/// Efforts of the axes from `forces` at the points of `rows`.
 fn efforts(rows: &[Row], forces: &[f64]) -> JointVector {
     let of = |(row, force): (&Row, &f64)| row.opening * *force;
     rows.iter().zip(forces).map(of).fold(JointVector::zeros(), |sum, one| sum + one)

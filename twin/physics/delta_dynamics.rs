@@ -212,7 +212,7 @@ impl DeltaDynamics {
         Some(self.with_carriages(others, &pulls))
     }
 
-    /// Where the rods are; `None` where they do not meet, or one of them is level.
+    /// Directions of the rods; `None` if they do not meet, or one of them is level.
     #[inline]
     fn place(&self, position: &JointVector) -> Option<Place> {
         let heights = self.of_carriages(position).add_scalar(self.above);

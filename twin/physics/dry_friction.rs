@@ -112,7 +112,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         Some(least(free, limits, &mobility))
     }
 
-    /// What holds all axes at `state` under `efforts`.
+    /// Forces that hold all axes at `state` under `efforts`.
     fn hold_all(&mut self, state: &JointState, efforts: &JointVector) -> Option<JointVector> {
         let zero = JointVector::zeros();
         Some(self.equation.inverse_dynamics(&state.position, &zero, &zero)? - efforts)

@@ -14,7 +14,7 @@ pub enum Subject {
     Joint(usize),
     /// Index into [`twin_urdf::Model::links`].
     Link(usize),
-    /// Something that touches something.
+    /// A part in contact.
     Part(Part),
 }
 
@@ -69,15 +69,15 @@ pub enum PhysicsError {
         /// The joint.
         joint: usize,
     },
-    /// Links that go round in a circle.
+    /// Closed loops of links.
     ClosedLoops {
-        /// How many.
+        /// Number of loops.
         loops: usize,
     },
-    /// Links that go round in a circle, and are no tripod: three carriages that slide upwards, two rods on each of them by
+    /// Closed loops of links that are not a tripod: three carriages that slide upwards, two rods on each of them by
     /// two joints that turn, a platform on all of these.
     UnknownMechanism {
-        /// How many.
+        /// Number of loops.
         loops: usize,
     },
     /// A rod whose mass is not the same all around it.
@@ -107,7 +107,7 @@ pub enum PhysicsError {
     NoInertia {
         /// The axis.
         axis: usize,
-        /// What it moves, kg or kg·m².
+        /// Inertia that the axis moves, kg or kg·m².
         inertia: f64,
     },
     /// A drive parameter is out of range.
@@ -133,26 +133,26 @@ pub enum PhysicsError {
     LimitSwitch {
         /// The axis.
         axis: usize,
-        /// Which switch.
+        /// Side of the switch.
         side: Side,
     },
     /// A mesh without volume, which can touch nothing.
     FlatMesh {
-        /// What it belongs to.
+        /// Part that the mesh belongs to.
         part: Part,
         /// Its place among the solids of that.
         solid: usize,
     },
-    /// The machine is in something where it starts.
+    /// Two parts overlap at the start.
     Overlap {
-        /// What is in what.
+        /// The overlapping parts.
         parts: [Part; 2],
         /// m.
         depth: f64,
     },
-    /// Parts of the machine touched each other, or something around it.
+    /// Parts of the machine touched each other or an obstacle.
     Collision {
-        /// What touched what.
+        /// The parts in contact.
         parts: [Part; 2],
         /// N.
         force: f64,

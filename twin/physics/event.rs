@@ -19,13 +19,13 @@ pub enum EventKind {
     /// The rotor of a step motor fell behind its field (or was pushed ahead of it, below 0) by more than two full steps, and
     /// these full steps are lost.
     LostSteps(i64),
-    /// The motor has given more than it bears for ever, for too long.
+    /// The motor has exceeded its continuous limit for too long.
     Overload,
     /// The axis ran on its lower or upper limit switch; its drive brakes.
     LimitSwitch(Side),
     /// Without power the brake has closed.
     BrakeClosed,
-    /// A fault has begun that was asked for.
+    /// An injected fault has begun.
     Failed(Fault),
 }
 
@@ -34,7 +34,8 @@ pub enum EventKind {
 pub enum Fault {
     /// The axis does not move any more, whatever pushes it.
     Jam,
-    /// The next so many full steps of the pulse train do not reach the step motor. A servo motor has none to lose.
+    /// The next full steps of the pulse train, this number, do not reach the step motor. A servo motor has none to
+    /// lose.
     LostSteps(f64),
     /// The belt, or whatever gives way, has this part of its stiffness and damping left, and this much more play (m or rad).
     /// A rigid transmission has nothing to loosen.

@@ -5,11 +5,11 @@ use crate::event::{EventKind, Fault, PhysicsEvent};
 use crate::friction::FrictionParameters;
 use crate::machine::PhysicsMachine;
 
-/// What a jammed axis holds: more than any motor gives, N or Nm.
+/// Dry friction of a jammed axis: more than any motor gives, N or Nm.
 const JAMMED: f64 = 1e9;
 
 impl PhysicsMachine {
-    /// Injects a fault into `axis`. False if it cannot have the fault: there is no such axis, or it has no part that
+    /// Injects a fault into `axis`. False if it cannot have the fault: the axis does not exist, or lacks a part that
     /// can fail so.
     pub fn fail(&mut self, axis: usize, fault: Fault) -> bool {
         let parts = self.drives.get_mut(axis).zip(self.trains.get_mut(axis));

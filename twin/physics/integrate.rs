@@ -14,7 +14,7 @@ use crate::joint::JointVector;
 use crate::state::{MachineState, Motors, Stage, Train};
 use crate::step::{Springs, Step};
 
-/// How often another law may begin in one step; beyond that, what goes on is as it would be without.
+/// Largest number of stops in one step; further ones are ignored.
 const MOST_STOPS: usize = 16;
 
 /// The state after `dt` (s) with `motors` at work and a `disturbance` of the axes, and the mean efforts of the motors on the way; `None` if some axis moves no inertia, or where the

@@ -79,7 +79,7 @@ impl<const N: usize> Factors<N> {
                 lower[row][column] = entry;
                 pivot -= product * entry;
             }
-            // Written so that what is not a number is no pivot.
+            // Written so that what is not a number is not a pivot.
             if !(pivot > 0.0 && pivot < f64::INFINITY) {
                 return None;
             }

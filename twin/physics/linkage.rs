@@ -7,7 +7,7 @@ use twin_urdf::{Joint, JointDrive, JointKind, Loop, Model};
 use crate::bodies::{MassProperties, Tree};
 use crate::error::PhysicsError;
 
-/// What counts as rounding, in parts of a length, of an inertia, or of 1.
+/// Tolerance of rounding, relative to a length, an inertia, or 1.
 const ROUNDING: f64 = 1e-9;
 
 /// Rods whose lengths and places differ by no more of a length are alike.
@@ -63,7 +63,7 @@ impl Linkage {
     ///
     /// # Errors
     /// [`PhysicsError::UnknownMechanism`] if it is something else, [`PhysicsError::UnevenRod`],
-    /// [`PhysicsError::MassProperties`], and what makes links beside it no tree.
+    /// [`PhysicsError::MassProperties`], and errors of other links that are not a tree.
     pub(super) fn of(model: &Model, axis_count: usize) -> Result<Self, PhysicsError> {
         let unknown = PhysicsError::UnknownMechanism { loops: model.loops.len() };
         let hanging = hanging(model).ok_or(unknown)?;

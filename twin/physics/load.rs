@@ -3,7 +3,7 @@
 /// Motor load since the machine was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotorLoad {
-    /// For how long, s.
+    /// Duration, s.
     pub duration: f64,
     /// Largest effort, N or Nm.
     pub peak_effort: f64,

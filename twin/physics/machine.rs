@@ -64,7 +64,7 @@ impl PhysicsMachine {
     /// The drives start with the effort that holds the machine against gravity, and are homed so, so that nothing sags.
     ///
     /// # Errors
-    /// [`PhysicsError`] if the model is no tree of links whose moving joints are the machine's axes, if an axis
+    /// [`PhysicsError`] if the model is not a tree of links whose moving joints are the machine's axes, if an axis
     /// moves no inertia, or if a number is out of range.
     pub fn new(
         model: &Model,
@@ -205,7 +205,7 @@ impl PhysicsMachine {
         self.loads.get(axis).map(LoadSums::load).unwrap_or_default()
     }
 
-    /// State of the motor of `axis` in the last cycle; nothing if there is no such axis.
+    /// State of the motor of `axis` in the last cycle; the default if the machine lacks that axis.
     pub fn motor_state(&self, axis: usize) -> MotorState {
         let Some(drive) = self.drives.get(axis) else { return MotorState::default() };
         let of = |values: &AxisVector| values.get(axis).copied().unwrap_or_default();
@@ -233,7 +233,7 @@ impl PhysicsMachine {
         self.drives.get(axis).map(|drive| drive.switched).unwrap_or_default()
     }
 
-    /// Takes what has happened since it was asked last.
+    /// Takes the events since the last call.
     pub fn take_events(&mut self) -> Vec<PhysicsEvent> {
         std::mem::take(&mut self.events)
     }
@@ -244,7 +244,7 @@ impl PhysicsMachine {
     }
 }
 
-/// What is between a motor and its axis.
+/// Transmission between a motor and its axis.
 fn train_of(drive: &AxisDriveParameters) -> Train {
     match drive.transmission {
         None => Train { friction: drive.friction.and(&drive.motor_friction), elastic: None },

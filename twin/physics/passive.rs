@@ -18,7 +18,7 @@ use twin_urdf::{Joint, JointDrive, Model};
 
 use crate::linkage::{Hanging, chain, hanging, platform};
 
-/// What counts as a right angle: the cosine.
+/// Largest cosine of a right angle.
 const SQUARE: f64 = 1e-12;
 
 /// Two turns, one after the other.
@@ -26,7 +26,7 @@ const SQUARE: f64 = 1e-12;
 struct Turns {
     /// Their directions where nothing has turned yet.
     axes: [Vector3<f64>; 2],
-    /// What they turn.
+    /// The vector that they turn.
     arm: Vector3<f64>,
     /// Sign of γ.
     side: f64,

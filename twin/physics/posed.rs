@@ -19,7 +19,7 @@ pub(super) struct Posed {
     passive: Passive,
 }
 
-/// How the passive joints are found.
+/// Method for the positions of the passive joints.
 #[derive(Clone, Debug)]
 enum Passive {
     /// There are none: a tree.

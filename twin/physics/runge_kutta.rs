@@ -49,7 +49,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         Some(Arrival { state: next, until, effort, first, holding })
     }
 
-    /// How everything changes at `state`, and the efforts of the motors.
+    /// Derivative of the state at `state`, and the efforts of the motors.
     fn slope(
         &mut self,
         stage: Stage,

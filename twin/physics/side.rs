@@ -5,9 +5,9 @@ use std::fmt;
 /// An end of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// Where positions are small.
+    /// End of small positions.
     Lower,
-    /// Where they are large.
+    /// End of large positions.
     Upper,
 }
 

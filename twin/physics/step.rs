@@ -35,7 +35,7 @@ impl Dry {
     };
 }
 
-/// Which axes are behind springs.
+/// Presence of springs between motors and axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Springs {
     None,
@@ -61,7 +61,7 @@ pub(super) struct Step<'a, M: ?Sized> {
     pub(super) equation: &'a mut Equation,
     pub(super) trains: &'a [Train; MAX_AXES],
     pub(super) motors: &'a M,
-    /// What else pushes the axes, N or Nm.
+    /// Further efforts on the axes, N or Nm.
     pub(super) disturbance: &'a JointVector,
     /// Number of axes.
     pub(super) axes: usize,

@@ -221,7 +221,7 @@ struct Course {
 }
 
 impl Course {
-    /// After so many steps.
+    /// After `steps` steps.
     fn at(&self, steps: f64) -> Setpoint {
         self.from.towards(&self.to, steps / f64::from(self.steps), self.cycle)
     }
@@ -237,7 +237,7 @@ impl Course {
 }
 
 impl AxisDrive {
-    /// What the motor does in the next step of `dt` s, the `step`th of the course.
+    /// Prepares the motor for the next step of `dt` s, the `step`th of the course.
     fn begin_step(&mut self, course: &Course, step: u32, axis: usize, homed: f64, dt: f64) {
         match &mut self.motor {
             MotorAtWork::Servo(servo) => servo.begin_step(dt),

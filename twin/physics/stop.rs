@@ -22,7 +22,7 @@ const THERE: f64 = 1e-10;
 /// And where no more than this is left, m, m/s or N; whatever rounding leaves.
 const NOUGHT: f64 = 1e-13;
 
-/// What is as little of what it becomes has turned its sign before.
+/// Relative size of a value whose sign has changed before.
 const NOTHING: f64 = 1e-7;
 
 /// Something after which another law holds.
@@ -32,7 +32,7 @@ pub(super) enum Stop {
     Axis(usize, f64),
     /// So does a motor.
     Motor(usize, f64),
-    /// What holds an axis that sticks is more than this (N or Nm).
+    /// The holding force of a sticking axis exceeds this, N or Nm.
     AxisBreaks(usize, f64),
     /// The same of a motor.
     MotorBreaks(usize, f64),
@@ -43,7 +43,7 @@ pub(super) enum Stop {
 }
 
 impl Stop {
-    /// What is 0 there: a velocity, what friction has left, how far teeth are from each other, or what they push with.
+    /// Quantity that is 0 at the stop: a velocity, the friction left, the distance of the teeth, or their push.
     fn value(&self, trains: &[Train; MAX_AXES], state: &MachineState, holding: &Holding) -> f64 {
         match *self {
             Self::Axis(axis, direction) => direction * at(&state.axes.velocity, axis),
@@ -55,7 +55,7 @@ impl Stop {
         }
     }
 
-    /// Whether it happens on the way from one value to another.
+    /// True if the stop lies between two values.
     fn happens(&self, before: f64, after: f64) -> bool {
         match self {
             // What breaks away moves from no velocity on.
@@ -67,7 +67,7 @@ impl Stop {
         }
     }
 
-    /// How fast that changes where everything changes like `slope`, if that is known.
+    /// Rate of that quantity if the state changes like `slope`; `None` if it is not known.
     fn rate(&self, slope: &MachineState) -> Option<f64> {
         match *self {
             Self::Axis(axis, direction) => Some(direction * at(&slope.axes.velocity, axis)),
@@ -90,12 +90,12 @@ impl Stop {
     }
 }
 
-/// How far the motor of `axis` is ahead of it.
+/// Lead of the motor of `axis` over the axis.
 fn twist(state: &MachineState, axis: usize) -> f64 {
     at(&state.motors.position, axis) - at(&state.axes.position, axis)
 }
 
-/// Which side of the teeth of `axis` is wound up, and what it pushes with.
+/// Loaded side of the teeth of `axis`, and its push.
 fn push(trains: &[Train; MAX_AXES], state: &MachineState, axis: usize) -> (f64, f64) {
     let elastic = trains.get(axis).and_then(|train| train.elastic.as_ref());
     let rate = at(&state.motors.velocity, axis) - at(&state.axes.velocity, axis);
@@ -127,7 +127,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         Some(until)
     }
 
-    /// Where between `from` and `until`, at about `guess`, the `stop` is that `arrival` is behind, which ends there from now on.
+    /// Finds the `stop` between `from` and `until`, first at `guess`, and ends `arrival` there.
     fn find(
         &mut self,
         stop: &Stop,

@@ -32,7 +32,7 @@ struct Body {
     turn: Option<Matrix3<f64>>,
     origin: Vector3<f64>,
     spread: Spread,
-    /// Beside what is moved, kg or kg·m².
+    /// Rotor inertia, kg or kg·m².
     armature: f64,
 }
 
@@ -97,7 +97,7 @@ impl Body {
         result
     }
 
-    /// What it carries, in the frame of the parent.
+    /// Mass distribution of what it carries, in the frame of the parent.
     #[inline]
     fn spread_outward(&self, state: &State) -> Spread {
         let mut spread = state.composite;

@@ -150,7 +150,7 @@ impl TripodDynamics {
 
     /// Uses the general equation with separate rods, even if a closed form applies.
     #[cfg(test)]
-    pub(super) fn tell_rods_apart(&mut self) {
+    pub(super) fn separate_rods(&mut self) {
         (self.level, self.closed) = (None, None);
     }
 
@@ -264,7 +264,7 @@ impl TripodDynamics {
     }
 
     /// The efforts that additional axes add to [`Self::efforts`]; they do not depend on the tripod.
-    pub(super) fn beside(
+    pub(super) fn additional_efforts(
         &mut self,
         position: &JointVector,
         velocity: &JointVector,
@@ -291,8 +291,8 @@ impl TripodDynamics {
             return closed.inverse_dynamics(position, velocity, acceleration);
         }
         let state = self.state(position).ok()?;
-        let beside = self.beside(position, velocity, acceleration);
-        Some(self.efforts(&state, velocity, acceleration, true) + beside)
+        let additional = self.additional_efforts(position, velocity, acceleration);
+        Some(self.efforts(&state, velocity, acceleration, true) + additional)
     }
 
     /// The accelerations of the axes under `effort`; `None` where the rods do not meet, or if some axis moves no inertia.
@@ -331,8 +331,8 @@ impl TripodDynamics {
     ) -> Option<(JointMatrix, JointVector)> {
         let state = self.state(position).ok()?;
         let zero = JointVector::zeros();
-        let bias =
-            self.efforts(&state, velocity, &zero, true) + self.beside(position, velocity, &zero);
+        let bias = self.efforts(&state, velocity, &zero, true)
+            + self.additional_efforts(position, velocity, &zero);
         Some((self.inertia_of(&state, position), bias))
     }
 
@@ -362,11 +362,11 @@ impl TripodDynamics {
             }
         }
         if let Some(others) = &mut self.others {
-            // Where there is no axis it has 1 on the diagonal, too.
-            let beside = others.inertia_at(position);
+            // Its diagonal is 1 too where the machine lacks an axis.
+            let additional = others.inertia_at(position);
             let axes = self.axis_count.min(MAX_AXES);
             let mut block = inertia.view_mut((0, 0), (axes, axes));
-            block += beside.view((0, 0), (axes, axes));
+            block += additional.view((0, 0), (axes, axes));
         }
         inertia
     }

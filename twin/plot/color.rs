@@ -112,7 +112,7 @@ impl fmt::Display for Color {
     }
 }
 
-/// How a line is drawn.
+/// Colour, width and dashes of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
     /// Its colour.
@@ -138,7 +138,7 @@ impl Stroke {
 /// Fill and edge of a shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Paint {
-    /// What is inside.
+    /// The fill.
     pub fill: Option<Color>,
     /// The edge.
     pub edge: Option<Stroke>,

@@ -17,7 +17,7 @@ const POSITIVE: RangeInclusive<f64> = 1e-15..=1e15;
 /// The longest time of a tappet, µs: a day.
 const TAPPET_US: RangeInclusive<f64> = 0.0..=86_400e6;
 
-/// What a file says.
+/// Content of a cam file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TomlCam {
     pub(super) source: Source,
@@ -134,7 +134,7 @@ pub(super) fn read(root: &Section<'_>, usual: &str) -> Option<TomlCam> {
     }
 }
 
-/// Tells what makes no cam of elements and tappets, which stand by their masters, at its place.
+/// Reports errors of elements and tappets, which are ordered by their masters, at their places.
 fn complain_of(
     error: CamError,
     root: &Section<'_>,

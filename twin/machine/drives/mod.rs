@@ -255,7 +255,7 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
     })
 }
 
-/// What `[drives.assumptions]` says that is not assumed anyway; what is wrong with it has been told.
+/// Entries of `[drives.assumptions]` that differ from the defaults; errors have been reported.
 fn otherwise<A: Assumed + PartialEq>(section: &Section<'_>) -> Vec<(String, String)> {
     if !section.has("assumptions") {
         return Vec::new();
@@ -271,7 +271,7 @@ fn otherwise<A: Assumed + PartialEq>(section: &Section<'_>) -> Vec<(String, Stri
     said.map(|(name, value)| (name.to_owned(), value.to_owned())).collect()
 }
 
-/// What `[drives.assumptions]` says, over what is assumed of any device of the family.
+/// The assumptions of the family, overridden by `[drives.assumptions]`.
 fn assumptions<A: Assumed>(section: &Section<'_>) -> A {
     let mut assumed = A::default();
     if !section.has("assumptions") {

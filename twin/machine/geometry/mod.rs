@@ -129,7 +129,7 @@ fn mount(
     mounted.map_err(|error| body.complain(error.to_string())).ok()
 }
 
-/// What moves.
+/// Links and axes of the machine.
 struct Built {
     model: Model,
     axes: Vec<Axis>,

@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// One thing wrong, and where in the text.
+/// One problem and its place in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
     /// Bytes of the text.
@@ -67,10 +67,10 @@ pub enum MachineFileError {
         what: &'static str,
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
-    /// The file is not what it must be.
+    /// The content of the file is invalid.
     #[error("{what} {} has {} problem(s)", path.display(), problems.len())]
     Content {
         /// As above.

@@ -108,7 +108,10 @@ fn a_cam_knows_the_period_of_its_master() {
 fn what_cannot_follow_is_told() {
     let said = |text: &str, message: &str| {
         let found = problems(&with(text));
-        assert!(found.iter().any(|(_, told, _)| told.contains(message)), "{text}: {found:#?}");
+        assert!(
+            found.iter().any(|(_, found_text, _)| found_text.contains(message)),
+            "{text}: {found:#?}"
+        );
     };
     said(
         "[[gears]]\naxis = \"Q\"\nmaster = \"X\"\nratio_numerator = 1\n",
@@ -133,7 +136,7 @@ fn what_cannot_follow_is_told() {
     assert!(Machine::load(Path::new("none.toml")).is_err());
 }
 
-/// A ring is told at one of its own tables, and an axis that is not there hides nothing else of its table.
+/// A cycle is reported at one of its own tables, and an axis that is not there hides nothing else of its table.
 #[test]
 fn places_of_what_cannot_follow() {
     let ring = "[[gears]]\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 1\n";
@@ -143,24 +146,36 @@ fn places_of_what_cannot_follow() {
     let wrong = "[[gears]]\naxis = \"Q\"\nmaster = \"X\"\nratio_numerator = 0\nrato = 3\n";
     let found = problems(&with(wrong));
     for said in ["there is no axis \"Q\"", "`ratio_numerator` is 0", "unknown key"] {
-        assert!(found.iter().any(|(_, told, _)| told.contains(said)), "{said}: {found:#?}");
+        assert!(
+            found.iter().any(|(_, found_text, _)| found_text.contains(said)),
+            "{said}: {found:#?}"
+        );
     }
     let cam =
         "[[cams]]\naxis = \"Q\"\nmaster = \"X\"\ncam = \"none.toml\"\nstart_mode = \"ramp\"\n";
     let found = problems(&with(cam));
     for said in ["there is no axis \"Q\"", "(error 2200)", "`start_mode` is \"ramp\""] {
-        assert!(found.iter().any(|(_, told, _)| told.contains(said)), "{said}: {found:#?}");
+        assert!(
+            found.iter().any(|(_, found_text, _)| found_text.contains(said)),
+            "{said}: {found:#?}"
+        );
     }
     // An axis that is there has its keys, whatever the other one is.
     let cam =
         "[[cams]]\naxis = \"Z\"\nmaster = \"Q\"\ncam = \"none.toml\"\nslave_offset_mm = \"3\"\n";
     let found = problems(&with(cam));
-    assert!(found.iter().any(|(_, told, _)| told.contains("`slave_offset_mm`")), "{found:#?}");
+    assert!(
+        found.iter().any(|(_, found_text, _)| found_text.contains("`slave_offset_mm`")),
+        "{found:#?}"
+    );
     let ratio =
         "[[gears]]\naxis = \"Z\"\nmaster = \"X\"\nratio_numerator = 0\nratio_denominator = 0\n";
     let found = problems(&with(ratio));
     for said in ["`ratio_numerator` is 0", "`ratio_denominator` is 0"] {
-        assert!(found.iter().any(|(_, told, _)| told.contains(said)), "{said}: {found:#?}");
+        assert!(
+            found.iter().any(|(_, found_text, _)| found_text.contains(said)),
+            "{said}: {found:#?}"
+        );
     }
 }
 
@@ -184,8 +199,8 @@ fn scalings_of_nothing_are_refused() {
             let found = Machine::parse(&path, &text).expect_err("no machine");
             let [problem] = found.as_slice() else { panic!("{found:?}") };
             assert!(problem.message.starts_with(&format!("`{key}` {said}")), "{problem:?}");
-            let told = text.get(problem.span.clone()).unwrap();
-            assert!(told.contains(key) || told.contains(value), "{told}");
+            let found_text = text.get(problem.span.clone()).unwrap();
+            assert!(found_text.contains(key) || found_text.contains(value), "{found_text}");
         }
         for value in ["1e-15", "-1e-15"] {
             assert!(Machine::parse(&path, &with(&format!("{cams}{key} = {value}\n"))).is_ok());

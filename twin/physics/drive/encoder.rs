@@ -3,7 +3,7 @@
 /// Mounting side of an encoder: motor or axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EncoderSide {
-    /// On the motor: blind to what the transmission gives.
+    /// On the motor: it does not see the deflection of the transmission.
     Motor,
     /// On the axis: a scale, or an encoder behind the gear.
     Axis,

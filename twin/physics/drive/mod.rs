@@ -67,7 +67,7 @@ pub struct BrakeParameters {
 }
 
 impl AxisDriveParameters {
-    /// A drive that does nothing by itself, on an axis without friction.
+    /// A drive without effort, on an axis without friction.
     pub const SLACK: Self = Self {
         motor: Motor::Servo(ServoParameters::SLACK),
         armature: 0.0,

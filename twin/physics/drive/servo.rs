@@ -154,13 +154,13 @@ pub(crate) struct ServoDrive {
     measured: Option<f64>,
     /// Outputs that are under way, the next to come first.
     delayed: [f64; MAX_DELAY],
-    /// What the current loop shall have.
+    /// Effort set-point of the current loop.
     target: f64,
-    /// What it has.
+    /// Effort of the current loop.
     effort: f64,
     /// The same in the middle and at the end of the step.
     course: [f64; 2],
-    /// How much the current loop changes in the step, in its time constants.
+    /// Length of the step in time constants of the current loop.
     changes: f64,
 }
 
@@ -236,7 +236,7 @@ impl ServoDrive {
         self.course = [self.after(0.5), self.after(1.0)];
     }
 
-    /// What it has after this part of the step.
+    /// Effort after this part of the step.
     fn after(&self, part: f64) -> f64 {
         self.target + (self.effort - self.target) * (-self.changes * part).exp()
     }

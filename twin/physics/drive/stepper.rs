@@ -86,9 +86,9 @@ pub(crate) struct StepperDrive {
     offset: f64,
     /// Full steps of pulses that will not reach the motor.
     missing: f64,
-    /// Full steps that have not, upwards, and have not been told.
+    /// Full steps that have not, upwards, and have not been reported.
     missed: f64,
-    /// Where pulses led to last, m or rad.
+    /// Last position of the pulse train, m or rad.
     commanded: f64,
     /// Turns of the field, four full steps each, that the rotor has fallen behind.
     behind: i64,
@@ -152,7 +152,7 @@ impl StepperDrive {
         #[expect(clippy::cast_possible_truncation, reason = "within what is just said")]
         let behind = turns.clamp(-1e15, 1e15) as i64;
         let before = std::mem::replace(&mut self.behind, behind);
-        // Told when they are whole, but for what rounding leaves.
+        // Reported when they are whole, within rounding.
         let missed = (self.missed * (1.0 + 1e-9)).trunc();
         self.missed -= missed;
         #[expect(clippy::cast_possible_truncation, reason = "no more than have been taken out")]

@@ -44,7 +44,7 @@ pub(super) struct RapierAlone {
 }
 
 impl RapierAlone {
-    /// The machine at rest at `position`, with `armature` per axis, in steps of `dt` s with so many iterations of the solver.
+    /// The machine at rest at `position`, with `armature` per axis, in steps of `dt` s with `iterations` of the solver.
     pub(super) fn new(
         model: &Model,
         equation: &Equation,
