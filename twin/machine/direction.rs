@@ -81,7 +81,7 @@ impl DirectionRule {
     }
 
     /// The direction at which a program starts, rad in the work frame.
-    pub fn at_start(&self) -> f64 {
+    pub(crate) fn at_start(&self) -> f64 {
         match *self {
             Self::Path(to_path, angle) => to_path.offset() + angle,
             Self::Fixed(angle) | Self::Additional(_, angle) => angle,

@@ -122,7 +122,7 @@ pub struct EffortRow {
     /// Coefficient of s̈.
     pub acceleration: f64,
     /// Coefficient of ṡ².
-    pub speed_v2: f64,
+    pub(crate) speed_v2: f64,
     /// Coefficient of ṡ, at least 0.
     pub speed: f64,
     /// Remaining effort of the motor, N or Nm; below 0 where weight and dry friction alone exceed it.

@@ -53,7 +53,6 @@ mod posed;
 mod runge_kutta;
 mod setpoint;
 mod side;
-mod snapshot;
 mod solids;
 mod spatial;
 mod state;
@@ -79,8 +78,8 @@ pub use contact::{Collision, Contact};
 pub use distances::Clearance;
 pub use drive::{
     AxisDriveParameters, BrakeParameters, EffortCurve, EffortFeedForward, EncoderParameters,
-    EncoderSide, MAX_DELAY, Motor, OverloadParameters, ServoParameters, StepperParameters,
-    SwitchParameters, SwitchStates,
+    EncoderSide, Motor, OverloadParameters, ServoParameters, StepperParameters, SwitchParameters,
+    SwitchStates,
 };
 pub use error::{PhysicsError, Subject};
 pub use event::{EventKind, Fault, PhysicsEvent};
@@ -89,7 +88,6 @@ pub use load::{MotorLoad, MotorState};
 pub use machine::{AxisState, PhysicsMachine};
 pub use noise::NoiseParameters;
 pub use side::Side;
-pub use snapshot::Snapshot;
 pub use surroundings::{Obstacle, ObstacleKind, Part, Surroundings, YieldingTool};
 pub use transmission::ElasticTransmission;
 
@@ -113,7 +111,7 @@ pub fn axis_inertia(model: &Model, position: &AxisVector) -> Result<AxisVector, 
 /// # Errors
 /// Those of [`axis_inertia`].
 #[cfg(test)]
-pub fn holding_effort(
+pub(crate) fn holding_effort(
     model: &Model,
     gravity: Vector3<f64>,
     position: &AxisVector,

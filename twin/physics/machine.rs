@@ -31,7 +31,7 @@ pub struct AxisState {
     /// Mechanical power of the motors, mean over the cycle, W.
     pub power: AxisVector,
     /// True where the drive was at its effort limit at some time in the cycle; in axis order.
-    pub saturated: [bool; MAX_AXES],
+    pub(crate) saturated: [bool; MAX_AXES],
 }
 
 /// A machine with its drives.

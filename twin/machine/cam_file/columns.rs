@@ -5,7 +5,7 @@ use std::path::Path;
 use twin_number::counted;
 
 /// More rows are not read.
-pub const MOST_ROWS: usize = 1 << 22;
+pub(crate) const MOST_ROWS: usize = 1 << 22;
 
 /// Largest position or time.
 const LARGEST: f64 = 1e15;

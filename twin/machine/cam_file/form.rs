@@ -72,7 +72,7 @@ pub struct Coupling {
 }
 
 /// Smallest magnitude of a scaling: smaller ones are 0 but for rounding.
-pub const LEAST_SCALING: f64 = 1e-15;
+const LEAST_SCALING: f64 = 1e-15;
 
 /// Error message if the scaling `name` is 0 or rounding, or is not finite.
 pub fn no_scaling(name: &str, value: f64) -> Option<String> {
@@ -96,7 +96,7 @@ pub const WANTED: [&str; 4] = [
 ];
 
 /// The start modes by their names in files.
-pub const START_MODES: [(&str, StartMode); 5] = [
+pub(crate) const START_MODES: [(&str, StartMode); 5] = [
     ("absolute", StartMode::Absolute),
     ("relative", StartMode::Relative),
     ("ramp_in", StartMode::RampIn),

@@ -142,7 +142,7 @@ impl Diagnostic for Shown {
 ///
 /// # Errors
 /// [`MachineFileError`] if the file cannot be read, is too long or is not UTF-8.
-pub fn read_text(what: &'static str, path: &Path) -> Result<String, MachineFileError> {
+pub(crate) fn read_text(what: &'static str, path: &Path) -> Result<String, MachineFileError> {
     let text = limited_read::read(path).and_then(|bytes| {
         String::from_utf8(bytes).map_err(|error| {
             std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error())

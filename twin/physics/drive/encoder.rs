@@ -20,7 +20,7 @@ pub struct EncoderParameters {
 
 impl EncoderParameters {
     /// On the motor, with any number of increments.
-    pub const IDEAL: Self = Self { side: EncoderSide::Motor, resolution: 0.0 };
+    pub(crate) const IDEAL: Self = Self { side: EncoderSide::Motor, resolution: 0.0 };
 
     /// `position` in whole increments, m or rad.
     pub(super) fn measured(&self, position: f64) -> f64 {

@@ -10,7 +10,7 @@ mod switches;
 pub use curve::EffortCurve;
 pub use encoder::{EncoderParameters, EncoderSide};
 pub use overload::OverloadParameters;
-pub use servo::{EffortFeedForward, MAX_DELAY, ServoParameters};
+pub use servo::{EffortFeedForward, ServoParameters};
 pub use stepper::StepperParameters;
 pub use switches::{SwitchParameters, SwitchStates};
 

@@ -15,7 +15,7 @@ use super::encoder::{EncoderParameters, EncoderSide};
 use crate::state::Stage;
 
 /// Most velocity periods from measuring to the current set-point.
-pub const MAX_DELAY: usize = 8;
+pub(crate) const MAX_DELAY: usize = 8;
 
 /// Parameters of a servo drive. Efforts in N or Nm, lengths in m or rad, everything at the axis (behind the gear).
 #[derive(Clone, Debug, PartialEq)]
@@ -40,7 +40,7 @@ pub struct ServoParameters {
     pub position_passes: u8,
     /// Passes of the velocity loop per cycle, a multiple of those of the position loop.
     pub velocity_passes: u8,
-    /// Velocity periods from measuring to the current set-point, 0 to [`MAX_DELAY`]; digital drives have 1 or 2.
+    /// Velocity periods from measuring to the current set-point, 0 to 8; digital drives have 1 or 2.
     pub delay: u8,
     /// Its encoder.
     pub encoder: EncoderParameters,

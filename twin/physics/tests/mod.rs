@@ -3,6 +3,7 @@
 mod along_path;
 mod closed_forms;
 mod contact;
+mod copies;
 mod coupled;
 mod delta_dynamics;
 mod drives;
@@ -17,7 +18,6 @@ mod pull_out;
 mod rapier;
 mod reference;
 mod scara;
-mod snapshots;
 mod stops;
 mod trees;
 mod unfolded;
