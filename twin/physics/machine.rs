@@ -268,8 +268,8 @@ const SWING: f64 = 0.25;
 /// Most steps in a cycle that springs may ask for.
 const MOST_STEPS: u32 = 256;
 
-/// How many steps of the equation of motion a cycle has: every drive's loops are due at their beginning, and springs are slow
-/// against them.
+/// Number of steps of the equation of motion in a cycle: every pass of a drive's loops is at the beginning of a step, and
+/// steps are short against the springs.
 fn steps_per_cycle(drives: &[AxisDriveParameters], inertia: &JointVector, cycle: f64) -> u32 {
     let passes = drives.iter().map(|drive| match &drive.motor {
         Motor::Servo(servo) => u32::from(servo.velocity_passes),

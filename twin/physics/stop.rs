@@ -168,8 +168,8 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         Some(arrival.until)
     }
 
-    /// What stops first between `state` and `arrival`, a `part` of the step later, and at which part of the way; other than what is
-    /// `known` to stop at the end.
+    /// First stop between `state` and `arrival`, which are a `part` of the step apart, and its place as a part of that way.
+    /// The stop `known`, at the end, is left out.
     fn first_stop(
         &self,
         state: &MachineState,
@@ -219,8 +219,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
     }
 }
 
-/// Where a number that goes from `before` to `after`, on the other side of 0, and at first by `slope` per way, is 0: on the parabola
-/// through these.
+/// Root, as a part of the way, of the parabola from `before` to `after`, on the other side of 0, that begins with `slope`.
 fn crossing(before: f64, after: f64, slope: f64) -> f64 {
     let side = -after.signum();
     let bend = after - before - slope;

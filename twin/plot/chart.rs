@@ -69,7 +69,7 @@ pub struct Strip {
     /// Lines across it.
     pub marks: Vec<f64>,
     /// Numbers in it, those with `true` with a tick.
-    pub(crate) labels: Vec<(f64, String, bool)>,
+    pub labels: Vec<(f64, String, bool)>,
 }
 
 impl Strip {

@@ -52,9 +52,11 @@ impl StepperParameters {
     }
 }
 
-/// What a sine that goes on by 2·`angle` in a step has to be multiplied with, so that start, four times the middle and end of the step, as
-/// Runge and Kutta weigh them, are six times its mean. Out of step the field may pass the rotor more than once in a step: as it is seen
-/// then, it could stand still, and drag the rotor along. In step it is 1 − angle⁴/180.
+/// Correction factor of a sine that advances by 2·`angle` in a step: with it, the Runge–Kutta weights of start, middle and
+/// end (1, 4, 1) give the mean of the sine exactly.
+///
+/// Out of step the field may pass the rotor more than once in a step. Sampled at three places it could seem to rest, and
+/// drag the rotor along. In step the factor is 1 − angle⁴/180.
 fn whole(angle: f64) -> f64 {
     if angle.abs() < 1e-3 {
         return 1.0;
