@@ -5,7 +5,7 @@ use crate::tolerance::ROUNDING;
 use std::collections::BTreeSet;
 use twin_kinematics::KinematicsError;
 use twin_machine::Axis;
-use twin_machine::coupled::AxesError;
+use twin_machine::axis_couplings::AxesError;
 use twin_path::Place;
 
 /// A set-point without axis positions.

@@ -3,7 +3,7 @@
 use crate::m_function::MCall;
 use twin_kinematics::{AxisMotion, AxisSource, AxisVector, Kinematics, Pose, ToolMotion};
 use twin_machine::Machine;
-use twin_machine::coupled::{AxesError, Coupled};
+use twin_machine::axis_couplings::{AxesError, AxisCouplings};
 use twin_machine::tappets::{MasterPlace, Signal, TappetBits};
 use twin_path::Place;
 use twin_planner::controller::ToolSetpoint;
@@ -60,7 +60,7 @@ pub struct Transformer<'m> {
     machine: &'m Machine,
     near: AxisVector,
     has_additional: bool,
-    coupled: Coupled<'m>,
+    couplings: AxisCouplings<'m>,
 }
 
 impl<'m> Transformer<'m> {
@@ -68,23 +68,23 @@ impl<'m> Transformer<'m> {
     pub fn new(machine: &'m Machine) -> Self {
         let mut sources = machine.kinematics.sources().iter();
         let has_additional = sources.any(|source| matches!(source, AxisSource::Additional(_)));
-        let coupled = Coupled::for_program(machine);
-        Self { machine, near: machine.middle(), has_additional, coupled }
+        let couplings = AxisCouplings::for_program(machine);
+        Self { machine, near: machine.middle(), has_additional, couplings }
     }
 
     /// Signals of the tappets: the bits of the set-points in their order.
     pub(crate) fn signals(&self) -> &[Signal] {
-        self.coupled.signals()
+        self.couplings.signals()
     }
 
     /// Position of the master that switched a signal last, at the last set-point.
     pub(crate) fn tappet_master(&self, signal: usize) -> Option<MasterPlace> {
-        self.coupled.tappet_master(signal)
+        self.couplings.tappet_master(signal)
     }
 
     /// Tappets that did not act because there were too many in a cycle.
     pub(crate) fn lost_tappets(&self) -> u64 {
-        self.coupled.lost_tappets()
+        self.couplings.lost_tappets()
     }
 
     /// Slaves and masters, by name, whose master was on tappets of their cam at the first set-point, with the tappet
@@ -92,7 +92,7 @@ impl<'m> Transformer<'m> {
     pub(crate) fn stood_on_tappets(&self) -> impl Iterator<Item = ([&'m str; 2], Vec<i16>)> {
         let machine = self.machine;
         let name = |index: usize| machine.axes.get(index).map_or("", |axis| axis.name.as_str());
-        let stood = self.coupled.stood_on_tappets();
+        let stood = self.couplings.stood_on_tappets();
         stood.map(move |(coupling, groups)| ([coupling.axis, coupling.master].map(name), groups))
     }
 
@@ -137,8 +137,8 @@ impl<'m> Transformer<'m> {
             self.add_additional(tool, &mut axes);
         }
         self.near = axes.position;
-        self.coupled.apply(&mut axes, tool.time_ns)?;
-        if self.coupled.moves_tool() {
+        self.couplings.apply(&mut axes, tool.time_ns)?;
+        if self.couplings.moves_tool() {
             motion = self.machine.kinematics.forward_motion(&axes)?;
         }
         Ok(AxisSetpoint {
@@ -150,7 +150,7 @@ impl<'m> Transformer<'m> {
             path_velocity: tool.path_velocity,
             feed: (!tool.rapid).then_some(tool.feed),
             probing: tool.probing,
-            tappets: self.coupled.tappets(),
+            tappets: self.couplings.tappets(),
         })
     }
 }

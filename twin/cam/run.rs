@@ -2,10 +2,10 @@
 
 use std::borrow::Cow;
 use std::path::Path;
-use twin_machine::bounded;
 use twin_machine::cam_file::columns;
 use twin_machine::cam_file::{AxisScale, unit_of};
 use twin_machine::cam_file::{CamFile, CamFileError};
+use twin_machine::limited_read;
 use twin_number::counted;
 
 /// A sample of a run.
@@ -229,7 +229,8 @@ impl RecordedRun {
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>, CamFileError> {
-    bounded::read(path).map_err(|source| CamFileError::ReadRun { path: path.to_owned(), source })
+    limited_read::read(path)
+        .map_err(|source| CamFileError::ReadRun { path: path.to_owned(), source })
 }
 
 fn column(name: &str) -> Result<Column, String> {

@@ -165,8 +165,12 @@ fn checked(
             let transformer = &checker.transformer;
             let at = (setpoint.time_ns, setpoint.place);
             match items.job() {
-                Some(job) => switched.see(setpoint.tappets, at, |signal| job.tappet_master(signal)),
-                None => switched.see(setpoint.tappets, at, |one| transformer.tappet_master(one)),
+                Some(job) => {
+                    switched.observe(setpoint.tappets, at, |signal| job.tappet_master(signal))
+                }
+                None => {
+                    switched.observe(setpoint.tappets, at, |one| transformer.tappet_master(one))
+                }
             }
         }
         let Some(setpoint) = setpoint else {

@@ -5,7 +5,7 @@ use crate::finding::{Finding, Rule};
 use crate::messages::no_axes;
 use twin_kinematics::AxisVector;
 use twin_machine::Machine;
-use twin_machine::coupled::Coupled;
+use twin_machine::axis_couplings::AxisCouplings;
 use twin_path::Place;
 
 /// Start positions of the axes, in their units: those of programs, except where the job has `said` others. Cams of the
@@ -44,10 +44,10 @@ pub(super) fn starts(
     // Slaves start where their masters have them.
     let values = machine.axes.iter().zip(&start).map(|(axis, value)| axis.to_si(*value));
     let own = AxisVector::from_values(values);
-    let coupled = Coupled::at_rest(machine, own).map_err(|error| no_axes(first, &error))?;
+    let coupled = AxisCouplings::at_rest(machine, own).map_err(|error| no_axes(first, &error))?;
     for Start { line, axis, .. } in said {
         let place = Place { line: *line, block: None };
-        twin_machine::coupled::begins_at(machine, *axis, &own, &coupled)
+        twin_machine::axis_couplings::begins_at(machine, *axis, &own, &coupled)
             .map_err(|error| no_axes(place, &error))?;
     }
     let shown = machine.axes.iter().zip(coupled.iter()).map(|(axis, value)| axis.from_si(*value));

@@ -4,7 +4,7 @@ use crate::finding::{Finding, Rule};
 use crate::messages::{beyond_position, no_axes};
 use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
-use twin_machine::coupled::AxesError;
+use twin_machine::axis_couplings::AxesError;
 use twin_machine::{Axis, Machine};
 use twin_path::Place;
 

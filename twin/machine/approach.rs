@@ -13,7 +13,7 @@ pub const TOUCH: f64 = 1e-8;
 /// Farther than this is free again, m. More than [`TOUCH`], so that what has just been touched is not left by rounding.
 pub const RELEASE: f64 = 1e-6;
 
-/// How well the place of a trip is found along the move, m.
+/// Accuracy of the trip position along the move, m.
 const PLACE: f64 = 1e-9;
 
 /// Nothing thinner than this is sure to be found, m.
@@ -33,17 +33,17 @@ pub trait Clearance: fmt::Debug {
     fn at(&mut self, at: &Position, point_from_tip: &[f64; 3]) -> Option<f64>;
 }
 
-/// Finds where a probing move trips by the distances along it.
+/// Trip position of a probing move, from the distances along it.
 ///
 /// It walks in steps of half the distance that is left, but none below ten micrometres, and halves the step in which the
-/// probe trips. Where the machine cannot be the way ends: what is wrong there is told by whoever moves the axes.
+/// probe trips. The way ends where the machine cannot go: the motion of the axes reports the error.
 #[derive(Debug)]
 pub struct Approach<C> {
     clearance: C,
 }
 
 impl<C: Clearance> Approach<C> {
-    /// Among what `clearance` knows.
+    /// An approach with distances from `clearance`.
     pub fn new(clearance: C) -> Self {
         Self { clearance }
     }
@@ -104,7 +104,7 @@ fn length(path: &ProbePath) -> f64 {
     linear.max(norm(path.start.rotary, path.end.rotary) * 1e-3)
 }
 
-/// Where all axes are at `part` of a move.
+/// Axis positions at `part` of a move.
 fn between(path: &ProbePath, part: f64) -> Position {
     let of = |from: [f64; 3], to: [f64; 3]| {
         let mut at = from;

@@ -16,7 +16,7 @@ struct Around {
     direction: DirectionRule,
     /// Unit of the axes: radians or metres of what the program gives them.
     units: Vec<f64>,
-    /// Where the axes were.
+    /// Last positions of the axes.
     near: AxisVector,
     scan: ClearanceScan,
 }

@@ -3,7 +3,7 @@
 use super::axis_drive::{self, AxisDrive};
 use super::counting::Counting;
 use super::drives::Seen;
-use super::limits::{DriveLimits, VelocityLimits, read_headroom};
+use super::limits::{AxisLimit, DriveLimits, VelocityLimit, VelocityLimits, read_headroom};
 use super::simulated::{self, SimulatedAxis, SimulatedMotor};
 use crate::axis_kind::AxisKind;
 use crate::section::Section;
@@ -63,6 +63,27 @@ impl Axis {
     /// The largest force or torque of its motor, N or Nm, if that is limited.
     pub fn effort_limit(&self) -> Option<f64> {
         Some(self.simulated.effort_limit).filter(|limit| limit.is_finite())
+    }
+
+    /// Velocity limit without headroom.
+    pub fn velocity_limit(&self) -> VelocityLimit {
+        self.velocity_limits.smallest()
+    }
+
+    /// Its limits in a plan.
+    ///
+    /// A plan that is run k times as fast has k times its velocities, k² times its accelerations and k³ times its jerks.
+    /// With a headroom h, a plan within (1 − h), (1 − h)² and (1 − h)³ of the limits therefore stays within the limits
+    /// themselves up to the override 1 / (1 − h).
+    pub fn limit(&self) -> AxisLimit {
+        let left = 1.0 - self.headroom;
+        let VelocityLimit { value, source } = self.velocity_limit();
+        AxisLimit {
+            velocity: VelocityLimit { value: value * left, source },
+            acceleration: self.max_acceleration * left.powi(2),
+            jerk: self.max_jerk.map(|jerk| jerk * left.powi(3)),
+            headroom: self.headroom,
+        }
     }
 
     /// Exact position counting of its drive.

@@ -1,32 +1,10 @@
 //! Drive of an axis in `[[axes]]`: device, increments per unit, limit switches and homing direction.
 
-use super::counting::Counting;
+use super::counting::{Counting, IncrementRatio};
 use super::drives::Seen;
 use crate::axis_kind::AxisKind;
 use crate::section::Section;
 use twin_drives::family::Abilities;
-
-/// Increments of a drive per unit of the axis, as an exact ratio (the manual's
-/// `dwRatioTechUnitsDenom` / `iRatioTechUnitsNum`).
-///
-/// [`Counting`] converts with it, by a [`twin_drives::DecimalRatio`]. The manual's fraction of whole numbers in 32 bits is
-/// not enough: a machine file gives what its builder reads off the gear, the belt and the encoder, up to 10^12 increments
-/// per 9.525 mm.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct IncrementRatio {
-    /// Increments …
-    pub increments: i64,
-    /// … per this many degrees or millimetres.
-    pub per_units: f64,
-}
-
-impl IncrementRatio {
-    /// Increments per degree or millimetre.
-    #[expect(clippy::cast_precision_loss, reason = "read from a file where it is at most 10^12")]
-    pub(super) fn per_unit(&self) -> f64 {
-        self.increments as f64 / self.per_units
-    }
-}
 
 /// The drive of an axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,7 +109,7 @@ pub(super) fn read(section: &Section<'_>, kind: AxisKind, devices: &[Seen]) -> O
         return None;
     }
     let ratio = IncrementRatio { increments: increments?, per_units: per_units? };
-    // Without its abilities something is wrong with the device, and told already.
+    // Without its abilities the device has an error, which is reported already.
     #[expect(clippy::cast_possible_truncation, reason = "the counters of devices have 32 bits")]
     let most = seen.abilities.as_ref().map_or(i32::MAX.into(), |able| able.counts as i64);
     let counting = Counting::new(axis_kind, &ratio, most)?;

@@ -17,7 +17,7 @@ const RAPID_VELOCITY: f64 = 0.1;
 /// Acceleration along the path in RS274 unless the machine file says otherwise, m/s².
 const ACCELERATION: f64 = 1.0;
 
-/// What programs in micrometres round away is no gouge, m.
+/// Gouge tolerance, m: programs in micrometres round by as much.
 const GOUGE_TOLERANCE: f64 = 1e-6;
 
 /// Keys of the coordinate systems.
@@ -113,7 +113,7 @@ impl Default for ProgramConditions {
     }
 }
 
-/// How long a machine with drives waits behind probing moves, s: until drives that go from point to point are there, too.
+/// Time that a machine with drives waits behind probing moves, s, until drives that go from point to point arrive.
 const PROBE_SETTLE_S: f64 = 0.5;
 
 /// Reads both sections; `file` is the machine file, which may name drives.
@@ -186,7 +186,7 @@ fn read_rs274(
             .map_err(ToolTableError::Io)
             .and_then(|table| ToolTable::read(table, units));
         if let Err(error) = &table {
-            section.complain_at("tool_table", said(&path, error));
+            section.complain_at("tool_table", tool_table_problem(&path, error));
         }
         table.ok()
     });
@@ -214,7 +214,7 @@ fn read_rs274(
 }
 
 /// Message about a tool table, with its file and the reason.
-pub fn said(path: &Path, error: &ToolTableError) -> String {
+pub fn tool_table_problem(path: &Path, error: &ToolTableError) -> String {
     match error {
         ToolTableError::Io(source) => format!("{}: {source}", path.display()),
         error => format!("{}: {error}", path.display()),

@@ -1,8 +1,29 @@
 //! Conversion between axis positions and drive increments by the exact ratio of the machine file.
 
-use super::axis_drive::IncrementRatio;
 use crate::axis_kind::AxisKind;
 use twin_drives::DecimalRatio;
+
+/// Increments of a drive per unit of the axis, as an exact ratio (the manual's
+/// `dwRatioTechUnitsDenom` / `iRatioTechUnitsNum`).
+///
+/// [`Counting`] converts with it, by a [`DecimalRatio`]. The manual's fraction of whole numbers in 32 bits is
+/// not enough: a machine file gives what its builder reads off the gear, the belt and the encoder, up to 10^12 increments
+/// per 9.525 mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IncrementRatio {
+    /// Increments of the drive …
+    pub increments: i64,
+    /// … in this number of degrees or millimetres.
+    pub per_units: f64,
+}
+
+impl IncrementRatio {
+    /// Increments per degree or millimetre.
+    #[expect(clippy::cast_precision_loss, reason = "read from a file where it is at most 10^12")]
+    pub(super) fn per_unit(&self) -> f64 {
+        self.increments as f64 / self.per_units
+    }
+}
 
 /// Position counting of the drive of an axis.
 ///

@@ -5,7 +5,7 @@ use super::axis::Axis;
 use crate::axis_kind::AxisKind;
 use crate::cam_file::unit_fits;
 use crate::cam_file::{CamFile, CamFileError, START_MODES, no_scaling};
-use crate::ring;
+use crate::coupling_cycle;
 use crate::section::Section;
 use crate::section::{Elsewhere, MachineFileError};
 use crate::tappets::MOST_SIGNALS;
@@ -121,12 +121,13 @@ pub(super) fn read(
     let pairs: Vec<_> = found.iter().map(|one| (one.master, one.axis)).collect();
     let sorted = masters_first(found);
     if sorted.is_none() {
-        let ring = ring::find(&pairs).unwrap_or_default();
-        let names = ring::told(&ring, |axis| axes.get(axis).map_or("", |axis| &axis.name));
+        let cycle = coupling_cycle::find(&pairs).unwrap_or_default();
+        let names =
+            coupling_cycle::message(&cycle, |axis| axes.get(axis).map_or("", |axis| &axis.name));
         let message =
             format!("axes of [[gears]] and [[cams]] follow each other in a ring: {names}");
         // At the first of those that are part of it.
-        let part = |pair: &(usize, usize)| ring.windows(2).any(|two| two == [pair.0, pair.1]);
+        let part = |pair: &(usize, usize)| cycle.windows(2).any(|two| two == [pair.0, pair.1]);
         match pairs.iter().position(part).and_then(|index| spans.get(index)) {
             Some(span) => root.complain_over(span, message),
             None => root.complain(message),
@@ -135,7 +136,7 @@ pub(super) fn read(
     sorted.filter(|_| whole)
 }
 
-/// How many groups of tappets there are, of every slave its own.
+/// Number of tappet groups, counted per slave.
 fn groups(couplings: &[Coupling]) -> usize {
     let of = |coupling: &Coupling| match &coupling.by {
         CoupledBy::Gear(..) => 0,
@@ -158,7 +159,7 @@ fn one(section: &Section<'_>, path: &Path, axes: &[Axis], is_gear: bool) -> Opti
         }
         found
     });
-    // What else is wrong is told as well.
+    // Other errors are reported as well.
     let by = if is_gear {
         let ratio = read_ratio(section);
         ratio.map(|(numerator, denominator)| CoupledBy::Gear(numerator, denominator.unsigned_abs()))
@@ -175,7 +176,7 @@ fn one(section: &Section<'_>, path: &Path, axes: &[Axis], is_gear: bool) -> Opti
     Some(Coupling { axis, master, by: by? })
 }
 
-/// Sorted so that whoever is followed comes first; none if there is a ring.
+/// Sorted so that whoever is followed comes first; `None` if there is a cycle.
 fn masters_first(mut left: Vec<Coupling>) -> Option<Vec<Coupling>> {
     let mut sorted = Vec::new();
     while !left.is_empty() {
@@ -219,7 +220,7 @@ impl<'a> CamAxis<'a> {
 }
 
 /// Reads a cam and its start; `path` is the file that names it. Defaults come from the cam's own file, except for the
-/// three flags of `MC_CamTableSelect`, which are true. For an unknown axis there are no keys with units; other errors
+/// three flags of `MC_CamTableSelect`, which are true. An unknown axis has no keys with units; other errors
 /// are reported.
 pub fn read_cam(
     section: &Section<'_>,
@@ -308,11 +309,11 @@ pub fn read_cam(
     Some(CamSelection { table, input, out_of_order, gain_unsaid })
 }
 
-/// What helps a cam over time.
+/// Advice for a cam over time.
 const NO_TIME: &str = ": no axis is time itself; a linear axis that MC_MoveVelocity moves with 1 mm/s counts seconds in mm, so that the \
                        unit of the master is mm";
 
-/// What is wrong with a cam's file: in a line, and, where its lines are known, with these.
+/// Reports the error of a cam file in one line, with the lines of the file if they are known.
 fn complain(section: &Section<'_>, path: &Path, error: CamFileError) {
     let said = error.to_string();
     let named = path.display().to_string();

@@ -1,6 +1,6 @@
 //! Tool direction, for machines that can turn the tool.
 
-use super::geometry::additional;
+use crate::additional_axis;
 use crate::section::Section;
 use twin_kinematics::ToPath;
 use twin_path::EXTRA_AXES;
@@ -46,7 +46,8 @@ impl DirectionRule {
             ("left", Word::Path(ToPath::Left)),
             ("fixed", Word::Fixed),
         ];
-        let additional = names.iter().filter_map(|name| Some((name, additional(name)?)));
+        let additional =
+            names.iter().filter_map(|name| Some((name, additional_axis::number(name)?)));
         words.extend(additional.map(|(name, number)| (name.as_str(), Word::Additional(number))));
         let default =
             if kind.starts_with("scara") { Word::Fixed } else { Word::Path(ToPath::Tangential) };
@@ -80,7 +81,7 @@ impl DirectionRule {
     }
 
     /// The direction at which a program starts, rad in the work frame.
-    pub fn at_start(&self) -> f64 {
+    pub(crate) fn at_start(&self) -> f64 {
         match *self {
             Self::Path(to_path, angle) => to_path.offset() + angle,
             Self::Fixed(angle) | Self::Additional(_, angle) => angle,

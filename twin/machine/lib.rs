@@ -1,29 +1,31 @@
 //! Machine file: one TOML file that describes a machine. The comments of `machines/*.toml` document it.
 
+mod additional_axis;
 pub mod approach;
 mod around;
 mod axis;
+pub mod axis_couplings;
 mod axis_drive;
 pub mod axis_kind;
-pub mod bounded;
 pub mod cam_file;
 mod conditions;
 mod counting;
-pub mod coupled;
+pub mod coupling_cycle;
 mod couplings;
 mod direction;
 mod drives;
 mod frame;
 mod geometry;
+pub mod limited_read;
 mod limits;
 mod m_functions;
 mod payload;
 mod physics;
-mod refusal;
-pub mod ring;
+mod plan_limits;
 mod scenario;
 pub mod section;
 mod simulated;
+mod simulation_error;
 mod surroundings;
 mod tappet_outputs;
 pub mod tappets;
@@ -33,10 +35,9 @@ mod tool;
 
 use crate::section::FileKind;
 pub use axis::Axis;
-pub use axis_drive::{AxisDrive, IncrementRatio, Switches};
-pub use conditions::said as tool_table_problem;
-pub use conditions::{PreparationInputs, ProgramConditions};
-pub use counting::Counting;
+pub use axis_drive::{AxisDrive, Switches};
+pub use conditions::{PreparationInputs, ProgramConditions, tool_table_problem};
+pub use counting::{Counting, IncrementRatio};
 pub use couplings::{CamAxis, read_cam, read_ratio};
 pub use couplings::{CamSelection, CoupledBy, Coupling};
 pub use direction::DirectionRule;
@@ -44,11 +45,11 @@ use drives::Seen;
 pub use drives::{DeviceEntry, DriveFamily, FAMILIES};
 pub use limits::{AxisLimit, PathLimits, VelocityLimit, VelocityLimits, VelocitySource};
 pub use m_functions::MFunction;
-pub use refusal::SimulationError;
 pub use scenario::{FaultAt, FaultKind, FaultStart, Scenario};
 pub use simulated::{
     FeedForward, SimulatedAxis, SimulatedMotor, SimulatedServo, SimulatedTransmission,
 };
+pub use simulation_error::SimulationError;
 pub use surroundings::Collision;
 
 use crate::section::{MachineFileError, Problem, Section, read_text};
@@ -333,7 +334,7 @@ fn dimensions(text: &str) -> toml::Table {
     dimensions
 }
 
-/// What must hold between the axes. False if two have the same name.
+/// Checks the axes against each other. False if two have the same name.
 fn check_axes(root: &Section<'_>, sections: &[Section<'_>], entries: &[Option<AxisEntry>]) -> bool {
     let mut unique = true;
     if sections.is_empty() {

@@ -1,13 +1,11 @@
 //! Limits of axes and path for feed planning, each with its source. Plain data, SI.
 
 use super::conditions::PreparationInputs;
-use super::{Axis, Machine, SimulationError};
 use crate::section::Section;
 use std::ops::RangeInclusive;
 use twin_interpcnc::protocol::registers::MAX_SPEED_HZ;
-use twin_physics::{AxisLoad, PathDynamics};
 
-/// How far the path may leave the programmed one at joints, unless the machine file says otherwise, m.
+/// Default of the largest distance from the programmed path at joints, m.
 const BLEND_TOLERANCE: f64 = 1e-6;
 
 /// Step frequencies that may be given, kHz: at most what the board makes.
@@ -38,7 +36,7 @@ impl VelocitySource {
     }
 }
 
-/// The velocity an axis can have, and what keeps it from more.
+/// Velocity limit of an axis, and its source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VelocityLimit {
     /// m/s or rad/s.
@@ -102,60 +100,6 @@ pub struct PathLimits {
     pub centripetal_acceleration: Option<f64>,
     /// Largest jump of that from one element to the next, m/s² (`dMaxAccJump`); `None`: not limited.
     pub centripetal_jump: Option<f64>,
-}
-
-impl Axis {
-    /// The velocity it can have, without headroom.
-    pub fn velocity_limit(&self) -> VelocityLimit {
-        self.velocity_limits.smallest()
-    }
-
-    /// Its limits in a plan.
-    ///
-    /// A plan that is run k times as fast has k times its velocities, k² times its accelerations and k³ times its jerks.
-    /// With a headroom h, a plan within (1 − h), (1 − h)² and (1 − h)³ of the limits therefore stays within the limits
-    /// themselves up to the override 1 / (1 − h).
-    pub fn limit(&self) -> AxisLimit {
-        let left = 1.0 - self.headroom;
-        let VelocityLimit { value, source } = self.velocity_limit();
-        AxisLimit {
-            velocity: VelocityLimit { value: value * left, source },
-            acceleration: self.max_acceleration * left.powi(2),
-            jerk: self.max_jerk.map(|jerk| jerk * left.powi(3)),
-            headroom: self.headroom,
-        }
-    }
-}
-
-impl Machine {
-    /// Limits of each axis in a plan, in machine-file order, less the override headroom.
-    pub fn axis_limits(&self) -> Vec<AxisLimit> {
-        self.axes.iter().map(Axis::limit).collect()
-    }
-
-    /// The efforts of the axes along paths, with the masses, frictions and effort limits of the simulated machine.
-    /// `None` if no axis has a `max_torque_nm` or `max_force_n`.
-    ///
-    /// # Errors
-    /// [`SimulationError`] if the model is none that physics can have.
-    pub fn path_dynamics(&self) -> Result<Option<PathDynamics>, SimulationError> {
-        let loads: Vec<_> = self
-            .axes
-            .iter()
-            .map(|axis| AxisLoad {
-                effort_limit: axis.simulated.effort_limit,
-                coulomb_friction: axis.simulated.dry_friction(),
-                viscous_friction: axis.simulated.viscous_friction(),
-                armature: axis.simulated.armature,
-                headroom: axis.headroom,
-            })
-            .collect();
-        if loads.iter().all(|load| load.effort_limit.is_infinite()) {
-            return Ok(None);
-        }
-        let dynamics = PathDynamics::new(&self.model, &loads, self.gravity);
-        dynamics.map(Some).map_err(|error| SimulationError::of(self, error))
-    }
 }
 
 /// Drive and motor limits in `[[axes]]`, besides the velocity of the axis itself.

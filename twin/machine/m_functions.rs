@@ -4,7 +4,7 @@ use crate::section::Section;
 use std::ops::RangeInclusive;
 use twin_interpcnc::protocol::registers::OUTPUTS;
 
-/// `[[m_functions]]` of a machine file: what an M function switches.
+/// `[[m_functions]]` of a machine file: outputs that an M function switches.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MFunction {
     /// Its number.

@@ -5,7 +5,7 @@ use twin_kinematics::AxisVector;
 use twin_physics::{PhysicsError, PhysicsMachine, axis_inertia};
 
 impl Machine {
-    /// The machine in rapier at rest at `start`, with its drives and what is around it.
+    /// The machine in rapier at rest at `start`, with its drives and its obstacles.
     ///
     /// # Errors
     /// [`PhysicsError`] if bodies or drives cannot be simulated; [`super::SimulationError::of`] names them.

@@ -41,7 +41,7 @@ pub struct FaultAt {
 /// Start of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultStart {
-    /// So long after the start of the program, ns.
+    /// Time after the start of the program, ns.
     Time(i64),
     /// With the first set-point of this line.
     Line(u32),
@@ -50,7 +50,7 @@ pub enum FaultStart {
 /// A fault. SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaultKind {
-    /// The axis does not move, for so long (ns) or for good.
+    /// The axis does not move, for this time (ns) or for good.
     Jam(Option<i64>),
     /// The next full steps of the pulse train do not reach the step motor.
     LostSteps(f64),

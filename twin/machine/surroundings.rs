@@ -14,10 +14,10 @@ use twin_urdf::{Mesh, Model, Solid, SolidShape};
 const SIZE_MM: RangeInclusive<f64> = 1e-3..=100_000.0;
 /// mm; of places.
 const PLACE_MM: RangeInclusive<f64> = -1e5..=1e5;
-/// What a factor of a mesh's coordinates may be.
+/// Range of the factors of a mesh's coordinates.
 const SCALE: RangeInclusive<f64> = 1e-6..=1e6;
 
-/// What `leave_out` calls the tool.
+/// Name of the tool in `leave_out`.
 const TOOL: &str = "tool";
 
 /// Collision check of a machine.
@@ -35,7 +35,7 @@ pub struct Collision {
 #[derive(Debug)]
 pub(super) struct Entries {
     obstacles: Vec<Obstacle>,
-    /// Where their names are.
+    /// Places of their names in the file.
     names: Vec<std::ops::Range<usize>>,
     among_links: bool,
     /// By name, and where in the file.
@@ -212,7 +212,7 @@ impl Entries {
 }
 
 impl Machine {
-    /// Something that measures how far the machine is from everything in its way; `None` if its file says nothing of that.
+    /// Scan of the distances between the machine and its obstacles; `None` without a collision check in the file.
     ///
     /// # Errors
     /// [`PhysicsError`].

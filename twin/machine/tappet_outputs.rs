@@ -40,7 +40,7 @@ fn is_board(family: &dyn Family) -> bool {
     family.kind() == InterpCncFamily.kind()
 }
 
-/// Which device it is, the first one that has outputs if the section does not say, and how many outputs that has.
+/// The device and its number of outputs; the first one with outputs unless the section names one.
 fn device(section: &Section<'_>, drives: &[(&Seen, usize)]) -> Option<(usize, i64)> {
     // A kind that does not exist is reported elsewhere.
     let outputs = |(seen, axes): &(&Seen, usize)| {

@@ -126,7 +126,12 @@ impl Tracks {
 
     /// Takes the tappet actions of the cam between `slave` and `master` in a cycle, whose clock is `later_ns` behind
     /// the program's.
-    pub fn take_all(&mut self, (slave, master): (usize, usize), data: &TappetData, later_ns: i64) {
+    pub(crate) fn take_all(
+        &mut self,
+        (slave, master): (usize, usize),
+        data: &TappetData,
+        later_ns: i64,
+    ) {
         self.lose(data);
         for trigger in data.triggers() {
             let time_ns = trigger.time_ns.saturating_add(later_ns);
@@ -135,7 +140,7 @@ impl Tracks {
     }
 
     /// Counts what a cycle had no room for.
-    pub fn lose(&mut self, data: &TappetData) {
+    pub(crate) fn lose(&mut self, data: &TappetData) {
         self.lost = self.lost.saturating_add(u64::try_from(data.lost).unwrap_or(u64::MAX));
     }
 
@@ -175,14 +180,14 @@ pub struct TappetSwitch {
 }
 
 /// More switchings than these are counted, not kept.
-pub const MOST_SWITCHES: usize = 10_000;
+pub(crate) const MOST_SWITCHES: usize = 10_000;
 
 /// Everything that tappets switched along a program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Switched {
-    /// The signals there are.
+    /// The signals.
     pub signals: Vec<Signal>,
-    /// The first [`MOST_SWITCHES`] switchings, in the order of time.
+    /// The first 10,000 switchings, in the order of time.
     pub switches: Vec<TappetSwitch>,
     /// Number of switchings of each signal.
     pub counts: Vec<u64>,
@@ -194,8 +199,8 @@ pub struct Switched {
 }
 
 impl Switched {
-    /// A set-point more; `master` is asked where the master of a signal is.
-    pub fn see(
+    /// Takes the next set-point; `master` gives the position of the master of a signal.
+    pub fn observe(
         &mut self,
         bits: TappetBits,
         (time_ns, place): (i64, twin_path::Place),

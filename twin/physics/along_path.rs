@@ -17,10 +17,11 @@ use nalgebra::Vector3;
 use twin_kinematics::{AxisVector, MAX_AXES};
 use twin_urdf::Model;
 
-use super::dynamics::at;
-use super::error::PhysicsError;
-use super::mechanism::Mechanism;
-use super::{checked, joint_vector};
+use crate::checked;
+use crate::error::PhysicsError;
+use crate::joint::at;
+use crate::joint::joint_vector;
+use crate::mechanism::Mechanism;
 
 /// The drive of an axis as its efforts along a path see it; everything behind the gear.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,7 +122,7 @@ pub struct EffortRow {
     /// Coefficient of s̈.
     pub acceleration: f64,
     /// Coefficient of ṡ².
-    pub speed_v2: f64,
+    pub(crate) speed_v2: f64,
     /// Coefficient of ṡ, at least 0.
     pub speed: f64,
     /// Remaining effort of the motor, N or Nm; below 0 where weight and dry friction alone exceed it.
@@ -191,7 +192,7 @@ impl AxisEffort {
         speeds.fold(f64::INFINITY, f64::min)
     }
 
-    /// What weight and dry friction leave of the effort, upwards and downwards.
+    /// Effort left by weight and dry friction, upwards and downwards.
     fn spare(&self) -> [f64; 2] {
         [self.limit - self.weight - self.dry, self.limit + self.weight - self.dry]
     }

@@ -4,8 +4,8 @@ use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use twin_kinematics::MAX_AXES;
 use twin_urdf::{JointDrive, JointKind, Link, Model};
 
-use super::dynamics::JointMatrix;
-use super::error::PhysicsError;
+use crate::error::PhysicsError;
+use crate::joint::JointMatrix;
 
 /// Motion of a body against its parent: with the joint of this number.
 #[derive(Clone, Copy, Debug)]

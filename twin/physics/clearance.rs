@@ -4,14 +4,14 @@ use nalgebra::{Isometry3, Vector3};
 use twin_kinematics::AxisVector;
 use twin_urdf::Model;
 
-use super::checked;
-use super::distances::{Clearance, Distances};
-use super::dynamics::JointVector;
-use super::equation::Equation;
-use super::error::PhysicsError;
-use super::pairs::Pairs;
-use super::posed::Posed;
-use super::surroundings::{Part, Surroundings};
+use crate::checked;
+use crate::distances::{Clearance, Distances};
+use crate::equation::Equation;
+use crate::error::PhysicsError;
+use crate::joint::JointVector;
+use crate::pairs::Pairs;
+use crate::posed::Posed;
+use crate::surroundings::{Part, Surroundings};
 
 /// Search for the nearest pair of parts, pose by pose along a way.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ impl ClearanceScan {
     /// Scan of the links of `model`, moved by its machine axes, among `surroundings`.
     ///
     /// # Errors
-    /// [`PhysicsError`] if the model is none that can be simulated, and [`PhysicsError::FlatMesh`].
+    /// [`PhysicsError`] if the model cannot be simulated, and [`PhysicsError::FlatMesh`].
     pub fn new(
         model: &Model,
         axis_count: usize,
@@ -39,7 +39,7 @@ impl ClearanceScan {
         })
     }
 
-    /// Of the tool alone, among all that is around the machine, stock included: what a probe can find.
+    /// Scan of the tool alone among all obstacles, stock included: the surfaces that a probe can find.
     ///
     /// # Errors
     /// Those of [`Self::new`].
@@ -78,12 +78,13 @@ impl ClearanceScan {
         })
     }
 
-    /// True if there is no pair of parts to measure.
+    /// True without a pair of parts to measure.
     pub fn is_empty(&self) -> bool {
         self.distances.is_empty()
     }
 
-    /// The two parts that are nearest to each other with the axes at `axes` (m or rad); `None` if nothing may touch anything.
+    /// The two parts that are nearest to each other with the axes at `axes` (m or rad); `None` without a pair that may
+    /// touch.
     ///
     /// # Errors
     /// [`PhysicsError::Apart`], [`PhysicsError::AxisCount`] and [`PhysicsError::Input`].

@@ -12,12 +12,12 @@ use rapier3d_f64::parry::query::{
 };
 use twin_urdf::Model;
 
-use super::error::PhysicsError;
-use super::maths;
-use super::pairs::Pairs;
-use super::penetration;
-use super::solids::{self, Placed};
-use super::surroundings::{Part, Surroundings};
+use crate::error::PhysicsError;
+use crate::maths;
+use crate::pairs::Pairs;
+use crate::penetration;
+use crate::solids::{self, Placed};
+use crate::surroundings::{Part, Surroundings};
 
 /// Distance of two parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,9 +64,9 @@ impl Near {
 pub(super) struct Distances {
     parts: Vec<Measured>,
     pairs: Vec<Pair>,
-    /// How far each link has gone at most, m.
+    /// Upper bound of the distance each link has moved, m.
     gone: Vec<f64>,
-    /// How far the solids of each link are from its origin at most, m.
+    /// Largest distance of the solids of each link from its origin, m.
     radii: Vec<f64>,
     /// No pair is nearer than this, m.
     least: f64,
@@ -300,7 +300,7 @@ impl Distances {
         }
     }
 
-    /// How far two parts are apart; `None` if that cannot be told.
+    /// Distance of two parts; `None` if it cannot be measured.
     fn measure(&self, numbers: [usize; 2], poses: &[Isometry3<f64>]) -> Option<Clearance> {
         let [one, other] = numbers.map(|number| self.parts.get(number));
         let (one, other) = (one?, other?);
@@ -319,7 +319,7 @@ impl Distances {
     }
 }
 
-/// Where two shapes are nearest to each other, machine frame.
+/// Nearest points of two shapes, machine frame.
 struct Nearest {
     /// m; below 0 as deep in each other.
     distance: f64,
@@ -330,7 +330,7 @@ struct Nearest {
     inside: Option<Point3<f64>>,
 }
 
-/// Where two shapes are nearest to each other; `None` for shapes that cannot be measured.
+/// Nearest points of two shapes; `None` for shapes that cannot be measured.
 fn nearest_points([here, there]: &[Pose; 2], [one, other]: [&dyn Shape; 2]) -> Option<Nearest> {
     let point = |point| Point3::from(maths::vector_from_rapier(point));
     match closest_points(here, one, there, other, f64::MAX).ok()? {

@@ -1,27 +1,22 @@
 //! Equation of motion of a tree of links in joint space: `M(q)·a + b(q, v) = effort`.
 //!
 //! `b` holds gravity, centrifugal and Coriolis terms. `M` has the reflected rotor inertia on its diagonal. Both are
-//! computed from the moving bodies, one per joint (`folded`). Where nothing turns they are constants.
+//! computed from the moving bodies, one per joint (`tree_dynamics`). Where nothing turns they are constants.
 //!
 //! Joint `i` here is machine axis `i`, whatever the order of the joints in the model. Two motors on one belt move two
 //! joints together. Joint positions are then G·q with a constant G, the efforts at the motors are Gᵀ·effort of the
 //! joints, and the inertia is Gᵀ·M·G. Rotors turn with the motors. Positions, velocities and efforts are always those
 //! of the axes.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::Vector3;
 use twin_kinematics::MAX_AXES;
 use twin_urdf::Model;
 
-use super::bodies::Tree;
-use super::error::PhysicsError;
-use super::folded::Folded;
-use super::linear::{solve, solve_and_invert};
-
-/// One value per axis; axes the machine does not have are 0.
-pub(super) type JointVector = SVector<f64, MAX_AXES>;
-
-/// One value per pair of axes.
-pub(super) type JointMatrix = SMatrix<f64, MAX_AXES, MAX_AXES>;
+use crate::bodies::Tree;
+use crate::error::PhysicsError;
+use crate::joint::{JointMatrix, JointVector};
+use crate::linear::{solve, solve_and_invert};
+use crate::tree_dynamics::TreeDynamics;
 
 /// The equation of motion of one machine.
 #[derive(Clone, Debug)]
@@ -29,7 +24,7 @@ pub(super) struct Dynamics {
     axis_count: usize,
     gravity: Vector3<f64>,
     tree: Tree,
-    folded: Folded,
+    bodies: TreeDynamics,
     /// Reflected rotor inertia per axis.
     armature: JointVector,
     /// Efforts against gravity, if nothing turns: then they and the inertia are the same everywhere.
@@ -74,11 +69,11 @@ impl Dynamics {
         // Where axes are coupled, rotors do not turn with a joint each.
         let coupled = tree.coupling.is_some();
         let with_joints = if coupled { JointVector::zeros() } else { armature };
-        let folded = Folded::new(&tree, &with_joints, axis_count);
-        let uniform = folded.is_uniform();
+        let bodies = TreeDynamics::new(&tree, &with_joints, axis_count);
+        let uniform = bodies.is_uniform();
         let inertia = JointMatrix::identity();
         let mut result =
-            Self { axis_count, gravity, tree, folded, armature, weight: None, inertia };
+            Self { axis_count, gravity, tree, bodies, armature, weight: None, inertia };
         if uniform {
             let zero = JointVector::zeros();
             result.place(&zero);
@@ -162,18 +157,18 @@ impl Dynamics {
 
     fn place(&mut self, position: &JointVector) {
         match &self.tree.coupling {
-            Some(coupling) => self.folded.place(&(coupling * position)),
-            None => self.folded.place(position),
+            Some(coupling) => self.bodies.place(&(coupling * position)),
+            None => self.bodies.place(position),
         }
     }
 
     /// At the last place.
     fn efforts(&mut self, velocity: &JointVector, acceleration: &JointVector) -> JointVector {
         let Some(coupling) = &self.tree.coupling else {
-            return self.folded.efforts(velocity, acceleration, &self.gravity);
+            return self.bodies.efforts(velocity, acceleration, &self.gravity);
         };
         let [joint_velocity, changes] = [velocity, acceleration].map(|values| coupling * values);
-        let efforts = self.folded.efforts(&joint_velocity, &changes, &self.gravity);
+        let efforts = self.bodies.efforts(&joint_velocity, &changes, &self.gravity);
         coupling.tr_mul(&efforts) + self.armature.component_mul(acceleration)
     }
 
@@ -182,8 +177,8 @@ impl Dynamics {
         if self.weight.is_some() {
             return &self.inertia;
         }
-        let Some(coupling) = &self.tree.coupling else { return self.folded.inertia() };
-        let mut inertia = coupling.tr_mul(&(self.folded.inertia() * coupling));
+        let Some(coupling) = &self.tree.coupling else { return self.bodies.inertia() };
+        let mut inertia = coupling.tr_mul(&(self.bodies.inertia() * coupling));
         for (axis, armature) in self.armature.iter().enumerate() {
             if let Some(entry) = inertia.get_mut((axis, axis)) {
                 *entry += if axis < self.axis_count { *armature } else { 1.0 };
@@ -192,9 +187,4 @@ impl Dynamics {
         self.inertia = inertia;
         &self.inertia
     }
-}
-
-/// The value of `axis`; axes are below [`MAX_AXES`] by construction.
-pub(super) fn at(values: &JointVector, axis: usize) -> f64 {
-    values.get(axis).copied().unwrap_or_default()
 }

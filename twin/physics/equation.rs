@@ -3,9 +3,10 @@
 use nalgebra::Vector3;
 use twin_urdf::Model;
 
-use super::dynamics::{Dynamics, JointMatrix, JointVector};
-use super::error::PhysicsError;
-use super::tripod::TripodDynamics;
+use crate::dynamics::Dynamics;
+use crate::error::PhysicsError;
+use crate::joint::{JointMatrix, JointVector};
+use crate::tripod::TripodDynamics;
 
 /// Equation of motion of a tree of links or of a tripod.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Errors of the simulated machine: invalid models, invalid inputs, and failures during motion.
 
-use super::event::Side;
-use super::surroundings::Part;
+use crate::side::Side;
+use crate::surroundings::Part;
 use std::fmt;
 use twin_kinematics::MAX_AXES;
 
@@ -14,7 +14,7 @@ pub enum Subject {
     Joint(usize),
     /// Index into [`twin_urdf::Model::links`].
     Link(usize),
-    /// Something that touches something.
+    /// A part in contact.
     Part(Part),
 }
 
@@ -31,7 +31,7 @@ impl fmt::Display for Subject {
 }
 
 /// A machine that cannot be simulated, or an input it cannot follow. Axes, joints and links are counted from 0;
-/// [`Self::said`] replaces the numbers by names.
+/// [`Self::message`] replaces the numbers by names.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PhysicsError {
     /// The number of values does not fit the number of axes.
@@ -69,15 +69,15 @@ pub enum PhysicsError {
         /// The joint.
         joint: usize,
     },
-    /// Links that go round in a circle.
+    /// Closed loops of links.
     ClosedLoops {
-        /// How many.
+        /// Number of loops.
         loops: usize,
     },
-    /// Links that go round in a circle, and are no tripod: three carriages that slide upwards, two rods on each of them by
+    /// Closed loops of links that are not a tripod: three carriages that slide upwards, two rods on each of them by
     /// two joints that turn, a platform on all of these.
     UnknownMechanism {
-        /// How many.
+        /// Number of loops.
         loops: usize,
     },
     /// A rod whose mass is not the same all around it.
@@ -107,7 +107,7 @@ pub enum PhysicsError {
     NoInertia {
         /// The axis.
         axis: usize,
-        /// What it moves, kg or kg·m².
+        /// Inertia that the axis moves, kg or kg·m².
         inertia: f64,
     },
     /// A drive parameter is out of range.
@@ -133,26 +133,26 @@ pub enum PhysicsError {
     LimitSwitch {
         /// The axis.
         axis: usize,
-        /// Which switch.
+        /// Side of the switch.
         side: Side,
     },
     /// A mesh without volume, which can touch nothing.
     FlatMesh {
-        /// What it belongs to.
+        /// Part that the mesh belongs to.
         part: Part,
         /// Its place among the solids of that.
         solid: usize,
     },
-    /// The machine is in something where it starts.
+    /// Two parts overlap at the start.
     Overlap {
-        /// What is in what.
+        /// The overlapping parts.
         parts: [Part; 2],
         /// m.
         depth: f64,
     },
-    /// Parts of the machine touched each other, or something around it.
+    /// Parts of the machine touched each other or an obstacle.
     Collision {
-        /// What touched what.
+        /// The parts in contact.
         parts: [Part; 2],
         /// N.
         force: f64,
@@ -171,7 +171,7 @@ pub enum PhysicsError {
 
 impl PhysicsError {
     /// Message of the error, with `name` for the axes, joints and links that it concerns.
-    pub fn said(&self, name: impl Fn(Subject) -> String) -> String {
+    pub fn message(&self, name: impl Fn(Subject) -> String) -> String {
         let axis = |axis| name(Subject::Axis(axis));
         let joint = |joint| name(Subject::Joint(joint));
         let link = |link| name(Subject::Link(link));
@@ -297,7 +297,7 @@ impl PhysicsError {
 
 impl fmt::Display for PhysicsError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.said(|part| part.to_string()))
+        f.write_str(&self.message(|part| part.to_string()))
     }
 }
 

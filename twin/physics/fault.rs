@@ -1,34 +1,15 @@
 //! Fault injection: jams, lost steps, loose belts and power loss.
 
-use super::drive::MotorAtWork;
-use super::event::{EventKind, PhysicsEvent};
-use super::friction::FrictionParameters;
-use super::machine::PhysicsMachine;
+use crate::drive::MotorAtWork;
+use crate::event::{EventKind, Fault, PhysicsEvent};
+use crate::friction::FrictionParameters;
+use crate::machine::PhysicsMachine;
 
-/// What a jammed axis holds: more than any motor gives, N or Nm.
+/// Dry friction of a jammed axis: more than any motor gives, N or Nm.
 const JAMMED: f64 = 1e9;
 
-/// A fault of one axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Fault {
-    /// The axis does not move any more, whatever pushes it.
-    Jam,
-    /// The next so many full steps of the pulse train do not reach the step motor. A servo motor has none to lose.
-    LostSteps(f64),
-    /// The belt, or whatever gives way, has this part of its stiffness and damping left, and this much more play (m or rad).
-    /// A rigid transmission has nothing to loosen.
-    LooseBelt {
-        /// Above 0, usually below 1.
-        stiffness: f64,
-        /// m or rad, not below 0.
-        backlash: f64,
-    },
-    /// The drive has no power any more; its brake, if there is one, closes.
-    PowerLoss,
-}
-
 impl PhysicsMachine {
-    /// Injects a fault into `axis`. False if it cannot have the fault: there is no such axis, or it has no part that
+    /// Injects a fault into `axis`. False if it cannot have the fault: the axis does not exist, or lacks a part that
     /// can fail so.
     pub fn fail(&mut self, axis: usize, fault: Fault) -> bool {
         let parts = self.drives.get_mut(axis).zip(self.trains.get_mut(axis));

@@ -20,7 +20,7 @@ pub struct FrictionParameters {
 }
 
 impl FrictionParameters {
-    /// None at all.
+    /// No friction.
     pub const NONE: Self =
         Self { coulomb: 0.0, breakaway: 0.0, stribeck_velocity: 0.0, viscous: 0.0 };
 
@@ -68,7 +68,7 @@ impl FrictionParameters {
     }
 }
 
-/// At so many Stribeck velocities rounding takes what is left above Coulomb friction: e⁻⁴⁹.
+/// Stribeck velocities at which friction above Coulomb's is below rounding: e⁻⁴⁹.
 const FALLEN: f64 = 7.0;
 
 /// Slower than this, rounding included, a part is at rest, m/s or rad/s.
@@ -89,7 +89,7 @@ pub(super) enum DryFriction {
 }
 
 impl DryFriction {
-    /// Of a part at rest that `force` would hold, where there is no more than `most`.
+    /// Of a part at rest that `force` would hold, with at most `most` available.
     pub(super) fn at_rest(force: f64, most: f64) -> Self {
         if force.abs() < most * (1.0 - LEFT) { Self::Sticks } else { Self::Slides(-force.signum()) }
     }

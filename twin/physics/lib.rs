@@ -15,7 +15,7 @@
 //!    (`dynamics`, `tripod`, `integrate`) takes the joints, and rotors behind springs (`transmission`), from q, v to
 //!    q₁, v₁. Contact forces of the step before go on pushing.
 //! 3. If parts would overlap at q₁, contact forces that keep them apart are computed, and the resulting positions
-//!    (`touch`, `contact`).
+//!    (`contact_step`, `contact_solver`).
 //! 4. rapier's bodies are placed at the positions after the last step.
 //!
 //! [`PhysicsMachine::link_poses`] reads the bodies.
@@ -25,17 +25,20 @@ mod along_path;
 mod bodies;
 mod clearance;
 mod contact;
+mod contact_solver;
+mod contact_step;
+mod delta_dynamics;
 mod distances;
 mod drive;
+mod dry_friction;
 mod dynamics;
 mod equation;
 mod error;
 mod event;
 mod fault;
-mod folded;
 mod friction;
 mod integrate;
-mod level;
+mod joint;
 mod linear;
 mod linkage;
 mod load;
@@ -47,16 +50,18 @@ mod pairs;
 mod passive;
 mod penetration;
 mod posed;
+mod runge_kutta;
 mod setpoint;
-mod settle;
-mod snapshot;
+mod side;
 mod solids;
 mod spatial;
+mod state;
+mod step;
 mod stepping;
 mod stop;
 mod surroundings;
-mod touch;
 mod transmission;
+mod tree_dynamics;
 mod tripod;
 mod world;
 
@@ -69,26 +74,25 @@ use twin_urdf::Model;
 
 pub use along_path::{AxisEffort, AxisLoad, EffortRow, PathDynamics, TorqueAlongPath};
 pub use clearance::ClearanceScan;
+pub use contact::{Collision, Contact};
 pub use distances::Clearance;
 pub use drive::{
     AxisDriveParameters, BrakeParameters, EffortCurve, EffortFeedForward, EncoderParameters,
-    EncoderSide, MAX_DELAY, Motor, OverloadParameters, ServoParameters, StepperParameters,
-    SwitchParameters, SwitchStates,
+    EncoderSide, Motor, OverloadParameters, ServoParameters, StepperParameters, SwitchParameters,
+    SwitchStates,
 };
 pub use error::{PhysicsError, Subject};
-pub use event::{EventKind, PhysicsEvent, Side};
-pub use fault::Fault;
+pub use event::{EventKind, Fault, PhysicsEvent};
 pub use friction::FrictionParameters;
 pub use load::{MotorLoad, MotorState};
 pub use machine::{AxisState, PhysicsMachine};
 pub use noise::NoiseParameters;
-pub use snapshot::Snapshot;
+pub use side::Side;
 pub use surroundings::{Obstacle, ObstacleKind, Part, Surroundings, YieldingTool};
-pub use touch::{Collision, Contact};
 pub use transmission::ElasticTransmission;
 
-use dynamics::JointVector;
 use equation::Equation;
+use joint::{JointVector, axis_vector, joint_vector};
 
 /// The inertia of each axis of `model` at `position` while the others are at rest (kg or kg·m²), without rotors: input
 /// of [`ServoParameters::tuned`].
@@ -107,7 +111,7 @@ pub fn axis_inertia(model: &Model, position: &AxisVector) -> Result<AxisVector, 
 /// # Errors
 /// Those of [`axis_inertia`].
 #[cfg(test)]
-pub fn holding_effort(
+pub(crate) fn holding_effort(
     model: &Model,
     gravity: Vector3<f64>,
     position: &AxisVector,
@@ -139,18 +143,6 @@ pub fn motion_effort(
         &of(&motion.acceleration)?,
     );
     Ok(axis_vector(&effort, axes))
-}
-
-fn joint_vector(values: impl Iterator<Item = f64>) -> JointVector {
-    let mut result = JointVector::zeros();
-    for (slot, value) in result.iter_mut().zip(values) {
-        *slot = value;
-    }
-    result
-}
-
-fn axis_vector(values: &JointVector, axes: usize) -> AxisVector {
-    AxisVector::from_values(values.iter().copied().take(axes))
 }
 
 /// `values` as a joint vector, if there are `axes` of them and all are finite.

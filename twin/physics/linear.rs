@@ -5,7 +5,7 @@
 
 use twin_kinematics::MAX_AXES;
 
-use super::dynamics::{JointMatrix, JointVector};
+use crate::joint::{JointMatrix, JointVector};
 
 /// `inertia⁻¹·effort` for the first `axis_count` axes, 0 for others; `None` where `inertia` is not positive definite.
 #[inline]
@@ -79,7 +79,7 @@ impl<const N: usize> Factors<N> {
                 lower[row][column] = entry;
                 pivot -= product * entry;
             }
-            // Written so that what is not a number is no pivot.
+            // Written so that what is not a number is not a pivot.
             if !(pivot > 0.0 && pivot < f64::INFINITY) {
                 return None;
             }

@@ -4,17 +4,23 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use twin_kinematics::tripod::{Tripod, TripodDeviations, TripodDimensions};
 use twin_urdf::{Joint, JointDrive, JointKind, Loop, Model};
 
-use super::bodies::{MassProperties, Tree};
-use super::error::PhysicsError;
-use super::tripod::Carriage;
+use crate::bodies::{MassProperties, Tree};
+use crate::error::PhysicsError;
 
-/// What counts as rounding, in parts of a length, of an inertia, or of 1.
+/// Tolerance of rounding, relative to a length, an inertia, or 1.
 const ROUNDING: f64 = 1e-9;
 
 /// Rods whose lengths and places differ by no more of a length are alike.
 const EQUAL: f64 = 1e-13;
 
-/// A rod, with what its motion takes.
+/// A carriage.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Carriage {
+    pub(super) axis: usize,
+    pub(super) mass: f64,
+}
+
+/// A rod and its mass properties.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RodBody {
     /// 0 to 2.
@@ -57,7 +63,7 @@ impl Linkage {
     ///
     /// # Errors
     /// [`PhysicsError::UnknownMechanism`] if it is something else, [`PhysicsError::UnevenRod`],
-    /// [`PhysicsError::MassProperties`], and what makes links beside it no tree.
+    /// [`PhysicsError::MassProperties`], and errors of other links that are not a tree.
     pub(super) fn of(model: &Model, axis_count: usize) -> Result<Self, PhysicsError> {
         let unknown = PhysicsError::UnknownMechanism { loops: model.loops.len() };
         let hanging = hanging(model).ok_or(unknown)?;

@@ -3,7 +3,7 @@
 /// Motor load since the machine was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotorLoad {
-    /// For how long, s.
+    /// Duration, s.
     pub duration: f64,
     /// Largest effort, N or Nm.
     pub peak_effort: f64,
@@ -76,8 +76,8 @@ impl LoadSums {
         }
     }
 
-    /// The winding is that warm now.
-    pub(super) fn see_warmth(&mut self, warmth: f64) {
+    /// Takes the present warmth of the winding.
+    pub(super) fn observe_warmth(&mut self, warmth: f64) {
         self.warmth = Some(self.warmth.map_or(warmth, |most| most.max(warmth)));
     }
 

@@ -4,18 +4,18 @@ use nalgebra::{Isometry3, Vector3};
 use twin_kinematics::{AxisMotion, AxisVector, MAX_AXES};
 use twin_urdf::Model;
 
-use super::drive::{
+use crate::checked;
+use crate::contact::ContactState;
+use crate::drive::{
     AxisDrive, AxisDriveParameters, EffortFeedForward, Motor, MotorAtWork, SwitchStates,
 };
-use super::dynamics::{JointVector, at};
-use super::equation::Equation;
-use super::error::PhysicsError;
-use super::event::PhysicsEvent;
-use super::integrate::{Elastic, JointState, MachineState, Train};
-use super::load::{LoadSums, MotorLoad, MotorState};
-use super::touch::Touch;
-use super::world::RapierWorld;
-use super::{axis_vector, checked, joint_vector};
+use crate::equation::Equation;
+use crate::error::PhysicsError;
+use crate::event::PhysicsEvent;
+use crate::joint::{JointVector, at, axis_vector, joint_vector};
+use crate::load::{LoadSums, MotorLoad, MotorState};
+use crate::state::{Elastic, JointState, MachineState, Train};
+use crate::world::RapierWorld;
 
 /// State of the axes at the end of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +31,7 @@ pub struct AxisState {
     /// Mechanical power of the motors, mean over the cycle, W.
     pub power: AxisVector,
     /// True where the drive was at its effort limit at some time in the cycle; in axis order.
-    pub saturated: [bool; MAX_AXES],
+    pub(crate) saturated: [bool; MAX_AXES],
 }
 
 /// A machine with its drives.
@@ -46,7 +46,7 @@ pub struct PhysicsMachine {
     pub(super) homed: JointVector,
     pub(super) loads: [LoadSums; MAX_AXES],
     pub(super) events: Vec<PhysicsEvent>,
-    pub(super) touch: Touch,
+    pub(super) contact: ContactState,
     /// At the end of the last cycle.
     pub(super) setpoint: AxisMotion,
     pub(super) state: AxisState,
@@ -64,7 +64,7 @@ impl PhysicsMachine {
     /// The drives start with the effort that holds the machine against gravity, and are homed so, so that nothing sags.
     ///
     /// # Errors
-    /// [`PhysicsError`] if the model is no tree of links whose moving joints are the machine's axes, if an axis
+    /// [`PhysicsError`] if the model is not a tree of links whose moving joints are the machine's axes, if an axis
     /// moves no inertia, or if a number is out of range.
     pub fn new(
         model: &Model,
@@ -153,7 +153,7 @@ impl PhysicsMachine {
             homed,
             loads: [LoadSums::default(); MAX_AXES],
             events: Vec::new(),
-            touch: Touch::default(),
+            contact: ContactState::default(),
             setpoint: AxisMotion::at_rest(*initial),
             state,
             cycle_ns,
@@ -205,7 +205,7 @@ impl PhysicsMachine {
         self.loads.get(axis).map(LoadSums::load).unwrap_or_default()
     }
 
-    /// State of the motor of `axis` in the last cycle; nothing if there is no such axis.
+    /// State of the motor of `axis` in the last cycle; the default if the machine lacks that axis.
     pub fn motor_state(&self, axis: usize) -> MotorState {
         let Some(drive) = self.drives.get(axis) else { return MotorState::default() };
         let of = |values: &AxisVector| values.get(axis).copied().unwrap_or_default();
@@ -233,7 +233,7 @@ impl PhysicsMachine {
         self.drives.get(axis).map(|drive| drive.switched).unwrap_or_default()
     }
 
-    /// Takes what has happened since it was asked last.
+    /// Takes the events since the last call.
     pub fn take_events(&mut self) -> Vec<PhysicsEvent> {
         std::mem::take(&mut self.events)
     }
@@ -244,7 +244,7 @@ impl PhysicsMachine {
     }
 }
 
-/// What is between a motor and its axis.
+/// Transmission between a motor and its axis.
 fn train_of(drive: &AxisDriveParameters) -> Train {
     match drive.transmission {
         None => Train { friction: drive.friction.and(&drive.motor_friction), elastic: None },
@@ -268,8 +268,8 @@ const SWING: f64 = 0.25;
 /// Most steps in a cycle that springs may ask for.
 const MOST_STEPS: u32 = 256;
 
-/// How many steps of the equation of motion a cycle has: every drive's loops are due at their beginning, and springs are slow
-/// against them.
+/// Number of steps of the equation of motion in a cycle: every pass of a drive's loops is at the beginning of a step, and
+/// steps are short against the springs.
 fn steps_per_cycle(drives: &[AxisDriveParameters], inertia: &JointVector, cycle: f64) -> u32 {
     let passes = drives.iter().map(|drive| match &drive.motor {
         Motor::Servo(servo) => u32::from(servo.velocity_passes),

@@ -3,10 +3,11 @@
 use nalgebra::Vector3;
 use twin_urdf::Model;
 
-use super::dynamics::{Dynamics, JointVector};
-use super::equation::Equation;
-use super::error::PhysicsError;
-use super::tripod::TripodDynamics;
+use crate::dynamics::Dynamics;
+use crate::equation::Equation;
+use crate::error::PhysicsError;
+use crate::joint::JointVector;
+use crate::tripod::TripodDynamics;
 
 /// Mechanism: a tree of links or a tripod.
 #[derive(Clone, Debug)]
@@ -59,13 +60,13 @@ impl Mechanism {
             ]),
             Self::Tripod(tripod) => {
                 let state = tripod.state(position)?;
-                let weight = tripod.beside(position, &zero, &zero);
+                let weight = tripod.additional_efforts(position, &zero, &zero);
                 Ok([
                     tripod.efforts(&state, &zero, first, false)
-                        + tripod.beside(position, &zero, first)
+                        + tripod.additional_efforts(position, &zero, first)
                         - weight,
                     tripod.efforts(&state, first, second, false)
-                        + tripod.beside(position, first, second)
+                        + tripod.additional_efforts(position, first, second)
                         - weight,
                     tripod.efforts(&state, &zero, &zero, true) + weight,
                 ])

@@ -53,7 +53,7 @@ impl Noise {
         self.sample(self.parameters.effort)
     }
 
-    /// Nothing is drawn where there is no noise.
+    /// Nothing is drawn without noise.
     fn sample(&mut self, rms: f64) -> f64 {
         if rms <= 0.0 {
             return 0.0;

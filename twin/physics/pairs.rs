@@ -2,7 +2,7 @@
 
 use twin_urdf::Model;
 
-use super::surroundings::{Part, Surroundings};
+use crate::surroundings::{Part, Surroundings};
 
 /// The numbered parts of a machine and its surroundings, and the pairs of them that may touch.
 #[derive(Clone, Debug)]
@@ -119,12 +119,12 @@ impl Groups {
         self.group.get(link).copied().unwrap_or(link)
     }
 
-    /// Whether the link is not fixed to the machine frame.
+    /// True if the link is not fixed to the machine frame.
     fn moves(&self, link: usize) -> bool {
         self.of_link(link) != self.of_link(0)
     }
 
-    /// Whether they move together or are the two sides of a joint.
+    /// True if they move together or are the two sides of a joint.
     fn are_joined(&self, one: usize, other: usize) -> bool {
         let pair = [one, other].map(|link| self.of_link(link));
         let [one, other] = pair;

@@ -16,9 +16,9 @@
 use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use twin_urdf::{Joint, JointDrive, Model};
 
-use super::linkage::{Hanging, chain, hanging, platform};
+use crate::linkage::{Hanging, chain, hanging, platform};
 
-/// What counts as a right angle: the cosine.
+/// Largest cosine of a right angle.
 const SQUARE: f64 = 1e-12;
 
 /// Two turns, one after the other.
@@ -26,7 +26,7 @@ const SQUARE: f64 = 1e-12;
 struct Turns {
     /// Their directions where nothing has turned yet.
     axes: [Vector3<f64>; 2],
-    /// What they turn.
+    /// The vector that they turn.
     arm: Vector3<f64>,
     /// Sign of γ.
     side: f64,

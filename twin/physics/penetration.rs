@@ -9,7 +9,7 @@ use rapier3d_f64::geometry::Shape;
 use rapier3d_f64::math::{Pose, Vector};
 use rapier3d_f64::parry::query::contact;
 
-use super::maths;
+use crate::maths;
 
 /// Penetration of two bodies.
 pub(super) struct Penetration {
@@ -19,7 +19,7 @@ pub(super) struct Penetration {
     pub(super) points: [Point3<f64>; 2],
     /// Position of the overlap, machine frame, m: the middle of the intersection of their bounding boxes.
     pub(super) middle: Point3<f64>,
-    /// The way that the second would have to go.
+    /// Direction in which the second comes free.
     pub(super) normal: Vector3<f64>,
 }
 
@@ -83,7 +83,7 @@ fn shared_middle(here: &Pose, one: &dyn Shape, there: &Pose, other: &dyn Shape) 
     let (first, second) = (one.compute_aabb(here), other.compute_aabb(there));
     let (low, high) = (first.mins.max(second.mins), first.maxs.min(second.maxs));
     let middle = (low + high) * 0.5;
-    // Of bodies that are not along the axes the middle may be beside them.
+    // Of bodies that are not along the axes the middle may be outside of them.
     let on_first = one.project_point(here, middle, true).point;
     maths::vector_from_rapier(other.project_point(there, on_first, true).point).into()
 }

@@ -4,11 +4,11 @@
 use nalgebra::Isometry3;
 use twin_urdf::{JointDrive, JointPositions, Model};
 
-use super::dynamics::JointVector;
-use super::equation::Equation;
-use super::error::PhysicsError;
-use super::passive::PassiveJoints;
-use super::tripod::TripodDynamics;
+use crate::equation::Equation;
+use crate::error::PhysicsError;
+use crate::joint::JointVector;
+use crate::passive::PassiveJoints;
+use crate::tripod::TripodDynamics;
 
 /// The joints of a machine, and how they are found.
 #[derive(Clone, Debug)]
@@ -19,7 +19,7 @@ pub(super) struct Posed {
     passive: Passive,
 }
 
-/// How the passive joints are found.
+/// Method for the positions of the passive joints.
 #[derive(Clone, Debug)]
 enum Passive {
     /// There are none: a tree.

@@ -2,9 +2,9 @@
 
 use twin_kinematics::AxisMotion;
 
-use super::checked;
-use super::dynamics::JointVector;
-use super::error::PhysicsError;
+use crate::checked;
+use crate::error::PhysicsError;
+use crate::joint::JointVector;
 
 /// A set-point in the shape of joint-space mathematics.
 #[derive(Clone, Copy, Debug)]

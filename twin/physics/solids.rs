@@ -13,20 +13,21 @@ use rapier3d_f64::parry::transformation::vhacd::{VHACD, VHACDParameters};
 use rapier3d_f64::parry::transformation::voxelization::FillMode;
 use twin_urdf::{Link, Mesh, Model, Solid, SolidShape};
 
-use super::error::PhysicsError;
-use super::maths;
-use super::surroundings::{Part, Surroundings};
+use crate::error::PhysicsError;
+use crate::maths;
+use crate::surroundings::{Part, Surroundings};
 
-/// How far a corner of a mesh may be outside of one of its faces for it to be convex, in parts of its size.
+/// Largest distance of a corner outside of a face of a convex mesh, relative to the size of the mesh.
 const CONVEX: f64 = 1e-6;
 
-/// How far the tool tip may be from the surface of the solid that is the tool, m.
+/// Largest distance of the tool tip from the surface of the tool's solid, m.
 const AT_TIP: f64 = 1e-6;
 
 /// Corners times triangles of meshes that are asked whether they are convex; larger ones are taken apart, convex or not.
 const MOST_LOOKS: usize = 200_000_000;
 
-/// How meshes are taken apart: into parts that go beyond their mesh by a sixtieth of its size at most, cutting at every second place.
+/// Parameters of the convex decomposition: parts exceed their mesh by at most a sixtieth of its size, with cuts at
+/// every second place.
 const FINE: VHACDParameters = VHACDParameters {
     concavity: 1e-3,
     alpha: 0.05,
@@ -161,7 +162,7 @@ fn hull(points: &[Vector]) -> Option<SharedShape> {
     (shape.mass_properties(1.0).mass() > CONVEX * size.powi(3)).then_some(shape)
 }
 
-/// Whether no corner of the mesh is outside of one of its faces.
+/// True if no corner of the mesh is outside of one of its faces.
 fn is_convex(mesh: &Mesh, scale: &Vector3<f64>) -> bool {
     let [low, high] = mesh.bounds(scale);
     let slack = CONVEX * (high - low).norm();

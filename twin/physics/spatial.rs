@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::bodies::MassProperties;
+use crate::bodies::MassProperties;
 
 /// Σ m·r·rᵀ, symmetric, kg·m².
 #[derive(Clone, Copy, Debug)]

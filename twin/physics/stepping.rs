@@ -2,14 +2,16 @@
 
 use twin_kinematics::{AxisMotion, AxisVector, MAX_AXES};
 
-use super::drive::{AxisDrive, DriveInput, EffortFeedForward, FieldSetpoint, MotorAtWork};
-use super::dynamics::{JointVector, at};
-use super::error::PhysicsError;
-use super::event::{EventKind, PhysicsEvent, Side};
-use super::integrate::{self, JointState, MachineState, Motors, Stage};
-use super::machine::{AxisState, PhysicsMachine};
-use super::setpoint::Setpoint;
-use super::{axis_vector, checked, joint_vector};
+use crate::checked;
+use crate::drive::{AxisDrive, DriveInput, EffortFeedForward, FieldSetpoint, MotorAtWork};
+use crate::error::PhysicsError;
+use crate::event::{EventKind, PhysicsEvent};
+use crate::integrate;
+use crate::joint::{JointVector, at, axis_vector, joint_vector};
+use crate::machine::{AxisState, PhysicsMachine};
+use crate::setpoint::Setpoint;
+use crate::side::Side;
+use crate::state::{JointState, MachineState, Motors, Stage};
 
 impl PhysicsMachine {
     /// Advances one cycle, at the end of which the axes should be at `setpoint`, and returns what they did.
@@ -30,7 +32,7 @@ impl PhysicsMachine {
         let mut mean_power = JointVector::zeros();
         let mut saturated = [false; MAX_AXES];
         let noise = joint_vector(self.drives.iter_mut().map(|drive| drive.noise.effort()));
-        self.begin_touching();
+        self.begin_contacts();
         let dt = self.cycle / f64::from(self.steps);
         let diverged = PhysicsError::Diverged { time_ns: self.state.time_ns };
         for step in 0..self.steps {
@@ -38,7 +40,7 @@ impl PhysicsMachine {
             for (axis, drive) in self.drives.iter_mut().enumerate() {
                 drive.begin_step(&course, step, axis, at(&self.homed, axis), dt);
             }
-            let disturbance = noise + self.touch.push;
+            let disturbance = noise + self.contact.push;
             let (next, effort) = integrate::advance(
                 &mut self.equation,
                 &self.trains,
@@ -48,7 +50,7 @@ impl PhysicsMachine {
             )
             .filter(|(state, _)| state.is_finite())
             .ok_or(diverged)?;
-            let next = self.touched(&joints, &next, dt)?;
+            let next = self.with_contacts(&joints, &next, dt)?;
             let velocity = (next.motors.position - joints.motors.position) / dt;
             joints = next;
             mean_effort += effort / f64::from(self.steps);
@@ -67,15 +69,15 @@ impl PhysicsMachine {
         let effort = checked(effort, self.drives.len(), self.state.time_ns)?;
         let mut joints = self.joints;
         let diverged = PhysicsError::Diverged { time_ns: self.state.time_ns };
-        self.begin_touching();
+        self.begin_contacts();
         for _ in 0..self.steps {
             let dt = self.cycle / f64::from(self.steps);
-            let Self { equation, trains, touch, .. } = self;
-            let motors = (&Held(effort), &touch.push);
+            let Self { equation, trains, contact, .. } = self;
+            let motors = (&ConstantEfforts(effort), &contact.push);
             let (next, _) = integrate::advance(equation, trains, &joints, motors, dt)
                 .filter(|(state, _)| state.is_finite())
                 .ok_or(diverged)?;
-            joints = self.touched(&joints, &next, dt)?;
+            joints = self.with_contacts(&joints, &next, dt)?;
         }
         let velocity = (joints.motors.position - self.joints.motors.position) / self.cycle;
         let power = effort.component_mul(&velocity);
@@ -155,7 +157,7 @@ impl PhysicsMachine {
                 if overload.advance(effort, dt) {
                     happens(EventKind::Overload);
                 }
-                load.see_warmth(overload.warmth());
+                load.observe_warmth(overload.warmth());
             }
             if let MotorAtWork::Stepper(stepper) = &mut drive.motor {
                 let lost = stepper.lost(at(&joints.motors.position, axis));
@@ -219,7 +221,7 @@ struct Course {
 }
 
 impl Course {
-    /// After so many steps.
+    /// After `steps` steps.
     fn at(&self, steps: f64) -> Setpoint {
         self.from.towards(&self.to, steps / f64::from(self.steps), self.cycle)
     }
@@ -235,7 +237,7 @@ impl Course {
 }
 
 impl AxisDrive {
-    /// What the motor does in the next step of `dt` s, the `step`th of the course.
+    /// Prepares the motor for the next step of `dt` s, the `step`th of the course.
     fn begin_step(&mut self, course: &Course, step: u32, axis: usize, homed: f64, dt: f64) {
         match &mut self.motor {
             MotorAtWork::Servo(servo) => servo.begin_step(dt),
@@ -257,10 +259,10 @@ impl AxisDrive {
     }
 }
 
-/// Motors that give the same whatever happens.
-struct Held(JointVector);
+/// Motors with constant efforts.
+struct ConstantEfforts(JointVector);
 
-impl Motors for Held {
+impl Motors for ConstantEfforts {
     fn efforts(&self, _stage: Stage, _motors: &JointState) -> JointVector {
         self.0
     }

@@ -6,10 +6,12 @@
 
 use twin_kinematics::MAX_AXES;
 
-use super::dynamics::at;
-use super::friction::{DryFriction, REST};
-use super::integrate::{Arrival, Elastic, MachineState, Motors, Step, Train};
-use super::settle::{Holding, Settled};
+use crate::dry_friction::{Holding, Settled};
+use crate::friction::{DryFriction, REST};
+use crate::joint::at;
+use crate::runge_kutta::Arrival;
+use crate::state::{Elastic, MachineState, Motors, Train};
+use crate::step::Step;
 
 /// Ends tried for one stop; three or four do.
 const MOST_ENDS: usize = 12;
@@ -20,7 +22,7 @@ const THERE: f64 = 1e-10;
 /// And where no more than this is left, m, m/s or N; whatever rounding leaves.
 const NOUGHT: f64 = 1e-13;
 
-/// What is as little of what it becomes has turned its sign before.
+/// Relative size of a value whose sign has changed before.
 const NOTHING: f64 = 1e-7;
 
 /// Something after which another law holds.
@@ -30,7 +32,7 @@ pub(super) enum Stop {
     Axis(usize, f64),
     /// So does a motor.
     Motor(usize, f64),
-    /// What holds an axis that sticks is more than this (N or Nm).
+    /// The holding force of a sticking axis exceeds this, N or Nm.
     AxisBreaks(usize, f64),
     /// The same of a motor.
     MotorBreaks(usize, f64),
@@ -41,7 +43,7 @@ pub(super) enum Stop {
 }
 
 impl Stop {
-    /// What is 0 there: a velocity, what friction has left, how far teeth are from each other, or what they push with.
+    /// Quantity that is 0 at the stop: a velocity, the friction left, the distance of the teeth, or their push.
     fn value(&self, trains: &[Train; MAX_AXES], state: &MachineState, holding: &Holding) -> f64 {
         match *self {
             Self::Axis(axis, direction) => direction * at(&state.axes.velocity, axis),
@@ -53,7 +55,7 @@ impl Stop {
         }
     }
 
-    /// Whether it happens on the way from one value to another.
+    /// True if the stop lies between two values.
     fn happens(&self, before: f64, after: f64) -> bool {
         match self {
             // What breaks away moves from no velocity on.
@@ -65,7 +67,7 @@ impl Stop {
         }
     }
 
-    /// How fast that changes where everything changes like `slope`, if that is known.
+    /// Rate of that quantity if the state changes like `slope`; `None` if it is not known.
     fn rate(&self, slope: &MachineState) -> Option<f64> {
         match *self {
             Self::Axis(axis, direction) => Some(direction * at(&slope.axes.velocity, axis)),
@@ -88,12 +90,12 @@ impl Stop {
     }
 }
 
-/// How far the motor of `axis` is ahead of it.
+/// Lead of the motor of `axis` over the axis.
 fn twist(state: &MachineState, axis: usize) -> f64 {
     at(&state.motors.position, axis) - at(&state.axes.position, axis)
 }
 
-/// Which side of the teeth of `axis` is wound up, and what it pushes with.
+/// Loaded side of the teeth of `axis`, and its push.
 fn push(trains: &[Train; MAX_AXES], state: &MachineState, axis: usize) -> (f64, f64) {
     let elastic = trains.get(axis).and_then(|train| train.elastic.as_ref());
     let rate = at(&state.motors.velocity, axis) - at(&state.axes.velocity, axis);
@@ -125,7 +127,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         Some(until)
     }
 
-    /// Where between `from` and `until`, at about `guess`, the `stop` is that `arrival` is behind, which ends there from now on.
+    /// Finds the `stop` between `from` and `until`, first at `guess`, and ends `arrival` there.
     fn find(
         &mut self,
         stop: &Stop,
@@ -166,8 +168,8 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         Some(arrival.until)
     }
 
-    /// What stops first between `state` and `arrival`, a `part` of the step later, and at which part of the way; other than what is
-    /// `known` to stop at the end.
+    /// First stop between `state` and `arrival`, which are a `part` of the step apart, and its place as a part of that way.
+    /// The stop `known`, at the end, is left out.
     fn first_stop(
         &self,
         state: &MachineState,
@@ -176,7 +178,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         (part, known): (f64, Option<Stop>),
     ) -> Option<(Stop, f64)> {
         let mut first: Option<(Stop, f64)> = None;
-        let mut see = |stop: Stop| {
+        let mut consider = |stop: Stop| {
             let before = stop.value(self.trains, state, &settled.holding);
             let after = stop.value(self.trains, &arrival.state, &arrival.holding);
             if known == Some(stop) || !stop.happens(before, after) {
@@ -193,32 +195,31 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         for (axis, (train, (dry, dry_motor))) in trains.enumerate().take(self.axes) {
             match dry {
                 DryFriction::None => {}
-                DryFriction::Slides(direction) => see(Stop::Axis(axis, *direction)),
-                DryFriction::Sticks => see(Stop::AxisBreaks(axis, train.friction.dry(0.0))),
+                DryFriction::Slides(direction) => consider(Stop::Axis(axis, *direction)),
+                DryFriction::Sticks => consider(Stop::AxisBreaks(axis, train.friction.dry(0.0))),
             }
             let Some(Elastic { transmission, friction, .. }) = &train.elastic else { continue };
             match dry_motor {
                 DryFriction::None => {}
-                DryFriction::Slides(direction) => see(Stop::Motor(axis, *direction)),
-                DryFriction::Sticks => see(Stop::MotorBreaks(axis, friction.dry(0.0))),
+                DryFriction::Slides(direction) => consider(Stop::Motor(axis, *direction)),
+                DryFriction::Sticks => consider(Stop::MotorBreaks(axis, friction.dry(0.0))),
             }
             if transmission.backlash <= 0.0 {
                 continue;
             }
             let [before, after] = [state, &arrival.state].map(|state| twist(state, axis));
             for edge in transmission.edges_between(before, after) {
-                see(Stop::Teeth(axis, edge));
+                consider(Stop::Teeth(axis, edge));
             }
             if transmission.is_wound(before) && before * after > 0.0 {
-                see(Stop::Push(axis));
+                consider(Stop::Push(axis));
             }
         }
         first
     }
 }
 
-/// Where a number that goes from `before` to `after`, on the other side of 0, and at first by `slope` per way, is 0: on the parabola
-/// through these.
+/// Root, as a part of the way, of the parabola from `before` to `after`, on the other side of 0, that begins with `slope`.
 fn crossing(before: f64, after: f64, slope: f64) -> f64 {
     let side = -after.signum();
     let bend = after - before - slope;

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Vector3};
 use twin_urdf::{Model, Solid, SolidShape};
 
-/// Something that can touch something.
+/// A part that can touch another one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Part {
     /// A link, by its place in [`Model::links`], without the tool.
@@ -27,7 +27,7 @@ impl Part {
     }
 }
 
-/// Something that does not move.
+/// An obstacle that does not move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Obstacle {
     /// Its name in messages.
@@ -44,7 +44,7 @@ pub enum ObstacleKind {
     /// A fixture, a table, a wall: nothing may touch it.
     #[default]
     Fixture,
-    /// What is worked on: the tool cuts it, and nothing else may touch it. Cutting takes no force here.
+    /// The workpiece: the tool cuts it, and nothing else may touch it. Cutting takes no force here.
     Stock,
 }
 
@@ -61,7 +61,7 @@ pub enum YieldingTool {
 }
 
 impl YieldingTool {
-    /// True if there is no force between the two.
+    /// True if the contact of the two is without force.
     pub(super) fn gives_way(self, parts: [Option<Part>; 2]) -> bool {
         if !parts.contains(&Some(Part::Tool)) {
             return false;
@@ -74,7 +74,7 @@ impl YieldingTool {
     }
 }
 
-/// All that is around a machine.
+/// Obstacles around a machine, and the pairs that are checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surroundings {
     /// Obstacles.

@@ -35,19 +35,13 @@ use twin_kinematics::tripod::{CalibratedTripod, Rod, Tripod};
 use twin_kinematics::{MAX_AXES, Transform};
 use twin_urdf::Model;
 
-use super::bodies::MassProperties;
-use super::dynamics::{Dynamics, JointMatrix, JointVector, at};
-use super::error::PhysicsError;
-use super::level::LevelTripod;
-use super::linear::{solve, solve_and_invert};
-use super::linkage::{Linkage, RodBody, level_tripod};
-
-/// A carriage.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Carriage {
-    pub(super) axis: usize,
-    pub(super) mass: f64,
-}
+use crate::bodies::MassProperties;
+use crate::delta_dynamics::DeltaDynamics;
+use crate::dynamics::Dynamics;
+use crate::error::PhysicsError;
+use crate::joint::{JointMatrix, JointVector, at};
+use crate::linear::{solve, solve_and_invert};
+use crate::linkage::{Carriage, Linkage, RodBody, level_tripod};
 
 /// The equation of motion of one tripod, including additional axes.
 #[derive(Clone, Debug)]
@@ -62,7 +56,7 @@ pub(super) struct TripodDynamics {
     /// The same in closed form, if rods are parallel in pairs and towers a third of a turn apart: the platform stays level.
     level: Option<Tripod>,
     /// All of it in closed form, if moreover every carriage has an axis of its own.
-    closed: Option<LevelTripod>,
+    closed: Option<DeltaDynamics>,
     /// Axes that have nothing to do with the tool.
     others: Option<Dynamics>,
 }
@@ -137,7 +131,7 @@ impl TripodDynamics {
                 }
                 Dynamics::of_tree(tree, axis_count, gravity, rotors)
             });
-            apart.then(|| LevelTripod::new(gravity, &armature, parts, others))
+            apart.then(|| DeltaDynamics::new(gravity, &armature, parts, others))
         });
         let others = others.map(|tree| Dynamics::of_tree(tree, axis_count, gravity, rotorless));
         Ok(Self {
@@ -156,7 +150,7 @@ impl TripodDynamics {
 
     /// Uses the general equation with separate rods, even if a closed form applies.
     #[cfg(test)]
-    pub(super) fn tell_rods_apart(&mut self) {
+    pub(super) fn separate_rods(&mut self) {
         (self.level, self.closed) = (None, None);
     }
 
@@ -270,7 +264,7 @@ impl TripodDynamics {
     }
 
     /// The efforts that additional axes add to [`Self::efforts`]; they do not depend on the tripod.
-    pub(super) fn beside(
+    pub(super) fn additional_efforts(
         &mut self,
         position: &JointVector,
         velocity: &JointVector,
@@ -297,8 +291,8 @@ impl TripodDynamics {
             return closed.inverse_dynamics(position, velocity, acceleration);
         }
         let state = self.state(position).ok()?;
-        let beside = self.beside(position, velocity, acceleration);
-        Some(self.efforts(&state, velocity, acceleration, true) + beside)
+        let additional = self.additional_efforts(position, velocity, acceleration);
+        Some(self.efforts(&state, velocity, acceleration, true) + additional)
     }
 
     /// The accelerations of the axes under `effort`; `None` where the rods do not meet, or if some axis moves no inertia.
@@ -337,8 +331,8 @@ impl TripodDynamics {
     ) -> Option<(JointMatrix, JointVector)> {
         let state = self.state(position).ok()?;
         let zero = JointVector::zeros();
-        let bias =
-            self.efforts(&state, velocity, &zero, true) + self.beside(position, velocity, &zero);
+        let bias = self.efforts(&state, velocity, &zero, true)
+            + self.additional_efforts(position, velocity, &zero);
         Some((self.inertia_of(&state, position), bias))
     }
 
@@ -368,11 +362,11 @@ impl TripodDynamics {
             }
         }
         if let Some(others) = &mut self.others {
-            // Where there is no axis it has 1 on the diagonal, too.
-            let beside = others.inertia_at(position);
+            // Its diagonal is 1 too where the machine lacks an axis.
+            let additional = others.inertia_at(position);
             let axes = self.axis_count.min(MAX_AXES);
             let mut block = inertia.view_mut((0, 0), (axes, axes));
-            block += beside.view((0, 0), (axes, axes));
+            block += additional.view((0, 0), (axes, axes));
         }
         inertia
     }

@@ -2,7 +2,7 @@
 //!
 //! Joint positions come from the equation of motion; collision bodies are placed from them each cycle. Pairs of parts
 //! that may have come near each other are examined (`distances`). rapier's geometry (parry) finds the points where they
-//! would touch. `contact` computes the effect on the motion in joint space. rapier's own solver is not used: it closes
+//! would touch. `contact_solver` computes the effect on the motion in joint space. rapier's own solver is not used: it closes
 //! loops to a fraction of a micrometre only, lets 89 N press its bodies 50 to 150 µm into each other, and keeps points
 //! of contact while bodies slip by up to a millimetre.
 
@@ -10,23 +10,23 @@ use nalgebra::Isometry3;
 use rapier3d_f64::dynamics::{RigidBodyBuilder, RigidBodyHandle, RigidBodySet};
 use twin_urdf::Model;
 
-use super::distances::{Distances, Near};
-use super::dynamics::JointVector;
-use super::equation::Equation;
-use super::error::PhysicsError;
-use super::maths;
-use super::pairs::Pairs;
-use super::posed::Posed;
-use super::solids;
-use super::surroundings::{Part, Surroundings, YieldingTool};
+use crate::distances::{Distances, Near};
+use crate::equation::Equation;
+use crate::error::PhysicsError;
+use crate::joint::JointVector;
+use crate::maths;
+use crate::pairs::Pairs;
+use crate::posed::Posed;
+use crate::solids;
+use crate::surroundings::{Part, Surroundings, YieldingTool};
 
-/// How far is looked at least, m.
+/// Least search distance, m.
 const REACH: f64 = 4e-3;
 
-/// How much farther than the machine moves in a cycle is looked, as a factor of that.
+/// Search distance relative to the motion of the machine in a cycle.
 const AHEAD: f64 = 1.5;
 
-/// How deep things may be in each other where the machine starts, m: what stands on something touches it.
+/// Largest penetration depth at the start, m: a part that stands on another one touches it.
 const TOUCHING: f64 = 1e-6;
 
 /// The bodies of the machine in rapier.
@@ -36,14 +36,14 @@ pub(super) struct RapierWorld {
     model: Model,
     /// One per link of the model, the base first.
     links: Vec<RigidBodyHandle>,
-    /// Where the links are.
+    /// Poses of the links.
     poses: Vec<Isometry3<f64>>,
     /// Workspace: where they would be.
     moved: Vec<Isometry3<f64>>,
     posed: Posed,
     /// If there is anything to touch.
     around: Option<Around>,
-    /// How far is looked, m.
+    /// Search distance, m.
     reach: f64,
     /// Parts without contact force against the tool.
     pub(super) yielding: YieldingTool,
@@ -58,7 +58,7 @@ impl std::fmt::Debug for RapierWorld {
     }
 }
 
-/// What may touch what.
+/// Pairs that may touch, and their distances.
 #[derive(Clone, Debug)]
 struct Around {
     pairs: Pairs,

@@ -1,15 +1,12 @@
 //! Charts: rows and strips over a common axis.
 
 use super::color::{BACK, Color, FAINT, INK, Stroke};
-use super::page::{self, Head, Legend, TEXT};
+use super::page::{self, Head, LEFT, Legend, RIGHT, TEXT};
 use super::row::Row;
 use super::series::Stretches;
 use super::svg::{Anchor, Svg};
 use super::ticks::ticks;
 
-/// Left and right end of the rows, pixels.
-pub(super) const LEFT: f64 = 84.0;
-pub(super) const RIGHT: f64 = LEFT + 860.0;
 /// Width of the page, pixels: next to the rows there are notes.
 const WIDTH: f64 = RIGHT + 246.0;
 /// Between rows, and between strips, pixels.
@@ -21,7 +18,7 @@ const NUMBERS: f64 = 50.0;
 const STRIP: f64 = 16.0;
 /// Between numbers of narrow stretches, pixels.
 const SPARSE: f64 = 60.0;
-/// Stretches that are narrower are not told apart, pixels.
+/// Narrower stretches share one colour, pixels.
 const NARROW: f64 = 1.0;
 
 /// The axis that all rows have in common.
@@ -29,7 +26,7 @@ const NARROW: f64 = 1.0;
 pub struct Across {
     range: [f64; 2],
     name: String,
-    /// What its numbers are divided by.
+    /// Divisor of its numbers.
     per: f64,
 }
 
@@ -65,7 +62,7 @@ impl Across {
 /// A strip of colours below the rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
-    /// What it shows.
+    /// Title.
     pub name: String,
     /// Begin, end and colour of each part.
     pub parts: Vec<(f64, f64, Color)>,
@@ -145,9 +142,9 @@ impl Strip {
 /// A chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// What it shows.
+    /// Title.
     pub title: String,
-    /// What there is to say first, in smaller letters.
+    /// Subtitle, in smaller letters.
     pub subtitle: String,
     /// The common axis.
     pub across: Across,

@@ -7,7 +7,7 @@ pub const INK: Color = Color::rgb(34, 38, 46);
 /// Frames, ticks and secondary text.
 pub const FAINT: Color = Color::rgb(110, 116, 126);
 /// Lines behind everything else.
-pub const GRID: Color = Color::rgb(226, 229, 234);
+pub(crate) const GRID: Color = Color::rgb(226, 229, 234);
 /// Limits and marked places.
 pub const MARK: Color = Color::rgb(214, 39, 40);
 /// Lines that stand back: earlier states, references.
@@ -112,7 +112,7 @@ impl fmt::Display for Color {
     }
 }
 
-/// How a line is drawn.
+/// Colour, width and dashes of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
     /// Its colour.
@@ -138,7 +138,7 @@ impl Stroke {
 /// Fill and edge of a shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Paint {
-    /// What is inside.
+    /// The fill.
     pub fill: Option<Color>,
     /// The edge.
     pub edge: Option<Stroke>,

@@ -16,7 +16,7 @@ mod ticks;
 mod timeline;
 
 pub use chart::{Across, Chart, Strip, charts};
-pub use color::{BACK, Color, FAINT, GRID, INK, MARK, Paint, Stroke};
+pub use color::{BACK, Color, FAINT, INK, MARK, Paint, Stroke};
 pub use map::{Map, Scale, Sheet, hull};
 pub use page::{Legend, Sign};
 pub use row::{Mark, Row, Shape, Side, reach};

@@ -24,22 +24,22 @@ const UNSEEN: f64 = 0.15;
 /// A scale of colours in equal steps from 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
-    /// What it measures.
+    /// The quantity.
     pub name: String,
     /// From 0 on.
     pub colors: Vec<Color>,
-    /// What each colour stands for.
+    /// Size of the step of each colour.
     pub step: f64,
 }
 
-/// What a map shows, apart from what is drawn on it.
+/// Titles, range and legend of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sheet<'a> {
-    /// What it shows.
+    /// Title.
     pub title: &'a str,
-    /// What there is to say first, in smaller letters.
+    /// Subtitle, in smaller letters.
     pub subtitle: &'a str,
-    /// What the coordinates are.
+    /// Names of the coordinates.
     pub names: [&'a str; 2],
     /// Lowest and highest coordinates, mm.
     pub range: [Point; 2],
@@ -63,7 +63,7 @@ pub struct Map {
     page: Point,
     /// Pixels per mm.
     scale: f64,
-    /// What is written is in mm, Y upwards; or in pixels.
+    /// True if elements are in mm, Y upwards; otherwise in pixels.
     is_world: bool,
 }
 
@@ -143,7 +143,7 @@ impl Map {
         self.svg.text(middle, 14.5, INK, Anchor::Upwards, &scale.name);
     }
 
-    /// Where a place in mm is on the page, pixels.
+    /// Position on the page of a place in mm, pixels.
     pub fn pixels(&self, at: Point) -> Point {
         (
             self.corner.0 + (at.0 - self.low.0) * self.scale,
@@ -151,7 +151,7 @@ impl Map {
         )
     }
 
-    /// So many pixels, mm.
+    /// Length of `pixels` on the map, mm.
     pub fn mm(&self, pixels: f64) -> f64 {
         pixels / self.scale
     }
@@ -235,7 +235,7 @@ impl Map {
         self.svg.text(place, 15.0, color, Anchor::Middle, word);
     }
 
-    /// What has been drawn since the last time: a picture may be longer than memory.
+    /// Takes the text drawn since the last call: a picture may be longer than memory.
     pub fn take(&mut self) -> String {
         self.svg.take()
     }
@@ -262,7 +262,7 @@ fn commands(line: &[Point]) -> String {
     format!("M{}", places.collect::<Vec<_>>().join("L"))
 }
 
-/// What must be kept of a line for no point to be farther than `tolerance` from it (Douglas and Peucker 1973).
+/// Points of a line within `tolerance` of all its points (Douglas and Peucker 1973).
 fn straightened(line: &[Point], tolerance: f64) -> Vec<Point> {
     let [first, between @ .., last] = line else { return line.to_vec() };
     let chord = (last.0 - first.0, last.1 - first.1);

@@ -10,10 +10,13 @@ pub(super) const SUBTITLE: f64 = 15.0;
 pub(super) const TEXT: f64 = 13.5;
 /// Height of a line of the legend and of notes, pixels.
 pub(super) const LINE: f64 = 19.0;
-/// Width of a letter as a part of its size, on average: without a font there is no exact one.
+/// Left and right end of the rows, pixels.
+pub(super) const LEFT: f64 = 84.0;
+pub(super) const RIGHT: f64 = LEFT + 860.0;
+/// Mean width of a letter relative to its size: the exact one depends on the font.
 const LETTER: f64 = 0.56;
 
-/// What stands before a word of the legend, and what marks a place.
+/// Sign of a legend entry or a marked place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sign {
     /// A filled rectangle.
@@ -125,7 +128,7 @@ impl Head {
     }
 }
 
-/// Where the items of a legend are, from its top left corner, and its height.
+/// Places of the items of a legend, from its top left corner, and its height.
 pub(super) fn legend_places(legend: &[(Sign, String)], room: f64) -> (Vec<Point>, f64) {
     let (mut x, mut y) = (0.0, 0.0);
     let mut places = Vec::new();

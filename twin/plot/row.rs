@@ -1,9 +1,8 @@
 //! A row of a chart: curves, limits, marks and notes over one quantity.
 
 use super::Point;
-use super::chart::{LEFT, RIGHT};
 use super::color::{BACK, Color, GRID, INK, MARK, Stroke};
-use super::page::{LINE, TEXT, width};
+use super::page::{LEFT, LINE, RIGHT, TEXT, width};
 use super::series::thinned;
 use super::svg::{Anchor, Svg};
 use super::ticks::{power_of_ten, short, ticks};
@@ -11,14 +10,14 @@ use std::collections::HashSet;
 
 /// From a label to a line that must not cross it, pixels.
 const CLEAR: f64 = 9.0;
-/// Dots that are no farther apart are one, pixels.
+/// Dots nearer to each other are drawn as one, pixels.
 const DOTS: f64 = 0.5;
 /// Grounds are at least this wide, pixels.
 const SEEN: f64 = 1.5;
 /// Values this small are rounding.
 const DUST: f64 = 1e-12;
 
-/// Where the label of a mark is, if there is room.
+/// Preferred side of the label of a mark.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Side {
     /// Higher than the mark.
@@ -30,17 +29,17 @@ pub enum Side {
 /// A marked place and its label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// Where it is.
+    /// Its position.
     pub at: Point,
-    /// What marks it.
+    /// Colour of the mark.
     pub color: Color,
-    /// What is written next to it.
+    /// Text next to it.
     pub label: String,
-    /// Where that is.
+    /// Side of the label.
     pub side: Side,
 }
 
-/// What is seen in a row, in the order of drawing.
+/// Element of a row, in the order of drawing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// A coloured ground between two values.
@@ -74,7 +73,7 @@ pub struct Row {
     pub range: [f64; 2],
     /// Limits: dashed lines, or notes where they are outside of the range.
     pub limits: Vec<f64>,
-    /// What is drawn.
+    /// Drawn elements.
     pub shapes: Vec<Shape>,
     /// Lines of text next to it.
     pub notes: Vec<(String, Color)>,
@@ -134,7 +133,7 @@ impl Row {
         0
     }
 
-    /// What numbers next to the row are divided by.
+    /// Divisor of the numbers next to the row.
     pub fn scale(&self) -> f64 {
         10_f64.powi(self.power())
     }

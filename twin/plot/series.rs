@@ -35,7 +35,7 @@ impl Series {
     }
 }
 
-/// What a picture can show of a line between two places across.
+/// The visible points of a line between two places across.
 pub(super) fn thinned(line: &[Point], [from, to]: [f64; 2]) -> Vec<Point> {
     let column = |point: &Point| ((point.0 - from) / (to - from) * COLUMNS).floor();
     let mut kept = Vec::with_capacity(line.len().min(MOST));
@@ -61,7 +61,7 @@ pub(super) fn thinned(line: &[Point], [from, to]: [f64; 2]) -> Vec<Point> {
 #[derive(Clone, Debug)]
 pub struct Stretches<T> {
     begin: f64,
-    /// Where each ends.
+    /// End of each stretch, and its value.
     ends: Vec<(f64, T)>,
 }
 

@@ -4,7 +4,7 @@ use super::Point;
 use super::color::{Attributes, Color, Paint, Stroke};
 use std::fmt;
 
-/// Which part of a text is at its place.
+/// Anchor of a text: the part of it at its place.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Anchor {
     Start,
@@ -103,7 +103,7 @@ impl Svg {
         ));
     }
 
-    /// What has been written since the last time.
+    /// Takes the text written since the last call.
     pub(super) fn take(&mut self) -> String {
         std::mem::take(&mut self.0)
     }

@@ -105,7 +105,7 @@ fn chart(row: Row) -> String {
     .svg()
 }
 
-/// Limits that are far away would make a level line of the curve: they are told next to it.
+/// Limits that are far away would make a level line of the curve: they are noted next to it.
 #[test]
 fn far_limits_are_notes() {
     let row = |limits: &[f64]| Row::fitted("x", "mm", 100.0, Some([0.0, 10.0]), limits);

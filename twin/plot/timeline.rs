@@ -11,13 +11,13 @@ pub struct Timeline {
     curves: Vec<Series>,
     kinds: Stretches<Option<usize>>,
     lines: Stretches<u32>,
-    /// What holds from the last sample on.
+    /// Kind from the last sample on.
     kind: Option<usize>,
     span: Option<[f64; 2]>,
 }
 
 impl Timeline {
-    /// An empty one with so many curves.
+    /// An empty time line with `curves` curves.
     pub fn new(curves: usize) -> Self {
         Self {
             curves: vec![Series::default(); curves],

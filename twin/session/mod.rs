@@ -23,7 +23,7 @@ pub use punctuality::Punctuality;
 pub use rest::{Rest, whereabouts};
 use run::Run;
 use std::time::Duration;
-use twin_machine::coupled::AxesError;
+use twin_machine::axis_couplings::AxesError;
 use twin_machine::{Machine, SimulationError};
 use twin_path::Place;
 use twin_physics::{MotorState, PhysicsError};

@@ -8,7 +8,7 @@
 use super::super::{Begins, ON_TOP};
 use super::{Engine, Running};
 use crate::finding::{Finding, Rule};
-use twin_machine::ring;
+use twin_machine::coupling_cycle;
 use twin_path::Place;
 
 /// A master and its slave.
@@ -30,7 +30,7 @@ fn masters_first(pairs: &[Pair], axes: usize) -> Result<Vec<usize>, Vec<usize>> 
         }
     }
     if depths.iter().any(|depth| *depth > axes) {
-        return Err(ring::find(pairs).unwrap_or_default());
+        return Err(coupling_cycle::find(pairs).unwrap_or_default());
     }
     let mut sorted: Vec<_> = depths.into_iter().zip(0..).collect();
     sorted.sort_unstable();
@@ -102,7 +102,7 @@ impl Engine {
         let follows = follows.map_or("", name);
         let message = format!(
             "axis {follows} would follow itself, by way of its masters: {}",
-            ring::told(ring, name)
+            coupling_cycle::message(ring, name)
         );
         let mut finding = Finding::error(Rule::Coupling, Place { line, block: None }, message);
         finding.axis = Some(follows.to_owned());

@@ -5,9 +5,9 @@ use std::path::Path;
 use twin_number::counted;
 
 /// More rows are not read.
-pub const MOST_ROWS: usize = 1 << 22;
+pub(crate) const MOST_ROWS: usize = 1 << 22;
 
-/// What is larger is no position and no time.
+/// Largest position or time.
 const LARGEST: f64 = 1e15;
 
 /// Numbers in columns.
@@ -141,7 +141,7 @@ pub fn plain(name: &str) -> String {
     name.get(..end).unwrap_or_default().to_lowercase()
 }
 
-/// What stands behind the name: `ms` of `Time (ms)` and of `time_ms`.
+/// Unit in the name of a column: `ms` of `Time (ms)` and of `time_ms`.
 pub fn unit(name: &str) -> &str {
     let end = name.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(name.len());
     name.get(end..).unwrap_or_default().trim_matches(|c: char| " _()[]/".contains(c))

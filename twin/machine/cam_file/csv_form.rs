@@ -55,7 +55,7 @@ pub(super) fn csv_shape(
     }
 }
 
-/// What is wrong with so many columns.
+/// Error message of an unexpected number of columns.
 fn other_width(width: usize, names: Option<&[String]>) -> String {
     let found = counted(width, "column");
     let more = names.and_then(|names| names.get(4..)).filter(|more| !more.is_empty());
@@ -114,9 +114,9 @@ fn names(file: &CamFile) -> [String; 4] {
     let ends = [file.master.column("master"), file.slave.column("slave")];
     let (x, y) = (file.master.key(), file.slave.key());
     // Units of more than letters and digits make no names.
-    let told = ends.iter().all(|name| !name.contains('('));
+    let named = ends.iter().all(|name| !name.contains('('));
     let [master, slave] = ends;
-    if !told {
+    if !named {
         return [master, slave, velocity, acceleration];
     }
     [master, slave, format!("{velocity}_{y}_per_{x}"), format!("{acceleration}_{y}_per_{x}2")]

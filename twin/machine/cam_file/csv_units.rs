@@ -2,7 +2,7 @@
 
 use crate::cam_file::form::unit_of;
 
-/// What a column of derivatives is, and which power of the master's unit its own is by.
+/// Columns of derivatives, each with the power of the master's unit in its own.
 const DERIVATIVES: [(&str, &str); 2] = [("velocity", ""), ("acceleration", "2")];
 
 /// Units of time, by which `twin cam sample` and recordings have their derivatives.
@@ -40,14 +40,14 @@ pub(super) fn check(names: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// What a derivative is by that is not the master.
+/// Unit that a derivative is by, if it is not that of the master.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum By {
     Time,
     Other,
 }
 
-/// What is wrong with a unit, if anything is; `u` and nothing at all are units that nobody has said.
+/// Error of a unit, if any; `u` and an empty text are units that are not known.
 fn wrong(said: &str, [master, slave]: [&str; 2], power: &str) -> Option<By> {
     let said = normal(said);
     if said.is_empty() {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use twin_cam::CamError;
 use twin_cam::file::AsciiError;
 
-/// Why a cam cannot be read from a file, or written to one.
+/// Errors of reading and writing cam files.
 #[derive(Debug, thiserror::Error)]
 pub enum CamFileError {
     /// The ending is not that of a form of cams.
@@ -18,12 +18,12 @@ pub enum CamFileError {
         /// The file.
         path: PathBuf,
     },
-    /// The file cannot be read: `SMC_RCAM_FILE_DOESNT_EXIST` (manual 9.3), as `SMC_ReadCAM` tells it.
+    /// The file cannot be read: `SMC_RCAM_FILE_DOESNT_EXIST` of `SMC_ReadCAM` (manual 9.3).
     #[error("cannot read cam {}: {source} (error 2200)", path.display())]
     Read {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
     /// A recorded run cannot be read.
@@ -31,36 +31,36 @@ pub enum CamFileError {
     ReadRun {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
-    /// A TOML file says something that is not right.
+    /// A TOML file is invalid.
     #[error(transparent)]
     Toml(#[from] MachineFileError),
-    /// A table as text does.
+    /// A table as text is invalid.
     #[error("{}: {source}", path.display())]
     Ascii {
         /// The file.
         path: PathBuf,
-        /// What, with its line.
+        /// The cause, with its line.
         source: AsciiError,
     },
-    /// A table with commas has something else than it should.
+    /// A CSV table is invalid.
     #[error("{}: line {line}: {message}", path.display())]
     Table {
         /// The file.
         path: PathBuf,
-        /// Which line, from 1.
+        /// Line, from 1.
         line: u64,
         /// Column, value and what it should be.
         message: String,
     },
-    /// What the file says makes no cam.
+    /// The content of the file is not a cam.
     #[error("{}: {source}", path.display())]
     Cam {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: CamError,
     },
     /// Tappets without a curve are to be written as a table.
@@ -71,7 +71,7 @@ pub enum CamFileError {
     },
 }
 
-/// How a cam in a form that is not read gets into one that is.
+/// Advice for a cam in a form that is not supported.
 fn instead(path: &Path) -> &'static str {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     match ending.as_deref() {

@@ -1,12 +1,12 @@
 //! Cams read from files and written to them, in the form that their ending says.
 
-use crate::bounded;
 use crate::cam_file::columns;
 use crate::cam_file::csv_form::{csv_of, csv_shape};
 use crate::cam_file::form::unit_of;
 use crate::cam_file::toml_form;
 use crate::cam_file::toml_form::TomlCam;
 use crate::cam_file::{AxisScale, CamFileError, Coupling, write_toml};
+use crate::limited_read;
 use crate::section;
 use crate::section::MachineFileError;
 use crate::section::read_text;
@@ -18,7 +18,7 @@ use twin_cam::{
 };
 use twin_number::significant;
 
-/// How a cam is written.
+/// Form of a cam file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// `.toml`: by hand, with everything a cam has.
@@ -30,7 +30,7 @@ pub enum Form {
 }
 
 impl Form {
-    /// What the ending of a file says.
+    /// Form from the ending of a file name.
     ///
     /// # Errors
     /// [`CamFileError::Ending`] if it is none of these.
@@ -45,19 +45,20 @@ impl Form {
     }
 }
 
-/// A cam and what its file says beside it.
+/// A cam and the other entries of its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CamFile {
     /// The file.
     pub path: PathBuf,
-    /// In which form it was.
+    /// Form of the file.
     pub form: Form,
     /// The cam.
     pub cam: Cam,
     /// Points, lines and tappets; none of tables.
     pub source: Option<Source>,
-    /// Whether it is put end to end, as far as the file says so: by the slave's period, by a table's flag, or by an end that
-    /// goes on as the begin does.
+    /// True if the file says that the cam is periodic: by the slave's period, by a table's flag, or by an end that goes
+    /// on as
+    /// the begin does.
     pub repeated: bool,
     /// The slave's period, u.
     pub period: Option<f64>,
@@ -65,7 +66,7 @@ pub struct CamFile {
     pub master: AxisScale,
     /// Scale of the slave.
     pub slave: AxisScale,
-    /// `[coupling]`; what it is by default if the file does not say.
+    /// `[coupling]`, or its defaults.
     pub coupling: Coupling,
     /// The text of a TOML file.
     pub text: Option<String>,
@@ -74,12 +75,12 @@ pub struct CamFile {
 }
 
 impl CamFile {
-    /// Whether it carries tappets only: its curve is none that anybody has drawn.
+    /// True if it has tappets only, without a curve of its own.
     pub fn is_tappets_only(&self) -> bool {
         self.source.as_ref().is_some_and(|source| source.kind == Kind::Tappets)
     }
 
-    /// Why it means nothing to be told how it goes on between its points, if so: only tables as text leave that open.
+    /// Reason why an interpolation does not apply, if so: only tables as text leave it open.
     pub fn no_interpolation(&self) -> Option<&'static str> {
         match (self.cam.shape(), self.form) {
             (Shape::Polynomial(_), _) => Some("it has polynomials between its points"),
@@ -137,7 +138,7 @@ impl CamFile {
                 slave: (&source.slave).into(),
                 coupling,
                 source: table.is_none().then_some(source),
-                out_of_order: out_of_order.map(|element| element.told(&text)),
+                out_of_order: out_of_order.map(|element| element.message(&text)),
                 text: Some(text),
                 cam,
             }),
@@ -177,7 +178,7 @@ impl CamFile {
         Some(source.unwrap_or_else(|| Source { elements: points(), ..self.frame() }))
     }
 
-    /// Whether it consists of points and is put end to end, back to where it began: any period says so then.
+    /// True if it consists of points, is periodic and returns to its start: any period applies then.
     fn comes_back(&self) -> bool {
         let polynomial = matches!(self.cam.shape(), Shape::Polynomial(_));
         self.repeated && polynomial && self.cam.curve().rise() == 0.0
@@ -205,7 +206,7 @@ impl CamFile {
         }
     }
 
-    /// It as TOML.
+    /// The cam as TOML.
     pub fn to_toml(&self) -> String {
         match self.to_source() {
             Some(source) => write_toml(&source, None, &self.coupling),
@@ -214,13 +215,13 @@ impl CamFile {
     }
 }
 
-/// What a cam is called that says no name: as its file, without the ending.
+/// Name of a cam without a name: that of its file, without the ending.
 fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>, CamFileError> {
-    bounded::read(path).map_err(|source| CamFileError::Read { path: path.to_owned(), source })
+    limited_read::read(path).map_err(|source| CamFileError::Read { path: path.to_owned(), source })
 }
 
 fn periodic(shape: &Shape) -> Option<bool> {

@@ -12,7 +12,7 @@ pub struct AxisScale {
     pub max: f64,
     /// Distance of marks, u.
     pub step: f64,
-    /// What u is; empty if the file does not say.
+    /// Unit u; empty if the file does not say.
     pub unit: String,
 }
 
@@ -46,7 +46,7 @@ impl AxisScale {
     }
 }
 
-/// What a column says of its unit; `u` says that it is not known.
+/// Unit of a column; empty if it is `u`, which is not known.
 pub fn unit_of(column: &str) -> String {
     let unit = super::columns::unit(column);
     if unit == "u" { String::new() } else { unit.to_owned() }
@@ -65,15 +65,16 @@ pub struct Coupling {
     pub input: CamInput,
     /// `DeadTimeCompensation` of the tappets, s.
     pub dead_time_s: f64,
-    /// What the slave is to do where the inputs make up for what it does otherwise: `MasterOffset`, `MasterScaling`,
-    /// `SlaveOffset` and `SlaveScaling`. None where the inputs are what it is to do.
+    /// Intended offsets and scalings if the inputs compensate others: `MasterOffset`, `MasterScaling`, `SlaveOffset`
+    /// and
+    /// `SlaveScaling`. `None` if the inputs are the intended ones.
     pub wanted: Option<[f64; 4]>,
 }
 
-/// A scaling that is nearer to 0 is none: it is 0 but for rounding, and what is divided by it is nowhere.
-pub const LEAST_SCALING: f64 = 1e-15;
+/// Smallest magnitude of a scaling: smaller ones are 0 but for rounding.
+const LEAST_SCALING: f64 = 1e-15;
 
-/// Why a number is no scaling, of whatever `name` it is: 0, or nothing but its rounding, or none at all.
+/// Error message if the scaling `name` is 0 or rounding, or is not finite.
 pub fn no_scaling(name: &str, value: f64) -> Option<String> {
     if value == 0.0 {
         Some(format!("{name} is 0; nothing would move"))
@@ -95,7 +96,7 @@ pub const WANTED: [&str; 4] = [
 ];
 
 /// The start modes by their names in files.
-pub const START_MODES: [(&str, StartMode); 5] = [
+pub(crate) const START_MODES: [(&str, StartMode); 5] = [
     ("absolute", StartMode::Absolute),
     ("relative", StartMode::Relative),
     ("ramp_in", StartMode::RampIn),
@@ -127,7 +128,7 @@ impl Coupling {
     }
 }
 
-/// Whether a scale that names its unit fits an axis.
+/// True if the unit of a scale fits an axis, or is not known.
 pub fn unit_fits(scale: &AxisScale, kind: AxisKind) -> bool {
     let known: &[&str] = match kind {
         AxisKind::Rotary => &["deg", "°", "degree", "degrees"],

@@ -17,7 +17,7 @@ const POSITIVE: RangeInclusive<f64> = 1e-15..=1e15;
 /// The longest time of a tappet, µs: a day.
 const TAPPET_US: RangeInclusive<f64> = 0.0..=86_400e6;
 
-/// What a file says.
+/// Content of a cam file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TomlCam {
     pub(super) source: Source,
@@ -38,8 +38,8 @@ pub(super) struct OutOfOrder {
 }
 
 impl OutOfOrder {
-    /// In words, with the line of the text.
-    pub(super) fn told(&self, text: &str) -> String {
+    /// Message with the line of the text.
+    pub(super) fn message(&self, text: &str) -> String {
         let line = 1 + text.get(..self.span.start).unwrap_or_default().matches('\n').count();
         format!(
             "line {line}: the element at master {} stands behind the one at {}; they are taken by ascending masters",
@@ -134,7 +134,7 @@ pub(super) fn read(root: &Section<'_>, usual: &str) -> Option<TomlCam> {
     }
 }
 
-/// Tells what makes no cam of elements and tappets, which stand by their masters, at its place.
+/// Reports errors of elements and tappets, which are ordered by their masters, at their places.
 fn complain_of(
     error: CamError,
     root: &Section<'_>,

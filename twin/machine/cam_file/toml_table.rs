@@ -5,7 +5,7 @@ use crate::section::Section;
 use std::ops::Range;
 use twin_cam::{Equidistant, Interpolation, PairTable, Scale, Shape, TableScale, VariableType};
 
-/// Reads a table of a cam with this scale of the master, if that is known: all that is wrong with it is told either way.
+/// Reads a table of a cam with this scale of the master, if that is known, and reports all its errors either way.
 pub(super) fn shape(
     section: &Section<'_>,
     master: Option<&Scale>,
@@ -61,7 +61,7 @@ fn scale(section: &Section<'_>, key: &str) -> Option<TableScale> {
     Some(TableScale { min, max, table_min, table_max })
 }
 
-/// Whether the pairs begin and end with the scale of the master.
+/// True if the pairs begin and end with the scale of the master.
 fn ends_fit(section: &Section<'_>, pairs: &[[f64; 2]], scale: &TableScale, master: &Scale) -> bool {
     let ends = [pairs.first(), pairs.last()].map(|pair| pair.map(|pair| scale.position(pair[0])));
     let size = (master.max - master.min).abs();
@@ -76,7 +76,7 @@ fn ends_fit(section: &Section<'_>, pairs: &[[f64; 2]], scale: &TableScale, maste
     true
 }
 
-/// Where a number or pair stands, from 0.
+/// Place in the file of a number or pair, from 0.
 pub(super) fn span_of_item(section: &Section<'_>, index: usize) -> Option<Range<usize>> {
     ["values", "pairs"].into_iter().find_map(|key| section.span_of_item(key, index))
 }

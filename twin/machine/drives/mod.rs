@@ -180,7 +180,7 @@ pub(super) fn read(section: &Section<'_>, families: &[&'static dyn Family]) -> O
     })
 }
 
-/// Assumptions of `[drives.assumptions]` that differ from the usual ones.
+/// Entries of `[drives.assumptions]` that differ from the defaults.
 fn otherwise(section: &Section<'_>, family: &dyn Family) -> Vec<(String, String)> {
     if !section.has("assumptions") {
         return Vec::new();

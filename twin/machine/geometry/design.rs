@@ -18,9 +18,9 @@ pub(super) const LENGTH_MM: RangeInclusive<f64> = 1.0..=100_000.0;
 const OFFSET_MM: RangeInclusive<f64> = -1e5..=1e5;
 /// Angles, degrees.
 const ANGLE_DEG: RangeInclusive<f64> = -360.0..=360.0;
-/// How far a measured length may be from its nominal value, mm: more is another machine.
+/// Largest deviation of a measured length from its nominal value, mm: more is another machine.
 const DEVIATION_MM: RangeInclusive<f64> = -20.0..=20.0;
-/// How far a measured angle may be from its nominal value, degrees.
+/// Largest deviation of a measured angle from its nominal value, degrees.
 const DEVIATION_DEG: RangeInclusive<f64> = -10.0..=10.0;
 
 /// The dimensions of a machine with its deviations in them. SI.

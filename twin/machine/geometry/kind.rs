@@ -9,7 +9,7 @@ pub(super) enum Family {
     Gantry,
     /// Straight axes and one that turns the tool.
     Cutter,
-    /// Straight axes with a tool beside them, at the end of so many legs.
+    /// Straight axes with a tool offset by a number of legs.
     BesideTool(u8),
     /// Two drives on one belt.
     HBelt,

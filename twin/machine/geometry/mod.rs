@@ -8,8 +8,6 @@ mod model;
 mod sources;
 mod urdf;
 
-pub(super) use sources::additional;
-
 use super::axis::{Axis, AxisEntry};
 use super::direction::DirectionRule;
 use super::tool::Tool;
@@ -131,7 +129,7 @@ fn mount(
     mounted.map_err(|error| body.complain(error.to_string())).ok()
 }
 
-/// What moves.
+/// Links and axes of the machine.
 struct Built {
     model: Model,
     axes: Vec<Axis>,

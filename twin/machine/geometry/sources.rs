@@ -1,16 +1,11 @@
 //! Assignment of transform outputs and coordinates to the axes of a machine.
 
 use super::kind::Kind;
+use crate::additional_axis;
 use crate::axis::AxisEntry;
 use crate::axis_kind::AxisKind;
 use crate::section::Section;
 use twin_kinematics::{AxisSource, Coordinate};
-use twin_path::EXTRA_AXES;
-
-/// The number of an additional axis.
-pub(crate) fn additional(role: &str) -> Option<u8> {
-    (0..).zip(EXTRA_AXES).find(|(_, letter)| letter.to_string() == role).map(|(number, _)| number)
-}
 
 /// Source of each axis; complains where the assignment is not one to one.
 pub(super) fn sources(
@@ -30,7 +25,7 @@ pub(super) fn sources(
                 sources.push(AxisSource::Transform(output));
                 outputs.get(output).map(|(_, kind)| *kind)
             }
-            None if let Some(number) = additional(role) => {
+            None if let Some(number) = additional_axis::number(role) => {
                 sources.push(AxisSource::Additional(number));
                 // In degrees or mm, as the machine has it.
                 None

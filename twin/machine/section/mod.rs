@@ -6,8 +6,9 @@ mod numbers;
 mod problem;
 
 pub use file_kind::FileKind;
+pub use problem::Shown;
+pub(crate) use problem::read_text;
 pub use problem::{Elsewhere, MachineFileError, Problem};
-pub use problem::{Shown, read_text};
 use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
@@ -16,13 +17,13 @@ use toml::de::{DeTable, DeValue};
 
 /// Collector of the errors of a file, so that a user sees all of them at once.
 #[derive(Debug, Default)]
-pub struct Complaints {
+pub(crate) struct Complaints {
     list: RefCell<Vec<Problem>>,
 }
 
 impl Complaints {
     /// Adds a problem at `span` of the file.
-    pub fn add(&self, span: Range<usize>, message: String, help: Option<String>) {
+    pub(crate) fn add(&self, span: Range<usize>, message: String, help: Option<String>) {
         self.list.borrow_mut().push(Problem { span, message, help, elsewhere: None });
     }
 
@@ -33,7 +34,7 @@ impl Complaints {
     }
 
     /// All problems, in the order in which they were found.
-    pub fn into_list(self) -> Vec<Problem> {
+    pub(crate) fn into_list(self) -> Vec<Problem> {
         let mut list = self.list.into_inner();
         list.sort_by_key(|problem| problem.span.start);
         list
@@ -70,7 +71,7 @@ pub struct Section<'a> {
 
 impl<'a> Section<'a> {
     /// The file as a whole.
-    pub fn root(table: &'a Spanned<DeTable<'a>>, complaints: &'a Complaints) -> Self {
+    pub(crate) fn root(table: &'a Spanned<DeTable<'a>>, complaints: &'a Complaints) -> Self {
         Self::new("the file".to_owned(), Some(table.get_ref()), 0..0, complaints)
     }
 
@@ -94,7 +95,7 @@ impl<'a> Section<'a> {
     }
 
     /// Complains about the value of `key`, with what would be right.
-    pub fn complain_with_help(&self, key: &str, message: String, help: Option<String>) {
+    pub(crate) fn complain_with_help(&self, key: &str, message: String, help: Option<String>) {
         self.complaints.add(self.span_of(key), message, help);
     }
 
@@ -104,7 +105,7 @@ impl<'a> Section<'a> {
     }
 
     /// Complains about the value of `key`, which names a file that something is wrong with.
-    pub fn complain_elsewhere(&self, key: &str, elsewhere: Elsewhere) {
+    pub(crate) fn complain_elsewhere(&self, key: &str, elsewhere: Elsewhere) {
         self.complaints.add_elsewhere(self.span_of(key), elsewhere);
     }
 
@@ -115,7 +116,7 @@ impl<'a> Section<'a> {
     }
 
     /// Complains about a place known from before.
-    pub fn complain_over(&self, span: &Range<usize>, message: String) {
+    pub(crate) fn complain_over(&self, span: &Range<usize>, message: String) {
         self.complaints.add(span.clone(), message, None);
     }
 
@@ -125,7 +126,7 @@ impl<'a> Section<'a> {
     }
 
     /// Place of entry `index` of the array `key`, from 0; complains about nothing and leaves the key unknown.
-    pub fn span_of_item(&self, key: &str, index: usize) -> Option<Range<usize>> {
+    pub(crate) fn span_of_item(&self, key: &str, index: usize) -> Option<Range<usize>> {
         let array = self.look_up(key)?.get_ref().as_array()?;
         array.get(index).map(Spanned::span)
     }
@@ -273,7 +274,7 @@ impl<'a> Section<'a> {
     }
 
     /// Pairs of names, each with its place in the file; none if the key is absent.
-    pub fn pairs_of_names(&self, key: &str) -> Vec<([String; 2], Range<usize>)> {
+    pub(crate) fn pairs_of_names(&self, key: &str) -> Vec<([String; 2], Range<usize>)> {
         let Some(value) = self.value(key) else { return Vec::new() };
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, "an array of pairs of names");

@@ -87,7 +87,7 @@ impl Section<'_> {
     }
 
     /// The integer of `key` within `range`; a problem if it is missing or outside.
-    pub fn required_integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
+    pub(crate) fn required_integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
         if !self.has(key) {
             self.value(key);
             self.missing(key);
@@ -97,7 +97,7 @@ impl Section<'_> {
     }
 
     /// The whole numbers of `key`, if that is what they are; complains about nothing and leaves the key unknown.
-    pub fn glance_at_integers(&self, key: &str) -> Vec<i64> {
+    pub(crate) fn glance_at_integers(&self, key: &str) -> Vec<i64> {
         let array = self.look_up(key).and_then(|value| value.get_ref().as_array());
         let number = |item: &Spanned<DeValue<'_>>| {
             let integer = item.get_ref().as_integer()?;
@@ -107,7 +107,7 @@ impl Section<'_> {
     }
 
     /// Whole numbers within `range`, up to `most` of them; none if the key is absent.
-    pub fn integers(&self, key: &str, range: &RangeInclusive<i64>, most: usize) -> Vec<i64> {
+    pub(crate) fn integers(&self, key: &str, range: &RangeInclusive<i64>, most: usize) -> Vec<i64> {
         let Some(value) = self.value(key) else { return Vec::new() };
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, "an array of whole numbers");
@@ -122,7 +122,7 @@ impl Section<'_> {
     }
 
     /// The `N` numbers of `key`, each within `range`; a problem otherwise.
-    pub fn required_numbers<const N: usize>(
+    pub(crate) fn required_numbers<const N: usize>(
         &self,
         key: &str,
         range: RangeInclusive<f64>,

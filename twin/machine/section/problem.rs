@@ -1,13 +1,13 @@
 //! Problems of a TOML file: place, message and help, and their diagnostics.
 
-use crate::bounded;
+use crate::limited_read;
 use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode};
 use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// One thing wrong, and where in the text.
+/// One problem and its place in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
     /// Bytes of the text.
@@ -67,10 +67,10 @@ pub enum MachineFileError {
         what: &'static str,
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
-    /// The file is not what it must be.
+    /// The content of the file is invalid.
     #[error("{what} {} has {} problem(s)", path.display(), problems.len())]
     Content {
         /// As above.
@@ -142,8 +142,8 @@ impl Diagnostic for Shown {
 ///
 /// # Errors
 /// [`MachineFileError`] if the file cannot be read, is too long or is not UTF-8.
-pub fn read_text(what: &'static str, path: &Path) -> Result<String, MachineFileError> {
-    let text = bounded::read(path).and_then(|bytes| {
+pub(crate) fn read_text(what: &'static str, path: &Path) -> Result<String, MachineFileError> {
+    let text = limited_read::read(path).and_then(|bytes| {
         String::from_utf8(bytes).map_err(|error| {
             std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error())
         })

@@ -69,9 +69,9 @@ pub struct SimulatedServo {
 pub enum FeedForward {
     /// Nothing.
     None,
-    /// What accelerates the axis alone.
+    /// The inertia of the axis alone.
     Inertia,
-    /// What the whole machine takes.
+    /// The inverse dynamics of the whole machine.
     Dynamics,
 }
 

@@ -14,10 +14,10 @@ use twin_physics::{
 /// Torques, Nm.
 const TORQUE: RangeInclusive<f64> = 1e-6..=1e7;
 
-/// Where the damping of a step motor's swing is not known.
+/// Default damping ratio of a step motor's swing.
 const STEPPER_DAMPING_RATIO: f64 = 0.1;
 
-/// Where a motor's thermal time constant is not known, s.
+/// Default thermal time constant of a motor, s.
 const THERMAL_TIME_S: f64 = 30.0;
 
 /// Reader of motor values that are given at the shaft.
@@ -165,7 +165,7 @@ impl<'a> Motors<'_, 'a> {
         said
     }
 
-    /// What is left up to the axis's largest velocity.
+    /// Smallest effort up to the axis's largest velocity.
     fn least(&self, curve: &EffortCurve) -> f64 {
         curve.least(self.max_velocity.unwrap_or(0.0))
     }

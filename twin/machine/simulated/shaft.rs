@@ -6,7 +6,7 @@ use crate::section::Section;
 use std::f64::consts::TAU;
 use twin_physics::EffortCurve;
 
-/// Where a spring's damping is not known.
+/// Default damping ratio of a spring.
 const DAMPING_RATIO: f64 = 0.05;
 
 /// From the motor's shaft to the axis.

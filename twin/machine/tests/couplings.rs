@@ -2,7 +2,7 @@
 
 use super::{Machine, SHORT, load, problems};
 use crate::CoupledBy;
-use crate::coupled::{AxesError, Coupled};
+use crate::axis_couplings::{AxesError, AxisCouplings};
 use std::path::Path;
 use twin_kinematics::{AxisMotion, AxisVector};
 
@@ -27,7 +27,7 @@ fn at(position: [f64; 3], velocity: [f64; 3], acceleration: [f64; 3]) -> AxisMot
 fn a_gear_counts_from_where_both_start() {
     let machine = load(&with(GEAR));
     assert!(matches!(machine.couplings[0].by, CoupledBy::Gear(-3, 2)));
-    let mut coupled = Coupled::new(&machine);
+    let mut coupled = AxisCouplings::new(&machine);
     let mut axes = at([0.1, 0.2, 0.0], [0.0; 3], [0.0; 3]);
     coupled.apply(&mut axes, 0).unwrap();
     near(axes.position[1], 0.2);
@@ -41,7 +41,7 @@ fn a_gear_counts_from_where_both_start() {
 #[test]
 fn the_program_must_not_move_a_slave() {
     let machine = load(&with(GEAR));
-    let mut coupled = Coupled::new(&machine);
+    let mut coupled = AxisCouplings::new(&machine);
     coupled.apply(&mut at([0.0; 3], [0.0; 3], [0.0; 3]), 0).unwrap();
     let moved = coupled.apply(&mut at([0.0, 0.001, 0.0], [0.0; 3], [0.0; 3]), 1_000_000);
     let said = moved.unwrap_err();
@@ -65,10 +65,10 @@ fn a_cam_drives_an_axis_that_drives_another() {
     );
     let machine = Machine::parse(&folder.path().join("machine.toml"), &text).unwrap();
     let rest = AxisVector::from_values([0.01, 0.0, 0.0]);
-    let rest = Coupled::at_rest(&machine, rest).unwrap();
+    let rest = AxisCouplings::at_rest(&machine, rest).unwrap();
     near(rest[1], 0.025);
     near(rest[2], 0.0);
-    let mut coupled = Coupled::new(&machine);
+    let mut coupled = AxisCouplings::new(&machine);
     coupled.apply(&mut at([0.01, 0.0, 0.0], [0.0; 3], [0.0; 3]), 0).unwrap();
     let mut axes = at([0.05, 0.0, 0.0], [0.1, 0.0, 0.0], [1.0, 0.0, 0.0]);
     coupled.apply(&mut axes, 1_000_000).unwrap();
@@ -95,7 +95,7 @@ fn a_cam_knows_the_period_of_its_master() {
         let values = [0.0, 0.0, 0.0, degrees.to_radians()];
         AxisMotion::at_rest(AxisVector::from_values(values))
     };
-    let mut coupled = Coupled::new(&machine);
+    let mut coupled = AxisCouplings::new(&machine);
     let mut axes = at(400.0);
     coupled.apply(&mut axes, 0).unwrap();
     near(axes.position[1], 4e-3);
@@ -108,7 +108,10 @@ fn a_cam_knows_the_period_of_its_master() {
 fn what_cannot_follow_is_told() {
     let said = |text: &str, message: &str| {
         let found = problems(&with(text));
-        assert!(found.iter().any(|(_, told, _)| told.contains(message)), "{text}: {found:#?}");
+        assert!(
+            found.iter().any(|(_, found_text, _)| found_text.contains(message)),
+            "{text}: {found:#?}"
+        );
     };
     said(
         "[[gears]]\naxis = \"Q\"\nmaster = \"X\"\nratio_numerator = 1\n",
@@ -133,7 +136,7 @@ fn what_cannot_follow_is_told() {
     assert!(Machine::load(Path::new("none.toml")).is_err());
 }
 
-/// A ring is told at one of its own tables, and an axis that is not there hides nothing else of its table.
+/// A cycle is reported at one of its own tables, and an axis that is not there hides nothing else of its table.
 #[test]
 fn places_of_what_cannot_follow() {
     let ring = "[[gears]]\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 1\n";
@@ -143,24 +146,36 @@ fn places_of_what_cannot_follow() {
     let wrong = "[[gears]]\naxis = \"Q\"\nmaster = \"X\"\nratio_numerator = 0\nrato = 3\n";
     let found = problems(&with(wrong));
     for said in ["there is no axis \"Q\"", "`ratio_numerator` is 0", "unknown key"] {
-        assert!(found.iter().any(|(_, told, _)| told.contains(said)), "{said}: {found:#?}");
+        assert!(
+            found.iter().any(|(_, found_text, _)| found_text.contains(said)),
+            "{said}: {found:#?}"
+        );
     }
     let cam =
         "[[cams]]\naxis = \"Q\"\nmaster = \"X\"\ncam = \"none.toml\"\nstart_mode = \"ramp\"\n";
     let found = problems(&with(cam));
     for said in ["there is no axis \"Q\"", "(error 2200)", "`start_mode` is \"ramp\""] {
-        assert!(found.iter().any(|(_, told, _)| told.contains(said)), "{said}: {found:#?}");
+        assert!(
+            found.iter().any(|(_, found_text, _)| found_text.contains(said)),
+            "{said}: {found:#?}"
+        );
     }
     // An axis that is there has its keys, whatever the other one is.
     let cam =
         "[[cams]]\naxis = \"Z\"\nmaster = \"Q\"\ncam = \"none.toml\"\nslave_offset_mm = \"3\"\n";
     let found = problems(&with(cam));
-    assert!(found.iter().any(|(_, told, _)| told.contains("`slave_offset_mm`")), "{found:#?}");
+    assert!(
+        found.iter().any(|(_, found_text, _)| found_text.contains("`slave_offset_mm`")),
+        "{found:#?}"
+    );
     let ratio =
         "[[gears]]\naxis = \"Z\"\nmaster = \"X\"\nratio_numerator = 0\nratio_denominator = 0\n";
     let found = problems(&with(ratio));
     for said in ["`ratio_numerator` is 0", "`ratio_denominator` is 0"] {
-        assert!(found.iter().any(|(_, told, _)| told.contains(said)), "{said}: {found:#?}");
+        assert!(
+            found.iter().any(|(_, found_text, _)| found_text.contains(said)),
+            "{said}: {found:#?}"
+        );
     }
 }
 
@@ -184,8 +199,8 @@ fn scalings_of_nothing_are_refused() {
             let found = Machine::parse(&path, &text).expect_err("no machine");
             let [problem] = found.as_slice() else { panic!("{found:?}") };
             assert!(problem.message.starts_with(&format!("`{key}` {said}")), "{problem:?}");
-            let told = text.get(problem.span.clone()).unwrap();
-            assert!(told.contains(key) || told.contains(value), "{told}");
+            let found_text = text.get(problem.span.clone()).unwrap();
+            assert!(found_text.contains(key) || found_text.contains(value), "{found_text}");
         }
         for value in ["1e-15", "-1e-15"] {
             assert!(Machine::parse(&path, &with(&format!("{cams}{key} = {value}\n"))).is_ok());

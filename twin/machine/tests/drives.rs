@@ -83,7 +83,7 @@ fn a_drive_must_be_able_to_do_what_the_axis_may() {
     assert!(found[0].1.contains("2148000000 increments; the drive counts to 2147483647"));
 }
 
-/// The manuals of boards and drives speak of addresses; where one is written is told.
+/// The manuals of boards and drives speak of addresses; the place of one is reported.
 #[test]
 fn an_address_is_told_where_it_belongs() {
     for key in ["address", "drive_address"] {
@@ -100,10 +100,10 @@ fn an_address_is_told_where_it_belongs() {
     ] {
         let text = edited(SHORT, "kind = \"interpcnc\"", &format!("kind = \"{kind}\"\n{key} = 3"));
         let found = problems(&text);
-        let told = found
+        let problem = found
             .iter()
             .find(|(_, message, _)| message.contains(key) && message.contains(" is no key of "));
-        let (_, message, help) = told.unwrap_or_else(|| panic!("{found:#?}"));
+        let (_, message, help) = problem.unwrap_or_else(|| panic!("{found:#?}"));
         let help = help.as_ref().unwrap();
         assert!(message.contains(parts[0]) && help.contains(parts[1]), "{message}; {help}");
     }
@@ -162,8 +162,8 @@ fn encoders_are_declared_beside_their_device() {
     ] {
         assert!(keys.contains(old));
         let found = problems(&of("interpcnc", &keys.replace(old, new)));
-        let told = found.iter().find(|(at, message, _)| at == place && message.contains(parts));
-        assert!(told.is_some(), "{new}: {found:#?}");
+        let problem = found.iter().find(|(at, message, _)| at == place && message.contains(parts));
+        assert!(problem.is_some(), "{new}: {found:#?}");
     }
     let found = problems(&of("interpcnc", "axis = \"X\""));
     for key in ["points", "per_increments", "tolerance_increments"] {

@@ -9,9 +9,9 @@ mod kinds;
 mod limits;
 mod payload;
 mod programs;
-mod refusal;
 mod scenario;
 mod simulated;
+mod simulation_error;
 mod surroundings;
 mod survival;
 
@@ -157,7 +157,7 @@ fn the_shipped_machines_are_as_their_comments_say() {
     }
 }
 
-/// A real drive answers as slowly as it does; an emulated one as fast as it is told to.
+/// A real drive answers as slowly as it does; an emulated one as fast as it is set to.
 #[test]
 fn real_devices_are_reckoned_with_by_their_own_time() {
     let mut machine = load(GANTRY3);
@@ -189,8 +189,8 @@ fn no_two_devices_are_on_one_port() {
     assert!(with("/dev/uio0", "").is_ok());
     assert!(with("/dev/ttyUSB0", "map_offset = 4096").is_ok());
     let problems = with("/dev/ttyUSB0", "").unwrap_err();
-    let told = "drive \"other\" is on this port already";
-    assert!(problems.iter().any(|one| one.message.contains(told)), "{problems:#?}");
+    let expected = "drive \"other\" is on this port already";
+    assert!(problems.iter().any(|one| one.message.contains(expected)), "{problems:#?}");
     // The same under other names: with nothing there, and as a link to it.
     assert!(with("/dev/./ttyUSB0", "").is_err());
     let folder = tempfile::tempdir().unwrap();

@@ -19,7 +19,7 @@ const ABOUT_Z: f64 = 0.025;
 const SCARA2: &str = include_str!("../../../machines/scara2.toml");
 const SCARA3: &str = include_str!("../../../machines/scara3.toml");
 const CUTTER: &str = include_str!("../../../machines/gantry_cutter3.toml");
-const BESIDE: &str = include_str!("../../../machines/gantry3_tool2.toml");
+const OFFSET_TOOL: &str = include_str!("../../../machines/gantry3_tool2.toml");
 const TRIPOD: &str = include_str!("../../../machines/tripod.toml");
 const PORTALS: [&str; 2] = [
     include_str!("../../../machines/gantry3.toml"),
@@ -65,7 +65,7 @@ fn a_scara_carries_it_at_the_end_of_its_arm() {
     }
 }
 
-/// On a wall, with gravity along −x, the arms hold it as well: m·g times how far it is beside the axis.
+/// On a wall, with gravity along −x, the arms hold it as well: m·g times its distance from the axis.
 #[test]
 fn gravity_pulls_it_whichever_way_it_goes() {
     let text = edited(SCARA2, "[0.0, 0.0, -9.81]", "[-9.81, 0.0, 0.0]");
@@ -138,13 +138,13 @@ fn it_hangs_where_the_tool_does() {
         assert!((found - Point3::from(expected)).norm() < 1e-12, "{found}, not {expected:?}");
     };
     let axes = [0.1, 0.2, 0.03];
-    // Beside the crossing of the axes, 60 mm along +y and 15 mm to the left of that.
+    // Away from the crossing of the axes, 60 mm along +y and 15 mm to the left of that.
     expect(
-        center(&load(BESIDE), &with(BESIDE, HELD), &axes),
+        center(&load(OFFSET_TOOL), &with(OFFSET_TOOL, HELD), &axes),
         [0.1 - 0.015 + x, 0.2 + 0.06 + y, 0.03 + z],
     );
     let tip = "[payload]\nmass_kg = 2.5\n";
-    expect(center(&load(BESIDE), &with(BESIDE, tip), &axes), [0.085, 0.26, 0.03 - 0.04]);
+    expect(center(&load(OFFSET_TOOL), &with(OFFSET_TOOL, tip), &axes), [0.085, 0.26, 0.03 - 0.04]);
     // A URDF whose last link is upside down: along the last arm, to its left, and down all the same.
     let path = workspace().join("tests/data/urdf_scara/machine.toml");
     let text = std::fs::read_to_string(&path).unwrap();

@@ -3,7 +3,7 @@
 use super::{Machine, SHORT, load, near, problems};
 use twin_kinematics::{AxisVector, Kinematics};
 
-/// A turntable beside the transform.
+/// A turntable outside of the transform.
 const TURNTABLE: &str = "[[axes]]\nname = \"C\"\nrole = \"P\"\nkind = \"rotary\"\nposition_min_deg = -3600\nposition_max_deg = 3600\nmax_velocity_deg_per_s = 360\nmax_acceleration_deg_per_s2 = 3600\n";
 
 /// The short machine without its drive.

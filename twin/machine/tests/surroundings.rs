@@ -23,7 +23,7 @@ fn names(machine: &Machine, found: &twin_physics::Clearance) -> [String; 2] {
 #[test]
 fn the_shipped_vice_is_where_it_should_be() {
     let machine = load(VICE);
-    // A tool of 6 mm, 5 mm beside the fixed jaw (y −20 to 0, x −20 to 120, top at −10).
+    // A tool of 6 mm, 5 mm from the fixed jaw (y −20 to 0, x −20 to 120, top at −10).
     let found = nearest(&machine, [50.0, -28.0, -30.0]);
     assert_eq!(names(&machine, &found), ["the tool", "fixed jaw"]);
     assert!((found.distance - 5e-3).abs() < 1e-9, "{found:?}");
@@ -90,7 +90,7 @@ fn shipped_machines_do_not_run_into_themselves() {
     assert!(looked >= 6, "{looked}");
 }
 
-/// Shapes of all kinds, turned, in both frames, and a mesh beside the file.
+/// Shapes of all kinds, turned, in both frames, and a mesh next to the file.
 #[test]
 fn obstacles_have_any_shape() {
     let folder = tempfile::tempdir().unwrap();
@@ -154,7 +154,7 @@ position_mm = [400, 0, 0]
     let found = at(30.0, 100.0, 0.0);
     assert_eq!(names(&machine, &found), ["the tool", "pipe"]);
     assert!((found.distance - 15e-3).abs() < 1e-6, "{found:?}");
-    // Beside the pill and its end: the tool is a cylinder, too.
+    // Next to the pill and its end: the tool is a cylinder, too.
     let found = at(20.0, -100.0, 0.0);
     assert_eq!(names(&machine, &found), ["the tool", "pill"]);
     assert!((found.distance - 12e-3).abs() < 1e-6, "{found:?}");
@@ -220,9 +220,9 @@ fn what_is_drawn_into_each_other_is_left_out() {
     let collision = machine.collision.as_ref().unwrap();
     let named: Vec<_> =
         collision.overlapping.iter().map(|pair| pair.map(|part| machine.part_name(part))).collect();
-    // The quill runs through its arm, to which a joint joins it: that is no matter of overlapping.
+    // The quill runs through its arm, to which a joint joins it: that is not an overlap.
     assert!(named.is_empty(), "{named:?}");
-    // A holder as wide as a house meets whatever stands beside the quill.
+    // A holder as wide as a house meets all next to the quill.
     let wide =
         edited(GANTRY3, "[tool]", "[tool]\nholder_diameter_mm = 5000\nholder_length_mm = 30");
     let machine = load(&format!("{wide}\n[collision]\n"));

@@ -3,7 +3,7 @@
 /// Mounting side of an encoder: motor or axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EncoderSide {
-    /// On the motor: blind to what the transmission gives.
+    /// On the motor: it does not see the deflection of the transmission.
     Motor,
     /// On the axis: a scale, or an encoder behind the gear.
     Axis,
@@ -20,7 +20,7 @@ pub struct EncoderParameters {
 
 impl EncoderParameters {
     /// On the motor, with any number of increments.
-    pub const IDEAL: Self = Self { side: EncoderSide::Motor, resolution: 0.0 };
+    pub(crate) const IDEAL: Self = Self { side: EncoderSide::Motor, resolution: 0.0 };
 
     /// `position` in whole increments, m or rad.
     pub(super) fn measured(&self, position: f64) -> f64 {

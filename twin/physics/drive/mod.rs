@@ -10,19 +10,19 @@ mod switches;
 pub use curve::EffortCurve;
 pub use encoder::{EncoderParameters, EncoderSide};
 pub use overload::OverloadParameters;
-pub use servo::{EffortFeedForward, MAX_DELAY, ServoParameters};
+pub use servo::{EffortFeedForward, ServoParameters};
 pub use stepper::StepperParameters;
 pub use switches::{SwitchParameters, SwitchStates};
 
 pub(super) use servo::{DriveInput, ServoDrive};
 pub(super) use stepper::{FieldSetpoint, StepperDrive};
 
-use super::dynamics::JointVector;
-use super::friction::FrictionParameters;
-use super::integrate::{JointState, Motors, Stage};
-use super::joint_vector;
-use super::noise::{Noise, NoiseParameters};
-use super::transmission::ElasticTransmission;
+use crate::friction::FrictionParameters;
+use crate::joint::JointVector;
+use crate::joint::joint_vector;
+use crate::noise::{Noise, NoiseParameters};
+use crate::state::{JointState, Motors, Stage};
+use crate::transmission::ElasticTransmission;
 use overload::Overload;
 
 /// Parameters of a drive. Efforts in N or Nm, lengths in m or rad, everything at the axis (behind the gear).
@@ -67,7 +67,7 @@ pub struct BrakeParameters {
 }
 
 impl AxisDriveParameters {
-    /// A drive that does nothing by itself, on an axis without friction.
+    /// A drive without effort, on an axis without friction.
     pub const SLACK: Self = Self {
         motor: Motor::Servo(ServoParameters::SLACK),
         armature: 0.0,

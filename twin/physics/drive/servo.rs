@@ -10,12 +10,12 @@
 //! holds the axis against gravity when the drive is enabled: the start value that a real drive gets before it releases
 //! the brake. A current loop that is tuned by cancelling the motor's electrical pole closes to a first-order lag.
 
-use super::super::integrate::Stage;
 use super::curve::EffortCurve;
 use super::encoder::{EncoderParameters, EncoderSide};
+use crate::state::Stage;
 
 /// Most velocity periods from measuring to the current set-point.
-pub const MAX_DELAY: usize = 8;
+pub(crate) const MAX_DELAY: usize = 8;
 
 /// Parameters of a servo drive. Efforts in N or Nm, lengths in m or rad, everything at the axis (behind the gear).
 #[derive(Clone, Debug, PartialEq)]
@@ -40,7 +40,7 @@ pub struct ServoParameters {
     pub position_passes: u8,
     /// Passes of the velocity loop per cycle, a multiple of those of the position loop.
     pub velocity_passes: u8,
-    /// Velocity periods from measuring to the current set-point, 0 to [`MAX_DELAY`]; digital drives have 1 or 2.
+    /// Velocity periods from measuring to the current set-point, 0 to 8; digital drives have 1 or 2.
     pub delay: u8,
     /// Its encoder.
     pub encoder: EncoderParameters,
@@ -154,13 +154,13 @@ pub(crate) struct ServoDrive {
     measured: Option<f64>,
     /// Outputs that are under way, the next to come first.
     delayed: [f64; MAX_DELAY],
-    /// What the current loop shall have.
+    /// Effort set-point of the current loop.
     target: f64,
-    /// What it has.
+    /// Effort of the current loop.
     effort: f64,
     /// The same in the middle and at the end of the step.
     course: [f64; 2],
-    /// How much the current loop changes in the step, in its time constants.
+    /// Length of the step in time constants of the current loop.
     changes: f64,
 }
 
@@ -236,7 +236,7 @@ impl ServoDrive {
         self.course = [self.after(0.5), self.after(1.0)];
     }
 
-    /// What it has after this part of the step.
+    /// Effort after this part of the step.
     fn after(&self, part: f64) -> f64 {
         self.target + (self.effort - self.target) * (-self.changes * part).exp()
     }

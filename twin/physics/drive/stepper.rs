@@ -13,8 +13,8 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::super::integrate::Stage;
 use super::curve::EffortCurve;
+use crate::state::Stage;
 
 /// Full steps in which the field is back where it was.
 const PERIOD: f64 = 4.0;
@@ -52,9 +52,11 @@ impl StepperParameters {
     }
 }
 
-/// What a sine that goes on by 2·`angle` in a step has to be multiplied with, so that start, four times the middle and end of the step, as
-/// Runge and Kutta weigh them, are six times its mean. Out of step the field may pass the rotor more than once in a step: as it is seen
-/// then, it could stand still, and drag the rotor along. In step it is 1 − angle⁴/180.
+/// Correction factor of a sine that advances by 2·`angle` in a step: with it, the Runge–Kutta weights of start, middle and
+/// end (1, 4, 1) give the mean of the sine exactly.
+///
+/// Out of step the field may pass the rotor more than once in a step. Sampled at three places it could seem to rest, and
+/// drag the rotor along. In step the factor is 1 − angle⁴/180.
 fn whole(angle: f64) -> f64 {
     if angle.abs() < 1e-3 {
         return 1.0;
@@ -86,9 +88,9 @@ pub(crate) struct StepperDrive {
     offset: f64,
     /// Full steps of pulses that will not reach the motor.
     missing: f64,
-    /// Full steps that have not, upwards, and have not been told.
+    /// Full steps that have not, upwards, and have not been reported.
     missed: f64,
-    /// Where pulses led to last, m or rad.
+    /// Last position of the pulse train, m or rad.
     commanded: f64,
     /// Turns of the field, four full steps each, that the rotor has fallen behind.
     behind: i64,
@@ -152,7 +154,7 @@ impl StepperDrive {
         #[expect(clippy::cast_possible_truncation, reason = "within what is just said")]
         let behind = turns.clamp(-1e15, 1e15) as i64;
         let before = std::mem::replace(&mut self.behind, behind);
-        // Told when they are whole, but for what rounding leaves.
+        // Reported when they are whole, within rounding.
         let missed = (self.missed * (1.0 + 1e-9)).trunc();
         self.missed -= missed;
         #[expect(clippy::cast_possible_truncation, reason = "no more than have been taken out")]

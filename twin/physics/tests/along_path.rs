@@ -42,11 +42,11 @@ fn efforts_on_a_circle_are_pinocchios() {
     }
 }
 
-/// Every row of the peer's file, if it is there (`TWIN_SHARED` or beside the workspace).
+/// Every row of the peer's file, if it is there (`TWIN_SHARED` or next to the workspace).
 #[test]
 fn all_efforts_on_the_circle_are_pinocchios() {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    let shared = std::env::var_os("TWIN_SHARED").map_or(beside, PathBuf::from);
+    let neighbour = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
+    let shared = std::env::var_os("TWIN_SHARED").map_or(neighbour, PathBuf::from);
     let Ok(mut file) = csv::Reader::from_path(shared.join("reference/scara_circle.csv")) else {
         println!("skipped: no scara_circle.csv (TWIN_SHARED, ../shared)");
         return;

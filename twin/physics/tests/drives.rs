@@ -1,7 +1,7 @@
 //! Tests of drives on the machine, and of errors for machines that cannot be simulated.
 
-use super::super::drive::MotorAtWork;
 use super::*;
+use crate::drive::MotorAtWork;
 
 /// Drives for a gantry, tuned by rule.
 fn tuned(limit: f64) -> [ServoParameters; 3] {

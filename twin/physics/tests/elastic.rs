@@ -164,7 +164,7 @@ fn a_brake_catches_a_lift() {
     assert!(state.velocity[0].abs() < 1e-12, "{state:?}");
 }
 
-/// An encoder tells whole increments: an axis comes to rest within one, and a coarser one makes the drive work more.
+/// An encoder measures whole increments: an axis comes to rest within one, and a coarser one makes the drive work more.
 #[test]
 fn increments_are_what_the_drive_knows() {
     for resolution in [1e-6, 10e-6] {

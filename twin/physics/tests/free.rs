@@ -38,7 +38,7 @@ fn changes<const N: usize>(
     (changes, machine)
 }
 
-/// Three arms in a plane, whose masses are beside their middle lines, and a quill.
+/// Three arms in a plane, whose masses are off their middle lines, and a quill.
 #[test]
 fn a_scara_with_three_arms_keeps_energy_and_angular_momentum() {
     // Distance to the next joint (m), mass (kg), its place along and across (m), edges (m).
@@ -47,14 +47,14 @@ fn a_scara_with_three_arms_keeps_energy_and_angular_momentum() {
         (0.20, 3.0, [0.08, -0.03], [0.20, 0.07]),
         (0.00, 0.9, [0.06, 0.015], [0.12, 0.05]),
     ];
-    let (quill, beside) = (1.2, [0.04, -0.01]);
+    let (quill, offset) = (1.2, [0.04, -0.01]);
     let mut from = 0.0;
     let [one, two, three] = arms.map(|(next, mass, [x, y], [along, across])| {
         let body = uniform_box(mass, [x, y, 0.03], [along, across, 0.05]);
         let origin = Isometry3::translation(std::mem::replace(&mut from, next), 0.0, 0.0);
         (JointKind::Revolute, Vector3::z(), origin, Some(body))
     });
-    let [x, y] = beside;
+    let [x, y] = offset;
     let body = uniform_box(quill, [x, y, 0.0], [0.03, 0.03, 0.3]);
     let slide = (JointKind::Prismatic, Vector3::z(), Isometry3::identity(), Some(body));
     let model = chain([one, two, three, slide]);
@@ -77,7 +77,7 @@ fn a_scara_with_three_arms_keeps_energy_and_angular_momentum() {
             let about = mass * (along * along + across * across) / 12.0;
             add(mass, about, joint + turned * center, moves + turning * center, rate);
             if index == 2 {
-                let center = Complex::new(beside[0], beside[1]);
+                let center = Complex::new(offset[0], offset[1]);
                 let about = quill * 2.0 * 0.03 * 0.03 / 12.0;
                 add(quill, about, joint + turned * center, moves + turning * center, rate);
             }

@@ -5,7 +5,7 @@ use twin_urdf::{JointDrive, JointKind, Model};
 
 use super::*;
 
-/// A slide of 2 kg along x with axis 0, and on the base beside it a slide of 3 kg upwards and one of 5 kg on that, the first of
+/// A slide of 2 kg along x with axis 0, and on the base next to it a slide of 3 kg upwards and one of 5 kg on that, the first of
 /// which follows −2 times and 0.1 m more, and the second half of the first and 0.02 m more: −1·x + 0.07.
 fn machine() -> Model {
     let cube = |mass| Some(uniform_box(mass, [0.01, 0.02, 0.03], [0.1; 3]));

@@ -2,12 +2,14 @@
 
 mod along_path;
 mod closed_forms;
+mod contact;
+mod copies;
 mod coupled;
+mod delta_dynamics;
 mod drives;
 mod elastic;
 mod elastic_machines;
 mod free;
-mod level;
 mod mimic;
 mod motors;
 mod multibody;
@@ -16,9 +18,7 @@ mod pull_out;
 mod rapier;
 mod reference;
 mod scara;
-mod snapshots;
 mod stops;
-mod touching;
 mod trees;
 mod unfolded;
 
@@ -26,9 +26,9 @@ use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use twin_kinematics::{AxisMotion, MAX_AXES};
 use twin_urdf::{Inertial, Joint, JointDrive, JointKind, Link, Loop, Tip};
 
-use super::dynamics::Dynamics;
-use super::integrate::JointState;
 use super::*;
+use crate::dynamics::Dynamics;
+use crate::state::JointState;
 use multibody::RapierAlone;
 use unfolded::Unfolded;
 

@@ -120,7 +120,7 @@ pub(super) fn stepper(pull_out: &[[f64; 2]]) -> AxisDriveParameters {
     }
 }
 
-/// Moves at `speed` after a soft start of 0.2 s; tells all steps lost.
+/// Moves at `speed` after a soft start of 0.2 s; returns all steps lost.
 fn lost_at(machine: &mut PhysicsMachine, speed: f64, cycles: u32) -> i64 {
     let rise = 0.2;
     let w = PI / rise;

@@ -15,11 +15,11 @@ use rapier3d_f64::pipeline::PhysicsWorld;
 use twin_kinematics::MAX_AXES;
 use twin_urdf::{Joint, JointKind, Link, Model};
 
-use super::super::bodies::Tree;
-use super::super::dynamics::{JointMatrix, JointVector, at};
-use super::super::equation::Equation;
-use super::super::maths;
 use super::PhysicsError;
+use crate::bodies::Tree;
+use crate::equation::Equation;
+use crate::joint::{JointMatrix, JointVector, at};
+use crate::maths;
 
 /// A joint that moves and where rapier keeps it.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +44,7 @@ pub(super) struct RapierAlone {
 }
 
 impl RapierAlone {
-    /// The machine at rest at `position`, with `armature` per axis, in steps of `dt` s with so many iterations of the solver.
+    /// The machine at rest at `position`, with `armature` per axis, in steps of `dt` s with `iterations` of the solver.
     pub(super) fn new(
         model: &Model,
         equation: &Equation,

@@ -10,8 +10,8 @@ use twin_kinematics::{Kinematics, Pose, ToolMotion, tripod::Tripod};
 use twin_urdf::{GantryDimensions, HBelt, JointPositions, MachineJoint, TripodDimensions};
 
 use super::along_path::FREE;
-use super::tripod::TripodDynamics;
 use super::*;
+use crate::tripod::TripodDynamics;
 
 pub(super) const NAMES: [&str; 3] = ["A", "B", "C"];
 
@@ -74,10 +74,10 @@ pub(super) fn reference<const N: usize>(columns: [&str; N]) -> Option<Vec<[f64; 
     rows_of("tripod_circle.csv", columns)
 }
 
-/// The rows of a file of `reference/`, if it is there (`TWIN_SHARED` or beside the workspace).
+/// The rows of a file of `reference/`, if it is there (`TWIN_SHARED` or next to the workspace).
 pub(super) fn rows_of<const N: usize>(name: &str, columns: [&str; N]) -> Option<Vec<[f64; N]>> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    let shared = std::env::var_os("TWIN_SHARED").map_or(beside, PathBuf::from);
+    let neighbour = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
+    let shared = std::env::var_os("TWIN_SHARED").map_or(neighbour, PathBuf::from);
     let Ok(mut file) = csv::Reader::from_path(shared.join("reference").join(name)) else {
         println!("skipped: no {name} (TWIN_SHARED, ../shared)");
         return None;

@@ -71,10 +71,10 @@ fn past_the_pull_out_torque_the_closed_form_number_of_steps_is_lost() {
         (4.0, 40.0, 10.0, fast, 0.3, 2.0),
     ] {
         let pulled = Pulled { mass, coulomb, viscous, curve, acceleration };
-        let told = format!("{mass} kg, {coulomb} N, {viscous} N·s/m");
+        let case = format!("{mass} kg, {coulomb} N, {viscous} N·s/m");
         let speed = pulled.pull_out_speed();
         let [coasting, coast] = pulled.coasting(speed);
-        assert!(coasting + 0.1 < hold, "{told}: it takes {coasting} s to rest");
+        assert!(coasting + 0.1 < hold, "{case}: it takes {coasting} s to rest");
         let drive = AxisDriveParameters {
             friction: FrictionParameters::new(coulomb, viscous),
             ..stepper(curve)
@@ -120,37 +120,40 @@ fn past_the_pull_out_torque_the_closed_form_number_of_steps_is_lost() {
                 at_rest = Some(now);
             }
         }
-        let (out, predicted_out) = (out.expect(&told), predicted_out.unwrap());
-        assert!((out / speed - 1.0).abs() < 0.03, "{told}: out at {out} m/s, not {speed} m/s");
+        let (out, predicted_out) = (out.expect(&case), predicted_out.unwrap());
+        assert!((out / speed - 1.0).abs() < 0.03, "{case}: out at {out} m/s, not {speed} m/s");
 
         // From where it has only just fallen out, it coasts.
         let ([from, moving], at_rest) = (anchor.unwrap(), at_rest.unwrap());
         let [_, way] = pulled.coasting(moving);
         let coasted = at_rest - from;
-        println!("{told}: out at {out} m/s ({speed}), coasted {coasted} m ({way}), lost {lost}");
+        println!("{case}: out at {out} m/s ({speed}), coasted {coasted} m ({way}), lost {lost}");
         assert!(
             (coasted / way - 1.0).abs() < 0.03,
-            "{told}: coasted {coasted} m, not {way} m from {moving} m/s"
+            "{case}: coasted {coasted} m, not {way} m from {moving} m/s"
         );
 
         let rotor = predicted_out + coast;
         let predicted = (position - rotor) / FULL_STEP;
         #[expect(clippy::cast_precision_loss, reason = "thousands")]
         let found = lost as f64;
-        assert!(predicted > 5e3, "{told}: {predicted}");
+        assert!(predicted > 5e3, "{case}: {predicted}");
         assert!(
             (found - predicted).abs() <= f64::max(4.0, 0.01 * predicted),
-            "{told}: {lost} full steps lost, not {predicted}"
+            "{case}: {lost} full steps lost, not {predicted}"
         );
-        assert_eq!(lost % 4, 0, "{told}: {lost} are no whole turns of the field");
+        assert_eq!(lost % 4, 0, "{case}: {lost} are not whole turns of the field");
         // Those are what it is behind, but for the angle at which friction may hold it.
         let behind = (position - machine.axis_state().position[0]) / FULL_STEP - found;
-        assert!(behind.abs() <= 1.0, "{told}: {behind} full steps beside where the field holds it");
+        assert!(
+            behind.abs() <= 1.0,
+            "{case}: {behind} full steps away from where the field holds it"
+        );
     }
 }
 
 /// Set free at a load angle below two full steps the rotor goes back to where it was; beyond that it falls to the next place where the
-/// field holds it, four full steps away, and that is when the steps are told.
+/// field holds it, four full steps away, and that is when the steps are reported.
 #[test]
 fn steps_are_lost_at_a_load_angle_of_two_full_steps() {
     for way in [1.0, -1.0] {
@@ -267,14 +270,14 @@ fn a_field_that_is_too_fast_for_the_rotor_leaves_it_at_rest() {
                     lost += lost_in(&mut machine);
                 }
                 let state = machine.axis_state();
-                let told = format!("{speed} m/s, {coulomb} N: {state:?}");
+                let case = format!("{speed} m/s, {coulomb} N: {state:?}");
                 let mean_force = 10.0 * state.velocity[0];
-                assert!(mean_force.abs() < if coulomb > 0.0 { 0.01 } else { 0.04 }, "{told}");
+                assert!(mean_force.abs() < if coulomb > 0.0 { 0.01 } else { 0.04 }, "{case}");
                 let most = if coulomb > 0.0 { 1e-3 } else { 4e-3 };
-                assert!(state.position[0].abs() < most, "{told}");
+                assert!(state.position[0].abs() < most, "{case}");
                 #[expect(clippy::cast_precision_loss, reason = "some ten thousand")]
                 let behind = (speed - state.position[0]) / FULL_STEP - lost as f64;
-                assert!(behind.abs() <= 2.0, "{told}: {lost} lost");
+                assert!(behind.abs() <= 2.0, "{case}: {lost} lost");
             }
         }
     }

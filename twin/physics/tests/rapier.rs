@@ -35,7 +35,7 @@ fn the_bodies_are_where_the_model_says() {
     }
 }
 
-/// A machine generated from its dimensions holds its place, moves where its drives are told, and its tool tip in
+/// A machine generated from its dimensions holds its place, follows its set-points, and its tool tip in
 /// rapier is the model's.
 #[test]
 fn a_generated_scara_runs() {

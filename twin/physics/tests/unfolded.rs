@@ -11,9 +11,9 @@
 use nalgebra::{Translation3, UnitQuaternion};
 use proptest::prelude::*;
 
-use super::bodies::{Motion, Tree};
-use super::dynamics::{JointMatrix, at};
 use super::*;
+use crate::bodies::{Motion, Tree};
+use crate::joint::{JointMatrix, at};
 
 /// A velocity or acceleration of space as a body carries it: rotation, and translation of the point that is at the
 /// origin of the machine frame just now.

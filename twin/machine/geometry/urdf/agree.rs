@@ -6,10 +6,10 @@ use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use twin_kinematics::{AxisVector, Kinematics, MachineAxes};
 use twin_urdf::Model;
 
-/// Places beside those where every axis is at an end or in the middle.
+/// Further positions besides the ends and the middles of the axes.
 const PLACES: u32 = 64;
-/// Where a flange that turns is looked at beside its tool, m.
-const BESIDE: f64 = 0.1;
+/// Distance from the tool of the point that shows the turn of a flange, m.
+const OFFSET: f64 = 0.1;
 /// As far as an axis without limits is looked at, rad or m.
 const FAR: f64 = 10.0;
 
@@ -30,7 +30,7 @@ pub(super) fn flange(given: &Given<'_>, machine: &MachineAxes, model: &Model) ->
         let [low, high] = range(entry);
         low.midpoint(high)
     }));
-    let direction = match beside(given, machine, &middle) {
+    let direction = match flange_x(given, machine, &middle) {
         Some(direction) => direction.y.atan2(direction.x),
         None => 0.0,
     };
@@ -41,9 +41,9 @@ pub(super) fn flange(given: &Given<'_>, machine: &MachineAxes, model: &Model) ->
     Isometry3::from_parts(nalgebra::Translation3::identity(), link_from_flange)
 }
 
-/// Where x of the flange points, machine frame: from the tip of the tool to that of one that is [`BESIDE`] it.
-fn beside(given: &Given<'_>, machine: &MachineAxes, axes: &AxisVector) -> Option<Vector3<f64>> {
-    let tool = given.tool.tip + Vector3::x() * BESIDE;
+/// Direction of the flange's x axis, machine frame: from the tool tip to that of a tool at the distance [`OFFSET`].
+fn flange_x(given: &Given<'_>, machine: &MachineAxes, axes: &AxisVector) -> Option<Vector3<f64>> {
+    let tool = given.tool.tip + Vector3::x() * OFFSET;
     let other = given.design.transform().ok()?;
     let other = MachineAxes::new(other, given.sources.clone(), tool).ok()?;
     Some(other.forward(axes).ok()?.position - machine.forward(axes).ok()?.position)
@@ -63,9 +63,9 @@ pub(super) fn check(
     let mut what = "the tool tip";
     if given.kind.turns_tool() && worst.is_none_or(|worst| worst.length <= source.tolerance) {
         // Whether the tool turns alike.
-        let along = flange * Vector3::x() * BESIDE;
+        let along = flange * Vector3::x() * OFFSET;
         worst = largest(given.axes, |axes| {
-            let transform = machine.forward(axes).ok()?.position + beside(given, machine, axes)?;
+            let transform = machine.forward(axes).ok()?.position + flange_x(given, machine, axes)?;
             let poses = model.link_poses(axes);
             let turned = poses.get(model.tip.link)?.rotation * along;
             Some((transform, model.tip_position(axes) + turned))
@@ -112,7 +112,7 @@ pub(super) fn largest(
     for place in places(axes) {
         let Some((transform, chain)) = points(&place) else { continue };
         let length = (transform - chain).norm();
-        // What is not a number is no agreement.
+        // A value that is not a number does not agree.
         if worst.is_none_or(|worst| length.is_nan() || length > worst.length) {
             worst = Some(Difference { length, axes: place, transform, chain });
         }
@@ -120,7 +120,7 @@ pub(super) fn largest(
     worst
 }
 
-/// How far an axis goes, m or rad.
+/// Range of an axis, m or rad.
 fn range(entry: &AxisEntry) -> [f64; 2] {
     let [low, high] = entry.axis.position_limits;
     if entry.axis.limited { [low, high] } else { [low.max(-FAR), high.min(FAR)] }

@@ -14,7 +14,7 @@ const NEARLY_RIGHT: f64 = 5e-3;
 /// Dimensions and the place of the base, with the keys that say them.
 struct Candidate {
     design: Design,
-    /// What the base is moved by, m.
+    /// Shift of the base, m.
     shift: Vector3<f64>,
     keys: Vec<String>,
 }
@@ -56,7 +56,7 @@ pub(super) fn advice(
     Some(advice.join("; "))
 }
 
-/// How far a rotation is from one by right angles, if it is near to that but not it.
+/// Angle of a rotation from the nearest one by right angles, if it is small but not 0.
 fn off_right_angle(rotation: &UnitQuaternion<f64>) -> Option<f64> {
     let (roll, pitch, yaw) = rotation.euler_angles();
     let right = |angle: f64| (angle / FRAC_PI_2).round() * FRAC_PI_2;
@@ -136,7 +136,7 @@ fn candidate(source: &Source, given: &Given<'_>, model: &Model) -> Option<Candid
     Some(Candidate { design, shift, keys })
 }
 
-/// What would be left, m.
+/// Remaining difference, m.
 fn difference(given: &Given<'_>, model: &Model, candidate: &Candidate) -> Option<f64> {
     let transform = candidate.design.transform().ok()?;
     let machine = MachineAxes::new(transform, given.sources.clone(), given.tool.tip).ok()?;

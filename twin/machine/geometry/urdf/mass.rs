@@ -67,7 +67,7 @@ impl Masses {
     }
 }
 
-/// Which links an axis moves.
+/// True for each link that an axis moves.
 fn moving_links(model: &Model) -> Vec<bool> {
     // A parent comes before its children.
     let mut moves = vec![false; model.links.len()];

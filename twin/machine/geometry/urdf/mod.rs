@@ -11,7 +11,8 @@ mod mass;
 
 use super::design::Design;
 use super::kind::{Family, Kind};
-use super::{Built, mount, sources};
+use super::{Built, mount};
+use crate::additional_axis;
 use crate::axis::{Axis, AxisEntry};
 use crate::axis_kind::AxisKind;
 use crate::section::Section;
@@ -114,7 +115,7 @@ impl Source {
             refuse(format!("{}: its links go round in loops", self.path.display()));
             return None;
         }
-        let (bound, beside): (Vec<_>, Vec<_>) =
+        let (bound, additional): (Vec<_>, Vec<_>) =
             given.axes.iter().enumerate().partition(|(_, entry)| is_in(&model, entry));
         let held = self.held_positions(given, &model)?;
         let joints: Vec<_> = bound
@@ -151,14 +152,14 @@ impl Source {
                 axis
             })
             .collect();
-        for (index, entry) in beside {
+        for (index, entry) in additional {
             let axis = &entry.axis;
             let joint = MachineJoint {
                 velocity_limit: Some(axis.max_velocity),
                 effort_limit: axis.effort_limit(),
                 ..MachineJoint::new(axis.name.clone(), index, axis.position_limits)
             };
-            let number = sources::additional(&entry.role).unwrap_or_default();
+            let number = additional_axis::number(&entry.role).unwrap_or_default();
             model.add_additional_axis(&joint, axis.kind == AxisKind::Rotary, number);
         }
         self.masses.complete(&mut model, body)?;
@@ -173,7 +174,7 @@ impl Source {
         Some(Built { model, axes, warnings, hints })
     }
 
-    /// What to say of a motor that the URDF allows next to nothing.
+    /// Warning about a motor with a very small effort limit in the URDF.
     fn weak(&self, axis: &Axis, joint: &Joint) -> String {
         let (name, unit) = (axis.kind.effort_name(), axis.kind.effort_unit());
         let (key, file) = (format!("max_{name}_{}", unit.to_lowercase()), self.path.display());
@@ -184,7 +185,7 @@ impl Source {
         )
     }
 
-    /// Where joints are held, m or rad.
+    /// Positions of the joints that are held, m or rad.
     fn held_positions(&self, given: &Given<'_>, model: &Model) -> Option<Vec<(String, f64)>> {
         let held = given.body.section("held_joints");
         let mut positions = Vec::with_capacity(self.held.len());
@@ -329,14 +330,14 @@ fn joint_name(entry: &AxisEntry) -> &str {
     entry.joint.name.as_deref().unwrap_or(&entry.axis.name)
 }
 
-/// Whether an axis moves a joint of the URDF: all do but additional axes that name none and are not called like one.
+/// True if an axis moves a joint of the URDF: all do but additional axes without a `joint` of that name.
 fn is_in(model: &Model, entry: &AxisEntry) -> bool {
     let additional = EXTRA_AXES.iter().any(|letter| letter.to_string() == entry.role);
     let known = model.joints.iter().any(|joint| joint.name == joint_name(entry));
     !additional || entry.joint.given || known
 }
 
-/// What an axis on this joint is.
+/// Kind of an axis on this joint.
 fn axis_kind(joint: &Joint) -> AxisKind {
     match joint.kind {
         JointKind::Revolute => AxisKind::Rotary,
@@ -344,7 +345,7 @@ fn axis_kind(joint: &Joint) -> AxisKind {
     }
 }
 
-/// Whether the axis turns if its joint does; complains if not.
+/// True if axis and joint both turn or both slide; complains if not.
 fn kind_fits(given: &Given<'_>, model: &Model, entry: &AxisEntry) -> bool {
     let name = joint_name(entry);
     let Some(joint) = model.joints.iter().find(|joint| joint.name == name) else { return true };

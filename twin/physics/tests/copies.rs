@@ -1,10 +1,10 @@
-//! Tests of snapshots, and of machines under random inputs and faults.
+//! Tests of copies of machines, and of machines under random inputs and faults.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use twin_urdf::SolidShape;
 
-use super::touching::{around, cuboid, solid, solid_gantry};
+use super::contact::{around, cuboid, solid, solid_gantry};
 use super::*;
 
 /// Motors of every kind, with noise, on a gantry.
@@ -87,7 +87,7 @@ fn bits(machine: &mut PhysicsMachine) -> (Vec<u64>, String) {
 }
 
 #[test]
-fn a_snapshot_goes_on_with_the_same_bits() {
+fn a_copy_goes_on_with_the_same_bits() {
     let mut one = machine(&plate());
     for cycle in 1..=400 {
         one.step(&course(cycle)).unwrap();
@@ -97,8 +97,8 @@ fn a_snapshot_goes_on_with_the_same_bits() {
     }
     assert!(!one.take_collisions().is_empty());
     assert!(!one.contacts().is_empty(), "pressed against the plate");
-    let snapshot = one.snapshot();
-    assert_eq!(snapshot.time_ns(), 400 * CYCLE_NS);
+    let copy = one.clone();
+    assert_eq!(copy.axis_state().time_ns, 400 * CYCLE_NS);
     let go_on = |machine: &mut PhysicsMachine| {
         for cycle in 401..=800 {
             machine.step(&course(cycle)).unwrap();
@@ -107,11 +107,11 @@ fn a_snapshot_goes_on_with_the_same_bits() {
     };
     let first = go_on(&mut one);
     // Back again, in the machine itself and in another one.
-    one.restore(&snapshot);
+    one.clone_from(&copy);
     assert_eq!(one.axis_state().time_ns, 400 * CYCLE_NS);
     assert_eq!(go_on(&mut one), first);
     let mut other = machine(&plate());
-    other.restore(&snapshot);
+    other.clone_from(&copy);
     assert_eq!(go_on(&mut other), first);
     // All over again.
     let mut again = machine(&plate());
@@ -140,11 +140,11 @@ fn nothing_explodes() {
         ("floor", cuboid([-5.0, -5.0, -1.0], [5.0, 5.0, -0.1])),
     ]);
     let mut machine = machine(&surroundings);
-    let fresh = machine.snapshot();
+    let fresh = machine.clone();
     let (mut target, mut most, mut faults, mut blows) = ([0.0; 3], 0.0_f64, 0, 0);
     for cycle in 0..steps {
         if cycle % 5_000 == 4_999 {
-            machine.restore(&fresh);
+            machine.clone_from(&fresh);
             target = [0.0; 3];
         }
         for target in &mut target {

@@ -17,12 +17,12 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
 
 fn up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let file = File::open(path)?;
-    let told = file.metadata()?.len();
+    let length = file.metadata()?.len();
     let mut bytes = Vec::new();
-    if told <= most {
+    if length <= most {
         file.take(most + 1).read_to_end(&mut bytes)?;
     }
-    if told <= most && bytes.len() as u64 <= most {
+    if length <= most && bytes.len() as u64 <= most {
         return Ok(bytes);
     }
     let message = format!("it is longer than {most} bytes");

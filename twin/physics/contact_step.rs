@@ -2,7 +2,7 @@
 //!
 //! A lasting contact force acts through the next step of length h as an effort τ at the axes: drives, springs and dry
 //! friction respond to it. Without it the step would end at v₁ = v − h·M⁻¹·τ and q₁ = q − ½·h²·M⁻¹·τ. If no parts
-//! overlap there, the force ends. Otherwise `contact` is called twice:
+//! overlap there, the force ends. Otherwise `contact_solver` is called twice:
 //!
 //! - for the lasting force, a new τ. It keeps the other forces of the step, v₁ − v₀ from its beginning on, from
 //!   pressing parts into each other. It moves the axes by ½·h²·M⁻¹·τ.
@@ -11,139 +11,75 @@
 //! A body that presses against another in balance therefore stays in place. A body that hits another comes to rest in a
 //! step or two. Nearby pairs were found at the beginning of the cycle, as far as the machine may move in it.
 
-use nalgebra::Point3;
+use crate::contact::{Collision, Contact, ContactState, TouchingPair};
+use crate::contact_solver::{self, FreeStep, Row};
+use crate::distances::Near;
+use crate::error::PhysicsError;
+use crate::joint::{JointMatrix, JointVector};
+use crate::machine::PhysicsMachine;
+use crate::state::{JointState, MachineState};
+use crate::surroundings::{Surroundings, YieldingTool};
 
-use super::contact::{self, FreeStep, Row};
-use super::distances::Near;
-use super::dynamics::{JointMatrix, JointVector};
-use super::error::PhysicsError;
-use super::integrate::{JointState, MachineState};
-use super::machine::PhysicsMachine;
-use super::surroundings::{Part, Surroundings, YieldingTool};
-
-/// How far axes are moved to see how gaps open, m or rad: central differences of this are right to 1e-10.
+/// Axis displacement for the central differences of the gaps, m or rad: they are right to 1e-10.
 const NUDGE: f64 = 1e-6;
 
-/// How much stiffer than points of contact what keeps a lasting force from doing anything is: as good as rigid.
+/// Factor of the contact stiffness that is as good as rigid.
 const RIGID: f64 = 1e6;
-
-/// Two parts that push each other.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
-    /// The parts.
-    pub parts: [Part; 2],
-    /// All points of contact together, mean over the last cycle, N.
-    pub force: f64,
-    /// The middle of the force, m, machine frame.
-    pub point: Point3<f64>,
-    /// Penetration depth, m.
-    pub depth: f64,
-}
-
-/// The beginning of a contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Collision {
-    /// End of the cycle in which they touched, ns since the machine was made.
-    pub time_ns: i64,
-    /// Approach speed, m/s.
-    pub speed: f64,
-    /// The contact in that cycle.
-    pub contact: Contact,
-}
 
 /// Parts of a step at which it is looked whether parts meet.
 const PLACES: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 
-/// Two parts that touch, by their numbers.
-#[derive(Clone, Copy, Debug)]
-struct Held {
-    parts: [usize; 2],
-    /// How deep they were in each other before they were known to touch, m.
-    depth: f64,
-}
-
-/// Contact state between the parts of a machine and its surroundings.
-#[derive(Clone, Debug)]
-pub(super) struct Touch {
-    stiffness: f64,
-    /// Lasting contact effort at the axes, N or Nm.
-    pub(super) push: JointVector,
-    contacts: Vec<Contact>,
-    /// Those of the cycle before.
-    before: Vec<Contact>,
-    /// Pairs that touched in the last step.
-    holding: Vec<Held>,
-    collisions: Vec<Collision>,
-    /// Workspaces.
-    near: Vec<Near>,
-    rows: Vec<Row>,
-}
-
-impl Default for Touch {
-    fn default() -> Self {
-        Self {
-            stiffness: Surroundings::STIFFNESS,
-            push: JointVector::zeros(),
-            contacts: Vec::new(),
-            before: Vec::new(),
-            holding: Vec::new(),
-            collisions: Vec::new(),
-            near: Vec::new(),
-            rows: Vec::new(),
-        }
-    }
-}
-
 impl PhysicsMachine {
-    /// Gives the links of a machine at rest their solids as what they touch with, and puts `surroundings` around it.
+    /// Adds collision shapes to the links of a machine at rest, and `surroundings` around it.
     ///
     /// # Errors
-    /// [`PhysicsError::FlatMesh`], [`PhysicsError::Overlap`], and [`PhysicsError::Input`] if the stiffness is no number above 0.
+    /// [`PhysicsError::FlatMesh`], [`PhysicsError::Overlap`], and [`PhysicsError::Input`] unless the stiffness is above
+    /// 0.
     pub fn insert_surroundings(&mut self, surroundings: &Surroundings) -> Result<(), PhysicsError> {
         let stiffness = surroundings.stiffness;
         if !(stiffness.is_finite() && stiffness > 0.0) {
             return Err(PhysicsError::Input { time_ns: self.state.time_ns });
         }
-        self.touch.stiffness = stiffness;
+        self.contact.stiffness = stiffness;
         self.world.insert(surroundings)
     }
 
-    /// From now on the tool gives way to `yielding`.
+    /// Sets the parts without contact force against the tool.
     pub fn set_yielding(&mut self, yielding: YieldingTool) {
         self.world.yielding = yielding;
     }
 
     /// Contacts after the last cycle.
     pub fn contacts(&self) -> &[Contact] {
-        &self.touch.contacts
+        &self.contact.contacts
     }
 
-    /// Takes the contacts that have begun since it was asked last.
+    /// Takes the contacts that have begun since the last call.
     pub fn take_collisions(&mut self) -> Vec<Collision> {
-        std::mem::take(&mut self.touch.collisions)
+        std::mem::take(&mut self.contact.collisions)
     }
 
-    /// Looks what may be touched in the cycle that begins.
-    pub(super) fn begin_touching(&mut self) {
-        self.world.near(&mut self.touch.near);
-        std::mem::swap(&mut self.touch.contacts, &mut self.touch.before);
-        self.touch.contacts.clear();
+    /// Finds the near points of the cycle that begins.
+    pub(super) fn begin_contacts(&mut self) {
+        self.world.near(&mut self.contact.near);
+        std::mem::swap(&mut self.contact.contacts, &mut self.contact.before);
+        self.contact.contacts.clear();
     }
 
     /// State after a step of `dt` s that would take the machine from `from` to `free` without new contacts.
-    pub(super) fn touched(
+    pub(super) fn with_contacts(
         &mut self,
         from: &MachineState,
         free: &MachineState,
         dt: f64,
     ) -> Result<MachineState, PhysicsError> {
-        if self.touch.near.is_empty() && self.touch.push == JointVector::zeros() {
-            self.touch.holding.clear();
+        if self.contact.near.is_empty() && self.contact.push == JointVector::zeros() {
+            self.contact.touching.clear();
             return Ok(*free);
         }
-        let near = std::mem::take(&mut self.touch.near);
-        let axes = self.touched_by((&from.axes, &free.axes, dt), &near);
-        self.touch.near = near;
+        let near = std::mem::take(&mut self.contact.near);
+        let axes = self.axes_with_contacts((&from.axes, &free.axes, dt), &near);
+        self.contact.near = near;
         let axes = axes?;
         let mut motors = axes;
         let slots = motors.position.iter_mut().zip(motors.velocity.iter_mut());
@@ -156,12 +92,12 @@ impl PhysicsMachine {
         Ok(MachineState { axes, motors })
     }
 
-    fn touched_by(
+    fn axes_with_contacts(
         &mut self,
         (from, pushed, dt): (&JointState, &JointState, f64),
         near: &[Near],
     ) -> Result<JointState, PhysicsError> {
-        let push = std::mem::replace(&mut self.touch.push, JointVector::zeros());
+        let push = std::mem::replace(&mut self.contact.push, JointVector::zeros());
         let (mut free, mut inertia) = (*pushed, None);
         if push != JointVector::zeros() {
             let matrix = self.equation.inertia(&pushed.position).ok_or(PhysicsError::Apart)?;
@@ -171,7 +107,7 @@ impl PhysicsMachine {
             free.position -= faster * (0.5 * dt);
             inertia = Some(matrix);
         }
-        let mut rows = std::mem::take(&mut self.touch.rows);
+        let mut rows = std::mem::take(&mut self.contact.rows);
         rows.clear();
         let poses = self.world.poses_at(&free.position)?;
         let opening = JointVector::zeros();
@@ -180,14 +116,14 @@ impl PhysicsMachine {
             self.confirm([from, &free], near, &mut rows)?;
         }
         let end = if rows.iter().all(|row| row.gap >= 0.0) {
-            self.touch.holding.clear();
+            self.contact.touching.clear();
             Ok(free)
         } else {
             let known = inertia.or_else(|| self.equation.inertia(&free.position));
             let inertia = known.ok_or(PhysicsError::Apart)?;
             self.push_apart((from, &free, dt), &inertia, near, &mut rows)
         };
-        self.touch.rows = rows;
+        self.contact.rows = rows;
         end
     }
 
@@ -199,9 +135,9 @@ impl PhysicsMachine {
         near: &[Near],
         rows: &mut [Row],
     ) -> Result<(), PhysicsError> {
-        let mut holding = std::mem::take(&mut self.touch.holding);
+        let mut touching = std::mem::take(&mut self.contact.touching);
         // What does not even seem to touch any more is let go.
-        holding.retain(|held| {
+        touching.retain(|held| {
             let mut points = near.iter().zip(rows.iter());
             points.any(|(near, row)| near.parts == held.parts && row.gap < 0.0)
         });
@@ -209,7 +145,7 @@ impl PhysicsMachine {
         let mut seeming: Vec<_> = seeming.map(|(near, _)| near.parts).collect();
         seeming.dedup();
         for parts in seeming {
-            if holding.iter().any(|held| held.parts == parts) {
+            if touching.iter().any(|pair| pair.parts == parts) {
                 continue;
             }
             let way = free.position - from.position;
@@ -221,20 +157,20 @@ impl PhysicsMachine {
                 let poses = self.world.poses_at(&from.position)?;
                 let points = near.iter().filter(|near| near.parts == parts);
                 let depth = points.map(|near| -near.gap(poses)).fold(0.0, f64::max);
-                holding.push(Held { parts, depth });
+                touching.push(TouchingPair { parts, depth });
             }
         }
         for (row, near) in rows.iter_mut().zip(near) {
-            match holding.iter().find(|held| held.parts == near.parts) {
+            match touching.iter().find(|pair| pair.parts == near.parts) {
                 Some(held) => row.gap += held.depth,
                 None => row.gap = f64::INFINITY,
             }
         }
-        self.touch.holding = holding;
+        self.contact.touching = touching;
         Ok(())
     }
 
-    /// Where the axes are instead of `free`, because of what is near.
+    /// Axis state that replaces `free` because of nearby parts.
     fn push_apart(
         &mut self,
         (from, free, dt): (&JointState, &JointState, f64),
@@ -243,7 +179,7 @@ impl PhysicsMachine {
         rows: &mut [Row],
     ) -> Result<JointState, PhysicsError> {
         self.open(free, near, rows)?;
-        let stiffness = self.touch.stiffness;
+        let stiffness = self.contact.stiffness;
         let unsolved = PhysicsError::Contact { time_ns: self.state.time_ns };
         let by_forces = free.velocity - from.velocity;
         let touching = rows.iter().filter(|row| row.gap < 0.0);
@@ -251,16 +187,16 @@ impl PhysicsMachine {
         let touching: Vec<_> = touching.map(still).collect();
         let step = FreeStep { inertia, velocity: &by_forces, dt };
         let rigid = stiffness * RIGID;
-        let kept = contact::solve(&step, &touching, rigid).ok_or(unsolved)?;
+        let kept = contact_solver::solve(&step, &touching, rigid).ok_or(unsolved)?;
         let push = efforts(&touching, &kept.forces);
         let lasting = by_push(inertia, &push).ok_or(unsolved)? * (0.5 * dt * dt);
-        self.touch.push = push;
+        self.contact.push = push;
 
         for row in rows.iter_mut() {
             row.gap -= row.opening.dot(&lasting);
         }
         let step = FreeStep { inertia, velocity: &free.velocity, dt };
-        let touched = contact::solve(&step, rows, stiffness).ok_or(unsolved)?;
+        let touched = contact_solver::solve(&step, rows, stiffness).ok_or(unsolved)?;
         for (near, (row, force)) in near.iter().zip(rows.iter().zip(&touched.forces)) {
             if *force > 0.0 {
                 let speed = -row.opening.dot(&from.velocity);
@@ -271,7 +207,7 @@ impl PhysicsMachine {
         Ok(JointState { position, velocity: touched.velocity })
     }
 
-    /// How the gaps of `rows` open with each axis.
+    /// Fills `rows` with the change of the gaps with each axis.
     fn open(
         &mut self,
         free: &JointState,
@@ -301,10 +237,10 @@ impl PhysicsMachine {
         let parts = if one <= other { [one, other] } else { [other, one] };
         let [first, second] = near.places(self.world.poses());
         let point = nalgebra::center(&first, &second);
-        let depth = force / self.touch.stiffness;
+        let depth = force / self.contact.stiffness;
         let force = force * part;
         let time_ns = self.state.time_ns.saturating_add(self.cycle_ns);
-        let Touch { contacts, before, collisions, .. } = &mut self.touch;
+        let ContactState { contacts, before, collisions, .. } = &mut self.contact;
         let contact = if let Some(known) = contacts.iter_mut().find(|known| known.parts == parts) {
             known.force += force;
             known.point += (point - known.point) * (force / known.force);
@@ -334,7 +270,7 @@ fn by_push(inertia: &JointMatrix, push: &JointVector) -> Option<JointVector> {
     Some(inertia.cholesky()?.solve(push))
 }
 
-/// What `forces` at the points of `rows` are at the axes.
+/// Efforts of the axes from `forces` at the points of `rows`.
 fn efforts(rows: &[Row], forces: &[f64]) -> JointVector {
     let of = |(row, force): (&Row, &f64)| row.opening * *force;
     rows.iter().zip(forces).map(of).fold(JointVector::zeros(), |sum, one| sum + one)

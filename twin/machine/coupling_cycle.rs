@@ -1,9 +1,9 @@
-//! Coupling cycles: axes that follow each other in a ring.
+//! Coupling cycles: axes that follow each other in a circle.
 
 use std::collections::VecDeque;
 
 /// Finds a coupling cycle, from master to slave. It begins and ends with the axis of the least number that is in a
-/// cycle. `couplings` are masters with their slaves. None if there is no cycle.
+/// cycle. `couplings` are masters with their slaves. `None` without a cycle.
 pub fn find(couplings: &[(usize, usize)]) -> Option<Vec<usize>> {
     let mut axes: Vec<_> = couplings.iter().map(|(master, _)| *master).collect();
     axes.sort_unstable();
@@ -32,24 +32,24 @@ fn back_to(axis: usize, couplings: &[(usize, usize)]) -> Option<Vec<usize>> {
     None
 }
 
-/// The cycle in words: `X -> Y -> X`.
-pub fn told<'n>(ring: &[usize], name: impl Fn(usize) -> &'n str) -> String {
-    ring.iter().map(|axis| name(*axis)).collect::<Vec<_>>().join(" -> ")
+/// Message of a cycle: `X -> Y -> X`.
+pub fn message<'n>(cycle: &[usize], name: impl Fn(usize) -> &'n str) -> String {
+    cycle.iter().map(|axis| name(*axis)).collect::<Vec<_>>().join(" -> ")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{find, told};
+    use super::{find, message};
 
     #[test]
-    fn rings_in_their_order() {
+    fn cycles_in_their_order() {
         assert_eq!(find(&[]), None);
         assert_eq!(find(&[(0, 1), (1, 2), (0, 2)]), None);
         assert_eq!(find(&[(3, 1), (1, 3)]), Some(vec![1, 3, 1]));
-        // 0 moves the ring and is not in it; 1 moves 4, that moves 2, that moves 1.
-        let ring = find(&[(0, 2), (2, 1), (1, 4), (4, 2), (4, 5)]).expect("a ring");
-        assert_eq!(ring, [1, 4, 2, 1]);
+        // 0 moves the cycle and is not in it; 1 moves 4, that moves 2, that moves 1.
+        let cycle = find(&[(0, 2), (2, 1), (1, 4), (4, 2), (4, 5)]).expect("a cycle");
+        assert_eq!(cycle, [1, 4, 2, 1]);
         let names = ["X", "Y", "Z", "A", "B"];
-        assert_eq!(told(&ring, |axis| names[axis]), "Y -> B -> Z -> Y");
+        assert_eq!(message(&cycle, |axis| names[axis]), "Y -> B -> Z -> Y");
     }
 }

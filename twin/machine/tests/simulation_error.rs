@@ -53,7 +53,7 @@ fn axes_joints_and_links_have_names() {
     assert!(inner.to_string().starts_with("link 1 of -2 kg"), "{inner}");
 }
 
-/// Links and joints that are no body or move with no axis, in machines whose parts have other numbers within physics.
+/// Links and joints without a body or an axis, in machines whose parts have other numbers within physics.
 #[test]
 fn the_part_that_is_wrong_is_the_one_that_is_named() {
     let refused = |machine: &Machine| {

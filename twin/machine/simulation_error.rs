@@ -1,4 +1,4 @@
-//! Simulation error: an error of the physics, with the names of the machine file.
+//! Simulation error: an error of the physics with the names of the machine file.
 
 use super::Machine;
 use std::fmt;
@@ -9,13 +9,13 @@ use twin_physics::{PhysicsError, Subject};
 pub struct SimulationError {
     /// The same, with numbers.
     pub error: PhysicsError,
-    said: String,
+    message: String,
 }
 
 impl SimulationError {
-    /// `error` as it is said of `machine`. What has no name keeps its number.
+    /// `error` with the names of `machine`. Parts without a name keep their number.
     pub fn of(machine: &Machine, error: PhysicsError) -> Self {
-        let said = error.said(|subject| match subject {
+        let message = error.message(|subject| match subject {
             Subject::Axis(index) => {
                 named("axis", subject, machine.axes.get(index).map(|axis| &axis.name))
             }
@@ -27,7 +27,7 @@ impl SimulationError {
             }
             Subject::Part(part) => machine.part_name(part),
         });
-        Self { error, said }
+        Self { error, message }
     }
 }
 
@@ -37,7 +37,7 @@ fn named(what: &str, subject: Subject, name: Option<&String>) -> String {
 
 impl fmt::Display for SimulationError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.said)
+        f.write_str(&self.message)
     }
 }
 

@@ -26,9 +26,9 @@ pub enum AxesError {
         master: String,
         /// "gear" or "cam".
         by: &'static str,
-        /// Where it was at the beginning, `unit`.
+        /// Its position at the beginning, `unit`.
         from: f64,
-        /// Where the program wants it.
+        /// Its position in the program, `unit`.
         to: f64,
         /// mm or deg.
         unit: &'static str,
@@ -43,9 +43,9 @@ pub enum AxesError {
         axis: String,
         /// Its master.
         master: String,
-        /// Where the program has it begin, `unit`.
+        /// Its start position in the program, `unit`.
         from: f64,
-        /// Where the cam has it then.
+        /// Its position on the cam then, `unit`.
         at: f64,
         /// mm or deg.
         unit: &'static str,
@@ -55,7 +55,7 @@ pub enum AxesError {
     Cam {
         /// The slave.
         axis: String,
-        /// Why.
+        /// The error of the cam.
         source: CouplingError,
     },
 }
@@ -63,24 +63,23 @@ pub enum AxesError {
 impl Machine {
     /// Axis positions at the default start of programs, if the machine can reach it.
     pub fn start_axes(&self) -> Option<AxisVector> {
-        Coupled::at_rest(self, self.start_without_slaves()?).ok()
+        AxisCouplings::at_rest(self, self.start_without_slaves()?).ok()
     }
 }
 
 /// The couplings of a machine under way.
 #[derive(Clone, Debug)]
-pub struct Coupled<'m> {
+pub struct AxisCouplings<'m> {
     machine: &'m Machine,
-    /// Where the axes of a program are that does not say where it begins, slaves aside; none if what it begins with is not
-    /// looked at.
+    /// Default start positions of the axes without slaves; `None` if the start of the program is not checked.
     start: Option<AxisVector>,
     /// One per coupling, once there has been a set-point.
     running: Vec<Running>,
-    /// Whether any slave moves the tool.
+    /// True if any slave moves the tool.
     moves_tool: bool,
     tracks: Tracks,
     tappets: TappetBits,
-    /// Where the masters of the couplings are, in their units.
+    /// Positions of the masters of the couplings, in their units.
     masters: Vec<(usize, f64)>,
 }
 
@@ -95,7 +94,7 @@ struct Running {
     shift: f64,
 }
 
-impl<'m> Coupled<'m> {
+impl<'m> AxisCouplings<'m> {
     /// Couplings of `machine` before a program begins. The program must not start a slave of a cam away from its place
     /// on the cam.
     pub fn for_program(machine: &'m Machine) -> Self {
@@ -170,7 +169,7 @@ impl<'m> Coupled<'m> {
     /// Puts the slaves where their masters have them at `time_ns`.
     ///
     /// # Errors
-    /// If the program moves a slave itself, or there is no cam where its master is.
+    /// If the program moves a slave itself, or its cam is not defined at the position of its master.
     pub fn apply(&mut self, axes: &mut AxisMotion, time_ns: i64) -> Result<(), AxesError> {
         self.masters.clear();
         let by_program = axes.position;
@@ -255,12 +254,12 @@ impl<'m> Coupled<'m> {
     /// [`AxesError`] if a cam has no place there for its slave.
     pub fn at_rest(machine: &Machine, axes: AxisVector) -> Result<AxisVector, AxesError> {
         let mut motion = AxisMotion::at_rest(axes);
-        Coupled::new(machine).apply(&mut motion, 0)?;
+        AxisCouplings::new(machine).apply(&mut motion, 0)?;
         Ok(motion.position)
     }
 }
 
-/// Looks whether a slave that a program begins with at `own` is there when its cam has it at `coupled`. One that begins from
+/// Checks that a slave that a program starts at `own` is where its cam has it, `coupled`. One that begins from
 /// where the slave is, with a ramp or relative to it, may begin anywhere, and so may a gear.
 ///
 /// # Errors
@@ -302,12 +301,12 @@ fn shown(state: State, axis: &Axis) -> State {
     State { position, ..state }
 }
 
-/// What an axis has of these values, in its unit.
+/// Value of an axis, in its unit.
 fn of(values: &AxisVector, index: usize, axis: &Axis) -> f64 {
     axis.from_si(values.get(index).copied().unwrap_or_default())
 }
 
-/// How an axis moves, in its unit.
+/// State of an axis, in its unit.
 fn state(axes: &AxisMotion, index: usize, axis: &Axis) -> State {
     State {
         position: of(&axes.position, index, axis),

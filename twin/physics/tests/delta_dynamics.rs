@@ -5,11 +5,11 @@ use twin_kinematics::tripod::{Rod, TripodDeviations};
 use twin_urdf::{JointPositions, MachineJoint, TripodDimensions};
 
 use super::parallel::{NAMES, generated, rings};
-use super::passive::PassiveJoints;
-use super::tripod::TripodDynamics;
 use super::*;
+use crate::passive::PassiveJoints;
+use crate::tripod::TripodDynamics;
 
-/// The tripod that `rods` are, with parts of different masses, which is no matter for the platform.
+/// The tripod that `rods` are, with parts of different masses, which does not matter for the platform.
 fn uneven(rods: &[Rod; 6], masses: [f64; 5]) -> Model {
     let joints = [2, 0, 1].map(|axis| MachineJoint::new(NAMES[axis], axis, [0.25, 0.45]));
     let [carriage, rod, platform, lighter, further] = masses;
@@ -55,7 +55,7 @@ proptest! {
         let mut closed = TripodDynamics::new(&model, 3, gravity, joints(rotors)).unwrap();
         prop_assert!(closed.is_closed());
         let mut general = closed.clone();
-        general.tell_rods_apart();
+        general.separate_rods();
 
         let effort = general.inverse_dynamics(&position, &velocity, &acceleration).unwrap();
         let scale = effort.amax().max(1.0);
@@ -70,13 +70,13 @@ proptest! {
         prop_assert!(difference < 1e-12 * expected.1.amax(), "{difference} of {}", expected.1);
     }
 
-    /// An axis beside the tripod does as it would alone, whatever number it has.
+    /// An additional axis moves as it would alone, whatever number it has.
     #[test]
     fn axes_beside_it_are_beside_it(
         (position, velocity, effort) in (places(), motions(), motions()),
         number in 0..4_usize,
         rotor in 0.0..2.0_f64,
-        beside in prop::array::uniform3(-2.0..2.0_f64),
+        additional in prop::array::uniform3(-2.0..2.0_f64),
     ) {
         let mut model = generated(&TripodDeviations::default());
         let alone = chain([(JointKind::Prismatic, Vector3::new(0.3, 0.0, 1.0), Isometry3::identity(), Some(uniform_box(2.0, [0.0; 3], [0.1; 3])))]);
@@ -101,7 +101,7 @@ proptest! {
         let mut slide = Dynamics::new(&alone, 1, down(), joints([rotor])).unwrap();
         let mut both = TripodDynamics::new(&model, 4, down(), spread(&zero, rotor)).unwrap();
         prop_assert!(both.is_closed());
-        let [q, v, f] = beside;
+        let [q, v, f] = additional;
         let slid = slide.acceleration(&joints([q]), &joints([v]), &joints([f])).unwrap();
         let moved = tripod.acceleration(&position, &velocity, &effort).unwrap();
         let (q, v, f) = (spread(&position, q), spread(&velocity, v), spread(&effort, f));
@@ -111,7 +111,7 @@ proptest! {
         let back = both.inverse_dynamics(&q, &v, &found).unwrap();
         prop_assert!((back - f).amax() < 1e-11, "{back}, {f}");
         let mut general = both.clone();
-        general.tell_rods_apart();
+        general.separate_rods();
         let apart = general.acceleration(&q, &v, &f).unwrap();
         prop_assert!((apart - expected).amax() < 1e-11 * expected.amax().max(1.0), "{apart}, {expected}");
     }

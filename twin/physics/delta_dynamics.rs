@@ -36,14 +36,15 @@
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-use super::bodies::MassProperties;
-use super::dynamics::{Dynamics, JointMatrix, JointVector, at};
-use super::linkage::RodBody;
-use super::tripod::Carriage;
+use crate::bodies::MassProperties;
+use crate::dynamics::Dynamics;
+use crate::joint::{JointMatrix, JointVector, at};
+use crate::linkage::Carriage;
+use crate::linkage::RodBody;
 
 /// A tripod with a level platform, and additional axes.
 #[derive(Clone, Debug)]
-pub(super) struct LevelTripod {
+pub(super) struct DeltaDynamics {
     axes: [usize; 3],
     /// t, m.
     towers: [Vector2<f64>; 3],
@@ -102,7 +103,7 @@ impl Place {
     }
 }
 
-impl LevelTripod {
+impl DeltaDynamics {
     /// With these parts, `armature` (kg) on every axis, and the axes of `others`, of which rotors are a part.
     pub(super) fn new(
         gravity: Vector3<f64>,
@@ -211,7 +212,7 @@ impl LevelTripod {
         Some(self.with_carriages(others, &pulls))
     }
 
-    /// Where the rods are; `None` where they do not meet, or one of them is level.
+    /// Directions of the rods; `None` if they do not meet, or one of them is level.
     #[inline]
     fn place(&self, position: &JointVector) -> Option<Place> {
         let heights = self.of_carriages(position).add_scalar(self.above);

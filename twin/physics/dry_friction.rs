@@ -7,40 +7,14 @@
 
 use twin_kinematics::MAX_AXES;
 
-use super::dynamics::{JointMatrix, JointVector, at};
-use super::friction::{DryFriction, FrictionParameters, REST};
-use super::integrate::{JointState, MachineState, Motors, Stage, Step};
-use super::linear::solve;
+use crate::friction::{DryFriction, FrictionParameters, REST};
+use crate::joint::{JointMatrix, JointVector, at};
+use crate::linear::solve;
+use crate::state::{JointState, MachineState, Motors, Stage};
+use crate::step::{Dry, Step, Sticking};
 
 /// Sweeps of the friction solver; it converges in one or two unless several axes stick against each other.
 const MAX_SWEEPS: usize = 100;
-
-/// Dry friction on both sides of the transmissions.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Dry {
-    pub(super) axes: [DryFriction; MAX_AXES],
-    pub(super) motors: [DryFriction; MAX_AXES],
-    /// Sticking axes.
-    pub(super) sticking_axes: Sticking,
-    sticking_motors: Sticking,
-}
-
-/// Number of sticking parts: none, some or all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Sticking {
-    None,
-    Some,
-    All,
-}
-
-impl Dry {
-    const NONE: Self = Self {
-        axes: [DryFriction::None; MAX_AXES],
-        motors: [DryFriction::None; MAX_AXES],
-        sticking_axes: Sticking::None,
-        sticking_motors: Sticking::None,
-    };
-}
 
 /// The forces that hold what sticks, N or Nm.
 #[derive(Clone, Copy, Debug)]
@@ -138,7 +112,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         Some(least(free, limits, &mobility))
     }
 
-    /// What holds all axes at `state` under `efforts`.
+    /// Forces that hold all axes at `state` under `efforts`.
     fn hold_all(&mut self, state: &JointState, efforts: &JointVector) -> Option<JointVector> {
         let zero = JointVector::zeros();
         Some(self.equation.inverse_dynamics(&state.position, &zero, &zero)? - efforts)

@@ -16,9 +16,9 @@
 use nalgebra::{Matrix3, Vector3};
 use twin_kinematics::MAX_AXES;
 
-use super::bodies::{self, Tree};
-use super::dynamics::{JointMatrix, JointVector, at};
-use super::spatial::{Motion, Spread};
+use crate::bodies::{self, Tree};
+use crate::joint::{JointMatrix, JointVector, at};
+use crate::spatial::{Motion, Spread};
 
 /// A link that moves against its parent, with the links fixed to it.
 #[derive(Clone, Debug)]
@@ -32,7 +32,7 @@ struct Body {
     turn: Option<Matrix3<f64>>,
     origin: Vector3<f64>,
     spread: Spread,
-    /// Beside what is moved, kg or kg·m².
+    /// Rotor inertia, kg or kg·m².
     armature: f64,
 }
 
@@ -97,7 +97,7 @@ impl Body {
         result
     }
 
-    /// What it carries, in the frame of the parent.
+    /// Mass distribution of what it carries, in the frame of the parent.
     #[inline]
     fn spread_outward(&self, state: &State) -> Spread {
         let mut spread = state.composite;
@@ -113,7 +113,7 @@ impl Body {
 
 /// The moving links of a tree.
 #[derive(Clone, Debug)]
-pub(super) struct Folded {
+pub(super) struct TreeDynamics {
     bodies: Vec<Body>,
     /// Workspace: the bodies at the place looked at last.
     states: Vec<State>,
@@ -121,7 +121,7 @@ pub(super) struct Folded {
     inertia: JointMatrix,
 }
 
-impl Folded {
+impl TreeDynamics {
     /// Of `tree`, with `armature` (kg or kg·m²) added to what each joint moves, and 1 on the diagonal of the inertia beyond `count`
     /// joints.
     pub(super) fn new(tree: &Tree, armature: &JointVector, count: usize) -> Self {
