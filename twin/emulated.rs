@@ -22,11 +22,14 @@ pub enum ConnectError {
     NoDevice,
 }
 
+/// An emulated device, and its drive.
+pub type Emulated = (Box<dyn Emulator>, Attached);
+
 /// Powers up an emulator for each device with axes, and opens it with its client.
 ///
 /// # Errors
 /// [`ConnectError`].
-pub fn connect(machine: &Machine) -> Result<Vec<(Box<dyn Emulator>, Attached)>, ConnectError> {
+pub fn connect(machine: &Machine) -> Result<Vec<Emulated>, ConnectError> {
     let driven = machine.drives.iter().enumerate();
     let driven = driven.filter(|(index, _)| machine.axes_of(*index).next().is_some());
     let connected = driven

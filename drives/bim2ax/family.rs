@@ -238,7 +238,7 @@ impl Device for Bim2AxEntry {
     ) -> Result<Box<dyn Drive>, DriveError> {
         let Self { byte_order, assumptions, map_offset, .. } = *self;
         let driver =
-            Bim2AxOptions { byte_order, assumptions, deadline, ..Bim2AxOptions::default() };
+            Bim2AxOptions { byte_order, deadline, assumptions, ..Bim2AxOptions::default() };
         let options = self.drive_options(axes.iter().filter_map(on_module).collect(), driver);
         let failed = |source| {
             let port: Arc<str> = port.into();

@@ -25,7 +25,7 @@ use crate::{
     Accelerated, Clock, Direction, EmulatorError, FaultyWire, Speed, pause::TIMER, ramp::whole_ns,
 };
 
-/// Settings that tell the host where and how to serve a device.
+/// Settings of the host for a device.
 #[derive(Clone, Copy, Debug)]
 pub struct Hosting<'a> {
     /// Symbolic link to the pseudo-terminal.
@@ -67,22 +67,22 @@ pub trait SerialDevice: Sized {
     /// Their present state.
     fn seen(&self) -> Self::Seen;
 
-    /// Its own time, ns.
+    /// Their own time, ns.
     fn now_ns(&self) -> i64;
 
-    /// Lets its time pass up to an instant, never backwards.
+    /// Lets their time pass up to an instant, never backwards.
     fn advance_to(&mut self, time_ns: i64);
 
-    /// Something happens to it.
+    /// Makes an event happen to them.
     fn happen(&mut self, event: Self::Event);
 
     /// Length of the request at the head of these bytes, if it is there as a whole and its end is known.
     fn whole(&self, bytes: &[u8]) -> Option<usize>;
 
-    /// Carries out a request, or whatever silence has ended, and gives the answer, if there is one.
+    /// Executes a request, or whatever silence has ended, and gives the answer, if it has one.
     fn handle(&mut self, frame: &[u8]) -> Option<Vec<u8>>;
 
-    /// The answer that refuses a request unexecuted with a code of the family, if it is one to be answered at all.
+    /// Answer that refuses a request unexecuted with a code of the family; none of a request without an answer.
     fn refuse(&mut self, frame: &[u8], code: u8) -> Option<Vec<u8>>;
 
     /// Time that bytes take on the wire.
@@ -107,10 +107,10 @@ pub trait SerialDevice: Sized {
         None
     }
 
-    /// Hands on what has been stored since the last time.
+    /// Writes memories that have changed since the last time to their files.
     ///
     /// # Errors
-    /// If it cannot be kept.
+    /// If a file cannot be written.
     fn keep(&mut self) -> io::Result<()> {
         Ok(())
     }
@@ -121,7 +121,7 @@ pub trait SerialDevice: Sized {
 pub enum Message<T: SerialDevice> {
     /// Something happens.
     Control(Control<T::Event>),
-    /// Somebody wants to see it as it is now.
+    /// Somebody asks for the present state.
     Look(SyncSender<T::Seen>),
 }
 
@@ -133,10 +133,10 @@ impl<T: SerialDevice> From<Control<T::Event>> for Message<T> {
 
 /// Serves devices on `stream` until `control` is closed or the stream ends, and gives them back.
 ///
-/// With `precise`, the last stretch of every wait is slept by the thread, which is to have nothing else to do.
+/// With `precise`, the thread sleeps through the last part of every wait; it must have nothing else to do.
 ///
 /// # Errors
-/// If the stream cannot be read or written, or the devices cannot keep what it stores.
+/// If the stream cannot be read or written, or the file of a memory cannot be written.
 pub async fn serve<T: SerialDevice, S: AsyncRead + AsyncWrite + Unpin, M: Into<Message<T>>>(
     mut stream: S,
     device: T,

@@ -241,7 +241,7 @@ impl Device for InterpCncEntry {
         [deadline, worst_latency]: [Duration; 2],
     ) -> Result<Box<dyn Drive>, DriveError> {
         let echo = self.echo;
-        let options = InterpCncOptions { echo, deadline, worst_latency, ..self.options(axes) };
+        let options = InterpCncOptions { deadline, worst_latency, echo, ..self.options(axes) };
         Ok(Box::new(InterpCncDrive::open(port, &options)?))
     }
 

@@ -4,7 +4,6 @@ use super::bench::{self, stretch};
 use super::control::{Obeys, Switch};
 use super::faults::{self, Carrier, Said, WireWord};
 use super::{Common, Failure, Status, serve};
-use crate::clock::Clock;
 use twin_bim2ax::emulator::{
     Control, EmulatedModule, EmulatorOptions, Event, ModuleOptions, Surroundings,
 };
@@ -73,10 +72,8 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         speed: options.common.speed(),
         ..EmulatorOptions::new(link)
     };
-    let console = options.common.console()?;
-    let clock = Clock::start();
-    let mut running = EmulatedModule::start(&emulator, move || clock.now_ns())
-        .map_err(|error| options.common.named(error))?;
+    let start = |clock| EmulatedModule::start(&emulator, clock);
+    let (console, mut running) = options.common.start(start)?;
     for what in afterwards {
         running.control(what);
     }

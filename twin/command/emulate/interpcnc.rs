@@ -4,7 +4,6 @@ use super::bench::{self, stretch};
 use super::control::{Obeys, Switch};
 use super::faults::{self, Carrier, Said, WireWord};
 use super::{Common, Failure, Status, milliseconds, serve};
-use crate::clock::Clock;
 use twin_interpcnc::emulator::{
     Bench, BoardOptions, Cam, Condition, Control, EmulatedBoard, EmulatorOptions, EncoderLink,
     Event, Wire,
@@ -92,10 +91,8 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         seed: options.common.seed,
         speed: options.common.speed(),
     };
-    let console = options.common.console()?;
-    let clock = Clock::start();
-    let mut running = EmulatedBoard::start(&emulator, move || clock.now_ns())
-        .map_err(|error| options.common.named(error))?;
+    let start = |clock| EmulatedBoard::start(&emulator, clock);
+    let (console, mut running) = options.common.start(start)?;
     afterwards.into_iter().try_for_each(|what| running.control(what))?;
     stderr!(
         "InterpCNC, address {}, {} baud, on {} ({})",

@@ -9,10 +9,12 @@ mod smartdrive;
 
 use super::assume::Assume;
 use super::{Failure, Status, run};
+use crate::clock::Clock;
 use control::{Console, Obeys};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use twin_drives::family::DeviceClock;
 use twin_drives::{EmulatorError, Speed};
 
 /// How often the control socket is looked at.
@@ -118,6 +120,16 @@ impl Common {
             Console::open(path).map_err(named)
         };
         self.control.as_ref().map(open).transpose()
+    }
+
+    /// Opens the control socket and starts the emulator on a clock of its own.
+    fn start<E>(
+        &self,
+        start: impl FnOnce(DeviceClock) -> Result<E, EmulatorError>,
+    ) -> Result<(Option<Console>, E), Failure> {
+        let (console, clock) = (self.console()?, Clock::start());
+        let running = start(Box::new(move || clock.now_ns()));
+        Ok((console, running.map_err(|error| self.named(error))?))
     }
 
     /// With the option that has named the file.

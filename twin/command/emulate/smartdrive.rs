@@ -4,7 +4,6 @@ use super::bench::{self, stretch};
 use super::control::{Obeys, Switch};
 use super::faults::{self, Carrier, Said, WireWord};
 use super::{Common, Failure, Status, milliseconds, serve};
-use crate::clock::Clock;
 use std::collections::HashSet;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -91,10 +90,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         seed: options.common.seed,
         speed: options.common.speed(),
     };
-    let console = options.common.console()?;
-    let clock = Clock::start();
-    let bus = EmulatedBus::start(&emulator, move || clock.now_ns())
-        .map_err(|error| options.common.named(error))?;
+    let (console, bus) = options.common.start(|clock| EmulatedBus::start(&emulator, clock))?;
     afterwards.into_iter().try_for_each(|what| bus.control(what))?;
     stderr!(
         "SmartDRIVE, addresses {:?}, on {} ({})",

@@ -85,11 +85,11 @@ impl Seen {
 impl DeviceEntry {
     /// The device by its family.
     pub fn family(&self) -> DriveFamily<'_> {
-        if let Some(board) = self.device.of() {
+        if let Some(board) = self.device.of::<InterpCncEntry>() {
             DriveFamily::InterpCnc(board)
-        } else if let Some(bus) = self.device.of() {
+        } else if let Some(bus) = self.device.of::<SmartDriveEntry>() {
             DriveFamily::SmartDrive(bus)
-        } else if let Some(module) = self.device.of() {
+        } else if let Some(module) = self.device.of::<Bim2AxEntry>() {
             DriveFamily::Bim2Ax(module)
         } else {
             DriveFamily::Other
