@@ -166,10 +166,10 @@ fn checked(
             let at = (setpoint.time_ns, setpoint.place);
             match items.job() {
                 Some(job) => {
-                    switched.observe(setpoint.tappets, at, |signal| job.tappet_master(signal))
+                    switched.observe(setpoint.tappets, at, |signal| job.tappet_master(signal));
                 }
                 None => {
-                    switched.observe(setpoint.tappets, at, |one| transformer.tappet_master(one))
+                    switched.observe(setpoint.tappets, at, |one| transformer.tappet_master(one));
                 }
             }
         }
