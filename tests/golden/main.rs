@@ -39,6 +39,7 @@ mod real;
 mod real_encoders;
 mod real_stops;
 mod real_switches;
+mod program_text;
 mod recording;
 mod run_limits;
 mod shop;

@@ -13,6 +13,7 @@
 //! position of a workpiece.
 
 mod braking;
+mod ambiguity;
 mod by_position;
 mod control;
 mod error;
@@ -34,6 +35,7 @@ mod tests;
 mod transition;
 mod two_way;
 
+pub use ambiguity::XAmbiguity;
 pub use by_position::{XDirection, XInterpolator};
 pub use error::IpoError;
 pub use heading::Heading;

@@ -1,7 +1,8 @@
 //! Tests of transition velocities, [`CheckVelocities`].
 
 use super::{Error, PROBE, arc, cut, element, line, m_function};
-use crate::prepare::{CheckError, CheckVelocities, Limit};
+use crate::Place;
+use crate::prepare::{CheckError, CheckVelocities, CornerError, Limit, ToolRadiusError};
 use crate::{AxisMask, Details, ElementKind, ExtraAxes, PathElement, Shape};
 use nalgebra::Point3;
 use std::cell::Cell;
