@@ -10,6 +10,7 @@ use nalgebra::{Isometry3, Point3};
 use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
 use twin_machine::axis_kind::AxisKind;
+use twin_machine::limited_read;
 use twin_machine::tappets::TappetBits;
 use twin_machine::{Machine, SimulationError};
 use twin_path::{ElementKind, PathElement, Shape};
@@ -100,7 +101,7 @@ impl<'m> Picture<'m> {
         let scan = machine.clearance_scan();
         picture.scan = scan.map_err(|error| SimulationError::of(machine, error))?;
         let text = if program.size()? <= MAX_TEXT {
-            String::from_utf8_lossy(&std::fs::read(program.path())?).into_owned()
+            String::from_utf8_lossy(&limited_read::read(program.path())?).into_owned()
         } else {
             String::new()
         };

@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::io::{self, BufRead, IsTerminal, Read, Write};
 use std::ops::Range;
+use twin_machine::text;
 use twin_path::Place;
 
 /// How many findings a person is shown.
@@ -71,8 +72,7 @@ fn lines_of<'f>(
     if !program.path().is_file() {
         return BTreeMap::new();
     }
-    let Ok(file) = std::fs::File::open(program.path()) else { return BTreeMap::new() };
-    let mut reader = io::BufReader::new(file);
+    let Ok(mut reader) = text::lines_of(program.path()) else { return BTreeMap::new() };
     let mut lines = BTreeMap::new();
     let mut buffer = Vec::new();
     for number in 1..=last {

@@ -31,6 +31,7 @@ mod tappet_outputs;
 pub mod tappets;
 #[cfg(test)]
 mod tests;
+pub mod text;
 mod tool;
 
 use crate::section::FileKind;

@@ -80,7 +80,7 @@ impl VelocityLimits {
 pub struct AxisLimit {
     /// Largest velocity, m/s or rad/s.
     pub velocity: VelocityLimit,
-    /// Largest acceleration, m/s² or rad/s².
+    /// Largest acceleration, m/s² or rad/s²: the smaller of acceleration and deceleration.
     pub acceleration: f64,
     /// Largest jerk, m/s³ or rad/s³; `None`: not limited.
     pub jerk: Option<f64>,

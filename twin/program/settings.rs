@@ -6,6 +6,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use twin_gcode::din66025::{DEFAULT_JUMPS, Variables};
 use twin_gcode::rs274::ToolTable;
+use twin_machine::limited_read;
 use twin_planner::controller::{DEFAULT_WINDOW, Inputs};
 
 /// Read settings of a program.
@@ -90,9 +91,9 @@ pub enum VariablesError {
 /// # Errors
 /// If it cannot be read or says something else.
 pub fn read_variables(path: &Path, variables: &mut Variables) -> Result<(), VariablesError> {
+    let text = limited_read::read_to_string(path);
     let path = || path.to_owned();
-    let text = std::fs::read_to_string(path())
-        .map_err(|source| VariablesError::Read { path: path(), source })?;
+    let text = text.map_err(|source| VariablesError::Read { path: path(), source })?;
     let table: toml::Table =
         text.parse().map_err(|source| VariablesError::Syntax { path: path(), source })?;
     for (name, value) in &table {

@@ -12,6 +12,7 @@ use std::sync::Arc;
 use twin_gcode::decode;
 use twin_gcode::decode::{Diagnostic, Failure, Item, TextError};
 use twin_gcode::{din66025, rs274};
+use twin_machine::text::Text;
 use twin_path::Place;
 use twin_path::prepare::{CheckError, CornerError, Incompatible, Notice, ToolRadiusError};
 use twin_path::queue::QueueReader;
@@ -52,15 +53,15 @@ impl Ledger {
 /// Reader that counts bytes, and fails if the file changes meanwhile.
 #[derive(Debug)]
 pub(super) struct Counted {
-    pub(super) file: File,
+    pub(super) text: Text<File>,
     pub(super) stamp: Option<Stamp>,
     pub(super) ledger: Rc<RefCell<Ledger>>,
 }
 
 impl Read for Counted {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.file.read(buffer)?;
-        Stamp::verify(self.stamp, &self.file)?;
+        let count = self.text.read(buffer)?;
+        Stamp::verify(self.stamp, self.text.inner())?;
         self.ledger.borrow_mut().bytes += u64::try_from(count).unwrap_or(u64::MAX);
         Ok(count)
     }
@@ -68,7 +69,7 @@ impl Read for Counted {
 
 impl Seek for Counted {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        self.file.seek(to)
+        self.text.seek(to)
     }
 }
 
@@ -134,15 +135,17 @@ pub(super) fn noticed(notice: &Notice) -> Finding {
     let (rule, severity) = match notice {
         Notice::Gouge { .. } => (Rule::CompensationGouge, Severity::Error),
         Notice::TooNarrow { .. } => (Rule::CompensationGouge, Severity::Warning),
+        Notice::NoRadius { .. } => (Rule::Syntax, Severity::Warning),
         Notice::LoopCut { .. } => (Rule::LoopCut, Severity::Note),
         Notice::SwitchLost { .. } => (Rule::SwitchLost, Severity::Warning),
     };
     Finding { severity, ..Finding::error(rule, place, without_place(place, notice)) }
 }
 
-/// A program that asks for preparation that cannot be combined.
+/// Overlapping sections of stages that cannot be combined.
 pub(super) fn incompatible(error: Incompatible, place: Place) -> Finding {
-    Finding::error(Rule::Syntax, place, format!("{error} in one program"))
+    let message = format!("{error}; end the one (G40, G50) before the other begins");
+    Finding::error(Rule::Syntax, place, message)
 }
 
 /// Decoder of a program's file.
@@ -170,7 +173,9 @@ impl Piece {
         match item {
             Ok(Item::Element(element)) => Self::Element(element),
             Ok(Item::Warning(diagnostic)) => {
-                Self::Wrong(Finding { severity: Severity::Warning, ..finding(&diagnostic) })
+                let severity =
+                    if diagnostic.error.is_note() { Severity::Note } else { Severity::Warning };
+                Self::Wrong(Finding { severity, ..finding(&diagnostic) })
             }
             Err(Failure::Diagnostic(diagnostic)) => Self::Wrong(finding(&diagnostic)),
             Err(Failure::Io(error)) => Self::Failed(error),
@@ -249,12 +254,14 @@ fn endless(element: &PathElement) -> Option<Finding> {
     let ramps = (2.0 * length * (1.0 / element.acceleration + 1.0 / element.deceleration)).sqrt();
     let time = cruise.max(ramps);
     (time > LONGEST_MOVE).then(|| {
+        // Additional axes alone move in mm or degrees.
+        let unit = if element.tool_length() > 0.0 { "mm" } else { "mm or degrees" };
         let (length, feed) = (length * 1e3, element.feed * 1e3);
         let (up, down) = (element.acceleration * 1e3, element.deceleration * 1e3);
         let pace =
             if cruise >= ramps { format!("F{feed}") } else { format!("E{up} and E-{down}") };
         let message = format!(
-            "this move is {length:.1} mm long and would take {time:.0} s with {pace}; the limit for one move is \
+            "this move is {length:.1} {unit} long and would take {time:.0} s with {pace}; the limit for one move is \
              {LONGEST_MOVE:.0} s, and what follows is not planned"
         );
         Finding::error(Rule::Syntax, element.place, message).with_value(time, LONGEST_MOVE, "s")
@@ -311,9 +318,7 @@ impl Iterator for Decoded {
                 ledger.report(finding);
             }
             ledger.elements += 1;
-            if element.kind.is_motion() {
-                ledger.length += element.length();
-            }
+            ledger.length += element.tool_length();
             return Some(Ok(element));
         }
     }

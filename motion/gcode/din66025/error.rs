@@ -19,9 +19,19 @@ pub enum DecodeError {
     /// The first line is not the `%` line.
     #[error("a program begins with a line with %, and its name if it has one")]
     MissingPercent,
-    /// A `%` elsewhere.
-    #[error("only the first line of a program begins with %")]
+    /// A `%` with text behind it elsewhere.
+    #[error(
+        "only the first line of a program begins with % and a name; a % alone ends the program"
+    )]
     MisplacedPercent,
+    /// A `%` alone at the end. A note.
+    #[error("this % ends the program")]
+    ClosingPercent,
+    /// A `%` alone with lines behind it. A warning.
+    #[error(
+        "this % ends the program, and the lines after it are not read; remove it if they belong to the program"
+    )]
+    LinesBehindPercent,
     /// A line without end.
     #[error("the line is longer than {limit} bytes")]
     LineTooLong {
@@ -127,6 +137,11 @@ pub enum DecodeError {
         /// Number of the N word.
         number: f64,
     },
+    /// A block without N word. A warning, once per program.
+    #[error(
+        "this block has no N word: SoftMotion requires one at the beginning of every block; number the blocks N10, N20 …"
+    )]
+    MissingBlockNumber,
     /// A coordinate in a block that cannot use it.
     #[error(
         "{letter} has nothing to act on in a block with G{command}: put it into a block that moves"
@@ -362,6 +377,8 @@ impl TextError for DecodeError {
         match self {
             Self::MissingPercent
             | Self::MisplacedPercent
+            | Self::ClosingPercent
+            | Self::LinesBehindPercent
             | Self::LineTooLong { .. }
             | Self::UnexpectedCharacter { .. }
             | Self::UnexpectedByte { .. }
@@ -378,6 +395,7 @@ impl TextError for DecodeError {
             | Self::SecondG { .. }
             | Self::MisplacedG { .. }
             | Self::MisplacedN { .. }
+            | Self::MissingBlockNumber
             | Self::WordWithoutMotion { .. }
             | Self::UnusedWord { .. }
             | Self::DuplicateWord { .. }
@@ -411,6 +429,10 @@ impl TextError for DecodeError {
             | Self::NegativeRadius { .. }
             | Self::CenterMismatch { .. } => Rule::ArcGeometry,
         }
+    }
+
+    fn is_note(&self) -> bool {
+        matches!(self, Self::ClosingPercent)
     }
 }
 

@@ -3,10 +3,10 @@
 use super::consent::Consent;
 use crate::command::Failure;
 use crate::command::atomic_file::{AtomicFile, refuse_existing};
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use twin_drives::Drive;
 use twin_drives::backup::{BackupError, Format, plan, read, write_parameters};
+use twin_machine::text::Text;
 
 /// What is done with a file of parameters.
 #[derive(Clone, Debug, clap::Subcommand)]
@@ -75,7 +75,7 @@ fn restore(
 ) -> Result<(), Failure> {
     let name = path.display().to_string();
     let mut file =
-        File::open(path).map_err(|source| BackupError::Read { file: name.clone(), source })?;
+        Text::open(path).map_err(|source| BackupError::Read { file: name.clone(), source })?;
     let plan = plan(drive, &read(&name, &mut file)?)?;
     say!("{plan}");
     if plan.is_empty() {

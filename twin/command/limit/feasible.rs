@@ -4,12 +4,12 @@ use super::Failure;
 use crate::command::atomic_file::{AtomicFile, unwritable};
 use crate::command::options::unreadable;
 use crate::program::{Dialect, ProgramFile};
-use std::fs::File;
-use std::io::{self, BufReader, Write};
+use std::io::{self, Write};
 use std::path::Path;
 use twin_gcode::refeed::{LineLimit, Refed, RefeedError, Unrepaired};
 use twin_gcode::{din66025, rs274};
 use twin_machine::Machine;
+use twin_machine::text;
 
 /// Only programs have F words.
 pub(super) fn check_dialect(program: &ProgramFile) -> Result<(), Failure> {
@@ -27,8 +27,8 @@ pub(super) fn write(
     limits: Vec<LineLimit>,
     target: &Path,
 ) -> Result<Refed, Failure> {
-    let source = File::open(program.path()).map_err(|error| unreadable(program.path(), error))?;
-    let reader = BufReader::new(source);
+    let reader =
+        text::lines_of(program.path()).map_err(|error| unreadable(program.path(), error))?;
     let mut out = AtomicFile::create(target)?;
     let limits = limits.into_iter().map(Ok);
     let refed = if program.dialect() == Dialect::Rs274 {

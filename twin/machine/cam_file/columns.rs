@@ -1,6 +1,7 @@
 //! Tables of numbers with or without a header, and with the lines they come from.
 
 use crate::cam_file::CamFileError;
+use crate::text::foreign_encoding;
 use std::path::Path;
 use twin_number::counted;
 
@@ -28,8 +29,8 @@ pub struct Columns {
 /// [`CamFileError::Table`] with the line that is wrong.
 pub fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
     let wrong = |line, message| CamFileError::Table { path: path.to_owned(), line, message };
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return Err(wrong(1, "this is text in UTF-16; save it as UTF-8".to_owned()));
+    if let Some(encoding) = foreign_encoding(bytes) {
+        return Err(wrong(1, format!("this is text in {encoding}; save it as UTF-8")));
     }
     let first = bytes
         .split(|byte| *byte == b'\n')

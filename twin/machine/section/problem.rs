@@ -143,10 +143,6 @@ impl Diagnostic for Shown {
 /// # Errors
 /// [`MachineFileError`] if the file cannot be read, is too long or is not UTF-8.
 pub(crate) fn read_text(what: &'static str, path: &Path) -> Result<String, MachineFileError> {
-    let text = limited_read::read(path).and_then(|bytes| {
-        String::from_utf8(bytes).map_err(|error| {
-            std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error())
-        })
-    });
+    let text = limited_read::read_to_string(path);
     text.map_err(|source| MachineFileError::Read { what, path: path.to_owned(), source })
 }

@@ -1,6 +1,7 @@
 //! Tests of correct programs and their meaning (manual 3.2).
 
 use super::*;
+use crate::decode::{Rule, TextError};
 use std::io::{BufReader, Read};
 use twin_path::ElementKind::{Cut, Jump, Rapid};
 use twin_path::Place;
@@ -264,4 +265,37 @@ fn example_program() {
     let length: f64 = elements.iter().filter(round).map(PathElement::length).sum();
     let perimeter = 2.0 * (176.0 + 136.0) - 8.0 * 15.0 + std::f64::consts::TAU * 15.0;
     assert_close(length * 1e3, 2.0 * perimeter);
+}
+
+/// The manual has `%` in the first line only (3.2). A second one, alone, ends the program as in RS274, with a note.
+#[test]
+fn a_closing_percent() {
+    let ended = |behind: &str| {
+        let decoded = decode(&format!("N10 G1 X10 F10\nN20 X20\n%{behind}"));
+        assert_eq!(ends_mm(&remaining(&decoded)).len(), 2, "{behind:?}");
+        let found = diagnostics(&decoded);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!((found[0].place.line, found[0].columns.clone()), (4, Some(0..1)));
+        found[0].error.clone()
+    };
+    for behind in ["", "\n", "\r\n", " \n\n  \n"] {
+        let error = ended(behind);
+        assert_eq!(error, DecodeError::ClosingPercent, "{behind:?}");
+        assert!(error.is_note());
+    }
+    let error = ended("\nN30 X30\n%\n");
+    assert_eq!(error, DecodeError::LinesBehindPercent);
+    assert!(!error.is_note() && error.rule() == Rule::Syntax);
+    // With a name it is the beginning of another program.
+    let found = diagnostics(&decode("N10 G1 X10 F10\n% other\nN20 X20"));
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].error, DecodeError::MisplacedPercent);
+}
+
+/// No jump leads behind the end.
+#[test]
+fn a_jump_behind_the_closing_percent() {
+    let decoded = decode("N10 G1 X10 F10\nN20 G20 L30 K1\n%\nN30 X30");
+    let found: Vec<_> = diagnostics(&decoded).into_iter().map(|found| found.error).collect();
+    assert_eq!(found, [DecodeError::JumpTarget { block: 30 }, DecodeError::LinesBehindPercent]);
 }

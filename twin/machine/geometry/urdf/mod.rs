@@ -15,6 +15,7 @@ use super::{Built, mount};
 use crate::additional_axis;
 use crate::axis::{Axis, AxisEntry};
 use crate::axis_kind::AxisKind;
+use crate::limited_read;
 use crate::section::Section;
 use crate::tool::Tool;
 use mass::Masses;
@@ -23,7 +24,8 @@ use std::path::{Path, PathBuf};
 use twin_kinematics::{AxisSource, MachineAxes};
 use twin_path::EXTRA_AXES;
 use twin_urdf::{
-    AxisJoint, BindError, Inertial, Joint, JointKind, Loaded, MachineJoint, Model, UrdfOptions,
+    AxisJoint, BindError, Inertial, Joint, JointKind, Loaded, MachineJoint, Model, UrdfError,
+    UrdfFileError, UrdfOptions,
 };
 
 /// Tool tips may be as far from each other, mm, unless the file says otherwise.
@@ -108,7 +110,12 @@ impl Source {
             ));
             return None;
         }
-        let loaded = Model::load_urdf(&self.path, &self.options);
+        let text = limited_read::read_to_string(&self.path).map_err(|source| UrdfFileError {
+            path: self.path.clone(),
+            line: 1,
+            error: Box::new(UrdfError::Read { source }),
+        });
+        let loaded = text.and_then(|text| Model::read_urdf(&text, &self.path, &self.options));
         let Loaded { mut model, warnings } =
             loaded.map_err(|error| refuse(error.to_string())).ok()?;
         if !model.loops.is_empty() {
