@@ -43,6 +43,7 @@ pub mod workspace;
 
 mod advice;
 mod bounded;
+mod bridge;
 mod by_hand;
 mod in_loop;
 mod job;

@@ -1,10 +1,14 @@
 //! Axis set-points, one per cycle: the stream that physics and drives both receive, and the transform that produces it.
 
+use crate::bridge::Bridge;
 use crate::coupled::{AxesError, Coupled};
 use crate::m_function::MCall;
 use crate::machine::Machine;
+use crate::setpoint_source::BridgeSetpoint;
 use crate::tappets::{MasterPlace, Signal, TappetBits};
-use twin_kinematics::{AxisMotion, AxisSource, AxisVector, Kinematics, Pose, ToolMotion};
+use twin_kinematics::{
+    AxisMotion, AxisSource, AxisVector, Kinematics, KinematicsError, Pose, ToolMotion,
+};
 use twin_path::Place;
 use twin_planner::controller::ToolSetpoint;
 
@@ -61,6 +65,8 @@ pub struct Transformer<'m> {
     near: AxisVector,
     has_additional: bool,
     coupled: Coupled<'m>,
+    /// The block of the last set-point, if it jumps.
+    jumping: Option<Place>,
 }
 
 impl<'m> Transformer<'m> {
@@ -69,7 +75,7 @@ impl<'m> Transformer<'m> {
         let mut sources = machine.kinematics.sources().iter();
         let has_additional = sources.any(|source| matches!(source, AxisSource::Additional(_)));
         let coupled = Coupled::for_program(machine);
-        Self { machine, near: machine.middle(), has_additional, coupled }
+        Self { machine, near: machine.middle(), has_additional, coupled, jumping: None }
     }
 
     /// Signals of the tappets: the bits of the set-points in their order.
@@ -122,21 +128,9 @@ impl<'m> Transformer<'m> {
         tool: &ToolSetpoint,
         m_call: Option<MCall>,
     ) -> Result<AxisSetpoint, AxesError> {
-        let [direction, direction_velocity, direction_acceleration] =
-            self.machine.direction.at(tool);
-        let work = ToolMotion {
-            pose: Pose { position: tool.position, direction },
-            velocity: tool.velocity,
-            acceleration: tool.acceleration,
-            direction_velocity,
-            direction_acceleration,
-        };
-        let mut motion = self.machine.frame.motion_to_machine(&work);
-        let mut axes = self.machine.kinematics.inverse_motion(&motion, &self.near)?;
-        if self.has_additional {
-            self.add_additional(tool, &mut axes);
-        }
+        let (mut motion, mut axes) = self.without_slaves(tool)?;
         self.near = axes.position;
+        self.jumping = tool.jumping.then_some(tool.place);
         self.coupled.apply(&mut axes, tool.time_ns)?;
         if self.coupled.moves_tool() {
             motion = self.machine.kinematics.forward_motion(&axes)?;
@@ -150,6 +144,58 @@ impl<'m> Transformer<'m> {
             path_velocity: tool.path_velocity,
             feed: (!tool.rapid).then_some(tool.feed),
             probing: tool.probing,
+            tappets: self.coupled.tappets(),
+        })
+    }
+
+    /// Tool in the machine frame, and the axes without the slaves of gears and cams.
+    fn without_slaves(
+        &self,
+        tool: &ToolSetpoint,
+    ) -> Result<(ToolMotion, AxisMotion), KinematicsError> {
+        let [direction, direction_velocity, direction_acceleration] =
+            self.machine.direction.at(tool);
+        let work = ToolMotion {
+            pose: Pose { position: tool.position, direction },
+            velocity: tool.velocity,
+            acceleration: tool.acceleration,
+            direction_velocity,
+            direction_acceleration,
+        };
+        let motion = self.machine.frame.motion_to_machine(&work);
+        let mut axes = self.machine.kinematics.inverse_motion(&motion, &self.near)?;
+        if self.has_additional {
+            self.add_additional(tool, &mut axes);
+        }
+        Ok((motion, axes))
+    }
+
+    /// The way of the axes from the last set-point to `tool`, if the path jumps there.
+    pub(crate) fn bridge(&mut self, tool: &ToolSetpoint) -> Option<Bridge> {
+        let place = self.jumping.take()?;
+        // A set-point out of reach is an error of its own.
+        let (_, axes) = self.without_slaves(tool).ok()?;
+        Bridge::new(self.machine, [&self.near, &axes.position], place)
+    }
+
+    /// The axes for one instant of a bridge.
+    ///
+    /// # Errors
+    /// As [`Self::axes`].
+    pub(crate) fn bridging(&mut self, instant: &BridgeSetpoint) -> Result<AxisSetpoint, AxesError> {
+        let BridgeSetpoint { time_ns, place, mut axes } = *instant;
+        self.near = axes.position;
+        self.coupled.apply(&mut axes, time_ns)?;
+        let tool = self.machine.kinematics.forward_motion(&axes)?;
+        Ok(AxisSetpoint {
+            time_ns,
+            place,
+            axes,
+            tool,
+            m_call: None,
+            path_velocity: tool.velocity.norm(),
+            feed: None,
+            probing: false,
             tappets: self.coupled.tappets(),
         })
     }

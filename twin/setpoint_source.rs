@@ -4,6 +4,8 @@ use crate::finding::Finding;
 use crate::program::ProgramItem;
 use crate::setpoint::AxisSetpoint;
 use std::io;
+use twin_kinematics::AxisMotion;
+use twin_path::Place;
 use twin_planner::controller::{Override, ToolSetpoint};
 
 /// The least override that moves anything; less is a feed hold.
@@ -11,11 +13,24 @@ pub const LEAST_OVERRIDE: f64 = Override::LEAST;
 /// The largest override.
 pub const MOST_OVERRIDE: f64 = 2.0;
 
+/// One instant of the way across a gap, slaves of gears and cams aside.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BridgeSetpoint {
+    /// Since the start of the program, ns.
+    pub(crate) time_ns: i64,
+    /// The block that makes the gap.
+    pub(crate) place: Place,
+    /// Axes in machine-file order.
+    pub(crate) axes: AxisMotion,
+}
+
 /// Items of a program, one after the other.
 #[derive(Debug)]
 pub(crate) enum PlanItem {
     /// Where the tool shall be at the next instant, which the transform makes axes of.
     Tool(ToolSetpoint),
+    /// Where the axes are between two set-points of the tool: a gap is bridged.
+    Bridging(BridgeSetpoint),
     /// Where the axes shall be then.
     Axes(Box<AxisSetpoint>),
     /// What is wrong with the program.

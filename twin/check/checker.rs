@@ -5,6 +5,8 @@ use super::findings::{About, Findings};
 use super::instant::Instant;
 use super::messages;
 use super::{Clearances, Outcome};
+use crate::bridge::Bridge;
+use crate::coupled::AxesError;
 use crate::finding::{self, Finding};
 use crate::job::JobSetpoints;
 use crate::machine::{DirectionRule, Machine};
@@ -12,6 +14,7 @@ use crate::messages::no_axes;
 use crate::number::seconds;
 use crate::peak::{AxisPeak, Peak};
 use crate::setpoint::{AxisSetpoint, Transformer};
+use crate::setpoint_source::BridgeSetpoint;
 use crate::tappets::Switched;
 use crate::tolerance::{exceeds, is_hidden};
 use std::collections::BTreeSet;
@@ -89,18 +92,40 @@ impl<'m> Checker<'m> {
                 self.findings.add(None, messages::no_additional_axis(tool.place, letter));
             }
         }
-        match self.transformer.axes(tool, None) {
-            Ok(setpoint) => {
-                if self.start.is_none() {
-                    for (names, groups) in self.transformer.stood_on_tappets() {
-                        let told = crate::messages::starts_on_tappets(tool.place, names, &groups);
-                        self.findings.add(None, told);
-                    }
-                }
-                Some(*self.axes(&setpoint))
+        let setpoint = self.transformer.axes(tool, None);
+        if setpoint.is_ok() && self.start.is_none() {
+            for (names, groups) in self.transformer.stood_on_tappets() {
+                let told = crate::messages::starts_on_tappets(tool.place, names, &groups);
+                self.findings.add(None, told);
             }
+        }
+        self.taken(tool.place, setpoint)
+    }
+
+    /// The way of the axes to a set-point to which the path jumps, which is noted.
+    pub(super) fn bridge(&mut self, tool: &ToolSetpoint) -> Option<Bridge> {
+        let bridge = self.transformer.bridge(tool)?;
+        self.findings.add(None, messages::bridged(self.machine, &bridge));
+        Some(bridge)
+    }
+
+    /// Checks an instant of the way across a gap; none if the machine cannot take it.
+    pub(super) fn bridging(&mut self, instant: &BridgeSetpoint) -> Option<AxisSetpoint> {
+        self.duration_ns = instant.time_ns;
+        let setpoint = self.transformer.bridging(instant);
+        self.taken(instant.place, setpoint)
+    }
+
+    /// Checks a set-point, unless the machine cannot take it.
+    fn taken(
+        &mut self,
+        place: Place,
+        setpoint: Result<AxisSetpoint, AxesError>,
+    ) -> Option<AxisSetpoint> {
+        match setpoint {
+            Ok(setpoint) => Some(*self.axes(&setpoint)),
             Err(error) => {
-                self.findings.add(None, no_axes(tool.place, &error));
+                self.findings.add(None, no_axes(place, &error));
                 self.last = None;
                 self.untaken += 1;
                 None

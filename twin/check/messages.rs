@@ -1,6 +1,7 @@
 //! Messages of the check: the fault, with value and limit.
 
 use crate::axis_kind::AxisKind;
+use crate::bridge::Bridge;
 use crate::finding::{Finding, Rule, Severity};
 use crate::machine::{Axis, FaultAt, FaultStart, Machine, SimulationError, VelocitySource};
 use crate::messages::beyond_position;
@@ -23,6 +24,21 @@ pub(super) fn lost_tappets(count: u64) -> Finding {
     let mut finding = Finding::error(Rule::FunctionBlock, Place { line: 1, block: None }, message);
     finding.severity = Severity::Warning;
     finding
+}
+
+/// A gap of the path that the axes cross on their own.
+pub(super) fn bridged(machine: &Machine, bridge: &Bridge) -> Finding {
+    let ways = machine.axes.iter().zip(bridge.ways()).filter(|(_, way)| *way != 0.0);
+    let ways: Vec<_> = ways
+        .map(|(axis, way)| format!("{} by {:+.3} {}", axis.name, axis.from_si(way), axis.unit()))
+        .collect();
+    let message = format!(
+        "the set-point jumps here: each axis goes there on its own, {}, in {:.3} s, as SMC_ControlAxisByPos does",
+        ways.join(", "),
+        bridge.duration()
+    );
+    let finding = Finding::error(Rule::Gap, bridge.place, message);
+    Finding { severity: Severity::Note, ..finding }
 }
 
 /// A program that moves an additional axis on a machine without it.

@@ -10,6 +10,8 @@ mod findings;
 mod following;
 #[cfg(test)]
 mod following_tests;
+#[cfg(test)]
+mod gap_tests;
 mod instant;
 mod messages;
 mod options;
@@ -150,9 +152,14 @@ fn checked(
     while let Some(item) = items.next() {
         let setpoint = match item {
             PlanItem::Tool(tool) => {
+                if let Some(bridge) = checker.bridge(&tool) {
+                    items.bridge(bridge, &tool);
+                    continue;
+                }
                 m_calls.extend(tool.m_function);
                 checker.tool(&tool)
             }
+            PlanItem::Bridging(instant) => checker.bridging(&instant),
             PlanItem::Axes(setpoint) => Some(*checker.axes(&setpoint)),
             PlanItem::Diagnostic(finding) => {
                 checker.findings.add(None, finding);

@@ -156,6 +156,7 @@ where
             place: element.place,
             rapid: element.kind == ElementKind::Rapid,
             probing: element.kind.is_probe(),
+            jumping: false,
             status,
             last_switch: self.board.last,
             m_function: None,

@@ -355,6 +355,7 @@ where
             place: run.element.place,
             rapid: run.element.kind == ElementKind::Rapid,
             probing: run.element.kind.is_probe(),
+            jumping: run.element.kind == ElementKind::Jump,
             status,
             last_switch: self.board.last,
             m_function: if status == Status::Waiting { run.m_function() } else { None },

@@ -16,6 +16,8 @@ pub struct ToolSetpoint {
     pub rapid: bool,
     /// True on a probing move (G38.2 to G38.5), at whose end a probe may touch something.
     pub probing: bool,
+    /// True on a jump (G92): the set-point after it is elsewhere, and no path leads there.
+    pub jumping: bool,
     /// Status of the interpolator (`iStatus`).
     pub status: Status,
     /// Number of the switch passed last (`iLastSwitch`); 0 before the first.

@@ -258,6 +258,7 @@ where
             place: element.place(),
             rapid: element.rapid(),
             probing: path_element.kind.is_probe(),
+            jumping: path_element.kind == ElementKind::Jump,
             status,
             last_switch: self.board.last,
             m_function,

@@ -217,12 +217,22 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             match item {
                 Some(PlanItem::Tool(tool)) => {
                     self.overrides.see(tool.time_ns, &self.items);
+                    if let Some(bridge) = self.transformer.bridge(&tool) {
+                        self.items.bridge(bridge, &tool);
+                        continue;
+                    }
                     let call = self.items.m_call();
                     match self.transformer.axes(&tool, call) {
                         Ok(setpoint) => self.take(&setpoint),
                         Err(source) => self.lose_plan(Stopped::Path { place: tool.place, source }),
                     }
                 }
+                Some(PlanItem::Bridging(instant)) => match self.transformer.bridging(&instant) {
+                    Ok(setpoint) => self.take(&setpoint),
+                    Err(source) => {
+                        self.lose_plan(Stopped::Path { place: instant.place, source });
+                    }
+                },
                 Some(PlanItem::Axes(setpoint)) => {
                     self.overrides.see(setpoint.time_ns, &self.items);
                     self.take(&setpoint);
