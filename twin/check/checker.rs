@@ -9,6 +9,7 @@ use crate::bridge::Bridge;
 use crate::coupled::AxesError;
 use crate::finding::{self, Finding};
 use crate::job::JobSetpoints;
+use crate::m_function::MCalls;
 use crate::machine::{DirectionRule, Machine};
 use crate::messages::no_axes;
 use crate::number::seconds;
@@ -258,6 +259,7 @@ impl<'m> Checker<'m> {
             following: None,
             tappets: Switched::default(),
             m_calls: BTreeSet::new(),
+            m_functions: MCalls::default(),
         }
     }
 }

@@ -24,7 +24,7 @@ mod way_tests;
 
 use crate::finding::{self, Finding};
 use crate::limit::Limits;
-use crate::m_function::Acknowledgement;
+use crate::m_function::{Acknowledgement, MCalls};
 use crate::machine::Machine;
 use crate::peak::AxisPeak;
 use crate::physics::MotorLoad;
@@ -81,6 +81,8 @@ pub struct Outcome {
     pub tappets: Switched,
     /// Numbers of the M functions that are executed.
     pub m_calls: BTreeSet<u16>,
+    /// Their calls, with their words.
+    pub m_functions: MCalls,
 }
 
 /// Progress of a check.
@@ -149,6 +151,7 @@ fn checked(
     let mut items = Planning::new(machine, program, limits, rules)?;
     checker.begin(items.job());
     let (mut countdown, mut switched, mut m_calls) = (0u32, Switched::default(), BTreeSet::new());
+    let mut m_functions = MCalls::default();
     while let Some(item) = items.next() {
         let setpoint = match item {
             PlanItem::Tool(tool) => {
@@ -157,6 +160,7 @@ fn checked(
                     continue;
                 }
                 m_calls.extend(tool.m_function);
+                items.m_call().iter().for_each(|call| m_functions.see(call));
                 checker.tool(&tool)
             }
             PlanItem::Bridging(instant) => checker.bridging(&instant),
@@ -210,7 +214,7 @@ fn checked(
     }
     let predicted = following.and_then(FollowingBeside::finish);
     let mut outcome = checker.finish();
-    (outcome.tappets, outcome.m_calls) = (switched, m_calls);
+    (outcome.tappets, outcome.m_calls, outcome.m_functions) = (switched, m_calls, m_functions);
     if let Some((predicted, findings, left_out)) = predicted {
         outcome.following = Some(predicted);
         outcome.findings.extend(findings);

@@ -261,9 +261,8 @@ impl Iterator for Setpoints {
         };
         match next {
             Some(Ok(setpoint)) => {
-                let ToolSetpoint { m_function, place, time_ns, .. } = setpoint;
-                self.waiting.see(acknowledge_m, m_function, place, time_ns);
-                self.now_ns = time_ns;
+                self.waiting.see(acknowledge_m, &setpoint);
+                self.now_ns = setpoint.time_ns;
                 Some(ProgramItem::Setpoint(setpoint))
             }
             Some(Err(Halt::Io(error))) => Some(ProgramItem::Io(error)),

@@ -1,6 +1,7 @@
 //! Report as JSON: its shape is part of the command-line contract.
 
 mod drives;
+mod m_functions;
 mod motor_load;
 mod rest;
 mod tappets;
@@ -15,6 +16,7 @@ use crate::per_axis::PerAxis;
 use crate::program::ProgramFile;
 use crate::session::{OverrideChange, Punctuality};
 pub use drives::{AxisMaximaReport, PredictedFollowingReport};
+use m_functions::MFunctionsReport;
 pub use motor_load::MotorLoadReport;
 pub use rest::RestReport;
 use tappets::TappetsReport;
@@ -41,6 +43,9 @@ pub struct CheckReport {
     /// If cams with tappets are run.
     #[serde(skip_serializing_if = "Option::is_none")]
     tappets: Option<TappetsReport>,
+    /// If the program has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    m_functions: Option<MFunctionsReport>,
     findings: Vec<Finding>,
     findings_left_out: u64,
 }
@@ -75,6 +80,7 @@ impl CheckReport {
                 .as_ref()
                 .map(|predicted| PredictedFollowingReport::new(machine, predicted)),
             tappets: TappetsReport::new(&outcome.tappets),
+            m_functions: MFunctionsReport::new(&outcome.m_functions),
             findings: outcome.findings.clone(),
             findings_left_out: outcome.findings_left_out,
         }

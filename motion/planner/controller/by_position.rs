@@ -7,7 +7,7 @@ use super::{ExtraMotion, Source, ToolSetpoint};
 use std::f64::consts::PI;
 use std::num::NonZeroU32;
 use std::task::Poll;
-use twin_path::{ElementKind, PathElement};
+use twin_path::{ElementKind, MParameters, PathElement};
 
 /// Direction of the workpiece along X (`eDirection`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -160,6 +160,7 @@ where
             status,
             last_switch: self.board.last,
             m_function: None,
+            m_parameters: MParameters::default(),
             switches: self.board.states,
             feed: element.feed,
             position: point.position,

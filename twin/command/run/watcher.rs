@@ -61,16 +61,16 @@ impl Observer for Watcher<'_, '_> {
     }
 
     fn m_function(&mut self, call: &MCall, asked: bool) {
-        let MCall { number, place, .. } = call;
+        let place = call.place;
         if asked {
-            self.bar.suspend(|| tell!("M{number} at {place}: press Enter when it is done"));
+            self.bar.suspend(|| tell!("{call} at {place}: press Enter when it is done"));
             if let Some(keys) = &mut self.keys {
                 keys.ask();
             } else if let Err(error) = self.prompt.ask() {
                 self.bar.suspend(|| tell!("standard input cannot be read: {error}"));
             }
         }
-        self.bar.set_message(format!("{place}  M{number}"));
+        self.bar.set_message(format!("{place}  {call}"));
     }
 
     fn answer(&mut self) -> Answer {
