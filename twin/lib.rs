@@ -38,6 +38,7 @@ pub mod setpoint;
 pub mod setpoint_source;
 pub mod simulated;
 pub mod startup;
+pub mod switch_points;
 pub mod tappets;
 pub mod workspace;
 

@@ -37,6 +37,8 @@ pub struct AxisSetpoint {
     pub probing: bool,
     /// Tappet signals that are on, in the order of the program's signals.
     pub tappets: TappetBits,
+    /// Switches of the path that are on (`dwSwitches`): bit n − 1 is switch n.
+    pub switches: u32,
 }
 
 /// How long drives that follow late may need behind the last set-point, ns.
@@ -67,6 +69,8 @@ pub struct Transformer<'m> {
     coupled: Coupled<'m>,
     /// The block of the last set-point, if it jumps.
     jumping: Option<Place>,
+    /// Switches of the path at the last set-point.
+    switches: u32,
 }
 
 impl<'m> Transformer<'m> {
@@ -75,7 +79,7 @@ impl<'m> Transformer<'m> {
         let mut sources = machine.kinematics.sources().iter();
         let has_additional = sources.any(|source| matches!(source, AxisSource::Additional(_)));
         let coupled = Coupled::for_program(machine);
-        Self { machine, near: machine.middle(), has_additional, coupled, jumping: None }
+        Self { machine, near: machine.middle(), has_additional, coupled, jumping: None, switches: 0 }
     }
 
     /// Signals of the tappets: the bits of the set-points in their order.
@@ -131,6 +135,7 @@ impl<'m> Transformer<'m> {
         let (mut motion, mut axes) = self.without_slaves(tool)?;
         self.near = axes.position;
         self.jumping = tool.jumping.then_some(tool.place);
+        self.switches = tool.switches;
         self.coupled.apply(&mut axes, tool.time_ns)?;
         if self.coupled.moves_tool() {
             motion = self.machine.kinematics.forward_motion(&axes)?;
@@ -145,6 +150,7 @@ impl<'m> Transformer<'m> {
             feed: (!tool.rapid).then_some(tool.feed),
             probing: tool.probing,
             tappets: self.coupled.tappets(),
+            switches: self.switches,
         })
     }
 
@@ -197,6 +203,7 @@ impl<'m> Transformer<'m> {
             feed: None,
             probing: false,
             tappets: self.coupled.tappets(),
+            switches: self.switches,
         })
     }
 }

@@ -16,6 +16,7 @@ use crate::number::seconds;
 use crate::peak::{AxisPeak, Peak};
 use crate::setpoint::{AxisSetpoint, Transformer};
 use crate::setpoint_source::BridgeSetpoint;
+use crate::switch_points::SwitchPoints;
 use crate::tappets::Switched;
 use crate::tolerance::{exceeds, is_hidden};
 use std::collections::BTreeSet;
@@ -258,6 +259,7 @@ impl<'m> Checker<'m> {
             clearances: Clearances::default(),
             following: None,
             tappets: Switched::default(),
+            switch_points: SwitchPoints::default(),
             m_calls: BTreeSet::new(),
             m_functions: MCalls::default(),
         }

@@ -32,6 +32,7 @@ use crate::planning::Planning;
 use crate::plant::PlantRecord;
 use crate::program::{Dialect, ProgramFile};
 use crate::setpoint_source::PlanItem;
+use crate::switch_points::SwitchPoints;
 use crate::tappets::{Signal, Switched};
 pub use after::{faults_to_come, following_errors, happening, happenings};
 use checker::Checker;
@@ -79,6 +80,8 @@ pub struct Outcome {
     pub following: Option<PredictedFollowing>,
     /// Tappet switchings of the cams.
     pub tappets: Switched,
+    /// Switchings of the path's switches.
+    pub switch_points: SwitchPoints,
     /// Numbers of the M functions that are executed.
     pub m_calls: BTreeSet<u16>,
     /// Their calls, with their words.
@@ -151,7 +154,7 @@ fn checked(
     let mut items = Planning::new(machine, program, limits, rules)?;
     checker.begin(items.job());
     let (mut countdown, mut switched, mut m_calls) = (0u32, Switched::default(), BTreeSet::new());
-    let mut m_functions = MCalls::default();
+    let (mut m_functions, mut switch_points) = (MCalls::default(), SwitchPoints::default());
     while let Some(item) = items.next() {
         let setpoint = match item {
             PlanItem::Tool(tool) => {
@@ -174,6 +177,7 @@ fn checked(
         if let Some(setpoint) = &setpoint {
             let transformer = &checker.transformer;
             let at = (setpoint.time_ns, setpoint.place);
+            switch_points.see(setpoint.switches, at);
             match items.job() {
                 Some(job) => switched.see(setpoint.tappets, at, |signal| job.tappet_master(signal)),
                 None => switched.see(setpoint.tappets, at, |one| transformer.tappet_master(one)),
@@ -214,7 +218,8 @@ fn checked(
     }
     let predicted = following.and_then(FollowingBeside::finish);
     let mut outcome = checker.finish();
-    (outcome.tappets, outcome.m_calls, outcome.m_functions) = (switched, m_calls, m_functions);
+    (outcome.tappets, outcome.switch_points) = (switched, switch_points);
+    (outcome.m_calls, outcome.m_functions) = (m_calls, m_functions);
     if let Some((predicted, findings, left_out)) = predicted {
         outcome.following = Some(predicted);
         outcome.findings.extend(findings);

@@ -4,6 +4,7 @@ mod drives;
 mod m_functions;
 mod motor_load;
 mod rest;
+mod switch_points;
 mod tappets;
 
 use crate::check::{BlockClearance, Outcome};
@@ -19,6 +20,7 @@ pub use drives::{AxisMaximaReport, PredictedFollowingReport};
 use m_functions::MFunctionsReport;
 pub use motor_load::MotorLoadReport;
 pub use rest::RestReport;
+use switch_points::SwitchPointsReport;
 use tappets::TappetsReport;
 
 /// Report of `twin check` per program, which is also a part of the report of `twin run`.
@@ -43,6 +45,9 @@ pub struct CheckReport {
     /// If cams with tappets are run.
     #[serde(skip_serializing_if = "Option::is_none")]
     tappets: Option<TappetsReport>,
+    /// If the path switches anything.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    switch_points: Option<SwitchPointsReport>,
     /// If the program has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     m_functions: Option<MFunctionsReport>,
@@ -80,6 +85,7 @@ impl CheckReport {
                 .as_ref()
                 .map(|predicted| PredictedFollowingReport::new(machine, predicted)),
             tappets: TappetsReport::new(&outcome.tappets),
+            switch_points: SwitchPointsReport::new(&outcome.switch_points),
             m_functions: MFunctionsReport::new(&outcome.m_functions),
             findings: outcome.findings.clone(),
             findings_left_out: outcome.findings_left_out,

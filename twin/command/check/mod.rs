@@ -7,7 +7,7 @@ use super::options::{
     unreadable,
 };
 use super::progress::ProgressLines;
-use super::{Failure, Status, following, show, tappets};
+use super::{Failure, Status, following, show, switch_points, tappets};
 use crate::check::{self, CheckOptions, Outcome};
 use crate::finding;
 use crate::limit::Limits;
@@ -230,6 +230,7 @@ pub(super) fn summary(
         writeln!(out, "{} (as planned)", least.told(machine))?;
     }
     tappets::write(out, &outcome.tappets)?;
+    switch_points::write(out, &outcome.switch_points)?;
     if outcome.untaken_ns > 0 {
         let left_out = seconds(outcome.untaken_ns);
         writeln!(

@@ -288,8 +288,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             if let Some(call) = setpoint.m_call {
                 self.begin_m_function(call, observer);
             }
-            let before = before.map(|before| before.tappets).unwrap_or_default();
-            self.switch_tappet_outputs(before, &setpoint);
+            self.switch_outputs(before.as_ref(), &setpoint);
             let feedback = self.twin.command_before(&setpoint, &self.planned);
             let feedback = feedback.and_then(|()| self.twin.feedback());
             for news in self.twin.news() {
