@@ -12,6 +12,8 @@ mod following;
 mod following_tests;
 #[cfg(test)]
 mod gap_tests;
+#[cfg(test)]
+mod input_tests;
 mod instant;
 mod messages;
 mod options;

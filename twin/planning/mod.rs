@@ -10,6 +10,7 @@ use crate::job::JobSetpoints;
 use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledgement, MCall};
 use crate::machine::Machine;
+use crate::program::inputs::Steps;
 use crate::program::{Dialect, Findings, ProgramFile, Setpoints};
 use crate::setpoint::Transformer;
 use crate::setpoint_source::{BridgeSetpoint, MOST_OVERRIDE, PlanItem};
@@ -244,6 +245,13 @@ impl<'m> Planning<'m> {
             Plan::Controller(setpoints) => setpoints.set_override(factor),
             Plan::Axes(within) => within.set_override(factor),
             Plan::Job(job) => job.set_override(factor),
+        }
+    }
+
+    /// Single step and waiting at the next stop from the next set-point on. Nothing but the controller's own plan knows them.
+    pub(crate) fn set_steps(&mut self, steps: Steps) {
+        if let Plan::Controller(setpoints) = &mut self.plan {
+            setpoints.set_steps(steps);
         }
     }
 

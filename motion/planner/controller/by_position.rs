@@ -115,6 +115,11 @@ where
         Poll::Ready(self.setpoint(along, first).map(Ok))
     }
 
+    /// Programmed deceleration of the element under way, m/s².
+    pub fn deceleration(&self) -> Option<f64> {
+        self.element.as_ref().map(|element| element.deceleration)
+    }
+
     fn fail(&mut self, error: E) -> Poll<Option<Result<ToolSetpoint, E>>> {
         self.ended = true;
         Poll::Ready(Some(Err(error)))

@@ -3,7 +3,7 @@
 mod clearance;
 
 use super::options::{
-    AcknowledgeOption, MachineOption, ReadOptions, SimulationOptions, plans_without_inputs,
+    AcknowledgeOption, InputOptions, MachineOption, ReadOptions, SimulationOptions, plans_without_inputs,
     unreadable,
 };
 use super::progress::ProgressLines;
@@ -51,6 +51,9 @@ pub(super) struct Arguments {
     clearance: Vec<PathBuf>,
 
     #[command(flatten)]
+    inputs: InputOptions,
+
+    #[command(flatten)]
     m_functions: AcknowledgeOption,
 
     /// Whose limits the path is planned with: the controller's own, or those of the axes, as `twin limit` plans it; then what
@@ -89,7 +92,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     clearance::check(arguments, &machine)?;
     let programs: Vec<_> = {
         let unit = machine.conditions.rs274.units;
-        arguments.programs.iter().map(|path| arguments.read.program(path, unit)).collect()
+        let program = |path| arguments.read.program_with(path, unit, &arguments.inputs);
+        arguments.programs.iter().map(|path: &PathBuf| program(path)).collect()
     };
     let next = AtomicUsize::new(0);
     let slots: Vec<_> = programs.iter().map(|_| Mutex::new(None)).collect();

@@ -8,6 +8,7 @@ use crate::hardware::Heard;
 use crate::m_function::MCall;
 use crate::picture::Picture;
 use crate::program::ProgramFile;
+use crate::program::inputs::Steps;
 use crate::session::{Answer, DriveSample, Observer, TwinCycle};
 use indicatif::ProgressBar;
 use twin_path::Place;
@@ -23,14 +24,19 @@ pub(super) struct Watcher<'a, 'm> {
     pub(super) prompt: Prompt,
     /// Override keys, on a terminal.
     pub(super) keys: Option<Keys>,
+    /// True if the plan knows single step and waits: the controller's own.
+    pub(super) stepping: bool,
 }
 
 /// Without them the run goes on.
-pub(super) fn open_keys(program: &ProgramFile) -> Option<Keys> {
+pub(super) fn open_keys(program: &ProgramFile, stepping: bool) -> Option<Keys> {
     match Keys::open(program.settings().inputs.override_factor.factor()) {
         Ok(keys) => {
             if keys.is_some() {
                 tell!("{}", keys::HELP);
+                if stepping {
+                    tell!("{}", keys::STEPS_HELP);
+                }
             }
             keys
         }
@@ -89,6 +95,16 @@ impl Observer for Watcher<'_, '_> {
         };
         self.bar.suspend(|| tell!("{text}"));
         Some(factor)
+    }
+
+    fn new_steps(&mut self) -> Option<Steps> {
+        let steps = self.keys.as_mut()?.new_steps().filter(|_| self.stepping)?;
+        let Steps { single_step, wait_at_next_stop } = steps;
+        let on = |on: bool| if on { "on" } else { "off" };
+        self.bar.suspend(|| {
+            tell!("single step {}, wait at the next stop {}", on(single_step), on(wait_at_next_stop));
+        });
+        Some(steps)
     }
 
     fn drives(&mut self, sample: &DriveSample<'_>) {

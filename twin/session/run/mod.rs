@@ -129,6 +129,16 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
     }
 
+    /// Applies a request of the user for single step or a wait at the next stop.
+    pub(super) fn heed_steps(&mut self, observer: &mut dyn Observer) {
+        if let Some(steps) = observer.new_steps()
+            && self.plan == Plan::GoesOn
+            && self.stopped.is_none()
+        {
+            self.items.set_steps(steps);
+        }
+    }
+
     /// From now on the drives follow the plan by `clock`.
     pub(super) fn begin(&mut self, clock: Clock, paced: bool) {
         self.clock = paced.then_some(clock);
