@@ -6,13 +6,10 @@
 
 use crate::machine::{Axis, Machine};
 use crate::number::seconds;
-use crate::tolerance::ROUNDING;
+use crate::tolerance::{ROUNDING, exceeds};
 use twin_kinematics::{AxisMotion, AxisVector};
 use twin_path::Place;
 use twin_profile::{AxisLimits, Profile, RampType, State};
-
-/// An axis that is nearer than this to its set-point is there, m or rad: the transform rounds.
-const THERE: f64 = 1e-9;
 
 /// A gap of the path, and the motion of the axes across it.
 #[derive(Clone, Debug)]
@@ -30,14 +27,16 @@ pub(crate) struct Bridge {
 }
 
 impl Bridge {
-    /// The way of the axes from rest at `from` to rest at `to`; none if they are there already.
+    /// The way of the axes from rest at `from` to rest at `to`; none if no axis exceeds its velocity by being there in the
+    /// next cycle: that is not a jump (manual 2.2.5).
     pub(crate) fn new(
         machine: &Machine,
         [from, to]: [&AxisVector; 2],
         place: Place,
     ) -> Option<Self> {
-        let mut ways = from.iter().zip(to.iter()).map(|(from, to)| (to - from).abs());
-        if !ways.any(|way| way > THERE) {
+        let cycle = seconds(machine.cycle_ns);
+        let mut ways = from.iter().zip(to.iter()).zip(&machine.axes);
+        if !ways.any(|((from, to), axis)| exceeds((to - from) / cycle, axis.max_velocity)) {
             return None;
         }
         let limits: Vec<_> = machine.axes.iter().map(limits).collect();
@@ -105,6 +104,17 @@ impl Bridge {
             self.braked_ns = Some(self.now_ns);
         }
     }
+}
+
+/// One instant of the way across a gap, slaves of gears and cams aside.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BridgeSetpoint {
+    /// Since the start of the program, ns.
+    pub(crate) time_ns: i64,
+    /// The block that makes the gap.
+    pub(crate) place: Place,
+    /// Axes in machine-file order.
+    pub(crate) axes: AxisMotion,
 }
 
 /// The limits of an axis, and the ramps that keep them.

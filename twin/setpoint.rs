@@ -1,10 +1,9 @@
 //! Axis set-points, one per cycle: the stream that physics and drives both receive, and the transform that produces it.
 
-use crate::bridge::Bridge;
+use crate::bridge::{Bridge, BridgeSetpoint};
 use crate::coupled::{AxesError, Coupled};
 use crate::m_function::MCall;
 use crate::machine::Machine;
-use crate::setpoint_source::BridgeSetpoint;
 use crate::tappets::{MasterPlace, Signal, TappetBits};
 use twin_kinematics::{
     AxisMotion, AxisSource, AxisVector, Kinematics, KinematicsError, Pose, ToolMotion,
@@ -79,7 +78,14 @@ impl<'m> Transformer<'m> {
         let mut sources = machine.kinematics.sources().iter();
         let has_additional = sources.any(|source| matches!(source, AxisSource::Additional(_)));
         let coupled = Coupled::for_program(machine);
-        Self { machine, near: machine.middle(), has_additional, coupled, jumping: None, switches: 0 }
+        Self {
+            machine,
+            near: machine.middle(),
+            has_additional,
+            coupled,
+            jumping: None,
+            switches: 0,
+        }
     }
 
     /// Signals of the tappets: the bits of the set-points in their order.

@@ -1,28 +1,16 @@
 //! Items of a set-point source, which may be the controller, the axis-limited plan or a job.
 
+use crate::bridge::BridgeSetpoint;
 use crate::finding::Finding;
 use crate::program::ProgramItem;
 use crate::setpoint::AxisSetpoint;
 use std::io;
-use twin_kinematics::AxisMotion;
-use twin_path::Place;
 use twin_planner::controller::{Override, ToolSetpoint};
 
 /// The least override that moves anything; less is a feed hold.
 pub const LEAST_OVERRIDE: f64 = Override::LEAST;
 /// The largest override.
 pub const MOST_OVERRIDE: f64 = 2.0;
-
-/// One instant of the way across a gap, slaves of gears and cams aside.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BridgeSetpoint {
-    /// Since the start of the program, ns.
-    pub(crate) time_ns: i64,
-    /// The block that makes the gap.
-    pub(crate) place: Place,
-    /// Axes in machine-file order.
-    pub(crate) axes: AxisMotion,
-}
 
 /// Items of a program, one after the other.
 #[derive(Debug)]

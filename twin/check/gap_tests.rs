@@ -66,7 +66,8 @@ fn it_is_bridged_within_the_limits_of_the_axes_too() {
 /// Each axis goes on its own: from stretched at 90° to stretched at 0° less a bit, A turns by 90° at 240 deg/s, B stays.
 #[test]
 fn each_axis_goes_on_its_own() {
-    let program = "% turn\nN10 G92 X0 Y449 Z20\nN20 G1 X0 Y449 F100\nN30 G92 X449 Y0\nN40 G1 X440\n";
+    let program =
+        "% turn\nN10 G92 X0 Y449 Z20\nN20 G1 X0 Y449 F100\nN30 G92 X449 Y0\nN40 G1 X440\n";
     let outcome = checked(SCARA2, program);
     let note = only_note(&outcome.findings);
     assert!(note.message.contains("A by -90.000 deg"), "{}", note.message);

@@ -59,22 +59,38 @@ fn the_path_waits_at_its_next_stop() {
     near(duration(long, &["0.2:slow-stop=on", "1:slow-stop=off"]), 1.3);
 }
 
-/// The workpiece passes with 100 mm/s; on the first element Y goes twice as far as X. At 20 mm the path is over, after 0.2 s.
+/// The workpiece comes to 100 mm/s with 1000 mm/s² in 0.1 s and 5 mm, and passes on; on the path Y goes twice as far as X.
+/// Every set-point is the point of the path at the measured X (manual 6.6).
 #[test]
 fn the_path_follows_a_workpiece() {
-    let contour = "% contour\nN10 G92 X0 Y0\nN20 G1 X10 Y20 F50 E1000 E-1000\nN30 G1 X20\n";
-    let run = |positions: Vec<f64>, offset| {
-        let workpiece =
-            Workpiece { positions: positions.into(), offset, direction: XDirection::Positive };
+    let contour = "% contour\nN10 G92 X0 Y0\nN20 G1 X20 Y40 F50 E5000 E-5000\n";
+    let run = |at: &dyn Fn(f64) -> f64, offset| {
+        let positions = (0..=400).map(|cycle| at(f64::from(cycle) * 1e-3)).collect();
+        let workpiece = Workpiece { positions, offset, direction: XDirection::Positive };
         checked(contour, ReadSettings { workpiece: Some(workpiece), ..ReadSettings::default() })
     };
-    let outcome = run((0..=300).map(|cycle| f64::from(cycle) * 1e-4).collect(), 0.0);
-    near(seconds(outcome.duration_ns), 0.2);
-    assert!((outcome.peaks[0].velocity.value - 0.1).abs() < 1e-6, "{:?}", outcome.peaks[0]);
-    assert!((outcome.peaks[1].velocity.value - 0.2).abs() < 1e-6, "{:?}", outcome.peaks[1]);
-    let ends = outcome.findings.iter().find(|one| one.severity == Severity::Warning).unwrap();
-    assert_eq!((ends.rule, ends.line), (Rule::AxisAcceleration, 4));
-    // With an offset of 5 mm it is 0.05 s later at every point.
-    let outcome = run((0..=300).map(|cycle| f64::from(cycle) * 1e-4).collect(), 5e-3);
+    let speeds_up = |time: f64| if time < 0.1 { 0.5 * time * time } else { 0.1 * time - 0.005 };
+    // 15 mm at 100 mm/s are left.
+    let outcome = run(&speeds_up, 0.0);
     near(seconds(outcome.duration_ns), 0.25);
+    let [x, y, _] = &outcome.peaks[..] else { panic!("three axes") };
+    assert!((x.velocity.value - 0.1).abs() < 1e-6 && (y.velocity.value - 0.2).abs() < 1e-6);
+    assert!((x.acceleration.value - 1.0).abs() < 1e-3 && (y.acceleration.value - 2.0).abs() < 2e-3);
+    // It does not stop where the path ends.
+    let [ends] = &outcome.findings[..] else { panic!("{:#?}", outcome.findings) };
+    assert_eq!(
+        (ends.rule, ends.severity, ends.line),
+        (Rule::AxisAcceleration, Severity::Warning, 3)
+    );
+    // One that does, 0.05 s later.
+    let stops = |time: f64| {
+        let left = (0.3 - time).max(0.0);
+        if time < 0.2 { speeds_up(time) } else { 0.02 - 0.5 * left * left }
+    };
+    let outcome = run(&stops, 0.0);
+    assert!(outcome.findings.is_empty(), "{:#?}", outcome.findings);
+    near(seconds(outcome.duration_ns), 0.3);
+    // With an offset the path begins when its zero is there: 5 mm after 0.1 s.
+    let outcome = run(&|time| speeds_up(time), 5e-3);
+    near(seconds(outcome.duration_ns), 0.3);
 }

@@ -16,6 +16,9 @@ use twin_path::Place;
 /// An axis that is farther than this from where it is sent, m or rad, beyond its software limits, is not only following behind.
 const RUN_AWAY: f64 = 2e-3;
 
+/// An axis that goes less than this across a gap is not named, m or rad.
+const STAYS: f64 = 5e-7;
+
 /// Tappets that had no room in their cycle.
 pub(super) fn lost_tappets(count: u64) -> Finding {
     let message = format!(
@@ -28,7 +31,7 @@ pub(super) fn lost_tappets(count: u64) -> Finding {
 
 /// A gap of the path that the axes cross on their own.
 pub(super) fn bridged(machine: &Machine, bridge: &Bridge) -> Finding {
-    let ways = machine.axes.iter().zip(bridge.ways()).filter(|(_, way)| *way != 0.0);
+    let ways = machine.axes.iter().zip(bridge.ways()).filter(|(_, way)| way.abs() > STAYS);
     let ways: Vec<_> = ways
         .map(|(axis, way)| format!("{} by {:+.3} {}", axis.name, axis.from_si(way), axis.unit()))
         .collect();

@@ -66,7 +66,8 @@ impl Motion {
                 return Err(about(&hours));
             }
             let setpoint = transformer.axes(&tool, None);
-            let setpoint = setpoint.map_err(|error| about(&format_args!("{}: {error}", tool.place)))?;
+            let setpoint =
+                setpoint.map_err(|error| about(&format_args!("{}: {error}", tool.place)))?;
             way.push([tool.way * 1e3, tool.path_velocity * 1e3]);
             let motion = setpoint.axes.position.iter().zip(setpoint.axes.velocity.iter());
             for ((track, axis), (position, velocity)) in

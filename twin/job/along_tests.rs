@@ -8,7 +8,8 @@ const CAM: &str = "name = \"rise\"\nmaster = { min = 0, max = 40, unit = \"mm\" 
                    elements = [{ from = [0, 0], to = [40, 4] }]\n";
 
 /// 30 mm along X, 10 mm along Y with a stop between: 0.4 s and 0.2 s at 100 mm/s with 1000 mm/s².
-const PROGRAM: &str = "% contour\nN10 G92 X100 Y50 Z20\nN20 G1 X130 F100 E1000 E-1000\nN30 G1 Y60\n";
+const PROGRAM: &str =
+    "% contour\nN10 G92 X100 Y50 Z20\nN20 G1 X130 F100 E1000 E-1000\nN30 G1 Y60\n";
 
 const JOB: &str = "[[virtual_axes]]\nname = \"way\"\nkind = \"linear\"\n\
                    [[start]]\naxis = \"X\"\nposition_mm = 100\n[[start]]\naxis = \"Y\"\nposition_mm = 50\n\
@@ -17,9 +18,9 @@ const JOB: &str = "[[virtual_axes]]\nname = \"way\"\nkind = \"linear\"\n\
                    [[blocks]]\nblock = \"SMC_Interpolator\"\naxis = \"way\"\nprogram = \"contour.cnc\"\n";
 
 fn at(setpoints: &[AxisSetpoint], seconds: f64) -> [f64; 3] {
-    let found = setpoints.iter().min_by(|one, other| {
-        (time(one) - seconds).abs().total_cmp(&(time(other) - seconds).abs())
-    });
+    let found = setpoints
+        .iter()
+        .min_by(|one, other| (time(one) - seconds).abs().total_cmp(&(time(other) - seconds).abs()));
     let position = found.unwrap().axes.position;
     [0, 1, 2].map(|axis| position[axis] * 1e3)
 }

@@ -54,7 +54,8 @@ pub(super) fn read_switches(
             let by_switches = outputs.iter().map(|other| (other.device, other.output));
             let mut taken = by_tappets.chain(by_switches);
             if taken.any(|other| other == (device, output)) {
-                let message = format!("output {output} of this drive follows something else already");
+                let message =
+                    format!("output {output} of this drive follows something else already");
                 section.complain_at("output", message);
             } else {
                 outputs.push(SwitchOutput { number, device, output });

@@ -5,7 +5,7 @@
 mod beside;
 mod within;
 
-use crate::bridge::Bridge;
+use crate::bridge::{Bridge, BridgeSetpoint};
 use crate::job::JobSetpoints;
 use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledgement, MCall};
@@ -13,7 +13,7 @@ use crate::machine::Machine;
 use crate::program::inputs::Steps;
 use crate::program::{Dialect, Findings, ProgramFile, Setpoints};
 use crate::setpoint::Transformer;
-use crate::setpoint_source::{BridgeSetpoint, MOST_OVERRIDE, PlanItem};
+use crate::setpoint_source::{MOST_OVERRIDE, PlanItem};
 use crate::tappets::Signal;
 use beside::Beside;
 use std::task::Poll;
@@ -56,9 +56,7 @@ impl<'m> Planning<'m> {
         }
         Ok(Self::over(match limits {
             Limits::Softmotion => Plan::Controller(Box::new(program.open(machine, rules)?)),
-            Limits::Axes => {
-                Plan::Axes(Box::new(WithinAxes::for_check(machine, program, rules)?))
-            }
+            Limits::Axes => Plan::Axes(Box::new(WithinAxes::for_check(machine, program, rules)?)),
         }))
     }
 

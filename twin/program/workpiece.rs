@@ -8,8 +8,8 @@ use std::iter::Map;
 use std::num::NonZeroU32;
 use std::sync::Arc;
 use std::task::Poll;
-use twin_path::{PathElement, Place};
 use twin_path::prepare::CheckedElement;
+use twin_path::{PathElement, Place};
 use twin_planner::controller::{ToolSetpoint, XInterpolator};
 
 type Strip = fn(Result<CheckedElement, Halt>) -> Result<PathElement, Halt>;

@@ -3,8 +3,8 @@
 mod clearance;
 
 use super::options::{
-    AcknowledgeOption, InputOptions, MachineOption, ReadOptions, SimulationOptions, plans_without_inputs,
-    unreadable,
+    AcknowledgeOption, InputOptions, MachineOption, ReadOptions, SimulationOptions,
+    plans_without_inputs, unreadable,
 };
 use super::progress::ProgressLines;
 use super::{Failure, Status, following, show, switch_points, tappets};

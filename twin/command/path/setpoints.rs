@@ -84,8 +84,7 @@ pub(super) fn write(
     if options.both_ways {
         both_ways(job, schedule, out)
     } else {
-        let back =
-            |event: &InputAt| matches!(event.change, InputChange::Override(f) if f < Override::LEAST);
+        let back = |event: &InputAt| matches!(event.change, InputChange::Override(f) if f < Override::LEAST);
         if options.inputs.changes.iter().any(back) {
             let message = "an override below 0.01 is for --both-ways";
             return Err(Failure::Usage(message.to_owned()));

@@ -54,8 +54,15 @@ impl Keys {
         tcsetattr(&stdin, OptionalActions::Now, &single)?;
         let (sender, typed) = sync_channel(KEYS);
         let (steps, shown) = (Steps::default(), Steps::default());
-        let keys =
-            Self { typed, before, dial: Dial::new(factor), asked: factor, steps, shown, entered: false };
+        let keys = Self {
+            typed,
+            before,
+            dial: Dial::new(factor),
+            asked: factor,
+            steps,
+            shown,
+            entered: false,
+        };
         // It ends with the process: nothing can wake it while it waits for a key.
         std::thread::Builder::new().name("keys".to_owned()).spawn(move || {
             for key in io::stdin().lock().bytes() {

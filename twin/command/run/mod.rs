@@ -12,8 +12,8 @@ mod summary;
 mod watcher;
 
 use super::options::{
-    self, AcknowledgeOption, DEFAULT_ADDRESS, InputOptions, MachineOption, ReadOptions, SimulationOptions,
-    plans_without_inputs, unreadable,
+    self, AcknowledgeOption, DEFAULT_ADDRESS, InputOptions, MachineOption, ReadOptions,
+    SimulationOptions, plans_without_inputs, unreadable,
 };
 use super::progress::ProgressLines;
 use super::{Failure, Status, check, following, show, whole};

@@ -102,7 +102,11 @@ impl Observer for Watcher<'_, '_> {
         let Steps { single_step, wait_at_next_stop } = steps;
         let on = |on: bool| if on { "on" } else { "off" };
         self.bar.suspend(|| {
-            tell!("single step {}, wait at the next stop {}", on(single_step), on(wait_at_next_stop));
+            tell!(
+                "single step {}, wait at the next stop {}",
+                on(single_step),
+                on(wait_at_next_stop)
+            );
         });
         Some(steps)
     }

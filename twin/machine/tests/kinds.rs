@@ -207,9 +207,8 @@ fn a_probed_work_names_its_corner_and_angles() {
     let y = [-0.915_668_379, 0.307_070_726, 0.259_343_38];
     let z = [0.055_616_994, -0.542_231_118, 0.838_386_644];
     let point = |[u, v, w]: [f64; 3]| {
-        let at = |index: usize| {
-            [300.0, 20.0, -30.0][index] + u * x[index] + v * y[index] + w * z[index]
-        };
+        let at =
+            |index: usize| [300.0, 20.0, -30.0][index] + u * x[index] + v * y[index] + w * z[index];
         format!("[{:.9}, {:.9}, {:.9}]", at(0), at(1), at(2))
     };
     let mut text = shipped("gantry3").to_owned();
