@@ -44,6 +44,8 @@ pub enum Rule {
     LoopCut,
     /// A switch lay on a piece of path that preparation has removed.
     SwitchLost,
+    /// A jump of the set-point that each axis bridges on its own.
+    Gap,
     /// An axis that the simulated machine cannot keep on its set-point.
     FollowingError,
     /// A step motor of the simulated machine that lost steps.
@@ -64,7 +66,7 @@ pub enum Rule {
 
 impl Rule {
     /// All of them.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 26] = [
         Self::Syntax,
         Self::UnsupportedWord,
         Self::ArcGeometry,
@@ -82,6 +84,7 @@ impl Rule {
         Self::CompensationGouge,
         Self::LoopCut,
         Self::SwitchLost,
+        Self::Gap,
         Self::FollowingError,
         Self::LostSteps,
         Self::MotorOverload,
@@ -112,6 +115,7 @@ impl Rule {
             Self::CompensationGouge => "compensation-gouge",
             Self::LoopCut => "loop-cut",
             Self::SwitchLost => "switch-lost",
+            Self::Gap => "gap",
             Self::FollowingError => "following-error",
             Self::LostSteps => "lost-steps",
             Self::MotorOverload => "motor-overload",
@@ -193,6 +197,10 @@ impl Rule {
             Self::SwitchLost => [
                 "a switch point lay on a piece of path that preparation has removed",
                 "put the switch where the prepared path goes",
+            ],
+            Self::Gap => [
+                "a jump of the set-point (G92), which each axis bridges on its own while the path waits (SMC_ControlAxisByPos with bAvoidGaps, manual 11.7.1)",
+                "look whether the jump was meant: the tool does not go there on a straight line; G0 does",
             ],
             Self::FollowingError => [
                 "an axis that the simulated machine cannot keep near its set-point",

@@ -32,6 +32,7 @@ pub mod simulated;
 pub mod startup;
 pub mod workspace;
 
+mod bridge;
 mod in_loop;
 mod job;
 mod messages;

@@ -7,10 +7,11 @@ use crate::session::{DriveSample, TwinCycle};
 use crate::setpoint::Transformer;
 use crate::setpoint_source::PlanItem;
 use nalgebra::{Isometry3, Point3};
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use twin_kinematics::AxisVector;
 use twin_machine::axis_kind::AxisKind;
 use twin_machine::limited_read;
+use twin_machine::switch_points::changed;
 use twin_machine::tappets::TappetBits;
 use twin_machine::{Machine, SimulationError};
 use twin_path::{ElementKind, PathElement, Shape};
@@ -52,6 +53,11 @@ pub struct Picture<'m> {
     speed: (f64, Option<f64>),
     /// What tappets had switched on in the last cycle taken, and in the last shown.
     tappets: [TappetBits; 2],
+    /// Switches of the path that were on then.
+    switches: [u32; 2],
+    /// Number of tappet signals in the view; behind them come the switches of the path, by their numbers.
+    tappet_signals: usize,
+    path_switches: Vec<u8>,
     failure: Option<VizError>,
     poses: Vec<Isometry3<f64>>,
 }
@@ -68,6 +74,8 @@ struct Instant {
     /// What the motors of the twin do.
     motors: Vec<MotorFrame>,
     tappets: TappetBits,
+    /// Switches of the path that are on.
+    switches: u32,
 }
 
 impl<'m> Picture<'m> {
@@ -92,6 +100,9 @@ impl<'m> Picture<'m> {
             next_ns: 0,
             speed: (0.0, None),
             tappets: [TappetBits::default(); 2],
+            switches: [0; 2],
+            tappet_signals: 0,
+            path_switches: Vec::new(),
             failure: None,
             poses: machine.model.link_poses(start),
         };
@@ -132,7 +143,10 @@ impl<'m> Picture<'m> {
             signals = JobSetpoints::open(machine, program)?.signals().to_vec();
             show_job(machine, &mut scene, program)?;
         }
-        scene.signals(&signals.iter().map(ToString::to_string).collect::<Vec<_>>());
+        picture.tappet_signals = signals.len();
+        picture.path_switches = path_switches(program.elements(&machine.conditions)?);
+        let switches = picture.path_switches.iter().map(|number| format!("H{number}"));
+        scene.signals(&signals.iter().map(ToString::to_string).chain(switches).collect::<Vec<_>>());
         show_path(machine, &mut scene, program.elements(&machine.conditions)?, |kind| kind)?;
         if program.is_changed_by_preparation(&machine.conditions)? {
             let prepared = program.prepared(&machine.conditions)?;
@@ -150,9 +164,11 @@ impl<'m> Picture<'m> {
     /// One cycle of the twin.
     pub fn twin(&mut self, cycle: &TwinCycle<'_>) {
         let time_ns = cycle.setpoint.time_ns;
-        let tappets = cycle.setpoint.tappets;
+        let (tappets, switches) = (cycle.setpoint.tappets, cycle.setpoint.switches);
         // Nothing that is switched is left out.
-        let is_new = std::mem::replace(&mut self.tappets[0], tappets) != tappets;
+        let is_new = std::mem::replace(&mut self.tappets[0], tappets) != tappets
+            || self.switches[0] != switches;
+        self.switches[0] = switches;
         if self.scene.is_none() || (time_ns < self.next_ns && !is_new) {
             return;
         }
@@ -167,6 +183,7 @@ impl<'m> Picture<'m> {
             twin: *cycle.twin,
             motors: cycle.motors.iter().map(motor_frame).collect(),
             tappets,
+            switches,
         });
         self.show_before(if self.has_drives { time_ns - PATIENCE_NS } else { i64::MAX });
     }
@@ -199,6 +216,7 @@ impl<'m> Picture<'m> {
             // Known of cycles only; those between the samples are shown.
             motors: Vec::new(),
             tappets: self.tappets[1],
+            switches: self.switches[1],
         };
         self.show(&instant, Some(sample.drives));
     }
@@ -226,7 +244,13 @@ impl<'m> Picture<'m> {
     fn show(&mut self, instant: &Instant, drives: Option<&Measured>) {
         let Some(scene) = &mut self.scene else { return };
         let before = std::mem::replace(&mut self.tappets[1], instant.tappets);
-        for (signal, on) in instant.tappets.changed(before) {
+        let path_before = std::mem::replace(&mut self.switches[1], instant.switches);
+        let numbers = &self.path_switches;
+        let by_path = changed(path_before, instant.switches).filter_map(|(number, on)| {
+            let place = numbers.iter().position(|one| *one == number)?;
+            Some((self.tappet_signals + place, on))
+        });
+        for (signal, on) in instant.tappets.changed(before).chain(by_path) {
             let at = (instant.time_ns, instant.line);
             if let Err(error) = scene.switched(at, &instant.wanted.tool, signal, on) {
                 self.failure.get_or_insert(error);
@@ -293,6 +317,16 @@ pub(crate) fn obstacles(machine: &Machine) -> Vec<Obstacle<'_>> {
     let collision = machine.collision.iter();
     let obstacles = collision.flat_map(|collision| &collision.surroundings.obstacles);
     obstacles.map(|one| Obstacle { name: &one.name, solids: &one.solids }).collect()
+}
+
+/// Numbers of the switches that a path has switch points for.
+fn path_switches(path: Elements) -> Vec<u8> {
+    let mut numbers = BTreeSet::new();
+    for item in path {
+        let ElementItem::Element(element) = item else { continue };
+        numbers.extend(element.switches().iter().map(|switch| switch.number));
+    }
+    numbers.into_iter().collect()
 }
 
 /// Shows a path, each move as what `kind` makes of it.

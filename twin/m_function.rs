@@ -1,10 +1,13 @@
 //! M functions: the outputs they switch, and their acknowledgement (`SMC_Interpolator.bAcknM`, manual 6.2.9).
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 use twin_machine::Machine;
+use twin_path::MParameters;
 use twin_path::Place;
+use twin_planner::controller::ToolSetpoint;
 use twin_planner::time_optimal::MTimes;
 
 /// Acknowledgement of M functions that the machine file does not define.
@@ -110,7 +113,7 @@ impl Acknowledgement {
 }
 
 /// An M function at which the path waits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MCall {
     /// Number of M functions before it, in execution order.
     pub index: u64,
@@ -120,6 +123,59 @@ pub struct MCall {
     pub place: Place,
     /// Since when, ns since the start of the program.
     pub since_ns: i64,
+    /// Its words K, L and O (`SMC_GetMParameters`, manual 6.2.10).
+    pub parameters: MParameters,
+}
+
+impl fmt::Display for MCall {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "M{}", self.number)?;
+        let MParameters { k, l, o } = &self.parameters;
+        for (letter, value) in [('K', k), ('L', l)] {
+            if let Some(value) = value {
+                write!(f, " {letter}{value}")?;
+            }
+        }
+        if let Some(values) = o {
+            let values: Vec<_> = values.iter().map(f64::to_string).collect();
+            write!(f, " with dP1 to dP8 = {}", values.join(", "))?;
+        }
+        Ok(())
+    }
+}
+
+/// More M functions than these are counted, not kept.
+const MOST_CALLS: usize = 10_000;
+
+/// The M functions along a program.
+#[derive(Clone, Debug, Default)]
+pub struct MCalls {
+    first: Vec<MCall>,
+    count: u64,
+}
+
+impl MCalls {
+    /// The first 10,000, in the order in which the path waits at them.
+    pub fn first(&self) -> &[MCall] {
+        &self.first
+    }
+
+    /// Number of calls that were not kept.
+    pub fn left_out(&self) -> u64 {
+        let kept = u64::try_from(self.first.len()).unwrap_or(u64::MAX);
+        self.count.saturating_sub(kept)
+    }
+
+    /// Observes the M function at which the path waits.
+    pub(crate) fn observe(&mut self, call: &MCall) {
+        if call.index < self.count {
+            return;
+        }
+        self.count = call.index + 1;
+        if self.first.len() < MOST_CALLS {
+            self.first.push(*call);
+        }
+    }
 }
 
 /// Waits for M functions to be acknowledged.
@@ -160,19 +216,20 @@ impl Waiting {
     }
 
     /// Observes the next set-point, after due acknowledgements.
-    pub(crate) fn observe(
-        &mut self,
-        was_over: bool,
-        number: Option<u16>,
-        place: Place,
-        now_ns: i64,
-    ) {
-        if was_over || number.is_none() {
+    pub(crate) fn observe(&mut self, was_over: bool, tool: &ToolSetpoint) {
+        let ToolSetpoint { m_function, m_parameters, place, time_ns, .. } = *tool;
+        if was_over || m_function.is_none() {
             self.call = None;
         }
-        let Some(number) = number else { return };
+        let Some(number) = m_function else { return };
         if self.call.is_none() {
-            self.call = Some(MCall { index: self.count, number, place, since_ns: now_ns });
+            self.call = Some(MCall {
+                index: self.count,
+                number,
+                place,
+                since_ns: time_ns,
+                parameters: m_parameters,
+            });
             self.told = false;
             self.count += 1;
         }
@@ -200,6 +257,24 @@ mod tests {
         }
     }
 
+    /// K and L are there while the function waits (manual 3.2.2, 6.2.10), and the parameter set of O.
+    #[test]
+    fn parameters_are_named() {
+        let mut waiting = Waiting::new(Acknowledgement::default());
+        let o = Some([1.0, 2.5, 0.0, 0.0, 0.0, 0.0, 0.0, -8.0]);
+        for (k, l, o, said) in [
+            (None, None, None, "M13"),
+            (Some(2.5), Some(-7.0), None, "M13 K2.5 L-7"),
+            (None, Some(3.0), o, "M13 L3 with dP1 to dP8 = 1, 2.5, 0, 0, 0, 0, 0, -8"),
+        ] {
+            let m_parameters = MParameters { k, l, o };
+            let tool =
+                ToolSetpoint { m_function: Some(13), m_parameters, ..ToolSetpoint::default() };
+            waiting.observe(true, &tool);
+            assert_eq!(waiting.call().unwrap().to_string(), said);
+        }
+    }
+
     #[test]
     fn waiting_goes_by_number() {
         let rules = Acknowledgement {
@@ -207,23 +282,26 @@ mod tests {
             of: [(3, Wait::Time(2)), (6, Wait::Told)].into(),
         };
         let mut waiting = Waiting::new(rules);
-        let place = Place::default();
+        let see = |waiting: &mut Waiting, was_over, m_function, time_ns| {
+            let tool = ToolSetpoint { m_function, time_ns, ..ToolSetpoint::default() };
+            waiting.observe(was_over, &tool);
+        };
         assert!(!waiting.is_over(0));
-        waiting.observe(false, Some(5), place, 10);
+        see(&mut waiting, false, Some(5), 10);
         assert!(waiting.is_over(10), "otherwise at once");
         // The next one follows without a set-point in between.
-        waiting.observe(true, Some(3), place, 11);
+        see(&mut waiting, true, Some(3), 11);
         assert_eq!(waiting.call().map(|call| (call.index, call.number)), Some((1, 3)));
         assert!(!waiting.is_over(12) && waiting.is_over(13));
-        waiting.observe(true, Some(6), place, 14);
+        see(&mut waiting, true, Some(6), 14);
         assert!(waiting.for_word() && !waiting.is_over(i64::MAX));
-        waiting.observe(false, Some(6), place, 15);
+        see(&mut waiting, false, Some(6), 15);
         assert_eq!(waiting.call().map(|call| call.since_ns), Some(14));
         waiting.tell();
         assert!(!waiting.for_word() && waiting.is_over(15));
-        waiting.observe(true, Some(6), place, 16);
+        see(&mut waiting, true, Some(6), 16);
         assert!(waiting.for_word(), "the same again waits again");
-        waiting.observe(false, None, place, 17);
+        see(&mut waiting, false, None, 17);
         assert_eq!(waiting.call(), None);
     }
 }

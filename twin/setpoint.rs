@@ -1,7 +1,10 @@
 //! Axis set-points, one per cycle: the stream that physics and drives both receive, and the transform that produces it.
 
+use crate::bridge::{Bridge, BridgeSetpoint};
 use crate::m_function::MCall;
-use twin_kinematics::{AxisMotion, AxisSource, AxisVector, Kinematics, Pose, ToolMotion};
+use twin_kinematics::{
+    AxisMotion, AxisSource, AxisVector, Kinematics, KinematicsError, Pose, ToolMotion,
+};
 use twin_machine::Machine;
 use twin_machine::axis_couplings::{AxesError, AxisCouplings};
 use twin_machine::tappets::{MasterPlace, Signal, TappetBits};
@@ -33,6 +36,8 @@ pub struct AxisSetpoint {
     pub probing: bool,
     /// Tappet signals that are on, in the order of the program's signals.
     pub tappets: TappetBits,
+    /// Switches of the path that are on (`dwSwitches`): bit n − 1 is switch n.
+    pub switches: u32,
 }
 
 /// How long drives that follow late may need behind the last set-point, ns.
@@ -61,6 +66,10 @@ pub struct Transformer<'m> {
     near: AxisVector,
     has_additional: bool,
     couplings: AxisCouplings<'m>,
+    /// The block of the last set-point, if it jumps.
+    jumping: Option<Place>,
+    /// Switches of the path at the last set-point.
+    switches: u32,
 }
 
 impl<'m> Transformer<'m> {
@@ -69,7 +78,14 @@ impl<'m> Transformer<'m> {
         let mut sources = machine.kinematics.sources().iter();
         let has_additional = sources.any(|source| matches!(source, AxisSource::Additional(_)));
         let couplings = AxisCouplings::for_program(machine);
-        Self { machine, near: machine.middle(), has_additional, couplings }
+        Self {
+            machine,
+            near: machine.middle(),
+            has_additional,
+            couplings,
+            jumping: None,
+            switches: 0,
+        }
     }
 
     /// Signals of the tappets: the bits of the set-points in their order.
@@ -122,21 +138,10 @@ impl<'m> Transformer<'m> {
         tool: &ToolSetpoint,
         m_call: Option<MCall>,
     ) -> Result<AxisSetpoint, AxesError> {
-        let [direction, direction_velocity, direction_acceleration] =
-            self.machine.direction.at(tool);
-        let work = ToolMotion {
-            pose: Pose { position: tool.position, direction },
-            velocity: tool.velocity,
-            acceleration: tool.acceleration,
-            direction_velocity,
-            direction_acceleration,
-        };
-        let mut motion = self.machine.frame.motion_to_machine(&work);
-        let mut axes = self.machine.kinematics.inverse_motion(&motion, &self.near)?;
-        if self.has_additional {
-            self.add_additional(tool, &mut axes);
-        }
+        let (mut motion, mut axes) = self.without_slaves(tool)?;
         self.near = axes.position;
+        self.jumping = tool.jumping.then_some(tool.place);
+        self.switches = tool.switches;
         self.couplings.apply(&mut axes, tool.time_ns)?;
         if self.couplings.moves_tool() {
             motion = self.machine.kinematics.forward_motion(&axes)?;
@@ -151,6 +156,60 @@ impl<'m> Transformer<'m> {
             feed: (!tool.rapid).then_some(tool.feed),
             probing: tool.probing,
             tappets: self.couplings.tappets(),
+            switches: self.switches,
+        })
+    }
+
+    /// Tool in the machine frame, and the axes without the slaves of gears and cams.
+    fn without_slaves(
+        &self,
+        tool: &ToolSetpoint,
+    ) -> Result<(ToolMotion, AxisMotion), KinematicsError> {
+        let [direction, direction_velocity, direction_acceleration] =
+            self.machine.direction.at(tool);
+        let work = ToolMotion {
+            pose: Pose { position: tool.position, direction },
+            velocity: tool.velocity,
+            acceleration: tool.acceleration,
+            direction_velocity,
+            direction_acceleration,
+        };
+        let motion = self.machine.frame.motion_to_machine(&work);
+        let mut axes = self.machine.kinematics.inverse_motion(&motion, &self.near)?;
+        if self.has_additional {
+            self.add_additional(tool, &mut axes);
+        }
+        Ok((motion, axes))
+    }
+
+    /// The way of the axes from the last set-point to `tool`, if the path jumps there.
+    pub(crate) fn bridge(&mut self, tool: &ToolSetpoint) -> Option<Bridge> {
+        let place = self.jumping.take()?;
+        // A set-point out of reach is an error of its own.
+        let (_, axes) = self.without_slaves(tool).ok()?;
+        Bridge::new(self.machine, [&self.near, &axes.position], place)
+    }
+
+    /// The axes for one instant of a bridge.
+    ///
+    /// # Errors
+    /// As [`Self::axes`].
+    pub(crate) fn bridging(&mut self, instant: &BridgeSetpoint) -> Result<AxisSetpoint, AxesError> {
+        let BridgeSetpoint { time_ns, place, mut axes } = *instant;
+        self.near = axes.position;
+        self.couplings.apply(&mut axes, time_ns)?;
+        let tool = self.machine.kinematics.forward_motion(&axes)?;
+        Ok(AxisSetpoint {
+            time_ns,
+            place,
+            axes,
+            tool,
+            m_call: None,
+            path_velocity: tool.velocity.norm(),
+            feed: None,
+            probing: false,
+            tappets: self.couplings.tappets(),
+            switches: self.switches,
         })
     }
 }

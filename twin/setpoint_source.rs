@@ -1,5 +1,6 @@
 //! Items of a set-point source, which may be the controller, the axis-limited plan or a job.
 
+use crate::bridge::BridgeSetpoint;
 use crate::finding::Finding;
 use crate::program::ProgramItem;
 use crate::setpoint::AxisSetpoint;
@@ -16,6 +17,8 @@ pub const MOST_OVERRIDE: f64 = 2.0;
 pub(crate) enum PlanItem {
     /// Where the tool shall be at the next instant, which the transform makes axes of.
     Tool(ToolSetpoint),
+    /// Where the axes are between two set-points of the tool: a gap is bridged.
+    Bridging(BridgeSetpoint),
     /// Where the axes shall be then.
     Axes(Box<AxisSetpoint>),
     /// What is wrong with the program.

@@ -108,6 +108,11 @@ impl PathElement {
         self.details.as_ref().map_or(&[], |details| details.switches.as_slice())
     }
 
+    /// Parameters of an M function; none of them on any other element.
+    pub fn m_parameters(&self) -> MParameters {
+        self.details.as_ref().map(|details| details.parameters).unwrap_or_default()
+    }
+
     /// Start, m (`piStartPos`).
     pub fn start(&self) -> Point3<f64> {
         self.shape.start()

@@ -161,6 +161,30 @@ fn outputs_follow_tappets() {
     assert!(0.0 < switched.mean_ms() && switched.mean_ms() <= switched.latest_ms(), "{switched:?}");
 }
 
+/// As in the example of manual 3.2.1, switch 2 changes a quarter along a move, whether it goes on or off there; switch 3 has
+/// no output.
+#[test]
+fn outputs_follow_switch_points() {
+    let machine = machine(&format!("{GANTRY3}\n[[switch_outputs]]\nh = 2\noutput = 4\n"));
+    let puppet = Puppet::default();
+    let outputs = Arc::clone(&puppet.outputs);
+    let program = Program::new(
+        "% points\nN10 G92 X0 Y0 Z-40\nN20 G1 X100 F100 E1000 E-1000 H2 O0.25 H3 O0.5\nN30 G1 X0 H-2 O0.25\n",
+    );
+    let outcome = program.check(&machine);
+    let found: Vec<_> = outcome.switch_points.first().iter().collect();
+    let all: Vec<_> = found.iter().map(|one| (one.number, one.on, one.place.line)).collect();
+    assert_eq!(all, [(2, true, 3), (3, true, 3), (2, false, 4)]);
+    // 0.1 s for the first 5 mm, and 100 mm/s from there: 25 mm after 0.3 s, 50 mm after 0.55 s; each move takes 1.1 s.
+    for (point, seconds) in found.iter().zip([0.3, 0.55, 1.4]) {
+        let late_ns = point.time_ns - (seconds * 1e9) as i64;
+        assert!((0..=1_000_000).contains(&late_ns), "{point:?}");
+    }
+    let ending = run_puppet(&machine, puppet, &program, &mut Recorder::new(), &|| 0);
+    assert!(ending.stopped.is_none(), "{:?}", ending.stopped);
+    assert_eq!(*outputs.lock().unwrap(), [(4, true), (4, false)]);
+}
+
 #[test]
 fn outputs_of_other_tappets_stay_as_they_are() {
     let machine = machine(&shear("axis = \"Y\"\ngroup = 2\noutput = 4\n"));

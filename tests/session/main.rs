@@ -17,6 +17,7 @@
 
 mod emergency;
 mod emulated;
+mod gaps;
 mod m_functions;
 mod overrides;
 mod puppet;

@@ -5,15 +5,19 @@ use super::findings::{About, Findings};
 use super::instant::Instant;
 use super::messages;
 use super::{Clearances, Outcome};
+use crate::bridge::{Bridge, BridgeSetpoint};
 use crate::finding;
 use crate::finding::Finding;
 use crate::job::JobSetpoints;
+use crate::m_function::MCalls;
 use crate::messages::no_axes;
 use crate::peak::{AxisPeak, Peak};
 use crate::setpoint::{AxisSetpoint, Transformer};
 use crate::tolerance::{exceeds, is_hidden};
 use std::collections::BTreeSet;
 use twin_kinematics::{AxisSource, AxisVector, Kinematics};
+use twin_machine::axis_couplings::AxesError;
+use twin_machine::switch_points::SwitchPoints;
 use twin_machine::tappets::Switched;
 use twin_machine::{DirectionRule, Machine};
 use twin_number::seconds;
@@ -90,18 +94,40 @@ impl<'m> Checker<'m> {
                 self.findings.add(None, messages::no_additional_axis(tool.place, letter));
             }
         }
-        match self.transformer.axes(tool, None) {
-            Ok(setpoint) => {
-                if self.start.is_none() {
-                    for (names, groups) in self.transformer.stood_on_tappets() {
-                        let told = crate::messages::starts_on_tappets(tool.place, names, &groups);
-                        self.findings.add(None, told);
-                    }
-                }
-                Some(*self.axes(&setpoint))
+        let setpoint = self.transformer.axes(tool, None);
+        if setpoint.is_ok() && self.start.is_none() {
+            for (names, groups) in self.transformer.stood_on_tappets() {
+                let told = crate::messages::starts_on_tappets(tool.place, names, &groups);
+                self.findings.add(None, told);
             }
+        }
+        self.taken(tool.place, setpoint)
+    }
+
+    /// The way of the axes to a set-point to which the path jumps, which is noted.
+    pub(super) fn bridge(&mut self, tool: &ToolSetpoint) -> Option<Bridge> {
+        let bridge = self.transformer.bridge(tool)?;
+        self.findings.add(None, messages::bridged(self.machine, &bridge));
+        Some(bridge)
+    }
+
+    /// Checks an instant of the way across a gap; none if the machine cannot take it.
+    pub(super) fn bridging(&mut self, instant: &BridgeSetpoint) -> Option<AxisSetpoint> {
+        self.duration_ns = instant.time_ns;
+        let setpoint = self.transformer.bridging(instant);
+        self.taken(instant.place, setpoint)
+    }
+
+    /// Checks a set-point, unless the machine cannot take it.
+    fn taken(
+        &mut self,
+        place: Place,
+        setpoint: Result<AxisSetpoint, AxesError>,
+    ) -> Option<AxisSetpoint> {
+        match setpoint {
+            Ok(setpoint) => Some(*self.axes(&setpoint)),
             Err(error) => {
-                self.findings.add(None, no_axes(tool.place, &error));
+                self.findings.add(None, no_axes(place, &error));
                 self.last = None;
                 self.untaken += 1;
                 None
@@ -237,7 +263,9 @@ impl<'m> Checker<'m> {
             clearances: Clearances::default(),
             following: None,
             tappets: Switched::default(),
+            switch_points: SwitchPoints::default(),
             m_calls: BTreeSet::new(),
+            m_functions: MCalls::default(),
         }
     }
 }

@@ -89,6 +89,7 @@ fn a_late_device_is_speed_times_delay_behind() {
             feed: None,
             probing: false,
             tappets: TappetBits::default(),
+            switches: 0,
         });
     }
     let (predicted, findings) = follower.finish();

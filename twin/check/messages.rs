@@ -1,5 +1,6 @@
 //! Messages of the check: the fault, with value and limit.
 
+use crate::bridge::Bridge;
 use crate::finding::{Finding, Rule, Severity};
 use crate::messages::beyond_position;
 use crate::plant::{Blow, Happening, ProbeMiss, ProbeTouch};
@@ -15,6 +16,9 @@ use twin_physics::{Clearance, EventKind, Fault, Part};
 /// An axis that is farther than this from where it is sent, m or rad, beyond its software limits, is not only following behind.
 const RUN_AWAY: f64 = 2e-3;
 
+/// An axis that goes less than this across a gap is not named, m or rad.
+const STAYS: f64 = 5e-7;
+
 /// Tappets that had no room in their cycle.
 pub(super) fn lost_tappets(count: u64) -> Finding {
     let message = format!(
@@ -23,6 +27,21 @@ pub(super) fn lost_tappets(count: u64) -> Finding {
     let mut finding = Finding::error(Rule::FunctionBlock, Place { line: 1, block: None }, message);
     finding.severity = Severity::Warning;
     finding
+}
+
+/// A gap of the path that the axes cross on their own.
+pub(super) fn bridged(machine: &Machine, bridge: &Bridge) -> Finding {
+    let ways = machine.axes.iter().zip(bridge.ways()).filter(|(_, way)| way.abs() > STAYS);
+    let ways: Vec<_> = ways
+        .map(|(axis, way)| format!("{} by {:+.3} {}", axis.name, axis.from_si(way), axis.unit()))
+        .collect();
+    let message = format!(
+        "the set-point jumps here: each axis goes there on its own, {}, in {:.3} s, as SMC_ControlAxisByPos does",
+        ways.join(", "),
+        bridge.duration()
+    );
+    let finding = Finding::error(Rule::Gap, bridge.place, message);
+    Finding { severity: Severity::Note, ..finding }
 }
 
 /// A program that moves an additional axis on a machine without it.

@@ -12,6 +12,10 @@ mod findings;
 mod following;
 #[cfg(test)]
 mod following_tests;
+#[cfg(test)]
+mod gap_tests;
+#[cfg(test)]
+mod input_tests;
 mod instant;
 mod messages;
 mod options;
@@ -24,6 +28,7 @@ use crate::finding;
 use crate::finding::Finding;
 use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
+use crate::m_function::MCalls;
 use crate::peak::AxisPeak;
 use crate::planning::Planning;
 use crate::plant::PlantRecord;
@@ -42,6 +47,7 @@ pub use run_findings::{faults_to_come, following_errors, happening, happenings};
 use std::collections::BTreeSet;
 use twin_kinematics::AxisVector;
 use twin_machine::Machine;
+use twin_machine::switch_points::SwitchPoints;
 use twin_machine::tappets::{Signal, Switched};
 use twin_physics::MotorLoad;
 
@@ -78,8 +84,12 @@ pub struct Outcome {
     pub following: Option<PredictedFollowing>,
     /// Tappet switchings of the cams.
     pub tappets: Switched,
+    /// Switchings of the path's switches.
+    pub switch_points: SwitchPoints,
     /// Numbers of the M functions that are executed.
     pub m_calls: BTreeSet<u16>,
+    /// Their calls, with their words.
+    pub m_functions: MCalls,
 }
 
 /// Progress of a check.
@@ -148,12 +158,19 @@ fn checked(
     let mut items = Planning::new(machine, program, limits, rules)?;
     checker.begin(items.job());
     let (mut countdown, mut switched, mut m_calls) = (0u32, Switched::default(), BTreeSet::new());
+    let (mut m_functions, mut switch_points) = (MCalls::default(), SwitchPoints::default());
     while let Some(item) = items.next() {
         let setpoint = match item {
             PlanItem::Tool(tool) => {
+                if let Some(bridge) = checker.bridge(&tool) {
+                    items.bridge(bridge, &tool);
+                    continue;
+                }
                 m_calls.extend(tool.m_function);
+                items.m_call().iter().for_each(|call| m_functions.observe(call));
                 checker.tool(&tool)
             }
+            PlanItem::Bridging(instant) => checker.bridging(&instant),
             PlanItem::Axes(setpoint) => Some(*checker.axes(&setpoint)),
             PlanItem::Diagnostic(finding) => {
                 checker.findings.add(None, finding);
@@ -164,6 +181,7 @@ fn checked(
         if let Some(setpoint) = &setpoint {
             let transformer = &checker.transformer;
             let at = (setpoint.time_ns, setpoint.place);
+            switch_points.observe(setpoint.switches, at);
             match items.job() {
                 Some(job) => {
                     switched.observe(setpoint.tappets, at, |signal| job.tappet_master(signal));
@@ -208,7 +226,8 @@ fn checked(
     }
     let predicted = following.and_then(FollowingBeside::finish);
     let mut outcome = checker.finish();
-    (outcome.tappets, outcome.m_calls) = (switched, m_calls);
+    (outcome.tappets, outcome.switch_points) = (switched, switch_points);
+    (outcome.m_calls, outcome.m_functions) = (m_calls, m_functions);
     if let Some((predicted, findings, left_out)) = predicted {
         outcome.following = Some(predicted);
         outcome.findings.extend(findings);

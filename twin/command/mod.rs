@@ -19,6 +19,7 @@ mod path;
 mod progress;
 mod run;
 mod show;
+mod switch_points;
 mod tappets;
 mod tune;
 mod underline;

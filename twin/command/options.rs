@@ -2,11 +2,14 @@
 
 use super::Failure;
 use crate::m_function::Acknowledge;
+use crate::program::inputs::{InputAt, InputChange, Workpiece};
 use crate::program::settings;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use crate::session::override_factor;
 use crate::setpoint_source::MOST_OVERRIDE;
+use std::fs::File;
+use std::io::{BufRead, BufReader};
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -14,6 +17,7 @@ use twin_gcode::din66025::{DEFAULT_JUMPS, Variables};
 use twin_gcode::rs274::{LengthUnit, ToolTable, ToolTableError};
 use twin_machine::text::Text;
 use twin_machine::{Machine, Scenario, tool_table_problem};
+use twin_planner::controller::XDirection;
 use twin_planner::controller::{DEFAULT_WINDOW, Inputs, Override, VelocityMode};
 
 /// The machine.
@@ -152,6 +156,84 @@ pub(super) struct ReadOptions {
     jerk: Option<f64>,
 }
 
+/// Inputs of the interpolator while the program runs.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(super) struct InputOptions {
+    /// Change an input of the interpolator at a time, s; may be given several times. INPUT=VALUE is one of
+    /// override=FACTOR, slow-stop, emergency-stop, wait-at-next-stop, single-step and abort, each =on or =off
+    #[arg(long = "at", value_name = "TIME:INPUT=VALUE")]
+    pub(super) changes: Vec<InputAt>,
+
+    /// Along X as a workpiece was measured (`SMC_XInterpolator`): a file with its position in every cycle, mm, one a line
+    #[arg(long, value_name = "FILE")]
+    pub(super) by_position: Option<PathBuf>,
+
+    /// Measured position at which the workpiece's zero lies at the path's (dXOffset)
+    #[arg(long, value_name = "MM", default_value = "0", requires = "by_position", allow_hyphen_values = true, value_parser = place)]
+    position_offset: f64,
+
+    /// The workpiece moves against X (eDirection)
+    #[arg(long, requires = "by_position")]
+    against_x: bool,
+}
+
+/// Farthest position of a workpiece, mm.
+const FARTHEST: f64 = 1e6;
+
+fn place(text: &str) -> Result<f64, String> {
+    let number: f64 = text.trim().parse().ok().ok_or_else(|| format!("`{text}` is no number"))?;
+    if number.abs() <= FARTHEST {
+        Ok(number)
+    } else {
+        Err(format!("{number} is not between {} and {FARTHEST}", -FARTHEST))
+    }
+}
+
+impl InputOptions {
+    /// The workpiece that the path follows, if there is one.
+    pub(super) fn workpiece(&self) -> Result<Option<Workpiece>, Failure> {
+        let Some(file) = &self.by_position else { return Ok(None) };
+        let failed = |source| unreadable(file, source);
+        let reader = BufReader::new(File::open(file).map_err(failed)?);
+        let mut positions = Vec::new();
+        for (number, line) in (1..).zip(reader.lines()) {
+            let line: String = line.map_err(failed)?;
+            let position = place(&line).map_err(|what| {
+                Failure::Usage(format!("{}: line {number}: {what}", file.display()))
+            })?;
+            positions.push(position * 1e-3);
+        }
+        let direction = if self.against_x { XDirection::Negative } else { XDirection::Positive };
+        let offset = self.position_offset * 1e-3;
+        Ok(Some(Workpiece { positions: positions.into(), offset, direction }))
+    }
+
+    /// Adds the inputs of a program that a machine shall follow to its `settings`.
+    fn complete(&self, settings: &mut ReadSettings) -> Result<(), Failure> {
+        let usage = |message: &str| Err(Failure::Usage(message.to_owned()));
+        let mut changes = self.changes.clone();
+        changes.sort_by_key(|change| change.time_ns);
+        let mut inputs = settings.inputs;
+        for InputAt { change, .. } in &changes {
+            if let InputChange::EmergencyStop(_) | InputChange::Abort(_) = change {
+                return usage(
+                    "--at emergency-stop and abort stop the set-point within a cycle, which no axis can follow; take slow-stop",
+                );
+            }
+            change.apply(&mut inputs).map_err(|error| Failure::Usage(error.to_string()))?;
+        }
+        if inputs.slow_stop || inputs.wait_at_next_stop {
+            return usage("the last of --at leaves the path waiting for ever; add one with =off");
+        }
+        settings.workpiece = self.workpiece()?;
+        if settings.workpiece.is_some() && !changes.is_empty() {
+            return usage("--at is not for --by-position: the workpiece says how fast the path is");
+        }
+        settings.changes = changes;
+        Ok(())
+    }
+}
+
 /// How the velocity goes from one value to another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Profile {
@@ -195,9 +277,26 @@ impl ReadOptions {
 
     /// The program at `path`; `unit` is that of a tool table.
     pub(super) fn program(&self, path: &Path, unit: LengthUnit) -> Result<ProgramFile, Failure> {
-        let settings = self.settings(unit)?;
+        self.program_with(path, unit, &InputOptions::default())
+    }
+
+    /// As [`Self::program`], with inputs that change while it runs.
+    pub(super) fn program_with(
+        &self,
+        path: &Path,
+        unit: LengthUnit,
+        inputs: &InputOptions,
+    ) -> Result<ProgramFile, Failure> {
+        let mut settings = self.settings(unit)?;
+        inputs.complete(&mut settings)?;
         let dialect = self.dialect_of(path)?;
         self.check_for(dialect)?;
+        if dialect == Some(Dialect::Job)
+            && (!settings.changes.is_empty() || settings.workpiece.is_some())
+        {
+            let message = "--at and --by-position are for paths: a job has no interpolator";
+            return Err(Failure::Usage(message.to_owned()));
+        }
         Ok(ProgramFile::new(path, dialect, settings)?)
     }
 
@@ -296,6 +395,8 @@ pub(super) fn plans_without_inputs(program: &ProgramFile) -> Result<(), Failure>
         "within the limits of the axes --override is 2 at most"
     } else if program.settings().look_ahead != DEFAULT_WINDOW {
         "--look-ahead is for the controller's own planning (--limits softmotion), not for that within the limits of the axes"
+    } else if !program.settings().changes.is_empty() || program.settings().workpiece.is_some() {
+        "--at and --by-position are for the controller's own planning (--limits softmotion), not for that within the limits of the axes"
     } else {
         return Ok(());
     };

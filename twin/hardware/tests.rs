@@ -239,6 +239,7 @@ fn setpoint(cycle: i64, x: f64, velocity: f64) -> AxisSetpoint {
         feed: None,
         probing: false,
         tappets: TappetBits::default(),
+        switches: 0,
     }
 }
 

@@ -95,6 +95,7 @@ fn setpoints(machine: &Machine, speed: f64, rate: f64) -> VecDeque<AxisSetpoint>
             feed: None,
             probing: false,
             tappets: TappetBits::default(),
+            switches: 0,
         });
         time_ns += machine.cycle_ns;
     }

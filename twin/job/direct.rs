@@ -35,6 +35,8 @@ struct Direct {
     from: Option<[f64; 2]>,
     /// Since then, s; it stands while a jump is bridged.
     time: f64,
+    /// Since then on the job's clock, s.
+    elapsed: f64,
     /// How fast that time goes by: 0 while it stands, and then up to 1, so that the set-points come to speed within the
     /// acceleration of the axis, as those of an interpolator do that has waited.
     rate: f64,
@@ -59,6 +61,7 @@ impl Direct {
             (false, false) => 1.0,
             (false, true) => (before + cycle * self.growth(from, axis)).min(1.0),
         };
+        self.elapsed += cycle;
         if !self.waits() {
             self.time += f64::midpoint(before, self.rate) * cycle;
         }
@@ -141,9 +144,10 @@ impl Called for Direct {
         Outputs { done: shown.busy && ended && !self.waits(), ..shown }
     }
 
-    /// To the last of the points, without what jumps on the way take.
+    /// To the last of the points, with the time that jumps have taken so far.
     fn lasts(&self) -> Option<f64> {
-        Some(self.points.iter().map(|point| point.after).sum())
+        let points: f64 = self.points.iter().map(|point| point.after).sum();
+        Some(points + (self.elapsed - self.time))
     }
 }
 
@@ -162,5 +166,5 @@ pub(super) fn direct(points: Vec<Point>, gaps: Option<Gaps>) -> Option<Box<dyn C
             }))
         }
     };
-    Some(Box::new(Direct { kind, points, from: None, time: 0.0, rate: 1.0 }))
+    Some(Box::new(Direct { kind, points, from: None, time: 0.0, elapsed: 0.0, rate: 1.0 }))
 }

@@ -70,6 +70,11 @@ fn jumps_of_watched_setpoints_are_bridged() {
     near(at(&setpoints, 0.3)[1], 100.0, 1e-9);
     near(at(&setpoints, 0.6)[0], 150.0, 1e-6);
     near(time(setpoints.last().unwrap()), 0.8, 5e-3);
+    // A hold of 1 s begins when the jump is bridged (manual 2.2.5: the interpolator waits until then).
+    let hold = points.replace("delta_s = 0.2", "delta_s = 1");
+    let setpoints = moves(&(START.to_owned() + &block("SMC_ControlAxisByPos", &hold)));
+    near(time(setpoints.last().unwrap()), 1.6, 5e-3);
+    near(x(setpoints.last().unwrap())[0], 150.0, 1e-9);
     // Unwatched it is a jump, which the check tells.
     let unwatched = points.lines().next().unwrap();
     let setpoints = moves(&(START.to_owned() + &block("SMC_FollowPosition", unwatched)));

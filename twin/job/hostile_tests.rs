@@ -68,7 +68,7 @@ fn survives(text: &str) {
                 assert!((1..=lines).contains(&finding.line), "{finding:?} in\n{text}");
                 assert!(!finding.message.is_empty());
             }
-            PlanItem::Tool(_) | PlanItem::Io(_) => panic!("a job has neither"),
+            PlanItem::Tool(_) | PlanItem::Bridging(_) | PlanItem::Io(_) => panic!("a job has none"),
         }
     }
 }

@@ -26,6 +26,9 @@
 //! acceleration_deg_per_s2 = 360
 //! ```
 
+mod along;
+#[cfg(test)]
+mod along_tests;
 mod block;
 #[cfg(test)]
 mod block_tests;

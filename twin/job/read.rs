@@ -1,5 +1,6 @@
 //! Job file reader.
 
+use super::along::{Motion, along};
 use super::block::{following, on_cam};
 use super::kind::BLOCKS;
 use super::probe::{JobTrigger, When};
@@ -16,6 +17,9 @@ use twin_profile::RampType;
 
 /// Longest time in a job, s: a day.
 pub(super) const LONGEST: f64 = 86_400.0;
+
+/// The block that moves axes along a program.
+const INTERPOLATOR: &str = "SMC_Interpolator";
 
 /// Farthest position, mm or degrees, and fastest of its derivatives.
 pub(super) const FAR: f64 = 1e9;
@@ -92,8 +96,11 @@ impl Reader<'_> {
             root.complain("the file lacks [[blocks]]: nothing would move".to_owned());
         }
         let mut cams = CamsBefore::default();
-        let calls = (0..).zip(&sections).map(|(index, section)| {
-            let call = self.call(section, &cams);
+        let calls = (0..).zip(&sections).flat_map(|(index, section)| {
+            if section.glance_at_text("block") == Some(INTERPOLATOR) {
+                return self.along_program(section, machine, index, &mut cams);
+            }
+            let call = vec![self.call(section, &cams)];
             if let Some((name, axis)) = self.named(section) {
                 cams.pass(index, name, axis);
             }
@@ -243,6 +250,42 @@ impl Reader<'_> {
         let (name, _) = BLOCKS.into_iter().find(|(name, _)| Some(*name) == block)?;
         let axis = self.axes.iter().position(|one| Some(one.name.as_str()) == axis)?;
         Some((name, axis))
+    }
+
+    /// The calls that move axes along a program, and a virtual axis with its path length.
+    fn along_program(
+        &self,
+        section: &Section<'_>,
+        machine: &Machine,
+        index: usize,
+        cams: &mut CamsBefore,
+    ) -> Vec<Option<Call>> {
+        section.accept("block");
+        let (axis, program) = (self.axis(section, "axis"), section.required_text("program"));
+        let begins = begins(section);
+        let line = self.lines.at(section.span_of("block").start);
+        let (Some((way, known)), Some(program)) = (axis, program) else { return vec![None] };
+        if way < machine.axes.len() || known.kind != AxisKind::Linear {
+            let message = "the axis of the path length is a linear one of [[virtual_axes]]";
+            section.complain_at("axis", message.to_owned());
+            return vec![None];
+        }
+        let path = self.path.parent().unwrap_or_else(|| Path::new("")).join(program);
+        let motion = match Motion::of(machine, &path) {
+            Ok(motion) => motion,
+            Err(message) => {
+                section.complain_at("program", message);
+                return vec![None];
+            }
+        };
+        let call = |(begins, axis, track)| {
+            let block = along(track, machine);
+            Some(Call { name: INTERPOLATOR, line, axis, master: None, block, begins })
+        };
+        let axes = motion.axes.iter().map(|(axis, track)| (Begins::WithPrevious, *axis, track));
+        let all: Vec<_> = std::iter::once((begins, way, &motion.way)).chain(axes).collect();
+        all.iter().for_each(|(_, axis, _)| cams.pass(index, INTERPOLATOR, *axis));
+        all.into_iter().map(call).collect()
     }
 
     /// A block behind those that have passed the `cams` of the axes.

@@ -280,6 +280,7 @@ impl<'m> JobSetpoints<'m> {
             axes,
             tool,
             m_call: None,
+            switches: 0,
             path_velocity: if tool_speed > 0.0 { tool_speed } else { fastest },
             feed: None,
             probing: false,

@@ -38,7 +38,7 @@ pub(super) fn run(job: &Job, machine: &Machine) -> (Vec<AxisSetpoint>, Vec<Findi
         match item {
             PlanItem::Axes(setpoint) => found.0.push(*setpoint),
             PlanItem::Diagnostic(finding) => found.1.push(finding),
-            PlanItem::Tool(_) | PlanItem::Io(_) => panic!("a job has neither"),
+            PlanItem::Tool(_) | PlanItem::Bridging(_) | PlanItem::Io(_) => panic!("a job has none"),
         }
     }
     found

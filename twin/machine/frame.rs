@@ -1,8 +1,9 @@
 //! `[work_frame]`: pose of the program's frame in the machine frame.
 
+use super::Machine;
 use crate::section::Section;
 use nalgebra::{Point3, Vector3};
-use twin_kinematics::{Cuboid, WorkFrame};
+use twin_kinematics::{Cuboid, UnitVectors, WorkFrame};
 
 /// Reads the section: given outright, or as six points probed on a corner of the work.
 pub(super) fn read(root: &Section<'_>) -> Option<WorkFrame> {
@@ -25,6 +26,18 @@ pub(super) fn read(root: &Section<'_>) -> Option<WorkFrame> {
     };
     section.finish();
     frame
+}
+
+impl Machine {
+    /// Origin of the work frame, m, and its roll, pitch and yaw about the fixed axes, rad (`SMC_UnitVectorToRPY`): for a
+    /// probed frame the corner and the pose that follow from the six points.
+    pub fn work_frame(&self) -> [[f64; 3]; 2] {
+        let origin = self.frame.point_to_machine(&Point3::origin());
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+        let [x, y, z] = axes.map(|axis| self.frame.vector_to_machine(&axis));
+        let turned = UnitVectors::new(x, y, z).map(|vectors| vectors.roll_pitch_yaw());
+        [origin.coords.into(), turned.unwrap_or_default()]
+    }
 }
 
 /// `SMC_DetermineCuboidBearing`.

@@ -27,6 +27,7 @@ pub mod section;
 mod simulated;
 mod simulation_error;
 mod surroundings;
+pub mod switch_points;
 mod tappet_outputs;
 pub mod tappets;
 #[cfg(test)]
@@ -54,6 +55,7 @@ pub use simulation_error::SimulationError;
 pub use surroundings::Collision;
 
 use crate::section::{MachineFileError, Problem, Section, read_text};
+use crate::switch_points::SwitchOutput;
 use crate::tappets::TappetOutput;
 use axis::AxisEntry;
 use nalgebra::{Point3, Vector3};
@@ -105,6 +107,8 @@ pub struct Machine {
     pub m_functions: Vec<MFunction>,
     /// Outputs that follow the tappets of cams.
     pub tappet_outputs: Vec<TappetOutput>,
+    /// Outputs that follow the switches of the path.
+    pub switch_outputs: Vec<SwitchOutput>,
     /// Acceleration of free fall in the machine frame, m/s².
     pub gravity: Vector3<f64>,
     /// Initial conditions of programs.
@@ -266,6 +270,7 @@ fn read(path: &Path, root: &Section<'_>, families: &[&'static dyn Family]) -> Op
     };
     let with_axes: Vec<_> = seen.iter().map(|one| (one, hanging(one))).collect();
     let tappet_outputs = tappet_outputs::read(root, &with_axes);
+    let switch_outputs = tappet_outputs::read_switches(root, &with_axes, &tappet_outputs);
 
     let entries: Vec<_> = axis_sections.iter().map(|section| axis::read(section, &seen)).collect();
     let unique = check_axes(root, &axis_sections, &entries);
@@ -314,6 +319,7 @@ fn read(path: &Path, root: &Section<'_>, families: &[&'static dyn Family]) -> Op
         path_limits,
         m_functions,
         tappet_outputs,
+        switch_outputs,
         collision,
         couplings: couplings?,
         cycle_ns: CYCLE_NS,

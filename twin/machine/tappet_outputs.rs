@@ -1,7 +1,8 @@
-//! `[[tappet_outputs]]`: outputs of drives that follow the tappets of cams.
+//! `[[tappet_outputs]]` and `[[switch_outputs]]`: outputs of drives that follow the tappets of cams and the switches of a path.
 
 use super::drives::Seen;
 use crate::section::Section;
+use crate::switch_points::{SWITCHES, SwitchOutput};
 use crate::tappets::TappetOutput;
 use twin_drives::family::Family;
 use twin_interpcnc::InterpCncFamily;
@@ -28,6 +29,37 @@ pub(super) fn read(root: &Section<'_>, drives: &[(&Seen, usize)]) -> Vec<TappetO
                 section.complain_at("output", message);
             } else {
                 outputs.push(one);
+            }
+        }
+        section.finish();
+    }
+    outputs
+}
+
+/// Reads the outputs that follow switches of the path, none of which follows `tappets` already.
+pub(super) fn read_switches(
+    root: &Section<'_>,
+    drives: &[(&Seen, usize)],
+    tappets: &[TappetOutput],
+) -> Vec<SwitchOutput> {
+    let mut outputs: Vec<SwitchOutput> = Vec::new();
+    for section in root.sections("switch_outputs") {
+        let number = section.required_integer("h", 1..=SWITCHES.into());
+        let device = device(&section, drives);
+        let (_, most) = device.unwrap_or((0, i64::from(BOARD_OUTPUTS)));
+        let output = section.required_integer("output", 1..=most);
+        let [number, output] =
+            [number, output].map(|value| value.and_then(|value| u8::try_from(value).ok()));
+        if let (Some(number), Some((device, _)), Some(output)) = (number, device, output) {
+            let by_tappets = tappets.iter().map(|other| (other.device, other.output));
+            let by_switches = outputs.iter().map(|other| (other.device, other.output));
+            let mut taken = by_tappets.chain(by_switches);
+            if taken.any(|other| other == (device, output)) {
+                let message =
+                    format!("output {output} of this drive follows something else already");
+                section.complain_at("output", message);
+            } else {
+                outputs.push(SwitchOutput { number, device, output });
             }
         }
         section.finish();

@@ -134,7 +134,7 @@ impl<'m> WithinAxes<'m> {
             ProgramItem::Setpoint(mut tool) => {
                 tool.time_ns += self.later_ns;
                 // Two of the same number in a row are two calls all the same.
-                self.waiting.observe(enters, tool.m_function, tool.place, tool.time_ns);
+                self.waiting.observe(enters, &tool);
                 self.tool = Some(tool);
                 ProgramItem::Setpoint(tool)
             }

@@ -5,9 +5,11 @@
 mod axis_limited;
 mod background_planner;
 
+use crate::bridge::{Bridge, BridgeSetpoint};
 use crate::job::JobSetpoints;
 use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledgement, MCall};
+use crate::program::inputs::Steps;
 use crate::program::{Dialect, Findings, ProgramFile, Setpoints};
 use crate::setpoint::Transformer;
 use crate::setpoint_source::MOST_OVERRIDE;
@@ -18,10 +20,19 @@ use std::task::Poll;
 use std::thread::Scope;
 use twin_machine::Machine;
 use twin_machine::tappets::Signal;
+use twin_planner::controller::ToolSetpoint;
 
 /// The set-points of a program, as the controller itself plans them or within the limits of the axes.
 #[derive(Debug)]
-pub(crate) struct Planning<'m>(Plan<'m>);
+pub(crate) struct Planning<'m> {
+    plan: Plan<'m>,
+    /// A gap that the axes cross, and the set-point behind it.
+    gap: Option<(Bridge, ToolSetpoint)>,
+    /// The path has waited so long for axes that cross gaps, ns.
+    later_ns: i64,
+    /// It ends here.
+    ended: bool,
+}
 
 #[derive(Debug)]
 enum Plan<'m> {
@@ -42,14 +53,16 @@ impl<'m> Planning<'m> {
         rules: Acknowledgement,
     ) -> Result<Self, LimitFailure> {
         if program.dialect() == Dialect::Job {
-            return Ok(Self(Plan::Job(Box::new(JobSetpoints::open(machine, program)?))));
+            return Ok(Self::over(Plan::Job(Box::new(JobSetpoints::open(machine, program)?))));
         }
-        Ok(match limits {
-            Limits::Softmotion => Self(Plan::Controller(Box::new(program.open(machine, rules)?))),
-            Limits::Axes => {
-                Self(Plan::Axes(Box::new(WithinAxes::for_check(machine, program, rules)?)))
-            }
-        })
+        Ok(Self::over(match limits {
+            Limits::Softmotion => Plan::Controller(Box::new(program.open(machine, rules)?)),
+            Limits::Axes => Plan::Axes(Box::new(WithinAxes::for_check(machine, program, rules)?)),
+        }))
+    }
+
+    fn over(plan: Plan<'m>) -> Self {
+        Self { plan, gap: None, later_ns: 0, ended: false }
     }
 
     /// As [`Self::new`], for a run, in which the override may change. If it is `paced`, planning cannot block: a
@@ -76,21 +89,55 @@ impl<'m> Planning<'m> {
         } else {
             Beside::here(machine, program)?
         };
-        Ok(Self(Plan::Axes(Box::new(WithinAxes::for_run(machine, plan, rules)))))
+        Ok(Self::over(Plan::Axes(Box::new(WithinAxes::for_run(machine, plan, rules)))))
     }
 
     /// The next item; with `waits`, or without a background planner, it is ready when this returns.
     pub(crate) fn poll(&mut self, waits: bool) -> Poll<Option<PlanItem>> {
-        match &mut self.0 {
+        if self.gap.is_some() {
+            return Poll::Ready(self.cross());
+        }
+        if self.ended {
+            return Poll::Ready(None);
+        }
+        let next = match &mut self.plan {
             Plan::Controller(setpoints) => Poll::Ready(setpoints.next().map(PlanItem::from)),
             Plan::Axes(within) => within.poll(waits).map(|next| next.map(PlanItem::from)),
             Plan::Job(job) => Poll::Ready(job.next()),
+        };
+        let Poll::Ready(Some(PlanItem::Tool(mut tool))) = next else { return next };
+        tool.time_ns += self.later_ns;
+        Poll::Ready(Some(PlanItem::Tool(tool)))
+    }
+
+    /// Lets the axes cross a gap before the last item, `tool`, which comes again behind it.
+    pub(crate) fn bridge(&mut self, bridge: Bridge, tool: &ToolSetpoint) {
+        self.gap = Some((bridge, *tool));
+    }
+
+    /// The next item on the way across a gap.
+    fn cross(&mut self) -> Option<PlanItem> {
+        let (bridge, tool) = self.gap.as_mut()?;
+        // The set-point before the gap is a cycle before the one behind it.
+        let since_ns = bridge.now_ns();
+        let place = bridge.place;
+        if let Some(axes) = bridge.next() {
+            let time_ns = tool.time_ns + since_ns;
+            return Some(PlanItem::Bridging(BridgeSetpoint { time_ns, place, axes }));
         }
+        let (bridge, mut tool) = self.gap.take()?;
+        if bridge.is_braked() {
+            self.ended = true;
+            return None;
+        }
+        self.later_ns += since_ns;
+        tool.time_ns += since_ns;
+        Some(PlanItem::Tool(tool))
     }
 
     /// Signals of the tappets: the bits of the set-points in their order. Those of a path are of `transformer`.
     pub(crate) fn signals<'t>(&'t self, transformer: &'t Transformer<'_>) -> &'t [Signal] {
-        match &self.0 {
+        match &self.plan {
             Plan::Controller(_) | Plan::Axes(_) => transformer.signals(),
             Plan::Job(job) => job.signals(),
         }
@@ -98,7 +145,7 @@ impl<'m> Planning<'m> {
 
     /// What is known of the file; nothing of it in a run within the limits of the axes.
     fn file(&self) -> Option<&Findings> {
-        match &self.0 {
+        match &self.plan {
             Plan::Axes(within) => within.file(),
             Plan::Controller(_) | Plan::Job(_) => None,
         }
@@ -106,7 +153,7 @@ impl<'m> Planning<'m> {
 
     /// Bytes of the file that are done; none if the end is not known.
     pub(crate) fn bytes_done(&self) -> Option<u64> {
-        match &self.0 {
+        match &self.plan {
             Plan::Controller(setpoints) => Some(setpoints.bytes_read()),
             Plan::Axes(_) => Some(self.file().map_or(0, Findings::bytes_read)),
             Plan::Job(job) => job.bytes_done(),
@@ -115,7 +162,7 @@ impl<'m> Planning<'m> {
 
     /// Path elements decoded so far.
     pub(crate) fn elements(&self) -> u64 {
-        match &self.0 {
+        match &self.plan {
             Plan::Controller(setpoints) => setpoints.elements(),
             Plan::Axes(_) => self.file().map_or(0, Findings::elements),
             Plan::Job(job) => job.blocks(),
@@ -124,7 +171,7 @@ impl<'m> Planning<'m> {
 
     /// Length of the path decoded so far, m.
     pub(crate) fn length(&self) -> f64 {
-        match &self.0 {
+        match &self.plan {
             Plan::Controller(setpoints) => setpoints.length(),
             Plan::Axes(_) => self.file().map_or(0.0, Findings::length),
             Plan::Job(job) => job.length(),
@@ -133,7 +180,7 @@ impl<'m> Planning<'m> {
 
     /// Diagnostics of the text that were left out because there are too many.
     pub(crate) fn left_out(&self) -> u64 {
-        match &self.0 {
+        match &self.plan {
             Plan::Controller(setpoints) => setpoints.left_out(),
             Plan::Axes(_) => self.file().map_or(0, Findings::left_out),
             Plan::Job(_) => 0,
@@ -142,7 +189,7 @@ impl<'m> Planning<'m> {
 
     /// The job, if it is one.
     pub(crate) fn job(&self) -> Option<&JobSetpoints<'m>> {
-        match &self.0 {
+        match &self.plan {
             Plan::Job(job) => Some(job),
             Plan::Controller(_) | Plan::Axes(_) => None,
         }
@@ -150,16 +197,19 @@ impl<'m> Planning<'m> {
 
     /// The M function at which the path waits at the last set-point.
     pub(crate) fn m_call(&self) -> Option<MCall> {
-        match &self.0 {
+        let call = match &self.plan {
+            _ if self.gap.is_some() => None,
             Plan::Controller(setpoints) => setpoints.m_call(),
             Plan::Axes(within) => within.m_call(),
             Plan::Job(_) => None,
-        }
+        }?;
+        Some(MCall { since_ns: call.since_ns + self.later_ns, ..call })
     }
 
     /// True if the path goes on only when [`Self::acknowledge`] is called.
     pub(crate) fn waits_for_word(&self) -> bool {
-        match &self.0 {
+        match &self.plan {
+            _ if self.gap.is_some() => false,
             Plan::Controller(setpoints) => setpoints.waits_for_word(),
             Plan::Axes(within) => within.waits_for_word(),
             Plan::Job(_) => false,
@@ -168,16 +218,19 @@ impl<'m> Planning<'m> {
 
     /// The M function is done; the path goes on with the next set-point.
     pub(crate) fn acknowledge(&mut self) {
-        match &mut self.0 {
+        match &mut self.plan {
             Plan::Controller(setpoints) => setpoints.acknowledge(),
             Plan::Axes(within) => within.acknowledge(),
             Plan::Job(_) => {}
         }
     }
 
-    /// Asks for set-points that brake along the path and end.
+    /// Asks for set-points that brake along the path and end. In a gap every axis brakes.
     pub(crate) fn request_stop(&mut self) {
-        match &mut self.0 {
+        if let Some((bridge, _)) = &mut self.gap {
+            bridge.brake();
+        }
+        match &mut self.plan {
             Plan::Controller(setpoints) => setpoints.request_stop(),
             Plan::Axes(within) => within.request_stop(),
             Plan::Job(job) => job.request_stop(),
@@ -187,16 +240,23 @@ impl<'m> Planning<'m> {
     /// Multiplies programmed velocities by `factor` from the next set-point on that can be had so; below
     /// [`LEAST_OVERRIDE`](crate::setpoint_source::LEAST_OVERRIDE) the path is held.
     pub(crate) fn set_override(&mut self, factor: f64) {
-        match &mut self.0 {
+        match &mut self.plan {
             Plan::Controller(setpoints) => setpoints.set_override(factor),
             Plan::Axes(within) => within.set_override(factor),
             Plan::Job(job) => job.set_override(factor),
         }
     }
 
+    /// Single step and waiting at the next stop from the next set-point on. Nothing but the controller's own plan knows them.
+    pub(crate) fn set_steps(&mut self, steps: Steps) {
+        if let Plan::Controller(setpoints) = &mut self.plan {
+            setpoints.set_steps(steps);
+        }
+    }
+
     /// The largest override that has an effect.
     pub(crate) fn most_override(&self) -> f64 {
-        match self.0 {
+        match self.plan {
             Plan::Controller(_) | Plan::Axes(_) => MOST_OVERRIDE,
             Plan::Job(_) => 1.0,
         }
@@ -204,12 +264,12 @@ impl<'m> Planning<'m> {
 
     /// True if it brakes as hard as the axes allow.
     pub(crate) fn is_within_axes(&self) -> bool {
-        matches!(self.0, Plan::Axes(_))
+        matches!(self.plan, Plan::Axes(_))
     }
 
     /// True if the last set-point follows the last override request.
     pub(crate) fn follows_override(&self) -> bool {
-        match &self.0 {
+        match &self.plan {
             Plan::Controller(setpoints) => setpoints.follows_override(),
             Plan::Axes(within) => within.follows_override(),
             Plan::Job(job) => job.follows_override(),
@@ -218,7 +278,7 @@ impl<'m> Planning<'m> {
 
     /// Plans that have come too late so far, so that the path went on as planned before.
     pub(crate) fn late_plans(&self) -> u64 {
-        match &self.0 {
+        match &self.plan {
             Plan::Controller(_) | Plan::Job(_) => 0,
             Plan::Axes(within) => within.late_plans(),
         }

@@ -1,10 +1,12 @@
 //! Program file and the stages that process it as a stream.
 
 mod dialect;
+pub mod inputs;
 mod operations;
 pub mod settings;
 mod source;
 mod stream;
+mod workpiece;
 
 pub use dialect::{Dialect, DialectError};
 pub use operations::Operations;
@@ -23,7 +25,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 use std::time::SystemTime;
-use stream::Stage;
+use stream::{Motion, Stage};
 use twin_gcode::{din66025, rs274};
 use twin_machine::text::{self, Text};
 use twin_machine::{Machine, ProgramConditions};
@@ -32,6 +34,7 @@ use twin_path::prepare::{Incompatible, Notices, Preparation, Sections};
 use twin_path::queue::{Generator, QueueReader};
 use twin_path::{Marks, PathElement};
 use twin_planner::controller::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
+use workpiece::ByPosition;
 
 /// A program on disk. It is read as a stream, each time it is opened, and never held as a whole.
 #[derive(Clone, Debug)]
@@ -188,9 +191,16 @@ impl ProgramFile {
         let notices = Notices::default();
         let (checked, ledger) = self.prepare(conditions, &notices)?;
         let cycle = cycle.unwrap_or(DEFAULT_CYCLE_NS);
-        let interpolator =
-            Interpolator::new(LookAhead::with_window(checked, self.settings.look_ahead), cycle);
-        Ok(Setpoints::new(interpolator, notices, ledger, self.settings.inputs, acknowledgement))
+        let motion = match &self.settings.workpiece {
+            Some(workpiece) => {
+                Motion::Workpiece(Box::new(ByPosition::new(checked, workpiece, cycle)))
+            }
+            None => {
+                let ahead = LookAhead::with_window(checked, self.settings.look_ahead);
+                Motion::Path(Box::new(Interpolator::new(ahead, cycle)))
+            }
+        };
+        Ok(Setpoints::new(motion, (notices, ledger), &self.settings, cycle, acknowledgement))
     }
 
     /// Its path after preparation, with transition velocities, for time-optimal planning, and its findings.

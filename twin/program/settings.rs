@@ -1,6 +1,7 @@
 //! Read settings of a program besides its dialect: suppressed blocks, variables, jumps.
 
 use crate::program::Operations;
+use crate::program::inputs::{InputAt, Workpiece};
 use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -24,6 +25,10 @@ pub struct ReadSettings {
     pub operations: Operations,
     /// Override and velocity profile; whether M functions are acknowledged is said elsewhere.
     pub inputs: Inputs,
+    /// Inputs that change while the program runs.
+    pub changes: Vec<InputAt>,
+    /// The workpiece whose positions the path follows.
+    pub workpiece: Option<Workpiece>,
     /// Elements that the look-ahead holds; the manual's queue has a size in bytes.
     pub look_ahead: NonZeroUsize,
 }
@@ -37,6 +42,8 @@ impl Default for ReadSettings {
             tools: None,
             operations: Operations::default(),
             inputs: Inputs::default(),
+            changes: Vec::new(),
+            workpiece: None,
             look_ahead: DEFAULT_WINDOW,
         }
     }

@@ -1,11 +1,16 @@
 //! Program as a stream of path elements or set-points, with the findings on the way.
 
+use super::inputs::{InputAt, Steps};
 use super::operations::Operated;
+use super::settings::ReadSettings;
 use super::source::{Halt, Ledger, noticed};
+use super::workpiece::ByPosition;
 use crate::finding::Finding;
 use crate::m_function::{Acknowledgement, MCall, Waiting};
 use std::cell::RefCell;
+use std::collections::VecDeque;
 use std::io;
+use std::num::NonZeroU32;
 use std::rc::Rc;
 use std::task::Poll;
 use twin_path::PathElement;
@@ -150,15 +155,29 @@ impl Iterator for Elements {
 /// Set-points of a program, one per cycle.
 #[derive(Debug)]
 pub struct Setpoints {
-    interpolator: Planned,
+    motion: Motion,
     notices: Notices,
     ledger: Rc<RefCell<Ledger>>,
     inputs: Inputs,
+    /// Changes of the inputs to come, in the order of time.
+    changes: VecDeque<InputAt>,
     waiting: Waiting,
     now_ns: i64,
+    /// Time of the next set-point.
+    next_ns: i64,
+    cycle_ns: i64,
 }
 
 type Planned = Interpolator<LookAhead<Prepared, Halt>, Halt>;
+
+/// How the path is followed.
+#[derive(Debug)]
+pub(super) enum Motion {
+    /// As programmed.
+    Path(Box<Planned>),
+    /// As a workpiece moves.
+    Workpiece(Box<ByPosition>),
+}
 
 /// Items of [`Setpoints`].
 #[derive(Debug)]
@@ -173,14 +192,25 @@ pub enum ProgramItem {
 
 impl Setpoints {
     pub(super) fn new(
-        interpolator: Planned,
-        notices: Notices,
-        ledger: Rc<RefCell<Ledger>>,
-        inputs: Inputs,
+        motion: Motion,
+        (notices, ledger): (Notices, Rc<RefCell<Ledger>>),
+        settings: &ReadSettings,
+        cycle: NonZeroU32,
         acknowledgement: Acknowledgement,
     ) -> Self {
-        let waiting = Waiting::new(acknowledgement);
-        Self { interpolator, notices, ledger, inputs, waiting, now_ns: 0 }
+        let mut changes = settings.changes.clone();
+        changes.sort_by_key(|change| change.time_ns);
+        Self {
+            motion,
+            notices,
+            ledger,
+            inputs: settings.inputs,
+            changes: changes.into(),
+            waiting: Waiting::new(acknowledgement),
+            now_ns: 0,
+            next_ns: 0,
+            cycle_ns: cycle.get().into(),
+        }
     }
 
     /// The M function at which the path waits at the last set-point.
@@ -203,6 +233,13 @@ impl Setpoints {
         self.inputs = inputs;
     }
 
+    /// Single step and waiting at the next stop from the next set-point on (`bSingleStep`, `bWaitAtNextStop`). Along a
+    /// workpiece they have no effect.
+    pub fn set_steps(&mut self, steps: Steps) {
+        let Steps { single_step, wait_at_next_stop } = steps;
+        (self.inputs.single_step, self.inputs.wait_at_next_stop) = (single_step, wait_at_next_stop);
+    }
+
     /// Multiplies programmed velocities by `factor` from the end of a ramp that is under way on; less than the least of
     /// [`Override`] holds the path.
     pub fn set_override(&mut self, factor: f64) {
@@ -217,12 +254,20 @@ impl Setpoints {
 
     /// True if the last requested override is in effect.
     pub fn follows_override(&self) -> bool {
-        self.inputs.slow_stop || self.interpolator.override_factor() == self.inputs.override_factor
+        match &self.motion {
+            Motion::Path(path) => {
+                self.inputs.slow_stop || path.override_factor() == self.inputs.override_factor
+            }
+            Motion::Workpiece(_) => true,
+        }
     }
 
     /// Brakes along the path and ends.
     pub fn request_stop(&mut self) {
-        self.interpolator.request_stop();
+        match &mut self.motion {
+            Motion::Path(path) => path.request_stop(),
+            Motion::Workpiece(path) => path.request_stop(),
+        }
     }
 
     /// Path elements decoded so far.
@@ -253,17 +298,31 @@ impl Iterator for Setpoints {
         if let Some(finding) = found(&self.ledger, &self.notices) {
             return Some(ProgramItem::Diagnostic(finding));
         }
+        while let Some(due) = self.changes.pop_front_if(|next| next.time_ns <= self.next_ns) {
+            // An override that moves nothing has been refused before.
+            due.change.apply(&mut self.inputs).unwrap_or_default();
+        }
         let acknowledge_m = self.waiting.is_over(self.now_ns);
         let inputs = Inputs { acknowledge_m, ..self.inputs };
-        let Poll::Ready(next) = self.interpolator.poll_cycle(&inputs) else {
-            // A file is there at once: its stages never say that they have nothing yet.
-            return None;
+        let next = match &mut self.motion {
+            Motion::Path(path) => match path.poll_cycle(&inputs) {
+                Poll::Ready(next) => next,
+                // A file is there at once: its stages never say that they have nothing yet.
+                Poll::Pending => return None,
+            },
+            Motion::Workpiece(path) => {
+                let next = path.next();
+                if let Some(finding) = path.ending().filter(|_| next.is_none()) {
+                    self.ledger.borrow_mut().report(finding);
+                }
+                next
+            }
         };
         match next {
             Some(Ok(setpoint)) => {
-                let ToolSetpoint { m_function, place, time_ns, .. } = setpoint;
-                self.waiting.observe(acknowledge_m, m_function, place, time_ns);
-                self.now_ns = time_ns;
+                self.waiting.observe(acknowledge_m, &setpoint);
+                self.now_ns = setpoint.time_ns;
+                self.next_ns = setpoint.time_ns + self.cycle_ns;
                 Some(ProgramItem::Setpoint(setpoint))
             }
             Some(Err(Halt::Io(error))) => Some(ProgramItem::Io(error)),

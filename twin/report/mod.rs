@@ -1,8 +1,10 @@
 //! Report as JSON: its shape is part of the command-line contract.
 
 mod drives;
+mod m_functions;
 mod motor_load;
 mod rest;
+mod switch_points;
 mod tappets;
 
 use crate::check::{BlockClearance, Outcome};
@@ -13,8 +15,10 @@ use crate::per_axis::PerAxis;
 use crate::program::ProgramFile;
 use crate::session::{OverrideChange, Punctuality};
 pub use drives::{AxisMaximaReport, PredictedFollowingReport};
+use m_functions::MFunctionsReport;
 pub use motor_load::MotorLoadReport;
 pub use rest::RestReport;
+use switch_points::SwitchPointsReport;
 use tappets::TappetsReport;
 use twin_machine::{Axis, Machine};
 use twin_number::{rounded, seconds};
@@ -41,6 +45,12 @@ pub struct CheckReport {
     /// If cams with tappets are run.
     #[serde(skip_serializing_if = "Option::is_none")]
     tappets: Option<TappetsReport>,
+    /// If the path switches anything.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    switch_points: Option<SwitchPointsReport>,
+    /// If the program has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    m_functions: Option<MFunctionsReport>,
     findings: Vec<Finding>,
     findings_left_out: u64,
 }
@@ -75,6 +85,8 @@ impl CheckReport {
                 .as_ref()
                 .map(|predicted| PredictedFollowingReport::new(machine, predicted)),
             tappets: TappetsReport::new(&outcome.tappets),
+            switch_points: SwitchPointsReport::new(&outcome.switch_points),
+            m_functions: MFunctionsReport::new(&outcome.m_functions),
             findings: outcome.findings.clone(),
             findings_left_out: outcome.findings_left_out,
         }

@@ -103,6 +103,7 @@ mod tests {
             feed: Some(0.2),
             probing: false,
             tappets: TappetBits::default(),
+            switches: 0,
         };
         let stop: Vec<_> = braking(&machine, &from).expect("limits").collect();
         let duration = 0.2 / 1.0;

@@ -8,7 +8,8 @@ use crate::plant::Plant;
 use crate::setpoint::AxisSetpoint;
 use twin_machine::MFunction;
 use twin_machine::Machine;
-use twin_machine::tappets::{Signal, TappetBits};
+use twin_machine::switch_points::changed;
+use twin_machine::tappets::Signal;
 use twin_physics::PhysicsError;
 
 /// The outputs of `machine` that follow one of `signals`: index of the signal, device, output.
@@ -39,11 +40,19 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, '_, P> {
         observer.m_function(&call, self.items.waits_for_word() && switched.is_none());
     }
 
-    /// Outputs follow their tappets. They are switched when the set-point is due, and take as long as the wire does:
-    /// `dead_time_s` of the cam makes up for that.
-    pub(super) fn switch_tappet_outputs(&mut self, before: TappetBits, now: &AxisSetpoint) {
+    /// Outputs follow their tappets and the switches of the path. They are switched when the set-point is due, and take as
+    /// long as the wire does: `dead_time_s` of a cam makes up for that.
+    pub(super) fn switch_outputs(&mut self, before: Option<&AxisSetpoint>, now: &AxisSetpoint) {
         let Some(hardware) = &mut self.hardware else { return };
-        for (signal, on) in now.tappets.changed(before) {
+        let tappets = before.map(|before| before.tappets).unwrap_or_default();
+        let switches = before.map(|before| before.switches).unwrap_or_default();
+        for (number, on) in changed(switches, now.switches) {
+            let outputs = self.machine.switch_outputs.iter().filter(|one| one.number == number);
+            outputs.for_each(|one| {
+                hardware.switch_output(one.device, one.output, on, now.time_ns);
+            });
+        }
+        for (signal, on) in now.tappets.changed(tappets) {
             let followers = self.tappet_outputs.iter().filter(|(index, ..)| *index == signal);
             followers.for_each(|(_, device, output)| {
                 hardware.switch_output(*device, *output, on, now.time_ns);

@@ -17,6 +17,7 @@ use crate::m_function::{Acknowledge, Acknowledgement, MCall};
 use crate::planning::Planning;
 use crate::plant::{Plant, PlantRecord};
 use crate::program::ProgramFile;
+use crate::program::inputs::Steps;
 use crate::setpoint::AxisSetpoint;
 pub use overrides::{OverrideAt, OverrideAtError, OverrideChange, override_factor};
 pub use punctuality::Punctuality;
@@ -76,6 +77,10 @@ pub trait Observer {
     fn answer(&mut self) -> Answer;
     /// The override that the user wants from now on, if that is another than before; 0 is a feed hold.
     fn new_override(&mut self) -> Option<f64> {
+        None
+    }
+    /// Single step and waiting at the next stop as the user wants them from now on, if that is not as before.
+    fn new_steps(&mut self) -> Option<Steps> {
         None
     }
 }
@@ -300,6 +305,7 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
             let now_ns = if paced { clock.now_ns() } else { run.executed_ns() + BATCH_NS };
             run.handle_interrupt(interrupts());
             run.heed_override(observer);
+            run.heed_steps(observer);
             run.lose_overdue(now_ns);
             // Time that nobody has waited for shall not pass.
             let waits = !paced && run.waits_for_word();

@@ -7,7 +7,7 @@ use super::{ExtraMotion, Source, ToolSetpoint};
 use std::f64::consts::PI;
 use std::num::NonZeroU32;
 use std::task::Poll;
-use twin_path::{ElementKind, PathElement};
+use twin_path::{ElementKind, MParameters, PathElement};
 
 /// Direction of the workpiece along X (`eDirection`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -115,6 +115,11 @@ where
         Poll::Ready(self.setpoint(along, first).map(Ok))
     }
 
+    /// Programmed deceleration of the element under way, m/s².
+    pub fn deceleration(&self) -> Option<f64> {
+        self.element.as_ref().map(|element| element.deceleration)
+    }
+
     fn fail(&mut self, error: E) -> Poll<Option<Result<ToolSetpoint, E>>> {
         self.ended = true;
         Poll::Ready(Some(Err(error)))
@@ -156,9 +161,11 @@ where
             place: element.place,
             rapid: element.kind == ElementKind::Rapid,
             probing: element.kind.is_probe(),
+            jumping: false,
             status,
             last_switch: self.board.last,
             m_function: None,
+            m_parameters: MParameters::default(),
             switches: self.board.states,
             feed: element.feed,
             position: point.position,

@@ -232,9 +232,7 @@ where
     /// Parameters of the M function that waits to be acknowledged (`SMC_GetMParameters`, manual 6.2.10); none if none
     /// does (`bMActive`).
     pub fn m_parameters(&self) -> Option<MParameters> {
-        let run = self.run.as_ref()?;
-        run.m_function()?;
-        Some(run.element.details.as_ref().map(|details| details.parameters).unwrap_or_default())
+        self.run.as_ref()?.m_parameters()
     }
 
     fn poll(&mut self) -> Poll<Option<Result<ToolSetpoint, E>>> {
@@ -350,14 +348,17 @@ where
         });
         self.before = self.latest;
         self.latest = point.position;
+        let m_function = if status == Status::Waiting { run.m_function() } else { None };
         Some(ToolSetpoint {
             time_ns,
             place: run.element.place,
             rapid: run.element.kind == ElementKind::Rapid,
             probing: run.element.kind.is_probe(),
+            jumping: run.element.kind == ElementKind::Jump,
             status,
             last_switch: self.board.last,
-            m_function: if status == Status::Waiting { run.m_function() } else { None },
+            m_function,
+            m_parameters: m_function.and(run.m_parameters()).unwrap_or_default(),
             switches: self.board.states,
             feed: run.element.feed,
             position: point.position,

@@ -6,7 +6,7 @@ use super::profile::{PathState, Profile};
 use super::setpoint::{ExtraMotion, Status};
 use super::spans::Leg;
 use twin_path::prepare::CheckedElement;
-use twin_path::{ElementKind, PathPoint};
+use twin_path::{ElementKind, MParameters, PathPoint};
 
 /// An element under way.
 #[derive(Debug)]
@@ -112,6 +112,12 @@ impl Run {
             (Motion::Acknowledge { .. }, ElementKind::MFunction { number }) => Some(number),
             _ => None,
         }
+    }
+
+    /// Parameters of the M function that waits to be acknowledged.
+    pub(super) fn m_parameters(&self) -> Option<MParameters> {
+        self.m_function()?;
+        Some(self.element.m_parameters())
     }
 
     /// The point at `state`.

@@ -3,7 +3,7 @@
 use super::Heading;
 use nalgebra::{Point3, Vector3};
 use twin_path::Place;
-use twin_path::{EXTRA_AXES, ExtraPosition};
+use twin_path::{EXTRA_AXES, ExtraPosition, MParameters};
 
 /// Set-point of the tool at one instant, in the work frame: the output of [`super::Interpolator`] per cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -16,12 +16,16 @@ pub struct ToolSetpoint {
     pub rapid: bool,
     /// True on a probing move (G38.2 to G38.5), at whose end a probe may touch something.
     pub probing: bool,
+    /// True on a jump (G92): the set-point after it is elsewhere, and no path leads there.
+    pub jumping: bool,
     /// Status of the interpolator (`iStatus`).
     pub status: Status,
     /// Number of the switch passed last (`iLastSwitch`); 0 before the first.
     pub last_switch: u8,
     /// The M function that waits to be acknowledged (`wM`).
     pub m_function: Option<u16>,
+    /// Its parameters (`SMC_GetMParameters`, manual 6.2.10); none of them without an M function.
+    pub m_parameters: MParameters,
     /// State of all switches (`dwSwitches`): bit n − 1 is switch n.
     pub switches: u32,
     /// Programmed velocity along the path (F), m/s.

@@ -249,27 +249,37 @@ where
         let time_ns = self.now_ns;
         self.now_ns = self.now_ns.saturating_add(self.cycle_ns);
         let path_element = element.element();
-        let m_function = match (path_element.kind, &self.current) {
-            (ElementKind::MFunction { number }, Some(Current::Still { .. })) => Some(number),
+        let pauses = matches!(self.current, Some(Current::Still { .. }));
+        let m_function = match path_element.kind {
+            ElementKind::MFunction { number } if pauses => Some(number),
             _ => None,
+        };
+        // As the interpolator does, a jump shows its start for a cycle; what follows begins at its end.
+        let jumping = pauses && path_element.kind == ElementKind::Jump;
+        let position = if jumping { path_element.start() } else { point.position };
+        let extra = match path_element.extra().filter(|_| jumping) {
+            Some(extra) => ExtraMotion { position: extra.start, ..ExtraMotion::default() },
+            None => point.extra.map(|extra| extra_motion(&extra, &progress)).unwrap_or_default(),
         };
         let tool = ToolSetpoint {
             time_ns,
             place: element.place(),
             rapid: element.rapid(),
             probing: path_element.kind.is_probe(),
+            jumping,
             status,
             last_switch: self.board.last,
             m_function,
+            m_parameters: m_function.map(|_| path_element.m_parameters()).unwrap_or_default(),
             switches: self.board.states,
             feed: element.feed(),
-            position: point.position,
+            position,
             velocity: point.first * velocity,
             acceleration: point.second * (velocity * velocity) + point.first * acceleration,
             path_velocity,
             way: self.way + way,
             heading: self.heading,
-            extra: point.extra.map(|extra| extra_motion(&extra, &progress)).unwrap_or_default(),
+            extra,
         };
         Followed { tool, element: Arc::clone(element), progress }
     }

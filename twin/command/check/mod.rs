@@ -3,11 +3,11 @@
 mod clearance;
 
 use super::options::{
-    AcknowledgeOption, MachineOption, ReadOptions, SimulationOptions, plans_without_inputs,
-    unreadable,
+    AcknowledgeOption, InputOptions, MachineOption, ReadOptions, SimulationOptions,
+    plans_without_inputs, unreadable,
 };
 use super::progress::ProgressLines;
-use super::{Failure, Status, following, show, tappets};
+use super::{Failure, Status, following, show, switch_points, tappets};
 use crate::check;
 use crate::check::{CheckOptions, Outcome};
 use crate::finding;
@@ -52,6 +52,9 @@ pub(super) struct Arguments {
     clearance: Vec<PathBuf>,
 
     #[command(flatten)]
+    inputs: InputOptions,
+
+    #[command(flatten)]
     m_functions: AcknowledgeOption,
 
     /// Whose limits the path is planned with: the controller's own, or those of the axes, as `twin limit` plans it; then what
@@ -94,7 +97,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     clearance::check(arguments, &machine)?;
     let programs: Vec<_> = {
         let unit = machine.conditions.rs274.units;
-        arguments.programs.iter().map(|path| arguments.read.program(path, unit)).collect()
+        let program = |path| arguments.read.program_with(path, unit, &arguments.inputs);
+        arguments.programs.iter().map(|path: &PathBuf| program(path)).collect()
     };
     let next = AtomicUsize::new(0);
     let slots: Vec<_> = programs.iter().map(|_| Mutex::new(None)).collect();
@@ -265,6 +269,7 @@ fn tables(
         writeln!(out, "{} (as planned)", least.message(machine))?;
     }
     tappets::write(out, &outcome.tappets)?;
+    switch_points::write(out, &outcome.switch_points)?;
     if outcome.untaken_ns > 0 {
         let left_out = seconds(outcome.untaken_ns);
         writeln!(

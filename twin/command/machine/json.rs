@@ -30,6 +30,7 @@ pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()
             "position_mm": millimetres(machine.conditions.start),
             "axes": machine.start_axes().map(|axes| positions(machine, &axes)),
         },
+        "work_frame": work_frame(machine),
         "reach_mm": workspace.reach.map(|reach| millimetres(reach.distances)),
         "extent_mm": {
             "x": millimetres([extent.min.x, extent.max.x]),
@@ -43,6 +44,12 @@ pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()
         "example": facts.example.as_ref().map(|example| worked(machine, example)),
     });
     writeln!(out, "{object}")
+}
+
+/// Pose of the work frame, as `translation_mm` and `rotation_deg` of a machine file give it.
+fn work_frame(machine: &Machine) -> Value {
+    let [origin, turned] = machine.work_frame();
+    json!({ "translation_mm": millimetres(origin), "rotation_deg": turned.map(f64::to_degrees) })
 }
 
 /// An axis that follows another one.

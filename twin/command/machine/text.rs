@@ -26,6 +26,20 @@ pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()
     Ok(())
 }
 
+/// Pose of the work frame; nothing if it is the machine frame.
+fn work_frame(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
+    let [origin, turned] = machine.work_frame();
+    if origin.iter().chain(&turned).all(|value| *value == 0.0) {
+        return Ok(());
+    }
+    let [x, y, z] = origin.map(|value| fixed(value * 1e3, 3));
+    let [roll, pitch, yaw] = turned.map(|value| fixed(value.to_degrees(), 4));
+    writeln!(
+        out,
+        "work frame: origin at ({x}, {y}, {z}) mm in the machine frame, roll {roll}, pitch {pitch}, yaw {yaw} deg"
+    )
+}
+
 /// What the file says.
 fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     writeln!(out, "{}: {} with {} axes", machine.name, machine.kind, machine.axes.len())?;
@@ -91,6 +105,7 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
             writeln!(out, ", which the machine cannot reach: such programs must begin with G92")?;
         }
     }
+    work_frame(out, machine)?;
     let zero = AxisVector::zeros(machine.axes.len());
     if let Ok(pose) = machine.kinematics.forward(&zero) {
         let tip = pose.position * 1e3;

@@ -1,23 +1,22 @@
 //! Interpolator set-points per cycle, with inputs that change on the way (manual 6.2.9, 6.6).
 
-use super::numbers::within;
 use super::output::stdio;
 use super::{Job, jsonl};
 use crate::command::Failure;
+use crate::command::options::InputOptions;
 use crate::command::options::unreadable;
 use crate::finding::{Finding, Rule, Severity};
 use crate::m_function::Acknowledgement;
 use crate::program::ProgramItem;
-use std::io::{BufRead, Write};
+use crate::program::inputs::{InputAt, InputChange, Workpiece};
+use std::io::Write;
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
 use std::task::Poll;
-use twin_machine::text;
 use twin_path::prepare::CheckError;
 use twin_path::{PathElement, Place};
 use twin_planner::controller::{
     DEFAULT_CYCLE_NS, Inputs, IpoError, Override, ToolSetpoint, TwoWayInterpolator, TwoWayPath,
-    XAmbiguity, XDirection, XInterpolator,
+    XAmbiguity, XInterpolator,
 };
 
 /// A path that nothing moves any more is not followed for longer than this, ns.
@@ -30,72 +29,17 @@ const CAPACITY: usize = 1_000_000;
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Set-points (--format setpoints)")]
 pub(super) struct SetpointOptions {
-    /// Change an input of the interpolator at a time, s; may be given several times. INPUT=VALUE is one of
-    /// override=FACTOR, slow-stop, emergency-stop, wait-at-next-stop, single-step and abort, each =on or =off
-    #[arg(long = "at", value_name = "TIME:INPUT=VALUE", value_parser = event)]
-    events: Vec<Event>,
+    #[command(flatten)]
+    inputs: InputOptions,
 
     /// Forwards and backwards (`SMC_Interpolator2Dir`): an override below 0 leads back
     #[arg(long, conflicts_with = "by_position")]
     both_ways: bool,
-
-    /// Along X as a workpiece was measured (`SMC_XInterpolator`): a file with its position in every cycle, mm, one a line
-    #[arg(long, value_name = "FILE")]
-    by_position: Option<PathBuf>,
-
-    /// Measured position at which the workpiece's zero lies at the path's (dXOffset)
-    #[arg(long, value_name = "MM", default_value = "0", requires = "by_position", allow_hyphen_values = true, value_parser = |text: &str| within(text, -1e6..=1e6))]
-    position_offset: f64,
-
-    /// The workpiece moves against X (eDirection)
-    #[arg(long, requires = "by_position")]
-    against_x: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Event {
-    time_ns: i64,
-    change: Change,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Change {
-    Override(f64),
-    SlowStop(bool),
-    EmergencyStop(bool),
-    WaitAtNextStop(bool),
-    SingleStep(bool),
-    Abort(bool),
-}
-
-fn event(text: &str) -> Result<Event, String> {
-    let expected =
-        || "expected TIME:INPUT=VALUE, like 1.5:override=0.5 or 2:slow-stop=on".to_owned();
-    let (time, change) = text.split_once(':').ok_or_else(expected)?;
-    let (input, value) = change.split_once('=').ok_or_else(expected)?;
-    let time = within(time, 0.0..=86_400.0)?;
-    let switch = match value {
-        "on" => Some(true),
-        "off" => Some(false),
-        _ => None,
-    };
-    let change = match (input, switch) {
-        ("override", None) => Change::Override(within(value, -1000.0..=1000.0)?),
-        ("slow-stop", Some(on)) => Change::SlowStop(on),
-        ("emergency-stop", Some(on)) => Change::EmergencyStop(on),
-        ("wait-at-next-stop", Some(on)) => Change::WaitAtNextStop(on),
-        ("single-step", Some(on)) => Change::SingleStep(on),
-        ("abort", Some(on)) => Change::Abort(on),
-        _ => return Err(expected()),
-    };
-    #[expect(clippy::cast_possible_truncation, reason = "a day at most")]
-    let time_ns = (time * 1e9).round() as i64;
-    Ok(Event { time_ns, change })
 }
 
 /// The inputs as the events leave them.
 struct Schedule {
-    events: std::vec::IntoIter<Event>,
+    events: std::vec::IntoIter<InputAt>,
     inputs: Inputs,
     /// With its sign.
     factor: f64,
@@ -103,7 +47,7 @@ struct Schedule {
 
 impl Schedule {
     fn new(options: &SetpointOptions, inputs: Inputs) -> Self {
-        let mut events = options.events.clone();
+        let mut events = options.inputs.changes.clone();
         events.sort_by_key(|event| event.time_ns);
         Self { events: events.into_iter(), factor: inputs.override_factor.factor(), inputs }
     }
@@ -111,18 +55,13 @@ impl Schedule {
     /// Brings the inputs to `now_ns`.
     fn advance(&mut self, now_ns: i64) -> Result<(), IpoError> {
         while let Some(event) = self.events.as_slice().first().filter(|e| e.time_ns <= now_ns) {
-            let inputs = &mut self.inputs;
             match event.change {
-                Change::Override(factor) => {
+                InputChange::Override(factor) => {
                     self.factor = factor;
                     // Backwards, and less than the least, only the interpolator for both ways understands.
-                    inputs.override_factor = Override::new(factor.abs())?;
+                    self.inputs.override_factor = Override::new(factor.abs())?;
                 }
-                Change::SlowStop(on) => inputs.slow_stop = on,
-                Change::EmergencyStop(on) => inputs.emergency_stop = on,
-                Change::WaitAtNextStop(on) => inputs.wait_at_next_stop = on,
-                Change::SingleStep(on) => inputs.single_step = on,
-                Change::Abort(on) => inputs.abort = on,
+                change => change.apply(&mut self.inputs)?,
             }
             self.events.next();
         }
@@ -140,16 +79,15 @@ pub(super) fn write(
     options: &SetpointOptions,
     out: &mut dyn Write,
 ) -> Result<(), Failure> {
-    if let Some(file) = &options.by_position {
-        return by_position(job, options, file, out);
+    if let Some(workpiece) = options.inputs.workpiece()? {
+        return by_position(job, &workpiece, out);
     }
     let schedule = Schedule::new(options, job.program.settings().inputs);
     if options.both_ways {
         both_ways(job, schedule, out)
     } else {
-        let back =
-            |event: &Event| matches!(event.change, Change::Override(f) if f < Override::LEAST);
-        if options.events.iter().any(back) {
+        let back = |event: &InputAt| matches!(event.change, InputChange::Override(f) if f < Override::LEAST);
+        if options.inputs.changes.iter().any(back) {
             let message = "an override below 0.01 is for --both-ways";
             return Err(Failure::Usage(message.to_owned()));
         }
@@ -211,27 +149,19 @@ fn both_ways(
 
 fn by_position(
     job: &mut Job<'_>,
-    options: &SetpointOptions,
-    file: &Path,
+    workpiece: &Workpiece,
     out: &mut dyn Write,
 ) -> Result<(), Failure> {
     let elements = collected(job)?;
-    let direction = if options.against_x { XDirection::Negative } else { XDirection::Positive };
+    let Workpiece { positions, offset, direction } = workpiece;
     for element in &elements {
-        let ambiguity = XAmbiguity::of(element, direction);
+        let ambiguity = XAmbiguity::of(element, *direction);
         job.findings.extend(ambiguity.map(|ambiguity| ambiguous(element.place, ambiguity)));
     }
     let elements = elements.into_iter().map(Ok::<_, Trouble>);
-    let offset = options.position_offset * 1e-3;
-    let mut interpolator = XInterpolator::new(elements, DEFAULT_CYCLE_NS, direction, offset);
-    let failed = |source| unreadable(file, source);
-    let reader = text::lines_of(file).map_err(failed)?;
-    for (number, line) in (1..).zip(reader.lines()) {
-        let line: String = line.map_err(failed)?;
-        let position = within(&line, -1e6..=1e6).map_err(|what: String| {
-            Failure::Usage(format!("{}: line {number}: {what}", file.display()))
-        });
-        match interpolator.poll_cycle(position? * 1e-3, false) {
+    let mut interpolator = XInterpolator::new(elements, DEFAULT_CYCLE_NS, *direction, *offset);
+    for position in positions.iter() {
+        match interpolator.poll_cycle(*position, false) {
             Poll::Ready(Some(Ok(setpoint))) => {
                 jsonl::write_setpoint(out, &setpoint).map_err(stdio)?;
             }

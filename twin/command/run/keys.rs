@@ -1,5 +1,6 @@
 //! Override keys: keyboard control of the override and of the feed hold during a run.
 
+use crate::program::inputs::Steps;
 use crate::session::Answer;
 use crate::setpoint_source::MOST_OVERRIDE;
 use rustix::termios::{
@@ -16,12 +17,21 @@ const KEYS: usize = 64;
 /// Help text of the keys.
 pub(super) const HELP: &str = "keys: + and - change the override by 10 %, space holds the path and lets it go on, Ctrl-C stops it";
 
+/// Help text of the further keys of the controller's own plan.
+pub(super) const STEPS_HELP: &str =
+    "keys: s switches single step on and off, n lets the path wait at the next stop and go on";
+
 /// Keys of the terminal, one by one; Ctrl-C stays what it is. The terminal is as it was when this is dropped.
 #[derive(Debug)]
 pub(super) struct Keys {
     typed: Receiver<u8>,
     before: Termios,
     dial: Dial,
+    /// Override that was reported last.
+    asked: f64,
+    steps: Steps,
+    /// Steps that were reported last.
+    shown: Steps,
     /// Enter was pressed since the last question.
     entered: bool,
 }
@@ -43,7 +53,16 @@ impl Keys {
         single.special_codes[SpecialCodeIndex::VTIME] = 0;
         tcsetattr(&stdin, OptionalActions::Now, &single)?;
         let (sender, typed) = sync_channel(KEYS);
-        let keys = Self { typed, before, dial: Dial::new(factor), entered: false };
+        let (steps, shown) = (Steps::default(), Steps::default());
+        let keys = Self {
+            typed,
+            before,
+            dial: Dial::new(factor),
+            asked: factor,
+            steps,
+            shown,
+            entered: false,
+        };
         // It ends with the process: nothing can wake it while it waits for a key.
         std::thread::Builder::new().name("keys".to_owned()).spawn(move || {
             for key in io::stdin().lock().bytes() {
@@ -58,12 +77,21 @@ impl Keys {
 
     /// The override that the keys since the last call ask for, if they do.
     pub(super) fn new_override(&mut self) -> Option<f64> {
-        let before = self.dial.factor();
         while let Ok(key) = self.typed.try_recv() {
             self.take(key);
         }
         let factor = self.dial.factor();
+        let before = std::mem::replace(&mut self.asked, factor);
         (factor.to_bits() != before.to_bits()).then_some(factor)
+    }
+
+    /// Single step and wait that the keys ask for, if they are not as in the last call.
+    pub(super) fn new_steps(&mut self) -> Option<Steps> {
+        while let Ok(key) = self.typed.try_recv() {
+            self.take(key);
+        }
+        let before = std::mem::replace(&mut self.shown, self.steps);
+        (self.steps != before).then_some(self.steps)
     }
 
     /// Discards what was typed before a question.
@@ -87,6 +115,16 @@ impl Keys {
     fn take(&mut self, key: u8) {
         self.entered |= matches!(key, b'\n' | b'\r');
         self.dial.turn(key);
+        switch(&mut self.steps, key);
+    }
+}
+
+/// Switches what `key` stands for.
+fn switch(steps: &mut Steps, key: u8) {
+    match key {
+        b's' => steps.single_step = !steps.single_step,
+        b'n' => steps.wait_at_next_stop = !steps.wait_at_next_stop,
+        _ => {}
     }
 }
 
@@ -128,6 +166,17 @@ impl Dial {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn keys_switch_steps() {
+        for (keys, single_step, wait_at_next_stop) in
+            [("", false, false), ("s", true, false), ("+n x", false, true), ("sns", false, true)]
+        {
+            let mut steps = Steps::default();
+            keys.bytes().for_each(|key| switch(&mut steps, key));
+            assert_eq!(steps, Steps { single_step, wait_at_next_stop }, "{keys}");
+        }
+    }
 
     #[test]
     fn keys_turn_the_dial() {

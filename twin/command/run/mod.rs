@@ -12,8 +12,8 @@ mod summary;
 mod watcher;
 
 use super::options::{
-    self, AcknowledgeOption, DEFAULT_ADDRESS, MachineOption, ReadOptions, SimulationOptions,
-    plans_without_inputs, unreadable,
+    self, AcknowledgeOption, DEFAULT_ADDRESS, InputOptions, MachineOption, ReadOptions,
+    SimulationOptions, plans_without_inputs, unreadable,
 };
 use super::progress::ProgressLines;
 use super::{Failure, Status, check, following, show};
@@ -45,7 +45,8 @@ const APPROACH: f64 = 0.25;
 /// In step with the wall clock (with drives, or --realtime) and on a terminal the keys + and - change the override by
 /// 10 %, and space holds the path and lets it go on. What is asked for counts from 0.1 s later on, with --limits axes;
 /// if planning takes longer, the path goes on as planned until there is a new plan, and a hold is over at the end of what is
-/// planned at the latest, 1 to 3 s ahead.
+/// planned at the latest, 1 to 3 s ahead. With --limits softmotion the key s switches single step on and off, n waiting at the
+/// next stop.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The program
@@ -56,6 +57,9 @@ pub(super) struct Arguments {
 
     #[command(flatten)]
     read: ReadOptions,
+
+    #[command(flatten)]
+    inputs: InputOptions,
 
     #[command(flatten)]
     m_functions: AcknowledgeOption,
@@ -134,7 +138,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if arguments.drives == Drives::Real {
         startup::expect_real(&mut machine);
     }
-    let program = arguments.read.program(&arguments.program, machine.conditions.rs274.units)?;
+    let unit = machine.conditions.rs274.units;
+    let program = arguments.read.program_with(&arguments.program, unit, &arguments.inputs)?;
     stderr!("{} is read as {}", program.path().display(), program.dialect().name());
     program.size().map_err(|source| unreadable(program.path(), source))?;
     if !program.is_repeatable() {

@@ -7,9 +7,11 @@ use crate::per_axis::PerAxis;
 use crate::report::SwitchedOutputsReport;
 use twin_machine::MFunction;
 use twin_machine::Machine;
+use twin_machine::switch_points::{SwitchOutput, has};
 use twin_number::rounded;
 
-/// The outputs that the program switches by M functions and by tappets, a line per cause; nothing if it switches none.
+/// The outputs that the program switches by M functions, tappets and switch points, a line per cause; nothing if it switches
+/// none.
 pub(super) fn switched(machine: &Machine, drives: &[Attached], outcome: &Outcome) -> Vec<String> {
     let name = |device: usize| machine.drives.get(device).map_or("", |entry| entry.name.as_str());
     let called = |function: &&MFunction| outcome.m_calls.contains(&function.number);
@@ -33,7 +35,12 @@ pub(super) fn switched(machine: &Machine, drives: &[Attached], outcome: &Outcome
         let signal = signals.find(|signal| signal.axis == one.axis && signal.group == one.group)?;
         Some(format!("output {} of device `{}` follows {signal}", one.output, name(one.device)))
     });
-    functions.chain(tappets).collect()
+    let switches = machine.switch_outputs.iter().filter(|one| attached(one.device));
+    let switches = switches.filter(|one| has(&outcome.switch_points, one.number)).map(|one| {
+        let SwitchOutput { number, device, output } = one;
+        format!("output {output} of device `{}` follows the switch points H{number}", name(*device))
+    });
+    functions.chain(tappets).chain(switches).collect()
 }
 
 /// `output 1` or `outputs 1, 2`.

@@ -8,7 +8,9 @@ use super::{APPROACH, Arguments, Drives, startup};
 use crate::command::progress::ProgressLines;
 use crate::command::{Failure, show};
 use crate::hardware::Heard;
+use crate::limit::Limits;
 use crate::live_view::Picture;
+use crate::program::Dialect;
 use crate::report::AxisMaximaReport;
 use crate::session::{Ending, Session};
 use crate::simulated::Simulated;
@@ -91,6 +93,9 @@ pub(super) fn perform<'m>(
     let limits = arguments.limits;
     let overrides = &arguments.override_at;
     let paced = realtime || has_drives;
+    let stepping = limits == Limits::Softmotion
+        && program.dialect() != Dialect::Job
+        && program.settings().workpiece.is_none();
     let session =
         Session { machine, program, twin, hardware, limits, acknowledge, overrides, realtime };
     let mut watcher = Watcher {
@@ -101,7 +106,8 @@ pub(super) fn perform<'m>(
         last_shown_ns: i64::MIN,
         samples: Heard::default(),
         prompt: Prompt::default(),
-        keys: if paced { open_keys(program) } else { None },
+        keys: if paced { open_keys(program, stepping) } else { None },
+        stepping,
     };
     let clock = crate::clock::Clock::start();
     let ending = session

@@ -8,6 +8,7 @@ use crate::hardware::Heard;
 use crate::live_view::Picture;
 use crate::m_function::MCall;
 use crate::program::ProgramFile;
+use crate::program::inputs::Steps;
 use crate::session::{Answer, DriveSample, Observer, TwinCycle};
 use indicatif::ProgressBar;
 use twin_path::Place;
@@ -23,14 +24,19 @@ pub(super) struct Watcher<'a, 'm> {
     pub(super) prompt: Prompt,
     /// Override keys, on a terminal.
     pub(super) keys: Option<Keys>,
+    /// True if the plan knows single step and waits: the controller's own.
+    pub(super) stepping: bool,
 }
 
 /// Without them the run goes on.
-pub(super) fn open_keys(program: &ProgramFile) -> Option<Keys> {
+pub(super) fn open_keys(program: &ProgramFile, stepping: bool) -> Option<Keys> {
     match Keys::open(program.settings().inputs.override_factor.factor()) {
         Ok(keys) => {
             if keys.is_some() {
                 stderr!("{}", keys::HELP);
+                if stepping {
+                    stderr!("{}", keys::STEPS_HELP);
+                }
             }
             keys
         }
@@ -61,16 +67,16 @@ impl Observer for Watcher<'_, '_> {
     }
 
     fn m_function(&mut self, call: &MCall, asked: bool) {
-        let MCall { number, place, .. } = call;
+        let place = call.place;
         if asked {
-            self.bar.suspend(|| stderr!("M{number} at {place}: press Enter when it is done"));
+            self.bar.suspend(|| stderr!("{call} at {place}: press Enter when it is done"));
             if let Some(keys) = &mut self.keys {
                 keys.ask();
             } else if let Err(error) = self.prompt.ask() {
                 self.bar.suspend(|| stderr!("standard input cannot be read: {error}"));
             }
         }
-        self.bar.set_message(format!("{place}  M{number}"));
+        self.bar.set_message(format!("{place}  {call}"));
     }
 
     fn answer(&mut self) -> Answer {
@@ -89,6 +95,20 @@ impl Observer for Watcher<'_, '_> {
         };
         self.bar.suspend(|| stderr!("{text}"));
         Some(factor)
+    }
+
+    fn new_steps(&mut self) -> Option<Steps> {
+        let steps = self.keys.as_mut()?.new_steps().filter(|_| self.stepping)?;
+        let Steps { single_step, wait_at_next_stop } = steps;
+        let on = |on: bool| if on { "on" } else { "off" };
+        self.bar.suspend(|| {
+            stderr!(
+                "single step {}, wait at the next stop {}",
+                on(single_step),
+                on(wait_at_next_stop)
+            );
+        });
+        Some(steps)
     }
 
     fn drives(&mut self, sample: &DriveSample<'_>) {

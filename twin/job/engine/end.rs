@@ -3,7 +3,7 @@
 use super::super::read::LONGEST;
 use super::super::{Call, ON_TOP, SUPERIMPOSED};
 use super::moved::Moved;
-use super::{Engine, Running};
+use super::{Engine, Running, nanoseconds};
 use crate::finding::{Finding, Rule};
 use twin_axis::AxisState;
 use twin_number::seconds;
@@ -33,7 +33,7 @@ impl Engine {
         if let Some(running) = waits {
             // A block that waits for a master that stands waits for ever.
             let long = self.now_ns - self.moved_ns > STUCK_NS;
-            if stand && !ends && long && self.nothing_is_due() {
+            if stand && !ends && long && self.nothing_is_due() && !self.is_under_way() {
                 let Call { line, name, .. } = running.call;
                 let place = Place { line, block: None };
                 let message = format!("{name} waits for ever: its axis and its master stand");
@@ -54,6 +54,17 @@ impl Engine {
             return Err(Finding::error(Rule::FunctionBlock, self.place(), message).into());
         }
         if stand && !ends { Ok(true) } else { self.in_time() }
+    }
+
+    /// Whether a block has begun whose known course goes on: its axis may rest meanwhile.
+    fn is_under_way(&self) -> bool {
+        self.calls.iter().any(|running| {
+            let begun_ns = running.begun_ns.filter(|_| running.over_ns.is_none());
+            let lasts = begun_ns.and(running.call.block.lasts()).map(nanoseconds);
+            begun_ns.zip(lasts).is_some_and(|(begun, lasts)| {
+                begun.saturating_add(lasts).saturating_add(STUCK_NS) >= self.now_ns
+            })
+        })
     }
 
     /// Whether no block begins, and no trigger comes, by itself at a time to come.

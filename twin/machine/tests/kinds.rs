@@ -198,6 +198,40 @@ fn the_work_is_where_it_was_probed() {
     assert!(message.contains("line"), "{message}");
 }
 
+/// Corner and RPY of a tilted work (manual 8.3): six points on the faces of a cuboid turned by roll 0.3, pitch −0.5 and yaw
+/// 1.1 rad, R = Rz·Ry·Rx, with its corner at (300, 20, −30) mm.
+#[test]
+fn a_probed_work_names_its_corner_and_angles() {
+    // Columns of R.
+    let x = [0.398_068_046, 0.782_108_038, 0.479_425_539];
+    let y = [-0.915_668_379, 0.307_070_726, 0.259_343_38];
+    let z = [0.055_616_994, -0.542_231_118, 0.838_386_644];
+    let point = |[u, v, w]: [f64; 3]| {
+        let at =
+            |index: usize| [300.0, 20.0, -30.0][index] + u * x[index] + v * y[index] + w * z[index];
+        format!("[{:.9}, {:.9}, {:.9}]", at(0), at(1), at(2))
+    };
+    let mut text = shipped("gantry3").to_owned();
+    text.push_str("\n[work_frame.probed_mm]\n");
+    for (key, at) in [
+        ("a1", [10.0, 10.0, 0.0]),
+        ("a2", [90.0, 10.0, 0.0]),
+        ("a3", [10.0, 70.0, 0.0]),
+        ("b1", [10.0, 0.0, -5.0]),
+        ("b2", [90.0, 0.0, -5.0]),
+        ("c1", [0.0, 20.0, -5.0]),
+    ] {
+        text.push_str(&format!("{key} = {}\n", point(at)));
+    }
+    let [corner, angles] = load(&text).work_frame();
+    for (found, wanted) in corner.iter().zip([0.3, 0.02, -0.03]) {
+        assert!((found - wanted).abs() < 1e-8, "{corner:?}");
+    }
+    for (found, wanted) in angles.iter().zip([0.3, -0.5, 1.1]) {
+        assert!((found - wanted).abs() < 1e-7, "{angles:?}");
+    }
+}
+
 #[test]
 fn a_modulo_axis_may_have_limits_but_both() {
     let text = edited(

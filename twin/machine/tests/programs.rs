@@ -86,6 +86,23 @@ fn what_m_functions_switch() {
 }
 
 #[test]
+fn which_outputs_follow_switches_of_the_path() {
+    let machine = load(&format!("{SHORT}[[switch_outputs]]\nh = 2\noutput = 4\n"));
+    let [one] = machine.switch_outputs.as_slice() else { panic!("one") };
+    assert_eq!((one.number, one.device, one.output), (2, 0, 4));
+    let tappet = "[[tappet_outputs]]\naxis = \"Y\"\ngroup = 1\noutput = 4\n";
+    for (before, section, part) in [
+        ("", "h = 33\noutput = 4", "`h` is 33; it must lie between 1 and 32"),
+        ("", "output = 4", "[[switch_outputs]] number 1 lacks `h`"),
+        ("", "h = 2\noutput = 33", "`output` is 33; it must lie between 1 and 32"),
+        (tappet, "h = 2\noutput = 4", "output 4 of this drive follows something else already"),
+    ] {
+        let found = problems(&format!("{SHORT}{before}[[switch_outputs]]\n{section}\n"));
+        assert!(found[0].1.contains(part), "{found:#?}");
+    }
+}
+
+#[test]
 fn which_outputs_follow_tappets() {
     let section = "axis = \"Y\"\ngroup = 1\noutput = 4";
     let machine = load(&format!("{SHORT}[[tappet_outputs]]\n{section}\n"));

@@ -129,6 +129,16 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
     }
 
+    /// Applies a request of the user for single step or a wait at the next stop.
+    pub(super) fn heed_steps(&mut self, observer: &mut dyn Observer) {
+        if let Some(steps) = observer.new_steps()
+            && self.plan == Plan::GoesOn
+            && self.stopped.is_none()
+        {
+            self.items.set_steps(steps);
+        }
+    }
+
     /// From now on the drives follow the plan by `clock`.
     pub(super) fn begin(&mut self, clock: Clock, paced: bool) {
         self.clock = paced.then_some(clock);
@@ -217,12 +227,22 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             match item {
                 Some(PlanItem::Tool(tool)) => {
                     self.overrides.observe(tool.time_ns, &self.items);
+                    if let Some(bridge) = self.transformer.bridge(&tool) {
+                        self.items.bridge(bridge, &tool);
+                        continue;
+                    }
                     let call = self.items.m_call();
                     match self.transformer.axes(&tool, call) {
                         Ok(setpoint) => self.take(&setpoint),
                         Err(source) => self.fail_plan(Stopped::Path { place: tool.place, source }),
                     }
                 }
+                Some(PlanItem::Bridging(instant)) => match self.transformer.bridging(&instant) {
+                    Ok(setpoint) => self.take(&setpoint),
+                    Err(source) => {
+                        self.fail_plan(Stopped::Path { place: instant.place, source });
+                    }
+                },
                 Some(PlanItem::Axes(setpoint)) => {
                     self.overrides.observe(setpoint.time_ns, &self.items);
                     self.take(&setpoint);
@@ -278,8 +298,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             if let Some(call) = setpoint.m_call {
                 self.begin_m_function(call, observer);
             }
-            let before = before.map(|before| before.tappets).unwrap_or_default();
-            self.switch_tappet_outputs(before, &setpoint);
+            self.switch_outputs(before.as_ref(), &setpoint);
             let feedback = self.twin.command_before(&setpoint, &self.planned);
             let feedback = feedback.and_then(|()| self.twin.feedback());
             for news in self.twin.news() {

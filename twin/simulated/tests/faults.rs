@@ -57,6 +57,7 @@ fn run(machine: &Machine, axis: usize, scenario: &str) -> Vec<[f64; 2]> {
             feed: None,
             probing: false,
             tappets: TappetBits::default(),
+            switches: 0,
         };
         twin.command(&setpoint).unwrap();
         let axes = twin.feedback().unwrap().unwrap().position;

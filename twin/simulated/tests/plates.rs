@@ -302,6 +302,7 @@ fn stops_with_a_collision(plated: &Plated, mut twin: Simulated, told: &str) {
             feed: None,
             probing: false,
             tappets: TappetBits::default(),
+            switches: 0,
         };
         twin.command(&setpoint).err()
     });

@@ -150,6 +150,7 @@ fn transform_chain_urdf_and_bodies_agree() {
                 feed: None,
                 probing: false,
                 tappets: TappetBits::default(),
+                switches: 0,
             };
             twin.command(&setpoint).unwrap();
             let measured = twin.feedback().unwrap().unwrap().position;

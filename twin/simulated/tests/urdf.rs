@@ -234,6 +234,7 @@ fn line(machine: &Machine, from: [f64; 3], to: [f64; 3]) {
             feed: None,
             probing: false,
             tappets: TappetBits::default(),
+            switches: 0,
         };
         twin.command(&setpoint).unwrap();
         let position = twin.feedback().unwrap().unwrap().position;
