@@ -134,6 +134,7 @@ pub(super) fn noticed(notice: &Notice) -> Finding {
     let (rule, severity) = match notice {
         Notice::Gouge { .. } => (Rule::CompensationGouge, Severity::Error),
         Notice::TooNarrow { .. } => (Rule::CompensationGouge, Severity::Warning),
+        Notice::NoRadius { .. } => (Rule::Syntax, Severity::Warning),
         Notice::LoopCut { .. } => (Rule::LoopCut, Severity::Note),
         Notice::SwitchLost { .. } => (Rule::SwitchLost, Severity::Warning),
     };

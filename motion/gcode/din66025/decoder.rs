@@ -80,6 +80,8 @@ pub struct Decoder<R> {
     /// Those of the last line.
     pub(super) words: Vec<Word>,
     complaints: Complaints,
+    /// A block without N word has been reported.
+    unnumbered: bool,
     pub(super) state: State,
     pub(super) out: Output,
 }
@@ -129,6 +131,7 @@ impl<R: BufRead> Decoder<R> {
             ended: false,
             words: Vec::new(),
             complaints: Complaints::default(),
+            unnumbered: false,
             state: State::new(start, start_extra, variables),
             out: Output::default(),
         }
@@ -270,6 +273,12 @@ impl<R: BufRead> Decoder<R> {
         }
         let problems = &mut self.complaints.problems;
         if problems.is_empty() {
+            if let Some(first) = self.words.first()
+                && block.number.is_none()
+                && !std::mem::replace(&mut self.unnumbered, true)
+            {
+                self.out.warning(first.columns.clone(), DecodeError::MissingBlockNumber);
+            }
             return self.state.execute(&block, &self.words, line, &mut self.out);
         }
         problems.sort_by_key(|problem| problem.columns.start);

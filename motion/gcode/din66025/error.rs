@@ -127,6 +127,11 @@ pub enum DecodeError {
         /// Number of the N word.
         number: f64,
     },
+    /// A block without N word. A warning, once per program.
+    #[error(
+        "this block has no N word: SoftMotion requires one at the beginning of every block; number the blocks N10, N20 …"
+    )]
+    MissingBlockNumber,
     /// A coordinate in a block that cannot use it.
     #[error(
         "{letter} has nothing to act on in a block with G{command}: put it into a block that moves"
@@ -378,6 +383,7 @@ impl TextError for DecodeError {
             | Self::SecondG { .. }
             | Self::MisplacedG { .. }
             | Self::MisplacedN { .. }
+            | Self::MissingBlockNumber
             | Self::WordWithoutMotion { .. }
             | Self::UnusedWord { .. }
             | Self::DuplicateWord { .. }

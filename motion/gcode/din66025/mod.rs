@@ -17,6 +17,7 @@
 //! G36 and G37 change it. G20 jumps to another block, so the same line may be decoded many times.
 //!
 //! Decisions where the manual is silent:
+//! - A block without N word is executed; the first of a program gets a warning, since the manual requires the word.
 //! - A comment ends in its line, as the block does.
 //! - A block without a coordinate (and, for an arc, without I, J or R) makes no path object: `N50 G1 F100` sets the
 //!   motion and the feed. A block whose target is the present position makes an object of length zero.

@@ -1,5 +1,6 @@
 //! Notices: changes and deviations that preparation reports separately from the stream.
 
+use super::Stage;
 use crate::Place;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -39,6 +40,13 @@ pub enum Notice {
         /// Length of the path cut off, m.
         length: f64,
     },
+    /// A stage has begun without a radius or distance (D), so that it leaves the path as it is.
+    NoRadius {
+        /// The block with which it begins.
+        place: Place,
+        /// The stage.
+        stage: Stage,
+    },
     /// A switch point lies on a piece of path that is gone, and there is no room for it on what is left.
     SwitchLost {
         /// The block it was programmed in.
@@ -57,6 +65,7 @@ impl Notice {
             Self::Gouge { place, .. }
             | Self::TooNarrow { place, .. }
             | Self::LoopCut { place, .. }
+            | Self::NoRadius { place, .. }
             | Self::SwitchLost { place, .. } => *place,
         }
     }
@@ -66,6 +75,7 @@ impl Notice {
         match self {
             Self::Gouge { .. } | Self::TooNarrow { .. } => "compensation-gouge",
             Self::LoopCut { .. } => "loop-cut",
+            Self::NoRadius { .. } => "syntax",
             Self::SwitchLost { .. } => "switch-lost",
         }
     }
@@ -98,6 +108,17 @@ impl std::fmt::Display for Notice {
                 "{place}: a loop of {:.6} mm is cut off, the path goes on with {resumed}",
                 mm(length)
             ),
+            Self::NoRadius { place, stage } => {
+                let (size, words) = match stage {
+                    Stage::ToolRadius => ("radius", "G41 or G42"),
+                    Stage::Smoothing => ("distance", "G51"),
+                    Stage::Rounding => ("distance", "G52"),
+                };
+                write!(
+                    f,
+                    "{place}: {stage} has no effect, because D is 0 mm; put the {size} as D into the block of {words}"
+                )
+            }
             Self::SwitchLost { place, number, on } => write!(
                 f,
                 "{place}: switch {number} {} lies on a piece of path that is gone, and what is left has no room for it",

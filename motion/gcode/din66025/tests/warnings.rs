@@ -95,3 +95,23 @@ fn words_without_effect() {
     let decoded = decode("G92 X5 R5");
     assert_eq!(diagnostics(&decoded)[0].error, unused('R', 92));
 }
+
+/// The N word is required at the beginning of every block, although it has no meaning (manual 3.2).
+#[test]
+fn missing_block_numbers() {
+    let warnings = |blocks: &str| -> Vec<_> {
+        let program = format!("% name\n{blocks}");
+        let decoded = decode_all(DecoderOptions::default(), program.as_bytes());
+        let lines =
+            diagnostics(&decoded).into_iter().map(|Diagnostic { place, columns, error }| {
+                assert_eq!(error, DecodeError::MissingBlockNumber);
+                (place.line, columns)
+            });
+        lines.collect()
+    };
+    assert_eq!(warnings("N10 G1 X10 F10\n(comment)\n\nN20 X20\n/N30 X30"), []);
+    // Once per program, at the first such block.
+    assert_eq!(warnings("N10 G1 X10 F10\n  X20\nX30"), [(3, Some(2..5))]);
+    assert_eq!(warnings("/ G1 X10 F10\nX20"), [(2, Some(2..4))]);
+    assert_eq!(DecodeError::MissingBlockNumber.rule(), Rule::Syntax);
+}

@@ -6,8 +6,8 @@ mod smooth;
 pub use round::{RoundPath, Rounding};
 pub use smooth::{SmoothPath, Smoothing};
 
-use super::Notices;
 use super::piece::{self, ANGLE_EPS, POINT_EPS, Station, flat};
+use super::{Notice, Notices, Stage};
 use crate::Place;
 use crate::{ElementKind, Marks, PathElement, Plane, Shape, Switch};
 use nalgebra::Vector2;
@@ -21,6 +21,9 @@ const MOST_BETWEEN: usize = 64;
 pub trait CornerStyle {
     /// The mark with which it begins.
     const BEGIN: Marks;
+
+    /// Its name in notices.
+    const STAGE: Stage;
 
     /// Turns up to this stay as they are, rad (`dAngleTol`).
     fn angle_tolerance(&self) -> f64;
@@ -77,7 +80,8 @@ impl CornerError {
 /// The path is cut in X and Y; Z and the extra axes go on linearly from the one cut to the other. The inserted element
 /// has the smaller limits of its neighbours and belongs to the block of the first. Untouched stay: turns within the
 /// angle tolerance, neighbours of rapids and jumps, elements that do not move in X or Y, and those curving in another
-/// plane. No more than half of an element is ever cut off at either of its ends.
+/// plane. No more than half of an element is ever cut off at either of its ends. A distance of 0 leaves the corners of
+/// its section and gives [`Notice::NoRadius`] once.
 ///
 /// Between the two elements of a corner may be M functions, dwells and elements of length zero: they move behind the
 /// corner, to where the second element now begins. Switches on the parts cut off move onto the inserted element, those
@@ -91,6 +95,8 @@ pub struct Corners<I, E, S> {
     style: S,
     notices: Notices,
     active: bool,
+    /// This section has no distance, which has been reported.
+    without_distance: bool,
     held: Option<Held>,
     /// What stands between the held element and the next.
     between: VecDeque<Result<PathElement, E>>,
@@ -129,6 +135,7 @@ where
             style,
             notices,
             active: false,
+            without_distance: false,
             held: None,
             between: VecDeque::new(),
             ready: VecDeque::new(),
@@ -147,7 +154,10 @@ where
             Ok(element) => element,
             Err(error) => return self.carry(Err(error)),
         };
-        self.active |= element.marks.contains(S::BEGIN);
+        if element.marks.contains(S::BEGIN) {
+            self.active = true;
+            self.without_distance = false;
+        }
         let ends = self.active && element.marks.contains(Marks::CORNERS_END);
         if self.active {
             element.marks = element.marks.without(S::BEGIN).without(if ends {
@@ -238,7 +248,7 @@ where
     }
 
     /// Cuts at the corner between two elements, and its replacement; none if the corner stays.
-    fn cut(&self, first: &PathElement, next: &PathElement) -> Result<Option<Cut>, CornerError> {
+    fn cut(&mut self, first: &PathElement, next: &PathElement) -> Result<Option<Cut>, CornerError> {
         let on_plane =
             |shape: &Shape| !matches!(shape, Shape::Arc(arc) if arc.plane() != Plane::Xy);
         let fits = |element: &PathElement| {
@@ -259,6 +269,9 @@ where
         let distance = self.style.distance(first.tool_radius);
         if distance.is_nan() || distance < 0.0 {
             return Err(CornerError::Distance { place: first.place, distance });
+        }
+        if distance == 0.0 && !std::mem::replace(&mut self.without_distance, true) {
+            self.notices.add(Notice::NoRadius { place: first.place, stage: S::STAGE });
         }
         let back = Arm { shape: &first.shape, length: lengths[0], backwards: true };
         let forth = Arm { shape: &next.shape, length: lengths[1], backwards: false };

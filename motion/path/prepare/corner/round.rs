@@ -1,6 +1,6 @@
 //! Corner rounding by arcs (`SMC_RoundPath`, manual 6.2.6).
 
-use super::{Corner, CornerStyle, Corners};
+use super::{Corner, CornerStyle, Corners, Stage};
 use crate::{Arc, Marks, Shape};
 use nalgebra::{Point3, Vector2};
 use std::f64::consts::PI;
@@ -27,6 +27,7 @@ pub struct Rounding {
 
 impl CornerStyle for Rounding {
     const BEGIN: Marks = Marks::ROUNDING;
+    const STAGE: Stage = Stage::Rounding;
 
     fn angle_tolerance(&self) -> f64 {
         self.angle_tolerance

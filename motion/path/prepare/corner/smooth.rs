@@ -1,6 +1,6 @@
 //! Corner smoothing by splines (`SMC_SmoothPath`, manual 6.2.5).
 
-use super::{Corner, CornerStyle, Corners};
+use super::{Corner, CornerStyle, Corners, Stage};
 use crate::{Cubic, Marks, Shape};
 
 /// Replaces corners between [`Marks::SMOOTHING`] (G51) and [`Marks::CORNERS_END`] (G50) by splines
@@ -22,6 +22,7 @@ pub struct Smoothing {
 
 impl CornerStyle for Smoothing {
     const BEGIN: Marks = Marks::SMOOTHING;
+    const STAGE: Stage = Stage::Smoothing;
 
     fn angle_tolerance(&self) -> f64 {
         self.angle_tolerance

@@ -9,9 +9,9 @@ pub use error::{Side, ToolRadiusError};
 
 use self::contour::{has_way, is_positioning, simple_pieces, stands};
 use self::offset::{Between, Offset};
-use super::Notices;
 use super::piece::{self, Station};
 use super::planar::Curve;
+use super::{Notice, Notices, Stage};
 use crate::{ElementKind, Marks, PathElement, Plane, Shape};
 use std::collections::VecDeque;
 
@@ -73,7 +73,8 @@ impl Default for ToolRadiusOptions {
 /// so that it does not break: as in the manual, the path then crosses itself, and [`super::AvoidLoops`] can cut the
 /// loop off. Wherever the tool so comes nearer than its radius to a piece of the contour, within
 /// [`ToolRadiusOptions::gouge_window`] pieces or at the first piece of a contour, [`super::Notice::Gouge`] tells it.
-/// Positionings are not looked at. Both notices are the rule `compensation-gouge`.
+/// Positionings are not looked at. Both notices are the rule `compensation-gouge`. A contour with a radius of 0 stays as
+/// it is and gets [`super::Notice::NoRadius`].
 ///
 /// # Errors
 ///
@@ -303,6 +304,7 @@ where
         if radius == 0.0 {
             if let State::Begun(side) = self.state {
                 self.state = State::Idle(side);
+                self.notices.add(Notice::NoRadius { place, stage: Stage::ToolRadius });
             }
             self.release();
             self.ready.push_back(Ok(element));

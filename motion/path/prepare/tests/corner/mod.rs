@@ -4,7 +4,9 @@ use super::{
     Error, PROBE, VECTOR_TOLERANCE, assert_continuous, close, cut, m_function, numbered, polyline,
     taken,
 };
-use crate::prepare::{CornerError, Notices, RoundPath, Rounding, SmoothPath, Smoothing};
+use crate::prepare::{
+    CornerError, Notice, Notices, RoundPath, Rounding, SmoothPath, Smoothing, Stage,
+};
 use crate::{Details, ElementKind, ExtraAxes, Marks, PathElement, Shape, Switch};
 use std::f64::consts::PI;
 
@@ -100,6 +102,30 @@ fn rounded_corners_are_tangent_on_either_side() {
         let Shape::Arc(arc) = &path[1].shape else { panic!("{:?}", path[1]) };
         assert!((arc.sweep() - turn).abs() < 1e-12);
     }
+}
+
+/// Smoothing and rounding need G51 or G52, G50 and D (manual 3.4): without D no corner can be cut. One notice a section.
+#[test]
+fn a_distance_of_zero_is_noticed() {
+    let mut path = polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 30.0], [0.0, 30.0], [0.0, 0.0]]);
+    path[0].marks = Marks::ROUNDING;
+    path[3].marks = Marks::CORNERS_END;
+    let notices = Notices::default();
+    let items = path.clone().into_iter().map(Ok::<_, Error>);
+    let rounded = RoundPath::new(items, Rounding::default(), notices.clone());
+    assert_eq!(rounded.count(), 4);
+    let place = path[0].place;
+    assert_eq!(taken(&notices), [Notice::NoRadius { place, stage: Stage::Rounding }]);
+    path[0].marks = Marks::SMOOTHING;
+    let items = path.into_iter().map(Ok::<_, Error>);
+    let smoothed = SmoothPath::new(items, Smoothing::default(), notices.clone());
+    assert_eq!(smoothed.count(), 4);
+    assert_eq!(
+        taken(&notices).first().map(ToString::to_string).as_deref(),
+        Some(
+            "line 1: smoothing has no effect, because D is 0 mm; put the distance as D into the block of G51"
+        )
+    );
 }
 
 /// No more than half of either line goes (manual 6.2.6), so that the next corner has the other half.

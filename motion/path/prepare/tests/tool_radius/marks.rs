@@ -4,7 +4,9 @@ use super::{CORNER, LEFT, RIGHT, assert_points, contour, correct};
 use crate::prepare::tests::{
     Error, PROBE, assert_continuous, close, cut, line, m_function, polyline,
 };
-use crate::prepare::{Notices, Side, ToolRadius, ToolRadiusError, ToolRadiusOptions};
+use crate::prepare::{
+    Notice, Notices, Side, Stage, ToolRadius, ToolRadiusError, ToolRadiusOptions,
+};
 use crate::{Details, ElementKind, ExtraAxes, Marks, PathElement, Shape, Switch};
 
 fn run(items: Vec<Result<PathElement, Error>>) -> Vec<Result<PathElement, Error>> {
@@ -38,6 +40,27 @@ fn a_radius_of_zero_changes_nothing() {
     }
     let expected: Vec<_> = elements.into_iter().map(Ok).collect();
     assert_eq!(run(items), expected);
+}
+
+/// The correction needs G41 or G42, G40 and D (manual 3.4): without D there is nothing to correct by.
+#[test]
+fn a_radius_of_zero_is_noticed() {
+    let back = [[100.0, 100.0], [0.0, 100.0], [0.0, 0.0]];
+    let contours = [contour(polyline(&CORNER), LEFT, 0.0), contour(polyline(&back), RIGHT, 0.0)];
+    let elements = crate::prepare::tests::numbered(contours.concat());
+    let (_, notices) = correct(elements.clone(), ToolRadiusOptions::default());
+    let at =
+        |line: usize| Notice::NoRadius { place: elements[line].place, stage: Stage::ToolRadius };
+    assert_eq!(notices, [at(0), at(2)]);
+    assert_eq!(
+        notices[0].to_string(),
+        "line 1: tool radius correction has no effect, because D is 0 mm; put the radius as D into the block of \
+         G41 or G42"
+    );
+    assert_eq!(notices[0].rule(), "syntax");
+    // A radius of the adapter's own is one.
+    let options = ToolRadiusOptions { radius: 0.001, ..ToolRadiusOptions::default() };
+    assert_eq!(correct(contour(polyline(&CORNER), LEFT, 0.0), options).1, []);
 }
 
 /// Positionings are inserted at both ends (manual 6.2.3).
