@@ -27,9 +27,7 @@ pub fn elements<E: TextError + 'static>(
 pub fn prepare(
     elements: impl Iterator<Item = Result<PathElement, Failure>>,
 ) -> impl Iterator<Item = Result<CheckedElement, Failure>> {
-    Preparation::for_marks(Marks::default())
-        .and_then(|stages| stages.check(elements, ANGLE_TOLERANCE, &Notices::default()))
-        .expect("nothing that cannot be combined")
+    Preparation::for_marks(Marks::default()).check(elements, ANGLE_TOLERANCE, &Notices::default())
 }
 
 /// Plans `path`; how many elements it has.

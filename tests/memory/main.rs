@@ -74,7 +74,7 @@ fn prepared(lines: u32, marks: Marks, preparation: &Preparation) {
         element.map(|element| PathElement { marks: marks.take().unwrap_or_default(), ..element })
     });
     let notices = Notices::default();
-    let path = preparation.apply(path, &notices).unwrap();
+    let path = preparation.apply(path, &notices);
     // Whoever runs a path reads what there is to tell.
     let path = CheckVelocities::new(path, 0.1).inspect(|_| while notices.take().is_some() {});
     let elements = count(path);

@@ -219,9 +219,8 @@ fn setpoints() -> Vec<ToolSetpoint> {
         Item::Element(element) => Ok::<_, Fault>(element),
         Item::Warning(warning) => panic!("{warning}"),
     });
-    let path = Preparation::for_marks(Marks::default())
-        .and_then(|stages| stages.check(elements, 0.1, &Notices::default()))
-        .expect("nothing that cannot be combined");
+    let stages = Preparation::for_marks(Marks::default());
+    let path = stages.check(elements, 0.1, &Notices::default());
     let setpoints = Interpolator::new(LookAhead::new(path), DEFAULT_CYCLE_NS);
     setpoints.map(|setpoint| setpoint.expect("a path")).collect()
 }

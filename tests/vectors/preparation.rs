@@ -13,7 +13,7 @@ fn prepared(
     elements: Vec<PathElement>,
 ) -> (Vec<PathElement>, Vec<Notice>) {
     let notices = Notices::default();
-    let path = preparation.apply(stream(elements), &notices).expect("stages that go together");
+    let path = preparation.apply(stream(elements), &notices);
     let path: Result<Vec<_>, Fault> = path.collect();
     (path.expect("a path"), std::iter::from_fn(|| notices.take()).collect())
 }
@@ -21,7 +21,7 @@ fn prepared(
 /// The same with the stages that the program asks for.
 fn as_asked(elements: Vec<PathElement>) -> (Vec<PathElement>, Vec<Notice>) {
     let marks = elements.iter().fold(Marks::default(), |all, element| all.with(element.marks));
-    prepared(&Preparation::for_marks(marks).expect("stages that go together"), elements)
+    prepared(&Preparation::for_marks(marks), elements)
 }
 
 fn checked(elements: Vec<PathElement>, angle_tolerance: f64) -> Vec<CheckedElement> {

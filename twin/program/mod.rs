@@ -27,7 +27,7 @@ use std::time::SystemTime;
 use stream::Stage;
 use twin_gcode::{din66025, rs274};
 use twin_path::Place;
-use twin_path::prepare::{Incompatible, Notices, Preparation};
+use twin_path::prepare::{Incompatible, Notices, Preparation, Sections};
 use twin_path::queue::{Generator, QueueReader};
 use twin_path::{Marks, PathElement};
 use twin_planner::controller::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
@@ -232,60 +232,57 @@ impl ProgramFile {
         if let Some((incompatible, place)) = incompatible {
             ledger.borrow_mut().report(source::incompatible(incompatible, place));
         }
-        // What cannot be combined has been left out.
-        let prepared = preparation
-            .check(decoded, conditions.angle_tolerance, notices)
-            .map_err(|error| io::Error::other(error.to_string()))?;
+        let prepared = preparation.check(decoded, conditions.angle_tolerance, notices);
         Ok((if conditions.stops { prepared } else { prepared.without_stops() }, ledger))
     }
 
-    /// What the program's G41 to G61 ask for; without what cannot be combined, and that.
+    /// What the program's G41 to G61 ask for; nothing where sections overlap that cannot be combined, and the place of
+    /// the second of them.
     fn preparation(
         &self,
         conditions: &ProgramConditions,
     ) -> io::Result<(Preparation, Option<(Incompatible, Place)>)> {
-        let marks = match self.dialect {
+        let (marks, overlap) = match self.dialect {
             Dialect::Din66025 if self.is_repeatable() => {
                 let marks =
                     din66025::marks_in(BufReader::with_capacity(1 << 16, File::open(&self.path)?))?;
-                // Perhaps only comments name them together.
-                if Preparation::for_marks(marks).is_ok() { marks } else { self.marks(conditions)? }
+                if Sections::cannot_overlap(marks) {
+                    (marks, None)
+                } else {
+                    // Perhaps only comments name them.
+                    self.marks(conditions)?
+                }
             }
             Dialect::Queue if self.is_repeatable() && self.is_unprepared()? => {
                 self.marks(conditions)?
             }
             // What can be read only once cannot be looked through first; the others ask for nothing.
             Dialect::Din66025 | Dialect::Queue | Dialect::Rs274 | Dialect::Job | Dialect::Dxf => {
-                Marks::default()
+                (Marks::default(), None)
             }
         };
-        let (preparation, incompatible) = match Preparation::for_marks(marks) {
-            Ok(preparation) => (preparation, None),
-            Err(incompatible) => {
-                let place = self.place_of_incompatible(conditions)?;
-                (Preparation::default(), Some((incompatible, place)))
-            }
+        let preparation = match overlap {
+            None => Preparation::for_marks(marks),
+            Some(_) => Preparation::default(),
         };
-        Ok((conditions.preparation.complete(preparation), incompatible))
+        Ok((conditions.preparation.complete(preparation), overlap))
     }
 
-    /// The marks of all elements together.
-    fn marks(&self, conditions: &ProgramConditions) -> io::Result<Marks> {
+    /// The marks of all elements together, and where the second of two sections begins that cannot be combined.
+    fn marks(
+        &self,
+        conditions: &ProgramConditions,
+    ) -> io::Result<(Marks, Option<(Incompatible, Place)>)> {
         let (decoded, _) = self.decode(conditions, EmptyMoves::LeftOut)?;
-        let elements = decoded.filter_map(Result::ok);
-        Ok(elements.fold(Marks::default(), |marks, element| marks.with(element.marks)))
-    }
-
-    /// Where the second of two stages that cannot be combined begins.
-    fn place_of_incompatible(&self, conditions: &ProgramConditions) -> io::Result<Place> {
-        let (decoded, _) = self.decode(conditions, EmptyMoves::LeftOut)?;
-        let mut marks = Marks::default();
-        let mut elements = decoded.filter_map(Result::ok);
-        let second = elements.find(|element| {
+        let (mut marks, mut overlap) = (Marks::default(), None);
+        let mut sections = Sections::default();
+        for element in decoded.filter_map(Result::ok) {
             marks = marks.with(element.marks);
-            Preparation::for_marks(marks).is_err()
-        });
-        Ok(second.map_or(Place { line: 1, block: None }, |element| element.place))
+            if let Err(incompatible) = sections.pass(element.marks) {
+                overlap.get_or_insert((incompatible, element.place));
+            }
+        }
+        Ok((marks, overlap))
     }
 
     /// Whether this queue's path has not been prepared yet.

@@ -21,6 +21,7 @@ mod notice;
 mod piece;
 mod planar;
 mod preparation;
+mod sections;
 #[cfg(test)]
 mod tests;
 mod tool_radius;
@@ -32,4 +33,5 @@ pub use limit_circular::curvature;
 pub use limit_circular::{CircularLimits, LimitCircularVelocities};
 pub use notice::{Notice, Notices};
 pub use preparation::{Incompatible, Optional, Preparation, PreparedPath, Stage};
+pub use sections::Sections;
 pub use tool_radius::{Side, ToolRadius, ToolRadiusError, ToolRadiusOptions};

@@ -13,7 +13,7 @@ use std::num::NonZeroUsize;
 /// The order is that of the manual's sections 6.2.3 to 6.2.8: [`ToolRadius`], [`AvoidLoops`], [`SmoothPath`] or
 /// [`RoundPath`], [`LimitCircularVelocities`]; then comes [`CheckVelocities`] (6.2.7, "directly before the
 /// interpolator"). Tool radius correction, smoothing and rounding cannot be combined (manual 3.4), since they share
-/// D: [`Preparation::apply`] refuses.
+/// D, but may follow one another in sections of their own: [`super::Sections`] finds those that overlap.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Preparation {
     /// Tool radius correction (G40 to G42).
@@ -49,7 +49,7 @@ impl std::fmt::Display for Stage {
     }
 }
 
-/// Two stages that cannot be combined.
+/// Two stages that are active at the same time, which cannot be combined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{first} and {second} cannot be combined: D belongs to either")]
 pub struct Incompatible {
@@ -94,50 +94,24 @@ pub type PreparedPath<I, E> = Optional<Rounded<I, E>, LimitCircularVelocities<Ro
 impl Preparation {
     /// Preparation for a program with these marks (of all its elements together), with the adapters' defaults: D gives
     /// all radii and distances, and curves have no limits.
-    ///
-    /// # Errors
-    /// If the marks ask for [`Incompatible`] stages.
-    pub fn for_marks(marks: Marks) -> Result<Self, Incompatible> {
+    pub fn for_marks(marks: Marks) -> Self {
         let any = |of: Marks| marks.0 & of.0 != 0;
         let correction = Marks::CORRECTION_LEFT.with(Marks::CORRECTION_RIGHT);
-        let preparation = Self {
+        Self {
             tool_radius: any(correction).then(ToolRadiusOptions::default),
             loops: any(Marks::LOOPS).then_some(DEFAULT_LOOP_WINDOW),
             smoothing: any(Marks::SMOOTHING).then(Smoothing::default),
             rounding: any(Marks::ROUNDING).then(Rounding::default),
             circular: None,
-        };
-        preparation.incompatible().map_or(Ok(preparation), Err)
-    }
-
-    /// Two of its stages that cannot be combined, if there are such.
-    pub fn incompatible(&self) -> Option<Incompatible> {
-        let stages = [
-            (Stage::ToolRadius, self.tool_radius.is_some()),
-            (Stage::Smoothing, self.smoothing.is_some()),
-            (Stage::Rounding, self.rounding.is_some()),
-        ];
-        let mut there = stages.into_iter().filter(|(_, there)| *there).map(|(stage, _)| stage);
-        let (first, second) = there.next().zip(there.next())?;
-        Some(Incompatible { first, second })
+        }
     }
 
     /// The path of `upstream` through the stages; what they notice goes to `notices`.
-    ///
-    /// # Errors
-    /// [`Incompatible`] stages.
-    pub fn apply<I, E>(
-        &self,
-        upstream: I,
-        notices: &Notices,
-    ) -> Result<PreparedPath<I, E>, Incompatible>
+    pub fn apply<I, E>(&self, upstream: I, notices: &Notices) -> PreparedPath<I, E>
     where
         I: Iterator<Item = Result<PathElement, E>>,
         E: From<ToolRadiusError> + From<CornerError>,
     {
-        if let Some(incompatible) = self.incompatible() {
-            return Err(incompatible);
-        }
         let path = match self.tool_radius {
             None => Optional::Without(upstream),
             Some(options) => Optional::With(ToolRadius::new(upstream, options, notices.clone())),
@@ -154,26 +128,23 @@ impl Preparation {
             None => Optional::Without(path),
             Some(style) => Optional::With(RoundPath::new(path, style, notices.clone())),
         };
-        Ok(match self.circular {
+        match self.circular {
             None => Optional::Without(path),
             Some(limits) => Optional::With(LimitCircularVelocities::new(path, limits)),
-        })
+        }
     }
 
     /// The same, then checked for the interpolator; turns of up to `angle_tolerance`, rad, are passed without a stop.
-    ///
-    /// # Errors
-    /// [`Incompatible`] stages.
     pub fn check<I, E>(
         &self,
         upstream: I,
         angle_tolerance: f64,
         notices: &Notices,
-    ) -> Result<CheckVelocities<PreparedPath<I, E>, E>, Incompatible>
+    ) -> CheckVelocities<PreparedPath<I, E>, E>
     where
         I: Iterator<Item = Result<PathElement, E>>,
         E: From<ToolRadiusError> + From<CornerError> + From<CheckError>,
     {
-        Ok(CheckVelocities::new(self.apply(upstream, notices)?, angle_tolerance))
+        CheckVelocities::new(self.apply(upstream, notices), angle_tolerance)
     }
 }

@@ -6,7 +6,7 @@ use std::error::Error;
 use twin_gcode::decode::{Failure, Item, TextError};
 use twin_planner::controller::{DEFAULT_CYCLE_NS, Inputs, Interpolator, LookAhead, ToolSetpoint};
 use twin_path::{AxisMask, ElementKind, Marks, PathElement, Shape};
-use twin_path::prepare::{CheckVelocities, Notices, Preparation};
+use twin_path::prepare::{CheckVelocities, Notices, Preparation, Sections};
 
 /// Set-points sampled at most.
 const SETPOINTS: usize = 2_000;
@@ -61,7 +61,6 @@ pub fn connected(path: &[PathElement], tolerance: f64) {
 pub fn prepared(path: &[PathElement], preparation: &Preparation) -> Vec<PathElement> {
     let notices = Notices::default();
     let stages = preparation.apply(path.iter().cloned().map(Ok::<_, Box<dyn Error>>), &notices);
-    let stages = stages.expect("nothing that cannot be combined");
     let prepared: Vec<_> = stages.map_while(Result::ok).collect();
     let most: usize = path.iter().map(most_pieces).sum();
     assert!(prepared.len() <= most + PIECES, "{} of {}", prepared.len(), path.len());
@@ -79,10 +78,14 @@ fn most_pieces(element: &PathElement) -> usize {
     }
 }
 
-/// Preparation that the marks of `path` ask for, or none if that cannot be combined.
+/// Preparation that the marks of `path` ask for, or none if its sections overlap.
 pub fn by_marks(path: &[PathElement]) -> Preparation {
+    let mut sections = Sections::default();
+    if path.iter().any(|element| sections.pass(element.marks).is_err()) {
+        return Preparation::default();
+    }
     let marks = path.iter().fold(Marks::default(), |marks, element| marks.with(element.marks));
-    Preparation::for_marks(marks).unwrap_or_default()
+    Preparation::for_marks(marks)
 }
 
 /// Samples `path` as far as a machine would wait, with what `inputs` says for each cycle, if anything. Unless it is

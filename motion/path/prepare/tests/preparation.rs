@@ -3,8 +3,8 @@
 use super::random_path;
 use super::{Error, arc, assert_continuous, close, cut, m_function, numbered, polyline, taken};
 use crate::prepare::{
-    CircularLimits, DEFAULT_LOOP_WINDOW, Incompatible, Notices, Preparation, Rounding, Smoothing,
-    Stage, ToolRadiusOptions,
+    CircularLimits, DEFAULT_LOOP_WINDOW, Incompatible, Notices, Preparation, Rounding, Sections,
+    Smoothing, Stage, ToolRadiusOptions,
 };
 use crate::{ElementKind, Marks, PathElement, Shape};
 use proptest::prelude::*;
@@ -13,48 +13,118 @@ const CIRCULAR: CircularLimits = CircularLimits { acceleration: 0.2, acceleratio
 
 fn run(preparation: Preparation, path: Vec<PathElement>) -> Vec<PathElement> {
     let items = path.into_iter().map(Ok::<_, Error>);
-    let prepared = preparation.apply(items, &Notices::default());
-    prepared.expect("stages that can be combined").map(Result::unwrap).collect()
+    preparation.apply(items, &Notices::default()).map(Result::unwrap).collect()
+}
+
+/// What the sections of elements with these marks find, one by one.
+fn sections<const N: usize>(marks: [Marks; N]) -> [Result<(), Incompatible>; N] {
+    let mut sections = Sections::default();
+    marks.map(|marks| sections.pass(marks))
 }
 
 /// Correction, rounding and smoothing are not combinable with each other (manual 3.4).
 #[test]
 fn incompatible_stages() {
-    let tool_radius = Some(ToolRadiusOptions::default());
-    let smoothing = Some(Smoothing::default());
-    let rounding = Some(Rounding::default());
-    let none = Preparation::default();
+    let none = Marks::default();
     let cases = [
-        (Preparation { tool_radius, smoothing, ..none }, Stage::ToolRadius, Stage::Smoothing),
-        (Preparation { tool_radius, rounding, ..none }, Stage::ToolRadius, Stage::Rounding),
-        (Preparation { smoothing, rounding, ..none }, Stage::Smoothing, Stage::Rounding),
+        (Marks::CORRECTION_LEFT, Marks::SMOOTHING, Stage::ToolRadius, Stage::Smoothing),
+        (Marks::CORRECTION_RIGHT, Marks::ROUNDING, Stage::ToolRadius, Stage::Rounding),
+        (Marks::SMOOTHING, Marks::ROUNDING, Stage::Smoothing, Stage::Rounding),
     ];
-    for (preparation, first, second) in cases {
-        let path = std::iter::empty::<Result<PathElement, Error>>();
-        let error = preparation.apply(path, &Notices::default()).err();
-        assert_eq!(error, Some(Incompatible { first, second }));
+    for (one, other, first, second) in cases {
+        let error = Err(Incompatible { first, second });
+        assert_eq!(sections([one, none, other]), [Ok(()), Ok(()), error]);
+        assert_eq!(sections([other, none, one]), [Ok(()), Ok(()), error]);
+        assert_eq!(sections([one.with(other)]), [error]);
+        assert!(!Sections::cannot_overlap(one.with(other)) && Sections::cannot_overlap(one));
     }
     let error = Incompatible { first: Stage::Smoothing, second: Stage::Rounding };
     assert_eq!(error.to_string(), "smoothing and rounding cannot be combined: D belongs to either");
 }
 
+/// Each acts from its start to its end (manual 6.2.3, 6.2.5, 6.2.6), and loop avoidance goes with all of them.
+#[test]
+fn stages_one_after_the_other() {
+    let path = [
+        Marks::CORRECTION_LEFT.with(Marks::LOOPS),
+        Marks::CORRECTION_END,
+        Marks::SMOOTHING,
+        Marks::CORNERS_END,
+        Marks::ROUNDING.with(Marks::CORNERS_END),
+        Marks::CORRECTION_RIGHT,
+    ];
+    assert_eq!(sections(path), [Ok(()); 6]);
+    // The end of a stage does not end another.
+    let marks = [Marks::CORRECTION_LEFT.with(Marks::CORNERS_END), Marks::SMOOTHING];
+    assert!(sections(marks)[1].is_err());
+}
+
+/// A corrected corner (G41 D10 … G40), one to be smoothed (G51 D10 … G50) and one to be rounded (G52 D10 … G50): each
+/// is what the stage makes of it alone.
+#[test]
+fn sections_of_every_stage() {
+    let corner = |x: f64, starts: Marks, ends: Marks| {
+        let mut path = polyline(&[[x, 0.0], [x + 100.0, 0.0], [x + 100.0, 100.0]]);
+        for element in &mut path {
+            element.tool_radius = 0.01;
+        }
+        path[0].marks = starts;
+        path[1].marks = ends;
+        path
+    };
+    let back = |x: f64| {
+        let mut back = cut([x, 0.1, 0.0], [x, 0.0, 0.0], 0.5);
+        back.kind = ElementKind::Rapid;
+        back
+    };
+    let corrected = corner(0.0, Marks::CORRECTION_LEFT, Marks::CORRECTION_END);
+    let smoothed = corner(100.0, Marks::SMOOTHING, Marks::CORNERS_END);
+    let rounded = corner(200.0, Marks::ROUNDING, Marks::CORNERS_END);
+    let mut path = corrected.clone();
+    path.push(back(0.1));
+    path.extend(smoothed.clone());
+    path.push(back(0.2));
+    path.extend(rounded.clone());
+    let marks = path.iter().fold(Marks::default(), |marks, element| marks.with(element.marks));
+    let mut checked = Sections::default();
+    assert!(path.iter().all(|element| checked.pass(element.marks).is_ok()));
+    let together = run(Preparation::for_marks(marks), path);
+    assert_continuous(&together);
+    let cuts = |path: Vec<PathElement>| -> Vec<Shape> {
+        path.into_iter().filter(|e| e.kind == ElementKind::Cut).map(|e| e.shape).collect()
+    };
+    let alone = |path: Vec<PathElement>, marks| cuts(run(Preparation::for_marks(marks), path));
+    let apart = [
+        alone(corrected, Marks::CORRECTION_LEFT),
+        alone(smoothed, Marks::SMOOTHING),
+        alone(rounded, Marks::ROUNDING),
+    ];
+    assert_eq!(cuts(together), apart.concat());
+    // Vector prep-toolcorr-inner: 0/10 to 90/10 to 90/100. 10 mm before the others' corners their curves begin.
+    assert!(close(apart[0][0].end(), [90.0, 10.0, 0.0]));
+    assert!(
+        close(apart[1][1].start(), [190.0, 0.0, 0.0]) && matches!(apart[1][1], Shape::Cubic(_))
+    );
+    assert!(close(apart[2][1].start(), [290.0, 0.0, 0.0]) && matches!(apart[2][1], Shape::Arc(_)));
+}
+
 #[test]
 fn what_marks_ask_for() {
     let none = Preparation::default();
-    assert_eq!(Preparation::for_marks(Marks::CORNERS_END), Ok(none));
+    assert_eq!(Preparation::for_marks(Marks::CORNERS_END), none);
     let loops = Some(DEFAULT_LOOP_WINDOW);
     let tool_radius = Some(ToolRadiusOptions::default());
     for mark in [Marks::CORRECTION_LEFT, Marks::CORRECTION_RIGHT] {
         let expected = Preparation { tool_radius, loops, ..none };
-        assert_eq!(Preparation::for_marks(mark.with(Marks::LOOPS)), Ok(expected));
+        assert_eq!(Preparation::for_marks(mark.with(Marks::LOOPS)), expected);
     }
     let smoothing = Some(Smoothing::default());
-    assert_eq!(Preparation::for_marks(Marks::SMOOTHING), Ok(Preparation { smoothing, ..none }));
+    assert_eq!(Preparation::for_marks(Marks::SMOOTHING), Preparation { smoothing, ..none });
     let rounding = Some(Rounding::default());
-    assert_eq!(Preparation::for_marks(Marks::ROUNDING), Ok(Preparation { rounding, ..none }));
-    let error = Incompatible { first: Stage::ToolRadius, second: Stage::Rounding };
+    assert_eq!(Preparation::for_marks(Marks::ROUNDING), Preparation { rounding, ..none });
+    let expected = Preparation { tool_radius, rounding, ..none };
     let marks = Marks::ROUNDING.with(Marks::CORRECTION_LEFT);
-    assert_eq!(Preparation::for_marks(marks), Err(error));
+    assert_eq!(Preparation::for_marks(marks), expected);
 }
 
 /// Every stage with every other that it goes with.
@@ -146,7 +216,7 @@ fn checked_to_the_end() {
     let mut path = polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 100.0]]);
     path[0].marks = Marks::ROUNDING;
     let items = path.into_iter().map(Ok::<_, Error>);
-    let checked = preparation.check(items, 1e-6, &notices).unwrap();
+    let checked = preparation.check(items, 1e-6, &notices);
     let velocities: Vec<_> = checked.map(|element| element.unwrap().end_velocity).collect();
     // √(0.1·0.02) into and out of an arc of 20 mm; F 50 mm/s is above it.
     let limit = 0.002_f64.sqrt();
@@ -175,8 +245,7 @@ fn errors_keep_their_place() {
             }
         }
         items.insert(25, Err(Error::Upstream(25)));
-        let prepared: Vec<_> =
-            preparation.apply(items.into_iter(), &Notices::default()).unwrap().collect();
+        let prepared: Vec<_> = preparation.apply(items.into_iter(), &Notices::default()).collect();
         let at = prepared.iter().position(Result::is_err).unwrap();
         assert_eq!(prepared[at], Err(Error::Upstream(25)));
         let line = |item: Option<&Result<PathElement, Error>>| {
@@ -210,7 +279,7 @@ proptest! {
         let whole = run(preparation, path.clone());
         assert_continuous(&whole);
         let chunks = path.chunks(chunk).flat_map(<[PathElement]>::to_vec).map(Ok::<_, Error>);
-        let mut prepared = preparation.apply(chunks, &Notices::default()).unwrap();
+        let mut prepared = preparation.apply(chunks, &Notices::default());
         let mut pieces = Vec::new();
         loop {
             let before = pieces.len();
