@@ -60,4 +60,9 @@ pub enum Rule {
 pub trait TextError: std::error::Error {
     /// The rule it breaks.
     fn rule(&self) -> Rule;
+
+    /// True if it only says how the text is read, and nothing is wrong.
+    fn is_note(&self) -> bool {
+        false
+    }
 }

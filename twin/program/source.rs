@@ -141,9 +141,10 @@ pub(super) fn noticed(notice: &Notice) -> Finding {
     Finding { severity, ..Finding::error(rule, place, without_place(place, notice)) }
 }
 
-/// A program that asks for preparation that cannot be combined.
+/// Overlapping sections of stages that cannot be combined.
 pub(super) fn incompatible(error: Incompatible, place: Place) -> Finding {
-    Finding::error(Rule::Syntax, place, format!("{error} in one program"))
+    let message = format!("{error}; end the one (G40, G50) before the other begins");
+    Finding::error(Rule::Syntax, place, message)
 }
 
 /// Decoder of a program's file.
@@ -171,7 +172,9 @@ impl Piece {
         match item {
             Ok(Item::Element(element)) => Self::Element(element),
             Ok(Item::Warning(diagnostic)) => {
-                Self::Wrong(Finding { severity: Severity::Warning, ..finding(&diagnostic) })
+                let severity =
+                    if diagnostic.error.is_note() { Severity::Note } else { Severity::Warning };
+                Self::Wrong(Finding { severity, ..finding(&diagnostic) })
             }
             Err(Failure::Diagnostic(diagnostic)) => Self::Wrong(finding(&diagnostic)),
             Err(Failure::Io(error)) => Self::Failed(error),

@@ -12,6 +12,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, BufRead, Read, Seek};
 use std::iter::FusedIterator;
+use std::ops::Range;
 use twin_path::ExtraPosition;
 use twin_path::Place;
 
@@ -76,6 +77,8 @@ pub struct Decoder<R> {
     name: Option<String>,
     /// The `%` line has been read, or missed.
     begun: bool,
+    /// The bytes of a `%` that ends the program, in the last line.
+    closing: Option<Range<usize>>,
     pub(super) ended: bool,
     /// Those of the last line.
     pub(super) words: Vec<Word>,
@@ -128,6 +131,7 @@ impl<R: BufRead> Decoder<R> {
             line: Vec::new(),
             name: None,
             begun: false,
+            closing: None,
             ended: false,
             words: Vec::new(),
             complaints: Complaints::default(),
@@ -208,6 +212,7 @@ impl<R: BufRead> Decoder<R> {
     /// The first line with the number `block`, looked for from the beginning. Suppressed blocks are not there.
     fn find(&mut self, seek: Seeker<R>, block: u32) -> io::Result<Option<Position>> {
         self.go(seek, Position::default())?;
+        let mut begun = false;
         loop {
             let at = self.next;
             let Some(length) = read_line(&mut self.reader, &mut self.line)? else {
@@ -215,6 +220,10 @@ impl<R: BufRead> Decoder<R> {
             };
             self.next.offset = self.next.offset.saturating_add(length);
             self.next.lines = self.next.lines.saturating_add(1);
+            if begun && is_closing(&self.line) {
+                return Ok(None);
+            }
+            begun |= !self.line.trim_ascii().is_empty();
             if block_number(&self.line, at.lines == 0, self.skip_suppressed_blocks) == Some(block) {
                 return Ok(Some(at));
             }
@@ -224,12 +233,32 @@ impl<R: BufRead> Decoder<R> {
     /// Reads and carries out the next line, or finds that there is none.
     pub(super) fn step(&mut self) -> io::Result<()> {
         self.words.clear();
+        if self.ended {
+            return Ok(());
+        }
         if !self.read_line()? {
             self.ended = true;
             self.state.finish(&mut self.out);
         } else if let Some(jump) = self.decode_line() {
             self.jump(jump)?;
+        } else if let Some(columns) = self.closing.take() {
+            self.close(columns)?;
         }
+        Ok(())
+    }
+
+    /// Ends the program at a second `%`. What follows is read only to see whether there is anything.
+    fn close(&mut self, columns: Range<usize>) -> io::Result<()> {
+        self.ended = true;
+        self.state.finish(&mut self.out);
+        let mut error = DecodeError::ClosingPercent;
+        while read_line(&mut self.reader, &mut self.line)?.is_some() {
+            if !self.line.trim_ascii().is_empty() {
+                error = DecodeError::LinesBehindPercent;
+                break;
+            }
+        }
+        self.out.warning(columns, error);
         Ok(())
     }
 
@@ -248,6 +277,10 @@ impl<R: BufRead> Decoder<R> {
             (b'%', false) => {
                 let name = line.get(begin + 1..).unwrap_or_default().trim_ascii();
                 self.name = (!name.is_empty()).then(|| String::from_utf8_lossy(name).into_owned());
+                return None;
+            }
+            (b'%', true) if is_closing(line) => {
+                self.closing = Some(begin..begin + 1);
                 return None;
             }
             (b'%', true) => {
@@ -322,6 +355,11 @@ impl<R: BufRead> FusedIterator for Decoder<R> {}
 /// Place and value of the first byte that is not blank, from `at` on.
 fn first_word(line: &[u8], at: usize) -> Option<(usize, u8)> {
     line.iter().copied().enumerate().skip(at).find(|(_, byte)| !matches!(byte, b' ' | b'\t'))
+}
+
+/// True for a line that ends the program if it is not its first.
+fn is_closing(line: &[u8]) -> bool {
+    line.trim_ascii() == b"%"
 }
 
 /// Reads a line and its end, at most one byte more than [`MAX_LINE_BYTES`] of it into `line`. Its length in the file;

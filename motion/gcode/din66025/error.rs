@@ -19,9 +19,19 @@ pub enum DecodeError {
     /// The first line is not the `%` line.
     #[error("a program begins with a line with %, and its name if it has one")]
     MissingPercent,
-    /// A `%` elsewhere.
-    #[error("only the first line of a program begins with %")]
+    /// A `%` with text behind it elsewhere.
+    #[error(
+        "only the first line of a program begins with % and a name; a % alone ends the program"
+    )]
     MisplacedPercent,
+    /// A `%` alone at the end. A note.
+    #[error("this % ends the program")]
+    ClosingPercent,
+    /// A `%` alone with lines behind it. A warning.
+    #[error(
+        "this % ends the program, and the lines after it are not read; remove it if they belong to the program"
+    )]
+    LinesBehindPercent,
     /// A line without end.
     #[error("the line is longer than {limit} bytes")]
     LineTooLong {
@@ -367,6 +377,8 @@ impl TextError for DecodeError {
         match self {
             Self::MissingPercent
             | Self::MisplacedPercent
+            | Self::ClosingPercent
+            | Self::LinesBehindPercent
             | Self::LineTooLong { .. }
             | Self::UnexpectedCharacter { .. }
             | Self::UnexpectedByte { .. }
@@ -417,6 +429,10 @@ impl TextError for DecodeError {
             | Self::NegativeRadius { .. }
             | Self::CenterMismatch { .. } => Rule::ArcGeometry,
         }
+    }
+
+    fn is_note(&self) -> bool {
+        matches!(self, Self::ClosingPercent)
     }
 }
 

@@ -18,6 +18,8 @@
 //!
 //! Decisions where the manual is silent:
 //! - A block without N word is executed; the first of a program gets a warning, since the manual requires the word.
+//! - A second `%`, alone in its line, ends the program, as in other dialects; it gets a note, or a warning if lines
+//!   follow, which are not read.
 //! - A comment ends in its line, as the block does.
 //! - A block without a coordinate (and, for an arc, without I, J or R) makes no path object: `N50 G1 F100` sets the
 //!   motion and the feed. A block whose target is the present position makes an object of length zero.

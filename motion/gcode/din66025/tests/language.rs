@@ -220,8 +220,10 @@ impl Read for Failing<'_> {
 
 #[test]
 fn reading_errors_end_it() {
-    let mut decoder =
-        Decoder::new(BufReader::new(Failing(b"%\nG1 X1 F1\nG1 X2")), DecoderOptions::default());
+    let mut decoder = Decoder::new(
+        BufReader::new(Failing(b"%\nN1 G1 X1 F1\nN2 G1 X2")),
+        DecoderOptions::default(),
+    );
     assert!(matches!(decoder.next(), Some(Ok(Item::Element(_)))));
     let Some(Err(Failure::Io(error))) = decoder.next() else { panic!("no error") };
     assert_eq!(error.to_string(), "unplugged");
@@ -230,7 +232,7 @@ fn reading_errors_end_it() {
 
 #[test]
 fn tells_where_it_is() {
-    let mut decoder = Decoder::new(&b"%\n\nG1 X1 F1\nG1 X2"[..], DecoderOptions::default());
+    let mut decoder = Decoder::new(&b"%\n\nN1 G1 X1 F1\nN2 G1 X2"[..], DecoderOptions::default());
     decoder.next();
     // An element is given when the next is known.
     assert_eq!((decoder.lines(), decoder.position()), (4, Point3::new(0.002, 0.0, 0.0)));
@@ -264,4 +266,37 @@ fn example_program() {
     let length: f64 = elements.iter().filter(round).map(PathElement::length).sum();
     let perimeter = 2.0 * (176.0 + 136.0) - 8.0 * 15.0 + std::f64::consts::TAU * 15.0;
     assert_close(length * 1e3, 2.0 * perimeter);
+}
+
+/// The manual has `%` in the first line only (3.2). A second one, alone, ends the program as in RS274, with a note.
+#[test]
+fn a_closing_percent() {
+    let ended = |behind: &str| {
+        let decoded = decode(&format!("N10 G1 X10 F10\nN20 X20\n%{behind}"));
+        assert_eq!(ends_mm(&remaining(&decoded)).len(), 2, "{behind:?}");
+        let found = diagnostics(&decoded);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!((found[0].place.line, found[0].columns.clone()), (4, Some(0..1)));
+        found[0].error.clone()
+    };
+    for behind in ["", "\n", "\r\n", " \n\n  \n"] {
+        let error = ended(behind);
+        assert_eq!(error, DecodeError::ClosingPercent, "{behind:?}");
+        assert!(error.is_note());
+    }
+    let error = ended("\nN30 X30\n%\n");
+    assert_eq!(error, DecodeError::LinesBehindPercent);
+    assert!(!error.is_note() && error.rule() == Rule::Syntax);
+    // With a name it is the beginning of another program.
+    let found = diagnostics(&decode("N10 G1 X10 F10\n% other\nN20 X20"));
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].error, DecodeError::MisplacedPercent);
+}
+
+/// No jump leads behind the end.
+#[test]
+fn a_jump_behind_the_closing_percent() {
+    let decoded = decode("N10 G1 X10 F10\nN20 G20 L30 K1\n%\nN30 X30");
+    let found: Vec<_> = diagnostics(&decoded).into_iter().map(|found| found.error).collect();
+    assert_eq!(found, [DecodeError::JumpTarget { block: 30 }, DecodeError::LinesBehindPercent]);
 }
