@@ -1,5 +1,6 @@
-//! Limited file reading: read a whole file, up to a maximum size.
+//! Limited file reading: read a whole text file, up to a maximum size.
 
+use crate::text::Text;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -7,12 +8,21 @@ use std::path::Path;
 /// Bytes of a file at most: more than a cam of as many points as there may be, with every digit.
 const MOST_BYTES: u64 = 256 << 20;
 
-/// The bytes of a file; what has no end, as a device may, ends with an error.
+/// The bytes of a text file; what has no end, as a device may, ends with an error.
 ///
 /// # Errors
-/// If it cannot be read, or is longer ([`io::ErrorKind::FileTooLarge`]).
+/// If it cannot be read, in UTF-16, or longer ([`io::ErrorKind::FileTooLarge`]).
 pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     up_to(path, MOST_BYTES)
+}
+
+/// The text of a whole file.
+///
+/// # Errors
+/// As [`read`], and if it is not UTF-8.
+pub(crate) fn read_to_string(path: &Path) -> io::Result<String> {
+    String::from_utf8(read(path)?)
+        .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error.utf8_error()))
 }
 
 fn up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
@@ -20,7 +30,7 @@ fn up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let told = file.metadata()?.len();
     let mut bytes = Vec::new();
     if told <= most {
-        file.take(most + 1).read_to_end(&mut bytes)?;
+        Text::of(file)?.take(most + 1).read_to_end(&mut bytes)?;
     }
     if told <= most && bytes.len() as u64 <= most {
         return Ok(bytes);
@@ -47,6 +57,19 @@ mod tests {
         file.seek(SeekFrom::Start(MOST_BYTES)).unwrap();
         file.write_all(b"6").unwrap();
         assert_eq!(super::read(file.path()).unwrap_err().kind(), ErrorKind::FileTooLarge);
+    }
+
+    #[test]
+    fn texts_of_other_systems() {
+        let mut file = tempfile::NamedTempFile::new().unwrap();
+        file.write_all(b"a = 1\rb = 2").unwrap();
+        assert_eq!(super::read_to_string(file.path()).unwrap(), "a = 1\nb = 2");
+        file.write_all(b"\xff").unwrap();
+        assert_eq!(super::read_to_string(file.path()).unwrap_err().kind(), ErrorKind::InvalidData);
+        let mut file = tempfile::NamedTempFile::new().unwrap();
+        file.write_all(b"\xfe\xff\0a").unwrap();
+        let error = super::read_to_string(file.path()).unwrap_err();
+        assert_eq!(error.to_string(), "this is text in UTF-16 (big-endian); save it as UTF-8");
     }
 
     /// A device says that it has no bytes, and has no end.

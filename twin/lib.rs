@@ -50,5 +50,6 @@ mod messages;
 mod planning;
 mod ring;
 mod table;
+mod text;
 mod tolerance;
 mod touch_probe;

@@ -1,6 +1,7 @@
 //! Live view of a run: sends the programmed path and the motion of twin and drives to the view.
 
 use crate::axis_kind::AxisKind;
+use crate::bounded;
 use crate::compare::Measured;
 use crate::job::JobSetpoints;
 use crate::machine::{Machine, SimulationError};
@@ -100,7 +101,7 @@ impl<'m> Picture<'m> {
         let scan = machine.clearance_scan();
         picture.scan = scan.map_err(|error| SimulationError::of(machine, error))?;
         let text = if program.size()? <= MAX_TEXT {
-            String::from_utf8_lossy(&std::fs::read(program.path())?).into_owned()
+            String::from_utf8_lossy(&bounded::read(program.path())?).into_owned()
         } else {
             String::new()
         };

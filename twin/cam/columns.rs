@@ -2,6 +2,7 @@
 
 use super::CamFileError;
 use crate::number::counted;
+use crate::text::foreign_encoding;
 use std::path::Path;
 
 /// More rows are not read.
@@ -25,8 +26,8 @@ pub(super) struct Columns {
 /// decimal comma is read as a point where commas part no columns. Lines that begin with `#` do not count.
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
     let wrong = |line, message| CamFileError::Table { path: path.to_owned(), line, message };
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return Err(wrong(1, "this is text in UTF-16; save it as UTF-8".to_owned()));
+    if let Some(encoding) = foreign_encoding(bytes) {
+        return Err(wrong(1, format!("this is text in {encoding}; save it as UTF-8")));
     }
     let first = bytes
         .split(|byte| *byte == b'\n')

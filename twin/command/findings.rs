@@ -3,6 +3,7 @@
 use super::{causes, underline};
 use crate::finding::{Finding, Severity};
 use crate::program::{Dialect, ProgramFile};
+use crate::text;
 use miette::{
     Diagnostic, LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents,
 };
@@ -71,8 +72,7 @@ fn lines_of<'f>(
     if !program.path().is_file() {
         return BTreeMap::new();
     }
-    let Ok(file) = std::fs::File::open(program.path()) else { return BTreeMap::new() };
-    let mut reader = io::BufReader::new(file);
+    let Ok(mut reader) = text::lines_of(program.path()) else { return BTreeMap::new() };
     let mut lines = BTreeMap::new();
     let mut buffer = Vec::new();
     for number in 1..=last {

@@ -8,7 +8,7 @@ use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use crate::session::override_factor;
 use crate::setpoint_source::MOST_OVERRIDE;
-use std::fs::File;
+use crate::text::Text;
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -270,7 +270,7 @@ impl ReadOptions {
 }
 
 fn tools(path: &Path, unit: LengthUnit) -> Result<ToolTable, Failure> {
-    let table = File::open(path).map_err(ToolTableError::Io);
+    let table = Text::open(path).map_err(ToolTableError::Io);
     let table = table.and_then(|table| ToolTable::read(table, unit));
     table.map_err(|error| Failure::Usage(tool_table_problem(path, &error)))
 }

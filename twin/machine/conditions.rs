@@ -1,7 +1,7 @@
 //! `[program]` and `[rs274]`: initial conditions of programs.
 
 use crate::section::Section;
-use std::fs::File;
+use crate::text::Text;
 use std::path::Path;
 use twin_gcode::rs274;
 use twin_gcode::rs274::{LengthUnit, Position, ToolTable, ToolTableError};
@@ -182,7 +182,7 @@ fn read_rs274(
     offsets.finish();
     let tools = section.text("tool_table").and_then(|name| {
         let path = file.parent().unwrap_or_else(|| Path::new("")).join(name);
-        let table = File::open(&path)
+        let table = Text::open(&path)
             .map_err(ToolTableError::Io)
             .and_then(|table| ToolTable::read(table, units));
         if let Err(error) = &table {

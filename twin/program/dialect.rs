@@ -1,6 +1,6 @@
 //! Dialect of a program: DIN 66025, RS274, queue file, job or drawing.
 
-use std::fs::File;
+use crate::text::Text;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -58,7 +58,7 @@ impl Dialect {
             _ => {}
         }
         let mut beginning = Vec::new();
-        File::open(path)?.take(4096).read_to_end(&mut beginning)?;
+        Text::open(path)?.take(4096).read_to_end(&mut beginning)?;
         let text = String::from_utf8_lossy(&beginning);
         let text = text.trim_start_matches('\u{feff}');
         let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());

@@ -14,6 +14,7 @@ pub(crate) use stream::{Findings, Prepared};
 
 use crate::m_function::Acknowledgement;
 use crate::machine::{Machine, ProgramConditions};
+use crate::text::{self, Text};
 use settings::ReadSettings;
 use source::{Counted, Decoded, Decoder, Ledger};
 use std::cell::RefCell;
@@ -130,8 +131,8 @@ impl ProgramFile {
     /// # Errors
     /// If it cannot be read, has changed, or is no text.
     pub(crate) fn text(&self) -> io::Result<String> {
-        let mut file = File::open(&self.path)?;
-        Stamp::verify(self.stamp, &file)?;
+        let mut file = Text::open(&self.path)?;
+        Stamp::verify(self.stamp, file.inner())?;
         let mut text = String::new();
         file.by_ref().take(LONGEST_TEXT).read_to_string(&mut text)?;
         if file.read(&mut [0])? > 0 {
@@ -244,8 +245,7 @@ impl ProgramFile {
     ) -> io::Result<(Preparation, Option<(Incompatible, Place)>)> {
         let (marks, overlap) = match self.dialect {
             Dialect::Din66025 if self.is_repeatable() => {
-                let marks =
-                    din66025::marks_in(BufReader::with_capacity(1 << 16, File::open(&self.path)?))?;
+                let marks = din66025::marks_in(text::lines_of(&self.path)?)?;
                 if Sections::cannot_overlap(marks) {
                     (marks, None)
                 } else {
@@ -316,7 +316,11 @@ impl ProgramFile {
             return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a directory"));
         }
         Stamp::verify(self.stamp, &file)?;
-        let file = Counted { file, stamp: self.stamp, ledger: Rc::clone(&ledger) };
+        let text = match self.dialect {
+            Dialect::Din66025 | Dialect::Rs274 => Text::of(file)?,
+            Dialect::Queue | Dialect::Job | Dialect::Dxf => Text::binary(file),
+        };
+        let file = Counted { text, stamp: self.stamp, ledger: Rc::clone(&ledger) };
         let reader = BufReader::with_capacity(1 << 16, file);
         let decoded = decoded(self.decoder(reader, conditions, empty)?);
         Ok((decoded, ledger))

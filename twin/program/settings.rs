@@ -1,5 +1,6 @@
 //! Read settings of a program besides its dialect: suppressed blocks, variables, jumps.
 
+use crate::bounded;
 use crate::program::Operations;
 use std::io;
 use std::num::NonZeroUsize;
@@ -90,9 +91,9 @@ pub enum VariablesError {
 /// # Errors
 /// If it cannot be read or says something else.
 pub fn read_variables(path: &Path, variables: &mut Variables) -> Result<(), VariablesError> {
+    let text = bounded::read_to_string(path);
     let path = || path.to_owned();
-    let text = std::fs::read_to_string(path())
-        .map_err(|source| VariablesError::Read { path: path(), source })?;
+    let text = text.map_err(|source| VariablesError::Read { path: path(), source })?;
     let table: toml::Table =
         text.parse().map_err(|source| VariablesError::Syntax { path: path(), source })?;
     for (name, value) in &table {

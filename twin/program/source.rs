@@ -3,6 +3,7 @@
 use super::Stamp;
 use super::stream::FileFacts;
 use crate::finding::{Finding, Rule, Severity};
+use crate::text::Text;
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::fs::File;
@@ -52,15 +53,15 @@ impl Ledger {
 /// Reader that counts bytes, and fails if the file changes meanwhile.
 #[derive(Debug)]
 pub(super) struct Counted {
-    pub(super) file: File,
+    pub(super) text: Text<File>,
     pub(super) stamp: Option<Stamp>,
     pub(super) ledger: Rc<RefCell<Ledger>>,
 }
 
 impl Read for Counted {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.file.read(buffer)?;
-        Stamp::verify(self.stamp, &self.file)?;
+        let count = self.text.read(buffer)?;
+        Stamp::verify(self.stamp, self.text.inner())?;
         self.ledger.borrow_mut().bytes += u64::try_from(count).unwrap_or(u64::MAX);
         Ok(count)
     }
@@ -68,7 +69,7 @@ impl Read for Counted {
 
 impl Seek for Counted {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        self.file.seek(to)
+        self.text.seek(to)
     }
 }
 
@@ -253,12 +254,14 @@ fn endless(element: &PathElement) -> Option<Finding> {
     let ramps = (2.0 * length * (1.0 / element.acceleration + 1.0 / element.deceleration)).sqrt();
     let time = cruise.max(ramps);
     (time > LONGEST_MOVE).then(|| {
+        // Additional axes alone move in mm or degrees.
+        let unit = if element.tool_length() > 0.0 { "mm" } else { "mm or degrees" };
         let (length, feed) = (length * 1e3, element.feed * 1e3);
         let (up, down) = (element.acceleration * 1e3, element.deceleration * 1e3);
         let pace =
             if cruise >= ramps { format!("F{feed}") } else { format!("E{up} and E-{down}") };
         let message = format!(
-            "this move is {length:.1} mm long and would take {time:.0} s with {pace}; the limit for one move is \
+            "this move is {length:.1} {unit} long and would take {time:.0} s with {pace}; the limit for one move is \
              {LONGEST_MOVE:.0} s, and what follows is not planned"
         );
         Finding::error(Rule::Syntax, element.place, message).with_value(time, LONGEST_MOVE, "s")

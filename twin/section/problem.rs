@@ -140,10 +140,6 @@ impl Diagnostic for Shown {
 
 /// The text of a file.
 pub(crate) fn read_text(what: &'static str, path: &Path) -> Result<String, MachineFileError> {
-    let text = bounded::read(path).and_then(|bytes| {
-        String::from_utf8(bytes).map_err(|error| {
-            std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error())
-        })
-    });
+    let text = bounded::read_to_string(path);
     text.map_err(|source| MachineFileError::Read { what, path: path.to_owned(), source })
 }

@@ -3,7 +3,7 @@
 use super::consent::Consent;
 use crate::command::Failure;
 use crate::command::whole::{WholeFile, refuse_existing};
-use std::fs::File;
+use crate::text::Text;
 use std::path::{Path, PathBuf};
 use twin_drives::Drive;
 use twin_drives::backup::{BackupError, Format, plan, read, write_parameters};
@@ -75,7 +75,7 @@ fn restore(
 ) -> Result<(), Failure> {
     let name = path.display().to_string();
     let mut file =
-        File::open(path).map_err(|source| BackupError::Read { file: name.clone(), source })?;
+        Text::open(path).map_err(|source| BackupError::Read { file: name.clone(), source })?;
     let plan = plan(drive, &read(&name, &mut file)?)?;
     say!("{plan}");
     if plan.is_empty() {

@@ -2,6 +2,7 @@
 
 use super::faults::Said;
 use super::{Common, Failure};
+use crate::bounded;
 use std::io::{self, Write};
 use twin_drives::Control;
 
@@ -62,7 +63,7 @@ fn lines(common: &Common) -> Result<Vec<Line>, Failure> {
     let mut lines = Vec::new();
     for path in &common.bench {
         let name = path.display();
-        let text = std::fs::read_to_string(path)
+        let text = bounded::read_to_string(path)
             .map_err(|source| Failure::Usage(format!("--bench {name}: {source}")))?;
         lines.extend((1..).zip(text.lines()).map(|(number, line)| Line {
             origin: format!("{name}:{number}"),

@@ -5,8 +5,8 @@ use crate::command::options::unreadable;
 use crate::command::whole::{WholeFile, unwritable};
 use crate::machine::Machine;
 use crate::program::{Dialect, ProgramFile};
-use std::fs::File;
-use std::io::{self, BufReader, Write};
+use crate::text;
+use std::io::{self, Write};
 use std::path::Path;
 use twin_gcode::refeed::{LineLimit, Refed, RefeedError, Unrepaired};
 use twin_gcode::{din66025, rs274};
@@ -27,8 +27,8 @@ pub(super) fn write(
     limits: Vec<LineLimit>,
     target: &Path,
 ) -> Result<Refed, Failure> {
-    let source = File::open(program.path()).map_err(|error| unreadable(program.path(), error))?;
-    let reader = BufReader::new(source);
+    let reader =
+        text::lines_of(program.path()).map_err(|error| unreadable(program.path(), error))?;
     let mut out = WholeFile::create(target)?;
     let limits = limits.into_iter().map(Ok);
     let refed = if program.dialect() == Dialect::Rs274 {

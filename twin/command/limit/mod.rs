@@ -14,11 +14,11 @@ use crate::limit::{
 };
 use crate::machine::Machine;
 use crate::program::{Dialect, ProgramFile};
+use crate::text;
 use indicatif::ProgressBar;
 use outputs::Outputs;
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Write};
+use std::io::{self, BufRead, Write};
 use std::path::PathBuf;
 use twin_gcode::refeed::LineLimit;
 
@@ -242,7 +242,7 @@ impl Progress {
         match program.dialect() {
             // What can be read only once is not read for its lines.
             Dialect::Din66025 | Dialect::Rs274 if program.is_repeatable() => {
-                let lines = BufReader::new(File::open(program.path())?).split(b'\n');
+                let lines = text::lines_of(program.path())?.split(b'\n');
                 let count = lines.map(|line| line.map(|_| 1)).sum::<io::Result<u64>>()?;
                 Ok(Self::Lines(count))
             }

@@ -6,9 +6,8 @@ use crate::command::options::unreadable;
 use crate::machine::ProgramConditions;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
+use crate::text;
 use nalgebra::Point3;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 use twin_path::dxf;
 use twin_path::dxf::{DxfReadError, Heights, ImportOptions, Order, Split};
@@ -120,8 +119,8 @@ impl DrawingOptions {
                 "--safe-height {safe} must be above --cut-height {cut}"
             )));
         }
-        let file = File::open(path).map_err(|source| unreadable(path, source))?;
-        let import = dxf::import(BufReader::new(file), &self.options(conditions));
+        let drawing = text::lines_of(path).map_err(|source| unreadable(path, source))?;
+        let import = dxf::import(drawing, &self.options(conditions));
         let import = import.map_err(|error| match error {
             DxfReadError::Io(source) => unreadable(path, source),
             error => Failure::Usage(format!("{}: {error}", path.display())),

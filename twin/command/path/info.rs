@@ -9,9 +9,9 @@ use crate::m_function::Acknowledgement;
 use crate::number::fixed;
 use crate::number::seconds;
 use crate::program::{Dialect, ProgramItem};
+use crate::text;
 use nalgebra::Point3;
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Write};
+use std::io::{self, BufRead, Write};
 use twin_gcode::info::{
     Counts, ProgramInfo, QUEUE_HEADING, QueueRow, SHOWN, first_lines, shown_block,
 };
@@ -158,7 +158,7 @@ fn each_line(
     mut take: impl FnMut(u32, &str) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let failed = |source| unreadable(job.program.path(), source);
-    let mut reader = BufReader::new(File::open(job.program.path()).map_err(failed)?);
+    let mut reader = text::lines_of(job.program.path()).map_err(failed)?;
     let mut line = Vec::new();
     for number in 1.. {
         line.clear();
@@ -180,8 +180,8 @@ pub(super) fn listing(job: &mut Job<'_>, out: &mut dyn Write) -> Result<(), Fail
     let program = job.program;
     let failed = |source| unreadable(program.path(), source);
     if matches!(program.dialect(), Dialect::Din66025 | Dialect::Rs274) {
-        let file = File::open(program.path()).map_err(failed)?;
-        for (number, line) in (1..).zip(first_lines(BufReader::new(file), SHOWN).map_err(failed)?) {
+        let reader = text::lines_of(program.path()).map_err(failed)?;
+        for (number, line) in (1..).zip(first_lines(reader, SHOWN).map_err(failed)?) {
             writeln!(out, "{number:>6}  {line}").map_err(stdio)?;
         }
         writeln!(out).map_err(stdio)?;

@@ -7,7 +7,8 @@ use crate::command::Failure;
 use crate::command::options::unreadable;
 use crate::m_function::Acknowledgement;
 use crate::program::ProgramItem;
-use std::io::{BufRead, BufReader, Write};
+use crate::text;
+use std::io::{BufRead, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::task::Poll;
@@ -219,7 +220,7 @@ fn by_position(
     let offset = options.position_offset * 1e-3;
     let mut interpolator = XInterpolator::new(elements, DEFAULT_CYCLE_NS, direction, offset);
     let failed = |source| unreadable(file, source);
-    let reader = BufReader::new(std::fs::File::open(file).map_err(failed)?);
+    let reader = text::lines_of(file).map_err(failed)?;
     for (number, line) in (1..).zip(reader.lines()) {
         let line: String = line.map_err(failed)?;
         let position = within(&line, -1e6..=1e6).map_err(|what: String| {

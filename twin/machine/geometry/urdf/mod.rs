@@ -13,6 +13,7 @@ use super::design::Design;
 use super::kind::{Family, Kind};
 use super::{Built, mount, sources};
 use crate::axis_kind::AxisKind;
+use crate::bounded;
 use crate::machine::axis::{Axis, AxisEntry};
 use crate::machine::tool::Tool;
 use crate::section::Section;
@@ -22,7 +23,8 @@ use std::path::{Path, PathBuf};
 use twin_kinematics::{AxisSource, MachineAxes};
 use twin_path::EXTRA_AXES;
 use twin_urdf::{
-    AxisJoint, BindError, Inertial, Joint, JointKind, Loaded, MachineJoint, Model, UrdfOptions,
+    AxisJoint, BindError, Inertial, Joint, JointKind, Loaded, MachineJoint, Model, UrdfError,
+    UrdfFileError, UrdfOptions,
 };
 
 /// Tool tips may be as far from each other, mm, unless the file says otherwise.
@@ -107,7 +109,12 @@ impl Source {
             ));
             return None;
         }
-        let loaded = Model::load_urdf(&self.path, &self.options);
+        let text = bounded::read_to_string(&self.path).map_err(|source| UrdfFileError {
+            path: self.path.clone(),
+            line: 1,
+            error: Box::new(UrdfError::Read { source }),
+        });
+        let loaded = text.and_then(|text| Model::read_urdf(&text, &self.path, &self.options));
         let Loaded { mut model, warnings } =
             loaded.map_err(|error| refuse(error.to_string())).ok()?;
         if !model.loops.is_empty() {
