@@ -19,6 +19,7 @@ pub mod queue;
 mod shape;
 #[cfg(test)]
 mod tests;
+mod units;
 
 pub use adapters::{Chords, Linearise, MapPath, SplitAt};
 pub use arc::Arc;
@@ -90,6 +91,11 @@ impl PathElement {
         }
         let length = self.shape.length();
         if length > 0.0 { length } else { self.extra().map_or(0.0, |extra| extra.length() * 1e-3) }
+    }
+
+    /// Length of the way of the tool, m: 0 where only extra axes move, and for what is no motion.
+    pub fn tool_length(&self) -> f64 {
+        if self.kind.is_motion() { self.shape.length() } else { 0.0 }
     }
 
     /// The extra axes, if the program has named any.

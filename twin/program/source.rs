@@ -318,9 +318,7 @@ impl Iterator for Decoded {
                 ledger.report(finding);
             }
             ledger.elements += 1;
-            if element.kind.is_motion() {
-                ledger.length += element.length();
-            }
+            ledger.length += element.tool_length();
             return Some(Ok(element));
         }
     }

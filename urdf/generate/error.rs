@@ -58,7 +58,8 @@ pub enum DimensionError {
     },
     /// Rods of a tripod that do not meet their platform.
     #[error(
-        "the rods do not meet the platform with every axis in the middle of its travel; {gap} m are left open"
+        "the rods do not meet the platform with every axis in the middle of its travel; {:.6} mm are left open",
+        gap * 1e3
     )]
     RodsApart {
         /// m.

@@ -38,7 +38,7 @@ const LARGEST_DAMPING: f64 = 1e12;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LoopError {
     /// No position of the passive joints was found: the axes are where the machine cannot be.
-    #[error("the links of the machine cannot be joined with its axes there; {gap} m are left open")]
+    #[error("the links of the machine cannot be joined with its axes there; {:.6} mm are left open", gap * 1e3)]
     Open {
         /// The largest of the gaps as nearly closed as they were, m.
         gap: f64,

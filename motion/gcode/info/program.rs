@@ -61,9 +61,9 @@ pub struct ProgramInfo {
     pub objects: Counts,
     /// Switch points on them.
     pub switches: u64,
-    /// Path lengths of rapids, m.
+    /// Length of the way of the tool in rapids, m.
     pub rapid_length: f64,
-    /// Path lengths of cuts and probing moves, m.
+    /// And in cuts and probing moves, m.
     pub cut_length: f64,
     /// The box around rapids, cuts and probing moves.
     pub bounds: Option<Bounds>,
@@ -106,7 +106,7 @@ impl ProgramInfo {
         self.start.get_or_insert(element.start());
         self.end = Some(element.end());
         if element.kind.is_motion() {
-            let length = element.length();
+            let length = element.tool_length();
             match element.kind {
                 ElementKind::Rapid => self.rapid_length += length,
                 _ => self.cut_length += length,
@@ -124,7 +124,7 @@ impl ProgramInfo {
         }
     }
 
-    /// Length of the whole path, m.
+    /// Length of the whole way of the tool, m.
     pub fn length(&self) -> f64 {
         self.rapid_length + self.cut_length
     }

@@ -1,6 +1,7 @@
 //! Transition velocities between elements (`SMC_CheckVelocities`, manual 3.2 and 6.2.7).
 
 use crate::Place;
+use crate::units::mm;
 use crate::{Details, ElementKind, ExtraAxes, Marks, PathElement, Shape};
 use nalgebra::SVector;
 use std::f64::consts::PI;
@@ -283,7 +284,7 @@ impl Deref for CheckedElement {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CheckError {
     /// A limit is zero, negative or no number (`SMC_CV_ACC_DEC_VEL_NONPOSITIVE`, error 1100).
-    #[error("{place}: {limit} is {value} {}, it must be positive and finite", limit.unit())]
+    #[error("{place}: {limit} is {} {}, it must be positive and finite", mm(*value), limit.unit())]
     NonPositiveLimit {
         /// The element's block.
         place: Place,
@@ -293,7 +294,7 @@ pub enum CheckError {
         value: f64,
     },
     /// The velocity at the end is negative or no number.
-    #[error("{place}: the velocity at the end is {value} m/s, it must not be negative")]
+    #[error("{place}: the velocity at the end is {} mm/s, it must not be negative", mm(*value))]
     EndVelocity {
         /// The element's block.
         place: Place,
@@ -301,7 +302,7 @@ pub enum CheckError {
         value: f64,
     },
     /// The length of the element is no finite number.
-    #[error("{place}: the length of the path is {length} m, which cannot be travelled")]
+    #[error("{place}: the length of the path is {} mm, which cannot be travelled", mm(*length))]
     Length {
         /// The element's block.
         place: Place,
@@ -333,11 +334,11 @@ pub enum Limit {
 }
 
 impl Limit {
-    /// SI unit of the limit's value.
+    /// Unit of the limit in programs and messages.
     pub fn unit(self) -> &'static str {
         match self {
-            Limit::Feed => "m/s",
-            Limit::Acceleration | Limit::Deceleration => "m/s²",
+            Limit::Feed => "mm/s",
+            Limit::Acceleration | Limit::Deceleration => "mm/s²",
         }
     }
 }

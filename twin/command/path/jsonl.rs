@@ -159,7 +159,7 @@ pub(super) fn write(
         extra: extra.filter(|extra| !extra.is_empty()),
         s_profile: details.map(|details| smooth_axes(details.s_profile)).unwrap_or_default(),
         switches: switches.collect(),
-        length_mm: number(element.length() * 1e3),
+        length_mm: number(element.tool_length() * 1e3),
         feed_mm_per_s: number(element.feed * 1e3),
         end_velocity_mm_per_s: number(if element.end_velocity.is_finite() {
             element.end_velocity * 1e3

@@ -9,6 +9,7 @@ pub use smooth::{SmoothPath, Smoothing};
 use super::piece::{self, ANGLE_EPS, POINT_EPS, Station, flat};
 use super::{Notice, Notices, Stage};
 use crate::Place;
+use crate::units::mm;
 use crate::{ElementKind, Marks, PathElement, Plane, Shape, Switch};
 use nalgebra::Vector2;
 use std::collections::VecDeque;
@@ -57,7 +58,7 @@ pub struct Corner {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CornerError {
     /// The distance from the corner (D, or the adapter's own together with it) is negative or no number.
-    #[error("{place}: corners cannot be cut {distance} m before them")]
+    #[error("{place}: corners cannot be cut {} mm before them", mm(*distance))]
     Distance {
         /// The block of the element before the corner.
         place: Place,

@@ -1,7 +1,8 @@
 //! Tests of transition velocities, [`CheckVelocities`].
 
 use super::{Error, PROBE, arc, cut, element, line, m_function};
-use crate::prepare::{CheckError, CheckVelocities, Limit};
+use crate::Place;
+use crate::prepare::{CheckError, CheckVelocities, CornerError, Limit, ToolRadiusError};
 use crate::{AxisMask, Details, ElementKind, ExtraAxes, PathElement, Shape};
 use nalgebra::Point3;
 use std::cell::Cell;
@@ -244,8 +245,43 @@ fn limits_must_be_positive_and_finite() {
         CheckError::NonPositiveLimit { place: good().place, limit: Limit::Feed, value: 0.0 };
     assert_eq!(
         error.to_string(),
-        "line 1 (N10): the velocity (F) is 0 m/s, it must be positive and finite"
+        "line 1 (N10): the velocity (F) is 0 mm/s, it must be positive and finite"
     );
+}
+
+/// Programs are in mm (manual 3.2), and so is what is said about them.
+#[test]
+fn messages_are_in_millimetres() {
+    let place = Place { line: 3, block: None };
+    let errors: [(&dyn std::error::Error, &str); 6] = [
+        (
+            &CheckError::NonPositiveLimit { place, limit: Limit::Deceleration, value: -0.1 },
+            "the deceleration (E-) is -100 mm/s², it must be positive and finite",
+        ),
+        (
+            &CheckError::EndVelocity { place, value: -0.003 },
+            "the velocity at the end is -3 mm/s, it must not be negative",
+        ),
+        (
+            &CheckError::Length { place, length: f64::INFINITY },
+            "the length of the path is inf mm, which cannot be travelled",
+        ),
+        (
+            &CornerError::Distance { place, distance: -0.0041 },
+            "corners cannot be cut -4.1 mm before them",
+        ),
+        (
+            &ToolRadiusError::Radius { place, radius: -0.003 },
+            "a path cannot be corrected by a tool radius of -3 mm",
+        ),
+        (
+            &ToolRadiusError::RadiusChange { place, from: 0.005, to: 0.0041 },
+            "the tool radius changes from 5 mm to 4.1 mm within tool radius correction; end it with G40 before",
+        ),
+    ];
+    for (error, message) in errors {
+        assert_eq!(error.to_string(), format!("line 3: {message}"));
+    }
 }
 
 #[test]

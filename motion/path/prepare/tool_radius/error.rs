@@ -2,6 +2,7 @@
 
 use crate::Marks;
 use crate::Place;
+use crate::units::mm;
 use std::fmt;
 
 /// Side of the contour on which the tool is.
@@ -60,7 +61,9 @@ pub enum ToolRadiusError {
     },
     /// The radius changes while the path is corrected.
     #[error(
-        "{place}: the tool radius changes from {from} m to {to} m within tool radius correction"
+        "{place}: the tool radius changes from {} mm to {} mm within tool radius correction; end it with G40 before",
+        mm(*from),
+        mm(*to)
     )]
     RadiusChange {
         /// The block.
@@ -71,7 +74,7 @@ pub enum ToolRadiusError {
         to: f64,
     },
     /// The radius is negative or no number.
-    #[error("{place}: a path cannot be corrected by a tool radius of {radius} m")]
+    #[error("{place}: a path cannot be corrected by a tool radius of {} mm", mm(*radius))]
     Radius {
         /// The block.
         place: Place,

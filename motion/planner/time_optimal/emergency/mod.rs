@@ -33,7 +33,7 @@ pub struct StopLimits {
 pub enum StopError {
     /// A limit is not a finite number above 0.
     #[error(
-        "axis {axis} cannot be braked with {acceleration} m/s² or rad/s² and a jerk of {jerk:?}"
+        "axis {axis} cannot be braked: its acceleration and its jerk must be finite and above 0"
     )]
     Limits {
         /// The axis.
