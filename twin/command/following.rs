@@ -59,12 +59,14 @@ pub(super) fn rates(rates: &WireRates) -> String {
     format!("{:.0} commands/s, {:.0} samples/s", rates.commands_per_s, rates.samples_per_s)
 }
 
-/// Cost of one lost answer. Until the driver has given it up and asked again, the axes of its device are not corrected.
-/// An axis that moves farther than its `max_following_error` in that time stops the run.
-pub(super) fn lost_answers(machine: &Machine, outcome: &Outcome) -> Vec<String> {
-    let mut notes = Vec::new();
+/// Cost of one lost answer, in a line; none if no axis would stop the run. Until the driver has given the answer up and
+/// asked again, the axes of its device are not corrected. An axis that moves farther than its `max_following_error` in
+/// that time stops the run.
+pub(super) fn lost_answers(machine: &Machine, outcome: &Outcome) -> Option<String> {
+    let mut devices = Vec::new();
     for (index, entry) in machine.drives.iter().enumerate() {
         let lost: Duration = real::waits(entry).into_iter().sum();
+        let mut axes = Vec::new();
         for (place, axis) in machine.axes_of(index) {
             let peak = outcome.peaks.get(place).map(|peak| peak.velocity);
             let Some((limit, peak)) = axis.max_following_error.zip(peak) else { continue };
@@ -72,16 +74,16 @@ pub(super) fn lost_answers(machine: &Machine, outcome: &Outcome) -> Vec<String> 
             if way <= limit {
                 continue;
             }
-            let (unit, name) = (axis.unit(), &axis.name);
-            let [way, limit, speed] = [way, limit, peak.value].map(|si| axis.from_si(si));
-            notes.push(format!(
-                "note: with real drives, one lost answer of device `{}` takes up to {} ms; at the program's {speed:.1} {unit}/s (line {}) axis {name} is \
-                 then up to {way:.2} {unit} off, more than its max_following_error of {limit:.2} {unit}: the run would be stopped",
-                entry.name,
-                lost.as_millis(),
-                peak.place.line
-            ));
+            let [way, limit] = [way, limit].map(|si| axis.from_si(si));
+            let (unit, name, line) = (axis.unit(), &axis.name, peak.place.line);
+            axes.push(format!("{name} {way:.2} {unit} (limit {limit:.2}, line {line})"));
+        }
+        if !axes.is_empty() {
+            let (name, lost, axes) = (&entry.name, lost.as_millis(), axes.join(", "));
+            devices.push(format!("device `{name}` takes up to {lost} ms: {axes}"));
         }
     }
-    notes
+    let devices = devices.join("; ");
+    (!devices.is_empty())
+        .then(|| format!("note: one lost answer of a real drive stops the run; {devices}"))
 }

@@ -30,6 +30,10 @@ pub(super) struct StartUpOptions {
     /// With --drives real: the axes are homed, also those whose devices cannot tell
     #[arg(long)]
     homed: bool,
+
+    /// With --drives real: also print what one lost answer of a drive would cost
+    #[arg(short, long)]
+    verbose: bool,
 }
 
 impl StartUpOptions {
@@ -144,7 +148,9 @@ pub(super) fn real(
     for output in outputs::switched(machine, &drives, outcome) {
         tell!("{output}");
     }
-    for note in lost_answers(machine, outcome) {
+    if options.verbose
+        && let Some(note) = lost_answers(machine, outcome)
+    {
         tell!("{note}");
     }
     let what = if to_home.is_empty() {
