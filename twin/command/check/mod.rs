@@ -62,6 +62,10 @@ pub(super) struct Arguments {
     #[arg(long)]
     physics: bool,
 
+    /// Also print what one lost answer of a real drive would cost
+    #[arg(short, long)]
+    verbose: bool,
+
     #[command(flatten)]
     simulation: SimulationOptions,
 }
@@ -124,7 +128,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         });
         match outcome {
             Ok((program, outcome)) => {
-                report(&machine, &program, &outcome, arguments.format).map_err(Failure::Stdio)?;
+                report(&machine, &program, &outcome, arguments).map_err(Failure::Stdio)?;
                 if finding::unfit(&outcome.findings) {
                     status = status.max(Status::Unfit);
                 }
@@ -175,36 +179,66 @@ fn one(
     Ok(outcome)
 }
 
-/// Writes what was found about one program.
+/// Writes what was found about one program: the verdict first, then findings and tables.
 fn report(
     machine: &Machine,
     program: &ProgramFile,
     outcome: &Outcome,
-    format: Format,
+    arguments: &Arguments,
 ) -> io::Result<()> {
     let mut out = io::stdout().lock();
-    match format {
+    match arguments.format {
         Format::Json => {
             serde_json::to_writer(&mut out, &CheckReport::new(machine, program, outcome))?;
             writeln!(out)
         }
         Format::Human => {
+            writeln!(out, "{}: {}", program.path().display(), verdict(outcome))?;
+            // Findings go to standard error, and must not overtake it.
+            out.flush()?;
             show::findings(program, &outcome.findings);
             // Of a program that says nothing of motion nothing is predicted.
             let moved = outcome.following.as_ref().filter(|found| found.tool.maximum().is_some());
             if let Some(predicted) = moved {
                 writeln!(out, "{}", following::predicted(machine, predicted))?;
-                for note in following::lost_answers(machine, outcome) {
+                if arguments.verbose
+                    && let Some(note) = following::lost_answers(machine, outcome)
+                {
                     writeln!(out, "{note}")?;
                 }
             }
-            summary(&mut out, machine, program, outcome)
+            tables(&mut out, machine, program, outcome)
         }
     }
 }
 
-/// The lines that sum up a check, with the table of peaks.
+/// The verdict in a line, with the number of errors and warnings.
+fn verdict(outcome: &Outcome) -> String {
+    let count =
+        |severity| outcome.findings.iter().filter(|finding| finding.severity == severity).count();
+    let errors = count(finding::Severity::Error);
+    let warnings = count(finding::Severity::Warning);
+    let verdict = if errors == 0 { "fit for the machine" } else { "NOT fit for the machine" };
+    let left_out = match outcome.findings_left_out {
+        0 => String::new(),
+        more => format!(" (and {more} findings more, left out)"),
+    };
+    format!("{verdict}: {}, {}{left_out}", counted(errors, "error"), counted(warnings, "warning"))
+}
+
+/// The lines that sum up a check, with the table of peaks, and the verdict.
 pub(super) fn summary(
+    out: &mut impl Write,
+    machine: &Machine,
+    program: &ProgramFile,
+    outcome: &Outcome,
+) -> io::Result<()> {
+    tables(out, machine, program, outcome)?;
+    writeln!(out, "{}", verdict(outcome))
+}
+
+/// Size of the program and the tables of peaks and loads.
+fn tables(
     out: &mut impl Write,
     machine: &Machine,
     program: &ProgramFile,
@@ -237,14 +271,5 @@ pub(super) fn summary(
             "for {left_out:.3} s of the program the machine cannot take the set-points: the tables leave them out"
         )?;
     }
-    let count =
-        |severity| outcome.findings.iter().filter(|finding| finding.severity == severity).count();
-    let errors = count(finding::Severity::Error);
-    let warnings = count(finding::Severity::Warning);
-    let verdict = if errors == 0 { "fit for the machine" } else { "NOT fit for the machine" };
-    write!(out, "{verdict}: {}, {}", counted(errors, "error"), counted(warnings, "warning"))?;
-    if outcome.findings_left_out > 0 {
-        write!(out, " (and {} findings more, left out)", outcome.findings_left_out)?;
-    }
-    writeln!(out)
+    Ok(())
 }

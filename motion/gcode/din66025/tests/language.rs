@@ -1,6 +1,7 @@
 //! Tests of correct programs and their meaning (manual 3.2).
 
 use super::*;
+use crate::decode::{Rule, TextError};
 use std::io::{BufReader, Read};
 use twin_path::ElementKind::{Cut, Jump, Rapid};
 use twin_path::Place;
