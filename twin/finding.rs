@@ -58,11 +58,13 @@ pub enum Rule {
     Fault,
     /// A cam whose position, velocity or acceleration jumps.
     CamContinuity,
+    /// A path followed by position that has more than one point for an X.
+    AmbiguousPosition,
 }
 
 impl Rule {
     /// All of them.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 25] = [
         Self::Syntax,
         Self::UnsupportedWord,
         Self::ArcGeometry,
@@ -87,6 +89,7 @@ impl Rule {
         Self::Collision,
         Self::Fault,
         Self::CamContinuity,
+        Self::AmbiguousPosition,
     ];
 
     /// The rule's name as in reports.
@@ -116,6 +119,7 @@ impl Rule {
             Self::Collision => "collision",
             Self::Fault => "fault",
             Self::CamContinuity => "cam-continuity",
+            Self::AmbiguousPosition => "ambiguous-position",
         }
     }
 
@@ -217,6 +221,10 @@ impl Rule {
             Self::CamContinuity => [
                 "a cam whose slave position, velocity or acceleration jumps",
                 "join points and lines with equal velocity and acceleration, and let the end of a periodic cam go on as its begin does",
+            ],
+            Self::AmbiguousPosition => [
+                "a path followed by position (--by-position) has more than one point for an X, so that the set-point jumps (manual 6.6)",
+                "let X grow along the whole path; with --against-x let it fall",
             ],
         }
     }

@@ -21,8 +21,8 @@ pub enum XDirection {
 /// Follows a path by a workpiece that something else moves along X: the set-point is the point of the path whose X is
 /// the measured position less an offset. The other axes then cut the contour while the workpiece passes.
 ///
-/// Every X must occur once on the path, in the order of the direction; where the path stands still in X (a step), it
-/// is passed in one cycle. Should the workpiece move back, the set-point goes back on the element under way, no
+/// Every X must occur once on the path, in the order of the direction ([`super::XAmbiguity`] finds where it does not);
+/// where the path stands still in X (a step), it is passed in one cycle. Should the workpiece move back, the set-point goes back on the element under way, no
 /// further, and switches are not undone. The velocity is the workpiece's: feed, acceleration and profile do not
 /// matter (`iVelMode` has no effect), nor does anything wait: there is no M function (`wM`) and no `IPO_WAIT`.
 #[derive(Debug)]

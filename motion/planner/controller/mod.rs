@@ -12,6 +12,7 @@
 //! [`TwoWayInterpolator`] follows a path held as a whole forwards and backwards; [`XInterpolator`] follows it by the
 //! position of a workpiece.
 
+mod ambiguity;
 mod braking;
 mod by_position;
 mod control;
@@ -34,6 +35,7 @@ mod tests;
 mod transition;
 mod two_way;
 
+pub use ambiguity::XAmbiguity;
 pub use by_position::{XDirection, XInterpolator};
 pub use error::IpoError;
 pub use heading::Heading;

@@ -5,6 +5,7 @@ use super::output::stdio;
 use super::{Job, jsonl};
 use crate::command::Failure;
 use crate::command::options::unreadable;
+use crate::finding::{Finding, Rule, Severity};
 use crate::m_function::Acknowledgement;
 use crate::program::ProgramItem;
 use crate::text;
@@ -12,11 +13,11 @@ use std::io::{BufRead, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::task::Poll;
-use twin_path::PathElement;
 use twin_path::prepare::CheckError;
+use twin_path::{PathElement, Place};
 use twin_planner::controller::{
     DEFAULT_CYCLE_NS, Inputs, IpoError, Override, ToolSetpoint, TwoWayInterpolator, TwoWayPath,
-    XDirection, XInterpolator,
+    XAmbiguity, XDirection, XInterpolator,
 };
 
 /// A path that nothing moves any more is not followed for longer than this, ns.
@@ -215,8 +216,12 @@ fn by_position(
     out: &mut dyn Write,
 ) -> Result<(), Failure> {
     let elements = collected(job)?;
-    let elements = elements.into_iter().map(Ok::<_, Trouble>);
     let direction = if options.against_x { XDirection::Negative } else { XDirection::Positive };
+    for element in &elements {
+        let ambiguity = XAmbiguity::of(element, direction);
+        job.findings.extend(ambiguity.map(|ambiguity| ambiguous(element.place, ambiguity)));
+    }
+    let elements = elements.into_iter().map(Ok::<_, Trouble>);
     let offset = options.position_offset * 1e-3;
     let mut interpolator = XInterpolator::new(elements, DEFAULT_CYCLE_NS, direction, offset);
     let failed = |source| unreadable(file, source);
@@ -235,6 +240,28 @@ fn by_position(
         }
     }
     Ok(())
+}
+
+/// A place at which the set-point jumps.
+fn ambiguous(place: Place, ambiguity: XAmbiguity) -> Finding {
+    let message = match ambiguity {
+        XAmbiguity::Back(way) => format!(
+            "X goes back by {:.3} mm here: the path has more than one point for these X, and the set-point jumps",
+            way * 1e3
+        ),
+        XAmbiguity::Step(way) => format!(
+            "X stays here while the path goes on by {:.3} mm, so that the set-point jumps; let X change a little",
+            way * 1e3
+        ),
+        XAmbiguity::Jump(way) => {
+            format!(
+                "G92 sets the position anew here, and the set-point jumps by {:.3} mm",
+                way * 1e3
+            )
+        }
+    };
+    let finding = Finding::error(Rule::AmbiguousPosition, place, message);
+    Finding { severity: Severity::Warning, ..finding }
 }
 
 /// The path as a whole.

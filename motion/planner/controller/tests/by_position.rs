@@ -1,13 +1,15 @@
 //! Tests of interpolation by a measured position.
 
 use super::program::{Error, Pen};
-use crate::controller::{DEFAULT_CYCLE_NS, Status, ToolSetpoint, XDirection, XInterpolator};
+use crate::controller::{
+    DEFAULT_CYCLE_NS, Status, ToolSetpoint, XAmbiguity, XDirection, XInterpolator,
+};
 use nalgebra::Point3;
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use std::task::Poll;
 use twin_path::Place;
-use twin_path::{Arc, ElementKind, PathElement, Shape};
+use twin_path::{Arc, Cubic, ElementKind, PathElement, Shape};
 
 type Elements = Vec<Result<PathElement, Error>>;
 
@@ -114,4 +116,48 @@ proptest! {
             }
         }
     }
+}
+
+/// "Every X position must have exactly one position on the path" (manual 6.6).
+#[test]
+fn ambiguous_elements() {
+    let line = |from: [f64; 2], to: [f64; 2]| {
+        let at = |[x, y]: [f64; 2]| Point3::new(x, y, 0.0) * 1e-3;
+        let shape = Shape::Line { start: at(from), end: at(to) };
+        PathElement::new(Place::default(), ElementKind::Cut, shape)
+    };
+    let forwards = |element: &PathElement| XAmbiguity::of(element, XDirection::Positive);
+    let backwards = |element: &PathElement| XAmbiguity::of(element, XDirection::Negative);
+    let near = |found: Option<XAmbiguity>, expected: XAmbiguity| match (found, expected) {
+        (Some(XAmbiguity::Back(a)), XAmbiguity::Back(b))
+        | (Some(XAmbiguity::Step(a)), XAmbiguity::Step(b))
+        | (Some(XAmbiguity::Jump(a)), XAmbiguity::Jump(b)) => (a - b).abs() < 1e-9,
+        _ => false,
+    };
+    let slope = line([0.0, 0.0], [10.0, 5.0]);
+    assert_eq!(forwards(&slope), None);
+    assert!(near(backwards(&slope), XAmbiguity::Back(0.01)));
+    let step = line([10.0, 0.0], [10.0, 5.0]);
+    assert!(near(forwards(&step), XAmbiguity::Step(0.005)));
+    assert!(near(backwards(&step), XAmbiguity::Step(0.005)));
+    assert_eq!(forwards(&line([10.0, 0.0], [10.0, 0.0])), None);
+    // The semicircle has one point for each X; three quarters of it go 50 mm beyond their end and come back.
+    assert_eq!(forwards(&semicircle()), None);
+    let points = [[0.0, 0.0], [50.0, -50.0], [50.0, 0.0]];
+    let [start, end, center] = points.map(|[x, y]| Point3::new(x, y, 0.0) * 1e-3);
+    let arc = Shape::Arc(Arc::new(start, end, center, -1.5 * PI));
+    let arc = PathElement::new(Place::default(), ElementKind::Cut, arc);
+    assert!(near(forwards(&arc), XAmbiguity::Back(0.05)), "{:?}", forwards(&arc));
+    // x = t(1 − t)(1 − 2t)·k + t: it turns twice between its ends.
+    let spline = |swing: f64| {
+        let coefficients = [0.0, 1.0 + swing, -3.0 * swing, 2.0 * swing];
+        let x = coefficients.map(|value| value * 0.1);
+        let cubic = Cubic::new(x, [0.0, 0.1, 0.0, 0.0], 0.0, 0.0);
+        PathElement::new(Place::default(), ElementKind::Cut, Shape::Cubic(Box::new(cubic)))
+    };
+    assert_eq!(forwards(&spline(1.0)), None);
+    assert!(matches!(forwards(&spline(6.0)), Some(XAmbiguity::Back(_))));
+    let mut jump = line([10.0, 0.0], [30.0, 0.0]);
+    jump.kind = ElementKind::Jump;
+    assert!(near(forwards(&jump), XAmbiguity::Jump(0.02)));
 }
