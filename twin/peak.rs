@@ -31,12 +31,36 @@ pub struct AxisPeak {
     pub velocity: Peak,
     /// Acceleration.
     pub acceleration: Peak,
+    /// Deceleration, where it has a limit of its own and was kept apart: [`Self::acceleration`] is then that of growing
+    /// speed.
+    pub deceleration: Option<Peak>,
     /// Jerk, by differences of the acceleration between cycles.
     pub jerk: Peak,
     /// Distance between set-point and simulated machine, if it was simulated.
     pub following_error: Option<Peak>,
     /// Force or torque of the motor, N or Nm, where it is known.
     pub effort: Option<Peak>,
+}
+
+impl AxisPeak {
+    /// Takes an acceleration of `axis`, at which its speed falls if it `slows`.
+    pub fn include_acceleration(&mut self, axis: &Axis, slows: bool, value: f64, place: Place) {
+        if axis.own_deceleration().is_some() {
+            let deceleration = self.deceleration.get_or_insert_default();
+            if slows {
+                return deceleration.include(value, place);
+            }
+        }
+        self.acceleration.include(value, place);
+    }
+
+    /// Limit of [`Self::acceleration`], m/s² or rad/s².
+    pub fn acceleration_limit(&self, axis: &Axis) -> f64 {
+        match self.deceleration {
+            Some(_) => axis.max_acceleration,
+            None => axis.smallest_acceleration(),
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, serde::Serialize)]
@@ -63,6 +87,8 @@ pub struct AxisPeakReport {
     position: PositionReport,
     velocity: PeakReport,
     acceleration: PeakReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    deceleration: Option<PeakReport>,
     jerk: PeakReport,
     #[serde(skip_serializing_if = "Option::is_none")]
     following_error: Option<PeakReport>,
@@ -101,7 +127,11 @@ impl AxisPeakReport {
                 limit_max,
             },
             velocity: report(&peak.velocity, Some(axis.max_velocity)),
-            acceleration: report(&peak.acceleration, Some(axis.max_acceleration)),
+            acceleration: report(&peak.acceleration, Some(peak.acceleration_limit(axis))),
+            deceleration: peak
+                .deceleration
+                .as_ref()
+                .map(|deceleration| report(deceleration, Some(axis.max_deceleration))),
             jerk: report(&peak.jerk, axis.max_jerk),
             following_error: peak
                 .following_error

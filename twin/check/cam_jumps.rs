@@ -102,7 +102,7 @@ impl Watched<'_> {
         let (from, to) = (place(before), place(position));
         let rate = (of(&setpoint.axes.velocity) * self.scaling).abs();
         let [limit_v, limit_a] =
-            [slave.max_velocity, slave.max_acceleration].map(|limit| slave.from_si(limit));
+            [slave.max_velocity, slave.smallest_acceleration()].map(|limit| slave.from_si(limit));
         let names =
             [("position", "", 1.0, limit_v * cycle), ("velocity", "/s", rate, limit_a * cycle)];
         let mut found = Vec::new();

@@ -148,10 +148,11 @@ impl<'m> Checker<'m> {
                 finding.largest_feed_mm_per_s = now.feed_for_velocity(before.as_ref(), limit);
                 report(finding);
             }
-            let limit = axis.max_acceleration;
-            peak.acceleration.include(now.acceleration, setpoint.place);
+            let slows = axis.slows(now.velocity, now.acceleration, cycle);
+            let limit = axis.acceleration_limit(slows);
+            peak.include_acceleration(axis, slows, now.acceleration, setpoint.place);
             if exceeds(now.acceleration, harder * limit) {
-                let mut finding = messages::too_hard(axis, setpoint.place, now.acceleration);
+                let mut finding = messages::too_hard(axis, setpoint.place, now.acceleration, slows);
                 finding.largest_feed_mm_per_s = now.feed_for_acceleration(before.as_ref(), limit);
                 report(finding);
             }
@@ -175,15 +176,18 @@ impl<'m> Checker<'m> {
             // says so, only the position.
             // An axis that follows no path may step as well.
             let jump = now.jump(&before, cycle, free);
+            let falls =
+                axis.own_deceleration().is_some() && now.velocity.abs() < before.velocity.abs();
+            let jump_limit = harder * axis.acceleration_limit(falls);
             if (turns || free)
                 && !told
                 && (free || !at_rest)
                 && !exceeds(stepped, most)
                 && !exceeds(now.acceleration, harder * limit)
-                && exceeds(jump, harder * limit)
+                && exceeds(jump, jump_limit)
             {
-                peak.acceleration.include(jump, of_cycle);
-                report(messages::too_hard(axis, of_cycle, jump));
+                peak.include_acceleration(axis, falls, jump, of_cycle);
+                report(messages::too_hard(axis, of_cycle, jump, falls));
             }
             let jerk = (now.acceleration - before.acceleration) / cycle;
             // An acceleration that comes up is of this block, one that ends of the one before.

@@ -67,10 +67,12 @@ pub(super) fn too_fast(axis: &Axis, place: Place, velocity: f64) -> Finding {
     }
 }
 
-/// An acceleration (rad/s² or m/s²) above the axis's.
-pub(super) fn too_hard(axis: &Axis, place: Place, acceleration: f64) -> Finding {
-    let quantity = Quantity { name: "acceleration", units: ["deg/s^2", "mm/s^2"] };
-    too_much(axis, Rule::AxisAcceleration, &quantity, place, acceleration, axis.max_acceleration)
+/// An acceleration (rad/s² or m/s²) above the axis's, or a deceleration if the axis `slows`.
+pub(super) fn too_hard(axis: &Axis, place: Place, acceleration: f64, slows: bool) -> Finding {
+    let name = if slows { "deceleration" } else { "acceleration" };
+    let quantity = Quantity { name, units: ["deg/s^2", "mm/s^2"] };
+    let limit = axis.acceleration_limit(slows);
+    too_much(axis, Rule::AxisAcceleration, &quantity, place, acceleration, limit)
 }
 
 /// A jerk (rad/s³ or m/s³) above `limit`. A trapezoidal profile steps in acceleration; that alone makes no program

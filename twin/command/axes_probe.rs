@@ -159,7 +159,7 @@ fn check_way(
         ("--velocity", arguments.velocity, axis.max_velocity, ""),
         ("--start-velocity", start_velocity, axis.max_velocity, ""),
         ("--acceleration", arguments.acceleration, axis.max_acceleration, "/s"),
-        ("--deceleration", arguments.deceleration, axis.max_acceleration, "/s"),
+        ("--deceleration", arguments.deceleration, axis.max_deceleration, "/s"),
     ];
     for (option, value, most, per) in most {
         let most = axis.from_si(most);

@@ -26,6 +26,10 @@ pub(super) fn peaks(machine: &Machine, peaks: &[AxisPeak]) -> Table {
         "limit",
         "line",
     ];
+    let decelerations = peaks.iter().any(|peak| peak.deceleration.is_some());
+    if decelerations {
+        header.extend(["deceleration", "limit", "line"]);
+    }
     if physics {
         header.extend(["following error", "line"]);
     }
@@ -50,11 +54,21 @@ pub(super) fn peaks(machine: &Machine, peaks: &[AxisPeak]) -> Table {
             against(
                 format!("{} {unit}/s²", show(peak.acceleration.value)),
                 peak.acceleration.value,
-                axis.max_acceleration,
+                peak.acceleration_limit(axis),
             ),
-            Cell::new(show(axis.max_acceleration)),
+            Cell::new(show(peak.acceleration_limit(axis))),
             line(&peak.acceleration),
         ];
+        if decelerations {
+            row.extend(peak.deceleration.as_ref().map_or_else(
+                || ["–", "–", "–"].map(Cell::new),
+                |deceleration| {
+                    let (value, limit) = (deceleration.value, axis.max_deceleration);
+                    let shown = format!("{} {unit}/s²", show(value));
+                    [against(shown, value, limit), Cell::new(show(limit)), line(deceleration)]
+                },
+            ));
+        }
         if physics {
             let error = peak.following_error.unwrap_or_default();
             row.push(Cell::new(amount(axis.from_si(error.value), 4, unit)));

@@ -20,7 +20,12 @@ fn asked(name: &str) -> BTreeSet<String> {
     let machine = machine();
     // X is one of mm; its master turns, so that both units are seen.
     let mut axes: Vec<_> = machine.axes.iter().map(Known::of).collect();
-    axes.push(Known { name: "shaft".to_owned(), kind: AxisKind::Rotary, max_acceleration: None });
+    axes.push(Known {
+        name: "shaft".to_owned(),
+        kind: AxisKind::Rotary,
+        max_acceleration: None,
+        max_deceleration: None,
+    });
     let text = format!("[[blocks]]\nblock = \"{name}\"\naxis = \"X\"\nmaster = \"shaft\"\n");
     let mut keys = BTreeSet::new();
     let (lines, path) = (Lines::of(&text), Path::new("job.toml"));

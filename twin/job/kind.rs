@@ -249,11 +249,13 @@ fn cam_in(of: &Values<'_>, path: &Path) -> Option<Box<dyn Called>> {
     let unsaid = |name: &str, value: f64| {
         value == 0.0 && !of.section.has(&format!("{}_per_s2", of.key(name)))
     };
-    if unsaid("acceleration", input.acceleration) {
+    let by_axis = unsaid("acceleration", input.acceleration);
+    if by_axis {
         input.acceleration = of.known.max_acceleration.unwrap_or(0.0);
     }
     if unsaid("deceleration", input.deceleration) {
-        input.deceleration = input.acceleration;
+        let own = of.known.max_deceleration.filter(|_| by_axis);
+        input.deceleration = own.unwrap_or(input.acceleration);
     }
     Some(on_cam(CamIn { table: Some(table), input }, out_of_order, gain_unsaid))
 }

@@ -38,6 +38,7 @@ pub(super) struct Known {
     pub(super) kind: AxisKind,
     /// mm/s² or degrees/s²; none of a virtual axis that does not say it.
     pub(super) max_acceleration: Option<f64>,
+    pub(super) max_deceleration: Option<f64>,
 }
 
 /// Line ends of a file, so that lines are not counted for every block.
@@ -152,7 +153,9 @@ impl Reader<'_> {
                     section.complain_at("name", format!("there is an axis \"{name}\" already"));
                 } else {
                     let name = name.to_owned();
-                    self.axes.push(Known { name: name.clone(), kind, max_acceleration });
+                    let max_deceleration = max_acceleration;
+                    let known = name.clone();
+                    self.axes.push(Known { name: known, kind, max_acceleration, max_deceleration });
                     found.push(VirtualAxis {
                         name,
                         unit,
@@ -284,7 +287,8 @@ impl Reader<'_> {
 impl Known {
     pub(super) fn of(axis: &crate::machine::Axis) -> Self {
         let max_acceleration = Some(axis.from_si(axis.max_acceleration));
-        Self { name: axis.name.clone(), kind: axis.kind, max_acceleration }
+        let max_deceleration = Some(axis.from_si(axis.max_deceleration));
+        Self { name: axis.name.clone(), kind: axis.kind, max_acceleration, max_deceleration }
     }
 
     pub(super) fn as_cam(&self) -> CamAxis<'_> {
@@ -298,11 +302,12 @@ fn standing(machine: &Machine, coupling: &Coupling, line: u32) -> Call {
         CoupledBy::Gear(ratio_numerator, ratio_denominator) => {
             let axis = machine.axes.get(coupling.axis);
             let acceleration = axis.map_or(1.0, |axis| axis.from_si(axis.max_acceleration));
+            let deceleration = axis.map_or(1.0, |axis| axis.from_si(axis.max_deceleration));
             let gear = GearIn {
                 ratio_numerator: *ratio_numerator,
                 ratio_denominator: *ratio_denominator,
                 acceleration,
-                deceleration: acceleration,
+                deceleration,
             };
             ("MC_GearIn", following(gear))
         }

@@ -367,7 +367,7 @@ impl Iterator for JobSetpoints<'_> {
 /// What an axis of the machine bears, in its unit.
 fn bears(axis: &Axis) -> Bears {
     Bears {
-        acceleration: axis.from_si(axis.max_acceleration),
+        acceleration: axis.from_si(axis.smallest_acceleration()),
         jerk: axis.max_jerk.map_or(f64::INFINITY, |jerk| axis.from_si(jerk)),
     }
 }

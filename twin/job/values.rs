@@ -42,29 +42,39 @@ impl Values<'_> {
         self.section.number(&format!("{name}_{unit}"), range)
     }
 
+    /// Limit of the axis for an acceleration or, by its name, a deceleration.
+    fn limit(&self, name: &str) -> Option<f64> {
+        match name {
+            "deceleration" => self.known.max_deceleration,
+            _ => self.known.max_acceleration,
+        }
+    }
+
     /// An acceleration; by default the limit of the axis.
     pub(super) fn acceleration(&self, name: &str) -> Option<f64> {
         let key = format!("{}_per_s2", self.key(name));
         let said = self.section.number(&key, 1e-6..=FAR);
-        if !self.section.has(&key) && self.known.max_acceleration.is_none() {
+        if !self.section.has(&key) && self.limit(name).is_none() {
             let message = format!("a block that moves \"{}\" needs `{key}`", self.known.name);
             self.section.complain(message);
         }
-        said.or(self.known.max_acceleration)
+        said.or(self.limit(name))
     }
 
     /// An acceleration that is needed in some cases only; by default the limit of the axis, and 0 without a limit.
     pub(super) fn optional_acceleration(&self, name: &str) -> f64 {
         let said = self.section.number(&format!("{}_per_s2", self.key(name)), 1e-6..=FAR);
-        said.or(self.known.max_acceleration).unwrap_or(0.0)
+        said.or(self.limit(name)).unwrap_or(0.0)
     }
 
-    /// Acceleration and deceleration; the same, if one is said.
+    /// Acceleration and deceleration; the same if only the acceleration is given, the limits of the axis if neither is.
     pub(super) fn accelerations(&self) -> Option<[f64; 2]> {
         let acceleration = self.acceleration("acceleration");
+        let given = self.section.has(&format!("{}_per_s2", self.key("acceleration")));
+        let otherwise = if given { acceleration } else { self.known.max_deceleration };
         let key = format!("{}_per_s2", self.key("deceleration"));
         let deceleration = self.section.number(&key, 1e-6..=FAR);
-        Some([acceleration?, deceleration.or(acceleration)?])
+        Some([acceleration?, deceleration.or(otherwise)?])
     }
 
     /// Velocity (by this name), acceleration and deceleration.

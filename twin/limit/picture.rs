@@ -109,7 +109,7 @@ impl<'m> Picture<'m> {
     /// The limits of an axis in the order of its curves.
     fn limits(&self, axis: &Axis) -> [Option<f64>; PER_AXIS] {
         let effort = axis.effort_limit().filter(|_| self.efforts);
-        [Some(axis.max_velocity), Some(axis.max_acceleration), axis.max_jerk, effort]
+        [Some(axis.max_velocity), Some(axis.smallest_acceleration()), axis.max_jerk, effort]
     }
 
     /// Takes the next sample.

@@ -112,7 +112,7 @@ fn peaks(machine: &Machine, summary: &LimitSummary) -> Table {
         let mut row = vec![Cell::new(&axis.name)];
         for (peak, limit, per) in [
             (&peak.velocity, Some(axis.max_velocity), "s"),
-            (&peak.acceleration, Some(axis.max_acceleration), "s²"),
+            (&peak.acceleration, Some(axis.smallest_acceleration()), "s²"),
             (&peak.jerk, axis.max_jerk, "s³"),
         ] {
             let value = format!("{} {}/{per}", digits(axis.from_si(peak.value)), axis.unit());
@@ -150,7 +150,7 @@ fn beyond(machine: &Machine, summary: &LimitSummary) -> Vec<String> {
         let effort = peak.effort.unwrap_or_default();
         for (name, peak, limit) in [
             ("velocity", &peak.velocity, Some(axis.max_velocity)),
-            ("acceleration", &peak.acceleration, Some(axis.max_acceleration)),
+            ("acceleration", &peak.acceleration, Some(axis.smallest_acceleration())),
             ("jerk", &peak.jerk, axis.max_jerk),
             (axis.kind.effort_name(), &effort, axis.effort_limit()),
         ] {

@@ -30,8 +30,11 @@ pub struct Axis {
     pub max_velocity: f64,
     /// Velocity limits by source.
     pub velocity_limits: VelocityLimits,
-    /// m/s² or rad/s².
+    /// Largest acceleration, m/s² or rad/s²: while its speed grows, and also while it falls unless
+    /// [`Self::max_deceleration`] differs.
     pub max_acceleration: f64,
+    /// Largest deceleration, m/s² or rad/s²: while its speed falls (`fSWMaxDeceleration`).
+    pub max_deceleration: f64,
     /// m/s³ or rad/s³; `None`: not limited.
     pub max_jerk: Option<f64>,
     /// Part of the velocity that a plan leaves to the override, 0 to 0.9.
@@ -58,6 +61,36 @@ impl Axis {
     /// A value in the unit people write (or a derivative) in SI.
     pub fn to_si(&self, value: f64) -> f64 {
         value * self.kind.scale()
+    }
+
+    /// The largest deceleration, if it is not the largest acceleration.
+    pub fn own_deceleration(&self) -> Option<f64> {
+        let own = self.max_deceleration.to_bits() != self.max_acceleration.to_bits();
+        own.then_some(self.max_deceleration)
+    }
+
+    /// The smaller of the two, which holds whether the speed grows or falls.
+    pub fn smallest_acceleration(&self) -> f64 {
+        self.max_acceleration.min(self.max_deceleration)
+    }
+
+    /// True if the deceleration limits an `acceleration` at this `velocity`, and not the acceleration: the speed falls.
+    ///
+    /// Where the axis comes to rest or starts within a `cycle` (s) the sign of its velocity decides nothing, and the
+    /// larger limit counts.
+    pub fn slows(&self, velocity: f64, acceleration: f64, cycle: f64) -> bool {
+        if self.own_deceleration().is_none() {
+            false
+        } else if velocity.abs() <= acceleration.abs() * cycle {
+            self.max_deceleration > self.max_acceleration
+        } else {
+            velocity * acceleration < 0.0
+        }
+    }
+
+    /// The limit of an acceleration that does this, m/s² or rad/s².
+    pub fn acceleration_limit(&self, slows: bool) -> f64 {
+        if slows { self.max_deceleration } else { self.max_acceleration }
     }
 
     /// The largest force or torque of its motor, N or Nm, if that is limited.
@@ -154,6 +187,7 @@ pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry>
     let max_velocity = section.required_number(&format!("max_velocity_{unit}_per_s"), 1e-3..=1e6);
     let max_acceleration =
         section.required_number(&format!("max_acceleration_{unit}_per_s2"), 1e-3..=1e8);
+    let max_deceleration = section.number(&format!("max_deceleration_{unit}_per_s2"), 1e-3..=1e8);
     let max_jerk = section.number(&format!("max_jerk_{unit}_per_s3"), 1e-3..=1e12);
     let drive_limits = DriveLimits::read(section, unit);
     let headroom = read_headroom(section);
@@ -214,6 +248,7 @@ pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry>
             max_velocity: velocity_limits.smallest().value,
             velocity_limits,
             max_acceleration: max_acceleration? * scale,
+            max_deceleration: max_deceleration.or(max_acceleration)? * scale,
             max_jerk: max_jerk.map(|jerk| jerk * scale),
             headroom,
             max_following_error: max_following_error.map(|error| error * scale),

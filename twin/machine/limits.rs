@@ -82,7 +82,7 @@ impl VelocityLimits {
 pub struct AxisLimit {
     /// Largest velocity, m/s or rad/s.
     pub velocity: VelocityLimit,
-    /// Largest acceleration, m/s² or rad/s².
+    /// Largest acceleration, m/s² or rad/s²: the smaller of acceleration and deceleration.
     pub acceleration: f64,
     /// Largest jerk, m/s³ or rad/s³; `None`: not limited.
     pub jerk: Option<f64>,
@@ -120,7 +120,7 @@ impl Axis {
         let VelocityLimit { value, source } = self.velocity_limit();
         AxisLimit {
             velocity: VelocityLimit { value: value * left, source },
-            acceleration: self.max_acceleration * left.powi(2),
+            acceleration: self.smallest_acceleration() * left.powi(2),
             jerk: self.max_jerk.map(|jerk| jerk * left.powi(3)),
             headroom: self.headroom,
         }

@@ -21,7 +21,7 @@ pub(super) fn braking<'m>(
     let limits: Vec<_> = machine
         .axes
         .iter()
-        .map(|axis| StopLimits { acceleration: axis.max_acceleration, jerk: axis.max_jerk })
+        .map(|axis| StopLimits { acceleration: axis.max_deceleration, jerk: axis.max_jerk })
         .collect();
     let stop = EmergencyStop::new(&from.axes, &limits)?;
     let moves = stop.duration() > 0.0;
@@ -68,4 +68,48 @@ fn settling(machine: &Machine) -> f64 {
 fn tool(machine: &Machine, axes: &AxisMotion, last: &AxisSetpoint) -> ToolMotion {
     let known = machine.kinematics.forward_motion(axes).ok();
     known.unwrap_or_else(|| ToolMotion::at_rest(last.tool.pose))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::braking;
+    use crate::machine::Machine;
+    use crate::setpoint::AxisSetpoint;
+    use crate::tappets::TappetBits;
+    use std::path::Path;
+    use twin_kinematics::{AxisMotion, Kinematics, ToolMotion};
+    use twin_path::Place;
+
+    /// Every axis brakes with its deceleration, v / d long and v² / 2d far.
+    #[test]
+    fn axes_brake_with_their_deceleration() {
+        let text = include_str!("../../machines/gantry3.toml");
+        let (accelerated, braked) =
+            ("max_acceleration_mm_per_s2 = 3000.0", "max_deceleration_mm_per_s2 = 1000.0");
+        assert!(text.contains(accelerated));
+        let text = text.replacen(accelerated, &format!("{accelerated}\n{braked}"), 1);
+        let machine = Machine::parse(Path::new("gantry3.toml"), &text).expect("a machine");
+        let rest = AxisMotion::at_rest(machine.start_axes().expect("a start"));
+        let mut moving = rest;
+        moving.velocity[0] = 0.2;
+        let pose = machine.kinematics.forward(&rest.position).expect("in reach");
+        let from = AxisSetpoint {
+            time_ns: 0,
+            place: Place::default(),
+            axes: moving,
+            tool: ToolMotion::at_rest(pose),
+            m_call: None,
+            path_velocity: 0.2,
+            feed: Some(0.2),
+            probing: false,
+            tappets: TappetBits::default(),
+        };
+        let stop: Vec<_> = braking(&machine, &from).expect("limits").collect();
+        let duration = 0.2 / 1.0;
+        let moves = stop.iter().filter(|setpoint| setpoint.axes.velocity[0] > 1e-9).count();
+        let cycles = duration / 1e-3;
+        assert!((moves as f64 - cycles).abs() <= 1.0, "{moves} cycles, not {cycles}");
+        let way = stop.last().expect("set-points").axes.position[0] - rest.position[0];
+        assert!((way - 0.2 * 0.2 / 2.0).abs() < 1e-9, "{way} m");
+    }
 }

@@ -67,17 +67,21 @@ impl Looker<'_> {
 
     /// Ramps that are gentler than what a plan may ask for: the axis falls behind it there. Speeds are checked as parameters.
     fn maxima(&mut self, axis: &Axis, limits: &DeviceLimits) {
-        let wanted = axis.from_si(axis.max_acceleration);
         let per_unit = axis.increments_per_si() * axis.to_si(1.0);
         let unit = axis.unit();
-        let pairs = [("acceleration", limits.acceleration), ("deceleration", limits.deceleration)];
-        for (what, device) in pairs {
+        let key = axis.own_deceleration().map_or("max_acceleration", |_| "max_deceleration");
+        let pairs = [
+            ("acceleration", limits.acceleration, "max_acceleration", axis.max_acceleration),
+            ("deceleration", limits.deceleration, key, axis.max_deceleration),
+        ];
+        for (what, device, key, wanted) in pairs {
+            let wanted = axis.from_si(wanted);
             let device = device.map(|increments| (increments / per_unit).abs());
             // Ratios are rounded; a limit that is met is not exceeded.
             if let Some(device) = device.filter(|most| wanted > most * (1.0 + 1e-12)) {
                 let told = format!(
                     "axis {}: the device's {what} is {device:.1} {unit}/s² at most, plans may ask for {wanted:.1} {unit}/s² \
-                     (max_acceleration): where they do it falls behind",
+                     ({key}): where they do it falls behind",
                     axis.name
                 );
                 self.tell(told, Vec::new());

@@ -278,7 +278,7 @@ fn slave_limits(axis: &Axis) -> AxisLimits {
         },
         motion: SlaveLimits {
             velocity: axis.from_si(axis.max_velocity),
-            acceleration: axis.from_si(axis.max_acceleration),
+            acceleration: axis.from_si(axis.smallest_acceleration()),
             jerk: axis.max_jerk.map_or(f64::INFINITY, |jerk| axis.from_si(jerk)),
         },
         period: axis.period.map(|period| axis.from_si(period)),

@@ -131,6 +131,7 @@ fn axis(machine: &Machine, axis: &Axis) -> Value {
         "velocity_limited_by": axis.velocity_limit().source.name(),
         "headroom_percent": (axis.headroom * 1e4).round() / 1e2,
         "acceleration": axis.from_si(axis.max_acceleration),
+        "deceleration": axis.from_si(axis.max_deceleration),
         "jerk": axis.max_jerk.map(|jerk| axis.from_si(jerk)),
         "motor": devices::motor(axis),
         "drive": devices::of_axis(machine, axis),

@@ -55,7 +55,7 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
             format!("{:?}", axis.kind).to_lowercase(),
             format!("{} {unit}", show::limits(axis)),
             velocity(axis),
-            format!("{:.1} {unit}/s²", axis.from_si(axis.max_acceleration)),
+            acceleration(axis),
             axis.max_jerk
                 .map_or("–".to_owned(), |jerk| format!("{:.1} {unit}/s³", axis.from_si(jerk))),
             drive,
@@ -187,6 +187,16 @@ fn drives(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
         }
     }
     Ok(())
+}
+
+/// The largest acceleration, and the largest deceleration where it is another one.
+fn acceleration(axis: &Axis) -> String {
+    let unit = axis.unit();
+    let acceleration = format!("{:.1} {unit}/s²", axis.from_si(axis.max_acceleration));
+    axis.own_deceleration().map_or_else(
+        || acceleration.clone(),
+        |own| format!("{acceleration}, braking {:.1}", axis.from_si(own)),
+    )
 }
 
 /// The largest velocity of an axis, and what keeps it from more if that is not the axis.

@@ -108,12 +108,14 @@ impl Engine {
             let velocity = of(axis.max_velocity);
             let limits = (velocity, acceleration, jerk);
             let (name, period, start) = (axis.name.clone(), axis.period.map(of), *start);
-            Moving { name, unit: axis.unit(), period, limits, start }
+            let deceleration = of(axis.max_deceleration);
+            Moving { name, unit: axis.unit(), period, limits, deceleration, start }
         });
         let imagined = job.virtual_axes.iter().map(|axis| {
             let limits = (UNLIMITED, axis.max_acceleration.unwrap_or(UNLIMITED), axis.max_jerk);
             let (name, period, start) = (axis.name.clone(), axis.period, axis.start);
-            Moving { name, unit: axis.unit, period, limits, start }
+            let deceleration = limits.1;
+            Moving { name, unit: axis.unit, period, limits, deceleration, start }
         });
         let moving: Vec<_> = real.chain(imagined).collect();
         let without_jerk: Vec<_> = moving

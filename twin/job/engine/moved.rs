@@ -31,6 +31,7 @@ pub(super) struct Moved {
     /// Brings it to rest at the end.
     pub(super) halt: Option<Block<Halt>>,
     pub(super) max_acceleration: f64,
+    pub(super) max_deceleration: f64,
     pub(super) max_velocity: f64,
     /// Jump of the position in the last cycle: farther than both its largest velocity and its commanded velocity allow.
     /// 0 without a jump.
@@ -41,12 +42,13 @@ pub(super) struct Moved {
     pub(super) topped_by: Option<usize>,
 }
 
-/// Data of an axis: name, period, largest velocity, acceleration and jerk, and start position.
+/// Data of an axis: name, period, largest velocity, acceleration and jerk, largest deceleration, and start position.
 pub(super) struct Moving {
     pub(super) name: String,
     pub(super) unit: &'static str,
     pub(super) period: Option<f64>,
     pub(super) limits: (f64, f64, Option<f64>),
+    pub(super) deceleration: f64,
     pub(super) start: f64,
 }
 
@@ -70,13 +72,14 @@ impl Moving {
 impl Moved {
     pub(super) fn new(moving: Moving, config: AxisConfig) -> Self {
         let jerk = moving.jerk();
-        let Moving { name, unit, period, limits: (velocity, acceleration, _), start } = moving;
+        let Moving { name, unit, period, limits, deceleration, start } = moving;
+        let (velocity, acceleration, _) = limits;
         let axis = Axis::new(AxisConfig {
             movement: period.map_or(Movement::Linear, |period| Movement::Rotary { period }),
             jerk,
             max_velocity: velocity,
             max_acceleration: acceleration,
-            max_deceleration: acceleration,
+            max_deceleration: deceleration,
             ..config
         });
         let shown = axis.wrapped(start);
@@ -91,6 +94,7 @@ impl Moved {
             taken_by: None,
             topped_by: None,
             max_acceleration: acceleration,
+            max_deceleration: deceleration,
             max_velocity: velocity,
             jumped: 0.0,
         }
@@ -141,7 +145,7 @@ impl Moved {
             _ => false,
         };
         if self.halt.is_none() && moves {
-            self.halt = Some(Block::new(Halt { deceleration: self.max_acceleration }));
+            self.halt = Some(Block::new(Halt { deceleration: self.max_deceleration }));
         }
         if let Some(halt) = &mut self.halt {
             halt.call(true, &mut self.axis);

@@ -182,3 +182,32 @@ fn motors_of_every_machine_with_limits_have_torques() {
         assert!(machine.path_dynamics().unwrap().is_some(), "{}", machine.name);
     }
 }
+
+/// `fSWMaxDeceleration` is a limit of its own (manual 2.1.3): it limits the fall of the speed, in either direction.
+#[test]
+fn decelerations_have_a_limit_of_their_own() {
+    const CYCLE: f64 = 1e-3;
+    let plain = with("");
+    assert_eq!(plain.axes[0].own_deceleration(), None);
+    near(plain.axes[0].max_deceleration, 3.0);
+    assert!(!plain.axes[0].slows(0.4, -3.0, CYCLE));
+
+    let gentle = with("max_deceleration_mm_per_s2 = 1500");
+    let axis = &gentle.axes[0];
+    near(axis.own_deceleration().unwrap(), 1.5);
+    for (velocity, acceleration, limit) in
+        [(0.1, 1.0, 3.0), (-0.1, -1.0, 3.0), (0.1, -1.0, 1.5), (-0.1, 1.0, 1.5), (0.0, 1.0, 3.0)]
+    {
+        near(axis.acceleration_limit(axis.slows(velocity, acceleration, CYCLE)), limit);
+    }
+    // Plans keep to the smaller one, whichever it is.
+    near(x(&gentle).acceleration, 1.5);
+    let strong = with("max_deceleration_mm_per_s2 = 6000");
+    near(x(&strong).acceleration, 3.0);
+    let axis = &strong.axes[0];
+    near(axis.acceleration_limit(axis.slows(0.1, -5.0, CYCLE)), 6.0);
+    // In the last cycle before a standstill the velocity may be nothing already.
+    near(axis.acceleration_limit(axis.slows(0.0, -5.0, CYCLE)), 6.0);
+    let text = edited(SHORT, "per_mm = 10\n", "per_mm = 10\nmax_deceleration_mm_per_s2 = 0\n");
+    assert!(problems(&text)[0].1.contains("between 0.001 and"), "{:?}", problems(&text));
+}
