@@ -35,6 +35,7 @@ mod motors;
 mod net;
 mod path;
 mod process;
+mod program_text;
 mod real;
 mod real_encoders;
 mod real_stops;
