@@ -34,7 +34,7 @@ impl Contour {
     /// With `lines` lines of G1.
     pub fn new(dialect: Dialect, lines: u32) -> Self {
         let text = match dialect {
-            Dialect::Din66025 => "% contour\nG92 X300 Y0 Z20 F60 E800 E-800\n",
+            Dialect::Din66025 => "% contour\nN0 G92 X300 Y0 Z20 F60 E800 E-800\n",
             Dialect::Rs274 => "G21 G90 F3600\n",
         };
         Self { dialect, lines, next: 1, text: text.to_owned(), at: 0 }

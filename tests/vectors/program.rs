@@ -3,14 +3,14 @@
 use nalgebra::Point3;
 use std::error::Error;
 use std::io::Cursor;
-use twin_gcode::din66025::{Decoder, DecoderOptions, Diagnostic, Item};
+use twin_gcode::din66025::{DecodeError, Decoder, DecoderOptions, Diagnostic, Item};
 use twin_gcode::info::MoveType;
 use twin_path::PathElement;
 
 /// Error of any stage; none may occur here.
 pub(crate) type Fault = Box<dyn Error>;
 
-/// Elements and warnings of the blocks of a program that starts at `start` (mm, in X and Y or X, Y and Z).
+/// Elements and warnings, but that N words are missing, of the blocks of a program that starts at `start` (mm, in X and Y or X, Y and Z).
 pub(crate) fn decoded(start: &[f64], blocks: &str) -> (Vec<PathElement>, Vec<Diagnostic>) {
     let mut options = DecoderOptions::default();
     for (slot, mm) in options.start.iter_mut().zip(start) {
@@ -28,6 +28,7 @@ pub(crate) fn decoded_with(
     for item in Decoder::with_jumps(Cursor::new(format!("%\n{blocks}\n")), options) {
         match item.unwrap_or_else(|failure| panic!("{blocks}: {failure}")) {
             Item::Element(element) => elements.push(element),
+            Item::Warning(Diagnostic { error: DecodeError::MissingBlockNumber, .. }) => {}
             Item::Warning(warning) => warnings.push(warning),
         }
     }

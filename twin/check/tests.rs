@@ -293,7 +293,7 @@ fn findings_are_bounded_and_the_rest_is_counted_once_each() {
     // Every line ends 1 or 1.5 mm beyond the software limit; each is a hundred set-points.
     let mut program = "% far\nN10 G1 X651 F300 E2900 E-2900\n".to_owned();
     for line in 0..1100 {
-        writeln!(program, "G1 X{}", 651.0 + 0.5 * f64::from((line + 1) % 2)).unwrap();
+        writeln!(program, "N11 G1 X{}", 651.0 + 0.5 * f64::from((line + 1) % 2)).unwrap();
     }
     let outcome = checked(GANTRY3, &program);
     assert_eq!(outcome.findings.len(), MAX_FINDINGS);
@@ -311,7 +311,7 @@ fn warnings_never_crowd_out_errors() {
     let jerky = edited(GANTRY3, "position_min_mm", "max_jerk_mm_per_s3 = 1\nposition_min_mm");
     let mut program = "% warned\nN10 G1 X1 F100 E2000 E-2000\n".to_owned();
     for line in 0..1100 {
-        writeln!(program, "G1 X{}", 0.2 * f64::from(line % 2)).unwrap();
+        writeln!(program, "N11 G1 X{}", 0.2 * f64::from(line % 2)).unwrap();
     }
     program += "N20 G1 X651 F300\n";
     let outcome = checked(&jerky, &program);

@@ -8,8 +8,7 @@ use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use crate::session::override_factor;
 use crate::setpoint_source::MOST_OVERRIDE;
-use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::BufRead;
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -194,7 +193,7 @@ impl InputOptions {
     pub(super) fn workpiece(&self) -> Result<Option<Workpiece>, Failure> {
         let Some(file) = &self.by_position else { return Ok(None) };
         let failed = |source| unreadable(file, source);
-        let reader = BufReader::new(File::open(file).map_err(failed)?);
+        let reader = twin_machine::text::lines_of(file).map_err(failed)?;
         let mut positions = Vec::new();
         for (number, line) in (1..).zip(reader.lines()) {
             let line: String = line.map_err(failed)?;

@@ -58,7 +58,8 @@ const ENOUGH: usize = 300;
 
 fn survives(text: &str) {
     let job = job(text);
-    let lines = u32::try_from(text.split('\n').count()).unwrap();
+    // Where there is no LF, CR ends a line.
+    let lines = u32::try_from(text.split(['\n', '\r']).count()).unwrap();
     for item in JobSetpoints::open(&MACHINE, &job.program).unwrap().take(ENOUGH) {
         match item {
             PlanItem::Axes(setpoint) => {

@@ -54,7 +54,8 @@ fn load(folder: &Path, ending: &str, bytes: &[u8]) {
     std::fs::write(&path, bytes).unwrap();
     let Err(error) = CamFile::load(&path, Interpolation::Cubic) else { return };
     let said = error.to_string();
-    let lines = bytes.split(|byte| *byte == b'\n').count();
+    // Where there is no LF, CR ends a line.
+    let lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r')).count();
     match error {
         CamFileError::Toml(error) => {
             assert!(said.contains("hostile.toml"), "{said}");

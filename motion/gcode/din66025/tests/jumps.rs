@@ -210,7 +210,7 @@ fn suppressed_targets() {
 #[test]
 fn a_reader_part_of_the_way() {
     let mut reader =
-        Cursor::new(&b"JUNK\n%\nF10\nG36 D2\nN1 G1 X1\nN2 G37 D-1\nN3 G20 L1\nN4 G1 X5"[..]);
+        Cursor::new(&b"JUNK\n%\nN9 F10\nN8 G36 D2\nN1 G1 X1\nN2 G37 D-1\nN3 G20 L1\nN4 G1 X5"[..]);
     reader.set_position(5);
     let lines: Vec<_> = Decoder::with_jumps(reader, DecoderOptions::default())
         .map(|item| match item.unwrap() {
@@ -240,7 +240,7 @@ impl Seek for Counting<'_> {
 /// A loop within the buffer goes back to the file for nothing.
 #[test]
 fn short_loops_stay_in_the_buffer() {
-    let program = b"%\nN1 F10\nG36 D100\nN2 G1 X1\nG37 D-1\nG20 L2\n";
+    let program = b"%\nN1 F10\nN3 G36 D100\nN2 G1 X1\nN4 G37 D-1\nN5 G20 L2\n";
     let seeks = std::cell::Cell::new(0);
     let reader = BufReader::new(Counting(Cursor::new(program), &seeks));
     assert_eq!(Decoder::with_jumps(reader, DecoderOptions::default()).count(), 100);

@@ -221,8 +221,10 @@ impl Read for Failing<'_> {
 
 #[test]
 fn reading_errors_end_it() {
-    let mut decoder =
-        Decoder::new(BufReader::new(Failing(b"%\nG1 X1 F1\nG1 X2")), DecoderOptions::default());
+    let mut decoder = Decoder::new(
+        BufReader::new(Failing(b"%\nN1 G1 X1 F1\nN2 G1 X2")),
+        DecoderOptions::default(),
+    );
     assert!(matches!(decoder.next(), Some(Ok(Item::Element(_)))));
     let Some(Err(Failure::Io(error))) = decoder.next() else { panic!("no error") };
     assert_eq!(error.to_string(), "unplugged");
@@ -231,7 +233,7 @@ fn reading_errors_end_it() {
 
 #[test]
 fn tells_where_it_is() {
-    let mut decoder = Decoder::new(&b"%\n\nG1 X1 F1\nG1 X2"[..], DecoderOptions::default());
+    let mut decoder = Decoder::new(&b"%\n\nN1 G1 X1 F1\nN2 G1 X2"[..], DecoderOptions::default());
     decoder.next();
     // An element is given when the next is known.
     assert_eq!((decoder.lines(), decoder.position()), (4, Point3::new(0.002, 0.0, 0.0)));

@@ -181,7 +181,7 @@ fn nothing_and_absurdities() {
 #[test]
 fn arrows_are_bounded() {
     let program: String = (0..20_000).fold("%\nN1 F100\n".to_owned(), |text, n| {
-        text + if n % 2 == 0 { "G1 X100\n" } else { "G1 X0\n" }
+        text + if n % 2 == 0 { "N2 G1 X100\n" } else { "N2 G1 X0\n" }
     });
     let svg = picture("", &[], &elements(&program), &[]);
     let arrows = svg.matches("class=\"arrow\"").count();

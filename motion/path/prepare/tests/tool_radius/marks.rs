@@ -45,7 +45,8 @@ fn a_radius_of_zero_changes_nothing() {
 /// The correction needs G41 or G42, G40 and D (manual 3.4): without D there is nothing to correct by.
 #[test]
 fn a_radius_of_zero_is_noticed() {
-    let contours = [contour(polyline(&CORNER), LEFT, 0.0), contour(polyline(&CORNER), RIGHT, 0.0)];
+    let back = [[100.0, 100.0], [0.0, 100.0], [0.0, 0.0]];
+    let contours = [contour(polyline(&CORNER), LEFT, 0.0), contour(polyline(&back), RIGHT, 0.0)];
     let elements = crate::prepare::tests::numbered(contours.concat());
     let (_, notices) = correct(elements.clone(), ToolRadiusOptions::default());
     let at =
