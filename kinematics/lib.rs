@@ -3,6 +3,24 @@
 //! Everything here is pure mathematics: no I/O, no clock, no allocation on the solve path. Lengths are metres,
 //! angles radians, times seconds.
 //!
+//! ```
+//! use twin_kinematics::scara::{Elbow, Scara2};
+//! use twin_kinematics::{AxisVector, Kinematics, Pose};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // Arms of 300 mm and 400 mm; both axes are at 0 when the arms are stretched along +x.
+//! let scara = Scara2::new([0.3, 0.4], [0.0, 0.0], Elbow::Low)?;
+//! // Tool 300 mm along x and 400 mm along y: a right triangle, so A is at 0 degrees and B at 90 degrees.
+//! let pose = Pose::at(0.3, 0.4, 0.0);
+//! let axes = scara.inverse(&pose, &AxisVector::zeros(2))?;
+//! let [a, b] = *axes else { return Err("two axes expected".into()) };
+//! assert!(a.abs() < 1e-12 && (b.to_degrees() - 90.0).abs() < 1e-9);
+//! // The forward transform leads back to the same point.
+//! assert!((scara.forward(&axes)?.position - pose.position).norm() < 1e-12);
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! Frames: *machine* is the fixed frame in which a transform is written down (its docs say where the origin is);
 //! *work* is the frame of the program, placed in the machine frame by a [`WorkFrame`].
 //!

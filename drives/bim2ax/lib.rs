@@ -9,6 +9,19 @@
 //! until the end switch: manual moves need a host that lives.
 //!
 //! Source: "Module BIM2AX-BOCM, Manuel d'utilisation", MUT/0712/0206D, revision D of May 2013.
+//!
+//! ```
+//! use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
+//! use twin_bim2ax::{DriveMode, ModuleAxis};
+//!
+//! // Parameters of the manual: $63 is the version of the software, $15 the acceleration of axis 2.
+//! assert_eq!(Parameter::Version.number(), Some(0x63));
+//! let acceleration = Parameter::Axis(AxisParameter::Acceleration, ModuleAxis::Two);
+//! assert_eq!(acceleration.number(), Some(0x15));
+//! assert_eq!(Parameter::from_number(0x15), Some(acceleration));
+//! // Drive mode $60: 64 µsteps per full step.
+//! assert_eq!(DriveMode::from_code(0x60).map(DriveMode::microsteps), Some(64));
+//! ```
 
 mod assumptions;
 mod client;

@@ -6,6 +6,20 @@
 //! frames computed elsewhere.
 //!
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB".
+//!
+//! ```
+//! use twin_smartdrive::protocol::frame;
+//! use twin_smartdrive::{Command, StepsPerTurn};
+//!
+//! // A motor of 200 full steps with 16 µsteps each: 3200 µsteps per turn, 32000 µsteps/s at 600 rpm.
+//! let turn = StepsPerTurn::new(200, 16).ok_or("no turn")?;
+//! assert_eq!(turn.get(), 3200);
+//! assert!((turn.steps(600.0) - 32_000.0).abs() < 1e-9);
+//! // GOTO +3200 for address 1: code 23h, the position with its low byte first, and the exclusive or of all bytes.
+//! let frame = frame::encode(1, &Command::GoTo { target: 3200, profile: None });
+//! assert_eq!(frame, [0x01, 0x23, 0x80, 0x0C, 0x00, 0x00, 0xAE]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod assumptions;
 mod client;

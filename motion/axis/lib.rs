@@ -11,6 +11,31 @@
 //! prefixed names, too (`MC_MoveAbsolute`).
 //!
 //! There is no clock and no input or output: the caller gives the cycle time and the drive's feedback.
+//!
+//! ```
+//! use twin_axis::{Axis, AxisConfig, Block, Direction, MoveAbsolute, Power, VirtualDrive};
+//!
+//! // A linear axis with a cycle of 1 ms, on a virtual drive.
+//! let mut axis = Axis::new(AxisConfig::default());
+//! let mut drive = VirtualDrive::new(0.0);
+//! let power = Power { regulator_on: true, drive_start: true };
+//! // To 250 mm at 200 mm/s and 1000 mm/s²: s/v + v/a = 1.25 s + 0.2 s.
+//! let mut go = Block::new(MoveAbsolute {
+//!     position: 250.0,
+//!     velocity: 200.0,
+//!     acceleration: 1000.0,
+//!     deceleration: 1000.0,
+//!     direction: Direction::Positive,
+//! });
+//! for cycle in 0..1500 {
+//!     axis.begin_cycle(&drive.feedback());
+//!     let powered = power.call(true, &mut axis).status;
+//!     go.call(powered, &mut axis);
+//!     drive.follow(&axis.end_cycle());
+//! }
+//! assert!((axis.act_position() - 250.0).abs() < 1e-9);
+//! assert!(go.duration().is_none(), "the move is over");
+//! ```
 
 mod axis;
 mod block;

@@ -5,6 +5,30 @@
 //! follow one cycle by cycle; [`CamRegister`] switches bits by the master's position, without a slave.
 //!
 //! Everything is in the axes' technical units u. There is no clock: the caller gives the time of each cycle.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use twin_cam::{CamCoupling, CamInput, CamTable, Compile, Source, StartMode};
+//! use twin_profile::State;
+//!
+//! // A lift of 40 mm in half a turn of the master, and back: quintics at rest in all three points.
+//! let mut source = Source::new("lift");
+//! for (master, slave) in [(0.0, 0.0), (180.0, 40.0), (360.0, 0.0)] {
+//!     source.insert_point(master, slave);
+//! }
+//! let cam = source.compile(Compile::Polynomial)?;
+//! // A quintic of rise h over b is fastest in the middle: 15/8 h/b, in mm per degree.
+//! let rise = cam.curve().at(90.0);
+//! assert!((rise.position - 20.0).abs() < 1e-9);
+//! assert!((rise.velocity - 15.0 / 8.0 * 40.0 / 180.0).abs() < 1e-12);
+//! // At 360 degrees/s of the master the slave moves at 150 mm/s there.
+//! let master = State { position: 90.0, velocity: 360.0, acceleration: 0.0 };
+//! let input = CamInput { start_mode: StartMode::Absolute, ..CamInput::default() };
+//! let table = CamTable::new(Arc::new(cam));
+//! let coupling = CamCoupling::start(table, input, &master, &State::resting(20.0), 0)?;
+//! assert!((coupling.output().slave.velocity - 150.0).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod approach;
 mod bit;
@@ -41,7 +65,7 @@ pub use bounds::{Bounds, Factors, MasterMotion, Peak, Quantity, SlaveLimits};
 pub use coupling::{
     CamCoupling, Coupled, CouplingError, MAX_TRIGGERS, TappetData, slave_set_position,
 };
-pub use curve::{Curve, CurveExtremes, Jump, Jumps, MAX_POINTS, Range};
+pub use curve::{Curve, CurveExtremes, Jump, Jumps, Range};
 pub use error::CamError;
 pub use joints::{Joint, Joints};
 pub use knot::{Derivatives, Knot, quintic};

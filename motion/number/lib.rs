@@ -1,4 +1,15 @@
 //! Numbers as messages show them, and as other programs read them.
+//!
+//! ```
+//! use twin_number::{Short, exact_seconds, readable};
+//!
+//! // 240 mm/s that conversion from m/s has left as 239.99999999999997.
+//! assert_eq!(Short(239.999_999_999_999_97).to_string(), "240");
+//! // An axis position of 361.12773 mm with six significant digits.
+//! assert_eq!(readable(361.127_73, 6), "361.128");
+//! // A time stamp of 1.5 s in nanoseconds.
+//! assert_eq!(exact_seconds(1_500_000_000), "1.5");
+//! ```
 
 mod short;
 mod text;

@@ -1,4 +1,26 @@
 //! Path elements (`SMC_GEOINFO`, manual 6.5).
+//!
+//! [`PathElement`] is one curve of the tool's path with its feed and its place in the program. [`prepare`] changes paths
+//! for the tool and for corners, [`dxf`] reads drawings, [`queue`] reads and writes queue files. Lengths are metres, times
+//! seconds.
+//!
+//! ```
+//! use std::f64::consts::FRAC_PI_2;
+//! use nalgebra::Point3;
+//! use twin_path::{Arc, ElementKind, PathElement, Place, Shape};
+//!
+//! // A quarter circle of radius 50 mm about the origin, counter-clockwise from +x to +y.
+//! let [start, end] = [Point3::new(0.05, 0.0, 0.0), Point3::new(0.0, 0.05, 0.0)];
+//! let arc = Arc::new(start, end, Point3::origin(), FRAC_PI_2);
+//! let mut element = PathElement::new(Place::default(), ElementKind::Cut, Shape::Arc(arc));
+//! element.feed = 0.1; // 100 mm/s
+//! assert!((element.length() - 0.05 * FRAC_PI_2).abs() < 1e-15);
+//! // Half-way, at 45 degrees: the tangent has length 1, the curvature 1/r = 20 per metre towards the centre.
+//! let middle = element.at(element.length() / 2.0);
+//! assert!((middle.position.x - 0.05 * 0.5_f64.sqrt()).abs() < 1e-12);
+//! assert!((middle.tangent.norm() - 1.0).abs() < 1e-12);
+//! assert!((middle.curvature.norm() - 20.0).abs() < 1e-9);
+//! ```
 
 mod adapters;
 mod arc;

@@ -13,6 +13,21 @@
 //! it.
 //!
 //! There is no clock and no allocation: a profile is a plain value with room for the largest number of segments.
+//!
+//! ```
+//! use twin_profile::{AxisLimits, Profile, RampType, State};
+//!
+//! // 100 mm at 10 mm/s, with 20 mm/s² both ways: s/v + v/a = 10 s + 0.5 s.
+//! let limits = AxisLimits { velocity: 10.0, acceleration: 20.0, deceleration: 20.0, jerk: 200.0 };
+//! let from = State::resting(0.0);
+//! let steps = Profile::to_position(from, 100.0, 0.0, limits, RampType::Trapezoid)?;
+//! assert!((steps.duration() - 10.5).abs() < 1e-12);
+//! // A jerk of 200 mm/s³ adds a/j = 0.1 s.
+//! let smooth = Profile::to_position(from, 100.0, 0.0, limits, RampType::Parabolic)?;
+//! assert!((smooth.duration() - 10.6).abs() < 1e-12);
+//! assert!((smooth.at(5.3).position - 50.0).abs() < 1e-9, "half of the way after half of the time");
+//! # Ok::<(), twin_profile::ProfileError>(())
+//! ```
 
 mod error;
 mod parabolic;

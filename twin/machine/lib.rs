@@ -1,4 +1,19 @@
 //! Machine file: one TOML file that describes a machine. The comments of `machines/*.toml` document it.
+//!
+//! ```
+//! use std::path::Path;
+//! use twin_kinematics::Kinematics;
+//! use twin_machine::Machine;
+//!
+//! // A SCARA with arms of 250 mm and 200 mm, and a quill.
+//! let machine = Machine::load(Path::new("../../machines/scara2.toml"))?;
+//! let names: Vec<_> = machine.axes.iter().map(|axis| axis.name.as_str()).collect();
+//! assert_eq!(names, ["A", "B", "Z"]);
+//! // With all axes at 0 both arms are stretched along +x.
+//! let pose = machine.kinematics.forward(&twin_kinematics::AxisVector::zeros(3))?;
+//! assert!((pose.position.x - 0.45).abs() < 1e-12 && pose.position.y.abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod additional_axis;
 pub mod approach;

@@ -20,6 +20,42 @@
 //!
 //! [`PhysicsMachine::link_poses`] reads the bodies.
 //! Two runs with the same inputs give the same result to the bit.
+//!
+//! ```
+//! use nalgebra::Vector3;
+//! use twin_kinematics::{AxisMotion, AxisVector};
+//! use twin_physics::{AxisDriveParameters, PhysicsMachine};
+//! use twin_urdf::Model;
+//!
+//! // A carriage of 10 kg on a vertical slide, released: it falls by g t²/2.
+//! let text = r#"
+//! <robot name="slide">
+//!   <link name="base"/>
+//!   <link name="carriage">
+//!     <inertial>
+//!       <mass value="10"/>
+//!       <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>
+//!     </inertial>
+//!   </link>
+//!   <link name="tool_tip"/>
+//!   <joint name="Z" type="prismatic">
+//!     <parent link="base"/><child link="carriage"/><axis xyz="0 0 1"/>
+//!     <limit lower="-1" upper="1" effort="1000" velocity="10"/>
+//!   </joint>
+//!   <joint name="tool_tip" type="fixed"><parent link="carriage"/><child link="tool_tip"/></joint>
+//! </robot>"#;
+//! let model = Model::from_urdf(text, &["Z"])?;
+//! let (gravity, start) = (Vector3::new(0.0, 0.0, -9.81), AxisVector::zeros(1));
+//! let drives = [AxisDriveParameters::SLACK];
+//! let mut machine = PhysicsMachine::new(&model, &drives, gravity, &start, 1_000_000)?;
+//! // 100 cycles of 1 ms without any effort of the motor.
+//! for _ in 0..100 {
+//!     machine.step_with_efforts(&AxisVector::zeros(1))?;
+//! }
+//! let fallen = -machine.axis_state().position[0];
+//! assert!((fallen - 9.81 * 0.1 * 0.1 / 2.0).abs() < 1e-4, "49.05 mm, but {fallen} m");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod along_path;
 mod bodies;

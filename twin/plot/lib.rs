@@ -2,6 +2,26 @@
 //!
 //! The room knows only plain data: lines, marks, labels, units and colours. It imports no other room of `twin`; each of
 //! them hands over what it wants to be seen. Everything that is written as SVG is written by `svg.rs`.
+//!
+//! ```
+//! use twin_plot::{Across, Chart, Color, Row, Shape, Stroke};
+//!
+//! // Velocity of a move: up to 50 mm/s in 0.1 s, and back to 0 from 2.0 s to 2.1 s.
+//! let points = vec![(0.0, 0.0), (0.1, 50.0), (2.0, 50.0), (2.1, 0.0)];
+//! let mut row = Row::fitted("velocity", "mm/s", 200.0, Some([0.0, 50.0]), &[60.0]);
+//! assert!(row.shows_limit(), "60 mm/s is near enough");
+//! row.shapes.push(Shape::Line(points, Stroke::solid(Color::series(0), 2.0)));
+//! let chart = Chart {
+//!     title: "Line of 100 mm".to_owned(),
+//!     subtitle: String::new(),
+//!     across: Across::time([0.0, 2.1]),
+//!     rows: vec![row],
+//!     strips: Vec::new(),
+//!     legend: Vec::new(),
+//! };
+//! let svg = chart.svg();
+//! assert!(svg.starts_with("<svg") && svg.contains("time (s)"));
+//! ```
 
 mod chart;
 mod color;
