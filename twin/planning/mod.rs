@@ -4,18 +4,19 @@
 
 mod axis_limited;
 mod background_planner;
+mod source;
 
 use crate::bridge::{Bridge, BridgeSetpoint};
 use crate::job::JobSetpoints;
 use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledgement, MCall};
 use crate::program::inputs::Steps;
-use crate::program::{Dialect, Findings, ProgramFile, Setpoints};
+use crate::program::{Dialect, ProgramFile};
 use crate::setpoint::Transformer;
-use crate::setpoint_source::MOST_OVERRIDE;
 use crate::setpoint_source::PlanItem;
 use axis_limited::WithinAxes;
 use background_planner::Beside;
+use source::SetpointSource;
 use std::task::Poll;
 use std::thread::Scope;
 use twin_machine::Machine;
@@ -25,20 +26,13 @@ use twin_planner::controller::ToolSetpoint;
 /// The set-points of a program, as the controller itself plans them or within the limits of the axes.
 #[derive(Debug)]
 pub(crate) struct Planning<'m> {
-    plan: Plan<'m>,
+    source: Box<dyn SetpointSource<'m> + 'm>,
     /// A gap that the axes cross, and the set-point behind it.
     gap: Option<(Bridge, ToolSetpoint)>,
     /// The path has waited so long for axes that cross gaps, ns.
     later_ns: i64,
     /// It ends here.
     ended: bool,
-}
-
-#[derive(Debug)]
-enum Plan<'m> {
-    Controller(Box<Setpoints>),
-    Axes(Box<WithinAxes<'m>>),
-    Job(Box<JobSetpoints<'m>>),
 }
 
 impl<'m> Planning<'m> {
@@ -53,16 +47,16 @@ impl<'m> Planning<'m> {
         rules: Acknowledgement,
     ) -> Result<Self, LimitFailure> {
         if program.dialect() == Dialect::Job {
-            return Ok(Self::over(Plan::Job(Box::new(JobSetpoints::open(machine, program)?))));
+            return Ok(Self::over(Box::new(JobSetpoints::open(machine, program)?)));
         }
         Ok(Self::over(match limits {
-            Limits::Softmotion => Plan::Controller(Box::new(program.open(machine, rules)?)),
-            Limits::Axes => Plan::Axes(Box::new(WithinAxes::for_check(machine, program, rules)?)),
+            Limits::Softmotion => Box::new(program.open(machine, rules)?),
+            Limits::Axes => Box::new(WithinAxes::for_check(machine, program, rules)?),
         }))
     }
 
-    fn over(plan: Plan<'m>) -> Self {
-        Self { plan, gap: None, later_ns: 0, ended: false }
+    fn over(source: Box<dyn SetpointSource<'m> + 'm>) -> Self {
+        Self { source, gap: None, later_ns: 0, ended: false }
     }
 
     /// As [`Self::new`], for a run, in which the override may change. If it is `paced`, planning cannot block: a
@@ -89,7 +83,7 @@ impl<'m> Planning<'m> {
         } else {
             Beside::here(machine, program)?
         };
-        Ok(Self::over(Plan::Axes(Box::new(WithinAxes::for_run(machine, plan, rules)))))
+        Ok(Self::over(Box::new(WithinAxes::for_run(machine, plan, rules))))
     }
 
     /// The next item; with `waits`, or without a background planner, it is ready when this returns.
@@ -100,11 +94,7 @@ impl<'m> Planning<'m> {
         if self.ended {
             return Poll::Ready(None);
         }
-        let next = match &mut self.plan {
-            Plan::Controller(setpoints) => Poll::Ready(setpoints.next().map(PlanItem::from)),
-            Plan::Axes(within) => within.poll(waits).map(|next| next.map(PlanItem::from)),
-            Plan::Job(job) => Poll::Ready(job.next()),
-        };
+        let next = self.source.poll(waits);
         let Poll::Ready(Some(PlanItem::Tool(mut tool))) = next else { return next };
         tool.time_ns += self.later_ns;
         Poll::Ready(Some(PlanItem::Tool(tool)))
@@ -137,92 +127,51 @@ impl<'m> Planning<'m> {
 
     /// Signals of the tappets: the bits of the set-points in their order. Those of a path are of `transformer`.
     pub(crate) fn signals<'t>(&'t self, transformer: &'t Transformer<'_>) -> &'t [Signal] {
-        match &self.plan {
-            Plan::Controller(_) | Plan::Axes(_) => transformer.signals(),
-            Plan::Job(job) => job.signals(),
-        }
-    }
-
-    /// What is known of the file; nothing of it in a run within the limits of the axes.
-    fn file(&self) -> Option<&Findings> {
-        match &self.plan {
-            Plan::Axes(within) => within.file(),
-            Plan::Controller(_) | Plan::Job(_) => None,
-        }
+        self.source.job().map_or_else(|| transformer.signals(), JobSetpoints::signals)
     }
 
     /// Bytes of the file that are done; none if the end is not known.
     pub(crate) fn bytes_done(&self) -> Option<u64> {
-        match &self.plan {
-            Plan::Controller(setpoints) => Some(setpoints.bytes_read()),
-            Plan::Axes(_) => Some(self.file().map_or(0, Findings::bytes_read)),
-            Plan::Job(job) => job.bytes_done(),
-        }
+        self.source.bytes_done()
     }
 
     /// Path elements decoded so far.
     pub(crate) fn elements(&self) -> u64 {
-        match &self.plan {
-            Plan::Controller(setpoints) => setpoints.elements(),
-            Plan::Axes(_) => self.file().map_or(0, Findings::elements),
-            Plan::Job(job) => job.blocks(),
-        }
+        self.source.elements()
     }
 
     /// Length of the path decoded so far, m.
     pub(crate) fn length(&self) -> f64 {
-        match &self.plan {
-            Plan::Controller(setpoints) => setpoints.length(),
-            Plan::Axes(_) => self.file().map_or(0.0, Findings::length),
-            Plan::Job(job) => job.length(),
-        }
+        self.source.length()
     }
 
     /// Diagnostics of the text that were left out because there are too many.
     pub(crate) fn left_out(&self) -> u64 {
-        match &self.plan {
-            Plan::Controller(setpoints) => setpoints.left_out(),
-            Plan::Axes(_) => self.file().map_or(0, Findings::left_out),
-            Plan::Job(_) => 0,
-        }
+        self.source.left_out()
     }
 
     /// The job, if it is one.
     pub(crate) fn job(&self) -> Option<&JobSetpoints<'m>> {
-        match &self.plan {
-            Plan::Job(job) => Some(job),
-            Plan::Controller(_) | Plan::Axes(_) => None,
-        }
+        self.source.job()
     }
 
     /// The M function at which the path waits at the last set-point.
     pub(crate) fn m_call(&self) -> Option<MCall> {
-        let call = match &self.plan {
-            _ if self.gap.is_some() => None,
-            Plan::Controller(setpoints) => setpoints.m_call(),
-            Plan::Axes(within) => within.m_call(),
-            Plan::Job(_) => None,
-        }?;
+        if self.gap.is_some() {
+            return None;
+        }
+        let call = self.source.m_call()?;
         Some(MCall { since_ns: call.since_ns + self.later_ns, ..call })
     }
 
     /// True if the path goes on only when [`Self::acknowledge`] is called.
     pub(crate) fn waits_for_word(&self) -> bool {
-        match &self.plan {
-            _ if self.gap.is_some() => false,
-            Plan::Controller(setpoints) => setpoints.waits_for_word(),
-            Plan::Axes(within) => within.waits_for_word(),
-            Plan::Job(_) => false,
-        }
+        self.gap.is_none() && self.source.waits_for_word()
     }
 
     /// The M function is done; the path goes on with the next set-point.
     pub(crate) fn acknowledge(&mut self) {
-        match &mut self.plan {
-            Plan::Controller(setpoints) => setpoints.acknowledge(),
-            Plan::Axes(within) => within.acknowledge(),
-            Plan::Job(_) => {}
-        }
+        self.source.acknowledge();
     }
 
     /// Asks for set-points that brake along the path and end. In a gap every axis brakes.
@@ -230,58 +179,38 @@ impl<'m> Planning<'m> {
         if let Some((bridge, _)) = &mut self.gap {
             bridge.brake();
         }
-        match &mut self.plan {
-            Plan::Controller(setpoints) => setpoints.request_stop(),
-            Plan::Axes(within) => within.request_stop(),
-            Plan::Job(job) => job.request_stop(),
-        }
+        self.source.request_stop();
     }
 
     /// Multiplies programmed velocities by `factor` from the next set-point on that can be had so; below
     /// [`LEAST_OVERRIDE`](crate::setpoint_source::LEAST_OVERRIDE) the path is held.
     pub(crate) fn set_override(&mut self, factor: f64) {
-        match &mut self.plan {
-            Plan::Controller(setpoints) => setpoints.set_override(factor),
-            Plan::Axes(within) => within.set_override(factor),
-            Plan::Job(job) => job.set_override(factor),
-        }
+        self.source.set_override(factor);
     }
 
-    /// Single step and waiting at the next stop from the next set-point on. Nothing but the controller's own plan knows them.
+    /// Single step and waiting at the next stop from the next set-point on.
     pub(crate) fn set_steps(&mut self, steps: Steps) {
-        if let Plan::Controller(setpoints) = &mut self.plan {
-            setpoints.set_steps(steps);
-        }
+        self.source.set_steps(steps);
     }
 
     /// The largest override that has an effect.
     pub(crate) fn most_override(&self) -> f64 {
-        match self.plan {
-            Plan::Controller(_) | Plan::Axes(_) => MOST_OVERRIDE,
-            Plan::Job(_) => 1.0,
-        }
+        self.source.most_override()
     }
 
     /// True if it brakes as hard as the axes allow.
     pub(crate) fn is_within_axes(&self) -> bool {
-        matches!(self.plan, Plan::Axes(_))
+        self.source.is_within_axes()
     }
 
     /// True if the last set-point follows the last override request.
     pub(crate) fn follows_override(&self) -> bool {
-        match &self.plan {
-            Plan::Controller(setpoints) => setpoints.follows_override(),
-            Plan::Axes(within) => within.follows_override(),
-            Plan::Job(job) => job.follows_override(),
-        }
+        self.source.follows_override()
     }
 
     /// Plans that have come too late so far, so that the path went on as planned before.
     pub(crate) fn late_plans(&self) -> u64 {
-        match &self.plan {
-            Plan::Controller(_) | Plan::Job(_) => 0,
-            Plan::Axes(within) => within.late_plans(),
-        }
+        self.source.late_plans()
     }
 }
 

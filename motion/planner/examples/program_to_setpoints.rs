@@ -32,7 +32,7 @@ fn main() -> Result<(), Fault> {
         Item::Element(element) => Ok::<_, Fault>(element),
         Item::Warning(warning) => Err(warning.to_string().into()),
     });
-    let stages = Preparation::for_marks(Marks::default())?;
+    let stages = Preparation::for_marks(Marks::default());
     let path = stages.check(elements, ANGLE_TOLERANCE, &Notices::default())?;
     let mut interpolator = Interpolator::new(LookAhead::new(path), DEFAULT_CYCLE_NS);
 
