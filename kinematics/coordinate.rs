@@ -22,7 +22,7 @@ impl Coordinate {
     pub const ALL: [Self; 4] = [Self::X, Self::Y, Self::Z, Self::Direction];
 
     /// Those that are lengths.
-    pub const TRANSLATIONS: [Self; 3] = [Self::X, Self::Y, Self::Z];
+    pub(crate) const TRANSLATIONS: [Self; 3] = [Self::X, Self::Y, Self::Z];
 
     /// Its place in [`Self::ALL`].
     pub const fn index(self) -> usize {
@@ -30,7 +30,7 @@ impl Coordinate {
     }
 
     /// Its value in a pose.
-    pub fn of_pose(self, pose: &Pose) -> f64 {
+    pub(crate) fn of_pose(self, pose: &Pose) -> f64 {
         self.of(&pose.position.coords, pose.direction)
     }
 

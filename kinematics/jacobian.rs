@@ -1,4 +1,4 @@
-//! Jacobian of a whole machine and its dexterity: singular values and isotropy.
+//! Jacobian of a whole machine and its dexterity: smallest and largest singular value.
 
 use crate::{AxisVector, Coordinate, MAX_AXES};
 use nalgebra::SMatrix;
@@ -87,13 +87,6 @@ pub struct Dexterity {
     pub smallest: f64,
     /// Largest singular value.
     pub largest: f64,
-}
-
-impl Dexterity {
-    /// 1 where the tool moves as easily in all directions, 0 where there is one in which it does not.
-    pub fn isotropy(&self) -> f64 {
-        if self.largest > 0.0 { self.smallest / self.largest } else { 0.0 }
-    }
 }
 
 /// The singular values of a matrix by one-sided Jacobi rotations of its columns: small ones keep their digits. Columns of zeros give

@@ -15,14 +15,19 @@ impl Inertial {
     }
 
     /// A uniform cylinder of `mass` (kg), `radius` and `length` (m) about an axis parallel to z of the link frame.
-    pub fn uniform_cylinder(mass: f64, radius: f64, length: f64, center: Point3<f64>) -> Self {
+    pub(crate) fn uniform_cylinder(
+        mass: f64,
+        radius: f64,
+        length: f64,
+        center: Point3<f64>,
+    ) -> Self {
         let along = mass * radius * radius / 2.0;
         let across = mass * (3.0 * radius * radius + length * length) / 12.0;
         Self { mass, center, inertia: Matrix3::from_diagonal(&Vector3::new(across, across, along)) }
     }
 
     /// A uniform sphere of `mass` (kg) and `radius` (m).
-    pub fn uniform_sphere(mass: f64, radius: f64, center: Point3<f64>) -> Self {
+    pub(crate) fn uniform_sphere(mass: f64, radius: f64, center: Point3<f64>) -> Self {
         Self { mass, center, inertia: Matrix3::from_diagonal_element(0.4 * mass * radius * radius) }
     }
 

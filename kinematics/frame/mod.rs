@@ -89,7 +89,7 @@ impl WorkFrame {
     }
 
     /// A free vector of the machine frame in the work frame.
-    pub fn vector_to_work(&self, vector: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn vector_to_work(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         self.machine_from_work.inverse_transform_vector(vector)
     }
 

@@ -31,7 +31,7 @@ pub struct BeltLayout {
 
 impl BeltLayout {
     /// Rows A and B, columns x and y: what the drives do per coordinate, 1 or −1.
-    pub fn drives_by_coordinates(self) -> Matrix2<f64> {
+    pub(crate) fn drives_by_coordinates(self) -> Matrix2<f64> {
         let mut matrix = Matrix2::new(1.0, 1.0, -1.0, 1.0);
         if self.coordinates_exchanged {
             matrix.swap_columns(0, 1);

@@ -82,7 +82,7 @@ impl Scara3 {
     }
 
     /// Smallest and largest distance of the wrist from the first arm's axis, m.
-    pub fn wrist_reach(&self) -> [f64; 2] {
+    pub(crate) fn wrist_reach(&self) -> [f64; 2] {
         self.chain.reach()
     }
 

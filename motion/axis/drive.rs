@@ -184,7 +184,8 @@ impl VirtualDrive {
     }
 
     /// Its feedback, to be changed by tests that make it fail.
-    pub fn feedback_mut(&mut self) -> &mut Feedback {
+    #[cfg(test)]
+    pub(crate) fn feedback_mut(&mut self) -> &mut Feedback {
         &mut self.feedback
     }
 

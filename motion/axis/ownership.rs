@@ -145,8 +145,8 @@ impl Axis {
     }
 
     /// The set-point of the last cycle, which a block goes on from: in the drive's coordinates, unwound.
-    #[must_use]
-    pub fn last_setpoint(&self) -> State {
+    #[cfg(test)]
+    pub(crate) fn last_setpoint(&self) -> State {
         self.saved
     }
 

@@ -206,7 +206,8 @@ impl Encoder {
     }
 
     /// The same, for blocks that need it to themselves.
-    pub fn axis_mut(&mut self) -> &mut Axis {
+    #[cfg(test)]
+    pub(crate) fn axis_mut(&mut self) -> &mut Axis {
         &mut self.axis
     }
 

@@ -6,7 +6,7 @@ use super::knot::{Derivatives, Knot, Piece};
 use super::polynomial::{Extremes, extremes};
 
 /// The most points a curve may have.
-pub const MAX_POINTS: usize = 1 << 24;
+pub(crate) const MAX_POINTS: usize = 1 << 24;
 
 /// A cam curve: polynomials of degree 5 or less, piece by piece over a range of the master (manual 4.2).
 ///

@@ -15,13 +15,13 @@ pub struct Bounds {
 
 impl Bounds {
     /// Nothing but `point`.
-    pub fn of_point(point: Point3<f64>) -> Self {
+    pub(crate) fn of_point(point: Point3<f64>) -> Self {
         Self { min: point, max: point }
     }
 
     /// With `point`.
     #[must_use]
-    pub fn with_point(self, point: Point3<f64>) -> Self {
+    pub(crate) fn with_point(self, point: Point3<f64>) -> Self {
         Self {
             min: Point3::from(self.min.coords.inf(&point.coords)),
             max: Point3::from(self.max.coords.sup(&point.coords)),

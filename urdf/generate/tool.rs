@@ -102,7 +102,7 @@ pub struct ToolShape {
 
 impl ToolShape {
     /// The name of the link, and of the joint that fixes it.
-    pub const HOLDER: &str = "holder";
+    pub(crate) const HOLDER: &str = "holder";
 }
 
 impl Model {

@@ -96,7 +96,7 @@ impl JointPositions {
     ///
     /// # Errors
     /// [`LoopError::Start`] and [`LoopError::NotFinite`].
-    pub fn start_from(&mut self, positions: &[f64]) -> Result<(), LoopError> {
+    pub(crate) fn start_from(&mut self, positions: &[f64]) -> Result<(), LoopError> {
         if positions.len() != self.values.len() {
             let (given, expected) = (positions.len(), self.values.len());
             return Err(LoopError::Start { given, expected });
@@ -115,7 +115,8 @@ impl JointPositions {
     }
 
     /// The largest distance that is left between two points that should be one, m.
-    pub fn residual(&self) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn residual(&self) -> f64 {
         self.residual
     }
 

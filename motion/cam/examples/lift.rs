@@ -1,4 +1,4 @@
-//! A lift as a cam: its curve, its peaks, and the largest velocity of the master under limits of the slave.
+//! A lift as a cam: its curve, its peaks, and what the master may do under a limit of the slave.
 //!
 //! ```text
 //! cargo run -p twin-cam --example lift
@@ -40,6 +40,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let largest = curve.largest_master_velocity(&limits, &steady, Factors::default(), true)?;
     println!("master at 5000 mm/s² of the slave: at most {:.2} deg/s", largest.value);
     close("velocity of the master, deg/s", largest.value, (5000.0 / bend).sqrt())?;
+
+    // Where the master starts from rest, the slave's acceleration is slope · acceleration.
+    let largest = curve.largest_master_acceleration(&limits, &steady, Factors::default(), true)?;
+    println!("master from rest: at most {:.1} deg/s²", largest.value);
+    close("acceleration of the master, deg/s²", largest.value, 5000.0 / slope)?;
     Ok(())
 }
 

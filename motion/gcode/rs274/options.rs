@@ -14,7 +14,7 @@ pub enum LengthUnit {
 
 impl LengthUnit {
     /// `length` in m.
-    pub fn to_metres(self, length: f64) -> f64 {
+    pub(crate) fn to_metres(self, length: f64) -> f64 {
         match self {
             Self::Millimetre => length / 1e3,
             Self::Inch => length * 0.0254,
@@ -22,7 +22,7 @@ impl LengthUnit {
     }
 
     /// `metres` in this unit.
-    pub fn from_metres(self, metres: f64) -> f64 {
+    pub(crate) fn from_metres(self, metres: f64) -> f64 {
         match self {
             Self::Millimetre => metres * 1e3,
             Self::Inch => metres / 0.0254,

@@ -28,7 +28,7 @@ pub use reader::QueueReader;
 pub use writer::QueueWriter;
 
 /// The version of the layout.
-pub const VERSION: u16 = 1;
+pub(crate) const VERSION: u16 = 1;
 
 /// The largest payload of a block, bytes.
 pub const MAX_BLOCK_BYTES: usize = 1 << 16;

@@ -219,7 +219,7 @@ where
     }
 
     /// Number of elements traversed to their end.
-    pub fn elements_done(&self) -> u64 {
+    pub(crate) fn elements_done(&self) -> u64 {
         self.elements_done
     }
 

@@ -144,7 +144,7 @@ impl Grid {
     }
 
     /// Bounds u̇² at the newest node as well.
-    pub fn cap_last(&mut self, cap: Cap) {
+    pub(crate) fn cap_last(&mut self, cap: Cap) {
         if let Some(last) = self.caps.last_mut() {
             *last = last.min(cap);
         }
@@ -176,7 +176,7 @@ impl Grid {
     }
 
     /// Bounds u̇² at a node as well.
-    pub fn cap_at(&mut self, node: usize, cap: Cap) {
+    pub(crate) fn cap_at(&mut self, node: usize, cap: Cap) {
         if let Some(slot) = self.caps.get_mut(node) {
             *slot = slot.min(cap);
         }
@@ -198,7 +198,7 @@ impl Grid {
     }
 
     /// Largest u̇² at the nodes.
-    pub fn caps(&self) -> &[Cap] {
+    pub(crate) fn caps(&self) -> &[Cap] {
         &self.caps
     }
 
@@ -211,13 +211,8 @@ impl Grid {
     }
 
     /// The caps that the two ends of a cell have themselves.
-    pub fn cell_caps(&self, cell: usize) -> [Cap; 2] {
+    pub(crate) fn cell_caps(&self, cell: usize) -> [Cap; 2] {
         self.cell_caps.get(cell).copied().unwrap_or([Cap::NONE; 2])
-    }
-
-    /// True if some axis has a jerk limit.
-    pub fn limits_jerk(&self) -> bool {
-        self.limits_jerk
     }
 
     /// The rows of the axes (each holds with both signs) and the further ones (as they are) at an end of a cell.

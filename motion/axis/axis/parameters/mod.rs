@@ -18,7 +18,7 @@ use crate::SmcError;
 impl Parameter {
     /// The parameter of a number: the manual's from 1000, or PLCopen's.
     #[must_use]
-    pub fn by_number(number: u16) -> Option<&'static Self> {
+    pub(crate) fn by_number(number: u16) -> Option<&'static Self> {
         let is_it = |parameter: &&Self| {
             parameter.number == number || (number != 0 && parameter.plcopen == number)
         };

@@ -54,12 +54,12 @@ pub struct Leg {
 
 impl Leg {
     /// True if the path rests at its beginning.
-    pub fn begins_at_rest(&self) -> bool {
+    pub(crate) fn begins_at_rest(&self) -> bool {
         backlog::rests(self.stretch.at_position(0.0).0)
     }
 
     /// True if the path rests at its end.
-    pub fn ends_at_rest(&self) -> bool {
+    pub(crate) fn ends_at_rest(&self) -> bool {
         backlog::rests(self.stretch.at_position(self.stretch.length()).0)
     }
 }
