@@ -15,6 +15,7 @@ mod direction;
 mod drives;
 mod frame;
 mod geometry;
+mod key_meaning;
 mod limits;
 mod m_functions;
 mod payload;
@@ -44,6 +45,7 @@ use drives::Seen;
 pub use drives::{
     Bim2AxEntry, DeviceEntry, DriveFamily, InterpCncEntry, ModuleEncoder, Parity, SmartDriveEntry,
 };
+pub use key_meaning::KeyMeaning;
 pub use limits::{AxisLimit, PathLimits, VelocityLimit, VelocityLimits, VelocitySource};
 pub use m_functions::MFunction;
 pub use refusal::SimulationError;
@@ -53,7 +55,7 @@ pub use simulated::{
 };
 pub use surroundings::Collision;
 
-use crate::section::{MachineFileError, Problem, Section, read_text};
+use crate::section::{KeyUse, MachineFileError, Problem, Section, read_text};
 use crate::tappets::TappetOutput;
 use axis::AxisEntry;
 use nalgebra::{Point3, Vector3};
@@ -138,9 +140,22 @@ impl Machine {
     /// With everything that is wrong with it, in file order.
     pub fn parse(path: &Path, text: &str) -> Result<Self, Vec<Problem>> {
         let machine = section::parse(text, |root| read(path, root))?;
-        let mut machine = Self { dimensions: dimensions(text), ..machine };
+        Ok(machine.completed(text))
+    }
+
+    /// As [`Self::parse`], with every key that the readers ask for.
+    ///
+    /// # Errors
+    /// As [`Self::parse`].
+    pub fn parse_recorded(path: &Path, text: &str) -> Result<(Self, Vec<KeyUse>), Vec<Problem>> {
+        let (machine, keys) = section::parse_recorded(text, |root| read(path, root))?;
+        Ok((machine.completed(text), keys))
+    }
+
+    fn completed(self, text: &str) -> Self {
+        let mut machine = Self { dimensions: dimensions(text), ..self };
         machine.conditions.rs274.surroundings = around::surroundings(&machine);
-        Ok(machine)
+        machine
     }
 
     /// The axes on a device, with their places in the file.

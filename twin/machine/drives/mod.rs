@@ -230,6 +230,8 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
         section.accept_all();
         return None;
     };
+    let named = Kind::ALL.into_iter().find(|(_, one)| *one == kind);
+    section.is_of_kind(named.map_or("", |(name, _)| name));
     misplaced_address(section, kind);
     let family = match kind {
         Kind::InterpCnc => interpcnc::read(section).map(DriveFamily::InterpCnc),
