@@ -41,6 +41,7 @@ mod real_encoders;
 mod real_stops;
 mod real_switches;
 mod recording;
+mod reference;
 mod run_limits;
 mod shop;
 mod surroundings;

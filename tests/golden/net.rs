@@ -34,7 +34,7 @@ const DIGITS: usize = 6;
 const ZERO: f64 = 1e-7;
 
 /// The files in `folder` with one of these endings, sorted.
-fn files(folder: &str, endings: &[&str]) -> Vec<PathBuf> {
+pub(crate) fn files(folder: &str, endings: &[&str]) -> Vec<PathBuf> {
     let listed = fs::read_dir(root().join(folder)).expect("the folder is there");
     let mut files: Vec<_> = listed
         .map(|entry| entry.expect("readable").path())
@@ -51,7 +51,7 @@ fn stem(path: &Path) -> String {
 }
 
 /// `text` with every number rounded to [`DIGITS`] significant digits.
-fn rounded(text: &str) -> String {
+pub(crate) fn rounded(text: &str) -> String {
     let numeric = |c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+' | 'e' | 'E');
     let mut out = String::with_capacity(text.len());
     let mut rest = text;

@@ -1,4 +1,4 @@
-//! `twin explain`: meaning and remedy of error numbers, error names, rules and blocks.
+//! `twin explain`: meaning and remedy of error numbers, error names, rules and blocks, and keys of machine files.
 
 use super::show::table;
 use super::{Failure, Status};
@@ -9,13 +9,14 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 use twin_axis::{Language, SmcError};
+use twin_machine::KeyMeaning;
 
-/// Explain errors of SoftMotion (`SMC_ERROR`) by number or name, and the rules of `twin check`: what they mean, which blocks
-/// raise them, and what to do about it; and of blocks which errors they raise
+/// Explain errors of SoftMotion (`SMC_ERROR`) by number or name, the rules of `twin check`, the errors that a block raises, and
+/// the keys of machine files
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct Arguments {
-    /// Numbers (626), names (`SMC_CI_MASTER_OUT_OF_SCALE`, with or without `SMC_`, in any case), rules (axis-velocity) or blocks (`MC_CamIn`)
+    /// Numbers (626), names (`SMC_CI_MASTER_OUT_OF_SCALE`, with or without `SMC_`, in any case), rules (axis-velocity), blocks (`MC_CamIn`) or keys of machine files (`headroom_percent`)
     #[arg(value_name = "NUMBER|NAME", required_unless_present = "list", conflicts_with = "list")]
     what: Vec<String>,
 
@@ -41,6 +42,7 @@ Examples:
   twin explain 626
   twin explain smc_gi_ratio_denom 1003 --language de
   twin explain axis-velocity
+  twin explain headroom_percent
   twin explain --list --language all";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -86,6 +88,8 @@ enum Topic {
     Rule(Rule),
     /// A function block, by its name.
     Block(&'static str),
+    /// A key of machine files, which several tables may have.
+    Key(&'static str),
 }
 
 impl Topic {
@@ -98,7 +102,7 @@ impl Topic {
         match self {
             Self::Error(error) => error.name(),
             Self::Rule(rule) => rule.name(),
-            Self::Block(name) => name,
+            Self::Block(name) | Self::Key(name) => name,
         }
     }
 
@@ -106,6 +110,13 @@ impl Topic {
     fn blocks() -> impl Iterator<Item = Self> {
         let errors = SmcError::ALL.iter().flat_map(|error| raisers(*error));
         block_names().chain(errors).map(Self::Block)
+    }
+
+    /// The keys of machine files.
+    fn keys() -> impl Iterator<Item = Self> {
+        // Names that are up to the user explain nothing.
+        let keys = KeyMeaning::all().map(|one| one.key).filter(|key| *key != "NAME");
+        keys.map(Self::Key)
     }
 
     /// By number or name; else what to say of it.
@@ -120,7 +131,11 @@ impl Topic {
             let name = topic.name().to_uppercase();
             name == wanted || name.strip_prefix("SMC_") == Some(&wanted)
         };
-        Self::all().chain(Self::blocks()).find(same).ok_or_else(|| near_name(text))
+        Self::all()
+            .chain(Self::blocks())
+            .chain(Self::keys())
+            .find(same)
+            .ok_or_else(|| near_name(text))
     }
 }
 
@@ -147,7 +162,7 @@ fn near_number(number: i64) -> String {
     let below = SmcError::ALL.iter().take_while(known).last();
     let above = SmcError::ALL.iter().find(|error| i64::from(error.number()) > number);
     let near: Vec<_> = below.into_iter().chain(above).map(ToString::to_string).collect();
-    format!("{number} is no number of SMC_ERROR; beside it there are:\n{}", near.join("\n"))
+    format!("{number} is not a number of SMC_ERROR; the next ones are:\n{}", near.join("\n"))
 }
 
 /// How many names are suggested.
@@ -163,7 +178,7 @@ fn near_name(text: &str) -> String {
         let part = if wanted.len() >= 3 && name.contains(wanted) { 1.0 } else { 0.0 };
         strsim::jaro_winkler(wanted, name).max(part)
     };
-    let all = Topic::all().chain(Topic::blocks());
+    let all = Topic::all().chain(Topic::blocks()).chain(Topic::keys());
     let mut near: Vec<_> = all.map(|topic| (alike(topic), topic.name())).collect();
     near.retain(|(alike, _)| *alike > 0.75);
     near.sort_by(|one, other| other.0.total_cmp(&one.0));
@@ -175,7 +190,7 @@ fn near_name(text: &str) -> String {
         [] => "twin explain --list shows all of them".to_owned(),
         names => format!("did you mean {}?", names.join(" or ")),
     };
-    format!("`{text}` is no name of an SMC_ERROR, of a block or of a rule; {help}")
+    format!("`{text}` is not an SMC_ERROR, a block, a rule or a key of machine files; {help}")
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
@@ -247,11 +262,29 @@ fn tell(out: &mut impl Write, topic: Topic, texts: Texts, behind: bool) -> io::R
             let general = "  and what every block, or every block that moves, raises: 20, 31, 32";
             writeln!(out, "{general}; `twin explain NUMBER` says what to do")?;
             if block_names().any(|block| block == name) {
-                writeln!(out, "  what it is told in a job: {KEYS}")?;
+                writeln!(out, "  its inputs in a job: {KEYS}")?;
             }
             Ok(())
         }
+        Topic::Key(key) => {
+            writeln!(out, "{key} (key of machine files)")?;
+            meanings(key).try_for_each(|KeyMeaning { table, default, meaning, .. }| {
+                let table = if table.is_empty() { "top level" } else { table };
+                let plain = |text: &str| text.replace('`', "");
+                let default = match default {
+                    "" => "required".to_owned(),
+                    needed if needed.starts_with("required") => plain(needed),
+                    default => format!("default: {}", plain(default)),
+                };
+                writeln!(out, "  {table}: {} ({default})", plain(meaning))
+            })
+        }
     }
+}
+
+/// The meanings of a key, by tables.
+fn meanings(key: &'static str) -> impl Iterator<Item = KeyMeaning> {
+    KeyMeaning::all().filter(move |one| one.key == key)
 }
 
 fn raised_by(language: Language) -> &'static str {
@@ -302,6 +335,14 @@ fn object(topic: Topic) -> Value {
                 .map(|error| json!({ "number": error.number(), "name": error.name() }))
                 .collect();
             json!({ "block": name, "errors": errors, "in_jobs": block_names().any(|block| block == name) })
+        }
+        Topic::Key(key) => {
+            let tables: Vec<_> = meanings(key)
+                .map(|KeyMeaning { table, default, meaning, .. }| {
+                    json!({ "table": table, "default": default, "meaning": meaning })
+                })
+                .collect();
+            json!({ "key": key, "tables": tables })
         }
         Topic::Rule(rule) => {
             let [meaning, remedy] = rule.meaning();

@@ -192,6 +192,7 @@ pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry>
         section.accept_all();
         return None;
     };
+    section.is_of_kind(kind.name());
     let unit = kind.unit();
     let period = section.number(&format!("period_{unit}"), 1e-3..=MOST);
     let limits = ["position_min", "position_max"].map(|name| format!("{name}_{unit}"));

@@ -10,6 +10,14 @@ pub enum AxisKind {
 }
 
 impl AxisKind {
+    /// In machine files.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Rotary => "rotary",
+            Self::Linear => "linear",
+        }
+    }
+
     /// The unit that people read and write.
     pub const fn unit(self) -> &'static str {
         match self {

@@ -31,6 +31,7 @@ mod direction;
 mod drives;
 mod frame;
 mod geometry;
+mod key_meaning;
 pub mod limited_read;
 mod limits;
 mod m_functions;
@@ -60,6 +61,7 @@ pub use couplings::{CamSelection, CoupledBy, Coupling};
 pub use direction::DirectionRule;
 use drives::Seen;
 pub use drives::{DeviceEntry, DriveFamily, FAMILIES};
+pub use key_meaning::KeyMeaning;
 pub use limits::{AxisLimit, PathLimits, VelocityLimit, VelocityLimits, VelocitySource};
 pub use m_functions::MFunction;
 pub use scenario::{FaultAt, FaultKind, FaultStart, Scenario};
@@ -69,7 +71,7 @@ pub use simulated::{
 pub use simulation_error::SimulationError;
 pub use surroundings::Collision;
 
-use crate::section::{MachineFileError, Problem, Section, read_text};
+use crate::section::{KeyUse, MachineFileError, Problem, Section, read_text};
 use crate::switch_points::SwitchOutput;
 use crate::tappets::TappetOutput;
 use axis::AxisEntry;
@@ -170,9 +172,23 @@ impl Machine {
         families: &[&'static dyn Family],
     ) -> Result<Self, Vec<Problem>> {
         let machine = section::parse(text, |root| read(path, root, families))?;
-        let mut machine = Self { dimensions: dimensions(text), ..machine };
+        Ok(machine.completed(text))
+    }
+
+    /// As [`Self::parse`], with every key that the readers ask for.
+    ///
+    /// # Errors
+    /// As [`Self::parse`].
+    pub fn parse_recorded(path: &Path, text: &str) -> Result<(Self, Vec<KeyUse>), Vec<Problem>> {
+        let read = |root: &Section<'_>| read(path, root, FAMILIES);
+        let (machine, keys) = section::parse_recorded(text, read)?;
+        Ok((machine.completed(text), keys))
+    }
+
+    fn completed(self, text: &str) -> Self {
+        let mut machine = Self { dimensions: dimensions(text), ..self };
         machine.conditions.rs274.surroundings = around::surroundings(&machine);
-        Ok(machine)
+        machine
     }
 
     /// The axes on a device, with their places in the file.

@@ -122,7 +122,9 @@ fn shape(section: &Section<'_>, file: &Path) -> Option<SolidShape> {
         ("mesh", Shape::Mesh),
     ];
     let length = |key: &str| section.required_number(key, SIZE_MM).map(|value| value * 1e-3);
-    Some(match section.required_choice("shape", &shapes)? {
+    let shape = section.required_choice("shape", &shapes)?;
+    section.is_of_kind(section.glance_at_text("shape").unwrap_or_default());
+    Some(match shape {
         Shape::Box => {
             let size = section.required_numbers::<3>("size_mm", SIZE_MM)?;
             SolidShape::Box { size: Vector3::from(size) * 1e-3 }

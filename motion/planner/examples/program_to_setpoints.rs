@@ -33,7 +33,7 @@ fn main() -> Result<(), Fault> {
         Item::Warning(warning) => Err(warning.to_string().into()),
     });
     let stages = Preparation::for_marks(Marks::default());
-    let path = stages.check(elements, ANGLE_TOLERANCE, &Notices::default())?;
+    let path = stages.check(elements, ANGLE_TOLERANCE, &Notices::default());
     let mut interpolator = Interpolator::new(LookAhead::new(path), DEFAULT_CYCLE_NS);
 
     let scara = Scara2::new([0.25, 0.2], [0.0, 0.0], Elbow::Low)?;

@@ -163,6 +163,7 @@ pub(super) fn read(section: &Section<'_>, families: &[&'static dyn Family]) -> O
         section.accept_all();
         return None;
     };
+    section.is_of_kind(family.kind());
     misplaced_address(section, family);
     let device = family.read(section);
     let (name, device) = (name?.to_owned(), device?);

@@ -65,11 +65,13 @@ pub(super) fn read(
         body.accept_all();
         return None;
     };
+    kinematics.is_of_kind(kind.name);
     let design = design::read(&kinematics, kind);
     let direction = DirectionRule::read(&kinematics, kind.turns_tool(), kind.name);
     let length_scale = kinematics.number("length_scale_mm", LENGTH_MM);
     body.accept("urdf");
     let is_urdf = body.has("urdf");
+    body.is_of_kind(if is_urdf { "urdf" } else { kind.name });
     let source = if is_urdf { Source::read(&body, file.path) } else { None };
     let parts = if is_urdf { None } else { Some(Body::read(&body, kind)) };
     kinematics.check_unknown();

@@ -4,11 +4,14 @@ mod file_kind;
 mod keys;
 mod numbers;
 mod problem;
+mod recording;
 
 pub use file_kind::FileKind;
 pub use problem::Shown;
 pub(crate) use problem::read_text;
 pub use problem::{Elsewhere, MachineFileError, Problem};
+use recording::Recording;
+pub use recording::{Expected, KeyUse};
 use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
@@ -19,6 +22,8 @@ use toml::de::{DeTable, DeValue};
 #[derive(Debug, Default)]
 pub(crate) struct Complaints {
     list: RefCell<Vec<Problem>>,
+    /// Keys that readers ask for, where the reference wants to know them.
+    recording: Option<Recording>,
 }
 
 impl Complaints {
@@ -31,6 +36,10 @@ impl Complaints {
         let message = elsewhere.to_string();
         let elsewhere = Some(Arc::new(elsewhere));
         self.list.borrow_mut().push(Problem { span, message, help: None, elsewhere });
+    }
+
+    fn enter(&self, of: Option<(usize, &str)>, many: bool) -> usize {
+        self.recording.as_ref().map_or(0, |recording| recording.enter(of, many))
     }
 
     /// All problems, in the order in which they were found.
@@ -49,14 +58,39 @@ pub fn parse<T>(
     text: &str,
     read: impl FnOnce(&Section<'_>) -> Option<T>,
 ) -> Result<T, Vec<Problem>> {
+    let (result, _) = parse_with(text, None, read)?;
+    Ok(result)
+}
+
+/// As [`parse`], with every key that `read` asks for.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_recorded<T>(
+    text: &str,
+    read: impl FnOnce(&Section<'_>) -> Option<T>,
+) -> Result<(T, Vec<KeyUse>), Vec<Problem>> {
+    let (result, recording) = parse_with(text, Some(Recording::default()), read)?;
+    Ok((result, recording.map_or_else(Vec::new, Recording::into_uses)))
+}
+
+fn parse_with<T>(
+    text: &str,
+    recording: Option<Recording>,
+    read: impl FnOnce(&Section<'_>) -> Option<T>,
+) -> Result<(T, Option<Recording>), Vec<Problem>> {
     let table = DeTable::parse(text).map_err(|error| {
         let span = error.span().unwrap_or(0..0);
         vec![Problem { span, message: error.message().to_owned(), help: None, elsewhere: None }]
     })?;
-    let complaints = Complaints::default();
+    let mut complaints = Complaints { recording, ..Complaints::default() };
     let result = read(&Section::root(&table, &complaints));
+    let recording = complaints.recording.take();
     let problems = complaints.into_list();
-    result.filter(|_| problems.is_empty()).ok_or(problems)
+    match result {
+        Some(result) if problems.is_empty() => Ok((result, recording)),
+        _ => Err(problems),
+    }
 }
 
 /// One table of the file. It records the keys that are read: the others are unknown keys.
@@ -67,12 +101,16 @@ pub struct Section<'a> {
     span: Range<usize>,
     complaints: &'a Complaints,
     known: RefCell<Vec<String>>,
+    /// Number in the recording.
+    number: usize,
 }
 
 impl<'a> Section<'a> {
     /// The file as a whole.
     pub(crate) fn root(table: &'a Spanned<DeTable<'a>>, complaints: &'a Complaints) -> Self {
-        Self::new("the file".to_owned(), Some(table.get_ref()), 0..0, complaints)
+        let number = complaints.enter(None, false);
+        let name = "the file".to_owned();
+        Self { number, ..Self::new(name, Some(table.get_ref()), 0..0, complaints) }
     }
 
     fn new(
@@ -81,7 +119,7 @@ impl<'a> Section<'a> {
         span: Range<usize>,
         complaints: &'a Complaints,
     ) -> Self {
-        Self { name, table, span, complaints, known: RefCell::default() }
+        Self { name, table, span, complaints, known: RefCell::default(), number: 0 }
     }
 
     /// Complains about this section as a whole.
@@ -111,6 +149,7 @@ impl<'a> Section<'a> {
 
     /// The keys that are there, none of which is unknown then.
     pub fn keys(&self) -> Vec<&'a str> {
+        self.has_free_names();
         self.accept_all();
         self.table.into_iter().flatten().map(|(key, _)| key.get_ref().as_ref()).collect()
     }
@@ -173,6 +212,7 @@ impl<'a> Section<'a> {
     /// A table; an absent one is read as empty, so that its keys take their defaults.
     #[must_use]
     pub fn section(&self, key: &str) -> Section<'a> {
+        self.note(key, false, || Expected::Table);
         let value = self.value(key);
         let table = value.and_then(|value| {
             let table = value.get_ref().as_table();
@@ -182,11 +222,13 @@ impl<'a> Section<'a> {
             table
         });
         let span = value.map_or_else(|| self.span.clone(), Spanned::span);
-        Section::new(format!("[{key}]"), table, span, self.complaints)
+        let number = self.complaints.enter(Some((self.number, key)), false);
+        Section { number, ..Section::new(format!("[{key}]"), table, span, self.complaints) }
     }
 
     /// An array of tables (`[[key]]`), empty if absent.
     pub fn sections(&self, key: &str) -> Vec<Section<'a>> {
+        self.note(key, false, || Expected::Tables);
         let Some(value) = self.value(key) else { return Vec::new() };
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, &format!("tables headed [[{key}]]"));
@@ -195,12 +237,12 @@ impl<'a> Section<'a> {
         let mut sections = Vec::new();
         for (index, item) in array.iter().enumerate() {
             match item.get_ref().as_table() {
-                Some(table) => sections.push(Section::new(
-                    format!("[[{key}]] number {}", index + 1),
-                    Some(table),
-                    item.span(),
-                    self.complaints,
-                )),
+                Some(table) => {
+                    let number = self.complaints.enter(Some((self.number, key)), true);
+                    let name = format!("[[{key}]] number {}", index + 1);
+                    let section = Section::new(name, Some(table), item.span(), self.complaints);
+                    sections.push(Section { number, ..section });
+                }
                 None => self.wrong_type(key, item, &format!("tables headed [[{key}]]")),
             }
         }
@@ -209,6 +251,11 @@ impl<'a> Section<'a> {
 
     /// The text of `key`, if it is there.
     pub fn text(&self, key: &str) -> Option<&'a str> {
+        self.note(key, false, || Expected::Text);
+        self.text_of(key)
+    }
+
+    fn text_of(&self, key: &str) -> Option<&'a str> {
         let value = self.value(key)?;
         let Some(text) = value.get_ref().as_str() else {
             self.wrong_type(key, value, "a string");
@@ -223,6 +270,7 @@ impl<'a> Section<'a> {
 
     /// The text of `key`; a problem if it is missing.
     pub fn required_text(&self, key: &str) -> Option<&'a str> {
+        self.note(key, true, || Expected::Text);
         if !self.has(key) {
             self.value(key);
             self.missing(key);
@@ -233,7 +281,8 @@ impl<'a> Section<'a> {
 
     /// One of a few words, each with its meaning.
     pub fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
-        let text = self.text(key)?;
+        self.note(key, false, || choice_of(choices));
+        let text = self.text_of(key)?;
         let found = choices.iter().find(|(word, _)| *word == text).map(|(_, meaning)| *meaning);
         if found.is_none() {
             let words: Vec<_> = choices.iter().map(|(word, _)| format!("\"{word}\"")).collect();
@@ -250,6 +299,7 @@ impl<'a> Section<'a> {
 
     /// One of the `choices` by its name; a problem if `key` is missing or names none of them.
     pub fn required_choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
+        self.note(key, true, || choice_of(choices));
         if !self.has(key) {
             self.value(key);
             self.missing(key);
@@ -265,6 +315,7 @@ impl<'a> Section<'a> {
 
     /// `true` or `false`.
     pub fn flag(&self, key: &str) -> Option<bool> {
+        self.note(key, false, || Expected::Flag);
         let value = self.value(key)?;
         let flag = value.get_ref().as_bool();
         if flag.is_none() {
@@ -275,6 +326,7 @@ impl<'a> Section<'a> {
 
     /// Pairs of names, each with its place in the file; none if the key is absent.
     pub(crate) fn pairs_of_names(&self, key: &str) -> Vec<([String; 2], Range<usize>)> {
+        self.note(key, false, || Expected::NamePairs);
         let Some(value) = self.value(key) else { return Vec::new() };
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, "an array of pairs of names");
@@ -326,6 +378,10 @@ impl<'a> Section<'a> {
             self.complaints.add(key.span(), message, Some(help));
         }
     }
+}
+
+fn choice_of<T>(choices: &[(&str, T)]) -> Expected {
+    Expected::Choice(choices.iter().map(|(word, _)| (*word).to_owned()).collect())
 }
 
 /// The candidate that a mistyped `word` most likely stands for.

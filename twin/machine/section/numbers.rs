@@ -1,6 +1,6 @@
 //! Numbers of TOML tables, checked for type and range.
 
-use super::Section;
+use super::{Expected, Section};
 use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 use toml::de::DeValue;
@@ -8,12 +8,14 @@ use toml::de::DeValue;
 impl Section<'_> {
     /// A number within `range`, as written (in the unit its key names).
     pub fn number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
+        self.note(key, false, || Expected::Number(range.clone()));
         let value = self.value(key)?;
         self.checked_number(key, value, &range)
     }
 
     /// The number of `key` within `range`; a problem if it is missing or outside.
     pub fn required_number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
+        self.note(key, true, || Expected::Number(range.clone()));
         if !self.has(key) {
             self.value(key);
             self.missing(key);
@@ -28,12 +30,14 @@ impl Section<'_> {
         key: &str,
         range: RangeInclusive<f64>,
     ) -> Option<[f64; N]> {
+        self.note(key, false, || Expected::Numbers(N, range.clone()));
         let value = self.value(key)?;
         self.checked_numbers(key, value, &range)
     }
 
     /// Pairs of numbers, each within `range`; `None` if there are none.
     pub fn pairs(&self, key: &str, range: &RangeInclusive<f64>) -> Option<Vec<[f64; 2]>> {
+        self.note(key, false, || Expected::NumberPairs(range.clone()));
         let value = self.value(key)?;
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, "an array of pairs of numbers");
@@ -50,6 +54,7 @@ impl Section<'_> {
 
     /// As many numbers as there are, each within `range`; none if the key is absent.
     pub fn list(&self, key: &str, range: &RangeInclusive<f64>) -> Option<Vec<f64>> {
+        self.note(key, false, || Expected::NumberList(range.clone()));
         let value = self.value(key)?;
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, "an array of numbers");
@@ -88,6 +93,7 @@ impl Section<'_> {
 
     /// The integer of `key` within `range`; a problem if it is missing or outside.
     pub(crate) fn required_integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
+        self.note(key, true, || Expected::Integer(range.clone()));
         if !self.has(key) {
             self.value(key);
             self.missing(key);
@@ -108,6 +114,7 @@ impl Section<'_> {
 
     /// Whole numbers within `range`, up to `most` of them; none if the key is absent.
     pub(crate) fn integers(&self, key: &str, range: &RangeInclusive<i64>, most: usize) -> Vec<i64> {
+        self.note(key, false, || Expected::Integers(most, range.clone()));
         let Some(value) = self.value(key) else { return Vec::new() };
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, "an array of whole numbers");
@@ -127,6 +134,7 @@ impl Section<'_> {
         key: &str,
         range: RangeInclusive<f64>,
     ) -> Option<[f64; N]> {
+        self.note(key, true, || Expected::Numbers(N, range.clone()));
         if !self.has(key) {
             self.value(key);
             self.missing(key);
@@ -137,6 +145,7 @@ impl Section<'_> {
 
     /// A whole number within `range`.
     pub fn integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
+        self.note(key, false, || Expected::Integer(range.clone()));
         let value = self.value(key)?;
         self.checked_integer(key, value, &range)
     }

@@ -229,11 +229,13 @@ impl<'a> Motors<'_, 'a> {
         let unit = self.kind.unit();
         let resolution = match side {
             EncoderSide::Motor => {
+                section.is_of_kind("motor");
                 let increments = section.number("increments_per_turn", 1.0..=1e12);
                 let shaft = self.shaft(&section, &["increments_per_turn"]);
                 increments.zip(shaft).map(|(per_turn, shaft)| TAU / per_turn / shaft.ratio)
             }
             EncoderSide::Axis => {
+                section.is_of_kind("axis");
                 let key = format!("resolution_{unit}");
                 section.number(&key, 1e-12..=1e3).map(|one| one * self.kind.scale())
             }
