@@ -7,8 +7,8 @@ use std::io;
 
 /// The rooms of a family.
 const ROOMS: [&str; 6] = ["assumptions", "client", "drive", "emulator", "prediction", "protocol"];
-/// Modules next to them: the root, the file that joins the rooms for the list of families, and the tests.
-const OTHERS: [&str; 3] = ["family", "lib", "tests"];
+/// Modules next to them: the root, the file that joins the rooms for the list of families, tests and examples.
+const OTHERS: [&str; 4] = ["examples", "family", "lib", "tests"];
 
 /// Rooms that a family lacks, and modules that are not a room.
 fn check(tree: &Tree) -> io::Result<Vec<Offence>> {
