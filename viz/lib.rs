@@ -26,6 +26,59 @@
 //! | `program/here`, `about` | lines around the current one; names and colours | `time`, `line`; static |
 //!
 //! `time` counts from the start of the program; `line` is the line of the program file, from 1.
+//!
+//! ```
+//! use twin_urdf::Model;
+//! use twin_viz::{Axis, AxisUnit, Deviation, Frame, Program, Scene, SceneOptions, Setup};
+//!
+//! # const ARM: &str = r#"
+//! # <robot name="arm">
+//! #   <link name="base"/>
+//! #   <link name="arm"/>
+//! #   <link name="tool_tip"/>
+//! #   <joint name="A" type="revolute">
+//! #     <parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+//! #     <limit lower="-3" upper="3" effort="10" velocity="2"/>
+//! #   </joint>
+//! #   <joint name="tool_tip" type="fixed">
+//! #     <parent link="arm"/><child link="tool_tip"/><origin xyz="0.3 0 0"/>
+//! #   </joint>
+//! # </robot>"#;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // An arm of 300 mm, whose model is URDF in the text ARM, recorded at 0 degrees.
+//! let model = Model::from_urdf(ARM, &["A"])?;
+//! let (poses, tool) = (model.link_poses(&[0.0]), model.tip_position(&[0.0]));
+//! let folder = tempfile::tempdir()?;
+//! let file = folder.path().join("arm.rrd");
+//! let options = SceneOptions { record: Some(file.clone()), ..SceneOptions::default() };
+//! let setup = Setup {
+//!     machine: &model,
+//!     home: &poses,
+//!     surroundings: &[],
+//!     clearance: None,
+//!     axes: &[Axis { name: "A".to_owned(), unit: AxisUnit::Rotary }],
+//!     program: Program { name: "arm.cnc", text: "% arm" },
+//!     drives: None,
+//! };
+//! let mut scene = Scene::open(&options, &setup)?;
+//! scene.frame(&Frame {
+//!     time_ns: 0,
+//!     line: 1,
+//!     setpoint: tool,
+//!     path_speed: 0.0,
+//!     programmed_speed: None,
+//!     link_poses: &poses,
+//!     twin: Deviation { tool, tool_error: 0.0, axis_errors: &[0.0] },
+//!     motors: &[],
+//!     clearance: None,
+//!     drives: None,
+//! })?;
+//! scene.finish()?;
+//! // Recordings of rerun begin with these letters.
+//! assert!(std::fs::read(&file)?.starts_with(b"RRF"));
+//! # Ok(())
+//! # }
+//! ```
 
 mod blueprint;
 mod bounds;

@@ -33,10 +33,10 @@ async fn run() -> Result<(), Box<dyn Error>> {
     let identity = client.identify(&clock).await?;
     println!("version {}, {} mA", identity.version, identity.rating_ma);
 
-    let begun = zero.elapsed();
+    let begun = Instant::now();
     client.start(TARGETS.map(|target| Some(Start::to(target))), &clock).await?;
     let (state, _) = client.rested(Duration::from_secs(10), &clock).await?;
-    let took = (zero.elapsed() - begun).as_secs_f64();
+    let took = begun.elapsed().as_secs_f64();
     println!("axes at {:?} µsteps after {took:.3} s", state.positions);
 
     // From 1000 to 10000 µsteps/s at 20000 µsteps/s² and back, 5500 µsteps/s in the mean; the rest at full speed.

@@ -44,9 +44,9 @@ async fn run() -> Result<(), Box<dyn Error>> {
     println!("locked: {}, X at {} steps", state.status.locked(), state.positions[0]);
     client.unlock(&clock).await?;
 
-    let begun = zero.elapsed();
+    let begun = Instant::now();
     client.move_axis(BoardAxis::X, &PROFILE, Duration::from_secs(10), &clock).await?;
-    let took = (zero.elapsed() - begun).as_secs_f64();
+    let took = begun.elapsed().as_secs_f64();
     let (state, stamp) = client.state(&clock).await?;
     println!("X at {} steps after {took:.3} s", state.positions[0]);
     println!("the last answer is known to {:.3} ms", milliseconds(stamp.uncertainty_ns));

@@ -47,9 +47,9 @@ async fn run() -> Result<(), Box<dyn Error>> {
     let mut client =
         SmartDrive::attach(Arc::from("pipe"), near, &SmartDriveOptions::new(vec![axis]));
     client.set_mode(1, Some(Mode::Remote)).await?;
-    let begun = zero.elapsed();
+    let begun = Instant::now();
     client.travel(1, TARGET, Some(PROFILE), Duration::from_secs(10)).await?;
-    let took = (zero.elapsed() - begun).as_secs_f64();
+    let took = begun.elapsed().as_secs_f64();
     let (state, _) = client.state(1, &clock).await?;
     println!(
         "address 1: {} µsteps, {:.1} degrees, after {took:.3} s",

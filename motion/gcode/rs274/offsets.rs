@@ -172,7 +172,7 @@ impl Location {
         for (((machine, from), program), sum) in machine.zip(&mut at.program).zip(sum.linear) {
             if *machine != from {
                 *machine = between(from, *machine);
-                *program = units.from_metres(*machine - sum);
+                *program = units.convert_metres(*machine - sum);
             }
         }
         let machine = at.machine.rotary.iter_mut().zip(self.machine.rotary);
@@ -191,7 +191,7 @@ impl Location {
         let sum = offsets.sum();
         let program = self.program.iter_mut().zip(self.machine.linear).zip(sum.linear);
         for ((program, machine), sum) in program {
-            *program = units.from_metres(machine - sum);
+            *program = units.convert_metres(machine - sum);
         }
         let program = self.program_rotary.iter_mut().zip(self.machine.rotary).zip(sum.rotary);
         for ((program, machine), sum) in program {

@@ -22,7 +22,7 @@ impl LengthUnit {
     }
 
     /// `metres` in this unit.
-    pub(crate) fn from_metres(self, metres: f64) -> f64 {
+    pub(crate) fn convert_metres(self, metres: f64) -> f64 {
         match self {
             Self::Millimetre => metres * 1e3,
             Self::Inch => metres / 0.0254,

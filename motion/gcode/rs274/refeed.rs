@@ -94,7 +94,7 @@ impl Cut {
 
     /// The F word of a feed.
     fn number(self, feed: f64, units: LengthUnit) -> f64 {
-        if self.turns { feed * 1e3 * 60.0 } else { units.from_metres(feed) * 60.0 }
+        if self.turns { feed * 1e3 * 60.0 } else { units.convert_metres(feed) * 60.0 }
     }
 
     /// The slowest that inverse time can say.

@@ -335,7 +335,7 @@ impl State {
             && units != self.units
         {
             if let Some(series) = &mut self.series {
-                series.initial = units.from_metres(self.units.to_metres(series.initial));
+                series.initial = units.convert_metres(self.units.to_metres(series.initial));
             }
             self.units = units;
             self.location.find_program(&self.offsets, units);
