@@ -94,6 +94,11 @@ enum Command {
     Tune(tune::Arguments),
 }
 
+/// The command line: all commands with their arguments, options and help.
+pub fn definition() -> clap::Command {
+    Arguments::command()
+}
+
 /// What the command line says. Numbers below 0 are values wherever one is wanted, so that they are told as such where there can
 /// be none; and what [`assume`] lists is help like any other.
 fn parse() -> Result<Arguments, ExitCode> {
@@ -104,7 +109,7 @@ fn parse() -> Result<Arguments, ExitCode> {
         };
         command.mut_args(value).mut_subcommands(signed)
     }
-    let matches = signed(Arguments::command()).try_get_matches();
+    let matches = signed(definition()).try_get_matches();
     match matches.and_then(|matches| Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => Ok(arguments),
         Err(error) => {

@@ -7,6 +7,7 @@
 //! TWIN_BOOK=write cargo test -p twin --test golden -- reference
 //! ```
 
+mod command_line;
 mod machine_file;
 
 use crate::root;

@@ -27,16 +27,16 @@ pub(super) struct Arguments {
     #[arg(value_name = "OUT")]
     to: PathBuf,
 
-    /// Make a table of it, as SoftMotion compiles cams (manual 4.4.3): so many slave positions at equal distances of the
-    /// master, or pairs of which lines get only two
+    /// Make a table of it, as SoftMotion compiles cams (manual 4.4.3): slave positions at equal distances of the
+    /// master, or pairs, of which lines get only two
     #[arg(long, value_enum)]
     table: Option<TableKind>,
 
-    /// So many points for a table that is made, or for positions written as .asc or .csv
+    /// Number of points of a table that is made, or for positions written as .asc or .csv
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1_048_576))]
     points: Option<u32>,
 
-    /// Leave out points of a table as long as the slave is no farther than this from where the cam has it, u
+    /// Leave out points of a table as long as the slave stays within this distance of the cam, u
     #[arg(long, value_name = "U", value_parser = magnitude)]
     tolerance: Option<f64>,
 

@@ -36,7 +36,7 @@ enum Action {
     ///
     /// A job (examples/jobs, commented as documentation of the format) calls `MC_MoveAbsolute`, `MC_CamIn` and other blocks (moves,
     /// profiles over time, zeros, gears and cams; docs/src/jobs.md lists them) with the axes of a machine file and with virtual
-    /// masters. What the tappets of its cams switch is told. It is checked first, and nothing moves if it is not fit for the
+    /// masters. The report says what the tappets of its cams switch. The job is checked first, and nothing moves if it is not fit for the
     /// machine. `twin check` and `twin run` take jobs, too.
     Run(Box<command_run::Arguments>),
 }

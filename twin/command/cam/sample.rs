@@ -19,11 +19,11 @@ pub(super) struct Arguments {
     #[arg(value_name = "CAM")]
     cam: PathBuf,
 
-    /// So many places at equal distances, both ends included
+    /// Number of places at equal distances, both ends included
     #[arg(long, value_name = "N", default_value = "361", value_parser = count)]
     points: usize,
 
-    /// A place every so many units of the cam, and its end
+    /// Distance of the places, in units of the cam; its end is always one
     #[arg(long, value_name = "U", conflicts_with = "points", value_parser = positive)]
     step: Option<f64>,
 

@@ -6,7 +6,7 @@ use std::io::{self, BufRead, IsTerminal, Write};
 /// Whether what is asked about may be done: axes moved, parameters written.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub(in crate::command) struct Consent {
-    /// Say what is going to happen and do it without asking; needed where there is no terminal to ask at
+    /// Say what is going to happen and do it without a question; needed without a terminal
     #[arg(long)]
     yes: bool,
 }

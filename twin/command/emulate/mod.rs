@@ -20,9 +20,9 @@ const PAUSE: Duration = Duration::from_millis(20);
 
 /// Emulate a drive, for any master to talk to
 ///
-/// Serves until Ctrl-C. The device answers as the manual says and moves in real time, or faster (`--speed`). What stands
-/// around it is told in words: before it starts by `--with` and by the lines of a file (`--bench`), and while it runs
-/// through the socket of `--control`. `--with help` says which words there are. A home switch and an encoder, for instance:
+/// Serves until Ctrl-C. The device answers as the manual says and moves in real time, or faster (`--speed`). Words describe
+/// its surroundings: `--with` and the lines of a file (`--bench`) before it starts, the socket of `--control` while it runs.
+/// `--with help` lists the words. A home switch and an encoder, for instance:
 ///
 ///   twin emulate interpcnc --link /tmp/board --with "cam 5 X -3000..-1500" --with "encoder X 4000 3200"
 ///   twin emulate smartdrive --link /tmp/bus --with "cam 1 dir -3000..-1000" --with "homing 1 dir"
@@ -86,7 +86,7 @@ struct Common {
     #[arg(long, value_name = "FILE")]
     eeprom: Option<PathBuf>,
 
-    /// So many times faster than the clock, delays of the wire included; a master's deadlines are its own
+    /// Factor by which it is faster than the clock, delays of the wire included; a master's deadlines are its own
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Speed::MOST)))]
     speed: u32,
 

@@ -37,7 +37,7 @@ pub(super) struct PreparationOptions {
     #[arg(long, value_name = "MM", requires = "prepare", allow_hyphen_values = true, value_parser = positive)]
     tool_radius: Option<f64>,
 
-    /// Coming nearer to the contour than the tool's radius by no more than this is no gouge [default: 0.001]
+    /// Distance by which the tool may come closer to the contour than its radius without a gouge [default: 0.001]
     #[arg(long, value_name = "MM", requires = "prepare", allow_hyphen_values = true, value_parser = positive)]
     gouge_tolerance: Option<f64>,
 

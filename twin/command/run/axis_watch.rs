@@ -35,7 +35,7 @@ pub(super) struct AxisWatchOptions {
     #[arg(long, value_name = "AXIS=VALUES:FILE")]
     log_axis: Vec<AxisLog>,
 
-    /// Report per axis the largest tracking error against the set position so many cycles ago (`SMC_GetTrackingError`), and the
+    /// Report per axis the largest tracking error against the set position CYCLES ago (`SMC_GetTrackingError`), and the
     /// largest set velocity and acceleration [default: 0 cycles]
     #[arg(long, value_name = "CYCLES", num_args = 0..=1, default_missing_value = "0")]
     tracking_error: Option<u8>,

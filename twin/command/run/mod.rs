@@ -61,7 +61,7 @@ pub(super) struct Arguments {
     m_functions: AcknowledgeOption,
 
     /// Whose limits the path is planned with: the controller's own, or those of the axes, as `twin limit` plans it. As for
-    /// `twin check`, the controller's own unless told otherwise: what moves is what was checked, and what the controller does
+    /// `twin check`, the controller's own by default: what moves is what was checked, and what the controller does
     #[arg(long, value_enum, default_value = "softmotion")]
     limits: Limits,
 
@@ -70,8 +70,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "TIME=FACTOR", value_delimiter = ',')]
     override_at: Vec<OverrideAt>,
 
-    /// Drives to run in parallel to the simulated machine; positions of real ones are held against the machine file to two and a
-    /// half increments: half of one is rounding at each end, and one lets an axis stand on its limit
+    /// Drives to run in parallel to the simulated machine. Positions of real drives may differ from the machine file by up to 2.5
+    /// increments
     #[arg(long, value_enum, default_value = "emulated")]
     drives: Drives,
 

@@ -22,13 +22,13 @@ use twin_cam::tune::Free;
 
 /// Tune a cam: offsets and scalings from a recorded run or within limits, the dead time of tappets, ramps, shapes
 ///
-/// A run (CSV of time, master, slave) tells offsets and scalings by least squares, each with the half width of its 95 %
+/// A run (CSV of time, master, slave) gives offsets and scalings by least squares, each with the half width of its 95 %
 /// interval. `slave` is where the slave was measured while the coupling of the cam's file was in effect; wanted is the cam with
 /// that coupling, or with `wanted_…` of `[coupling]` where the file has them (--write puts them there). What is proposed undoes
 /// the deviation: a slave that lags gets a master offset that leads. Tappets are moved on the cam by the same, so that they stay
-/// where they are on the master; with --slave wanted they go with the cam. Outputs recorded beside it (columns `tappet_N`) tell
+/// where they are on the master; with --slave wanted they go with the cam. Recorded outputs (columns `tappet_N`) give
 /// the dead time of what tappets switch. The master's velocity and acceleration are those of the run where none are given. Where
-/// what undoes the deviation would exceed limits of what the slave is told, the values are those within the limits that leave the
+/// what undoes the deviation would exceed limits of the slave's set-points, the values are those within the limits that leave the
 /// least error. Without a run what is to be found is changed by as little as keeps the limits, tappets stay where they are on the
 /// master. With --minimise, with a run or without, the slave's peak
 /// acceleration or jerk is made smallest: intervals, a stroke, the tappets and the limits hold offsets and scalings then, for a
@@ -92,7 +92,7 @@ pub(super) struct Arguments {
     pub(super) ramp_in: Option<Shown<[f64; 3]>>,
 
     /// Ramps of the slave's axis, as `ramp` of a job says: with trapezoid ones its acceleration steps, which is a jerk of the
-    /// step by 1 ms; with parabolic and sigmoid ones it changes by the limit of the jerk at most, beside the cam's
+    /// step by 1 ms; with parabolic and sigmoid ones it changes by the limit of the jerk at most, in addition to the cam's
     #[arg(
         long,
         value_name = "TYPE",
@@ -107,7 +107,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "S", requires = "ramp_in", value_parser = positive)]
     pub(super) within: Option<f64>,
 
-    /// A picture of before and after: of the cam, and with --ramp-in of what the slave does until it is on it, beside its limits
+    /// A picture of before and after: of the cam, and with --ramp-in of what the slave does until it is on it, with its limits
     #[arg(long, short, value_name = "FILE.svg")]
     output: Option<PathBuf>,
 
@@ -147,7 +147,7 @@ const AFTER_HELP: &str = "\
 Exit status:
   0  what was asked for was found, and the slave keeps its limits
   1  the data do not say it or contradict it, or the slave exceeds a limit: nothing is written then;
-     or the cam has another error that `twin cam check` tells
+     or the cam has another error that `twin cam check` reports
   2  the command could not be carried out
 
 Examples:

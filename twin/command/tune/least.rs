@@ -113,7 +113,7 @@ pub(super) struct LeastOptions {
     /// With --ramp-in and --within the peak until the slave is on its cam
     ///
     /// The peak grows with both scalings, and would be 0 with a scaling of 0: intervals of --find, --stroke, the tappets and the
-    /// limits hold them. Which of these does is told. With a --run the slave's deviation is undone first, by both offsets and what
+    /// limits hold them. The result says which of these does. With a --run the slave's deviation is undone first, by both offsets and what
     /// --find names: from there the peak is made smaller, at the velocity and acceleration that the master has in the run. What the
     /// slave does then is what is wanted of it from now on (`wanted_…`).
     #[arg(long, value_enum)]

@@ -51,7 +51,7 @@ pub(super) struct BySwitch {
     #[arg(long, requires = "index_input")]
     index_low: bool,
 
-    /// The switch tells what was so long ago, ms (`fSignalDelay`): home is where the axis was then
+    /// Delay of the switch's signal, ms (`fSignalDelay`): home is where the axis was that long before
     #[arg(long, value_name = "MS", default_value_t = 0.0, requires = "by_switch", value_parser = delay_ms)]
     signal_delay: f64,
 
