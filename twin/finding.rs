@@ -119,6 +119,35 @@ impl Rule {
         }
     }
 
+    /// Severities that its findings have, the worst first.
+    pub const fn severities(self) -> &'static [Severity] {
+        use Severity::{Error, Note, Warning};
+        match self {
+            Self::Reach
+            | Self::Coupling
+            | Self::Singularity
+            | Self::AxisPosition
+            | Self::AxisVelocity
+            | Self::AxisAcceleration
+            | Self::AxisEffort
+            | Self::LostSteps
+            | Self::LimitSwitch => &[Error],
+            Self::Syntax
+            | Self::UnsupportedWord
+            | Self::ArcGeometry
+            | Self::AxisJerk
+            | Self::CompensationGouge
+            | Self::FollowingError => &[Error, Warning],
+            Self::FunctionBlock | Self::Probe | Self::Collision | Self::CamContinuity => {
+                &[Error, Warning, Note]
+            }
+            Self::FeedReduced => &[Error, Note],
+            Self::SwitchLost | Self::MotorOverload => &[Warning],
+            Self::LoopCut => &[Note],
+            Self::Fault => &[Warning, Note],
+        }
+    }
+
     /// Meaning and remedy of the rule.
     pub const fn meaning(self) -> [&'static str; 2] {
         match self {
@@ -135,8 +164,8 @@ impl Rule {
                 "correct I, J, K or R, or the ends of the arc",
             ],
             Self::Probe => [
-                "where a probing move trips, or that it does not as it must, or that nobody knows",
-                "say in the machine file what is around the machine, and begin the move where the tool is free",
+                "a probing move that does not trip as it must, or whose end is not known; notes give the place where one trips",
+                "describe the surroundings in the machine file, and begin the move where the tool is free",
             ],
             Self::FunctionBlock => [
                 "a block of a job that ends with an error, or a job that does not end",
@@ -156,7 +185,7 @@ impl Rule {
             ],
             Self::AxisVelocity => [
                 "an axis asked for more than its velocity",
-                "lower F to the feed that is told, or plan with --limits axes",
+                "lower F to the feed in the message, or plan with --limits axes",
             ],
             Self::AxisAcceleration => [
                 "an axis asked for more than its acceleration",
@@ -199,7 +228,7 @@ impl Rule {
                 "go slower there, accelerate less, or take a stronger motor",
             ],
             Self::MotorOverload => [
-                "a motor of the simulated machine that gave more than it bears for ever, for too long",
+                "a motor of the simulated machine that is above its continuous effort for too long",
                 "let it rest in between, accelerate less, or take a larger motor",
             ],
             Self::LimitSwitch => [
@@ -207,12 +236,12 @@ impl Rule {
                 "keep clear of the switches: software limits should lie within them",
             ],
             Self::Collision => [
-                "something in the way of the machine, or nearer than wanted",
-                "move what is in the way, lift the tool over it, or shorten the tool",
+                "a part of the machine that is in an obstacle or in another part, or nearer than the clearance",
+                "move the obstacle, lift the tool over it, or shorten the tool",
             ],
             Self::Fault => [
-                "a fault of the simulated machine that was asked for",
-                "nothing: --faults asked for it",
+                "a fault of the simulated machine, from --faults",
+                "nothing, if the scenario is meant so",
             ],
             Self::CamContinuity => [
                 "a cam whose slave position, velocity or acceleration jumps",
@@ -334,6 +363,9 @@ impl Finding {
 
 /// Brings findings into the order they are shown in: the worst first, then by line.
 pub fn sort(findings: &mut [Finding]) {
+    for Finding { rule, severity, .. } in &*findings {
+        debug_assert!(rule.severities().contains(severity), "{rule:?} has {severity:?}");
+    }
     // What the user has asked to go wrong explains the rest.
     let consequence = |finding: &Finding| finding.rule != Rule::Fault;
     findings.sort_by(|a, b| {
