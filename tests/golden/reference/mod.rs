@@ -9,6 +9,7 @@
 
 mod command_line;
 mod machine_file;
+mod report;
 mod rules;
 
 use crate::root;
