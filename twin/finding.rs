@@ -186,6 +186,7 @@ impl Rule {
     }
 
     /// Meaning and remedy of the rule.
+    #[expect(clippy::too_many_lines, reason = "two lines for each rule")]
     pub const fn meaning(self) -> [&'static str; 2] {
         match self {
             Self::Syntax => [

@@ -284,7 +284,9 @@ impl Reader<'_> {
         };
         let axes = motion.axes.iter().map(|(axis, track)| (Begins::WithPrevious, *axis, track));
         let all: Vec<_> = std::iter::once((begins, way, &motion.way)).chain(axes).collect();
-        all.iter().for_each(|(_, axis, _)| cams.pass(index, INTERPOLATOR, *axis));
+        for (_, axis, _) in &all {
+            cams.pass(index, INTERPOLATOR, *axis);
+        }
         all.into_iter().map(call).collect()
     }
 

@@ -69,8 +69,8 @@ impl SwitchPoints {
 pub fn changed(before: u32, now: u32) -> impl Iterator<Item = (u8, bool)> {
     let changed = before ^ now;
     // Nothing changes in nearly every cycle.
-    let numbers = if changed == 0 { 1..=0 } else { 1..=SWITCHES };
-    numbers
+    let most = if changed == 0 { 0 } else { SWITCHES };
+    (1..=most)
         .filter(move |number| changed >> (number - 1) & 1 == 1)
         .map(move |number| (number, now >> (number - 1) & 1 == 1))
 }

@@ -74,7 +74,7 @@ pub(super) trait SetpointSource<'m>: Debug {
     }
 }
 
-impl<'m> SetpointSource<'m> for Setpoints {
+impl SetpointSource<'_> for Setpoints {
     fn poll(&mut self, _: bool) -> Poll<Option<PlanItem>> {
         Poll::Ready(self.next().map(PlanItem::from))
     }

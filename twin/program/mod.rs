@@ -191,14 +191,11 @@ impl ProgramFile {
         let notices = Notices::default();
         let (checked, ledger) = self.prepare(conditions, &notices)?;
         let cycle = cycle.unwrap_or(DEFAULT_CYCLE_NS);
-        let motion = match &self.settings.workpiece {
-            Some(workpiece) => {
-                Motion::Workpiece(Box::new(ByPosition::new(checked, workpiece, cycle)))
-            }
-            None => {
-                let ahead = LookAhead::with_window(checked, self.settings.look_ahead);
-                Motion::Path(Box::new(Interpolator::new(ahead, cycle)))
-            }
+        let motion = if let Some(workpiece) = &self.settings.workpiece {
+            Motion::Workpiece(Box::new(ByPosition::new(checked, workpiece, cycle)))
+        } else {
+            let ahead = LookAhead::with_window(checked, self.settings.look_ahead);
+            Motion::Path(Box::new(Interpolator::new(ahead, cycle)))
         };
         Ok(Setpoints::new(motion, (notices, ledger), &self.settings, cycle, acknowledgement))
     }

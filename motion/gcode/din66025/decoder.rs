@@ -62,6 +62,10 @@ impl Default for DecoderOptions {
 ///
 /// Jumps (G20) are taken as the program is read, so a program that loops gives its elements again and again.
 #[doc(alias = "SMC_ReadNCFile")]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "an option, and what has been seen of the program"
+)]
 pub struct Decoder<R> {
     pub(super) reader: R,
     /// How the reader goes to another place; none if it cannot.

@@ -28,7 +28,7 @@ Of cams and jobs some rules mean more:
 |---|---|---|
 ";
 
-fn name(severity: &Severity) -> &'static str {
+fn name(severity: Severity) -> &'static str {
     match severity {
         Severity::Error => "error",
         Severity::Warning => "warning",
@@ -41,7 +41,7 @@ fn the_chapter_on_rules_is_up_to_date() {
     let mut page = HEAD.to_owned();
     for rule in Rule::ALL {
         let [meaning, remedy] = rule.meaning().map(cell);
-        let severities: Vec<_> = rule.severities().iter().map(name).collect();
+        let severities: Vec<_> = rule.severities().iter().copied().map(name).collect();
         let severities = severities.join(", ");
         writeln!(page, "| `{}` | {severities} | {meaning} | {remedy} |", rule.name())
             .expect("a string");

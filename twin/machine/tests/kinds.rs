@@ -221,7 +221,7 @@ fn a_probed_work_names_its_corner_and_angles() {
         ("b2", [90.0, 0.0, -5.0]),
         ("c1", [0.0, 20.0, -5.0]),
     ] {
-        text.push_str(&format!("{key} = {}\n", point(at)));
+        text = text + key + " = " + &point(at) + "\n";
     }
     let [corner, angles] = load(&text).work_frame();
     for (found, wanted) in corner.iter().zip([0.3, 0.02, -0.03]) {
