@@ -156,35 +156,6 @@ impl Rule {
         }
     }
 
-    /// Severities that its findings have, the worst first.
-    pub const fn severities(self) -> &'static [Severity] {
-        use Severity::{Error, Note, Warning};
-        match self {
-            Self::Reach
-            | Self::Coupling
-            | Self::Singularity
-            | Self::AxisPosition
-            | Self::AxisVelocity
-            | Self::AxisAcceleration
-            | Self::AxisEffort
-            | Self::LostSteps
-            | Self::LimitSwitch => &[Error],
-            Self::Syntax
-            | Self::UnsupportedWord
-            | Self::ArcGeometry
-            | Self::AxisJerk
-            | Self::CompensationGouge
-            | Self::FollowingError => &[Error, Warning],
-            Self::FunctionBlock | Self::Probe | Self::Collision | Self::CamContinuity => {
-                &[Error, Warning, Note]
-            }
-            Self::FeedReduced => &[Error, Note],
-            Self::SwitchLost | Self::MotorOverload => &[Warning],
-            Self::LoopCut => &[Note],
-            Self::Fault => &[Warning, Note],
-        }
-    }
-
     /// Meaning and remedy of the rule.
     #[expect(clippy::too_many_lines, reason = "two lines for each rule")]
     pub const fn meaning(self) -> [&'static str; 2] {
