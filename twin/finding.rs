@@ -139,16 +139,17 @@ impl Rule {
             | Self::AxisEffort
             | Self::LostSteps
             | Self::LimitSwitch => &[Error],
-            Self::Syntax
-            | Self::UnsupportedWord
+            Self::UnsupportedWord
             | Self::ArcGeometry
             | Self::AxisAcceleration
             | Self::AxisJerk
             | Self::CompensationGouge
             | Self::FollowingError => &[Error, Warning],
-            Self::FunctionBlock | Self::Probe | Self::Collision | Self::CamContinuity => {
-                &[Error, Warning, Note]
-            }
+            Self::Syntax
+            | Self::FunctionBlock
+            | Self::Probe
+            | Self::Collision
+            | Self::CamContinuity => &[Error, Warning, Note],
             Self::FeedReduced => &[Error, Note],
             Self::SwitchLost | Self::MotorOverload | Self::AmbiguousPosition => &[Warning],
             Self::LoopCut | Self::Gap => &[Note],

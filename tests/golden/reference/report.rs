@@ -152,7 +152,11 @@ fn reports() -> (Vec<Value>, Vec<Value>) {
     let desk = Desk::new();
     let machine = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
     desk.write("outputs.toml", &(machine + "\n[[m_functions]]\nm = 3\noutputs_on = [1]\n"));
-    desk.write("short.cnc", "% short\nN10 G1 X20 F100 E500 E-500\nN20 M3\nN30 G1 X0\n");
+    desk.write(
+        "short.cnc",
+        "% short\nN10 G1 X20 F100 E500 E-500 H1 L10\nN20 M3 K2.5 L-7 O$g_par$\nN30 G1 X0\n",
+    );
+    desk.write("values.toml", "g_par = [1, 2]\n");
     desk.write("unfit.cnc", "% unfit\nN10 G1 X300 F500 E2000 E-2000\n");
     desk.write(
         "circles.cnc",
@@ -164,7 +168,7 @@ fn reports() -> (Vec<Value>, Vec<Value>) {
         (
             "short.cnc".to_owned(),
             shipped("machines/gantry3_motors.toml"),
-            vec!["--physics", "--limits", "axes"],
+            vec!["--physics", "--limits", "axes", "--variables", "values.toml"],
         ),
         ("unfit.cnc".to_owned(), "machine.toml".to_owned(), vec![]),
         (shipped("examples/jobs/flying_shear.toml"), shipped("machines/gantry3.toml"), vec![]),
@@ -176,8 +180,9 @@ fn reports() -> (Vec<Value>, Vec<Value>) {
     });
     let checks = checks.collect();
     let run = ["run", "short.cnc", "-m", "outputs.toml", "--report", "run.json"];
-    desk.twin(&[&run[..], &["--tracking-error", "1", "--override-at", "0.1s=50%"]].concat())
-        .ended(0, "");
+    let options =
+        ["--tracking-error", "1", "--override-at", "0.1s=50%", "--variables", "values.toml"];
+    desk.twin(&[&run[..], &options].concat()).ended(0, "");
     let stopped = ["run", "circles.cnc", "-m", "machine.toml", "--report", "stopped.json"];
     desk.interrupted("-INT", "emulated InterpCNC", &stopped).ended(2, "stopped by the user");
     (checks, ["run.json", "stopped.json"].map(|name| desk.read(name)).to_vec())
