@@ -18,8 +18,8 @@
 //!     Item::Element(element) => Ok(element),
 //!     Item::Warning(warning) => Err(warning.to_string().into()),
 //! });
-//! let stages = Preparation::for_marks(Marks::default())?;
-//! let path = stages.check(elements, 0.1, &Notices::default())?;
+//! let stages = Preparation::for_marks(Marks::default());
+//! let path = stages.check(elements, 0.1, &Notices::default());
 //! let mut setpoints = Interpolator::new(LookAhead::new(path), DEFAULT_CYCLE_NS);
 //! let mut fastest = 0.0_f64;
 //! for setpoint in setpoints.by_ref() {
