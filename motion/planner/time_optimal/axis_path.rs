@@ -53,7 +53,7 @@ pub trait AxisPath {
 }
 
 /// Kinematics without work frame and additional axes. The direction of the tool is that of the path where the course knows it
-/// ([`BlendOptions::turning`](super::course::BlendOptions::turning)), else 0.
+/// ([`BlendOptions::turning`](super::blended_path::BlendOptions::turning)), else 0.
 #[derive(Debug)]
 pub struct KinematicPath<K> {
     kinematics: K,

@@ -4,7 +4,7 @@
 //! CheckedElement ─ course (C²) ─ samples of the axes ─ grid, uniform in time ─ windows for Clarabel ─▶ stretches in time
 //! ```
 //!
-//! [`course`] blends the joints of the path within a tolerance. [`Grid`] holds the limits along it. [`reachable`]
+//! [`blended_path`] blends the joints of the path within a tolerance. [`Grid`] holds the limits along it. [`reachable`]
 //! computes the fastest profile with limited acceleration in two passes (reachability analysis). Clarabel computes the
 //! executed profiles: [`LinearSolver`] for limited acceleration (for the values that two passes cannot prove),
 //! [`SmoothSolver`] for limited jerk as well.
