@@ -84,7 +84,7 @@ pub enum LineFault {
         /// Missing part.
         what: &'static str,
     },
-    /// A word is no number, or one that does not fit.
+    /// A word is not a number, or one that does not fit.
     #[error("{what}: {word:?} is no whole number from {low} to {high}")]
     Number {
         /// Expected form.

@@ -52,7 +52,7 @@ impl Family for Bim2AxFamily {
 
     fn misplaced_address(&self, key: &str) -> Option<(String, String)> {
         Some((
-            format!("`{key}` is no key of a module, which has no address"),
+            format!("`{key}` does not belong here: a module has no address"),
             "`map_offset` says where it is in the window, `drive_axis` of the [[axes]] which of its two axes it is".to_owned(),
         ))
     }

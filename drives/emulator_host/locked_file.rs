@@ -70,7 +70,7 @@ impl Drop for LockedFile {
     }
 }
 
-/// Device whose memory is in a file; none while there is no such file.
+/// Device whose memory is in a file; none while the file does not exist.
 ///
 /// # Errors
 /// [`EmulatorError::File`]: the file cannot be read, or `decode` takes its content for something else.

@@ -162,7 +162,7 @@ impl HomingOptions {
     ///
     /// # Errors
     /// [`HomingFault::Value`] (50) for velocities, accelerations and ways that are not above 0, a delay below 0 and
-    /// a home position that is no number; [`HomingFault::NeedsHardwareLimit`] (51).
+    /// a home position that is not a number; [`HomingFault::NeedsHardwareLimit`] (51).
     pub fn check(&self) -> Result<(), HomingFault> {
         let above = [
             ("fVelocitySlow", self.velocity_slow),

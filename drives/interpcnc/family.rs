@@ -62,7 +62,7 @@ impl Family for InterpCncFamily {
     fn misplaced_address(&self, key: &str) -> Option<(String, String)> {
         (key != "station").then(|| {
             (
-                format!("`{key}` is no key of a board: its Modbus address is `station` here"),
+                format!("`{key}` does not belong here: the Modbus address of a board is `station`"),
                 "write `station = …`, 1 to 247".to_owned(),
             )
         })

@@ -48,7 +48,7 @@ impl Family for SmartDriveFamily {
     fn misplaced_address(&self, key: &str) -> Option<(String, String)> {
         Some((
             format!(
-                "`{key}` is no key of a line of SmartDRIVEs: each axis says the address of its own drive"
+                "`{key}` does not belong here: on a line of SmartDRIVEs each axis gives the address of its drive"
             ),
             "write `drive_address = …`, 1 to 31, in the [[axes]] that hang on it".to_owned(),
         ))

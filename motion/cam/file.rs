@@ -25,7 +25,7 @@ pub enum AsciiError {
         found: usize,
     },
     /// A column holds no finite number.
-    #[error("line {line}: {column} `{text}` is no number")]
+    #[error("line {line}: {column} `{text}` is not a number")]
     NotANumber {
         /// Line, from 1.
         line: usize,

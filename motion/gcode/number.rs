@@ -4,7 +4,7 @@
 const POWERS: [f64; 16] =
     [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
 
-/// The number `text` is, correctly rounded; infinite if it is too large. `None` if it is no number.
+/// The number `text` is, correctly rounded; infinite if it is too large. `None` if it is not a number.
 pub(crate) fn parse(text: &[u8]) -> Option<f64> {
     let (negative, digits) = match text {
         [b'-', rest @ ..] => (true, rest),

@@ -7,9 +7,9 @@ use std::fmt;
 #[derive(Clone, Copy, Debug)]
 pub struct Short(pub f64);
 
-/// Beyond this there is no room for decimals.
+/// Magnitude from which decimals are left out.
 const LARGE: f64 = 1e9;
-/// Below this six decimals would hide it.
+/// Magnitude below which six decimals would not show the value.
 const SMALL: f64 = 1e-3;
 
 impl fmt::Display for Short {

@@ -115,7 +115,7 @@ impl PathElement {
         if length > 0.0 { length } else { self.extra().map_or(0.0, |extra| extra.length() * 1e-3) }
     }
 
-    /// Length of the way of the tool, m: 0 where only extra axes move, and for what is no motion.
+    /// Length of the tool's path, m: 0 where only extra axes move, and for elements without motion.
     pub fn tool_length(&self) -> f64 {
         if self.kind.is_motion() { self.shape.length() } else { 0.0 }
     }

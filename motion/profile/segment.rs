@@ -78,7 +78,7 @@ impl Track {
     /// Goes on for `duration` s with an acceleration that swings with `angular` rad/s.
     pub(super) fn swing(&mut self, duration: f64, acceleration: f64, jerk: f64, angular: f64) {
         self.state.acceleration = acceleration;
-        // Rounding may make a duration that is nothing negative; one that is no number must come through.
+        // Rounding may make a duration that is nothing negative; one that is not a number must come through.
         if duration <= 0.0 {
             return;
         }

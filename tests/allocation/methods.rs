@@ -93,7 +93,7 @@ pub fn of_kinematics(calls: &mut Calls, of: &str, machine: &dyn Kinematics, posi
     });
 }
 
-/// Of a machine asked for what it cannot do: what is no number, too few axes and, if there is an end to it, what is
+/// Of a machine asked for what it cannot do: what is not a number, too few axes and, if there is an end to it, what is
 /// out of reach.
 pub fn of_refusals(calls: &mut Calls, of: &str, machine: &dyn Kinematics) {
     let of = &format!("dyn {of} refusing");

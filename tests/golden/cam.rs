@@ -25,7 +25,7 @@ fn desk() -> Desk {
 
 #[track_caller]
 fn near(value: &Value, expected: f64) {
-    let found = value.as_f64().unwrap_or_else(|| panic!("{value} is no number"));
+    let found = value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"));
     assert!(
         (found - expected).abs() <= 1e-9 * expected.abs().max(1.0),
         "{found}, expected {expected}"

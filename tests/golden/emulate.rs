@@ -321,7 +321,7 @@ fn what_is_stored_survives_a_kill() {
     desk.write("wrong.store", "mine");
     for family in ["interpcnc", "smartdrive"] {
         desk.twin(&["emulate", family, "--link", "other", "--eeprom", "wrong.store"])
-            .ended(2, "wrong.store: this is no image");
+            .ended(2, "wrong.store: this is not an image");
     }
 }
 

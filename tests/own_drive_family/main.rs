@@ -99,7 +99,7 @@ fn a_machine_file_names_the_family() {
     let indices: Vec<_> =
         machine.axes.iter().map(|axis| axis.drive.as_ref().unwrap().index).collect();
     assert_eq!(indices, [0, 1, 2]);
-    // Without its line in the list there is no such family.
+    // Without its line in the list the family is unknown.
     let problems = Machine::parse(Path::new("machine.toml"), &text()).unwrap_err();
     let named = "expected \"interpcnc\", \"smartdrive\" or \"bim2ax\"";
     assert!(problems.iter().any(|problem| problem.message.contains(named)), "{problems:?}");

@@ -96,7 +96,7 @@ mod tests {
         let others = causes[0].others().unwrap();
         assert_eq!(others, "… and in 11 more lines: 2, 3, 4, 5, 6, 7, 8, 9, …");
         assert_eq!(causes[1].others(), None);
-        // A word is no number.
+        // A word is not a number.
         let probes =
             [found(1, "X", "G38.2 meets nothing at 5"), found(2, "X", "G38.3 meets nothing at 7")];
         assert_eq!(of(&probes).len(), 2);

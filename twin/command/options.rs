@@ -180,7 +180,8 @@ pub(super) struct InputOptions {
 const FARTHEST: f64 = 1e6;
 
 fn place(text: &str) -> Result<f64, String> {
-    let number: f64 = text.trim().parse().ok().ok_or_else(|| format!("`{text}` is no number"))?;
+    let number: f64 =
+        text.trim().parse().ok().ok_or_else(|| format!("`{text}` is not a number"))?;
     if number.abs() <= FARTHEST {
         Ok(number)
     } else {
@@ -245,12 +246,12 @@ enum Profile {
 }
 
 fn factor(text: &str) -> Result<Override, String> {
-    let factor = override_factor(text).ok_or_else(|| format!("`{text}` is no number"))?;
+    let factor = override_factor(text).ok_or_else(|| format!("`{text}` is not a number"))?;
     Override::new(factor).map_err(|error| error.to_string())
 }
 
 fn jerk(text: &str) -> Result<f64, String> {
-    let jerk: f64 = text.parse().ok().ok_or_else(|| format!("`{text}` is no number"))?;
+    let jerk: f64 = text.parse().ok().ok_or_else(|| format!("`{text}` is not a number"))?;
     if (1e-3..=1e12).contains(&jerk) {
         Ok(jerk * 1e-3)
     } else {

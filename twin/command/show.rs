@@ -126,7 +126,7 @@ pub(super) fn amount(value: f64, decimals: usize, unit: &str) -> String {
     } else if value < 0.0 {
         format!("< -{HUGE:.0}{space}{unit}")
     } else {
-        // What is no number has run away, too.
+        // What is not a number has run away, too.
         format!("> {HUGE:.0}{space}{unit}")
     }
 }

@@ -58,7 +58,7 @@ const ENOUGH: usize = 300;
 
 fn survives(text: &str) {
     let job = job(text);
-    // Where there is no LF, CR ends a line.
+    // CR alone ends a line in a file without LF.
     let lines = u32::try_from(text.split(['\n', '\r']).count()).unwrap();
     for item in JobSetpoints::open(&MACHINE, &job.program).unwrap().take(ENOUGH) {
         match item {

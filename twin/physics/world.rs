@@ -26,7 +26,7 @@ const REACH: f64 = 4e-3;
 /// Search distance relative to the motion of the machine in a cycle.
 const AHEAD: f64 = 1.5;
 
-/// Largest penetration depth at the start, m: a part that stands on another one touches it.
+/// Largest penetration depth at the start, m: a part that rests on another one touches it.
 const TOUCHING: f64 = 1e-6;
 
 /// The bodies of the machine in rapier.

@@ -65,7 +65,7 @@ const LATEST: f64 = 86_400.0;
 /// Largest override that may be asked for.
 const MOST_OVERRIDE: f64 = 1000.0;
 
-/// What is no change of an input at a time.
+/// Error of an input change (`--at TIME:INPUT=VALUE`).
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum InputAtError {
     /// Its form.
@@ -110,7 +110,7 @@ fn within(text: &str, range: RangeInclusive<f64>) -> Result<f64, InputAtError> {
         .trim()
         .parse()
         .ok()
-        .ok_or_else(|| InputAtError::Number(format!("`{text}` is no number")))?;
+        .ok_or_else(|| InputAtError::Number(format!("`{text}` is not a number")))?;
     if range.contains(&number) {
         return Ok(number);
     }

@@ -23,7 +23,7 @@ use twin_drives::{
 };
 
 /// Said of a file that is none.
-const NO_IMAGE: &str = "this is no image of the EEPROM of an emulated BIM2AX-BOCM";
+const NO_IMAGE: &str = "this is not an image of the EEPROM of an emulated BIM2AX-BOCM";
 /// Pause between two looks at the file.
 const PAUSE: Duration = Duration::from_micros(200);
 

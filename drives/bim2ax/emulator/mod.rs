@@ -4,9 +4,8 @@
 //! [`EmulatedModule`] serves one in real time on a memory file for other processes;
 //! [`super::SharedModule`] is for the same process.
 //!
-//! Where the manual is silent the module behaves by its [`Assumptions`]. Beyond those, and what `drives/bim2ax/emulator/axis`
-//! says: an interrupt takes
-//! effect 300 µs later, which is how long the module needs for it (9.2.4); the RAM is 0 at the start; bytes that do
+//! Where the manual is silent the module behaves by its [`Assumptions`] and by what `drives/bim2ax/emulator/axis` says.
+//! In addition: an interrupt takes effect 300 µs later, the time the module needs for it (9.2.4); the RAM is 0 at the start; bytes that do
 //! not exist read $FF; values out of the range of a parameter are refused as numbers out of range are; a refused
 //! order of the zone "Paramètre" is echoed with the value 0; RESET is obeyed always, also with a wrong check sum and
 //! in motion; writing any parameter makes the check sum right, and the module works again after RESET; the last

@@ -28,7 +28,7 @@ pub(super) struct Eeprom {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BadImage {
     /// It does not begin as images do.
-    #[error("this is no image of the EEPROM of an emulated InterpCNC board")]
+    #[error("this is not an image of the EEPROM of an emulated InterpCNC board")]
     Kind,
     /// It is cut or too long.
     #[error("an image of {expected} bytes was expected, this one has {found}")]

@@ -227,7 +227,7 @@ impl SerialDevice for ServedBus {
 
 /// The device of a file; none if the file is new.
 fn remembered(path: &Path, options: &DeviceOptions) -> Result<Option<Device>, EmulatorError> {
-    const OTHER: &str = "this is no image of the flash memory of an emulated SmartDRIVE";
+    const OTHER: &str = "this is not an image of the flash memory of an emulated SmartDRIVE";
     let found = restored(path, |image| Device::with_flash(options, image).ok_or(OTHER))?;
     if found.is_none() {
         replace(path, &Device::new(options).flash())

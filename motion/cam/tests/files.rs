@@ -33,8 +33,8 @@ fn tables_as_text() {
 fn tables_say_where_they_are_wrong() {
     for (text, message) in [
         ("0;0\n1;2;3", "line 2: 3 columns instead of 2"),
-        ("0;0\n\n1;two", "line 3: slave `two` is no number"),
-        ("inf;0\n1;1", "line 1: master `inf` is no number"),
+        ("0;0\n\n1;two", "line 3: slave `two` is not a number"),
+        ("inf;0\n1;1", "line 1: master `inf` is not a number"),
         ("5;0\n1;1\n5;2", "line 3: master 5 stands in line 1 already"),
         ("5;0", "a table needs 2 points, there are 1"),
     ] {

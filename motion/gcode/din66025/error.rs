@@ -63,14 +63,14 @@ pub enum DecodeError {
         letter: char,
     },
     /// The letter is not followed by a number.
-    #[error("what follows {letter} is no number")]
+    #[error("what follows {letter} is not a number")]
     InvalidNumber {
         /// The word's letter.
         letter: char,
     },
     /// A decimal comma.
     #[error(
-        "what follows {letter} is no number: decimals are set off with a point, not with a comma"
+        "what follows {letter} is not a number: decimals are set off with a point, not with a comma"
     )]
     DecimalComma {
         /// The word's letter.

@@ -113,7 +113,7 @@ fn checked(byte: u8, value: f64, columns: Range<usize>, named: bool) -> Token {
     }
 }
 
-/// The word at `at` with a variable for its number. O may name what is no number.
+/// The word at `at` with a variable for its number. O may name what is not a number.
 fn variable(line: &[u8], at: usize, byte: u8, variables: &Variables) -> Token {
     let begin = at + 2;
     let Some(length) = rest(line, begin).iter().position(|byte| *byte == b'$') else {

@@ -31,7 +31,7 @@ pub struct LineLimit {
     /// It is that of a rapid (G0). In RS274 no F word governs rapids.
     pub rapid: bool,
     /// m/s, or where only further axes move a thousandth of their velocity in u/s, as in
-    /// [`twin_path::PathElement::feed`]. What is no number counts as 0.
+    /// [`twin_path::PathElement::feed`]. What is not a number counts as 0.
     pub feed: f64,
 }
 

@@ -71,7 +71,7 @@ pub enum DecodeError {
         letter: char,
     },
     /// The letter is not followed by a number.
-    #[error("what follows {letter} is no number")]
+    #[error("what follows {letter} is not a number")]
     InvalidNumber {
         /// The word's letter.
         letter: char,

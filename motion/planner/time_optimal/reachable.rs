@@ -278,7 +278,7 @@ impl Reach {
     fn largest(&self, cap: f64) -> Option<f64> {
         let most = if cap < self.high { cap } else { self.high };
         let proved = self.low <= most && self.given <= 1.0 && (most < self.falling || cap <= most);
-        // Not where it is no number.
+        // Not where it is not a number.
         (proved && most.is_finite()).then_some(most)
     }
 }

@@ -289,8 +289,8 @@ fn tables_as_text() {
     };
     assert_eq!(knots[1], Knot { master: 10.0, slave: 5.0, velocity: 1.0, acceleration: 0.5 });
     for (text, message) in [
-        ("master,slave\n0,1\nten,2\n", "line 3: `master` is `ten`, which is no number"),
-        ("0,1\n1,nan\n", "line 2: column 2 is `nan`, which is no number"),
+        ("master,slave\n0,1\nten,2\n", "line 3: `master` is `ten`, which is not a number"),
+        ("0,1\n1,nan\n", "line 2: column 2 is `nan`, which is not a number"),
         ("0,1\n1,2,3\n", "line 2: 3 columns instead of 2"),
         ("0,1,2\n1,2,3\n", "line 1: 3 columns; expected master and slave"),
         ("slave,master\n0,1\n", "column `slave` stands where `master` should"),
@@ -641,7 +641,7 @@ fn runs_as_others_write_them() {
     let outputs: Vec<_> = bits.expect("a run").samples.into_iter().map(|one| one.outputs).collect();
     assert_eq!(outputs, [[false], [true]]);
     for (text, line, said) in [
-        ("time,master,slave\n0,0,0\n0.1,TRUE,0\n", 3, "`master` is `TRUE`, which is no number"),
+        ("time,master,slave\n0,0,0\n0.1,TRUE,0\n", 3, "`master` is `TRUE`, which is not a number"),
         ("time,master,slave\n0,0,0\n0.1,1e300,0\n", 3, "`master` is 1e300, which is beyond ±1e15"),
         ("time,master,slave\n0,0,0\n0,1,0,2,0,3\n", 3, "decimal commas"),
         ("time;master;slave\n0;0;0\n0;1;2;3\n", 3, "4 columns instead of 3"),

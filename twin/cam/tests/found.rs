@@ -337,7 +337,7 @@ fn runs_that_are_none() {
         ("time,master,slave,tappet_1\n0,1,2,0.5\n", "line 2: tappet_1 is 0.5; it must be 0 or 1"),
         ("time,master,slave,torque\n0,1,2,0.5\n", "column `torque` is not one of"),
         ("0,1,2,3\n", "4 columns without a header"),
-        ("time,master,slave\n0,1,\n", "line 2: `slave` is ``, which is no number"),
+        ("time,master,slave\n0,1,\n", "line 2: `slave` is ``, which is not a number"),
     ] {
         assert!(parse(text).contains(message), "{text:?}: {}", parse(text));
     }

@@ -54,7 +54,7 @@ fn load(folder: &Path, ending: &str, bytes: &[u8]) {
     std::fs::write(&path, bytes).unwrap();
     let Err(error) = CamFile::load(&path, Interpolation::Cubic) else { return };
     let said = error.to_string();
-    // Where there is no LF, CR ends a line.
+    // CR alone ends a line in a file without LF.
     let lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r')).count();
     match error {
         CamFileError::Toml(error) => {

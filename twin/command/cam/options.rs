@@ -11,7 +11,8 @@ use twin_machine::{Axis, Machine};
 
 /// A finite number.
 pub(in crate::command) fn number(text: &str) -> Result<f64, String> {
-    let number: f64 = text.trim().parse().ok().ok_or_else(|| format!("`{text}` is no number"))?;
+    let number: f64 =
+        text.trim().parse().ok().ok_or_else(|| format!("`{text}` is not a number"))?;
     if number.abs() <= 1e15 { Ok(number) } else { Err(format!("`{text}` is beyond ±1e15")) }
 }
 

@@ -40,7 +40,7 @@ pub(super) struct Arguments {
 
 fn count(text: &str) -> Result<usize, String> {
     let count: usize =
-        text.parse().ok().ok_or_else(|| format!("`{text}` is no number of points"))?;
+        text.parse().ok().ok_or_else(|| format!("`{text}` is not a number of points"))?;
     if (2..=MOST).contains(&count) {
         Ok(count)
     } else {

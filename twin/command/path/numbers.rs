@@ -6,7 +6,7 @@ pub(super) fn list<const N: usize>(text: &str, least: usize) -> Result<[f64; N],
     let mut count = 0;
     for part in text.split(',') {
         let number: f64 =
-            part.trim().parse().ok().ok_or_else(|| format!("`{part}` is no number"))?;
+            part.trim().parse().ok().ok_or_else(|| format!("`{part}` is not a number"))?;
         let Some(slot) = numbers.get_mut(count) else {
             return Err(format!("more than {N} numbers"));
         };
@@ -21,7 +21,8 @@ pub(super) fn list<const N: usize>(text: &str, least: usize) -> Result<[f64; N],
 
 /// One number within `range`.
 pub(super) fn within(text: &str, range: std::ops::RangeInclusive<f64>) -> Result<f64, String> {
-    let number: f64 = text.trim().parse().ok().ok_or_else(|| format!("`{text}` is no number"))?;
+    let number: f64 =
+        text.trim().parse().ok().ok_or_else(|| format!("`{text}` is not a number"))?;
     if range.contains(&number) {
         Ok(number)
     } else {
@@ -39,7 +40,7 @@ mod tests {
         for (text, part) in [
             ("1", "fewer than 2"),
             ("1,2,3,4", "more than 3"),
-            ("1,x", "`x` is no number"),
+            ("1,x", "`x` is not a number"),
             ("1,inf", "beyond"),
             ("", "no number"),
         ] {

@@ -119,7 +119,7 @@ impl Keys {
     }
 }
 
-/// Switches what `key` stands for.
+/// Changes the input of `key`.
 fn switch(steps: &mut Steps, key: u8) {
     match key {
         b's' => steps.single_step = !steps.single_step,

@@ -101,9 +101,9 @@ pub fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
             let value = number(text);
             // As controllers write their bits.
             let bit = name.filter(|name| plain(name) == "tappet").and_then(|_| bit(text));
-            let value = value
-                .or(bit)
-                .ok_or_else(|| wrong(line, format!("{column} is `{text}`, which is no number")))?;
+            let value = value.or(bit).ok_or_else(|| {
+                wrong(line, format!("{column} is `{text}`, which is not a number"))
+            })?;
             if value.abs() > LARGEST {
                 return Err(wrong(line, format!("{column} is {text}, which is beyond ±1e15")));
             }

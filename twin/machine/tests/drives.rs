@@ -100,9 +100,9 @@ fn an_address_is_told_where_it_belongs() {
     ] {
         let text = edited(SHORT, "kind = \"interpcnc\"", &format!("kind = \"{kind}\"\n{key} = 3"));
         let found = problems(&text);
-        let problem = found
-            .iter()
-            .find(|(_, message, _)| message.contains(key) && message.contains(" is no key of "));
+        let problem = found.iter().find(|(_, message, _)| {
+            message.contains(key) && message.contains(" does not belong here")
+        });
         let (_, message, help) = problem.unwrap_or_else(|| panic!("{found:#?}"));
         let help = help.as_ref().unwrap();
         assert!(message.contains(parts[0]) && help.contains(parts[1]), "{message}; {help}");

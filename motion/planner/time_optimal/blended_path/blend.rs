@@ -24,7 +24,7 @@ pub struct Blend {
 
 impl Blend {
     /// From the point `before` a joint to the point `after` it, each `half_width`, m, from it; none if that leads to
-    /// what is no number.
+    /// what is not a number.
     pub(super) fn new(
         half_width: f64,
         joint: Point3<f64>,

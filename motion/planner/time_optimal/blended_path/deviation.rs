@@ -76,7 +76,7 @@ impl Check<'_> {
         let space = hull(from.space, to.space, third).map(|point| point.norm() / self.tolerance);
         let extra = hull(from.extra, to.extra, third).map(|u| u.amax() / self.extra_tolerance);
         for part in space.into_iter().chain(extra) {
-            // Zero divided by a tolerance of zero is no deviation; of what is no number the blend is rid already.
+            // Zero divided by a tolerance of zero is no deviation; of what is not a number the blend is rid already.
             if part > self.deviation {
                 self.deviation = part;
             }

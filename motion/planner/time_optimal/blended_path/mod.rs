@@ -54,7 +54,7 @@ pub struct BlendOptions {
     /// Order of the derivatives whose steps are blended.
     pub order: Order,
     /// The tool turns with the path: where the direction of the path seen from above steps the path stops, and the course has
-    /// a turn at rest ([`BlendedElement::is_turn`]) before it goes on. [`BlendedElement::bearing`] tells the direction.
+    /// a turn at rest ([`BlendedElement::is_turn`]) before it goes on. [`BlendedElement::bearing`] is its direction.
     pub turning: bool,
 }
 
@@ -86,7 +86,7 @@ impl BlendOptions {
 /// - the elements do not meet, by more than a nanometre (10⁻⁹ of an extra axis' position and at least 10⁻⁹ u). A stop
 ///   is asked for there as well.
 ///
-/// What is left is told by [`BlendedElement::joint`].
+/// [`BlendedElement::joint`] has what is left of a step.
 ///
 /// With [`BlendOptions::turning`] the path also stops where its direction steps and no blend leads on, where it seen from
 /// above folds back, and where it begins or ends to go straight up or down; arcs that stand upright are cut there.

@@ -262,7 +262,7 @@ fn rounding(steps: &Steps) -> f64 {
 
 /// A blend held against the path it is to replace.
 struct Trial {
-    /// None if it leads to what is no number.
+    /// None if it leads to what is not a number.
     blend: Option<Blend>,
     /// Its largest deviation, as a part of what is allowed.
     deviation: f64,
