@@ -90,13 +90,13 @@ fn an_address_is_told_where_it_belongs() {
         let found = problems(&edited(SHORT, "[[drives]]", &format!("[[drives]]\n{key} = 3")));
         let [(place, message, help)] = &found[..] else { panic!("{found:#?}") };
         assert_eq!(place, "3");
-        assert!(message.contains("its Modbus address is `station` here"), "{message}");
+        assert!(message.contains("the Modbus address of a board is `station`"), "{message}");
         assert!(help.as_ref().unwrap().contains("`station = …`, 1 to 247"), "{help:?}");
     }
     for (kind, key, parts) in [
-        ("smartdrive", "address", ["each axis says the address", "`drive_address = …`, 1 to 31"]),
-        ("smartdrive", "station", ["each axis says the address", "`drive_address = …`, 1 to 31"]),
-        ("bim2ax", "address", ["a module, which has no address", "`map_offset`"]),
+        ("smartdrive", "address", ["each axis gives the address", "`drive_address = …`, 1 to 31"]),
+        ("smartdrive", "station", ["each axis gives the address", "`drive_address = …`, 1 to 31"]),
+        ("bim2ax", "address", ["a module has no address", "`map_offset`"]),
     ] {
         let text = edited(SHORT, "kind = \"interpcnc\"", &format!("kind = \"{kind}\"\n{key} = 3"));
         let found = problems(&text);
