@@ -1,5 +1,5 @@
 //! Ramp-in from the slave's position to its cam (`ramp_in`, manual 4.6.1), under limited velocity and accelerations.
-//! `motion/cam/approach.rs` has the ramp-in of an axis with limited jerk: a coupling knows no axis.
+//! `motion/cam/jerk_limited_ramp_in.rs` has the ramp-in of an axis with limited jerk: a coupling knows no axis.
 
 /// A motion that ends at rest: pieces of constant acceleration, as fast as velocity and accelerations allow.
 #[derive(Clone, Copy, Debug, PartialEq)]
