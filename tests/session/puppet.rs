@@ -252,6 +252,7 @@ fn run_both(
     }
     let session = Session {
         machine,
+        continues: None,
         program: &program.file,
         twin,
         hardware: Some(hardware),

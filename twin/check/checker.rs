@@ -72,6 +72,12 @@ impl<'m> Checker<'m> {
         }
     }
 
+    /// Begins where the program before ended.
+    pub(super) fn continue_from(&mut self, start: AxisVector) {
+        self.transformer = Transformer::continuing(self.machine, start);
+        self.start = Some(start);
+    }
+
     /// Starts the check of this job, or of a program where there is none.
     pub(super) fn begin(&mut self, job: Option<&JobSetpoints<'_>>) {
         if let Some(job) = job {
@@ -106,8 +112,9 @@ impl<'m> Checker<'m> {
 
     /// The way of the axes to a set-point to which the path jumps, which is noted.
     pub(super) fn bridge(&mut self, tool: &ToolSetpoint) -> Option<Bridge> {
+        let is_first = self.transformer.continues();
         let bridge = self.transformer.bridge(tool)?;
-        self.findings.add(None, messages::bridged(self.machine, &bridge));
+        self.findings.add(None, messages::bridged(self.machine, &bridge, is_first));
         Some(bridge)
     }
 
@@ -259,6 +266,7 @@ impl<'m> Checker<'m> {
             findings,
             findings_left_out,
             start: self.start,
+            end: self.last.map(|last| last.axes.position),
             loads: Vec::new(),
             clearances: Clearances::default(),
             following: None,

@@ -30,13 +30,18 @@ pub(super) fn lost_tappets(count: u64) -> Finding {
 }
 
 /// A gap of the path that the axes cross on their own.
-pub(super) fn bridged(machine: &Machine, bridge: &Bridge) -> Finding {
+pub(super) fn bridged(machine: &Machine, bridge: &Bridge, is_first: bool) -> Finding {
     let ways = machine.axes.iter().zip(bridge.ways()).filter(|(_, way)| way.abs() > STAYS);
     let ways: Vec<_> = ways
         .map(|(axis, way)| format!("{} by {:+.3} {}", axis.name, axis.from_si(way), axis.unit()))
         .collect();
     let message = format!(
-        "the set-point jumps here: each axis goes there on its own, {}, in {:.3} s, as SMC_ControlAxisByPos does",
+        "{}: each axis goes there on its own, {}, in {:.3} s, as SMC_ControlAxisByPos does",
+        if is_first {
+            "the program begins elsewhere than the one before ended"
+        } else {
+            "the set-point jumps here"
+        },
         ways.join(", "),
         bridge.duration()
     );
