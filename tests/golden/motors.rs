@@ -257,7 +257,7 @@ fn faults_that_never_begin_are_told() {
         let check =
             ["check", "down.cnc", "-m", "motors.toml", "--physics", "--faults", "late.toml"];
         let done = desk.twin(&check);
-        let said = format!("line {line}: the fault of axis X that the scenario has");
+        let said = format!("line {line}: the fault of axis X at ");
         assert!(done.ended(0, "never began").stderr.contains(&said), "{}", done.stderr);
     }
 }

@@ -292,11 +292,11 @@ fn tables(
 ) -> io::Result<()> {
     writeln!(
         out,
-        "{} ({}) on {}: {} elements, {:.1} mm, {:.3} s",
+        "{} ({}) on {}: {}, {:.1} mm, {:.3} s",
         program.path().display(),
         program.dialect().name(),
         machine.name,
-        outcome.elements,
+        counted(usize::try_from(outcome.elements).unwrap_or(usize::MAX), "element"),
         outcome.length * 1e3,
         seconds(outcome.duration_ns),
     )?;
