@@ -62,9 +62,7 @@ impl Model {
         }
         Ok(())
     }
-}
 
-impl Model {
     /// Lets the link where the tip is carry `payload`, which is given in the frame of the flange, whose place in that link is
     /// `link_from_flange`. It has mass and no shape.
     ///

@@ -81,7 +81,7 @@ fn masses() {
 fn joints() {
     let of = |joint: &str| refusal(&robot("", joint, ""));
     let with = |more: &str| of(&format!("{LIMIT}{more}"));
-    assert_eq!(with("<mimic joint='Y'/>"), "joint X mimics Y, which is no joint");
+    assert_eq!(with("<mimic joint='Y'/>"), "joint X mimics Y, which is not a joint");
     assert_eq!(with("<mimic joint='X'/>"), "joint X mimics itself, by way of others or directly");
     let fixed = "joint X mimics tip; a fixed joint neither mimics nor is mimicked";
     assert_eq!(with("<mimic joint='tip'/>"), fixed);
