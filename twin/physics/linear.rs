@@ -1,7 +1,6 @@
 //! Linear solver for the equations of the axes: M = L·D·Lᵀ with 1 on the diagonal of L.
 //!
-//! The systems are no larger than the number of axes. The factorisation needs no square roots and, for so few axes, no
-//! loops when compiled.
+//! One row per axis. The factorisation needs no square roots, and no loops when compiled.
 
 use twin_kinematics::MAX_AXES;
 

@@ -397,7 +397,7 @@ fn edges_end_where_they_are() {
     }
 }
 
-/// Nothing comes through a plate, whatever it is that runs into it, and no blow makes it faster.
+/// Nothing passes through a plate, and no impact makes anything faster.
 #[test]
 fn crashes_of_all_shapes_end_at_the_plate() {
     for (kind, end) in ends().into_iter().enumerate() {

@@ -12,7 +12,7 @@ use twin_kinematics::tripod::Tripod;
 use super::parallel::{rings, thin};
 use super::*;
 
-/// By how much, of itself.
+/// Relative difference.
 const ALLOWED: f64 = 1e-9;
 
 /// The largest changes of `constants` over 5 s, of what they are at the start.

@@ -50,7 +50,13 @@ fn joints<const N: usize>(values: [f64; N]) -> JointVector {
     joint_vector(values.into_iter())
 }
 
-/// A drive that does nothing by itself.
+/// The efforts (N or Nm) that hold `model` at `position`.
+fn holding_effort(model: &Model, position: &AxisVector) -> AxisVector {
+    let rotors = vec![0.0; position.len()];
+    motion_effort(model, down(), &rotors, &AxisMotion::at_rest(*position)).unwrap()
+}
+
+/// A drive without an effort of its own.
 const SLACK: AxisDriveParameters = AxisDriveParameters::SLACK;
 
 /// A servo drive tuned by rule.
@@ -58,7 +64,7 @@ fn tuned(inertia: f64, bandwidth_hz: f64, effort_limit: f64) -> AxisDriveParamet
     AxisDriveParameters::servo(ServoParameters::tuned(inertia, bandwidth_hz, effort_limit))
 }
 
-/// A drive that does nothing by itself, on an axis with friction.
+/// A drive without an effort of its own, on an axis with friction.
 fn rough(coulomb: f64, viscous: f64) -> AxisDriveParameters {
     AxisDriveParameters { friction: FrictionParameters::new(coulomb, viscous), ..SLACK }
 }

@@ -143,7 +143,7 @@ fn past_the_pull_out_torque_the_closed_form_number_of_steps_is_lost() {
             "{case}: {lost} full steps lost, not {predicted}"
         );
         assert_eq!(lost % 4, 0, "{case}: {lost} are not whole turns of the field");
-        // Those are what it is behind, but for the angle at which friction may hold it.
+        // It is behind by those, up to the angle at which friction can hold it.
         let behind = (position - machine.axis_state().position[0]) / FULL_STEP - found;
         assert!(
             behind.abs() <= 1.0,

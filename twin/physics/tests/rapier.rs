@@ -50,7 +50,7 @@ fn a_generated_scara_runs() {
 
     let start = axes([0.02, 0.4, 1.0]);
     let inertia = axis_inertia(&model, &start).unwrap();
-    let holding = holding_effort(&model, down(), &start).unwrap();
+    let holding = holding_effort(&model, &start);
     assert!((holding[0] - inertia[0] * G).abs() < 1e-9, "the quill carries itself: {holding:?}");
     assert!(holding[1].abs() < 1e-12 && holding[2].abs() < 1e-12, "{holding:?}");
 

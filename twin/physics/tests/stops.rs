@@ -64,7 +64,7 @@ fn an_axis_breaks_away_when_friction_is_used_up() {
     assert!((5..15).contains(&moved), "{moved}");
 }
 
-/// Where something breaks away, stops or meets is found whatever the steps: all that is left of them is their fourth power.
+/// Where something breaks away, stops or meets is found at any step length: only their fourth power remains.
 #[test]
 fn shorter_steps_are_better_by_their_fourth_power() {
     let run = |longest: f64| {
@@ -103,7 +103,7 @@ fn shorter_steps_are_better_by_their_fourth_power() {
     });
     println!("{errors:?} m");
     assert!(errors[0] < 5e-9 && errors[0] > 1e-13, "{errors:?}");
-    // 16 each but for terms of higher order.
+    // 16 each, up to terms of higher order.
     for pair in errors.windows(2) {
         assert!(pair[0] / pair[1] > 10.0, "{errors:?}");
     }
