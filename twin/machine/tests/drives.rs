@@ -1,6 +1,6 @@
 //! Tests of devices and of the axes that they drive.
 
-use super::{DriveFamily, SHORT, edited, load, problems, refused};
+use super::{DriveFamily, SHORT, edited, load, only, problems, refused};
 
 #[test]
 fn every_axis_has_a_drive_or_none() {
@@ -10,9 +10,10 @@ fn every_axis_has_a_drive_or_none() {
         let to = to + text[to..].find('\n').unwrap() + 1;
         format!("{}{}", &text[..from], &text[to..])
     };
-    let found = problems(&without(SHORT, "Y"));
-    assert_eq!(found.len(), 1, "{found:#?}");
-    assert_eq!(found[0].1, "axis \"Y\" has no `drive`, but others have: all or none");
+    assert_eq!(
+        only(&without(SHORT, "Y")).1,
+        "axis \"Y\" has no `drive`, but others have: all or none"
+    );
     let none = without(&without(&without(SHORT, "X"), "Y"), "Z");
     assert!(load(&none).axes.iter().all(|axis| axis.drive.is_none()));
     assert_eq!(load(&none).axes[0].increments_per_si(), 0.0);
@@ -39,9 +40,7 @@ fn a_drive_needs_its_axis_and_its_ratio() {
     refused("drive = \"board\"", "drive = \"bord\"", "\"bord\"", &["\"bord\"", "board"]);
     let two = edited(SHORT, "[[axes]]", "[[drives]]\nname = \"b\"\nkind = \"interpcnc\"\n[[axes]]");
     assert_eq!(load(&two).drives.len(), 2);
-    let found = problems(&edited(&two, "\"b\"", "\"board\""));
-    assert_eq!(found.len(), 1, "{found:#?}");
-    assert_eq!(found[0].1, "there is a drive \"board\" already");
+    assert_eq!(only(&edited(&two, "\"b\"", "\"board\"")).1, "there is a drive \"board\" already");
     // A bus has addresses, a module two axes.
     let bus = edited(SHORT, "\"interpcnc\"", "\"smartdrive\"");
     let found = problems(&bus);
@@ -85,18 +84,26 @@ fn a_drive_must_be_able_to_do_what_the_axis_may() {
 
 /// The manuals of boards and drives speak of addresses; the place of one is reported.
 #[test]
-fn an_address_is_told_where_it_belongs() {
+fn misplaced_addresses_name_their_key() {
     for key in ["address", "drive_address"] {
         let found = problems(&edited(SHORT, "[[drives]]", &format!("[[drives]]\n{key} = 3")));
         let [(place, message, help)] = &found[..] else { panic!("{found:#?}") };
         assert_eq!(place, "3");
-        assert!(message.contains("its Modbus address is `station` here"), "{message}");
+        assert!(message.contains("the Modbus address of a board is `station`"), "{message}");
         assert!(help.as_ref().unwrap().contains("`station = …`, 1 to 247"), "{help:?}");
     }
     for (kind, key, parts) in [
-        ("smartdrive", "address", ["each axis says the address", "`drive_address = …`, 1 to 31"]),
-        ("smartdrive", "station", ["each axis says the address", "`drive_address = …`, 1 to 31"]),
-        ("bim2ax", "address", ["a module, which has no address", "`map_offset`"]),
+        (
+            "smartdrive",
+            "address",
+            ["each axis gives the address of its drive", "`drive_address = …`, 1 to 31"],
+        ),
+        (
+            "smartdrive",
+            "station",
+            ["each axis gives the address of its drive", "`drive_address = …`, 1 to 31"],
+        ),
+        ("bim2ax", "address", ["a module has no address", "`map_offset`"]),
     ] {
         let text = edited(SHORT, "kind = \"interpcnc\"", &format!("kind = \"{kind}\"\n{key} = 3"));
         let found = problems(&text);

@@ -185,7 +185,7 @@ fn what_makes_no_sense_is_said() {
         (
             "velocity_loop_period_us = 125",
             "velocity_loop_period_us = 1000",
-            &["`position_loop_period_us` is no multiple of `velocity_loop_period_us`"],
+            &["`position_loop_period_us` is not a multiple of `velocity_loop_period_us`"],
         ),
         (
             "delay_periods = 2",
