@@ -17,8 +17,7 @@ fn record(limit: Option<f64>, milliseconds: u32, distance: impl Fn(u32) -> Optio
             parts: ["the tool", "fixed jaw"],
             points: [Point3::new(0.1, 0.2, mm * 1e-3), Point3::new(0.1, 0.2, 0.0)],
         });
-        let frame = Frame { clearance, ..still(ms, &[Isometry3::identity(); 2]) };
-        scene.frame(&frame).unwrap();
+        scene.frame(&Frame { clearance, ..still(ms, &[Isometry3::identity(); 2]) }).unwrap();
     }
     scene.finish().unwrap();
     Read::new(&path)

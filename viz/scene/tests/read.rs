@@ -55,7 +55,7 @@ impl Read {
                 indices.map(|(time, _)| time.as_i64())
             };
             let values = chunk.iter_component::<C>(component.component);
-            let places = index(TIME).zip(index(LINE)).zip(&values);
+            let places = index(TIME).zip(index(LINE)).zip(values);
             rows.extend(
                 places.map(|((time, line), values)| (time, line, values.as_slice().to_vec())),
             );
