@@ -60,7 +60,6 @@ struct Factors<const N: usize> {
     pivots: [f64; N],
 }
 
-#[expect(clippy::indexing_slicing, reason = "every index is below N, and N not above MAX_AXES")]
 impl<const N: usize> Factors<N> {
     /// Of the first N rows and columns; only what is on and below the diagonal is read.
     #[inline]

@@ -11,7 +11,7 @@ fn tuned(limit: f64) -> [ServoParameters; 3] {
 
 fn machine(drives: &[ServoParameters]) -> PhysicsMachine {
     let drives: Vec<_> = drives.iter().cloned().map(AxisDriveParameters::servo).collect();
-    PhysicsMachine::new(&gantry(), &drives, down(), &axes([0.1, 0.2, 0.3]), CYCLE_NS).unwrap()
+    started(&gantry(), &drives, down(), &axes([0.1, 0.2, 0.3]))
 }
 
 /// A vertical axis neither sags nor jumps when the drives are enabled, and its drive carries the weight.
@@ -80,8 +80,7 @@ fn the_effort_limit_is_kept() {
 #[test]
 fn the_integral_does_not_wind_up() {
     let drive = super::tuned(3.0, 50.0, 32.0);
-    let mut machine =
-        PhysicsMachine::new(&lift(3.0), &[drive], down(), &axes([0.0]), CYCLE_NS).unwrap();
+    let mut machine = started(&lift(3.0), &[drive], down(), &axes([0.0]));
     let rest = AxisMotion::at_rest(axes([0.0]));
     let limit = |machine: &mut PhysicsMachine, limit: f64| {
         let MotorAtWork::Servo(servo) = &mut machine.drives[0].motor else { panic!("a servo") };

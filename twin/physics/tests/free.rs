@@ -23,7 +23,7 @@ fn changes<const N: usize>(
     constants: impl Fn(&JointState) -> [f64; N],
 ) -> ([f64; N], PhysicsMachine) {
     let drives = vec![SLACK; position.len()];
-    let mut machine = PhysicsMachine::new(model, &drives, gravity, position, CYCLE_NS).unwrap();
+    let mut machine = started(model, &drives, gravity, position);
     machine.start_moving(checked(velocity, drives.len(), 0).unwrap());
     let efforts = AxisVector::from_values(position.iter().map(|_| 0.0));
     let start = constants(&machine.joints.axes);

@@ -37,8 +37,7 @@ fn what_follows_is_felt() {
 #[test]
 fn bodies_follow() {
     let model = machine();
-    let mut machine =
-        PhysicsMachine::new(&model, &[SLACK], down(), &axes([0.0]), CYCLE_NS).unwrap();
+    let mut machine = started(&model, &[SLACK], down(), &axes([0.0]));
     let acceleration = 21.0 * G / 59.0;
     for step in 1..=200 {
         let state = machine.step_with_efforts(&axes([0.0])).unwrap();

@@ -50,6 +50,16 @@ fn joints<const N: usize>(values: [f64; N]) -> JointVector {
     joint_vector(values.into_iter())
 }
 
+/// A machine at rest at `start`.
+fn started(
+    model: &Model,
+    drives: &[AxisDriveParameters],
+    gravity: Vector3<f64>,
+    start: &AxisVector,
+) -> PhysicsMachine {
+    PhysicsMachine::new(model, drives, gravity, start, CYCLE_NS).unwrap()
+}
+
 /// The efforts (N or Nm) that hold `model` at `position`.
 fn holding_effort(model: &Model, position: &AxisVector) -> AxisVector {
     let rotors = vec![0.0; position.len()];

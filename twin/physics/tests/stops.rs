@@ -12,7 +12,7 @@ const MASSES: [f64; 2] = [2.0, 3.0];
 fn machine(drive: AxisDriveParameters) -> PhysicsMachine {
     let [motor, load] = MASSES;
     let drive = AxisDriveParameters { armature: motor, ..drive };
-    PhysicsMachine::new(&slide(load), &[drive], down(), &axes([0.0]), CYCLE_NS).unwrap()
+    started(&slide(load), &[drive], down(), &axes([0.0]))
 }
 
 fn spring(stiffness: f64, damping: f64, backlash: f64) -> ElasticTransmission {
@@ -171,8 +171,7 @@ fn a_held_axis_takes_no_energy() {
     let model = crooked();
     for jammed in 0..3 {
         let start = axes([0.3, 0.1, -0.5]);
-        let mut machine =
-            PhysicsMachine::new(&model, &[SLACK; 3], down(), &start, CYCLE_NS).unwrap();
+        let mut machine = started(&model, &[SLACK; 3], down(), &start);
         let mut moving = [1.0, -0.4, 3.0];
         moving[jammed] = 0.0;
         machine.start_moving(joints(moving));
