@@ -160,7 +160,7 @@ fn obj(bytes: &[u8], name: &str) -> Result<Mesh, MeshError> {
     let options = tobj::LoadOptions { triangulate: true, ..tobj::LoadOptions::default() };
     let no_materials = |_: &Path| Ok((Vec::new(), HashMap::default()));
     let (models, _) = tobj::load_obj_buf(&mut Cursor::new(text), &options, no_materials)
-        .map_err(|source| MeshError::Obj(source))?;
+        .map_err(MeshError::Obj)?;
     let mut vertices = Vec::new();
     let mut triangles = Vec::new();
     for mesh in models.into_iter().map(|model| model.mesh) {

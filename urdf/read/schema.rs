@@ -62,6 +62,7 @@ const NUMBER: Form = Form::Numbers(1);
 const THREE: Form = Form::Numbers(3);
 
 /// Attributes that are numbers.
+#[expect(clippy::indexing_slicing, reason = "both arrays have N elements")]
 const fn numbers<const N: usize>(names: [&'static str; N]) -> [(&'static str, Form); N] {
     let mut attributes = [("", NUMBER); N];
     let mut index = 0;

@@ -211,15 +211,19 @@ impl ScaraDimensions {
         });
         let [lowest, highest] =
             self.quill_joint.as_ref().map_or([0.0; 2], |joint| joint.position_limits);
-        let arm = |index: usize, bottom| {
-            let [width, height] = sections[index];
-            Arm { length: self.arms[index], width, height, mass: masses[index], bottom }
+        let arm = |length, [width, height]: [f64; 2], mass, bottom| Arm {
+            length,
+            width,
+            height,
+            mass,
+            bottom,
         };
         let quill_radius = self.quill_radius.unwrap_or(sections[1][0] / 5.0);
         let hand = hand.map(|hand| hand.complete(quill_radius));
         let room = CLEARANCE + hand.map_or(0.0, |hand| hand.height + GAP);
-        let second = arm(1, highest + room);
-        let first = arm(0, second.bottom - GAP - sections[0][1]);
+        let second = arm(self.arms[1], sections[1], masses[1], highest + room);
+        let bottom = second.bottom - GAP - sections[0][1];
+        let first = arm(self.arms[0], sections[0], masses[0], bottom);
         let column_top = first.bottom - GAP;
         let column_height = self.column_height.unwrap_or_else(|| {
             let below_tool = lowest + self.tool.z - CLEARANCE;
