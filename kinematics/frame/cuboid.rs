@@ -3,9 +3,9 @@
 use super::UnitVectors;
 use nalgebra::{Point3, Vector3};
 
-/// Lengths shorter than this part of the distance between the probed points are none.
+/// Lengths below this part of the distance between the probed points count as 0.
 ///
-/// No probe repeats to a millionth of the workpiece it touches, so a shorter length says nothing about where it lies.
+/// No probe repeats to a millionth of the workpiece it touches, so a shorter length does not locate it.
 const DEGENERATE: f64 = 1e-6;
 
 /// Points may lie on the wrong side of a face by this part of the distance between them: faces are not quite square.

@@ -37,7 +37,7 @@ pub enum MachineAxesError {
     /// The tip of the tool is infinite or not a number.
     #[error("the tip of the tool is not a finite number")]
     Tool,
-    /// A period that is none.
+    /// A period that is not a finite number above 0.
     #[error("axis {} has a period of {period}; it must be above 0", axis + 1)]
     Period {
         /// The axis, from 0.

@@ -167,7 +167,7 @@ impl CalibratedTripod {
         Some(State { tip: *tip, attitude: Rotation3::identity(), heights })
     }
 
-    /// Newton's method. `matrix` gives the change of the squared lengths with the attitude and what else is sought, `apply` makes a step.
+    /// Newton's method. `matrix` gives the change of the squared lengths with attitude and unknowns, `apply` makes a step.
     /// `Err` with how far off a rod is, m.
     fn close(
         &self,

@@ -80,7 +80,7 @@ struct Shared {
 }
 
 /// Binds the address early, so that a conflict shows at once.
-/// Errors:  [`VizError::Bind`] if it is taken or not ours.
+/// Errors: [`VizError::Bind`] if it is taken or not ours.
 pub(crate) fn bind(address: SocketAddr) -> Result<Bound> {
     let failed = |source| VizError::Bind { address, source };
     let listener = TcpListener::bind(address).map_err(failed)?;
