@@ -170,9 +170,9 @@ fn still(ms: u32, link_poses: &[Isometry3<f64>]) -> Frame<'_> {
 }
 
 #[track_caller]
-fn assert_miscounted(error: VizError, of: &str, [wanted, given]: [usize; 2]) {
+fn assert_miscounted(error: &VizError, of: &str, [wanted, given]: [usize; 2]) {
     let VizError::Count { what, expected, found, .. } = error else { panic!("{error:?}") };
-    assert_eq!((what, expected, found), (of, wanted, given));
+    assert_eq!((*what, *expected, *found), (of, wanted, given));
 }
 
 /// The recording of a machine that `change` has made another.
@@ -424,12 +424,12 @@ fn a_frame_for_another_machine_is_refused() {
     let poses = [Isometry3::identity(); 2];
     let fitting = still(0, &poses);
     let mut refuse = |frame: Frame<'_>| scene.frame(&frame).unwrap_err();
-    assert_miscounted(refuse(still(0, &poses[..1])), "link poses", [2, 1]);
+    assert_miscounted(&refuse(still(0, &poses[..1])), "link poses", [2, 1]);
     let deviation = |axis_errors| Deviation { axis_errors, ..still(0, &poses).twin };
     let twin = deviation(&[0.0][..]);
-    assert_miscounted(refuse(Frame { twin, ..still(0, &poses) }), "axis errors", [2, 1]);
+    assert_miscounted(&refuse(Frame { twin, ..still(0, &poses) }), "axis errors", [2, 1]);
     let drives = Some(DrivesFrame { deviation: deviation(&[0.0; 3][..]), tool_error_to_twin: 0.0 });
-    assert_miscounted(refuse(Frame { drives, ..still(0, &poses) }), "axis errors", [2, 3]);
+    assert_miscounted(&refuse(Frame { drives, ..still(0, &poses) }), "axis errors", [2, 3]);
     scene.frame(&fitting).unwrap();
 }
 

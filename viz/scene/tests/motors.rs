@@ -137,5 +137,5 @@ fn motors_of_another_machine_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut scene = open_file(&folder.path().join("a.rrd"));
     let error = log_motors(&mut scene, 0, &motors(0)[..1]).unwrap_err();
-    assert_miscounted(error, "motors", [2, 1]);
+    assert_miscounted(&error, "motors", [2, 1]);
 }
