@@ -175,6 +175,7 @@ impl<'s, 'm> Sweep<'s, 'm> {
 }
 
 /// Coordinate of a point towards a side: +x, −x, +y, −y, +z, −z.
+#[expect(clippy::indexing_slicing, reason = "six sides of three coordinates")]
 fn outward(side: usize, position: &Point3<f64>) -> f64 {
     let value = position.coords[side / 2];
     if side.is_multiple_of(2) { value } else { -value }

@@ -320,7 +320,7 @@ fn meshes_and_capsules_are_logged_in_mm() {
     // The normal of the side below: down.
     let normals = rerun::Mesh3D::descriptor_vertex_normals();
     let normals = read.each(entity, &normals, |normal: components::Vector3D| normal.0.0);
-    assert_eq!(normals[0], [0.0, 0.0, -1.0]);
+    assert_eq!(normals[..1], [[0.0, 0.0, -1.0]]);
     let factor = rerun::Mesh3D::descriptor_albedo_factor();
     let factor = read.statics::<components::AlbedoFactor>(entity, &factor);
     assert_eq!(factor[0].0.to_array(), [255, 0, 0, 255]);
