@@ -63,9 +63,7 @@ pub(crate) fn starts_on_tappets(
 /// A set-point that the kinematics refuses.
 pub(crate) fn unreachable(place: Place, error: &KinematicsError) -> Finding {
     let (rule, what) = match error {
-        KinematicsError::Singular { .. } => {
-            (Rule::Singularity, "the tool cannot go on as programmed")
-        }
+        KinematicsError::Singular(_) => (Rule::Singularity, "the tool cannot go on as programmed"),
         _ => (Rule::Reach, "the tool cannot be there"),
     };
     let finding = Finding::error(rule, place, format!("{what}: {error}"));

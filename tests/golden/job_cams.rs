@@ -45,7 +45,7 @@ fn elements_that_do_not_ascend_are_told_wherever_a_cam_is_named() {
     desk.write("along.cnc", "% along\nN10 G1 X20 F50 E500 E-500\n");
     let line = 1 + MOVED.lines().position(|line| line.contains("master = 90")).expect("a line");
     let said =
-        format!("moved.toml: line {line}: the element at master 90 stands behind the one at 180");
+        format!("moved.toml: line {line}: the element at master 90 comes after the one at 180");
     let found = findings(&desk, "along.cnc", &cam("moved.toml"), 0);
     let [one] = found.as_slice() else { panic!("{found:?}") };
     assert!(one["message"].as_str().is_some_and(|message| message.contains(&said)), "{one}");

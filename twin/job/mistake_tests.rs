@@ -102,7 +102,7 @@ fn a_job_that_is_named_as_a_cam_is_told_once() {
     );
     let (_, findings) = run(&job(&text), &machine());
     let [finding] = findings.as_slice() else { panic!("{findings:#?}") };
-    assert!(finding.message.ends_with("this is a job, no cam: `twin cam run` runs it"));
+    assert!(finding.message.ends_with("this is a job, not a cam: `twin cam run` runs it"));
     assert_eq!((finding.line, finding.elsewhere.is_none()), (9, true));
 }
 
@@ -126,15 +126,18 @@ fn names_that_are_given_twice_are_listed_once() {
 
 #[test]
 fn files_of_another_kind_are_told_as_such() {
-    said(include_str!("../../machines/gantry3.toml"), &["this is a machine file, no job"]);
+    said(include_str!("../../machines/gantry3.toml"), &["this is a machine file, not a job"]);
     said(
         include_str!("../../examples/cams/pick_and_place.toml"),
-        &["this is a cam, no job: `twin cam check` looks at it"],
+        &["this is a cam, not a job: `twin cam check` looks at it"],
     );
     let path = std::path::Path::new("machine.toml");
     for (text, words) in [
-        ("[[blocks]]\nblock = \"MC_Halt\"\naxis = \"X\"\n", "this is a job, no machine file"),
-        (include_str!("../../examples/cams/pick_and_place.toml"), "this is a cam, no machine file"),
+        ("[[blocks]]\nblock = \"MC_Halt\"\naxis = \"X\"\n", "this is a job, not a machine file"),
+        (
+            include_str!("../../examples/cams/pick_and_place.toml"),
+            "this is a cam, not a machine file",
+        ),
     ] {
         let problems = twin_machine::Machine::parse(path, text).expect_err("no machine");
         assert_eq!(problems.len(), 1, "{problems:#?}");

@@ -95,14 +95,13 @@ pub struct PathLimits {
     pub blend_tolerance: f64,
     /// Largest acceleration of the tool tip, in any direction, m/s²; `None`: not limited.
     pub tool_acceleration: Option<f64>,
-    /// Largest acceleration towards the centre of a curve, m/s² (`dMaxAcc` of `SMC_LimitCircularVelocities`); `None`:
-    /// not limited.
+    /// Largest centripetal acceleration, m/s² (`dMaxAcc` of `SMC_LimitCircularVelocities`); `None`: not limited.
     pub centripetal_acceleration: Option<f64>,
     /// Largest jump of that from one element to the next, m/s² (`dMaxAccJump`); `None`: not limited.
     pub centripetal_jump: Option<f64>,
 }
 
-/// Drive and motor limits in `[[axes]]`, besides the velocity of the axis itself.
+/// Drive and motor limits in `[[axes]]`, in addition to the velocity of the axis itself.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DriveLimits {
     /// As given, steps/s.
@@ -134,8 +133,8 @@ impl DriveLimits {
         Self { step_frequency_hz: frequency.map(|khz| khz * 1e3), motor_speed, motor_turns }
     }
 
-    /// With the velocity of the axis itself and, with a drive, its increments per unit and the most of them that it makes
-    /// in a second: all in deg/s or mm/s.
+    /// Adds the velocity limit of the axis and that of a drive (increments per unit, largest frequency), deg/s or
+    /// mm/s.
     pub(super) fn with(&self, axis: f64, drive: Option<(f64, f64)>) -> VelocityLimits {
         let step_frequency = drive.map(|(increments_per_unit, most_hz)| {
             self.step_frequency_hz.unwrap_or(most_hz) / increments_per_unit.abs()

@@ -42,9 +42,7 @@ pub(super) fn shape(
             fits.then_some(Shape::Pairs(table))
         }
         _ => {
-            section.complain(
-                "[table] needs `values` at equal distances of the master, or `pairs`".to_owned(),
-            );
+            section.complain("[table] needs `values` at equal distances of the master, or `pairs`");
             section.accept_all();
             None
         }

@@ -51,8 +51,7 @@ pub(super) fn shaft(
         (AxisKind::Linear, None) => None,
     };
     if kind == AxisKind::Linear && gear.is_some() && pitch.is_none() {
-        section
-            .complain_at("gear_ratio", "`gear_ratio` says nothing without `pitch_mm`".to_owned());
+        section.complain_at("gear_ratio", "`gear_ratio` says nothing without `pitch_mm`");
     }
     turns.or(motor_turns).map(|turns| Shaft { ratio: turns * TAU })
 }

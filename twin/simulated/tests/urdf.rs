@@ -305,7 +305,7 @@ fn axes_and_joints_that_do_not_fit_are_named() {
         (
             "tip_link = \"tool0\"",
             "tip_link = \"tool1\"",
-            "scara.urdf:2: there is no link tool1, of which tip_link speaks",
+            "scara.urdf:2: there is no link tool1, which tip_link names",
         ),
         ("tip_link = \"tool0\"", "", "scara.urdf:2: there is no link tool_tip"),
         ("\"scara.urdf\"", "\"other.urdf\"", "other.urdf:1: cannot be read: "),
