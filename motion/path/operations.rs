@@ -20,7 +20,7 @@ pub struct Similarity {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum OperationError {
     /// Only arcs about a vertical axis can be turned about one.
-    #[error("{place}: an arc that stands upright (G18, G19) cannot be turned about Z")]
+    #[error("{place}: an arc in a vertical plane (G18, G19) cannot be rotated about Z")]
     UprightArc {
         /// The element's block.
         place: Place,

@@ -189,7 +189,7 @@ fn faults_on_purpose_have_lines() {
     let refused = desk.twin(&["check", "down.cnc", "-m", "motors.toml", "--faults", "faults.toml"]);
     assert_eq!(refused.status, Some(2));
     assert!(
-        refused.stderr.contains("--faults says nothing without --physics"),
+        refused.stderr.contains("--faults has no effect without --physics"),
         "{}",
         refused.stderr
     );

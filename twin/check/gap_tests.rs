@@ -111,8 +111,7 @@ fn a_program_continues_where_the_one_before_ended() {
         let outcome = check(&machine, &program, options, &mut |_| {}).unwrap();
         let note = only_note(&outcome.findings);
         assert_eq!((note.line, note.block), (3, Some(20)));
-        let moved =
-            "the one before ended: each axis goes there on its own, X by -50.000 mm, in 0.258 s";
+        let moved = "the one before ended: each axis moves there at its own limits, X by -50.000 mm, in 0.258 s";
         assert!(note.message.contains(moved), "{}", note.message);
         assert_eq!(outcome.start, first.end);
         let takes = seconds(outcome.duration_ns);

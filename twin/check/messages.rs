@@ -36,7 +36,7 @@ pub(super) fn bridged(machine: &Machine, bridge: &Bridge, is_first: bool) -> Fin
         .map(|(axis, way)| format!("{} by {:+.3} {}", axis.name, axis.from_si(way), axis.unit()))
         .collect();
     let message = format!(
-        "{}: each axis goes there on its own, {}, in {:.3} s, as SMC_ControlAxisByPos does",
+        "{}: each axis moves there at its own limits, {}, in {:.3} s, as SMC_ControlAxisByPos does",
         if is_first {
             "the program begins elsewhere than the one before ended"
         } else {

@@ -35,7 +35,7 @@ impl Default for AxisRules {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MachinePathError {
     /// Motors are limited, but the masses they move make no sense.
-    #[error("the torques of the motors cannot be reckoned: {0}")]
+    #[error("the torques of the motors cannot be computed: {0}")]
     Physics(#[from] SimulationError),
 }
 

@@ -72,7 +72,7 @@ pub(super) fn read(section: &Section<'_>, kind: AxisKind, devices: &[Seen]) -> O
             let keys = ["drive_axis", "drive_address", "increments", &per_key];
             for key in keys.into_iter().chain(["max_step_frequency_khz"]).chain(Switches::KEYS) {
                 if section.has(key) {
-                    section.complain_at(key, format!("`{key}` says nothing without a `drive`"));
+                    section.complain_at(key, format!("`{key}` has no effect without a `drive`"));
                 }
             }
         }

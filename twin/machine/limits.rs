@@ -121,7 +121,7 @@ impl DriveLimits {
         let values = [section.number(rpm, 0.1..=1e6), section.number(turns, 1e-9..=1e6)];
         for (key, other) in [(rpm, turns), (turns, rpm)] {
             if section.has(key) && !section.has(other) {
-                let message = format!("`{key}` says nothing without `{other}`");
+                let message = format!("`{key}` has no effect without `{other}`");
                 section.complain_at(key, message);
             }
         }

@@ -144,7 +144,7 @@ pub(super) fn noticed(notice: &Notice) -> Finding {
 
 /// Overlapping sections of stages that cannot be combined.
 pub(super) fn incompatible(error: Incompatible, place: Place) -> Finding {
-    let message = format!("{error}; end the one (G40, G50) before the other begins");
+    let message = format!("{error}; end the first section (G40 or G50) before the second begins");
     Finding::error(Rule::Syntax, place, message)
 }
 

@@ -177,7 +177,7 @@ pub enum DecodeError {
         name: String,
     },
     /// O names no parameters of an M function.
-    #[error("${name}$ is no set of parameters for M functions")]
+    #[error("${name}$ is not a set of parameters for M functions")]
     UnknownParameters {
         /// The name.
         name: String,
@@ -260,10 +260,10 @@ pub enum DecodeError {
         value: f64,
     },
     /// G20 without L.
-    #[error("G20 needs the number of the block to go on with, L")]
+    #[error("G20 needs L, the number of the block at which the program continues")]
     JumpWithoutTarget,
     /// No block has the number that G20 names.
-    #[error("there is no block N{block} to go on with")]
+    #[error("block N{block}, at which the program should continue, does not exist")]
     JumpTarget {
         /// The number.
         block: u32,

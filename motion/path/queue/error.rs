@@ -17,7 +17,7 @@ pub enum QueueReadError {
         source: io::Error,
     },
     /// The file begins with something else.
-    #[error("byte {offset}: this is no queue file")]
+    #[error("byte {offset}: this is not a queue file")]
     NotAQueue {
         /// First byte that is different.
         offset: u64,
@@ -91,7 +91,7 @@ pub enum ContentError {
     #[error("the block ends within an element")]
     Incomplete,
     /// A number that stands for nothing.
-    #[error("{value} is no {field}")]
+    #[error("{value} is not a valid {field}")]
     Unknown {
         /// The field.
         field: &'static str,

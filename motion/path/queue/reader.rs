@@ -33,7 +33,7 @@ impl<R: Read> QueueReader<R> {
     /// Begins to read; every block is one read or a few.
     ///
     /// # Errors
-    /// [`QueueReadError`] if this is no queue file of this version.
+    /// [`QueueReadError`] if this is not a queue file of this version.
     pub fn new(reader: R) -> Result<Self, QueueReadError> {
         let mut reader = Self {
             reader,

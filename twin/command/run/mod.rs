@@ -148,7 +148,7 @@ impl Arguments {
         program.size().map_err(|source| unreadable(program.path(), source))?;
         if !program.is_repeatable() {
             return Err(Failure::Usage(format!(
-                "{} is no regular file: a run reads its program twice, to check it and to run it",
+                "{} is not a regular file: a run reads its program twice, to check it and to run it",
                 program.path().display()
             )));
         }

@@ -209,7 +209,7 @@ impl Arguments {
         {
             "nothing is to be found: give a recorded --run, what to --find within the limits, points to --reshape, or a --ramp-in"
         } else if self.goal != Goal::Speed && self.reshape.is_empty() {
-            "--goal says nothing without --reshape"
+            "--goal has no effect without --reshape"
         } else if self.ramp_in == Some(Shown::Run) && self.run.is_none() {
             "--ramp-in run begins where a --run does, and there is none"
         } else if matches!(self.ramp_in, Some(Shown::Given(_))) && self.master_start.is_some() {

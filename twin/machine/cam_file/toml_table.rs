@@ -49,7 +49,7 @@ pub(super) fn shape(
     }
 }
 
-/// Two positions and the numbers that stand for them; the numbers are the positions if nothing is said.
+/// Two positions and the numbers that represent them; the numbers are the positions if nothing is said.
 fn scale(section: &Section<'_>, key: &str) -> Option<TableScale> {
     if !section.has(key) {
         section.accept(key);

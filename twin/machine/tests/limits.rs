@@ -75,8 +75,8 @@ fn limits_of_drives_and_motors_are_checked() {
         ("headroom_percent = -1", "-1", "between 0 and 90"),
         ("max_motor_rpm = 0\nmotor_turns_per_mm = 1", "0", "between 0.1 and 1000000"),
         ("max_motor_rpm = 9\nmotor_turns_per_mm = 0", "0", "between 0.000000001 and 1000000"),
-        ("max_motor_rpm = 3000", "3000", "says nothing without `motor_turns_per_mm`"),
-        ("motor_turns_per_mm = 0.1", "0.1", "says nothing without `max_motor_rpm`"),
+        ("max_motor_rpm = 3000", "3000", "has no effect without `motor_turns_per_mm`"),
+        ("motor_turns_per_mm = 0.1", "0.1", "has no effect without `max_motor_rpm`"),
     ];
     for (line, place, words) in cases {
         assert_eq!(says(&x(line), &[words]), place);
@@ -92,7 +92,7 @@ fn limits_of_drives_and_motors_are_checked() {
         assert_eq!(help.unwrap(), format!("did you mean `{key}`?"));
     }
     let without = edited(SHORT, "drive = \"board\"\n", "max_step_frequency_khz = 9\n");
-    let said = "`max_step_frequency_khz` says nothing without a `drive`";
+    let said = "`max_step_frequency_khz` has no effect without a `drive`";
     assert!(problems(&without).iter().any(|(_, message, _)| message == said));
 }
 

@@ -494,13 +494,13 @@ fn a_role_is_something_the_machine_moves_with_that_kind_of_axis() {
     let found = problems(&edited(SHORT, "name = \"X\"", "name = \"X\"\nrole = \"T\""));
     assert_eq!(found.len(), 2, "{found:#?}");
     let complaint =
-        "axis \"X\" has the role \"T\"; of a gantry3 axes move X, Y, Z, or P Q U V W beside it";
+        "axis \"X\" has the role \"T\"; of a gantry3 axes move X, Y, Z, or P Q U V W in addition";
     assert!(found.iter().any(|(place, message, _)| place == "\"T\"" && message == complaint));
     assert!(found.iter().any(|(_, message, _)| message == "no axis moves X of the gantry3"));
     // The transform of a SCARA uses X itself.
     let (_, message, _) = only(&edited(SCARA2, "name = \"Z\"", "name = \"Z\"\nrole = \"X\""));
     let complaint =
-        "axis \"Z\" has the role \"X\"; of a scara2 axes move A, B, Z, or P Q U V W beside it";
+        "axis \"Z\" has the role \"X\"; of a scara2 axes move A, B, Z, or P Q U V W in addition";
     assert_eq!(message, complaint);
 
     let (before, last) = SHORT.split_at(SHORT.rfind("[[axes]]").unwrap());

@@ -193,8 +193,11 @@ fn what_makes_no_sense_is_said() {
         refused_text(&servo(line), &[said]);
     }
     for (line, said) in [
-        ("pitch_mm = 10\n", "`gear_ratio` says nothing without `pitch_mm`"),
-        ("stiffness_n_per_mm = 20000\n", "`backlash_mm` says nothing without `stiffness_n_per_mm`"),
+        ("pitch_mm = 10\n", "`gear_ratio` has no effect without `pitch_mm`"),
+        (
+            "stiffness_n_per_mm = 20000\n",
+            "`backlash_mm` has no effect without `stiffness_n_per_mm`",
+        ),
         ("torque_nm = 2\nclosing_time_ms", "[brake] lacks `torque_nm`"),
     ] {
         let (_, rest) = line.split_once('\n').unwrap();

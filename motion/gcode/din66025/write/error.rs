@@ -32,7 +32,7 @@ pub enum WriteError {
         place: Place,
     },
     /// A rapid that is not straight.
-    #[error("{place}: a rapid along a curve cannot be said")]
+    #[error("{place}: a rapid along a curve cannot be written")]
     CurvedRapid {
         /// The element's block.
         place: Place,
@@ -70,7 +70,7 @@ pub enum WriteError {
         value: f64,
     },
     /// Marks that exclude one another, or that begin something with what is no path object.
-    #[error("{place}: preparation cannot begin like this: marks {marks:#010b}")]
+    #[error("{place}: preparation cannot begin with these marks: {marks:#010b}")]
     Marks {
         /// The element's block.
         place: Place,
@@ -78,7 +78,9 @@ pub enum WriteError {
         marks: u8,
     },
     /// An M function with parameters that are given with the program, not in it.
-    #[error("{place}: the parameters O of M{number} are given with the program, not in it")]
+    #[error(
+        "{place}: M{number} takes its parameters O from variables outside the program (--variables), which a program text cannot contain"
+    )]
     Parameters {
         /// The element's block.
         place: Place,
