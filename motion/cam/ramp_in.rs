@@ -44,7 +44,7 @@ impl RampIn {
             v = most;
         }
         let peak_v2 = (2.0 * left + v * v / up) * up * down / (up + down);
-        // Rounding aside, the peak is not below v: what is left is more than a stop.
+        // Rounding aside, the peak is not below v: the rest is more than a stop.
         let peak = peak_v2.max(v * v).sqrt().min(most);
         *second = ((peak - v) / up, up * sign);
         let ramps = (peak * peak - v * v) / (2.0 * up) + peak * peak / (2.0 * down);

@@ -147,7 +147,7 @@ fn whole_numbers_have_no_fraction() {
     };
     for kind in ["INT", "UINT", "DINT", "UDINT"] {
         let found = problems(&table(kind, "1.5"));
-        assert_eq!(found[0].0, format!("value 2: 1.5 is no whole number, as {kind} needs it"));
+        assert_eq!(found[0].0, format!("value 2: 1.5 is not a whole number, as {kind} needs it"));
         assert!(read(&table(kind, "1.0")).is_ok());
     }
     for kind in ["REAL", "LREAL"] {
