@@ -63,6 +63,7 @@ impl<'m> MachinePath<'m> {
         let limits = machine.axis_limits().into_iter().map(|limit| AxisLimits {
             velocity: if rules.velocity { limit.velocity.value } else { f64::INFINITY },
             acceleration: if rules.acceleration { limit.acceleration } else { f64::INFINITY },
+            deceleration: if rules.acceleration { limit.acceleration } else { f64::INFINITY },
             jerk: limit.jerk.filter(|_| rules.jerk),
         });
         let dynamics = machine.path_dynamics()?.map(RefCell::new);
