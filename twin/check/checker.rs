@@ -114,7 +114,7 @@ impl<'m> Checker<'m> {
     pub(super) fn bridge(&mut self, tool: &ToolSetpoint) -> Option<Bridge> {
         let is_first = self.transformer.continues();
         let bridge = self.transformer.bridge(tool)?;
-        self.findings.add(None, messages::bridged(self.machine, &bridge, is_first));
+        self.findings.add(None, crate::messages::bridged(self.machine, &bridge, is_first));
         Some(bridge)
     }
 

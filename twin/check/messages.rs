@@ -1,6 +1,5 @@
 //! Messages of the check: the fault, with value and limit.
 
-use crate::bridge::Bridge;
 use crate::finding::{Finding, Rule, Severity};
 use crate::messages::beyond_position;
 use crate::plant::{Blow, Happening, ProbeMiss, ProbeTouch};
@@ -16,9 +15,6 @@ use twin_physics::{Clearance, EventKind, Fault, Part};
 /// An axis that is farther than this from where it is sent, m or rad, beyond its software limits, is not only following behind.
 const RUN_AWAY: f64 = 2e-3;
 
-/// An axis that goes less than this across a gap is not named, m or rad.
-const STAYS: f64 = 5e-7;
-
 /// Tappets beyond the number that a cam reports per cycle.
 pub(super) fn lost_tappets(count: u64) -> Finding {
     let message = format!(
@@ -27,26 +23,6 @@ pub(super) fn lost_tappets(count: u64) -> Finding {
     let mut finding = Finding::error(Rule::FunctionBlock, Place { line: 1, block: None }, message);
     finding.severity = Severity::Warning;
     finding
-}
-
-/// A gap of the path that the axes cross on their own.
-pub(super) fn bridged(machine: &Machine, bridge: &Bridge, is_first: bool) -> Finding {
-    let ways = machine.axes.iter().zip(bridge.ways()).filter(|(_, way)| way.abs() > STAYS);
-    let ways: Vec<_> = ways
-        .map(|(axis, way)| format!("{} by {:+.3} {}", axis.name, axis.from_si(way), axis.unit()))
-        .collect();
-    let message = format!(
-        "{}: each axis moves there at its own limits, {}, in {:.3} s, as SMC_ControlAxisByPos does",
-        if is_first {
-            "the program begins elsewhere than the one before ended"
-        } else {
-            "the set-point jumps here"
-        },
-        ways.join(", "),
-        bridge.duration()
-    );
-    let finding = Finding::error(Rule::Gap, bridge.place, message);
-    Finding { severity: Severity::Note, ..finding }
 }
 
 /// A program that moves an additional axis on a machine without it.

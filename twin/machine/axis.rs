@@ -109,7 +109,8 @@ impl Axis {
         let VelocityLimit { value, source } = self.velocity_limit();
         AxisLimit {
             velocity: VelocityLimit { value: value * left, source },
-            acceleration: self.smallest_acceleration() * left.powi(2),
+            acceleration: self.max_acceleration * left.powi(2),
+            deceleration: self.max_deceleration * left.powi(2),
             jerk: self.max_jerk.map(|jerk| jerk * left.powi(3)),
             headroom: self.headroom,
         }

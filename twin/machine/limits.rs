@@ -80,8 +80,10 @@ impl VelocityLimits {
 pub struct AxisLimit {
     /// Largest velocity, m/s or rad/s.
     pub velocity: VelocityLimit,
-    /// Largest acceleration, m/s² or rad/s²: the smaller of acceleration and deceleration.
+    /// Largest acceleration while the speed grows, m/s² or rad/s².
     pub acceleration: f64,
+    /// Largest deceleration, m/s² or rad/s².
+    pub deceleration: f64,
     /// Largest jerk, m/s³ or rad/s³; `None`: not limited.
     pub jerk: Option<f64>,
     /// Part of the velocity that is left to the override, 0 to 0.9.

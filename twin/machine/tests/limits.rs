@@ -101,11 +101,12 @@ fn limits_of_drives_and_motors_are_checked() {
 fn headroom_is_left_to_the_override() {
     let jerk = "max_jerk_mm_per_s3 = 50000\nheadroom_percent = 20";
     let machine = with(jerk);
-    let AxisLimit { velocity, acceleration, jerk, headroom } = x(&machine);
+    let AxisLimit { velocity, acceleration, deceleration, jerk, headroom } = x(&machine);
     near(headroom, 0.2);
     let faster = 1.0 / 0.8f64;
     near(velocity.value * faster, 0.4);
     near(acceleration * faster.powi(2), 3.0);
+    near(deceleration * faster.powi(2), 3.0);
     near(jerk.unwrap() * faster.powi(3), 50.0);
     // What the axis can do is what it was, and the other axes have no headroom.
     near(machine.axes[0].max_velocity, 0.4);
@@ -197,10 +198,11 @@ fn decelerations_have_a_limit_of_their_own() {
     {
         near(axis.acceleration_limit(axis.slows(velocity, acceleration, CYCLE)), limit);
     }
-    // Plans keep to the smaller one, whichever it is.
-    near(x(&gentle).acceleration, 1.5);
+    near(x(&gentle).acceleration, 3.0);
+    near(x(&gentle).deceleration, 1.5);
     let strong = with("max_deceleration_mm_per_s2 = 6000");
     near(x(&strong).acceleration, 3.0);
+    near(x(&strong).deceleration, 6.0);
     let axis = &strong.axes[0];
     near(axis.acceleration_limit(axis.slows(0.1, -5.0, CYCLE)), 6.0);
     // In the last cycle before a standstill the velocity may be nothing already.
