@@ -16,6 +16,11 @@ pub trait Clock: Send + Sync {
     }
 }
 
+/// Clock of exchanges whose time is not used.
+pub fn no_clock() -> i64 {
+    0
+}
+
 impl<F: Fn() -> i64 + Send + Sync> Clock for F {
     fn now_ns(&self) -> i64 {
         self()

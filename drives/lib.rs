@@ -46,7 +46,7 @@ mod stamp;
 pub mod transport;
 
 pub use assumptions::{Assumed, AssumedError, AssumedValues, OpenQuestion};
-pub use clock::{Accelerated, Clock, Speed};
+pub use clock::{Accelerated, Clock, Speed, no_clock};
 pub use decimal_ratio::DecimalRatio;
 pub use device::{
     AxisSignals, Bits, DeviceLimits, Identity, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Signals,

@@ -11,7 +11,7 @@ pub const TIMER: Duration = Duration::from_micros(1200);
 #[derive(Clone, Copy, Debug)]
 pub struct Pause {
     end: Instant,
-    /// Whether what a timer cannot tell is slept away, and with it whatever else runs on this thread.
+    /// Whether a pause below the resolution of a timer is slept away, with everything else on this thread.
     exact: bool,
 }
 

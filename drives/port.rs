@@ -45,7 +45,7 @@ impl Port {
         }
     }
 
-    /// Looks what stands at a path, without opening it. Nothing at all is left for the operating system to name.
+    /// Checks the kind of file at a path, without opening it. A missing file is left to the operating system to name.
     ///
     /// # Errors
     /// If it can be no such port.

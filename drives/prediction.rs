@@ -16,7 +16,7 @@ pub trait Prediction: Send + std::fmt::Debug {
     /// horizon counts; its clock does not. Gives what the device's profile generators ask of the motors at `time_ns`:
     /// between the steps of a step motor, that is how far the next step is.
     ///
-    /// The first call says where the axes stand.
+    /// The first call says where the axes are.
     fn advance(&mut self, plan: &dyn SetpointStream, time_ns: i64) -> IncrementMotion;
 
     /// Exchanges with the device so far: commands and samples.

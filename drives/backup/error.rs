@@ -23,10 +23,10 @@ pub enum BackupError {
         /// Error of the operating system.
         source: io::Error,
     },
-    /// The device does not tell its parameters (`SMC_WDPF_ERROR_WHEN_READING_PARAMS`).
+    /// The device does not report its parameters (`SMC_WDPF_ERROR_WHEN_READING_PARAMS`).
     #[error(transparent)]
     Drive(#[from] DriveError),
-    /// The device does not tell which parameters it has (`SMC_WDPF_TIMEOUT_PREPARING_LIST` if it does not answer).
+    /// The device does not list its parameters (`SMC_WDPF_TIMEOUT_PREPARING_LIST` if it does not answer).
     #[error(transparent)]
     List(DriveError),
     /// Lines are wrong, all of those that are.
@@ -66,11 +66,11 @@ pub struct LineError {
 /// Fault of a line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LineFault {
-    /// It is no XML.
+    /// It is not XML.
     #[error("{0}")]
     Xml(String),
     /// Neither of the two formats begins like this.
-    #[error("this is no file of drive parameters")]
+    #[error("this is not a file of drive parameters")]
     Unknown,
     /// A later version, or none.
     #[error("version {found:?} is not known (1)")]
@@ -85,7 +85,7 @@ pub enum LineFault {
         what: &'static str,
     },
     /// A word is not a number, or one that does not fit.
-    #[error("{what}: {word:?} is no whole number from {low} to {high}")]
+    #[error("{what}: {word:?} is not a whole number from {low} to {high}")]
     Number {
         /// Expected form.
         what: &'static str,

@@ -1,4 +1,4 @@
-//! Files that are wrong, and devices that do not do as they are told.
+//! Files that are wrong, and devices that do not obey.
 
 use std::io::{self, Read, Write};
 
@@ -14,7 +14,7 @@ struct Shelf {
     values: [i64; 3],
     /// Refuses the second.
     refuses: bool,
-    /// Forgets what it is told when it is to save it.
+    /// Loses parameters when it is to save them.
     forgets: bool,
     saved: u32,
     silent: bool,
@@ -207,17 +207,17 @@ fn every_wrong_line_is_told() {
     let expected = "shelf.txt:1: version \"2\" is not known (1)\n\
         shelf.txt:2: family is missing\n\
         shelf.txt:3: value is missing\n\
-        shelf.txt:4: station: \"300\" is no whole number from 0 to 255\n\
-        shelf.txt:4: number: \"x\" is no whole number from 0 to 65535\n\
+        shelf.txt:4: station: \"300\" is not a whole number from 0 to 255\n\
+        shelf.txt:4: number: \"x\" is not a whole number from 0 to 65535\n\
         shelf.txt:4: \"2\" is not expected here\n\
-        shelf.txt:5: number: \"70000\" is no whole number from 0 to 65535\n\
-        shelf.txt:5: value: \"9223372036854775808\" is no whole number from \
+        shelf.txt:5: number: \"70000\" is not a whole number from 0 to 65535\n\
+        shelf.txt:5: value: \"9223372036854775808\" is not a whole number from \
         -9223372036854775808 to 9223372036854775807";
     assert_eq!(wrong(text), expected);
-    assert_eq!(wrong("hello"), "shelf.txt:1: this is no file of drive parameters");
-    assert_eq!(wrong(""), "shelf.txt:1: this is no file of drive parameters");
+    assert_eq!(wrong("hello"), "shelf.txt:1: this is not a file of drive parameters");
+    assert_eq!(wrong(""), "shelf.txt:1: this is not a file of drive parameters");
     assert_eq!(wrong("drive-parameters 1\n"), "shelf.txt:1: family is missing");
-    assert_eq!(wrong("<a/>"), "shelf.txt:1: this is no file of drive parameters");
+    assert_eq!(wrong("<a/>"), "shelf.txt:1: this is not a file of drive parameters");
     assert!(wrong("<DriveParameters>\n<b>\n</c>").starts_with("shelf.txt:3: "));
     let xml = "<DriveParameters version='1'>\n <Parameter station='0' number='0'/>\n <Odd/>\n</DriveParameters>";
     let expected = "shelf.txt:1: family is missing\nshelf.txt:2: value is missing\n\

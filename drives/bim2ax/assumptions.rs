@@ -17,7 +17,7 @@ pub enum EntryOrder {
 /// First leg of homing that begins on the cam, with coefficient bit 11 (no clearing).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CamStart {
-    /// The edge counts as taken where the axis stands.
+    /// The edge counts as taken where the axis is.
     EdgeTaken,
     /// The axis crosses the cam in the direction of homing; its end is the edge.
     FarEdge,

@@ -85,7 +85,7 @@ impl Bim2AxPrediction {
         if duration > 0.0 { (square / duration).sqrt() } else { 0.0 }
     }
 
-    /// The axes stand where the plan is.
+    /// The axes are where the plan is.
     fn begin(&mut self, plan: &dyn SetpointStream, time_ns: i64) {
         let positions = plan.at(time_ns).position;
         let stand = |(settings, position): (&AxisSettings, f64)| {

@@ -82,7 +82,7 @@ impl PseudoTerminal {
 struct Link {
     path: PathBuf,
     target: PathBuf,
-    /// Beside the link.
+    /// Next to the link.
     lock_path: PathBuf,
     /// The system frees it when the program ends, however it does.
     #[expect(dead_code, reason = "its lock is what counts")]

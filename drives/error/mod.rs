@@ -156,7 +156,7 @@ pub enum DriveError {
         patience: Duration,
     },
     /// An axis has stopped elsewhere than on its target: something else has stopped it.
-    #[error("{at}: {axis} stands at {found} instead of {target} {}", axis.unit())]
+    #[error("{at}: {axis} is at {found} instead of {target} {}", axis.unit())]
     NotArrived {
         /// Exchange in which it happened.
         at: Exchange,

@@ -163,7 +163,7 @@ impl<R: Registers> Candidates<'_, R> {
         }
     }
 
-    /// Goes to where the plan is at the end of the round and stands there.
+    /// Goes to where the plan is at the end of the round and rests there.
     fn hop(&self, now: State, end: State) -> Option<R::Move> {
         let target = end.position.round();
         let way = (target - now.position).abs();

@@ -11,7 +11,7 @@
 //!   the one whose modelled motion stays nearest to the plan is sent; none if the present one does as well.
 //!
 //! A target is always a position that the plan reaches within its horizon, at most its next turning point: if no
-//! command follows, the axis stands there. It is far enough ahead that the axis does not brake for it before the next
+//! command follows, the axis rests there. It is far enough ahead that the axis does not brake for it before the next
 //! command is due.
 //!
 //! An axis that has been left behind (an answer was lost, the axis was held) comes back at no more than three times

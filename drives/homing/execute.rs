@@ -211,7 +211,7 @@ impl Runner<'_> {
                     }
                 }
                 Order::Go { target, velocity } => {
-                    // The time of braking is no time between looks: the axis stands.
+                    // The axis rests: braking does not count as time between looks.
                     self.last_look_ns = Some(self.stream.now_ns());
                     let first = self.legs.begin(look.seen.position, target, velocity);
                     self.send(&look.positions, first, velocity)?;

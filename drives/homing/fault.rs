@@ -35,14 +35,14 @@ pub enum HomingFault {
     },
     /// The axis was past the home switch before it stood still.
     #[error(
-        "the home switch is shorter than the way the axis brakes: it stands at {position}, past it"
+        "the home switch is shorter than the way the axis brakes: it is at {position}, past it"
     )]
     SwitchPassed {
         /// Position of the axis.
         position: f64,
     },
-    /// The axis does not stand where homing has sent it.
-    #[error("the axis stands at {position} instead of {target}")]
+    /// The axis is not where homing has sent it.
+    #[error("the axis is at {position} instead of {target}")]
     NotArrived {
         /// Position of the axis.
         position: f64,

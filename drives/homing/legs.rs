@@ -2,7 +2,7 @@
 
 use super::Seen;
 
-/// A leg is what the axis goes in so long, s: several looks on any usual wire. Where they take longer it stands between legs.
+/// A leg is what the axis goes in so long, s: several looks on any usual wire. Where they take longer it rests between legs.
 pub(super) const LEG_S: f64 = 0.5;
 /// The next leg is sent when less than this part of one is left.
 const LEFT: f64 = 0.5;
@@ -69,7 +69,7 @@ impl Legs {
     }
 
     /// The end of the next leg and its velocity, once it is time for it: near the end of the one under way, or where the axis
-    /// stands there if the device takes no other target before. A switch is looked at before the position: one at the end of a
+    /// rests there if the device takes no other target before. A switch is looked at before the position: one at the end of a
     /// leg is seen by the look after that with which the axis came to rest.
     pub(super) fn next(&mut self, seen: &Seen, retargets: bool) -> Option<(f64, f64)> {
         let way = self.way.as_mut().filter(|way| !way.is_last())?;
@@ -102,18 +102,18 @@ mod tests {
         assert!((legs.begin(70.0, -2530.0, 2000.0) + 930.0).abs() < 1e-9);
         assert_eq!(legs.next(&seen(-300.0, true), true), None);
         assert_eq!(legs.next(&seen(-431.0, true), true), Some((-1431.0, 2000.0)));
-        // One that takes no target while it moves stands between legs, which is not the end of the way.
+        // One that takes no target while it moves rests between legs, which is not the end of the way.
         let mut waits = legs;
         assert_eq!(waits.next(&seen(-1400.0, true), false), None);
         assert!(waits.seen(&seen(-1431.0, false)).moving);
-        // Whether it stands on its switch is seen when it is looked at once more.
+        // Whether it is on its switch is seen when it is looked at once more.
         assert_eq!(waits.next(&seen(-1431.0, false), false), None);
         assert_eq!(waits.next(&seen(-1431.0, false), false), Some((-2431.0, 2000.0)));
-        // The end is that of the whole way, and there it stands.
+        // The end is that of the whole way, and there it rests.
         assert_eq!(legs.next(&seen(-1530.0, true), true), Some((-2530.0, 2000.0)));
         assert_eq!(legs.next(&seen(-2400.0, true), true), None);
         assert!(!legs.seen(&seen(-2530.0, false)).moving);
-        // One that stands elsewhere is seen to.
+        // At rest elsewhere it has not arrived.
         assert!(!legs.seen(&seen(-2000.0, false)).moving);
     }
 

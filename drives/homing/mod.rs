@@ -5,7 +5,7 @@
 //! documentation, and so is that the second three, of which this edition repeats the names of the first, are
 //! `FAST_SLOW_*`.
 //!
-//! Where the manual is silent: an axis that stands on its switch already begins with the slow part; one that has been
+//! Where the manual is silent: an axis that is on its switch already begins with the slow part; one that has been
 //! carried past its switch comes back over it, and in the modes without reversal has failed; every search ends after a
 //! way that the user gives.
 
@@ -46,17 +46,17 @@ impl Direction {
 pub enum HomingMode {
     /// 0, `FAST_BSLOW_S_STOP`: fast onto the switch, slowly back off it; where it opens is the reference; stop.
     #[default]
-    FastBslowSStop,
-    /// 1, `FAST_BSLOW_STOP_S`: as 0, but where the axis then stands still is the reference.
-    FastBslowStopS,
+    FastBslowSStop = 0,
+    /// 1, `FAST_BSLOW_STOP_S`: as 0, but where the axis then rests is the reference.
+    FastBslowStopS = 1,
     /// 2, `FAST_BSLOW_I_S_STOP`: as 0, but the next index pulse is the reference.
-    FastBslowISStop,
+    FastBslowISStop = 2,
     /// 4, `FAST_SLOW_S_STOP`: as 0, but slowly on over the switch.
-    FastSlowSStop,
+    FastSlowSStop = 4,
     /// 5, `FAST_SLOW_STOP_S`: as 1, but slowly on over the switch.
-    FastSlowStopS,
+    FastSlowStopS = 5,
     /// 6, `FAST_SLOW_I_S_STOP`: as 2, but slowly on over the switch.
-    FastSlowISStop,
+    FastSlowISStop = 6,
 }
 
 impl HomingMode {
@@ -72,14 +72,7 @@ impl HomingMode {
 
     /// Its number.
     pub fn number(self) -> u8 {
-        match self {
-            Self::FastBslowSStop => 0,
-            Self::FastBslowStopS => 1,
-            Self::FastBslowISStop => 2,
-            Self::FastSlowSStop => 4,
-            Self::FastSlowStopS => 5,
-            Self::FastSlowISStop => 6,
-        }
+        self as u8
     }
 
     /// The mode of a number.
@@ -97,7 +90,7 @@ impl HomingMode {
         matches!(self, Self::FastBslowISStop | Self::FastSlowISStop)
     }
 
-    /// Whether the reference is where the axis stands at the end.
+    /// Whether the reference is where the axis is at the end.
     fn at_rest(self) -> bool {
         matches!(self, Self::FastBslowStopS | Self::FastSlowStopS)
     }

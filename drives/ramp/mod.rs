@@ -1,6 +1,6 @@
 //! The profile generator of one axis, as all drive families have it: what a device makes of a move to a target.
 //!
-//! The axis starts at its start/stop speed, accelerates, cruises, decelerates to the start/stop speed and stands on
+//! The axis starts at its start/stop speed, accelerates, cruises, decelerates to the start/stop speed and rests on
 //! the target. If it already moves, speed stays continuous: it slows down to a lower speed, or brakes, reverses and
 //! returns when the target lies behind it or too near to stop at (InterpCNC "Commande 80"; SmartDRIVE GOTO, whose
 //! start/stop speed is 0; BIM2AX moves, which are never retargeted).
@@ -221,7 +221,7 @@ impl Motion {
     }
 
     /// The first instant after `after_ns` at which the axis is on the other side of `edge` than at `after_ns`, ns; on
-    /// the far side is who stands on the edge or beyond it in positive direction.
+    /// the far side is a point on the edge or beyond it in positive direction.
     pub fn crossing(&self, after_ns: i64, edge: f64) -> Option<i64> {
         let beyond = |time_ns: i64| self.at(time_ns).position >= edge;
         let here = beyond(after_ns);

@@ -25,7 +25,7 @@ use twin_smartdrive::{
     emulator::{DeviceOptions, EmulatedBus, HomingOptions, Input},
 };
 
-/// A device of two axes. Its home switches are pressed from [`FAR`] to [`HOME`] increments from where the axes stand, and
+/// A device of two axes. Its home switches are pressed from [`FAR`] to [`HOME`] increments from where the axes are, and
 /// limit switches below [`Bench::limit`].
 pub(crate) struct Bench {
     pub(crate) drive: Box<dyn Drive>,

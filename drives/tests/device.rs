@@ -54,7 +54,7 @@ fn is_locked(bench: &mut Bench) {
 fn shows_a_restart(mut bench: Bench) {
     let drive = &mut bench.drive;
     drive.enable().unwrap();
-    assert!(!drive.shows_restart().unwrap(), "it obeys, and stands at 0");
+    assert!(!drive.shows_restart().unwrap(), "it obeys, and is at 0");
     drive.move_to(&[300, 200, 0, 0, 0], &[900.0; 5]).unwrap();
     bench.rest();
     let drive = &mut bench.drive;
@@ -66,7 +66,7 @@ fn shows_a_restart(mut bench: Bench) {
         drive.shows_restart().ok()
     });
     assert_eq!(seen, Some(true));
-    // Enabled anew it stands at 0, and that is no restart.
+    // Enabled again it is at 0, which is not a restart.
     drive.enable().unwrap();
     assert!(!drive.shows_restart().unwrap());
     assert_eq!(drive.probe(&bench.clock).unwrap().position[0], 0);

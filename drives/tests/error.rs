@@ -110,10 +110,10 @@ fn axes_are_named_by_letter() {
 fn axes_are_named_as_their_family_does() {
     let (found, target) = (4, 5);
     for (axes, moving, elsewhere) in [
-        (Axes::Letters(0b100), "still moving, axis Z", "axis Z stands at 4 instead of 5 steps"),
-        (Axes::Numbers(3), "still moving, axes 1, 2", "axes 1, 2 stands at 4 instead of 5 µsteps"),
-        (Axes::Numbers(0b10), "still moving, axis 2", "axis 2 stands at 4 instead of 5 µsteps"),
-        (Axes::Only, "still moving", "the axis stands at 4 instead of 5 µsteps"),
+        (Axes::Letters(0b100), "still moving, axis Z", "axis Z is at 4 instead of 5 steps"),
+        (Axes::Numbers(3), "still moving, axes 1, 2", "axes 1, 2 is at 4 instead of 5 µsteps"),
+        (Axes::Numbers(0b10), "still moving, axis 2", "axis 2 is at 4 instead of 5 µsteps"),
+        (Axes::Only, "still moving", "the axis is at 4 instead of 5 µsteps"),
     ] {
         let text = DriveError::Moving { at: at(), axes }.to_string();
         assert_eq!(text, format!("{}: {moving}", at()));

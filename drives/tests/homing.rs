@@ -41,7 +41,7 @@ fn home(bench: &mut Bench, options: HomingOptions) -> Result<HomingReport, Homin
     home_by_switch(&mut *bench.drive, &run, &bench.clock, &mut latched, &|| false)
 }
 
-/// Where the first axis stands.
+/// Position of the first axis.
 fn position(bench: &mut Bench) -> i64 {
     let sample = bench.drive.sample(&bench.clock).unwrap();
     assert!(!sample.moving);
@@ -79,7 +79,7 @@ fn finds_its_reference_in_every_mode(start: impl Fn() -> Bench) {
                 assert!((report.reference - index).abs() < f64::EPSILON, "{mode:?}: {report:?}");
             }
         }
-        // It stands as far from the reference as it did before that was declared.
+        // Its distance to the reference is as it was before that was declared.
         let before = (at - report.shift) as f64;
         let away = (at - REFERENCE) as f64 - (before - report.reference);
         assert!(away.abs() <= 0.5, "{mode:?}: {report:?}, {at}");
@@ -161,12 +161,12 @@ fn homes_on_a_limit_switch(start: impl Fn() -> Bench) {
     let options = HomingOptions { ignore_hardware_limit: false, ..ignoring };
     let run = HomingRun { options, ..run };
     let failed = home_by_switch(&mut *bench.drive, &run, &bench.clock, &mut |_, _| None, &|| false);
-    let told = match &failed {
+    let found = match &failed {
         Err(HomingError::Drive(error)) => error.is_limit_switch(),
         Err(HomingError::Axis { error, .. }) => error.number() == Some(10),
         _ => false,
     };
-    assert!(told, "{failed:?}");
+    assert!(found, "{failed:?}");
 }
 
 /// A device whose wire is cut, all of a sudden.
@@ -271,34 +271,19 @@ fn ends_with_its_leg_where_nobody_looks(start: impl Fn() -> Bench) {
     let run = HomingRun { axis: 0, switch: UNUSED, options };
     let failed = home_by_switch(&mut cut, &run, &clock, &mut |_, _| None, &|| false).unwrap_err();
     assert!(matches!(failed, HomingError::NotStopped { .. }), "{failed}");
-    // The wire is whole again, and the axis stands no further than it was sent.
+    // The wire is whole again, and the axis is no further than it was sent.
     let seen = cut.seen;
     cut.lost = false;
     cut.at = i64::MIN;
     while cut.sample(&clock).unwrap().moving {}
-    let stands = cut.seen;
-    assert!((seen - leg as i64..=seen).contains(&stands), "seen at {seen}, at rest at {stands}");
-    assert!(stands > i64::from(limit), "{stands}: a switch has stopped it");
+    let end = cut.seen;
+    assert!((seen - leg as i64..=seen).contains(&end), "seen at {seen}, at rest at {end}");
+    assert!(end > i64::from(limit), "{end}: a switch has stopped it");
     drop(bench);
 }
 
 /// An input that nothing is wired to.
 const UNUSED: Switch = Switch::Input { number: 1, pressed: true };
-
-#[test]
-fn an_interpcnc_ends_its_leg_where_nobody_looks() {
-    ends_with_its_leg_where_nobody_looks(interpcnc);
-}
-
-#[test]
-fn smartdrives_end_their_leg_where_nobody_looks() {
-    ends_with_its_leg_where_nobody_looks(smartdrive);
-}
-
-#[test]
-fn a_module_ends_its_leg_where_nobody_looks() {
-    ends_with_its_leg_where_nobody_looks(bim2ax);
-}
 
 /// The limit switch of X is known to the board by parameters 104 and 105.
 fn interpcnc_with_limit() -> Bench {
@@ -307,49 +292,41 @@ fn interpcnc_with_limit() -> Bench {
     bench
 }
 
-#[test]
-fn an_interpcnc_homes_in_every_mode() {
-    finds_its_reference_in_every_mode(interpcnc);
+/// Tests that are a check of one family's device each.
+macro_rules! of_families {
+    ($($(#[$attribute:meta])* fn $name:ident() => $check:ident($bench:ident);)*) => {$(
+        $(#[$attribute])*
+        fn $name() {
+            $check($bench);
+        }
+    )*};
 }
 
-#[test]
-fn smartdrives_home_in_every_mode() {
-    finds_its_reference_in_every_mode(smartdrive);
-}
-
-#[test]
-fn a_module_homes_in_every_mode() {
-    finds_its_reference_in_every_mode(bim2ax);
-}
-
-#[test]
-fn an_interpcnc_ends_homing_where_it_should() {
-    ends_where_it_should(interpcnc);
-}
-
-#[test]
-fn smartdrives_end_homing_where_they_should() {
-    ends_where_it_should(smartdrive);
-}
-
-#[test]
-fn a_module_ends_homing_where_it_should() {
-    ends_where_it_should(bim2ax);
-}
-
-#[test]
-fn an_interpcnc_homes_on_a_limit_switch() {
-    homes_on_a_limit_switch(interpcnc_with_limit);
-}
-
-#[test]
-fn smartdrives_home_on_a_limit_switch() {
-    homes_on_a_limit_switch(smartdrive);
-}
-
-#[test]
-fn a_module_homes_on_a_limit_switch() {
-    homes_on_a_limit_switch(bim2ax);
+of_families! {
+    #[test]
+    fn an_interpcnc_ends_its_leg_where_nobody_looks() => ends_with_its_leg_where_nobody_looks(interpcnc);
+    #[test]
+    fn smartdrives_end_their_leg_where_nobody_looks() => ends_with_its_leg_where_nobody_looks(smartdrive);
+    #[test]
+    fn a_module_ends_its_leg_where_nobody_looks() => ends_with_its_leg_where_nobody_looks(bim2ax);
+    #[test]
+    fn an_interpcnc_homes_in_every_mode() => finds_its_reference_in_every_mode(interpcnc);
+    #[test]
+    fn smartdrives_home_in_every_mode() => finds_its_reference_in_every_mode(smartdrive);
+    #[test]
+    fn a_module_homes_in_every_mode() => finds_its_reference_in_every_mode(bim2ax);
+    #[test]
+    fn an_interpcnc_ends_homing_where_it_should() => ends_where_it_should(interpcnc);
+    #[test]
+    fn smartdrives_end_homing_where_they_should() => ends_where_it_should(smartdrive);
+    #[test]
+    fn a_module_ends_homing_where_it_should() => ends_where_it_should(bim2ax);
+    #[test]
+    fn an_interpcnc_homes_on_a_limit_switch() => homes_on_a_limit_switch(interpcnc_with_limit);
+    #[test]
+    fn smartdrives_home_on_a_limit_switch() => homes_on_a_limit_switch(smartdrive);
+    #[test]
+    fn a_module_homes_on_a_limit_switch() => homes_on_a_limit_switch(bim2ax);
 }
 
 /// A device that does not stop, and has no switch.
@@ -417,7 +394,7 @@ impl Drive for Runaway {
 }
 
 #[test]
-fn an_axis_that_could_not_be_stopped_is_told_with_what_went_wrong_before() {
+fn an_axis_that_does_not_stop_is_reported_with_the_first_error() {
     let run = HomingRun { axis: 0, switch: Switch::Home, options: options(HomingMode::ALL[0]) };
     let clock = super::common::WallClock::new();
     let error =

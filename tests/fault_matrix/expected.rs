@@ -88,11 +88,11 @@ impl Cause {
 pub(crate) enum Expected {
     /// It is survived.
     Survived,
-    /// It is told, with one of these causes, and the axis stops when it is told to.
+    /// It is reported, with one of these causes, and the axis stops on request.
     Told(&'static [Cause]),
-    /// It is told like that or survived, as two answers are read at once or one after the other: both are sound.
+    /// It is reported like that or survived, as two answers are read at once or one after the other: both are sound.
     Either(&'static [Cause]),
-    /// It is told; the device cannot be reached and goes on to where it was sent.
+    /// It is reported; the device cannot be reached and goes on to where it was sent.
     GoesOn(&'static [Cause]),
     /// The driver cannot know: the counter is right and the mechanics are elsewhere.
     Unseen,
@@ -163,7 +163,7 @@ use Cause::{
 use Expected::{Either, GoesOn, Survived, Told, Unseen};
 
 /// Frames that a fault of the wire befalls: one, but while a plan is followed as many as it takes to hit what is not
-/// repeated (two reads in a row, or a move; 0: until it is told).
+/// repeated (two reads in a row, or a move; 0: until it is reported).
 pub(crate) fn frames(family: Family, fault: Fault, doing: Doing) -> u32 {
     let Fault::Wire(direction, wire) = fault else { return 1 };
     match (family, doing) {
@@ -247,7 +247,7 @@ fn on_atb(direction: Direction, wire: WireFault, doing: Doing) -> Expected {
         (WireFault::Refuse { .. }, _) => Told(&[Refused]),
         // An echo is skipped, and what comes after an answer thrown away.
         (WireFault::Echo, Doing::ToHome) => Survived,
-        // A drive that is told twice refuses the second time: a long command is running. Of two answers that are there at once
+        // A drive that gets a command twice refuses the second time: a long command is running. Of two answers that are there at once
         // the last counts; one that comes later answers nothing.
         (WireFault::Duplicate, Doing::ToHome) if direction == Direction::Request => {
             Either(&[Refused])
@@ -314,7 +314,7 @@ fn of_device(family: Family, fault: DeviceFault, doing: Doing) -> Expected {
         (DeviceFault::BrownOut, Family::SmartDrive | Family::Pair, _) => Told(&[Reset, NoAnswer]),
         (DeviceFault::BrownOut, Family::Bim2Ax, _) => Told(&[Reset, NoAnswer]),
 
-        // A rotor that is held for a moment while it stands anyway.
+        // A rotor that is held for a moment while it rests anyway.
         (DeviceFault::Stall, Family::SmartDrive | Family::Pair, Doing::Idle) => Survived,
         (DeviceFault::Stall, Family::SmartDrive | Family::Pair, _) => Told(&[Alarm]),
         // The switch does not come.

@@ -27,17 +27,17 @@ pub(crate) enum Doing {
     Idle,
     /// It moves to a target, and is asked where it is.
     Looking,
-    /// It is told to home: the fault befalls the command itself.
+    /// It gets the command to home: the fault befalls the command itself.
     ToHome,
     /// It is being homed.
     Homing,
     /// It follows a plan.
     Moving,
-    /// It has followed a plan for a second and is told to stop on its ramp.
+    /// It has followed a plan for a second and gets the command to stop on its ramp.
     Stopping,
     /// The same, and to stop at once.
     Halting,
-    /// It is on its way to a target that is far away, and is told to stop on its ramp: what does not hear that goes on.
+    /// It is on its way to a target that is far away, and gets the command to stop on its ramp: what does not hear that goes on.
     FarStopping,
     /// The same, and to stop at once.
     FarHalting,

@@ -135,7 +135,7 @@ fn make(row: Row, doing: Doing) -> Made {
         Outcome::NotBegun(_) => "not begun".to_owned(),
     };
     let motion = if made.stopped { "" } else { ", goes on" };
-    // Where driver, device and set-point agree that the axes stand.
+    // Where driver, device and set-point agree that the axes rest.
     let ends = made.ends.iter().flatten().map(i64::to_string).collect::<Vec<_>>().join("/");
     let ends = if ends.is_empty() { ends } else { format!(" ={ends}") };
     let wrong = wanted.check(&made).err();

@@ -34,7 +34,7 @@ const SAME_LOOKS: u32 = 20;
 const STUCK_LOOKS: u32 = 300;
 /// Cycles of following after the end of the plan.
 const CYCLES_AFTERWARDS: u32 = 40;
-/// Attempts at getting a device back, or looks whether it stands, and the pause between them.
+/// Attempts at getting a device back, or looks whether it rests, and the pause between them.
 pub(crate) const MOST_ATTEMPTS: u32 = 100;
 pub(crate) const PAUSE: Duration = Duration::from_millis(10);
 
@@ -157,7 +157,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         Ok(())
     }
 
-    /// Where the axes stand, if that is where the driver has sent them last, where the devices were to go, and `units`,
+    /// Where the axes rest, if that is where the driver has sent them last, where the devices were to go, and `units`,
     /// the last set-point, by the exact ratio.
     fn ends(&mut self, units: f64) -> Result<Vec<i64>, String> {
         let last = ratio().increments(units).ok_or_else(|| format!("{units} cannot be counted"))?;
@@ -281,7 +281,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         (outcome, tracks)
     }
 
-    /// `astray` is told the first time that the devices go elsewhere than the driver believes.
+    /// `astray` is called the first time that the devices go elsewhere than the driver believes.
     fn follows(
         &mut self,
         trial: Option<&Trial>,
@@ -397,7 +397,7 @@ pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clo
         }
     };
     if trial.frames == 0 && matches!(trial.fault, Fault::Wire(Direction::Request, _)) {
-        // It was to last until it was told.
+        // It was to last until it was reported.
         rig.mend();
     }
     let mut outcome = outcome;
@@ -499,7 +499,7 @@ pub(crate) fn is_meant(family: Family, fault: Fault, doing: Doing) -> bool {
         Family::Segments => matches!(doing, Doing::Moving | Doing::Stopping | Doing::Halting),
         _ => true,
     };
-    // What befalls the device while it is told to home shows when it homes.
+    // What befalls the device while it gets the command to home shows when it homes.
     let of_command = doing != Doing::ToHome || of_wire;
     // What becomes of a device that moves shows in the other columns; of two, the other moves as well.
     let looks = doing != Doing::Looking || of_wire || family == Family::Pair;

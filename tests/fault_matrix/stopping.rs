@@ -154,7 +154,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         if soft.is_err() {
             drop(self.drive().hard_stop());
         }
-        // On its ramp, where its status does not tell.
+        // On its ramp, where its status does not show.
         for _ in 0..MOST_ATTEMPTS {
             let truth = self.truth();
             if !truth.moving && !truth.other_moves {
@@ -186,7 +186,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
             ways.all(|(told, end)| end >= told && end as f64 > 300.0 && end as f64 <= reached + 1.0)
         };
         let right = match doing {
-            // The plug was pulled before it was told anything.
+            // The plug was pulled before any command.
             Doing::Idle => end.counter == 0,
             Doing::Looking => end.counter == TARGET,
             Doing::ToHome | Doing::Homing => self.is_on_switches(),

@@ -19,7 +19,7 @@ fn a_smartdrive_is_homed_by_a_switch_at_an_input() {
     hand.refuses(ask, "towards - until input 2 says so, 5000 µsteps at most");
     let homed = hand.does(&format!("{ask} --yes"));
     assert!(homed.stdout.contains("drive 1 is home, at "), "{}", homed.stdout);
-    // TRJINIT 1, "la position actuelle devient 0": the drive's own counter tells it to whoever asks next.
+    // TRJINIT 1, "la position actuelle devient 0": the drive's own counter shows it.
     hand.refuses(&format!("{ask} --home-position 10001 --yes"), "--max-slow-way");
     let devices = running.stop().expect("it runs");
     let home = devices[0].mechanical() - f64::from(devices[0].counter());
@@ -47,7 +47,7 @@ fn an_axis_of_a_bim2ax_is_homed_by_its_cam_and_by_an_input() {
     }
 }
 
-/// The program that watches the switch is killed on its way there, which would be 50 s long: the axis stands at the end of its leg,
+/// The program that watches the switch is killed on its way there, which would be 50 s long: the axis rests at the end of its leg,
 /// half a second's way from where it was then.
 #[test]
 fn an_axis_whose_program_is_killed_ends_within_a_leg() {
@@ -73,7 +73,7 @@ fn an_axis_whose_program_is_killed_ends_within_a_leg() {
     assert!(stands <= -2500.0 && stands >= killed - 1000.0, "killed at {killed}, at {stands}");
 }
 
-/// Home of X, steps from where it was switched on, after homing with these words; and where the axis stands then.
+/// Home of X, steps from where it was switched on, after homing with these words; and the position of the axis then.
 fn homed(words: &str) -> (f64, f64) {
     let (running, hand) = a_board(1);
     let cam = |input, from, to| {
@@ -108,7 +108,7 @@ fn home_is_where_the_mode_and_the_options_say() {
     for (words, edge) in [
         ("--by-switch 2 --input 5 --index-input 6", -1200.0),
         ("--by-switch 6 --input 5 --index-input 6", -2900.0),
-        // The switch tells what was a second ago: 200 steps before its end.
+        // The switch signals a second late: 200 steps before its end.
         ("--by-switch 4 --input 5 --signal-delay 1000", -2400.0),
         ("--by-switch 0 --on-limit", -4000.0),
     ] {

@@ -8,7 +8,7 @@ use twin_drives::Sample;
 /// Events from a device's thread to the session.
 #[derive(Debug)]
 pub(super) enum Event {
-    /// Enabled, and the axes stand at the start of the program.
+    /// Enabled, and the axes are at the start of the program.
     Ready,
     Sample(Sample),
     /// The device has confirmed an output, so much after it was due.
@@ -21,7 +21,7 @@ pub(super) enum Event {
     NotStopped(HardwareError),
     /// After it had failed it was looked at again: it is as after a restart. Whether only a restart makes it so.
     Restarted(bool),
-    /// After it had failed, its axes stand elsewhere than they count.
+    /// After it had failed, its counters do not show the positions of its axes.
     Displaced(HardwareError),
     /// Finished or stopped: the axes are at rest.
     AtRest,
@@ -77,7 +77,7 @@ impl Hardware {
     }
 }
 
-/// A sample in m and rad, beside the plan.
+/// A sample in m and rad, and its deviation from the plan.
 fn measured(unit: &Unit, sample: &Sample) -> Measured {
     let position = unit.measured(sample);
     let mut deviation = position;

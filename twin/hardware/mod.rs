@@ -38,7 +38,7 @@ const LONGEST_STOP: Duration = Duration::from_secs(25);
 #[derive(Debug)]
 pub struct Hardware {
     units: Vec<Unit>,
-    /// Samples of each that are not told yet.
+    /// Samples of each that have not been reported.
     tracks: Vec<Track>,
     /// Which of them switches outputs.
     switching_unit: usize,
@@ -53,7 +53,7 @@ pub struct Hardware {
     not_stopped: Vec<String>,
     /// Devices that were found restarted, or their axes elsewhere than they count, after they had failed, in words.
     restarted: Vec<String>,
-    /// Errors that have come while another one was told.
+    /// Errors that came while another one was reported.
     failures: VecDeque<HardwareError>,
     /// Since the program has begun.
     clock: Option<Clock>,
@@ -85,7 +85,7 @@ struct Switch {
 
 impl Hardware {
     /// Enables the devices and starts moving their axes to `start` (m or rad), at no more than `approach` times each axis's
-    /// largest velocity. Returns at once; [`Self::ready`] tells when they are there.
+    /// largest velocity. Returns at once; [`Self::ready`] is true when they are there.
     ///
     /// # Errors
     /// If a `longest_silence_ms` is shorter than a few rounds on the wire, the start does not fit the counters, or no thread
@@ -168,7 +168,7 @@ impl Hardware {
         time_ns: i64,
         setpoints: &(impl Iterator<Item = &'a AxisSetpoint> + Clone),
     ) {
-        // First this: the end of a plan that gets shorter is no delay.
+        // First this: the end of a plan that gets shorter is not a delay.
         self.finish(true);
         // One that cannot be counted ends it for all axes; the session hears of that and brakes where it still can.
         let units = &self.units;

@@ -13,7 +13,7 @@ use crate::{
 pub enum Move {
     /// To a position, µsteps.
     To(i32),
-    /// By a way from where it stands, µsteps.
+    /// By a way from where it is, µsteps.
     By(i32),
     /// To reference position 1 to 10.
     Reference(u8),

@@ -35,11 +35,11 @@ impl Bim2Ax {
         }
     }
 
-    /// Homes axes and waits until both stand, which they do within `patience`; what they say then.
+    /// Homes axes and waits until both rest, which they do within `patience`; what they say then.
     ///
     /// # Errors
     /// [`DriveError::Unfinished`] if one still moves after `patience`, [`Fault::AxisMessages`] if one is not homed when
-    /// both stand; else as [`Bim2Ax::home`] and [`Bim2Ax::rested`].
+    /// both rest; else as [`Bim2Ax::home`] and [`Bim2Ax::rested`].
     pub async fn home_to_end(
         &mut self,
         axes: &[ModuleAxis],
@@ -61,10 +61,10 @@ impl Bim2Ax {
     }
 
     /// Moves one axis to a position, µsteps, at a speed in the unit of its drive mode (none: the fast speed), and waits until
-    /// it stands there, which it does within `patience`.
+    /// it rests there, which it does within `patience`.
     ///
     /// # Errors
-    /// [`Fault::AxisMessages`] with the reason if it stands elsewhere (end switch, limit, motor), or
+    /// [`Fault::AxisMessages`] with the reason if it is elsewhere (end switch, limit, motor), or
     /// [`DriveError::NotArrived`] if it reports none; else as [`Bim2Ax::start`] and [`Bim2Ax::rested`].
     pub async fn travel(
         &mut self,

@@ -110,7 +110,7 @@ impl Bim2AxDrive {
         }
     }
 
-    /// The first axis that stands elsewhere than it was sent.
+    /// The first axis that is elsewhere than it was sent.
     fn stray(&self, seen: &Positions) -> Option<DriveError> {
         let sent = self.sent.filter(|_| self.moving(seen) == 0)?;
         let places = (0_u8..).zip(sent).zip(self.in_order(seen)).take(self.options.axes.len());

@@ -31,13 +31,8 @@ use crate::{
 use twin_drives::{
     Action, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity,
     Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
-    drive::is_zero,
+    drive::is_zero, no_clock,
 };
-
-/// Clock for exchanges whose time matters to nobody.
-fn no_clock() -> i64 {
-    0
-}
 
 /// Order latency that the manual promises at most, ns (5.5: "au maximum de 10ms").
 const ORDER_NS: i64 = 10_000_000;
@@ -270,7 +265,7 @@ impl Drive for Bim2AxDrive {
         self.forget();
         self.prepared()?;
         let before = self.ready()?;
-        // Axes that are left alone stay where they stand.
+        // Axes that are left alone stay where they are.
         let mut sent = self.in_order(&before);
         let mut starts = Vec::with_capacity(AXES);
         for ((axis, settings), (target, speed)) in

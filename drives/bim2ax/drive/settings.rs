@@ -173,7 +173,7 @@ impl Bim2AxDrive {
         self.settings.clear();
         self.runtime.block_on(self.module.set_parameter(parameter, bits, &no_clock))?;
         let found = match self.read_parameter(id) {
-            // The module has confirmed number and value: more it does not tell.
+            // The module has confirmed number and value, and nothing more.
             Err(error) if error.takes_writes_only() => return Ok(()),
             found => found?,
         };

@@ -144,7 +144,7 @@ pub struct Module {
 }
 
 impl Module {
-    /// A module that gets its power now, at time 0; its shafts stand at 0.
+    /// A module that gets its power now, at time 0; its shafts are at 0.
     pub fn new(options: &ModuleOptions, eeprom: &Eeprom, surroundings: &Surroundings) -> Self {
         let stand = |bench: &Bench| Axis::power_up(0, &AxisSettings::default(), bench, 0, 0, 0);
         let mut module = Self {
@@ -298,7 +298,7 @@ impl Module {
         self.store_positions();
     }
 
-    /// Takes the module's power away for so long, ns: RAM and positions are lost, motors stand where they are.
+    /// Takes the module's power away for so long, ns: RAM and positions are lost, motors rest where they are.
     pub fn brown_out(&mut self, off_ns: i64) {
         self.ram = [0; RAM_LENGTH];
         self.heard = [0; WINDOW_LENGTH as usize];
@@ -378,7 +378,7 @@ impl Module {
         self.axis(axis).state().velocity
     }
 
-    /// Whole µstep at which the shaft of a motor stands.
+    /// Whole µstep of the shaft of a motor.
     pub fn shaft(&self, axis: ModuleAxis) -> i64 {
         self.axis(axis).shaft()
     }

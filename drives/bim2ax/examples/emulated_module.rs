@@ -45,7 +45,7 @@ async fn run() -> Result<(), Box<dyn Error>> {
     if state.positions != TARGETS {
         return Err(format!("{:?} instead of {TARGETS:?} µsteps", state.positions).into());
     }
-    // The client looks after every few milliseconds whether the axes stand.
+    // The client looks after every few milliseconds whether the axes rest.
     if !(expected..expected + 0.1).contains(&took) {
         return Err(format!("{took} s instead of {expected} s").into());
     }

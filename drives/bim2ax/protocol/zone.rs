@@ -12,13 +12,13 @@ pub type ZoneBytes = [u8; ZONE_LENGTH];
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WriteZone {
     /// Orders for both axes.
-    Orders,
+    Orders = 0,
     /// Target and speed of axis 1.
-    Position1,
+    Position1 = 1,
     /// Target and speed of axis 2.
-    Position2,
+    Position2 = 2,
     /// Parameters.
-    Parameter,
+    Parameter = 3,
 }
 
 impl WriteZone {
@@ -27,12 +27,7 @@ impl WriteZone {
 
     /// Number of the zone.
     pub fn number(self) -> u8 {
-        match self {
-            Self::Orders => 0,
-            Self::Position1 => 1,
-            Self::Position2 => 2,
-            Self::Parameter => 3,
-        }
+        self as u8
     }
 
     /// The zone of a number.
@@ -68,17 +63,17 @@ impl WriteZone {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReadZone {
     /// Theoretical positions and axis messages.
-    Positions,
+    Positions = 0,
     /// Acknowledgements.
-    Acknowledgements,
+    Acknowledgements = 1,
     /// Answers to parameter orders, card messages.
-    Parameter,
+    Parameter = 2,
     /// Encoder positions in points.
-    EncoderPoints,
+    EncoderPoints = 3,
     /// Encoder positions in steps.
-    EncoderSteps,
+    EncoderSteps = 4,
     /// Plugs.
-    Plugs,
+    Plugs = 5,
 }
 
 impl ReadZone {
@@ -94,14 +89,7 @@ impl ReadZone {
 
     /// Number of the zone.
     pub fn number(self) -> u8 {
-        match self {
-            Self::Positions => 0,
-            Self::Acknowledgements => 1,
-            Self::Parameter => 2,
-            Self::EncoderPoints => 3,
-            Self::EncoderSteps => 4,
-            Self::Plugs => 5,
-        }
+        self as u8
     }
 
     /// The zone of a number.

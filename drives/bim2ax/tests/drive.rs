@@ -255,7 +255,7 @@ fn a_count_at_home_that_contradicts_what_is_assumed_is_told() {
             }
             _ => panic!("{error}"),
         }
-        // It is told once; that the axes are homed the module says.
+        // It is reported once; that the axes are homed the module says.
         assert_eq!(drive.homed().unwrap()[..2], [Some(true); 2]);
     }
 }
@@ -278,7 +278,7 @@ fn in_virtual_time_it_follows_as_well_as_its_wire_allows() {
         for (found, planned) in sample.position.iter().zip(planned).take(2) {
             #[expect(clippy::cast_precision_loss, reason = "small")]
             let found = *found as f64;
-            // While the plan turns at once the axis stands still between two legs, and begins the next late.
+            // While the plan turns at once the axis rests between two legs, and begins the next late.
             worst = worst.max((found - planned).abs());
         }
     }

@@ -106,7 +106,7 @@ fn shafts_that_follow_are_never_doubted() {
     }
 }
 
-/// From when on the shaft is held the counter goes on alone: by how much the axis moves between two looks it is told late, and
+/// From when on the shaft is held the counter goes on alone: by how much the axis moves between two looks it is reported late, and
 /// 5 ms at 10000 µsteps/s are 50.
 #[test]
 fn a_held_shaft_is_told_while_it_moves_and_when_it_is_stopped() {
@@ -225,7 +225,7 @@ fn an_absolute_encoder_has_to_be_told_where_home_is() {
     assert_eq!(drive.homed().unwrap()[..2], [Some(true); 2]);
     drive.move_to(&[500, 500, 0, 0, 0], &FAST).unwrap();
     assert_eq!(rests(&mut drive, &plan).unwrap()[..2], [500, 500]);
-    // Homed again it is where it was told to be.
+    // Homed again it is where it should be.
     drive.begin_homing(&[Some(1), Some(1), None, None, None]).unwrap();
     rests(&mut drive, &plan).unwrap();
     assert_eq!(drive.homed().unwrap()[..2], [Some(true); 2]);

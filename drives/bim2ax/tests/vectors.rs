@@ -133,7 +133,7 @@ async fn the_driver_writes_and_understands_every_vector() {
     driver.start([None, Some(by(400, 200))], clock).await.unwrap();
     used.find(&log.take(), &[19, 20]);
     driver.rested(seconds(100), clock).await.unwrap();
-    // Axis 1 stands on its switch: it is let go.
+    // Axis 1 is on its switch: it is let go.
     let mut free = surroundings;
     free.benches[0].plus = Some(Contact::above(5_000_000, true));
     module.module().set_surroundings(&free);

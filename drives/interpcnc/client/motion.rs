@@ -9,7 +9,7 @@ use crate::{
 };
 use twin_drives::{Axes, Clock, DriveError, Stamp};
 
-/// Samples in a row in which an axis that does not move stands on the same wrong position before it counts as
+/// Samples in a row in which an axis that does not move is at the same wrong position before it counts as
 /// stopped there: firmware before 5.31 shows no motion at the instant at which a move reverses.
 const STANDING_SAMPLES: u32 = 3;
 
@@ -35,7 +35,7 @@ impl InterpCnc {
         Ok(stamp)
     }
 
-    /// Moves one axis (command 80) and waits until it stands on its target.
+    /// Moves one axis (command 80) and waits until it is at rest on its target.
     ///
     /// # Errors
     /// If the board refuses it, is locked, runs onto a limit switch or stops elsewhere; if the axis does not arrive in

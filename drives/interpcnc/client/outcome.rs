@@ -51,7 +51,7 @@ impl InterpCnc {
         }
     }
 
-    /// Waits until axes stand, whatever made them move.
+    /// Waits until axes rest, whatever made them move.
     ///
     /// # Errors
     /// If they still move after `patience`, or no proper answer comes.

@@ -10,38 +10,30 @@ use twin_drives::DriveError;
 impl InterpCnc {
     /// Checks values that fit the registers and not the board.
     pub(super) fn check(&self, command: &Command) -> Result<(), DriveError> {
-        let within = |register: u16, value: u32, unit, high: u32| {
+        let within = |offset: u16, value: u32, unit, high: u32| {
             if (1..=high).contains(&value) {
                 return Ok(());
             }
-            let at = self.at(command.action());
             Err(DriveError::Range {
-                at,
-                register,
+                at: self.at(command.action()),
+                register: COMMAND + offset,
                 value: value.into(),
                 unit,
                 low: 1.0,
                 high: high.into(),
             })
         };
-        match command {
+        let speed = |offset, value| within(offset, value, "steps/s", MAX_SPEED_HZ);
+        let rate =
+            |offset, value: u16| within(offset, value.into(), "1000 steps/s²", u16::MAX.into());
+        match *command {
             Command::Move { profile, .. } => {
-                within(
-                    COMMAND + 3,
-                    profile.acceleration_khz_per_s.into(),
-                    "1000 steps/s²",
-                    u16::MAX.into(),
-                )?;
-                within(COMMAND + 4, profile.speed_hz, "steps/s", MAX_SPEED_HZ)?;
-                within(
-                    COMMAND + 6,
-                    profile.deceleration_khz_per_s.into(),
-                    "1000 steps/s²",
-                    u16::MAX.into(),
-                )
+                rate(3, profile.acceleration_khz_per_s)?;
+                speed(4, profile.speed_hz)?;
+                rate(6, profile.deceleration_khz_per_s)
             }
             Command::ChangeSpeed { speed_hz, .. } | Command::Interpolated { speed_hz, .. } => {
-                within(COMMAND + 2, *speed_hz, "steps/s", MAX_SPEED_HZ)
+                speed(2, speed_hz)
             }
             Command::Probe {
                 speed_hz,
@@ -50,20 +42,10 @@ impl InterpCnc {
                 input,
                 ..
             } => {
-                within(COMMAND + 3, (*input).into(), "", INPUTS.into())?;
-                within(COMMAND + 7, *speed_hz, "steps/s", MAX_SPEED_HZ)?;
-                within(
-                    COMMAND + 10,
-                    (*acceleration_khz_per_s).into(),
-                    "1000 steps/s²",
-                    u16::MAX.into(),
-                )?;
-                within(
-                    COMMAND + 11,
-                    (*deceleration_khz_per_s).into(),
-                    "1000 steps/s²",
-                    u16::MAX.into(),
-                )
+                within(3, input.into(), "", INPUTS.into())?;
+                speed(7, speed_hz)?;
+                rate(10, acceleration_khz_per_s)?;
+                rate(11, deceleration_khz_per_s)
             }
             Command::HomeAxis {
                 fast_hz,
@@ -73,21 +55,11 @@ impl InterpCnc {
                 input,
                 ..
             } => {
-                within(COMMAND + 2, (*input).into(), "", INPUTS.into())?;
-                within(
-                    COMMAND + 4,
-                    (*acceleration_khz_per_s).into(),
-                    "1000 steps/s²",
-                    u16::MAX.into(),
-                )?;
-                within(COMMAND + 5, *fast_hz, "steps/s", MAX_SPEED_HZ)?;
-                within(
-                    COMMAND + 7,
-                    (*deceleration_khz_per_s).into(),
-                    "1000 steps/s²",
-                    u16::MAX.into(),
-                )?;
-                within(COMMAND + 10, (*slow_hz).into(), "steps/s", u16::MAX.into())
+                within(2, input.into(), "", INPUTS.into())?;
+                rate(4, acceleration_khz_per_s)?;
+                speed(5, fast_hz)?;
+                rate(7, deceleration_khz_per_s)?;
+                within(10, slow_hz.into(), "steps/s", u16::MAX.into())
             }
             _ => Ok(()),
         }

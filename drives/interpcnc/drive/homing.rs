@@ -125,7 +125,7 @@ impl InterpCncDrive {
     }
 
     /// Axes that this driver has not homed and of which the board says that homing has failed: each by its own command 78, all
-    /// of them by command 71, whose bit does not tell the axis.
+    /// of them by command 71, whose bit does not name the axis.
     fn failed_before(&mut self, status: Status) -> Result<AxisMask, DriveError> {
         let others = self.axes().fold(AxisMask::NONE, |mask, axis| mask.union(axis.mask()));
         let others = others.without(self.homing.asked);

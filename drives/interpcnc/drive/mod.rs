@@ -26,13 +26,8 @@ use crate::{
 use twin_drives::{
     Action, Axes, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays,
     Identity, Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream,
-    Signals, drive::is_zero,
+    Signals, drive::is_zero, no_clock,
 };
-
-/// Clock for exchanges whose time matters to nobody.
-fn no_clock() -> i64 {
-    0
-}
 
 /// An InterpCNC board on a serial port.
 ///

@@ -97,7 +97,7 @@ impl Condition {
     }
 }
 
-/// Where a step begins: half a step before its middle, where the axis stands on it.
+/// Where a step begins: half a step before its middle, where the axis is exactly on it.
 fn edge(step: i32) -> f64 {
     f64::from(step) - 0.5
 }

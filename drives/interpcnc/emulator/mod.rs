@@ -1,7 +1,7 @@
 //! The board without hardware: its own Modbus slave, byte for byte, and its motion.
 //!
-//! [`Board`] is pure and deterministic: time and frames come from the caller, and it stands on a
-//! [`Bench`] whose switches its axes press as they move. [`EmulatedBoard`] serves one in real time on a
+//! [`Board`] is pure and deterministic: time and frames come from the caller, and its axes press
+//! the switches of a [`Bench`] as they move. [`EmulatedBoard`] serves one in real time on a
 //! pseudo-terminal.
 //!
 //! The emulator does functions 1 to 6, 15 and 16 on the whole address map and all commands of the manual. Nothing on

@@ -119,7 +119,7 @@ impl Axis {
         }
     }
 
-    /// Command 43, loss of ENABLE: stands where it is.
+    /// Command 43, loss of ENABLE: rests where it is.
     pub(crate) fn stop(&mut self, now_ns: i64) {
         let counter = self.counter(now_ns);
         self.replace(now_ns, Motion::at_rest(f64::from(counter)));
@@ -167,7 +167,7 @@ impl Axis {
         self.motion.turn_ns()
     }
 
-    /// The motor stalls, so that the mechanics stay behind the counter, or follows again from where it stands.
+    /// The motor stalls, so that the mechanics stay behind the counter, or follows again from where it is.
     pub(super) fn set_stalled(&mut self, now_ns: i64, stalled: bool) {
         match (self.stalled, stalled) {
             (None, true) => self.stalled = Some(self.mechanical(now_ns).round()),
@@ -179,7 +179,7 @@ impl Axis {
         }
     }
 
-    /// Power is gone: it stands, and its counter with the power is 0 again.
+    /// Power is gone: it rests, and its counter with the power is 0 again.
     pub(super) fn power_cycle(&mut self, now_ns: i64) {
         let mechanical = self.mechanical(now_ns).round();
         let stalled = self.stalled;

@@ -100,7 +100,7 @@ impl Board {
         self.address = address.unwrap_or(self.address);
     }
 
-    /// The supply fails and is back after so long: the axes stand at once, all that is in RAM is lost, counters
+    /// The supply fails and is back after so long: the axes stop at once, all that is in RAM is lost, counters
     /// included, and so is what was being written to the EEPROM.
     pub fn brown_out(&mut self, off_ns: i64) {
         let now = self.now_ns;
@@ -131,7 +131,7 @@ impl Board {
         self.now_ns < self.dead_until_ns
     }
 
-    /// The motor of an axis stalls, so that the mechanics stand while the counter goes on, or follows again.
+    /// The motor of an axis stalls, so that the mechanics rest while the counter goes on, or follows again.
     pub fn set_stalled(&mut self, axis: BoardAxis, stalled: bool) {
         let now = self.now_ns;
         if let Some(axis) = self.axes.get_mut(axis.index()) {

@@ -113,7 +113,7 @@ impl Board {
         self.for_axes(axis.mask(), |axis| axis.ramp_stop(now));
     }
 
-    /// A probing move has ended when its axis stands.
+    /// A probing move has ended when its axis rests.
     pub(super) fn end_probe(&mut self) {
         let Some(search) = self.probe.under_way else { return };
         let moves = |axis: &Axis| axis.moving(self.now_ns);

@@ -23,7 +23,7 @@ impl Board {
         let watched = !self.buffer.is_idle() || self.homings.any() || self.probe.in_progress();
         let ends = self.axes.iter().filter_map(|axis| axis.end_ns(now));
         let ends = ends.min().filter(|_| watched);
-        // An axis that reverses may then move towards the switch it stands on.
+        // An axis that reverses may then move towards the switch it is on.
         let turns = self.axes.iter().filter(|axis| axis.moving(now) && axis.has_turn());
         let turns = turns.map(|axis| axis.turn_ns().saturating_add(1)).filter(|turn| *turn > now);
         [filter, self.eeprom.due_ns(), self.next_edge(), ends, turns.min()]

@@ -61,7 +61,7 @@ async fn run() -> Result<(), Box<dyn Error>> {
     if state.positions[0] != PROFILE.target || board.target(BoardAxis::X) != PROFILE.target {
         return Err(format!("X at {} steps", state.positions[0]).into());
     }
-    // The client looks after every few milliseconds whether the axis stands.
+    // The client looks after every few milliseconds whether the axis rests.
     if !(expected..expected + 0.1).contains(&took) {
         return Err(format!("{took} s instead of {expected} s").into());
     }

@@ -73,7 +73,7 @@ impl BufferedPrediction {
         Self { readings, ..self }
     }
 
-    /// The axes stand where the plan does, to the nearest step.
+    /// The axes are where the plan is, to the nearest step.
     fn begin(&mut self, plan: &dyn SetpointStream, time_ns: i64) {
         self.begun = true;
         self.due_ns = time_ns;

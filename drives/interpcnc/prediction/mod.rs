@@ -135,7 +135,7 @@ impl InterpCncPrediction {
         Self { readings, ..self }
     }
 
-    /// The axes stand where the plan does.
+    /// The axes are where the plan is.
     fn begin(&mut self, plan: &dyn SetpointStream, time_ns: i64) {
         self.begun = true;
         self.due_ns = time_ns;

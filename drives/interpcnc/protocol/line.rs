@@ -7,11 +7,11 @@ use std::{fmt, time::Duration};
 pub enum Parity {
     /// No parity bit.
     #[default]
-    None,
+    None = 0,
     /// Even number of ones.
-    Even,
+    Even = 1,
     /// Odd number of ones.
-    Odd,
+    Odd = 2,
 }
 
 impl fmt::Display for Parity {
@@ -64,11 +64,7 @@ impl Line {
 impl Parity {
     /// As parameter 102 says it: 0 none, 1 even, 2 odd (assumed).
     pub fn code(self) -> u32 {
-        match self {
-            Self::None => 0,
-            Self::Even => 1,
-            Self::Odd => 2,
-        }
+        self as u32
     }
 
     /// Parity of a code of parameter 102.

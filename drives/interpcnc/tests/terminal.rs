@@ -238,7 +238,7 @@ fn another_station_and_other_line_settings_work() {
     assert!(matches!(nobody, Err(DriveError::Timeout { .. })), "{nobody:?}");
     let right = InterpCncOptions { address: 42, ..wrong };
     open(&board, &right).probe(&stream).unwrap();
-    // Unless the wire is told to let all speeds pass.
+    // Unless the wire lets all speeds pass.
     let emulator = EmulatorOptions { any_speed: true, ..emulator };
     let board = EmulatedBoard::start(&emulator, clock).unwrap();
     open(&board, &fast).probe(&stream).unwrap();
@@ -343,7 +343,7 @@ fn a_speed_that_is_stored_holds_from_the_next_start_on() {
     assert!(deaf(&first, 115_200) && hears(&first, 19_200), "after a power failure");
     assert_eq!(first.look().unwrap().line(), Line { baud: 19_200, parity: Parity::None });
     first.stop().unwrap();
-    // Of what the second was told only the EEPROM counts.
+    // Of the options of the second only the EEPROM counts.
     let second = EmulatedBoard::start(&emulator, clock).unwrap();
     assert!(deaf(&second, 115_200) && hears(&second, 19_200), "powered up with its EEPROM");
     store(&second, 19_200, 57_600);

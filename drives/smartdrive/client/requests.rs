@@ -8,6 +8,7 @@ use crate::{
     Alarms, Command, Fault, Init, IoUpdate, Mode, SmartDrive, TrajectoryFlags,
     protocol::frame::Answer,
 };
+pub(crate) use twin_drives::no_clock;
 use twin_drives::{Clock, DriveError, Stamp};
 
 /// Time between two looks at a drive that takes its time.
@@ -70,10 +71,6 @@ pub struct IoState {
     pub active: u8,
     /// Inverse edges caught.
     pub reverse: u8,
-}
-
-pub(crate) fn no_clock() -> i64 {
-    0
 }
 
 impl SmartDrive {

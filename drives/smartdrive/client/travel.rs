@@ -33,7 +33,7 @@ impl SmartDrive {
         })
     }
 
-    /// GOTO, and waits until the drive stands there. Speed and rate are as for [`SmartDrive::go_to`].
+    /// GOTO, and waits until the drive rests there. Speed and rate are as for [`SmartDrive::go_to`].
     ///
     /// # Errors
     /// As [`SmartDrive::go_to`] and [`SmartDrive::rested`]; [`Fault::Alarm`], [`DriveError::Stalled`] or

@@ -20,13 +20,8 @@ use crate::drive::follow::{Follower, GoTo};
 use twin_drives::{
     Action, Axes, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays,
     Identity, Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream,
-    Signals, Stamp, drive::is_zero,
+    Signals, Stamp, drive::is_zero, no_clock,
 };
-
-/// Clock for exchanges whose time matters to nobody.
-fn no_clock() -> i64 {
-    0
-}
 
 /// What a drive takes for its answer until it is known better.
 const RESPONSE: Duration = Duration::from_millis(2);

@@ -51,7 +51,7 @@ impl SmartDriveBus {
         Some(self.elsewhere(index, address, f64::from(target), position))
     }
 
-    /// Makes the counter of the drive of an axis (index of the arrays) 0 where it stands (TRJINIT 1), and with it moves its
+    /// Makes the counter of the drive of an axis (index of the arrays) 0 where it is (TRJINIT 1), and with it moves its
     /// position limits; the caller's positions stay as they are. Unlike [`twin_drives::Drive::set_position`] it outlasts this
     /// driver, until the drive's mode changes.
     ///

@@ -118,7 +118,7 @@ impl Device {
         }
     }
 
-    /// The supply fails and is back after so long, ns: the motor stands, and what is not in the flash memory is lost.
+    /// The supply fails and is back after so long, ns: the motor rests, and what is not in the flash memory is lost.
     pub fn brown_out(&mut self, off_ns: i64) {
         self.power_off(TrajectoryFlags::NONE);
         let until_ns = self.after(self.options.boot).saturating_add(off_ns.max(0));

@@ -45,7 +45,7 @@ impl Device {
         self.phase = Phase::Running;
     }
 
-    /// Whatever moves stands where it is.
+    /// Whatever moves rests where it is.
     pub(super) fn power_off(&mut self, because: TrajectoryFlags) {
         self.homing = None;
         self.generator.freeze(self.now_ns, because);

@@ -25,7 +25,7 @@ pub struct Wire {
     pub response: Duration,
     /// Instant of the execution within that time. Not documented; `Between` is its middle.
     pub execution: Execution,
-    /// Silence that ends a frame that is not whole. The device takes 10 bit times, which no pseudo-terminal can tell.
+    /// Silence that ends a frame that is not whole. The device takes 10 bit times, which no pseudo-terminal can show.
     pub frame_timeout: Duration,
     /// Whether commands come back before their answers, as some RS485 adapters have it.
     pub echo: bool,

@@ -65,7 +65,7 @@ async fn run() -> Result<(), Box<dyn Error>> {
     if state.position != TARGET {
         return Err(format!("{} µsteps instead of {TARGET}", state.position).into());
     }
-    // The client looks after every few milliseconds whether the axis stands.
+    // The client looks after every few milliseconds whether the axis rests.
     if !(expected..expected + 0.1).contains(&took) {
         return Err(format!("{took} s instead of {expected} s").into());
     }

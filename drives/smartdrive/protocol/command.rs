@@ -10,31 +10,31 @@ use crate::RejectCode;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// 0, power off.
-    Off,
+    Off = 0,
     /// 1, special application.
-    Custom,
+    Custom = 1,
     /// 3, obeys the bus.
-    Remote,
+    Remote = 3,
     /// 4, position by the analog input.
-    Position,
+    Position = 4,
     /// 5, speed, inputs GOP and GON.
-    Velocity,
+    Velocity = 5,
     /// 6, speed, inputs GO and DIR.
-    VelocityDirection,
+    VelocityDirection = 6,
     /// 7, speed, inputs STARTP/STOPP and STARTN/STOPN.
-    VelocityStartStop,
+    VelocityStartStop = 7,
     /// 8, speed, inputs START/STOP and DIR.
-    VelocityStartStopDirection,
+    VelocityStartStopDirection = 8,
     /// 9, fixed distance, inputs GOP and GON.
-    Advance,
+    Advance = 9,
     /// 10, fixed distance, inputs GO and DIR.
-    AdvanceDirection,
+    AdvanceDirection = 10,
     /// 11, to and fro without switch.
-    PushPull,
+    PushPull = 11,
     /// 12, to and fro with a home switch.
-    PushPullHome,
+    PushPullHome = 12,
     /// 31, the mode is changing; not a mode to choose.
-    Changing,
+    Changing = 31,
 }
 
 impl Mode {
@@ -56,21 +56,7 @@ impl Mode {
 
     /// Number on the wire.
     pub fn number(self) -> u8 {
-        match self {
-            Self::Off => 0,
-            Self::Custom => 1,
-            Self::Remote => 3,
-            Self::Position => 4,
-            Self::Velocity => 5,
-            Self::VelocityDirection => 6,
-            Self::VelocityStartStop => 7,
-            Self::VelocityStartStopDirection => 8,
-            Self::Advance => 9,
-            Self::AdvanceDirection => 10,
-            Self::PushPull => 11,
-            Self::PushPullHome => 12,
-            Self::Changing => 31,
-        }
+        self as u8
     }
 
     /// The mode with a number that can be chosen.
@@ -83,17 +69,17 @@ impl Mode {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Init {
     /// 0, the generator, internal.
-    All,
+    All = 0,
     /// 1, the present position becomes 0.
-    Position,
+    Position = 1,
     /// 2, homing.
-    Homing,
+    Homing = 2,
     /// 3, both encoders become 0 (from release 1.2.0.310, as the next two).
-    Encoders,
+    Encoders = 3,
     /// 4, encoder 1 becomes 0.
-    Encoder1,
+    Encoder1 = 4,
     /// 5, encoder 2 becomes 0.
-    Encoder2,
+    Encoder2 = 5,
 }
 
 impl Init {
@@ -103,14 +89,7 @@ impl Init {
 
     /// Number on the wire.
     pub fn number(self) -> u8 {
-        match self {
-            Self::All => 0,
-            Self::Position => 1,
-            Self::Homing => 2,
-            Self::Encoders => 3,
-            Self::Encoder1 => 4,
-            Self::Encoder2 => 5,
-        }
+        self as u8
     }
 }
 

@@ -76,15 +76,15 @@ impl Status {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RejectCode {
     /// `REJ_GENERIC` 0, not specified.
-    Generic,
+    Generic = 0,
     /// `REJ_WORKING` 1, a long command is running.
-    Working,
+    Working = 1,
     /// `REJ_BADMODE` 2, not in this mode.
-    BadMode,
+    BadMode = 2,
     /// `REJ_BADPARAMS` 3, a parameter is wrong.
-    BadParams,
+    BadParams = 3,
     /// `REJ_NOTAVAILABLE` 4, there is no such function or command.
-    NotAvailable,
+    NotAvailable = 4,
 }
 
 impl RejectCode {
@@ -94,13 +94,7 @@ impl RejectCode {
 
     /// Number on the wire.
     pub fn number(self) -> u16 {
-        match self {
-            Self::Generic => 0,
-            Self::Working => 1,
-            Self::BadMode => 2,
-            Self::BadParams => 3,
-            Self::NotAvailable => 4,
-        }
+        self as u16
     }
 
     /// The reason with a number; `None` for numbers the manual does not have.

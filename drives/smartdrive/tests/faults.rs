@@ -1,4 +1,4 @@
-//! Every fault of a wire in every state of a drive: what the caller is told, that the drive goes on, and that the bus
+//! Every fault of a wire in every state of a drive: the error of the caller, that the drive goes on, and that the bus
 //! can be used afterwards. Shown as a table with `cargo test faults -- --nocapture`.
 
 use std::{

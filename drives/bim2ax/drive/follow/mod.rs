@@ -2,7 +2,7 @@
 //!
 //! The module takes no target while an axis moves and queues none, so a plan is followed in legs: both axes are
 //! started by one order towards where the plan will be, with speeds such that they arrive together, stand, are seen
-//! to stand, and get the next order. Between two legs both stand for the dead time: a look at the module and the
+//! to rest, and get the next order. Between two legs both rest for the dead time: a look at the module and the
 //! latency of an order.
 //!
 //! # How long a leg
@@ -17,7 +17,7 @@
 //!
 //! # When the program dies
 //!
-//! Nothing in the module watches its host: the leg under way goes on to its end, where both axes stand. A leg ends where
+//! Nothing in the module watches its host: the leg under way goes on to its end, where both axes rest. A leg ends where
 //! the plan is within its horizon, so they go on for at most horizon × speed. Only manual moves,
 //! with which no plan is followed, run until 0 is written (`kill` in `tests/fault_matrix`).
 //!
@@ -59,7 +59,7 @@ pub(crate) struct Timing {
 }
 
 impl Timing {
-    /// How long the axes stand between two legs, ns.
+    /// How long the axes rest between two legs, ns.
     fn dead_ns(&self) -> i64 {
         self.order_ns + self.look_ns
     }

@@ -106,7 +106,7 @@ fn both_axes_arrive_together() {
 fn a_plan_at_rest_gets_no_orders() {
     let plan = Plan(|_| motion_of([12.3, -4.0], [0.0; 2]));
     let (worst, prediction) = largest(&plan, 0, 300);
-    // The device stands on whole µsteps.
+    // The device is on whole µsteps.
     assert!(worst[0] <= 0.31 && worst[1] == 0.0, "{worst:?}");
     // Looks only, one after the other: the first at 1 ms, then every 6 ms.
     assert_eq!(prediction.exchanges(), 50);
@@ -210,7 +210,7 @@ fn a_prediction_is_of_axes_that_are_homed_and_have_no_switches() {
 }
 
 /// What a quarter of a second of horizon, a start-stop speed of a tenth of the fast speed and a circle make of it:
-/// printed with `--nocapture`, and held against the bounds of the module's documentation.
+/// printed with `--nocapture`, and compared with the bounds of the module's documentation.
 #[test]
 fn a_circle_is_followed_within_chord_dead_time_and_ramps() {
     let (radius, omega) = (1600.0_f64, std::f64::consts::TAU / 4.0);

@@ -83,7 +83,7 @@ impl Axis {
         self.leg(target, &ramp);
     }
 
-    /// Where the programmed move under way ends, or where the counter stands.
+    /// Where the programmed move under way ends, or where the counter is.
     pub(crate) fn target(&self) -> i32 {
         match self.task {
             Task::Programmed(programmed) if !self.braking => programmed.target,

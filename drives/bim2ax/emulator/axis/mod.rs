@@ -84,7 +84,7 @@ pub(crate) struct Axis {
     sense: i64,
     /// Shaft when the counter is 0.
     offset: i64,
-    /// Where a stalled shaft stands.
+    /// Position of a stalled shaft.
     held: Option<i64>,
     /// Axis messages that stay until something clears them.
     latched: u16,
@@ -101,7 +101,7 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// An axis at power-up or after RESET: phases off, homing not done; its shaft stands at `shaft`, its counter
+    /// An axis at power-up or after RESET: phases off, homing not done; its shaft is at `shaft`, its counter
     /// shows `position` and `stored` was stored last.
     pub(crate) fn power_up(
         now_ns: i64,
@@ -276,7 +276,7 @@ impl Axis {
         if bench.stalled {
             self.held = Some(self.held.unwrap_or(shaft));
         } else if let Some(held) = self.held.take() {
-            // The motor takes hold of the shaft where that stands.
+            // The motor takes hold of the shaft where that is.
             self.offset = held - self.direction() * self.count(self.now_ns);
         }
         if !bench.power {
@@ -295,7 +295,7 @@ impl Axis {
         }
     }
 
-    /// Declares the present position to be `position`; the axis stands.
+    /// Declares the present position to be `position`; the axis rests.
     fn declare(&mut self, position: i32) {
         let shaft = self.shaft();
         self.motion = Motion::at_rest(f64::from(position));

@@ -2,7 +2,7 @@
 //!
 //! # When the program dies
 //!
-//! No watchdog is documented: each axis goes on to its last target and stands there. That target is a position of the
+//! No watchdog is documented: each axis goes on to its last target and rests there. That target is a position of the
 //! plan within its horizon, so an axis goes on for at most horizon × speed; with segments ([`Buffered`]) the one under
 //! way and at most one that waits are carried out, which end within the horizon as well (`kill` in
 //! `tests/fault_matrix`).

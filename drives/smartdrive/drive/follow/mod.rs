@@ -6,7 +6,7 @@
 //!
 //! # When the program dies
 //!
-//! Nothing in a drive watches its master: it goes on to the target of its last GOTO and stands there. That target is a
+//! Nothing in a drive watches its master: it goes on to the target of its last GOTO and rests there. That target is a
 //! position of the plan within its horizon, so the drive goes on for at most horizon × speed (`kill` in
 //! `tests/fault_matrix`).
 

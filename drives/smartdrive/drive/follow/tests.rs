@@ -239,7 +239,7 @@ fn the_prediction_moves_as_the_device_does() {
     assert_eq!(device.counter(), 0);
 }
 
-/// If no command follows, the axis stands where the plan goes within its horizon.
+/// If no command follows, the axis rests where the plan goes within its horizon.
 #[test]
 fn an_axis_whose_master_dies_stands_on_the_plan() {
     let plan = Plan { end_s: 4.0, of: sines(1, 4000.0, 1.0) };

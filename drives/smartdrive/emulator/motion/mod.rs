@@ -6,7 +6,7 @@
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB", sections START to GOTO, "Paramètres de configuration" (ceilings).
 //! Where the manual is silent it goes by [`Assumptions`]. Beyond those: larger speeds and rates than the ceilings are
 //! clamped to them unless the device refuses them first; position limits count where the lower is below the upper, and
-//! START then stands still on the limit; a STEP to where no counter of 32 bits goes is refused (BADPARAMS), or ends at the last
+//! START then rests on the limit; a STEP to where no counter of 32 bits goes is refused (BADPARAMS), or ends at the last
 //! position there is, as with position limits; a move towards an active limit switch stops where it is.
 
 #[cfg(test)]

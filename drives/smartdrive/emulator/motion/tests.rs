@@ -125,7 +125,7 @@ proptest! {
         prop_assert!(!generator.is_under_way(now_ns));
     }
 
-    /// Targets outside the limits are refused and change nothing; START stands on them.
+    /// Targets outside the limits are refused and change nothing; START ends on them.
     #[test]
     fn position_limits_hold(target in -20_000..20_000_i32, speed in 1..600_i16, wait_ms in 0..2000_i64) {
         let ceilings = ceilings((-5000, 6000));
@@ -142,7 +142,7 @@ proptest! {
         }
     }
 
-    /// Stopped by a switch it stands within v²/2a of where it was, and stays.
+    /// Stopped by a switch it rests within v²/2a of where it was, and stays.
     #[test]
     fn a_switch_stops_within_the_emergency_way(speed in 1..600_i16, wait_ms in 1..2000_i64) {
         let ceilings = ceilings((0, 0));

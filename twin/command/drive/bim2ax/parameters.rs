@@ -71,14 +71,14 @@ fn in_hex(values: &Values) -> String {
     }
 }
 
-/// Writes a parameter to a module that tells none.
+/// Writes a parameter to a module that reports none.
 pub(super) fn set_unseen(
     session: &Session,
     module: &mut Bim2Ax,
     parameter: Parameter,
     value: i64,
 ) -> Result<(), Failure> {
-    // It does not tell its rating either, and refuses itself what is too much for it.
+    // Its rating is unknown too; the module itself refuses larger values.
     let (_, bits) = wanted(parameter, (value, ""), MOST_RATING_MA)?;
     session.ask(module.set_parameter(parameter, bits, &no_clock))?;
     say!("{}: ? -> {}", parameter.word(), shown(parameter, bits));

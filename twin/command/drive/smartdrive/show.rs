@@ -32,7 +32,7 @@ pub(super) fn turns(state: &DriveState) -> bool {
 }
 
 /// Each drive, and the levels of its pins where they have been asked for. A drive forgets that a limit switch has stopped it
-/// with the next command; its inputs still tell that it stands on one.
+/// with the next command; its inputs still show that it is on one.
 pub(super) fn status(found: &[(u8, DriveState, Option<u8>)]) -> Result<(), Failure> {
     let mut table = show::table();
     table.set_header(["address", "mode", "position, µsteps", "state"]);

@@ -7,7 +7,7 @@ use crate::{
     protocol::bits::{definition, message},
 };
 
-/// Homes and gives where the shaft stands at the end and how long it took, s.
+/// Homes and gives where the shaft is at the end and how long it took, s.
 fn home(settings: &AxisSettings, bench: &Bench) -> (i64, f64) {
     let mut axis = axis(settings, bench);
     axis.order(&simple(uc::HOME));

@@ -28,7 +28,7 @@ pub(super) fn settings() -> AxisSettings {
     }
 }
 
-/// An axis at time 0 whose counter and shaft stand at 0.
+/// An axis at time 0 whose counter and shaft are at 0.
 pub(super) fn axis(settings: &AxisSettings, bench: &Bench) -> Axis {
     Axis::power_up(0, settings, bench, 0, 0, 0)
 }

@@ -3,9 +3,6 @@
 //! A command is a write to the registers from 4096 on, the command number first, arguments after it. In commands
 //! 6, 67 and 71 only the axes of the mask have values, without gaps, in the order X, Y, Z, A, B.
 
-#[cfg(test)]
-mod tests;
-
 use super::registers::{AXES, AxisMask, BoardAxis, COMMAND_REGISTERS, join, words};
 use twin_drives::Action;
 
@@ -138,37 +135,29 @@ pub enum BadCommand {
 impl Command {
     /// The number in register 4096.
     pub fn number(&self) -> u16 {
-        match self {
-            Self::Interpolated { .. } => 6,
-            Self::Probe { .. } => 40,
-            Self::RampStopAxes { .. } => 41,
-            Self::RampStop => 42,
-            Self::Stop => 43,
-            Self::Reset { .. } => 66,
-            Self::WritePosition { .. } => 67,
-            Self::HomeMachine { .. } => 71,
-            Self::HomeAxis { .. } => 78,
-            Self::Move { .. } => 80,
-            Self::ChangeSpeed { .. } => 96,
-        }
+        self.number_and_name().0
     }
 
     /// The command for messages.
     pub fn action(&self) -> Action {
-        let name = match self {
-            Self::Interpolated { .. } => "interpolated move",
-            Self::Probe { .. } => "probe",
-            Self::RampStopAxes { .. } => "ramp stop of axes",
-            Self::RampStop => "ramp stop",
-            Self::Stop => "stop and lock",
-            Self::Reset { .. } => "reset",
-            Self::WritePosition { .. } => "write position",
-            Self::HomeMachine { .. } => "home axes",
-            Self::HomeAxis { .. } => "home one axis",
-            Self::Move { .. } => "independent move",
-            Self::ChangeSpeed { .. } => "change speed",
-        };
-        Action::Command { number: self.number(), name }
+        let (number, name) = self.number_and_name();
+        Action::Command { number, name }
+    }
+
+    fn number_and_name(&self) -> (u16, &'static str) {
+        match self {
+            Self::Interpolated { .. } => (6, "interpolated move"),
+            Self::Probe { .. } => (40, "probe"),
+            Self::RampStopAxes { .. } => (41, "ramp stop of axes"),
+            Self::RampStop => (42, "ramp stop"),
+            Self::Stop => (43, "stop and lock"),
+            Self::Reset { .. } => (66, "reset"),
+            Self::WritePosition { .. } => (67, "write position"),
+            Self::HomeMachine { .. } => (71, "home axes"),
+            Self::HomeAxis { .. } => (78, "home one axis"),
+            Self::Move { .. } => (80, "independent move"),
+            Self::ChangeSpeed { .. } => (96, "change speed"),
+        }
     }
 
     /// The axes that it begins to move.
