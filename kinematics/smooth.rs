@@ -12,8 +12,10 @@
 //! C(ẋ, ẋ, ẋ). A solver of J·ẋ = ẏ inverts the map order by order. A serial mechanism is a map from its axes to the
 //! tool, a parallel one a map from the tool to its axes: one trait serves both.
 
-use crate::transform::Values;
 use nalgebra::{SMatrix, SVector};
+
+/// One value for each of N axes or N tool coordinates.
+pub type Values<const N: usize> = SVector<f64, N>;
 
 /// A map with N inputs and N outputs, at one point.
 pub trait SmoothMap<const N: usize> {

@@ -1,13 +1,11 @@
 //! [`Transform`]: a transform as plain mathematics, with N tool coordinates and N axes known at compile time.
 
 use crate::smooth::SmoothMap;
+pub use crate::smooth::Values;
 use crate::turn::nearest_turn;
 use crate::{Branch, Coordinate, KinematicsError, Margins, Result};
 use nalgebra::{SMatrix, SVector, Vector3};
 use std::f64::consts::TAU;
-
-/// One value for each of N axes or N tool coordinates.
-pub type Values<const N: usize> = SVector<f64, N>;
 
 /// Position, velocity and acceleration of N axes or N tool coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
