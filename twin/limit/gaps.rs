@@ -36,7 +36,9 @@ impl<'m> Gaps<'m> {
         position: &AxisVector,
     ) -> bool {
         let jumping = std::mem::replace(&mut self.jumping, tool.jumping.then_some(tool.place));
-        let to = axes.without_slaves(position);
+        // At a jump the axes stay where they are for a cycle; a plan within their limits already has its end there.
+        let stays = self.before.filter(|_| tool.jumping);
+        let to = stays.unwrap_or_else(|| axes.without_slaves(position));
         let from = self.before.replace(to);
         self.bridge = from
             .zip(jumping)
