@@ -72,10 +72,12 @@ impl<'m> Checker<'m> {
         }
     }
 
-    /// Begins where the program before ended.
-    pub(super) fn continue_from(&mut self, start: AxisVector) {
-        self.transformer = Transformer::continuing(self.machine, start);
-        self.start = Some(start);
+    /// Begins where the program before ended, if there is one.
+    pub(super) fn continue_from(&mut self, start: Option<AxisVector>) {
+        if let Some(start) = start {
+            self.transformer = Transformer::continuing(self.machine, start);
+            self.start = Some(start);
+        }
     }
 
     /// Starts the check of this job, or of a program where there is none.

@@ -154,9 +154,7 @@ fn checked(
         (program.dialect() == Dialect::Rs274).then_some(machine.conditions.rs274.rapid_velocity);
     let is_job = program.dialect() == Dialect::Job;
     let mut checker = Checker::new(machine, rapids, slack, is_job);
-    if let Some(start) = continues {
-        checker.continue_from(start);
-    }
+    checker.continue_from(continues);
     let mut rehearsal = physics.then(|| Rehearsal::new(machine, scenario));
     let mut way = Way::new(machine)?;
     let rules = Acknowledgement::for_check(machine, acknowledge);
@@ -220,10 +218,8 @@ fn checked(
     if items.elements() == 0 && !checker.findings.any_error() {
         checker.findings.add(None, finding::nothing_moves());
     }
-    let record = match rehearsal {
-        Some(rehearsal) => rehearsal.finish(&mut checker)?,
-        None => PlantRecord::default(),
-    };
+    let record = rehearsal.map(|rehearsal| rehearsal.finish(&mut checker)).transpose()?;
+    let record = record.unwrap_or_default();
     simulated(machine, &record, &mut checker);
     (switched.signals, switched.lost) = signals(&items, &checker);
     if switched.lost > 0 {

@@ -47,6 +47,7 @@ impl<'m> Gaps<'m> {
     }
 
     /// The item for the sample of the last set-point: the sample itself or, before a gap, the note about it.
+    #[expect(clippy::large_types_passed_by_value, reason = "it moves into the item")]
     pub(super) fn pass(&mut self, sample: ProfileSample) -> ProfileItem {
         let sample = ProfileSample { time_ns: sample.time_ns + self.later_ns, ..sample };
         match &self.bridge {

@@ -76,6 +76,7 @@ pub(crate) struct SwitchingPart {
 }
 
 impl SwitchingPart {
+    #[expect(clippy::needless_pass_by_value, reason = "an iterator that is read twice")]
     fn new<'a>(which: Part, seen: impl Iterator<Item = &'a Seen> + Clone) -> Self {
         let sum = |of: &dyn Fn(&Seen) -> f64| seen.clone().map(of).sum::<f64>();
         let count = sum(&|_| 1.0);

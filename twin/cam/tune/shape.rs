@@ -45,7 +45,7 @@ pub(crate) fn shape(
     goal: ShapeGoal,
 ) -> Result<Shaped, TuneError> {
     let Shape::Polynomial(knots) = file.cam.shape() else { return Err(TuneError::NoPoints) };
-    let tolerances = tolerances(file.source.as_ref(), &knots, points)?;
+    let tolerances = tolerances(file.source.as_ref(), knots, points)?;
     let factors = using.factors();
     let (fast, far) = (factors.master.abs(), factors.slave.abs());
     let SlaveLimits { velocity, acceleration, jerk } = using.limits.motion;
@@ -75,7 +75,7 @@ pub(crate) fn shape(
                     using.repeated,
                 )
                 .map_err(TuneError::TooFast)?;
-            let found = reshape(&knots, &wish)?;
+            let found = reshape(knots, &wish)?;
             Ok(Shaped {
                 knots: found.knots,
                 before: found.before.value / fast,
@@ -88,7 +88,7 @@ pub(crate) fn shape(
             })
         }
         ShapeGoal::Peak(quantity) => {
-            let found = soften(&knots, &wish, quantity, using.master.velocity * fast)?;
+            let found = soften(knots, &wish, quantity, using.master.velocity * fast)?;
             Ok(Shaped {
                 knots: found.knots,
                 before: found.before.value * far,

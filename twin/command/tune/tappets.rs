@@ -49,14 +49,16 @@ impl Report<'_> {
             if moved {
                 line.extend([" → ", &self.place(tappet.master)]);
             }
-            line += &if stays {
+            let where_to = if stays {
                 format!(" of the cam stays at master {before} {master}")
             } else {
                 format!(" of the cam goes from master {before} to {after} {master}")
             };
+            line += &where_to;
             if elsewhere {
                 let [old, new] = [old, new].map(|position| self.slave(position));
-                line += &format!("; the slave is at {new} {slave} there, it was at {old}");
+                let moved = format!("; the slave is at {new} {slave} there, it was at {old}");
+                line += &moved;
             }
             text.push(line);
         }
