@@ -279,7 +279,6 @@ fn extra_axes_go_on_from_the_crossing() {
     assert_eq!(found, [(0.0, 5.0), (5.0, 40.0)]);
 }
 
-/// The window bounds the loops found and the elements held.
 /// `iStatus` is that behind the element taken in last.
 #[test]
 fn whether_it_looks_is_told() {
@@ -299,6 +298,7 @@ fn whether_it_looks_is_told() {
     assert!((15..=19).contains(&count) && on[first..first + count].iter().all(|on| *on), "{count}");
 }
 
+/// The window bounds the loops found and the elements held.
 #[test]
 fn the_window() {
     let cut_with = |window: usize| {
