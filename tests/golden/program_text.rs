@@ -1,5 +1,5 @@
 //! Programs as people write them: missing words, closing marks, encodings, sections of preparation, and the units of
-//! what is said about them.
+//! the messages about them.
 
 use crate::process::{Desk, number};
 use serde_json::Value;
@@ -142,7 +142,7 @@ fn texts_of_other_systems() {
     }
 }
 
-/// Degrees of an additional axis are no millimetres, and nothing is said in metres.
+/// Degrees of an additional axis are not millimetres, and no message is in metres.
 #[test]
 fn lengths_are_millimetres() {
     let desk = Desk::new();

@@ -94,7 +94,7 @@ impl PreparationOptions {
     }
 }
 
-/// What is done to the path.
+/// Operations on the path.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Operations, done in this order before preparation")]
 pub(super) struct OperationOptions {
