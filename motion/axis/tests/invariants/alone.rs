@@ -150,5 +150,5 @@ pub(super) fn on_top() -> Box<dyn Called> {
 /// One that is so much faster than it was asked.
 pub(super) fn hasty_on_top(more: f64) -> Box<dyn Called> {
     let taken = Limits::new(1.0, 1.0, 1.0);
-    Box::new(OnTop { block: rig::on_top(1.0, 1.0, 1.0, 1.0), taken, execute: false, more })
+    Box::new(OnTop { block: rig::on_top(1.0, 1.0, 1.0), taken, execute: false, more })
 }
