@@ -20,7 +20,7 @@ pub struct Feedback {
     pub communicating: bool,
     /// Number of the drive's own error, by its maker.
     pub error: Option<u16>,
-    /// The drive lets go of that error when it is asked to; else it has to be switched off or repaired.
+    /// A reset clears that error; otherwise the drive has to be switched off or repaired.
     pub resettable: bool,
     /// A limit switch is open.
     pub limit_switch: bool,
@@ -72,7 +72,7 @@ pub enum Homing {
 pub enum ControllerMode {
     /// 1 `SMC_torque`.
     #[doc(alias = "SMC_torque")]
-    Torque,
+    Torque = 1,
     /// 2 `SMC_velocity`.
     #[doc(alias = "SMC_velocity")]
     Velocity,
@@ -89,12 +89,7 @@ impl ControllerMode {
     /// Its number.
     #[must_use]
     pub const fn number(self) -> i64 {
-        match self {
-            Self::Torque => 1,
-            Self::Velocity => 2,
-            Self::Position => 3,
-            Self::Current => 4,
-        }
+        self as i64
     }
 
     /// The mode of a number.
@@ -142,7 +137,7 @@ pub struct Command {
 pub struct Capture {
     /// Trigger of the drive.
     pub trigger: i64,
-    /// Positions of the drive, u, between which it counts; of a rotary axis from the first one on, over the end of the period.
+    /// Window of positions of the drive, u; on a rotary axis it may reach over the end of the period.
     pub window: Option<[f64; 2]>,
 }
 

@@ -50,16 +50,7 @@ impl AxisState {
     /// Its number in `nAxisState`.
     #[must_use]
     pub const fn number(self) -> i64 {
-        match self {
-            Self::PowerOff => 0,
-            Self::ErrorStop => 1,
-            Self::Stopping => 2,
-            Self::Standstill => 3,
-            Self::DiscreteMotion => 4,
-            Self::ContinuousMotion => 5,
-            Self::SynchronizedMotion => 6,
-            Self::Homing => 7,
-        }
+        self as i64
     }
 
     /// True if a block moves the axis here and may be aborted by another one.

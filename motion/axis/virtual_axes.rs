@@ -124,7 +124,7 @@ pub struct Encoder {
     /// Increments counted so far, without wrapping, and the last raw value.
     counted: i64,
     last: Option<u32>,
-    /// Velocity in the cycle before, u/s, once two values have told one.
+    /// Velocity in the cycle before, u/s, from the second value on.
     velocity: Option<f64>,
 }
 
@@ -172,7 +172,7 @@ impl Encoder {
         self.velocity = velocity;
         let (velocity, acceleration) = (velocity.unwrap_or_default(), change.unwrap_or_default());
         if !known {
-            // Where it is when it is seen first, it has not come to.
+            // The first value is not a motion.
             self.axis.zero += way;
         }
         self.axis.drive.position = position;
@@ -191,7 +191,7 @@ impl Encoder {
         EncoderOutputs { valid: true, error: None }
     }
 
-    /// An error that is shown as long as what is wrong is: the axis keeps it once.
+    /// Shows an error as long as its cause lasts; the axis keeps it once.
     fn refused(&mut self, error: SmcError) -> EncoderOutputs {
         if self.axis.read_fb_error() != Some(error) {
             self.axis.report(error);
@@ -239,7 +239,7 @@ impl Axis {
 /// Increments in u, by numerator and denominator (manual 2.1.3).
 #[must_use]
 pub fn units(increments: i64, [numerator, denominator]: [i64; 2]) -> f64 {
-    // Whole turns and rest apart, so that a large count loses nothing.
+    // Whole turns and rest separately, so that a large count keeps its digits.
     let number = |value: i64| {
         #[expect(clippy::cast_precision_loss, reason = "counts below 2^53 are exact")]
         let number = value as f64;

@@ -67,7 +67,7 @@ impl TableProfile {
     ///
     /// # Errors
     ///
-    /// A [`ProfileError`] for an empty or too long table, for times that do not grow, for what is no finite number, and
+    /// A [`ProfileError`] for an empty or too long table, for times that do not grow, for numbers that are not finite, and
     /// for a first point without `delta_time` elsewhere.
     pub fn positions(from: State, table: ProfileTable) -> Result<Self, ProfileError> {
         let nodes = nodes(from, table, from.position)?;

@@ -15,35 +15,11 @@ use twin_profile::{AxisLimits, Profile, RampType, State};
 
 /// An axis (`AXIS_REF`, manual 2.4), cycle by cycle.
 ///
-/// A cycle begins with [`Axis::begin_cycle`], which takes in what the drive says; then the program calls its blocks in
-/// the order it likes; [`Axis::end_cycle`] watches over what they did and gives the set-point for the drive.
+/// [`Axis::begin_cycle`] reads the drive's feedback; then the program calls its blocks in any order; [`Axis::end_cycle`]
+/// supervises them and gives the set-point for the drive, as in the example of the [crate](crate).
 ///
 /// The set-points of a running block count in the drive's coordinates. [`Axis::shift_zero`] moves the zero under it
 /// without moving the axis.
-///
-/// ```
-/// use twin_axis::{Axis, AxisConfig, Block, Direction, MoveAbsolute, Power, VirtualDrive};
-///
-/// let mut axis = Axis::new(AxisConfig { cycle: 0.01, ..AxisConfig::default() });
-/// let mut drive = VirtualDrive::new(0.0);
-/// let mut to_five = Block::new(MoveAbsolute {
-///     position: 5.0,
-///     velocity: 50.0,
-///     acceleration: 100.0,
-///     deceleration: 100.0,
-///     direction: Direction::Shortest,
-/// });
-/// for _ in 0..100 {
-///     axis.begin_cycle(&drive.feedback());
-///     let power = Power { regulator_on: true, drive_start: true }.call(true, &mut axis);
-///     let moved = to_five.call(power.status, &mut axis);
-///     drive.follow(&axis.end_cycle());
-///     if moved.done {
-///         break;
-///     }
-/// }
-/// assert_eq!(axis.set_position(), 5.0);
-/// ```
 #[derive(Clone, Debug)]
 pub struct Axis {
     pub(super) values: AxisRef,
@@ -62,11 +38,11 @@ pub struct Axis {
     pub(super) overlay_moved: bool,
     /// Base and overlay together when the cycle began.
     pub(super) saved: State,
-    /// The base of it, which the owner goes on from.
+    /// Base when the cycle began; the owner goes on from it.
     pub(super) saved_base: State,
     /// The target of a discrete motion, in the coordinates of `base`.
     pub(super) aim: Option<f64>,
-    /// Sign of its last motion: what goes on in the current direction from rest has it, too.
+    /// Sign of its last motion: motion in the current direction from rest takes it.
     pub(super) went: i64,
     /// Cycles so far, as time, ns.
     pub(super) clock_ns: i64,
@@ -79,13 +55,13 @@ pub struct Axis {
     pub(super) capture: Option<Capture>,
     pub(super) captured: Option<f64>,
     pub(super) home: Option<f64>,
-    /// Parameter of the drive that a block waits for, and whether it has been called in this cycle.
+    /// Parameter of the drive that a block waits for, and whether the block was called in this cycle.
     pub(super) transfer: Option<(Transfer, bool)>,
-    /// Homing runs onto a switch that is the limit switch, too.
+    /// Homing uses the limit switch.
     pub(super) ignores_limit_switch: bool,
     pub(super) has_capture_window: bool,
     pub(super) drive: DriveReport,
-    /// Every step from state to state, for who watches over them.
+    /// Every transition, for the checker of the tests.
     #[cfg(test)]
     pub(super) entered: Vec<[AxisState; 2]>,
     /// Number of commands, of the base and of the superimposed motion, for the checker of the tests.
@@ -106,7 +82,7 @@ pub(super) struct DriveReport {
 }
 
 impl Axis {
-    /// An axis at rest, without power, that knows nothing of its drive yet.
+    /// An axis at rest, without power and without feedback of its drive.
     #[must_use]
     pub fn new(config: AxisConfig) -> Self {
         let (movement_type, period) = match config.movement {
@@ -198,7 +174,7 @@ impl Axis {
         self.values.task_cycle
     }
 
-    /// Time of this cycle's set-point, ns: the cycles the axis has had, whatever its blocks have done meanwhile.
+    /// Time of this cycle's set-point, ns: the cycles of the axis so far.
     #[must_use]
     pub fn now_ns(&self) -> i64 {
         self.clock_ns
@@ -273,7 +249,7 @@ impl Axis {
         }
     }
 
-    /// The same once all of this cycle's set-points are there: a motion on top is called last, and goes on until then.
+    /// The same at the end of the cycle: a superimposed motion that is not called yet goes on at its velocity.
     pub(super) fn total_after_cycle(&self) -> State {
         let total = self.total();
         let on_top = self.overlay_owner != 0 && !self.overlay_moved;

@@ -199,7 +199,7 @@ impl Motion for HomingBySwitch {
                     inputs.at_velocity(inputs.slow(), start, axis)
                 })?;
             }
-            // While it still runs onto the switch, an open one is none that opens.
+            // While it still runs onto the switch, an open switch does not count.
             Phase::Slow if self.end_switch && axis.saved.velocity * run.inputs.slow() > 0.0 => {
                 if run.inputs.mode.waits_for_index() {
                     run.phase = Phase::Index;
@@ -243,7 +243,7 @@ impl Motion for HomingBySwitch {
 
 impl HomingRun {
     fn remember(&mut self, axis: &Axis) {
-        // One more than needed, to interpolate between; a limit for a delay that is none.
+        // One more than needed, for interpolation; limited for invalid delays.
         const LONGEST: f64 = 100_000.0;
         let cycles = (self.inputs.signal_delay.max(0.0) / axis.cycle()).min(LONGEST);
         self.was_at.push_front(axis.drive.position);

@@ -6,8 +6,7 @@ use crate::{Axis, AxisState, Direction, SmcError, Stage};
 
 /// To a position (`MC_MoveAbsolute`, manual 5.3).
 ///
-/// From motion the axis goes on without a step of the velocity; where it cannot brake in time, it goes past and comes
-/// back.
+/// From motion the axis goes on without a step of the velocity; if it cannot brake in time, it overshoots and returns.
 #[doc(alias = "MC_MoveAbsolute")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveAbsolute {
@@ -62,8 +61,8 @@ impl PlannedMotion for MoveRelative {
 
 /// By a distance from the target of the motion there is (`MC_MoveAdditive`, manual 5.3).
 ///
-/// In `discrete_motion` the distance adds to the pending target; else it counts from where the axis is. What a motion on top
-/// has added by then is part of the target; what it still had to add ends with it.
+/// In `discrete_motion` the distance adds to the pending target, otherwise to the position. The part of a superimposed motion
+/// that is done counts for the target; the rest ends.
 #[doc(alias = "MC_MoveAdditive")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveAdditive {
