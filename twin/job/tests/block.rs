@@ -2,77 +2,64 @@
 
 #![expect(clippy::float_cmp, reason = "what must not move at all")]
 
-use super::tests::{START, job, machine, moves, near, run, time};
+use super::{START, block, findings, finds, moves, near, time, x, x_at};
 use crate::setpoint::AxisSetpoint;
 
-fn x(setpoint: &AxisSetpoint) -> [f64; 3] {
-    let motion = &setpoint.axes;
-    [motion.position[0], motion.velocity[0], motion.acceleration[0]].map(|value| value * 1e3)
+const RATES: &str = "velocity_mm_per_s = 200; acceleration_mm_per_s2 = 1000";
+
+fn to(position: f64, more: &str) -> String {
+    block("MC_MoveAbsolute", "X", &format!("position_mm = {position:?}; {RATES}{more}"))
 }
 
-fn at(setpoints: &[AxisSetpoint], seconds: f64) -> [f64; 3] {
-    x(setpoints.iter().find(|one| (time(one) - seconds).abs() < 1e-9).unwrap())
+/// No step is farther than 200 mm/s make it.
+fn without_jumps(setpoints: &[AxisSetpoint]) {
+    for pair in setpoints.windows(2) {
+        assert!((x(&pair[1])[0] - x(&pair[0])[0]).abs() <= 0.2 + 1e-9);
+    }
 }
 
-fn to(position: f64) -> String {
-    format!(
-        "[[blocks]]\nblock = \"MC_MoveAbsolute\"\naxis = \"X\"\nposition_mm = {position:?}\nvelocity_mm_per_s = 200\n\
-         acceleration_mm_per_s2 = 1000\n"
-    )
-}
-
-/// What stands at 100 mm is called 0, then 50 mm of that are 60: targets count from there, and nothing jumps.
+/// The position 100 mm becomes 0, then 50 mm of that become 60: targets count from there, and nothing jumps.
 #[test]
 fn a_zero_is_moved_and_not_the_axis() {
-    let set =
-        |keys: &str| format!("[[blocks]]\nblock = \"MC_SetPosition\"\naxis = \"X\"\n{keys}\n");
-    let setpoints = moves(
-        &[
-            START.to_owned(),
-            set("position_mm = 0"),
-            to(50.0),
-            set("position_mm = 10\nrelative = true"),
-            to(0.0),
-        ]
-        .concat(),
-    );
+    let set = |keys: &str| block("MC_SetPosition", "X", keys);
+    let (zero, shift) = (set("position_mm = 0"), set("position_mm = 10; relative = true"));
+    let setpoints = moves(&[START, &zero, &to(50.0, ""), &shift, &to(0.0, "")].concat());
     let most = setpoints.iter().map(|one| x(one)[0]).fold(0.0, f64::max);
     near(most, 150.0, 1e-9);
     // 60 mm back from there.
     near(x(setpoints.last().unwrap())[0], 90.0, 1e-9);
-    for pair in setpoints.windows(2) {
-        assert!((x(&pair[1])[0] - x(&pair[0])[0]).abs() <= 0.2 + 1e-9);
-    }
+    without_jumps(&setpoints);
 }
 
-/// `MC_Home` takes where the axis stands for the reference: 100 mm are 20 from now on.
+/// `MC_Home` takes the present position for the reference: 100 mm are 20 from now on.
 #[test]
 fn homing_gives_the_place_another_name() {
-    let home = "[[blocks]]\nblock = \"MC_Home\"\naxis = \"X\"\nposition_mm = 20\n";
-    let setpoints = moves(&[START, home, &to(70.0)].concat());
+    let home = |more: &str| block("MC_Home", "X", &format!("position_mm = 20{more}"));
+    let setpoints = moves(&[START, &home(""), &to(70.0, "")].concat());
     near(x(&setpoints[1])[0], 100.0, 0.0);
     near(x(setpoints.last().unwrap())[0], 150.0, 1e-9);
-    for pair in setpoints.windows(2) {
-        assert!((x(&pair[1])[0] - x(&pair[0])[0]).abs() <= 0.2 + 1e-9);
-    }
-    // An axis that moves is not at its reference (170).
-    let moving = [START, &to(150.0), home, "at_s = 0.1\n"].concat();
-    let (_, findings) = run(&job(&moving), &machine());
-    assert!(findings[0].message.contains("SMC_H_AXIS_WASNT_STANDSTILL"), "{findings:?}");
-    assert_eq!(findings[0].line, 14);
+    without_jumps(&setpoints);
+    // An axis in motion cannot home (170).
+    let found = findings(&[START, &to(150.0, ""), &home("; at_s = 0.1")].concat());
+    finds(&found[..1], 14, "SMC_H_AXIS_WASNT_STANDSTILL");
+}
+
+/// Points over time as a key of a block.
+fn points(name: &str, values: &[(f64, f64)]) -> String {
+    let point =
+        |(time, value): &(f64, f64)| format!("{{ delta_s = {time:?}, {name} = {value:?} }}");
+    format!("points = [{}]", values.iter().map(point).collect::<Vec<_>>().join(", "))
 }
 
 /// Through 120 mm after half a second, back and at rest after one.
 #[test]
 fn positions_over_time_are_followed() {
-    let setpoints = moves(&format!(
-        "{START}[[blocks]]\nblock = \"MC_PositionProfile\"\naxis = \"X\"\n\
-         points = [{{ delta_s = 0.5, position_mm = 60 }}, {{ delta_s = 0.5, position_mm = 50 }}]\nscale = 2\n"
-    ));
-    near(at(&setpoints, 0.5)[0], 120.0, 1e-9);
+    let keys = points("position_mm", &[(0.5, 60.0), (0.5, 50.0)]) + "; scale = 2";
+    let setpoints = moves(&[START, &block("MC_PositionProfile", "X", &keys)].concat());
+    near(x_at(&setpoints, 0.5)[0], 120.0, 1e-9);
     // By symmetry it turns there.
-    near(at(&setpoints, 0.5)[1], 0.0, 1e-6);
-    near(at(&setpoints, 1.0)[0], 100.0, 1e-9);
+    near(x_at(&setpoints, 0.5)[1], 0.0, 1e-6);
+    near(x_at(&setpoints, 1.0)[0], 100.0, 1e-9);
     let last = x(setpoints.last().unwrap());
     near(last[0], 100.0, 1e-9);
     assert_eq!(last[1], 0.0);
@@ -83,31 +70,19 @@ fn positions_over_time_are_followed() {
 /// 10 mm in all. Velocities through points, and on with the last one until the axis is halted.
 #[test]
 fn accelerations_and_velocities_over_time_are_followed() {
-    let points = |name: &str, values: &[(f64, f64)]| {
-        let points: Vec<_> = values
-            .iter()
-            .map(|(time, value)| format!("{{ delta_s = {time:?}, {name} = {value:?} }}"))
-            .collect();
-        format!("points = [{}]\n", points.join(", "))
-    };
     let values = [(0.1, 500.0), (0.1, 0.0), (0.1, -500.0), (0.1, 0.0)];
-    let setpoints = moves(&format!(
-        "{START}[[blocks]]\nblock = \"MC_AccelerationProfile\"\naxis = \"X\"\n{}",
-        points("acceleration_mm_per_s2", &values)
-    ));
-    near(at(&setpoints, 0.1)[2], 500.0, 1e-6);
-    near(at(&setpoints, 0.2)[1], 50.0, 1e-6);
+    let keys = points("acceleration_mm_per_s2", &values);
+    let setpoints = moves(&[START, &block("MC_AccelerationProfile", "X", &keys)].concat());
+    near(x_at(&setpoints, 0.1)[2], 500.0, 1e-6);
+    near(x_at(&setpoints, 0.2)[1], 50.0, 1e-6);
     near(x(setpoints.last().unwrap())[0], 110.0, 1e-6);
     assert_eq!(x(setpoints.last().unwrap())[1], 0.0);
 
-    let values = [(0.2, 100.0), (0.3, 100.0)];
-    let setpoints = moves(&format!(
-        "{START}[[blocks]]\nblock = \"MC_VelocityProfile\"\naxis = \"X\"\n{}[[blocks]]\nblock = \"MC_Halt\"\naxis = \"X\"\n\
-         deceleration_mm_per_s2 = 1000\nafter_s = 0.1\n",
-        points("velocity_mm_per_s", &values)
-    ));
-    near(at(&setpoints, 0.2)[1], 100.0, 1e-6);
-    near(at(&setpoints, 0.55)[1], 100.0, 1e-6);
+    let keys = points("velocity_mm_per_s", &[(0.2, 100.0), (0.3, 100.0)]);
+    let halt = block("MC_Halt", "X", "deceleration_mm_per_s2 = 1000; after_s = 0.1");
+    let setpoints = moves(&[START, &block("MC_VelocityProfile", "X", &keys), &halt].concat());
+    near(x_at(&setpoints, 0.2)[1], 100.0, 1e-6);
+    near(x_at(&setpoints, 0.55)[1], 100.0, 1e-6);
     assert_eq!(x(setpoints.last().unwrap())[1], 0.0);
     // 0.5 s of the profile, 0.1 s on, 0.1 s to rest.
     near(time(setpoints.last().unwrap()), 0.7, 5e-3);
@@ -120,29 +95,13 @@ fn a_move_goes_on_with_its_end_velocity() {
         ("SMC_MoveContinuousAbsolute", "position_mm = 150"),
         ("SMC_MoveContinuousRelative", "distance_mm = 50"),
     ] {
-        let setpoints = moves(&format!(
-            "{START}[[blocks]]\nblock = \"{name}\"\naxis = \"X\"\n{key}\nvelocity_mm_per_s = 200\nacceleration_mm_per_s2 = 1000\n\
-             end_velocity_mm_per_s = 100\nend_direction = \"positive\"\n[[blocks]]\nblock = \"MC_Halt\"\naxis = \"X\"\n\
-             deceleration_mm_per_s2 = 1000\nafter_s = 0.2\n"
-        ));
+        let end = "end_velocity_mm_per_s = 100; end_direction = \"positive\"";
+        let move_on = block(name, "X", &format!("{key}; {RATES}; {end}"));
+        let halt = block("MC_Halt", "X", "deceleration_mm_per_s2 = 1000; after_s = 0.2");
+        let setpoints = moves(&[START, &move_on, &halt].concat());
         let passes = setpoints.iter().find(|one| x(one)[0] >= 150.0).unwrap();
         near(x(passes)[1], 100.0, 1e-6);
         near(x(setpoints.last().unwrap())[0], 175.0, 0.3);
         assert_eq!(x(setpoints.last().unwrap())[1], 0.0);
-    }
-}
-
-#[test]
-fn mistakes_in_points_are_told() {
-    for (points, line, said) in [
-        ("", 1, "1 to 100 `points`"),
-        ("points = [{ delta_s = 0.1 }]\n", 4, "position_mm"),
-        ("points = [{ delta_s = 0.1, position_mm = 1, speed = 2 }]\n", 4, "unknown key"),
-    ] {
-        let text = format!("[[blocks]]\nblock = \"MC_PositionProfile\"\naxis = \"X\"\n{points}");
-        let (setpoints, findings) = run(&job(&text), &machine());
-        assert_eq!(setpoints, []);
-        let found = findings.iter().find(|one| one.message.contains(said) && one.line == line);
-        assert!(found.is_some(), "{points}: {findings:?}");
     }
 }

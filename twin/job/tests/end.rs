@@ -1,10 +1,9 @@
 //! Tests of the end of jobs and of the defaults of block inputs, against closed forms.
 
-use super::JobSetpoints;
-use super::tests::{START, job, machine, moves, near, run, time};
-use crate::finding::{Finding, Rule, Severity};
+use super::{START, block as on, findings, job, machine, moves, near, only, run, shaft, time};
+use super::{virtual_axis, x};
+use crate::finding::{Rule, Severity};
 use crate::setpoint::AxisSetpoint;
-use crate::setpoint_source::PlanItem;
 
 fn ends(setpoints: &[AxisSetpoint]) -> f64 {
     let last = setpoints.last().unwrap();
@@ -13,11 +12,8 @@ fn ends(setpoints: &[AxisSetpoint]) -> f64 {
     time(last)
 }
 
-const SHAFT: &str = "[[virtual_axes]]\nname = \"shaft\"\nkind = \"rotary\"\nperiod_deg = 360\n\
-                     max_acceleration_deg_per_s2 = 3600\n";
-
 fn block(name: &str, keys: &str) -> String {
-    format!("[[blocks]]\nblock = \"{name}\"\naxis = \"X\"\n{keys}\n")
+    on(name, "X", keys)
 }
 
 /// X brakes with its 3000 mm/s² as soon as `duration_s` is over, from the velocity that its set-points have then.
@@ -39,76 +35,58 @@ fn setpoints_are_halted_at_the_end_of_the_job() {
         let text = format!("duration_s = {duration:?}\n{START}{}", block(name, points));
         let setpoints = moves(&text);
         near(ends(&setpoints), duration + velocity / 3000.0, 3e-3);
-        let way = |one: &AxisSetpoint| one.axes.position[0] * 1e3;
         let over = setpoints.iter().find(|one| time(one) >= duration - 1e-9).unwrap();
-        let braked = way(setpoints.last().unwrap()) - way(over);
+        let braked = x(setpoints.last().unwrap())[0] - x(over)[0];
         near(braked, 0.5 * velocity * velocity / 3000.0, velocity * 2e-3);
     }
 }
 
-/// A shift that would take 10⁶ s: at rest it ends at once, and behind a master that turns when that one stands, 0.1 s later.
+/// A shift that would take 10⁶ s: at rest it ends at once, and behind a master that turns when the master stops, 0.1 s later.
 #[test]
 fn a_shift_of_the_phase_is_halted_at_the_end_of_the_job() {
-    let shift = block(
-        "MC_Phasing",
-        "master = \"shaft\"\nphase_shift_mm = 1\nvelocity_mm_per_s = 1e-6\nat_s = 0",
-    );
-    let text = format!("duration_s = 1\n{START}{SHAFT}{shift}");
-    near(ends(&moves(&text)), 1.0, 3e-3);
-    let turns = "[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"shaft\"\nvelocity_deg_per_s = 36\n\
-                 acceleration_deg_per_s2 = 360\nat_s = 0\n";
-    let slow = SHAFT.replace("3600", "360");
-    let setpoints = moves(&format!("duration_s = 1\n{START}{slow}{shift}{turns}"));
+    let keys = "master = \"shaft\"; phase_shift_mm = 1; velocity_mm_per_s = 1e-6; at_s = 0";
+    let shift = block("MC_Phasing", keys);
+    near(ends(&moves(&format!("duration_s = 1\n{START}{}{shift}", shaft(3600.0)))), 1.0, 3e-3);
+    let keys = "velocity_deg_per_s = 36; acceleration_deg_per_s2 = 360; at_s = 0";
+    let turns = on("MC_MoveVelocity", "shaft", keys);
+    let setpoints = moves(&format!("duration_s = 1\n{START}{}{shift}{turns}", shaft(360.0)));
     near(ends(&setpoints), 1.1, 4e-3);
 }
 
-/// A distance on top of a gear that stands moves by itself, too.
+/// A superimposed distance moves by itself, too, while the gear below rests.
 #[test]
 fn a_motion_on_top_of_a_slave_is_halted_at_the_end_of_the_job() {
-    let text = format!(
-        "duration_s = 1\n{START}{SHAFT}{}{}",
-        block("MC_GearIn", "master = \"shaft\"\nratio_numerator = 1\nratio_denominator = 1"),
-        block("MC_MoveSuperImposed", "distance_mm = 100\nvelocity_difference_mm_per_s = 1")
-    );
-    let setpoints = moves(&text);
+    let gear = "master = \"shaft\"; ratio_numerator = 1; ratio_denominator = 1";
+    let on_top = "distance_mm = 100; velocity_difference_mm_per_s = 1";
+    let (gear, on_top) = (block("MC_GearIn", gear), block("MC_MoveSuperImposed", on_top));
+    let setpoints = moves(&format!("duration_s = 1\n{START}{}{gear}{on_top}", shaft(3600.0)));
     near(ends(&setpoints), 1.0, 4e-3);
-    near(setpoints.last().unwrap().axes.position[0] * 1e3, 101.0, 0.01);
+    near(x(setpoints.last().unwrap())[0], 101.0, 0.01);
 }
 
 /// 3600 deg/s that fall with 0.01 deg/s² do so for 100 hours.
 #[test]
 fn a_job_that_does_not_come_to_rest_is_told() {
-    let text = format!(
-        "duration_s = 0.5\n{}[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"shaft\"\n\
-         velocity_deg_per_s = 3600\nacceleration_deg_per_s2 = 36000\n",
-        SHAFT.replace("3600", "0.01")
-    );
-    let (job, machine) = (job(&text), machine());
-    let mut found = Vec::new();
-    for item in JobSetpoints::open(&machine, &job.program).unwrap() {
-        if let PlanItem::Diagnostic(finding) = item {
-            found.push(finding);
-        }
-    }
-    let [finding] = &found[..] else { panic!("{found:?}") };
+    let keys = "velocity_deg_per_s = 3600; acceleration_deg_per_s2 = 36000";
+    let turn = on("MC_MoveVelocity", "shaft", keys);
+    let found = findings(&format!("duration_s = 0.5\n{}{turn}", shaft(0.01)));
+    let finding = only(&found);
     assert_eq!((finding.rule, finding.axis.as_deref()), (Rule::FunctionBlock, Some("shaft")));
     assert!(finding.message.contains("600 s after `duration_s`"), "{finding:?}");
 }
 
-/// What a ramp of `MC_CamIn` is not told is the axis's acceleration, and that acceleration for the deceleration.
+/// The default acceleration of a ramp of `MC_CamIn` is the axis's, and that of the deceleration the acceleration.
 #[test]
 fn a_cam_ramps_in_with_the_acceleration_of_its_axis() {
     let cam = "name = \"c\"\nmaster = { min = 0, max = 360, unit = \"deg\" }\n\
                slave = { min = 0, max = 100, unit = \"mm\" }\n\
                elements = [{ master = 0, slave = 0 }, { master = 360, slave = 0 }]\n";
     let with = |rates: &str| {
-        let keys = format!(
-            "master = \"shaft\"\ncam = \"c.cam.toml\"\nstart_mode = \"ramp_in\"\nslave_offset_mm = 110\n\
-             velocity_difference_mm_per_s = 50\n{rates}"
-        );
-        let job = job(&format!("duration_s = 1\n{START}{SHAFT}{}", block("MC_CamIn", &keys)));
-        std::fs::write(job.folder.path().join("c.cam.toml"), cam).unwrap();
-        let (setpoints, findings) = run(&job, &machine());
+        let keys = "master = \"shaft\"; cam = \"c.cam.toml\"; start_mode = \"ramp_in\"; slave_offset_mm = 110; \
+                    velocity_difference_mm_per_s = 50";
+        let cam_in = block("MC_CamIn", &format!("{keys}{rates}"));
+        let job = job(&format!("duration_s = 1\n{START}{}{cam_in}", shaft(3600.0)));
+        let (setpoints, findings) = run(&job.with("c.cam.toml", cam), &machine());
         assert_eq!(findings, [], "{rates}");
         setpoints
     };
@@ -116,99 +94,99 @@ fn a_cam_ramps_in_with_the_acceleration_of_its_axis() {
     let setpoints = with("");
     let arrives = setpoints.iter().find(|one| one.axes.position[0] >= 0.11 - 1e-12).unwrap();
     near(time(arrives), 0.2 + 50.0 / 3000.0, 3e-3);
-    assert_eq!(setpoints, with("acceleration_mm_per_s2 = 3000\ndeceleration_mm_per_s2 = 3000"));
-    let slow = with("acceleration_mm_per_s2 = 500");
-    assert_eq!(slow, with("acceleration_mm_per_s2 = 500\ndeceleration_mm_per_s2 = 500"));
+    let [slow, other] =
+        [("; acceleration_mm_per_s2 = 500", 500), ("", 3000)].map(|(said, rate)| {
+            let both =
+                format!("; acceleration_mm_per_s2 = {rate}; deceleration_mm_per_s2 = {rate}");
+            let found = with(said);
+            assert_eq!(found, with(&both));
+            found
+        });
+    assert_eq!(other, setpoints);
     assert_ne!(slow, setpoints);
 }
 
-fn message(text: &str) -> Vec<Finding> {
-    let (_, findings) = run(&job(text), &machine());
-    findings
-}
-
 /// On X at 20 mm/s from 0 s on (0.4 mm less for its 500 mm/s²): 30 mm on top at 10 mm/s from 0.2 s on, of which 7.9 mm are done at
-/// 1 s, and 10 mm back from there; a cycle is 0.01 mm. How the two stand in the file changes nothing.
+/// 1 s, and 10 mm back from there; a cycle is 0.01 mm. The order of the two in the file changes nothing.
 #[test]
 fn what_moves_on_top_is_taken_over_where_the_job_says_when() {
-    let moves_on =
-        block("MC_MoveVelocity", "velocity_mm_per_s = 20\nacceleration_mm_per_s2 = 500\nat_s = 0");
+    let rates = "velocity_mm_per_s = 20; acceleration_mm_per_s2 = 500; at_s = 0";
+    let moves_on = block("MC_MoveVelocity", rates);
     let on_top = |distance: f64, at: &str| {
-        let rates = "velocity_difference_mm_per_s = 10\nacceleration_mm_per_s2 = 500";
-        block("MC_MoveSuperImposed", &format!("distance_mm = {distance:?}\n{rates}\n{at}"))
+        let rates = "velocity_difference_mm_per_s = 10; acceleration_mm_per_s2 = 500";
+        block("MC_MoveSuperImposed", &format!("distance_mm = {distance:?}; {rates}; {at}"))
     };
-    let blocks = [on_top(30.0, "at_s = 0.2"), on_top(-10.0, "at_s = 1")];
-    for order in [[0, 1], [1, 0]] {
-        let [one, other] = order.map(|index: usize| blocks[index].clone());
-        let setpoints = moves(&format!("duration_s = 3\n{START}{moves_on}{one}{other}"));
+    let [one, other] = [on_top(30.0, "at_s = 0.2"), on_top(-10.0, "at_s = 1")];
+    for both in [format!("{one}{other}"), format!("{other}{one}")] {
+        let setpoints = moves(&format!("duration_s = 3\n{START}{moves_on}{both}"));
         let over = setpoints.iter().find(|one| time(one) >= 2.5 - 1e-9).unwrap();
-        near(over.axes.position[0] * 1e3, 100.0 + 20.0 * 2.5 - 0.4 + 7.9 - 10.0, 0.0101);
-        near(over.axes.velocity[0] * 1e3, 20.0, 1e-9);
+        near(x(over)[0], 100.0 + 20.0 * 2.5 - 0.4 + 7.9 - 10.0, 0.0101);
+        near(x(over)[1], 20.0, 1e-9);
     }
-    // One that begins in the same cycle has taken over from nobody who has moved.
-    let found = message(&format!(
-        "duration_s = 3\n{START}{moves_on}{}{}",
-        on_top(30.0, "at_s = 0.2"),
-        on_top(-10.0, "with_previous = true")
-    ));
-    let [finding] = found.as_slice() else { panic!("{found:?}") };
+    // A block that begins in the same cycle takes over from a motion that has not moved.
+    let other = on_top(-10.0, "with_previous = true");
+    let found = findings(&format!("duration_s = 3\n{START}{moves_on}{one}{other}"));
     let words = "MC_MoveSuperImposed of axis X has lost its axis to MC_MoveSuperImposed (line 22)";
-    assert!(finding.message.starts_with(words), "{finding:?}");
+    assert!(only(&found).message.starts_with(words), "{found:?}");
 }
 
-const WEB: &str =
-    "[[virtual_axes]]\nname = \"web\"\nkind = \"linear\"\nmax_acceleration_mm_per_s2 = 500\n";
+/// X and Y start at 100 and 50 mm, with a master that is a web.
+fn head() -> String {
+    START.to_owned() + &virtual_axis("web", "linear", "max_acceleration_mm_per_s2 = 500")
+}
 
-fn web(velocity: f64, direction: &str) -> String {
-    format!(
-        "[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"web\"\nvelocity_mm_per_s = {velocity:?}\ndirection = \"{direction}\"\n"
-    )
+fn web(velocity: f64, keys: &str) -> String {
+    let keys = format!("velocity_mm_per_s = {velocity:?}; direction = {keys}");
+    on("MC_MoveVelocity", "web", &keys)
+}
+
+fn halt(keys: &str) -> String {
+    on("MC_Halt", "web", keys)
 }
 
 fn in_gear(place: f64, more: &str) -> String {
-    block(
-        "SMC_GearInPos",
-        &format!(
-            "master = \"web\"\nratio_numerator = 1\nratio_denominator = 2\nmaster_sync_position_mm = {place:?}\n\
-             slave_sync_position_mm = 110\nmaster_start_distance_mm = 10\n{more}"
-        ),
-    )
+    let keys = "master = \"web\"; ratio_numerator = 1; ratio_denominator = 2";
+    let places = format!("master_sync_position_mm = {place:?}; slave_sync_position_mm = 110");
+    block("SMC_GearInPos", &format!("{keys}; {places}; master_start_distance_mm = 10{more}"))
 }
 
-/// A place that the master has left behind never comes: that is told as soon as it is known, 0.1 s into the job, whichever way
-/// it goes and also by way of another gear; not where a block that begins at a time may turn it.
+const FORWARDS: &str = "\"positive\"";
+
+/// The master never comes back to a position that it has passed: that is reported as soon as it is known, 0.1 s into the job,
+/// in both directions and also through another gear; but not if a block with a time may turn the master.
 #[test]
 fn who_waits_for_a_place_behind_its_master_is_told_at_once() {
-    let halt = "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"web\"\n";
-    for (direction, place, sign) in [("positive", -200.0, 1.0), ("negative", 200.0, -1.0)] {
-        let job = job(&format!("{START}{WEB}{}{}{halt}", web(50.0, direction), in_gear(place, "")));
+    for (direction, back, place) in
+        [(FORWARDS, "\"negative\"", -200.0), ("\"negative\"", FORWARDS, 200.0)]
+    {
+        let with = |rest: &str| format!("{}{}{rest}", head(), web(50.0, direction));
+        let job = job(&with(&(in_gear(place, "") + &halt(""))));
         let (setpoints, findings) = run(&job, &machine());
-        let [finding] = findings.as_slice() else { panic!("{findings:?}") };
+        let finding = only(&findings);
         let words = format!(
             "SMC_GearInPos of axis X waits for ever: its master web moves away from {place} mm with 50 mm/s"
         );
         assert!(finding.message.starts_with(&words), "{finding:?}");
-        let told = (finding.rule, finding.line, finding.axis.as_deref());
-        assert_eq!(told, (Rule::FunctionBlock, 17, Some("X")));
+        let found = (finding.rule, finding.line, finding.axis.as_deref());
+        assert_eq!(found, (Rule::FunctionBlock, 17, Some("X")));
         near(time(setpoints.last().unwrap()), 50.0 / 500.0, 4e-3);
-        // In the direction of the place all is well, and so it is where the master turns at a time.
-        moves(&format!("{START}{WEB}{}{}{halt}", web(50.0, direction), in_gear(-place, "")));
-        let back = if sign > 0.0 { "negative" } else { "positive" };
-        let turns = format!("{}at_s = 1\n", web(50.0, back));
-        let gear = in_gear(place, "at_s = 0.2");
-        let after = "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"web\"\nat_s = 8\n";
-        moves(&format!("{START}{WEB}{}{gear}{turns}{after}", web(50.0, direction)));
+        // In the direction of the position all is well, and so it is when the master turns at a time.
+        moves(&with(&(in_gear(-place, "") + &halt(""))));
+        let turns = web(50.0, &format!("{back}; at_s = 1"));
+        moves(&with(&(in_gear(place, "; at_s = 0.2") + &turns + &halt("at_s = 8"))));
     }
     // X follows Y, which is in gear with the web.
-    let between =
-        "[[blocks]]\nblock = \"MC_GearIn\"\naxis = \"Y\"\nmaster = \"web\"\nratio_numerator = 1\n";
+    let between = on("MC_GearIn", "Y", "master = \"web\"; ratio_numerator = 1");
     let gear = in_gear(20.0, "").replace("\"web\"", "\"Y\"");
-    let found = message(&format!("{START}{WEB}{between}{}{gear}", web(50.0, "positive")));
-    let [finding] = found.as_slice() else { panic!("{found:?}") };
-    assert!(finding.message.contains("its master Y moves away from 20 mm"), "{finding:?}");
+    let found = findings(&format!("{}{}{between}{gear}", head(), web(50.0, FORWARDS)));
+    assert!(only(&found).message.contains("its master Y moves away from 20 mm"), "{found:?}");
 }
 
-/// A trigger that has been TRUE is not again, and a place behind an axis is not passed.
+fn trigger(when: &str) -> String {
+    format!("[[triggers]]\nname = \"t\"\n{when}\n")
+}
+
+/// A trigger that has been TRUE never comes again, nor does an axis pass a position behind it.
 #[test]
 fn probes_whose_trigger_never_comes_are_told_at_once() {
     let probe = block("MC_TouchProbe", "trigger = \"t\"");
@@ -216,62 +194,48 @@ fn probes_whose_trigger_never_comes_are_told_at_once() {
         ("at_s = 0.05", "its trigger has been TRUE at 0.05 s"),
         ("axis = \"web\"\nposition_mm = -3", "axis web moves away from -3 mm"),
     ] {
-        let trigger = format!("[[triggers]]\nname = \"t\"\n{when}\n");
-        let job = job(&format!("{START}{WEB}{trigger}{}{probe}", web(50.0, "positive")));
-        let (setpoints, findings) = run(&job, &machine());
-        let [finding] = findings.as_slice() else { panic!("{findings:?}") };
-        assert!(finding.message.contains(words), "{finding:?}");
+        let text = format!("{}{}{}{probe}", head(), trigger(when), web(50.0, FORWARDS));
+        let (setpoints, findings) = run(&job(&text), &machine());
+        assert!(only(&findings).message.contains(words), "{findings:?}");
         near(time(setpoints.last().unwrap()), 50.0 / 500.0, 6e-3);
     }
 }
 
-/// Two that wait for what never comes: 600 s after the last change, at 0.1 s. A place that is farther away than that is waited
-/// for: 40 m at 50 mm/s are 800 s.
+/// Two blocks that wait for ever: 600 s after the last change, at 0.1 s. A position that takes longer is waited for: 40 m at
+/// 50 mm/s are 800 s.
 #[test]
 fn a_job_in_which_nothing_changes_is_ended() {
-    let late = "[[triggers]]\nname = \"t\"\nat_s = 0.05\n";
-    let probe = |keys: &str| block("MC_TouchProbe", &format!("trigger = \"t\"\n{keys}"));
-    let both = format!(
-        "{START}{WEB}{late}{}{}{}",
-        web(50.0, "positive"),
-        in_gear(-200.0, ""),
-        probe("with_previous = true")
-    );
-    let (setpoints, findings) = run(&job(&both), &machine());
-    let [finding] = findings.as_slice() else { panic!("{findings:?}") };
+    let probe = block("MC_TouchProbe", "trigger = \"t\"; with_previous = true");
+    let both =
+        [&head(), &trigger("at_s = 0.05"), &web(50.0, FORWARDS), &in_gear(-200.0, ""), &probe];
+    let (setpoints, findings) = run(&job(&both.map(String::as_str).concat()), &machine());
+    let finding = only(&findings);
     let words = "SMC_GearInPos of axis X waits for ever: nothing has changed for 600 s; axis web goes on with 50 mm/s";
     assert_eq!((finding.message.as_str(), finding.line), (words, 20));
     near(time(setpoints.last().unwrap()), 600.1, 0.01);
-    let halt = "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"web\"\n";
-    let setpoints =
-        moves(&format!("{START}{WEB}{}{}{halt}", web(50.0, "positive"), in_gear(4e4, "")));
-    assert!(time(setpoints.last().unwrap()) > 800.0);
+    let far = [head(), web(50.0, FORWARDS), in_gear(4e4, ""), halt("")].concat();
+    assert!(time(moves(&far).last().unwrap()) > 800.0);
 }
 
-/// What comes is waited for: a trigger that is passed at constant velocity, and which the probe sees a cycle later; a gear whose
-/// slave begins so gently that nothing seems to change, 700 s after the begin; a phase shift of 620 s, behind which the velocity
-/// on top is braked.
+/// Events that come are waited for: a trigger that is passed at constant velocity, and which the probe sees a cycle later; a
+/// gear whose slave begins so slowly that nothing seems to change, 700 s after the begin; a phase shift of 620 s, after which
+/// the velocity on top is braked.
 #[test]
 fn what_comes_is_waited_for() {
-    let halt = "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"web\"\n";
-    let whole = |text: &str| {
-        let (setpoints, findings) = run(&job(text), &machine());
+    let whole = |blocks: &[String]| {
+        let (setpoints, findings) = run(&job(&(head() + &blocks.concat())), &machine());
         assert!(findings.iter().all(|it| it.severity != Severity::Error), "{findings:?}");
         time(setpoints.last().unwrap())
     };
     let probe = block("MC_TouchProbe", "trigger = \"t\"");
-    for (place, direction) in [(5.0, "positive"), (123.37, "positive"), (-50.0, "negative")] {
-        let trigger =
-            format!("[[triggers]]\nname = \"t\"\naxis = \"web\"\nposition_mm = {place:?}\n");
-        let ends = whole(&format!("{START}{WEB}{trigger}{}{probe}{halt}", web(50.0, direction)));
+    for (place, direction) in [(5.0, FORWARDS), (123.37, FORWARDS), (-50.0, "\"negative\"")] {
+        let trigger = trigger(&format!("axis = \"web\"\nposition_mm = {place:?}"));
+        let ends = whole(&[trigger, web(50.0, direction), probe.clone(), halt("")]);
         // Up to speed in 0.1 s and 2.5 mm, to the place, and braked in 0.1 s.
         near(ends, 0.1 + (f64::abs(place) - 2.5) / 50.0 + 0.1, 5e-3);
     }
-    let gear = in_gear(70.0, "");
-    let ends = whole(&format!("{START}{WEB}{}{gear}{halt}", web(0.1, "positive")));
-    near(ends, 70.0 / 0.1, 0.01);
-    let shift = "master = \"web\"\nphase_shift_mm = 31\nvelocity_mm_per_s = 0.05\n";
-    let shift = block("MC_Phasing", shift);
-    let ends = whole(&format!("{START}{WEB}{}{shift}{halt}", web(1.0, "positive")));
-    near(ends, 31.0 / 0.05, 0.1);
+    near(whole(&[web(0.1, FORWARDS), in_gear(70.0, ""), halt("")]), 70.0 / 0.1, 0.01);
+    let shift =
+        block("MC_Phasing", "master = \"web\"; phase_shift_mm = 31; velocity_mm_per_s = 0.05");
+    near(whole(&[web(1.0, FORWARDS), shift, halt("")]), 31.0 / 0.05, 0.1);
 }
