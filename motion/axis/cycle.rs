@@ -1,6 +1,5 @@
 //! Cycle of an axis: reading the drive, supervision, and the command at its end.
 
-use super::axis::DriveReport;
 use super::drive::{Command, ControllerMode, Feedback};
 use super::state::AxisState;
 use super::{Axis, SmcError};
@@ -15,14 +14,14 @@ impl Axis {
         self.take_in(feedback);
         self.pass_time();
         self.save();
-        if !feedback.communicating && self.drive.known {
+        if !feedback.communicating && self.drive_known {
             self.fail_with(SmcError::DiGeneralCommunicationError.number());
         } else if let Some(error) = feedback.error {
             self.fail_with(error);
         } else if feedback.limit_switch && self.watches_limit_switches() {
             self.fail_with(SmcError::DiSwlimitsExceeded.number());
         }
-        self.drive.known |= feedback.communicating;
+        self.drive_known |= feedback.communicating;
         let powered = self.is_powered();
         match self.state {
             AxisState::PowerOff if powered => self.enter(AxisState::Standstill),
@@ -73,7 +72,7 @@ impl Axis {
 
     fn take_in(&mut self, feedback: &Feedback) {
         let cycle = self.values.task_cycle;
-        let acceleration = if cycle > 0.0 && self.drive.known {
+        let acceleration = if cycle > 0.0 && self.drive_known {
             (feedback.velocity - self.drive.velocity) / cycle
         } else {
             0.0
@@ -93,23 +92,14 @@ impl Axis {
         values.drive_start_real_state = feedback.brake_released;
         values.communication = feedback.communicating;
         values.real_controller_mode = feedback.mode.number();
-        self.captured = feedback.captured;
-        self.drive = DriveReport {
-            position: feedback.position,
-            velocity: feedback.velocity,
-            homing: feedback.homing,
-            error: feedback.error,
-            resettable: feedback.resettable,
-            answer: feedback.answer,
-            known: self.drive.known,
-        };
+        self.drive = *feedback;
     }
 
     fn save(&mut self) {
         let mut counts_anew = false;
         if self.home.is_some() {
             // While the drive homes itself, a block or an error goes on from the drive's position.
-            let DriveReport { position, velocity, .. } = self.drive;
+            let Feedback { position, velocity, .. } = self.drive;
             let before = self.total();
             let way = f64::midpoint(before.velocity, velocity) * self.values.task_cycle;
             // Beyond its velocity the change is the new reference.

@@ -63,18 +63,11 @@ impl AxisState {
     #[must_use]
     pub const fn leads_to(self, next: Self) -> bool {
         match (self, next) {
-            (Self::ErrorStop, next) => {
-                matches!(next, Self::ErrorStop | Self::Standstill | Self::PowerOff)
-            }
             (_, Self::ErrorStop | Self::PowerOff) | (Self::Standstill, _) => true,
-            (Self::PowerOff, next) => matches!(next, Self::Standstill),
-            (Self::Homing, next) => {
-                matches!(next, Self::Homing | Self::Standstill | Self::Stopping)
-            }
+            (Self::PowerOff | Self::ErrorStop, next) => matches!(next, Self::Standstill),
             (Self::Stopping, next) => matches!(next, Self::Stopping | Self::Standstill),
-            (Self::DiscreteMotion | Self::ContinuousMotion | Self::SynchronizedMotion, next) => {
-                !matches!(next, Self::Homing)
-            }
+            (Self::Homing, Self::Stopping | Self::Standstill | Self::Homing) => true,
+            (from, next) => from.is_motion() && !matches!(next, Self::Homing),
         }
     }
 }

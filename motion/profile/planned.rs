@@ -5,18 +5,6 @@ use super::segment::{Segment, Track};
 use super::{AxisLimits, ProfileError, RampType, State, parabolic, sigmoid, trapezoid};
 
 /// Motion of an axis over time, from a state at time 0 to an end with constant velocity, and on with that.
-///
-/// ```
-/// use twin_profile::{AxisLimits, Profile, RampType, State};
-///
-/// let limits = AxisLimits { velocity: 10.0, acceleration: 20.0, deceleration: 20.0, jerk: 200.0 };
-/// let profile =
-///     Profile::to_position(State::resting(0.0), 100.0, 0.0, limits, RampType::Trapezoid)?;
-/// assert_eq!(profile.duration(), 10.5);
-/// assert_eq!(profile.at(0.5).velocity, 10.0);
-/// assert_eq!(profile.at(20.0), State::resting(100.0));
-/// # Ok::<(), twin_profile::ProfileError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profile {
     track: Track,
@@ -142,17 +130,22 @@ impl Profile {
 
 /// Everything that moves is finite, and the limits that count are positive.
 fn check(from: State, limits: AxisLimits, ramp: RampType) -> Result<(), ProfileError> {
-    finite("position", from.position)?;
-    finite("velocity", from.velocity)?;
-    finite("acceleration", from.acceleration)?;
+    all_finite(from)?;
     positive("velocity", limits.velocity)?;
     positive("acceleration", limits.acceleration)?;
     positive("deceleration", limits.deceleration)?;
     if ramp == RampType::Trapezoid { Ok(()) } else { positive("jerk", limits.jerk) }
 }
 
-fn finite(quantity: &'static str, value: f64) -> Result<(), ProfileError> {
-    if value.is_finite() { Ok(()) } else { Err(ProfileError::NotFinite { quantity, value }) }
+pub(super) fn all_finite(state: State) -> Result<(), ProfileError> {
+    finite("position", state.position)?;
+    finite("velocity", state.velocity)?;
+    finite("acceleration", state.acceleration)?;
+    Ok(())
+}
+
+pub(super) fn finite(quantity: &'static str, value: f64) -> Result<f64, ProfileError> {
+    if value.is_finite() { Ok(value) } else { Err(ProfileError::NotFinite { quantity, value }) }
 }
 
 fn positive(quantity: &'static str, value: f64) -> Result<(), ProfileError> {

@@ -6,7 +6,7 @@ mod parameters;
 pub use parameters::{Access, PARAMETERS, Parameter, Value};
 
 use super::config::{AxisConfig, Movement};
-use super::drive::{Answer, Capture, ControllerMode, Transfer};
+use super::drive::{Capture, ControllerMode, Feedback, Transfer};
 use super::math::fmod;
 use super::state::AxisState;
 use error_memory::BlockErrors;
@@ -53,32 +53,22 @@ pub struct Axis {
     /// Braking of the axis on its own, and the time since its start, s.
     pub(super) braking: Option<(Profile, f64)>,
     pub(super) capture: Option<Capture>,
-    pub(super) captured: Option<f64>,
     pub(super) home: Option<f64>,
     /// Parameter of the drive that a block waits for, and whether the block was called in this cycle.
     pub(super) transfer: Option<(Transfer, bool)>,
     /// Homing uses the limit switch.
     pub(super) ignores_limit_switch: bool,
     pub(super) has_capture_window: bool,
-    pub(super) drive: DriveReport,
+    /// Feedback of the drive in this cycle.
+    pub(super) drive: Feedback,
+    /// True once the drive has answered.
+    pub(super) drive_known: bool,
     /// Every transition, for the checker of the tests.
     #[cfg(test)]
     pub(super) entered: Vec<[AxisState; 2]>,
     /// Number of commands, of the base and of the superimposed motion, for the checker of the tests.
     #[cfg(test)]
     pub(super) commands: [u32; 2],
-}
-
-/// Further feedback of the drive in this cycle.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct DriveReport {
-    pub(super) position: f64,
-    pub(super) velocity: f64,
-    pub(super) homing: super::drive::Homing,
-    pub(super) error: Option<u16>,
-    pub(super) resettable: bool,
-    pub(super) answer: Option<Answer>,
-    pub(super) known: bool,
 }
 
 impl Axis {
@@ -134,12 +124,12 @@ impl Axis {
             zero: 0.0,
             braking: None,
             capture: None,
-            captured: None,
             home: None,
             transfer: None,
             ignores_limit_switch: false,
             has_capture_window: config.capture_window,
-            drive: DriveReport::default(),
+            drive: Feedback::default(),
+            drive_known: false,
         }
     }
 
@@ -147,31 +137,6 @@ impl Axis {
     #[must_use]
     pub fn state(&self) -> AxisState {
         self.state
-    }
-
-    /// Set position (`fSetPosition`, `SMC_ReadSetPosition`), u; of a rotary axis in [0, period).
-    #[doc(alias = "SMC_ReadSetPosition")]
-    #[must_use]
-    pub fn set_position(&self) -> f64 {
-        self.values.set_position
-    }
-
-    /// Set velocity (`fSetVelocity`), u/s.
-    #[must_use]
-    pub fn set_velocity(&self) -> f64 {
-        self.values.set_velocity
-    }
-
-    /// Set acceleration (`fSetAcceleration`), u/s²: that of the velocity with its sign.
-    #[must_use]
-    pub fn set_acceleration(&self) -> f64 {
-        self.values.set_acceleration
-    }
-
-    /// Cycle time (`fTaskCycle`), s.
-    #[must_use]
-    pub fn cycle(&self) -> f64 {
-        self.values.task_cycle
     }
 
     /// Time of this cycle's set-point, ns: the cycles of the axis so far.
@@ -206,12 +171,6 @@ impl Axis {
     #[must_use]
     pub fn error_id(&self) -> Option<i64> {
         self.values.error.then_some(self.values.error_id)
-    }
-
-    /// The block that moves the axis (`iOwner`), 0 for none.
-    #[must_use]
-    pub fn owner(&self) -> i64 {
-        self.values.owner
     }
 
     /// Limits of a motion with its own velocity, acceleration and deceleration; the jerk is the axis's.
@@ -278,4 +237,40 @@ impl Axis {
     pub(super) fn mode(&self) -> ControllerMode {
         ControllerMode::from_number(self.values.controller_mode).unwrap_or_default()
     }
+}
+
+/// Values of an axis by methods.
+macro_rules! values {
+    ($($(#[$doc:meta])* $name:ident = $field:ident: $kind:ty;)*) => {
+        impl Axis {
+            $($(#[$doc])*
+            #[must_use]
+            pub fn $name(&self) -> $kind {
+                self.values.$field
+            })*
+        }
+    };
+}
+
+values! {
+    /// Set position (`fSetPosition`, `SMC_ReadSetPosition`), u; of a rotary axis in [0, period).
+    #[doc(alias = "SMC_ReadSetPosition")]
+    set_position = set_position: f64;
+    /// Set velocity (`fSetVelocity`), u/s.
+    set_velocity = set_velocity: f64;
+    /// Set acceleration (`fSetAcceleration`), u/s²: that of the velocity with its sign.
+    set_acceleration = set_acceleration: f64;
+    /// Cycle time (`fTaskCycle`), s.
+    cycle = task_cycle: f64;
+    /// The block that moves the axis (`iOwner`), 0 for none.
+    owner = owner: i64;
+    /// Actual position (`MC_ReadActualPosition`), u; of a rotary axis in [0, period).
+    #[doc(alias = "MC_ReadActualPosition")]
+    act_position = act_position: f64;
+    /// Actual velocity (`MC_ReadActualVelocity`), u/s.
+    #[doc(alias = "MC_ReadActualVelocity")]
+    act_velocity = act_velocity: f64;
+    /// Actual torque, Nm, or force, N (`MC_ReadActualTorque`).
+    #[doc(alias = "MC_ReadActualTorque")]
+    act_torque = act_torque: f64;
 }

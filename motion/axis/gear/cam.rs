@@ -20,54 +20,6 @@ use twin_profile::{AxisLimits, RampType, State};
 ///
 /// A ramp onto the cam has the ramp type of the axis: sigmoid and parabolic ramps do not step the slave's acceleration and
 /// add at most the axis's jerk (`fMaxJerk`) to the cam's own. The manual's block has no input for it.
-///
-/// A lift of 50 u, once a turn of the master; the slave comes onto it with a ramp:
-///
-/// ```
-/// use std::sync::Arc;
-/// use twin_axis::{
-///     Axis, AxisConfig, Block, CamIn, Direction, MoveVelocity, Movement, Power, VirtualDrive,
-/// };
-/// use twin_cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
-///
-/// let knots = [(0.0, 0.0), (180.0, 50.0), (360.0, 0.0)];
-/// let knots = knots.map(|(master, slave)| Knot::at_rest(master, slave)).to_vec();
-/// let cam = Cam::new("lift", Shape::Polynomial(knots), Vec::new())?;
-/// let mut cam_in = Block::new(CamIn {
-///     table: Some(CamTable::new(Arc::new(cam))),
-///     input: CamInput {
-///         start_mode: StartMode::RampIn,
-///         velocity_difference: 20.0,
-///         acceleration: 100.0,
-///         deceleration: 100.0,
-///         ..CamInput::default()
-///     },
-/// });
-/// let mut turn = Block::new(MoveVelocity {
-///     velocity: 90.0,
-///     acceleration: 100.0,
-///     deceleration: 100.0,
-///     direction: Direction::Positive,
-/// });
-///
-/// let movement = Movement::Rotary { period: 360.0 };
-/// let mut master = Axis::new(AxisConfig { cycle: 0.01, movement, ..AxisConfig::default() });
-/// let mut slave = Axis::new(AxisConfig { cycle: 0.01, ..AxisConfig::default() });
-/// let mut drives = [VirtualDrive::new(0.0), VirtualDrive::new(30.0)];
-/// let power = Power { regulator_on: true, drive_start: true };
-/// let mut in_sync = false;
-/// while !(in_sync && master.set_position() > 180.0) {
-///     master.begin_cycle(&drives[0].feedback());
-///     slave.begin_cycle(&drives[1].feedback());
-///     let on = power.call(true, &mut master).status && power.call(true, &mut slave).status;
-///     turn.call(on, &mut master);
-///     in_sync = cam_in.follow(on, &master, &mut slave).done;
-///     drives[0].follow(&master.end_cycle());
-///     drives[1].follow(&slave.end_cycle());
-/// }
-/// assert!((slave.set_position() - 50.0).abs() < 0.1, "just over the top");
-/// # Ok::<(), twin_cam::CamError>(())
-/// ```
 #[doc(alias = "MC_CamIn")]
 #[doc(alias = "MC_CamTableSelect")]
 #[derive(Clone, Debug)]

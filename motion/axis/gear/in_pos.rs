@@ -114,9 +114,9 @@ impl GearInPos {
         let Master { velocity, period, .. } = *master;
         let from = axis.saved_base;
         let limited = axis.ramp() != RampType::Trapezoid;
-        let stands = from.velocity == 0.0 && (from.acceleration == 0.0 || !limited);
+        let at_rest = from.velocity == 0.0 && (from.acceleration == 0.0 || !limited);
         let steady = before != 0.0 && (velocity - before).abs() <= STEADY * before.abs();
-        if !stands && !steady {
+        if !at_rest && !steady {
             return None;
         }
         let sign = velocity.signum();
@@ -131,8 +131,8 @@ impl GearInPos {
         if velocity == 0.0 || ahead <= 0.0 || !near {
             return None;
         }
-        let slope = if stands { 0.0 } else { from.velocity / before };
-        let curvature = if stands || !limited {
+        let slope = if at_rest { 0.0 } else { from.velocity / before };
+        let curvature = if at_rest || !limited {
             0.0
         } else {
             (from.acceleration - slope * acceleration) / (before * before)
@@ -230,7 +230,7 @@ impl Axis {
             deceleration: acceleration.abs(),
             jerk,
         };
-        // Without a valid jerk there is no way to keep it.
+        // Without a valid jerk the velocity is kept.
         Profile::to_velocity(self.saved_base, settled, limits, self.ramp())
             .map_or(on, |profile| profile.at(cycle))
     }

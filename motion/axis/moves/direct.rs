@@ -225,7 +225,7 @@ impl Motion for ControlAxisBy {
         run.bridging |= self.avoid_gaps && (begins || self.jumps(wanted, before, axis));
         let setpoint = if run.bridging {
             let moves = self.moves(run.last, wanted, axis);
-            // The manual has no error of its own for limits with which there is no way.
+            // The manual has no error for limits without a possible bridge.
             let bridge = self.bridge(wanted, moves, axis).ok_or(SmcError::MaInvalidVelaccValues)?;
             run.bridging = !bridge.1;
             bridge.0
@@ -283,8 +283,8 @@ impl ControlAxis {
         &mut self.block.inputs
     }
 
-    /// Calls it, for a cycle, with `bEnable` and its axis. Not enabled, it gives the axis back, which halts where it
-    /// stands; from motion that is an error 30, as for every block that is not called any more.
+    /// Calls it, for a cycle, with `bEnable` and its axis. Not enabled, it releases an axis at rest; in motion
+    /// that is an error 30, as for every block that is not called any more.
     pub fn call(&mut self, enable: bool, axis: &mut Axis) -> ControlOutputs {
         if !enable {
             let owner = self.block.owner().filter(|owner| axis.owns(*owner));

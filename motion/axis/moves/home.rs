@@ -116,7 +116,7 @@ impl Axis {
     ///
     /// # Errors
     ///
-    /// [`SmcError::WpParamInvalid`] (140) for a position that is no finite number; the manual has no error for it.
+    /// [`SmcError::WpParamInvalid`] (140) for a position that is not finite; the manual has no error for it.
     #[doc(alias = "MC_SetPosition")]
     pub fn shift_zero(&mut self, position: f64, relative: bool) -> Result<(), SmcError> {
         if !position.is_finite() {

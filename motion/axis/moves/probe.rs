@@ -143,7 +143,7 @@ impl TouchProbe {
         }
         let here = axis.act_position();
         let latched = if trigger.fast_latching {
-            axis.captured.map(|position| axis.in_program(position))
+            axis.drive.captured.map(|position| axis.in_program(position))
         } else {
             let inside = window.is_none_or(|window| is_inside(window, here, axis));
             (trigger.input && inside).then_some(here)

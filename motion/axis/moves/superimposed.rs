@@ -10,15 +10,7 @@ use twin_profile::State;
 ///
 /// Velocity, acceleration and deceleration count relative to the motion below, which goes on and is not aborted. When
 /// another block takes the axis, both are aborted. It has to be called after the block below. Without
-/// a motion below it moves the axis alone. [`SuperImposed`] calls it with its inputs:
-///
-/// ```
-/// use twin_axis::{MoveSuperImposed, SuperImposed};
-///
-/// let inputs =
-///     MoveSuperImposed { distance: 3.0, velocity_diff: 5.0, acceleration: 100.0, deceleration: 100.0 };
-/// let block = SuperImposed::new(inputs);
-/// ```
+/// a motion below it moves the axis alone. [`SuperImposed`] is the block with these inputs.
 #[doc(alias = "MC_MoveSuperImposed")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveSuperImposed {

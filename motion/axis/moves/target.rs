@@ -2,7 +2,7 @@
 
 use super::{Planned, PlannedMotion};
 use crate::ownership::Start;
-use crate::{Axis, AxisState, Direction, SmcError, Stage};
+use crate::{Axis, Direction, SmcError};
 
 /// To a position (`MC_MoveAbsolute`, manual 5.3).
 ///
@@ -23,9 +23,6 @@ pub struct MoveAbsolute {
 }
 
 impl PlannedMotion for MoveAbsolute {
-    const STATE: AxisState = AxisState::DiscreteMotion;
-    const END: Stage = Stage::Done;
-
     fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError> {
         let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
         let target = axis.to_drive(self.position);
@@ -49,9 +46,6 @@ pub struct MoveRelative {
 }
 
 impl PlannedMotion for MoveRelative {
-    const STATE: AxisState = AxisState::DiscreteMotion;
-    const END: Stage = Stage::Done;
-
     fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError> {
         let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
         Planned::to(start.state.position + self.distance, limits, start, axis)
@@ -77,9 +71,6 @@ pub struct MoveAdditive {
 }
 
 impl PlannedMotion for MoveAdditive {
-    const STATE: AxisState = AxisState::DiscreteMotion;
-    const END: Stage = Stage::Done;
-
     fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError> {
         let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
         let from = start.aim.unwrap_or(start.state.position);

@@ -3,8 +3,7 @@
 use super::rig::{CYCLE, Rig, endless, home, linear, on_top, rotary, to};
 use crate::{
     AbortTrigger, AxisConfig, AxisState, Block, ControllerMode, Direction, Homing,
-    MoveContinuousAbsolute, MoveContinuousRelative, Reset, SetControllerMode, SmcError, TouchProbe,
-    Trigger,
+    MoveContinuousAbsolute, Reset, SetControllerMode, SmcError, TouchProbe, Trigger,
 };
 
 #[test]
@@ -49,16 +48,6 @@ fn a_superimposed_motion_outlives_one_that_ends_and_dies_with_one_that_is_aborte
     assert_eq!(rig.axis.set_position(), 0.0);
 }
 
-const ABSOLUTE: MoveContinuousAbsolute = MoveContinuousAbsolute {
-    position: 5.0,
-    velocity: 10.0,
-    end_velocity: 4.0,
-    end_velocity_direction: Direction::Positive,
-    acceleration: 100.0,
-    deceleration: 100.0,
-    direction: Direction::Shortest,
-};
-
 #[test]
 fn a_continuous_move_has_its_end_velocity_at_the_position() {
     for (end_velocity, end_velocity_direction, expected) in [
@@ -66,7 +55,15 @@ fn a_continuous_move_has_its_end_velocity_at_the_position() {
         (4.0, Direction::Negative, -4.0),
         (0.0, Direction::Current, 0.0),
     ] {
-        let inputs = MoveContinuousAbsolute { end_velocity, end_velocity_direction, ..ABSOLUTE };
+        let inputs = MoveContinuousAbsolute {
+            position: 5.0,
+            velocity: 10.0,
+            end_velocity,
+            end_velocity_direction,
+            acceleration: 100.0,
+            deceleration: 100.0,
+            direction: Direction::Shortest,
+        };
         let (mut rig, mut block) = (linear(), Block::new(inputs));
         rig.done(&mut block);
         assert_eq!(rig.axis.set_velocity(), expected);
@@ -77,36 +74,6 @@ fn a_continuous_move_has_its_end_velocity_at_the_position() {
         let before = rig.axis.set_position();
         assert!(rig.call(&mut block, true).done);
         assert!((rig.axis.set_position() - before - expected * CYCLE).abs() < 1e-9);
-    }
-}
-
-#[test]
-fn continuous_moves_refuse_what_is_no_direction() {
-    let mut rig = linear();
-    for (end_velocity, end_velocity_direction, error) in [
-        (4.0, Direction::Shortest, SmcError::McrInvalidDirection),
-        (11.0, Direction::Positive, SmcError::McrInvalidVelaccValues),
-    ] {
-        let shown = rig.cycle(|axis| {
-            let (velocity, acceleration, deceleration) = (10.0, 100.0, 100.0);
-            let inputs = MoveContinuousRelative {
-                distance: 5.0,
-                velocity,
-                end_velocity,
-                end_velocity_direction,
-                acceleration,
-                deceleration,
-            };
-            Block::new(inputs).call(true, axis)
-        });
-        assert_eq!(shown.error, Some(error));
-    }
-    for (direction, end_velocity_direction, error) in [
-        (Direction::Fastest, Direction::Positive, SmcError::McaDirectionNotApplicable),
-        (Direction::Positive, Direction::Fastest, SmcError::McaInvalidDirection),
-    ] {
-        let inputs = MoveContinuousAbsolute { direction, end_velocity_direction, ..ABSOLUTE };
-        assert_eq!(rig.call(&mut Block::new(inputs), true).error, Some(error));
     }
 }
 

@@ -1,7 +1,7 @@
 //! Tests of axes that follow a cam (manual 4.6, 5.4).
 
 use super::rig::{CYCLE, cam, cam_in, endless, follow, linear, ramp_in, rotary};
-use crate::{AxisState, Block, CamIn, Decouple, SmcError};
+use crate::{AxisState, Block, Decouple};
 use twin_cam::{Action, CamInput, CamTable, Knot, Passage, Tappet, TappetValue};
 
 /// 0 to 100 lifts by 10, at rest at both ends.
@@ -30,23 +30,6 @@ fn a_slave_follows_its_cam() {
         before = position;
     }
     assert!(axes[0].axis.set_position() > 140.0, "beyond the end");
-}
-
-#[test]
-fn what_is_missing_is_told() {
-    let input = CamInput::default();
-    let table = || Some(lift(Vec::new()));
-    for (table, input, error) in [
-        (None, input, SmcError::CiNoCamSelected),
-        (table(), CamInput { master_offset: -1.0, ..input }, SmcError::CiMasterOutOfScale),
-        (table(), ramp_in(0.0, 0.0), SmcError::CiRampinNeedsVelaccValues),
-        (table(), CamInput { slave_scaling: f64::NAN, ..input }, SmcError::CiScalingIncorrect),
-    ] {
-        let (master, mut slave) = (linear(), linear());
-        let mut block = Block::new(CamIn { table, input });
-        let shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
-        assert_eq!(shown.error, Some(error));
-    }
 }
 
 /// A slave in motion comes onto its cam without a step of position or velocity, and after decoupling goes on alone with

@@ -2,8 +2,8 @@
 
 use super::rig::{CYCLE, Rig, encoder, endless, linear};
 use crate::{
-    Axis, AxisConfig, AxisState, Block, ControlAxis, ControlAxisBy, Encoder, EncoderConfig, Follow,
-    Halt, Largest, Movement, SmcError, TimeAxis, TrackingError, units,
+    Axis, AxisConfig, AxisState, Block, ControlAxis, ControlAxisBy, Encoder, Follow, Halt, Largest,
+    Movement, SmcError, TimeAxis, TrackingError, units,
 };
 
 const ROTARY: Movement = Movement::Rotary { period: 360.0 };
@@ -307,14 +307,9 @@ fn an_encoder_counts_over_its_end() {
 fn encoders_refuse_a_denominator_of_0_and_blocks() {
     let mut it = encoder(ROTARY, 0, [1, 0]);
     assert_eq!(it.call(0, None).error, Some(SmcError::EncDenomZero));
-    let mut it = Encoder::new(EncoderConfig {
-        id: 1,
-        ratio: [1, 1],
-        movement: Movement::Linear,
-        software_limits: Some([-5.0, 5.0]),
-        modulo: 0,
-        cycle: CYCLE,
-    });
+    let software_limits = Some([-5.0, 5.0]);
+    let config = AxisConfig { software_limits, cycle: CYCLE, ..AxisConfig::default() };
+    let mut it = Encoder::new(config, 0);
     it.call(3, None);
     assert_eq!(it.axis().error_id(), None);
     it.call(7, None);

@@ -1,10 +1,9 @@
 //! Test rig: an axis with its virtual drive and power on, and the blocks that most tests call.
 
 use crate::{
-    Axis, AxisConfig, Block, CamIn, Direction, Encoder, EncoderConfig, GearIn, GearInPos, Home,
-    Master, Motion, MoveAbsolute, MoveAdditive, MoveRelative, MoveSuperImposed, MoveVelocity,
-    Movement, Outputs, Phasing, Power, Reset, SetControllerMode, Stop, SuperImposed, VirtualDrive,
-    WriteParameter,
+    Axis, AxisConfig, Block, CamIn, Direction, Encoder, GearIn, GearInPos, Home, Master, Motion,
+    MoveAbsolute, MoveAdditive, MoveRelative, MoveSuperImposed, MoveVelocity, Movement, Outputs,
+    Phasing, Power, Reset, SetControllerMode, Stop, SuperImposed, VirtualDrive, WriteParameter,
 };
 use std::sync::Arc;
 use twin_cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode, Tappet};
@@ -234,6 +233,5 @@ pub(super) fn ramp_in(velocity_difference: f64, acceleration: f64) -> CamInput {
 }
 
 pub(super) fn encoder(movement: Movement, modulo: u32, ratio: [i64; 2]) -> Encoder {
-    let (id, software_limits, cycle) = (1, None, CYCLE);
-    Encoder::new(EncoderConfig { id, ratio, movement, software_limits, modulo, cycle })
+    Encoder::new(AxisConfig { ratio, movement, cycle: CYCLE, ..AxisConfig::default() }, modulo)
 }

@@ -1,11 +1,7 @@
 //! Tests of moves to positions and by distances.
 
-use super::rig::to;
-use super::rig::{Called, Rig, add, by, endless, endless_in, linear, on_top, rotary, short, stop};
-use crate::{
-    AxisConfig, Block, Direction, Halt, MoveAbsolute, MoveContinuousAbsolute, MoveRelative, Points,
-    PositionProfile, SmcError,
-};
+use super::rig::{Rig, add, by, endless, linear, on_top, rotary, short, to};
+use crate::{AxisConfig, Block, Direction, MoveAbsolute, MoveRelative, Points, PositionProfile};
 use twin_profile::{ProfilePoint, RampType};
 
 /// The way until `blocks` returns true, turns counted, u.
@@ -190,48 +186,4 @@ fn in_continuous_motion_an_additive_move_counts_from_here() {
     let here = rig.axis.set_position();
     rig.done(&mut add(-5.0));
     assert!((rig.axis.set_position() - (here - 5.0)).abs() < 1e-9);
-}
-
-#[test]
-fn every_block_refuses_wrong_limits_with_its_own_number() {
-    let relative = MoveRelative { acceleration: 0.0, ..by(1.0).inputs };
-    let continuous = MoveContinuousAbsolute {
-        position: 5.0,
-        velocity: 10.0,
-        end_velocity: 1.0,
-        end_velocity_direction: Direction::Positive,
-        acceleration: 0.0,
-        deceleration: 100.0,
-        direction: Direction::Positive,
-    };
-    let mut additive = add(1.0);
-    additive.inputs.acceleration = f64::NAN;
-    let blocks: [(u16, &mut dyn Called); 6] = [
-        (226, &mut Block::new(relative)),
-        (251, &mut additive),
-        (276, &mut on_top(1.0, -1.0, 100.0)),
-        (451, &mut Block::new(continuous)),
-        (181, &mut stop(0.0)),
-        (181, &mut Block::new(Halt { deceleration: -1.0 })),
-    ];
-    let mut rig = linear();
-    for (number, block) in blocks {
-        let shown = rig.cycle(|axis| block.call(true, axis));
-        assert_eq!(shown.error.map(SmcError::number), Some(number));
-    }
-}
-
-#[test]
-fn an_endless_motion_needs_a_direction() {
-    let none = Some(SmcError::MvDirectionNotApplicable);
-    for (direction, expected) in
-        [(Direction::Shortest, none), (Direction::Fastest, none), (Direction::Current, None)]
-    {
-        let (mut rig, mut block) = (linear(), endless_in(direction, 10.0));
-        assert_eq!(rig.call(&mut block, true).error, expected);
-        block.inputs = endless_in(Direction::Positive, -10.0).inputs;
-        rig.call(&mut block, false);
-        let shown = rig.call(&mut block, true);
-        assert_eq!(shown.error, Some(SmcError::MvInvalidAccdecValues), "{direction:?}");
-    }
 }

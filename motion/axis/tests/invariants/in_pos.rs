@@ -44,7 +44,7 @@ impl Way {
     fn new(gear: &GearInPos, owner: i64, axis: &Axis, last: &Master, now: &Master) -> Self {
         let from = axis.saved_base;
         let limited = axis.ramp() != RampType::Trapezoid;
-        let stands = from.velocity == 0.0 && (from.acceleration == 0.0 || !limited);
+        let at_rest = from.velocity == 0.0 && (from.acceleration == 0.0 || !limited);
         let sign = now.velocity.signum();
         // The place moves with the zero.
         let ahead = sign * (gear.master_sync_position - last.position - (now.zero - last.zero));
@@ -52,9 +52,9 @@ impl Way {
             0.0 => period,
             ahead => ahead,
         });
-        let v0 = if stands { 0.0 } else { from.velocity / last.velocity };
+        let v0 = if at_rest { 0.0 } else { from.velocity / last.velocity };
         let v1 = f64::from(gear.ratio_numerator) / f64::from(gear.ratio_denominator);
-        let curvature = if stands || !limited {
+        let curvature = if at_rest || !limited {
             0.0
         } else {
             (from.acceleration - v0 * last.acceleration) / last.velocity.powi(2)

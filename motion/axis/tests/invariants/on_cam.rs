@@ -212,7 +212,7 @@ impl<M: Cams> OnCam<M> {
         let (faster, more) = (axis.base.velocity - expected, axis.base.acceleration - bent);
         if run.is_in_sync() {
             return if faster.abs() > 1e-6 || more.abs() > 1e-4 {
-                Err(format!("in step, but {faster} u/s and {more} u/s² beside the cam"))
+                Err(format!("in step, but {faster} u/s and {more} u/s² off the cam"))
             } else {
                 Ok(())
             };
@@ -222,7 +222,7 @@ impl<M: Cams> OnCam<M> {
             let settling = if limited { 0.5 * rate * rate / JERK } else { 0.0 };
             let most = input.velocity_difference.max(last.abs() + settling);
             if faster.abs() > most * (1.0 + 1e-9) + 1e-6 {
-                return Err(format!("{faster} u/s beside the cam after {last}, allowed {most}"));
+                return Err(format!("{faster} u/s off the cam after {last}, allowed {most}"));
             }
         }
         self.ramp = Some((owner, faster, more));
