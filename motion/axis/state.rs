@@ -63,10 +63,11 @@ impl AxisState {
     #[must_use]
     pub const fn leads_to(self, next: Self) -> bool {
         match (self, next) {
-            (_, Self::ErrorStop | Self::PowerOff) | (Self::Standstill, _) => true,
+            (_, Self::ErrorStop | Self::PowerOff)
+            | (Self::Standstill, _)
+            | (Self::Homing, Self::Stopping | Self::Standstill | Self::Homing) => true,
             (Self::PowerOff | Self::ErrorStop, next) => matches!(next, Self::Standstill),
             (Self::Stopping, next) => matches!(next, Self::Stopping | Self::Standstill),
-            (Self::Homing, Self::Stopping | Self::Standstill | Self::Homing) => true,
             (from, next) => from.is_motion() && !matches!(next, Self::Homing),
         }
     }

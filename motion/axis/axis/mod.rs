@@ -20,6 +20,7 @@ use twin_profile::{AxisLimits, Profile, RampType, State};
 ///
 /// The set-points of a running block count in the drive's coordinates. [`Axis::shift_zero`] moves the zero under it
 /// without moving the axis.
+#[expect(clippy::struct_excessive_bools, reason = "each is a state of its own")]
 #[derive(Clone, Debug)]
 pub struct Axis {
     pub(super) values: AxisRef,
@@ -237,40 +238,56 @@ impl Axis {
     pub(super) fn mode(&self) -> ControllerMode {
         ControllerMode::from_number(self.values.controller_mode).unwrap_or_default()
     }
-}
 
-/// Values of an axis by methods.
-macro_rules! values {
-    ($($(#[$doc:meta])* $name:ident = $field:ident: $kind:ty;)*) => {
-        impl Axis {
-            $($(#[$doc])*
-            #[must_use]
-            pub fn $name(&self) -> $kind {
-                self.values.$field
-            })*
-        }
-    };
-}
-
-values! {
     /// Set position (`fSetPosition`, `SMC_ReadSetPosition`), u; of a rotary axis in [0, period).
     #[doc(alias = "SMC_ReadSetPosition")]
-    set_position = set_position: f64;
+    #[must_use]
+    pub fn set_position(&self) -> f64 {
+        self.values.set_position
+    }
+
     /// Set velocity (`fSetVelocity`), u/s.
-    set_velocity = set_velocity: f64;
+    #[must_use]
+    pub fn set_velocity(&self) -> f64 {
+        self.values.set_velocity
+    }
+
     /// Set acceleration (`fSetAcceleration`), u/s²: that of the velocity with its sign.
-    set_acceleration = set_acceleration: f64;
+    #[must_use]
+    pub fn set_acceleration(&self) -> f64 {
+        self.values.set_acceleration
+    }
+
     /// Cycle time (`fTaskCycle`), s.
-    cycle = task_cycle: f64;
+    #[must_use]
+    pub fn cycle(&self) -> f64 {
+        self.values.task_cycle
+    }
+
     /// The block that moves the axis (`iOwner`), 0 for none.
-    owner = owner: i64;
+    #[must_use]
+    pub fn owner(&self) -> i64 {
+        self.values.owner
+    }
+
     /// Actual position (`MC_ReadActualPosition`), u; of a rotary axis in [0, period).
     #[doc(alias = "MC_ReadActualPosition")]
-    act_position = act_position: f64;
+    #[must_use]
+    pub fn act_position(&self) -> f64 {
+        self.values.act_position
+    }
+
     /// Actual velocity (`MC_ReadActualVelocity`), u/s.
     #[doc(alias = "MC_ReadActualVelocity")]
-    act_velocity = act_velocity: f64;
+    #[must_use]
+    pub fn act_velocity(&self) -> f64 {
+        self.values.act_velocity
+    }
+
     /// Actual torque, Nm, or force, N (`MC_ReadActualTorque`).
     #[doc(alias = "MC_ReadActualTorque")]
-    act_torque = act_torque: f64;
+    #[must_use]
+    pub fn act_torque(&self) -> f64 {
+        self.values.act_torque
+    }
 }

@@ -280,20 +280,19 @@ fn delays_of_timed_switches_are_times() {
 #[test]
 fn advances_are_not_taken_back() {
     let switch = range(100.0, 200.0);
-    let cycles = |ranges: &[std::ops::Range<u32>]| ranges.iter().cloned().flatten().collect();
     // 99 + 500 t² + 50 t is 100 at 0.017 s; it is beyond 200 at 0.4494 s.
-    let on: Vec<u32> = cycles(&[2..45]);
+    let on: Vec<u32> = (2..45).collect();
     assert_eq!(cycles_on(switch, later(-0.05, 0.0), starting(99.0)), on);
     // Seen inside at 0.02 s; it does not come there, and is off from when it turns.
-    let on: Vec<u32> = cycles(&[2..11]);
+    let on: Vec<u32> = (2..11).collect();
     assert_eq!(cycles_on(switch, later(-0.05, 0.0), turning(99.5)), on);
     // Seen beyond the end at 0.03 s, where it does not come; from when it turns it is inside again, until it is seen beyond
     // the other end: 199 − 500 t² − 50 t is 100 at 0.398 s.
-    let on: Vec<u32> = cycles(&[0..3, 11..50]);
+    let on: Vec<u32> = (0..3).chain(11..50).collect();
     assert_eq!(cycles_on(switch, later(0.0, -0.05), turning(199.0)), on);
     // A time begins once, where it is seen to come to 100: between 0.01 s and 0.02 s.
     let timed = CamSwitch { duration: Some(0.05), ..range(100.0, 0.0) };
-    let on: Vec<u32> = cycles(&[2..7]);
+    let on: Vec<u32> = (2..7).collect();
     assert_eq!(cycles_on(timed, later(-0.05, 0.0), turning(99.5)), on);
 }
 
