@@ -25,7 +25,7 @@ fn on_board(text: &str) -> String {
     text.replace("kind = \"interpcnc\"", "kind = \"interpcnc\"\nin_loop = true")
 }
 
-/// The same on three SmartDRIVEs with these addresses.
+/// The same on three `SmartDRIVE`s with these addresses.
 fn on_bus(text: &str, addresses: [u8; 3]) -> String {
     let text = text.replace("kind = \"interpcnc\"", "kind = \"smartdrive\"\nin_loop = true");
     ["X", "Y", "Z"].into_iter().zip(addresses).fold(text, |text, (axis, address)| {
@@ -117,7 +117,7 @@ fn rests_where_it_should(came: &[(AxisVector, AxisVector)]) {
 }
 
 /// An axis that is right at one command is wrong by less than the ramp makes of it in a round and a half. A round of an
-/// InterpCNC board is three commands and a sample of 6.5 ms each; of three SmartDRIVEs an exchange of 2 ms, its bytes
+/// InterpCNC board is three commands and a sample of 6.5 ms each; of three `SmartDRIVE`s an exchange of 2 ms, its bytes
 /// (1.7 ms) and a millisecond each, and their speeds are whole turns per minute: 10 mm a turn.
 #[test]
 fn boards_and_buses_are_as_near_as_their_rounds_allow() {

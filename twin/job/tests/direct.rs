@@ -9,7 +9,7 @@ fn block(name: &str, keys: &str) -> String {
     on(name, "X", keys)
 }
 
-/// Set-points at points over time: delta_s, position_mm and velocity_mm_per_s, each if there is one.
+/// Set-points at points over time: `delta_s`, `position_mm` and `velocity_mm_per_s`, each if there is one.
 fn points(points: &[(f64, Option<f64>, Option<f64>)]) -> String {
     let point = |(delta, position, velocity): &(f64, Option<f64>, Option<f64>)| {
         let key = |name: &str, value: &Option<f64>| {

@@ -127,15 +127,15 @@ const START: &str =
 
 /// A block of this name on an axis, with keys that `; ` separates.
 fn block(name: &str, axis: &str, keys: &str) -> String {
-    let keys: String = keys.split("; ").map(|key| format!("{}\n", key.trim_end())).collect();
-    let keys = if keys == "\n" { "" } else { &keys };
+    let lines = keys.split("; ").filter(|key| !key.is_empty());
+    let keys: String = lines.flat_map(|key| [key.trim_end(), "\n"]).collect();
     format!("[[blocks]]\nblock = \"{name}\"\naxis = \"{axis}\"\n{keys}")
 }
 
 /// A virtual axis, with keys that `; ` separates.
 fn virtual_axis(name: &str, kind: &str, keys: &str) -> String {
-    let keys: String = keys.split("; ").map(|key| format!("{key}\n")).collect();
-    format!("[[virtual_axes]]\nname = \"{name}\"\nkind = \"{kind}\"\n{keys}")
+    let keys = keys.replace("; ", "\n");
+    format!("[[virtual_axes]]\nname = \"{name}\"\nkind = \"{kind}\"\n{keys}\n")
 }
 
 const FAR_RIGHT: &str = "distance_mm = 100; velocity_mm_per_s = 200; acceleration_mm_per_s2 = 1000";
