@@ -42,6 +42,7 @@ mod real_stops;
 mod real_switches;
 mod recording;
 mod reference;
+mod run_keys;
 mod run_limits;
 mod sequence;
 mod shop;
