@@ -47,6 +47,7 @@ mod run_limits;
 mod sequence;
 mod shop;
 mod surroundings;
+mod switch_points;
 mod targets;
 mod tune_alike;
 mod tune_cam;
