@@ -1,8 +1,7 @@
 //! Path elements (`SMC_GEOINFO`, manual 6.5).
 //!
 //! [`PathElement`] is one curve of the tool's path with its feed and its place in the program. [`prepare`] changes paths
-//! for the tool and for corners, [`dxf`] reads drawings, [`queue`] reads and writes queue files. Lengths are metres, times
-//! seconds.
+//! for the tool and for corners, [`dxf`] reads and writes drawings. Lengths are metres, times seconds.
 //!
 //! ```
 //! use std::f64::consts::FRAC_PI_2;
@@ -37,7 +36,6 @@ mod plane;
 mod point;
 pub mod prepare;
 mod probing;
-pub mod queue;
 mod shape;
 #[cfg(test)]
 mod tests;

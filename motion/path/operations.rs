@@ -305,8 +305,7 @@ impl Shape {
     }
 }
 
-/// The whole path backwards (manual 3.3), held as a whole; [`super::queue::Backwards`] does it with a file in bounded
-/// memory.
+/// The whole path backwards (manual 3.3).
 ///
 /// Correction to the left is to the right on the way back. Preparation that begins with an element ends behind it when
 /// it is passed the other way: the marks are set anew from what is in force along each element.
@@ -328,7 +327,7 @@ pub fn reversed(path: &[PathElement]) -> Vec<PathElement> {
 impl PathElement {
     /// Reversed, with the marks of a path on which `here` was in force along it (as start marks), `before` along what
     /// comes before it on the way back, and `after` along what comes behind.
-    pub(super) fn backwards(&self, before: Marks, here: Marks, after: Marks) -> Self {
+    fn backwards(&self, before: Marks, here: Marks, after: Marks) -> Self {
         let [before, here, after] = [before, here, after].map(Marks::mirrored);
         let marks = here.without(before).with(here.without(after).endings());
         Self { marks, ..self.reversed() }
@@ -337,11 +336,11 @@ impl PathElement {
 
 /// Preparation in force along a path, as start marks.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Modes(Marks);
+struct Modes(Marks);
 
 impl Modes {
     /// Preparation in force along the next element, which has these marks.
-    pub(super) fn along(&mut self, marks: Marks) -> Marks {
+    fn along(&mut self, marks: Marks) -> Marks {
         for (starts, _) in PAIRS {
             let begun = Marks(marks.0 & starts.0);
             if begun != Marks::default() {

@@ -363,39 +363,6 @@ fn a_motor_is_named_and_shown_where_it_holds_back() {
     done.ended(1, "axis Z: against weight and dry friction it takes a force of 40.3730 N");
 }
 
-/// A queue has the velocities on and into arcs that preparation has given it; they count as if they were limits of ours.
-#[test]
-fn velocities_of_a_prepared_queue_are_kept() {
-    let desk = desk();
-    desk.write(
-        "hairpin.cnc",
-        "% hairpin\nN10 G92 X0 Y0 Z0 F200 E2000 E-2000\nN20 G1 X100\nN30 G3 X100 Y100 I0 J50\nN40 G1 X0\n",
-    );
-    let plain = std::fs::read_to_string(desk.path("machine.toml")).expect("it is there");
-    let limits = "[preparation]\nmax_circular_acceleration_mm_per_s2 = 500.0\n\
-                  max_circular_acceleration_jump_mm_per_s2 = 125.0\n";
-    desk.write("curves.toml", &plain.replacen("[preparation]\n", limits, 1));
-    let prepare = ["path", "hairpin.cnc", "--machine", "curves.toml", "--prepare"];
-    desk.twin(&[&prepare[..], &["--output", "hairpin.queue"]].concat()).ended(0, "");
-    let report = |program: &str, machine: &str, more: &[&str]| {
-        let arguments = ["limit", program, "-m", machine, "--format", "json"];
-        json(desk.twin(&[&arguments[..], more].concat()).ended(0, ""))
-    };
-    let ours = report("hairpin.cnc", "curves.toml", &[]);
-    let theirs = report("hairpin.queue", "machine.toml", &[]);
-    let [one, other] = [&ours, &theirs].map(|report| number(&report["duration_s"]));
-    assert!((one - other).abs() < 1.5e-3, "{one} s and {other} s");
-    let raised = |report: &Value, limit: &str| {
-        let mut changes = report["changes"].as_array().expect("a list").iter();
-        changes.any(|change| change["limit"] == limit)
-    };
-    assert!(raised(&ours, "centripetal") && !raised(&ours, "end-velocity"), "{ours:#}");
-    assert!(raised(&theirs, "end-velocity") && !raised(&theirs, "centripetal"), "{theirs:#}");
-    let free =
-        number(&report("hairpin.cnc", "curves.toml", &["--without", "centripetal"])["duration_s"]);
-    assert!(free < 0.95 * one, "{free} s and {one} s");
-}
-
 #[test]
 fn a_feasible_program_is_the_same_but_for_its_feeds() {
     let desk = desk();
@@ -627,9 +594,6 @@ fn wrong_use_is_status_2() {
     desk.twin(&["limit", "none.cnc", "-m", "machine.toml"])
         .ended(2, "cannot read program none.cnc");
     desk.twin(&["limit", "lines.cnc"]).ended(2, "--machine");
-    desk.twin(&["path", "lines.cnc", "--output", "lines.queue"]).ended(0, "");
-    let queue = ["limit", "lines.queue", "-m", "machine.toml", "--feasible", "slower.queue"];
-    desk.twin(&queue).ended(2, "lines.queue has no F words");
 }
 
 #[test]

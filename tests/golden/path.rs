@@ -1,44 +1,8 @@
-//! `twin path` and M functions as a process: conversions between programs, queues, drawings and set-points.
+//! `twin path` and M functions as a process: conversions between programs, drawings and set-points.
 
 use crate::process::Desk;
 use crate::root;
 use serde_json::Value;
-
-/// A program, the queue file made of it, and the program made of that have the same path.
-#[test]
-fn queues_and_programs_lead_the_same_way() {
-    let desk = Desk::new();
-    let program = root().join("examples/plate.cnc").display().to_string();
-    let path = |arguments: &[&str]| {
-        let done = desk.twin(&[&["path"], arguments].concat());
-        done.ended(0, "");
-        done.stdout
-    };
-    let direct = path(&[&program]);
-    assert!(direct.lines().count() > 100);
-    path(&[&program, "--output", "plate.queue"]);
-    assert_eq!(path(&["plate.queue"]), direct);
-    path(&["plate.queue", "--output", "again.cnc"]);
-    let without_place = |text: &str| {
-        let lines = text.lines().map(|line| {
-            let mut row: Value = serde_json::from_str(line).expect("JSON");
-            let row_map = row.as_object_mut().expect("an object");
-            row_map.remove("line");
-            row_map.remove("block");
-            row.to_string()
-        });
-        lines.collect::<Vec<_>>()
-    };
-    assert_eq!(without_place(&path(&["again.cnc"])), without_place(&direct));
-    // A damaged queue does not give a path.
-    let mut bytes = std::fs::read(desk.path("plate.queue")).expect("it was written");
-    let middle = bytes.len() / 2;
-    bytes[middle] ^= 1;
-    std::fs::write(desk.path("plate.queue"), bytes).expect("written");
-    let done = desk.twin(&["path", "plate.queue", "--output", "none.cnc"]);
-    done.ended(2, "checksum");
-    assert!(!desk.path("none.cnc").exists());
-}
 
 /// Both pictures, and the overviews: the program's text says what they show.
 #[test]

@@ -206,7 +206,7 @@ impl Diagnostic for ShownFinding<'_> {
             Dialect::Din66025 => format!("F{}", floor_3(feed)),
             // Per minute, in whichever unit.
             Dialect::Rs274 => format!("{} mm/min", floor_3(feed * 60.0)),
-            Dialect::Queue | Dialect::Job | Dialect::Dxf => format!("{} mm/s", floor_3(feed)),
+            Dialect::Job | Dialect::Dxf => format!("{} mm/s", floor_3(feed)),
         };
         Some(Box::new(format!("with {feed} or less this axis stays within its limit here")))
     }

@@ -304,15 +304,13 @@ impl ReadOptions {
     pub(super) fn check_for(&self, dialect: Option<Dialect>) -> Result<(), Failure> {
         let variables = !self.variables.is_empty() || self.variables_file.is_some();
         let (what, whose) = match dialect {
-            Some(Dialect::Rs274 | Dialect::Queue | Dialect::Job | Dialect::Dxf) if variables => {
+            Some(Dialect::Rs274 | Dialect::Job | Dialect::Dxf) if variables => {
                 ("--var and --variables", "DIN 66025")
             }
-            Some(Dialect::Din66025 | Dialect::Queue | Dialect::Job | Dialect::Dxf)
-                if self.tool_table.is_some() =>
-            {
+            Some(Dialect::Din66025 | Dialect::Job | Dialect::Dxf) if self.tool_table.is_some() => {
                 ("--tool-table", "RS274")
             }
-            Some(Dialect::Queue | Dialect::Job | Dialect::Dxf) if self.skip_suppressed => {
+            Some(Dialect::Job | Dialect::Dxf) if self.skip_suppressed => {
                 ("--skip-suppressed", "DIN 66025 and RS274")
             }
             Some(Dialect::Job) if self.factor.factor() > 1.0 => (

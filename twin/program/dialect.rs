@@ -1,4 +1,4 @@
-//! Dialect of a program: DIN 66025, RS274, queue file, job or drawing.
+//! Dialect of a program: DIN 66025, RS274, job or drawing.
 
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -11,8 +11,6 @@ pub enum Dialect {
     Din66025,
     /// Shop-floor RS274 (.ngc .nc .tap .gcode)
     Rs274,
-    /// Path elements in a queue file (.queue), as `twin path --format queue` writes them
-    Queue,
     /// Calls of blocks with axes, cams and gears, in TOML (.toml): what a controller's program does with single axes
     Job,
     /// A drawing, of which a path has been made
@@ -24,7 +22,7 @@ pub enum Dialect {
 #[derive(Debug, thiserror::Error)]
 pub enum DialectError {
     /// The dialect cannot be determined.
-    #[error("{} does not tell its dialect: its ending is none of .cnc .ngc .nc .tap .gcode .queue .toml and it does not begin with % and N blocks; say --dialect", .0.display())]
+    #[error("{} does not tell its dialect: its ending is none of .cnc .ngc .nc .tap .gcode .toml and it does not begin with % and N blocks; say --dialect", .0.display())]
     Unknown(PathBuf),
     /// A drawing is not a program.
     #[error("{} is a drawing; `twin path {} --output PROGRAM.cnc --format din66025` makes a program of it", .0.display(), .0.display())]
@@ -37,7 +35,6 @@ impl Dialect {
         match self {
             Self::Din66025 => "din66025",
             Self::Rs274 => "rs274",
-            Self::Queue => "queue",
             Self::Job => "job",
             Self::Dxf => "dxf",
         }
@@ -52,7 +49,6 @@ impl Dialect {
         match ending.as_deref() {
             Some("cnc") => return Ok(Some(Self::Din66025)),
             Some("ngc" | "nc" | "tap" | "gcode") => return Ok(Some(Self::Rs274)),
-            Some("queue") => return Ok(Some(Self::Queue)),
             Some("toml") => return Ok(Some(Self::Job)),
             Some("dxf") => return Ok(Some(Self::Dxf)),
             _ => {}

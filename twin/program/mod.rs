@@ -31,7 +31,6 @@ use twin_machine::text::{self, Text};
 use twin_machine::{Machine, ProgramConditions};
 use twin_path::Place;
 use twin_path::prepare::{Incompatible, Notices, Preparation, Sections};
-use twin_path::queue::{Generator, QueueReader};
 use twin_path::{Marks, PathElement};
 use twin_planner::controller::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
 use workpiece::ByPosition;
@@ -260,11 +259,8 @@ impl ProgramFile {
                     self.marks(conditions)?
                 }
             }
-            Dialect::Queue if self.is_repeatable() && self.is_unprepared()? => {
-                self.marks(conditions)?
-            }
             // What can be read only once cannot be looked through first; the others ask for nothing.
-            Dialect::Din66025 | Dialect::Queue | Dialect::Rs274 | Dialect::Job | Dialect::Dxf => {
+            Dialect::Din66025 | Dialect::Rs274 | Dialect::Job | Dialect::Dxf => {
                 (Marks::default(), None)
             }
         };
@@ -292,15 +288,6 @@ impl ProgramFile {
         Ok((marks, overlap))
     }
 
-    /// Whether this queue's path has not been prepared yet.
-    fn is_unprepared(&self) -> io::Result<bool> {
-        let reader = QueueReader::new(File::open(&self.path)?).map_err(io::Error::other)?;
-        Ok(matches!(
-            reader.generator(),
-            Generator::Decoder | Generator::Rotate | Generator::Scale | Generator::Translate
-        ))
-    }
-
     fn decode(
         &self,
         conditions: &ProgramConditions,
@@ -325,7 +312,7 @@ impl ProgramFile {
         Stamp::verify(self.stamp, &file)?;
         let text = match self.dialect {
             Dialect::Din66025 | Dialect::Rs274 => Text::of(file)?,
-            Dialect::Queue | Dialect::Job | Dialect::Dxf => Text::binary(file),
+            Dialect::Job | Dialect::Dxf => Text::binary(file),
         };
         let file = Counted { text, stamp: self.stamp, ledger: Rc::clone(&ledger) };
         let reader = BufReader::with_capacity(1 << 16, file);
@@ -385,11 +372,8 @@ impl ProgramFile {
                 };
                 Decoder::Rs274(Box::new(rs274::Decoder::new(reader, options)))
             }
-            // It calls blocks and has no path.
-            Dialect::Job => Decoder::Made { elements: Arc::default(), next: 0 },
-            Dialect::Queue | Dialect::Dxf => {
-                Decoder::Queue(Box::new(QueueReader::new(reader).map_err(io::Error::other)?))
-            }
+            // A job calls blocks and has no path; the path of a drawing is made before.
+            Dialect::Job | Dialect::Dxf => Decoder::Made { elements: Arc::default(), next: 0 },
         })
     }
 }

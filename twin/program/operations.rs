@@ -3,9 +3,9 @@
 use super::source::{Decoded, Halt};
 use nalgebra::Vector3;
 use std::io;
-use twin_path::queue::Backwards;
 use twin_path::{
     Chords, ExtraPosition, Linearise, MapPath, OperationError, PathElement, Similarity, SplitAt,
+    reversed,
 };
 
 /// Operations on a path, in this order: cut an object in two; scale, turn and move the path; replace its curves by
@@ -26,7 +26,7 @@ pub struct Operations {
     pub linearise: Option<Chords>,
     /// And so are arcs.
     pub arcs: bool,
-    /// From its end to its start.
+    /// From its end to its start; holds the whole path in memory.
     pub reverse: bool,
 }
 
@@ -72,7 +72,11 @@ impl Operations {
             path = Box::new(if self.arcs { lines.with_arcs() } else { lines });
         }
         if self.reverse {
-            path = Box::new(Backwards::new(path, tempfile::tempfile()?));
+            let backwards = move || match path.collect::<Result<Vec<_>, Halt>>() {
+                Ok(path) => reversed(&path).into_iter().map(Ok).collect(),
+                Err(halt) => vec![Err(halt)],
+            };
+            path = Box::new(std::iter::once_with(backwards).flatten());
         }
         Ok(Operated::Changed(path))
     }

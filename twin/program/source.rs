@@ -15,7 +15,6 @@ use twin_gcode::{din66025, rs274};
 use twin_machine::text::Text;
 use twin_path::Place;
 use twin_path::prepare::{CheckError, CornerError, Incompatible, Notice, ToolRadiusError};
-use twin_path::queue::QueueReader;
 use twin_path::{ElementKind, Marks, OperationError, PathElement, ProbeOutcome, ProbeTrip};
 
 /// Facts and findings that the stages record for the reader of the stream.
@@ -153,7 +152,6 @@ pub(super) fn incompatible(error: Incompatible, place: Place) -> Finding {
 pub(super) enum Decoder {
     Din66025(Box<din66025::Decoder<BufReader<Counted>>>),
     Rs274(Box<rs274::Decoder<BufReader<Counted>>>),
-    Queue(Box<QueueReader<BufReader<Counted>>>),
     /// Elements that are there already.
     Made {
         elements: Arc<Vec<PathElement>>,
@@ -193,7 +191,7 @@ impl Decoder {
                 name: decoder.program_number().map(|number| format!("O{number}")),
                 lines: decoder.lines(),
             },
-            Self::Queue(_) | Self::Made { .. } => FileFacts::default(),
+            Self::Made { .. } => FileFacts::default(),
         }
     }
 
@@ -201,10 +199,6 @@ impl Decoder {
         match self {
             Self::Din66025(decoder) => decoder.next().map(Piece::of),
             Self::Rs274(decoder) => decoder.next().map(Piece::of),
-            Self::Queue(reader) => Some(match reader.next()? {
-                Ok(element) => Piece::Element(element),
-                Err(error) => Piece::Failed(io::Error::other(error)),
-            }),
             Self::Made { elements, next } => {
                 let element = elements.get(*next)?.clone();
                 *next += 1;

@@ -114,10 +114,11 @@ impl Reach {
 
     /// Letters and G words that the decoder takes.
     fn words_of_programs(&mut self, text: &str) {
-        let letters = between(text, "const LETTERS", "];").split("Letter::").skip(1);
-        self.letters.extend(letters.filter_map(|rest| rest.get(..1)).map(str::to_owned));
-        let commands = between(text, "fn from_number", "\n    }\n").lines();
-        let numbers = commands.filter_map(|line| line.trim().split_once(" => ")?.0.parse().ok());
+        let letters = between(text, "use Letter::{", "}");
+        self.letters.extend(letters.split(", ").map(str::to_owned));
+        let commands = between(text, "const COMMANDS", "\n};").lines();
+        let numbers =
+            commands.filter_map(|line| line.split_once('(')?.1.split_once(',')?.0.parse().ok());
         self.letters.extend(numbers.map(|number: u8| format!("G{number}")));
     }
 
@@ -268,7 +269,7 @@ mod tests {
             ),
             (
                 "motion/gcode/din66025/word.rs",
-                "const LETTERS: [X; 1] = [Some(Letter::D)];\nfn from_number() {\n  5 => A,\n    }\n",
+                "use Letter::{C, D};\nconst COMMANDS: [X; 1] = {\n  end(5, A),\n};\n",
             ),
             ("Cargo.toml", "[workspace]\nmembers = [\"motion/axis\"]\n"),
             ("motion/axis/Cargo.toml", "[package]\nname = \"twin-axis\"\n"),

@@ -15,7 +15,7 @@ use twin_machine::text;
 pub(super) fn check_dialect(program: &ProgramFile) -> Result<(), Failure> {
     match program.dialect() {
         Dialect::Din66025 | Dialect::Rs274 => Ok(()),
-        Dialect::Queue | Dialect::Job | Dialect::Dxf => {
+        Dialect::Job | Dialect::Dxf => {
             Err(Failure::Usage(format!("{} has no F words", program.path().display())))
         }
     }

@@ -4,7 +4,7 @@ use super::Format;
 use crate::command::Failure;
 use crate::command::atomic_file::{AtomicFile, unwritable};
 use std::fs;
-use std::io::{self, BufWriter, IsTerminal, Stdout, Write};
+use std::io::{self, BufWriter, Stdout, Write};
 use std::path::{Path, PathBuf};
 
 /// Output target.
@@ -40,10 +40,6 @@ impl Target {
     pub(super) fn open(&self, number: u32, name: &str, format: Format) -> Result<File, Failure> {
         let path = match self {
             Self::Stdout => {
-                if format == Format::Queue && io::stdout().is_terminal() {
-                    let message = "a queue file is binary; write it to a file with --output FILE";
-                    return Err(Failure::Usage(message.to_owned()));
-                }
                 return Ok(File::Stdout(BufWriter::new(io::stdout())));
             }
             Self::File(path) => path.clone(),

@@ -29,8 +29,8 @@ use twin_machine::{Machine, ProgramConditions};
 
 /// Print the path of a program, before or after preparation, or make something of it
 ///
-/// Reads programs (DIN 66025, RS274), queue files and drawings (DXF).
-/// Writes path elements as JSON lines, programs, drawings, queue files, pictures and overviews.
+/// Reads programs (DIN 66025, RS274) and drawings (DXF).
+/// Writes path elements as JSON lines, programs, drawings, pictures and overviews.
 /// Lengths are in mm, angles in degrees.
 ///
 /// Examples:
@@ -42,7 +42,7 @@ use twin_machine::{Machine, ProgramConditions};
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Arguments {
-    /// The program, queue file or drawing
+    /// The program or drawing
     program: PathBuf,
 
     /// Machine file: its start position, work frame (in jsonl), and inputs of preparation are applied
@@ -56,9 +56,8 @@ pub(super) struct Arguments {
     #[arg(long, value_enum)]
     format: Option<Format>,
 
-    /// File to write to, which is replaced when all is well (programs, drawings and queue files are not written of a
-    /// program with errors); with --one-per layer or section a folder [default:
-    /// standard output]
+    /// File to write to, which is replaced when all is well (programs and drawings are not written of a program
+    /// with errors); with --one-per layer or section a folder [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
 
@@ -84,8 +83,6 @@ enum Format {
     Din66025,
     /// A drawing: rapids on the layer RAPID, cuts on the layer CUT (.dxf)
     Dxf,
-    /// A queue file (`SMC_OUTQUEUE`), which check and run read, too (.queue)
-    Queue,
     /// A picture from above; with --prepare the path before and after, and where the tool is every 100 ms (.svg)
     Svg,
     /// Key figures: name, lines, objects, length, duration, start, errors by rule
@@ -106,7 +103,6 @@ impl Format {
             "jsonl" => Self::Jsonl,
             "cnc" => Self::Din66025,
             "dxf" => Self::Dxf,
-            "queue" => Self::Queue,
             "svg" => Self::Svg,
             _ => return None,
         })
@@ -118,7 +114,6 @@ impl Format {
             Self::Jsonl | Self::Setpoints => "jsonl",
             Self::Din66025 => "cnc",
             Self::Dxf => "dxf",
-            Self::Queue => "queue",
             Self::Svg => "svg",
             Self::Info | Self::Viewer | Self::Listing => "txt",
         }
@@ -137,7 +132,7 @@ impl Arguments {
             None => Ok(Format::Jsonl),
             Some(path) => Format::of(path).ok_or_else(|| {
                 Failure::Usage(format!(
-                    "the ending of {} is none of .jsonl .cnc .dxf .queue .svg; say --format",
+                    "the ending of {} is none of .jsonl .cnc .dxf .svg; say --format",
                     path.display()
                 ))
             }),
@@ -254,7 +249,7 @@ impl Job<'_> {
             Format::Listing => return info::listing(self, out),
             Format::Svg => return svg::picture(self, out),
             Format::Setpoints => return setpoints::write(self, self.setpoints, out),
-            Format::Jsonl | Format::Din66025 | Format::Dxf | Format::Queue => {}
+            Format::Jsonl | Format::Din66025 | Format::Dxf => {}
         }
         let mut writer = Writer::new(format, self, out)?;
         self.each(|element| writer.write(&element))?;

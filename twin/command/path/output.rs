@@ -7,7 +7,6 @@ use twin_gcode::din66025::{ProgramWriter, WriteError};
 use twin_kinematics::WorkFrame;
 use twin_path::PathElement;
 use twin_path::dxf::{DxfWriteError, DxfWriter};
-use twin_path::queue::{Generator, QueueWriteError, QueueWriter};
 
 type Out<'a> = &'a mut dyn Write;
 
@@ -16,7 +15,6 @@ pub(super) enum Writer<'a> {
     Jsonl { out: Out<'a>, frame: WorkFrame },
     Din66025(Box<ProgramWriter<Out<'a>>>),
     Dxf(Box<DxfWriter<Out<'a>>>),
-    Queue(Box<QueueWriter<Out<'a>>>),
 }
 
 impl<'a> Writer<'a> {
@@ -31,11 +29,6 @@ impl<'a> Writer<'a> {
                     DxfWriteError::Io(source) => Failure::Stdio(source),
                     DxfWriteError::Frame(error) => Failure::Usage(error.to_string()),
                 })?))
-            }
-            Format::Queue => {
-                let stage =
-                    if job.prepare { Generator::CheckVelocities } else { Generator::Decoder };
-                Self::Queue(Box::new(QueueWriter::new(out, stage).map_err(Failure::Stdio)?))
             }
             Format::Jsonl
             | Format::Svg
@@ -53,10 +46,6 @@ impl<'a> Writer<'a> {
             }
             Self::Din66025(writer) => writer.write(element).map_err(said),
             Self::Dxf(writer) => writer.write(element).map_err(Failure::Stdio),
-            Self::Queue(writer) => writer.write(element).map_err(|error| match error {
-                QueueWriteError::Io(source) => Failure::Stdio(source),
-                error @ QueueWriteError::Content { .. } => Failure::Usage(error.to_string()),
-            }),
         }
     }
 
@@ -65,7 +54,6 @@ impl<'a> Writer<'a> {
             Self::Jsonl { .. } => Ok(()),
             Self::Din66025(writer) => writer.finish().map(|_| ()).map_err(said),
             Self::Dxf(writer) => writer.finish().map(|_| ()).map_err(Failure::Stdio),
-            Self::Queue(writer) => writer.finish().map(|_| ()).map_err(Failure::Stdio),
         }
     }
 }
