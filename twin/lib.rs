@@ -46,7 +46,6 @@ pub mod peak;
 pub mod per_axis;
 pub mod plant;
 pub mod priority;
-pub mod probe;
 pub mod program;
 pub mod real;
 pub mod report;

@@ -1,7 +1,7 @@
 //! `twin axes`: forward and inverse kinematics as a calculator, and probing moves of one axis.
 
 use super::options::MachineOption;
-use super::{Failure, Status, axes_probe};
+use super::{Failure, Status};
 use nalgebra::Point3;
 use std::io;
 use twin_kinematics::{AxisVector, Coordinate, Kinematics, Pose};
@@ -35,7 +35,6 @@ enum Direction {
         #[command(flatten)]
         machine: MachineOption,
     },
-    Probe(axes_probe::Arguments),
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
@@ -49,7 +48,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             let machine = machine.load()?;
             convert(|numbers| forward(&machine, numbers))
         }
-        Direction::Probe(arguments) => axes_probe::run(arguments),
     }
 }
 

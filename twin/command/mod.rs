@@ -3,7 +3,6 @@
 mod assume;
 mod atomic_file;
 mod axes;
-mod axes_probe;
 mod cam;
 mod causes;
 mod check;

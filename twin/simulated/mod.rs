@@ -95,26 +95,6 @@ impl Simulated {
         &self.physics
     }
 
-    /// True if the tool touches anything at the present axis positions, including stock.
-    pub(crate) fn touches(&mut self) -> Result<bool, PhysicsError> {
-        let position = self.physics.axis_state().position;
-        self.probe.as_mut().map_or(Ok(false), |probe| probe.touches(&position))
-    }
-
-    /// One cycle towards `motion`, with a tool that gives way to what it touches.
-    pub(crate) fn probe_towards(&mut self, motion: &AxisMotion) -> Result<(), PhysicsError> {
-        self.physics.set_yielding(YieldingTool::Always);
-        self.physics.step(motion)?;
-        self.run_into(Place::default())?;
-        let switch = self.physics.take_events().into_iter().find_map(|event| match event.kind {
-            EventKind::LimitSwitch(side) => {
-                Some(PhysicsError::LimitSwitch { axis: event.axis, side })
-            }
-            _ => None,
-        });
-        switch.map_or(Ok(()), Err)
-    }
-
     /// Refuses to begin on a limit switch.
     fn start(&mut self, place: Place) -> Result<(), PhysicsError> {
         for axis in 0..self.physics.setpoint().position.len() {

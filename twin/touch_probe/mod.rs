@@ -1,5 +1,10 @@
 //! Touch probe: the tool of the simulated machine during a probing move.
 
+#[cfg(test)]
+mod plane_tests;
+#[cfg(test)]
+mod vice_tests;
+
 use crate::plant::{ProbeMiss, ProbeTouch};
 use crate::setpoint::AxisSetpoint;
 use twin_kinematics::AxisVector;
@@ -50,12 +55,6 @@ impl TouchProbe {
     /// A probe that `scan` measures, on axes that come within `resolution` (m) of where they are sent.
     pub(crate) fn new(scan: ClearanceScan, resolution: f64) -> Self {
         Self { scan, reach: TOUCH + resolution, touching: None, search: None }
-    }
-
-    /// Result true if the tool touches anything at the present axis positions, including stock.
-    pub(crate) fn touches(&mut self, position: &AxisVector) -> Result<bool, PhysicsError> {
-        let nearest = self.scan.nearest(position)?;
-        Ok(nearest.is_some_and(|nearest| nearest.distance <= self.reach))
     }
 
     /// Probe state at the present axis positions. After its move the probe yields only to the part that it touched, and

@@ -1,13 +1,10 @@
 //! Tests of probing moves among the obstacles of a machine file against closed forms.
 
-use super::{AxisProbe, AxisProbeEnd};
 use crate::check::{CheckOptions, Outcome, check};
 use crate::finding::{Rule, Severity};
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
-use crate::simulated::Simulated;
 use std::path::Path;
-use twin_kinematics::{Kinematics, Pose};
 use twin_machine::Machine;
 
 /// Jaws with their tops at Z−10, the fixed one from Y−20 to Y0, stock from Z−30 to Z0, 100 × 60 mm; a tool of 6 mm.
@@ -125,122 +122,4 @@ fn a_probe_that_finds_nothing_says_so() {
     let outcome = checked("G0 Z30\nG0 X200 Y30\nG38.2 Z10 F100\nG38.3 Z5\nM2\n", false);
     let [finding] = &outcome.findings[..] else { panic!("{:#?}", outcome.findings) };
     assert_eq!((finding.line, finding.rule, finding.severity), (3, Rule::Probe, Severity::Error));
-}
-
-/// Beside the jaw, `gap` m in front of it.
-fn before_the_jaw(machine: &Machine, gap: f64) -> (Simulated, f64) {
-    let place = Pose { position: [0.05, -0.023 - gap, -0.02].into(), direction: 0.0 };
-    let place = machine.frame.pose_to_machine(&place);
-    let axes = machine.kinematics.inverse(&place, &machine.middle()).unwrap();
-    (Simulated::new(machine, &axes).unwrap(), axes[1])
-}
-
-/// Command 40: what is latched is the place of the jaw, to what the axis goes in a cycle; rest is v²/2a further.
-#[test]
-fn an_axis_probes_until_it_touches() {
-    let machine = machine();
-    let (velocity, deceleration) = (0.01, 0.1);
-    let probe = AxisProbe {
-        axis: 1,
-        stroke: 0.05,
-        start_velocity: 1e-3,
-        velocity,
-        acceleration: 0.05,
-        deceleration,
-        window: None,
-    };
-    let (mut simulated, start) = before_the_jaw(&machine, 0.02);
-    let end = probe.run(&machine, &mut simulated).unwrap();
-    let AxisProbeEnd::Tripped { latched, rest } = end else { panic!("{end:?}") };
-    let jaw = start + 0.02;
-    assert!((latched - jaw).abs() <= velocity * 1e-3 + 1e-6, "{latched} is not {jaw}");
-    let stop = velocity * velocity / (2.0 * deceleration);
-    assert!((rest - latched - stop).abs() < velocity * 2e-3, "{rest} is not {}", latched + stop);
-    // A probe gives way: there is no impact.
-    assert!(simulated.physics().contacts().is_empty());
-
-    // It has tripped by now.
-    assert_eq!(probe.run(&machine, &mut simulated).unwrap(), AxisProbeEnd::AlreadyTripped);
-
-    // Away from the jaw there is nothing; the stroke ends exactly.
-    let (mut simulated, start) = before_the_jaw(&machine, 0.02);
-    let away = AxisProbe { stroke: -0.03, ..probe };
-    assert_eq!(away.run(&machine, &mut simulated).unwrap(), AxisProbeEnd::NotTripped);
-    let rest = simulated.physics().axis_state().position[1];
-    assert!((rest - (start - 0.03)).abs() < 2e-5, "{rest}");
-}
-
-/// Command 40 on the board itself, 320 steps/mm: the counter at the edge, whole steps, and a ramp down behind it.
-#[test]
-fn a_board_in_the_loop_probes_with_its_own_ramps() {
-    let mut machine = machine();
-    machine.put_drives_in_loop();
-    let (start_velocity, velocity, deceleration) = (1e-3, 0.01, 0.1);
-    let probe = AxisProbe {
-        axis: 1,
-        stroke: 0.05,
-        start_velocity,
-        velocity,
-        acceleration: 0.05,
-        deceleration,
-        window: None,
-    };
-    let (mut simulated, start) = before_the_jaw(&machine, 0.02);
-    let end = probe.run(&machine, &mut simulated).unwrap();
-    let AxisProbeEnd::Tripped { latched, rest } = end else { panic!("{end:?}") };
-    let jaw = start + 0.02;
-    let step = 1.0 / 320e3;
-    assert!((latched - jaw).abs() <= velocity * 1e-3 + step, "{latched} is not {jaw}");
-    assert!(
-        (latched / step - (latched / step).round()).abs() < 1e-6,
-        "{latched} is not a whole step"
-    );
-    // 0.1 m/s² are 32 thousand steps/s², which command 40 can say; it brakes from the cycle behind the edge.
-    let stop = (velocity * velocity - start_velocity * start_velocity) / (2.0 * deceleration);
-    let apart = rest - latched - stop;
-    assert!(apart.abs() < velocity * 1e-3 + 2.0 * step, "{rest} is not {}", latched + stop);
-
-    // The end of the stroke, and what has tripped before.
-    assert_eq!(probe.run(&machine, &mut simulated).unwrap(), AxisProbeEnd::AlreadyTripped);
-    let (mut simulated, start) = before_the_jaw(&machine, 0.02);
-    let away = AxisProbe { stroke: -0.03, ..probe };
-    assert_eq!(away.run(&machine, &mut simulated).unwrap(), AxisProbeEnd::NotTripped);
-    let rest = simulated.physics().axis_state().position[1];
-    assert!((rest - (start - 0.03)).abs() < 2e-5 + step, "{rest}");
-    // What no register holds is said.
-    let steep = AxisProbe { deceleration: 300.0, ..probe };
-    let refused = steep.run(&machine, &mut simulated).unwrap_err().to_string();
-    assert_eq!(
-        refused,
-        "deceleration of 96000 thousand steps/s²: command 40 has 1 to 65535 thousand steps/s²"
-    );
-}
-
-/// `WindowOnly`: what touches before the window is nothing to it, a trip in it counts.
-#[test]
-fn a_trip_outside_its_window_does_not_count() {
-    let machine = machine();
-    let (simulated, start) = before_the_jaw(&machine, 0.02);
-    let jaw = start + 0.02;
-    let probe = |window| AxisProbe {
-        axis: 1,
-        stroke: 0.03,
-        start_velocity: 0.0,
-        velocity: 0.01,
-        acceleration: 0.1,
-        deceleration: 0.1,
-        window: Some(window),
-    };
-    let end = |window| probe(window).run(&machine, &mut simulated.clone()).unwrap();
-    for window in [[jaw - 1e-3, jaw + 1e-3], [jaw + 1e-3, jaw - 1e-3]] {
-        let AxisProbeEnd::Tripped { latched, .. } = end(window) else { panic!("{window:?}") };
-        assert!((latched - jaw).abs() < 2e-5, "{latched}");
-    }
-    for window in [[start, jaw - 1e-3], [jaw + 1e-3, jaw + 9e-3]] {
-        assert_eq!(end(window), AxisProbeEnd::NotTripped, "{window:?}");
-    }
-    let mut looped = self::machine();
-    looped.put_drives_in_loop();
-    let refused = probe([jaw - 1e-3, jaw]).run(&looped, &mut simulated.clone()).unwrap_err();
-    assert_eq!(refused.to_string(), "command 40 has no window; a trip counts everywhere");
 }
