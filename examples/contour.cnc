@@ -1,5 +1,5 @@
 % CONTOUR
-(The contour of a part as in its drawing; the controller moves the tool beside it)
+(The contour of a part as in its drawing; the controller moves the tool next to it)
 (Tool: end mill D8, to the left of the contour, so D4 is its radius)
 (Frame: that of the gantry in machines/gantry3.toml)
 N10 G92 X0 Y0 Z20

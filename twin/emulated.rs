@@ -75,7 +75,7 @@ pub(crate) fn demand(axis: &Axis) -> AxisDemand {
     }
 }
 
-/// The largest velocity of an axis, m/s or rad/s, that a drive which makes so many increments/s can follow.
+/// The largest velocity of an axis, m/s or rad/s, that a drive with this number of increments/s can follow.
 pub(crate) fn velocity_within(axis: &Axis, increments_per_s: f64) -> f64 {
     increments_per_s / axis.increments_per_si().abs() / CATCH_UP
 }

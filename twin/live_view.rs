@@ -34,7 +34,7 @@ const MAX_CHORDS: f64 = 200.0;
 /// Path elements logged at once.
 const BATCH: usize = 2000;
 
-/// More of a program's text than this is not shown beside the machine, bytes.
+/// More of a program's text than this is not shown next to the machine, bytes.
 const MAX_TEXT: u64 = 8 << 20;
 
 /// The live view of a run; does nothing if none was requested.

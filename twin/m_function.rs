@@ -61,7 +61,7 @@ enum Wait {
     /// Over after so long, ns.
     Time(i64),
     /// Whoever reads the program says when.
-    Told,
+    Acknowledged,
 }
 
 impl Default for Wait {
@@ -87,10 +87,10 @@ impl Acknowledgement {
     pub fn for_run(machine: &Machine, acknowledge: Acknowledge, outputs: bool) -> Self {
         let mut all = Self::for_check(machine, acknowledge);
         if acknowledge == Acknowledge::Prompt {
-            all.otherwise = Wait::Told;
+            all.otherwise = Wait::Acknowledged;
         }
         if outputs {
-            all.of.values_mut().for_each(|wait| *wait = Wait::Told);
+            all.of.values_mut().for_each(|wait| *wait = Wait::Acknowledged);
         }
         all
     }
@@ -99,7 +99,7 @@ impl Acknowledgement {
     pub(crate) fn times(&self) -> MTimes {
         let time = |wait: &Wait| match wait {
             Wait::Time(time_ns) => *time_ns,
-            Wait::Told => 0,
+            Wait::Acknowledged => 0,
         };
         MTimes {
             of: self.of.iter().map(|(number, wait)| (*number, time(wait))).collect(),
@@ -183,7 +183,7 @@ impl MCalls {
 pub(crate) struct Waiting {
     rules: Acknowledgement,
     call: Option<MCall>,
-    told: bool,
+    acknowledged: bool,
     count: u64,
 }
 
@@ -197,21 +197,22 @@ impl Waiting {
         self.call
     }
 
-    /// True if the path goes on only when [`Self::tell`] is called.
+    /// True if the path goes on only when [`Self::acknowledge`] is called.
     pub(crate) fn for_word(&self) -> bool {
-        !self.told && self.call.is_some_and(|call| self.rules.of(call.number) == Wait::Told)
+        !self.acknowledged
+            && self.call.is_some_and(|call| self.rules.of(call.number) == Wait::Acknowledged)
     }
 
     /// The M function is done.
-    pub(crate) fn tell(&mut self) {
-        self.told = true;
+    pub(crate) fn acknowledge(&mut self) {
+        self.acknowledged = true;
     }
 
     /// True if the M function of the last set-point, at `now_ns`, is done at the next.
     pub(crate) fn is_over(&self, now_ns: i64) -> bool {
         self.call.is_some_and(|call| match self.rules.of(call.number) {
             Wait::Time(time_ns) => now_ns.saturating_sub(call.since_ns) >= time_ns,
-            Wait::Told => self.told,
+            Wait::Acknowledged => self.acknowledged,
         })
     }
 
@@ -230,7 +231,7 @@ impl Waiting {
                 since_ns: time_ns,
                 parameters: m_parameters,
             });
-            self.told = false;
+            self.acknowledged = false;
             self.count += 1;
         }
     }
@@ -279,7 +280,7 @@ mod tests {
     fn waiting_goes_by_number() {
         let rules = Acknowledgement {
             otherwise: Wait::Time(0),
-            of: [(3, Wait::Time(2)), (6, Wait::Told)].into(),
+            of: [(3, Wait::Time(2)), (6, Wait::Acknowledged)].into(),
         };
         let mut waiting = Waiting::new(rules);
         let see = |waiting: &mut Waiting, was_over, m_function, time_ns| {
@@ -297,7 +298,7 @@ mod tests {
         assert!(waiting.for_word() && !waiting.is_over(i64::MAX));
         see(&mut waiting, false, Some(6), 15);
         assert_eq!(waiting.call().map(|call| call.since_ns), Some(14));
-        waiting.tell();
+        waiting.acknowledge();
         assert!(!waiting.for_word() && waiting.is_over(15));
         see(&mut waiting, true, Some(6), 16);
         assert!(waiting.for_word(), "the same again waits again");

@@ -58,8 +58,8 @@ pub(crate) fn no_axes(place: Place, error: &AxesError) -> Finding {
 
 /// A cam whose elements are not in order of ascending masters. They are sorted, but the author may have meant another
 /// cam.
-pub(crate) fn out_of_order(place: Place, axis: Option<String>, told: &str) -> Finding {
-    let mut finding = Finding::error(Rule::CamContinuity, place, told.to_owned());
+pub(crate) fn out_of_order(place: Place, axis: Option<String>, message: &str) -> Finding {
+    let mut finding = Finding::error(Rule::CamContinuity, place, message.to_owned());
     (finding.severity, finding.axis) = (Severity::Warning, axis);
     finding
 }

@@ -123,7 +123,7 @@ pub trait Plant {
         true
     }
 
-    /// What happened in the cycle of the last set-point that is worth being told while the run goes on; each kind of it once
+    /// What happened in the cycle of the last set-point that is reported while the run goes on; each kind of it once
     /// per axis and line.
     fn news(&mut self) -> Vec<Happening> {
         Vec::new()

@@ -15,7 +15,7 @@ const ORDINARY: u8 = 48;
 /// Gives the calling thread ordinary scheduling, for long computations in threads that a real-time thread has started.
 ///
 /// # Errors
-/// Where threads cannot be told apart.
+/// Systems on which threads cannot be distinguished.
 pub fn ordinary() -> Result<(), Error> {
     let value = ThreadPriorityValue::try_from(ORDINARY)
         .map_or(ThreadPriority::Min, ThreadPriority::Crossplatform);

@@ -7,8 +7,8 @@ pub(crate) const ROUNDING: f64 = 1e-9;
 /// the direction of the tool at a corner) has no velocity of its own: neither of the `velocities` then is beyond
 /// `most`, or the path rests at both ends.
 pub(crate) fn is_hidden(stepped: f64, velocities: [f64; 2], at_rest: bool, most: f64) -> bool {
-    let told = velocities.into_iter().any(|velocity| exceeds(velocity, most));
-    at_rest || (exceeds(stepped, most) && !told)
+    let too_fast = velocities.into_iter().any(|velocity| exceeds(velocity, most));
+    at_rest || (exceeds(stepped, most) && !too_fast)
 }
 
 /// True if `value` exceeds `limit` by more than rounding.

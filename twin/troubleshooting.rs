@@ -65,7 +65,7 @@ pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
         }
         DriveError::NotArrived { .. } => {
             "something else has stopped it: `twin drive … stop` in another window, another master, a limit or a switch. `status` \
-             tells what the device says now"
+             reports what the device says now"
         }
         _ => return None,
     })
@@ -96,7 +96,7 @@ fn of_fault(error: &DriveError, at: &Exchange) -> Option<&'static str> {
         bim2ax::Fault::CardMessages { .. } if error.takes_writes_only() => CHECK_SUM,
         bim2ax::Fault::Encoder { .. } => {
             "look at the encoder, its cable and its plug, then `reset` the module, which clears the fault, and `home` the axis; \
-             `get encoder-definition-1` (or -2) tells what kind it is to be"
+             `get encoder-definition-1` (or -2) shows its kind"
         }
         bim2ax::Fault::AxisMessages { messages, .. } => return of_axis(*messages),
         bim2ax::Fault::ByteOrder => "--little-endian, or `byte_order` of the machine file",
@@ -114,7 +114,7 @@ pub(crate) fn advice_in_run(error: &DriveError) -> Option<&'static str> {
         DriveError::Timeout { .. } => {
             "is the device powered? Are A and B of the line swapped, and is its end terminated? Is this its address \
              (`scan` asks all), and are baud rate and parity those of the device? If it has answered before: was it off for a \
-             moment? `status` tells, and then it has to be homed. A slow adapter needs a larger `answer_deadline_ms` of its [[drives]]"
+             moment? `status` shows it, and then it has to be homed. A slow adapter needs a larger `answer_deadline_ms` of its [[drives]]"
         }
         other => return advice(other),
     })
@@ -147,14 +147,14 @@ fn port(at: &Exchange, error: &io::Error) -> Option<&'static str> {
     let is_module = at.address == 0;
     if at.action != Action::Open {
         return Some(
-            "the port is gone: is the adapter plugged in (`dmesg` tells when it came and went), or has the emulator ended? \
+            "the port is gone: is the adapter plugged in (`dmesg` shows when it came and went), or has the emulator ended? \
              Axes that were moving go on to their targets: use the emergency stop where they may not. When it is back, \
-             `status` tells what the drive knows, and `home` what it has lost",
+             `status` shows what the drive knows, and `home` finds what it has lost",
         );
     }
     match error.kind() {
         ErrorKind::ResourceBusy if !is_module => Some(
-            "end the other program (Ctrl-C in its window brings its axes to rest); no stop gets through beside it: if it does \
+            "end the other program (Ctrl-C in its window brings its axes to rest); no stop gets through while it runs: if it does \
              not end, use the emergency stop",
         ),
         ErrorKind::NotFound if is_module => Some(
@@ -204,8 +204,8 @@ mod tests {
             advice(&DriveError::device(at, smartdrive::Fault::Rejected(reason)))
         };
         let go_to = Action::Atb { code: 0x63, name: "GOTO" };
-        let told = refused(go_to, RejectCode::BadParams).expect("something to look at");
-        assert!(told.contains("`get Trj_PosMin` and `get Trj_PosMax`"), "{told}");
+        let message = refused(go_to, RejectCode::BadParams).expect("something to look at");
+        assert!(message.contains("`get Trj_PosMin` and `get Trj_PosMax`"), "{message}");
         let ping = Action::Atb { code: 0x00, name: "PING" };
         assert_eq!(refused(ping, RejectCode::BadParams), None);
     }

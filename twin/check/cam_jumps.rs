@@ -32,7 +32,7 @@ struct Watched<'m> {
     scaling: f64,
     factor: f64,
     absolute: bool,
-    /// What a position of the master, in its unit, gets beside it, and where it was last.
+    /// What a position of the master, in its unit, gets next to it, and where it was last.
     last: Option<(f64, f64)>,
 }
 
@@ -70,8 +70,8 @@ impl<'m> CamJumps<'m> {
         for cam in &mut self.cams {
             let axes = self.machine.axes.get(cam.axis).zip(self.machine.axes.get(cam.master));
             if let Some((slave, master)) = axes {
-                let told = cam.look(setpoint, (slave, master), seconds(self.machine.cycle_ns));
-                found.extend(told.into_iter().map(|finding| (cam.axis, finding)));
+                let jumps = cam.look(setpoint, (slave, master), seconds(self.machine.cycle_ns));
+                found.extend(jumps.into_iter().map(|finding| (cam.axis, finding)));
             }
         }
         found

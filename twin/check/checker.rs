@@ -44,8 +44,8 @@ pub(super) struct Checker<'m> {
     /// Axes that follow blocks, gears or cams, and no path.
     free: Vec<bool>,
     jumps: CamJumps<'m>,
-    /// Additional axes that the machine does not have, each told once.
-    told_missing: [bool; EXTRA_AXES.len()],
+    /// Additional axes that the machine does not have, each reported once.
+    reported_missing: [bool; EXTRA_AXES.len()],
 }
 
 impl<'m> Checker<'m> {
@@ -68,7 +68,7 @@ impl<'m> Checker<'m> {
             untaken: 0,
             free: free_axes(machine, is_job),
             jumps: CamJumps::new(machine),
-            told_missing: [false; EXTRA_AXES.len()],
+            reported_missing: [false; EXTRA_AXES.len()],
         }
     }
 
@@ -93,11 +93,11 @@ impl<'m> Checker<'m> {
         for (number, letter) in (0..).zip(EXTRA_AXES) {
             let moves = tool.extra.velocity.get(usize::from(number)).is_some_and(|v| *v != 0.0);
             let source = AxisSource::Additional(number);
-            let told = self.told_missing.get_mut(usize::from(number));
+            let reported = self.reported_missing.get_mut(usize::from(number));
             if moves
                 && !self.machine.kinematics.sources().contains(&source)
                 && self.machine.direction.additional() != Some(number)
-                && told.is_some_and(|told| !std::mem::replace(told, true))
+                && reported.is_some_and(|reported| !std::mem::replace(reported, true))
             {
                 self.findings.add(None, messages::no_additional_axis(tool.place, letter));
             }
@@ -105,8 +105,8 @@ impl<'m> Checker<'m> {
         let setpoint = self.transformer.axes(tool, None);
         if setpoint.is_ok() && self.start.is_none() {
             for (names, groups) in self.transformer.stood_on_tappets() {
-                let told = crate::messages::starts_on_tappets(tool.place, names, &groups);
-                self.findings.add(None, told);
+                let finding = crate::messages::starts_on_tappets(tool.place, names, &groups);
+                self.findings.add(None, finding);
             }
         }
         self.taken(tool.place, setpoint)
@@ -201,7 +201,7 @@ impl<'m> Checker<'m> {
             let stepped = (now.position - before.position) / cycle;
             let at_rest = now.path_velocity <= 0.0 && before.path_velocity <= 0.0;
             let most = faster * axis.max_velocity;
-            let told = exceeds(now.velocity, most) || exceeds(before.velocity, most);
+            let too_fast = exceeds(now.velocity, most) || exceeds(before.velocity, most);
             if is_hidden(stepped, [now.velocity, before.velocity], at_rest, most) {
                 peak.velocity.include(stepped, of_cycle);
                 if exceeds(stepped, most) {
@@ -216,7 +216,7 @@ impl<'m> Checker<'m> {
                 axis.own_deceleration().is_some() && now.velocity.abs() < before.velocity.abs();
             let jump_limit = harder * axis.acceleration_limit(falls);
             if (turns || free)
-                && !told
+                && !too_fast
                 && (free || !at_rest)
                 && !exceeds(stepped, most)
                 && !exceeds(now.acceleration, harder * limit)
@@ -284,9 +284,9 @@ impl<'m> Checker<'m> {
 fn out_of_order(machine: &Machine) -> Findings {
     let mut findings = Findings::default();
     for coupling in &machine.couplings {
-        if let Some(told) = coupling.out_of_order() {
+        if let Some(message) = coupling.out_of_order() {
             let axis = machine.axes.get(coupling.axis).map(|axis| axis.name.clone());
-            let finding = crate::messages::out_of_order(Place::default(), axis, told);
+            let finding = crate::messages::out_of_order(Place::default(), axis, message);
             findings.add(Some(About::Axis(coupling.axis)), finding);
         }
     }

@@ -10,7 +10,7 @@ use twin_physics::{Clearance, ClearanceScan, Part};
 /// Blocks that are kept: a picture of more shows no more.
 const MOST_BLOCKS: usize = 100_000;
 
-/// How deep parts may be in each other without that being told, m: what stands on something touches it.
+/// Depth to which parts may be in each other without a finding, m: a body that stands on another touches it.
 const TOUCHING: f64 = 1e-6;
 
 /// Smallest clearance in one block.
@@ -74,7 +74,7 @@ pub struct Clearances {
 #[derive(Debug)]
 pub(super) struct Way {
     scan: ClearanceScan,
-    /// Nearer than this is told, m.
+    /// Clearances below this are reported, m.
     wanted: f64,
     /// What a probe has touched and not come away from.
     touched: Option<[Part; 2]>,

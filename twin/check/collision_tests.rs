@@ -32,7 +32,7 @@ fn slot(z: f64) -> String {
 }
 
 #[test]
-fn depth_and_line_are_told() {
+fn depth_and_line_are_reported() {
     let outcome = checked(VICE, &slot(-12.0), false);
     let [hit] = collisions(&outcome, Severity::Error)[..] else { panic!("{outcome:#?}") };
     assert_eq!((hit.line, hit.unit), (5, Some("mm")));
@@ -41,7 +41,7 @@ fn depth_and_line_are_told() {
     let least = outcome.clearances.least.unwrap();
     assert_eq!(least.place.line, 5);
     assert!((least.nearest.distance + 2e-3).abs() < 1e-9, "{least:?}");
-    // Blocks in their order, each with its own: 30 mm up it is 40 mm above the jaw, and the tool is 17 mm beside it.
+    // Blocks in their order, each with its own: 30 mm up it is 40 mm above the jaw, and the tool is 17 mm next to it.
     let lines: Vec<_> = outcome.clearances.blocks.iter().map(|block| block.place.line).collect();
     assert_eq!(lines, [1, 2, 3, 4, 5, 6]);
 }
@@ -73,9 +73,9 @@ fn a_holder_must_not_touch_the_stock() {
 
 /// The simulated machine runs into it, says how fast and how hard, and goes no further.
 #[test]
-fn a_crash_is_told_with_its_force() {
+fn a_crash_is_reported_with_its_force() {
     let outcome = checked(VICE, &slot(-12.0), true);
-    // Beside what the plan would do.
+    // In addition to what the plan does.
     let hits = collisions(&outcome, Severity::Error);
     let [hit] = hits.iter().filter(|hit| hit.unit == Some("N")).collect::<Vec<_>>()[..] else {
         panic!("{outcome:#?}")
@@ -89,7 +89,7 @@ fn a_crash_is_told_with_its_force() {
     assert!(checked(VICE, &slot(-7.0), true).findings.is_empty());
 }
 
-/// A machine that starts in something is told of it, with or without physics.
+/// A machine that starts in an obstacle is reported, with or without physics.
 #[test]
 fn a_machine_may_start_in_something() {
     let low = VICE.replace("start_mm = [0.0, 0.0, 40.0]", "start_mm = [50.0, -10.0, -15.0]");

@@ -8,7 +8,7 @@ use twin_physics::Part;
 /// million lines is reported as well by its first thousand.
 pub(super) const MAX_FINDINGS: usize = 1000;
 
-/// So many of the findings that are only counted are remembered, so as to be counted once: more than belong to one
+/// Number of findings, of those that are only counted, that are remembered, so that each is counted once: more than belong to one
 /// line.
 const REMEMBERED: usize = 64;
 
@@ -24,7 +24,7 @@ pub(super) enum About {
 }
 
 /// What makes a finding one finding: line, rule, what it is about and column, and of what is only worth knowing also what it
-/// says: two blocks of a line tell two things. Later ones that agree in this only raise its value and lower its feed.
+/// says: two blocks of a line say two things. Later ones that agree in this only raise its value and lower its feed.
 type Key = (u32, Rule, Option<About>, Option<usize>, Option<String>);
 
 /// Findings, bounded in number. Each severity has room of its own, so that no number of warnings hides an error.
@@ -39,8 +39,8 @@ impl Findings {
     pub(super) fn add(&mut self, about: Option<About>, finding: Finding) {
         let column = finding.columns.as_ref().map(|columns| columns.start);
         let severity = finding.severity;
-        let tells = severity == Severity::Note && about.is_none() && finding.value.is_none();
-        let said = tells.then(|| finding.message.clone());
+        let is_statement = severity == Severity::Note && about.is_none() && finding.value.is_none();
+        let said = is_statement.then(|| finding.message.clone());
         let key = (finding.line, finding.rule, about, column, said);
         let kept = self.kept.entry(severity).or_default();
         if let Some(kept) = kept.get_mut(&key) {

@@ -19,7 +19,7 @@ use twin_path::Place;
 /// Three linear axes of 320 increments per mm and more, half a millimetre of following error, on a board.
 const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
 
-/// A device that is where its plan was so many ns before.
+/// A device that is where its plan was this many ns before.
 #[derive(Clone, Debug)]
 struct Late {
     delay_ns: i64,
@@ -57,7 +57,7 @@ fn machine(text: &str) -> Machine {
         .unwrap_or_else(|problems| panic!("{problems:#?}"))
 }
 
-/// Behind a plan of constant speed a device is speed times delay late, no more and no less, and that is what is told: of the axis
+/// Behind a plan of constant speed a device is speed times delay late, no more and no less, and that is what is reported: of the axis
 /// and the tool, in the line in which it is first as large, and as a warning where the machine file allows less.
 #[test]
 fn a_late_device_is_speed_times_delay_behind() {
@@ -104,8 +104,8 @@ fn a_late_device_is_speed_times_delay_behind() {
 
     // 1.2 mm in the first line and 0.6 mm in the second, which begins a delay late.
     let (findings, left_out) = findings.into_list();
-    let told = |finding: &Finding| (finding.line, finding.rule, finding.severity);
-    let mut lines: Vec<_> = findings.iter().map(told).collect();
+    let key = |finding: &Finding| (finding.line, finding.rule, finding.severity);
+    let mut lines: Vec<_> = findings.iter().map(key).collect();
     lines.sort();
     let warning = |line| (line, Rule::FollowingError, Severity::Warning);
     assert_eq!((lines, left_out), (vec![warning(7), warning(8)], 0));
@@ -167,7 +167,7 @@ fn checked(text: &str, program: &str, drives: bool) -> Outcome {
 
 /// At constant speed a module that goes from point to point stands for an order and a look between two legs, 11 ms, while the plan
 /// goes on: at best half of that way before and half behind. What it makes of a leg is at most what the plan makes in its whole
-/// horizon. A program of many lines is told by the line in which it is worst.
+/// horizon. A program of many lines is reported at the line in which it is worst.
 #[test]
 fn a_module_stands_while_its_plan_goes_on() {
     let program = "G0 Z30\nG1 X100 F3000\nG1 X160 F6000\nM2\n";

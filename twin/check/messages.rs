@@ -208,7 +208,7 @@ pub(super) fn ran_into(machine: &Machine, blow: &Blow) -> Finding {
 pub(super) fn touched(machine: &Machine, touch: &ProbeTouch) -> Option<Finding> {
     let tip = machine.kinematics.forward(&touch.position).ok()?;
     let tip = machine.frame.pose_to_work(&tip).position * 1e3;
-    // In micrometres, of which none is no less than none.
+    // In micrometres; zero is not below zero.
     let [x, y, z] = tip.coords.map(|value| (value * 1e3).round() * 1e-3 + 0.0).into();
     let message =
         format!("in the simulated machine the probe touched at X {x:.3} Y {y:.3} Z {z:.3} mm");

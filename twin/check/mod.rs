@@ -135,7 +135,7 @@ pub fn check_watched(
     })
 }
 
-/// What is told meanwhile: how far it has come, and how near everything is to what is in the way.
+/// Progress of a check: how far it has come, and the clearances to obstacles.
 type Watchers<'w> = (&'w mut dyn FnMut(Progress), &'w mut dyn FnMut(&BlockClearance));
 
 fn checked(

@@ -69,7 +69,7 @@ impl<'m> Rehearsal<'m> {
         Ok(())
     }
 
-    /// Takes the machine to `setpoint` and tells `checker` where it came.
+    /// Takes the machine to `setpoint` and reports to `checker` where it came.
     fn follow(
         &mut self,
         setpoint: &AxisSetpoint,
@@ -81,7 +81,7 @@ impl<'m> Rehearsal<'m> {
         if self.twin.is_none() {
             let twin = match Simulated::new(self.machine, &setpoint.axes.position) {
                 Ok(twin) => twin,
-                // How deep is told by whoever looks at set-points.
+                // The check of set-points reports how deep.
                 Err(SimulationError { error: PhysicsError::Overlap { parts, .. }, .. }) => {
                     let note = messages::starts_inside(self.machine, setpoint.place, parts);
                     checker.findings.add(None, note);
@@ -99,12 +99,12 @@ impl<'m> Rehearsal<'m> {
             // A machine that can be built and cannot do what is asked of it: the program is wrong, not the command.
             Err(error) => {
                 self.lost = true;
-                // That is told with what happened.
-                let told = matches!(
+                // What happened reports that.
+                let reported = matches!(
                     error,
                     PhysicsError::LimitSwitch { .. } | PhysicsError::Collision { .. }
                 );
-                if told {
+                if reported {
                     return Ok(());
                 }
                 let error = SimulationError::of(self.machine, error);

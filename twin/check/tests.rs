@@ -228,7 +228,7 @@ fn the_largest_feed_recommended_for_a_velocity_is_the_largest() {
     largest_feed_is_the_largest(&slow, stretching, 100.0, Rule::AxisVelocity);
 }
 
-/// 96 kHz at 320 increments per mm are 300 mm/s: what the drive cannot step is told as such, what the axis cannot is not.
+/// 96 kHz at 320 increments per mm are 300 mm/s: what the drive cannot step is reported as such, what the axis cannot is not.
 #[test]
 fn a_velocity_that_drives_or_motors_do_not_allow_names_them() {
     let line = "% x\nN10 G1 X200 F350 E3000 E-3000\n";
@@ -427,7 +427,7 @@ fn what_cannot_be_read_is_no_finding() {
 }
 
 #[test]
-fn progress_is_told_to_the_end_of_the_file() {
+fn progress_is_reported_to_the_end_of_the_file() {
     let program = "% long\nN10 G1 X100 F100 E500 E-500\nN20 G1 X0\n";
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("program.cnc");
@@ -435,10 +435,10 @@ fn progress_is_told_to_the_end_of_the_file() {
     let machine = Machine::parse(Path::new("machine.toml"), GANTRY3).unwrap();
     let program =
         ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
-    let mut told = Vec::new();
-    check(&machine, &program, CheckOptions::default(), &mut |at| told.push(at.bytes)).unwrap();
-    assert!(told.is_sorted() && told.len() >= 2, "{told:?}");
-    assert_eq!(told.last(), Some(&Some(program.size().unwrap())));
+    let mut reported = Vec::new();
+    check(&machine, &program, CheckOptions::default(), &mut |at| reported.push(at.bytes)).unwrap();
+    assert!(reported.is_sorted() && reported.len() >= 2, "{reported:?}");
+    assert_eq!(reported.last(), Some(&Some(program.size().unwrap())));
 }
 
 /// An axis is looked for on the turn that its software limits are on: 280° here, not −80°.
@@ -477,7 +477,7 @@ fn accelerations_that_nobody_would_wait_for_are_errors() {
     near(finding.value.unwrap(), 2.0 * (100.0 / 1e-9_f64).sqrt(), 1e-12);
 }
 
-/// What follows from a point that cannot be reached is no finding of its own.
+/// Consequences of a point out of reach have no findings of their own.
 #[test]
 fn an_unreachable_point_is_one_finding() {
     // 450 mm is as far as the arms reach; towards it they stretch, ever faster.

@@ -19,7 +19,7 @@ pub(super) struct AtomicFile {
 
 #[derive(Debug)]
 enum Out {
-    Beside(NamedTempFile),
+    Temporary(NamedTempFile),
     Device(File),
 }
 
@@ -43,9 +43,9 @@ impl AtomicFile {
             let mut prefix = OsString::from(".");
             prefix.push(path.file_name().unwrap_or_default());
             prefix.push(".");
-            let mut beside = tempfile::Builder::new();
-            let beside = beside.prefix(&prefix).suffix(".part");
-            Out::Beside(beside.tempfile_in(folder_of(&path).unwrap_or(Path::new(".")))?)
+            let mut builder = tempfile::Builder::new();
+            let builder = builder.prefix(&prefix).suffix(".part");
+            Out::Temporary(builder.tempfile_in(folder_of(&path).unwrap_or(Path::new(".")))?)
         };
         Ok(Self { out: BufWriter::with_capacity(1 << 16, out), name: name.to_owned(), path })
     }
@@ -63,7 +63,7 @@ impl AtomicFile {
         let Self { out, name, path } = self;
         let named = out.into_inner().map_err(io::IntoInnerError::into_error);
         let named = named.and_then(|out| match out {
-            Out::Beside(file) => {
+            Out::Temporary(file) => {
                 permit(&file, &path)?;
                 file.persist(&path).map(|_| ()).map_err(|error| error.error)
             }
@@ -86,14 +86,14 @@ impl Write for AtomicFile {
 impl Write for Out {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
-            Self::Beside(file) => file.write(bytes),
+            Self::Temporary(file) => file.write(bytes),
             Self::Device(file) => file.write(bytes),
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
         match self {
-            Self::Beside(file) => file.flush(),
+            Self::Temporary(file) => file.flush(),
             Self::Device(file) => file.flush(),
         }
     }

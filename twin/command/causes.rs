@@ -18,9 +18,9 @@ pub(super) struct Cause<'f> {
 type Key<'f> = (Severity, Rule, Option<&'f str>, String);
 
 fn key(finding: &Finding) -> Key<'_> {
-    // What a block or a probe has to tell is a number: each tells its own.
-    let tells = [Rule::FunctionBlock, Rule::Probe].contains(&finding.rule);
-    if finding.severity == Severity::Note && tells {
+    // A note of a block or a probe has a number of its own: each is shown.
+    let is_single = [Rule::FunctionBlock, Rule::Probe].contains(&finding.rule);
+    if finding.severity == Severity::Note && is_single {
         let axis = finding.axis.as_deref();
         return (finding.severity, finding.rule, axis, finding.message.clone());
     }
@@ -91,8 +91,8 @@ mod tests {
         findings.push(found(3, "Y", "velocity 7.5 mm/s is above 400"));
         findings.push(found(4, "X", "another matter"));
         let causes = of(&findings);
-        let told: Vec<_> = causes.iter().map(|cause| (cause.first.line, cause.count())).collect();
-        assert_eq!(told, [(1, 12), (3, 1), (4, 1)]);
+        let shown: Vec<_> = causes.iter().map(|cause| (cause.first.line, cause.count())).collect();
+        assert_eq!(shown, [(1, 12), (3, 1), (4, 1)]);
         let others = causes[0].others().unwrap();
         assert_eq!(others, "… and in 11 more lines: 2, 3, 4, 5, 6, 7, 8, 9, …");
         assert_eq!(causes[1].others(), None);
@@ -100,7 +100,7 @@ mod tests {
         let probes =
             [found(1, "X", "G38.2 meets nothing at 5"), found(2, "X", "G38.3 meets nothing at 7")];
         assert_eq!(of(&probes).len(), 2);
-        // What probes have found is told for each of them, where it is not the same.
+        // What probes have found is shown for each of them, where it is not the same.
         let message = |rule, line, message: &str| {
             let place = Place { line, block: None };
             let finding = Finding::error(rule, place, message.to_owned());
@@ -115,7 +115,7 @@ mod tests {
             let counts: Vec<_> = of(&recorded).iter().map(super::Cause::count).collect();
             assert_eq!(counts, [1, 2], "{rule:?}");
         }
-        // Twice in the same line is no other line.
+        // Twice in the same line counts as one line.
         let twice =
             [found(5, "X", "velocity 1"), found(5, "X", "velocity 2"), found(6, "X", "velocity 3")];
         assert_eq!(of(&twice)[0].others().as_deref(), Some("… and in 1 more line: 6"));

@@ -202,16 +202,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         return Ok(Status::Fit);
     }
     let mut unknown = Vec::new();
-    let mut told = false;
+    let mut shown = false;
     for text in &arguments.what {
         match Topic::find(text) {
             Ok(topic) => {
                 let written = match arguments.format {
-                    Format::Human => tell(&mut out, topic, texts, told),
+                    Format::Human => tell(&mut out, topic, texts, shown),
                     Format::Json => writeln!(out, "{}", object(topic)),
                 };
                 written.map_err(Failure::Stdio)?;
-                told = true;
+                shown = true;
             }
             Err(message) => unknown.push(message),
         }
@@ -360,7 +360,7 @@ fn list(out: &mut impl Write, texts: Texts, format: Format) -> io::Result<()> {
     }
     let mut errors = table();
     let languages = texts.languages();
-    // The blocks stand there once: in English beside several languages.
+    // The blocks are there once, in English, next to texts in several languages.
     let language = match languages {
         [only] => *only,
         _ => Language::English,

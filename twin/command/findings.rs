@@ -45,8 +45,8 @@ pub(super) fn findings(program: &ProgramFile, findings: &[Finding]) {
         }
     }
     if causes.len() > shown.len() {
-        let told: usize = shown.iter().map(causes::Cause::count).sum();
-        let rest = findings.len() - told;
+        let listed: usize = shown.iter().map(causes::Cause::count).sum();
+        let rest = findings.len() - listed;
         writeln!(io::stderr(), "… and {rest} more").unwrap_or_default();
     }
 }
@@ -68,7 +68,7 @@ fn lines_of<'f>(
     let Some(last) = wanted.last().copied() else {
         return BTreeMap::new();
     };
-    // What is no file cannot be read twice.
+    // A pipe cannot be read twice.
     if !program.path().is_file() {
         return BTreeMap::new();
     }
@@ -94,7 +94,7 @@ fn lines_of<'f>(
 /// More of a line is not read to show it, bytes.
 const LONGEST_LINE: u64 = 1 << 16;
 
-/// The text of a line, byte for byte, with a question mark for what is no text.
+/// The text of a line, byte for byte, with a question mark for bytes that are not text.
 fn printable(line: &[u8]) -> String {
     let mut text = String::with_capacity(line.len());
     for chunk in line.utf8_chunks() {

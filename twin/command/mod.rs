@@ -99,7 +99,7 @@ pub fn definition() -> clap::Command {
     Arguments::command()
 }
 
-/// What the command line says. Numbers below 0 are values wherever one is wanted, so that they are told as such where there can
+/// What the command line says. Numbers below 0 are values wherever one is wanted, so that they are reported as such where there can
 /// be none; and what [`assume`] lists is help like any other.
 fn parse() -> Result<Arguments, ExitCode> {
     fn signed(command: clap::Command) -> clap::Command {
@@ -113,7 +113,7 @@ fn parse() -> Result<Arguments, ExitCode> {
     match matches.and_then(|matches| Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => Ok(arguments),
         Err(error) => {
-            // A list that an argument has made is no error, and clap calls whatever is made so one.
+            // A list that an argument asks for is not an error, although clap calls it one.
             let text = error.to_string();
             let list = text.strip_prefix("error: ");
             match list.filter(|_| error.kind() == ErrorKind::DisplayHelp) {

@@ -7,7 +7,7 @@ use twin_machine::tappets::{MasterPlace, Switched, TappetSwitch};
 use twin_number::fixed;
 use twin_number::seconds;
 
-/// So many switchings are shown whole; of more the first and the last ones.
+/// Number of switchings that are shown whole; of more, the first and the last ones.
 const SHOWN: usize = 20;
 
 /// The table, and how many are left out; nothing if there are no tappets.

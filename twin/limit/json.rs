@@ -32,7 +32,7 @@ pub struct LimitReport {
     findings: Vec<Finding>,
 }
 
-/// Beside the limits of the axes.
+/// Limits other than those of the axes.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 struct ComparedReport {
     duration_under_axis_limits_s: f64,

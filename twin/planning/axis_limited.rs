@@ -4,7 +4,7 @@ use crate::finding::{Finding, Rule};
 use crate::limit::{LimitFailure, LimitRules, Profile, ProfileItem, not_solved};
 use crate::m_function::{Acknowledgement, MCall, Waiting};
 use crate::messages::unreachable;
-use crate::planning::background_planner::{Beside, Fault};
+use crate::planning::background_planner::{BackgroundPlanner, Fault};
 use crate::program::{Findings, Halt, ProgramFile, ProgramItem};
 use crate::setpoint_source::LEAST_OVERRIDE;
 use std::io;
@@ -41,7 +41,11 @@ impl<'m> WithinAxes<'m> {
     }
 
     /// As it is run.
-    pub(super) fn for_run(machine: &Machine, plan: Beside<'m>, rules: Acknowledgement) -> Self {
+    pub(super) fn for_run(
+        machine: &Machine,
+        plan: BackgroundPlanner<'m>,
+        rules: Acknowledgement,
+    ) -> Self {
         let cycle = u32::try_from(machine.cycle_ns).ok().and_then(NonZeroU32::new);
         let follower = Follower::new(plan, cycle.unwrap_or(DEFAULT_CYCLE_NS));
         let follower = follower.with_m_times(rules.times());
@@ -75,12 +79,12 @@ impl<'m> WithinAxes<'m> {
     }
 
     pub(super) fn acknowledge(&mut self) {
-        self.waiting.tell();
+        self.waiting.acknowledge();
     }
 
     pub(super) fn request_stop(&mut self) {
         // That does not wait for an M function.
-        self.waiting.tell();
+        self.waiting.acknowledge();
         if let Motion::Run(running) = &mut self.motion {
             running.follower.stop();
         }
@@ -177,7 +181,7 @@ fn checked(profile: &mut Profile<'_>) -> Option<Next> {
 /// A plan that is executed while it is made.
 #[derive(Debug)]
 struct Running<'m> {
-    follower: Follower<Beside<'m>>,
+    follower: Follower<BackgroundPlanner<'m>>,
     /// The element that the last set-point is on.
     element: Option<Arc<BlendedElement>>,
 }

@@ -69,7 +69,7 @@ enum Link<'m> {
 
 /// A plan that is executed while it is made.
 #[derive(Debug)]
-pub(super) struct Beside<'m> {
+pub(super) struct BackgroundPlanner<'m> {
     spliced: PlanExecutor<Fault>,
     link: Link<'m>,
     /// A request that has found no room.
@@ -79,7 +79,7 @@ pub(super) struct Beside<'m> {
     pub(super) waits: bool,
 }
 
-impl<'m> Beside<'m> {
+impl<'m> BackgroundPlanner<'m> {
     /// Planned when it is needed.
     pub(super) fn here(machine: &'m Machine, program: &ProgramFile) -> Result<Self, LimitFailure> {
         Ok(Self::over(Link::Here(Box::new(Maker::new(machine, program)?))))
@@ -222,7 +222,7 @@ fn make(
     }
 }
 
-impl Iterator for Beside<'_> {
+impl Iterator for BackgroundPlanner<'_> {
     type Item = Result<Planned, LimitError<Fault>>;
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -235,7 +235,7 @@ impl Iterator for Beside<'_> {
     }
 }
 
-impl Replan for Beside<'_> {
+impl Replan for BackgroundPlanner<'_> {
     fn set_override(&mut self, factor: f64) {
         let request = self.spliced.set_override(factor);
         self.send(request);

@@ -15,7 +15,7 @@ use crate::program::{Dialect, ProgramFile};
 use crate::setpoint::Transformer;
 use crate::setpoint_source::PlanItem;
 use axis_limited::WithinAxes;
-use background_planner::Beside;
+use background_planner::BackgroundPlanner;
 use source::SetpointSource;
 use std::task::Poll;
 use std::thread::Scope;
@@ -79,9 +79,9 @@ impl<'m> Planning<'m> {
             return Self::new(machine, program, limits, rules);
         }
         let plan = if paced {
-            Beside::thread(scope, machine, program)?
+            BackgroundPlanner::thread(scope, machine, program)?
         } else {
-            Beside::here(machine, program)?
+            BackgroundPlanner::here(machine, program)?
         };
         Ok(Self::over(Box::new(WithinAxes::for_run(machine, plan, rules))))
     }

@@ -225,7 +225,7 @@ impl Setpoints {
 
     /// The M function is done; the path goes on with the next set-point.
     pub fn acknowledge(&mut self) {
-        self.waiting.tell();
+        self.waiting.acknowledge();
     }
 
     /// Override, stops and single step from the next set-point on. M functions are acknowledged elsewhere.

@@ -85,7 +85,7 @@ struct MaximumReport {
 }
 
 impl AxisMaximaReport {
-    /// Of an axis: its tracking error against the set position so many cycles ago, its set velocity and acceleration; stamps are
+    /// Of an axis: its tracking error against the set position a number of cycles ago, its set velocity and acceleration; stamps are
     /// in ms.
     pub fn new(axis: &Axis, dead_time_cycles: u8, maxima: [Largest; 3]) -> Self {
         let report = |most: Largest| MaximumReport {

@@ -7,7 +7,7 @@ use twin_machine::Machine;
 use twin_number::seconds;
 use twin_planner::time_optimal::emergency::{EmergencyStop, StopError, StopLimits};
 
-/// So many time constants of the slowest position loop the set-points rest at the end, for what follows them to rest as well.
+/// Time constants of the slowest position loop for which the set-points rest at the end, for what follows them to rest as well.
 const SETTLING: f64 = 10.0;
 
 /// The set-points behind `from`, one per cycle, until all axes rest; none if they rest there.

@@ -2,12 +2,12 @@
 
 use hdrhistogram::Histogram;
 
-/// Longest lateness that is told apart from longer ones, µs: a minute.
+/// Longest lateness that is distinguished from longer ones, µs: a minute.
 const LONGEST_US: u64 = 60_000_000;
 
 /// Cycle lateness of a run, each cycle against the instant at which it was due on the session's clock.
 ///
-/// Set-points are planned ahead, so a late cycle is no late command to a drive until it is later than the horizon of the
+/// Set-points are planned ahead, so a late cycle is a late command to a drive only when it is later than the horizon of the
 /// plan ([`crate::setpoint::HORIZON_NS`]); it is how well this computer keeps time.
 #[derive(Clone, Debug)]
 pub struct Punctuality {

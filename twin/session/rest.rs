@@ -28,24 +28,24 @@ pub struct Rest {
 impl Rest {
     /// In words, with the names and units of a machine.
     pub fn message(&self, machine: &Machine) -> String {
-        let mut told = String::new();
+        let mut text = String::new();
         let time = seconds(self.time_ns);
         let place = self.place;
         // Writing to a string cannot fail.
-        let mut tell = |text: std::fmt::Arguments<'_>| told.write_fmt(text).unwrap_or_default();
+        let mut add = |part: std::fmt::Arguments<'_>| text.write_fmt(part).unwrap_or_default();
         if let Some(asked_ns) = self.asked_ns {
-            tell(format_args!("the stop was asked for at {:.3} s; ", seconds(asked_ns)));
+            add(format_args!("the stop was asked for at {:.3} s; ", seconds(asked_ns)));
         }
         let at = positions(machine, &self.wanted);
         match &self.drives {
-            None => tell(format_args!("the axes came to rest at {time:.3} s, {place}: {at}")),
+            None => add(format_args!("the axes came to rest at {time:.3} s, {place}: {at}")),
             Some((heard_ns, drives)) => {
-                tell(format_args!("the set-points came to rest at {time:.3} s, {place}: {at}"));
+                add(format_args!("the set-points came to rest at {time:.3} s, {place}: {at}"));
                 let (heard, at) = (seconds(*heard_ns), positions(machine, drives));
-                tell(format_args!("; the drives were last heard of at {heard:.3} s: {at}"));
+                add(format_args!("; the drives were last heard of at {heard:.3} s: {at}"));
             }
         }
-        told
+        text
     }
 }
 

@@ -6,7 +6,7 @@ use std::io::Write;
 use twin_machine::Machine;
 use twin_number::{exact_seconds, significant};
 
-/// Significant digits of lengths, which are told to the nanometre: beyond that is noise.
+/// Significant digits of lengths, which are given to the nanometre: beyond that is noise.
 const DIGITS: usize = 12;
 
 /// Writes the clearance of every block as CSV: a header, then a line per block in the order in which they are run through.

@@ -13,10 +13,10 @@ use twin_plot::{
 /// Heights of the rows, pixels: all of it, and what is near.
 const HEIGHTS: [f64; 2] = [210.0, 150.0];
 
-/// The row of what is near goes to so many times the wanted clearance, or the least.
+/// Upper end of the row of near clearances, as a multiple of the wanted clearance, or of the least.
 const NEAR: f64 = 4.0;
 
-/// It is there if all of it goes so many times as far: else it is seen there.
+/// There is such a row if the whole goes this many times as far.
 const FAR: f64 = 3.0;
 
 /// Collisions whose lines are kept; the ground of those behind them is red all the same.
@@ -95,7 +95,7 @@ impl<'m> ClearancePicture<'m> {
         collision.map_or(0, |collision| collision.surroundings.obstacles.len())
     }
 
-    /// By what the parts are told apart in the strip.
+    /// Colours of the parts in the strip.
     fn kind(&self, parts: [Part; 2]) -> usize {
         let obstacle = parts.into_iter().find_map(|part| match part {
             Part::Obstacle(index) => Some(index),

@@ -1,4 +1,4 @@
-//! Tables and pictures of what set-points are told to be.
+//! Tests of tables and pictures of clearances.
 
 use super::{ClearanceCsv, ClearancePicture};
 use crate::check::BlockClearance;
@@ -8,7 +8,7 @@ use twin_machine::Machine;
 use twin_path::Place;
 use twin_physics::{Clearance, Part};
 
-/// Nearer than 2 mm is told; its obstacles are table, fixed jaw, moving jaw, screw and stock.
+/// Nearer than 2 mm is reported; its obstacles are table, fixed jaw, moving jaw, screw and stock.
 fn machine() -> Machine {
     let text = include_str!("../../../machines/gantry3_vice.toml");
     Machine::parse(Path::new("vice.toml"), text).unwrap_or_else(|error| panic!("{error:#?}"))
@@ -46,7 +46,7 @@ fn picture(samples: &[BlockClearance]) -> String {
     picture.draw("part.ngc")
 }
 
-/// Whether these words, and no others beside them, are somewhere in a picture.
+/// Whether these words, and no others next to them, are somewhere in a picture.
 fn says(picture: &str, words: &str) -> bool {
     picture.contains(&format!(">{words}</text>"))
 }
@@ -110,7 +110,7 @@ fn a_picture_names_what_is_nearest_and_what_is_hit() {
     assert!(picture(&[at(1, 0, 5.0, 1), at(2, 9, -1e-4, 1)]).contains("0.000 mm between the tool"));
 }
 
-/// What is near gets a row of its own where little is seen of it beside what is far.
+/// What is near gets a row of its own where little is seen of it next to what is far.
 #[test]
 fn what_is_near_is_seen_beside_what_is_far() {
     let samples = [at(1, 0, 300.0, 0), at(2, 1000, 2.5, 1), at(3, 2000, 300.0, 0)];

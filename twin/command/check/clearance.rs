@@ -41,7 +41,7 @@ impl<'m> ClearanceFiles<'m> {
     pub(super) fn include(&mut self, now: &BlockClearance) {
         for (path, table) in &mut self.tables {
             if let Err(error) = table.include(now) {
-                // The check goes on; the first failure is told at its end.
+                // The check goes on; the first failure is reported at its end.
                 self.failure.get_or_insert(unwritable(path, error.into()));
             }
         }

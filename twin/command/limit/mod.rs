@@ -327,7 +327,7 @@ impl<'a> Job<'a> {
         (LimitSummary { changes, ..summary }, limits)
     }
 
-    /// The summary of the controller's own profile, beside that within the limits of the axes.
+    /// The summary of the controller's own profile, next to that within the limits of the axes.
     fn by_controller(&mut self) -> Result<LimitSummary, Failure> {
         let mut axes = Job::new(self.machine, self.program)?;
         let profile = Profile::new(self.program, self.machine, LimitRules::default());

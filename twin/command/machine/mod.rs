@@ -77,7 +77,7 @@ enum Format {
     Json,
 }
 
-/// What is told of a machine.
+/// Facts about a machine that are shown.
 struct Facts<'m> {
     machine: &'m Machine,
     workspace: Workspace<'m>,

@@ -246,7 +246,7 @@ fn positions(machine: &Machine, axes: &AxisVector) -> String {
     axes.join(", ")
 }
 
-/// A dimension of the machine file. What deviates from nominal is told only where it does.
+/// A dimension of the machine file. Deviations from nominal are shown only where there are any.
 fn message(value: &toml::Value) -> Option<toml::Value> {
     fn is_zero(value: &toml::Value) -> bool {
         match value {
@@ -255,12 +255,12 @@ fn message(value: &toml::Value) -> Option<toml::Value> {
         }
     }
     let toml::Value::Table(table) = value else { return Some(value.clone()) };
-    let told: toml::Table = table
+    let deviations: toml::Table = table
         .iter()
         .filter(|(_, value)| !is_zero(value))
         .map(|(key, value)| (key.clone(), value.clone()))
         .collect();
-    (!told.is_empty()).then_some(toml::Value::Table(told))
+    (!deviations.is_empty()).then_some(toml::Value::Table(deviations))
 }
 
 /// Where the tool gets, and how well the axes move it there.

@@ -37,10 +37,10 @@ pub(super) fn homing_speeds(
         let place = axis.drive.as_ref().filter(|_| to_home.contains(&index))?;
         let attached = drives.iter_mut().find(|attached| attached.device == place.device)?;
         let (id, increments) = homing_parameter(machine, axis)?;
-        // What cannot be read is told as not known: homing itself fails then.
-        let told = attached.drive.parameter(id).ok()?;
+        // What cannot be read is shown as not known: homing itself fails then.
+        let read = attached.drive.parameter(id).ok()?;
         #[expect(clippy::cast_precision_loss, reason = "parameters have 32 bits")]
-        Some(told as f64 * increments / axis.increments_per_si().abs())
+        Some(read as f64 * increments / axis.increments_per_si().abs())
     };
     machine.axes.iter().enumerate().map(speed).collect()
 }
@@ -102,7 +102,7 @@ pub(super) fn moves(
             let speed = |speed: f64| format!("{:.1} {unit}/s", axis.from_si(speed));
             let homing = match asked.homing.get(index) {
                 Some(Some(of_device)) => speed(*of_device),
-                _ if to_home.contains(&index) => "not told".to_owned(),
+                _ if to_home.contains(&index) => "unknown".to_owned(),
                 _ => String::new(),
             };
             let peak = asked.outcome.peaks.get(index).map_or(0.0, |peak| peak.velocity.value);

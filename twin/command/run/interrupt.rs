@@ -134,7 +134,7 @@ fn bit(kind: SignalKind) -> u64 {
     1 << (kind.as_raw_value() - 1)
 }
 
-/// The signals that the program was started to ignore, bit by bit (the first is bit 0), as the system tells it; none where it
+/// The signals that the program was started to ignore, bit by bit (the first is bit 0), as the system reports it; none where it
 /// does not.
 fn ignored() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

@@ -169,7 +169,7 @@ fn needs(outcome: &Outcome, homed: impl Fn(usize) -> Homed) -> Vec<Needs> {
     peaks.map(|(index, peak)| Needs { range: peak.position, homed: homed(index) }).collect()
 }
 
-/// All failures have been told, each.
+/// All failures have been reported, each.
 fn refuse_failed(checks: &[Check]) -> Result<(), Failure> {
     let failed = checks.iter().filter(|check| check.has_failed()).count();
     if failed == 0 {
@@ -179,7 +179,7 @@ fn refuse_failed(checks: &[Check]) -> Result<(), Failure> {
     Err(Failure::Usage(format!("{failed} start-up {plural} failed: nothing has moved")))
 }
 
-/// The same checks of emulated drives, which are told only if they fail. How many there are.
+/// The same checks of emulated drives, which are reported only if they fail. How many there are.
 fn emulated(
     machine: &Machine,
     attached: &mut Attached,

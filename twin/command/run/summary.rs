@@ -37,7 +37,7 @@ fn samples_report(all: Heard, devices: &[(String, Heard)]) -> DriveSamplesReport
 
 /// A cycle that is so late shows a busy computer, µs.
 const BUSY_US: u64 = 20_000;
-/// Drives are heard of some thirty times a second; a gap of several times that is told.
+/// Drives are heard of some thirty times a second; a gap of several times that is reported.
 const LONGEST_USUAL_GAP_NS: i64 = 120_000_000;
 
 /// A few lines and a table for people.

@@ -182,17 +182,18 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         let record = self.twin.record();
         let Self { comparison, punctuality, stopped, off_path, mut hardware, overrides, .. } = self;
         let rest = stopped.as_ref().and_then(|_| self.resting.rest());
-        // Drives that have not come to rest are stopped now, and what they say to that is told, too.
+        // Drives that have not come to rest are stopped now, and their answers are reported, too.
         if let Some(hardware) = hardware.as_mut().filter(|hardware| hardware.is_running()) {
             hardware.abandon();
         }
-        let told = hardware.as_ref();
-        let not_stopped = told.map(|told| told.not_stopped().to_vec()).unwrap_or_default();
-        let restarted = told.map(|told| told.restarted().to_vec()).unwrap_or_default();
-        let heard = told.map(Hardware::heard).unwrap_or_default();
-        let switched = told.map(Hardware::switched).unwrap_or_default();
-        let last_heard = told.map(Hardware::last_heard).unwrap_or_default();
-        let left_on = told.map(|told| told.left_on().to_vec()).unwrap_or_default();
+        let attached = hardware.as_ref();
+        let not_stopped =
+            attached.map(|attached| attached.not_stopped().to_vec()).unwrap_or_default();
+        let restarted = attached.map(|attached| attached.restarted().to_vec()).unwrap_or_default();
+        let heard = attached.map(Hardware::heard).unwrap_or_default();
+        let switched = attached.map(Hardware::switched).unwrap_or_default();
+        let last_heard = attached.map(Hardware::last_heard).unwrap_or_default();
+        let left_on = attached.map(|attached| attached.left_on().to_vec()).unwrap_or_default();
         let stopping = hardware.filter(Hardware::is_running);
         let overrides = overrides.into_changes();
         Ending {

@@ -66,8 +66,7 @@ fn pieces(shape: &Shape, count: f64) -> impl Iterator<Item = Point> {
         .map(move |number| point(&shape.at(length * (number / count)).position))
 }
 
-/// An elliptic arc in pieces of about a quarter: SVG draws none that closes, and none of more than a half without
-/// being told.
+/// An elliptic arc in pieces of about a quarter: SVG draws no closed one, and needs a flag for more than half.
 fn arcs(
     shape: &Shape,
     [long, across]: [f64; 2],

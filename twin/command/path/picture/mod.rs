@@ -106,7 +106,7 @@ pub(super) struct Picture<W> {
 #[derive(Debug)]
 struct Marks<T> {
     kept: Vec<T>,
-    /// One of so many is kept.
+    /// One of this many is kept.
     every: u64,
     seen: u64,
 }

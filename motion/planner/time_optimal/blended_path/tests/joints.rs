@@ -251,7 +251,7 @@ fn extra_axes_alone() {
     assert!(course(back, within(1e-5))[0].joint().stop);
 }
 
-/// Z with the S profile ends without slope: the tangent is no unit vector, and a step remains without a turn.
+/// Z with the S profile ends without slope: the tangent is not a unit vector, and a step remains without a turn.
 #[test]
 fn steps_of_the_speed_alone() {
     let mut path =
