@@ -1,7 +1,7 @@
 //! The promise of tuning: of 1,000 seeded trials 95 % have the truth within the interval that is stated, whatever
 //! recordings are like: dwells, steps of any size, noise that goes on, jitter of the master, all unknowns.
 
-use super::{Random, at_rest, right, trials};
+use super::{Random, at_rest, cases, right, trials};
 use crate::Curve;
 use crate::tune::{Fit, FitError, FitOptions, Free, Sample, fit};
 
@@ -116,7 +116,7 @@ impl Case {
         let curve = (self.curve)();
         let (mut hits, mut refused) = ([0_u32; 2], 0);
         let (mut widths, mut squares) = ([0.0; 2], [0.0; 2]);
-        let trials = TRIALS;
+        let trials = trials(TRIALS);
         for seed in 0..trials {
             let mut random = Random(seed + 1_610_000);
             let free = self.free;
@@ -215,21 +215,21 @@ const STEPS: [(f64, Option<i32>); 4] =
 
 #[test]
 fn rounded_offsets() {
-    for (step, decimals) in STEPS {
+    for (step, decimals) in cases(STEPS, 2) {
         Case { step, decimals, ..STILL }.holds_and_sees(AND_MORE);
     }
 }
 
 #[test]
 fn rounded_slaves() {
-    for (step, decimals) in STEPS {
+    for (step, decimals) in cases(STEPS, 2) {
         Case { free: SLAVE, step, decimals, ..STILL }.holds_and_sees(AND_MORE);
     }
 }
 
 #[test]
 fn rounded_with_all_unknowns() {
-    for (step, decimals) in STEPS {
+    for (step, decimals) in cases(STEPS, 2) {
         Case { free: ALL, step, decimals, ..STILL }.holds_and_sees(AND_MORE);
     }
 }
@@ -268,7 +268,7 @@ fn rounded_with_noise() {
 #[test]
 fn rounded_with_noise_that_goes_on() {
     for part in [0.1, 0.3] {
-        for correlation in [0.3, 0.5] {
+        for correlation in cases([0.5, 0.3], 1) {
             let case = Case { noise: part * COUNTS, correlation, samples: 400, ..STILL };
             Case { free: OFFSETS, step: COUNTS, ..case }.holds(AND_MORE);
             Case { free: SLAVE, step: COUNTS, ..case }.holds(AND_MORE);
@@ -278,7 +278,7 @@ fn rounded_with_noise_that_goes_on() {
 
 #[test]
 fn rounded_with_noise_that_goes_on_and_all_unknowns() {
-    for correlation in [0.3, 0.5] {
+    for correlation in cases([0.5, 0.3], 1) {
         let case = Case { noise: 0.03, correlation, samples: 400, ..STILL };
         Case { free: ALL, step: 0.1, ..case }.holds(AND_MORE);
     }
@@ -317,7 +317,7 @@ fn jitter_of_the_master_is_no_outlier() {
     let curve = dwelling();
     let truth = [2.0, 1.0, 0.5, 1.0];
     let (mut refused, mut slipped) = (0_u64, 0_u64);
-    let runs = 400;
+    let runs = trials(400);
     for (samples, runs) in [(200, 5 * runs), (1000, runs)] {
         let case = Case { noise: 0.01, jitter: 0.3, samples, ..STILL };
         for seed in 0..runs {
@@ -338,7 +338,7 @@ fn jitter_of_the_master_is_no_outlier() {
     }
     // One in ten runs slips.
     println!("refused {refused} of {}, slips {slipped} of {}", 6 * runs, 6 * runs / 10);
-    assert!(refused <= 1 && slipped >= 225, "{refused} {slipped}");
+    assert!(refused <= 1 && slipped >= 9 * runs / 16, "{refused} {slipped}");
 }
 
 /// Most samples are fitted as they are, and those between are not outliers for that.

@@ -1,6 +1,6 @@
 //! Ramps: as soon as can be where that is known in closed form, and compared with the coupling itself.
 
-use super::Random;
+use super::{Random, trials};
 use crate::tune::{RampError, RampGoal, RampIn, RampWish, ramp_in};
 use crate::{Cam, CamCoupling, CamInput, CamTable, Knot, Quantity, Shape, SlaveLimits, StartMode};
 use std::sync::Arc;
@@ -233,7 +233,7 @@ fn driven(wish: &RampWish, ramp: &RampIn, cycle_ns: i64) -> [f64; 3] {
 /// hold, and no other values near or far are better.
 #[test]
 fn random_ramps_are_what_the_coupling_does_and_none_is_sooner() {
-    for seed in 0..40 {
+    for seed in 0..trials(40) {
         let mut random = Random(seed);
         let sign = if seed % 3 == 0 { -1.0 } else { 1.0 };
         let master = moving(random.between(0.0, 360.0), sign * random.between(20.0, 300.0));
