@@ -28,7 +28,7 @@ pub use constrained::{
 pub use distributions::{student_975, student_exceeds};
 pub use fit::{Fit, FitOptions, Free, Sample, fit};
 pub use ramp_in::{
-    Held, RampError, RampGoal, RampIn, RampMoment, RampShown, RampWish, on_cam, ramp_in, ramp_shown,
+    RampError, RampGoal, RampIn, RampMoment, RampShown, RampWish, on_cam, ramp_in, ramp_shown,
 };
 pub use reshape::{ReshapeError, Reshaped, Tolerance, Wish, reshape, soften};
 

@@ -1,6 +1,6 @@
 //! The picture of a start with a ramp: what the slave does before and after over the time, next to its cam.
 
-use twin_cam::tune::{RampError, RampIn, RampMoment, RampShown, RampWish, on_cam, ramp_shown};
+use twin_cam::tune::{RampError, RampIn, RampShown, RampWish, on_cam, ramp_shown};
 use twin_number::{beside, significant};
 use twin_plot::{Across, BACK, Chart, Color, Legend, MARK, Point, Row, Shape, Sign, Stroke, reach};
 use twin_profile::State;
@@ -83,8 +83,7 @@ pub(crate) fn ramp_chart(
 
 /// The cam over the time, on the turn of a rotary slave on which the ramp comes onto it.
 fn cam(wish: &RampWish, end_s: f64, after: &RampShown) -> Result<Vec<(f64, State)>, RampError> {
-    let last = after.stretches.last().and_then(|stretch| stretch.last());
-    let by = match last {
+    let by = match after.moments.last() {
         Some(last) => last.cam.position - on_cam(wish, last.time_s)?.position,
         None => 0.0,
     };
@@ -155,13 +154,11 @@ impl Start<'_> {
 
     /// What the slave does: the ramp, and its cam behind it.
     fn slave(&self, shown: &RampShown, quantity: usize) -> Vec<Point> {
-        let moments = shown.stretches.iter().flatten();
-        let moments = moments.filter(|moment: &&RampMoment| moment.time_s <= self.end_s);
+        let moments = shown.moments.iter().filter(|moment| moment.time_s <= self.end_s);
         let mut line: Vec<_> = vec![(0.0, part(&self.wish.slave, quantity))];
         line.extend(moments.map(|moment| (moment.time_s, part(&moment.slave, quantity))));
         // A ramp before may come onto its cam a turn away.
-        let last = shown.stretches.last().and_then(|stretch| stretch.last());
-        let by = last.filter(|_| quantity == 0).map_or(0.0, |last| {
+        let by = shown.moments.last().filter(|_| quantity == 0).map_or(0.0, |last| {
             let near = self.cam.iter().min_by(|one, other| {
                 (one.0 - last.time_s).abs().total_cmp(&(other.0 - last.time_s).abs())
             });

@@ -37,11 +37,6 @@ impl Way {
         Self { velocity, pieces }
     }
 
-    /// How long it takes, s.
-    pub(super) fn duration(&self) -> f64 {
-        self.pieces.iter().map(|[duration, ..]| duration).sum()
-    }
-
     /// The largest velocity that it reaches.
     pub(super) fn fastest(&self) -> f64 {
         let mut velocity = self.velocity;

@@ -63,11 +63,6 @@ impl<'a> Problem<'a> {
         Ok(Self { wish, most, place: coupling.place(), gap, span: span.max(f64::MIN_POSITIVE) })
     }
 
-    /// Without a largest `VelocityDiff`.
-    pub(super) fn free(self) -> Self {
-        Self { most: f64::INFINITY, ..self }
-    }
-
     /// The same start with another wish.
     pub(super) fn with<'b>(&self, wish: &'b RampWish) -> Problem<'b> {
         Problem { wish, most: self.most, place: self.place, gap: self.gap, span: self.span }

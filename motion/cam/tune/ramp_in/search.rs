@@ -1,59 +1,44 @@
-//! Search for the best ramp: differential evolution of ramps of all kinds and times.
+//! Search for the best ramp: one seeded differential evolution over the logarithms of a ramp's values.
 //!
 //! Where the cam moves meanwhile there are several valleys, and the best ramp mostly lies in a corner where two or three limits hold
-//! at once. The ramps of each time evolve first, crowded; then places around the best ones that are apart, and around the best of
-//! all. Nothing is taken but what keeps the limits by its exact peaks.
+//! at once. Ramps of all times and kinds are scattered first and evolve crowded; then places around the best ones that are apart, and
+//! around the best of all. Nothing is taken but what keeps the limits by its exact peaks.
 //!
-//! A ramp over D in T s has velocities of the order of D/T, accelerations of D/T² and jerks of D/T³. Its kind says the rest: how
-//! lopsided it is, how soon it reaches its accelerations, and which part of its velocity it may have. The accelerations with which
-//! it takes T s are found by bisection.
+//! A ramp over D in T s has velocities of the order of D/T, accelerations of D/T² and jerks of D/T³: ramps of a time are scattered
+//! around these.
 
 use super::super::evolution::{Evolution, Population, evolve};
-use super::NOTHING;
 use super::problem::{Problem, ROUNDING, Values, values};
 use super::wish::{RampError, RampIn};
-use crate::{Quantity, SlaveLimits};
+use super::{LONGEST_S, NOTHING};
+use crate::Quantity;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
-use std::f64::consts::LN_2;
+use rand_distr::{Distribution, StandardNormal, Uniform};
 
-/// Growth of the velocity against its fall, as powers of 2; jerk by velocity, as a part of the square of the acceleration; parts of
-/// the velocity that is reached without a limit.
-const LOPSIDED: [f64; 9] = [-10.0, -5.0, -2.5, -1.0, 0.0, 1.0, 2.5, 5.0, 10.0];
-const SUDDEN: [f64; 4] = [0.7, 1.5, 4.0, 20.0];
-const SLOWER: [f64; 6] = [1.0, 0.9, 0.75, 0.6, 0.45, 0.25];
-/// The logarithm of an acceleration lies within this.
-const BRACKET: f64 = 12.0;
-const HALVINGS: u32 = 14;
-/// As good as no limit of the velocity, in its own unit.
-const UNLIMITED: f64 = 1e6;
+/// Ramps that are scattered, how many of them are evolved for each of these costs of an excess, and for how many generations. The
+/// cheap ones come near to corners, the dear ones keep limits.
+const SCATTERED: usize = 1000;
+const COSTS: [f64; 3] = [0.5, 3.0, 30.0];
+const OF_EACH: usize = 30;
+const GENERATIONS: usize = 30;
+/// Around their order of magnitude values are scattered by this standard deviation, as a logarithm.
+const SCATTER: f64 = 1.5;
 /// The cost of an excess in a walk: more than any limit is worth.
 const DEAR: f64 = 20.0;
-/// How many ramps of a time are evolved: the best ones with each of these costs of an excess. The cheap ones come near to corners, the
-/// dear ones keep limits.
-const ISLAND: usize = 36;
-const COSTS: [f64; 3] = [0.5, 3.0, 30.0];
 /// Values may leave the box of those that are evolved by this much, as a logarithm.
 const ROOM: f64 = 1.0;
-/// Generations of the ramps of a time, how many of them go on, and of all of them. Alike are ramps whose duration and peaks differ by
-/// less, as logarithms.
-const GENERATIONS: usize = 20;
-const OF_EACH: usize = 4;
-const LEFT: usize = 24;
+/// How many ramps go on. Alike are ramps whose duration and peaks differ by less, as logarithms.
+const LEFT: usize = 12;
 const ALIKE: f64 = 0.05;
 /// Stride of places around those that go on, and those around the best ramp one after the other, as logarithms; how many places, and
 /// for how many generations.
 const NEIGHBOURS: f64 = 0.2;
-const AGAIN: [f64; 8] = [1.0, 0.05, 5e-3, 5e-4, 0.5, 0.2, 0.02, 2e-4];
+const AGAIN: [f64; 6] = [1.0, 0.05, 5e-3, 0.2, 0.02, 2e-4];
 const AROUND: usize = 20;
 const AGAIN_GENERATIONS: usize = 70;
 /// Of the values this part is what the search left over.
 const NEAT: f64 = 1e-7;
-/// Jerks of the axis that are tried, each 5 % less than the one before.
-const ROW: i32 = 400;
-/// More velocity by this part than without a limit is reached costs next to nothing.
-const HAIR: f64 = 1e-4;
 
 /// What a ramp is compared by.
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +50,9 @@ pub(super) struct Aim {
 }
 
 impl Aim {
-    pub(super) fn of(&self, ramp: &RampIn) -> f64 {
+    pub(super) const SOONEST: Self = Self { least: None, within_s: f64::INFINITY };
+
+    fn of(&self, ramp: &RampIn) -> f64 {
         self.least.map_or(ramp.duration_s, |least| ramp.peak(least))
     }
 }
@@ -87,66 +74,64 @@ impl Place {
 }
 
 /// A search, and the best ramp so far.
-#[derive(Debug)]
-pub(super) struct Search<'a> {
+struct Search<'a> {
     problem: &'a Problem<'a>,
     aim: Aim,
-    begun: Vec<Vec<Place>>,
     best: Option<(f64, RampIn)>,
-    /// Of the random numbers.
+    random: ChaCha8Rng,
+    /// Of the random numbers of an evolution.
     stream: u64,
 }
 
-impl<'a> Search<'a> {
-    pub(super) fn new(problem: &'a Problem<'a>, aim: Aim) -> Self {
-        Self { problem, aim, begun: Vec::new(), best: None, stream: 0 }
-    }
-
-    pub(super) fn best(&self) -> Option<RampIn> {
-        self.best.map(|(_, ramp)| ramp)
-    }
-
-    /// Begins with a ramp that is known.
-    pub(super) fn begin_with(&mut self, ramp: &RampIn) {
-        let place = self.place(values(ramp).map(f64::ln));
-        self.begun.push(place.into_iter().collect());
-    }
-
-    /// Begins with ramps of a time.
-    pub(super) fn sow(&mut self, time: f64) {
-        let seeds = self.problem.seeds(time);
-        let mut places: Vec<_> = seeds.into_iter().filter_map(|at| self.place(at)).collect();
-        let mut island = Vec::new();
+impl Search<'_> {
+    /// The best of the scattered ramps, for each cost of an excess.
+    fn scattered(&mut self) -> Vec<Place> {
+        let ([distance, velocity, acceleration], limited) =
+            (self.problem.gap(), self.problem.limited());
+        let within_s = if self.aim.within_s.is_finite() { self.aim.within_s } else { LONGEST_S };
+        let low = self.problem.least_time().max(self.problem.wish.cycle_s);
+        let range = (within_s.max(low) / low).ln();
+        let Ok(share) = Uniform::new(0.0, 1.0) else { return Vec::new() };
+        let mut places = Vec::new();
+        for _ in 0..SCATTERED {
+            let u: f64 = share.sample(&mut self.random);
+            // The soonest ramp is rather short, the gentlest one rather long.
+            let late = if self.aim.least.is_none() { u * u } else { 1.0 - u * u };
+            let time = low * (range * late).exp();
+            let unit = distance / time + velocity + acceleration * time;
+            let mut near = |value: f64| -> f64 {
+                let by: f64 = StandardNormal.sample(&mut self.random);
+                value.ln() + 0.7 + SCATTER * by
+            };
+            let (v, up, down) = (near(unit), near(unit / time), near(unit / time));
+            let jerk = if limited { near(unit / (time * time)) + 1.0 } else { f64::INFINITY };
+            places.extend(self.place([v, up, down, jerk]));
+        }
+        let mut crowd = Vec::new();
         for cost in COSTS {
             places.sort_by(|one, other| one.price(cost).total_cmp(&other.price(cost)));
-            island.extend(places.drain(..places.len().min(ISLAND / COSTS.len())));
+            crowd.extend(places.drain(..places.len().min(OF_EACH)));
         }
-        self.begun.push(island);
+        crowd
     }
 
-    /// Evolves the ramps of each time, places around the best of them that are apart, and around the best of all.
-    pub(super) fn run(&mut self) {
-        let mut evolved: Vec<(f64, usize, Values)> = Vec::new();
-        for (time, island) in std::mem::take(&mut self.begun).into_iter().enumerate() {
-            let island = island.iter().map(|place| (place.price(DEAR), place.at)).collect();
-            let island = self.evolved(island, GENERATIONS, true);
-            evolved.extend(island.into_iter().map(|(price, at)| (price, time, at)));
-        }
-        evolved.sort_by(|one, other| one.0.total_cmp(&other.0));
+    fn run(&mut self) {
+        let crowd = self.scattered();
+        let crowd = crowd.iter().map(|place| (place.price(DEAR), place.at)).collect();
         // Values that hold nothing do not make a ramp another one.
-        let mut left: Vec<(usize, Values, [f64; 4])> = Vec::new();
-        for (_, time, at) in evolved {
+        let mut left: Vec<Place> = Vec::new();
+        for (_, at) in self.evolved(crowd, GENERATIONS, true) {
             let Some(place) = self.place(at).filter(|_| left.len() < LEFT) else { continue };
-            let near = |other: &(usize, Values, [f64; 4])| {
-                place.done.iter().zip(other.2).all(|(one, other)| (one - other).abs() < ALIKE)
+            let near = |other: &Place| {
+                let pairs = place.done.iter().zip(other.done);
+                pairs.into_iter().all(|(one, other)| (one - other).abs() < ALIKE)
             };
-            let of_time = left.iter().filter(|other| other.0 == time).count();
-            if of_time < OF_EACH && !left.iter().any(near) {
-                left.push((time, at, place.done));
+            if !left.iter().any(near) {
+                left.push(place);
             }
         }
-        for (_, at, _) in left {
-            self.around(at, NEIGHBOURS);
+        for place in left {
+            self.around(place.at, NEIGHBOURS);
         }
         for stride in AGAIN {
             if let Some((_, ramp)) = self.best {
@@ -157,12 +142,10 @@ impl<'a> Search<'a> {
 
     /// Evolves places around one.
     fn around(&mut self, at: Values, stride: f64) {
-        self.stream += 1;
-        let mut random = ChaCha8Rng::seed_from_u64(self.stream);
         let mut all = Population::new();
         for index in 0..AROUND {
             let stride = if index == 0 { 0.0 } else { stride };
-            let by = [(); 4].map(|()| -> f64 { StandardNormal.sample(&mut random) });
+            let by = [(); 4].map(|()| -> f64 { StandardNormal.sample(&mut self.random) });
             let at = std::array::from_fn(|index| at[index] + stride * by[index]);
             all.extend(self.place(at).map(|place| (place.price(DEAR), place.at)));
         }
@@ -171,6 +154,7 @@ impl<'a> Search<'a> {
 
     /// Evolves places within the box around them; values that hold nothing would drift away.
     fn evolved(&mut self, all: Population<4>, generations: usize, crowded: bool) -> Population<4> {
+        self.stream += 1;
         let free = [true, true, true, self.problem.limited()];
         let end = |index: usize, sign: f64| {
             let all = all.iter().map(|(_, at)| sign * at[index]);
@@ -213,57 +197,12 @@ impl<'a> Search<'a> {
 }
 
 impl Problem<'_> {
-    /// Logarithms of the values of ramps that take a time, or a little less where their values may not be so small.
-    fn seeds(&self, time: f64) -> Vec<Values> {
-        let [distance, velocity, acceleration] = self.gap();
-        let unit = distance / time + velocity + acceleration * time;
-        let suddens: &[f64] = if self.limited() { &SUDDEN } else { &SUDDEN[..1] };
-        let mut seeds = Vec::new();
-        for lopsided in LOPSIDED.map(|power| power * LN_2 / 2.0) {
-            for sudden in suddens.iter().map(|sudden| sudden.ln()) {
-                let kind = [lopsided, sudden];
-                let Some(free) = self.timed([time, unit], kind, unit * UNLIMITED) else { continue };
-                let Ok(way) = self.way(free.map(f64::exp)) else { continue };
-                let fastest = way.fastest();
-                let slower = |part| self.timed([time, unit], kind, part * fastest);
-                seeds.extend(SLOWER.iter().filter_map(slower));
-            }
-        }
-        seeds
-    }
-
-    /// The ramp of a kind that takes a time.
-    fn timed(
-        &self,
-        [time, unit]: [f64; 2],
-        [lopsided, sudden]: [f64; 2],
-        velocity: f64,
-    ) -> Option<Values> {
-        let pull = (unit / time).ln();
-        let most = self.most_values();
-        let with = |by: f64| {
-            let pull = pull + by;
-            let jerk = sudden + 2.0 * pull - unit.ln();
-            let all = [velocity.ln(), pull + lopsided, pull - lopsided, jerk];
-            std::array::from_fn(|index| all[index].min(most[index]))
-        };
-        let in_time = |by: f64| {
-            let way = self.way(with(by).map(f64::exp));
-            way.is_ok_and(|way| way.duration() <= time)
-        };
-        let (mut low, mut high) = (-BRACKET, BRACKET);
-        if !in_time(high) {
-            return None;
-        }
-        for _ in 0..HALVINGS {
-            let middle = f64::midpoint(low, high);
-            if in_time(middle) {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
-        Some(with(high))
+    /// The best ramp that keeps the limits; none if no ramp that was tried does.
+    pub(super) fn best(&self, aim: Aim) -> Option<RampIn> {
+        let random = ChaCha8Rng::seed_from_u64(0);
+        let mut search = Search { problem: self, aim, best: None, random, stream: 0 };
+        search.run();
+        search.best.map(|(_, ramp)| ramp)
     }
 
     /// The same ramp with values that ask for no more than it needs, and with few digits.
@@ -275,49 +214,31 @@ impl Problem<'_> {
                 && same(tried.duration_s, known.duration_s)
                 && Quantity::ALL.into_iter().all(|of| same(tried.peak(of), known.peak(of)))
         };
-        let SlaveLimits { acceleration, jerk, .. } = self.wish.limits;
-        let [velocity, up, down, own] = values(&ramp);
-        let softer = self.ramp([velocity, up.min(acceleration), down.min(acceleration), own])?;
-        if as_good(&softer, &ramp) {
-            ramp = softer;
-        }
-        let [velocity, up, down, own] = values(&ramp);
+        let limits = self.wish.limits;
         if self.limited() && aim.least == Some(Quantity::Jerk) {
-            // The least jerk of the axis that is enough: of a geometric row first, as more need not be enough.
-            let peak = ramp.peak_jerk;
-            let mut enough = |part: f64| {
-                let tried = self.ramp([velocity, up, down, own * part]);
-                let tried = tried.ok().filter(|tried| within(tried) && same(tried.peak_jerk, peak));
-                ramp = tried.unwrap_or(ramp);
-                tried.is_some()
-            };
-            let row = (0..ROW).rev().map(|power| 0.95_f64.powi(power));
-            if let Some(mut high) = row.into_iter().find(|part| enough(*part)) {
-                let mut low = 0.95 * high;
-                for _ in 0..30 {
-                    let middle = f64::midpoint(low, high);
-                    if enough(middle) { high = middle } else { low = middle }
+            // The least jerk of the axis that is enough.
+            let [velocity, up, down, own] = values(&ramp);
+            let (mut low, mut high, peak) = (0.0, 1.0, ramp.peak_jerk);
+            for _ in 0..40 {
+                let middle = f64::midpoint(low, high);
+                let tried = self.ramp([velocity, up, down, own * middle]).ok();
+                match tried.filter(|tried| within(tried) && same(tried.peak_jerk, peak)) {
+                    Some(tried) => (ramp, high) = (tried, middle),
+                    None => low = middle,
                 }
             }
         } else if self.limited() {
-            let tried = self.ramp([velocity, up, down, jerk])?;
+            let [velocity, up, down, _] = values(&ramp);
+            let tried = self.ramp([velocity, up, down, limits.jerk])?;
             if within(&tried) && same(aim.of(&tried), aim.of(&ramp)) {
                 ramp = tried;
             }
         }
-        // Without a velocity limit a hair below the reached velocity, and with the reached one.
-        let [velocity, up, down, own] = values(&ramp);
-        let free = self.ramp([(velocity * (1.0 + HAIR)).min(self.most), up, down, own])?;
-        let fastest = self.way(values(&free))?.fastest();
-        if within(&free) && fastest < free.velocity_difference && same(aim.of(&free), aim.of(&ramp))
-        {
-            ramp = free;
-        }
-        let known = ramp;
-        let fastest = self.way(values(&known))?.fastest();
-        let mut tries = vec![(0, fastest.min(known.velocity_difference))];
-        tries.extend((0..3).flat_map(|index| {
-            let value = values(&known)[index];
+        let (known, [velocity, up, down, _]) = (ramp, values(&ramp));
+        let fastest = self.way(values(&known))?.fastest().min(velocity);
+        let [up, down] = [up, down].map(|value| value.min(limits.acceleration));
+        let mut tries = vec![(0, fastest), (1, up), (2, down)];
+        tries.extend([velocity, up, down].into_iter().enumerate().flat_map(|(index, value)| {
             (1..9).rev().map(move |digits| (index, rounded(value, digits, index == 0)))
         }));
         for (index, value) in tries.into_iter().filter(|(_, value)| *value > 0.0) {

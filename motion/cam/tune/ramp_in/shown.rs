@@ -22,8 +22,8 @@ pub struct RampMoment {
 pub struct RampShown {
     /// When the slave is on its cam, s after the start.
     pub duration_s: f64,
-    /// What the ramp does, stretch by stretch; its acceleration may step between two of them.
-    pub stretches: Vec<Vec<RampMoment>>,
+    /// What the ramp does; two moments of one time are a step of its acceleration.
+    pub moments: Vec<RampMoment>,
 }
 
 /// Moments of each stretch of a ramp, and of a part of a sine.
@@ -37,42 +37,39 @@ const SHORT: u16 = 6;
 pub fn ramp_shown(wish: &RampWish, ramp: &RampIn) -> Result<RampShown, RampError> {
     let problem = Problem::new(wish)?;
     let Way { mut velocity, pieces } = problem.way(values(ramp))?;
-    let place = problem.place;
-    let from = problem.cam_at(place);
+    let from = problem.cam_at(problem.place);
     let (mut time_s, mut gone) = (0.0, 0.0);
-    let mut stretches = Vec::new();
+    let mut moments = Vec::new();
     for [duration, acceleration, jerk, angular] in pieces {
         if duration <= 0.0 {
             continue;
         }
         let pull = Pull { acceleration, jerk, angular };
         let [way, v, a, _] = pull.motion(velocity, duration, 1.0);
-        let of_ramp = |time: f64| [&way, &v, &a].map(|polynomial| value(polynomial, time));
         // A sine has many short stretches.
-        let moments = if angular > 0.0 { SHORT } else { MOMENTS };
-        let moment = |index: u16| {
-            let since = duration * f64::from(index) / f64::from(moments);
-            let cam = problem.cam_at(place + problem.speed() * (time_s + since));
-            let [way, v, a] = of_ramp(since);
+        let count = if angular > 0.0 { SHORT } else { MOMENTS };
+        moments.extend((0..=count).map(|index| {
+            let since = duration * f64::from(index) / f64::from(count);
+            let cam = problem.cam_at(problem.place + problem.speed() * (time_s + since));
             let slave = State {
-                position: wish.slave.position + cam.position - from.position + gone + way,
-                velocity: cam.velocity + v,
-                acceleration: cam.acceleration + a,
+                position: wish.slave.position + cam.position - from.position
+                    + gone
+                    + value(&way, since),
+                velocity: cam.velocity + value(&v, since),
+                acceleration: cam.acceleration + value(&a, since),
             };
             RampMoment { time_s: time_s + since, cam, slave }
-        };
-        stretches.push((0..=moments).map(moment).collect::<Vec<_>>());
-        gone += of_ramp(duration)[0];
+        }));
+        gone += value(&way, duration);
         velocity += pull.later(duration).1;
         time_s += duration;
     }
     // The cam of the turn on which the slave comes onto it.
-    let left = stretches.last().and_then(|stretch| stretch.last());
-    let turned = left.map_or(0.0, |last| last.slave.position - last.cam.position);
-    for moment in stretches.iter_mut().flatten() {
-        moment.cam.position += turned;
+    let left = moments.last().map_or(0.0, |last| last.slave.position - last.cam.position);
+    for moment in &mut moments {
+        moment.cam.position += left;
     }
-    Ok(RampShown { duration_s: time_s, stretches })
+    Ok(RampShown { duration_s: time_s, moments })
 }
 
 /// Where the cam of a wish has the slave at a time after the start, turns of a rotary slave aside.

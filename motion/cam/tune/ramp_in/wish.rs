@@ -84,27 +84,6 @@ impl RampIn {
     }
 }
 
-/// A ramp in a given time has no `VelocityDiff` beyond the velocity of the axis, and one with more would be there sooner.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Held {
-    /// The velocity of the axis, u/s.
-    pub velocity: f64,
-    /// When the slave would be on its cam without that, s.
-    pub free_s: f64,
-}
-
-impl Held {
-    fn sentence(self) -> String {
-        let Self { velocity, free_s } = self;
-        format!(
-            " with a `VelocityDiff` of at most the axis's velocity, {}, as a ramp in a given time has it (with more after {} s, as \
-             without a given time)",
-            Short(velocity),
-            Short(free_s)
-        )
-    }
-}
-
 /// Reason why no ramp is found.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RampError {
@@ -145,15 +124,12 @@ pub enum RampError {
         limit: f64,
     },
     /// The limits do not allow a ramp as short as it should be.
-    #[error("the slave is on its cam after {} s at the earliest{}, not within {} s", Short(*.soonest_s), .held.map_or_else(String::new, Held::sentence),
-        Short(*.within_s))]
+    #[error("the slave is on its cam after {} s at the earliest, not within {} s", Short(*.soonest_s), Short(*.within_s))]
     TooLate {
         /// The shortest ramp that was found, s.
         soonest_s: f64,
         /// The time it was to take at most, s.
         within_s: f64,
-        /// What makes it that late, if it is not the limits alone.
-        held: Option<Held>,
     },
     /// The shortest ramp is longer than any sensible one.
     #[error("the slave is on its cam after {} s at the earliest, which is more than {} s: it is too far from the cam, or \

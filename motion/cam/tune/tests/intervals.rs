@@ -1,24 +1,17 @@
-//! The promise of tuning: of 1,000 seeded trials 95 % have the truth within the interval that is stated, whatever
-//! recordings are like: dwells, steps of any size, noise that goes on, jitter of the master, all unknowns.
+//! The promise of tuning: of seeded trials 95 % have the truth within the interval that is stated, whatever recordings are like:
+//! dwells, steps of any size, noise that goes on or grows with the slope, jitter of the master, few samples, all unknowns.
 
-use super::{Random, at_rest, right, trials};
-use crate::Curve;
+use super::{Random, at_rest, cases, long, right, trials};
 use crate::tune::{Fit, FitError, FitOptions, Free, Sample, fit};
+use crate::{Curve, Knot};
 
-pub(super) const TRIALS: u64 = 1000;
-/// How many of the trials hit: 95 % of them, or more, as errors of a few dwells are uniform and never large.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Right {
-    Hits,
-    AndMore,
-}
-use Right::{AndMore as AND_MORE, Hits as HITS};
 /// An interval that is right is 1.96 times as wide as what is found scatters. Ones that held all because they are twice as
 /// wide would say nothing.
 const WIDEST: f64 = 2.0 * 1.96;
 
-pub(super) const OFFSETS: Free = Free::OFFSETS;
-pub(super) const SLAVE: Free = Free { master_offset: false, master_scaling: false, ..Free::ALL };
+const OFFSETS: Free = Free::OFFSETS;
+const SLAVE: Free = Free { master_offset: false, master_scaling: false, ..Free::ALL };
+const UNSCALED: Free = Free { master_scaling: false, ..Free::ALL };
 const ALL: Free = Free::ALL;
 
 /// Up, a dwell, down more slowly, another dwell.
@@ -41,26 +34,36 @@ fn rise_return() -> Curve {
     at_rest(&[(0.0, 0.0), (180.0, 100.0), (360.0, 0.0)])
 }
 
-/// What is recorded.
+/// Goes up in another way than down, with a velocity at one point.
+fn moving() -> Curve {
+    let [begin, top, between, end] =
+        [(0.0, 0.0), (150.0, 80.0), (230.0, 40.0), (360.0, 0.0)].map(|(x, y)| Knot::at_rest(x, y));
+    Curve::polynomial(&[begin, Knot { velocity: 0.1, ..top }, between, end]).expect("a curve")
+}
+
+/// What is recorded, and how often.
 #[derive(Clone, Copy)]
-pub(super) struct Case {
-    pub(super) curve: fn() -> Curve,
-    pub(super) free: Free,
-    pub(super) samples: u32,
-    pub(super) turns: u32,
+struct Case {
+    curve: fn() -> Curve,
+    free: Free,
+    samples: u32,
+    turns: u32,
     /// Step of the slave's positions, 0 if they are not rounded.
-    pub(super) step: f64,
+    step: f64,
     /// With how many decimals they are printed then.
-    pub(super) decimals: Option<i32>,
-    pub(super) noise: f64,
+    decimals: Option<i32>,
+    noise: f64,
+    /// Noise that grows with the slope, and its part of that.
+    grows: f64,
     /// Of the noise, from sample to sample.
-    pub(super) correlation: f64,
+    correlation: f64,
     /// Of the master.
-    pub(super) jitter: f64,
+    jitter: f64,
+    trials: u64,
 }
 
 /// Two turns without anything.
-pub(super) const STILL: Case = Case {
+const STILL: Case = Case {
     curve: dwelling,
     free: OFFSETS,
     samples: 240,
@@ -68,24 +71,29 @@ pub(super) const STILL: Case = Case {
     step: 0.0,
     decimals: None,
     noise: 0.0,
+    grows: 0.0,
     correlation: 0.0,
     jitter: 0.0,
+    trials: 1000,
 };
+
+/// Two turns of a cam that goes up in another way than down, all but `MasterScaling` unknown.
+const MOVING: Case = Case { curve: moving, free: UNSCALED, samples: 1200, trials: 300, ..STILL };
 
 /// 2·π/100: a hundred counts a radian.
 const COUNTS: f64 = std::f64::consts::TAU / 100.0;
 
-impl Case {
-    fn named(&self) -> String {
-        let Self { curve: _, free, samples, turns, step, decimals, noise, correlation, jitter } =
-            self;
-        let free = free.list();
-        format!(
-            "{free:?}, {samples} samples of {turns} turns, step {step} ({decimals:?}), noise {noise} ({correlation}), jitter \
-             {jitter}"
-        )
-    }
+/// Of the trials of a case, of each unknown: which part hits, and how much wider the intervals are than 1.96 times what is found
+/// scatters; how many are reported as no noise, which counts as no hit, and what is found.
+struct Tried {
+    name: String,
+    hits: [f64; 4],
+    wide: [f64; 4],
+    refused: usize,
+    found: Vec<Fit>,
+}
 
+impl Case {
     fn record(&self, random: &mut Random, curve: &Curve, truth: [f64; 4]) -> Vec<Sample> {
         let [offset, scaling, shift, factor] = truth;
         let mut before = random.normal();
@@ -95,8 +103,9 @@ impl Case {
                     360.0 * f64::from(self.turns) * f64::from(index) / f64::from(self.samples);
                 let rho = self.correlation;
                 before = rho * before + (1.0 - rho * rho).sqrt() * random.normal();
-                let slave = factor * curve.repeated(master * scaling + offset).position + shift;
-                let mut slave = slave + self.noise * before;
+                let at = curve.repeated(master * scaling + offset);
+                let noise = self.noise + self.grows * at.velocity.abs();
+                let mut slave = factor * at.position + shift + noise * before;
                 if self.step > 0.0 {
                     slave = (slave / self.step).round() * self.step;
                 }
@@ -110,204 +119,205 @@ impl Case {
             .collect()
     }
 
-    /// Of both offsets, or offset and scaling of the slave: which part of what is found hits, how many are reported as no noise, and how
-    /// much wider the intervals are than 1.96 times what is found scatters.
-    pub(super) fn tried(&self) -> ([f64; 2], u64, [f64; 2]) {
-        let curve = (self.curve)();
-        let (mut hits, mut refused) = ([0_u32; 2], 0);
-        let (mut widths, mut squares) = ([0.0; 2], [0.0; 2]);
-        let trials = TRIALS;
-        for seed in 0..trials {
-            let mut random = Random(seed + 1_610_000);
-            let free = self.free;
-            let offset = if free.master_offset { random.between(-3.0, 3.0) } else { 0.0 };
-            let factor = if free.slave_scaling { random.between(0.97, 1.03) } else { 1.0 };
-            let truth = [offset, 1.0, random.between(-1.0, 1.0), factor];
+    fn tried(&self) -> Tried {
+        let Self { curve, free, samples, turns, step, decimals, noise, .. } = *self;
+        let (grows, correlation, jitter) = (self.grows, self.correlation, self.jitter);
+        let name = format!(
+            "{:?}, {samples} samples of {turns} turns, step {step} ({decimals:?}), noise {noise} + {grows} ({correlation}), jitter \
+             {jitter}",
+            free.list()
+        );
+        let curve = curve();
+        let (mut hits, mut refused, mut all) = ([0.0; 4], 0, Vec::new());
+        let (mut widths, mut squares) = ([0.0; 4], [0.0; 4]);
+        for seed in 0..trials(self.trials) {
+            let mut random = Random(seed + 610_000);
+            let ends = [[-3.0, 3.0], [0.97, 1.03], [-1.0, 1.0], [0.97, 1.03]];
+            let drawn = ends.map(|[low, high]| random.between(low, high));
+            let mut truth = [0.0, 1.0, 0.0, 1.0];
+            for ((truth, drawn), free) in truth.iter_mut().zip(drawn).zip(free.list()) {
+                *truth = if free { drawn } else { *truth };
+            }
             let samples = self.record(&mut random, &curve, truth);
-            let options = FitOptions { free, ..FitOptions::default() };
-            let found = match fit(&curve, &samples, &options) {
+            let found = match fit(&curve, &samples, &FitOptions { free, ..FitOptions::default() }) {
                 Ok(found) if found.is_noise(samples.len()) => found,
                 Ok(_) | Err(FitError::Contradictory { .. }) => {
                     refused += 1;
                     continue;
                 }
-                Err(error) => panic!("{} {seed}: {error}", self.named()),
+                Err(error) => panic!("{name} {seed}: {error}"),
             };
-            let other = if free.master_offset {
-                (found.estimates[0], offset)
-            } else {
-                (found.estimates[3], factor)
-            };
-            let both = [other, (found.estimates[2], truth[2])];
-            for (index, (found, truth)) in both.into_iter().enumerate() {
-                hits[index] += u32::from(found.holds(truth));
-                widths[index] += found.half_width;
-                squares[index] += (found.value - truth).powi(2);
-            }
-        }
-        let count = f64::from(u32::try_from(trials - refused).expect("a thousand"));
-        let part = hits.map(|hits| f64::from(hits) / count);
-        let wide: [f64; 2] = std::array::from_fn(|index| {
-            widths[index] / count / (1.96 * (squares[index] / count).sqrt())
-        });
-        (part, refused, wide)
-    }
-
-    /// What is found in all trials, of which this part is to hit each unknown. One in two hundred at most may be reported as no
-    /// noise; that counts as a miss.
-    pub(super) fn holds(&self, wanted: Right) -> Vec<Fit> {
-        let trials = trials(TRIALS);
-        let [least, most] = [*right(trials).start(), *right(trials).end()];
-        let most = if wanted == Right::Hits { most } else { usize::MAX };
-        let (curve, name) = ((self.curve)(), self.named());
-        let free = self.free.list();
-        let (mut hits, mut refused) = ([0_usize; 4], 0);
-        let (mut widths, mut squares) = ([0.0; 4], [0.0; 4]);
-        let mut all = Vec::new();
-        for seed in 0..trials {
-            let mut random = Random(seed + 610_000);
-            let drawn = [
-                random.between(-3.0, 3.0),
-                random.between(0.97, 1.03),
-                random.between(-1.0, 1.0),
-                random.between(0.97, 1.03),
-            ];
-            let mut truth = [0.0, 1.0, 0.0, 1.0];
-            for ((truth, drawn), free) in truth.iter_mut().zip(drawn).zip(free) {
-                *truth = if free { drawn } else { *truth };
-            }
-            let samples = self.record(&mut random, &curve, truth);
-            let options = FitOptions { free: self.free, ..FitOptions::default() };
-            let found = fit(&curve, &samples, &options);
-            let found = found.unwrap_or_else(|error| panic!("{name} {seed}: {error}"));
-            let noise = found.is_noise(samples.len());
-            refused += usize::from(!noise);
             for (index, (estimate, truth)) in found.estimates.into_iter().zip(truth).enumerate() {
-                hits[index] += usize::from(noise && estimate.holds(truth));
+                hits[index] += f64::from(u8::from(estimate.holds(truth)));
                 widths[index] += estimate.half_width;
                 squares[index] += (estimate.value - truth).powi(2);
             }
             all.push(found);
         }
-        println!("{name}: {hits:?}, refused {refused}");
-        assert!(refused <= 5, "{name}: {refused} refused");
         #[expect(clippy::cast_precision_loss, reason = "a thousand")]
-        let count = trials as f64;
-        for (index, (hits, free)) in hits.iter().zip(free).enumerate() {
-            assert!(!free || (least..=most).contains(hits), "{name}: {hits} of {trials}");
-            let (wide, scatter) = (widths[index] / count, (squares[index] / count).sqrt());
-            assert!(!free || wide <= WIDEST * scatter, "{name}, {index}: {wide} of {scatter}");
+        let (count, found) = (trials(self.trials) as f64, all.len() as f64);
+        let wide = |index: usize| widths[index] / found / (1.96 * (squares[index] / found).sqrt());
+        let (hits, wide) = (hits.map(|hits| hits / count), [0, 1, 2, 3].map(wide));
+        println!("{name}: {hits:?}, {wide:?}, refused {refused}");
+        Tried { name, hits, wide, refused, found: all }
+    }
+
+    /// What is found in all trials, of which 95 % are to hit each unknown, or, with `more`, so many at least: errors of a few dwells
+    /// are uniform and never large. One in two hundred at most may be reported as no noise; that counts as a miss.
+    fn holds(&self, more: bool) -> Vec<Fit> {
+        let Tried { name, hits, wide, refused, found } = self.tried();
+        assert!(refused <= 5, "{name}: {refused} refused");
+        let [least, most] = parts(self.trials);
+        for (index, free) in self.free.list().into_iter().enumerate().filter(|(_, free)| *free) {
+            let hit = hits[index];
+            assert!(hit >= least && (more || hit <= most), "{name}, {free} {index}: {hit}");
+            assert!(1.96 * wide[index] <= WIDEST, "{name}, {index}: {wide:?}");
         }
-        all
+        found
     }
 
     /// The same, and all steps are seen.
-    fn holds_and_sees(&self, wanted: Right) {
-        let found = self.holds(wanted);
+    fn holds_and_sees(&self) {
+        let found = self.holds(true);
         let seen = found.iter().filter(|found| (found.quantum / self.step - 1.0).abs() < 1e-3);
-        assert_eq!(seen.count(), found.len(), "{}", self.named());
+        assert_eq!(seen.count(), found.len(), "{} {:?}", self.step, self.free);
     }
 }
 
-/// Steps as they are, and as they are recorded.
-const STEPS: [(f64, Option<i32>); 4] =
-    [(0.1, None), (0.01, None), (COUNTS, None), (0.031_415_9, Some(3))];
-
-#[test]
-fn rounded_offsets() {
-    for (step, decimals) in STEPS {
-        Case { step, decimals, ..STILL }.holds_and_sees(AND_MORE);
-    }
+/// Which part of so many trials hits, by chance.
+fn parts(all: u64) -> [f64; 2] {
+    #[expect(clippy::cast_precision_loss, reason = "a thousand")]
+    let count = trials(all) as f64;
+    let within = right(trials(all));
+    #[expect(clippy::cast_precision_loss, reason = "a thousand")]
+    let part = |hits: usize| hits as f64 / count;
+    [part(*within.start()), part(*within.end())]
 }
 
+/// Steps as they are, and as they are recorded; a single turn, of which each half sees another dwell, and five; and little noise,
+/// which leaves most of what dwells have in common.
 #[test]
-fn rounded_slaves() {
-    for (step, decimals) in STEPS {
-        Case { free: SLAVE, step, decimals, ..STILL }.holds_and_sees(AND_MORE);
-    }
-}
-
-#[test]
-fn rounded_with_all_unknowns() {
-    for (step, decimals) in STEPS {
-        Case { free: ALL, step, decimals, ..STILL }.holds_and_sees(AND_MORE);
-    }
-}
-
-/// A single turn, of which each half sees another dwell, and five.
-#[test]
-fn rounded_in_one_turn_and_in_five() {
-    for (samples, turns) in [(200, 1), (500, 5)] {
-        for free in [OFFSETS, SLAVE] {
-            Case { free, step: COUNTS, samples, turns, ..STILL }.holds_and_sees(AND_MORE);
+fn rounded() {
+    let steps = [(0.1, None), (COUNTS, None), (0.01, None), (0.031_415_9, Some(3))];
+    for (step, decimals) in cases(steps, 2) {
+        for free in [OFFSETS, SLAVE, ALL] {
+            Case { free, step, decimals, ..STILL }.holds_and_sees();
         }
     }
-}
-
-/// Little noise leaves most of what dwells have in common.
-#[test]
-fn rounded_with_a_little_noise() {
-    for (free, step, decimals) in
-        [(OFFSETS, 0.1, None), (SLAVE, COUNTS, None), (ALL, 0.031_415_9, Some(3))]
-    {
-        Case { free, step, decimals, noise: 0.1 * step, ..STILL }.holds_and_sees(AND_MORE);
+    for (samples, turns) in [(200, 1), (500, 5)] {
+        for free in [OFFSETS, SLAVE] {
+            Case { free, step: COUNTS, samples, turns, ..STILL }.holds_and_sees();
+        }
     }
-}
-
-/// More of it hides the steps, and in some runs they are not reported any more. The estimate is rather less noise than there is, as
-/// what it hides of rounding is known badly: so more may hit.
-#[test]
-fn rounded_with_noise() {
     for (free, step, decimals) in
         [(OFFSETS, 0.1, None), (SLAVE, COUNTS, None), (ALL, 0.031_415_9, Some(3))]
     {
-        Case { free, step, decimals, noise: 0.3 * step, ..STILL }.holds(AND_MORE);
+        Case { free, step, decimals, noise: 0.1 * step, ..STILL }.holds_and_sees();
+        // More of it hides the steps, and in some runs they are not reported any more. The estimate is rather less noise than there
+        // is, as what it hides of rounding is known badly: so more may hit.
+        Case { free, step, decimals, noise: 0.3 * step, ..STILL }.holds(true);
+    }
+    // Most samples are fitted as they are, and those between are not outliers for that.
+    let dwell = Case { curve: resting, step: COUNTS, noise: 0.1 * COUNTS, samples: 200, ..STILL };
+    dwell.holds(true);
+}
+
+/// What encoders and files do, to tenths and hundredths of a millimetre: without other noise and with a little the step is seen, with
+/// more of it it is not.
+#[test]
+fn rounded_positions() {
+    for (step, noise) in [(0.1, 0.0), (0.01, 0.0), (0.1, 0.02), (0.1, 0.04), (0.1, 0.1)] {
+        let found = Case { step, noise, ..MOVING }.holds(false);
+        let seen = found.iter().filter(|found| (found.quantum - step).abs() < 1e-9).count();
+        let as_said = if noise < 0.3 * step { seen == found.len() } else { 3 * seen < found.len() };
+        assert!(as_said, "{step} {noise}: {seen}");
     }
 }
 
 #[test]
 fn rounded_with_noise_that_goes_on() {
-    for part in [0.1, 0.3] {
-        for correlation in [0.3, 0.5] {
-            let case = Case { noise: part * COUNTS, correlation, samples: 400, ..STILL };
-            Case { free: OFFSETS, step: COUNTS, ..case }.holds(AND_MORE);
-            Case { free: SLAVE, step: COUNTS, ..case }.holds(AND_MORE);
+    for correlation in cases([0.5, 0.3], 1) {
+        let case = Case { correlation, samples: 400, ..STILL };
+        for noise in [0.1 * COUNTS, 0.3 * COUNTS] {
+            for free in [OFFSETS, SLAVE] {
+                Case { free, step: COUNTS, noise, ..case }.holds(true);
+            }
+        }
+        Case { free: ALL, step: 0.1, noise: 0.03, ..case }.holds(true);
+    }
+    // Steps that are coarse for the noise.
+    let weak = [(0.03, 0.5), (0.06, 0.3), (0.03, 0.3), (0.06, 0.5)];
+    for (noise, correlation) in cases(weak, 2) {
+        for (samples, free) in [(150, OFFSETS), (150, SLAVE), (300, OFFSETS), (300, SLAVE)] {
+            let case = Case { free, noise, correlation, samples, step: 0.1, ..STILL };
+            let Tried { name, hits, refused, .. } = case.tried();
+            let hit = [0, 2, 3].into_iter().filter(|index| free.list()[*index]);
+            assert!(hit.into_iter().all(|index| hits[index] >= parts(1000)[0]), "{name}: {hits:?}");
+            assert!(refused <= 5, "{name}: {refused}");
         }
     }
 }
 
+/// White and not, also of cams that a mirrored slave fits as well, half a cam on.
 #[test]
-fn rounded_with_noise_that_goes_on_and_all_unknowns() {
-    for correlation in [0.3, 0.5] {
-        let case = Case { noise: 0.03, correlation, samples: 400, ..STILL };
-        Case { free: ALL, step: 0.1, ..case }.holds(AND_MORE);
+fn noise_that_goes_on() {
+    for (free, correlation, samples) in [
+        (ALL, 0.0, 120),
+        (ALL, 0.3, 400),
+        (ALL, 0.5, 500),
+        (OFFSETS, 0.3, 400),
+        (SLAVE, 0.3, 400),
+        (OFFSETS, 0.5, 600),
+        (SLAVE, 0.5, 600),
+    ] {
+        Case { free, noise: 0.1, correlation, samples, ..STILL }.holds(false);
     }
-}
-
-/// White and not, with all unknowns.
-#[test]
-fn noise_with_all_unknowns() {
-    for (correlation, samples) in [(0.0, 120), (0.3, 400), (0.5, 500)] {
-        Case { free: ALL, noise: 0.1, correlation, samples, ..STILL }.holds(HITS);
+    for (correlation, samples) in [(0.3, 400), (0.3, 1200), (0.5, 800)] {
+        Case { noise: 0.1, correlation, samples, ..MOVING }.holds(false);
     }
-}
-
-/// Cams that a mirrored slave fits as well, half a cam on.
-#[test]
-fn cams_whose_return_mirrors_their_rise() {
-    let free = Free { master_scaling: false, ..ALL };
     for curve in [double_dwell as fn() -> Curve, rise_return] {
-        Case { curve, free, noise: 0.1, ..STILL }.holds(HITS);
+        Case { curve, free: UNSCALED, noise: 0.1, ..STILL }.holds(false);
     }
 }
 
-/// On dwells nothing is seen of it: what is found there is known better than residuals elsewhere suggest, and so more hit.
+/// Few samples show little of the correlation of noise. The estimate is rather too large, so that fewer than 93 % never hit,
+/// while intervals of white noise of as many are no more than 15 % wider than its scatter asks for.
+#[test]
+fn few_samples_of_noise_that_goes_on() {
+    let [least, most] = if long() { [0.93, 0.97] } else { parts(1000) };
+    // The scatter of 250 trials is known to 4.5 %, one standard deviation.
+    let widest = if long() { 1.15 } else { 1.15 + 3.0 * 0.045 };
+    for samples in [60, 100, 150, 300] {
+        for correlation in [0.0, 0.3, 0.5, 0.6] {
+            for free in [OFFSETS, SLAVE] {
+                let case = Case { free, noise: 0.1, correlation, samples, ..STILL };
+                let Tried { name, hits, wide, refused, found } = case.tried();
+                // One in twenty of those at the limit itself may be reported.
+                assert!(refused <= if correlation < 0.6 { 5 } else { 60 }, "{name}: {refused}");
+                #[expect(clippy::cast_precision_loss, reason = "a thousand")]
+                let of_found = (found.len() + refused) as f64 / found.len() as f64;
+                for index in [0, 2, 3].into_iter().filter(|index| free.list()[*index]) {
+                    let part = hits[index] * of_found;
+                    assert!((least..=most).contains(&part), "{name}: {hits:?}");
+                    assert!(correlation > 0.0 || wide[index] < widest, "{name}: {wide:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Of the master's encoder: what is left over grows with the slope. On dwells nothing is seen of it: what is found there is known better
+/// than residuals elsewhere suggest, and so more hit. So much jitter that it flattens what is fitted has a bias of one sign, and the
+/// intervals hold that.
 #[test]
 fn jitter_of_the_master() {
     for (free, step) in [(OFFSETS, 0.0), (SLAVE, 0.0), (OFFSETS, 0.1), (SLAVE, 0.1)] {
-        let case = Case { free, step, noise: 0.02, jitter: 0.1, samples: 400, ..STILL };
-        case.holds(AND_MORE);
+        Case { free, step, noise: 0.02, jitter: 0.1, samples: 400, ..STILL }.holds(true);
     }
+    Case { jitter: 0.3, noise: 0.02, ..MOVING }.holds(false);
+    Case { jitter: 0.05, noise: 0.005, ..MOVING }.holds(false);
+    Case { noise: 0.02, grows: 0.3, ..MOVING }.holds(false);
+    Case { jitter: 1.5, noise: 0.02, samples: 2400, turns: 4, ..MOVING }.holds(true);
 }
 
 /// Jitter that is far more than the slave's own noise: where the cam is steep, samples are far off for those of the dwells, and
@@ -317,7 +327,7 @@ fn jitter_of_the_master_is_no_outlier() {
     let curve = dwelling();
     let truth = [2.0, 1.0, 0.5, 1.0];
     let (mut refused, mut slipped) = (0_u64, 0_u64);
-    let runs = 400;
+    let runs = trials(400);
     for (samples, runs) in [(200, 5 * runs), (1000, runs)] {
         let case = Case { noise: 0.01, jitter: 0.3, samples, ..STILL };
         for seed in 0..runs {
@@ -338,14 +348,7 @@ fn jitter_of_the_master_is_no_outlier() {
     }
     // One in ten runs slips.
     println!("refused {refused} of {}, slips {slipped} of {}", 6 * runs, 6 * runs / 10);
-    assert!(refused <= 1 && slipped >= 225, "{refused} {slipped}");
-}
-
-/// Most samples are fitted as they are, and those between are not outliers for that.
-#[test]
-fn rounded_on_a_long_dwell() {
-    Case { curve: resting, step: COUNTS, noise: 0.1 * COUNTS, samples: 200, ..STILL }
-        .holds(AND_MORE);
+    assert!(refused <= 1 && slipped >= 9 * runs / 16, "{refused} {slipped}");
 }
 
 /// Noise that goes on too strongly, a coupling that slips, and a sample that is off.

@@ -6,16 +6,11 @@ mod choice;
 mod constrained;
 mod distributions;
 mod fit;
-mod going_on;
 mod intervals;
 mod least_peak;
 mod linear_program;
-mod noise;
 mod quantum;
-mod ramp_best;
 mod ramp_in;
-mod ramp_jerk;
-mod ramp_witness;
 mod region;
 mod reshape;
 mod short;
@@ -25,7 +20,17 @@ use std::ops::RangeInclusive;
 
 /// Trials of an interval: a quarter of the full count, or all of them where the environment has `TWIN_LONG` (before a release).
 pub(super) fn trials(all: u64) -> u64 {
-    if std::env::var_os("TWIN_LONG").is_some() { all } else { all / 4 }
+    if long() { all } else { all / 4 }
+}
+
+/// Whether the environment has `TWIN_LONG`: all trials and all starts of ramps, before a release.
+pub(super) fn long() -> bool {
+    std::env::var_os("TWIN_LONG").is_some()
+}
+
+/// The first `usual` of some cases, all of them with `TWIN_LONG`.
+pub(super) fn cases<T>(all: impl IntoIterator<Item = T>, usual: usize) -> impl Iterator<Item = T> {
+    all.into_iter().take(if long() { usize::MAX } else { usual })
 }
 
 /// 95 % of the trials: of 1,000 within 2.4 standard deviations, 933 to 967; of fewer, of which there are as many cases, within 3
