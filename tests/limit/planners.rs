@@ -29,21 +29,6 @@ pub struct Planned {
     pub failed: u64,
 }
 
-/// One of them.
-#[derive(Clone, Copy)]
-pub struct Planner {
-    pub name: &'static str,
-    /// Plans a program; the error says why it cannot.
-    pub plan: fn(&Program) -> Result<Planned, String>,
-}
-
-/// All of them.
-pub const PLANNERS: [Planner; 3] = [
-    Planner { name: "path limits alone", plan: path_alone },
-    Planner { name: "axis limits", plan: without_jerk },
-    Planner { name: "axis limits with jerk", plan: with_jerk },
-];
-
 /// Velocity and acceleration of every axis as LinuxCNC has them.
 pub fn without_jerk(program: &Program) -> Result<Planned, String> {
     limited(program, None)

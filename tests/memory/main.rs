@@ -10,14 +10,12 @@
     reason = "a test fails where it cannot be set up; the modules are shared with other tests"
 )]
 
-#[path = "../benches/contour.rs"]
 mod contour;
 #[allow(dead_code, reason = "another test counts how often, this one how much")]
 mod counter;
 #[allow(dead_code, reason = "programs are not placed here")]
 #[path = "../planner/machines.rs"]
 mod machines;
-#[path = "../benches/pipeline.rs"]
 mod pipeline;
 
 use contour::{Contour, Dialect, din66025_options, rs274_options};

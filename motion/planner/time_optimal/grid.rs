@@ -11,6 +11,7 @@
 use super::bound::{
     AxisLimits, Cap, CapSource, Constraint, Disc, JerkRow, Part, Rates, Row, number,
 };
+use std::collections::BTreeSet;
 use twin_kinematics::AxisVector;
 
 /// One end of a cell.
@@ -206,6 +207,45 @@ impl Grid {
         if let Some(slot) = self.caps.get_mut(node) {
             *slot = slot.min(cap);
         }
+    }
+
+    /// The same with one of the limits multiplied by `factor`. Those of jerks stay.
+    pub(super) fn raised(&self, limit: Constraint, factor: f64) -> Self {
+        let mut grid = self.clone();
+        let (axes, width) = (self.limits.len(), self.width());
+        for (place, row) in grid.rows.iter_mut().enumerate() {
+            let place = place % width;
+            let own = match place.checked_sub(axes) {
+                Some(further) => self.further(further),
+                None => Constraint::AxisAcceleration(number(place)),
+            };
+            if own == limit {
+                (row.a, row.b) = (row.a / factor, row.b / factor);
+            }
+        }
+        if limit == Constraint::ToolAcceleration {
+            let discs = grid.discs.iter_mut().flatten();
+            for part in discs.flat_map(|disc| disc.a.iter_mut().chain(&mut disc.b)) {
+                *part /= factor;
+            }
+        }
+        for cap in &mut grid.caps {
+            if limit == Constraint::Velocity(cap.source) {
+                cap.v2 *= factor.powf(cap.source.share());
+            }
+        }
+        grid
+    }
+
+    /// The limits of acceleration and velocity that it has anywhere.
+    pub(super) fn constraints(&self) -> BTreeSet<Constraint> {
+        let axes = 0..self.limits.len();
+        let mut all: BTreeSet<_> =
+            axes.map(|axis| Constraint::AxisAcceleration(number(axis))).collect();
+        all.extend((0..self.extra).map(|row| self.further(row)));
+        all.extend(self.discs.iter().flatten().map(|_| Constraint::ToolAcceleration));
+        all.extend(self.caps.iter().map(|cap| Constraint::Velocity(cap.source)));
+        all
     }
 
     /// Limits of the axes.
