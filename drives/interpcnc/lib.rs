@@ -34,7 +34,7 @@ mod tests;
 pub use assumptions::{Assumptions, BAUD_RATES, BaudCode, BoardStop, OutputCode};
 pub use client::{
     AxisOptions, BoardState, EncoderOptions, Following, HomeAxis, Identity, InterpCnc,
-    InterpCncOptions, ProbeMove, Recipes, Snapshot,
+    InterpCncOptions, ProbeMove, Snapshot,
 };
 pub use drive::InterpCncDrive;
 pub use family::{InterpCncEntry, InterpCncFamily};

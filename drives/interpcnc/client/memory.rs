@@ -1,11 +1,10 @@
-//! Inputs, outputs, counters and what the board keeps for its user until power-down.
+//! Inputs, outputs and counters of the board.
 
 use super::{BoardState, InterpCnc};
 use crate::protocol::registers::{
     ANALOG_OUTPUT, AxisMask, ENCODER, EXTENDED_STATUS, ExtendedStatus, FIRST_ENCODER_INPUT,
-    FIRST_INPUT, FIRST_OUTPUT, FIRST_STATUS_BIT, FIRST_USER_BIT, FIRST_USER_REGISTER,
-    FIRST_USER_VALUE, KEYPAD, LOCK_COIL, MAX_ANALOG, OUTPUT_WORDS, OUTPUTS, PROBE_RESULT,
-    SNAPSHOT_REGISTERS, STATUS, Status, USER_BITS, USER_REGISTERS, USER_VALUES, join, words,
+    FIRST_INPUT, FIRST_OUTPUT, FIRST_STATUS_BIT, LOCK_COIL, MAX_ANALOG, OUTPUT_WORDS, OUTPUTS,
+    PROBE_RESULT, SNAPSHOT_REGISTERS, STATUS, Status, join, words,
 };
 use twin_drives::{Action, Clock, DriveError};
 
@@ -188,99 +187,6 @@ impl InterpCnc {
     pub async fn lock_coil(&mut self, clock: &dyn Clock) -> Result<bool, DriveError> {
         let bits = self.read_bits("board lock", LOCK_COIL, 1, true, clock).await?;
         Ok(bits.first() == Some(&self.options().assumptions.lock_coil))
-    }
-
-    /// The 96 user bits.
-    ///
-    /// # Errors
-    /// If no proper answer comes.
-    pub async fn user_bits(&mut self, clock: &dyn Clock) -> Result<Vec<bool>, DriveError> {
-        self.read_bits("user bits", FIRST_USER_BIT, USER_BITS, true, clock).await
-    }
-
-    /// Writes user bits from `first` (0 to 95) on.
-    ///
-    /// # Errors
-    /// If they are fewer, the board refuses it or no proper answer comes.
-    pub async fn set_user_bits(
-        &mut self,
-        first: u16,
-        bits: &[bool],
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let what = "user bits";
-        let address = self.within_area(what, FIRST_USER_BIT, USER_BITS, first, bits.len())?;
-        self.write_bits(what, address, bits, clock).await
-    }
-
-    /// The user registers in RAM, 4150 to 4195.
-    ///
-    /// # Errors
-    /// If no proper answer comes.
-    pub async fn user_registers(&mut self, clock: &dyn Clock) -> Result<Vec<u16>, DriveError> {
-        self.read_holding("user registers", FIRST_USER_REGISTER, USER_REGISTERS, clock).await
-    }
-
-    /// Writes user registers in RAM from `first` (0 to 45) on.
-    ///
-    /// # Errors
-    /// If they are fewer, the board refuses it or no proper answer comes.
-    pub async fn set_user_registers(
-        &mut self,
-        first: u16,
-        values: &[u16],
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let (what, start) = ("user registers", FIRST_USER_REGISTER);
-        let address = self.within_area(what, start, USER_REGISTERS, first, values.len())?;
-        self.write_holding(what, address, values, clock).await
-    }
-
-    /// The ten user values.
-    ///
-    /// # Errors
-    /// If no proper answer comes.
-    pub async fn user_values(&mut self, clock: &dyn Clock) -> Result<Vec<u32>, DriveError> {
-        let count = 2 * USER_VALUES;
-        Ok(longs(&self.read_holding("user values", FIRST_USER_VALUE, count, clock).await?))
-    }
-
-    /// Writes user value `index` (0 to 9).
-    ///
-    /// # Errors
-    /// If there is none, the board refuses it or no proper answer comes.
-    pub async fn set_user_value(
-        &mut self,
-        index: u16,
-        value: u32,
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let what = "user values";
-        let first = index.saturating_mul(2);
-        let address = self.within_area(what, FIRST_USER_VALUE, 2 * USER_VALUES, first, 2)?;
-        self.write_holding(what, address, &words(value), clock).await
-    }
-
-    /// Presses keys of the simulated keypad, one per bit; 0 releases all. Its words are the other way round than all
-    /// others (4196 low, 4197 high).
-    ///
-    /// # Errors
-    /// If the board refuses it or no proper answer comes.
-    pub async fn press_keys(&mut self, keys: u32, clock: &dyn Clock) -> Result<(), DriveError> {
-        let [high, low] = words(keys);
-        self.write_holding("keypad", KEYPAD, &[low, high], clock).await
-    }
-
-    /// Keys of the simulated keypad that are pressed.
-    ///
-    /// # Errors
-    /// If no proper answer comes.
-    pub async fn keys(&mut self, clock: &dyn Clock) -> Result<u32, DriveError> {
-        let registers = self.read_holding("keypad", KEYPAD, 2, clock).await?;
-        Ok(match *registers.as_slice() {
-            [low, high] => join(high, low),
-            _ => 0,
-        })
     }
 
     /// Analog outputs 1 and 2, 0 to 1023.

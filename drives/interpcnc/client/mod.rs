@@ -21,7 +21,7 @@ mod settings;
 pub use homing::{HomeAxis, ProbeMove};
 pub use memory::Snapshot;
 pub use options::{AxisOptions, EncoderOptions, Following, InterpCncOptions};
-pub use settings::{Identity, Recipes};
+pub use settings::Identity;
 
 use super::{Command, Line, Parity};
 use crate::{

@@ -17,7 +17,7 @@ use crate::{
         vectors::{VECTORS, bytes, frame, vector},
     },
 };
-use twin_drives::{DriveError, ProtocolFault};
+use twin_drives::{DriveError, ProtocolFault, no_clock};
 
 /// Vectors that masters send; 19 and 24 are also their own answers.
 const REQUESTS: [usize; 23] =
@@ -54,10 +54,6 @@ impl Ledger {
             "{who}: requests {requests:?} and answers {answers:?} have not been exercised"
         );
     }
-}
-
-fn no_clock() -> i64 {
-    0
 }
 
 /// A write is confirmed with its address and value or count.
@@ -190,6 +186,7 @@ fn the_driver_produces_every_request_and_understands_every_answer() {
     let (state, _) = state.unwrap();
     assert_eq!(state.positions, [100_000, -1, 0, 0, 0]);
     assert_eq!(state.status, Status(0x0040_0020));
+    assert_eq!(state.status.moving(), BoardAxis::X.mask());
     // 22, 23: the same bit by bit.
     let script = [(vector(22), vector(23))];
     let bits = drive(&mut ledger, &script, async |driver| driver.status_bits(&no_clock).await);
