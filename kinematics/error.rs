@@ -2,6 +2,9 @@
 
 use crate::Coordinate;
 
+/// What a transform gives: the answer, or why there is none.
+pub type Result<T, E = KinematicsError> = std::result::Result<T, E>;
+
 /// A pose or axis vector that a transform cannot convert. Numbers are SI; who shows them picks the unit.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum KinematicsError {
@@ -20,19 +23,13 @@ pub enum KinematicsError {
     },
     /// The arms are stretched or folded, or rods are horizontal: no finite axis velocity gives the tool velocity.
     #[error("the machine is at an edge of its reach at ({:.3}, {:.3}, {:.3}) mm: the axes cannot follow",
-        target[0] * 1e3, target[1] * 1e3, target[2] * 1e3)]
-    Singular {
-        /// Tool tip, machine frame, m.
-        target: [f64; 3],
-    },
+        .0[0] * 1e3, .0[1] * 1e3, .0[2] * 1e3)]
+    Singular([f64; 3]),
     /// The carriages of a tripod stand so far apart that its rods do not meet at the platform, or only where some of them
     /// would have to point up.
     #[error("carriages at {:.3}, {:.3} and {:.3} mm are so far apart that no platform hangs on all rods",
-        carriages[0] * 1e3, carriages[1] * 1e3, carriages[2] * 1e3)]
-    Apart {
-        /// Axis positions, m.
-        carriages: [f64; 3],
-    },
+        .0[0] * 1e3, .0[1] * 1e3, .0[2] * 1e3)]
+    Apart([f64; 3]),
     /// The program moves a coordinate for which the machine has no axis.
     #[error("{coordinate} = {:.3} mm is asked for, but no axis of the machine moves {coordinate}", value * 1e3)]
     NoAxis {

@@ -2,15 +2,16 @@
 //! because the number of axes is not part of a transform's type.
 
 use crate::kinematics::ABSENT;
+use crate::transform::Values;
 use crate::transform::{Differential, Motion, Transform};
 use crate::{
     AxisMotion, AxisVector, Branch, Coordinate, Jacobian, Kinematics, KinematicsError, Margins,
-    Pose, ToolJerk, ToolMotion,
+    Pose, Result, ToolJerk, ToolMotion,
 };
 use nalgebra::{SMatrix, SVector, Vector3};
 
 /// N axis values out of as many as there are.
-fn values<const N: usize>(axes: &AxisVector) -> Result<SVector<f64, N>, KinematicsError> {
+fn values<const N: usize>(axes: &AxisVector) -> Result<Values<N>> {
     let given = axes.len();
     let Some(values) = axes.first_chunk::<N>().filter(|_| given == N) else {
         return Err(KinematicsError::AxisCount { given, expected: N });
@@ -18,12 +19,12 @@ fn values<const N: usize>(axes: &AxisVector) -> Result<SVector<f64, N>, Kinemati
     if axes.is_finite() { Ok((*values).into()) } else { Err(KinematicsError::NotFinite) }
 }
 
-fn vector<const N: usize>(values: &SVector<f64, N>) -> Result<AxisVector, KinematicsError> {
+fn vector<const N: usize>(values: &Values<N>) -> Result<AxisVector> {
     let axes = AxisVector::from_values(values.iter().copied());
     if axes.is_finite() { Ok(axes) } else { Err(KinematicsError::NotFinite) }
 }
 
-fn axis_motion<const N: usize>(motion: &Motion<N>) -> Result<AxisMotion, KinematicsError> {
+fn axis_motion<const N: usize>(motion: &Motion<N>) -> Result<AxisMotion> {
     Ok(AxisMotion {
         position: vector(&motion.position)?,
         velocity: vector(&motion.velocity)?,
@@ -36,7 +37,7 @@ fn pick<const N: usize>(
     coordinates: &[Coordinate],
     tip: &Vector3<f64>,
     direction: f64,
-) -> SVector<f64, N> {
+) -> Values<N> {
     let mut picked = SVector::<f64, N>::zeros();
     for (slot, coordinate) in picked.iter_mut().zip(coordinates) {
         *slot = coordinate.of(tip, direction);
@@ -45,10 +46,7 @@ fn pick<const N: usize>(
 }
 
 /// The way back: what the transform does not have is 0.
-fn spread<const N: usize>(
-    coordinates: &[Coordinate],
-    values: &SVector<f64, N>,
-) -> (Vector3<f64>, f64) {
+fn spread<const N: usize>(coordinates: &[Coordinate], values: &Values<N>) -> (Vector3<f64>, f64) {
     let (mut tip, mut direction) = (Vector3::zeros(), 0.0);
     for (value, coordinate) in values.iter().zip(coordinates) {
         *coordinate.of_mut(&mut tip, &mut direction) = *value;
@@ -56,10 +54,7 @@ fn spread<const N: usize>(
     (tip, direction)
 }
 
-fn pose<const N: usize>(
-    coordinates: &[Coordinate],
-    tool: &SVector<f64, N>,
-) -> Result<Pose, KinematicsError> {
+fn pose<const N: usize>(coordinates: &[Coordinate], tool: &Values<N>) -> Result<Pose> {
     let (tip, direction) = spread(coordinates, tool);
     let pose = Pose { position: tip.into(), direction };
     if pose.is_finite() { Ok(pose) } else { Err(KinematicsError::NotFinite) }
@@ -68,7 +63,7 @@ fn pose<const N: usize>(
 fn tool_motion<const N: usize>(
     coordinates: &[Coordinate],
     motion: &Motion<N>,
-) -> Result<ToolMotion, KinematicsError> {
+) -> Result<ToolMotion> {
     let (velocity, direction_velocity) = spread(coordinates, &motion.velocity);
     let (acceleration, direction_acceleration) = spread(coordinates, &motion.acceleration);
     let tool = ToolMotion {
@@ -82,10 +77,7 @@ fn tool_motion<const N: usize>(
 }
 
 /// A pose as tool coordinates; what the transform does not have must be 0.
-fn tool<const N: usize>(
-    coordinates: &[Coordinate],
-    pose: &Pose,
-) -> Result<SVector<f64, N>, KinematicsError> {
+fn tool<const N: usize>(coordinates: &[Coordinate], pose: &Pose) -> Result<Values<N>> {
     if !pose.is_finite() {
         return Err(KinematicsError::NotFinite);
     }
@@ -101,7 +93,7 @@ fn tool<const N: usize>(
 fn tool_as_motion<const N: usize>(
     coordinates: &[Coordinate],
     motion: &ToolMotion,
-) -> Result<Motion<N>, KinematicsError> {
+) -> Result<Motion<N>> {
     if !motion.is_finite() {
         return Err(KinematicsError::NotFinite);
     }
@@ -112,7 +104,7 @@ fn tool_as_motion<const N: usize>(
     })
 }
 
-fn axes_as_motion<const N: usize>(axes: &AxisMotion) -> Result<Motion<N>, KinematicsError> {
+fn axes_as_motion<const N: usize>(axes: &AxisMotion) -> Result<Motion<N>> {
     Ok(Motion {
         position: values(&axes.position)?,
         velocity: values(&axes.velocity)?,
@@ -120,44 +112,11 @@ fn axes_as_motion<const N: usize>(axes: &AxisMotion) -> Result<Motion<N>, Kinema
     })
 }
 
-fn forward_of<const N: usize>(
-    transform: &impl Transform<N>,
-    axes: &AxisVector,
-) -> Result<Pose, KinematicsError> {
-    pose(transform.coordinates(), &transform.to_tool(&values(axes)?)?)
-}
-
-fn inverse_of<const N: usize>(
-    transform: &impl Transform<N>,
-    pose: &Pose,
-    near: &AxisVector,
-) -> Result<AxisVector, KinematicsError> {
-    let near = values(near)?;
-    vector(&transform.to_axes_near(&tool(transform.coordinates(), pose)?, &near)?)
-}
-
-fn forward_motion_of<const N: usize>(
-    transform: &impl Transform<N>,
-    axes: &AxisMotion,
-) -> Result<ToolMotion, KinematicsError> {
-    tool_motion(transform.coordinates(), &transform.tool_motion(&axes_as_motion(axes)?)?)
-}
-
-fn inverse_motion_of<const N: usize>(
-    transform: &impl Transform<N>,
-    tool: &ToolMotion,
-    near: &AxisVector,
-) -> Result<AxisMotion, KinematicsError> {
-    let near = values(near)?;
-    let tool = tool_as_motion(transform.coordinates(), tool)?;
-    axis_motion(&transform.axis_motion(&tool, &near)?)
-}
-
 fn forward_jerk_of<const N: usize>(
     transform: &impl Transform<N>,
     axes: &AxisMotion,
     jerk: &AxisVector,
-) -> Result<(ToolMotion, ToolJerk), KinematicsError> {
+) -> Result<(ToolMotion, ToolJerk)> {
     let axes = axes_as_motion(axes)?;
     let (position, differential) = transform.at_axes(&axes.position)?;
     let led = differential.lead_jerk(&[axes.velocity, axes.acceleration, values(jerk)?]);
@@ -178,13 +137,13 @@ fn inverse_jerk_of<const N: usize>(
     tool: &ToolMotion,
     jerk: &ToolJerk,
     near: &AxisVector,
-) -> Result<(AxisMotion, AxisVector), KinematicsError> {
+) -> Result<(AxisMotion, AxisVector)> {
     if !jerk.is_finite() {
         return Err(KinematicsError::NotFinite);
     }
     let near = values(near)?;
     let tool = tool_as_motion(transform.coordinates(), tool)?;
-    let jerk: SVector<f64, N> = pick(transform.coordinates(), &jerk.linear, jerk.direction);
+    let jerk: Values<N> = pick(transform.coordinates(), &jerk.linear, jerk.direction);
     let (position, differential) = transform.at_tool(&tool.position, &near)?;
     let followed = differential.follow_jerk(&[tool.velocity, tool.acceleration, jerk]);
     let Some([velocity, acceleration, jerk]) = followed else {
@@ -195,9 +154,9 @@ fn inverse_jerk_of<const N: usize>(
 
 fn spread_matrix<const N: usize>(
     transform: &impl Transform<N>,
-    tool: &SVector<f64, N>,
+    tool: &Values<N>,
     matrix: Option<SMatrix<f64, N, N>>,
-) -> Result<Jacobian, KinematicsError> {
+) -> Result<Jacobian> {
     let matrix = matrix.ok_or_else(|| transform.singular(tool))?;
     let mut jacobian = Jacobian::zeros(N);
     for (axis, column) in matrix.column_iter().enumerate() {
@@ -206,37 +165,6 @@ fn spread_matrix<const N: usize>(
         }
     }
     Ok(jacobian)
-}
-
-fn jacobian_of<const N: usize>(
-    transform: &impl Transform<N>,
-    axes: &AxisVector,
-) -> Result<Jacobian, KinematicsError> {
-    let (tool, differential) = transform.at_axes(&values(axes)?)?;
-    spread_matrix(transform, &tool, differential.jacobian())
-}
-
-fn jacobian_rate_of<const N: usize>(
-    transform: &impl Transform<N>,
-    axes: &AxisVector,
-    velocity: &AxisVector,
-) -> Result<Jacobian, KinematicsError> {
-    let (tool, differential) = transform.at_axes(&values(axes)?)?;
-    spread_matrix(transform, &tool, differential.jacobian_rate(&values(velocity)?))
-}
-
-fn branch_at_of<const N: usize>(
-    transform: &impl Transform<N>,
-    axes: &AxisVector,
-) -> Result<Branch, KinematicsError> {
-    Ok(transform.branch_at(&values(axes)?))
-}
-
-fn margins_of<const N: usize>(
-    transform: &impl Transform<N>,
-    pose: &Pose,
-) -> Result<Margins, KinematicsError> {
-    Ok(transform.margins(&tool(transform.coordinates(), pose)?))
 }
 
 /// Implements [`Kinematics`] for transforms.
@@ -255,35 +183,29 @@ macro_rules! implement {
                 self.rotary().get(axis).copied().unwrap_or_default()
             }
 
-            fn forward(&self, axes: &AxisVector) -> Result<Pose, KinematicsError> {
-                forward_of(self, axes)
+            fn forward(&self, axes: &AxisVector) -> Result<Pose> {
+                pose(Transform::<$axes>::coordinates(self), &self.to_tool(&values(axes)?)?)
             }
 
-            fn inverse(
-                &self,
-                pose: &Pose,
-                near: &AxisVector,
-            ) -> Result<AxisVector, KinematicsError> {
-                inverse_of(self, pose, near)
+            fn inverse(&self, pose: &Pose, near: &AxisVector) -> Result<AxisVector> {
+                let tool = tool(Transform::<$axes>::coordinates(self), pose)?;
+                vector(&self.to_axes_near(&tool, &values(near)?)?)
             }
 
-            fn forward_motion(&self, axes: &AxisMotion) -> Result<ToolMotion, KinematicsError> {
-                forward_motion_of(self, axes)
+            fn forward_motion(&self, axes: &AxisMotion) -> Result<ToolMotion> {
+                tool_motion(Transform::<$axes>::coordinates(self), &self.tool_motion(&axes_as_motion(axes)?)?)
             }
 
-            fn inverse_motion(
-                &self,
-                tool: &ToolMotion,
-                near: &AxisVector,
-            ) -> Result<AxisMotion, KinematicsError> {
-                inverse_motion_of(self, tool, near)
+            fn inverse_motion(&self, tool: &ToolMotion, near: &AxisVector) -> Result<AxisMotion> {
+                let tool = tool_as_motion(Transform::<$axes>::coordinates(self), tool)?;
+                axis_motion(&self.axis_motion(&tool, &values(near)?)?)
             }
 
             fn forward_jerk(
                 &self,
                 axes: &AxisMotion,
                 jerk: &AxisVector,
-            ) -> Result<(ToolMotion, ToolJerk), KinematicsError> {
+            ) -> Result<(ToolMotion, ToolJerk)> {
                 forward_jerk_of(self, axes, jerk)
             }
 
@@ -292,32 +214,30 @@ macro_rules! implement {
                 tool: &ToolMotion,
                 jerk: &ToolJerk,
                 near: &AxisVector,
-            ) -> Result<(AxisMotion, AxisVector), KinematicsError> {
+            ) -> Result<(AxisMotion, AxisVector)> {
                 inverse_jerk_of(self, tool, jerk, near)
             }
 
-            fn jacobian(&self, axes: &AxisVector) -> Result<Jacobian, KinematicsError> {
-                jacobian_of(self, axes)
+            fn jacobian(&self, axes: &AxisVector) -> Result<Jacobian> {
+                let (tool, differential) = self.at_axes(&values(axes)?)?;
+                spread_matrix(self, &tool, differential.jacobian())
             }
 
-            fn jacobian_rate(
-                &self,
-                axes: &AxisVector,
-                velocity: &AxisVector,
-            ) -> Result<Jacobian, KinematicsError> {
-                jacobian_rate_of(self, axes, velocity)
+            fn jacobian_rate(&self, axes: &AxisVector, velocity: &AxisVector) -> Result<Jacobian> {
+                let (tool, differential) = self.at_axes(&values(axes)?)?;
+                spread_matrix(self, &tool, differential.jacobian_rate(&values(velocity)?))
             }
 
             fn branch(&self) -> Branch {
                 Transform::<$axes>::branch(self)
             }
 
-            fn branch_at(&self, axes: &AxisVector) -> Result<Branch, KinematicsError> {
-                branch_at_of(self, axes)
+            fn branch_at(&self, axes: &AxisVector) -> Result<Branch> {
+                Ok(Transform::<$axes>::branch_at(self, &values(axes)?))
             }
 
-            fn margins(&self, pose: &Pose) -> Result<Margins, KinematicsError> {
-                margins_of(self, pose)
+            fn margins(&self, pose: &Pose) -> Result<Margins> {
+                Ok(Transform::<$axes>::margins(self, &tool(Transform::<$axes>::coordinates(self), pose)?))
             }
 
             fn characteristic_length(&self) -> f64 {

@@ -1,8 +1,8 @@
 //! [`Kinematics`]: one trait for every transform, with any number of axes.
 
 use crate::{
-    AxisMotion, AxisVector, Branch, Coordinate, Dexterity, Jacobian, KinematicsError, Margins,
-    Pose, ToolJerk, ToolMotion,
+    AxisMotion, AxisVector, Branch, Coordinate, Dexterity, Jacobian, Margins, Pose, Result,
+    ToolJerk, ToolMotion,
 };
 use nalgebra::Vector3;
 
@@ -15,8 +15,8 @@ pub(crate) const ABSENT: f64 = 1e-9;
 /// Implementations hold dimensions and the chosen branch (elbow low or high) and nothing else: no call changes what
 /// a later call returns. An unreachable pose is an error, never a clamped answer.
 ///
-/// Every method gives [`KinematicsError::AxisCount`] for axis values that are too few or too many and
-/// [`KinematicsError::NotFinite`] for what is infinite or not a number.
+/// Every method gives [`AxisCount`](crate::KinematicsError::AxisCount) for too few or too many axis values and
+/// [`NotFinite`](crate::KinematicsError::NotFinite) for what is infinite or not a number.
 pub trait Kinematics: std::fmt::Debug + Send + Sync {
     /// Number of axes that this transform moves.
     fn axis_count(&self) -> usize;
@@ -36,8 +36,8 @@ pub trait Kinematics: std::fmt::Debug + Send + Sync {
     /// The tool pose that the axis positions `axes` (m or rad) give, in the machine frame (`SMC_TRAFOF_x`).
     ///
     /// # Errors
-    /// [`KinematicsError::Apart`] where the rods of a tripod do not meet.
-    fn forward(&self, axes: &AxisVector) -> Result<Pose, KinematicsError>;
+    /// [`Apart`](crate::KinematicsError::Apart) where the rods of a tripod do not meet.
+    fn forward(&self, axes: &AxisVector) -> Result<Pose>;
 
     /// The axis positions (m or rad) that put the tool at `pose` in the machine frame (`SMC_TRAFO_x`).
     ///
@@ -45,36 +45,28 @@ pub trait Kinematics: std::fmt::Debug + Send + Sync {
     /// branch, which is part of the transform.
     ///
     /// # Errors
-    /// [`KinematicsError::Unreachable`] if no axis position gives the pose, [`KinematicsError::NoAxis`] if the pose
-    /// needs a coordinate the machine has no axis for.
-    fn inverse(&self, pose: &Pose, near: &AxisVector) -> Result<AxisVector, KinematicsError>;
+    /// [`Unreachable`](crate::KinematicsError::Unreachable) if no axis position gives the pose,
+    /// [`NoAxis`](crate::KinematicsError::NoAxis) if the pose needs a coordinate that no axis moves.
+    fn inverse(&self, pose: &Pose, near: &AxisVector) -> Result<AxisVector>;
 
     /// The motion of the tool for moving axes.
     ///
     /// # Errors
-    /// Those of [`Self::forward`], and [`KinematicsError::Singular`] where the tool is not held.
-    fn forward_motion(&self, axes: &AxisMotion) -> Result<ToolMotion, KinematicsError>;
+    /// Those of [`Self::forward`], and [`Singular`](crate::KinematicsError::Singular) where the tool is not held.
+    fn forward_motion(&self, axes: &AxisMotion) -> Result<ToolMotion>;
 
     /// Axis positions, velocities and accelerations for a moving tool (`SMC_TRAFOV_x`, one derivative
     /// further). `near` as in [`Self::inverse`].
     ///
     /// # Errors
-    /// Those of [`Self::inverse`], and [`KinematicsError::Singular`] where the axes cannot follow the tool velocity.
-    fn inverse_motion(
-        &self,
-        tool: &ToolMotion,
-        near: &AxisVector,
-    ) -> Result<AxisMotion, KinematicsError>;
+    /// Those of [`Self::inverse`], and [`Singular`](crate::KinematicsError::Singular) where the axes cannot follow.
+    fn inverse_motion(&self, tool: &ToolMotion, near: &AxisVector) -> Result<AxisMotion>;
 
     /// [`Self::forward_motion`] with the jerks of the axes (m/s³ or rad/s³) and of the tool.
     ///
     /// # Errors
     /// Those of [`Self::forward_motion`].
-    fn forward_jerk(
-        &self,
-        axes: &AxisMotion,
-        jerk: &AxisVector,
-    ) -> Result<(ToolMotion, ToolJerk), KinematicsError>;
+    fn forward_jerk(&self, axes: &AxisMotion, jerk: &AxisVector) -> Result<(ToolMotion, ToolJerk)>;
 
     /// [`Self::inverse_motion`] with the jerks of the tool and of the axes (m/s³ or rad/s³).
     ///
@@ -85,23 +77,19 @@ pub trait Kinematics: std::fmt::Debug + Send + Sync {
         tool: &ToolMotion,
         jerk: &ToolJerk,
         near: &AxisVector,
-    ) -> Result<(AxisMotion, AxisVector), KinematicsError>;
+    ) -> Result<(AxisMotion, AxisVector)>;
 
     /// Jacobian with the axes at `axes`.
     ///
     /// # Errors
     /// Those of [`Self::forward_motion`].
-    fn jacobian(&self, axes: &AxisVector) -> Result<Jacobian, KinematicsError>;
+    fn jacobian(&self, axes: &AxisVector) -> Result<Jacobian>;
 
     /// The derivative of [`Self::jacobian`] by time with the axes moving at `velocity`.
     ///
     /// # Errors
     /// Those of [`Self::forward_motion`].
-    fn jacobian_rate(
-        &self,
-        axes: &AxisVector,
-        velocity: &AxisVector,
-    ) -> Result<Jacobian, KinematicsError>;
+    fn jacobian_rate(&self, axes: &AxisVector, velocity: &AxisVector) -> Result<Jacobian>;
 
     /// Branch that [`Self::inverse`] gives.
     fn branch(&self) -> Branch;
@@ -110,13 +98,13 @@ pub trait Kinematics: std::fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// None but those of every method.
-    fn branch_at(&self, axes: &AxisVector) -> Result<Branch, KinematicsError>;
+    fn branch_at(&self, axes: &AxisVector) -> Result<Branch>;
 
     /// Margins of a pose to the edge of the reach and to the place where two solutions meet.
     ///
     /// # Errors
-    /// [`KinematicsError::NoAxis`].
-    fn margins(&self, pose: &Pose) -> Result<Margins, KinematicsError>;
+    /// [`NoAxis`](crate::KinematicsError::NoAxis).
+    fn margins(&self, pose: &Pose) -> Result<Margins>;
 
     /// A length in the order of the machine's size, m: what makes angles and lengths comparable unless the machine
     /// states another.
@@ -131,7 +119,7 @@ pub trait Kinematics: std::fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// Those of [`Self::jacobian`].
-    fn dexterity(&self, axes: &AxisVector, length: f64) -> Result<Dexterity, KinematicsError> {
+    fn dexterity(&self, axes: &AxisVector, length: f64) -> Result<Dexterity> {
         let moves = |axis: usize| self.moves_tool(axis);
         let turns = |axis: usize| self.is_rotary(axis);
         Ok(self.jacobian(axes)?.dexterity(self.coordinates(), moves, turns, length))

@@ -60,7 +60,7 @@ pub use axes::{AxisMotion, AxisVector, MAX_AXES};
 pub use branch::{Branch, Margins};
 pub use coordinate::Coordinate;
 pub use direction::{ToPath, direction_rates};
-pub use error::{DimensionError, KinematicsError, ReachOf};
+pub use error::{DimensionError, KinematicsError, ReachOf, Result};
 pub use frame::{Cuboid, CuboidError, FrameError, UNIT_VECTOR_TOLERANCE, UnitVectors, WorkFrame};
 pub use jacobian::{Dexterity, Jacobian};
 pub use kinematics::Kinematics;

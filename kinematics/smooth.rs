@@ -14,6 +14,9 @@
 
 use nalgebra::{SMatrix, SVector};
 
+/// One value for each of N axes or N tool coordinates.
+pub type Values<const N: usize> = SVector<f64, N>;
+
 /// A map with N inputs and N outputs, at one point.
 pub trait SmoothMap<const N: usize> {
     /// True if the map has no derivatives at this point.
@@ -23,20 +26,20 @@ pub trait SmoothMap<const N: usize> {
     }
 
     /// J·v.
-    fn rate(&self, v: &SVector<f64, N>) -> SVector<f64, N>;
+    fn rate(&self, v: &Values<N>) -> Values<N>;
 
     /// The v for which J·v = `rate`; `None` where there is none, or no single one.
-    fn solve(&self, rate: &SVector<f64, N>) -> Option<SVector<f64, N>>;
+    fn solve(&self, rate: &Values<N>) -> Option<Values<N>>;
 
     /// J̇·v, where the inputs move with the velocity v.
-    fn second(&self, v: &SVector<f64, N>) -> SVector<f64, N>;
+    fn second(&self, v: &Values<N>) -> Values<N>;
 
     /// 2·J̇·a + J̈·v, where the inputs move with the velocity v and the acceleration a.
-    fn third(&self, v: &SVector<f64, N>, a: &SVector<f64, N>) -> SVector<f64, N>;
+    fn third(&self, v: &Values<N>, a: &Values<N>) -> Values<N>;
 
     /// J·v and J·a + J̇·v: velocity and acceleration of the outputs.
     #[inline]
-    fn along(&self, v: &SVector<f64, N>, a: &SVector<f64, N>) -> [SVector<f64, N>; 2] {
+    fn along(&self, v: &Values<N>, a: &Values<N>) -> [Values<N>; 2] {
         [self.rate(v), self.rate(a) + self.second(v)]
     }
 
@@ -46,7 +49,7 @@ pub trait SmoothMap<const N: usize> {
     }
 
     /// J̇, where the inputs move with the velocity v.
-    fn matrix_rate(&self, v: &SVector<f64, N>) -> SMatrix<f64, N, N> {
+    fn matrix_rate(&self, v: &Values<N>) -> SMatrix<f64, N, N> {
         // J̇(v)·w = B(v, w), of which `second` gives the diagonal B(v, v). B(v + w, v + w) − B(v − w, v − w) = 4·B(v, w)
         // is exact for any length of w; one like v's keeps the rounding small.
         let size = v.norm();
@@ -60,6 +63,6 @@ pub trait SmoothMap<const N: usize> {
     }
 }
 
-fn unit_vectors<const N: usize>() -> [SVector<f64, N>; N] {
+fn unit_vectors<const N: usize>() -> [Values<N>; N] {
     std::array::from_fn(|index| SVector::from_fn(|row, _| if row == index { 1.0 } else { 0.0 }))
 }

@@ -1,8 +1,9 @@
 //! [`Transform`]: a transform as plain mathematics, with N tool coordinates and N axes known at compile time.
 
 use crate::smooth::SmoothMap;
+pub use crate::smooth::Values;
 use crate::turn::nearest_turn;
-use crate::{Branch, Coordinate, KinematicsError, Margins};
+use crate::{Branch, Coordinate, KinematicsError, Margins, Result};
 use nalgebra::{SMatrix, SVector, Vector3};
 use std::f64::consts::TAU;
 
@@ -10,11 +11,11 @@ use std::f64::consts::TAU;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<const N: usize> {
     /// m or rad.
-    pub position: SVector<f64, N>,
+    pub position: Values<N>,
     /// m/s or rad/s.
-    pub velocity: SVector<f64, N>,
+    pub velocity: Values<N>,
     /// m/s² or rad/s².
-    pub acceleration: SVector<f64, N>,
+    pub acceleration: Values<N>,
 }
 
 /// A transform with N axes, the core of a [`Kinematics`](crate::Kinematics) without its bookkeeping: this is what to call where speed
@@ -35,25 +36,21 @@ pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'st
     ///
     /// # Errors
     /// [`KinematicsError::Apart`], where axes can be where no tool position fits.
-    fn to_tool(&self, axes: &SVector<f64, N>) -> Result<SVector<f64, N>, KinematicsError>;
+    fn to_tool(&self, axes: &Values<N>) -> Result<Values<N>>;
 
-    /// The axis positions that put the tool at `tool` (`SMC_TRAFO_x`); rotary axes between −π and π beside their
+    /// The axis positions that put the tool at `tool` (`SMC_TRAFO_x`); rotary axes within ±π of their
     /// offsets.
     ///
     /// # Errors
     /// [`KinematicsError::Unreachable`].
-    fn to_axes(&self, tool: &SVector<f64, N>) -> Result<SVector<f64, N>, KinematicsError>;
+    fn to_axes(&self, tool: &Values<N>) -> Result<Values<N>>;
 
     /// [`Self::to_axes`] with every rotary axis within half a turn of where it is in `near`.
     ///
     /// # Errors
     /// As [`Self::to_axes`].
     #[inline]
-    fn to_axes_near(
-        &self,
-        tool: &SVector<f64, N>,
-        near: &SVector<f64, N>,
-    ) -> Result<SVector<f64, N>, KinematicsError> {
+    fn to_axes_near(&self, tool: &Values<N>, near: &Values<N>) -> Result<Values<N>> {
         let mut axes = self.to_axes(tool)?;
         self.turn_to(&mut axes, near);
         Ok(axes)
@@ -61,7 +58,7 @@ pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'st
 
     /// Adds the whole turns to rotary axes that bring them closest to `near`.
     #[inline]
-    fn turn_to(&self, axes: &mut SVector<f64, N>, near: &SVector<f64, N>) {
+    fn turn_to(&self, axes: &mut Values<N>, near: &Values<N>) {
         for ((axis, near), rotary) in axes.iter_mut().zip(near).zip(self.rotary()) {
             if rotary {
                 *axis = nearest_turn(*axis, *near, TAU);
@@ -73,10 +70,7 @@ pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'st
     ///
     /// # Errors
     /// As [`Self::to_tool`].
-    fn at_axes(
-        &self,
-        axes: &SVector<f64, N>,
-    ) -> Result<(SVector<f64, N>, Self::Differential), KinematicsError>;
+    fn at_axes(&self, axes: &Values<N>) -> Result<(Values<N>, Self::Differential)>;
 
     /// The axes at `tool` near `near`, and the differential there.
     ///
@@ -84,9 +78,9 @@ pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'st
     /// As [`Self::to_axes`].
     fn at_tool(
         &self,
-        tool: &SVector<f64, N>,
-        near: &SVector<f64, N>,
-    ) -> Result<(SVector<f64, N>, Self::Differential), KinematicsError>;
+        tool: &Values<N>,
+        near: &Values<N>,
+    ) -> Result<(Values<N>, Self::Differential)>;
 
     /// Branch that [`Self::to_axes`] gives.
     fn branch(&self) -> Branch {
@@ -94,12 +88,12 @@ pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'st
     }
 
     /// Branch of axis positions.
-    fn branch_at(&self, _axes: &SVector<f64, N>) -> Branch {
+    fn branch_at(&self, _axes: &Values<N>) -> Branch {
         self.branch()
     }
 
     /// Margins of a tool position to the edge of the reach.
-    fn margins(&self, _tool: &SVector<f64, N>) -> Margins {
+    fn margins(&self, _tool: &Values<N>) -> Margins {
         Margins::UNBOUNDED
     }
 
@@ -117,11 +111,7 @@ pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'st
     /// # Errors
     /// Those of [`Self::to_axes`], and [`KinematicsError::Singular`] where the axes cannot follow.
     #[inline]
-    fn axis_motion(
-        &self,
-        tool: &Motion<N>,
-        near: &SVector<f64, N>,
-    ) -> Result<Motion<N>, KinematicsError> {
+    fn axis_motion(&self, tool: &Motion<N>, near: &Values<N>) -> Result<Motion<N>> {
         let (position, differential) = self.at_tool(&tool.position, near)?;
         let followed = differential.follow(&tool.velocity, &tool.acceleration);
         let Some([velocity, acceleration]) = followed else {
@@ -135,7 +125,7 @@ pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'st
     /// # Errors
     /// Those of [`Self::to_tool`], and [`KinematicsError::Singular`] where the tool is not held.
     #[inline]
-    fn tool_motion(&self, axes: &Motion<N>) -> Result<Motion<N>, KinematicsError> {
+    fn tool_motion(&self, axes: &Motion<N>) -> Result<Motion<N>> {
         let (position, differential) = self.at_axes(&axes.position)?;
         let led = differential.lead(&axes.velocity, &axes.acceleration);
         let Some([velocity, acceleration]) = led else { return Err(self.singular(&position)) };
@@ -144,13 +134,13 @@ pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'st
 
     /// The error that says that a tool position is singular.
     #[cold]
-    fn singular(&self, tool: &SVector<f64, N>) -> KinematicsError {
-        KinematicsError::Singular { target: self.tip(tool) }
+    fn singular(&self, tool: &Values<N>) -> KinematicsError {
+        KinematicsError::Singular(self.tip(tool))
     }
 
     /// x, y and z among tool coordinates; what the transform does not have is 0.
     #[cold]
-    fn tip(&self, tool: &SVector<f64, N>) -> [f64; 3] {
+    fn tip(&self, tool: &Values<N>) -> [f64; 3] {
         let mut tip = [0.0; 3];
         for (coordinate, value) in self.coordinates().iter().zip(tool) {
             if let Some(slot) = tip.get_mut(coordinate.index()) {
@@ -164,30 +154,22 @@ pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'st
 /// Differential of a transform at one point: rates of the axes for those of the tool, and back.
 pub trait Differential<const N: usize> {
     /// Axis velocities and accelerations for those of the tool; `None` where the axes cannot follow.
-    fn follow(
-        &self,
-        velocity: &SVector<f64, N>,
-        acceleration: &SVector<f64, N>,
-    ) -> Option<[SVector<f64, N>; 2]>;
+    fn follow(&self, velocity: &Values<N>, acceleration: &Values<N>) -> Option<[Values<N>; 2]>;
 
     /// Axis velocities, accelerations and jerks for those of the tool; `None` where the axes cannot follow.
-    fn follow_jerk(&self, tool: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]>;
+    fn follow_jerk(&self, tool: &[Values<N>; 3]) -> Option<[Values<N>; 3]>;
 
     /// Tool velocity and acceleration for those of the axes; `None` where the tool is not held.
-    fn lead(
-        &self,
-        velocity: &SVector<f64, N>,
-        acceleration: &SVector<f64, N>,
-    ) -> Option<[SVector<f64, N>; 2]>;
+    fn lead(&self, velocity: &Values<N>, acceleration: &Values<N>) -> Option<[Values<N>; 2]>;
 
     /// Tool velocity, acceleration and jerk for those of the axes; `None` where the tool is not held.
-    fn lead_jerk(&self, axes: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]>;
+    fn lead_jerk(&self, axes: &[Values<N>; 3]) -> Option<[Values<N>; 3]>;
 
     /// Jacobian: column i is its velocity per unit velocity of axis i. `None` where the tool is not held.
     fn jacobian(&self) -> Option<SMatrix<f64, N, N>>;
 
     /// The derivative of [`Self::jacobian`] by time where the axes move with `axis_velocity`.
-    fn jacobian_rate(&self, axis_velocity: &SVector<f64, N>) -> Option<SMatrix<f64, N, N>>;
+    fn jacobian_rate(&self, axis_velocity: &Values<N>) -> Option<SMatrix<f64, N, N>>;
 }
 
 /// A mechanism that is a smooth map from its axes to the tool.
@@ -201,9 +183,9 @@ pub struct Parallel<M>(pub M);
 #[inline]
 fn against<const N: usize>(
     map: &impl SmoothMap<N>,
-    v: &SVector<f64, N>,
-    a: &SVector<f64, N>,
-) -> Option<[SVector<f64, N>; 2]> {
+    v: &Values<N>,
+    a: &Values<N>,
+) -> Option<[Values<N>; 2]> {
     let velocity = map.solve(v)?;
     let acceleration = map.solve(&(a - map.second(&velocity)))?;
     Some([velocity, acceleration])
@@ -211,16 +193,16 @@ fn against<const N: usize>(
 
 fn along_jerk<const N: usize>(
     map: &impl SmoothMap<N>,
-    [v, a, j]: &[SVector<f64, N>; 3],
-) -> [SVector<f64, N>; 3] {
+    [v, a, j]: &[Values<N>; 3],
+) -> [Values<N>; 3] {
     let [velocity, acceleration] = map.along(v, a);
     [velocity, acceleration, map.rate(j) + map.third(v, a)]
 }
 
 fn against_jerk<const N: usize>(
     map: &impl SmoothMap<N>,
-    [v, a, j]: &[SVector<f64, N>; 3],
-) -> Option<[SVector<f64, N>; 3]> {
+    [v, a, j]: &[Values<N>; 3],
+) -> Option<[Values<N>; 3]> {
     let [velocity, acceleration] = against(map, v, a)?;
     let jerk = map.solve(&(j - map.third(&velocity, &acceleration)))?;
     Some([velocity, acceleration, jerk])
@@ -228,28 +210,20 @@ fn against_jerk<const N: usize>(
 
 impl<M: SmoothMap<N>, const N: usize> Differential<N> for Serial<M> {
     #[inline]
-    fn follow(
-        &self,
-        velocity: &SVector<f64, N>,
-        acceleration: &SVector<f64, N>,
-    ) -> Option<[SVector<f64, N>; 2]> {
+    fn follow(&self, velocity: &Values<N>, acceleration: &Values<N>) -> Option<[Values<N>; 2]> {
         against(&self.0, velocity, acceleration)
     }
 
-    fn follow_jerk(&self, tool: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]> {
+    fn follow_jerk(&self, tool: &[Values<N>; 3]) -> Option<[Values<N>; 3]> {
         against_jerk(&self.0, tool)
     }
 
     #[inline]
-    fn lead(
-        &self,
-        velocity: &SVector<f64, N>,
-        acceleration: &SVector<f64, N>,
-    ) -> Option<[SVector<f64, N>; 2]> {
+    fn lead(&self, velocity: &Values<N>, acceleration: &Values<N>) -> Option<[Values<N>; 2]> {
         Some(self.0.along(velocity, acceleration))
     }
 
-    fn lead_jerk(&self, axes: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]> {
+    fn lead_jerk(&self, axes: &[Values<N>; 3]) -> Option<[Values<N>; 3]> {
         Some(along_jerk(&self.0, axes))
     }
 
@@ -257,25 +231,21 @@ impl<M: SmoothMap<N>, const N: usize> Differential<N> for Serial<M> {
         Some(self.0.matrix())
     }
 
-    fn jacobian_rate(&self, axis_velocity: &SVector<f64, N>) -> Option<SMatrix<f64, N, N>> {
+    fn jacobian_rate(&self, axis_velocity: &Values<N>) -> Option<SMatrix<f64, N, N>> {
         Some(self.0.matrix_rate(axis_velocity))
     }
 }
 
 impl<M: SmoothMap<N>, const N: usize> Differential<N> for Parallel<M> {
     #[inline]
-    fn follow(
-        &self,
-        velocity: &SVector<f64, N>,
-        acceleration: &SVector<f64, N>,
-    ) -> Option<[SVector<f64, N>; 2]> {
+    fn follow(&self, velocity: &Values<N>, acceleration: &Values<N>) -> Option<[Values<N>; 2]> {
         if self.0.is_singular() {
             return rest_or_none(velocity, acceleration);
         }
         Some(self.0.along(velocity, acceleration))
     }
 
-    fn follow_jerk(&self, tool: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]> {
+    fn follow_jerk(&self, tool: &[Values<N>; 3]) -> Option<[Values<N>; 3]> {
         if self.0.is_singular() {
             let rest = tool.iter().flatten().all(|value| *value == 0.0);
             return rest.then(|| [SVector::zeros(); 3]);
@@ -284,15 +254,11 @@ impl<M: SmoothMap<N>, const N: usize> Differential<N> for Parallel<M> {
     }
 
     #[inline]
-    fn lead(
-        &self,
-        velocity: &SVector<f64, N>,
-        acceleration: &SVector<f64, N>,
-    ) -> Option<[SVector<f64, N>; 2]> {
+    fn lead(&self, velocity: &Values<N>, acceleration: &Values<N>) -> Option<[Values<N>; 2]> {
         against(&self.0, velocity, acceleration)
     }
 
-    fn lead_jerk(&self, axes: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]> {
+    fn lead_jerk(&self, axes: &[Values<N>; 3]) -> Option<[Values<N>; 3]> {
         against_jerk(&self.0, axes)
     }
 
@@ -300,7 +266,7 @@ impl<M: SmoothMap<N>, const N: usize> Differential<N> for Parallel<M> {
         columns(|unit| self.0.solve(unit))
     }
 
-    fn jacobian_rate(&self, axis_velocity: &SVector<f64, N>) -> Option<SMatrix<f64, N, N>> {
+    fn jacobian_rate(&self, axis_velocity: &Values<N>) -> Option<SMatrix<f64, N, N>> {
         // J = K⁻¹, so J̇ = −J·K̇·J.
         let jacobian = self.jacobian()?;
         let inverse_rate = self.0.matrix_rate(&self.0.solve(axis_velocity)?);
@@ -311,16 +277,16 @@ impl<M: SmoothMap<N>, const N: usize> Differential<N> for Parallel<M> {
 /// A tool at rest stays so where nothing could follow it.
 #[cold]
 fn rest_or_none<const N: usize>(
-    velocity: &SVector<f64, N>,
-    acceleration: &SVector<f64, N>,
-) -> Option<[SVector<f64, N>; 2]> {
+    velocity: &Values<N>,
+    acceleration: &Values<N>,
+) -> Option<[Values<N>; 2]> {
     let rest = velocity.iter().chain(acceleration).all(|value| *value == 0.0);
     rest.then(|| [SVector::zeros(); 2])
 }
 
 /// The matrix whose columns are `of` the unit vectors.
 fn columns<const N: usize>(
-    of: impl Fn(&SVector<f64, N>) -> Option<SVector<f64, N>>,
+    of: impl Fn(&Values<N>) -> Option<Values<N>>,
 ) -> Option<SMatrix<f64, N, N>> {
     let mut result = SMatrix::<f64, N, N>::zeros();
     for (index, mut column) in result.column_iter_mut().enumerate() {
@@ -336,22 +302,22 @@ pub struct Straight;
 
 impl<const N: usize> SmoothMap<N> for Straight {
     #[inline]
-    fn rate(&self, v: &SVector<f64, N>) -> SVector<f64, N> {
+    fn rate(&self, v: &Values<N>) -> Values<N> {
         *v
     }
 
     #[inline]
-    fn solve(&self, rate: &SVector<f64, N>) -> Option<SVector<f64, N>> {
+    fn solve(&self, rate: &Values<N>) -> Option<Values<N>> {
         Some(*rate)
     }
 
     #[inline]
-    fn second(&self, _v: &SVector<f64, N>) -> SVector<f64, N> {
+    fn second(&self, _v: &Values<N>) -> Values<N> {
         SVector::zeros()
     }
 
     #[inline]
-    fn third(&self, _v: &SVector<f64, N>, _a: &SVector<f64, N>) -> SVector<f64, N> {
+    fn third(&self, _v: &Values<N>, _a: &Values<N>) -> Values<N> {
         SVector::zeros()
     }
 }
@@ -367,22 +333,22 @@ pub struct Linear<const N: usize> {
 
 impl<const N: usize> SmoothMap<N> for Linear<N> {
     #[inline]
-    fn rate(&self, v: &SVector<f64, N>) -> SVector<f64, N> {
+    fn rate(&self, v: &Values<N>) -> Values<N> {
         self.matrix * v
     }
 
     #[inline]
-    fn solve(&self, rate: &SVector<f64, N>) -> Option<SVector<f64, N>> {
+    fn solve(&self, rate: &Values<N>) -> Option<Values<N>> {
         Some(self.inverse * rate)
     }
 
     #[inline]
-    fn second(&self, _v: &SVector<f64, N>) -> SVector<f64, N> {
+    fn second(&self, _v: &Values<N>) -> Values<N> {
         SVector::zeros()
     }
 
     #[inline]
-    fn third(&self, _v: &SVector<f64, N>, _a: &SVector<f64, N>) -> SVector<f64, N> {
+    fn third(&self, _v: &Values<N>, _a: &Values<N>) -> Values<N> {
         SVector::zeros()
     }
 }

@@ -119,8 +119,14 @@ pub(crate) struct BridgeSetpoint {
 
 /// The limits of an axis, and the ramps that keep them.
 fn limits(axis: &Axis) -> (AxisLimits, RampType) {
-    let Axis { max_velocity: velocity, max_acceleration: acceleration, max_jerk, .. } = *axis;
-    let (jerk, ramp) =
-        max_jerk.map_or((acceleration, RampType::Trapezoid), |jerk| (jerk, RampType::Parabolic));
-    (AxisLimits { velocity, acceleration, deceleration: acceleration, jerk }, ramp)
+    let Axis { max_velocity, max_acceleration, max_deceleration, max_jerk, .. } = *axis;
+    let (jerk, ramp) = max_jerk
+        .map_or((max_acceleration, RampType::Trapezoid), |jerk| (jerk, RampType::Parabolic));
+    let limits = AxisLimits {
+        velocity: max_velocity,
+        acceleration: max_acceleration,
+        deceleration: max_deceleration,
+        jerk,
+    };
+    (limits, ramp)
 }

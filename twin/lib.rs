@@ -32,7 +32,6 @@
 mod stderr;
 
 pub mod attached;
-pub mod cam;
 pub mod check;
 pub mod clock;
 pub mod command;
@@ -59,6 +58,7 @@ pub mod startup;
 pub mod workspace;
 
 mod bridge;
+mod cam;
 mod in_loop;
 mod job;
 mod messages;

@@ -1,12 +1,36 @@
 //! Messages of findings that check, limit, planning and jobs share: the fault, with value and limit.
 
+use crate::bridge::Bridge;
 use crate::finding::{Finding, Rule, Severity};
 use crate::tolerance::ROUNDING;
 use std::collections::BTreeSet;
 use twin_kinematics::KinematicsError;
-use twin_machine::Axis;
 use twin_machine::axis_couplings::AxesError;
+use twin_machine::{Axis, Machine};
 use twin_path::Place;
+
+/// An axis that goes less than this across a gap is not named, m or rad.
+const STAYS: f64 = 5e-7;
+
+/// A gap of the path that the axes cross, inside a program or, if `is_first`, before it.
+pub(crate) fn bridged(machine: &Machine, bridge: &Bridge, is_first: bool) -> Finding {
+    let ways = machine.axes.iter().zip(bridge.ways()).filter(|(_, way)| way.abs() > STAYS);
+    let ways: Vec<_> = ways
+        .map(|(axis, way)| format!("{} by {:+.3} {}", axis.name, axis.from_si(way), axis.unit()))
+        .collect();
+    let message = format!(
+        "{}: each axis moves there at its own limits, {}, in {:.3} s, as SMC_ControlAxisByPos does",
+        if is_first {
+            "the program begins elsewhere than the one before ended"
+        } else {
+            "the set-point jumps here"
+        },
+        ways.join(", "),
+        bridge.duration()
+    );
+    let finding = Finding::error(Rule::Gap, bridge.place, message);
+    Finding { severity: Severity::Note, ..finding }
+}
 
 /// A set-point without axis positions.
 pub(crate) fn no_axes(place: Place, error: &AxesError) -> Finding {
@@ -63,9 +87,7 @@ pub(crate) fn starts_on_tappets(
 /// A set-point that the kinematics refuses.
 pub(crate) fn unreachable(place: Place, error: &KinematicsError) -> Finding {
     let (rule, what) = match error {
-        KinematicsError::Singular { .. } => {
-            (Rule::Singularity, "the tool cannot go on as programmed")
-        }
+        KinematicsError::Singular(_) => (Rule::Singularity, "the tool cannot go on as programmed"),
         _ => (Rule::Reach, "the tool cannot be there"),
     };
     let finding = Finding::error(rule, place, format!("{what}: {error}"));

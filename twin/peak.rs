@@ -54,6 +54,19 @@ impl AxisPeak {
         self.acceleration.include(value, place);
     }
 
+    /// The larger of acceleration and deceleration, by their shares of their limits, with its limit (m/s² or rad/s²).
+    pub fn hardest(&self, axis: &Axis) -> (Peak, f64) {
+        let limit = self.acceleration_limit(axis);
+        match self.deceleration {
+            Some(slowing)
+                if slowing.value / axis.max_deceleration > self.acceleration.value / limit =>
+            {
+                (slowing, axis.max_deceleration)
+            }
+            _ => (self.acceleration, limit),
+        }
+    }
+
     /// Limit of [`Self::acceleration`], m/s² or rad/s².
     pub fn acceleration_limit(&self, axis: &Axis) -> f64 {
         match self.deceleration {

@@ -70,6 +70,8 @@ pub struct Transformer<'m> {
     jumping: Option<Place>,
     /// Switches of the path at the last set-point.
     switches: u32,
+    /// True before the first set-point of a program that begins where another one ended.
+    continues: bool,
 }
 
 impl<'m> Transformer<'m> {
@@ -85,7 +87,18 @@ impl<'m> Transformer<'m> {
             couplings,
             jumping: None,
             switches: 0,
+            continues: false,
         }
+    }
+
+    /// For a program that begins with the axes at `start`, where the program before it ended, m or rad.
+    pub(crate) fn continuing(machine: &'m Machine, start: AxisVector) -> Self {
+        Self { near: start, continues: true, ..Self::new(machine) }
+    }
+
+    /// True before the first set-point of a program that begins where another one ended.
+    pub(crate) fn continues(&self) -> bool {
+        self.continues
     }
 
     /// Signals of the tappets: the bits of the set-points in their order.
@@ -182,9 +195,10 @@ impl<'m> Transformer<'m> {
         Ok((motion, axes))
     }
 
-    /// The way of the axes from the last set-point to `tool`, if the path jumps there.
+    /// The motion of the axes from the last set-point to `tool`, if the path jumps there, or from the end of the program before.
     pub(crate) fn bridge(&mut self, tool: &ToolSetpoint) -> Option<Bridge> {
-        let place = self.jumping.take()?;
+        let place =
+            if std::mem::take(&mut self.continues) { tool.place } else { self.jumping.take()? };
         // A set-point out of reach is an error of its own.
         let (_, axes) = self.without_slaves(tool).ok()?;
         Bridge::new(self.machine, [&self.near, &axes.position], place)

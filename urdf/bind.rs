@@ -31,29 +31,17 @@ pub enum BindError {
         moving: Vec<String>,
     },
     /// A joint that does not move.
-    #[error("joint {joint} is fixed")]
-    Fixed {
-        /// Its name.
-        joint: String,
-    },
+    #[error("joint {0} is fixed")]
+    Fixed(String),
     /// A joint that another one moves.
-    #[error("joint {joint} mimics another joint: it moves with the axis of that")]
-    Mimics {
-        /// Its name.
-        joint: String,
-    },
+    #[error("joint {0} mimics another joint: it moves with the axis of that")]
+    Mimics(String),
     /// A joint that is named twice.
-    #[error("joint {joint} has an axis already, or is held")]
-    Twice {
-        /// Its name.
-        joint: String,
-    },
+    #[error("joint {0} has an axis already, or is held")]
+    Twice(String),
     /// Joints that nothing is said of.
-    #[error("no axis moves {}, and nothing holds {them}", joints.join(", "), them = if joints.len() == 1 { "it" } else { "them" })]
-    Unmoved {
-        /// Their names.
-        joints: Vec<String>,
-    },
+    #[error("no axis moves {}, and nothing holds {them}", .0.join(", "), them = if .0.len() == 1 { "it" } else { "them" })]
+    Unmoved(Vec<String>),
     /// A joint that is held where it cannot be.
     #[error("joint {joint} is held at {position} (m or rad), beyond its limits {} … {}", limits[0], limits[1])]
     Beyond {
@@ -95,7 +83,7 @@ impl Model {
             (moves && !settled).then(|| joint.name.clone())
         };
         let joints: Vec<_> = self.joints.iter().zip(&settled).filter_map(unmoved).collect();
-        if joints.is_empty() { Ok(()) } else { Err(BindError::Unmoved { joints }) }
+        if joints.is_empty() { Ok(()) } else { Err(BindError::Unmoved(joints)) }
     }
 
     /// Puts the base at `machine_from_base`: the frame of link 0 is that of the machine, so another link becomes link 0.
@@ -141,10 +129,10 @@ impl Model {
         };
         match self.joints.get(index) {
             Some(found) if found.kind == JointKind::Fixed && settled.get(index) == Some(&false) => {
-                return Err(BindError::Fixed { joint: joint() });
+                return Err(BindError::Fixed(joint()));
             }
             Some(Joint { drive: JointDrive::Mimic { .. }, .. }) => {
-                return Err(BindError::Mimics { joint: joint() });
+                return Err(BindError::Mimics(joint()));
             }
             _ => {}
         }
@@ -153,7 +141,7 @@ impl Model {
                 *settled = true;
                 Ok(index)
             }
-            _ => Err(BindError::Twice { joint: joint() }),
+            _ => Err(BindError::Twice(joint())),
         }
     }
 

@@ -1,7 +1,9 @@
 //! Validation of a model: names, order, finite numbers, positive masses and measures.
 
-use crate::{Inertial, Joint, Model, Part, Solid, SolidShape, TIP_NAME, UrdfError};
-use nalgebra::Isometry3;
+use crate::{
+    Inertial, Joint, Model, Part, SafetyController, Solid, SolidShape, TIP_NAME, UrdfError,
+};
+use nalgebra::{Isometry3, Vector3};
 use std::collections::HashSet;
 
 impl Model {
@@ -12,10 +14,10 @@ impl Model {
         }
         for (index, joint) in self.joints.iter().enumerate() {
             if joint.child != index + 1 || joint.parent > index {
-                return Err(UrdfError::Order { joint: joint.name.clone() });
+                return Err(UrdfError::Order(joint.name.clone()));
             }
             if self.following(index).is_none() {
-                return Err(UrdfError::MimicCircle { joint: joint.name.clone() });
+                return Err(UrdfError::MimicCircle(joint.name.clone()));
             }
         }
         if self.tip.link >= self.links.len() {
@@ -42,64 +44,85 @@ fn check_names<'a>(
             return Err(UrdfError::NoName);
         }
         if !known.insert(name) {
-            return Err(UrdfError::Twice { part: part(name.to_owned()) });
+            return Err(UrdfError::Twice(part(name.to_owned())));
         }
     }
     Ok(())
 }
 
-fn is_finite(origin: &Isometry3<f64>) -> bool {
-    origin.translation.vector.iter().chain(&origin.rotation.coords).all(|value| value.is_finite())
+/// That `values` are finite.
+pub(crate) fn check_finite<'v>(
+    part: &Part,
+    what: &'static str,
+    values: impl IntoIterator<Item = &'v f64>,
+) -> Result<(), UrdfError> {
+    if values.into_iter().all(|value| value.is_finite()) {
+        return Ok(());
+    }
+    Err(UrdfError::NotFinite { part: part.clone(), what })
+}
+
+/// That `value` is finite and not below 0.
+pub(crate) fn check_not_negative(
+    part: &Part,
+    what: &'static str,
+    value: f64,
+) -> Result<(), UrdfError> {
+    check_finite(part, what, [&value])?;
+    if value < 0.0 {
+        return Err(UrdfError::Negative { part: part.clone(), what, value });
+    }
+    Ok(())
+}
+
+/// That `value` is finite and above 0.
+fn check_positive(part: &Part, what: &'static str, value: f64) -> Result<(), UrdfError> {
+    check_finite(part, what, [&value])?;
+    if value <= 0.0 {
+        return Err(UrdfError::NotPositive { part: part.clone(), what, value });
+    }
+    Ok(())
+}
+
+fn check_origin(part: &Part, what: &'static str, origin: &Isometry3<f64>) -> Result<(), UrdfError> {
+    check_finite(part, what, origin.translation.vector.iter().chain(&origin.rotation.coords))
 }
 
 /// That every number of a joint is one.
 pub(crate) fn check_joint(joint: &Joint) -> Result<(), UrdfError> {
-    let details = &joint.details;
-    let soft = details.safety.iter().flat_map(|safety| {
-        safety.soft_limits.into_iter().chain([safety.k_position, safety.k_velocity])
-    });
+    let (details, part) = (&joint.details, Part::Joint(joint.name.clone()));
+    check_origin(&part, "its origin", &joint.origin)?;
+    check_finite(&part, "its axis", joint.axis.iter())?;
     let limits = joint.position_limits.iter().flatten();
-    let limits = limits.chain(&joint.velocity_limit).chain(&joint.effort_limit);
-    let finite = [
-        ("its origin", is_finite(&joint.origin)),
-        ("its axis", joint.axis.iter().all(|value| value.is_finite())),
-        ("a limit", !limits.copied().any(f64::is_nan)),
-        ("a limit", details.motion_limits.iter().flatten().all(|limit| limit.is_finite())),
-        ("its damping", details.damping.is_finite()),
-        ("its friction", details.friction.is_finite()),
-        ("its safety controller", soft.into_iter().all(f64::is_finite)),
-    ];
-    let part = || Part::Joint(joint.name.clone());
-    if let Some(&(what, _)) = finite.iter().find(|(_, finite)| !finite) {
-        return Err(UrdfError::NotFinite { part: part(), what });
+    if limits.chain(&joint.velocity_limit).chain(&joint.effort_limit).any(|limit| limit.is_nan()) {
+        return Err(UrdfError::NotFinite { part, what: "a limit" });
     }
-    for (what, value) in [("its damping", details.damping), ("its friction", details.friction)] {
-        if value < 0.0 {
-            return Err(UrdfError::Negative { part: part(), what, value });
-        }
-    }
-    Ok(())
+    check_finite(&part, "a limit", details.motion_limits.iter().flatten())?;
+    check_not_negative(&part, "its damping", details.damping)?;
+    check_not_negative(&part, "its friction", details.friction)?;
+    details.safety.iter().try_for_each(|safety| check_safety(&part, safety))
+}
+
+/// That every number of a safety controller is one.
+pub(crate) fn check_safety(part: &Part, safety: &SafetyController) -> Result<(), UrdfError> {
+    let factors = [&safety.k_position, &safety.k_velocity];
+    check_finite(part, "its safety controller", safety.soft_limits.iter().chain(factors))
 }
 
 pub(crate) fn check_solid(link: &str, solid: &Solid) -> Result<(), UrdfError> {
-    let part = || Part::Link(link.to_owned());
-    if !is_finite(&solid.origin) {
-        return Err(UrdfError::NotFinite { part: part(), what: "the origin of a solid" });
-    }
-    if !solid.color.iter().all(|value| value.is_finite()) {
-        return Err(UrdfError::NotFinite { part: part(), what: "a colour" });
-    }
-    check_measures(part, &solid.shape)
+    let part = Part::Link(link.to_owned());
+    check_origin(&part, "the origin of a solid", &solid.origin)?;
+    check_finite(&part, "a colour", &solid.color)?;
+    check_measures(&part, &solid.shape)
 }
 
 /// That every measure of `shape` is finite and above 0.
-pub(crate) fn check_measures(part: impl Fn() -> Part, shape: &SolidShape) -> Result<(), UrdfError> {
+pub(crate) fn check_measures(part: &Part, shape: &SolidShape) -> Result<(), UrdfError> {
+    let edges = |what: &'static str, size: &Vector3<f64>| -> Vec<_> {
+        size.iter().map(|edge| (what, *edge)).collect()
+    };
     let measures = match shape {
-        SolidShape::Box { size } => vec![
-            ("an edge of a box", size.x),
-            ("an edge of a box", size.y),
-            ("an edge of a box", size.z),
-        ],
+        SolidShape::Box { size } => edges("an edge of a box", size),
         SolidShape::Cylinder { radius, length } => {
             vec![("the radius of a cylinder", *radius), ("the length of a cylinder", *length)]
         }
@@ -108,48 +131,22 @@ pub(crate) fn check_measures(part: impl Fn() -> Part, shape: &SolidShape) -> Res
             vec![("the radius of a capsule", *radius), ("the length of a capsule", *length)]
         }
         // One below 0 mirrors.
-        SolidShape::Mesh { scale, .. } => vec![
-            ("the scale of a mesh", scale.x.abs()),
-            ("the scale of a mesh", scale.y.abs()),
-            ("the scale of a mesh", scale.z.abs()),
-        ],
+        SolidShape::Mesh { scale, .. } => edges("the scale of a mesh", &scale.abs()),
     };
-    for (what, value) in measures {
-        if !value.is_finite() {
-            return Err(UrdfError::NotFinite { part: part(), what });
-        }
-        if value <= 0.0 {
-            return Err(UrdfError::NotPositive { part: part(), what, value });
-        }
-    }
-    Ok(())
+    measures.into_iter().try_for_each(|(what, value)| check_positive(part, what, value))
 }
 
 /// That `inertial` is finite, has mass and no negative principal moment.
 pub(crate) fn check_inertial(link: &str, inertial: &Inertial) -> Result<(), UrdfError> {
-    let part = || Part::Link(link.to_owned());
-    let finite = [
-        ("its mass", inertial.mass.is_finite()),
-        ("its centre of mass", inertial.center.iter().all(|value| value.is_finite())),
-        ("its inertia", inertial.inertia.iter().all(|value| value.is_finite())),
-    ];
-    if let Some(&(what, _)) = finite.iter().find(|(_, finite)| !finite) {
-        return Err(UrdfError::NotFinite { part: part(), what });
-    }
-    if inertial.mass <= 0.0 {
-        return Err(UrdfError::NotPositive {
-            part: part(),
-            what: "its mass",
-            value: inertial.mass,
-        });
-    }
-    let smallest = inertial.inertia.symmetric_eigenvalues().min();
-    if smallest < -1e-12 * inertial.inertia.trace().abs() {
-        return Err(UrdfError::NotPositive {
-            part: part(),
-            what: "a principal moment of inertia",
-            value: smallest,
-        });
+    let part = Part::Link(link.to_owned());
+    check_finite(&part, "its mass", [&inertial.mass])?;
+    check_finite(&part, "its centre of mass", inertial.center.iter())?;
+    check_finite(&part, "its inertia", inertial.inertia.iter())?;
+    check_positive(&part, "its mass", inertial.mass)?;
+    let value = inertial.inertia.symmetric_eigenvalues().min();
+    if value < -1e-12 * inertial.inertia.trace().abs() {
+        let what = "a principal moment of inertia";
+        return Err(UrdfError::NotPositive { part, what, value });
     }
     Ok(())
 }

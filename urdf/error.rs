@@ -65,18 +65,12 @@ impl fmt::Display for Place<'_> {
 #[derive(Debug, thiserror::Error)]
 pub enum UrdfError {
     /// The file cannot be read.
-    #[error("cannot be read: {source}")]
-    Read {
-        /// The cause.
-        source: io::Error,
-    },
-    /// The text is no XML.
-    #[error("not URDF: {source}")]
-    Xml {
-        /// The cause.
-        source: roxmltree::Error,
-    },
-    /// The text is no URDF.
+    #[error("cannot be read: {0}")]
+    Read(#[source] io::Error),
+    /// The text is not XML.
+    #[error("not URDF: {0}")]
+    Xml(#[source] roxmltree::Error),
+    /// The text is not a URDF.
     #[error("not URDF: {0}")]
     Text(#[source] urdf_rs::UrdfError),
     /// The text is URDF only when a macro processor has been over it.
@@ -85,17 +79,11 @@ pub enum UrdfError {
     )]
     Xacro,
     /// Not `<robot>`.
-    #[error("not URDF: the text is a <{found}>, not a <robot>")]
-    Root {
-        /// The element found.
-        found: String,
-    },
+    #[error("not URDF: the text is a <{0}>, not a <robot>")]
+    Root(String),
     /// Elements within elements beyond anything that URDF has.
-    #[error("not URDF: elements are within each other {depth} deep")]
-    Deep {
-        /// Depth.
-        depth: usize,
-    },
+    #[error("not URDF: elements are within each other {0} deep")]
+    Deep(usize),
     /// An element without something it needs.
     #[error("{}<{element}> has no {what}", of(part.as_ref()))]
     Lacks {
@@ -130,7 +118,7 @@ pub enum UrdfError {
         /// The expected form.
         expected: &'static str,
     },
-    /// Roll, pitch and yaw say something else than the quaternion beside them.
+    /// Roll, pitch and yaw contradict the quaternion.
     #[error(
         "{part}: rpy and {} of an <origin> are {angle} rad apart; take one of them out",
         crate::QUATERNION
@@ -163,7 +151,7 @@ pub enum UrdfError {
         error: MeshError,
     },
     /// A joint that mimics one that is not there.
-    #[error("joint {joint} mimics {leader}, which is no joint")]
+    #[error("joint {joint} mimics {leader}, which is not a joint")]
     NoLeader {
         /// The joint.
         joint: String,
@@ -179,11 +167,8 @@ pub enum UrdfError {
         leader: String,
     },
     /// Joints that mimic each other.
-    #[error("joint {joint} mimics itself, by way of others or directly")]
-    MimicCircle {
-        /// One of them.
-        joint: String,
-    },
+    #[error("joint {0} mimics itself, by way of others or directly")]
+    MimicCircle(String),
     /// Something that URDF has and this program has not.
     #[error("{part}: {what} is not supported yet")]
     Unsupported {
@@ -196,11 +181,8 @@ pub enum UrdfError {
     #[error("a link or joint has no name")]
     NoName,
     /// Two links or two joints of one name.
-    #[error("there are two of {part}")]
-    Twice {
-        /// The link or joint.
-        part: Part,
-    },
+    #[error("there are two of {0}")]
+    Twice(Part),
     /// A joint names a link that is not there.
     #[error("joint {joint}: there is no link {link}")]
     NoLink {
@@ -221,43 +203,25 @@ pub enum UrdfError {
     #[error("no link is the base: each is the child of a joint, or there is none")]
     NoBase,
     /// Links that hang on nothing.
-    #[error("links {} and {} hang on no joint; only one can be the base", links[0], links[1])]
-    TwoBases {
-        /// The first two.
-        links: [String; 2],
-    },
+    #[error("links {} and {} hang on no joint; only one can be the base", .0[0], .0[1])]
+    TwoBases([String; 2]),
     /// Joints that close a loop away from the base.
-    #[error("joint {joint} does not hang on the base: its links make a loop")]
-    Loop {
-        /// One of the joints.
-        joint: String,
-    },
+    #[error("joint {0} does not hang on the base: its links make a loop")]
+    Loop(String),
     /// `<twin>` speaks of a joint that is not there, or that nothing can move.
-    #[error("<twin>: there is no joint {joint} that moves and mimics no other")]
-    NoDrivenJoint {
-        /// The joint.
-        joint: String,
-    },
+    #[error("<twin>: there is no joint {0} that moves and mimics no other")]
+    NoDrivenJoint(String),
     /// `<twin>` speaks of a link that is not there.
-    #[error("<twin>: there is no link {link}")]
-    NoLoopLink {
-        /// The link.
-        link: String,
-    },
+    #[error("<twin>: there is no link {0}")]
+    NoLoopLink(String),
     /// A loop that is not of two points.
-    #[error("<twin>: a loop has two points, not {points}")]
-    LoopPoints {
-        /// Number of its points.
-        points: usize,
-    },
+    #[error("<twin>: a loop has two points, not {0}")]
+    LoopPoints(usize),
     /// The links and joints of a model are not in order.
-    #[error("joint {joint}: a model's joint i moves link i + 1, and parents come before children")]
-    Order {
-        /// The joint.
-        joint: String,
-    },
+    #[error("joint {0}: a model's joint i moves link i + 1, and parents come before children")]
+    Order(String),
     /// More or fewer joints than links that need one.
-    #[error("{links} links need one joint each but for the base; there are {joints}")]
+    #[error("{links} links need one joint each, except the base; there are {joints}")]
     Count {
         /// Number of links.
         links: usize,
@@ -271,11 +235,8 @@ pub enum UrdfError {
     )]
     NoTip,
     /// The link that is said to be where the tool tip is is not there.
-    #[error("there is no link {link}, of which tip_link speaks")]
-    NoTipLink {
-        /// Its name.
-        link: String,
-    },
+    #[error("there is no link {0}, which tip_link names")]
+    NoTipLink(String),
     /// The link that marks the tool tip is more than a mark.
     #[error(
         "link {} marks the tool tip: it has neither body nor mass, hangs on a fixed joint and carries nothing",
@@ -311,19 +272,13 @@ pub enum UrdfError {
         value: f64,
     },
     /// The axis of a joint that moves has no direction.
-    #[error("joint {joint}: its axis is 0 0 0")]
-    NoDirection {
-        /// The joint.
-        joint: String,
-    },
+    #[error("joint {0}: its axis is 0 0 0")]
+    NoDirection(String),
     /// A joint without the limits that URDF asks for.
     #[error(
-        "joint {joint}: it has no <limit> with lower and upper (a joint that turns without end is \"continuous\")"
+        "joint {0}: it has no <limit> with lower and upper (a joint that turns without end is \"continuous\")"
     )]
-    NoLimits {
-        /// The joint.
-        joint: String,
-    },
+    NoLimits(String),
     /// Limits that leave no position.
     #[error("joint {joint}: its lower limit {lower} is above its upper limit {upper}")]
     Limits {
@@ -335,17 +290,11 @@ pub enum UrdfError {
         upper: f64,
     },
     /// A joint that no axis of the machine moves.
-    #[error("joint {joint} moves, but no axis of the machine is called {joint}")]
-    NoAxis {
-        /// The joint.
-        joint: String,
-    },
+    #[error("joint {0} moves, but no axis of the machine is called {0}")]
+    NoAxis(String),
     /// An axis of the machine that moves nothing.
-    #[error("no joint that moves is called {axis}, as an axis of the machine is")]
-    NoJoint {
-        /// The axis.
-        axis: String,
-    },
+    #[error("no joint that moves is called {0}, as an axis of the machine is")]
+    NoJoint(String),
 }
 
 /// "link slide: ", or nothing.

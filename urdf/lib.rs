@@ -44,7 +44,6 @@ mod mimic;
 mod model;
 mod pose;
 mod read;
-mod rotation;
 #[cfg(test)]
 mod tests;
 mod write;

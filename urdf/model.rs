@@ -236,17 +236,18 @@ pub enum JointKind {
 }
 
 /// Source of a joint's position (m or rad). Axes are counted from 0 in the order of the machine file.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum JointDrive {
     /// Nothing: the joint does not move.
+    #[default]
     Fixed,
     /// It is the position of this axis.
     Axis(usize),
     /// It is the sum of axis positions, each times its factor: two motors on one belt.
     Combination(Vec<(usize, f64)>),
-    /// It is whatever closes the [loops](Model::loops). Without loops the joint stands at `rest`.
+    /// Its position closes the [loops](Model::loops). Without loops the joint is at `rest`.
     Passive {
-        /// Where it stands with every driven joint in the middle of its limits (at 0 without): where to begin looking.
+        /// Its position with every driven joint in the middle of its limits (at 0 without): where the search begins.
         rest: f64,
     },
     /// It is that of another joint times `multiplier`, and `offset` more (`<mimic>`).

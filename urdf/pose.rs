@@ -1,11 +1,11 @@
 //! Forward kinematics of a model: link poses from axis positions.
 
-use crate::{Joint, JointDrive, JointKind, JointPositions, LoopError, Model};
+use crate::{Joint, JointDrive, JointKind, JointPositions, Model};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion};
 
 impl JointDrive {
     /// The position that this drive gives its joint with the machine's axes at `axes` (m or rad, machine-file order). An
-    /// axis beyond their end stands at 0, a passive joint at rest; what a joint that mimics another does
+    /// axis beyond their end is at 0, a passive joint at rest; what a joint that mimics another does
     /// [`Model::joint_position`] says.
     fn position(&self, axes: &[f64]) -> f64 {
         let at = |axis: usize| axes.get(axis).copied().unwrap_or_default();
@@ -35,7 +35,7 @@ impl Joint {
 
 impl Model {
     /// The position of the joint `index` (m or rad) with the machine's axes at `axes` (m or rad, machine-file order). An
-    /// axis beyond their end stands at 0, a passive joint at rest.
+    /// axis beyond their end is at 0, a passive joint at rest.
     pub fn joint_position(&self, index: usize, axes: &[f64]) -> f64 {
         match self.joints.get(index).map(|joint| &joint.drive) {
             Some(JointDrive::Mimic { .. }) => self.following(index).map_or(0.0, |following| {
@@ -52,24 +52,6 @@ impl Model {
         self.joints.iter().enumerate().filter(|(_, joint)| joint.kind != JointKind::Fixed)
     }
 
-    /// The position of every joint with the machine's axes at `axes` (m or rad, machine-file order), all loops closed.
-    /// Passive joints move there from `start`, one position per joint, or else from where they rest.
-    ///
-    /// # Errors
-    /// [`LoopError`] if the loops cannot be closed, or a number is not finite.
-    pub fn pose_of(
-        &self,
-        axes: &[f64],
-        start: Option<&[f64]>,
-    ) -> Result<JointPositions, LoopError> {
-        let mut positions = JointPositions::at_rest(self);
-        if let Some(start) = start {
-            positions.start_from(start)?;
-        }
-        positions.follow(self, axes)?;
-        Ok(positions)
-    }
-
     /// Pose of every link in the machine frame with the machine's axes at `axes` (m or rad, machine-file order).
     pub fn link_poses(&self, axes: &[f64]) -> Vec<Isometry3<f64>> {
         let mut poses = vec![Isometry3::identity(); self.links.len()];
@@ -80,8 +62,7 @@ impl Model {
     /// [`Self::link_poses`] without allocating, if there are no loops. `poses` needs one element per link; links beyond
     /// its end are left out.
     ///
-    /// Loops that cannot be closed are shown as nearly closed as they can be; [`Self::pose_of`] tells. To begin where
-    /// the machine has just been, keep [`JointPositions`].
+    /// Loops that cannot be closed are shown as nearly closed as they can be; [`JointPositions::follow`] reports them.
     pub fn link_poses_into(&self, axes: &[f64], poses: &mut [Isometry3<f64>]) {
         if self.loops.is_empty() {
             self.place_links(|index, _| self.joint_position(index, axes), poses);
@@ -110,7 +91,7 @@ impl Model {
     /// As nearly closed as the loops can be.
     fn nearest(&self, axes: &[f64]) -> JointPositions {
         let mut positions = JointPositions::at_rest(self);
-        // Said by `pose_of` to whom it concerns; a picture shows it.
+        // A picture shows it.
         positions.follow(self, axes).unwrap_or_default();
         positions
     }

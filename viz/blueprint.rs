@@ -1,9 +1,8 @@
 //! Page layout (rerun blueprint): the arrangement of 3D views, plots and text, so that no user has to arrange anything.
 //!
-//! Left, large: the machine with the programmed path and the trails; below it a close-up of the tool, the program and
-//! the names. Right: tool error, axis errors, clearance if it is measured, switched signals, speed; in a tab behind
-//! them the motors, if they are known. A layout is a small recording of its own, which rerun calls a blueprint; its
-//! Rust interface does not reach cameras and time ranges, so its archetypes are logged here one by one.
+//! Left: machine with path and trails, below it a close-up of the tool, the program and the names. Right: tool
+//! error, axis errors, clearance, signals, speed; motors in a tab. A layout is a recording (a blueprint); rerun's
+//! Rust interface does not reach cameras and time ranges, so archetypes are logged one by one.
 
 use nalgebra::Vector3;
 use rerun::blueprint::components as parts;
@@ -12,7 +11,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes as layout;
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, components, datatypes};
 
 use crate::bounds::Bounds;
-use crate::error::VizError;
+use crate::error::{Result, VizError};
 use crate::frame::{Axis, AxisUnit};
 use crate::motor_plot::MotorPlot;
 use crate::timeline::{Playback, TIME};
@@ -50,7 +49,7 @@ pub(crate) fn send(
     layout: &Layout,
     bounds: &Bounds,
     playback: Playback,
-) -> Result<(), VizError> {
+) -> Result<()> {
     send_page(recording, application, playback, |page| page.everything(layout, bounds))
 }
 
@@ -59,7 +58,7 @@ pub(crate) fn send_workspace(
     recording: &RecordingStream,
     application: &'static str,
     bounds: &Bounds,
-) -> Result<(), VizError> {
+) -> Result<()> {
     send_page(recording, application, Playback::FromStart, |page| {
         let contents = ["+ /machine/**", "+ /surroundings/**", "+ /workspace/**"];
         let scene = page.scene("Machine and workspace", &contents, bounds)?;
@@ -74,7 +73,7 @@ fn send_page(
     application: &'static str,
     playback: Playback,
     arrange: impl FnOnce(&mut Page) -> Result<Part, VizError>,
-) -> Result<(), VizError> {
+) -> Result<()> {
     let (stream, storage) =
         RecordingStreamBuilder::new(application).enabled(true).blueprint().memory()?;
     stream.set_time_sequence("blueprint", 0);
@@ -136,7 +135,7 @@ struct Page {
 }
 
 impl Page {
-    fn everything(&mut self, layout: &Layout, bounds: &Bounds) -> Result<Part, VizError> {
+    fn everything(&mut self, layout: &Layout, bounds: &Bounds) -> Result<Part> {
         let contents = [
             "+ /machine/**",
             "+ /surroundings/**",
@@ -182,7 +181,7 @@ impl Page {
     }
 
     /// The errors, and in a tab behind them what the motors do, if anything is known of them.
-    fn beside_motors(&mut self, errors: Part, motors: &[MotorPlot]) -> Result<Part, VizError> {
+    fn beside_motors(&mut self, errors: Part, motors: &[MotorPlot]) -> Result<Part> {
         if motors.is_empty() {
             return Ok(errors);
         }
@@ -194,7 +193,7 @@ impl Page {
         self.tabs(&[(errors, "Errors and speed"), (motors, "Motors")])
     }
 
-    fn panels(&self, playback: Playback) -> Result<(), VizError> {
+    fn panels(&self, playback: Playback) -> Result<()> {
         let collapsed = layout::PanelBlueprint::new().with_state(parts::PanelState::Collapsed);
         self.stream.log("blueprint_panel", &collapsed)?;
         self.stream.log("selection_panel", &collapsed)?;
@@ -212,7 +211,7 @@ impl Page {
     }
 
     /// The machine and what belongs to it, in space.
-    fn scene(&mut self, title: &str, contents: &[&str], bounds: &Bounds) -> Result<Part, VizError> {
+    fn scene(&mut self, title: &str, contents: &[&str], bounds: &Bounds) -> Result<Part> {
         let (center, radius) = bounds.sphere().unwrap_or_default();
         let spacing = grid_spacing(mm(radius));
         let name = format!("{title} (grid {spacing} mm)");
@@ -240,7 +239,7 @@ impl Page {
     }
 
     /// The surroundings of the set-point, moving with it: deviations of a hundredth of a millimetre are seen here.
-    fn close_up(&mut self, layout: &Layout) -> Result<Part, VizError> {
+    fn close_up(&mut self, layout: &Layout) -> Result<Part> {
         let width = mm(layout.close_up);
         let name = format!("At the tool ({width} mm high)");
         let contents = [
@@ -266,7 +265,7 @@ impl Page {
     }
 
     /// Trails come in pieces; all up to the cursor are shown, not only the newest.
-    fn keep_trails(&self, view: Part) -> Result<(), VizError> {
+    fn keep_trails(&self, view: Part) -> Result<()> {
         let range = datatypes::VisibleTimeRange {
             timeline: TIME.into(),
             range: datatypes::TimeRange {
@@ -281,7 +280,7 @@ impl Page {
         Ok(())
     }
 
-    fn plot(&mut self, name: &str, origin: &str) -> Result<Part, VizError> {
+    fn plot(&mut self, name: &str, origin: &str) -> Result<Part> {
         let view = self.view("TimeSeries", name, origin, &["+ $origin/**"])?;
         let legend =
             layout::PlotLegend::new().with_visible(true).with_corner(parts::Corner2D::RightTop);
@@ -289,17 +288,11 @@ impl Page {
         Ok(view)
     }
 
-    fn text(&mut self, name: &str, entity: &str) -> Result<Part, VizError> {
+    fn text(&mut self, name: &str, entity: &str) -> Result<Part> {
         self.view("TextDocument", name, entity, &["+ $origin"])
     }
 
-    fn view(
-        &mut self,
-        class: &str,
-        name: &str,
-        origin: &str,
-        contents: &[&str],
-    ) -> Result<Part, VizError> {
+    fn view(&mut self, class: &str, name: &str, origin: &str, contents: &[&str]) -> Result<Part> {
         let view = self.part("view");
         let contents = contents.iter().map(|query| parts::QueryExpression((*query).into()));
         self.stream
@@ -310,25 +303,25 @@ impl Page {
         Ok(view)
     }
 
-    fn property(&self, view: Part, name: &str, value: &impl AsComponents) -> Result<(), VizError> {
+    fn property(&self, view: Part, name: &str, value: &impl AsComponents) -> Result<()> {
         self.stream.log(format!("{}/{name}", view.path()), value)?;
         Ok(())
     }
 
-    fn row(&mut self, parts: &[Part], shares: &[f32]) -> Result<Part, VizError> {
+    fn row(&mut self, parts: &[Part], shares: &[f32]) -> Result<Part> {
         let row = layout::ContainerBlueprint::new(parts::ContainerKind::Horizontal)
             .with_col_shares(shares.iter().copied().map(parts::ColumnShare::from));
         self.container(&row, parts)
     }
 
-    fn column(&mut self, parts: &[Part], shares: &[f32]) -> Result<Part, VizError> {
+    fn column(&mut self, parts: &[Part], shares: &[f32]) -> Result<Part> {
         let column = layout::ContainerBlueprint::new(parts::ContainerKind::Vertical)
             .with_row_shares(shares.iter().copied().map(parts::RowShare::from));
         self.container(&column, parts)
     }
 
     /// One behind the other, the first in front, with their names.
-    fn tabs(&mut self, parts: &[(Part, &str)]) -> Result<Part, VizError> {
+    fn tabs(&mut self, parts: &[(Part, &str)]) -> Result<Part> {
         for (part, name) in parts {
             let named = layout::ContainerBlueprint::update_fields().with_display_name(*name);
             self.stream.log(part.path(), &named)?;
@@ -345,7 +338,7 @@ impl Page {
         &mut self,
         container: &layout::ContainerBlueprint,
         parts: &[Part],
-    ) -> Result<Part, VizError> {
+    ) -> Result<Part> {
         let part = self.part("container");
         let contents = parts.iter().map(|part| parts::IncludedContent(part.path().into()));
         self.stream.log(part.path(), &container.clone().with_contents(contents))?;
@@ -358,7 +351,7 @@ impl Page {
     }
 }
 
-/// Dark, whatever theme the browser asks for: the colours of the paths are chosen for it.
+/// Dark, regardless of the theme of the browser: the colours of the paths are chosen for it.
 fn background() -> layout::Background {
     layout::Background::new(parts::BackgroundKind::SolidColor)
         .with_color(components::Color::from_rgb(24, 27, 32))

@@ -1,7 +1,10 @@
 //! Errors of writing and showing a recording.
 
 use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// What writing or showing a recording gives.
+pub type Result<T, E = VizError> = std::result::Result<T, E>;
 
 /// Error of writing or showing a recording.
 #[derive(Debug, thiserror::Error)]
@@ -54,30 +57,16 @@ pub enum VizError {
     #[error("cannot encode a value for the recording: {0}")]
     Encode(#[from] rerun::SerializationError),
 
-    /// A frame has another number of link poses than the machine has links.
-    #[error("the machine has {expected} links, the frame {found} link poses")]
-    LinkCount {
-        /// Links of the machine.
+    /// A frame does not fit the machine.
+    #[error("the machine has {expected} {of}, the frame {found} {what}")]
+    Count {
+        /// Parts of the machine.
+        of: &'static str,
+        /// Parts of the frame.
+        what: &'static str,
+        /// Number of parts of the machine.
         expected: usize,
-        /// Poses in the frame.
-        found: usize,
-    },
-
-    /// A frame has another number of axis errors than there are axes.
-    #[error("the machine has {expected} axes, the frame {found} axis errors")]
-    AxisCount {
-        /// Axes of the machine.
-        expected: usize,
-        /// Axis errors in the frame.
-        found: usize,
-    },
-
-    /// A frame tells of another number of motors than there are axes.
-    #[error("the machine has {expected} axes, the frame {found} motors")]
-    MotorCount {
-        /// Axes of the machine.
-        expected: usize,
-        /// Motors in the frame.
+        /// Number of parts in the frame.
         found: usize,
     },
 
@@ -121,4 +110,17 @@ pub enum VizError {
         #[source]
         source: Option<rerun::external::re_log_encoding::DecodeError>,
     },
+}
+
+impl VizError {
+    /// Checks the number of link poses.
+    pub(crate) fn check_links(expected: usize, found: usize) -> Result<(), Self> {
+        let error = Self::Count { of: "links", what: "link poses", expected, found };
+        if expected == found { Ok(()) } else { Err(error) }
+    }
+
+    /// A recording at `path` that cannot be written.
+    pub(crate) fn write(path: &Path) -> impl FnOnce(rerun::sink::SinkFlushError) -> Self {
+        move |source| Self::Write { path: path.to_owned(), source }
+    }
 }

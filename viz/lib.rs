@@ -1,9 +1,8 @@
 //! 3D view and plots of a run: the moving machine, its paths, and the tracking errors of the twin and the drives.
 //!
-//! A [`Scene`] is a [rerun](https://rerun.io) recording being written. It goes to a file ([`SceneOptions::record`]), to
-//! a page in the browser ([`SceneOptions::serve`]), or to both at once. The page is rerun's own web viewer, shipped
-//! inside this binary; the page reads the same recording file while it grows, so both always show the same thing and
-//! memory does not grow with the program. [`view_recording`] serves a finished recording with the same page.
+//! A [`Scene`] writes a [rerun](https://rerun.io) recording to a file ([`SceneOptions::record`]), a browser page
+//! ([`SceneOptions::serve`]), or both. The page is rerun's web viewer, shipped inside this binary; it reads the
+//! growing file, so memory does not grow with the program. [`view_recording`] serves a finished recording.
 //!
 //! Everything handed to a [`Scene`] is SI, in the machine frame; everything a person sees is mm, degrees and mm/s.
 //!
@@ -92,7 +91,7 @@ mod timeline;
 mod units;
 mod workspace;
 
-pub use error::VizError;
+pub use error::{Result, VizError};
 pub use frame::{
     Axis, AxisUnit, ClearanceFrame, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, Obstacle,
     PathStrip, Program,

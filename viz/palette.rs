@@ -1,53 +1,36 @@
 //! Colour palette: one colour per thing, the same in 3D and in the plots.
 //!
-//! From the palette of Okabe and Ito (2008), "Color Universal Design", which people with any colour vision can tell
-//! apart.
+//! From "Color Universal Design" by Okabe and Ito (2008), distinct for any colour vision.
 
 use rerun::Color;
 
-/// Set-point of the tool: sky blue.
-pub(crate) fn setpoint() -> Color {
-    Color::from_rgb(86, 180, 233)
+macro_rules! colors {
+    ($($(#[$doc:meta])* $name:ident($red:literal, $green:literal, $blue:literal);)*) => {
+        $($(#[$doc])* pub(crate) fn $name() -> Color {
+            Color::from_rgb($red, $green, $blue)
+        })*
+    };
 }
 
-/// The twin: bluish green.
-pub(crate) fn twin() -> Color {
-    Color::from_rgb(0, 178, 130)
-}
-
-/// The drives: orange.
-pub(crate) fn drives() -> Color {
-    Color::from_rgb(230, 159, 0)
-}
-
-/// Between drives and twin: reddish purple.
-pub(crate) fn between() -> Color {
-    Color::from_rgb(204, 121, 167)
-}
-
-/// Programmed cutting moves: light grey.
-pub(crate) fn cut() -> Color {
-    Color::from_rgb(190, 196, 204)
-}
-
-/// Limits: light grey, like programmed values.
-pub(crate) fn limit() -> Color {
-    cut()
-}
-
-/// Programmed rapids: yellow, drawn thin.
-pub(crate) fn rapid() -> Color {
-    Color::from_rgb(240, 228, 66)
-}
-
-/// Programmed probing moves: blue.
-pub(crate) fn probing() -> Color {
-    Color::from_rgb(0, 114, 178)
-}
-
-/// The path after preparation: vermilion.
-pub(crate) fn prepared() -> Color {
-    Color::from_rgb(213, 94, 0)
+colors! {
+    /// Set-point of the tool: sky blue.
+    setpoint(86, 180, 233);
+    /// The twin: bluish green.
+    twin(0, 178, 130);
+    /// The drives: orange.
+    drives(230, 159, 0);
+    /// Between drives and twin: reddish purple.
+    between(204, 121, 167);
+    /// Programmed cutting moves: light grey.
+    cut(190, 196, 204);
+    /// Limits: light grey, like programmed values.
+    limit(190, 196, 204);
+    /// Programmed rapids: yellow, drawn thin.
+    rapid(240, 228, 66);
+    /// Programmed probing moves: blue.
+    probing(0, 114, 178);
+    /// The path after preparation: vermilion.
+    prepared(213, 94, 0);
 }
 
 /// Colour of a clearance, from `part` 1 (yellow) to contact, 0 or less (vermilion to red).
@@ -66,7 +49,7 @@ pub(crate) fn shade(color: Color, index: usize) -> Color {
     }
 }
 
-/// So many sixteenths of `end` in a colour.
+/// A colour with `sixteenths` of `end`.
 fn mixed(color: Color, end: [u8; 3], sixteenths: u16) -> Color {
     let [r, g, b, a] = color.to_array();
     let towards = |byte: u8, end: u8| {

@@ -12,8 +12,7 @@ pub(crate) const LINE: &str = "line";
 /// Playback mode of the viewer when it opens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Playback {
-    /// Plays from the start of the program at the speed of the machine and waits at the end for more. Right for runs
-    /// that are faster than the machine.
+    /// Plays from the start at the speed of the machine: for runs faster than the machine.
     #[default]
     FromStart,
     /// Shows the newest. Right for runs in step with the clock.
@@ -21,8 +20,7 @@ pub enum Playback {
 }
 
 impl Playback {
-    /// Program time per batch of poses and trails, ns. Few large pieces load and replay faster; small ones show sooner,
-    /// and more smoothly, what happens now.
+    /// Program time per batch of poses and trails, ns. Large batches load faster; small ones show sooner.
     pub(crate) fn rows_ns(self) -> i64 {
         match self {
             Self::FromStart => 2_000_000_000,
@@ -38,7 +36,7 @@ impl Playback {
         }
     }
 
-    /// rerun sends by itself only what has waited for long, as when the program holds.
+    /// Without this, rerun sends only what has waited for long, as when the program holds.
     pub(crate) fn batcher(self) -> ChunkBatcherConfig {
         let flush_tick = Duration::from_nanos(self.rows_ns().unsigned_abs());
         ChunkBatcherConfig { flush_tick, ..ChunkBatcherConfig::DEFAULT }

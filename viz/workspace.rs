@@ -7,7 +7,7 @@ use twin_urdf::Model;
 
 use crate::blueprint;
 use crate::bounds::Bounds;
-use crate::error::VizError;
+use crate::error::{Result, VizError};
 use crate::frame::Obstacle;
 use crate::scene::destination::{self, Destination};
 use crate::scene::machine::{self, Machine};
@@ -67,17 +67,10 @@ pub struct WorkspaceView<'a> {
 /// Records a workspace, or serves it, or both. The page goes on until the returned [`Viewer`] is dropped.
 ///
 /// # Errors
-///
-/// [`VizError::NoDestination`] and its neighbours if the destinations cannot be had, [`VizError::LinkCount`] if the poses
+/// [`VizError::NoDestination`] and its neighbours if the destinations cannot be had, [`VizError::Count`] if the poses
 /// do not fit the machine, [`VizError::Write`] if not everything could be written.
-pub fn show_workspace(
-    options: &SceneOptions,
-    view: &WorkspaceView<'_>,
-) -> Result<Option<Viewer>, VizError> {
-    let (expected, found) = (view.machine.links.len(), view.poses.len());
-    if expected != found {
-        return Err(VizError::LinkCount { expected, found });
-    }
+pub fn show_workspace(options: &SceneOptions, view: &WorkspaceView<'_>) -> Result<Option<Viewer>> {
+    VizError::check_links(view.machine.links.len(), view.poses.len())?;
     let title = format!("workspace of {}", view.machine.name);
     let Destination { path, sink, viewer, complete } = destination::open(options, &title)?;
     let stream = RecordingStreamBuilder::new(APPLICATION)
@@ -98,13 +91,13 @@ pub fn show_workspace(
     stream.log_static("about", &TextDocument::from_markdown(view.about))?;
     blueprint::send_workspace(&stream, APPLICATION, &bounds)?;
 
-    stream.flush_blocking().map_err(|source| VizError::Write { path, source })?;
+    stream.flush_blocking().map_err(VizError::write(&path))?;
     stream.finalize_deferred_sinks();
     complete.store(true, Ordering::Release);
     Ok(viewer)
 }
 
-fn log_section(stream: &RecordingStream, view: &WorkspaceView<'_>) -> Result<(), VizError> {
+fn log_section(stream: &RecordingStream, view: &WorkspaceView<'_>) -> Result<()> {
     let color = |[red, green, blue]: [u8; 3]| Color::from_rgb(red, green, blue);
     if !view.triangles.is_empty() {
         let mesh = rerun::Mesh3D::new(view.corners.iter().map(point_mm))
@@ -134,7 +127,7 @@ mod tests {
     const TRIANGLE: [[f64; 3]; 3] = [[0.1, 0.0, 0.02], [0.3, 0.0, 0.02], [0.1, 0.4, 0.02]];
     const COLORS: [[u8; 3]; 3] = [[1, 2, 3], [4, 5, 6], [7, 8, 9]];
 
-    fn record(poses: usize) -> Result<Read, VizError> {
+    fn record(poses: usize) -> Result<Read> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("workspace.rrd");
         let corners = TRIANGLE.map(Point3::from);
@@ -182,7 +175,10 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_refused() {
         let error = record(1).err().unwrap();
-        assert!(matches!(error, VizError::LinkCount { expected: 2, found: 1 }), "{error}");
+        assert!(
+            matches!(error, VizError::Count { what: "link poses", expected: 2, found: 1, .. }),
+            "{error}"
+        );
         let view = WorkspaceView {
             machine: &machine(),
             poses: &[Isometry3::identity(); 2],

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Matrix3, Rotation3, Vector2};
 use std::f64::consts::TAU;
 
-/// Squared length below which a direction seen from above is a point: it stands upright.
+/// Squared length below which a direction seen from above is a point: it is vertical.
 const UPRIGHT_2: f64 = 1e-24;
 
 /// A map of directions: a linear map of the plane, taken to angles.
@@ -64,7 +64,7 @@ impl Above {
             Self::Tilted { projection, start, sense } => (projection, start, sense),
         };
         // The map is linear, so half turns of the direction are seen as half turns: what is seen is never more than one
-        // away from where `start` and `sense` alone would have it. This tells which turn it is in.
+        // away from where `start` and `sense` alone would have it. This gives the turn it is in.
         let turned = start + sense * direction;
         let (sin, cos) = direction.sin_cos();
         let seen = projection * Vector2::new(cos, sin);

@@ -3,9 +3,9 @@
 use super::UnitVectors;
 use nalgebra::{Point3, Vector3};
 
-/// Lengths shorter than this part of the distance between the probed points are none.
+/// Lengths below this part of the distance between the probed points count as 0.
 ///
-/// No probe repeats to a millionth of the workpiece it touches, so a shorter length says nothing about where it lies.
+/// No probe repeats to a millionth of the workpiece it touches, so a shorter length does not locate it.
 const DEGENERATE: f64 = 1e-6;
 
 /// Points may lie on the wrong side of a face by this part of the distance between them: faces are not quite square.
@@ -75,7 +75,7 @@ impl CuboidError {
 ///          BC = −z
 /// ```
 ///
-/// With C on the left of someone who stands before B with A on top, y is the edge CA and the work lies at x ≥ 0, y ≥ 0,
+/// With C on the left of someone in front of B with A on top, y is the edge CA and the work lies at x ≥ 0, y ≥ 0,
 /// z ≤ 0. With C on the right, x still goes along the work, which is to the left then, and y comes out of face B
 /// against CA: the work lies at y ≤ 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,7 +93,7 @@ impl Cuboid {
     /// angles to A, face C perpendicular to both through its point.
     ///
     /// # Errors
-    /// [`CuboidError`]. What is too small to tell is so beside the distance between the points: a millionth of it.
+    /// [`CuboidError`]. Distances below a millionth of that between the points are too small.
     pub fn from_points(
         a: [Point3<f64>; 3],
         b: [Point3<f64>; 2],
@@ -115,7 +115,7 @@ impl Cuboid {
         }
         let [a2, a3, b1, b2, c] = points;
 
-        // The normal of A: the height of the triangle over its longest side tells if there is one.
+        // The normal of A: the height of the triangle over its longest side shows if there is one.
         let normal = a2.cross(&a3);
         let longest = a2.norm().max(a3.norm()).max((a3 - a2).norm());
         if normal.norm() <= DEGENERATE * longest {

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Point3, Rotation3, UnitQuaternion, Vector3};
 pub const UNIT_VECTOR_TOLERANCE: f64 = 1e-6;
 
 /// Cosine of the pitch below which roll and yaw turn about the same axis: there yaw is 0 and roll is all of the turn.
-/// It is what rounding leaves of an x axis that stands upright. Taking such a tilt for none moves no axis by more than twice
+/// It is what rounding leaves of a vertical x axis. Taking such a tilt for none moves no axis by more than twice
 /// as much.
 const GIMBAL: f64 = 4e-15;
 

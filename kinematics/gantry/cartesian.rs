@@ -15,18 +15,19 @@
 
 use super::view::{GantryView, Range};
 use crate::error::{DimensionError, all_finite};
+use crate::transform::Values;
 use crate::transform::{Serial, Straight, Transform};
-use crate::{Coordinate, KinematicsError};
+use crate::{Coordinate, Result};
 use nalgebra::{SVector, Vector3};
 
 /// A gantry with N axes, 2 or 3: x and y, or x, y and z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gantry<const N: usize> {
-    offsets: SVector<f64, N>,
+    offsets: Values<N>,
     /// Tool tip, from the flange.
-    tool: SVector<f64, N>,
+    tool: Values<N>,
     /// Added to the tip to give the axes: offsets less tool.
-    shift: SVector<f64, N>,
+    shift: Values<N>,
 }
 
 /// A gantry with two axes along x and y.
@@ -52,7 +53,7 @@ impl<const N: usize> Gantry<N> {
     }
 
     /// The manual's normalised outputs with the axes at `axes` (m).
-    pub fn view(&self, axes: &SVector<f64, N>, range: &Range) -> Option<GantryView> {
+    pub fn view(&self, axes: &Values<N>, range: &Range) -> Option<GantryView> {
         let tip = axes - self.shift;
         Some(
             range
@@ -73,29 +74,26 @@ impl<const N: usize> Transform<N> for Gantry<N> {
     }
 
     #[inline]
-    fn to_tool(&self, axes: &SVector<f64, N>) -> Result<SVector<f64, N>, KinematicsError> {
+    fn to_tool(&self, axes: &Values<N>) -> Result<Values<N>> {
         Ok(axes - self.shift)
     }
 
     #[inline]
-    fn to_axes(&self, tool: &SVector<f64, N>) -> Result<SVector<f64, N>, KinematicsError> {
+    fn to_axes(&self, tool: &Values<N>) -> Result<Values<N>> {
         Ok(tool + self.shift)
     }
 
     #[inline]
-    fn at_axes(
-        &self,
-        axes: &SVector<f64, N>,
-    ) -> Result<(SVector<f64, N>, Self::Differential), KinematicsError> {
+    fn at_axes(&self, axes: &Values<N>) -> Result<(Values<N>, Self::Differential)> {
         Ok((axes - self.shift, Serial(Straight)))
     }
 
     #[inline]
     fn at_tool(
         &self,
-        tool: &SVector<f64, N>,
-        _near: &SVector<f64, N>,
-    ) -> Result<(SVector<f64, N>, Self::Differential), KinematicsError> {
+        tool: &Values<N>,
+        _near: &Values<N>,
+    ) -> Result<(Values<N>, Self::Differential)> {
         Ok((tool + self.shift, Serial(Straight)))
     }
 

@@ -26,8 +26,9 @@
 
 use crate::error::{DimensionError, all_finite};
 use crate::smooth::SmoothMap;
+use crate::transform::Values;
 use crate::transform::{Parallel, Transform};
-use crate::{Coordinate, KinematicsError};
+use crate::{Coordinate, Result};
 use nalgebra::{SVector, Vector2, Vector3};
 use std::f64::consts::TAU;
 
@@ -54,7 +55,7 @@ impl Sense {
 /// A gantry with N axes, 3 or 4: x, y and R, or x, y, z and R.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GantryCutter<const N: usize> {
-    offsets: SVector<f64, N>,
+    offsets: Values<N>,
     sense: Sense,
     tool: Vector3<f64>,
 }
@@ -88,11 +89,7 @@ impl<const N: usize> GantryCutter<N> {
 
     /// Axis R for a tool direction (rad), in [0, 2π): the manual's `dr`.
     pub fn turned(&self, direction: f64) -> f64 {
-        crate::turn::fold(self.sense.sign() * direction + self.offset_r(), TAU)
-    }
-
-    fn offset_r(&self) -> f64 {
-        self.offsets.iter().next_back().copied().unwrap_or_default()
+        crate::turn::fold(self.sense.sign() * direction + last(&self.offsets), TAU)
     }
 
     /// The flange, seen from the tip, for a direction given by its cosine and sine: −D·t.
@@ -105,7 +102,7 @@ impl<const N: usize> GantryCutter<N> {
 
     /// Adds to x, y (and z) of `values` and replaces the last of them.
     #[inline]
-    fn moved(values: &SVector<f64, N>, by: Vector2<f64>, z: f64, last: f64) -> SVector<f64, N> {
+    fn moved(values: &Values<N>, by: Vector2<f64>, z: f64, last: f64) -> Values<N> {
         SVector::from_fn(|row, _| {
             let value = values[row];
             match row {
@@ -118,17 +115,17 @@ impl<const N: usize> GantryCutter<N> {
     }
 
     #[inline]
-    fn axes_at(&self, tool: &SVector<f64, N>) -> (SVector<f64, N>, Vector2<f64>) {
-        let direction = tool.iter().next_back().copied().unwrap_or_default();
+    fn axes_at(&self, tool: &Values<N>) -> (Values<N>, Vector2<f64>) {
+        let direction = last(tool);
         let flange = self.flange_from_tip(direction);
         let r = self.sense.sign() * direction;
         (Self::moved(tool, flange, -self.tool.z, r) + self.offsets, flange)
     }
 
     #[inline]
-    fn tool_at(&self, axes: &SVector<f64, N>) -> (SVector<f64, N>, Vector2<f64>) {
+    fn tool_at(&self, axes: &Values<N>) -> (Values<N>, Vector2<f64>) {
         let axes = axes - self.offsets;
-        let direction = self.sense.sign() * axes.iter().next_back().copied().unwrap_or_default();
+        let direction = self.sense.sign() * last(&axes);
         let flange = self.flange_from_tip(direction);
         (Self::moved(&axes, -flange, self.tool.z, direction), flange)
     }
@@ -146,7 +143,7 @@ impl<const N: usize> Swinging<N> {
     /// `values` with `factor` times the flange, and `quarter` times the flange turned by 90°, added to x and y, and with the last
     /// value in the sense of R.
     #[inline]
-    fn map(&self, values: &SVector<f64, N>, factor: f64, quarter: f64) -> SVector<f64, N> {
+    fn map(&self, values: &Values<N>, factor: f64, quarter: f64) -> Values<N> {
         let (x, y) = (self.flange.x, self.flange.y);
         let mut result = *values;
         for (row, value) in result.iter_mut().enumerate() {
@@ -162,29 +159,29 @@ impl<const N: usize> Swinging<N> {
 }
 
 #[inline]
-fn last<const N: usize>(values: &SVector<f64, N>) -> f64 {
-    values.iter().next_back().copied().unwrap_or_default()
+fn last<const N: usize>(values: &Values<N>) -> f64 {
+    values[N - 1]
 }
 
 impl<const N: usize> SmoothMap<N> for Swinging<N> {
     #[inline]
-    fn rate(&self, v: &SVector<f64, N>) -> SVector<f64, N> {
+    fn rate(&self, v: &Values<N>) -> Values<N> {
         self.map(v, 0.0, last(v))
     }
 
     #[inline]
-    fn solve(&self, rate: &SVector<f64, N>) -> Option<SVector<f64, N>> {
+    fn solve(&self, rate: &Values<N>) -> Option<Values<N>> {
         Some(self.map(rate, 0.0, -self.sign * last(rate)))
     }
 
     #[inline]
-    fn second(&self, v: &SVector<f64, N>) -> SVector<f64, N> {
+    fn second(&self, v: &Values<N>) -> Values<N> {
         let turning = last(v);
         self.map(&SVector::zeros(), -turning * turning, 0.0)
     }
 
     #[inline]
-    fn third(&self, v: &SVector<f64, N>, a: &SVector<f64, N>) -> SVector<f64, N> {
+    fn third(&self, v: &Values<N>, a: &Values<N>) -> Values<N> {
         let (turning, change) = (last(v), last(a));
         self.map(&SVector::zeros(), -3.0 * turning * change, -turning * turning * turning)
     }
@@ -203,20 +200,17 @@ impl<const N: usize> Transform<N> for GantryCutter<N> {
     }
 
     #[inline]
-    fn to_tool(&self, axes: &SVector<f64, N>) -> Result<SVector<f64, N>, KinematicsError> {
+    fn to_tool(&self, axes: &Values<N>) -> Result<Values<N>> {
         Ok(self.tool_at(axes).0)
     }
 
     #[inline]
-    fn to_axes(&self, tool: &SVector<f64, N>) -> Result<SVector<f64, N>, KinematicsError> {
+    fn to_axes(&self, tool: &Values<N>) -> Result<Values<N>> {
         Ok(self.axes_at(tool).0)
     }
 
     #[inline]
-    fn at_axes(
-        &self,
-        axes: &SVector<f64, N>,
-    ) -> Result<(SVector<f64, N>, Self::Differential), KinematicsError> {
+    fn at_axes(&self, axes: &Values<N>) -> Result<(Values<N>, Self::Differential)> {
         let (tool, flange) = self.tool_at(axes);
         Ok((tool, Parallel(Swinging { flange, sign: self.sense.sign() })))
     }
@@ -224,9 +218,9 @@ impl<const N: usize> Transform<N> for GantryCutter<N> {
     #[inline]
     fn at_tool(
         &self,
-        tool: &SVector<f64, N>,
-        near: &SVector<f64, N>,
-    ) -> Result<(SVector<f64, N>, Self::Differential), KinematicsError> {
+        tool: &Values<N>,
+        near: &Values<N>,
+    ) -> Result<(Values<N>, Self::Differential)> {
         let (mut axes, flange) = self.axes_at(tool);
         self.turn_to(&mut axes, near);
         Ok((axes, Parallel(Swinging { flange, sign: self.sense.sign() })))

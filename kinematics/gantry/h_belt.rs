@@ -17,7 +17,7 @@
 
 use crate::error::{DimensionError, all_finite};
 use crate::transform::{Linear, Serial, Transform};
-use crate::{Coordinate, KinematicsError};
+use crate::{Coordinate, Result};
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Layout of the belt of an H gantry, relative to the manual's drawing. Both false: as drawn there.
@@ -111,20 +111,17 @@ impl Transform<2> for GantryH2 {
     }
 
     #[inline]
-    fn to_tool(&self, axes: &Vector2<f64>) -> Result<Vector2<f64>, KinematicsError> {
+    fn to_tool(&self, axes: &Vector2<f64>) -> Result<Vector2<f64>> {
         Ok(self.belt.matrix * axes + (self.tool - self.offsets))
     }
 
     #[inline]
-    fn to_axes(&self, tool: &Vector2<f64>) -> Result<Vector2<f64>, KinematicsError> {
+    fn to_axes(&self, tool: &Vector2<f64>) -> Result<Vector2<f64>> {
         Ok(self.belt.inverse * (tool + (self.offsets - self.tool)))
     }
 
     #[inline]
-    fn at_axes(
-        &self,
-        axes: &Vector2<f64>,
-    ) -> Result<(Vector2<f64>, Self::Differential), KinematicsError> {
+    fn at_axes(&self, axes: &Vector2<f64>) -> Result<(Vector2<f64>, Self::Differential)> {
         Ok((self.to_tool(axes)?, Serial(self.belt)))
     }
 
@@ -133,7 +130,7 @@ impl Transform<2> for GantryH2 {
         &self,
         tool: &Vector2<f64>,
         _near: &Vector2<f64>,
-    ) -> Result<(Vector2<f64>, Self::Differential), KinematicsError> {
+    ) -> Result<(Vector2<f64>, Self::Differential)> {
         Ok((self.to_axes(tool)?, Serial(self.belt)))
     }
 

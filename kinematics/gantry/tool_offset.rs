@@ -18,9 +18,10 @@
 use super::Gantry;
 use super::view::{GantryToolView, Range};
 use crate::error::{DimensionError, all_finite};
+use crate::transform::Values;
 use crate::transform::{Serial, Straight, Transform};
-use crate::{Coordinate, KinematicsError};
-use nalgebra::{SVector, Vector2, Vector3};
+use crate::{Coordinate, Result};
+use nalgebra::{Vector2, Vector3};
 
 /// Offset of a tool from the axes that carry it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -79,7 +80,7 @@ impl<const N: usize> GantryTool<N> {
     }
 
     /// The manual's normalised outputs with the axes at `axes` (m).
-    pub fn view(&self, axes: &SVector<f64, N>, range: &Range) -> Option<GantryToolView> {
+    pub fn view(&self, axes: &Values<N>, range: &Range) -> Option<GantryToolView> {
         let offsets = self.offsets();
         let [x, y] = [offsets.first()?, offsets.get(1)?];
         let crossing = Vector2::new(axes.get(0)? - x, axes.get(1)? - y);
@@ -99,29 +100,26 @@ impl<const N: usize> Transform<N> for GantryTool<N> {
     }
 
     #[inline]
-    fn to_tool(&self, axes: &SVector<f64, N>) -> Result<SVector<f64, N>, KinematicsError> {
+    fn to_tool(&self, axes: &Values<N>) -> Result<Values<N>> {
         self.gantry.to_tool(axes)
     }
 
     #[inline]
-    fn to_axes(&self, tool: &SVector<f64, N>) -> Result<SVector<f64, N>, KinematicsError> {
+    fn to_axes(&self, tool: &Values<N>) -> Result<Values<N>> {
         self.gantry.to_axes(tool)
     }
 
     #[inline]
-    fn at_axes(
-        &self,
-        axes: &SVector<f64, N>,
-    ) -> Result<(SVector<f64, N>, Self::Differential), KinematicsError> {
+    fn at_axes(&self, axes: &Values<N>) -> Result<(Values<N>, Self::Differential)> {
         self.gantry.at_axes(axes)
     }
 
     #[inline]
     fn at_tool(
         &self,
-        tool: &SVector<f64, N>,
-        near: &SVector<f64, N>,
-    ) -> Result<(SVector<f64, N>, Self::Differential), KinematicsError> {
+        tool: &Values<N>,
+        near: &Values<N>,
+    ) -> Result<(Values<N>, Self::Differential)> {
         self.gantry.at_tool(tool, near)
     }
 

@@ -8,7 +8,7 @@ use crate::kinematics::ABSENT;
 use crate::turn::fold;
 use crate::{
     AxisMotion, AxisVector, Branch, Coordinate, Jacobian, Kinematics, KinematicsError, MAX_AXES,
-    Margins, Pose, ToolJerk, ToolMotion,
+    Margins, Pose, Result, ToolJerk, ToolMotion,
 };
 use nalgebra::Vector3;
 
@@ -19,16 +19,16 @@ pub enum AxisSource {
     Transform(usize),
     /// A coordinate that the transform does not use: the axis position is the coordinate.
     Coordinate(Coordinate),
-    /// Nothing that has to do with the tool: the additional axis of this number (SoftMotion's P Q U V W are 0 to 4).
-    /// The inverse leaves it where it is near.
+    /// The additional axis of this number (SoftMotion's P Q U V W are 0 to 4), which does not move the tool: the
+    /// inverse leaves it where it is in `near`.
     Additional(u8),
 }
 
 /// The kinematics of a whole machine, with axes in the order of the machine file.
 ///
-/// The transform is given a tool to hold, whose tip it brings where it shall be. Coordinates that the transform does not
-/// use move an axis of their own, which carries the tool along, or must stay 0 (within 10⁻⁹ m). Additional axes have
-/// nothing to do with the tool: they stay where they are.
+/// The transform is given a tool to hold, whose tip it puts at the target. Coordinates that the transform does not
+/// use move an axis of their own, which carries the tool along, or must stay 0 (within 10⁻⁹ m). Additional axes
+/// do not move the tool and stay where they are.
 #[derive(Debug)]
 pub struct MachineAxes {
     transform: Box<dyn Kinematics>,
@@ -36,7 +36,7 @@ pub struct MachineAxes {
     /// Coordinates that move something.
     coordinates: Vec<Coordinate>,
     tool: Vector3<f64>,
-    /// Part of the tool that the transform does not use.
+    /// [`beyond`] the transform.
     beyond: Vector3<f64>,
     periods: Vec<Option<f64>>,
 }
@@ -53,7 +53,7 @@ impl MachineAxes {
         tool: Vector3<f64>,
     ) -> Result<Self, MachineAxesError> {
         if sources.len() > MAX_AXES {
-            return Err(MachineAxesError::TooMany { given: sources.len() });
+            return Err(MachineAxesError::TooMany(sources.len()));
         }
         let outputs = transform.axis_count();
         let mut coordinates = transform.coordinates().to_vec();
@@ -65,20 +65,20 @@ impl MachineAxes {
                     return Err(MachineAxesError::NoSuchOutput { output, outputs });
                 }
                 AxisSource::Transform(output) if twice => {
-                    return Err(MachineAxesError::OutputTwice { output });
+                    return Err(MachineAxesError::OutputTwice(output));
                 }
                 AxisSource::Coordinate(coordinate) if twice => {
-                    return Err(MachineAxesError::CoordinateTwice { coordinate });
+                    return Err(MachineAxesError::CoordinateTwice(coordinate));
                 }
                 AxisSource::Coordinate(coordinate)
                     if transform.coordinates().contains(&coordinate)
                         || coordinate == Coordinate::Direction =>
                 {
-                    return Err(MachineAxesError::CoordinateOfTransform { coordinate });
+                    return Err(MachineAxesError::CoordinateOfTransform(coordinate));
                 }
                 AxisSource::Coordinate(coordinate) => coordinates.push(coordinate),
                 AxisSource::Additional(number) if twice => {
-                    return Err(MachineAxesError::AdditionalTwice { number });
+                    return Err(MachineAxesError::AdditionalTwice(number));
                 }
                 AxisSource::Transform(_) | AxisSource::Additional(_) => {}
             }
@@ -86,26 +86,23 @@ impl MachineAxes {
         if let Some(output) =
             (0..outputs).find(|output| !sources.contains(&AxisSource::Transform(*output)))
         {
-            return Err(MachineAxesError::OutputWithoutAxis { output });
+            return Err(MachineAxesError::OutputWithoutAxis(output));
         }
         if !tool.iter().all(|value| value.is_finite()) {
             return Err(MachineAxesError::Tool);
         }
         if tool.z != 0.0 && !coordinates.contains(&Coordinate::Z) {
-            return Err(MachineAxesError::ToolWithoutZ { length: -tool.z });
+            return Err(MachineAxesError::ToolWithoutZ(-tool.z));
         }
         coordinates.sort_unstable();
-        let mut beyond = tool;
-        for coordinate in transform.coordinates() {
-            *coordinate.of_mut(&mut beyond, &mut 0.0) = 0.0;
-        }
+        let beyond = beyond(&*transform, tool);
         let periods = vec![None; sources.len()];
         let transform = transform.holding(&tool);
         Ok(Self { transform, sources, coordinates, tool, beyond, periods })
     }
 
     /// The same machine with axes that show their position within a period (m or rad; `None`: as far as they go):
-    /// modulo axes. The kinematics goes on from period to period all the same; [`Self::fold`] shows what such an axis shows.
+    /// modulo axes. The kinematics goes on from period to period; [`Self::fold`] gives what such an axis shows.
     ///
     /// # Errors
     /// [`MachineAxesError::Period`].
@@ -199,7 +196,7 @@ impl MachineAxes {
         }
     }
 
-    fn check(&self, axes: &AxisVector) -> Result<(), KinematicsError> {
+    fn check(&self, axes: &AxisVector) -> Result<()> {
         let (given, expected) = (axes.len(), self.sources.len());
         if given != expected {
             return Err(KinematicsError::AxisCount { given, expected });
@@ -207,8 +204,15 @@ impl MachineAxes {
         if axes.is_finite() { Ok(()) } else { Err(KinematicsError::NotFinite) }
     }
 
+    fn check_motion(&self, axes: &AxisMotion) -> Result<()> {
+        [&axes.position, &axes.velocity, &axes.acceleration]
+            .map(|axes| self.check(axes))
+            .into_iter()
+            .collect()
+    }
+
     /// Positions of the axes that are coordinates for the tool tip at `pose`, and the pose for the transform.
-    fn split(&self, pose: &Pose) -> Result<(Vector3<f64>, Pose), KinematicsError> {
+    fn split(&self, pose: &Pose) -> Result<(Vector3<f64>, Pose)> {
         if !pose.is_finite() {
             return Err(KinematicsError::NotFinite);
         }
@@ -222,10 +226,7 @@ impl MachineAxes {
         Ok((flange, Pose { position: self.part_of_transform(&flange).into(), ..*pose }))
     }
 
-    fn split_motion(
-        &self,
-        tool: &ToolMotion,
-    ) -> Result<(Vector3<f64>, ToolMotion), KinematicsError> {
+    fn split_motion(&self, tool: &ToolMotion) -> Result<(Vector3<f64>, ToolMotion)> {
         if !tool.is_finite() {
             return Err(KinematicsError::NotFinite);
         }
@@ -294,14 +295,22 @@ impl MachineAxes {
     }
 }
 
-/// Lets an error speak of the tool tip that was asked for: the transform does not know all of its coordinates.
+/// The part of `tool` that the transform does not use.
+fn beyond(transform: &dyn Kinematics, mut tool: Vector3<f64>) -> Vector3<f64> {
+    for coordinate in transform.coordinates() {
+        *coordinate.of_mut(&mut tool, &mut 0.0) = 0.0;
+    }
+    tool
+}
+
+/// Puts the tool tip that was asked for into an error: the transform does not know all of its coordinates.
 fn at_tip(error: KinematicsError, tip: &Pose) -> KinematicsError {
     let target = tip.position.into();
     match error {
         KinematicsError::Unreachable { of, distance, reach, .. } => {
             KinematicsError::Unreachable { target, of, distance, reach }
         }
-        KinematicsError::Singular { .. } => KinematicsError::Singular { target },
+        KinematicsError::Singular(_) => KinematicsError::Singular(target),
         other => other,
     }
 }
@@ -326,12 +335,12 @@ impl Kinematics for MachineAxes {
         !matches!(self.sources.get(axis), None | Some(AxisSource::Additional(_)))
     }
 
-    fn forward(&self, axes: &AxisVector) -> Result<Pose, KinematicsError> {
+    fn forward(&self, axes: &AxisVector) -> Result<Pose> {
         self.check(axes)?;
         Ok(self.joined_pose(self.transform.forward(&self.outputs(axes))?, axes))
     }
 
-    fn inverse(&self, pose: &Pose, near: &AxisVector) -> Result<AxisVector, KinematicsError> {
+    fn inverse(&self, pose: &Pose, near: &AxisVector) -> Result<AxisVector> {
         self.check(near)?;
         let (flange, target) = self.split(pose)?;
         let outputs = self.transform.inverse(&target, &self.outputs(near));
@@ -339,18 +348,12 @@ impl Kinematics for MachineAxes {
         Ok(self.machine(&outputs, &flange, Some(near)))
     }
 
-    fn forward_motion(&self, axes: &AxisMotion) -> Result<ToolMotion, KinematicsError> {
-        self.check(&axes.position)?;
-        self.check(&axes.velocity)?;
-        self.check(&axes.acceleration)?;
+    fn forward_motion(&self, axes: &AxisMotion) -> Result<ToolMotion> {
+        self.check_motion(axes)?;
         Ok(self.joined_motion(self.transform.forward_motion(&self.outputs_of_motion(axes))?, axes))
     }
 
-    fn inverse_motion(
-        &self,
-        tool: &ToolMotion,
-        near: &AxisVector,
-    ) -> Result<AxisMotion, KinematicsError> {
+    fn inverse_motion(&self, tool: &ToolMotion, near: &AxisVector) -> Result<AxisMotion> {
         self.check(near)?;
         let (flange, target) = self.split_motion(tool)?;
         let outputs = self.transform.inverse_motion(&target, &self.outputs(near));
@@ -358,14 +361,8 @@ impl Kinematics for MachineAxes {
         Ok(self.machine_motion(&outputs, &flange, tool, near))
     }
 
-    fn forward_jerk(
-        &self,
-        axes: &AxisMotion,
-        jerk: &AxisVector,
-    ) -> Result<(ToolMotion, ToolJerk), KinematicsError> {
-        self.check(&axes.position)?;
-        self.check(&axes.velocity)?;
-        self.check(&axes.acceleration)?;
+    fn forward_jerk(&self, axes: &AxisMotion, jerk: &AxisVector) -> Result<(ToolMotion, ToolJerk)> {
+        self.check_motion(axes)?;
         self.check(jerk)?;
         let outputs = self.outputs_of_motion(axes);
         let (tool, mut tool_jerk) = self.transform.forward_jerk(&outputs, &self.outputs(jerk))?;
@@ -378,7 +375,7 @@ impl Kinematics for MachineAxes {
         tool: &ToolMotion,
         jerk: &ToolJerk,
         near: &AxisVector,
-    ) -> Result<(AxisMotion, AxisVector), KinematicsError> {
+    ) -> Result<(AxisMotion, AxisVector)> {
         self.check(near)?;
         let (flange, target) = self.split_motion(tool)?;
         let part = ToolJerk { linear: self.part_of_transform(&jerk.linear), ..*jerk };
@@ -388,16 +385,12 @@ impl Kinematics for MachineAxes {
         Ok((motion, self.machine(&axis_jerk, &jerk.linear, None)))
     }
 
-    fn jacobian(&self, axes: &AxisVector) -> Result<Jacobian, KinematicsError> {
+    fn jacobian(&self, axes: &AxisVector) -> Result<Jacobian> {
         self.check(axes)?;
         Ok(self.joined_jacobian(&self.transform.jacobian(&self.outputs(axes))?, 1.0))
     }
 
-    fn jacobian_rate(
-        &self,
-        axes: &AxisVector,
-        velocity: &AxisVector,
-    ) -> Result<Jacobian, KinematicsError> {
+    fn jacobian_rate(&self, axes: &AxisVector, velocity: &AxisVector) -> Result<Jacobian> {
         self.check(axes)?;
         self.check(velocity)?;
         let (axes, velocity) = (self.outputs(axes), self.outputs(velocity));
@@ -408,12 +401,12 @@ impl Kinematics for MachineAxes {
         self.transform.branch()
     }
 
-    fn branch_at(&self, axes: &AxisVector) -> Result<Branch, KinematicsError> {
+    fn branch_at(&self, axes: &AxisVector) -> Result<Branch> {
         self.check(axes)?;
         self.transform.branch_at(&self.outputs(axes))
     }
 
-    fn margins(&self, pose: &Pose) -> Result<Margins, KinematicsError> {
+    fn margins(&self, pose: &Pose) -> Result<Margins> {
         self.transform.margins(&self.split(pose)?.1)
     }
 
@@ -422,10 +415,7 @@ impl Kinematics for MachineAxes {
     }
 
     fn holding(self: Box<Self>, tip: &Vector3<f64>) -> Box<dyn Kinematics> {
-        let mut beyond = *tip;
-        for coordinate in self.transform.coordinates() {
-            *coordinate.of_mut(&mut beyond, &mut 0.0) = 0.0;
-        }
+        let beyond = beyond(&*self.transform, *tip);
         let transform = self.transform.holding(tip);
         Box::new(Self { transform, tool: *tip, beyond, ..*self })
     }

@@ -29,7 +29,7 @@ use super::two_link::{Elbow, check_arms};
 use crate::error::{DimensionError, ReachOf, all_finite};
 use crate::smooth::SmoothMap;
 use crate::transform::{Serial, Transform};
-use crate::{Branch, Coordinate, KinematicsError, Margins};
+use crate::{Branch, Coordinate, KinematicsError, Margins, Result};
 use nalgebra::{Vector2, Vector3};
 
 /// A SCARA with three arms in the x-y plane.
@@ -100,7 +100,7 @@ impl Scara3 {
     }
 
     #[inline]
-    fn bend(&self, tool: &Vector3<f64>) -> Result<(Bent, Vector2<f64>), KinematicsError> {
+    fn bend(&self, tool: &Vector3<f64>) -> Result<(Bent, Vector2<f64>)> {
         let hand = self.hand_at(tool.z);
         let bent = self.chain.bend(tool.x - hand.x, tool.y - hand.y);
         Ok((bent.ok_or_else(|| self.unreachable(tool, hand))?, hand))
@@ -207,31 +207,24 @@ impl Transform<3> for Scara3 {
     }
 
     #[inline]
-    fn to_tool(&self, axes: &Vector3<f64>) -> Result<Vector3<f64>, KinematicsError> {
+    fn to_tool(&self, axes: &Vector3<f64>) -> Result<Vector3<f64>> {
         Ok(self.links(axes).0)
     }
 
     #[inline]
-    fn to_axes(&self, tool: &Vector3<f64>) -> Result<Vector3<f64>, KinematicsError> {
+    fn to_axes(&self, tool: &Vector3<f64>) -> Result<Vector3<f64>> {
         let (bent, _) = self.bend(tool)?;
         Ok(self.axes(&bent, tool.z))
     }
 
     #[inline]
-    fn to_axes_near(
-        &self,
-        tool: &Vector3<f64>,
-        near: &Vector3<f64>,
-    ) -> Result<Vector3<f64>, KinematicsError> {
+    fn to_axes_near(&self, tool: &Vector3<f64>, near: &Vector3<f64>) -> Result<Vector3<f64>> {
         let (bent, _) = self.bend(tool)?;
         Ok(self.near(&bent, tool.z, near))
     }
 
     #[inline]
-    fn at_axes(
-        &self,
-        axes: &Vector3<f64>,
-    ) -> Result<(Vector3<f64>, Self::Differential), KinematicsError> {
+    fn at_axes(&self, axes: &Vector3<f64>) -> Result<(Vector3<f64>, Self::Differential)> {
         let (tool, links) = self.links(axes);
         Ok((tool, Serial(links)))
     }
@@ -241,7 +234,7 @@ impl Transform<3> for Scara3 {
         &self,
         tool: &Vector3<f64>,
         near: &Vector3<f64>,
-    ) -> Result<(Vector3<f64>, Self::Differential), KinematicsError> {
+    ) -> Result<(Vector3<f64>, Self::Differential)> {
         let (bent, hand) = self.bend(tool)?;
         let axes = self.near(&bent, tool.z, near);
         Ok((axes, Serial(ThreeLinks { arms: bent.vectors(), hand })))

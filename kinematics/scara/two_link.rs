@@ -37,7 +37,7 @@ use super::chain::{Bent, Pair, TwoArms};
 use crate::error::{DimensionError, ReachOf, all_finite};
 use crate::smooth::SmoothMap;
 use crate::transform::{Serial, Transform};
-use crate::{Branch, Coordinate, KinematicsError, Margins};
+use crate::{Branch, Coordinate, KinematicsError, Margins, Result};
 use nalgebra::{Vector2, Vector3};
 
 /// Bend of the elbow of a SCARA.
@@ -78,7 +78,7 @@ pub struct Scara2 {
     elbow: Elbow,
     /// The second reaches to the tip of the tool.
     chain: TwoArms,
-    /// Axis positions less these are α and β: `offsets`, but for a tool beside the second arm.
+    /// Axis positions less these are α and β: `offsets`, unless a tool is beside the second arm.
     zeros: Vector2<f64>,
 }
 
@@ -126,7 +126,7 @@ impl Scara2 {
     }
 
     #[inline]
-    fn bend(&self, tool: &Vector2<f64>) -> Result<Bent, KinematicsError> {
+    fn bend(&self, tool: &Vector2<f64>) -> Result<Bent> {
         self.chain.bend(tool.x, tool.y).ok_or_else(|| self.unreachable(tool))
     }
 
@@ -209,29 +209,22 @@ impl Transform<2> for Scara2 {
     }
 
     #[inline]
-    fn to_tool(&self, axes: &Vector2<f64>) -> Result<Vector2<f64>, KinematicsError> {
+    fn to_tool(&self, axes: &Vector2<f64>) -> Result<Vector2<f64>> {
         Ok(self.pair(axes).end())
     }
 
     #[inline]
-    fn to_axes(&self, tool: &Vector2<f64>) -> Result<Vector2<f64>, KinematicsError> {
+    fn to_axes(&self, tool: &Vector2<f64>) -> Result<Vector2<f64>> {
         Ok(self.axes(&self.bend(tool)?))
     }
 
     #[inline]
-    fn to_axes_near(
-        &self,
-        tool: &Vector2<f64>,
-        near: &Vector2<f64>,
-    ) -> Result<Vector2<f64>, KinematicsError> {
+    fn to_axes_near(&self, tool: &Vector2<f64>, near: &Vector2<f64>) -> Result<Vector2<f64>> {
         Ok(self.near(&self.bend(tool)?, near))
     }
 
     #[inline]
-    fn at_axes(
-        &self,
-        axes: &Vector2<f64>,
-    ) -> Result<(Vector2<f64>, Self::Differential), KinematicsError> {
+    fn at_axes(&self, axes: &Vector2<f64>) -> Result<(Vector2<f64>, Self::Differential)> {
         let pair = self.pair(axes);
         Ok((pair.end(), Serial(TwoLinks(pair))))
     }
@@ -241,7 +234,7 @@ impl Transform<2> for Scara2 {
         &self,
         tool: &Vector2<f64>,
         near: &Vector2<f64>,
-    ) -> Result<(Vector2<f64>, Self::Differential), KinematicsError> {
+    ) -> Result<(Vector2<f64>, Self::Differential)> {
         let bent = self.bend(tool)?;
         Ok((self.near(&bent, near), Serial(TwoLinks(bent.vectors()))))
     }

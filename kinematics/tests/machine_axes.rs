@@ -103,7 +103,7 @@ fn errors_speak_of_the_tool_tip() {
     let mut tool = ToolMotion::at_rest(Pose::at(0.45, 0.0, -0.05));
     tool.velocity.x = -0.1;
     let error = machine.inverse_motion(&tool, &near).unwrap_err();
-    assert_eq!(error, KinematicsError::Singular { target: [0.45, 0.0, -0.05] });
+    assert_eq!(error, KinematicsError::Singular([0.45, 0.0, -0.05]));
     // Z alone can move with stretched arms.
     tool.velocity = Vector3::new(0.0, 0.0, 0.1);
     let motion = machine.inverse_motion(&tool, &near).unwrap();
@@ -123,30 +123,21 @@ fn refuses_the_wrong_number_of_values() {
 #[test]
 fn refuses_axes_that_do_not_fit_the_transform() {
     let x = AxisSource::Coordinate(Coordinate::X);
-    assert_eq!(refusal(&[A, Z]), MachineAxesError::OutputWithoutAxis { output: 1 });
-    assert_eq!(refusal(&[A, B, A]), MachineAxesError::OutputTwice { output: 0 });
-    assert_eq!(
-        refusal(&[A, B, Z, Z]),
-        MachineAxesError::CoordinateTwice { coordinate: Coordinate::Z }
-    );
-    assert_eq!(
-        refusal(&[A, B, x]),
-        MachineAxesError::CoordinateOfTransform { coordinate: Coordinate::X }
-    );
+    assert_eq!(refusal(&[A, Z]), MachineAxesError::OutputWithoutAxis(1));
+    assert_eq!(refusal(&[A, B, A]), MachineAxesError::OutputTwice(0));
+    assert_eq!(refusal(&[A, B, Z, Z]), MachineAxesError::CoordinateTwice(Coordinate::Z));
+    assert_eq!(refusal(&[A, B, x]), MachineAxesError::CoordinateOfTransform(Coordinate::X));
     let additional = AxisSource::Additional(3);
-    assert_eq!(
-        refusal(&[A, B, additional, additional]),
-        MachineAxesError::AdditionalTwice { number: 3 }
-    );
+    assert_eq!(refusal(&[A, B, additional, additional]), MachineAxesError::AdditionalTwice(3));
     let third = MachineAxesError::NoSuchOutput { output: 2, outputs: 2 };
     assert_eq!(refusal(&[A, B, AxisSource::Transform(2)]), third);
     assert_eq!(
         third.to_string(),
         "output 3 of the transform is assigned to an axis, but the transform has 2"
     );
-    assert_eq!(refusal(&[A; 9]), MachineAxesError::TooMany { given: 9 });
+    assert_eq!(refusal(&[A; 9]), MachineAxesError::TooMany(9));
     let no_z = MachineAxes::new(Box::new(scara()), vec![A, B], down(0.1)).unwrap_err();
-    assert_eq!(no_z, MachineAxesError::ToolWithoutZ { length: 0.1 });
+    assert_eq!(no_z, MachineAxesError::ToolWithoutZ(0.1));
     let no_length = MachineAxes::new(Box::new(scara()), vec![A, B, Z], down(f64::NAN)).unwrap_err();
     assert_eq!(no_length, MachineAxesError::Tool);
 }

@@ -22,7 +22,7 @@ pub(crate) struct Placed<T, const N: usize> {
 /// inside or close.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Reach {
-    /// Where derivatives are no larger than a hundred or so.
+    /// Where derivatives are at most about a hundred.
     Inside,
     /// 10⁻⁶ from the edge.
     Close,

@@ -143,9 +143,9 @@ fn tripods_end_where_rods_are_horizontal() {
     near(margins.branch, (0.16 - overhang * overhang).sqrt());
     // Carriage A so low that its rods would point up from it.
     let up = tripod.to_tool(&Vector3::new(-0.42, 0.0, 0.0)).unwrap_err();
-    assert!(matches!(up, KinematicsError::Apart { .. }), "{up:?}");
+    assert!(matches!(up, KinematicsError::Apart(_)), "{up:?}");
     let apart = tripod.to_tool(&Vector3::new(0.0, 0.0, 0.9)).unwrap_err();
-    assert!(matches!(apart, KinematicsError::Apart { .. }), "{apart:?}");
+    assert!(matches!(apart, KinematicsError::Apart(_)), "{apart:?}");
 }
 
 /// Carriages a degree out of place: the platform tilts, and its way ends before any rod is level.

@@ -234,7 +234,7 @@ proptest! {
         prop_assert_eq!(rest.position, scara.inverse(&pose, &near).unwrap());
         prop_assert!(rest.velocity.iter().chain(rest.acceleration.iter()).all(|value| *value == 0.0));
         tool.velocity = Vector3::new(0.0, 1e-3, 0.0);
-        let singular = Err(KinematicsError::Singular { target: pose.position.into() });
+        let singular = Err(KinematicsError::Singular(pose.position.into()));
         prop_assert_eq!(scara.inverse_motion(&tool, &near), singular);
     }
 

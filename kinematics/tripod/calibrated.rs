@@ -30,7 +30,7 @@ use super::rods::Rod;
 use crate::error::{DimensionError, ReachOf, all_finite};
 use crate::smooth::SmoothMap;
 use crate::transform::{Parallel, Transform};
-use crate::{Branch, Coordinate, KinematicsError, Margins};
+use crate::{Branch, Coordinate, KinematicsError, Margins, Result};
 use nalgebra::{Const, Isometry3, LU, Matrix6, Rotation3, Translation3, Vector3, Vector6};
 
 use std::f64::consts::TAU;
@@ -112,7 +112,7 @@ impl CalibratedTripod {
     ///
     /// # Errors
     /// As [`Transform::to_tool`].
-    pub fn platform(&self, axes: &Vector3<f64>) -> Result<Isometry3<f64>, KinematicsError> {
+    pub fn platform(&self, axes: &Vector3<f64>) -> Result<Isometry3<f64>> {
         let state = self.hung_from(axes)?;
         let origin = state.tip - state.attitude * self.tool;
         Ok(Isometry3::from_parts(Translation3::from(origin), state.attitude.into()))
@@ -167,7 +167,7 @@ impl CalibratedTripod {
         Some(State { tip: *tip, attitude: Rotation3::identity(), heights })
     }
 
-    /// Newton's method. `matrix` gives the change of the squared lengths with the attitude and what else is sought, `apply` makes a step.
+    /// Newton's method. `matrix` gives the change of the squared lengths with attitude and unknowns, `apply` makes a step.
     /// `Err` with how far off a rod is, m.
     fn close(
         &self,
@@ -212,14 +212,14 @@ impl CalibratedTripod {
         if best_off <= TOLERANCE * size && hanging && upright { Ok(best) } else { Err(best_off) }
     }
 
-    fn hung_at(&self, tip: &Vector3<f64>) -> Result<State, KinematicsError> {
+    fn hung_at(&self, tip: &Vector3<f64>) -> Result<State> {
         let start = self.level(tip).ok_or_else(|| self.unreachable(tip, f64::NAN))?;
         self.close(start, tip_given, |state, shift| state.heights += shift)
             .map_err(|off| self.unreachable(tip, off))
     }
 
-    fn hung_from(&self, axes: &Vector3<f64>) -> Result<State, KinematicsError> {
-        let apart = KinematicsError::Apart { carriages: (*axes).into() };
+    fn hung_from(&self, axes: &Vector3<f64>) -> Result<State> {
+        let apart = KinematicsError::Apart((*axes).into());
         let heights = axes - self.offsets;
         let (mut centers, lengths) = self.pairs();
         for (center, height) in centers.iter_mut().zip(&heights) {
@@ -403,18 +403,15 @@ impl Transform<3> for CalibratedTripod {
         [false; 3]
     }
 
-    fn to_tool(&self, axes: &Vector3<f64>) -> Result<Vector3<f64>, KinematicsError> {
+    fn to_tool(&self, axes: &Vector3<f64>) -> Result<Vector3<f64>> {
         Ok(self.hung_from(axes)?.tip)
     }
 
-    fn to_axes(&self, tool: &Vector3<f64>) -> Result<Vector3<f64>, KinematicsError> {
+    fn to_axes(&self, tool: &Vector3<f64>) -> Result<Vector3<f64>> {
         Ok(self.hung_at(tool)?.heights + self.offsets)
     }
 
-    fn at_axes(
-        &self,
-        axes: &Vector3<f64>,
-    ) -> Result<(Vector3<f64>, Self::Differential), KinematicsError> {
+    fn at_axes(&self, axes: &Vector3<f64>) -> Result<(Vector3<f64>, Self::Differential)> {
         let state = self.hung_from(axes)?;
         Ok((state.tip, Parallel(self.held(&state))))
     }
@@ -423,7 +420,7 @@ impl Transform<3> for CalibratedTripod {
         &self,
         tool: &Vector3<f64>,
         _near: &Vector3<f64>,
-    ) -> Result<(Vector3<f64>, Self::Differential), KinematicsError> {
+    ) -> Result<(Vector3<f64>, Self::Differential)> {
         let state = self.hung_at(tool)?;
         Ok((state.heights + self.offsets, Parallel(self.held(&state))))
     }

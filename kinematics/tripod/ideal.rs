@@ -41,7 +41,7 @@ use super::view::TripodView;
 use crate::error::{DimensionError, ReachOf, all_finite};
 use crate::smooth::SmoothMap;
 use crate::transform::{Parallel, Transform};
-use crate::{Branch, Coordinate, KinematicsError, Margins};
+use crate::{Branch, Coordinate, KinematicsError, Margins, Result};
 use nalgebra::{Vector2, Vector3};
 
 /// What counts as rounding in L² − h², in parts of L².
@@ -92,7 +92,7 @@ impl Tripod {
     ///
     /// # Errors
     /// As [`Transform::to_tool`].
-    pub fn view(&self, axes: &Vector3<f64>) -> Result<TripodView, KinematicsError> {
+    pub fn view(&self, axes: &Vector3<f64>) -> Result<TripodView> {
         let tool = self.to_tool(axes)?;
         Ok(TripodView::new(&self.dimensions, &(tool - self.tool), &tool))
     }
@@ -106,7 +106,7 @@ impl Tripod {
 
     /// Vertical part of the rods: the sz, negative.
     #[inline(always)]
-    fn rods(&self, tool: &Vector3<f64>) -> Result<TripodRods, KinematicsError> {
+    fn rods(&self, tool: &Vector3<f64>) -> Result<TripodRods> {
         let [first, second, third] = self.beside(&(tool - self.tool));
         let left = [
             self.squared - first.norm_squared(),
@@ -127,11 +127,7 @@ impl Tripod {
 
     /// [`Self::rods`] where one of them is level, give or take rounding, or does not reach.
     #[cold]
-    fn rods_at_edge(
-        &self,
-        tool: &Vector3<f64>,
-        left: [f64; 3],
-    ) -> Result<TripodRods, KinematicsError> {
+    fn rods_at_edge(&self, tool: &Vector3<f64>, left: [f64; 3]) -> Result<TripodRods> {
         let tolerance = ROUNDING * self.squared;
         if !left.iter().all(|left| *left >= -tolerance) {
             return Err(self.unreachable(tool));
@@ -268,25 +264,22 @@ impl Transform<3> for Tripod {
         [false; 3]
     }
 
-    fn to_tool(&self, axes: &Vector3<f64>) -> Result<Vector3<f64>, KinematicsError> {
+    fn to_tool(&self, axes: &Vector3<f64>) -> Result<Vector3<f64>> {
         let (centers, length) = (self.centers(axes), self.dimensions.rod_length);
         // Rods that point up belong to another way of assembly. What is nearer to level than rounding is level.
         let rounding = 1e-9 * length;
         let platform = meet::below(&centers, [length; 3])
             .filter(|platform| centers.iter().all(|center| platform.z <= center.z + rounding))
-            .ok_or(KinematicsError::Apart { carriages: (*axes).into() })?;
+            .ok_or(KinematicsError::Apart((*axes).into()))?;
         Ok(platform + self.tool)
     }
 
     #[inline]
-    fn to_axes(&self, tool: &Vector3<f64>) -> Result<Vector3<f64>, KinematicsError> {
+    fn to_axes(&self, tool: &Vector3<f64>) -> Result<Vector3<f64>> {
         Ok(self.axes(tool, &self.rods(tool)?))
     }
 
-    fn at_axes(
-        &self,
-        axes: &Vector3<f64>,
-    ) -> Result<(Vector3<f64>, Self::Differential), KinematicsError> {
+    fn at_axes(&self, axes: &Vector3<f64>) -> Result<(Vector3<f64>, Self::Differential)> {
         let tool = self.to_tool(axes)?;
         let platform = tool - self.tool;
         let rods = self.centers(axes).map(|center| platform - center);
@@ -300,7 +293,7 @@ impl Transform<3> for Tripod {
         &self,
         tool: &Vector3<f64>,
         _near: &Vector3<f64>,
-    ) -> Result<(Vector3<f64>, Self::Differential), KinematicsError> {
+    ) -> Result<(Vector3<f64>, Self::Differential)> {
         let rods = self.rods(tool)?;
         Ok((self.axes(tool, &rods), Parallel(rods)))
     }

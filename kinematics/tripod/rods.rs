@@ -55,11 +55,11 @@ impl TripodDeviations {
 }
 
 /// One rod of a tripod and where it ends. m.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rod {
     /// The carriage that moves it, 0 to 2.
     pub carriage: usize,
-    /// Its end at the carriage, machine frame, where the carriage stands at height 0.
+    /// Its end at the carriage, machine frame, with the carriage at height 0.
     pub upper: Point3<f64>,
     /// Its end at the platform, in the frame of the platform (x, y, z as the machine's with the platform level).
     pub lower: Point3<f64>,

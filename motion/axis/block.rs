@@ -19,8 +19,8 @@ pub trait Motion {
     const STATE: AxisState;
     /// True if it keeps the axis after its end until Execute falls (`MC_Stop`).
     const LOCKS: bool = false;
-    /// True if each set-point goes on from that of the cycle before, not along a plan: where another block has come to
-    /// its end in the cycle in which it begins, that end is this cycle's set-point.
+    /// True if each set-point goes on from the one before, not along a plan: if another block ends in the cycle in which
+    /// this one begins, that end is this cycle's set-point.
     const GOES_ON: bool = false;
     /// True if the inputs are set-points that count every cycle, not only at the rising edge (`SMC_Follow…`).
     const LIVE: bool = false;
@@ -29,8 +29,8 @@ pub trait Motion {
     ///
     /// # Errors
     ///
-    /// The manual's error for inputs that are not valid; another block that moves the axis goes on then. Where it is the
-    /// block itself that does, the edge has ended that motion (manual 5.2 b): the axis goes into errorstop with the error.
+    /// The manual's error for invalid inputs. Motion of another block goes on then; motion of the block itself has ended
+    /// with the edge (manual 5.2 b): the axis goes into errorstop with the error.
     fn plan(&self, start: Start, axis: &Axis, with: Self::With) -> Result<Self::Run, SmcError>;
 
     /// End position of the motion, if there is one, in the drive's coordinates (`fAimPosition`).
@@ -94,9 +94,9 @@ pub enum Stage {
 /// A block that moves an axis.
 ///
 /// A rising edge of Execute takes over the inputs and begins. Until it is done the block has to be called every cycle,
-/// whatever Execute does. `done`, `command_aborted` and `error` stay while Execute is TRUE; if it fell earlier, they
-/// show for one cycle. A new edge begins anew, from whatever motion there is; with inputs that are not valid nobody moves
-/// the axis any more, and it brakes in errorstop with the error of the block.
+/// with any Execute. `done`, `command_aborted` and `error` stay while Execute is TRUE; if it fell earlier, they
+/// show for one cycle. A new edge begins anew from the present motion; with invalid inputs the axis brakes in errorstop
+/// with the error of the block.
 #[derive(Clone, Debug)]
 pub struct Block<M: Motion> {
     /// The inputs; taken over at the next rising edge.
@@ -129,8 +129,8 @@ impl<M: Motion + Clone> Block<M> {
         self.taken.as_ref().map(|taken| taken.owner)
     }
 
-    /// `Active`: whether the block controls its axis (manual 5.4). No block waits for another one's end here, so that it is
-    /// as long as `busy`; a gear that waits for its master already has the slave.
+    /// `Active`: the block controls its axis (manual 5.4). Blocks do not wait for each other here, so this equals `busy`; a
+    /// gear that waits for its master already has the slave.
     #[doc(alias = "Active")]
     #[must_use]
     pub fn is_active(&self) -> bool {
@@ -202,7 +202,7 @@ impl<M: Motion + Clone> Block<M> {
         }
         if !axis.owns(owner) {
             self.taken = None;
-            // A stop that is done has nothing left to lose.
+            // A stop that is done cannot be aborted.
             if !(M::LOCKS && self.latch.is_done()) {
                 let failed = |error| Outcome::Failed(M::lost(axis, error));
                 self.latch.end(axis.loss().map_or(Outcome::Aborted, failed), axis);

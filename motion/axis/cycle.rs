@@ -1,13 +1,12 @@
 //! Cycle of an axis: reading the drive, supervision, and the command at its end.
 
-use super::axis::DriveReport;
 use super::drive::{Command, ControllerMode, Feedback};
 use super::state::AxisState;
 use super::{Axis, SmcError};
 use twin_profile::{Profile, RampType, State};
 
 impl Axis {
-    /// Takes in what the drive says (the drive interface before the program).
+    /// Reads the drive's feedback (the drive interface before the program).
     ///
     /// Without power, or with the brake on, the set position follows the actual one. An error of the drive, or an open
     /// limit switch where they are watched, brings the axis into errorstop.
@@ -15,14 +14,14 @@ impl Axis {
         self.take_in(feedback);
         self.pass_time();
         self.save();
-        if !feedback.communicating && self.drive.known {
+        if !feedback.communicating && self.drive_known {
             self.fail_with(SmcError::DiGeneralCommunicationError.number());
         } else if let Some(error) = feedback.error {
             self.fail_with(error);
         } else if feedback.limit_switch && self.watches_limit_switches() {
             self.fail_with(SmcError::DiSwlimitsExceeded.number());
         }
-        self.drive.known |= feedback.communicating;
+        self.drive_known |= feedback.communicating;
         let powered = self.is_powered();
         match self.state {
             AxisState::PowerOff if powered => self.enter(AxisState::Standstill),
@@ -37,10 +36,10 @@ impl Axis {
         }
     }
 
-    /// Watches over the cycle and gives the drive its set-point (the drive interface after the program).
+    /// Supervises the cycle and gives the drive its set-point (the drive interface after the program).
     ///
-    /// A block that was to move the axis and was not called, and a set position that leaves the software limits, bring
-    /// the axis into errorstop, where it brakes with `fSWMaxDeceleration` on its own.
+    /// If the owner was not called, or the set position leaves the software limits, the axis goes into errorstop and brakes
+    /// with `fSWMaxDeceleration`.
     pub fn end_cycle(&mut self) -> Command {
         if self.is_deserted() {
             self.fail_with(SmcError::FbWasntCalledDuringMotion.number());
@@ -73,7 +72,7 @@ impl Axis {
 
     fn take_in(&mut self, feedback: &Feedback) {
         let cycle = self.values.task_cycle;
-        let acceleration = if cycle > 0.0 && self.drive.known {
+        let acceleration = if cycle > 0.0 && self.drive_known {
             (feedback.velocity - self.drive.velocity) / cycle
         } else {
             0.0
@@ -93,26 +92,17 @@ impl Axis {
         values.drive_start_real_state = feedback.brake_released;
         values.communication = feedback.communicating;
         values.real_controller_mode = feedback.mode.number();
-        self.captured = feedback.captured;
-        self.drive = DriveReport {
-            position: feedback.position,
-            velocity: feedback.velocity,
-            homing: feedback.homing,
-            error: feedback.error,
-            resettable: feedback.resettable,
-            answer: feedback.answer,
-            known: self.drive.known,
-        };
+        self.drive = *feedback;
     }
 
     fn save(&mut self) {
         let mut counts_anew = false;
         if self.home.is_some() {
-            // The drive homes itself: wherever it is, and however it counts by now, is where a block or an error goes on.
-            let DriveReport { position, velocity, .. } = self.drive;
+            // While the drive homes itself, a block or an error goes on from the drive's position.
+            let Feedback { position, velocity, .. } = self.drive;
             let before = self.total();
             let way = f64::midpoint(before.velocity, velocity) * self.values.task_cycle;
-            // What its velocity does not account for is the new reference.
+            // Beyond its velocity the change is the new reference.
             self.zero += position - before.position - way;
             self.base = State { position, velocity, acceleration: 0.0 };
             self.overlay = State::default();
@@ -128,13 +118,13 @@ impl Axis {
         values.save_acceleration = values.set_acceleration;
         values.save_deceleration = values.set_deceleration;
         if counts_anew {
-            // Position and zero change together, whoever looks at them first.
+            // Position and zero change together.
             self.show_set_values();
             self.values.save_position = self.values.set_position;
         }
     }
 
-    /// The set values as they follow from base and overlay.
+    /// Computes the set values from base and overlay.
     pub(super) fn show_set_values(&mut self) {
         let total = self.total();
         let position = self.in_program(total.position);
@@ -189,7 +179,7 @@ impl Axis {
         self.aim = None;
     }
 
-    /// The set-point is where the axis is.
+    /// Puts the set-point at the axis's position.
     pub(super) fn follow_drive(&mut self) {
         self.base = State::resting(self.drive.position);
         self.overlay = State::default();
@@ -237,7 +227,7 @@ impl Axis {
         };
         self.overlay = State::default();
         let elapsed = elapsed + cycle;
-        // Without a valid deceleration there is no way to brake; it stands at once.
+        // Without a valid deceleration it stops at once.
         self.base = profile.map_or(State::resting(self.saved.position), |it| it.at(elapsed));
         self.braking = profile.map(|profile| (profile, elapsed));
     }

@@ -14,7 +14,7 @@ impl Axis {
     }
 }
 
-/// A largest value, and when that was.
+/// A largest value and its time stamp.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Largest {
     /// Without sign.
@@ -71,7 +71,7 @@ impl TrackingError {
     pub fn call(&mut self, axis: &Axis, reset: bool, time: u32) {
         self.sent.push_front(axis.set_position());
         self.sent.truncate(usize::from(self.dead_time_cycles) + 1);
-        // Before there is one that old, the oldest stands for it.
+        // At first the oldest set position counts.
         let Some(set) = self.sent.back() else { return };
         self.error = tracking_error(*set, axis.act_position(), axis.period());
         if reset {

@@ -25,18 +25,6 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// Its number.
-    #[must_use]
-    pub const fn number(self) -> i64 {
-        match self {
-            Self::Negative => -1,
-            Self::Shortest => 0,
-            Self::Positive => 1,
-            Self::Current => 2,
-            Self::Fastest => 3,
-        }
-    }
-
     /// The sign of a velocity in this direction; none for shortest and fastest.
     pub(crate) fn sign(self, axis: &Axis, start: State) -> Option<f64> {
         match self {

@@ -2,7 +2,7 @@
 
 /// Feedback of the drive at the beginning of a cycle. Positions are the drive's, without `fOffsetPosition`.
 #[expect(clippy::struct_excessive_bools, reason = "each is a signal of its own")]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Feedback {
     /// Actual position, u.
     pub position: f64,
@@ -20,7 +20,7 @@ pub struct Feedback {
     pub communicating: bool,
     /// Number of the drive's own error, by its maker.
     pub error: Option<u16>,
-    /// The drive lets go of that error when it is asked to; else it has to be switched off or repaired.
+    /// A reset clears that error; otherwise the drive has to be switched off or repaired.
     pub resettable: bool,
     /// A limit switch is open.
     pub limit_switch: bool,
@@ -48,7 +48,7 @@ pub struct Transfer {
 pub enum Answer {
     /// The parameter's value, after writing the one that was written.
     Value(f64),
-    /// There is no such parameter, or it does not take the value.
+    /// Unknown parameter or unsuitable value.
     Refused,
 }
 
@@ -72,7 +72,7 @@ pub enum Homing {
 pub enum ControllerMode {
     /// 1 `SMC_torque`.
     #[doc(alias = "SMC_torque")]
-    Torque,
+    Torque = 1,
     /// 2 `SMC_velocity`.
     #[doc(alias = "SMC_velocity")]
     Velocity,
@@ -89,24 +89,14 @@ impl ControllerMode {
     /// Its number.
     #[must_use]
     pub const fn number(self) -> i64 {
-        match self {
-            Self::Torque => 1,
-            Self::Velocity => 2,
-            Self::Position => 3,
-            Self::Current => 4,
-        }
+        self as i64
     }
 
     /// The mode of a number.
     #[must_use]
-    pub const fn from_number(number: i64) -> Option<Self> {
-        match number {
-            1 => Some(Self::Torque),
-            2 => Some(Self::Velocity),
-            3 => Some(Self::Position),
-            4 => Some(Self::Current),
-            _ => None,
-        }
+    pub fn from_number(number: i64) -> Option<Self> {
+        let modes = [Self::Torque, Self::Velocity, Self::Position, Self::Current];
+        modes.into_iter().find(|mode| mode.number() == number)
     }
 }
 
@@ -142,13 +132,13 @@ pub struct Command {
 pub struct Capture {
     /// Trigger of the drive.
     pub trigger: i64,
-    /// Positions of the drive, u, between which it counts; of a rotary axis from the first one on, over the end of the period.
+    /// Window of positions of the drive, u; on a rotary axis it may reach over the end of the period.
     pub window: Option<[f64; 2]>,
 }
 
 /// Virtual drive: it reaches its set-point one cycle later (a bus of kind Dummy, manual 2.1.3).
 ///
-/// Its own homing takes one cycle: the reference is where it stands. It has no parameters of its own.
+/// Its own homing takes one cycle: the reference is its position. It has no parameters.
 #[derive(Clone, Copy, Debug)]
 pub struct VirtualDrive {
     feedback: Feedback,
@@ -158,23 +148,8 @@ impl VirtualDrive {
     /// At rest at `position` u, without power.
     #[must_use]
     pub fn new(position: f64) -> Self {
-        let feedback = Feedback {
-            position,
-            velocity: 0.0,
-            torque: 0.0,
-            current: 0.0,
-            regulator_on: false,
-            brake_released: false,
-            communicating: true,
-            error: None,
-            resettable: true,
-            limit_switch: false,
-            mode: ControllerMode::Position,
-            captured: None,
-            homing: Homing::Idle,
-            answer: None,
-        };
-        Self { feedback }
+        let (communicating, resettable) = (true, true);
+        Self { feedback: Feedback { position, communicating, resettable, ..Feedback::default() } }
     }
 
     /// Its present feedback.

@@ -42,7 +42,7 @@ pub(crate) struct Latch {
 }
 
 impl Latch {
-    /// Takes in Execute; whether it rises, which clears what was shown.
+    /// Takes in Execute; true at a rising edge, which clears the outputs.
     pub(crate) fn rises(&mut self, execute: bool) -> bool {
         let rises = execute && !self.execute;
         self.execute = execute;

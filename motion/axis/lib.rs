@@ -82,4 +82,4 @@ pub use moves::{
 };
 pub use ownership::{Refusal, Start};
 pub use state::AxisState;
-pub use virtual_axes::{Encoder, EncoderConfig, EncoderOutputs, TimeAxis, units};
+pub use virtual_axes::{Encoder, EncoderOutputs, TimeAxis, units};

@@ -36,7 +36,7 @@ impl Master {
         Self { position, velocity, acceleration, period, zero, stood }
     }
 
-    /// Distance since `before`, u: the short way round. Moving its zero (`MC_SetPosition`, a reference) is no motion.
+    /// Distance since `before`, u: the short way round. Moving its zero (`MC_SetPosition`, a reference) is not a motion.
     #[must_use]
     pub fn travel_since(&self, before: &Self) -> f64 {
         let way = self.position - before.position - (self.zero - before.zero);

@@ -35,8 +35,8 @@ pub struct Start {
 impl Axis {
     /// Start of a block that takes over now.
     ///
-    /// It takes over from the set-point of the last cycle and gives this cycle's anew, whatever the block before has
-    /// made of it. Where that block has ended in this cycle, it goes on from its end.
+    /// It takes over from the set-point of the last cycle and replaces this cycle's. If the block before has ended in this
+    /// cycle, it goes on from that end.
     pub(crate) fn start(&self) -> Start {
         let ended =
             self.values.moved_in_this_cycle && self.values.owner == 0 && self.overlay_owner == 0;
@@ -78,7 +78,7 @@ impl Axis {
 
     /// Gives the axis to a new owner, in `state`, and returns its number.
     pub(crate) fn claim(&mut self, state: AxisState, start: Start) -> i64 {
-        // A target counts from where the motion begins, also for who takes the axis later in this cycle.
+        // A target counts from the begin of the motion, also for a later owner in this cycle.
         let from = if start.lead == 0.0 { self.total() } else { self.saved };
         let turned = start.state.position - from.position;
         if turned != 0.0 {
@@ -113,7 +113,7 @@ impl Axis {
         }
     }
 
-    /// Nobody moves the axis any more: what was on top belongs to it now.
+    /// No block moves the axis any more: the overlay becomes part of its position.
     pub(super) fn rest(&mut self) {
         self.base = self.total();
         self.overlay = State::default();
@@ -126,7 +126,7 @@ impl Axis {
         self.values.owner == owner
     }
 
-    /// The drive's own homing is over, or the block that asked for it.
+    /// Ends the drive's own homing.
     pub(crate) fn stop_homing(&mut self) {
         self.home = None;
         self.values.start_reference = false;

@@ -50,16 +50,7 @@ impl AxisState {
     /// Its number in `nAxisState`.
     #[must_use]
     pub const fn number(self) -> i64 {
-        match self {
-            Self::PowerOff => 0,
-            Self::ErrorStop => 1,
-            Self::Stopping => 2,
-            Self::Standstill => 3,
-            Self::DiscreteMotion => 4,
-            Self::ContinuousMotion => 5,
-            Self::SynchronizedMotion => 6,
-            Self::Homing => 7,
-        }
+        self as i64
     }
 
     /// True if a block moves the axis here and may be aborted by another one.
@@ -72,18 +63,12 @@ impl AxisState {
     #[must_use]
     pub const fn leads_to(self, next: Self) -> bool {
         match (self, next) {
-            (Self::ErrorStop, next) => {
-                matches!(next, Self::ErrorStop | Self::Standstill | Self::PowerOff)
-            }
-            (_, Self::ErrorStop | Self::PowerOff) | (Self::Standstill, _) => true,
-            (Self::PowerOff, next) => matches!(next, Self::Standstill),
-            (Self::Homing, next) => {
-                matches!(next, Self::Homing | Self::Standstill | Self::Stopping)
-            }
+            (_, Self::ErrorStop | Self::PowerOff)
+            | (Self::Standstill, _)
+            | (Self::Homing, Self::Stopping | Self::Standstill | Self::Homing) => true,
+            (Self::PowerOff | Self::ErrorStop, next) => matches!(next, Self::Standstill),
             (Self::Stopping, next) => matches!(next, Self::Stopping | Self::Standstill),
-            (Self::DiscreteMotion | Self::ContinuousMotion | Self::SynchronizedMotion, next) => {
-                !matches!(next, Self::Homing)
-            }
+            (from, next) => from.is_motion() && !matches!(next, Self::Homing),
         }
     }
 }

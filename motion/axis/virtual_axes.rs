@@ -5,7 +5,7 @@ use twin_profile::State;
 
 /// An axis whose position is the time, s (`SMC_TimeAxisFB`, manual 2.2.6).
 ///
-/// It counts from 0 while Execute is TRUE, from the rising edge on, and stands still when it is FALSE.
+/// It counts from 0 while Execute is TRUE, from the rising edge on, and stops when it is FALSE.
 #[doc(alias = "SMC_TimeAxisFB")]
 #[derive(Clone, Debug)]
 pub struct TimeAxis {
@@ -52,7 +52,7 @@ impl TimeAxis {
                 self.speed = self.time_override;
             }
             self.ramp = [self.speed; 2];
-            // Counting anew is no motion.
+            // Counting anew is not a motion.
             self.axis.zero -= position;
             position = 0.0;
         }
@@ -97,34 +97,20 @@ impl TimeAxis {
     }
 }
 
-/// An encoder (`SMC_ENCODER_REF`, manual 2.1.4).
-#[doc(alias = "SMC_ENCODER_REF")]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EncoderConfig {
-    /// `wEncoderId`.
-    pub id: u16,
-    /// Increments to u: `iRatioTechUnitsNum` and `dwRatioTechUnitsDenom`.
-    pub ratio: [i64; 2],
-    /// `iMovementType` and `fPositionPeriod`.
-    pub movement: Movement,
-    /// `bSWLimitEnable`, `fSWLimitNegative`, `fSWLimitPositive`, u.
-    pub software_limits: Option<[f64; 2]>,
-    /// `dwEncoderModulo`: where the encoder wraps, increments; 0 for 32 bit.
-    pub modulo: u32,
-    /// Cycle time, s.
-    pub cycle: f64,
-}
-
 /// An encoder as an axis that others follow (`SMC_Encoder`, manual 2.2.9).
 #[doc(alias = "SMC_Encoder")]
+#[doc(alias = "SMC_ENCODER_REF")]
 #[derive(Clone, Debug)]
 pub struct Encoder {
-    config: EncoderConfig,
+    /// Increments to u.
+    ratio: [i64; 2],
+    /// Increments until the encoder wraps.
+    modulo: i64,
     axis: Axis,
     /// Increments counted so far, without wrapping, and the last raw value.
     counted: i64,
     last: Option<u32>,
-    /// Velocity in the cycle before, u/s, once two values have told one.
+    /// Velocity in the cycle before, u/s, from the second value on.
     velocity: Option<f64>,
 }
 
@@ -138,24 +124,19 @@ pub struct EncoderOutputs {
 }
 
 impl Encoder {
-    /// Nothing counted yet.
+    /// An encoder (`SMC_ENCODER_REF`, manual 2.1.4): its number, ratio, movement, software limits and cycle time in `config`;
+    /// it wraps after `modulo` increments (`dwEncoderModulo`), with 0 after 32 bit. Nothing is counted yet.
     #[must_use]
-    pub fn new(config: EncoderConfig) -> Self {
-        let axis = Axis::new(AxisConfig {
-            movement: config.movement,
-            cycle: config.cycle,
-            ratio: config.ratio,
-            software_limits: config.software_limits,
-            real_drive: false,
-            ..AxisConfig::default()
-        });
-        Self { config, axis, counted: 0, last: None, velocity: None }
+    pub fn new(config: AxisConfig, modulo: u32) -> Self {
+        let axis = Axis::new(AxisConfig { real_drive: false, ..config });
+        let modulo = if modulo == 0 { 1 << 32 } else { i64::from(modulo) };
+        Self { ratio: config.ratio, modulo, axis, counted: 0, last: None, velocity: None }
     }
 
     /// Takes in the encoder's value for a cycle; velocity and acceleration are differences, as those of a drive's actual
     /// position. `set` (`bSet`, `fSetValue`) makes the present position that value, u.
     pub fn call(&mut self, raw: u32, set: Option<f64>) -> EncoderOutputs {
-        if self.config.ratio[1] == 0 {
+        if self.ratio[1] == 0 {
             return self.refused(SmcError::EncDenomZero);
         }
         if self.axis.owner() != 0 {
@@ -164,7 +145,7 @@ impl Encoder {
         let known = self.last.is_some();
         self.counted += self.travel(raw);
         self.last = Some(raw);
-        let position = units(self.counted, self.config.ratio);
+        let position = units(self.counted, self.ratio);
         let cycle = self.axis.cycle();
         let way = position - self.axis.drive.position;
         let velocity = (known && cycle > 0.0).then(|| way / cycle);
@@ -172,7 +153,7 @@ impl Encoder {
         self.velocity = velocity;
         let (velocity, acceleration) = (velocity.unwrap_or_default(), change.unwrap_or_default());
         if !known {
-            // Where it is when it is seen first, it has not come to.
+            // The first value is not a motion.
             self.axis.zero += way;
         }
         self.axis.drive.position = position;
@@ -191,7 +172,7 @@ impl Encoder {
         EncoderOutputs { valid: true, error: None }
     }
 
-    /// An error that is shown as long as what is wrong is: the axis keeps it once.
+    /// Shows an error as long as its cause lasts; the axis keeps it once.
     fn refused(&mut self, error: SmcError) -> EncoderOutputs {
         if self.axis.read_fb_error() != Some(error) {
             self.axis.report(error);
@@ -213,14 +194,10 @@ impl Encoder {
 
     /// Increments since the last value, the short way round.
     fn travel(&self, raw: u32) -> i64 {
-        let modulo = match self.config.modulo {
-            0 => 1_i64 << 32,
-            modulo => i64::from(modulo),
-        };
         // The first value counts from 0.
         let Some(last) = self.last else { return i64::from(raw) };
-        let way = (i64::from(raw) - i64::from(last)).rem_euclid(modulo);
-        if way * 2 > modulo { way - modulo } else { way }
+        let way = (i64::from(raw) - i64::from(last)).rem_euclid(self.modulo);
+        if way * 2 > self.modulo { way - self.modulo } else { way }
     }
 }
 
@@ -239,7 +216,7 @@ impl Axis {
 /// Increments in u, by numerator and denominator (manual 2.1.3).
 #[must_use]
 pub fn units(increments: i64, [numerator, denominator]: [i64; 2]) -> f64 {
-    // Whole turns and rest apart, so that a large count loses nothing.
+    // Whole turns and rest separately, so that a large count keeps its digits.
     let number = |value: i64| {
         #[expect(clippy::cast_precision_loss, reason = "counts below 2^53 are exact")]
         let number = value as f64;

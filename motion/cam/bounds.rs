@@ -80,6 +80,16 @@ impl SlaveLimits {
             Quantity::Jerk => self.jerk,
         }
     }
+
+    /// The same limits with another one of a quantity.
+    pub(super) fn with(mut self, quantity: Quantity, limit: f64) -> Self {
+        match quantity {
+            Quantity::Velocity => self.velocity = limit,
+            Quantity::Acceleration => self.acceleration = limit,
+            Quantity::Jerk => self.jerk = limit,
+        }
+        self
+    }
 }
 
 /// Limited quantity.
@@ -96,15 +106,32 @@ pub enum Quantity {
 impl Quantity {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Velocity, Self::Acceleration, Self::Jerk];
+
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+            Self::Jerk => "jerk",
+        }
+    }
+
+    /// Factors of y′, y″ and y‴ in this quantity, with both signs of the master's acceleration and jerk.
+    pub(super) fn factors(self, master: &MasterMotion) -> Vec<[f64; 3]> {
+        let MasterMotion { velocity: v, acceleration, jerk } = *master;
+        match self {
+            Self::Velocity => vec![[v, 0.0, 0.0]],
+            Self::Acceleration => signs(acceleration).map(|a| [a, v * v, 0.0]).collect(),
+            Self::Jerk => {
+                let both = signs(acceleration).flat_map(|a| signs(jerk).map(move |j| (a, j)));
+                both.map(|(a, j)| [j, 3.0 * v * a, v * v * v]).collect()
+            }
+        }
+    }
 }
 
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Velocity => "velocity",
-            Self::Acceleration => "acceleration",
-            Self::Jerk => "jerk",
-        })
+        f.write_str(self.name())
     }
 }
 
@@ -125,23 +152,17 @@ impl Curve {
     /// Jumps of the derivatives, which tables have, are not among them: see [`Curve::jumps`].
     pub fn bounds(&self, master: &MasterMotion, factors: Factors) -> Bounds {
         let mut found = [Extremes::NONE; 4];
-        let v = master.velocity * factors.master;
-        let a = master.acceleration * factors.master;
-        let j = master.jerk * factors.master;
+        let MasterMotion { velocity, acceleration, jerk } = *master;
+        let [velocity, acceleration, jerk] =
+            [velocity, acceleration, jerk].map(|value| value * factors.master);
+        let master = MasterMotion { velocity, acceleration, jerk };
         for piece in self.pieces() {
-            let [y, first, second, third] =
-                piece.polynomials().map(|c| c.map(|c| c * factors.slave));
-            let [position, velocity, acceleration, jerk] = &mut found;
-            let join = |into: &mut Extremes, c: &Coefficients| {
-                into.join(&extremes(c, piece.width), piece.start);
-            };
-            join(position, &y);
-            join(velocity, &first.map(|c| c * v));
-            for a in signs(a) {
-                join(acceleration, &weighted(&second, v * v, &first, a));
-                let both = weighted(&third, v * v * v, &second, 3.0 * v * a);
-                for j in signs(j) {
-                    join(jerk, &weighted(&both, 1.0, &first, j));
+            let y = piece.polynomials().map(|c| c.map(|c| c * factors.slave));
+            let [position, others @ ..] = &mut found;
+            position.join(&extremes(&y[0], piece.width), piece.start);
+            for (found, quantity) in others.iter_mut().zip(Quantity::ALL) {
+                for factors in quantity.factors(&master) {
+                    found.join(&extremes(&weighted(&y, factors), piece.width), piece.start);
                 }
             }
         }
@@ -161,34 +182,18 @@ impl Curve {
         quantity: Quantity,
         master: &MasterMotion,
     ) -> (Peak, Derivatives) {
-        let MasterMotion { velocity: v, acceleration: a, jerk: j } = *master;
         let mut found = Peak { value: 0.0, master: self.start() };
         let mut derivatives = Derivatives::default();
+        let all = quantity.factors(master);
         for piece in self.pieces() {
-            let [_, first, second, third] = piece.polynomials();
-            let mut look = |c: &Coefficients| {
-                let extremes = extremes(c, piece.width);
+            let y = piece.polynomials();
+            for factors in &all {
+                let extremes = extremes(&weighted(&y, *factors), piece.width);
                 for (u, value) in [(extremes.at_min, extremes.min), (extremes.at_max, extremes.max)]
                 {
                     if value.abs() > found.value {
                         found = Peak { value: value.abs(), master: piece.start + u };
                         derivatives = piece.at(u);
-                    }
-                }
-            };
-            match quantity {
-                Quantity::Velocity => look(&first.map(|c| c * v)),
-                Quantity::Acceleration => {
-                    for a in signs(a) {
-                        look(&weighted(&second, v * v, &first, a));
-                    }
-                }
-                Quantity::Jerk => {
-                    for a in signs(a) {
-                        let both = weighted(&third, v * v * v, &second, 3.0 * v * a);
-                        for j in signs(j) {
-                            look(&weighted(&both, 1.0, &first, j));
-                        }
                     }
                 }
             }
@@ -211,10 +216,9 @@ fn signs(value: f64) -> impl Iterator<Item = f64> {
     [value, -value].into_iter().take(if value == 0.0 { 1 } else { 2 })
 }
 
-fn weighted(p: &Coefficients, by: f64, q: &Coefficients, with: f64) -> Coefficients {
-    let mut sum = *p;
-    for (sum, q) in sum.iter_mut().zip(q) {
-        *sum = *sum * by + q * with;
-    }
-    sum
+/// A quantity of the slave as a polynomial, of y and its derivatives with the factors of [`Quantity::factors`].
+#[expect(clippy::indexing_slicing, reason = "arrays of one length")]
+pub(super) fn weighted(y: &[Coefficients; 4], [one, two, three]: [f64; 3]) -> Coefficients {
+    let [_, first, second, third] = y;
+    std::array::from_fn(|index| third[index] * three + second[index] * two + first[index] * one)
 }

@@ -96,7 +96,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// The piece that counting finds, on the begins, a rounding beside them and anywhere, however uneven pieces are and
+        /// The piece that counting finds, on the begins, a rounding off them and anywhere, however uneven pieces are and
         /// wherever on the axis they lie.
         #[test]
         fn the_piece_is_the_one_that_counting_finds(
@@ -115,8 +115,8 @@ mod tests {
             let end = begins.pop().expect("two at least");
             let cells = Cells::new(&begins, end);
             let anywhere = shares.iter().map(|share| start + share * (end - start));
-            let beside = begins.iter().chain([&end]).flat_map(|at| [at.next_down(), *at, at.next_up()]);
-            for master in anywhere.chain(beside).collect::<Vec<_>>() {
+            let near = begins.iter().chain([&end]).flat_map(|at| [at.next_down(), *at, at.next_up()]);
+            for master in anywhere.chain(near).collect::<Vec<_>>() {
                 let counted = begins.partition_point(|begin| *begin <= master).max(1) - 1;
                 prop_assert_eq!(cells.piece(master), counted, "{} of {:?}", master, begins);
             }

@@ -45,7 +45,7 @@ impl CamCoupling {
     /// [`Self::output`]. Offsets of a coupling before are forgotten.
     ///
     /// # Errors
-    /// [`CouplingError`] if the master stands beside the cam (626), a ramp lacks its limits (627), or a value is not
+    /// [`CouplingError`] if the master is off the cam (626), a ramp lacks its limits (627), or a value is not
     /// finite.
     pub fn start(
         table: CamTable,
@@ -112,7 +112,7 @@ impl CamCoupling {
         if let Some(period) = self.table.slave_period.filter(|period| *period > 0.0) {
             let stop = limits.stop(velocity);
             let turns = match self.input.start_mode {
-                // As far ahead as a slave that is too fast goes until it stands, and less than a turn further.
+                // As far ahead as a slave that is too fast needs to stop, and less than a turn further.
                 StartMode::RampInPositive => ((distance - stop.max(0.0)) / period).floor(),
                 StartMode::RampInNegative => ((distance - stop.min(0.0)) / period).ceil(),
                 _ => (distance / period).round(),
@@ -259,7 +259,7 @@ impl CamCoupling {
     }
 
     /// Follows an edited cam from the next cycle on (manual 4.5): elements and tappets may be moved, but there must be as
-    /// many. The slave jumps if the cam has been changed where it is. Tappets forget that the master stands on them.
+    /// many. The slave jumps if the cam has been changed where it is. Tappets forget that the master is on them.
     ///
     /// # Errors
     /// [`CouplingError::OtherSize`] if the cam has other numbers of them; the old one goes on then.

@@ -44,7 +44,7 @@ pub struct Coupled {
     pub slave: State,
     /// True if the slave is on the cam.
     pub in_sync: bool,
-    /// True if the cam has been left at an end; of one that is put end to end, in this cycle only.
+    /// True if the cam has been left at an end; of a periodic one, in this cycle only.
     pub end_of_profile: bool,
     /// Tappets.
     pub tappets: TappetData,
@@ -71,8 +71,8 @@ pub enum CouplingError {
         /// Its value.
         value: f64,
     },
-    /// A position, velocity or input is no finite number.
-    #[error("{what}: {value} is no finite number")]
+    /// A position, velocity or input is not a finite number.
+    #[error("{what}: {value} is not a finite number")]
     NotFinite {
         /// What.
         what: &'static str,

@@ -124,7 +124,7 @@ impl Curve {
         }
     }
 
-    /// The slave where the master is, with the curve put end to end (manual 4.6.1, `Periodic` TRUE): every pass goes on
+    /// The slave where the master is, with a periodic curve (manual 4.6.1, `Periodic` TRUE): every pass goes on
     /// where the one before has led.
     #[inline]
     pub fn repeated(&self, master: f64) -> Derivatives {

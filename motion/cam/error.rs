@@ -20,7 +20,7 @@ pub enum CamError {
         limit: usize,
     },
     /// A value is infinite or not a number.
-    #[error("element {index}: {value} is no finite number")]
+    #[error("element {index}: {value} is not a finite number")]
     NotFinite {
         /// Number of the point or line, from 1.
         index: usize,
@@ -99,7 +99,7 @@ pub enum CamError {
         max: f64,
     },
     /// A value has a fraction where the type of a table's variables has whole numbers only.
-    #[error("value {index}: {value} is no whole number, as {kind} needs it")]
+    #[error("value {index}: {value} is not a whole number, as {kind} needs it")]
     Fraction {
         /// Number of the value, from 1.
         index: usize,

@@ -35,7 +35,7 @@ pub enum AsciiError {
         text: String,
     },
     /// Two lines have the same master position.
-    #[error("line {line}: master {master} stands in line {before} already")]
+    #[error("line {line}: master {master} is in line {before} already")]
     Twice {
         /// The later line, from 1.
         line: usize,

@@ -4,7 +4,7 @@ use super::curve::Curve;
 
 /// Jumps of a curve's slave, of a periodic curve or not; [`Curve::real_jumps`] gives the largest.
 ///
-/// Of a curve that is not put end to end both ends are among them, where the slave stays from now on, or leaves at once.
+/// Of a curve that is not periodic both ends are among them, where the slave stays from now on, or leaves at once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joints {
     /// By ascending places.

@@ -30,7 +30,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod approach;
 mod bit;
 mod bounds;
 mod cells;
@@ -41,6 +40,7 @@ mod curve_distance;
 mod decompile;
 mod error;
 pub mod file;
+mod jerk_limited_ramp_in;
 mod joints;
 mod knot;
 mod maximum_master_velocity;
@@ -59,7 +59,6 @@ pub mod tune;
 mod unwrap;
 mod value;
 
-pub use approach::{Approach, Gap};
 pub use bit::{MAX_PULSES, TappetBit};
 pub use bounds::{Bounds, Factors, MasterMotion, Peak, Quantity, SlaveLimits};
 pub use coupling::{
@@ -67,6 +66,7 @@ pub use coupling::{
 };
 pub use curve::{Curve, CurveExtremes, Jump, Jumps, Range};
 pub use error::CamError;
+pub use jerk_limited_ramp_in::{Approach, Gap};
 pub use joints::{Joint, Joints};
 pub use knot::{Derivatives, Knot, quintic};
 pub use maximum_master_velocity::{Largest, LimitError};

@@ -43,7 +43,7 @@ pub enum LimitError {
         jump: Jump,
     },
     /// A limit or a magnitude is negative or not a number.
-    #[error("{name} is {value}, which is no magnitude")]
+    #[error("{name} is {value}, which is not a magnitude")]
     NoMagnitude {
         /// Its name.
         name: &'static str,
@@ -57,7 +57,7 @@ const ROUNDING: f64 = 1e-9;
 
 impl Curve {
     /// The largest velocity of the master with which the slave stays within `limits`, if the master accelerates and
-    /// jerks by up to what `master` says; its velocity does not count. With `repeated` the curve is put end to end.
+    /// jerks by up to what `master` says; its velocity does not count. With `repeated` the curve is periodic.
     ///
     /// # Errors
     /// [`LimitError`] if no velocity is small enough, or a magnitude is none.
@@ -72,7 +72,7 @@ impl Curve {
     }
 
     /// The largest acceleration of the master with which the slave stays within `limits`, if the master moves and jerks
-    /// by up to what `master` says; its acceleration does not count. With `repeated` the curve is put end to end.
+    /// by up to what `master` says; its acceleration does not count. With `repeated` the curve is periodic.
     ///
     /// # Errors
     /// [`LimitError`] if no acceleration is small enough, or a magnitude is none.
@@ -149,7 +149,7 @@ impl Curve {
             }
             peak = exceeds(value);
         }
-        // And no farther above than twice: what is far less than what it is taken from is lost in its rounding.
+        // And at most twice the result: a far larger start loses the result in its rounding.
         while value > 1e-100 && exceeds(value / 2.0).value > limit {
             value /= 2.0;
         }
@@ -157,7 +157,7 @@ impl Curve {
             let here = motion(value);
             let (at, d) = self.peak_and_derivatives(quantity, &here);
             peak = at;
-            // By how much the master's motion changes per unit of what is looked for.
+            // By how much the master's motion changes per unit of the unknown.
             let ahead = motion(value + 1.0);
             let by_velocity = ahead.velocity - here.velocity;
             let by_acceleration = ahead.acceleration - here.acceleration;
@@ -168,7 +168,7 @@ impl Curve {
             }
             value = next.max(0.0);
         }
-        // The last digits: what is given keeps the limit.
+        // The last digits: the result keeps the limit.
         for _ in 0..100 {
             if exceeds(value).value <= limit {
                 break;
@@ -203,18 +203,14 @@ impl Curve {
     }
 
     /// Jumps at the end of a pass that is not repeated (manual 4.6.1, `Periodic` FALSE): the slave stays where the
-    /// curve leads, so what is left of its velocity and acceleration is gone at once. The pass ends at the end of the
-    /// range, or, with `backwards`, at its begin. What is rounding alone is none.
+    /// curve leads, so its velocity and acceleration end at once. The pass ends at the end of the
+    /// range, or, with `backwards`, at its begin. Rounding alone does not count.
     pub fn stop_jumps(&self, backwards: bool) -> [Option<Jump>; 2] {
         let master = if backwards { self.start() } else { self.end() };
         let here = self.at(master);
-        let extremes = self.extremes();
-        let width = self.end() - self.start();
-        let velocity = extremes.velocity.magnitude().max(extremes.position.magnitude() / width);
-        let acceleration = extremes.acceleration.magnitude().max(velocity / width);
-        [(here.velocity, velocity), (here.acceleration, acceleration)].map(|(left, size)| {
-            (left.abs() > ROUNDING * size).then_some(Jump { master, by: -left })
-        })
+        let [_, velocity, acceleration] = self.jump_sizes();
+        [(here.velocity, velocity), (here.acceleration, acceleration)]
+            .map(|(left, size)| Self::is_jump(left, size).then_some(Jump { master, by: -left }))
     }
 
     pub(super) fn refuse_jumps(

@@ -48,9 +48,9 @@ pub struct Watch {
     /// The tappets and, of each that has acted, the place the master has not yet left.
     tappets: Vec<(Tappet, Option<f64>)>,
     hysteresis: f64,
-    /// Width of the cam, if it is put end to end.
+    /// Width of the cam, if it is periodic.
     width: Option<f64>,
-    /// Begin and end of the cam, if it is put end to end: one place, whatever the width is rounded to.
+    /// Begin and end of the cam, if it is periodic: one place, whatever the width is rounded to.
     seam: Option<[f64; 2]>,
     /// What acts in a cycle, where, and whether that is the end of a pass; kept for its memory.
     found: Vec<(Stands, Trigger)>,
@@ -77,7 +77,7 @@ impl Watch {
         Self { tappets, hysteresis: hysteresis.abs(), width, seam: None, found: Vec::new() }
     }
 
-    /// Watches those of a cam, that is put end to end or not.
+    /// Watches those of a cam, periodic or not.
     pub fn of(cam: &Cam, hysteresis: f64, repeated: bool) -> Self {
         let [start, end] = [cam.curve().start(), cam.curve().end()];
         let seam = repeated.then_some([start, end]);
@@ -168,7 +168,7 @@ impl Heading {
     pub fn follow(&mut self, x: f64, v: f64, slack: f64) -> Option<f64> {
         let back = if self.forwards { self.farthest - x } else { x - self.farthest };
         let goes_back = if self.forwards { v < 0.0 } else { v > 0.0 };
-        // One that stands, and is to go on, has its direction by its velocity.
+        // One at rest that is to go on has its direction by its velocity.
         let turns = back > slack || (slack == 0.0 && back == 0.0 && goes_back);
         let before = self.farthest;
         if turns {
@@ -185,7 +185,7 @@ impl Heading {
 ///
 /// That is where it will be if it goes on as it does. For one that brakes it comes nearer, but nothing is passed backwards
 /// for that: it waits until the master has come up. When the master really turns, by more than the hysteresis, it begins
-/// again from where it has turned: beyond that nobody has been. Without a dead time there is nothing to take back, and it
+/// again from where it has turned: beyond that it has not been. Without a dead time there is nothing to take back, and it
 /// is where the master is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LookAhead {
@@ -197,7 +197,7 @@ pub struct LookAhead {
 /// Dead time of the look-ahead, and the hysteresis of a reversal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lead {
-    /// Dead time of what is switched, s.
+    /// Dead time of the output, s.
     pub dead_time_s: f64,
     /// In the unit of the place.
     pub hysteresis: f64,
@@ -235,7 +235,7 @@ impl LookAhead {
 }
 
 impl Tappet {
-    /// Whether it stands at x of a cam, that is put end to end if begin and end are given.
+    /// Whether it is at x of a cam, periodic if begin and end are given.
     #[expect(
         clippy::float_cmp,
         reason = "a place that is reached to the last digit, as in every cycle"
@@ -249,7 +249,7 @@ impl Tappet {
 
     /// A place from which all others are whole passes apart, and whether it ends a pass: at the end of a cam that is put end to
     /// end it is that of the begin, so that both are the same to the last digit.
-    #[expect(clippy::float_cmp, reason = "the end of the cam is told to the last digit")]
+    #[expect(clippy::float_cmp, reason = "the end of the cam is exact")]
     fn first_place(&self, seam: Option<[f64; 2]>) -> (f64, bool) {
         match seam {
             Some([start, end]) if self.master == end => (start, true),

@@ -1,5 +1,5 @@
 //! Ramp-in from the slave's position to its cam (`ramp_in`, manual 4.6.1), under limited velocity and accelerations.
-//! `motion/cam/approach.rs` has the ramp-in of an axis with limited jerk: a coupling knows no axis.
+//! `motion/cam/jerk_limited_ramp_in.rs` has the ramp-in of an axis with limited jerk: a coupling knows no axis.
 
 /// A motion that ends at rest: pieces of constant acceleration, as fast as velocity and accelerations allow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ impl RampIn {
             v = most;
         }
         let peak_v2 = (2.0 * left + v * v / up) * up * down / (up + down);
-        // Rounding aside, the peak is not below v: what is left is more than a stop.
+        // Rounding aside, the peak is not below v: the rest is more than a stop.
         let peak = peak_v2.max(v * v).sqrt().min(most);
         *second = ((peak - v) / up, up * sign);
         let ramps = (peak * peak - v * v) / (2.0 * up) + peak * peak / (2.0 * down);

@@ -67,7 +67,7 @@ impl RegisterError {
 }
 
 /// Switches the bits of a cam's tappets as a master moves; the curve does not count (`SMC_CAMRegister`, manual 5.5). The
-/// cam is put end to end.
+/// cam is periodic.
 ///
 /// A register has its own bits and only reads the cam, so that any number of them may use one: nothing counts accesses
 /// (the manual's error 602).
@@ -85,7 +85,7 @@ pub struct CamRegister {
 }
 
 impl CamRegister {
-    /// Enables the block: all bits are off. A tappet on which the master stands then has not been passed.
+    /// Enables the block: all bits are off. A tappet under the master then has not been passed.
     ///
     /// # Errors
     /// [`RegisterError`] for a cam without tappets (600), or one with groups that have no bit (601).

@@ -167,7 +167,7 @@ impl Source {
         if !(min.is_finite() && max.is_finite()) {
             (min, max) = (0.0, 1.0);
         } else if max <= min {
-            // About a slave that stands, wide enough to be a scale.
+            // About a slave at rest, wide enough to be a scale.
             let half = 0.5_f64.max(min.abs() * 1e-3);
             (min, max) = (min - half, min + half);
         }

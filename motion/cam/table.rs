@@ -299,8 +299,9 @@ fn set_tangents(knots: &mut [Knot], periodic: bool) {
         let one = tangent(end, last.master - before.master, begin, second.master - first.master);
         [one, one]
     } else {
-        let beside = |tangent: Option<&f64>, chord: f64| tangent.map_or(chord, |t| 2.0 * chord - t);
-        [beside(inner.first(), begin), beside(inner.last(), end)]
+        let mirrored =
+            |tangent: Option<&f64>, chord: f64| tangent.map_or(chord, |t| 2.0 * chord - t);
+        [mirrored(inner.first(), begin), mirrored(inner.last(), end)]
     };
     let [begin, end] = ends;
     for (knot, tangent) in knots.iter_mut().zip([begin].into_iter().chain(inner).chain([end])) {

@@ -46,7 +46,7 @@ impl<E> From<Diagnostic<E>> for Failure<E> {
 /// The rule that something wrong with a program's text breaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Rule {
-    /// The text is no program of its dialect.
+    /// The text is not a program of its dialect.
     Syntax,
     /// A word that the dialect, or this version, does not know.
     UnsupportedWord,

@@ -1,9 +1,9 @@
-//! Numbers as messages show them, and as other programs read them.
+//! Number formats for messages, and for other programs.
 //!
 //! ```
 //! use twin_number::{Short, exact_seconds, readable};
 //!
-//! // 240 mm/s that conversion from m/s has left as 239.99999999999997.
+//! // 240 mm/s that conversion from m/s has turned into 239.99999999999997.
 //! assert_eq!(Short(239.999_999_999_999_97).to_string(), "240");
 //! // An axis position of 361.12773 mm with six significant digits.
 //! assert_eq!(readable(361.127_73, 6), "361.128");
@@ -12,6 +12,8 @@
 //! ```
 
 mod short;
+#[cfg(test)]
+mod tests;
 mod text;
 
 pub use short::Short;

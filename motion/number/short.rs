@@ -27,26 +27,3 @@ impl fmt::Display for Short {
         write!(f, "{}", (value * scale).round() / scale + 0.0)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::Short;
-
-    #[test]
-    fn numbers() {
-        for (value, text) in [
-            (5.999_999_999_999_999, "6"),
-            (0.1 + 0.2, "0.3"),
-            (-0.0, "0"),
-            (-12.5, "-12.5"),
-            (24.9, "24.9"),
-            (1e-5 + 1e-22, "0.00001"),
-            (1.25e-20, "1.25e-20"),
-            (2e9, "2000000000"),
-            (1e20, "1e20"),
-            (f64::INFINITY, "inf"),
-        ] {
-            assert_eq!(Short(value).to_string(), text, "{value:e}");
-        }
-    }
-}

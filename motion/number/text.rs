@@ -20,7 +20,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
-/// Below this, and from [`LARGE`] on, zeros would hide what a number says.
+/// Below this magnitude, and from [`LARGE`] on, zeros would hide the digits.
 const SMALL: f64 = 1e-9;
 /// See [`SMALL`].
 const LARGE: f64 = 1e15;
@@ -46,14 +46,14 @@ pub fn at_most(value: f64, digits: usize) -> String {
     if near.parse().is_ok_and(|near: f64| near <= value + 1e-12 * value.abs()) {
         return near;
     }
-    // As many digits, and those behind them left away.
+    // The same digits, cut off instead of rounded.
     let scientific = format!("{value:.17e}");
     let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
     let kept: String = mantissa.chars().take(digits + 1).collect();
     format!("{kept}e{exponent}").parse().map_or(near, |kept| readable(kept, digits))
 }
 
-/// A part of what a value stands beside that is rounding.
+/// Part of a scale that is rounding.
 const DUST: f64 = 1e-12;
 
 /// `value`, or 0 if it is rounding of values as large as `scale`.
@@ -77,7 +77,7 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A value and a limit that it exceeds, with six significant digits, or as many more as it takes to tell them apart.
+/// A value and a limit that it exceeds, with six significant digits, or as many more as make them differ.
 pub fn apart(value: f64, limit: f64) -> [String; 2] {
     let message = |digits: usize| [value, limit].map(|number| readable(number, digits));
     let differs = |[one, other]: &[String; 2]| one != other;
@@ -97,7 +97,7 @@ pub fn exact_seconds(time_ns: i64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// To 12 significant digits: what conversion between units adds beyond is noise (239.99999999999997).
+/// Rounds to 12 significant digits: unit conversion adds noise beyond them (239.99999999999997).
 pub fn rounded(value: f64) -> f64 {
     significant(value, 12).parse().unwrap_or(value)
 }
@@ -106,93 +106,4 @@ pub fn rounded(value: f64) -> f64 {
 #[expect(clippy::cast_precision_loss, reason = "a program of 104 days would lose a nanosecond")]
 pub fn seconds(time_ns: i64) -> f64 {
     time_ns as f64 * 1e-9
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{apart, at_most, beside, exact_seconds, fixed, readable, significant};
-
-    #[test]
-    fn people_get_powers_of_ten_instead_of_zeros() {
-        for (value, text) in [
-            (6e-16, "6e-16"),
-            (-1.234_567_8e300, "-1.23457e300"),
-            (9.999_999_9e-10, "1e-9"),
-            (1e-9, "0.000000001"),
-            (999_999_000_000_000.0, "999999000000000"),
-            (1e15, "1e15"),
-            (0.0, "0"),
-            (f64::INFINITY, "inf"),
-        ] {
-            assert_eq!(readable(value, 6), text);
-        }
-        assert_eq!(at_most(5.999_999_96e-16, 6), "5.99999e-16");
-        assert_eq!(at_most(6e-16, 6), "6e-16");
-        assert_eq!(apart(2e-12, 1.999_999_9e-12), ["2e-12", "1.9999999e-12"]);
-    }
-
-    #[test]
-    fn nothing_has_no_sign() {
-        for (value, decimals, text) in [
-            (-0.04, 1, "0.0"),
-            (-0.0, 1, "0.0"),
-            (-0.4, 0, "0"),
-            (-0.05, 2, "-0.05"),
-            (-10.0, 1, "-10.0"),
-            (0.04, 1, "0.0"),
-        ] {
-            assert_eq!(fixed(value, decimals), text);
-        }
-    }
-
-    #[test]
-    fn dust_is_nothing_and_what_exceeds_is_more() {
-        assert_eq!(beside(4.4e-16, 360.0, 6), "0");
-        assert_eq!(beside(-4.4e-16, -1.0, 6), "0");
-        assert_eq!(beside(4.4e-16, 1e-15, 6), "4.4e-16");
-        assert_eq!(beside(0.0, 0.0, 6), "0");
-        assert_eq!(beside(1.999_999_967, 1.0, 6), "2");
-        assert_eq!(apart(205.123_456_789, 205.0), ["205.123", "205"]);
-        assert_eq!(apart(205.000_000_4, 205.0), ["205.0000004", "205"]);
-        assert_eq!(apart(-3.0, 2.0), ["-3", "2"]);
-        assert_eq!(apart(1.0, 1.0), ["1", "1"]);
-    }
-
-    #[test]
-    fn what_may_not_be_exceeded_is_not_rounded_up() {
-        assert_eq!(at_most(361.127_73, 6), "361.127");
-        assert_eq!(at_most(361.127_23, 6), "361.127");
-        assert_eq!(at_most(0.000_999_999_7, 6), "0.000999999");
-        assert_eq!(at_most(299.999_999_999_999_94, 6), "300");
-        assert_eq!(at_most(7.0, 6), "7");
-        assert_eq!(at_most(0.0, 6), "0");
-        assert_eq!(at_most(f64::INFINITY, 6), "inf");
-    }
-
-    #[test]
-    fn digits_are_significant_not_decimal() {
-        assert_eq!(significant(0.0, 12), "0");
-        assert_eq!(significant(-0.0, 12), "0");
-        assert_eq!(significant(std::f64::consts::PI, 12), "3.14159265359");
-        assert_eq!(significant(100.0 * std::f64::consts::PI, 12), "314.159265359");
-        assert_eq!(significant(-std::f64::consts::PI * 1e-6, 12), "-0.00000314159265359");
-        assert_eq!(significant(9.999_96, 5), "10");
-        assert_eq!(significant(1234.5, 12), "1234.5");
-        assert_eq!(significant(123_456.0, 3), "123456");
-        assert_eq!(significant(f64::INFINITY, 3), "inf");
-    }
-
-    #[test]
-    fn times_are_exact() {
-        for (ns, text) in [
-            (0, "0"),
-            (1, "0.000000001"),
-            (1_500_000_000, "1.5"),
-            (86_400_000_000_001, "86400.000000001"),
-            (-2_000_000, "-0.002"),
-            (i64::MAX, "9223372036.854775807"),
-        ] {
-            assert_eq!(exact_seconds(ns), text);
-        }
-    }
 }

@@ -69,7 +69,7 @@ where
             return Some(Ok(element));
         }
         if matches!(element.kind, ElementKind::Probe { .. }) {
-            return Some(Err(OperationError::SplitProbe { place: element.place }.into()));
+            return Some(Err(OperationError::SplitProbe(element.place).into()));
         }
         Some(match element.split(self.at) {
             Ok([first, second]) => {
@@ -98,7 +98,7 @@ pub struct Linearise<I> {
     upstream: I,
     chords: Chords,
     arcs: bool,
-    /// The curve at hand and what is left of it, as parts of its length, the next one last.
+    /// The current curve and its remaining parts, as parts of its length, the next one last.
     curve: Option<PathElement>,
     left: Vec<Part>,
 }

@@ -48,7 +48,7 @@ impl Cubic {
         Self::between(start, Point3::new(sum(x), sum(y), end_z), x, y)
     }
 
-    /// With its ends as given: what is added up from the coefficients differs by rounding.
+    /// With its ends as given: the sums of the coefficients differ by rounding.
     pub(super) fn between(start: Point3<f64>, end: Point3<f64>, x: [f64; 4], y: [f64; 4]) -> Self {
         Self { curve: Curve::new(Form { x, y }, start, end) }
     }
@@ -88,7 +88,7 @@ impl Cubic {
         self.curve.form.y
     }
 
-    /// True if there is no cubic term: a parabola.
+    /// True if the cubic term is zero: a parabola.
     pub fn is_parabola(&self) -> bool {
         self.x()[3] == 0.0 && self.y()[3] == 0.0
     }

@@ -16,11 +16,11 @@ const GAUSS: [(f64, f64); 5] = [
 /// Lengths of panels are exact to this part of the whole length.
 const PRECISION: f64 = 1e-14;
 
-/// A panel is halved at most so often. Cusps, where the speed has a corner, are met after so many halvings with a
+/// Largest number of halvings of a panel. Cusps, where the speed has a corner, are met after so many halvings with a
 /// panel that no longer counts.
 const MAX_DEPTH: u32 = 24;
 
-/// What is shorter than this counts as so long, m: the squares of such speeds have lost their digits, and no number of
+/// Shortest length, m: the squares of such speeds have lost their digits, and no number of
 /// panels would find them again.
 const SMALLEST: f64 = 1e-100;
 
@@ -198,7 +198,7 @@ impl<P: Planar> Curve<P> {
                 low = t;
             }
             let step = beyond / self.form.speed(t);
-            // Quadratic convergence: what is left after a step this small is far below a picometre.
+            // Quadratic convergence: the remaining error after a step this small is far below a picometre.
             if beyond.abs() <= 4.0 * PRECISION * self.planar {
                 break;
             }
@@ -227,7 +227,7 @@ fn guess(from: &Knot, to: &Knot, wanted: f64) -> f64 {
 }
 
 /// Direction, planar curvature vector and its derivative by planar length at `t`: the first three derivatives of the
-/// position. Where the curve stands still (a cusp) the direction is that just beside it, and there is no curvature.
+/// position. At a cusp, where the speed is zero, the direction is that of a point close by, and the curvature is zero.
 ///
 /// With v = |p′|, T = p′/v and ⊥ for what is at a right angle to T, the curvature is b = p″⊥/v². Its derivative follows
 /// from T′ = v·b and v′ = T·p″: p‴⊥/v³ − 3·b·(T·p″)/v² − |b|²·T.
@@ -248,12 +248,12 @@ fn frame<P: Planar>(
             - direction * bend.norm_squared();
         return [direction, bend, bend_rate];
     }
-    let beside = if t < 0.5 { t + 1e-6 } else { t - 1e-6 };
-    let direction = form.at(beside).1.try_normalize(0.0).unwrap_or_default();
+    let close_by = if t < 0.5 { t + 1e-6 } else { t - 1e-6 };
+    let direction = form.at(close_by).1.try_normalize(0.0).unwrap_or_default();
     [direction, Vector2::zeros(), Vector2::zeros()]
 }
 
-/// True if a curve stands still where it has this speed and second derivative by its parameter, m.
+/// True if a curve is not at a cusp where it has this speed and second derivative by its parameter, m.
 fn stands(speed: f64, second: &Vector2<f64>) -> bool {
     !(speed > 1e-9 * second.norm() && speed > 0.0)
 }
@@ -315,7 +315,7 @@ mod tests {
         }
     }
 
-    /// Speeds whose squares are no ordinary numbers any more are no reason for millions of panels.
+    /// Speeds whose squares are subnormal do not need millions of panels.
     #[test]
     fn curves_of_no_length_have_few_panels() {
         for scale in [1.0, 1e-20, 1e-158, 1e-161, 1e-300, 1e-310, 0.0] {

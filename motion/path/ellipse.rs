@@ -71,7 +71,7 @@ pub enum EllipseError {
     /// No ellipse about the centre with axes in that direction passes through start and end.
     #[error("no ellipse with this centre and direction passes through start and end")]
     NoEllipse,
-    /// Start and end do not tell the ratio of the axes, and R does not either.
+    /// Neither start and end nor R determine the ratio of the axes.
     #[error(
         "start and end leave the axes of the ellipse open: R, above 0 and at most 1, is needed"
     )]

@@ -20,29 +20,17 @@ pub struct Similarity {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum OperationError {
     /// Only arcs about a vertical axis can be turned about one.
-    #[error("{place}: an arc that stands upright (G18, G19) cannot be turned about Z")]
-    UprightArc {
-        /// The element's block.
-        place: Place,
-    },
+    #[error("{0}: an arc in a vertical plane (G18, G19) cannot be rotated about Z")]
+    UprightArc(Place),
     /// A factor that is not positive and finite.
-    #[error("the factor is {factor}; it must be above 0")]
-    Factor {
-        /// The factor.
-        factor: f64,
-    },
+    #[error("the factor is {0}; it must be above 0")]
+    Factor(f64),
     /// A part beyond 0 to 1.
-    #[error("the place to split at is {at}; it must lie between 0 and 1")]
-    SplitPlace {
-        /// The part of the length.
-        at: f64,
-    },
+    #[error("the place to split at is {0}; it must lie between 0 and 1")]
+    SplitPlace(f64),
     /// A probing move: two of them feel something else than one.
-    #[error("{place}: a probing move cannot be split")]
-    SplitProbe {
-        /// The element's block.
-        place: Place,
-    },
+    #[error("{0}: a probing move cannot be split")]
+    SplitProbe(Place),
 }
 
 impl Similarity {
@@ -70,7 +58,7 @@ impl Similarity {
         if factor > 0.0 && factor.is_finite() {
             Ok(Self { scale: factor, ..Self::identity() })
         } else {
-            Err(OperationError::Factor { factor })
+            Err(OperationError::Factor(factor))
         }
     }
 
@@ -137,9 +125,7 @@ impl Similarity {
     /// # Errors
     /// [`OperationError::UprightArc`].
     pub fn element(&self, element: &PathElement) -> Result<PathElement, OperationError> {
-        let shape = self
-            .shape(&element.shape)
-            .ok_or(OperationError::UprightArc { place: element.place })?;
+        let shape = self.shape(&element.shape).ok_or(OperationError::UprightArc(element.place))?;
         let mut mapped = PathElement { shape, ..element.clone() };
         if self.extra.iter().any(|by| *by != 0.0) {
             let details = mapped.details.get_or_insert_default();
@@ -249,7 +235,7 @@ impl PathElement {
     /// [`OperationError::SplitPlace`].
     pub fn split(&self, at: f64) -> Result<[Self; 2], OperationError> {
         if !(at > 0.0 && at < 1.0) {
-            return Err(OperationError::SplitPlace { at });
+            return Err(OperationError::SplitPlace(at));
         }
         let length = self.length();
         let first = self.section(0.0, at * length);

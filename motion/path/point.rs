@@ -11,7 +11,7 @@ pub struct PathPoint {
     pub tangent: Vector3<f64>,
     /// Second derivative: curvature times the unit normal, 1/m.
     pub curvature: Vector3<f64>,
-    /// Third derivative, 1/m²: zero on a line, −κ² times the tangent on a circle, and zero where a curve stands still.
+    /// Third derivative, 1/m²: zero on a line, −κ² times the tangent on a circle, and zero at a cusp.
     pub curvature_rate: Vector3<f64>,
 }
 

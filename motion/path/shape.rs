@@ -66,7 +66,7 @@ impl Shape {
     }
 
     /// Fourth derivative of X and Y at `s` m from the start, 1/m³: needed with [`Self::at`] for the third derivative of
-    /// the direction seen from above. Zero on a line and where a curve stands still.
+    /// the direction seen from above. Zero on a line and at a cusp.
     pub fn fourth_at(&self, s: f64) -> Vector2<f64> {
         match self {
             Self::Arc(arc) if arc.length() > 0.0 => arc.fourth(s).xy(),

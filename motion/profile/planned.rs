@@ -1,21 +1,10 @@
 //! [`Profile`]: a motion that is planned to its end.
 
+use super::rates::Rates;
 use super::segment::{Segment, Track};
 use super::{AxisLimits, ProfileError, RampType, State, parabolic, sigmoid, trapezoid};
 
 /// Motion of an axis over time, from a state at time 0 to an end with constant velocity, and on with that.
-///
-/// ```
-/// use twin_profile::{AxisLimits, Profile, RampType, State};
-///
-/// let limits = AxisLimits { velocity: 10.0, acceleration: 20.0, deceleration: 20.0, jerk: 200.0 };
-/// let profile =
-///     Profile::to_position(State::resting(0.0), 100.0, 0.0, limits, RampType::Trapezoid)?;
-/// assert_eq!(profile.duration(), 10.5);
-/// assert_eq!(profile.at(0.5).velocity, 10.0);
-/// assert_eq!(profile.at(20.0), State::resting(100.0));
-/// # Ok::<(), twin_profile::ProfileError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profile {
     track: Track,
@@ -31,8 +20,8 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// A [`ProfileError`] for what is no finite number, for a limit that is not positive, for an end velocity above the
-    /// limit, and where times or ways get too large for a number.
+    /// A [`ProfileError`] for a number that is not finite, a limit that is not positive, an end velocity above the limit, and
+    /// for times or ways that are too large for a number.
     pub fn to_position(
         from: State,
         target: f64,
@@ -45,11 +34,11 @@ impl Profile {
         end_velocity_within(end_velocity, limits)?;
         let end = State { position: target, velocity: end_velocity, acceleration: 0.0 };
         let mut profile = Self { track: Track::new(from), start: from, end };
-        let track = &mut profile.track;
+        let (track, rates) = (&mut profile.track, &Rates::from(&limits));
         match ramp {
             RampType::Trapezoid => trapezoid::to_position(track, target, end_velocity, limits),
-            RampType::Sigmoid => sigmoid::to_position(track, target, end_velocity, &limits),
-            RampType::Parabolic => parabolic::to_position(track, target, end_velocity, &limits),
+            RampType::Sigmoid => sigmoid::to_position(track, target, end_velocity, rates),
+            RampType::Parabolic => parabolic::to_position(track, target, end_velocity, rates),
         }
         profile.check(target)?;
         Ok(profile)
@@ -69,11 +58,11 @@ impl Profile {
         check(from, limits, ramp)?;
         end_velocity_within(velocity, limits)?;
         let mut profile = Self { track: Track::new(from), start: from, end: from };
-        let track = &mut profile.track;
+        let (track, rates) = (&mut profile.track, &Rates::from(&limits));
         match ramp {
             RampType::Trapezoid => trapezoid::ramp(track, velocity, limits),
-            RampType::Sigmoid => sigmoid::ramp(track, velocity, &limits),
-            RampType::Parabolic => parabolic::ramp(track, velocity, &limits),
+            RampType::Sigmoid => sigmoid::ramp(track, velocity, rates),
+            RampType::Parabolic => parabolic::ramp(track, velocity, rates),
         }
         profile.end = State { velocity, acceleration: 0.0, ..track.state };
         profile.check(velocity)?;
@@ -113,8 +102,8 @@ impl Profile {
         self.end
     }
 
-    /// The stretches: how long each takes, s, its acceleration at the beginning, u/s², its jerk there, u/s³, and the angular
-    /// frequency with which the acceleration swings, rad/s: 0 where the jerk is constant.
+    /// The segments: duration, s, acceleration, u/s², and jerk, u/s³, at the beginning, and angular frequency of the
+    /// acceleration, rad/s: 0 with constant jerk.
     pub fn stretches(&self) -> impl Iterator<Item = [f64; 4]> + '_ {
         let segments = self.track.segments();
         let ends = segments.iter().skip(1).map(|next| next.start).chain([self.track.duration]);
@@ -141,17 +130,22 @@ impl Profile {
 
 /// Everything that moves is finite, and the limits that count are positive.
 fn check(from: State, limits: AxisLimits, ramp: RampType) -> Result<(), ProfileError> {
-    finite("position", from.position)?;
-    finite("velocity", from.velocity)?;
-    finite("acceleration", from.acceleration)?;
+    all_finite(from)?;
     positive("velocity", limits.velocity)?;
     positive("acceleration", limits.acceleration)?;
     positive("deceleration", limits.deceleration)?;
     if ramp == RampType::Trapezoid { Ok(()) } else { positive("jerk", limits.jerk) }
 }
 
-fn finite(quantity: &'static str, value: f64) -> Result<(), ProfileError> {
-    if value.is_finite() { Ok(()) } else { Err(ProfileError::NotFinite { quantity, value }) }
+pub(super) fn all_finite(state: State) -> Result<(), ProfileError> {
+    finite("position", state.position)?;
+    finite("velocity", state.velocity)?;
+    finite("acceleration", state.acceleration)?;
+    Ok(())
+}
+
+pub(super) fn finite(quantity: &'static str, value: f64) -> Result<f64, ProfileError> {
+    if value.is_finite() { Ok(value) } else { Err(ProfileError::NotFinite { quantity, value }) }
 }
 
 fn positive(quantity: &'static str, value: f64) -> Result<(), ProfileError> {

@@ -21,6 +21,11 @@ impl From<&AxisLimits> for Rates {
     }
 }
 
+/// −1 for negative values, otherwise 1.
+pub(super) fn side(value: f64) -> f64 {
+    if value < 0.0 { -1.0 } else { 1.0 }
+}
+
 impl Rates {
     /// Velocity at which the acceleration gets 0 if it is taken back from now on with the largest jerk, u/s.
     pub(super) fn settled(&self, velocity: f64, acceleration: f64) -> f64 {

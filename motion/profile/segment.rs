@@ -53,7 +53,7 @@ impl Segment {
     }
 }
 
-/// Segments one after the other, each from where the one before has ended.
+/// A chain of segments, each from the end of the one before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Track {
     segments: [Segment; MOST_SEGMENTS],
@@ -64,6 +64,7 @@ pub(super) struct Track {
     pub(super) state: State,
 }
 
+#[expect(clippy::indexing_slicing, reason = "at most MOST_SEGMENTS, as counted there")]
 impl Track {
     /// Without segments.
     pub(super) fn new(state: State) -> Self {
@@ -78,21 +79,19 @@ impl Track {
     /// Goes on for `duration` s with an acceleration that swings with `angular` rad/s.
     pub(super) fn swing(&mut self, duration: f64, acceleration: f64, jerk: f64, angular: f64) {
         self.state.acceleration = acceleration;
-        // Rounding may make a duration that is nothing negative; one that is not a number must come through.
+        // Rounding may make a duration of 0 negative; NaN must come through.
         if duration <= 0.0 {
             return;
         }
         let segment = Segment { start: self.duration, state: self.state, jerk, angular };
-        if let Some(place) = self.segments.get_mut(self.count) {
-            *place = segment;
-            self.count += 1;
-        }
+        self.segments[self.count] = segment;
+        self.count += 1;
         self.state = segment.after(duration);
         self.duration += duration;
     }
 
     /// The segments so far.
     pub(super) fn segments(&self) -> &[Segment] {
-        self.segments.get(..self.count).unwrap_or_default()
+        &self.segments[..self.count]
     }
 }

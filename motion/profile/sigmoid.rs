@@ -12,9 +12,9 @@
 //! Motions to a position are composed like those of parabolic ramps: straight, eased at first, or over a velocity that
 //! is held if it is the limit. They are not the fastest; there is exactly one of this form for every target.
 
-use super::rates::Rates;
+use super::State;
+use super::rates::{Rates, side};
 use super::segment::{Segment, Track};
-use super::{AxisLimits, State};
 
 /// Steps of a search; each second one at least halves the bracket.
 const MOST_STEPS: u32 = 160;
@@ -37,12 +37,11 @@ impl Up {
         Self { parts: [[0.0; 4]; 3], count: 0, end }
     }
 
+    #[expect(clippy::indexing_slicing, reason = "two halves, and a part before the first one")]
     fn add(&mut self, duration: f64, jerk: f64, angular: f64) {
         let part = [duration, self.end.acceleration, jerk, angular];
-        if duration > 0.0
-            && let Some(place) = self.parts.get_mut(self.count)
-        {
-            *place = part;
+        if duration > 0.0 {
+            self.parts[self.count] = part;
             self.count += 1;
             self.end = Segment { start: 0.0, state: self.end, jerk, angular }.after(duration);
         }
@@ -108,29 +107,20 @@ fn up(limits: &Rates, velocity: f64, acceleration: f64, to: f64) -> Up {
     ramp
 }
 
-fn side(value: f64) -> f64 {
-    if value < 0.0 { -1.0 } else { 1.0 }
-}
-
 /// Goes to a velocity.
-pub(super) fn ramp(track: &mut Track, velocity: f64, limits: &AxisLimits) {
-    to_velocity(track, velocity, &limits.into());
-}
-
-fn to_velocity(track: &mut Track, velocity: f64, limits: &Rates) {
+pub(super) fn ramp(track: &mut Track, velocity: f64, limits: &Rates) {
     let State { velocity: from, acceleration, .. } = track.state;
     let sign = side(velocity - limits.settled(from, acceleration));
     up(limits, sign * from, sign * acceleration, sign * velocity).push(track, sign);
 }
 
 /// Goes to a position and has `end_velocity`, at most the limit, there.
-pub(super) fn to_position(track: &mut Track, target: f64, end_velocity: f64, limits: &AxisLimits) {
-    let limits = &Rates::from(limits);
+pub(super) fn to_position(track: &mut Track, target: f64, end_velocity: f64, limits: &Rates) {
     let (most, jerk) = (limits.velocity, limits.jerk);
     let settled = |state: State| limits.settled(state.velocity, state.acceleration);
     if settled(track.state).abs() > most {
         let limit = most.copysign(settled(track.state));
-        to_velocity(track, limit, limits);
+        ramp(track, limit, limits);
     }
     let start = track.state;
     let settled = settled(start);

@@ -1,6 +1,7 @@
 //! Profile tables: motion through given points (`MC_PositionProfile`, `MC_VelocityProfile`, `MC_AccelerationProfile`,
 //! manual 5.3).
 
+use super::planned::{all_finite, finite};
 use super::segment::Segment;
 use super::{ProfileError, State};
 
@@ -67,7 +68,7 @@ impl TableProfile {
     ///
     /// # Errors
     ///
-    /// A [`ProfileError`] for an empty or too long table, for times that do not grow, for what is no finite number, and
+    /// A [`ProfileError`] for an empty or too long table, for times that do not grow, for numbers that are not finite, and
     /// for a first point without `delta_time` elsewhere.
     pub fn positions(from: State, table: ProfileTable) -> Result<Self, ProfileError> {
         let nodes = nodes(from, table, from.position)?;
@@ -184,12 +185,7 @@ struct Nodes {
 }
 
 fn nodes(from: State, table: ProfileTable, start: f64) -> Result<Nodes, ProfileError> {
-    let finite = |quantity, value: f64| {
-        if value.is_finite() { Ok(value) } else { Err(ProfileError::NotFinite { quantity, value }) }
-    };
-    finite("position", from.position)?;
-    finite("velocity", from.velocity)?;
-    finite("acceleration", from.acceleration)?;
+    all_finite(from)?;
     let count = table.points.len();
     if count == 0 || count > MOST_POINTS {
         return Err(ProfileError::Points { count, most: MOST_POINTS });

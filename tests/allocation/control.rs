@@ -5,7 +5,7 @@ use nalgebra::{Vector2, Vector3};
 use std::hint::black_box;
 use twin_kinematics::gantry::Gantry2;
 use twin_kinematics::transform::{Serial, Straight};
-use twin_kinematics::{Coordinate, KinematicsError, Transform};
+use twin_kinematics::{Coordinate, Result, Transform};
 
 #[test]
 fn asking_and_asking_for_more_is_counted() {
@@ -33,19 +33,16 @@ impl Transform<2> for Wasteful {
         self.0.rotary()
     }
 
-    fn to_tool(&self, axes: &Vector2<f64>) -> Result<Vector2<f64>, KinematicsError> {
+    fn to_tool(&self, axes: &Vector2<f64>) -> Result<Vector2<f64>> {
         self.0.to_tool(axes)
     }
 
-    fn to_axes(&self, tool: &Vector2<f64>) -> Result<Vector2<f64>, KinematicsError> {
+    fn to_axes(&self, tool: &Vector2<f64>) -> Result<Vector2<f64>> {
         let list: Vec<f64> = black_box(tool.iter().copied().collect());
         self.0.to_axes(&Vector2::from_column_slice(&list))
     }
 
-    fn at_axes(
-        &self,
-        axes: &Vector2<f64>,
-    ) -> Result<(Vector2<f64>, Self::Differential), KinematicsError> {
+    fn at_axes(&self, axes: &Vector2<f64>) -> Result<(Vector2<f64>, Self::Differential)> {
         self.0.at_axes(axes)
     }
 
@@ -53,7 +50,7 @@ impl Transform<2> for Wasteful {
         &self,
         tool: &Vector2<f64>,
         near: &Vector2<f64>,
-    ) -> Result<(Vector2<f64>, Self::Differential), KinematicsError> {
+    ) -> Result<(Vector2<f64>, Self::Differential)> {
         self.0.at_tool(tool, near)
     }
 

@@ -38,7 +38,7 @@ fn main() {
     }
 }
 
-/// The dialect is told by the ending.
+/// The ending gives the dialect.
 fn name(dialect: Dialect, lines: u32) -> String {
     match dialect {
         Dialect::Din66025 => format!("{lines}.cnc"),

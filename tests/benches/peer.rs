@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Of so many runs the fastest counts: what is slower has been disturbed.
+/// Number of runs, of which the fastest counts: slower ones were disturbed.
 const RUNS: usize = 7;
 
 /// Prints lines per second of decoding and planning, and of the peer, which decodes only and prints what it has found,

@@ -364,10 +364,10 @@ fn what_is_lost_or_mistaken_is_told() {
     desk.twin(&plot).ended(2, "pictures are SVG");
     assert!(!desk.path("lift.png").exists());
     let run = ["cam", "run", "lift.toml", "--machine", "machine.toml", "--drives", "none"];
-    desk.twin(&run).ended(1, "this is a cam, no job");
+    desk.twin(&run).ended(1, "this is a cam, not a job");
     desk.write("job.toml", "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"X\"\n");
     desk.twin(&["cam", "check", "job.toml", "--master-velocity", "1"])
-        .ended(2, "this is a job, no cam");
+        .ended(2, "this is a job, not a cam");
 }
 
 /// 1.1 · 100 − 110 is 0 but for rounding, in doubles 1.4e-14; and what cannot be read is the manual's 2200.
@@ -400,7 +400,7 @@ fn rounding_is_no_place_of_a_tappet() {
          { master = 9, slave = 0 },\n{ master = 5, slave = 5 }]\n",
     );
     desk.twin(&["cam", "check", "turned.toml"])
-        .ended(0, "turned.toml: line 6: the element at master 5 stands behind the one at 9");
+        .ended(0, "turned.toml: line 6: the element at master 5 comes after the one at 9");
     for name in ["none.toml", "none.asc"] {
         desk.twin(&["cam", "check", name]).ended(2, "(error 2200)");
     }

@@ -4,7 +4,7 @@ use crate::process::{Desk, number};
 use crate::root;
 use serde_json::Value;
 
-/// Down beside the fixed jaw, up, and across it: 6 mm above it, since its top is at Z−10.
+/// Down next to the fixed jaw, up, and across it: 6 mm above it, since its top is at Z−10.
 const ACROSS: &str = "\
 G21 G90
 G0 Z30
@@ -26,7 +26,7 @@ fn desk() -> Desk {
 }
 
 #[test]
-fn what_is_in_the_way_is_told_with_its_line() {
+fn what_is_in_the_way_is_reported_with_its_line() {
     let desk = desk();
     let done = desk.twin(&["check", "across.ngc", "-m", "vice.toml"]);
     done.ended(0, "");
@@ -35,11 +35,8 @@ fn what_is_in_the_way_is_told_with_its_line() {
 
     let done = desk.twin(&["check", "through.ngc", "-m", "vice.toml"]);
     done.ended(1, "collision");
-    assert!(
-        done.stderr.contains("line 6: the tool is 2.500 mm deep in fixed jaw"),
-        "{}",
-        done.stderr
-    );
+    let deep = "line 6: the tool is 2.500 mm deep in fixed jaw";
+    assert!(done.stderr.contains(deep), "{}", done.stderr);
     assert!(done.stdout.contains("least clearance: none"), "{}", done.stdout);
 
     let done =

@@ -50,6 +50,21 @@ fn an_error_in_the_language_asked_for() {
     assert!(said(&["axis-velocity"]).contains("an axis asked for more than its velocity"));
 }
 
+/// A block of jobs is explained with its errors and its inputs in a job, also the one that runs a program.
+#[test]
+fn blocks_of_jobs_are_explained() {
+    let desk = Desk::new();
+    for (block, error) in [
+        ("MC_CamIn", "626 SMC_CI_MASTER_OUT_OF_SCALE"),
+        ("SMC_Interpolator", "1001 SMC_INT_VEL_ZERO"),
+    ] {
+        let done = desk.twin(&["explain", block]);
+        done.ended(0, "");
+        assert!(done.stdout.contains(error), "{}", done.stdout);
+        assert!(done.stdout.contains("its inputs in a job: "), "{}", done.stdout);
+    }
+}
+
 /// Rules of axes are explained for programs, and for cams and jobs, which raise them, too.
 #[test]
 fn rules_of_axes_are_explained_for_cams_too() {

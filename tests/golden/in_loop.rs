@@ -89,7 +89,7 @@ fn a_board_probes() {
 fn what_says_nothing_is_refused() {
     let desk = desk();
     let check = ["check", "cover.ngc", "-m", "board.toml", "--drives-in-loop"];
-    desk.twin(&check).ended(2, "--drives-in-loop says nothing without --physics");
+    desk.twin(&check).ended(2, "--drives-in-loop has no effect without --physics");
     let none = root().join("machines/gantry3_motors.toml");
     desk.write("none.toml", &std::fs::read_to_string(none).expect("it is shipped"));
     desk.twin(&[&CHECK[..], &["none.toml", "--drives-in-loop"]].concat())

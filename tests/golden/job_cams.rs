@@ -45,7 +45,7 @@ fn elements_that_do_not_ascend_are_told_wherever_a_cam_is_named() {
     desk.write("along.cnc", "% along\nN10 G1 X20 F50 E500 E-500\n");
     let line = 1 + MOVED.lines().position(|line| line.contains("master = 90")).expect("a line");
     let said =
-        format!("moved.toml: line {line}: the element at master 90 stands behind the one at 180");
+        format!("moved.toml: line {line}: the element at master 90 comes after the one at 180");
     let found = findings(&desk, "along.cnc", &cam("moved.toml"), 0);
     let [one] = found.as_slice() else { panic!("{found:?}") };
     assert!(one["message"].as_str().is_some_and(|message| message.contains(&said)), "{one}");
@@ -147,7 +147,7 @@ fn a_master_beyond_its_cam_is_told_with_its_place() {
     assert_eq!(findings(&desk, "job.toml", &offset, 0), Vec::<Value>::new());
 }
 
-/// A block whose master stands beside the cam says where it stands, and from where to where it may.
+/// A block whose master is outside the cam reports the master's position and the range of the cam.
 #[test]
 fn a_cam_that_does_not_start_says_from_where_it_does() {
     let desk = Desk::new();
@@ -161,7 +161,7 @@ fn a_cam_that_does_not_start_says_from_where_it_does() {
     };
     job("master_offset_mm = 200")
         .ended(1, "SMC_CI_MASTER_OUT_OF_SCALE (626)")
-        .ended(1, "master X stands at 10 mm, and the cam starts with it from -200 to -20 mm");
+        .ended(1, "master X is at 10 mm; the cam starts with it from -200 to -20 mm");
     job("master_offset_mm = -20\nmaster_absolute = false")
         .ended(1, "with master_absolute = false, master_offset has to be from 0 to 180 of the cam");
 }

@@ -2,7 +2,7 @@
 
 use crate::process::Desk;
 
-/// Everything is told by machines/gantry3.toml: limits less the tool of 40 mm, and the velocity limits of the axes.
+/// Everything follows from machines/gantry3.toml: limits less the tool of 40 mm, and the velocity limits of the axes.
 #[test]
 fn a_gantry_is_described() {
     let desk = Desk::new();

@@ -43,6 +43,7 @@ mod real_switches;
 mod recording;
 mod reference;
 mod run_limits;
+mod sequence;
 mod shop;
 mod surroundings;
 mod targets;

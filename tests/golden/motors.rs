@@ -189,7 +189,7 @@ fn faults_on_purpose_have_lines() {
     let refused = desk.twin(&["check", "down.cnc", "-m", "motors.toml", "--faults", "faults.toml"]);
     assert_eq!(refused.status, Some(2));
     assert!(
-        refused.stderr.contains("--faults says nothing without --physics"),
+        refused.stderr.contains("--faults has no effect without --physics"),
         "{}",
         refused.stderr
     );
@@ -257,7 +257,7 @@ fn faults_that_never_begin_are_told() {
         let check =
             ["check", "down.cnc", "-m", "motors.toml", "--physics", "--faults", "late.toml"];
         let done = desk.twin(&check);
-        let said = format!("line {line}: the fault of axis X that the scenario has");
+        let said = format!("line {line}: the fault of axis X at ");
         assert!(done.ended(0, "never began").stderr.contains(&said), "{}", done.stderr);
     }
 }

@@ -30,7 +30,7 @@ fn queues_and_programs_lead_the_same_way() {
         lines.collect::<Vec<_>>()
     };
     assert_eq!(without_place(&path(&["again.cnc"])), without_place(&direct));
-    // A queue that is damaged is no path at all.
+    // A damaged queue does not give a path.
     let mut bytes = std::fs::read(desk.path("plate.queue")).expect("it was written");
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
@@ -40,7 +40,7 @@ fn queues_and_programs_lead_the_same_way() {
     assert!(!desk.path("none.cnc").exists());
 }
 
-/// Both pictures, and the overviews: what is in them is told by the program's text.
+/// Both pictures, and the overviews: the program's text says what they show.
 #[test]
 fn a_program_is_seen_at_a_glance() {
     let desk = Desk::new();

@@ -308,7 +308,7 @@ fn nothing_moves_without_a_yes() {
     assert!(said.contains("[y/N]") && said.contains("nothing has moved"), "{said}");
     for option in ["--yes", "--homed", "--home"] {
         let done = shop.desk.twin(&["run", "short.cnc", "-m", "mixture.toml", option]);
-        done.ended(2, &format!("{option} says nothing without --drives real"));
+        done.ended(2, &format!("{option} has no effect without --drives real"));
     }
     shop.untouched();
 }

@@ -51,7 +51,7 @@ fn a_device_that_dies_stops_all_others() {
     done.ended(2, "; then: device `bus`, axis Z: bus, address 1: ");
     // What is not known is not told.
     done.ended(2, "device `bus` was last heard of at ");
-    done.ended(2, " mm; where it stands since is not known");
+    done.ended(2, " mm; its position since then is not known");
     done.ended(2, "device `module` was last heard of at ");
     let [x, y, _, u] = shop.at_rest();
     let [x, y, u] = [x, y, u].map(|found| found.expect("it is there"));

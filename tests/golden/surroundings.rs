@@ -131,7 +131,7 @@ fn every_block_is_told_how_near_it_comes() {
     let desk = desk();
     desk.write("near.ngc", NEAR);
     let check = ["check", "near.ngc", "-m", "vice.toml", "--clearance", "near.csv"];
-    desk.twin(&check).ended(0, "1.500 mm to fixed jaw; 2.000 mm are wanted");
+    desk.twin(&check).ended(0, "1.500 mm to fixed jaw; the clearance wanted is 2.000 mm");
     let text = std::fs::read_to_string(desk.path("near.csv")).expect("it was written");
     let mut rows = text.lines().map(|row| row.split(',').collect::<Vec<_>>());
     let header = rows.next().expect("a header").join(",");

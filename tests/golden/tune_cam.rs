@@ -280,7 +280,7 @@ fn a_shape_lets_the_master_go_faster() {
     }
     assert_eq!(std::fs::read_to_string(desk.path("lift.toml")).expect("there"), LIFT);
     desk.twin(&["tune", "cam", "lift.toml", "--reshape", "121:1", "--max-velocity", "9"])
-        .ended(2, "no point stands at master 121");
+        .ended(2, "there is no point at master 121");
     desk.twin(&["tune", "cam", "lift.toml", "--reshape", "120:1"])
         .ended(2, "no limit of the slave");
     desk.twin(&["tune", "cam", "lift.toml"]).ended(2, "nothing is to be found");
@@ -399,7 +399,7 @@ fn mistakes_are_told() {
     tune(&["--find", "slave-scaling"]).ended(2, "none is given");
     tune(&["--ramp-in", "0,35"]).ended(2, "a ramp needs a limit of the slave's velocity");
     desk.twin(&["cam", "check", "lift.toml", "--master-velocity", "-5"])
-        .ended(2, "-5 is less than 0: the master's velocity is told without its sign");
+        .ended(2, "-5 is less than 0: give the master's velocity without its sign");
     // 0 to 100 into 0 to 70.
     let done = tune(&["--find", "slave-scaling", "--position-min", "0", "--position-max", "70"]);
     done.ended(0, "");
@@ -414,7 +414,7 @@ fn mistakes_are_told() {
     let still: Vec<_> =
         (0..60).map(|index| format!("{},90,{}", 0.01 * f64::from(index), 3)).collect();
     desk.write("still.csv", &format!("time,master,slave\n{}\n", still.join("\n")));
-    tune(&["--run", "still.csv"]).ended(1, "the master stands at 90 in all 60 samples");
+    tune(&["--run", "still.csv"]).ended(1, "the master is at 90 in all 60 samples");
 }
 
 /// Outputs of a group that the cam has not, two groups of different dead times, and a master in radians.

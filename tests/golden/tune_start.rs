@@ -66,7 +66,7 @@ fn what_is_proposed_starts_where_the_run_does() {
     assert!(number(&found["fit"]["rms_after"]) < 0.007, "{found}");
     let done = tune(&[]);
     for words in [
-        "MasterOffset is told as 358.",
+        "MasterOffset is given as 358.",
         "with the master at 0 deg",
         "elsewhere it ends with error 626",
     ] {

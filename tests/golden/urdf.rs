@@ -72,7 +72,7 @@ fn what_moves_nothing_is_named() {
     done.ended(2, "axis shoulder moves 0 kg");
 }
 
-/// The MELFA of the corpus, if it is there (`TWIN_SHARED` or beside the workspace): a real machine with meshes.
+/// The MELFA of the corpus, if it is there (`TWIN_SHARED` or next to the workspace): a real machine with meshes.
 #[test]
 fn a_melfa_runs_a_program() {
     let shared = env::var_os("TWIN_SHARED").map_or_else(|| root().join("../shared"), PathBuf::from);
@@ -97,14 +97,11 @@ fn a_melfa_runs_a_program() {
         )
     };
     let machine = [
-        "name = \"melfa\"\n[kinematics]\nkind = \"scara3\"\narm_lengths_mm = [325.0, 275.0, 0.0]\n"
-            .to_owned(),
         format!(
-            "[body]\nurdf = {:?}\ntip_link = \"rh6crh6020_default_tcp\"\n",
-            urdf.display().to_string()
+            "name = \"melfa\"\n[kinematics]\nkind = \"scara3\"\narm_lengths_mm = [325.0, 275.0, 0.0]\n\
+             [body]\nurdf = {urdf:?}\ntip_link = \"rh6crh6020_default_tcp\"\ndensity_kg_per_m3 = 2700.0\n\
+             [tool]\nlength_mm = 80.0\nmass_kg = 0.5\n[program]\nstart_mm = [400.0, 100.0, 0.0]\n"
         ),
-        "density_kg_per_m3 = 2700.0\n[tool]\nlength_mm = 80.0\nmass_kg = 0.5\n".to_owned(),
-        "[program]\nstart_mm = [400.0, 100.0, 0.0]\n".to_owned(),
         axis("A", 1, "deg", [-132.0, 132.0], [420.0, 2000.0], "max_torque_nm = 300.0"),
         axis("B", 2, "deg", [-150.0, 150.0], [720.0, 4000.0], "max_torque_nm = 100.0"),
         axis("C", 4, "deg", [-360.0, 360.0], [2500.0, 20000.0], "max_torque_nm = 10.0"),
@@ -116,19 +113,9 @@ fn a_melfa_runs_a_program() {
         "%\nN10 G01 X400 Y200 Z-50 F100 E1000\nN20 G02 X350 Y250 I-50 J0\nN30 G01 X400 Y100 Z0\n",
     );
     desk.twin(&["check", "program.cnc", "--machine", "melfa.toml", "--physics"]).ended(0, "");
-    let run = [
-        "run",
-        "program.cnc",
-        "--machine",
-        "melfa.toml",
-        "--drives",
-        "none",
-        "--report",
-        "run.json",
-        "--record",
-        "run.rrd",
-    ];
-    desk.twin(&run).ended(0, "");
+    let run =
+        "run program.cnc --machine melfa.toml --drives none --report run.json --record run.rrd";
+    desk.twin(&run.split(' ').collect::<Vec<_>>()).ended(0, "");
     let report = desk.read("run.json");
     let error = report["tool_error_mm"]["twin"]["max"].as_f64().expect("a number");
     assert!(error > 0.0 && error < 0.1, "{report}");

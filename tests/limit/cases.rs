@@ -29,7 +29,7 @@ impl Case {
         self.ends.iter().all(|squared| *squared <= 0.0)
     }
 
-    /// The path in so many equal cells.
+    /// The path in equal cells.
     pub fn path(&self, cells: usize) -> Path {
         (self.path)(equal(self.end, cells))
     }

@@ -7,7 +7,7 @@ use twin_planner::time_optimal::{Beginning, ProfileSegment, SmoothSolver};
 /// Cells to begin with, and rounds in which they are cut.
 const CELLS: usize = 400;
 const ROUNDS: u32 = 9;
-/// Cells that take no longer than this, s, are not cut: some way above the time below which jerks cannot be told.
+/// Cells that take no longer than this, s, are not cut: some way above the time below which rounding drowns jerks.
 const SHORT: f64 = 8e-5;
 /// Jerk and velocity may change by this part from cell to cell and within one.
 const CHANGE: f64 = 0.01;

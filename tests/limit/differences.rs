@@ -100,7 +100,7 @@ mod tests {
         }
         close(differences.duration(), CYCLE * as_float(end), 1e-12);
         let peaks = differences.peaks();
-        assert_eq!(peaks[1], Peak::default(), "an axis that stands");
+        assert_eq!(peaks[1], Peak::default(), "an axis at rest");
         peaks[0]
     }
 

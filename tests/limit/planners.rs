@@ -71,8 +71,12 @@ fn limited_each(program: &Program, jerks: [Option<f64>; 3]) -> Result<Planned, S
     let order = if smooth { Order::Acceleration } else { Order::Velocity };
     let course = BlendOptions { order, ..BlendOptions::new(tolerance) };
     let options = LimitOptions { path_acceleration: false, ..LimitOptions::new(course) };
-    let limits =
-        jerks.map(|jerk| AxisLimits { velocity: VELOCITY, acceleration: ACCELERATION, jerk });
+    let limits = jerks.map(|jerk| AxisLimits {
+        velocity: VELOCITY,
+        acceleration: ACCELERATION,
+        deceleration: ACCELERATION,
+        jerk,
+    });
     let gantry = Gantry3::new([0.0; 3]).expect("a gantry");
     let axes = KinematicPath::new(gantry, limits.to_vec(), AxisVector::zeros(3));
     let elements = elements.into_iter().map(Ok::<_, CheckError>);

@@ -19,6 +19,7 @@ pub fn grid(path: &Path, jerk: bool) -> Grid {
     let limits = path.limits.iter().map(|limits| AxisLimits {
         velocity: limits.velocity,
         acceleration: limits.acceleration,
+        deceleration: limits.acceleration,
         jerk: jerk.then_some(limits.jerk),
     });
     let mut grid = Grid::new(limits.collect(), 0, path.nodes[0]);
@@ -170,7 +171,7 @@ impl Fineness {
         Self { step, horizon }
     }
 
-    /// With nodes so many times closer to each other.
+    /// Factor by which the nodes are closer to each other.
     pub fn finer(self, times: f64) -> Self {
         Self { step: self.step / times, ..self }
     }
@@ -193,6 +194,7 @@ pub fn planned(
     let limits = limits.iter().map(|limits| AxisLimits {
         velocity: limits.velocity,
         acceleration: limits.acceleration,
+        deceleration: limits.acceleration,
         jerk: jerk.then_some(limits.jerk),
     });
     let axes = Given { limits: limits.collect(), rates };

@@ -42,12 +42,12 @@ const MANY: u32 = 300_000;
 /// Heap that may come and go with the test's own thread, bytes.
 const SLACK: usize = 4096;
 
-/// Where the feed is limited by the axes: rounds of so many lines, and a dwell after each, so that all are planned alike.
+/// Where the feed is limited by the axes: rounds of lines with a dwell after each, so that all are planned alike.
 const ROUND: u32 = 600;
 /// The first leaves behind what the solvers keep: from the second on all are alike.
 const ROUNDS: [u32; 2] = [2, 16];
 
-/// A program of so many lines.
+/// A program of that many lines.
 type Run = fn(u32);
 
 fn decode(lines: u32) -> impl Iterator<Item = Result<PathElement, Failure>> {
@@ -63,7 +63,7 @@ fn din66025(lines: u32) {
 fn rs274(lines: u32) {
     let reader = BufReader::new(Contour::new(Dialect::Rs274, lines));
     let decoder = rs274::Decoder::new(reader, rs274_options());
-    // M2 is no element.
+    // M2 is not an element.
     assert_eq!(plan(prepare(elements(decoder))), lines as usize);
 }
 

@@ -26,7 +26,7 @@ use twin_gcode::din66025::{Decoder, DecoderOptions, Item};
 use twin_kinematics::turn::nearest_turn;
 use twin_kinematics::{
     AxisMotion, AxisSource, AxisVector, Branch, Coordinate, Jacobian, Kinematics, KinematicsError,
-    MachineAxes, Margins, Pose, ToolJerk, ToolMotion,
+    MachineAxes, Margins, Pose, Result, ToolJerk, ToolMotion,
 };
 use twin_path::Marks;
 use twin_path::prepare::{Notices, Preparation};
@@ -56,7 +56,7 @@ fn level([x, y]: [f64; 2]) -> Vector3<f64> {
 
 impl Turntable {
     /// φ and R.
-    fn polar(self, axes: &AxisVector) -> Result<[f64; 2], KinematicsError> {
+    fn polar(self, axes: &AxisVector) -> Result<[f64; 2]> {
         match **axes {
             _ if !axes.is_finite() => Err(KinematicsError::NotFinite),
             [angle, slide] => Ok([angle, slide + self.arm]),
@@ -64,11 +64,11 @@ impl Turntable {
         }
     }
 
-    fn pair(axes: &AxisVector) -> Result<[f64; 2], KinematicsError> {
+    fn pair(axes: &AxisVector) -> Result<[f64; 2]> {
         Self { arm: 0.0 }.polar(axes)
     }
 
-    fn place(pose: &Pose, near: &AxisVector) -> Result<[f64; 2], KinematicsError> {
+    fn place(pose: &Pose, near: &AxisVector) -> Result<[f64; 2]> {
         let ([near, _], z) = (Self::pair(near)?, pose.position.z);
         if !pose.is_finite() {
             return Err(KinematicsError::NotFinite);
@@ -95,35 +95,27 @@ impl Kinematics for Turntable {
         axis == 0
     }
 
-    fn forward(&self, axes: &AxisVector) -> Result<Pose, KinematicsError> {
+    fn forward(&self, axes: &AxisVector) -> Result<Pose> {
         let [angle, radius] = self.polar(axes)?;
         let [x, y] = turned([radius, 0.0], angle);
         Ok(Pose::at(x, y, 0.0))
     }
 
-    fn inverse(&self, pose: &Pose, near: &AxisVector) -> Result<AxisVector, KinematicsError> {
+    fn inverse(&self, pose: &Pose, near: &AxisVector) -> Result<AxisVector> {
         let [angle, radius] = Self::place(pose, near)?;
         Ok(AxisVector::from_values([angle, radius - self.arm]))
     }
 
-    fn forward_motion(&self, axes: &AxisMotion) -> Result<ToolMotion, KinematicsError> {
+    fn forward_motion(&self, axes: &AxisMotion) -> Result<ToolMotion> {
         Ok(self.forward_jerk(axes, &AxisVector::zeros(2))?.0)
     }
 
-    fn inverse_motion(
-        &self,
-        tool: &ToolMotion,
-        near: &AxisVector,
-    ) -> Result<AxisMotion, KinematicsError> {
+    fn inverse_motion(&self, tool: &ToolMotion, near: &AxisVector) -> Result<AxisMotion> {
         let jerk = ToolJerk { linear: Vector3::zeros(), direction: 0.0 };
         Ok(self.inverse_jerk(tool, &jerk, near)?.0)
     }
 
-    fn forward_jerk(
-        &self,
-        axes: &AxisMotion,
-        jerk: &AxisVector,
-    ) -> Result<(ToolMotion, ToolJerk), KinematicsError> {
+    fn forward_jerk(&self, axes: &AxisMotion, jerk: &AxisVector) -> Result<(ToolMotion, ToolJerk)> {
         let [angle, r] = self.polar(&axes.position)?;
         let ([w, v], [dw, a]) = (Self::pair(&axes.velocity)?, Self::pair(&axes.acceleration)?);
         let [ddw, j] = Self::pair(jerk)?;
@@ -143,11 +135,11 @@ impl Kinematics for Turntable {
         tool: &ToolMotion,
         jerk: &ToolJerk,
         near: &AxisVector,
-    ) -> Result<(AxisMotion, AxisVector), KinematicsError> {
+    ) -> Result<(AxisMotion, AxisVector)> {
         let [angle, r] = Self::place(&tool.pose, near)?;
         if r == 0.0 {
             let target = tool.pose.position.coords.into();
-            return Err(KinematicsError::Singular { target });
+            return Err(KinematicsError::Singular(target));
         }
         let along = |vector: &Vector3<f64>| turned(plane(vector), -angle);
         let [v, across] = along(&tool.velocity);
@@ -162,17 +154,13 @@ impl Kinematics for Turntable {
         Ok((AxisMotion { position, velocity, acceleration: both(dw, a) }, both(ddw, j)))
     }
 
-    fn jacobian(&self, axes: &AxisVector) -> Result<Jacobian, KinematicsError> {
+    fn jacobian(&self, axes: &AxisVector) -> Result<Jacobian> {
         let [angle, radius] = self.polar(axes)?;
         let columns = [turned([0.0, radius], angle), turned([1.0, 0.0], angle)];
         Ok(filled(columns))
     }
 
-    fn jacobian_rate(
-        &self,
-        axes: &AxisVector,
-        velocity: &AxisVector,
-    ) -> Result<Jacobian, KinematicsError> {
+    fn jacobian_rate(&self, axes: &AxisVector, velocity: &AxisVector) -> Result<Jacobian> {
         let ([angle, r], [w, v]) = (self.polar(axes)?, Self::pair(velocity)?);
         Ok(filled([turned([-r * w, v], angle), turned([0.0, w], angle)]))
     }
@@ -181,11 +169,11 @@ impl Kinematics for Turntable {
         Branch::Only
     }
 
-    fn branch_at(&self, axes: &AxisVector) -> Result<Branch, KinematicsError> {
+    fn branch_at(&self, axes: &AxisVector) -> Result<Branch> {
         self.polar(axes).map(|_| Branch::Only)
     }
 
-    fn margins(&self, pose: &Pose) -> Result<Margins, KinematicsError> {
+    fn margins(&self, pose: &Pose) -> Result<Margins> {
         Self::place(pose, &AxisVector::zeros(2)).map(|_| Margins::UNBOUNDED)
     }
 
@@ -335,14 +323,14 @@ fn jerks_are_the_derivatives_of_accelerations() {
     }
 }
 
-/// What such a machine cannot do is told as by every other.
+/// What such a machine cannot do is reported as for any other.
 #[test]
-fn what_it_cannot_do_is_told() {
+fn what_it_cannot_do_is_reported() {
     let machine = machine();
     let through =
         ToolMotion { velocity: Vector3::x(), ..ToolMotion::at_rest(Pose::at(0.0, 0.0, 0.0)) };
     let error = machine.inverse_motion(&through, &AxisVector::zeros(3));
-    assert!(matches!(error, Err(KinematicsError::Singular { .. })), "{error:?}");
+    assert!(matches!(error, Err(KinematicsError::Singular(_))), "{error:?}");
     let error = Turntable { arm: 0.0 }.inverse(&Pose::at(0.1, 0.0, 0.2), &AxisVector::zeros(2));
     assert!(matches!(error, Err(KinematicsError::NoAxis { .. })), "{error:?}");
     let error = machine.forward(&AxisVector::zeros(2));

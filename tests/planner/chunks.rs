@@ -9,7 +9,7 @@ use twin_path::prepare::{CheckError, CheckVelocities};
 use twin_planner::time_optimal::blended_path::BlendOptions;
 use twin_planner::time_optimal::{Law, LimitOptions, Planned, Planner};
 
-/// Gives so many bytes at a time.
+/// Largest number of bytes given at a time.
 struct Pieces<'t> {
     text: &'t [u8],
     size: usize,

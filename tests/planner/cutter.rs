@@ -119,7 +119,7 @@ fn plunges_and_dwells() {
     let report = planned(&path, &settings(1e-5, 0.03));
     // At the start, between two elements at a time but the dwell's, there, and behind it, before and after a turn of 135°.
     assert_eq!(report.stops, 7);
-    // The same where no corner is a stop: straight up or down there is no direction to blend with.
+    // The same where no corner is a stop: a vertical line has no direction to blend with.
     let report = planned(&path, &settings(1e-5, PI));
     assert_eq!(report.stops, 7);
 }

@@ -96,6 +96,7 @@ impl Machine {
         let limits = self.axes().into_iter().map(|([velocity, acceleration], _)| AxisLimits {
             velocity,
             acceleration,
+            deceleration: acceleration,
             jerk: jerk.then_some(acceleration / BUILD_UP),
         });
         limits.collect()

@@ -22,7 +22,7 @@ fn steps(machine: Machine, length: f64, count: u32) -> Vec<PathElement> {
     (0..count).map(step).collect()
 }
 
-/// Cells that are a few microseconds long would be too short for their jerks to be told. Looked at every 10 µs.
+/// Cells that are a few microseconds long would be too short for their jerks: rounding drowns them. Looked at every 10 µs.
 #[test]
 fn jerks_are_limited_however_short_the_move() {
     for machine in Machine::ALL {

@@ -221,8 +221,8 @@ fn a_hold_is_over_at_the_end_of_what_is_planned_at_the_latest() {
     assert!(report.duration > 60.0);
 }
 
-/// A plan may end in a blend but for rounding, where the next one must not have a cell of 1e-20 m: in none so short can jerks be
-/// told.
+/// A plan may end in a blend but for rounding, where the next one must not have a cell of 1e-20 m: in one so short rounding
+/// drowns the jerks.
 #[test]
 #[allow(clippy::unreadable_literal, reason = "as they were found: fewer digits are another path")]
 fn an_acceleration_goes_on_from_plan_to_plan() {

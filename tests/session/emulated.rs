@@ -60,6 +60,7 @@ fn run(
     let limits = *limits;
     let session = Session {
         machine,
+        continues: None,
         program,
         twin,
         hardware,

@@ -132,6 +132,7 @@ fn simulate_from(
     let twin = Simulated::new(machine, start).unwrap();
     let session = Session {
         machine,
+        continues: None,
         program: &program.file,
         twin,
         hardware: None,

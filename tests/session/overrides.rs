@@ -190,6 +190,7 @@ fn beside_the_wall_clock_limits_hold_whenever_plans_come() {
     let start = program.check(&machine).start.unwrap();
     let session = Session {
         machine: &machine,
+        continues: None,
         program: &program.file,
         twin: Simulated::new(&machine, &start).unwrap(),
         hardware: None,

@@ -157,7 +157,7 @@ impl Plant for Ideal {
     fn command(&mut self, setpoint: &AxisSetpoint) -> Result<(), PhysicsError> {
         let time_ns = setpoint.time_ns;
         if time_ns >= self.fails_at_ns {
-            return Err(PhysicsError::Diverged { time_ns });
+            return Err(PhysicsError::Diverged(time_ns));
         }
         self.arrived = Some(AxisFeedback { time_ns, position: setpoint.axes.position });
         Ok(())
@@ -252,6 +252,7 @@ fn run_both(
     }
     let session = Session {
         machine,
+        continues: None,
         program: &program.file,
         twin,
         hardware: Some(hardware),

@@ -175,6 +175,7 @@ fn what_was_not_checked_is_not_run() {
         let twin = Simulated::new(&machine, &start).unwrap();
         let session = Session {
             machine: &machine,
+            continues: None,
             program: &program.file,
             twin,
             hardware: None,
@@ -226,6 +227,7 @@ fn in_real_time_a_run_takes_no_less_than_its_time() {
     let (program, acknowledge) = (&program.file, Acknowledge::Auto);
     let session = Session {
         machine: &machine,
+        continues: None,
         program,
         twin,
         hardware: None,

@@ -80,7 +80,7 @@ pub(crate) fn full_circle() {
     });
 }
 
-/// The caller is told why there is no arc.
+/// The warning gives the reason why no arc is made.
 #[test]
 pub(crate) fn mismatched_center() {
     check("cnc-arc-fallback", |vector| {

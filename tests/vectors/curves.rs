@@ -49,7 +49,7 @@ fn middle(element: &PathElement) -> [f64; 2] {
             low += third;
         }
     }
-    assert!(off(low) < 1e-11, "the path passes {} m beside {point}", off(low));
+    assert!(off(low) < 1e-11, "the path passes {} m from {point}", off(low));
     xy(point)
 }
 

@@ -50,7 +50,7 @@ pub(crate) fn transition() {
 }
 
 /// The corrected contour, without the positionings to it and from it.
-fn beside(vector: &Vector) -> Vec<PathElement> {
+fn compensated(vector: &Vector) -> Vec<PathElement> {
     let side = if vector.word("side") == "left" { "G41" } else { "G42" };
     let (points, radius) = (vector.points("pts"), vector.number("radius"));
     let blocks = format!("{side} D{radius}\n{}\nG40", lines(&points));
@@ -64,7 +64,7 @@ fn beside(vector: &Vector) -> Vec<PathElement> {
 #[test]
 pub(crate) fn inner_corner() {
     check("prep-toolcorr-inner", |vector| {
-        let path = beside(vector);
+        let path = compensated(vector);
         assert!(path.iter().all(|element| matches!(element.shape, Shape::Line { .. })));
         vector.expect("offset", corners(&path));
     });
@@ -73,7 +73,7 @@ pub(crate) fn inner_corner() {
 #[test]
 pub(crate) fn outer_corner() {
     check("prep-toolcorr-outer", |vector| {
-        let path = beside(vector);
+        let path = compensated(vector);
         let [before, corner, after] = &path[..] else { panic!("{path:?}") };
         let Shape::Arc(arc) = &corner.shape else { panic!("no arc: {corner:?}") };
         vector.expect("line1", corners(std::slice::from_ref(before)));

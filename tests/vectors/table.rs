@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// A vector's id and the test that exercises it.
 pub(crate) type Exercise = (&'static str, fn());
 
-/// Owner of the test that exercises a vector. Every one is somebody's, and each compares its table with what is its
+/// Owner of the test that exercises a vector. Every vector has one, and each compares its table with its
 /// own, so together they leave none out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Owner {
@@ -35,10 +35,10 @@ impl Owner {
     }
 }
 
-/// Every vector of `owner` has its test, every test its vector, and each test looks at the vector it stands beside.
+/// Every vector of `owner` has its test, every test its vector, and each test uses the vector next to it.
 pub(crate) fn every_vector_is_exercised(owner: Owner, exercised: &[Exercise]) {
     let table: BTreeMap<_, _> = exercised.iter().copied().collect();
-    assert_eq!(table.len(), exercised.len(), "a vector stands in the table twice");
+    assert_eq!(table.len(), exercised.len(), "a vector is in the table twice");
     let listed: Vec<_> = table.keys().copied().collect();
     let vectors = vector::all();
     for id in vectors.keys() {

@@ -32,7 +32,7 @@ pub(crate) fn switch_points() {
     });
 }
 
-/// Each H takes the L that stands on its right.
+/// Each H takes the L on its right.
 #[test]
 pub(crate) fn two_switches() {
     check("cnc-two-switches", |vector| {

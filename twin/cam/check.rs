@@ -1,6 +1,6 @@
 //! Check of a cam against the limits of its slave.
 
-pub use super::usage::{AxisLimits, CamUse};
+pub(crate) use super::usage::{AxisLimits, CamUse};
 use crate::finding::{Finding, Rule, Severity};
 use serde_json::{Value, json};
 use twin_cam::{Bounds, Jump, Largest, LimitError, Passage, Quantity, Range, SlaveLimits, Tappet};
@@ -13,24 +13,23 @@ const ROUNDING: f64 = 1e-12;
 
 /// What came of it. Places are positions of the master.
 #[derive(Clone, Debug)]
-pub struct CamCheck<'a> {
+pub(crate) struct CamCheck<'a> {
     file: &'a CamFile,
     using: CamUse,
     /// Position, velocity, acceleration and jerk of the slave.
-    pub bounds: Bounds,
+    pub(crate) bounds: Bounds,
     /// Where position, velocity and acceleration jump.
-    pub jumps: [Option<Jump>; 3],
+    pub(crate) jumps: [Option<Jump>; 3],
     /// What jumps where a pass ends that is not repeated: velocity and acceleration of a slave that stays there.
-    pub stop: [Option<Jump>; 2],
+    pub(crate) stop: [Option<Jump>; 2],
     /// The largest velocity of the master, on the cam.
-    pub largest: Result<Largest, LimitError>,
-    /// What is wrong.
-    pub findings: Vec<Finding>,
+    pub(crate) largest: Result<Largest, LimitError>,
+    pub(crate) findings: Vec<Finding>,
 }
 
 impl<'a> CamCheck<'a> {
     /// Checks a cam; everything is found exactly, nothing is sampled.
-    pub fn new(file: &'a CamFile, using: CamUse) -> Self {
+    pub(crate) fn new(file: &'a CamFile, using: CamUse) -> Self {
         let curve = file.cam.curve();
         let factors = using.factors();
         let place = |range: Range| Range {
@@ -102,7 +101,7 @@ impl<'a> CamCheck<'a> {
     }
 
     /// A place of the master, for people.
-    pub fn place(&self, at: f64) -> String {
+    pub(crate) fn place(&self, at: f64) -> String {
         let curve = self.file.cam.curve();
         let width = (curve.end() - curve.start()) / self.using.coupling.input.master_scaling;
         beside(at, width, 6)
@@ -119,8 +118,8 @@ impl<'a> CamCheck<'a> {
         }
     }
 
-    /// What the slave gains in every pass in which the master goes forwards, of a cam that is put end to end; none if that is nothing.
-    pub fn gain(&self) -> Option<f64> {
+    /// What the slave gains in every pass in which the master goes forwards, of a periodic cam; none if that is nothing.
+    pub(crate) fn gain(&self) -> Option<f64> {
         let input = &self.using.coupling.input;
         let rise = self.using.gain(self.file)?;
         Some(rise * input.slave_scaling * input.master_scaling.signum())
@@ -156,7 +155,7 @@ impl<'a> CamCheck<'a> {
             }
         } else {
             let Range { min, at_min, max, at_max } = self.bounds.position;
-            // What stands on a limit but for rounding keeps it.
+            // A position at a limit but for rounding keeps it.
             let room = ROUNDING * (max - min).max(min.abs()).max(max.abs());
             for (outside, value, limit, at) in
                 [(min < low - room, min, low, at_min), (max > high + room, max, high, at_max)]
@@ -292,7 +291,7 @@ impl<'a> CamCheck<'a> {
     }
 
     /// Tappets with where the master is at each and where the slave is then.
-    pub fn tappets(&self) -> impl Iterator<Item = (&Tappet, f64, f64)> {
+    pub(crate) fn tappets(&self) -> impl Iterator<Item = (&Tappet, f64, f64)> {
         self.file.cam.tappets().iter().map(|tappet| {
             let y = self.file.cam.curve().at(tappet.master).position;
             (tappet, self.using.master_at(tappet.master), self.using.slave_at(y))
@@ -300,13 +299,13 @@ impl<'a> CamCheck<'a> {
     }
 
     /// Whether the cam is passed again and again.
-    pub fn is_repeated(&self) -> bool {
+    pub(crate) fn is_repeated(&self) -> bool {
         self.using.repeated
     }
 
     /// When the master passes a tappet, s after the pass began, going forwards at its velocity; none of a tappet that is
     /// passed the other way only. With a negative factor of the master the pass goes from the end of the cam to its begin.
-    pub fn passed_after(&self, tappet: &Tappet) -> Option<f64> {
+    pub(crate) fn passed_after(&self, tappet: &Tappet) -> Option<f64> {
         let curve = self.file.cam.curve();
         let factor = self.using.factors().master;
         let (begin, other) = if factor < 0.0 {
@@ -319,7 +318,7 @@ impl<'a> CamCheck<'a> {
     }
 
     /// How smooth the cam is: how many of its derivatives, the position counted, do not jump.
-    pub fn smoothness(&self) -> &'static str {
+    pub(crate) fn smoothness(&self) -> &'static str {
         match self.jumps {
             [None, ..] if matches!(self.stop, [Some(_), _]) => "C0",
             [None, None, _] if matches!(self.stop, [_, Some(_)]) => "C1",
@@ -330,8 +329,7 @@ impl<'a> CamCheck<'a> {
         }
     }
 
-    /// It as an object.
-    pub fn json(&self) -> Value {
+    pub(crate) fn json(&self) -> Value {
         let finite = |value: f64| value.is_finite().then_some(value);
         let range = |range: &Range, limit: [f64; 2]| {
             json!({

@@ -6,18 +6,16 @@ use toml::de::{DeTable, DeValue};
 use twin_cam::{Knot, Tappet};
 use twin_machine::cam_file::Number;
 
-/// A change.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Change {
+pub(crate) enum Change {
     /// A number of `[coupling]`.
     Coupling(&'static str, f64),
     /// A word of `[coupling]`.
     CouplingWord(&'static str, &'static str),
-    /// Slave, velocity and acceleration of the point that stands at this master in `elements`.
+    /// Slave, velocity and acceleration of the point at this master in `elements`.
     Point(Knot),
-    /// The master of the tappets that stand at `from`.
+    /// The master of the tappets at `from`.
     Tappet {
-        /// Where they stand.
         from: f64,
         /// One of them as it is to be.
         tappet: Tappet,
@@ -26,26 +24,20 @@ pub enum Change {
 
 /// Why a text is not changed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum EditError {
-    /// It is no TOML.
-    #[error("the text is no TOML: {0}")]
+pub(crate) enum EditError {
+    #[error("the text is not TOML: {0}")]
     Toml(String),
-    /// A point that is to be changed is not there.
-    #[error("no point of `elements` stands at master {0}")]
+    #[error("`elements` has no point at master {0}")]
     NoPoint(String),
-    /// A tappet that is to be changed is not there.
-    #[error("no tappet of `tappets` stands at master {0}")]
+    #[error("`tappets` has no tappet at master {0}")]
     NoTappet(String),
-    /// Something stands where numbers cannot be written.
-    #[error("`{0}` is no table that numbers can be written into")]
+    #[error("`{0}` is not a table that numbers can be written into")]
     NoTable(&'static str),
 }
 
 /// The text with all changes.
-///
-/// # Errors
 /// [`EditError`] if there is no place for one of them.
-pub fn apply(text: &str, changes: &[Change]) -> Result<String, EditError> {
+pub(crate) fn apply(text: &str, changes: &[Change]) -> Result<String, EditError> {
     let mut text = tappets(text, changes)?;
     // One after the other: places move with every change.
     for change in changes {
@@ -125,7 +117,7 @@ fn point(mut text: String, knot: &Knot) -> Result<String, EditError> {
             return Err(EditError::NoPoint(Number(master).to_string()));
         };
         let old = table.get(key).and_then(|old| number(old.get_ref()));
-        // What is as it was stays as it is written, and what is 0 need not be said.
+        // Unchanged values stay as they are written, and 0 may be left out.
         if same(old.unwrap_or(0.0), value) {
             continue;
         }

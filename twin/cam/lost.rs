@@ -4,7 +4,7 @@ use twin_cam::{Element, Interpolation, Shape, Source, VariableType};
 use twin_machine::cam_file::{AxisScale, CamFile};
 
 /// What `from` says that `to`, read again from its file, does not: a line for each.
-pub fn lost(from: &CamFile, to: &CamFile) -> Vec<String> {
+pub(crate) fn lost(from: &CamFile, to: &CamFile) -> Vec<String> {
     let mut lines = Vec::new();
     if from.cam.name() != to.cam.name() {
         lines.push(format!(

@@ -1,15 +1,15 @@
 //! Cams checked, drawn, run and tuned.
 
-pub mod check;
-pub mod edit;
+pub(crate) mod check;
+pub(crate) mod edit;
 mod lost;
-pub mod picture;
-pub mod run;
-pub mod sample;
+pub(crate) mod picture;
+pub(crate) mod run;
+pub(crate) mod sample;
 mod start;
 #[cfg(test)]
 mod tests;
-pub mod tune;
+pub(crate) mod tune;
 mod usage;
 
-pub use lost::lost;
+pub(crate) use lost::lost;

@@ -8,31 +8,27 @@ use twin_machine::cam_file::{CamFile, CamFileError};
 use twin_machine::limited_read;
 use twin_number::counted;
 
-/// A sample of a run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RunSample {
-    /// Its line in the file.
-    pub line: u64,
+pub(crate) struct RunSample {
+    pub(crate) line: u64,
     /// s.
-    pub time_s: f64,
+    pub(crate) time_s: f64,
     /// Position of the master, u.
-    pub master: f64,
+    pub(crate) master: f64,
     /// Position of the slave, u.
-    pub slave: f64,
+    pub(crate) slave: f64,
     /// Whether the output of each group was on.
-    pub outputs: Vec<bool>,
+    pub(crate) outputs: Vec<bool>,
 }
 
-/// A recorded run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RecordedRun {
+pub(crate) struct RecordedRun {
     /// Groups of tappets whose outputs were recorded, in the order of [`RunSample::outputs`].
-    pub groups: Vec<i16>,
+    pub(crate) groups: Vec<i16>,
     /// By ascending times.
-    pub samples: Vec<RunSample>,
+    pub(crate) samples: Vec<RunSample>,
 }
 
-/// Where each column goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Column {
     Time(f64),
@@ -42,20 +38,8 @@ enum Column {
 }
 
 impl RecordedRun {
-    /// Reads a run: columns time, master and slave, in this order if there is no header, and `tappet_N` for outputs of
-    /// groups (0 or 1). Units in the header are tolerated; times in ms and µs (`time_ms`, `time_us`) become seconds.
-    ///
-    /// # Errors
-    /// [`CamFileError`] with file, line and column.
-    pub fn load(path: &Path) -> Result<Self, CamFileError> {
-        Self::parse(path, &bytes(path)?)
-    }
-
-    /// The same of a run of this cam: units of master and slave that the header names must be those of the cam's file.
-    ///
-    /// # Errors
-    /// As [`Self::load`].
-    pub fn load_for(file: &CamFile, path: &Path) -> Result<Self, CamFileError> {
+    /// Reads a run of a cam, as [`Self::parse`]; units of master and slave that the header names must be those of the cam's file.
+    pub(crate) fn load_for(file: &CamFile, path: &Path) -> Result<Self, CamFileError> {
         let bytes = bytes(path)?;
         let names = columns::read(path, &bytes)?.names;
         for name in names.iter().flatten() {
@@ -64,9 +48,9 @@ impl RecordedRun {
                 "slave" => ("slave", &file.slave),
                 _ => continue,
             };
-            let told = AxisScale { unit: unit_of(name), ..own.clone() };
-            let unknown = told.unit.is_empty() || own.unit.is_empty();
-            if !unknown && !told.key().eq_ignore_ascii_case(&own.key()) {
+            let named = AxisScale { unit: unit_of(name), ..own.clone() };
+            let unknown = named.unit.is_empty() || own.unit.is_empty();
+            if !unknown && !named.key().eq_ignore_ascii_case(&own.key()) {
                 let message = format!("column `{name}`: the {which} of the cam is in {}", own.unit);
                 return Err(CamFileError::Table { path: path.to_owned(), line: 1, message });
             }
@@ -74,11 +58,10 @@ impl RecordedRun {
         Self::parse(path, &bytes)
     }
 
-    /// Reads the bytes of one; `path` is for messages.
-    ///
-    /// # Errors
-    /// As [`Self::load`].
-    pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, CamFileError> {
+    /// Reads a run: columns time, master and slave, in this order if there is no header, and `tappet_N` for outputs of
+    /// groups (0 or 1). Units in the header are tolerated; times in ms and µs (`time_ms`, `time_us`) become seconds.
+    /// [`CamFileError`] has file, line and column; `path` is for messages.
+    pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Self, CamFileError> {
         let wrong = |line, message| CamFileError::Table { path: path.to_owned(), line, message };
         let read = columns::read(path, bytes)?;
         let width = read.rows.first().map_or(0, |(_, row)| row.len());
@@ -156,42 +139,34 @@ impl RecordedRun {
     }
 
     /// The usual time between two samples, s: the median.
-    pub fn between_s(&self) -> f64 {
+    pub(crate) fn between_s(&self) -> f64 {
         let pairs = self.samples.iter().zip(self.samples.iter().skip(1));
-        let mut times: Vec<_> = pairs.map(|(one, next)| next.time_s - one.time_s).collect();
-        times.sort_by(f64::total_cmp);
-        times.get(times.len() / 2).copied().unwrap_or_default()
+        median(pairs.map(|(one, next)| next.time_s - one.time_s).collect())
     }
 
     /// The same run with a master that goes on where its positions begin again after whole turns of `turn`, as those do that are
     /// recorded within the period of an axis. A step is taken for such an end if it goes over more than half a turn, and over
     /// more than half of where the master goes at all: one that is so fast goes farther.
-    pub fn unwound(&self, turn: f64) -> Cow<'_, Self> {
+    pub(crate) fn unwound(&self, turn: f64) -> Cow<'_, Self> {
         let masters = || self.samples.iter().map(|sample| sample.master);
         let least = masters().fold(f64::INFINITY, f64::min);
         let most = masters().fold(f64::NEG_INFINITY, f64::max);
         let end = (turn / 2.0).max((most - least) / 2.0);
-        let steps = || masters().zip(masters().skip(1)).map(|(one, next)| next - one);
-        if !(turn > 0.0 && end.is_finite() && steps().any(|step| step.abs() > end)) {
+        let on = turns(masters(), turn, end);
+        if !(turn > 0.0 && end.is_finite() && on.iter().any(|turns| *turns != 0.0)) {
             return Cow::Borrowed(self);
         }
         let mut run = self.clone();
-        let mut turns = 0.0;
-        for (sample, step) in run.samples.iter_mut().skip(1).zip(steps()) {
-            if step.abs() > end {
-                turns -= (step / turn).round();
-            }
-            sample.master += turns * turn;
-        }
+        run.samples.iter_mut().zip(on).for_each(|(sample, turns)| sample.master += turns * turn);
         Cow::Owned(run)
     }
 
-    /// The standard deviation of the noise of the master's positions, u: by how far samples lie beside the line through their
+    /// The standard deviation of the noise of the master's positions, u: by how far samples lie off the line through their
     /// neighbours, but for one in twenty, which may be where the master jumps. Acceleration counts as noise.
-    pub fn noise(&self) -> f64 {
+    pub(crate) fn noise(&self) -> f64 {
         // Of normal noise 95 % lie within.
         const WITHIN: f64 = 1.959_963_984_540_054;
-        let beside = |three: &[RunSample]| {
+        let off_line = |three: &[RunSample]| {
             let [before, sample, after] = three else { return None };
             let share = (sample.time_s - before.time_s) / (after.time_s - before.time_s);
             let line = before.master + share * (after.master - before.master);
@@ -199,20 +174,14 @@ impl RecordedRun {
             let larger = (1.0 + share * share + (1.0 - share).powi(2)).sqrt();
             Some((sample.master - line).abs() / larger)
         };
-        let beside = |three: &[RunSample]| beside(three).filter(|apart| apart.is_finite());
-        let mut all: Vec<_> = self.samples.windows(3).filter_map(beside).collect();
+        let off_line = |three: &[RunSample]| off_line(three).filter(|apart| apart.is_finite());
+        let mut all: Vec<_> = self.samples.windows(3).filter_map(off_line).collect();
         all.sort_by(f64::total_cmp);
         all.get(all.len() * 19 / 20).copied().unwrap_or_default() / WITHIN
     }
 
-    /// The largest velocity of the master, u/s.
-    pub fn fastest(&self) -> f64 {
-        let velocity = |index: usize| self.velocity(index).abs();
-        (0..self.samples.len()).map(velocity).filter(|v| v.is_finite()).fold(0.0, f64::max)
-    }
-
     /// The master's velocity about a sample, u/s: the slope of the line that fits it and three on either side best.
-    pub fn velocity(&self, index: usize) -> f64 {
+    pub(crate) fn velocity(&self, index: usize) -> f64 {
         let near = self.samples.get(index.saturating_sub(3)..(index + 4).min(self.samples.len()));
         let near = near.unwrap_or_default();
         #[expect(clippy::cast_precision_loss, reason = "seven at most")]
@@ -228,6 +197,26 @@ impl RecordedRun {
     }
 }
 
+/// How many periods each of the positions is on from where it was recorded: a step of more than `end` is the end of a period.
+pub(crate) fn turns(
+    positions: impl Iterator<Item = f64> + Clone,
+    period: f64,
+    end: f64,
+) -> Vec<f64> {
+    let steps = positions.clone().zip(positions.skip(1)).map(|(one, next)| next - one);
+    let mut turns = 0.0;
+    let on = steps.map(|step| {
+        turns -= if step.abs() > end { (step / period).round() } else { 0.0 };
+        turns
+    });
+    std::iter::once(0.0).chain(on).collect()
+}
+
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or_default()
+}
+
 fn bytes(path: &Path) -> Result<Vec<u8>, CamFileError> {
     limited_read::read(path)
         .map_err(|source| CamFileError::ReadRun { path: path.to_owned(), source })
@@ -239,9 +228,9 @@ fn column(name: &str) -> Result<Column, String> {
             "" | "s" => Ok(Column::Time(1.0)),
             "ms" => Ok(Column::Time(1e-3)),
             "us" | "µs" => Ok(Column::Time(1e-6)),
-            other => {
-                Err(format!("column `{name}`: `{other}` is no unit of time; expected s, ms or us"))
-            }
+            other => Err(format!(
+                "column `{name}`: `{other}` is not a unit of time; expected s, ms or us"
+            )),
         },
         "master" => Ok(Column::Master),
         "slave" => Ok(Column::Slave),

@@ -6,20 +6,20 @@ use twin_cam::Bounds;
 use twin_machine::cam_file::CamFile;
 use twin_number::{significant, without_dust};
 
-/// Significant digits of what is written.
+/// Significant digits of the table.
 const DIGITS: usize = 12;
 
 /// Where a cam is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Sampling {
+pub(crate) enum Sampling {
     /// So many places at equal distances, both ends included; 2 at least.
     Count(usize),
-    /// A place every so many units of the cam, and the end.
+    /// A place at every step of the cam, u, and the end.
     Step(f64),
 }
 
 /// More places are not written.
-pub const MOST: usize = 100_000_000;
+pub(crate) const MOST: usize = 100_000_000;
 
 /// More places than are written.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -27,25 +27,20 @@ pub const MOST: usize = 100_000_000;
     "a step of {step} makes {} places of {start} to {end}, more than {MOST}; {} is the least step",
     twin_machine::cam_file::digits(*.places), twin_machine::cam_file::digits(*.least)
 )]
-pub struct TooMany {
-    /// The step.
-    pub step: f64,
-    /// Where the cam begins.
-    pub start: f64,
-    /// Where it ends.
-    pub end: f64,
+pub(crate) struct TooMany {
+    pub(crate) step: f64,
+    pub(crate) start: f64,
+    pub(crate) end: f64,
     /// How many places it would be.
-    pub places: f64,
+    pub(crate) places: f64,
     /// The least step there may be.
-    pub least: f64,
+    pub(crate) least: f64,
 }
 
 impl Sampling {
-    /// Whether it is no more than is written.
-    ///
-    /// # Errors
+    /// Checks the number of places.
     /// [`TooMany`] with how many it would be.
-    pub fn check(self, start: f64, end: f64) -> Result<(), TooMany> {
+    pub(crate) fn check(self, start: f64, end: f64) -> Result<(), TooMany> {
         let Self::Step(step) = self else { return Ok(()) };
         #[expect(clippy::cast_precision_loss, reason = "a limit far below 2^53")]
         let most = MOST as f64;
@@ -70,7 +65,7 @@ impl Sampling {
                     clippy::cast_sign_loss,
                     reason = "saturates, and is limited at once"
                 )]
-                // What is a whole number of steps but for rounding is one.
+                // A whole number of steps but for rounding is one.
                 let last = ((end - start) / step - 1e-9).ceil().max(1.0) as usize;
                 (last.min(MOST - 1), step)
             }
@@ -86,10 +81,7 @@ impl Sampling {
 /// Writes master, slave and its derivatives by time with the master at its velocity, twelve significant digits each, behind a
 /// header with their units. Where the master accelerates or jerks the least and the greatest acceleration and jerk of the
 /// slave follow, as its acceleration and jerk are anywhere between both signs.
-///
-/// # Errors
-/// If it cannot be written.
-pub fn write(
+pub(crate) fn write(
     file: &CamFile,
     using: &CamUse,
     sampling: Sampling,
@@ -130,7 +122,7 @@ pub fn write(
     Ok(())
 }
 
-/// How large master, slave and its derivatives are on this cam: beside these, rounding is nothing.
+/// How large master, slave and its derivatives are on this cam, for rounding.
 fn scales(file: &CamFile, using: &CamUse) -> [f64; 5] {
     let curve = file.cam.curve();
     let Bounds { position, velocity, acceleration, jerk } =
@@ -142,13 +134,13 @@ fn scales(file: &CamFile, using: &CamUse) -> [f64; 5] {
 }
 
 /// Whether the master does more than go at its velocity.
-pub fn reaches(using: &CamUse) -> bool {
+pub(crate) fn reaches(using: &CamUse) -> bool {
     using.master.acceleration != 0.0 || using.master.jerk != 0.0
 }
 
 /// Least and greatest acceleration and jerk of the slave at a place of the cam, with the master at its velocity and its
 /// acceleration and jerk anywhere between both signs: y″·v² ± |y′|·a and y‴·v³ ± (3·|y″|·v·a + |y′|·j).
-pub fn reach(file: &CamFile, using: &CamUse, place: f64) -> [[f64; 2]; 2] {
+pub(crate) fn reach(file: &CamFile, using: &CamUse, place: f64) -> [[f64; 2]; 2] {
     let found = file.cam.curve().at(place);
     let [_, _, _, acceleration, jerk] = at(file, using, place);
     let factors = using.factors();
@@ -161,7 +153,7 @@ pub fn reach(file: &CamFile, using: &CamUse, place: f64) -> [[f64; 2]; 2] {
 }
 
 /// Master, slave, velocity, acceleration and jerk at a place of the cam, with the master at its velocity and its acceleration 0.
-pub fn at(file: &CamFile, using: &CamUse, place: f64) -> [f64; 5] {
+pub(crate) fn at(file: &CamFile, using: &CamUse, place: f64) -> [f64; 5] {
     let found = file.cam.curve().at(place);
     let factors = using.factors();
     let v = using.master.velocity * factors.master;

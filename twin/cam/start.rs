@@ -15,25 +15,25 @@ const WHOLE: f64 = 1e-9;
 
 impl CamUse {
     /// Where the master is on the scale of the cam, passes included.
-    pub fn place_at(&self, master: f64) -> f64 {
+    pub(crate) fn place_at(&self, master: f64) -> f64 {
         let input = &self.coupling.input;
         master * input.master_scaling + input.master_offset
     }
 
     /// Whether `MC_CamIn` starts with the master there.
-    pub fn starts_at(&self, curve: &Curve, master: f64) -> bool {
+    pub(crate) fn starts_at(&self, curve: &Curve, master: f64) -> bool {
         curve.contains(self.place_at(master))
     }
 
     /// From where to where the master may be when `MC_CamIn` starts.
-    pub fn starts(&self, curve: &Curve) -> [f64; 2] {
+    pub(crate) fn starts(&self, curve: &Curve) -> [f64; 2] {
         let [one, other] = [curve.start(), curve.end()].map(|place| self.master_at(place));
         [one.min(other), one.max(other)]
     }
 
-    /// The same motion, told so that `MC_CamIn` starts with the master there: of a cam that is put end to end `MasterOffset` may
+    /// The same motion with offsets with which `MC_CamIn` starts with the master there: of a periodic cam `MasterOffset` may
     /// be whole passes more or less, with what the slave gains in them in `SlaveOffset`. None if it starts as it is, or never.
-    pub fn folded(&self, file: &CamFile, master: f64) -> Option<Self> {
+    pub(crate) fn folded(&self, file: &CamFile, master: f64) -> Option<Self> {
         let curve = file.cam.curve();
         if !self.repeated || self.starts_at(curve, master) {
             return None;
@@ -43,15 +43,15 @@ impl CamUse {
         let gained = passes * curve.rise() * self.coupling.input.slave_scaling;
         let turns = self.slave_period(file).map(|period| gained / period);
         let round = turns.is_some_and(|turns| (turns - turns.round()).abs() <= WHOLE);
-        let mut told = *self;
-        let input = &mut told.coupling.input;
+        let mut folded = *self;
+        let input = &mut folded.coupling.input;
         if gained != 0.0 && !round {
             input.slave_offset = clean(input.slave_offset + gained);
         }
         let offset = input.master_offset - passes * width;
         [clean(offset), offset].into_iter().find_map(|master_offset| {
-            told.coupling.input.master_offset = master_offset;
-            told.starts_at(curve, master).then_some(told)
+            folded.coupling.input.master_offset = master_offset;
+            folded.starts_at(curve, master).then_some(folded)
         })
     }
 
@@ -66,7 +66,7 @@ impl CamUse {
         })
     }
 
-    /// What is wrong with where the master starts, if that is known.
+    /// Finding about the start of the master, if that is known and off the cam.
     pub(super) fn refused_start(&self, file: &CamFile) -> Option<Finding> {
         let curve = file.cam.curve();
         let master = self.start.filter(|master| !self.starts_at(curve, *master))?;
@@ -84,16 +84,16 @@ impl CamUse {
         );
         let mut finding = Finding::error(Rule::Coupling, Place { line: 0, block: None }, message);
         let [from, to] = self.starts(curve).map(at);
-        let other = if let Some(told) = self.folded(file, master) {
-            let told = told.coupling.input;
-            let slave = if told.slave_offset.to_bits() == input.slave_offset.to_bits() {
+        let other = if let Some(folded) = self.folded(file, master) {
+            let folded = folded.coupling.input;
+            let slave = if folded.slave_offset.to_bits() == input.slave_offset.to_bits() {
                 String::new()
             } else {
-                format!(" and SlaveOffset {}", told.slave_offset)
+                format!(" and SlaveOffset {}", folded.slave_offset)
             };
             format!(
                 "MasterOffset {}{slave} is the same motion and starts there",
-                told.master_offset
+                folded.master_offset
             )
         } else {
             let scaled = master * input.master_scaling;

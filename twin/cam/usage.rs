@@ -5,18 +5,17 @@ use twin_machine::cam_file::{CamFile, Coupling};
 
 /// What the slave can do, u; infinite where there is no limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AxisLimits {
+pub(crate) struct AxisLimits {
     /// Least and greatest position.
-    pub position: [f64; 2],
+    pub(crate) position: [f64; 2],
     /// Velocity, acceleration and jerk.
-    pub motion: SlaveLimits,
+    pub(crate) motion: SlaveLimits,
     /// The period of an axis that goes round.
-    pub period: Option<f64>,
+    pub(crate) period: Option<f64>,
 }
 
 impl AxisLimits {
-    /// Nothing is limited.
-    pub const NONE: Self = Self {
+    pub(crate) const NONE: Self = Self {
         position: [f64::NEG_INFINITY, f64::INFINITY],
         motion: SlaveLimits::NONE,
         period: None,
@@ -25,42 +24,40 @@ impl AxisLimits {
 
 /// What a cam is checked with.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CamUse {
+pub(crate) struct CamUse {
     /// What the master does at most, in its own units.
-    pub master: MasterMotion,
-    /// Offsets and scalings.
-    pub coupling: Coupling,
-    /// Whether the cam is put end to end.
-    pub repeated: bool,
+    pub(crate) master: MasterMotion,
+    pub(crate) coupling: Coupling,
+    pub(crate) repeated: bool,
     /// What the slave can do.
-    pub limits: AxisLimits,
+    pub(crate) limits: AxisLimits,
     /// Where the master is when `MC_CamIn` starts, if that is known.
-    pub start: Option<f64>,
+    pub(crate) start: Option<f64>,
 }
 
 impl CamUse {
     /// The period of the slave's axis, if it goes round: that of the machine's axis, or the cam file's. An axis with limits of its
     /// position does not go round, whatever the file says.
-    pub fn slave_period(&self, file: &CamFile) -> Option<f64> {
+    pub(crate) fn slave_period(&self, file: &CamFile) -> Option<f64> {
         self.limits.period.or(file.period.filter(|_| !self.is_limited()))
     }
 
     /// Whether the slave's position is limited.
-    pub fn is_limited(&self) -> bool {
+    pub(crate) fn is_limited(&self) -> bool {
         self.limits.position.iter().any(|limit| limit.is_finite())
     }
 
-    /// How much the slave gains in every pass of a cam that is put end to end, on the scale of the cam; none if it comes back, or
+    /// How much the slave gains in every pass of a periodic cam, on the scale of the cam; none if it comes back, or
     /// is passed once.
-    pub fn gain(&self, file: &CamFile) -> Option<f64> {
+    pub(crate) fn gain(&self, file: &CamFile) -> Option<f64> {
         let rise = file.cam.curve().rise();
         (self.repeated && rise != 0.0).then_some(rise)
     }
 
-    /// The same motion with a `MasterOffset` that is nearest to another one: of a cam that is put end to end it may be whole passes
+    /// The same motion with a `MasterOffset` that is nearest to another one: of a periodic cam it may be whole passes
     /// more or less, with what the slave gains in them in `SlaveOffset`.
     #[must_use]
-    pub fn beside(&self, other: &Self, file: &CamFile) -> Self {
+    pub(crate) fn beside(&self, other: &Self, file: &CamFile) -> Self {
         let curve = file.cam.curve();
         let mut moved = *self;
         let input = &mut moved.coupling.input;
@@ -73,20 +70,19 @@ impl CamUse {
         moved
     }
 
-    /// Factors of master and slave.
-    pub fn factors(&self) -> Factors {
+    pub(crate) fn factors(&self) -> Factors {
         let input = &self.coupling.input;
         Factors { master: input.master_scaling, slave: input.slave_scaling }
     }
 
     /// Where the master is when the cam is at `place` (of the pass that begins there).
-    pub fn master_at(&self, place: f64) -> f64 {
+    pub(crate) fn master_at(&self, place: f64) -> f64 {
         let input = &self.coupling.input;
         (place - input.master_offset) / input.master_scaling
     }
 
     /// Where the slave is when the cam says `y`.
-    pub fn slave_at(&self, y: f64) -> f64 {
+    pub(crate) fn slave_at(&self, y: f64) -> f64 {
         let input = &self.coupling.input;
         y * input.slave_scaling + input.slave_offset
     }

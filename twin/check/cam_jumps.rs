@@ -133,7 +133,7 @@ impl Watched<'_> {
             }
             finding.axis = Some(slave.name.clone());
             finding.hint =
-                Some(format!("`twin cam check` tells where the cam {} jumps", self.name));
+                Some(format!("`twin cam check` shows where the cam {} jumps", self.name));
             found.push(finding);
         }
         found

@@ -72,6 +72,14 @@ impl<'m> Checker<'m> {
         }
     }
 
+    /// Begins where the program before ended, if there is one.
+    pub(super) fn continue_from(&mut self, start: Option<AxisVector>) {
+        if let Some(start) = start {
+            self.transformer = Transformer::continuing(self.machine, start);
+            self.start = Some(start);
+        }
+    }
+
     /// Starts the check of this job, or of a program where there is none.
     pub(super) fn begin(&mut self, job: Option<&JobSetpoints<'_>>) {
         if let Some(job) = job {
@@ -106,8 +114,9 @@ impl<'m> Checker<'m> {
 
     /// The way of the axes to a set-point to which the path jumps, which is noted.
     pub(super) fn bridge(&mut self, tool: &ToolSetpoint) -> Option<Bridge> {
+        let is_first = self.transformer.continues();
         let bridge = self.transformer.bridge(tool)?;
-        self.findings.add(None, messages::bridged(self.machine, &bridge));
+        self.findings.add(None, crate::messages::bridged(self.machine, &bridge, is_first));
         Some(bridge)
     }
 
@@ -259,6 +268,7 @@ impl<'m> Checker<'m> {
             findings,
             findings_left_out,
             start: self.start,
+            end: self.last.map(|last| last.axes.position),
             loads: Vec::new(),
             clearances: Clearances::default(),
             following: None,

@@ -94,3 +94,33 @@ fn what_follows_is_later_by_the_bridge() {
     let later = times[1] - times[0];
     assert!((bridge..=bridge + 3.1e-3).contains(&later), "{times:?}");
 }
+
+/// The program before ended at X 100: the axes bridge the 50 mm to the start of this one, as inside a program.
+#[test]
+fn a_program_continues_where_the_one_before_ended() {
+    let machine = Machine::parse(Path::new("machine.toml"), GANTRY3).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("program.cnc");
+    std::fs::write(&path, "% next\nN10 G92 X50 Y100\nN20 G1 X60 F100 E1000 E-1000\n").unwrap();
+    let program =
+        ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
+    let bridge = 2.0 * (50.0_f64 / 3000.0).sqrt();
+    let first = checked(GANTRY3, "% first\nN10 G92 X90 Y100\nN20 G1 X100 F100 E1000 E-1000\n");
+    for limits in [Limits::Softmotion, Limits::Axes] {
+        let options = CheckOptions { limits, continues: first.end, ..CheckOptions::default() };
+        let outcome = check(&machine, &program, options, &mut |_| {}).unwrap();
+        let note = only_note(&outcome.findings);
+        assert_eq!((note.line, note.block), (3, Some(20)));
+        let moved = "the one before ended: each axis moves there at its own limits, X by -50.000 mm, in 0.258 s";
+        assert!(note.message.contains(moved), "{}", note.message);
+        assert_eq!(outcome.start, first.end);
+        let takes = seconds(outcome.duration_ns);
+        assert!((bridge + 0.1..=bridge + 0.2 + 5.1e-3).contains(&takes), "{takes}");
+        assert!((outcome.peaks[0].acceleration.value.abs() - 3.0).abs() < 1e-6);
+    }
+    // One that begins there bridges nothing.
+    let near = checked(GANTRY3, "% near\nN10 G92 X40 Y100\nN20 G1 X50 F100\n");
+    let options = CheckOptions { continues: near.end, ..CheckOptions::default() };
+    let outcome = check(&machine, &program, options, &mut |_| {}).unwrap();
+    assert!(outcome.findings.is_empty(), "{:#?}", outcome.findings);
+}

@@ -1,6 +1,5 @@
 //! Messages of the check: the fault, with value and limit.
 
-use crate::bridge::Bridge;
 use crate::finding::{Finding, Rule, Severity};
 use crate::messages::beyond_position;
 use crate::plant::{Blow, Happening, ProbeMiss, ProbeTouch};
@@ -16,32 +15,14 @@ use twin_physics::{Clearance, EventKind, Fault, Part};
 /// An axis that is farther than this from where it is sent, m or rad, beyond its software limits, is not only following behind.
 const RUN_AWAY: f64 = 2e-3;
 
-/// An axis that goes less than this across a gap is not named, m or rad.
-const STAYS: f64 = 5e-7;
-
-/// Tappets that had no room in their cycle.
+/// Tappets beyond the number that a cam reports per cycle.
 pub(super) fn lost_tappets(count: u64) -> Finding {
     let message = format!(
-        "tappets that did not act: {count}; a cam tells {MAX_TRIGGERS} in a cycle (SMC_TappetData), and the master passed more of them"
+        "tappets that did not act: {count}; a cam reports {MAX_TRIGGERS} per cycle (SMC_TappetData), and the master passed more"
     );
     let mut finding = Finding::error(Rule::FunctionBlock, Place { line: 1, block: None }, message);
     finding.severity = Severity::Warning;
     finding
-}
-
-/// A gap of the path that the axes cross on their own.
-pub(super) fn bridged(machine: &Machine, bridge: &Bridge) -> Finding {
-    let ways = machine.axes.iter().zip(bridge.ways()).filter(|(_, way)| way.abs() > STAYS);
-    let ways: Vec<_> = ways
-        .map(|(axis, way)| format!("{} by {:+.3} {}", axis.name, axis.from_si(way), axis.unit()))
-        .collect();
-    let message = format!(
-        "the set-point jumps here: each axis goes there on its own, {}, in {:.3} s, as SMC_ControlAxisByPos does",
-        ways.join(", "),
-        bridge.duration()
-    );
-    let finding = Finding::error(Rule::Gap, bridge.place, message);
-    Finding { severity: Severity::Note, ..finding }
 }
 
 /// A program that moves an additional axis on a machine without it.
@@ -65,7 +46,7 @@ pub(super) fn ran_away(axis: &Axis, place: Place, wanted: f64, actual: f64) -> O
     }
     let mut finding = beyond_position(axis, place, actual)?;
     finding.message = format!(
-        "in the simulated machine {}: its motor does not hold it where it is sent, {:.3} {}",
+        "in the simulated machine {}: its motor does not hold it at its set-point, {:.3} {}",
         finding.message,
         axis.from_si(wanted),
         axis.unit()
@@ -133,7 +114,7 @@ pub(super) fn happened(machine: &Machine, happening: &Happening) -> Option<Findi
     let mut finding = match kind {
         EventKind::LostSteps(steps) => {
             let message = format!(
-                "axis {name}: the step motor lost {} full steps; it stays {} of where it is sent",
+                "axis {name}: the step motor lost {} full steps; it stays {} its set-point",
                 steps.abs(),
                 if steps > 0 { "below" } else { "above" }
             );
@@ -143,7 +124,7 @@ pub(super) fn happened(machine: &Machine, happening: &Happening) -> Option<Findi
             let overload = axis.simulated.overload?;
             let (unit, what) = (axis.kind.effort_unit(), axis.kind.effort_name());
             let message = format!(
-                "axis {name}: the motor gets too warm; it bears a {what} of {:.2} {unit} for ever",
+                "axis {name}: the motor gets too warm; its continuous {what} is {:.2} {unit}",
                 overload.continuous_effort
             );
             let finding = Finding::error(Rule::MotorOverload, place, message);
@@ -167,7 +148,7 @@ pub(super) fn happened(machine: &Machine, happening: &Happening) -> Option<Findi
                 ),
                 Fault::PowerLoss => "its drive has no power any more".to_owned(),
             };
-            let message = format!("axis {name}: {what}, as the scenario says");
+            let message = format!("axis {name}: {what} (a fault of the scenario)");
             Finding { severity: Severity::Note, ..Finding::error(Rule::Fault, place, message) }
         }
         EventKind::BrakeClosed => return None,
@@ -176,7 +157,7 @@ pub(super) fn happened(machine: &Machine, happening: &Happening) -> Option<Findi
     Some(finding)
 }
 
-/// Two parts in each other.
+/// Two parts that overlap.
 pub(super) fn in_the_way(machine: &Machine, place: Place, found: &Clearance) -> Finding {
     let [one, other] = found.parts.map(|part| machine.part_name(part));
     let depth = -found.distance * 1e3;
@@ -190,11 +171,10 @@ pub(super) fn in_the_way(machine: &Machine, place: Place, found: &Clearance) -> 
     Finding::error(Rule::Collision, place, message).with_value(-depth, 0.0, "mm")
 }
 
-/// A machine that cannot be simulated for what it is in.
+/// A machine that is not simulated, because parts overlap at the start.
 pub(super) fn starts_inside(machine: &Machine, place: Place, parts: [Part; 2]) -> Finding {
     let [one, other] = parts.map(|part| machine.part_name(part));
-    let message =
-        format!("not simulated: {one} and {other} are in each other where the program starts");
+    let message = format!("not simulated: {one} and {other} overlap where the program starts");
     let finding = Finding::error(Rule::Collision, place, message);
     Finding { severity: Severity::Note, ..finding }
 }
@@ -202,10 +182,11 @@ pub(super) fn starts_inside(machine: &Machine, place: Place, parts: [Part; 2]) -
 /// Two parts nearer to each other than is wanted (m).
 pub(super) fn too_near(machine: &Machine, place: Place, found: &Clearance, wanted: f64) -> Finding {
     let [one, other] = found.parts.map(|part| machine.part_name(part));
-    // What touches is not told as less than nothing.
+    // Parts that touch have the distance 0.
     let (distance, wanted) = (found.distance.max(0.0) * 1e3, wanted * 1e3);
-    let message =
-        format!("{one} comes as near as {distance:.3} mm to {other}; {wanted:.3} mm are wanted");
+    let message = format!(
+        "{one} comes as near as {distance:.3} mm to {other}; the clearance wanted is {wanted:.3} mm"
+    );
     let finding = Finding::error(Rule::Collision, place, message);
     Finding { severity: Severity::Warning, ..finding.with_value(distance, wanted, "mm") }
 }
@@ -253,13 +234,13 @@ pub(super) fn never_began(machine: &Machine, fault: &FaultAt) -> Finding {
     let axis = fault.axis.and_then(|axis| machine.axes.get(axis));
     let whose = axis.map_or_else(|| "all axes".to_owned(), |axis| format!("axis {}", axis.name));
     let message = format!(
-        "the fault of {whose} that the scenario has {when} never began: nothing moved there"
+        "the fault of {whose} {when} in the scenario never began, because nothing moved then"
     );
     let finding = Finding::error(Rule::Fault, Place { line, block: None }, message);
     Finding { severity: Severity::Warning, ..finding }
 }
 
-/// A force with as many digits as are worth something.
+/// A force with its significant digits.
 fn in_newtons(force: f64) -> String {
     if force < 1e3 { format!("{force:.0} N") } else { format!("{:.1} kN", force * 1e-3) }
 }
@@ -320,8 +301,9 @@ fn too_much(
         AxisKind::Linear => linear,
     };
     let shown = unit.replace("^2", "²").replace("^3", "³");
+    let [is, most] = twin_number::apart(value, limit);
     let message = format!(
-        "axis {}: {} {value:.4} {shown} is above its limit of {limit:.4} {shown}",
+        "axis {}: {} {is} {shown} is above its limit of {most} {shown}",
         axis.name, quantity.name
     );
     let mut finding = Finding::error(rule, place, message).with_value(value, limit, unit);

@@ -73,8 +73,10 @@ pub struct Outcome {
     pub findings: Vec<Finding>,
     /// Number of further findings.
     pub findings_left_out: u64,
-    /// Axis positions at the first set-point, m or rad.
+    /// Axis positions at the first set-point, m or rad; where the program before ended, if there is one.
     pub start: Option<AxisVector>,
+    /// Axis positions at the last set-point, m or rad.
+    pub end: Option<AxisVector>,
     /// Loads of the simulated motors, machine-file order; none if it was not simulated.
     pub loads: Vec<MotorLoad>,
     /// Smallest clearances; none if the machine file has no obstacles and no collision check.
@@ -143,7 +145,7 @@ fn checked(
     mut following: Option<FollowingBeside<'_>>,
     (progress, watch): Watchers<'_>,
 ) -> Result<Outcome, CheckFailure> {
-    let CheckOptions { limits, physics, scenario, acknowledge, drives: _ } = options;
+    let CheckOptions { limits, physics, scenario, acknowledge, drives: _, continues } = options;
     let slack = match limits {
         Limits::Softmotion => CONTROLLER,
         Limits::Axes => WITHIN_AXES,
@@ -152,6 +154,7 @@ fn checked(
         (program.dialect() == Dialect::Rs274).then_some(machine.conditions.rs274.rapid_velocity);
     let is_job = program.dialect() == Dialect::Job;
     let mut checker = Checker::new(machine, rapids, slack, is_job);
+    checker.continue_from(continues);
     let mut rehearsal = physics.then(|| Rehearsal::new(machine, scenario));
     let mut way = Way::new(machine)?;
     let rules = Acknowledgement::for_check(machine, acknowledge);
@@ -215,10 +218,8 @@ fn checked(
     if items.elements() == 0 && !checker.findings.any_error() {
         checker.findings.add(None, finding::nothing_moves());
     }
-    let record = match rehearsal {
-        Some(rehearsal) => rehearsal.finish(&mut checker)?,
-        None => PlantRecord::default(),
-    };
+    let record = rehearsal.map(|rehearsal| rehearsal.finish(&mut checker)).transpose()?;
+    let record = record.unwrap_or_default();
     simulated(machine, &record, &mut checker);
     (switched.signals, switched.lost) = signals(&items, &checker);
     if switched.lost > 0 {

@@ -3,6 +3,7 @@
 use crate::limit::{LimitFailure, Limits, MachinePathError};
 use crate::m_function::Acknowledge;
 use std::io;
+use twin_kinematics::AxisVector;
 use twin_machine::{Scenario, SimulationError};
 
 /// Errors that make a check impossible.
@@ -41,6 +42,8 @@ pub struct CheckOptions {
     pub acknowledge: Acknowledge,
     /// Also predict how well the drives of the machine file will follow.
     pub drives: bool,
+    /// Axis positions at the end of the program before, m or rad: the axes bridge the gap to the start of this one.
+    pub continues: Option<AxisVector>,
 }
 
 impl Default for CheckOptions {
@@ -52,6 +55,7 @@ impl Default for CheckOptions {
             scenario: Scenario::default(),
             acknowledge: Acknowledge::Auto,
             drives: false,
+            continues: None,
         }
     }
 }

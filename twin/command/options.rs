@@ -103,7 +103,7 @@ impl SimulationOptions {
         ];
         match given.into_iter().find(|(_, given)| *given) {
             Some((name, _)) => {
-                Err(Failure::Usage(format!("{name} says nothing without --physics")))
+                Err(Failure::Usage(format!("{name} has no effect without --physics")))
             }
             None => Ok(()),
         }
@@ -352,7 +352,7 @@ impl ReadOptions {
             }
         };
         if self.jerk.is_some() && self.profile != Profile::JerkLimited {
-            let message = "--jerk says nothing without --profile jerk-limited";
+            let message = "--jerk has no effect without --profile jerk-limited";
             return Err(Failure::Usage(message.to_owned()));
         }
         let inputs = Inputs { override_factor: self.factor, mode, ..Inputs::default() };

@@ -1,15 +1,15 @@
 //! Drives in the loop: driver and device models between the set-points and the motors of the simulated machine.
 //!
-//! A drive does not follow set-points. It generates profiles of its own from the commands that reach it as fast as its
-//! wire allows. In the loop, driver and device process the same set-points in simulated time ([`Prediction`]). The
-//! motors receive the output of the devices' profile generators.
+//! A drive generates profiles of its own from the commands that its wire carries. In the loop, driver and device process the
+//! same set-points in simulated time ([`Prediction`]); the motors get the output of the devices' profile generators.
+
+#![expect(clippy::indexing_slicing, reason = "axes of the machine, in arrays of all its axes")]
 
 #[cfg(test)]
 mod tests;
 
 use crate::emulated;
-use crate::setpoint::AxisSetpoint;
-use crate::setpoint::HORIZON_NS;
+use crate::setpoint::{AxisSetpoint, HORIZON_NS};
 use std::collections::VecDeque;
 use twin_drives::{IncrementMotion, Prediction, SetpointStream};
 use twin_kinematics::{AxisMotion, AxisVector};
@@ -21,7 +21,7 @@ use twin_number::seconds;
 #[derive(Clone, Debug)]
 pub(crate) struct DrivesInLoop {
     devices: Vec<Device>,
-    /// The set-point of the cycle before, and what came of it.
+    /// The set-point of the cycle before, and the motion of the motors.
     before: Option<(AxisSetpoint, AxisMotion)>,
     cycle_ns: i64,
 }
@@ -111,9 +111,9 @@ impl DrivesInLoop {
     pub(crate) fn have_arrived(&self) -> bool {
         let Some((setpoint, motion)) = &self.before else { return true };
         self.devices.iter().flat_map(|device| &device.axes).all(|place| {
-            let of = |values: &AxisVector| values.get(place.axis).copied().unwrap_or_default();
-            let apart = of(&motion.position) - of(&setpoint.axes.position);
-            of(&motion.velocity) == 0.0 && place.counting.increments(apart).abs() <= 1.0
+            let axis = place.axis;
+            let apart = motion.position[axis] - setpoint.axes.position[axis];
+            motion.velocity[axis] == 0.0 && place.counting.increments(apart).abs() <= 1.0
         })
     }
 
@@ -124,7 +124,7 @@ impl DrivesInLoop {
         ahead: &VecDeque<AxisSetpoint>,
     ) -> AxisMotion {
         let mut motion = setpoint.axes;
-        let (before, told) =
+        let (before, earlier) =
             self.before.unwrap_or((*setpoint, AxisMotion::at_rest(motion.position)));
         let cycle = seconds(self.cycle_ns);
         for device in &mut self.devices {
@@ -139,14 +139,10 @@ impl DrivesInLoop {
             let asked = asked.position.iter().zip(asked.velocity);
             for (place, (position, velocity)) in device.axes.iter().zip(asked) {
                 let DeviceAxis { axis, counting } = *place;
-                let slots = motion.position.get_mut(axis).zip(motion.velocity.get_mut(axis));
-                let Some((slot, velocity_slot)) = slots else { continue };
-                *slot = counting.si(*position);
-                *velocity_slot = counting.si(velocity);
-                let earlier = told.velocity.get(axis).copied().unwrap_or_default();
-                if let Some(slot) = motion.acceleration.get_mut(axis) {
-                    *slot = (counting.si(velocity) - earlier) / cycle;
-                }
+                motion.position[axis] = counting.si(*position);
+                motion.velocity[axis] = counting.si(velocity);
+                motion.acceleration[axis] =
+                    (counting.si(velocity) - earlier.velocity[axis]) / cycle;
             }
         }
         self.before = Some((*setpoint, motion));
@@ -164,7 +160,7 @@ struct Plan<'a> {
 }
 
 impl Plan<'_> {
-    /// The set-point so many cycles behind the one before.
+    /// The set-point of a cycle, counted from the one before.
     fn get(&self, cycle: usize) -> Option<&AxisSetpoint> {
         match cycle {
             0 => Some(self.before),
@@ -177,9 +173,7 @@ impl Plan<'_> {
         let mut increments = IncrementMotion::default();
         let slots = increments.position.iter_mut().zip(&mut increments.velocity);
         for ((position, velocity), place) in slots.zip(self.axes) {
-            let of = |values: &AxisVector| {
-                values.get(place.axis).map_or(0.0, |value| place.counting.increments(*value))
-            };
+            let of = |values: &AxisVector| place.counting.increments(values[place.axis]);
             (*position, *velocity) = (of(&motion.position), of(&motion.velocity));
         }
         increments

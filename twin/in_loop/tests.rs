@@ -6,43 +6,46 @@ use crate::peak::AxisPeak;
 use crate::plant::Plant;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
-use crate::setpoint::AxisSetpoint;
-use crate::setpoint::HORIZON_NS;
+use crate::setpoint::{AxisSetpoint, HORIZON_NS};
 use crate::simulated::Simulated;
-use nalgebra::Point3;
 use std::collections::VecDeque;
 use std::path::Path;
-use twin_kinematics::{AxisMotion, AxisVector, Pose, ToolMotion};
+use twin_kinematics::{AxisMotion, AxisVector};
 use twin_machine::Machine;
-use twin_machine::tappets::TappetBits;
 
 /// Three linear axes of 320 increments per mm.
 const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
 
 const CYCLE: f64 = 1e-3;
 
-fn interpcnc() -> String {
-    GANTRY3.replace("kind = \"interpcnc\"", "kind = \"interpcnc\"\nin_loop = true")
+const VICE: &str = include_str!("../../machines/gantry3_vice.toml");
+
+/// A machine on an InterpCNC board, in the loop.
+fn on_board(text: &str) -> String {
+    text.replace("kind = \"interpcnc\"", "kind = \"interpcnc\"\nin_loop = true")
 }
 
-fn smartdrive() -> String {
-    let mut text = GANTRY3.replace("kind = \"interpcnc\"", "kind = \"smartdrive\"\nin_loop = true");
-    for (axis, address) in [("X", 7), ("Y", 2), ("Z", 31)] {
-        text = text
-            .replace(&format!("drive_axis = \"{axis}\""), &format!("drive_address = {address}"));
-    }
-    text
+/// The same on three `SmartDRIVE`s with these addresses.
+fn on_bus(text: &str, addresses: [u8; 3]) -> String {
+    let text = text.replace("kind = \"interpcnc\"", "kind = \"smartdrive\"\nin_loop = true");
+    ["X", "Y", "Z"].into_iter().zip(addresses).fold(text, |text, (axis, address)| {
+        text.replace(&format!("drive_axis = \"{axis}\""), &format!("drive_address = {address}"))
+    })
 }
 
-/// X and Y on a module, Z on a bus.
-fn mixed() -> String {
+/// The same with X and Y on a BIM2AX module, Z on a bus.
+fn on_module(text: &str) -> String {
     let both = "name = \"bus\"\nkind = \"smartdrive\"\nin_loop = true\n\n[[drives]]\nname = \"board\"\n\
                 kind = \"bim2ax\"\nin_loop = true";
-    GANTRY3
-        .replace("name = \"board\"\nkind = \"interpcnc\"", both)
+    text.replace("name = \"board\"\nkind = \"interpcnc\"", both)
         .replace("drive_axis = \"X\"", "drive_axis = \"1\"")
         .replace("drive_axis = \"Y\"", "drive_axis = \"2\"")
         .replace("drive = \"board\"\ndrive_axis = \"Z\"", "drive = \"bus\"\ndrive_address = 1")
+}
+
+/// The gantry with drives of each family.
+fn families() -> [String; 3] {
+    [on_board(GANTRY3), on_bus(GANTRY3, [7, 2, 31]), on_module(GANTRY3)]
 }
 
 fn machine(text: &str) -> Machine {
@@ -50,8 +53,8 @@ fn machine(text: &str) -> Machine {
         .unwrap_or_else(|problems| panic!("{problems:#?}"))
 }
 
-/// Where an axis is `time` s after the start of a move by `way` with `speed` and `rate`, from rest to rest, and its
-/// velocity.
+/// Position, velocity and acceleration `time` s after the start of a move by `way` with `speed` and `rate`, from rest to
+/// rest.
 fn trapezoid(time: f64, way: f64, speed: f64, rate: f64) -> [f64; 3] {
     let up = speed / rate;
     let end = way / speed + up;
@@ -71,38 +74,22 @@ fn trapezoid(time: f64, way: f64, speed: f64, rate: f64) -> [f64; 3] {
 fn setpoints(machine: &Machine, speed: f64, rate: f64) -> VecDeque<AxisSetpoint> {
     let way = 0.06;
     let duration = way / speed + speed / rate + 0.5;
-    let mut setpoints = VecDeque::new();
-    let mut time_ns = 0;
-    loop {
-        let time = twin_number::seconds(time_ns);
-        if time > duration {
-            break;
-        }
-        let [position, velocity, acceleration] = trapezoid(time, way, speed, rate);
+    let times = (0..).map(|cycle| cycle * machine.cycle_ns);
+    let setpoint = |time_ns: i64| {
+        let [position, velocity, acceleration] =
+            trapezoid(twin_number::seconds(time_ns), way, speed, rate);
         let vector = |value: f64| AxisVector::from_values([value, 0.5 * value, 0.0]);
         let axes = AxisMotion {
             position: vector(position),
             velocity: vector(velocity),
             acceleration: vector(acceleration),
         };
-        setpoints.push_back(AxisSetpoint {
-            time_ns,
-            place: twin_path::Place::default(),
-            axes,
-            tool: ToolMotion::at_rest(Pose { position: Point3::origin(), direction: 0.0 }),
-            m_call: None,
-            path_velocity: velocity,
-            feed: None,
-            probing: false,
-            tappets: TappetBits::default(),
-            switches: 0,
-        });
-        time_ns += machine.cycle_ns;
-    }
-    setpoints
+        AxisSetpoint { path_velocity: velocity, ..crate::simulated::tests::setpoint(time_ns, axes) }
+    };
+    times.take_while(|time_ns| twin_number::seconds(*time_ns) <= duration).map(setpoint).collect()
 }
 
-/// Set-points of that move and where the machine came, cycle by cycle.
+/// Set-points of that move and the positions of the machine, cycle by cycle.
 fn moved(text: &str, speed: f64, rate: f64) -> Vec<(AxisVector, AxisVector)> {
     let machine = machine(text);
     let mut setpoints = setpoints(&machine, speed, rate);
@@ -120,7 +107,7 @@ fn farthest(came: &[(AxisVector, AxisVector)], axis: usize) -> f64 {
     came.iter().map(|(wanted, found)| (wanted[axis] - found[axis]).abs()).fold(0.0, f64::max)
 }
 
-/// At rest the machine is where the drive has counted to: within one increment, and what the servo leaves of dry friction.
+/// At rest the machine is at the count of the drive, within one increment and what dry friction leaves.
 fn rests_where_it_should(came: &[(AxisVector, AxisVector)]) {
     let (wanted, found) = came[came.len() - 1];
     for axis in 0..3 {
@@ -129,56 +116,46 @@ fn rests_where_it_should(came: &[(AxisVector, AxisVector)]) {
     }
 }
 
-/// Three commands and a sample of 6.5 ms each at most: an axis that is right at one command is wrong by less than what the
-/// ramp makes of it in a round and a half.
+/// An axis that is right at one command is wrong by less than the ramp makes of it in a round and a half. A round of an
+/// InterpCNC board is three commands and a sample of 6.5 ms each; of three `SmartDRIVE`s an exchange of 2 ms, its bytes
+/// (1.7 ms) and a millisecond each, and their speeds are whole turns per minute: 10 mm a turn.
 #[test]
-fn interpcnc_boards_are_as_near_as_their_rounds_allow() {
+fn boards_and_buses_are_as_near_as_their_rounds_allow() {
     let (speed, rate) = (0.1, 1.0);
-    let came = moved(&interpcnc(), speed, rate);
-    let round = 1.5 * 4.0 * 6.5e-3;
-    let most = 0.5 * rate * round * round + 2e-4;
-    for axis in 0..2 {
-        let error = farthest(&came, axis);
-        assert!(error < most && error > 1e-6, "axis {axis}: {error}, {most}");
+    let bus = 1.5 * 3.0 * (2e-3 + 1.8e-3 + 1e-3);
+    for (text, round, rounding) in [
+        (on_board(GANTRY3), 1.5 * 4.0 * 6.5e-3, 0.0),
+        (on_bus(GANTRY3, [7, 2, 31]), bus, 0.010 / 60.0 * bus),
+    ] {
+        let came = moved(&text, speed, rate);
+        let most = 0.5 * rate * round * round + 2e-4 + rounding;
+        for axis in 0..2 {
+            let error = farthest(&came, axis);
+            assert!(error < most && error > 1e-6, "axis {axis}: {error}, {most}");
+        }
+        rests_where_it_should(&came);
     }
-    rests_where_it_should(&came);
 }
 
-/// An exchange of 2 ms, its bytes (1.7 ms) and a millisecond, three drives after each other.
-#[test]
-fn smartdrives_are_as_near_as_their_rounds_allow() {
-    let (speed, rate) = (0.1, 1.0);
-    let came = moved(&smartdrive(), speed, rate);
-    let round = 1.5 * 3.0 * (2e-3 + 1.8e-3 + 1e-3);
-    // Speeds are whole turns per minute: 10 mm a turn.
-    let most = 0.5 * rate * round * round + 2e-4 + 0.010 / 60.0 * round;
-    for axis in 0..2 {
-        let error = farthest(&came, axis);
-        assert!(error < most && error > 1e-6, "axis {axis}: {error}, {most}");
-    }
-    rests_where_it_should(&came);
-}
-
-/// A module goes from point to point and stands in between, so that it must be a good part of a leg away at times: at
-/// constant speed at least half of what the plan makes while it stands (11 ms), and no more than a leg of the whole horizon.
+/// A module goes from point to point and stops in between, so that it is a part of a leg away at times: at constant speed at
+/// least half of the plan's way during a stop (11 ms), and at most a leg of the whole horizon.
 #[test]
 fn bim2ax_modules_go_from_point_to_point() {
     let (speed, rate) = (0.1, 1.0);
-    let came = moved(&mixed(), speed, rate);
+    let came = moved(&on_module(GANTRY3), speed, rate);
     let error = farthest(&came, 0);
     assert!(error > 0.4 * speed * 11e-3, "{error}");
     assert!(error < speed * twin_number::seconds(HORIZON_NS), "{error}");
-    // It stands several times on the way, and there both axes have arrived together: on the line, but for whole increments
-    // and what the servos have not caught up with yet.
-    let stands = came.windows(2).filter(|pair| {
+    // It stops several times on the way, with both axes on the line, except for increments and the lag of the servos.
+    let stops = came.windows(2).filter(|pair| {
         let on_the_way = pair[0].0[0] > 0.01 && pair[1].0[0] < 0.05;
         let still = |axis: usize| (pair[1].1[axis] - pair[0].1[axis]).abs() < 0.02 * speed * CYCLE;
         on_the_way && still(0) && still(1)
     });
-    let stands: Vec<_> = stands.map(|pair| pair[1].1).collect();
-    assert!(stands.len() >= 3);
-    for stand in stands {
-        assert!((stand[0] - 2.0 * stand[1]).abs() < 2e-5, "{stand:?}");
+    let stops: Vec<_> = stops.map(|pair| pair[1].1).collect();
+    assert!(stops.len() >= 3);
+    for stop in stops {
+        assert!((stop[0] - 2.0 * stop[1]).abs() < 2e-5, "{stop:?}");
     }
     rests_where_it_should(&came);
 }
@@ -187,7 +164,7 @@ fn bim2ax_modules_go_from_point_to_point() {
 #[test]
 fn the_loop_repeats_itself_bit_by_bit() {
     let mut others: Vec<Vec<u64>> = Vec::new();
-    for text in [interpcnc(), smartdrive(), mixed()] {
+    for text in families() {
         let bits = |came: Vec<(AxisVector, AxisVector)>| -> Vec<_> {
             let values = came.into_iter().flat_map(|(_, found)| [found[0], found[1], found[2]]);
             values.map(f64::to_bits).collect()
@@ -201,7 +178,7 @@ fn the_loop_repeats_itself_bit_by_bit() {
 /// A snapshot goes on with the same bits, commands on their way included.
 #[test]
 fn a_snapshot_goes_on_with_the_same_bits() {
-    for text in [interpcnc(), smartdrive(), mixed()] {
+    for text in families() {
         let machine = machine(&text);
         let mut ahead = setpoints(&machine, 0.05, 1.0);
         let mut plant = Simulated::new(&machine, &ahead[0].axes.position).unwrap();
@@ -238,8 +215,8 @@ fn checked_on(machine: &Machine, program: &str) -> Outcome {
     check(machine, &program, options, &mut |_| {}).unwrap()
 }
 
-/// Machines whose axes are not the coordinates: arms, rods, belts that two motors pull. Every axis is off by no more than what its
-/// own acceleration makes of a round and a half, and an increment or two, beyond what its servo leaves; and by some of it.
+/// Machines whose axes are not the coordinates: arms, rods, belts that two motors pull. Beyond the servo's error every axis is
+/// off by at most what its acceleration makes of a round and a half and two increments, and by some of it.
 #[test]
 fn arms_rods_and_belts_are_as_near_as_their_rounds_allow() {
     let shipped = [
@@ -271,33 +248,33 @@ fn arms_rods_and_belts_are_as_near_as_their_rounds_allow() {
     }
 }
 
-/// A point-to-point module cannot follow an arc at 6 m/min within half a millimetre, a board can; the line is told.
+/// A point-to-point module cannot follow an arc at 6 m/min within half a millimetre, a board can; the finding has the line.
 #[test]
 fn check_tells_which_drives_cannot_follow() {
     let program = "G0 X50 Y50\nG2 X50 Y50 I30 J0 F6000\nM2\n";
-    let fine = checked(&interpcnc(), program);
+    let fine = checked(&on_board(GANTRY3), program);
     assert!(fine.findings.is_empty(), "{:#?}", fine.findings);
-    let coarse = checked(&mixed(), program);
+    let coarse = checked(&on_module(GANTRY3), program);
     let beyond: Vec<_> =
         coarse.findings.iter().filter(|one| one.rule == Rule::FollowingError).collect();
     assert!(beyond.iter().any(|one| one.line == 2), "{:#?}", coarse.findings);
 }
 
-/// What is behind the last planned set-point happens, too: the module is a leg behind when the plan ends in front of the jaw, and its
-/// switch is there.
+/// Motion after the last planned set-point counts, too: the module is a leg behind when the plan ends in front of the jaw with
+/// its switch.
 #[test]
 fn what_drives_do_behind_the_last_set_point_is_simulated() {
     let switch = "[axes.physics]\nswitches = { upper_mm = 79.9 }\n";
-    let text = mixed().replacen("[axes.physics]\n", switch, 1);
+    let text = on_module(GANTRY3).replacen("[axes.physics]\n", switch, 1);
     let outcome = checked(&text, "G0 X10\nG1 X80 F6000\nM2\n");
     let hit = outcome.findings.iter().find(|one| one.rule == Rule::LimitSwitch);
     assert_eq!(hit.map(|hit| hit.line), Some(2), "{:#?}", outcome.findings);
 }
 
-/// The other way round it is the same: increments may count down.
+/// Increments may also count down.
 #[test]
 fn reversed_drives_are_as_good() {
-    for text in [interpcnc(), smartdrive(), mixed()] {
+    for text in families() {
         let reversed = text.replacen("increments = 3200", "increments = -3200", 1);
         assert!(reversed != text);
         let (one, other) = (moved(&text, 0.05, 1.0), moved(&reversed, 0.05, 1.0));
@@ -307,28 +284,11 @@ fn reversed_drives_are_as_good() {
     }
 }
 
-/// Down on the stock, then against the front of the fixed jaw, off and away, at whatever feed: drives that follow late touch what the
-/// plan touches, and run into nothing.
+/// Down on the stock, then against the front of the fixed jaw, off and away, at any feed: drives with a delay touch what the
+/// plan touches, and do not collide.
 #[test]
 fn drives_in_the_loop_touch_what_the_plan_touches() {
-    let vice = include_str!("../../machines/gantry3_vice.toml");
-    let looped =
-        |text: &str| text.replace("kind = \"interpcnc\"", "kind = \"interpcnc\"\nin_loop = true");
-    let bus = |text: &str| {
-        let text = text.replace("kind = \"interpcnc\"", "kind = \"smartdrive\"\nin_loop = true");
-        [("X", 1), ("Y", 2), ("Z", 3)].into_iter().fold(text, |text, (axis, address)| {
-            text.replace(&format!("drive_axis = \"{axis}\""), &format!("drive_address = {address}"))
-        })
-    };
-    let module = |text: &str| {
-        let both = "name = \"bus\"\nkind = \"smartdrive\"\nin_loop = true\n\n[[drives]]\nname = \"board\"\n\
-                    kind = \"bim2ax\"\nin_loop = true";
-        text.replace("name = \"board\"\nkind = \"interpcnc\"", both)
-            .replace("drive_axis = \"X\"", "drive_axis = \"1\"")
-            .replace("drive_axis = \"Y\"", "drive_axis = \"2\"")
-            .replace("drive = \"board\"\ndrive_axis = \"Z\"", "drive = \"bus\"\ndrive_address = 1")
-    };
-    for text in [looped(vice), bus(vice), module(vice)] {
+    for text in [on_board(VICE), on_bus(VICE, [1, 2, 3]), on_module(VICE)] {
         for feed in [30, 60, 300, 1200] {
             let program = format!(
                 "G0 Z30\nG0 X50 Y30\nG38.2 Z-20 F{feed}\nG0 Z30\nG0 Y-60\nG0 Z-20\nG38.2 Y10 F{feed}\nG91 G0 Y-5\nG90 G0 Z30\nM2\n"
@@ -347,17 +307,16 @@ fn drives_in_the_loop_touch_what_the_plan_touches() {
     }
 }
 
-/// A probe that something keeps from its wall has missed it.
+/// A jammed axis keeps the probe from its wall: the probe has missed it.
 #[test]
 fn a_probe_that_does_not_arrive_is_told() {
-    let machine = include_str!("../../machines/gantry3_vice.toml");
     // Three millimetres of steps are lost on the way.
     let faults = "[[faults]]\nkind = \"jam\"\naxis = \"Y\"\nat_line = 4\n";
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("program.ngc");
     std::fs::write(&path, "G0 Z30\nG0 X50 Y-60\nG0 Z-20\nG38.2 Y10 F60\nM2\n").unwrap();
     let program = ProgramFile::new(&path, Some(Dialect::Rs274), ReadSettings::default()).unwrap();
-    let machine = self::machine(machine);
+    let machine = machine(VICE);
     let scenario = twin_machine::Scenario::parse(faults, &machine).unwrap();
     let options = CheckOptions { physics: true, scenario, ..CheckOptions::default() };
     let outcome = check(&machine, &program, options, &mut |_| {}).unwrap();

@@ -19,7 +19,7 @@ use twin_number::seconds;
 /// Longest program, in set-points: an hour of milliseconds. A job holds all of them.
 const MOST_SETPOINTS: usize = 3_600_000;
 
-/// An axis that moves by less than this in a whole program is not moved by it, m or rad.
+/// Least motion of an axis in a program that moves it, m or rad.
 const UNMOVED: f64 = 1e-9;
 
 /// Positions and velocities in every cycle, in the unit of the axis.
@@ -109,7 +109,7 @@ impl Called for Along {
         self.next += 1;
         self.block.inputs = Follow::PositionVelocity(position, velocity);
         let shown = self.block.call(execute, axis);
-        // The block itself has no end: the job goes on where the program does.
+        // The block itself has no end: it is done at the end of the program.
         Outputs { done: shown.busy && ended, ..shown }
     }
 

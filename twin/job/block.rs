@@ -1,9 +1,7 @@
 //! Common interface of all function blocks of a job.
 
 use std::fmt;
-use twin_axis::{
-    Axis, Block, CamIn, GearInPos, Master, Motion, Outputs, SuperImposed, Trigger as Input,
-};
+use twin_axis::{Axis, Block, CamIn, GearInPos, Master, Motion, Outputs, SuperImposed};
 use twin_cam::{StartMode, TappetData, Trigger};
 
 /// Inputs of a block call besides its axis.
@@ -12,7 +10,7 @@ pub(super) struct With<'a> {
     /// The axis that it follows.
     pub(super) master: Option<Master>,
     /// The triggers of the job.
-    pub(super) triggers: &'a mut [Input],
+    pub(super) triggers: &'a mut [twin_axis::Trigger],
 }
 
 /// A block, called once a cycle.
@@ -25,22 +23,22 @@ pub(super) trait Called: fmt::Debug + Send {
         Vec::new()
     }
 
-    /// What its tappets did in the last call.
+    /// Tappets of the last call.
     fn tappets(&self) -> Option<&TappetData> {
         None
     }
 
-    /// How much ahead of the master tappets are looked for, s.
+    /// Dead time by which tappets act ahead of the master, s.
     fn dead_time(&self) -> f64 {
         0.0
     }
 
-    /// How its axis comes onto a cam, of one that does.
+    /// Start of its axis on a cam, of a block with a cam.
     fn cam_start(&self) -> Option<CamStart> {
         None
     }
 
-    /// Lays the cam of a block that has not begun by so much elsewhere, in the unit of its axis.
+    /// Shifts the cam of a block that has not begun, in the unit of its axis.
     fn lay(&mut self, _by: f64) {}
 
     /// Groups of the tappets on which the master stood when its cam began.
@@ -48,12 +46,12 @@ pub(super) trait Called: fmt::Debug + Send {
         Vec::new()
     }
 
-    /// How long what goes on in it takes from its beginning, s, where that is known.
+    /// Duration of its motion from the beginning, s, if it is known.
     fn lasts(&self) -> Option<f64> {
         None
     }
 
-    /// Where its master has to come for it to be coupled, in the master's unit, as long as it is not.
+    /// Position of its master at which it is coupled, in the master's unit, until then.
     fn awaits(&self) -> Option<f64> {
         None
     }
@@ -63,22 +61,22 @@ pub(super) trait Called: fmt::Debug + Send {
         false
     }
 
-    /// Of a cam whose elements do not stand by ascending masters: its file, line, and which.
+    /// File, line and number of cam elements that are not in the order of their masters.
     fn out_of_order(&self) -> Option<&str> {
         None
     }
 
-    /// The trigger of the job that it waits for, by its number.
+    /// Number of the trigger that it waits for.
     fn trigger(&self) -> Option<usize> {
         None
     }
 
-    /// What its axis gains in every pass of a cam that goes on at its end because nothing is said, in its unit.
+    /// Gain of its axis in every pass of a cam that is periodic by default, in its unit.
     fn gain_unsaid(&self) -> Option<f64> {
         None
     }
 
-    /// A position that it has recorded, for as long as it is done.
+    /// Position that it has recorded, while it is done.
     fn recorded(&self) -> Option<f64> {
         None
     }
@@ -91,8 +89,7 @@ pub(super) struct CamStart {
     pub(super) relative: bool,
     /// `SlaveOffset`, mm or degrees.
     pub(super) slave_offset: f64,
-    /// From where to where its master may be then, mm or degrees; of a cam whose zero is laid to where its master is, how far
-    /// from there `MasterOffset` may be.
+    /// Range of its master then, mm or degrees; for a cam whose zero is put at its master, the range of `MasterOffset`.
     pub(super) masters: [f64; 2],
     /// True if the zero of the cam is the position of its master.
     pub(super) laid: bool,
@@ -170,7 +167,7 @@ impl Called for OnCam {
 struct SetPosition {
     position: f64,
     relative: bool,
-    /// What it has shown since it was called first.
+    /// Outputs since its first call.
     shown: Option<Outputs>,
 }
 
@@ -200,9 +197,9 @@ pub(super) fn on_cam(
 /// A tappet that has acted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fired {
-    /// The axis on the cam.
+    /// Axis on the cam.
     pub(super) slave: usize,
-    /// The one it follows.
+    /// Its master.
     pub(super) master: usize,
     /// Its action; its time is that of the job.
     pub(super) trigger: Trigger,
@@ -210,17 +207,34 @@ pub(super) struct Fired {
     pub(super) dead_time: f64,
 }
 
-/// A block that moves an axis by itself.
+/// A block of motions that needs its axis, or a master as well.
 #[derive(Debug)]
-struct Alone<M: Motion>(Block<M>);
+struct Moving<M: Motion>(Block<M>);
 
-impl<M> Called for Alone<M>
+/// The further input of a motion, from a call.
+pub(super) trait Input: Copy {
+    fn of(with: &With<'_>) -> Option<Self>;
+}
+
+impl Input for () {
+    fn of(_with: &With<'_>) -> Option<Self> {
+        Some(())
+    }
+}
+
+impl Input for Master {
+    fn of(with: &With<'_>) -> Option<Self> {
+        with.master
+    }
+}
+
+impl<M> Called for Moving<M>
 where
-    M: Motion<With = ()> + Clone + fmt::Debug + Send,
+    M: Motion<With: Input> + Clone + fmt::Debug + Send,
     M::Run: Send,
 {
-    fn call(&mut self, execute: bool, axis: &mut Axis, _with: With<'_>) -> Outputs {
-        self.0.call(execute, axis)
+    fn call(&mut self, execute: bool, axis: &mut Axis, with: With<'_>) -> Outputs {
+        M::With::of(&with).map_or(Outputs::default(), |with| self.0.call_with(execute, axis, with))
     }
 
     fn lasts(&self) -> Option<f64> {
@@ -228,25 +242,13 @@ where
     }
 }
 
-/// A block whose axis follows another one.
-#[derive(Debug)]
-struct Following<M: Motion>(Block<M>);
-
-impl<M> Called for Following<M>
+/// A block of `inputs` that moves an axis.
+pub(super) fn moving<M>(inputs: M) -> Box<dyn Called>
 where
-    M: Motion<With = Master> + Clone + fmt::Debug + Send,
-    M::Run: Send,
+    M: Motion<With: Input> + Clone + fmt::Debug + Send + 'static,
+    M::Run: Send + 'static,
 {
-    fn call(&mut self, execute: bool, axis: &mut Axis, with: With<'_>) -> Outputs {
-        match with.master {
-            Some(master) => self.0.call_with(execute, axis, master),
-            None => Outputs::default(),
-        }
-    }
-
-    fn lasts(&self) -> Option<f64> {
-        self.0.duration()
-    }
+    Box::new(Moving(Block::new(inputs)))
 }
 
 impl Called for SuperImposed {
@@ -261,40 +263,20 @@ impl Called for SuperImposed {
 
 /// A block whose axis is in gear with another one from a place on.
 #[derive(Debug)]
-struct InGearFrom(Block<GearInPos>);
+struct InGearFrom(Moving<GearInPos>);
 
 impl Called for InGearFrom {
     fn call(&mut self, execute: bool, axis: &mut Axis, with: With<'_>) -> Outputs {
-        match with.master {
-            Some(master) => self.0.call_with(execute, axis, master),
-            None => Outputs::default(),
-        }
+        self.0.call(execute, axis, with)
     }
 
     fn awaits(&self) -> Option<f64> {
-        self.0.running().map(|_| self.0.inputs.master_sync_position)
+        let Moving(block) = &self.0;
+        block.running().map(|_| block.inputs.master_sync_position)
     }
 }
 
 /// A block whose axis is in gear with another one from a place on.
 pub(super) fn in_gear_from(inputs: GearInPos) -> Box<dyn Called> {
-    Box::new(InGearFrom(Block::new(inputs)))
-}
-
-/// A block of `inputs` that moves an axis by itself.
-pub(super) fn alone<M>(inputs: M) -> Box<dyn Called>
-where
-    M: Motion<With = ()> + Clone + fmt::Debug + Send + 'static,
-    M::Run: Send + 'static,
-{
-    Box::new(Alone(Block::new(inputs)))
-}
-
-/// A block of `inputs` whose axis follows another one.
-pub(super) fn following<M>(inputs: M) -> Box<dyn Called>
-where
-    M: Motion<With = Master> + Clone + fmt::Debug + Send + 'static,
-    M::Run: Send + 'static,
-{
-    Box::new(Following(Block::new(inputs)))
+    Box::new(InGearFrom(Moving(Block::new(inputs))))
 }

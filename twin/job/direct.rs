@@ -13,14 +13,6 @@ pub(super) struct Point {
     pub(super) setpoint: Follow,
 }
 
-/// Limits for bridging jumps; 0 selects the limit of the axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Gaps {
-    pub(super) velocity: f64,
-    pub(super) acceleration: f64,
-    pub(super) deceleration: f64,
-}
-
 #[derive(Debug)]
 enum Kind {
     Followed(Block<Follow>),
@@ -33,26 +25,26 @@ struct Direct {
     points: Vec<Point>,
     /// Where it begins, u and u/s, once it has begun.
     from: Option<[f64; 2]>,
-    /// Since then, s; it stands while a jump is bridged.
+    /// Time since then, s; it stops while a jump is bridged.
     time: f64,
-    /// Since then on the job's clock, s.
+    /// Time since then on the job's clock, s.
     elapsed: f64,
-    /// How fast that time goes by: 0 while it stands, and then up to 1, so that the set-points come to speed within the
-    /// acceleration of the axis, as those of an interpolator do that has waited.
+    /// Rate of that time: 0 while it stops, then up to 1, so that the set-points come to speed within the acceleration of the
+    /// axis, like those of an interpolator after a wait.
     rate: f64,
 }
 
-/// Least part of the axis's acceleration that brings set-points to speed where they need the rest themselves.
+/// Least part of the axis's acceleration for coming to speed.
 const LEAST_ROOM: f64 = 0.1;
 
 impl Direct {
-    /// Whether the set-points wait: a jump is being bridged.
+    /// True while a jump is bridged: the set-points wait.
     fn waits(&self) -> bool {
         let Kind::Watched(block) = &self.kind else { return false };
         block.running().is_some_and(Watched::stop_ipo)
     }
 
-    /// Lets the time of the set-points go on by a cycle, or stand.
+    /// Advances the time of the set-points by a cycle, unless they wait.
     fn go_on(&mut self, from: [f64; 2], axis: &Axis) {
         let cycle = axis.cycle();
         let before = self.rate;
@@ -67,12 +59,12 @@ impl Direct {
         }
     }
 
-    /// How fast the rate may grow for the axis to keep its acceleration, 1/s.
+    /// Largest growth of the rate within the acceleration of the axis, 1/s.
     fn growth(&self, from: [f64; 2], axis: &Axis) -> f64 {
         let cycle = axis.cycle();
         let position = |time: f64| match self.asked(from, time)?.0 {
             Follow::Position(position) | Follow::PositionVelocity(position, _) => Some(position),
-            // Velocities are bridged as velocities: nothing has to come to speed.
+            // Velocities are bridged as velocities.
             Follow::Velocity(_) => None,
         };
         let places = [0.0, 1.0, 2.0].map(|ahead| position(self.time + ahead * cycle));
@@ -84,7 +76,7 @@ impl Direct {
         (most - self.rate * self.rate * own).max(LEAST_ROOM * most) / speed
     }
 
-    /// What is asked for at `time`, and whether that is the end.
+    /// The set-point at `time`; true at the end.
     fn asked(&self, [position, velocity]: [f64; 2], time: f64) -> Option<(Follow, bool)> {
         let (mut begin, mut before) = (0.0, [position, velocity]);
         for point in &self.points {
@@ -140,7 +132,7 @@ impl Called for Direct {
                 block.call(execute, axis)
             }
         };
-        // The block itself has no end: the job goes on where its points do.
+        // The block itself has no end: it is done at the end of the points.
         Outputs { done: shown.busy && ended && !self.waits(), ..shown }
     }
 
@@ -151,20 +143,12 @@ impl Called for Direct {
     }
 }
 
-/// Follows set-points, watched and with jumps bridged if `gaps` say so.
-pub(super) fn direct(points: Vec<Point>, gaps: Option<Gaps>) -> Option<Box<dyn Called>> {
+/// Follows set-points; with the other inputs of a block that bridges their jumps, if there are any.
+pub(super) fn direct(points: Vec<Point>, gaps: Option<ControlAxisBy>) -> Option<Box<dyn Called>> {
     let setpoint = points.first()?.setpoint;
     let kind = match gaps {
         None => Kind::Followed(Block::new(setpoint)),
-        Some(Gaps { velocity, acceleration, deceleration }) => {
-            Kind::Watched(Block::new(ControlAxisBy {
-                setpoint,
-                avoid_gaps: true,
-                gap_velocity: velocity,
-                gap_acceleration: acceleration,
-                gap_deceleration: deceleration,
-            }))
-        }
+        Some(inputs) => Kind::Watched(Block::new(ControlAxisBy { setpoint, ..inputs })),
     };
     Some(Box::new(Direct { kind, points, from: None, time: 0.0, elapsed: 0.0, rate: 1.0 }))
 }

@@ -1,21 +1,22 @@
 //! Function blocks that a job may call, and their inputs.
 
-use super::block::{Called, alone, following, in_gear_from, on_cam, set_position};
-use super::direct::{Gaps, direct};
+use super::block::{Called, in_gear_from, moving, on_cam, set_position};
+use super::direct::direct;
 use super::probe::{abort, probe};
 use super::read::{FAR, Known};
 use super::values::Values;
 use std::path::Path;
 use twin_axis::{
-    AccelerationProfile, CamIn, Decouple, Direction, GearIn, GearInPos, Halt, Home, MoveAbsolute,
-    MoveAdditive, MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative, MoveSuperImposed,
-    MoveVelocity, Phasing, PositionProfile, Stop, SuperImposed, VelocityProfile,
+    AccelerationProfile, CamIn, ControlAxisBy, Decouple, Direction, Follow, GearIn, GearInPos,
+    Halt, Home, MoveAbsolute, MoveAdditive, MoveContinuousAbsolute, MoveContinuousRelative,
+    MoveRelative, MoveSuperImposed, MoveVelocity, Phasing, PositionProfile, Stop, SuperImposed,
+    VelocityProfile,
 };
 use twin_machine::section::Section;
 use twin_machine::{CamSelection, read_cam, read_ratio};
 
 /// Blocks by the names of the manual.
-pub(super) const BLOCKS: [(&str, Kind); 29] = [
+pub(super) const BLOCKS: [(&str, Kind); 30] = [
     ("MC_MoveAbsolute", Kind::MoveAbsolute),
     ("MC_MoveRelative", Kind::MoveRelative),
     ("MC_MoveAdditive", Kind::MoveAdditive),
@@ -45,7 +46,11 @@ pub(super) const BLOCKS: [(&str, Kind); 29] = [
     ("SMC_ControlAxisByPos", Kind::ControlAxisBy(Asks::Position)),
     ("SMC_ControlAxisByVel", Kind::ControlAxisBy(Asks::Velocity)),
     ("SMC_ControlAxisByPosVel", Kind::ControlAxisBy(Asks::Both)),
+    (INTERPOLATOR, Kind::Interpolator),
 ];
+
+/// The block that moves axes along a program.
+pub(super) const INTERPOLATOR: &str = "SMC_Interpolator";
 
 /// Quantities that set-points give.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,6 +85,8 @@ pub(super) enum Kind {
     AbortTrigger,
     Follow(Asks),
     ControlAxisBy(Asks),
+    /// Its calls come from [`Reader::calls`](super::read::Reader::calls): one for every axis that the program moves.
+    Interpolator,
 }
 
 impl Kind {
@@ -88,7 +95,7 @@ impl Kind {
         matches!(self, Self::CamIn | Self::GearIn | Self::GearInPos | Self::Phasing)
     }
 
-    /// Reports errors of a block whose axis, and with it the units of its keys, is not known.
+    /// Reports errors of a block with an unknown axis, whose units are unknown too.
     pub(super) fn whatever_axis(self, section: &Section<'_>, master: Option<&Known>, path: &Path) {
         match self {
             Self::CamIn => {
@@ -105,55 +112,55 @@ impl Kind {
     pub(super) fn block(self, of: &Values<'_>, path: &Path) -> Option<Box<dyn Called>> {
         Some(match self {
             Self::MoveAbsolute => {
-                let (position, rates) = (of.length("position"), of.rates("velocity"));
-                let direction = of.direction(Direction::Shortest);
-                let (position, [velocity, acceleration, deceleration]) = (position?, rates?);
-                alone(MoveAbsolute { position, velocity, acceleration, deceleration, direction })
+                let (moved, direction) =
+                    (of.moved("position", "velocity"), of.direction(Direction::Shortest));
+                let (position, [velocity, acceleration, deceleration]) = moved?;
+                moving(MoveAbsolute { position, velocity, acceleration, deceleration, direction })
             }
             Self::MoveRelative => {
-                let (distance, rates) = (of.length("distance"), of.rates("velocity"));
-                let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
-                alone(MoveRelative { distance, velocity, acceleration, deceleration })
+                let (distance, [velocity, acceleration, deceleration]) =
+                    of.moved("distance", "velocity")?;
+                moving(MoveRelative { distance, velocity, acceleration, deceleration })
             }
             Self::MoveAdditive => {
-                let (distance, rates) = (of.length("distance"), of.rates("velocity"));
-                let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
-                alone(MoveAdditive { distance, velocity, acceleration, deceleration })
+                let (distance, [velocity, acceleration, deceleration]) =
+                    of.moved("distance", "velocity")?;
+                moving(MoveAdditive { distance, velocity, acceleration, deceleration })
             }
             Self::MoveSuperImposed => super_imposed(of)?,
             Self::MoveVelocity => {
                 // As in the manual: as the axis has moved last, forwards if it has not yet.
                 let (rates, direction) = (of.rates("velocity"), of.direction(Direction::Current));
                 let [velocity, acceleration, deceleration] = rates?;
-                alone(MoveVelocity { velocity, acceleration, deceleration, direction })
+                moving(MoveVelocity { velocity, acceleration, deceleration, direction })
             }
-            Self::Halt => alone(Halt { deceleration: of.acceleration("deceleration")? }),
-            Self::Stop => alone(Stop { deceleration: of.acceleration("deceleration")? }),
-            Self::Decouple => alone(Decouple),
+            Self::Halt => moving(Halt { deceleration: of.acceleration("deceleration")? }),
+            Self::Stop => moving(Stop { deceleration: of.acceleration("deceleration")? }),
+            Self::Decouple => moving(Decouple),
             Self::GearIn => {
                 let ratio = read_ratio(of.section);
                 let [acceleration, deceleration] = of.accelerations()?;
                 let (ratio_numerator, ratio_denominator) = ratio?;
                 let ratio_denominator = ratio_denominator.unsigned_abs();
-                following(GearIn { ratio_numerator, ratio_denominator, acceleration, deceleration })
+                moving(GearIn { ratio_numerator, ratio_denominator, acceleration, deceleration })
             }
             Self::GearInPos => {
                 let (ratio, slave) = (read_ratio(of.section), of.length("slave_sync_position"));
                 let master = of.of_master("master_sync_position");
-                let distance = of.optional_of_master("master_start_distance", 0.0..=FAR);
+                let master_start_distance = of.distance_of_master("master_start_distance");
                 let (ratio_numerator, ratio_denominator) = ratio?;
                 in_gear_from(GearInPos {
                     ratio_numerator,
                     ratio_denominator,
                     master_sync_position: master?,
                     slave_sync_position: slave?,
-                    master_start_distance: distance.unwrap_or(0.0),
+                    master_start_distance,
                 })
             }
             Self::Phasing => {
-                let (phase_shift, rates) = (of.length("phase_shift"), of.rates("velocity"));
-                let (phase_shift, [velocity, acceleration, deceleration]) = (phase_shift?, rates?);
-                following(Phasing { phase_shift, velocity, acceleration, deceleration })
+                let (phase_shift, [velocity, acceleration, deceleration]) =
+                    of.moved("phase_shift", "velocity")?;
+                moving(Phasing { phase_shift, velocity, acceleration, deceleration })
             }
             Self::ContinuousAbsolute => {
                 let (position, rates) = (of.length("position"), of.rates("velocity"));
@@ -161,7 +168,7 @@ impl Kind {
                     (of.speed("end_velocity"), of.direction(Direction::Shortest));
                 let end_velocity_direction = of.end_direction();
                 let (position, [velocity, acceleration, deceleration]) = (position?, rates?);
-                alone(MoveContinuousAbsolute {
+                moving(MoveContinuousAbsolute {
                     position,
                     velocity,
                     end_velocity: end_velocity?,
@@ -176,7 +183,7 @@ impl Kind {
                 let end_velocity = of.speed("end_velocity");
                 let end_velocity_direction = of.end_direction();
                 let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
-                alone(MoveContinuousRelative {
+                moving(MoveContinuousRelative {
                     distance,
                     velocity,
                     end_velocity: end_velocity?,
@@ -185,28 +192,26 @@ impl Kind {
                     deceleration,
                 })
             }
-            Self::PositionProfile => alone(PositionProfile(of.points("position", "")?)),
-            Self::VelocityProfile => alone(VelocityProfile(of.points("velocity", "_per_s")?)),
+            Self::PositionProfile => moving(PositionProfile(of.points("position", "")?)),
+            Self::VelocityProfile => moving(VelocityProfile(of.points("velocity", "_per_s")?)),
             Self::AccelerationProfile => {
-                alone(AccelerationProfile(of.points("acceleration", "_per_s2")?))
+                moving(AccelerationProfile(of.points("acceleration", "_per_s2")?))
             }
             Self::Home => {
                 let (position, deceleration) =
                     (of.length("position"), of.optional_acceleration("deceleration"));
-                alone(Home { position: position?, deceleration })
+                moving(Home { position: position?, deceleration })
             }
             Self::SetPosition => {
                 let relative = of.section.flag("relative").unwrap_or(false);
                 set_position(of.length("position")?, relative)
             }
             Self::CamIn => cam_in(of, path)?,
-            Self::TouchProbe | Self::AbortTrigger | Self::Follow(_) | Self::ControlAxisBy(_) => {
-                return self.of_program(of);
-            }
+            _ => return self.of_program(of),
         })
     }
 
-    /// The same for blocks that need something of the job's program: triggers or set-points.
+    /// The same for blocks that need triggers or set-points of the job.
     fn of_program(self, of: &Values<'_>) -> Option<Box<dyn Called>> {
         match self {
             Self::TouchProbe => {
@@ -220,32 +225,34 @@ impl Kind {
                     let key = format!("{}{suffix}", of.key(name));
                     of.section.number(&key, 1e-6..=FAR).unwrap_or(0.0)
                 };
-                let gaps = Gaps {
-                    velocity: gap("gap_velocity", "_per_s"),
-                    acceleration: gap("gap_acceleration", "_per_s2"),
-                    deceleration: gap("gap_deceleration", "_per_s2"),
+                let inputs = ControlAxisBy {
+                    setpoint: Follow::Velocity(0.0),
+                    avoid_gaps: true,
+                    gap_velocity: gap("gap_velocity", "_per_s"),
+                    gap_acceleration: gap("gap_acceleration", "_per_s2"),
+                    gap_deceleration: gap("gap_deceleration", "_per_s2"),
                 };
-                direct(of.setpoints(asks)?, Some(gaps))
+                direct(of.setpoints(asks)?, Some(inputs))
             }
             _ => None,
         }
     }
 }
 
-/// `MC_MoveSuperImposed`, which moves its axis beside whoever moves it.
+/// `MC_MoveSuperImposed`, which moves its axis on top of another block.
 fn super_imposed(of: &Values<'_>) -> Option<Box<dyn Called>> {
-    let (distance, rates) = (of.length("distance"), of.rates("velocity_difference"));
-    let (distance, [velocity_diff, acceleration, deceleration]) = (distance?, rates?);
+    let (distance, [velocity_diff, acceleration, deceleration]) =
+        of.moved("distance", "velocity_difference")?;
     let inputs = MoveSuperImposed { distance, velocity_diff, acceleration, deceleration };
     Some(Box::new(SuperImposed::new(inputs)))
 }
 
-/// A cam with everything that the block is told.
+/// A cam with all inputs of the block.
 fn cam_in(of: &Values<'_>, path: &Path) -> Option<Box<dyn Called>> {
     let (slave, master) = (Some(of.known.as_cam()), of.master.map(Known::as_cam));
     let selection = read_cam(of.section, path, slave, master)?;
     let CamSelection { table, mut input, out_of_order, gain_unsaid } = selection;
-    // What neither the block nor its cam's file says is that of every block.
+    // The default of every block applies if neither the block nor its cam's file gives a value.
     let unsaid = |name: &str, value: f64| {
         value == 0.0 && !of.section.has(&format!("{}_per_s2", of.key(name)))
     };

@@ -27,46 +27,23 @@
 //! ```
 
 mod along;
-#[cfg(test)]
-mod along_tests;
 mod block;
-#[cfg(test)]
-mod block_tests;
 mod direct;
-#[cfg(test)]
-mod direct_tests;
-#[cfg(test)]
-mod end_tests;
 mod engine;
-#[cfg(test)]
-mod first_cycle_tests;
-#[cfg(test)]
-mod guide_tests;
-#[cfg(test)]
-mod hostile_tests;
 mod kind;
-#[cfg(test)]
-mod machine_tests;
-#[cfg(test)]
-mod mistake_tests;
-#[cfg(test)]
-mod order_tests;
 mod pace;
 mod probe;
 mod read;
 mod start;
 mod stream;
 #[cfg(test)]
-mod tappet_tests;
-#[cfg(test)]
 mod tests;
 mod values;
-#[cfg(test)]
-mod word_tests;
 
 pub(crate) use read::read;
 pub(crate) use stream::JobSetpoints;
 
+use crate::finding::{Finding, Rule, Severity};
 use block::Called;
 use probe::JobTrigger;
 use std::collections::BTreeMap;
@@ -82,15 +59,15 @@ pub(crate) struct Job {
     ramp: RampType,
     /// After so long every axis that leads is halted, s.
     duration: Option<f64>,
-    /// Where axes start that the job puts somewhere.
+    /// Start positions that the job gives.
     starts: Vec<Start>,
     /// Axes behind those of the machine.
     virtual_axes: Vec<VirtualAxis>,
     /// Inputs that latch positions.
     triggers: Vec<JobTrigger>,
-    /// What the tappets of its cams switch.
+    /// Signals of the tappets of its cams.
     tracks: Tracks,
-    /// What is called.
+    /// Blocks in the order of the file.
     calls: Vec<Call>,
 }
 
@@ -112,14 +89,14 @@ impl Job {
     }
 }
 
-/// Blocks that leave their axis to what moves it: what moves on top of that, what moves its zero, and what looks at it.
+/// Blocks that leave the motion of their axis to others: superimposed motion, shifts of the zero, probes.
 const ON_TOP: [&str; 4] = [SUPERIMPOSED, "MC_SetPosition", "MC_TouchProbe", "MC_AbortTrigger"];
 
-/// The block that moves its axis on top of another one, and that one of its kind takes over from.
+/// The superimposed motion; another one takes over from it.
 const SUPERIMPOSED: &str = "MC_MoveSuperImposed";
 
-/// Of each axis the block that moves it last of those read so far, by its number, if that is an `MC_CamIn`: the one whose
-/// `EndOfProfile` a block behind them waits for. Blocks of other axes, such as the master's, may stand between them.
+/// The last block of each axis, by its number, if that is an `MC_CamIn`: the next block may wait for its `EndOfProfile`.
+/// Blocks of other axes, such as the master's, may come between them.
 #[derive(Debug, Default)]
 struct CamsBefore(BTreeMap<usize, usize>);
 
@@ -139,7 +116,7 @@ impl CamsBefore {
     }
 }
 
-/// Where a job has an axis of the machine start.
+/// Start position of an axis of the machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Start {
     /// Its line in the file, from 1.
@@ -149,7 +126,7 @@ struct Start {
     position: f64,
 }
 
-/// A master that is no axis of the machine.
+/// A master that is not an axis of the machine.
 #[derive(Clone, Debug)]
 struct VirtualAxis {
     name: String,
@@ -183,6 +160,18 @@ struct Call {
 impl Call {
     fn place(&self) -> Place {
         Place { line: self.line, block: None }
+    }
+
+    /// An error at this block about its axis.
+    fn error(&self, rule: Rule, axis: &str, message: String) -> Finding {
+        let axis = Some(axis.to_owned());
+        Finding { axis, ..Finding::error(rule, self.place(), message) }
+    }
+
+    /// A note at this block about its axis.
+    fn note(&self, axis: &str, message: String) -> Finding {
+        let severity = Severity::Note;
+        Finding { severity, ..self.error(Rule::FunctionBlock, axis, message) }
     }
 }
 

@@ -6,13 +6,13 @@
 
 use super::engine::State;
 
-/// A factor this much above what it shall be counts as that.
+/// Tolerance of the factor.
 const SAME: f64 = 1e-9;
 
-/// How long axes may forbid a slower pace, s; they do while they brake as hard as they can themselves.
+/// Time for which axes at their own deceleration limit may forbid a slower pace, s.
 const PATIENCE: f64 = 0.5;
 
-/// How long the factor takes from 1 to 0 then, s.
+/// Time of the factor from 1 to 0 then, s.
 const LONGEST_STOP: f64 = 5.0;
 
 /// Limits of an axis for the change of pace.
@@ -32,7 +32,7 @@ pub(super) struct Pace {
     /// Its change per s.
     slope: f64,
     wanted: f64,
-    /// How long it has stayed although it shall be less, s.
+    /// Time for which a slower pace has been forbidden, s.
     forbidden: f64,
     /// Between two set-points of the job, 0 to 1.
     phase: f64,
@@ -60,8 +60,7 @@ impl Pace {
         self.rate <= 0.0 && self.wanted <= 0.0
     }
 
-    /// A cycle (s) on, with axes that move like `states` at the set-points of the job around now. The number of cycles that the
-    /// job has to go on.
+    /// Goes on by a `cycle` (s); `states` are the axes at the set-points around now. Returns the number of cycles of the job.
     pub(super) fn advance(
         &mut self,
         states: impl Iterator<Item = (State, Bears)>,
@@ -81,7 +80,7 @@ impl Pace {
             }
         }
         self.phase += f64::midpoint(before, self.rate);
-        // Rounding does not make a cycle of its own.
+        // Rounding does not add a cycle.
         if self.phase >= 1.0 - SAME {
             self.phase = (self.phase - 1.0).max(0.0);
             if self.phase <= SAME {
@@ -108,7 +107,7 @@ impl Pace {
         }
         let insists = change < 0.0 && self.forbidden > PATIENCE;
         let slowest = if insists { LONGEST_STOP.recip() } else { 0.0 };
-        // Slow enough to be level again where it shall be, cycle by cycle.
+        // Slow enough to end level at the requested rate.
         let level = if bend.is_finite() {
             bend * ((0.25 * cycle * cycle + 2.0 * change.abs() / bend).sqrt() - 0.5 * cycle)
         } else {
@@ -119,15 +118,14 @@ impl Pace {
         change.signum() * speed.min(change.abs() / cycle)
     }
 
-    /// How fast the rate may change in the direction of `change`, per s, so that a·r² + v·dr/dt of an axis stays within its
-    /// acceleration.
+    /// Largest change of the rate in the direction of `change`, per s, with a·r² + v·dr/dt of an axis within its limit.
     fn room(&self, state: State, bears: Bears, change: f64, cycle: f64) -> f64 {
         let push = state.velocity * change.signum();
         let at = |rate: f64| {
             let own = state.acceleration * rate * rate * push.signum();
             ((bears.acceleration - own) / push.abs()).max(0.0)
         };
-        // The rate at the end of the cycle counts, of which this is a bound.
+        // A bound of the rate at the end of the cycle.
         let end = (self.rate + change.signum() * at(self.rate) * cycle).clamp(0.0, 1.0);
         at(self.rate).min(at(end))
     }
@@ -154,8 +152,8 @@ impl Pace {
     }
 }
 
-/// Between two states `cycle` (s) apart, at the part `phase` of the way: the position on the cubic polynomial through both, velocity
-/// and acceleration on straight lines, so that they exceed nothing where the acceleration steps.
+/// State between two states `cycle` (s) apart: the position on the cubic through both, velocity and acceleration on straight
+/// lines, so that they exceed neither where the acceleration steps.
 fn between(from: State, to: State, phase: f64, cycle: f64) -> State {
     let [v0, v1] = [from, to].map(|it| it.velocity * cycle);
     let way = to.position - from.position;

@@ -1,8 +1,8 @@
 //! Job file reader.
 
 use super::along::{Motion, along};
-use super::block::{following, on_cam};
-use super::kind::BLOCKS;
+use super::block::{moving, on_cam};
+use super::kind::{BLOCKS, INTERPOLATOR};
 use super::probe::{JobTrigger, When};
 use super::values::Values;
 use super::{Begins, Call, CamsBefore, Job, Start, VirtualAxis};
@@ -18,16 +18,13 @@ use twin_profile::RampType;
 /// Longest time in a job, s: a day.
 pub(super) const LONGEST: f64 = 86_400.0;
 
-/// The block that moves axes along a program.
-const INTERPOLATOR: &str = "SMC_Interpolator";
-
 /// Farthest position, mm or degrees, and fastest of its derivatives.
 pub(super) const FAR: f64 = 1e9;
 
 /// Reads the job in `text`, whose cams are named as from `path`, for `machine`.
 ///
 /// # Errors
-/// With everything that is wrong with it, in file order.
+/// All mistakes, in file order.
 pub(crate) fn read(text: &str, path: &Path, machine: &Machine) -> Result<Job, Vec<Problem>> {
     parse(text, |root| {
         let reader =
@@ -96,16 +93,8 @@ impl Reader<'_> {
             root.complain("the file lacks [[blocks]]: nothing would move".to_owned());
         }
         let mut cams = CamsBefore::default();
-        let calls = (0..).zip(&sections).flat_map(|(index, section)| {
-            if section.glance_at_text("block") == Some(INTERPOLATOR) {
-                return self.along_program(section, machine, index, &mut cams);
-            }
-            let call = vec![self.call(section, &cams)];
-            if let Some((name, axis)) = self.named(section) {
-                cams.pass(index, name, axis);
-            }
-            call
-        });
+        let calls = (0..).zip(&sections);
+        let calls = calls.flat_map(|(index, one)| self.calls(one, machine, index, &mut cams));
         let calls: Vec<_> = calls.collect();
         sections.into_iter().for_each(Section::finish);
         root.check_unknown();
@@ -118,7 +107,7 @@ impl Reader<'_> {
         Some(Job { ramp, duration, starts, virtual_axes, triggers, tracks, calls })
     }
 
-    /// What the tappets of all cams switch.
+    /// Signals of the tappets of all cams.
     fn tracks(&self, root: &Section<'_>, calls: &[Call]) -> Option<Tracks> {
         let mut tracks = Tracks::default();
         for call in calls {
@@ -135,7 +124,7 @@ impl Reader<'_> {
         Some(tracks)
     }
 
-    /// Those that are `halted` by the job have to say how hard.
+    /// Axes that the job `halted` at its end need an acceleration.
     fn virtual_axes(&mut self, root: &Section<'_>, halted: bool) -> Vec<VirtualAxis> {
         let mut found = Vec::new();
         for section in root.sections("virtual_axes") {
@@ -190,7 +179,7 @@ impl Reader<'_> {
                 Some(When::Passes(axis, section.required_number(&key, -FAR..=FAR)?))
             });
             if section.has("axis") && passes.is_none() {
-                // Without its axis nobody knows the unit of its position.
+                // The unit of the position is unknown without the axis.
                 section.accept_all();
             }
             if section.has("at_s") == section.has("axis") {
@@ -198,7 +187,7 @@ impl Reader<'_> {
                 section.complain(message.to_owned());
             }
             if let Some(name) = name {
-                // One that is wrong has been told, and is there for the blocks that name it.
+                // A trigger with a mistake exists for the blocks that name it.
                 let when = at.or(passes).unwrap_or(When::At(0.0));
                 if found.iter().any(|trigger| trigger.name == name) {
                     section.complain_at("name", format!("there is a trigger \"{name}\" already"));
@@ -211,7 +200,7 @@ impl Reader<'_> {
         found
     }
 
-    /// `said` are those before it.
+    /// A start position; `said` are the earlier ones.
     fn start(&self, section: Section<'_>, machine: &Machine, said: &[Start]) -> Option<Start> {
         let Some((axis, known)) = self.axis(&section, "axis") else {
             section.accept_all();
@@ -244,7 +233,7 @@ impl Reader<'_> {
         found
     }
 
-    /// Name and axis of a block, whatever else is wrong with it.
+    /// Name and axis of a block, also of one with mistakes.
     fn named(&self, section: &Section<'_>) -> Option<(&'static str, usize)> {
         let [block, axis] = ["block", "axis"].map(|key| section.glance_at_text(key));
         let (name, _) = BLOCKS.into_iter().find(|(name, _)| Some(*name) == block)?;
@@ -290,8 +279,25 @@ impl Reader<'_> {
         all.into_iter().map(call).collect()
     }
 
-    /// A block behind those that have passed the `cams` of the axes.
-    pub(super) fn call(&self, section: &Section<'_>, cams: &CamsBefore) -> Option<Call> {
+    /// The calls of the block of this number, behind those that have passed the `cams` of the axes; `None` for a mistake.
+    pub(super) fn calls(
+        &self,
+        section: &Section<'_>,
+        machine: &Machine,
+        index: usize,
+        cams: &mut CamsBefore,
+    ) -> Vec<Option<Call>> {
+        if section.glance_at_text("block") == Some(INTERPOLATOR) {
+            return self.along_program(section, machine, index, cams);
+        }
+        let call = self.call(section, cams);
+        if let Some((name, axis)) = self.named(section) {
+            cams.pass(index, name, axis);
+        }
+        vec![call]
+    }
+
+    fn call(&self, section: &Section<'_>, cams: &CamsBefore) -> Option<Call> {
         let names = BLOCKS.map(|(name, kind)| (name, (name, kind)));
         let (block, axis) = (section.required_choice("block", &names), self.axis(section, "axis"));
         let begins = begins(section);
@@ -299,7 +305,7 @@ impl Reader<'_> {
         let master = if follows { self.axis(section, "master") } else { None };
         let of_master = master.map(|(_, known)| known);
         let (Some((name, kind)), Some((axis, known))) = (block, axis) else {
-            // Most keys depend on both: of these one complaint is enough.
+            // Most keys depend on both: one complaint is enough.
             if let Some((_, kind)) = block {
                 kind.whatever_axis(section, of_master, self.path);
             }
@@ -312,14 +318,14 @@ impl Reader<'_> {
         let inputs = Values { section, known, master: of_master, triggers: &self.triggers };
         let block = kind.block(&inputs, self.path);
         if follows && master.is_none() {
-            // Keys in units of a master that nobody knows.
+            // The units of an unknown master are unknown.
             section.accept_all();
             return None;
         }
         if begins == Begins::EndOfProfile && cams.of(axis).is_none() {
             let name = &known.name;
             let message = format!(
-                "what moves axis \"{name}\" before this block is no MC_CamIn of the same axis"
+                "what moves axis \"{name}\" before this block is not an MC_CamIn of the same axis"
             );
             section.complain_at("at_end_of_profile", message);
         }
@@ -341,7 +347,7 @@ impl Known {
     }
 }
 
-/// What the machine file couples, which holds from the beginning on; nothing of it is in the job but its first `line`.
+/// A coupling of the machine file, which holds from the beginning; the job has only its first `line`.
 fn standing(machine: &Machine, coupling: &Coupling, line: u32) -> Call {
     let (name, block) = match &coupling.by {
         CoupledBy::Gear(ratio_numerator, ratio_denominator) => {
@@ -354,11 +360,11 @@ fn standing(machine: &Machine, coupling: &Coupling, line: u32) -> Call {
                 acceleration,
                 deceleration,
             };
-            ("MC_GearIn", following(gear))
+            ("MC_GearIn", moving(gear))
         }
         CoupledBy::Cam(selection) => {
             let CamSelection { table, input, .. } = &**selection;
-            // Of its file the check tells.
+            // The check reports on its file.
             ("MC_CamIn", on_cam(CamIn { table: Some(table.clone()), input: *input }, None, None))
         }
     };

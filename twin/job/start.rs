@@ -8,11 +8,11 @@ use twin_machine::Machine;
 use twin_machine::axis_couplings::AxisCouplings;
 use twin_path::Place;
 
-/// Start positions of the axes, in their units: those of programs, except where the job has `said` others. Cams of the
-/// machine file that add to the position of their slaves are laid at the start of programs.
+/// Start positions of the axes, in their units: those of programs, or those that the job has `said`. Relative cams of the
+/// machine file count from the start of programs.
 ///
 /// # Errors
-/// If that is nowhere, a slave of the machine file cannot be where its master has it, or the job says that it is elsewhere.
+/// If there is no such position, or a slave of the machine file cannot be at the position that its master gives.
 pub(super) fn starts(
     machine: &Machine,
     said: &[Start],
@@ -20,10 +20,10 @@ pub(super) fn starts(
 ) -> Result<Vec<f64>, Box<Finding>> {
     let first = Place { line: 1, block: None };
     let all = (0..machine.axes.len()).all(|axis| said.iter().any(|start| start.axis == axis));
-    // Slaves come to where their masters have them below, wherever the job puts these.
+    // Slaves get the positions that their masters give below.
     let axes = match machine.start_without_slaves() {
         Some(axes) => axes,
-        // Nothing of it counts.
+        // The job gives every position.
         None if all => machine.middle(),
         None => {
             let message = "the machine cannot be where its file says that programs start (start_mm): say in [[start]] where \
@@ -41,7 +41,6 @@ pub(super) fn starts(
     if machine.couplings.is_empty() {
         return Ok(start);
     }
-    // Slaves start where their masters have them.
     let values = machine.axes.iter().zip(&start).map(|(axis, value)| axis.to_si(*value));
     let own = AxisVector::from_values(values);
     let coupled = AxisCouplings::at_rest(machine, own).map_err(|error| no_axes(first, &error))?;

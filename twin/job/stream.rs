@@ -5,7 +5,7 @@ use super::engine::{Engine, State};
 use super::pace::{Bears, Pace};
 use super::start::starts;
 use super::{Call, read};
-use crate::finding::{Finding, Rule, Severity};
+use crate::finding::{Finding, Rule};
 use crate::messages::out_of_order;
 use crate::program::ProgramFile;
 use crate::setpoint::AxisSetpoint;
@@ -17,15 +17,14 @@ use twin_kinematics::{AxisMotion, AxisVector, Kinematics};
 use twin_machine::section::Problem;
 use twin_machine::tappets::{MasterPlace, Signal, TappetBits, Tracks};
 use twin_machine::{Axis, Machine};
-use twin_number::seconds;
-use twin_number::significant;
+use twin_number::{seconds, significant};
 use twin_path::Place;
 
 /// Set-points of a job on a machine, one per cycle, from rest to rest.
 #[derive(Debug)]
 pub(crate) struct JobSetpoints<'m> {
     machine: &'m Machine,
-    /// None where nothing comes any more.
+    /// None after the end.
     engine: Option<Engine>,
     problems: VecDeque<Finding>,
     /// Two set-points of the job, between which it is.
@@ -36,7 +35,7 @@ pub(crate) struct JobSetpoints<'m> {
     pace: Pace,
     /// Of the last set-point; none before the first.
     time_ns: Option<i64>,
-    /// Everything is done and stands with the set-point behind both.
+    /// Everything is done and at rest with the set-point behind both.
     done: bool,
     /// That set-point has been given.
     over: bool,
@@ -46,11 +45,11 @@ pub(crate) struct JobSetpoints<'m> {
     /// Way of the tool, m.
     length: f64,
     last: Option<AxisSetpoint>,
-    /// What tappets switch.
+    /// Signals of tappets.
     tracks: Tracks,
-    /// Those that have acted in the job's time and not yet in ours.
+    /// Tappets that have acted in the job's time, but not yet in real time.
     pending: Vec<Fired>,
-    /// Axes that they may be passed by, from the engine: name, period and unit.
+    /// Possible masters of tappets: name, period and unit.
     masters: Vec<(String, Option<f64>, &'static str)>,
     lost: u64,
 }
@@ -130,8 +129,7 @@ impl<'m> JobSetpoints<'m> {
         Ok(setpoints)
     }
 
-    /// How much of the job is done, as bytes of its file, where it says how long it takes: the file itself has been read from
-    /// the beginning on.
+    /// Done part of the job, as bytes of its file, if the job gives its duration: the file is read completely at the start.
     #[expect(
         clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
@@ -181,7 +179,7 @@ impl<'m> JobSetpoints<'m> {
     fn go_on(&mut self, engine: &mut Engine) -> Result<(), Box<Finding>> {
         std::mem::swap(&mut self.from, &mut self.to);
         self.to.clone_from(&self.next);
-        // Of what comes is known already what acts.
+        // The tappets of the next set-point are known already.
         self.pending.append(&mut self.to.fired);
         self.over = self.done;
         self.next.fired.clear();
@@ -203,17 +201,17 @@ impl<'m> JobSetpoints<'m> {
         Ok(())
     }
 
-    /// What tappets have switched on at `time_ns`. Their delays and durations pass as time does, whatever the pace; so does
-    /// a dead time: a master at half the pace is looked for half as far ahead.
+    /// Signals that tappets have switched on at `time_ns`. Delays, durations and dead times pass in real time at any pace: at
+    /// half the pace a dead time looks half as far ahead of the master.
     fn tappets(&mut self, time_ns: i64) -> TappetBits {
         let rate = self.pace.rate();
         let now = self.pace.phase() * seconds(self.machine.cycle_ns);
         let (tracks, from_ns) = (&mut self.tracks, self.from.time_ns);
         self.pending.retain(|fired| {
             let Fired { slave, master, trigger, dead_time } = fired;
-            // How long ago that is in the time of the job. What has been told too late for another dead time acts now.
-            let told = seconds(from_ns.saturating_sub(trigger.time_ns)) + now;
-            let ago = told - (dead_time * (1.0 - rate)).max(0.0);
+            // Time since then in the time of the job. A tappet that comes too late for its dead time acts now.
+            let since = seconds(from_ns.saturating_sub(trigger.time_ns)) + now;
+            let ago = since - (dead_time * (1.0 - rate)).max(0.0);
             if ago < 0.0 {
                 return true;
             }
@@ -270,7 +268,7 @@ impl<'m> JobSetpoints<'m> {
         let tool = self.machine.kinematics.forward_motion(&axes).map_err(|error| {
             Box::new(Finding::error(Rule::Reach, place, format!("the tool is nowhere: {error}")))
         })?;
-        // Where only an axis moves that does not move the tool, something moves all the same.
+        // The speed of axes counts if they do not move the tool.
         let fastest =
             axes.velocity.iter().fold(0.0, |most: f64, velocity| most.max(velocity.abs()));
         let tool_speed = tool.velocity.norm();
@@ -290,7 +288,7 @@ impl<'m> JobSetpoints<'m> {
 
     fn poll(&mut self, engine: &mut Engine) -> Option<Result<AxisSetpoint, Box<Finding>>> {
         let Some(last_ns) = self.time_ns else {
-            // Two set-points ahead are known from the beginning on.
+            // Two set-points ahead are known from the beginning.
             for _ in 0..2 {
                 if let Err(finding) = self.go_on(engine) {
                     return Some(Err(finding));
@@ -318,8 +316,8 @@ impl<'m> JobSetpoints<'m> {
     }
 }
 
-/// What is to be told of a block's cam before anything moves: that its elements do not stand by ascending masters, and that it goes on
-/// at its end, and elsewhere than it began, because nothing is said. `axes` are names, periods and units.
+/// Notes on a block's cam before anything moves: elements that are not in the order of their masters, and a gain in every pass
+/// because the cam is periodic by default. `axes` are names, periods and units.
 fn message(
     call: &Call,
     axes: &[(String, Option<f64>, &'static str)],
@@ -327,15 +325,14 @@ fn message(
     let axis = axes.get(call.axis);
     let name = axis.map(|(name, ..)| name.clone());
     let elements = call.block.out_of_order();
-    let elements = elements.map(|told| out_of_order(call.place(), name.clone(), told));
+    let elements = elements.map(|shown| out_of_order(call.place(), name.clone(), shown));
     let gain = call.block.gain_unsaid().map(|gain| {
         let message = format!(
             "nothing is said of `periodic`, so that the cam goes on at its end: the slave gains {} {} in every pass",
             significant(gain, 6),
             axis.map_or("", |(_, _, unit)| unit)
         );
-        let mut note = Finding::error(Rule::FunctionBlock, call.place(), message);
-        (note.severity, note.axis) = (Severity::Note, name);
+        let mut note = call.note(&name.unwrap_or_default(), message);
         note.hint = Some("`periodic = false` has the slave stay at the end of the cam".to_owned());
         note
     });
@@ -359,13 +356,13 @@ impl Iterator for JobSetpoints<'_> {
                 }
                 Some(PlanItem::Axes(Box::new(setpoint)))
             }
-            // Nothing comes behind it.
+            // It is the last item.
             Err(finding) => Some(PlanItem::Diagnostic(*finding)),
         }
     }
 }
 
-/// What an axis of the machine bears, in its unit.
+/// Limits of an axis of the machine for the pace, in its unit.
 fn bears(axis: &Axis) -> Bears {
     Bears {
         acceleration: axis.from_si(axis.smallest_acceleration()),
@@ -373,7 +370,7 @@ fn bears(axis: &Axis) -> Bears {
     }
 }
 
-/// What is wrong with the file, as a finding.
+/// A mistake of the file as a finding.
 fn finding(text: &str, problem: &Problem) -> Finding {
     let Problem { span, message, help, elsewhere } = problem;
     let before = text.get(..span.start).unwrap_or_default();

@@ -22,24 +22,24 @@ impl Values<'_> {
         format!("{name}_{}", self.known.kind.unit())
     }
 
-    /// A way or place of the axis that has to be said.
+    /// A required way or position of the axis.
     pub(super) fn length(&self, name: &str) -> Option<f64> {
         self.section.required_number(&self.key(name), -FAR..=FAR)
     }
 
-    /// A way or place of the master.
-    pub(super) fn of_master(&self, name: &str) -> Option<f64> {
-        let unit = self.master?.kind.unit();
-        self.section.required_number(&format!("{name}_{unit}"), -FAR..=FAR)
+    fn master_key(&self, name: &str) -> Option<String> {
+        Some(format!("{name}_{}", self.master?.kind.unit()))
     }
 
-    pub(super) fn optional_of_master(
-        &self,
-        name: &str,
-        range: std::ops::RangeInclusive<f64>,
-    ) -> Option<f64> {
-        let unit = self.master?.kind.unit();
-        self.section.number(&format!("{name}_{unit}"), range)
+    /// A required position of the master.
+    pub(super) fn of_master(&self, name: &str) -> Option<f64> {
+        self.section.required_number(&self.master_key(name)?, -FAR..=FAR)
+    }
+
+    /// A distance of the master; by default 0.
+    pub(super) fn distance_of_master(&self, name: &str) -> f64 {
+        let distance = self.master_key(name).and_then(|key| self.section.number(&key, 0.0..=FAR));
+        distance.unwrap_or(0.0)
     }
 
     /// Limit of the axis for an acceleration or, by its name, a deceleration.
@@ -83,6 +83,12 @@ impl Values<'_> {
         let velocity = self.section.required_number(&key, 0.0..=FAR);
         let [acceleration, deceleration] = self.accelerations()?;
         Some([velocity?, acceleration, deceleration])
+    }
+
+    /// A way or place, velocity, acceleration and deceleration.
+    pub(super) fn moved(&self, way: &str, velocity: &str) -> Option<(f64, [f64; 3])> {
+        let (way, rates) = (self.length(way), self.rates(velocity));
+        Some((way?, rates?))
     }
 
     pub(super) fn direction(&self, otherwise: Direction) -> Direction {
@@ -152,8 +158,8 @@ impl Values<'_> {
         found
     }
 
-    /// The places between which a probe counts, if it is so limited; `None` if that is half said.
-    #[expect(clippy::option_option, reason = "what is wrong, and what is not there")]
+    /// The window of a probe, if there is one; `None` if one end is missing.
+    #[expect(clippy::option_option, reason = "a mistake, and no window")]
     pub(super) fn window(&self) -> Option<Option<[f64; 2]>> {
         let keys = ["first_position", "last_position"].map(|name| self.key(name));
         let [first, last] = keys.each_ref().map(|key| self.section.number(key, -FAR..=FAR));

@@ -1,6 +1,7 @@
 //! Profile of a program as the controller plans it, without axis limits (`SMC_CheckVelocities`,
 //! `SMC_LimitCircularVelocities`, `SMC_Interpolator`), for comparison.
 
+use super::gaps::Gaps;
 use super::machine_path::{AxisRules, MachinePath, efforts, overloaded};
 use super::watch::Watch;
 use super::{Binding, LimitFailure, ProfileItem, ProfileSample};
@@ -27,10 +28,11 @@ pub struct ControllerProfile<'m> {
     /// Override.
     factor: f64,
     before: Option<ProfileSample>,
-    /// Velocities of the axes then, without what positions alone tell.
-    told: AxisVector,
+    /// Velocities of the axes then, without those that only differences of positions show.
+    given: AxisVector,
     machine: &'m Machine,
     watch: Watch<'m>,
+    gaps: Gaps<'m>,
     cycle: f64,
 }
 
@@ -46,9 +48,10 @@ impl<'m> ControllerProfile<'m> {
             axes: MachinePath::new(machine, AxisRules::default())?,
             factor: program.settings().inputs.override_factor.factor(),
             before: None,
-            told: AxisVector::zeros(machine.axes.len()),
+            given: AxisVector::zeros(machine.axes.len()),
             machine,
             watch: Watch::new(machine),
+            gaps: Gaps::new(machine),
             cycle: seconds(machine.cycle_ns),
         })
     }
@@ -69,6 +72,9 @@ impl<'m> ControllerProfile<'m> {
             }
         };
         let axes = setpoint.axes;
+        if self.gaps.opens(&self.axes, tool, &axes.position) {
+            self.before = None;
+        }
         self.watch.positions(tool.place, &axes.position);
         // Time in the place of the path's parameter.
         let torque = self.axes.torque(&axes.position, &axes.velocity, &axes.acceleration);
@@ -104,7 +110,7 @@ impl<'m> ControllerProfile<'m> {
             binding: self.binding(tool),
         };
         self.before = Some(sample);
-        self.told = axes.velocity;
+        self.given = axes.velocity;
         Some(sample)
     }
 
@@ -113,7 +119,7 @@ impl<'m> ControllerProfile<'m> {
         let Some(before) = &self.before else { return axes.velocity };
         let at_rest = tool.path_velocity <= 0.0 && before.path_velocity <= 0.0;
         let positions = axes.position.iter().zip(before.position.iter());
-        let velocities = axes.velocity.iter().zip(self.told.iter());
+        let velocities = axes.velocity.iter().zip(self.given.iter());
         let moved = positions.zip(velocities).zip(&self.machine.axes);
         AxisVector::from_values(moved.map(|(((to, from), (now, before)), axis)| {
             let stepped = (to - from) / self.cycle;
@@ -146,6 +152,9 @@ impl Iterator for ControllerProfile<'_> {
             if let Some(finding) = self.watch.take() {
                 return Some(ProfileItem::Finding(finding));
             }
+            if let Some(item) = self.gaps.cross(&self.axes) {
+                return Some(item);
+            }
             let Some(next) = self.setpoints.next() else {
                 self.watch.finish();
                 return self.watch.take().map(ProfileItem::Finding);
@@ -153,7 +162,7 @@ impl Iterator for ControllerProfile<'_> {
             match next {
                 ProgramItem::Setpoint(tool) => {
                     if let Some(sample) = self.sample(&tool) {
-                        return Some(ProfileItem::Sample(Box::new(sample)));
+                        return Some(self.gaps.pass(sample));
                     }
                 }
                 ProgramItem::Diagnostic(finding) => return Some(ProfileItem::Finding(finding)),

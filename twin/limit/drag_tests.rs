@@ -29,8 +29,8 @@ fn used(machine: &Machine, found: &Limited) -> Vec<f64> {
             let v = sample.velocity[index];
             let dry = if v == 0.0 { 0.0 } else { axis.simulated.dry_friction().copysign(v) };
             let effort = effort.effort(0.0, 1.0) + dry;
-            let told = sample.effort.unwrap()[index];
-            assert!((effort - told).abs() < 1e-9, "{}: {effort} and {told}", axis.name);
+            let reported = sample.effort.unwrap()[index];
+            assert!((effort - reported).abs() < 1e-9, "{}: {effort} and {reported}", axis.name);
             *most = most.max(effort.abs() / axis.simulated.effort_limit);
         }
     }

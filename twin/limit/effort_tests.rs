@@ -206,8 +206,8 @@ fn no_motor_of_a_scara_gives_more_than_it_can() {
                 let v = sample.velocity[index];
                 let dry = if v == 0.0 { 0.0 } else { axis.simulated.dry_friction() * v.signum() };
                 let effort = effort[index] + axis.simulated.viscous_friction() * v + dry;
-                let told = sample.effort.unwrap()[index];
-                assert!((effort - told).abs() < 1e-9, "{}: {effort} and {told}", axis.name);
+                let reported = sample.effort.unwrap()[index];
+                assert!((effort - reported).abs() < 1e-9, "{}: {effort} and {reported}", axis.name);
                 most[index] = most[index].max(effort.abs() / axis.simulated.effort_limit);
             }
         }

@@ -99,12 +99,16 @@ impl Profile<'_> {
         };
         let axes = self.axes.limits().iter().enumerate();
         for (axis, limits) in axes {
-            let of = |vector: &AxisVector| vector.get(axis).map_or(0.0, |value| value.abs());
+            let of = |vector: &AxisVector| vector.get(axis).copied().unwrap_or_default();
+            let (velocity, acceleration) = (of(&sample.velocity), of(&sample.acceleration));
             let jerk = limits.jerk.unwrap_or(f64::INFINITY);
             let parts = [
-                (of(&sample.velocity) / limits.velocity, Quantity::Velocity),
-                (of(&sample.acceleration) / limits.acceleration, Quantity::Acceleration),
-                (of(&sample.jerk) / jerk, Quantity::Jerk),
+                (velocity.abs() / limits.velocity, Quantity::Velocity),
+                (
+                    acceleration.abs() / limits.acceleration_at(velocity, acceleration),
+                    Quantity::Acceleration,
+                ),
+                (of(&sample.jerk).abs() / jerk, Quantity::Jerk),
             ];
             for (part, quantity) in parts {
                 consider(part, self.of_axis(axis, quantity));

@@ -131,7 +131,7 @@ fn largest_feeds<'a>(
         let jerk = limits.jerk.unwrap_or(f64::INFINITY);
         [
             (limits.velocity / d1.abs(), Quantity::Velocity),
-            ((limits.acceleration / d2.abs()).sqrt(), Quantity::Acceleration),
+            ((limits.acceleration_at(*d1, *d2) / d2.abs()).sqrt(), Quantity::Acceleration),
             ((jerk / d3.abs()).cbrt(), Quantity::Jerk),
         ]
     })

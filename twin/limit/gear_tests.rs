@@ -17,7 +17,7 @@ fn gantry(gears: &str) -> Machine {
     machine
 }
 
-/// Y goes so many times as far as X, and Z so many times as far as Y.
+/// Y follows X by the ratio `y`, and Z follows Y by the ratio `z`.
 fn gears(y: [u32; 2], z: Option<[u32; 2]>) -> String {
     let gear = |slave: &str, master: &str, [numerator, denominator]: [u32; 2]| {
         format!(
@@ -67,8 +67,8 @@ fn a_program_is_slowed_to_what_slaves_in_gear_bear() {
 /// The controller's own planning asks X for 1000 mm/s and the slave for three times that, which the check refuses.
 #[test]
 fn otherwise_the_check_refuses_it() {
-    let told = seconds(&gantry(&gears([3, 1], None)), Limits::Softmotion).unwrap_err();
-    assert!(told.iter().any(|message| message.contains('Y')), "{told:?}");
+    let messages = seconds(&gantry(&gears([3, 1], None)), Limits::Softmotion).unwrap_err();
+    assert!(messages.iter().any(|message| message.contains('Y')), "{messages:?}");
 }
 
 /// Y on a cam behind X.
@@ -112,6 +112,6 @@ fn a_program_is_slowed_to_what_slaves_on_cams_bear() {
     let found = seconds(&machine, Limits::Axes).unwrap();
     assert!(found > trapezoid(400.0, 3000.0) * 1.02, "{found}");
     assert!(found < trapezoid(200.0, 1370.0), "{found}");
-    let told = seconds(&machine, Limits::Softmotion).unwrap_err();
-    assert!(told.iter().any(|message| message.contains('Y')), "{told:?}");
+    let messages = seconds(&machine, Limits::Softmotion).unwrap_err();
+    assert!(messages.iter().any(|message| message.contains('Y')), "{messages:?}");
 }

@@ -3,7 +3,7 @@
 use super::LineLoss;
 use std::collections::HashMap;
 
-/// So many lines are looked at at once. A line that is left out has lost less than all of them, up to then.
+/// Number of lines that are compared at once. A line that is left out has lost less than all of them, up to then.
 const WATCHED: usize = 4096;
 
 /// Adds up what lines lose.

@@ -2,7 +2,9 @@
 
 use super::slaves::Slaves;
 use std::cell::RefCell;
-use twin_kinematics::{AxisSource, AxisVector, KinematicsError, Pose, ToolJerk, ToolMotion};
+use twin_kinematics::{
+    AxisMotion, AxisSource, AxisVector, KinematicsError, Pose, ToolJerk, ToolMotion,
+};
 use twin_machine::{DirectionRule, Machine, SimulationError};
 use twin_path::ExtraPoint;
 use twin_physics::{AxisEffort, EffortRow, PathDynamics, TorqueAlongPath};
@@ -35,7 +37,7 @@ impl Default for AxisRules {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MachinePathError {
     /// Motors are limited, but the masses they move make no sense.
-    #[error("the torques of the motors cannot be reckoned: {0}")]
+    #[error("the torques of the motors cannot be computed: {0}")]
     Physics(#[from] SimulationError),
 }
 
@@ -60,9 +62,11 @@ impl<'m> MachinePath<'m> {
     /// # Errors
     /// [`MachinePathError`].
     pub fn new(machine: &'m Machine, rules: AxisRules) -> Result<Self, MachinePathError> {
+        let given = |counts: bool, limit: f64| if counts { limit } else { f64::INFINITY };
         let limits = machine.axis_limits().into_iter().map(|limit| AxisLimits {
-            velocity: if rules.velocity { limit.velocity.value } else { f64::INFINITY },
-            acceleration: if rules.acceleration { limit.acceleration } else { f64::INFINITY },
+            velocity: given(rules.velocity, limit.velocity.value),
+            acceleration: given(rules.acceleration, limit.acceleration),
+            deceleration: given(rules.acceleration, limit.deceleration),
             jerk: limit.jerk.filter(|_| rules.jerk),
         });
         let dynamics = machine.path_dynamics()?.map(RefCell::new);
@@ -81,6 +85,22 @@ impl<'m> MachinePath<'m> {
             motors,
             slaves: Slaves::of(machine),
         })
+    }
+
+    /// Positions of the axes without the slaves of gears and cams.
+    pub(super) fn without_slaves(&self, position: &AxisVector) -> AxisVector {
+        self.slaves.without(position)
+    }
+
+    /// A motion of the axes with the slaves of gears and cams.
+    pub(super) fn with_slaves(&self, motion: &AxisMotion) -> AxisMotion {
+        // Time in the place of the path's parameter.
+        let AxisMotion { position, velocity: first, acceleration: second } = *motion;
+        let rates = Rates { first, second, third: AxisVector::zeros(position.len()) };
+        let mut point = AxisPoint { position, rates };
+        self.slaves.lead(&mut point);
+        let AxisPoint { position, rates: Rates { first, second, .. } } = point;
+        AxisMotion { position, velocity: first, acceleration: second }
     }
 
     /// The axis that a row of [`AxisPath::further`] is about.

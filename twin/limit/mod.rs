@@ -15,12 +15,15 @@ mod drag_tests;
 mod effort_tests;
 mod explain;
 mod feeds;
+mod gaps;
 #[cfg(test)]
 mod gear_tests;
 mod json;
 mod lines;
 mod losses;
 mod machine_path;
+#[cfg(test)]
+mod machine_tests;
 mod picture;
 mod plan;
 mod sample;

@@ -4,6 +4,7 @@
 use super::text::{self, digits, percent};
 use super::{Binding, ProfileSample};
 use crate::peak::Peak;
+use twin_kinematics::AxisVector;
 use twin_machine::Axis;
 use twin_machine::axis_kind::AxisKind;
 use twin_number::seconds;
@@ -21,7 +22,7 @@ const PER_AXIS: usize = 4;
 /// Height of a row, and of a note next to it, pixels.
 const HEIGHT: f64 = 150.0;
 const NOTE: f64 = 19.0;
-/// Rows are so many times as high as the largest value: there its line is written.
+/// Height of a row per largest value; the label of its line needs the room.
 const ROOM: f64 = 1.3;
 
 /// Kinds of limits behind those of the axes, and their colours.
@@ -67,18 +68,20 @@ struct Highest {
     /// With its sign.
     value: f64,
     time_s: f64,
+    /// The limit then.
+    limit: f64,
 }
 
 impl Highest {
-    fn include(&mut self, value: f64, sample: &ProfileSample) {
+    fn include(&mut self, value: f64, limit: f64, sample: &ProfileSample) {
         let before = self.peak.value;
         self.peak.include(value, sample.place);
         if self.peak.value > before {
-            (self.value, self.time_s) = (value, seconds(sample.time_ns));
+            (self.value, self.time_s, self.limit) = (value, seconds(sample.time_ns), limit);
         }
     }
 
-    /// Marks it in a row in which it is so many times as large.
+    /// Marks it in a row that multiplies it by `scale`.
     fn mark(&self, row: &mut Row, scale: f64, color: Color) {
         if self.peak.value > 0.0 {
             row.shapes.push(Shape::Mark(Mark {
@@ -106,10 +109,10 @@ impl<'m> Picture<'m> {
         }
     }
 
-    /// The limits of an axis in the order of its curves.
-    fn limits(&self, axis: &Axis) -> [Option<f64>; PER_AXIS] {
+    /// The limits of an axis in the order of its curves, while it `slows` down or not.
+    fn limits(&self, axis: &Axis, slows: bool) -> [Option<f64>; PER_AXIS] {
         let effort = axis.effort_limit().filter(|_| self.efforts);
-        [Some(axis.max_velocity), Some(axis.smallest_acceleration()), axis.max_jerk, effort]
+        [Some(axis.max_velocity), Some(axis.acceleration_limit(slows)), axis.max_jerk, effort]
     }
 
     /// Takes the next sample.
@@ -118,7 +121,9 @@ impl<'m> Picture<'m> {
         self.values.push(Some(sample.path_velocity * 1e3));
         self.values.push((sample.feed > 0.0).then_some(sample.feed * 1e3));
         for (index, axis) in self.axes.iter().enumerate() {
-            let limits = self.limits(axis);
+            let now = |values: &AxisVector| values.get(index).copied().unwrap_or_default();
+            let slows = axis.slows(now(&sample.velocity), now(&sample.acceleration), 0.0);
+            let limits = self.limits(axis, slows);
             let of = [
                 Some(&sample.velocity),
                 Some(&sample.acceleration),
@@ -127,23 +132,22 @@ impl<'m> Picture<'m> {
             ];
             let Some(peaks) = self.peaks.get_mut(index) else { continue };
             for ((values, limit), highest) in of.into_iter().zip(limits).zip(peaks) {
-                let value = values.and_then(|values| values.get(index).copied());
-                let value = value.unwrap_or_default();
+                let value = values.map_or(0.0, now);
                 let part = limit.map(|limit| value / limit);
-                if let Some(part) = part {
-                    highest.include(part, sample);
+                if let Some((part, limit)) = part.zip(limit) {
+                    highest.include(part, limit, sample);
                 }
                 self.values.push(part.map(|part| part * 100.0));
             }
         }
-        self.fastest.include(sample.path_velocity * 1e3, sample);
+        self.fastest.include(sample.path_velocity * 1e3, 0.0, sample);
         let [begin, _] = self.way.unwrap_or([sample.way; 2]);
         self.way = Some([begin, sample.way]);
         let kind = sample.binding.and_then(|binding| self.kind(binding));
         self.timeline.push(seconds(sample.time_ns), sample.place.line, &self.values, kind);
     }
 
-    /// By what a limit is told apart in the strip: the place of its axis, or behind the axes.
+    /// Kind of a limit in the strip: the place of its axis, or behind the axes.
     fn kind(&self, binding: Binding) -> Option<usize> {
         let number = match binding {
             Binding::Axis { axis, .. } => return (axis < self.axes.len()).then_some(axis),
@@ -160,7 +164,7 @@ impl<'m> Picture<'m> {
     /// The largest values of the axes as parts of their limits.
     fn parts(&self, quantity: usize) -> impl Iterator<Item = (usize, &Axis, &Highest)> {
         self.axes.iter().zip(&self.peaks).enumerate().filter_map(move |(index, (axis, peaks))| {
-            self.limits(axis).get(quantity).copied().flatten()?;
+            self.limits(axis, false).get(quantity).copied().flatten()?;
             Some((index, axis, peaks.get(quantity)?))
         })
     }
@@ -253,8 +257,7 @@ impl<'m> Picture<'m> {
                 AxisKind::Rotary => units[0],
                 AxisKind::Linear => units[1],
             };
-            let limit = self.limits(axis).get(quantity).copied().flatten();
-            let value = limit.unwrap_or_default() * highest.peak.value;
+            let value = highest.limit * highest.peak.value;
             let value = if quantity == EFFORT { value } else { axis.from_si(value) };
             let text =
                 format!("{}: {}, {} {unit}", axis.name, percent(highest.peak.value), digits(value));

@@ -1,6 +1,7 @@
 //! Time-optimal plan of a program within all limits, set-point by set-point.
 
 use super::feeds::LineFeed;
+use super::gaps::Gaps;
 use super::machine_path::{AxisRules, MachinePath, MachinePathError, efforts, overloaded};
 use super::watch::Watch;
 use super::{Change, ProfileSample};
@@ -128,6 +129,8 @@ pub struct Profile<'m> {
     /// True if lines whose feed cannot be held are reported, and not kept.
     pub(super) tells_feeds: bool,
     pub(super) watch: Watch<'m>,
+    /// `None` in a check, which bridges gaps itself.
+    gaps: Option<Gaps<'m>>,
     /// The last one.
     tool: Option<ToolSetpoint>,
     /// The element it is on, and whether it is the first on it.
@@ -163,6 +166,7 @@ impl<'m> Profile<'m> {
             lines: Vec::new(),
             tells_feeds: false,
             watch: Watch::new(machine),
+            gaps: Some(Gaps::new(machine)),
             tool: None,
             element: None,
             entered: false,
@@ -173,7 +177,7 @@ impl<'m> Profile<'m> {
     /// cannot be held; [`Self::line_limits`] is then empty.
     pub(crate) fn for_check(self, rules: &Acknowledgement) -> Self {
         let follower = self.follower.with_m_times(rules.times());
-        Self { follower, tells_feeds: true, ..self }
+        Self { follower, tells_feeds: true, gaps: None, ..self }
     }
 
     /// The set-point of the last sample.
@@ -272,7 +276,13 @@ impl<'m> Profile<'m> {
         }
         sample.binding = self.binding(&sample, torque.as_ref(), followed);
         self.include(&point.rates, torque.as_ref(), followed);
-        ProfileItem::Sample(Box::new(sample))
+        match &mut self.gaps {
+            Some(gaps) => {
+                gaps.opens(&self.axes, tool, &sample.position);
+                gaps.pass(sample)
+            }
+            None => ProfileItem::Sample(Box::new(sample)),
+        }
     }
 
     /// The machine.
@@ -290,6 +300,9 @@ impl Iterator for Profile<'_> {
         }
         if let Some(finding) = self.found.take() {
             return Some(ProfileItem::Finding(finding));
+        }
+        if let Some(item) = self.gaps.as_mut().and_then(|gaps| gaps.cross(&self.axes)) {
+            return Some(item);
         }
         let Some(next) = self.follower.next() else {
             if self.tells_feeds {

@@ -5,6 +5,8 @@ use super::losses::Losses;
 use super::{Binding, ProfileSample};
 use crate::peak::AxisPeak;
 use std::collections::BTreeMap;
+use twin_kinematics::AxisVector;
+use twin_machine::Axis;
 use twin_number::seconds;
 use twin_path::Place;
 
@@ -139,7 +141,8 @@ impl LineLoss {
 /// Between two samples the way is gone with the limit and the programmed feed of the first; what it takes longer than
 /// with the programmed feed is lost.
 #[derive(Clone, Debug, Default)]
-pub struct Summing {
+pub struct Summing<'m> {
+    axes: &'m [Axis],
     summary: LimitSummary,
     shares: BTreeMap<Option<Binding>, BindingShare>,
     losses: Losses,
@@ -152,17 +155,17 @@ pub struct Summing {
     begin: f64,
 }
 
-impl Summing {
+impl<'m> Summing<'m> {
     /// Nothing yet.
-    pub fn new(axes: usize) -> Self {
+    pub fn new(axes: &'m [Axis]) -> Self {
         Self::under(axes, 1.0)
     }
 
     /// As [`Self::new`], under an override `factor` that the programmed feed is multiplied by.
-    pub fn under(axes: usize, factor: f64) -> Self {
-        let peaks = vec![AxisPeak::default(); axes];
+    pub fn under(axes: &'m [Axis], factor: f64) -> Self {
+        let peaks = vec![AxisPeak::default(); axes.len()];
         let summary = LimitSummary { peaks, override_factor: factor, ..LimitSummary::default() };
-        Self { summary, ..Self::default() }
+        Self { axes, summary, ..Self::default() }
     }
 
     /// With every line in the summary, not only those that lose most.
@@ -173,19 +176,18 @@ impl Summing {
 
     /// Takes the next sample.
     pub fn include(&mut self, sample: &ProfileSample) {
-        for (index, peak) in self.summary.peaks.iter_mut().enumerate() {
-            let at = sample.position.get(index).copied().unwrap_or_default();
+        for (index, (axis, peak)) in self.axes.iter().zip(&mut self.summary.peaks).enumerate() {
+            let of = |values: &AxisVector| values.get(index).copied().unwrap_or_default();
+            let at = of(&sample.position);
             let [low, high] = peak.position.unwrap_or([at; 2]);
             peak.position = Some([low.min(at), high.max(at)]);
-            for (values, peak) in [
-                (&sample.velocity, &mut peak.velocity),
-                (&sample.acceleration, &mut peak.acceleration),
-                (&sample.jerk, &mut peak.jerk),
-            ] {
-                peak.include(values.get(index).copied().unwrap_or_default(), sample.place);
-            }
-            if let Some(effort) = sample.effort.and_then(|effort| effort.get(index).copied()) {
-                peak.effort.get_or_insert_default().include(effort, sample.place);
+            let (velocity, acceleration) = (of(&sample.velocity), of(&sample.acceleration));
+            peak.velocity.include(velocity, sample.place);
+            let slows = axis.slows(velocity, acceleration, 0.0);
+            peak.include_acceleration(axis, slows, acceleration, sample.place);
+            peak.jerk.include(of(&sample.jerk), sample.place);
+            if let Some(effort) = &sample.effort {
+                peak.effort.get_or_insert_default().include(of(effort), sample.place);
             }
         }
         match self.before.replace(*sample) {
@@ -197,7 +199,7 @@ impl Summing {
     fn interval(&mut self, before: &ProfileSample, now: &ProfileSample) {
         let time_s = seconds(now.time_ns - before.time_ns);
         let way = now.way - before.way;
-        // Where the path stands nothing is lost that a feed would win.
+        // Where the path rests no feed would gain time.
         let feed = before.feed * self.summary.override_factor;
         let by_feed_s = if feed > 0.0 { way / feed } else { time_s };
         let lost_s = time_s - by_feed_s;

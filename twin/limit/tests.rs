@@ -104,7 +104,7 @@ fn near(found: f64, expected: f64, tolerance: f64) {
 }
 
 fn summary_of(machine: &Machine, samples: &[ProfileSample]) -> LimitSummary {
-    let mut summing = Summing::new(machine.axes.len());
+    let mut summing = Summing::new(&machine.axes);
     for sample in samples {
         summing.include(sample);
     }
@@ -177,7 +177,7 @@ fn waiting_loses_nothing() {
 #[test]
 fn the_worst_of_many_lines_are_found() {
     let machine = gantry();
-    let mut summing = Summing::new(3);
+    let mut summing = Summing::new(&machine.axes);
     let (mut time_ns, mut way) = (0, 0.0);
     let lost = |line: u32| i64::from(line) * 7919 % 100_003;
     for line in 1..=100_002 {
@@ -374,7 +374,7 @@ fn a_picture_names_what_it_shows() {
         assert!(text.contains(words), "{words}");
     }
     assert!(!text.contains("tool tip") && !text.contains("NaN") && !text.contains("inf"));
-    // Without a limit of jerk there is no row for it.
+    // Without a jerk limit the row is missing.
     let text = picture_of(&scara(), &[rest(&scara())]);
     assert!(text.contains("no axis moves") && !text.contains("jerk"));
     assert!(picture_of(&machine, &[]).contains("part.cnc"));

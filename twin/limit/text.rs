@@ -10,7 +10,7 @@ use twin_machine::{Axis, Machine};
 use twin_number::significant;
 use twin_path::Place;
 
-/// Changes are named that gain at least this, s, and this part of the program's time; so many of them.
+/// Changes are named that gain at least this, s, and this part of the program's time; the largest number of them.
 const WORTH_S: f64 = 1e-3;
 const WORTH: f64 = 1e-3;
 const NAMED_CHANGES: usize = 3;
@@ -110,9 +110,10 @@ fn peaks(machine: &Machine, summary: &LimitSummary) -> Table {
     table.set_header(header);
     for (axis, peak) in machine.axes.iter().zip(&summary.peaks) {
         let mut row = vec![Cell::new(&axis.name)];
+        let (acceleration, limit) = peak.hardest(axis);
         for (peak, limit, per) in [
             (&peak.velocity, Some(axis.max_velocity), "s"),
-            (&peak.acceleration, Some(axis.smallest_acceleration()), "s²"),
+            (&acceleration, Some(limit), "s²"),
             (&peak.jerk, axis.max_jerk, "s³"),
         ] {
             let value = format!("{} {}/{per}", digits(axis.from_si(peak.value)), axis.unit());
@@ -148,9 +149,10 @@ fn beyond(machine: &Machine, summary: &LimitSummary) -> Vec<String> {
     let mut found: Vec<(f64, String)> = Vec::new();
     for (axis, peak) in machine.axes.iter().zip(&summary.peaks) {
         let effort = peak.effort.unwrap_or_default();
+        let (acceleration, limit) = peak.hardest(axis);
         for (name, peak, limit) in [
             ("velocity", &peak.velocity, Some(axis.max_velocity)),
-            ("acceleration", &peak.acceleration, Some(axis.smallest_acceleration())),
+            ("acceleration", &acceleration, Some(limit)),
             ("jerk", &peak.jerk, axis.max_jerk),
             (axis.kind.effort_name(), &effort, axis.effort_limit()),
         ] {

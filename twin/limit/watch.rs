@@ -75,11 +75,11 @@ impl<'m> Watch<'m> {
     /// Motors that cannot hold their axes, with what that would take.
     pub(super) fn motors(&mut self, place: Place, overloaded: impl Iterator<Item = (usize, f64)>) {
         for (index, effort) in overloaded {
-            let told = self.overloaded.get_mut(index);
-            if let (Some(axis), Some(told)) = (self.axes.get(index), told)
-                && *told != Some(place.line)
+            let reported = self.overloaded.get_mut(index);
+            if let (Some(axis), Some(reported)) = (self.axes.get(index), reported)
+                && *reported != Some(place.line)
             {
-                *told = Some(place.line);
+                *reported = Some(place.line);
                 self.found.push_back(overload(axis, place, effort));
             }
         }

@@ -1,7 +1,6 @@
 //! Trip point of a probing move (RS274: G38.2 to G38.5) by the clearances along it.
 //!
-//! The surroundings of a machine come from its file. Every reader of a program on a machine uses them
-//! ([`crate::ProgramConditions::rs274`]), so that check, run, limit, path and view see the same path.
+//! Check, run, limit, path and view read programs with the same surroundings ([`crate::ProgramConditions::rs274`]).
 
 use std::fmt;
 use twin_gcode::rs274::{Position, ProbePath, ProbeTarget};
@@ -10,33 +9,32 @@ use twin_path::ProbeTrip;
 /// Nearer than this is touching, m: the rounding of distances.
 pub const TOUCH: f64 = 1e-8;
 
-/// Farther than this is free again, m. More than [`TOUCH`], so that what has just been touched is not left by rounding.
+/// Farther than this is free again, m: more than [`TOUCH`], so that rounding does not release.
 pub const RELEASE: f64 = 1e-6;
 
 /// Accuracy of the trip position along the move, m.
 const PLACE: f64 = 1e-9;
 
-/// Nothing thinner than this is sure to be found, m.
+/// Smallest thickness that is found for sure, m.
 const SHORTEST_STEP: f64 = 1e-5;
 
-/// Longest step along a move, m: what is far from everything may come near to it faster than the tool moves.
+/// Longest step along a move, m: distances may shrink faster than the tool moves.
 const LONGEST_STEP: f64 = 1e-3;
 
-/// A move is looked at in no more places than this on the way to its trip.
+/// Most steps along a move.
 const MOST_STEPS: f64 = 1e6;
 
 /// Distance of a machine from the surfaces that its probe can touch.
 pub trait Clearance: fmt::Debug {
-    /// The distance with the point whose path it is at `at` (the frame of the path: that of the program's `[work_frame]`), m; 0 or
-    /// less where it touches. `point_from_tip` (m) is from the tip of the tool in force (G43) to that point. None where the machine
-    /// cannot be, or where nothing is known.
+    /// Distance (m; 0 or less: touching) with the point at `at`, in the frame of the path. `point_from_tip` (m) is
+    /// from the tool tip in force (G43) to that point. None at unreachable positions.
     fn at(&mut self, at: &Position, point_from_tip: &[f64; 3]) -> Option<f64>;
 }
 
 /// Trip position of a probing move, from the distances along it.
 ///
-/// It walks in steps of half the distance that is left, but none below ten micrometres, and halves the step in which the
-/// probe trips. The way ends where the machine cannot go: the motion of the axes reports the error.
+/// Steps are half the remaining distance, at least ten micrometres; the step that trips is bisected. The search
+/// ends where the machine cannot go: axis motion reports that.
 #[derive(Debug)]
 pub struct Approach<C> {
     clearance: C,

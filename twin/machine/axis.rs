@@ -19,10 +19,9 @@ pub struct Axis {
     pub name: String,
     /// Rotary or linear.
     pub kind: AxisKind,
-    /// Software limits, lower and upper, m or rad. Those of a modulo axis without limits are as far as numbers or its
-    /// drive go.
+    /// Software limits, m or rad; for a modulo axis without limits the range of numbers or of its drive.
     pub position_limits: [f64; 2],
-    /// A modulo axis shows its position from 0 up to this, m or rad (`fPositionPeriod`); `None`: as far as it goes.
+    /// Modulo period (`fPositionPeriod`), m or rad; `None`: not modulo.
     pub period: Option<f64>,
     /// True if the machine file gives the limits.
     pub limited: bool,
@@ -30,8 +29,7 @@ pub struct Axis {
     pub max_velocity: f64,
     /// Velocity limits by source.
     pub velocity_limits: VelocityLimits,
-    /// Largest acceleration, m/s² or rad/s²: while its speed grows, and also while it falls unless
-    /// [`Self::max_deceleration`] differs.
+    /// Largest acceleration, m/s² or rad/s²; also the deceleration unless [`Self::max_deceleration`] differs.
     pub max_acceleration: f64,
     /// Largest deceleration, m/s² or rad/s²: while its speed falls (`fSWMaxDeceleration`).
     pub max_deceleration: f64,
@@ -74,10 +72,9 @@ impl Axis {
         self.max_acceleration.min(self.max_deceleration)
     }
 
-    /// True if the deceleration limits an `acceleration` at this `velocity`, and not the acceleration: the speed falls.
+    /// True if the deceleration limits an `acceleration` at this `velocity`: the speed falls.
     ///
-    /// Where the axis comes to rest or starts within a `cycle` (s) the sign of its velocity decides nothing, and the
-    /// larger limit counts.
+    /// If the axis starts or stops within a `cycle` (s), the larger limit counts.
     pub fn slows(&self, velocity: f64, acceleration: f64, cycle: f64) -> bool {
         if self.own_deceleration().is_none() {
             false
@@ -105,15 +102,15 @@ impl Axis {
 
     /// Its limits in a plan.
     ///
-    /// A plan that is run k times as fast has k times its velocities, k² times its accelerations and k³ times its jerks.
-    /// With a headroom h, a plan within (1 − h), (1 − h)² and (1 − h)³ of the limits therefore stays within the limits
-    /// themselves up to the override 1 / (1 − h).
+    /// A plan run k times as fast has k times its velocities, k² its accelerations and k³ its jerks. With a
+    /// headroom h it therefore stays within the limits up to the override 1 / (1 − h).
     pub fn limit(&self) -> AxisLimit {
         let left = 1.0 - self.headroom;
         let VelocityLimit { value, source } = self.velocity_limit();
         AxisLimit {
             velocity: VelocityLimit { value: value * left, source },
-            acceleration: self.smallest_acceleration() * left.powi(2),
+            acceleration: self.max_acceleration * left.powi(2),
+            deceleration: self.max_deceleration * left.powi(2),
             jerk: self.max_jerk.map(|jerk| jerk * left.powi(3)),
             headroom: self.headroom,
         }
@@ -124,8 +121,7 @@ impl Axis {
         self.drive.as_ref().map(|drive| drive.counting)
     }
 
-    /// Increments per m or rad, rounded; 0 without a drive. For speeds, tolerances and estimates: positions are counted by
-    /// [`Self::counting`].
+    /// Increments per m or rad, rounded; 0 without a drive. For speeds and estimates: [`Self::counting`] is exact.
     #[expect(clippy::cast_precision_loss, reason = "read from a file where it is at most 10^12")]
     pub fn increments_per_si(&self) -> f64 {
         self.drive

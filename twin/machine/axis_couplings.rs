@@ -95,8 +95,7 @@ struct Running {
 }
 
 impl<'m> AxisCouplings<'m> {
-    /// Couplings of `machine` before a program begins. The program must not start a slave of a cam away from its place
-    /// on the cam.
+    /// Couplings of `machine` before a program, which must start the slaves of cams on their cams.
     pub fn for_program(machine: &'m Machine) -> Self {
         let start =
             if machine.couplings.is_empty() { None } else { machine.start_without_slaves() };
@@ -259,8 +258,8 @@ impl<'m> AxisCouplings<'m> {
     }
 }
 
-/// Checks that a slave that a program starts at `own` is where its cam has it, `coupled`. One that begins from
-/// where the slave is, with a ramp or relative to it, may begin anywhere, and so may a gear.
+/// Checks that a slave that a program starts at `own` is on its cam, `coupled`. Gears and slaves with a ramp or
+/// relative start may begin anywhere.
 ///
 /// # Errors
 /// [`AxesError::Begins`] if it is elsewhere.

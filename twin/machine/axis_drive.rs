@@ -11,7 +11,7 @@ use twin_drives::family::Abilities;
 pub struct AxisDrive {
     /// Index into [`super::Machine::drives`].
     pub device: usize,
-    /// Axis of that device: from 0 (X of an InterpCNC board, 1 of a BIM2AX module), or the address of a SmartDRIVE.
+    /// Axis of the device, from 0; the address of a SmartDRIVE.
     pub index: usize,
     /// Increments per unit.
     pub ratio: IncrementRatio,
@@ -72,7 +72,7 @@ pub(super) fn read(section: &Section<'_>, kind: AxisKind, devices: &[Seen]) -> O
             let keys = ["drive_axis", "drive_address", "increments", &per_key];
             for key in keys.into_iter().chain(["max_step_frequency_khz"]).chain(Switches::KEYS) {
                 if section.has(key) {
-                    section.complain_at(key, format!("`{key}` says nothing without a `drive`"));
+                    section.complain_at(key, format!("`{key}` has no effect without a `drive`"));
                 }
             }
         }
@@ -102,10 +102,8 @@ pub(super) fn read(section: &Section<'_>, kind: AxisKind, devices: &[Seen]) -> O
         }
     }
     if increments == Some(0) {
-        section.complain_at(
-            "increments",
-            "`increments` is 0; a drive that never steps moves nothing".to_owned(),
-        );
+        section
+            .complain_at("increments", "`increments` is 0; a drive that never steps moves nothing");
         return None;
     }
     let ratio = IncrementRatio { increments: increments?, per_units: per_units? };
@@ -128,8 +126,7 @@ pub(super) fn check_steps(section: &Section<'_>, unit: &str, increments: f64, mi
     }
 }
 
-/// Checks that the drive can count and step as far and as fast as the axis may go. A given step frequency keeps the
-/// axis within it.
+/// Checks counter and step frequency of the drive against the limits of the axis.
 pub(super) fn check(
     section: &Section<'_>,
     unit: &str,

@@ -10,43 +10,32 @@ pub enum AxisKind {
 }
 
 impl AxisKind {
+    const fn turns(self) -> bool {
+        matches!(self, Self::Rotary)
+    }
+
     /// In machine files.
     pub(crate) const fn name(self) -> &'static str {
-        match self {
-            Self::Rotary => "rotary",
-            Self::Linear => "linear",
-        }
+        if self.turns() { "rotary" } else { "linear" }
     }
 
     /// The unit that people read and write.
     pub const fn unit(self) -> &'static str {
-        match self {
-            Self::Rotary => "deg",
-            Self::Linear => "mm",
-        }
+        if self.turns() { "deg" } else { "mm" }
     }
 
     /// The unit of what its motor gives.
     pub const fn effort_unit(self) -> &'static str {
-        match self {
-            Self::Rotary => "Nm",
-            Self::Linear => "N",
-        }
+        if self.turns() { "Nm" } else { "N" }
     }
 
     /// Name of the motor's effort: torque or force.
     pub const fn effort_name(self) -> &'static str {
-        match self {
-            Self::Rotary => "torque",
-            Self::Linear => "force",
-        }
+        if self.turns() { "torque" } else { "force" }
     }
 
     /// One such unit in SI.
     pub const fn scale(self) -> f64 {
-        match self {
-            Self::Rotary => std::f64::consts::PI / 180.0,
-            Self::Linear => 1e-3,
-        }
+        if self.turns() { std::f64::consts::PI / 180.0 } else { 1e-3 }
     }
 }

@@ -3,8 +3,7 @@
 use crate::section::Section;
 use crate::text::Text;
 use std::path::Path;
-use twin_gcode::rs274;
-use twin_gcode::rs274::{LengthUnit, Position, ToolTable, ToolTableError};
+use twin_gcode::rs274::{self, LengthUnit, Position, ToolTable, ToolTableError};
 use twin_path::ExtraPosition;
 use twin_path::prepare::{CircularLimits, Preparation, Rounding, Smoothing, ToolRadiusOptions};
 
@@ -34,14 +33,13 @@ pub struct ProgramConditions {
     pub angle_tolerance: f64,
     /// True if there are stops at all: rapids, sharper turns, M functions and dwells. Only comparisons do without.
     pub stops: bool,
-    /// Inputs of preparation besides those of programs.
+    /// Further inputs of preparation.
     pub preparation: PreparationInputs,
     /// Initial conditions of an RS274 program, in the work frame; its start is that above.
     pub rs274: rs274::DecoderOptions,
 }
 
-/// The inputs of the manual's preparation blocks (6.2.3 to 6.2.8); all 0 and none, but for the gouge
-/// tolerance, unless the machine file says otherwise.
+/// Inputs of the manual's preparation blocks (6.2.3 to 6.2.8); 0 or none by default, except the gouge tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PreparationInputs {
     /// Added to D where the tool radius is corrected, m (`SMC_ToolCorr.dToolRadius`).

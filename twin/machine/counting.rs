@@ -6,9 +6,8 @@ use twin_drives::DecimalRatio;
 /// Increments of a drive per unit of the axis, as an exact ratio (the manual's
 /// `dwRatioTechUnitsDenom` / `iRatioTechUnitsNum`).
 ///
-/// [`Counting`] converts with it, by a [`DecimalRatio`]. The manual's fraction of whole numbers in 32 bits is
-/// not enough: a machine file gives what its builder reads off the gear, the belt and the encoder, up to 10^12 increments
-/// per 9.525 mm.
+/// [`Counting`] converts with it. The manual's 32-bit fraction is not enough for values read off gear, belt and
+/// encoder, up to 10^12 increments per 9.525 mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IncrementRatio {
     /// Increments of the drive …
@@ -27,8 +26,8 @@ impl IncrementRatio {
 
 /// Position counting of the drive of an axis.
 ///
-/// A position is rounded once on its way to increments or back, so that nothing adds up over a run. One in rad becomes
-/// degrees, in which the ratio is given, by a number that is π/180 to 53 bits: 10⁻⁷ of an increment in 10⁹.
+/// A position is rounded once on its way, so errors do not add up. Rotary positions use π/180 to 53 bits: 10⁻⁷ of
+/// an increment in 10⁹.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counting {
     kind: AxisKind,
@@ -103,7 +102,7 @@ mod tests {
         Counting::new(kind, &IncrementRatio { increments, per_units }, i32::MAX.into()).unwrap()
     }
 
-    /// 10000 increments per 3 mm; a billion increments are 300 m, whose millimetres are written as the program writes them.
+    /// 10000 increments per 3 mm; a billion increments are 300 m.
     #[test]
     fn a_billion_increments_of_a_ratio_without_an_end_are_right_both_ways() {
         let axis = counting(AxisKind::Linear, 10_000, 3.0);

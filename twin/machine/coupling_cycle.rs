@@ -2,8 +2,7 @@
 
 use std::collections::VecDeque;
 
-/// Finds a coupling cycle, from master to slave. It begins and ends with the axis of the least number that is in a
-/// cycle. `couplings` are masters with their slaves. `None` without a cycle.
+/// Finds a cycle among `couplings` (master, slave): from the axis with the least number in a cycle back to it.
 pub fn find(couplings: &[(usize, usize)]) -> Option<Vec<usize>> {
     let mut axes: Vec<_> = couplings.iter().map(|(master, _)| *master).collect();
     axes.sort_unstable();

@@ -3,11 +3,9 @@
 
 use super::axis::Axis;
 use crate::axis_kind::AxisKind;
-use crate::cam_file::unit_fits;
-use crate::cam_file::{CamFile, CamFileError, START_MODES, no_scaling};
+use crate::cam_file::{CamFile, CamFileError, START_MODES, no_scaling, unit_fits};
 use crate::coupling_cycle;
-use crate::section::Section;
-use crate::section::{Elsewhere, MachineFileError};
+use crate::section::{Elsewhere, MachineFileError, Section};
 use crate::tappets::MOST_SIGNALS;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -28,7 +26,7 @@ pub struct Coupling {
     pub by: CoupledBy,
 }
 
-/// Coupling of two axes; values in the units of the axes, mm or degrees.
+/// Coupling of two axes; values in mm or degrees.
 #[derive(Clone, Debug)]
 pub enum CoupledBy {
     /// A gear: way of the slave per way of the master, numerator and denominator. Positions count from where both start.
@@ -82,7 +80,7 @@ impl Coupling {
     }
 }
 
-/// Reads both; `path` is the file, from which cams are named. None if any is wrong. Masters come before their slaves.
+/// Reads both, masters before slaves; `path` is the machine file. None if any is wrong.
 pub(super) fn read(
     root: &Section<'_>,
     path: &Path,
@@ -170,13 +168,13 @@ fn one(section: &Section<'_>, path: &Path, axes: &[Axis], is_gear: bool) -> Opti
     };
     let (axis, master) = (slave?, master?);
     if axis == master {
-        section.complain_at("master", "an axis cannot follow itself".to_owned());
+        section.complain_at("master", "an axis cannot follow itself");
         return None;
     }
     Some(Coupling { axis, master, by: by? })
 }
 
-/// Sorted so that whoever is followed comes first; `None` if there is a cycle.
+/// Sorted so that masters come before slaves; `None` if there is a cycle.
 fn masters_first(mut left: Vec<Coupling>) -> Option<Vec<Coupling>> {
     let mut sorted = Vec::new();
     while !left.is_empty() {
@@ -219,9 +217,8 @@ impl<'a> CamAxis<'a> {
     }
 }
 
-/// Reads a cam and its start; `path` is the file that names it. Defaults come from the cam's own file, except for the
-/// three flags of `MC_CamTableSelect`, which are true. An unknown axis has no keys with units; other errors
-/// are reported.
+/// Reads a cam and its start; `path` is the file that names it. Defaults come from the cam's file, except the three
+/// flags of `MC_CamTableSelect`, which are true. Keys with units need known axes.
 pub fn read_cam(
     section: &Section<'_>,
     path: &Path,

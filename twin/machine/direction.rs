@@ -13,16 +13,8 @@ pub enum DirectionRule {
     Path(ToPath, f64),
     /// It stays so, rad in the work frame.
     Fixed(f64),
-    /// The additional axis of this number, in degrees: P Q U V W are 0 to 4 (in RS274 A B C are P Q U), turned by so much
-    /// more, rad.
+    /// Additional axis of this number (P Q U V W: 0 to 4; A B C of RS274 are P Q U), degrees, plus an angle, rad.
     Additional(u8, f64),
-}
-
-#[derive(Clone, Copy)]
-enum Word {
-    Path(ToPath),
-    Fixed,
-    Additional(u8),
 }
 
 impl DirectionRule {
@@ -40,24 +32,26 @@ impl DirectionRule {
         }
         let names = EXTRA_AXES.map(|letter| letter.to_string());
         let mut words = vec![
-            ("tangential", Word::Path(ToPath::Tangential)),
-            ("opposite", Word::Path(ToPath::Opposite)),
-            ("right", Word::Path(ToPath::Right)),
-            ("left", Word::Path(ToPath::Left)),
-            ("fixed", Word::Fixed),
+            ("tangential", Self::Path(ToPath::Tangential, 0.0)),
+            ("opposite", Self::Path(ToPath::Opposite, 0.0)),
+            ("right", Self::Path(ToPath::Right, 0.0)),
+            ("left", Self::Path(ToPath::Left, 0.0)),
+            ("fixed", Self::Fixed(0.0)),
         ];
         let additional =
             names.iter().filter_map(|name| Some((name, additional_axis::number(name)?)));
-        words.extend(additional.map(|(name, number)| (name.as_str(), Word::Additional(number))));
-        let default =
-            if kind.starts_with("scara") { Word::Fixed } else { Word::Path(ToPath::Tangential) };
+        words.extend(
+            additional.map(|(name, number)| (name.as_str(), Self::Additional(number, 0.0))),
+        );
+        let is_scara = kind.starts_with("scara");
+        let default = if is_scara { Self::Fixed(0.0) } else { Self::Path(ToPath::Tangential, 0.0) };
         let word = kinematics.choice("direction", &words).unwrap_or(default);
         let angle = kinematics.number("direction_deg", -360.0..=360.0);
         let angle = angle.unwrap_or_default().to_radians();
         match word {
-            Word::Path(to_path) => Self::Path(to_path, angle),
-            Word::Fixed => Self::Fixed(angle),
-            Word::Additional(number) => Self::Additional(number, angle),
+            Self::Path(to_path, _) => Self::Path(to_path, angle),
+            Self::Fixed(_) => Self::Fixed(angle),
+            Self::Additional(number, _) => Self::Additional(number, angle),
         }
     }
 

@@ -29,8 +29,7 @@ pub(super) fn read(root: &Section<'_>) -> Option<WorkFrame> {
 }
 
 impl Machine {
-    /// Origin of the work frame, m, and its roll, pitch and yaw about the fixed axes, rad (`SMC_UnitVectorToRPY`): for a
-    /// probed frame the corner and the pose that follow from the six points.
+    /// Origin of the work frame, m, and its roll, pitch and yaw, rad (`SMC_UnitVectorToRPY`).
     pub fn work_frame(&self) -> [[f64; 3]; 2] {
         let origin = self.frame.point_to_machine(&Point3::origin());
         let axes = [Vector3::x(), Vector3::y(), Vector3::z()];

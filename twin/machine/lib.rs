@@ -56,8 +56,7 @@ pub use axis::Axis;
 pub use axis_drive::{AxisDrive, Switches};
 pub use conditions::{PreparationInputs, ProgramConditions, tool_table_problem};
 pub use counting::{Counting, IncrementRatio};
-pub use couplings::{CamAxis, read_cam, read_ratio};
-pub use couplings::{CamSelection, CoupledBy, Coupling};
+pub use couplings::{CamAxis, CamSelection, CoupledBy, Coupling, read_cam, read_ratio};
 pub use direction::DirectionRule;
 use drives::Seen;
 pub use drives::{DeviceEntry, DriveFamily, FAMILIES};
@@ -71,7 +70,7 @@ pub use simulated::{
 pub use simulation_error::SimulationError;
 pub use surroundings::Collision;
 
-use crate::section::{KeyUse, MachineFileError, Problem, Section, read_text};
+use crate::section::{KeyUse, MachineFileError, Problem, Section};
 use crate::switch_points::SwitchOutput;
 use crate::tappets::TappetOutput;
 use axis::AxisEntry;
@@ -82,7 +81,7 @@ use tool::Tool;
 use twin_drives::MAX_DRIVE_AXES;
 use twin_drives::family::Family;
 use twin_kinematics::{AxisSource, AxisVector, Kinematics, MAX_AXES, MachineAxes, Pose, WorkFrame};
-use twin_urdf::{Inertial, JointKind, Model, UrdfWarning};
+use twin_urdf::{Inertial, Model, UrdfWarning};
 
 /// One set-point per millisecond.
 const CYCLE_NS: i64 = 1_000_000;
@@ -102,7 +101,7 @@ pub struct Machine {
     pub kinematics: Arc<MachineAxes>,
     /// Source of the tool direction.
     pub direction: DirectionRule,
-    /// Length that stands for a radian in measures of singularity, m.
+    /// Length that weighs as much as a radian in measures of singularity, m.
     pub length_scale: f64,
     /// Pose of the program's frame.
     pub frame: WorkFrame,
@@ -144,14 +143,7 @@ impl Machine {
     /// # Errors
     /// With everything that is wrong with it.
     pub fn load(path: &Path) -> Result<Self, MachineFileError> {
-        let what = "machine file";
-        let text = read_text(what, path)?;
-        Self::parse(path, &text).map_err(|problems| MachineFileError::Content {
-            what,
-            path: path.to_owned(),
-            text,
-            problems,
-        })
+        section::load("machine file", path, |text| Self::parse(path, text))
     }
 
     /// Reads the text of a machine file; `path` is for messages.
@@ -212,21 +204,12 @@ impl Machine {
 
     /// Mass of everything that the axes move, kg.
     pub fn moving_mass(&self) -> f64 {
-        // A parent comes before its children.
-        let mut moves = vec![false; self.model.links.len()];
-        for joint in &self.model.joints {
-            let moved = joint.kind != JointKind::Fixed
-                || moves.get(joint.parent).copied().unwrap_or_default();
-            if let Some(slot) = moves.get_mut(joint.child) {
-                *slot = moved;
-            }
-        }
+        let moves = geometry::moving_links(&self.model);
         let moving = self.model.links.iter().zip(moves).filter(|(_, moves)| *moves);
         moving.filter_map(|(link, _)| link.inertial).map(|body| body.mass).sum()
     }
 
-    /// Every axis in the middle of its software limits: where to begin looking for rotary axes among the turns that
-    /// lead to the same place.
+    /// Middle of the software limits of every axis: start value for choosing among turns of rotary axes.
     pub fn middle(&self) -> AxisVector {
         let middle = |axis: &Axis| {
             let [min, max] = axis.position_limits;
@@ -376,7 +359,7 @@ fn dimensions(text: &str) -> toml::Table {
 fn check_axes(root: &Section<'_>, sections: &[Section<'_>], entries: &[Option<AxisEntry>]) -> bool {
     let mut unique = true;
     if sections.is_empty() {
-        root.complain("the file lacks [[axes]]".to_owned());
+        root.complain("the file lacks [[axes]]");
     }
     if let Some(beyond) = sections.get(MAX_AXES) {
         beyond.complain(format!("{} axes; at most {MAX_AXES} are supported", sections.len()));

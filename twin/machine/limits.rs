@@ -80,8 +80,10 @@ impl VelocityLimits {
 pub struct AxisLimit {
     /// Largest velocity, m/s or rad/s.
     pub velocity: VelocityLimit,
-    /// Largest acceleration, m/s² or rad/s²: the smaller of acceleration and deceleration.
+    /// Largest acceleration while the speed grows, m/s² or rad/s².
     pub acceleration: f64,
+    /// Largest deceleration, m/s² or rad/s².
+    pub deceleration: f64,
     /// Largest jerk, m/s³ or rad/s³; `None`: not limited.
     pub jerk: Option<f64>,
     /// Part of the velocity that is left to the override, 0 to 0.9.
@@ -95,14 +97,13 @@ pub struct PathLimits {
     pub blend_tolerance: f64,
     /// Largest acceleration of the tool tip, in any direction, m/s²; `None`: not limited.
     pub tool_acceleration: Option<f64>,
-    /// Largest acceleration towards the centre of a curve, m/s² (`dMaxAcc` of `SMC_LimitCircularVelocities`); `None`:
-    /// not limited.
+    /// Largest centripetal acceleration, m/s² (`dMaxAcc` of `SMC_LimitCircularVelocities`); `None`: not limited.
     pub centripetal_acceleration: Option<f64>,
     /// Largest jump of that from one element to the next, m/s² (`dMaxAccJump`); `None`: not limited.
     pub centripetal_jump: Option<f64>,
 }
 
-/// Drive and motor limits in `[[axes]]`, besides the velocity of the axis itself.
+/// Drive and motor limits in `[[axes]]`, in addition to the velocity of the axis itself.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DriveLimits {
     /// As given, steps/s.
@@ -122,7 +123,7 @@ impl DriveLimits {
         let values = [section.number(rpm, 0.1..=1e6), section.number(turns, 1e-9..=1e6)];
         for (key, other) in [(rpm, turns), (turns, rpm)] {
             if section.has(key) && !section.has(other) {
-                let message = format!("`{key}` says nothing without `{other}`");
+                let message = format!("`{key}` has no effect without `{other}`");
                 section.complain_at(key, message);
             }
         }
@@ -134,8 +135,8 @@ impl DriveLimits {
         Self { step_frequency_hz: frequency.map(|khz| khz * 1e3), motor_speed, motor_turns }
     }
 
-    /// With the velocity of the axis itself and, with a drive, its increments per unit and the most of them that it makes
-    /// in a second: all in deg/s or mm/s.
+    /// Adds the velocity limit of the axis and that of a drive (increments per unit, largest frequency), deg/s or
+    /// mm/s.
     pub(super) fn with(&self, axis: f64, drive: Option<(f64, f64)>) -> VelocityLimits {
         let step_frequency = drive.map(|(increments_per_unit, most_hz)| {
             self.step_frequency_hz.unwrap_or(most_hz) / increments_per_unit.abs()

@@ -32,11 +32,11 @@ pub(super) fn read(root: &Section<'_>, drives: bool) -> Vec<MFunction> {
         let (outputs_on, outputs_off) = (outputs("outputs_on"), outputs("outputs_off"));
         let time_ms = section.integer("time_ms", 0..=86_400_000).unwrap_or(0);
         if !(drives || outputs_on.is_empty() && outputs_off.is_empty()) {
-            section.complain("there is no [[drives]] that has outputs".to_owned());
+            section.complain("there is no [[drives]] that has outputs");
         }
         let keys = ["outputs_on", "outputs_off", "time_ms"];
         if !keys.into_iter().any(|key| section.has(key)) {
-            section.complain("it has neither outputs nor `time_ms`".to_owned());
+            section.complain("it has neither outputs nor `time_ms`");
         }
         if let Some(both) = outputs_on.iter().find(|output| outputs_off.contains(output)) {
             section.complain_at(

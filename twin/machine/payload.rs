@@ -15,8 +15,7 @@ const INERTIA: RangeInclusive<f64> = 0.0..=1e6;
 /// A moment of inertia may be larger than the sum of the others by this part of it: numbers are rounded.
 const ROUNDING: f64 = 1e-9;
 
-/// Mass on the flange besides the `tool`, in the frame of the flange (that of the tool's offset: z up). `None` if the
-/// file gives none, or an impossible one.
+/// Payload on the flange in its frame, z up; `None` if the file gives none, or an impossible one.
 pub(super) fn read(root: &Section<'_>, tool: &Tool) -> Option<Inertial> {
     let given = root.has("payload");
     let section = root.section("payload");

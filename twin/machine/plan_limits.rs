@@ -9,8 +9,7 @@ impl Machine {
         self.axes.iter().map(Axis::limit).collect()
     }
 
-    /// The efforts of the axes along paths, with the masses, frictions and effort limits of the simulated machine.
-    /// `None` if no axis has a `max_torque_nm` or `max_force_n`.
+    /// Efforts of the axes along paths; `None` if no axis has a `max_torque_nm` or `max_force_n`.
     ///
     /// # Errors
     /// [`SimulationError`] if physics cannot simulate the model.

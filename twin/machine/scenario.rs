@@ -6,16 +6,14 @@
 //! at_line = 12              # when the first set-point of this line is due; or …
 //! # at_s = 3.5              # … so long after the start of the program
 //! kind = "jam"              # "jam", "lost_steps", "loose_belt" or "power_loss"
-//! for_s = 0.5               # jam: how long; default for good
+//! for_s = 0.5               # jam: how long; by default forever
 //! # steps = 8               # lost_steps: full steps of the pulse train that do not reach the motor
 //! # stiffness_percent = 20  # loose_belt: what is left; default 100
 //! # backlash_mm = 0.2       # loose_belt: play that is added (backlash_deg); default 0
 //! ```
 
 use super::{Axis, Machine};
-use crate::section;
-use crate::section::Section;
-use crate::section::{MachineFileError, Problem, read_text};
+use crate::section::{self, MachineFileError, Problem, Section};
 use std::path::Path;
 
 /// Faults that a scenario injects.
@@ -50,7 +48,7 @@ pub enum FaultStart {
 /// A fault. SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaultKind {
-    /// The axis does not move, for this time (ns) or for good.
+    /// The axis does not move, for this time (ns) or forever.
     Jam(Option<i64>),
     /// The next full steps of the pulse train do not reach the step motor.
     LostSteps(f64),
@@ -71,14 +69,7 @@ impl Scenario {
     /// # Errors
     /// [`MachineFileError`] with everything that is wrong with it.
     pub fn load(path: &Path, machine: &Machine) -> Result<Self, MachineFileError> {
-        let what = "scenario";
-        let text = read_text(what, path)?;
-        Self::parse(&text, machine).map_err(|problems| MachineFileError::Content {
-            what,
-            path: path.to_owned(),
-            text,
-            problems,
-        })
+        section::load("scenario", path, |text| Self::parse(text, machine))
     }
 
     /// Reads the text of one.
@@ -89,7 +80,7 @@ impl Scenario {
         section::parse(text, |root| {
             let sections = root.sections("faults");
             if sections.is_empty() {
-                root.complain("the scenario lacks [[faults]]".to_owned());
+                root.complain("the scenario lacks [[faults]]");
             }
             let faults: Vec<_> = sections.iter().map(|one| fault(one, machine)).collect();
             sections.into_iter().for_each(Section::finish);
@@ -106,36 +97,25 @@ fn ns(seconds: f64) -> i64 {
 }
 
 fn fault(section: &Section<'_>, machine: &Machine) -> Option<FaultAt> {
-    #[derive(Clone, Copy, PartialEq)]
-    enum Word {
-        Jam,
-        LostSteps,
-        LooseBelt,
-        PowerLoss,
-    }
-    let words = [
-        ("jam", Word::Jam),
-        ("lost_steps", Word::LostSteps),
-        ("loose_belt", Word::LooseBelt),
-        ("power_loss", Word::PowerLoss),
-    ];
-    let Some(word) = section.required_choice("kind", &words) else {
+    let kinds = ["jam", "lost_steps", "loose_belt", "power_loss"].map(|kind| (kind, kind));
+    let Some(kind) = section.required_choice("kind", &kinds) else {
         section.accept_all();
         return None;
     };
     let names: Vec<_> = machine.axes.iter().map(|axis| axis.name.as_str()).collect();
     let choices: Vec<_> = names.iter().enumerate().map(|(index, name)| (*name, index)).collect();
-    let index = if word == Word::PowerLoss {
+    let no_power = kind == "power_loss";
+    let index = if no_power {
         section.choice("axis", &choices)
     } else {
         section.required_choice("axis", &choices)
     };
     let start = start(section);
     let axis = index.and_then(|index| machine.axes.get(index));
-    let kind = match word {
-        Word::PowerLoss => Some(FaultKind::PowerLoss),
-        Word::Jam => Some(FaultKind::Jam(section.number("for_s", 1e-3..=1e6).map(ns))),
-        Word::LostSteps => {
+    let kind = match kind {
+        "power_loss" => Some(FaultKind::PowerLoss),
+        "jam" => Some(FaultKind::Jam(section.number("for_s", 1e-3..=1e6).map(ns))),
+        "lost_steps" => {
             let steps = section.required_number("steps", 1e-3..=1e9);
             if let Some(axis) = axis
                 && !axis.simulated.steps()
@@ -144,13 +124,9 @@ fn fault(section: &Section<'_>, machine: &Machine) -> Option<FaultAt> {
             }
             steps.map(FaultKind::LostSteps)
         }
-        Word::LooseBelt => axis.and_then(|axis| loose_belt(section, axis)),
+        _ => axis.and_then(|axis| loose_belt(section, axis)),
     };
-    Some(FaultAt {
-        axis: if word == Word::PowerLoss { index } else { Some(index?) },
-        start: start?,
-        kind: kind?,
-    })
+    Some(FaultAt { axis: if no_power { index } else { Some(index?) }, start: start?, kind: kind? })
 }
 
 fn loose_belt(section: &Section<'_>, axis: &Axis) -> Option<FaultKind> {
@@ -175,7 +151,7 @@ fn start(section: &Section<'_>) -> Option<FaultStart> {
     let line = section.integer("at_line", 1..=i64::from(u32::MAX));
     let line = line.and_then(|line| u32::try_from(line).ok()).map(FaultStart::Line);
     if section.has("at_s") == section.has("at_line") {
-        section.complain("a fault begins `at_s` or `at_line`, one of them".to_owned());
+        section.complain("a fault begins `at_s` or `at_line`, one of them");
     }
     time.or(line)
 }

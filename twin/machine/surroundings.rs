@@ -53,7 +53,7 @@ pub(super) fn read(root: &Section<'_>, file: &Path, frame: Option<&WorkFrame>) -
         let name = one.as_ref().map(|one| one.name.as_str());
         let earlier = obstacles.iter().take_while(|other| !std::ptr::eq(*other, one)).flatten();
         if name.is_some() && earlier.map(|other| Some(other.name.as_str())).any(|it| it == name) {
-            section.complain_at("name", "there is an obstacle of this name already".to_owned());
+            section.complain_at("name", "there is an obstacle of this name already");
         }
     }
     let names = sections.iter().map(|section| section.span_of("name")).collect();
@@ -104,41 +104,26 @@ fn obstacle(section: &Section<'_>, file: &Path, frame: Option<&WorkFrame>) -> Op
     Some(Obstacle { name: name?.to_owned(), kind, solids: vec![solid] })
 }
 
-#[derive(Clone, Copy)]
-enum Shape {
-    Box,
-    Cylinder,
-    Sphere,
-    Capsule,
-    Mesh,
-}
-
 fn shape(section: &Section<'_>, file: &Path) -> Option<SolidShape> {
-    let shapes = [
-        ("box", Shape::Box),
-        ("cylinder", Shape::Cylinder),
-        ("sphere", Shape::Sphere),
-        ("capsule", Shape::Capsule),
-        ("mesh", Shape::Mesh),
-    ];
+    let shapes = ["box", "cylinder", "sphere", "capsule", "mesh"].map(|shape| (shape, shape));
     let length = |key: &str| section.required_number(key, SIZE_MM).map(|value| value * 1e-3);
     let shape = section.required_choice("shape", &shapes)?;
-    section.is_of_kind(section.glance_at_text("shape").unwrap_or_default());
+    section.is_of_kind(shape);
     Some(match shape {
-        Shape::Box => {
+        "box" => {
             let size = section.required_numbers::<3>("size_mm", SIZE_MM)?;
             SolidShape::Box { size: Vector3::from(size) * 1e-3 }
         }
-        Shape::Cylinder => {
+        "sphere" => SolidShape::Sphere { radius: length("radius_mm")? },
+        "cylinder" | "capsule" => {
             let (radius, length) = (length("radius_mm"), length("length_mm"));
-            SolidShape::Cylinder { radius: radius?, length: length? }
+            let (radius, length) = (radius?, length?);
+            match shape {
+                "cylinder" => SolidShape::Cylinder { radius, length },
+                _ => SolidShape::Capsule { radius, length },
+            }
         }
-        Shape::Sphere => SolidShape::Sphere { radius: length("radius_mm")? },
-        Shape::Capsule => {
-            let (radius, length) = (length("radius_mm"), length("length_mm"));
-            SolidShape::Capsule { radius: radius?, length: length? }
-        }
-        Shape::Mesh => {
+        _ => {
             let name = section.required_text("file");
             let scale = section.number("scale", SCALE).unwrap_or(1.0);
             let name = name?;
@@ -244,8 +229,7 @@ impl Machine {
         open.collect()
     }
 
-    /// Lets links be in each other that are so with every axis in the middle of its travel: solids are drawn with less care
-    /// than joints.
+    /// Excludes links that overlap at mid-travel: solids are drawn with less care than joints.
     pub(super) fn leave_out_what_overlaps(&mut self) -> Result<(), PhysicsError> {
         let Some(mut scan) = self.clearance_scan()? else { return Ok(()) };
         // Where a tripod cannot be nothing overlaps.

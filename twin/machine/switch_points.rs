@@ -1,4 +1,4 @@
-//! Switch points of a path (H words, manual 3.2.1): what they switch along a program, and the outputs that follow them.
+//! Switch points of a path (H words, manual 3.2.1) and the outputs that follow them.
 //!
 //! A switching has the time of the first set-point that shows it (`dwSwitches`).
 

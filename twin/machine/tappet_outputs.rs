@@ -14,22 +14,13 @@ pub(super) fn read(root: &Section<'_>, drives: &[(&Seen, usize)]) -> Vec<TappetO
     for section in root.sections("tappet_outputs") {
         let axis = section.required_text("axis").map(str::to_owned);
         let group = section.required_integer("group", i16::MIN.into()..=i16::MAX.into());
-        let device = device(&section, drives);
-        let (_, most) = device.unwrap_or((0, i64::from(BOARD_OUTPUTS)));
-        let output = section.required_integer("output", 1..=most);
         let group = group.and_then(|group| i16::try_from(group).ok());
-        let output = output.and_then(|output| u8::try_from(output).ok());
-        if let (Some(axis), Some(group), Some((device, _)), Some(output)) =
-            (axis, group, device, output)
+        let output = output(&section, drives);
+        let taken: Vec<_> = outputs.iter().map(|other| (other.device, other.output)).collect();
+        if let (Some(axis), Some(group), Some((device, output))) = (axis, group, output)
+            && is_free(&section, (device, output), &taken, "other tappets")
         {
-            let one = TappetOutput { axis, group, device, output };
-            if outputs.iter().any(|other| (other.device, other.output) == (device, output)) {
-                let message =
-                    format!("output {output} of this drive follows other tappets already");
-                section.complain_at("output", message);
-            } else {
-                outputs.push(one);
-            }
+            outputs.push(TappetOutput { axis, group, device, output });
         }
         section.finish();
     }
@@ -45,26 +36,37 @@ pub(super) fn read_switches(
     let mut outputs: Vec<SwitchOutput> = Vec::new();
     for section in root.sections("switch_outputs") {
         let number = section.required_integer("h", 1..=SWITCHES.into());
-        let device = device(&section, drives);
-        let (_, most) = device.unwrap_or((0, i64::from(BOARD_OUTPUTS)));
-        let output = section.required_integer("output", 1..=most);
-        let [number, output] =
-            [number, output].map(|value| value.and_then(|value| u8::try_from(value).ok()));
-        if let (Some(number), Some((device, _)), Some(output)) = (number, device, output) {
-            let by_tappets = tappets.iter().map(|other| (other.device, other.output));
-            let by_switches = outputs.iter().map(|other| (other.device, other.output));
-            let mut taken = by_tappets.chain(by_switches);
-            if taken.any(|other| other == (device, output)) {
-                let message =
-                    format!("output {output} of this drive follows something else already");
-                section.complain_at("output", message);
-            } else {
-                outputs.push(SwitchOutput { number, device, output });
-            }
+        let number = number.and_then(|number| u8::try_from(number).ok());
+        let output = output(&section, drives);
+        let by_tappets = tappets.iter().map(|other| (other.device, other.output));
+        let by_switches = outputs.iter().map(|other| (other.device, other.output));
+        let taken: Vec<_> = by_tappets.chain(by_switches).collect();
+        if let (Some(number), Some((device, output))) = (number, output)
+            && is_free(&section, (device, output), &taken, "something else")
+        {
+            outputs.push(SwitchOutput { number, device, output });
         }
         section.finish();
     }
     outputs
+}
+
+/// The device and the output that a section names.
+fn output(section: &Section<'_>, drives: &[(&Seen, usize)]) -> Option<(usize, u8)> {
+    let device = device(section, drives);
+    let (_, most) = device.unwrap_or((0, i64::from(BOARD_OUTPUTS)));
+    let output = section.required_integer("output", 1..=most);
+    Some((device?.0, u8::try_from(output?).ok()?))
+}
+
+/// Complains if an output is among those `taken`, by `others`.
+fn is_free(section: &Section<'_>, at: (usize, u8), taken: &[(usize, u8)], others: &str) -> bool {
+    let free = !taken.contains(&at);
+    if !free {
+        let message = format!("output {} of this drive follows {others} already", at.1);
+        section.complain_at("output", message);
+    }
+    free
 }
 
 /// True for boards, whose outputs are for the machine.
@@ -84,7 +86,7 @@ fn device(section: &Section<'_>, drives: &[(&Seen, usize)]) -> Option<(usize, i6
         let board = with().find(|(_, (seen, _))| seen.family.is_some_and(is_board));
         let found = board.or_else(|| with().next());
         if found.is_none() && !section.has("drive") {
-            section.complain("there is no [[drives]] that has outputs".to_owned());
+            section.complain("there is no [[drives]] that has outputs");
         }
         return found.map(|(index, drive)| (index, outputs(drive)));
     };

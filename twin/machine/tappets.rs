@@ -1,8 +1,7 @@
 //! Tappet signals of the cams that run (manual 4.4.2, `SMC_GetTappetValue` 5.5).
 //!
-//! Every tappet group of a slave is one signal, initially off (`bInitValue`). It is evaluated at every set-point, as
-//! the block is in every cycle. A switching has the time of the first set-point that shows it. A slave that changes its
-//! cam keeps its signals (`bSetInitValueAtReset` is FALSE).
+//! Each tappet group of a slave is one signal, initially off (`bInitValue`), evaluated at every set-point. A slave
+//! that changes its cam keeps its signals (`bSetInitValueAtReset` is FALSE).
 
 use twin_cam::{TappetBit, TappetData, Trigger};
 
@@ -124,8 +123,7 @@ impl Tracks {
         }
     }
 
-    /// Takes the tappet actions of the cam between `slave` and `master` in a cycle, whose clock is `later_ns` behind
-    /// the program's.
+    /// Takes the tappet actions of a cam in a cycle; the cam's clock is `later_ns` behind the program's.
     pub(crate) fn take_all(
         &mut self,
         (slave, master): (usize, usize),

@@ -1,8 +1,7 @@
 //! Text files: encoding and line ends, recognised at the beginning of the text.
 //!
-//! Every text that twin reads from a file goes through here: programs, machine files, cam tables, drawings and the
-//! like. Text is UTF-8 or an 8-bit code page; UTF-16 and UTF-32 are refused by name. Lines end with LF or CR LF; where
-//! they end with CR alone, every CR is read as LF, so that places in the file stay the same.
+//! All text files go through here. Text is UTF-8 or an 8-bit code page; UTF-16 and UTF-32 are refused by name.
+//! Lines end with LF or CR LF; lone CRs are read as LF, so that places in the file stay the same.
 
 use std::fs::File;
 use std::io::{self, BufRead, Read, Seek, SeekFrom};

@@ -18,10 +18,10 @@ use twin_kinematics::{AxisVector, MAX_AXES};
 use twin_urdf::Model;
 
 use crate::checked;
-use crate::error::PhysicsError;
-use crate::joint::at;
-use crate::joint::joint_vector;
-use crate::mechanism::Mechanism;
+use crate::dynamics::Dynamics;
+use crate::equation::Equation;
+use crate::error::{PhysicsError, Result};
+use crate::joint::{JointVector, joint_vector};
 
 /// The drive of an axis as its efforts along a path see it; everything behind the gear.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,10 +54,12 @@ impl AxisLoad {
     }
 }
 
-/// The equation of motion of a machine, to be asked along paths.
+/// The equation of motion of a machine, evaluated along paths.
 #[derive(Clone, Debug)]
 pub struct PathDynamics {
-    mechanism: Mechanism,
+    equation: Equation,
+    /// A tree without gravity, so that weight takes no digits from the rest; none for a tripod.
+    weightless: Option<Dynamics>,
     loads: Vec<AxisLoad>,
 }
 
@@ -67,19 +69,21 @@ impl PathDynamics {
     /// # Errors
     /// [`PhysicsError`] if the model is neither a tree of links that the machine's axes move, each one joint or several
     /// together, nor a tripod, or if a number is out of range.
-    pub fn new(
-        model: &Model,
-        loads: &[AxisLoad],
-        gravity: Vector3<f64>,
-    ) -> Result<Self, PhysicsError> {
+    pub fn new(model: &Model, loads: &[AxisLoad], gravity: Vector3<f64>) -> Result<Self> {
         for (axis, load) in loads.iter().enumerate() {
             if let Some((parameter, value)) = load.out_of_range() {
                 return Err(PhysicsError::DriveParameter { axis, parameter, value });
             }
         }
         let armature = joint_vector(loads.iter().map(|load| load.armature));
-        let mechanism = Mechanism::new(model, loads.len(), gravity, armature)?;
-        Ok(Self { mechanism, loads: loads.to_vec() })
+        let equation = Equation::new(model, loads.len(), gravity, armature)?;
+        let weightless = match &equation {
+            Equation::Tree(_) => {
+                Some(Dynamics::new(model, loads.len(), Vector3::zeros(), armature)?)
+            }
+            Equation::Tripod(_) => None,
+        };
+        Ok(Self { equation, weightless, loads: loads.to_vec() })
     }
 
     /// At `position` (m or rad), where the derivatives of the positions by the path parameter are `first` (q′) and
@@ -92,25 +96,55 @@ impl PathDynamics {
         position: &AxisVector,
         first: &AxisVector,
         second: &AxisVector,
-    ) -> Result<TorqueAlongPath, PhysicsError> {
+    ) -> Result<TorqueAlongPath> {
         let [position, first, second] =
             [position, first, second].map(|values| checked(values, self.loads.len(), 0));
         let (position, first, second) = (position?, first?, second?);
-        let [inertia, centrifugal, weight] =
-            self.mechanism.along_path(&position, &first, &second)?;
-        let mut axes = [AxisEffort::NONE; MAX_AXES];
+        let [inertia, centrifugal, weight] = self.efforts(&position, &first, &second)?;
+        let mut axes = [AxisEffort::default(); MAX_AXES];
         for (axis, (slot, load)) in axes.iter_mut().zip(&self.loads).enumerate() {
             *slot = AxisEffort {
-                inertia: at(&inertia, axis),
-                centrifugal: at(&centrifugal, axis),
-                weight: at(&weight, axis),
-                viscous: load.viscous_friction * at(&first, axis),
+                inertia: inertia[axis],
+                centrifugal: centrifugal[axis],
+                weight: weight[axis],
+                viscous: load.viscous_friction * first[axis],
                 dry: load.coulomb_friction,
                 limit: load.effort_limit,
                 left: 1.0 - load.headroom,
             };
         }
         Ok(TorqueAlongPath { axes, count: self.loads.len() })
+    }
+
+    /// Efforts per unit of s̈, per unit of ṡ², and against gravity.
+    fn efforts(
+        &mut self,
+        position: &JointVector,
+        first: &JointVector,
+        second: &JointVector,
+    ) -> Result<[JointVector; 3]> {
+        let zero = JointVector::zeros();
+        match (&mut self.equation, &mut self.weightless) {
+            (Equation::Tree(weighty), Some(weightless)) => Ok([
+                weightless.inverse_dynamics(position, &zero, first),
+                weightless.inverse_dynamics(position, first, second),
+                weighty.inverse_dynamics(position, &zero, &zero),
+            ]),
+            (Equation::Tripod(tripod), _) => {
+                let state = tripod.state(position)?;
+                let weight = tripod.additional_efforts(position, &zero, &zero);
+                Ok([
+                    tripod.efforts(&state, &zero, first, false)
+                        + tripod.additional_efforts(position, &zero, first)
+                        - weight,
+                    tripod.efforts(&state, first, second, false)
+                        + tripod.additional_efforts(position, first, second)
+                        - weight,
+                    tripod.efforts(&state, &zero, &zero, true) + weight,
+                ])
+            }
+            (Equation::Tree(_), None) => Err(PhysicsError::Apart),
+        }
     }
 }
 
@@ -136,8 +170,8 @@ impl EffortRow {
     }
 }
 
-/// The effort of one axis at one point of a path, as coefficients in N or Nm per unit of their variable.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Effort of one axis at one point of a path: coefficients in N or Nm per unit of their variable.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisEffort {
     /// m: per unit of s̈.
     pub inertia: f64,
@@ -156,16 +190,6 @@ pub struct AxisEffort {
 }
 
 impl AxisEffort {
-    const NONE: Self = Self {
-        inertia: 0.0,
-        centrifugal: 0.0,
-        weight: 0.0,
-        viscous: 0.0,
-        dry: 0.0,
-        limit: f64::INFINITY,
-        left: 1.0,
-    };
-
     /// Motor effort at the path acceleration s̈ and the path speed ṡ, without dry friction, N or Nm.
     pub fn effort(&self, acceleration: f64, speed: f64) -> f64 {
         self.inertia * acceleration
@@ -178,7 +202,7 @@ impl AxisEffort {
         self.spare().into_iter().all(|spare| spare >= 0.0)
     }
 
-    /// The largest ṡ that can be kept, without acceleration; infinite where no speed is too high.
+    /// Largest constant ṡ; infinite where no speed is too high.
     pub fn largest_constant_speed(&self) -> f64 {
         let ways = [1.0, -1.0].into_iter().zip(self.spare()).zip(self.drag());
         let speeds = ways.map(|((sign, spare), drag)| {
@@ -202,12 +226,11 @@ impl AxisEffort {
         [self.viscous.max(0.0), (-self.viscous).max(0.0)]
     }
 
-    /// The largest ṡ at which the motor overcomes weight and friction without acceleration, at every override within the
-    /// headroom; infinite without viscous friction or without a limit.
+    /// Largest ṡ at which the motor overcomes weight and friction without acceleration, at every override within
+    /// the headroom; infinite without viscous friction or without a limit.
     ///
-    /// Together with [`Self::rows`] it keeps the motor within its limit at every constant override from 0 up to
-    /// 1 / (1 − headroom): dynamic efforts fall with the square of the override, viscous friction only with itself, and
-    /// weight not at all, so that a row alone does not say what happens where it is slower.
+    /// With [`Self::rows`] it keeps the motor within its limit at every constant override up to 1 / (1 − headroom):
+    /// dynamic efforts fall with the square of the override, viscous friction with itself, weight not at all.
     pub fn largest_speed(&self) -> f64 {
         let ways = self.spare().into_iter().zip(self.drag()).filter(|(_, drag)| *drag > 0.0);
         let speeds = ways.map(|(spare, drag)| (self.left * spare / drag).max(0.0));

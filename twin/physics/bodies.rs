@@ -2,9 +2,9 @@
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use twin_kinematics::MAX_AXES;
-use twin_urdf::{JointDrive, JointKind, Link, Model};
+use twin_urdf::{Joint, JointDrive, JointKind, Link, Model};
 
-use crate::error::PhysicsError;
+use crate::error::{PhysicsError, Result};
 use crate::joint::JointMatrix;
 
 /// Motion of a body against its parent: with the joint of this number.
@@ -34,10 +34,8 @@ pub(super) struct MassProperties {
 
 impl MassProperties {
     /// Of the link `index`, none if it has none.
-    ///
-    /// # Errors
-    /// [`PhysicsError::MassProperties`] if no body can have them.
-    pub(super) fn of(index: usize, link: &Link) -> Result<Self, PhysicsError> {
+    /// Errors: [`PhysicsError::MassProperties`] if no body can have them.
+    pub(super) fn of(index: usize, link: &Link) -> Result<Self> {
         let found = link.inertial.map_or(
             Self { mass: 0.0, center: Point3::origin(), inertia: Matrix3::zeros() },
             |given| Self { mass: given.mass, center: given.center, inertia: given.inertia },
@@ -62,11 +60,11 @@ pub(super) struct Body {
     pub(super) mass: MassProperties,
 }
 
-/// The links of a model behind the base. Joints have the numbers of the axes that move them, unless axes are coupled.
+/// Links of a model behind the base. Joints have the numbers of their axes unless axes are coupled.
 #[derive(Clone, Debug)]
 pub(super) struct Tree {
     pub(super) bodies: Vec<Body>,
-    /// Motion of the joints (rows) with the axes (columns), where an axis moves more joints than one.
+    /// Joint motion (rows) per axis (columns), where an axis moves several joints.
     pub(super) coupling: Option<JointMatrix>,
     /// Number of joints that mimic others.
     pub(super) followers: usize,
@@ -74,12 +72,10 @@ pub(super) struct Tree {
 
 impl Tree {
     /// The links of `model`, which are a tree, moved by the axes `0..axis_count`.
-    ///
-    /// # Errors
-    /// Whatever makes the model something else.
-    pub(super) fn new(model: &Model, axis_count: usize) -> Result<Self, PhysicsError> {
+    /// Errors: a model that is not a tree.
+    pub(super) fn new(model: &Model, axis_count: usize) -> Result<Self> {
         if !model.loops.is_empty() {
-            return Err(PhysicsError::ClosedLoops { loops: model.loops.len() });
+            return Err(PhysicsError::ClosedLoops(model.loops.len()));
         }
         let coupled = model.joints.iter().any(|joint| {
             matches!(joint.drive, JointDrive::Combination(_) | JointDrive::Mimic { .. })
@@ -95,15 +91,14 @@ impl Tree {
                 return Err(not_a_tree);
             }
             let link = model.links.get(joint.child).ok_or(not_a_tree)?;
-            let wrong = PhysicsError::JointAxis { joint: index };
-            let following =
-                model.following(index).ok_or(PhysicsError::CoupledJoint { joint: index })?;
+            let wrong = PhysicsError::JointAxis(index);
+            let following = model.following(index).ok_or(PhysicsError::CoupledJoint(index))?;
             let drive =
                 model.joints.get(following.leader).map_or(&joint.drive, |leader| &leader.drive);
             let own = if coupled { count } else { joint.drive.axis().unwrap_or_default() };
             let motion = match (joint.kind, drive) {
                 (_, JointDrive::Passive { .. }) => {
-                    return Err(PhysicsError::CoupledJoint { joint: index });
+                    return Err(PhysicsError::CoupledJoint(index));
                 }
                 (JointKind::Fixed, JointDrive::Fixed) => Motion::Fixed,
                 (JointKind::Revolute, JointDrive::Axis(_) | JointDrive::Combination(_)) => {
@@ -117,7 +112,7 @@ impl Tree {
             if motion.joint().is_some() {
                 count += 1;
                 if coupled && count > MAX_AXES {
-                    return Err(PhysicsError::AxisNumber { given: count });
+                    return Err(PhysicsError::AxisNumber(count));
                 }
             }
             match drive {
@@ -128,9 +123,7 @@ impl Tree {
                         return Err(PhysicsError::AxisMovesTwoJoints { joint: index, axis });
                     }
                     *slot = true;
-                    if let Some(entry) = coupling.get_mut((own, *axis)) {
-                        *entry = 1.0;
-                    }
+                    coupling[(own, *axis)] = 1.0;
                 }
                 JointDrive::Combination(parts) => {
                     for (axis, factor) in parts {
@@ -147,7 +140,7 @@ impl Tree {
                 }
                 JointDrive::Fixed | JointDrive::Passive { .. } | JointDrive::Mimic { .. } => {}
             }
-            // Where a joint stands that follows another, with that at 0, is where it begins.
+            // A joint that follows another begins where it is with that one at 0.
             let origin = match joint.drive {
                 JointDrive::Mimic { .. } => joint.transform(following.offset),
                 _ => joint.origin,
@@ -160,28 +153,23 @@ impl Tree {
             let joint = model.joints.len();
             return Err(PhysicsError::NotATree { joint, parent: 0, child: joint + 1 });
         }
-        let followers = model.joints.iter();
-        let followers = followers.filter(|joint| matches!(joint.drive, JointDrive::Mimic { .. }));
-        let followers = followers.count();
+        let mimics = |joint: &&Joint| matches!(joint.drive, JointDrive::Mimic { .. });
+        let followers = model.joints.iter().filter(mimics).count();
         Ok(Self { bodies, coupling: coupled.then_some(coupling), followers })
     }
 
-    /// Checks that the positions of the axes `0..axis_count` determine all joint positions, and the other way round
-    /// unless joints mimic others.
-    ///
-    /// # Errors
-    /// [`PhysicsError::CoupledJoint`].
-    pub(super) fn check_coupling(&self, axis_count: usize) -> Result<(), PhysicsError> {
+    /// Checks that axis positions determine all joint positions, and the other way round unless joints mimic
+    /// others.
+    /// Errors: [`PhysicsError::CoupledJoint`].
+    pub(super) fn check_coupling(&self, axis_count: usize) -> Result<()> {
         let Some(mut to_joints) = self.coupling.filter(|_| self.followers == 0) else {
             return Ok(());
         };
         let moving = self.bodies.iter().position(|body| body.motion.joint().is_some());
-        let uneven = PhysicsError::CoupledJoint { joint: moving.unwrap_or_default() };
+        let uneven = PhysicsError::CoupledJoint(moving.unwrap_or_default());
         let joints = self.bodies.iter().filter(|body| body.motion.joint().is_some()).count();
         for beyond in axis_count..MAX_AXES {
-            if let Some(entry) = to_joints.get_mut((beyond, beyond)) {
-                *entry = 1.0;
-            }
+            to_joints[(beyond, beyond)] = 1.0;
         }
         let is_even = joints == axis_count && to_joints.try_inverse().is_some();
         is_even.then_some(()).ok_or(uneven)
@@ -190,8 +178,7 @@ impl Tree {
     /// True if anything moves with `axis`.
     pub(super) fn moves_with(&self, axis: usize) -> bool {
         match &self.coupling {
-            Some(coupling) => (0..MAX_AXES)
-                .any(|joint| coupling.get((joint, axis)).is_some_and(|factor| *factor != 0.0)),
+            Some(coupling) => coupling.column(axis).iter().any(|factor| *factor != 0.0),
             None => self.bodies.iter().any(|body| body.motion.joint() == Some(axis)),
         }
     }

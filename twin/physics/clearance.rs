@@ -7,7 +7,7 @@ use twin_urdf::Model;
 use crate::checked;
 use crate::distances::{Clearance, Distances};
 use crate::equation::Equation;
-use crate::error::PhysicsError;
+use crate::error::Result;
 use crate::joint::JointVector;
 use crate::pairs::Pairs;
 use crate::posed::Posed;
@@ -28,12 +28,8 @@ impl ClearanceScan {
     /// Scan of the links of `model`, moved by its machine axes, among `surroundings`.
     ///
     /// # Errors
-    /// [`PhysicsError`] if the model cannot be simulated, and [`PhysicsError::FlatMesh`].
-    pub fn new(
-        model: &Model,
-        axis_count: usize,
-        surroundings: &Surroundings,
-    ) -> Result<Self, PhysicsError> {
+    /// An error if the model cannot be simulated, and [`FlatMesh`](crate::PhysicsError::FlatMesh).
+    pub fn new(model: &Model, axis_count: usize, surroundings: &Surroundings) -> Result<Self> {
         Self::with(model, axis_count, surroundings, |pairs, [one, other]| {
             pairs.may_touch(one, other)
         })
@@ -43,11 +39,7 @@ impl ClearanceScan {
     ///
     /// # Errors
     /// Those of [`Self::new`].
-    pub fn of_tool(
-        model: &Model,
-        axis_count: usize,
-        surroundings: &Surroundings,
-    ) -> Result<Self, PhysicsError> {
+    pub fn of_tool(model: &Model, axis_count: usize, surroundings: &Surroundings) -> Result<Self> {
         Self::with(model, axis_count, surroundings, |pairs, numbers| {
             let [Some(one), Some(other)] = numbers.map(|number| pairs.part(number)) else {
                 return false;
@@ -62,9 +54,9 @@ impl ClearanceScan {
         axis_count: usize,
         surroundings: &Surroundings,
         wanted: impl Fn(&Pairs, [usize; 2]) -> bool,
-    ) -> Result<Self, PhysicsError> {
+    ) -> Result<Self> {
         let equation = Equation::new(model, axis_count, Vector3::zeros(), JointVector::zeros())?;
-        // A tool that is nothing but its tip can be measured all the same.
+        // A tool that is only its tip is measured as well.
         let pairs = Pairs::new(model, surroundings, true);
         let distances = Distances::new(model, surroundings, &pairs, |pair| wanted(&pairs, pair))?;
         let poses = vec![Isometry3::identity(); model.links.len()];
@@ -83,12 +75,12 @@ impl ClearanceScan {
         self.distances.is_empty()
     }
 
-    /// The two parts that are nearest to each other with the axes at `axes` (m or rad); `None` without a pair that may
-    /// touch.
+    /// The two nearest parts with the axes at `axes` (m or rad); `None` without a pair that may touch.
     ///
     /// # Errors
-    /// [`PhysicsError::Apart`], [`PhysicsError::AxisCount`] and [`PhysicsError::Input`].
-    pub fn nearest(&mut self, axes: &AxisVector) -> Result<Option<Clearance>, PhysicsError> {
+    /// [`Apart`](crate::PhysicsError::Apart), [`AxisCount`](crate::PhysicsError::AxisCount) and
+    /// [`Input`](crate::PhysicsError::Input).
+    pub fn nearest(&mut self, axes: &AxisVector) -> Result<Option<Clearance>> {
         self.go(axes)?;
         Ok(self.distances.nearest(&self.poses))
     }
@@ -101,7 +93,7 @@ impl ClearanceScan {
         &mut self,
         axes: &AxisVector,
         shift: &Vector3<f64>,
-    ) -> Result<Option<Clearance>, PhysicsError> {
+    ) -> Result<Option<Clearance>> {
         let tip = self.model.tip.link;
         self.go_and(axes, |poses| {
             if let Some(pose) = poses.get_mut(tip) {
@@ -120,22 +112,18 @@ impl ClearanceScan {
         distance: f64,
         axes: &AxisVector,
         found: &mut Vec<Clearance>,
-    ) -> Result<(), PhysicsError> {
+    ) -> Result<()> {
         self.go(axes)?;
         found.clear();
         self.distances.nearer_than(distance, &self.poses, found);
         Ok(())
     }
 
-    /// Distance of two parts with the axes at `axes` (m or rad); `None` if the pair is not measured.
+    /// Distance of two parts with the axes at `axes` (m or rad); `None` for pairs that are not measured.
     ///
     /// # Errors
     /// Those of [`Self::nearest`].
-    pub fn between(
-        &mut self,
-        parts: [Part; 2],
-        axes: &AxisVector,
-    ) -> Result<Option<f64>, PhysicsError> {
+    pub fn between(&mut self, parts: [Part; 2], axes: &AxisVector) -> Result<Option<f64>> {
         self.go(axes)?;
         Ok(self.distances.between(parts, &self.poses))
     }
@@ -144,21 +132,21 @@ impl ClearanceScan {
     ///
     /// # Errors
     /// Those of [`Self::nearest`].
-    pub fn overlapping(&mut self, axes: &AxisVector) -> Result<Vec<[Part; 2]>, PhysicsError> {
+    pub fn overlapping(&mut self, axes: &AxisVector) -> Result<Vec<[Part; 2]>> {
         self.go(axes)?;
         Ok(self.distances.overlapping(&self.poses))
     }
 
-    fn go(&mut self, axes: &AxisVector) -> Result<(), PhysicsError> {
+    fn go(&mut self, axes: &AxisVector) -> Result<()> {
         self.go_and(axes, |_| ())
     }
 
-    /// Lets the links go to where they are with the axes at `axes`, but for what is `changed`.
+    /// Moves the links to where they are with the axes at `axes`, then applies `changed`.
     fn go_and(
         &mut self,
         axes: &AxisVector,
         changed: impl FnOnce(&mut [Isometry3<f64>]),
-    ) -> Result<(), PhysicsError> {
+    ) -> Result<()> {
         let position = checked(axes, self.axis_count, 0)?;
         self.posed.poses(&self.model, &position, &mut self.moved)?;
         changed(&mut self.moved);

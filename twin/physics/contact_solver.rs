@@ -1,19 +1,17 @@
 //! Contact solver: forces that push and never pull, computed in joint space.
 //!
-//! Each contact point i of bodies about to touch has a gap gᵢ and a row Jᵢ that gives the change of the gap with the
-//! axes. It pushes with fᵢ = k·max(0, −gᵢ) of the gap at the end of the step. This is Euler's implicit rule: contacts
-//! that are stiff for the step come to rest instead of ringing. The velocities v at the end of a step of T are then the
-//! minimum of
+//! Each contact point i has a gap gᵢ and a row Jᵢ, the change of the gap with the axes. It pushes with fᵢ =
+//! k·max(0, −gᵢ) of the gap at the end of the step (implicit Euler), so stiff contacts come to rest instead of
+//! ringing. The velocities v at the end of a step of T are the minimum of
 //!
 //! ```text
 //! ½·(v − v₁)ᵀ·M·(v − v₁) + ½·k·Σ max(0, −sᵢ(v))²        sᵢ(v) = gᵢ + T·Jᵢ·(v − v₁)
 //! ```
 //!
-//! Here gᵢ is the gap at the end of the step without contact, and v₁ are the velocities there. The function is convex,
-//! smooth and piecewise quadratic. Newton's method with an exact line search therefore ends after a few steps, even if
-//! many points carry the same load (E. Todorov, "Convex and analytically-invertible dynamics with contacts and
-//! constraints", ICRA 2014, has the same primal form). Contacts have no friction: the normal force of a crash or a
-//! probe is enough to report it.
+//! gᵢ and v₁ are gap and velocities at the end of the step without contact. The function is convex, smooth and
+//! piecewise quadratic, so Newton's method with an exact line search ends after a few steps (E. Todorov, "Convex
+//! and analytically-invertible dynamics with contacts and constraints", ICRA 2014). Contacts have no friction: the
+//! normal force is enough to report a crash or a probe.
 
 use crate::joint::{JointMatrix, JointVector};
 

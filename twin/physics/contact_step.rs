@@ -1,20 +1,20 @@
 //! Contact handling in each step: pairs that touch, lasting contact forces, and collisions.
 //!
-//! A lasting contact force acts through the next step of length h as an effort τ at the axes: drives, springs and dry
-//! friction respond to it. Without it the step would end at v₁ = v − h·M⁻¹·τ and q₁ = q − ½·h²·M⁻¹·τ. If no parts
-//! overlap there, the force ends. Otherwise `contact_solver` is called twice:
+//! A lasting contact force acts through the next step of length h as an effort τ at the axes. Without it the step
+//! would end at v₁ = v − h·M⁻¹·τ and q₁ = q − ½·h²·M⁻¹·τ. If no parts overlap there, the force ends. Otherwise
+//! `contact_solver` is called twice:
 //!
 //! - for the lasting force, a new τ. It keeps the other forces of the step, v₁ − v₀ from its beginning on, from
 //!   pressing parts into each other. It moves the axes by ½·h²·M⁻¹·τ.
 //! - for all contact forces, impacts included, which act from the beginning of the step on.
 //!
-//! A body that presses against another in balance therefore stays in place. A body that hits another comes to rest in a
-//! step or two. Nearby pairs were found at the beginning of the cycle, as far as the machine may move in it.
+//! A body that presses against another stays in place; one that hits another comes to rest in a step or two. Nearby
+//! pairs were found at the beginning of the cycle, as far as the machine may move in it.
 
 use crate::contact::{Collision, Contact, ContactState, TouchingPair};
 use crate::contact_solver::{self, FreeStep, Row};
 use crate::distances::Near;
-use crate::error::PhysicsError;
+use crate::error::{PhysicsError, Result};
 use crate::joint::{JointMatrix, JointVector};
 use crate::machine::PhysicsMachine;
 use crate::state::{JointState, MachineState};
@@ -35,10 +35,10 @@ impl PhysicsMachine {
     /// # Errors
     /// [`PhysicsError::FlatMesh`], [`PhysicsError::Overlap`], and [`PhysicsError::Input`] unless the stiffness is above
     /// 0.
-    pub fn insert_surroundings(&mut self, surroundings: &Surroundings) -> Result<(), PhysicsError> {
+    pub fn insert_surroundings(&mut self, surroundings: &Surroundings) -> Result<()> {
         let stiffness = surroundings.stiffness;
         if !(stiffness.is_finite() && stiffness > 0.0) {
-            return Err(PhysicsError::Input { time_ns: self.state.time_ns });
+            return Err(PhysicsError::Input(self.state.time_ns));
         }
         self.contact.stiffness = stiffness;
         self.world.insert(surroundings)
@@ -72,7 +72,7 @@ impl PhysicsMachine {
         from: &MachineState,
         free: &MachineState,
         dt: f64,
-    ) -> Result<MachineState, PhysicsError> {
+    ) -> Result<MachineState> {
         if self.contact.near.is_empty() && self.contact.push == JointVector::zeros() {
             self.contact.touching.clear();
             return Ok(*free);
@@ -96,12 +96,12 @@ impl PhysicsMachine {
         &mut self,
         (from, pushed, dt): (&JointState, &JointState, f64),
         near: &[Near],
-    ) -> Result<JointState, PhysicsError> {
+    ) -> Result<JointState> {
         let push = std::mem::replace(&mut self.contact.push, JointVector::zeros());
         let (mut free, mut inertia) = (*pushed, None);
         if push != JointVector::zeros() {
             let matrix = self.equation.inertia(&pushed.position).ok_or(PhysicsError::Apart)?;
-            let unsolved = PhysicsError::Contact { time_ns: self.state.time_ns };
+            let unsolved = PhysicsError::Contact(self.state.time_ns);
             let faster = by_push(&matrix, &push).ok_or(unsolved)? * dt;
             free.velocity -= faster;
             free.position -= faster * (0.5 * dt);
@@ -127,14 +127,14 @@ impl PhysicsMachine {
         end
     }
 
-    /// Takes out of `rows` what only seems to be in something on the way from one state to another: a point of contact stands for a plane,
-    /// and bodies end at their edges. What was in something before it was known to touch it stays as deep.
+    /// Removes from `rows` points that only seem to touch: a contact point represents a plane, and bodies end at
+    /// their edges. A pair keeps the depth that it had when the contact was found.
     fn confirm(
         &mut self,
         [from, free]: [&JointState; 2],
         near: &[Near],
         rows: &mut [Row],
-    ) -> Result<(), PhysicsError> {
+    ) -> Result<()> {
         let mut touching = std::mem::take(&mut self.contact.touching);
         // What does not even seem to touch any more is let go.
         touching.retain(|held| {
@@ -177,10 +177,10 @@ impl PhysicsMachine {
         inertia: &JointMatrix,
         near: &[Near],
         rows: &mut [Row],
-    ) -> Result<JointState, PhysicsError> {
+    ) -> Result<JointState> {
         self.open(free, near, rows)?;
         let stiffness = self.contact.stiffness;
-        let unsolved = PhysicsError::Contact { time_ns: self.state.time_ns };
+        let unsolved = PhysicsError::Contact(self.state.time_ns);
         let by_forces = free.velocity - from.velocity;
         let touching = rows.iter().filter(|row| row.gap < 0.0);
         let still = |row: &Row| Row { gap: dt * row.opening.dot(&by_forces), ..*row };
@@ -208,23 +208,14 @@ impl PhysicsMachine {
     }
 
     /// Fills `rows` with the change of the gaps with each axis.
-    fn open(
-        &mut self,
-        free: &JointState,
-        near: &[Near],
-        rows: &mut [Row],
-    ) -> Result<(), PhysicsError> {
+    fn open(&mut self, free: &JointState, near: &[Near], rows: &mut [Row]) -> Result<()> {
         for axis in 0..self.drives.len() {
             for (nudge, sign) in [(NUDGE, 0.5 / NUDGE), (-NUDGE, -0.5 / NUDGE)] {
                 let mut position = free.position;
-                if let Some(value) = position.get_mut(axis) {
-                    *value += nudge;
-                }
+                position[axis] += nudge;
                 let poses = self.world.poses_at(&position)?;
                 for (row, near) in rows.iter_mut().zip(near) {
-                    if let Some(opening) = row.opening.get_mut(axis) {
-                        *opening += near.gap(poses) * sign;
-                    }
+                    row.opening[axis] += near.gap(poses) * sign;
                 }
             }
         }

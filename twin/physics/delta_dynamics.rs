@@ -17,9 +17,9 @@
 //! q̇ = K·ṗ      q̈ = K·p̈ + k,  k = ṡ·ṡ/sz
 //! ```
 //!
-//! Each carriage has the inertia A, the sum of its mass, its rotor and m₁₁ of its rods. It is coupled to the platform
-//! by b = m₁₂ of its rods. The platform has the inertia μ, the sum of its mass and m₂₂ of all rods (rods as in
-//! `tripod`). W and w are the masses that hang on carriage and platform. The efforts are
+//! Each carriage has the inertia A: its mass, its rotor and m₁₁ of its rods. b = m₁₂ of its rods couples it to the
+//! platform. The platform has the inertia μ: its mass and m₂₂ of all rods (see `tripod`). W and w are the masses
+//! that hang on carriage and platform. The efforts are
 //!
 //! ```text
 //! τ = A·q̈ + b·p̈z − gz·W + K⁻ᵀ·F      F = μ·p̈ + ẑ·(b·q̈) − g·w
@@ -38,9 +38,8 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 
 use crate::bodies::MassProperties;
 use crate::dynamics::Dynamics;
-use crate::joint::{JointMatrix, JointVector, at};
-use crate::linkage::Carriage;
-use crate::linkage::RodBody;
+use crate::joint::{JointMatrix, JointVector};
+use crate::linkage::{Carriage, RodBody};
 
 /// A tripod with a level platform, and additional axes.
 #[derive(Clone, Debug)]
@@ -104,7 +103,7 @@ impl Place {
 }
 
 impl DeltaDynamics {
-    /// With these parts, `armature` (kg) on every axis, and the axes of `others`, of which rotors are a part.
+    /// From its parts, with `armature` (kg) on every axis; `others` include their rotors.
     pub(super) fn new(
         gravity: Vector3<f64>,
         armature: &JointVector,
@@ -114,7 +113,7 @@ impl DeltaDynamics {
         let axes = carriages.map(|carriage| carriage.axis);
         let mut carried = Vector3::from(carriages.map(|carriage| carriage.mass));
         let (mut above, mut below) = (carried, platform.mass);
-        carried += Vector3::from(axes.map(|axis| at(armature, axis)));
+        carried += Vector3::from(axes.map(|axis| armature[axis]));
         let (mut shared, mut moved) = (Vector3::zeros(), platform.mass);
         for rod in rods {
             let [upper, both, lower] = rod.masses;
@@ -122,9 +121,7 @@ impl DeltaDynamics {
             for (sum, part) in
                 [(&mut carried, upper), (&mut shared, both), (&mut above, weight_above)]
             {
-                if let Some(sum) = sum.get_mut(rod.carriage) {
-                    *sum += part;
-                }
+                sum[rod.carriage] += part;
             }
             moved += lower;
             below += weight_below;
@@ -147,7 +144,7 @@ impl DeltaDynamics {
         }
     }
 
-    /// The accelerations of the axes under `effort`; `None` where the rods do not meet or hold nothing, or if some axis moves no inertia.
+    /// Accelerations of the axes under `effort`; `None` at singular positions, or if an axis moves no inertia.
     pub(super) fn acceleration(
         &mut self,
         position: &JointVector,
@@ -180,9 +177,7 @@ impl DeltaDynamics {
         let block = place.matrix * inertia.try_inverse()? * place.matrix.transpose();
         for (row, axis) in block.row_iter().zip(self.axes) {
             for (value, other) in row.iter().zip(self.axes) {
-                if let Some(entry) = mobility.get_mut((axis, other)) {
-                    *entry = *value;
-                }
+                mobility[(axis, other)] = *value;
             }
         }
         Some((self.with_carriages(others, &found), mobility))
@@ -271,14 +266,12 @@ impl DeltaDynamics {
     #[inline]
     fn of_carriages(&self, values: &JointVector) -> Vector3<f64> {
         let [a, b, c] = self.axes;
-        Vector3::new(at(values, a), at(values, b), at(values, c))
+        Vector3::new(values[a], values[b], values[c])
     }
 
     fn with_carriages(&self, mut others: JointVector, carriages: &Vector3<f64>) -> JointVector {
         for (axis, value) in self.axes.into_iter().zip(carriages) {
-            if let Some(entry) = others.get_mut(axis) {
-                *entry = *value;
-            }
+            others[axis] = *value;
         }
         others
     }

@@ -1,7 +1,7 @@
 //! Distances between parts: lower and upper bounds with as few measurements as possible.
 //!
-//! Between two poses no point of a link moves farther than the shift and turn of its frame allow. A pair at a known
-//! distance is therefore measured again only when both parts together have moved that far.
+//! Between two poses a point moves no farther than shift and turn of its frame allow. A pair is therefore measured
+//! again only when both parts together have moved as far as their known distance.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapier3d_f64::geometry::{Shape, SharedShape};
@@ -12,12 +12,11 @@ use rapier3d_f64::parry::query::{
 };
 use twin_urdf::Model;
 
-use crate::error::PhysicsError;
-use crate::maths;
+use crate::error::Result;
 use crate::pairs::Pairs;
-use crate::penetration;
 use crate::solids::{self, Placed};
 use crate::surroundings::{Part, Surroundings};
+use crate::{maths, penetration};
 
 /// Distance of two parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,16 +90,14 @@ struct Pair {
 }
 
 impl Distances {
-    /// Of the pairs that are `wanted` among the parts of `pairs`. A tool without a solid is nothing but its tip.
-    ///
-    /// # Errors
-    /// [`PhysicsError::FlatMesh`].
+    /// Of the pairs that are `wanted` among the parts of `pairs`. A tool without a solid is only its tip.
+    /// Errors: a flat mesh.
     pub(super) fn new(
         model: &Model,
         surroundings: &Surroundings,
         pairs: &Pairs,
         wanted: impl Fn([usize; 2]) -> bool,
-    ) -> Result<Self, PhysicsError> {
+    ) -> Result<Self> {
         let tool = solids::tool(model, surroundings);
         let mut radii = vec![0.0; model.links.len()];
         let mut parts = Vec::with_capacity(pairs.parts().len());
@@ -171,7 +168,7 @@ impl Distances {
         nearest
     }
 
-    /// Fills `near` with the numbers of the parts that may be within `reach` (m) of each other with the links at `poses`.
+    /// Fills `near` with the pairs that may be within `reach` (m) with the links at `poses`.
     pub(super) fn within(
         &mut self,
         reach: f64,
@@ -207,11 +204,9 @@ impl Distances {
         found.filter(|found| found.distance < 0.0).map(|found| found.parts).collect()
     }
 
-    /// Adds to `found` where the two parts with these numbers touch, or would, if they came nearer by `reach` (m) with the links at
-    /// `poses`.
+    /// Adds to `found` the contact points of two parts within `reach` (m) with the links at `poses`.
     ///
-    /// Nothing is kept from one time to the next: parry would keep points and directions as long as bodies slip by less than a
-    /// millimetre, past an edge, too.
+    /// No manifold is kept: parry would keep points while bodies slip by less than a millimetre, also past an edge.
     pub(super) fn contacts(
         &self,
         numbers: [usize; 2],

@@ -1,14 +1,13 @@
 //! Dry friction: it opposes moving parts, and holds parts at rest until they break away.
 //!
-//! The friction solver takes the forces within ± the dry friction of the axes at rest that leave the least
-//! acceleration, as Moreau and Stewart–Trinkle do with velocities (projected Gauss–Seidel). A held axis keeps its
-//! position to the last bit, with the force that this takes from then on, until that force exceeds the friction
-//! (`stop`). Nothing creeps.
+//! The solver finds the forces within ± the dry friction of axes at rest that leave the least acceleration (Moreau,
+//! Stewart and Trinkle; projected Gauss–Seidel). A held axis keeps its position to the last bit until its holding
+//! force exceeds the friction (`stop`).
 
 use twin_kinematics::MAX_AXES;
 
 use crate::friction::{DryFriction, FrictionParameters, REST};
-use crate::joint::{JointMatrix, JointVector, at};
+use crate::joint::{JointMatrix, JointVector};
 use crate::linear::solve;
 use crate::state::{JointState, MachineState, Motors, Stage};
 use crate::step::{Dry, Step, Sticking};
@@ -17,20 +16,14 @@ use crate::step::{Dry, Step, Sticking};
 const MAX_SWEEPS: usize = 100;
 
 /// The forces that hold what sticks, N or Nm.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Holding {
     pub(super) axes: JointVector,
     pub(super) motors: JointVector,
 }
 
-impl Holding {
-    fn none() -> Self {
-        Self { axes: JointVector::zeros(), motors: JointVector::zeros() }
-    }
-}
-
 /// Dry friction until the next stop or breakaway, and the holding forces at its beginning.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Settled {
     pub(super) dry: Dry,
     pub(super) holding: Holding,
@@ -39,18 +32,20 @@ pub(super) struct Settled {
 impl<M: Motors + ?Sized> Step<'_, M> {
     /// Dry friction from `state` on, at `stage` of the step. Parts at rest have exactly zero velocity from now on.
     pub(super) fn settle(&mut self, state: &mut MachineState, stage: Stage) -> Option<Settled> {
-        let mut settled = Settled { dry: Dry::NONE, holding: Holding::none() };
+        let mut settled = Settled::default();
         if !self.dry {
             return Some(settled);
         }
         let Settled { dry, holding } = &mut settled;
         let (mut axes_stand, mut motors_stand) = (JointVector::zeros(), JointVector::zeros());
-        for (axis, train) in self.trains.iter().enumerate() {
-            let velocity = at(&state.axes.velocity, axis);
-            oppose(velocity, &train.friction, axis, &mut dry.axes, &mut axes_stand);
+        let axes = dry.axes.iter_mut().zip(axes_stand.iter_mut());
+        let motors = dry.motors.iter_mut().zip(motors_stand.iter_mut());
+        for (axis, (train, (at_axis, at_motor))) in
+            self.trains.iter().zip(axes.zip(motors)).enumerate()
+        {
+            oppose(state.axes.velocity[axis], &train.friction, at_axis);
             if let Some(elastic) = &train.elastic {
-                let velocity = at(&state.motors.velocity, axis);
-                oppose(velocity, &elastic.friction, axis, &mut dry.motors, &mut motors_stand);
+                oppose(state.motors.velocity[axis], &elastic.friction, at_motor);
             }
         }
         if axes_stand.max() <= 0.0 && motors_stand.max() <= 0.0 {
@@ -77,7 +72,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         state: &MachineState,
         dry: &Dry,
     ) -> Option<Holding> {
-        let mut holding = Holding::none();
+        let mut holding = Holding::default();
         if [dry.sticking_axes, dry.sticking_motors] == [Sticking::None; 2] {
             return Some(holding);
         }
@@ -91,8 +86,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         Some(holding)
     }
 
-    /// The forces within ± `limits` that leave least acceleration of the axes that stand at `state`, which others have none of, under
-    /// `efforts`.
+    /// Forces within ± `limits` that leave least acceleration of the axes at rest; axes in motion have the limit 0.
     fn hold(
         &mut self,
         state: &JointState,
@@ -118,7 +112,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         Some(self.equation.inverse_dynamics(&state.position, &zero, &zero)? - efforts)
     }
 
-    /// The accelerations of the axes at `state` under `efforts` where some stick, and the forces that hold these.
+    /// Accelerations of the axes at `state` under `efforts` where some stick, and the forces that hold these.
     pub(super) fn held(
         &mut self,
         state: &JointState,
@@ -146,8 +140,8 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         Some((accelerations, forces))
     }
 
-    /// Lets what stands stick or break away, as the `forces` say that would hold it and the most there is (`limits`, 0 where nothing
-    /// stands).
+    /// Decides which parts at rest stick and which break away, from their holding `forces` and `limits` (0: in
+    /// motion).
     fn begin(
         &self,
         state: &mut JointState,
@@ -173,28 +167,21 @@ impl<M: Motors + ?Sized> Step<'_, M> {
     }
 }
 
-/// Opposes `velocity`, or notes the most that can hold what stands.
-fn oppose(
-    velocity: f64,
-    friction: &FrictionParameters,
-    axis: usize,
-    dry: &mut [DryFriction; MAX_AXES],
-    stands: &mut JointVector,
-) {
+/// Opposes the `velocity` of a part, or notes the largest friction that can hold it at rest.
+fn oppose(velocity: f64, friction: &FrictionParameters, part: (&mut DryFriction, &mut f64)) {
+    let (dry, holds) = part;
     if !friction.is_dry() {
         return;
     }
     if velocity.abs() > REST {
-        if let Some(dry) = dry.get_mut(axis) {
-            *dry = DryFriction::Slides(velocity.signum());
-        }
-    } else if let Some(most) = stands.get_mut(axis) {
-        *most = friction.dry(0.0);
+        *dry = DryFriction::Slides(velocity.signum());
+    } else {
+        *holds = friction.dry(0.0);
     }
 }
 
-/// The forces within ± `limits` that leave least of `acceleration`, which the axes have without them; `mobility` is what forces
-/// add to it. Axes without a limit are left as they are.
+/// Forces within ± `limits` that leave least of `acceleration`; `mobility` is acceleration per force. Axes without
+/// a limit keep theirs.
 fn least(
     mut acceleration: JointVector,
     limits: &JointVector,
@@ -208,8 +195,7 @@ fn least(
             if *limit <= 0.0 {
                 continue;
             }
-            let own = column.get(axis).copied().unwrap_or(1.0);
-            let wanted = (*force - at(&acceleration, axis) / own).clamp(-limit, *limit);
+            let wanted = (*force - acceleration[axis] / column[axis]).clamp(-limit, *limit);
             let difference = wanted - *force;
             *force = wanted;
             acceleration += column * difference;

@@ -1,22 +1,26 @@
 //! Equation of motion of a tree of links in joint space: `M(q)·a + b(q, v) = effort`.
 //!
-//! `b` holds gravity, centrifugal and Coriolis terms. `M` has the reflected rotor inertia on its diagonal. Both are
-//! computed from the moving bodies, one per joint (`tree_dynamics`). Where nothing turns they are constants.
+//! `b` holds gravity, centrifugal and Coriolis terms; `M` includes rotors. Without rotary joints both are constant.
 //!
-//! Joint `i` here is machine axis `i`, whatever the order of the joints in the model. Two motors on one belt move two
-//! joints together. Joint positions are then G·q with a constant G, the efforts at the motors are Gᵀ·effort of the
-//! joints, and the inertia is Gᵀ·M·G. Rotors turn with the motors. Positions, velocities and efforts are always those
-//! of the axes.
+//! Joint `i` is machine axis `i`. Two motors on one belt move two joints together: joint positions are G·q with a
+//! constant G, efforts at the motors are Gᵀ·effort of the joints, the inertia is Gᵀ·M·G. Rotors turn with the
+//! motors. Positions, velocities and efforts are those of the axes.
 
 use nalgebra::Vector3;
 use twin_kinematics::MAX_AXES;
 use twin_urdf::Model;
 
 use crate::bodies::Tree;
-use crate::error::PhysicsError;
+use crate::error::{PhysicsError, Result};
 use crate::joint::{JointMatrix, JointVector};
 use crate::linear::{solve, solve_and_invert};
 use crate::tree_dynamics::TreeDynamics;
+
+/// Checks that a machine can have this number of axes.
+pub(super) fn check_axis_count(axis_count: usize) -> Result<()> {
+    let possible = (1..=MAX_AXES).contains(&axis_count);
+    if possible { Ok(()) } else { Err(PhysicsError::AxisNumber(axis_count)) }
+}
 
 /// The equation of motion of one machine.
 #[derive(Clone, Debug)]
@@ -34,27 +38,23 @@ pub(super) struct Dynamics {
 }
 
 impl Dynamics {
-    /// The equation of motion of `model` under `gravity` (m/s², machine frame), with `armature` (kg or kg·m²) added to
-    /// what each axis moves.
-    ///
-    /// # Errors
-    /// Whatever makes the model no tree of links whose joints are the axes `0..axis_count`, each moving some inertia.
+    /// Equation of motion of `model` under `gravity` (m/s², machine frame), with rotors of `armature` (kg or
+    /// kg·m²).
+    /// Errors: a model that is not a tree of links moved by these axes, or an axis without inertia.
     pub(super) fn new(
         model: &Model,
         axis_count: usize,
         gravity: Vector3<f64>,
         armature: JointVector,
-    ) -> Result<Self, PhysicsError> {
-        if axis_count == 0 || axis_count > MAX_AXES {
-            return Err(PhysicsError::AxisNumber { given: axis_count });
-        }
+    ) -> Result<Self> {
+        check_axis_count(axis_count)?;
         if !gravity.iter().all(|value| value.is_finite()) {
-            return Err(PhysicsError::Input { time_ns: 0 });
+            return Err(PhysicsError::Input(0));
         }
         let tree = Tree::new(model, axis_count)?;
         tree.check_coupling(axis_count)?;
         if let Some(axis) = (0..axis_count).find(|axis| !tree.moves_with(*axis)) {
-            return Err(PhysicsError::AxisWithoutJoint { axis });
+            return Err(PhysicsError::AxisWithoutJoint(axis));
         }
         Ok(Self::of_tree(tree, axis_count, gravity, armature))
     }
@@ -180,9 +180,7 @@ impl Dynamics {
         let Some(coupling) = &self.tree.coupling else { return self.bodies.inertia() };
         let mut inertia = coupling.tr_mul(&(self.bodies.inertia() * coupling));
         for (axis, armature) in self.armature.iter().enumerate() {
-            if let Some(entry) = inertia.get_mut((axis, axis)) {
-                *entry += if axis < self.axis_count { *armature } else { 1.0 };
-            }
+            inertia[(axis, axis)] += if axis < self.axis_count { *armature } else { 1.0 };
         }
         self.inertia = inertia;
         &self.inertia

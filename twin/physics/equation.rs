@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use twin_urdf::Model;
 
 use crate::dynamics::Dynamics;
-use crate::error::PhysicsError;
+use crate::error::Result;
 use crate::joint::{JointMatrix, JointVector};
 use crate::tripod::TripodDynamics;
 
@@ -16,17 +16,15 @@ pub(super) enum Equation {
 }
 
 impl Equation {
-    /// Of `model` with the axes `0..axis_count` under `gravity` (m/s², machine frame), with `armature` (kg or kg·m²) added
-    /// to what each axis moves.
-    ///
-    /// # Errors
-    /// Whatever makes the model something else.
+    /// Of `model` with the axes `0..axis_count` under `gravity` (m/s², machine frame), with rotors of `armature`
+    /// (kg or kg·m²).
+    /// Errors: a model that is neither a tree nor a tripod.
     pub(super) fn new(
         model: &Model,
         axis_count: usize,
         gravity: Vector3<f64>,
         armature: JointVector,
-    ) -> Result<Self, PhysicsError> {
+    ) -> Result<Self> {
         if model.loops.is_empty() {
             let tree = Dynamics::new(model, axis_count, gravity, armature)?;
             return Ok(Self::Tree(Box::new(tree)));

@@ -5,6 +5,9 @@ use crate::surroundings::Part;
 use std::fmt;
 use twin_kinematics::MAX_AXES;
 
+/// What the simulation gives.
+pub type Result<T, E = PhysicsError> = std::result::Result<T, E>;
+
 /// Subject of an error, counted from 0: axes in machine-file order, joints and links in that of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
@@ -30,9 +33,10 @@ impl fmt::Display for Subject {
     }
 }
 
-/// A machine that cannot be simulated, or an input it cannot follow. Axes, joints and links are counted from 0;
-/// [`Self::message`] replaces the numbers by names.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A machine that cannot be simulated, or an input it cannot follow; [`Self::message`] replaces the numbers by
+/// names.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{}", self.message(|part| part.to_string()))]
 pub enum PhysicsError {
     /// The number of values does not fit the number of axes.
     AxisCount {
@@ -42,15 +46,9 @@ pub enum PhysicsError {
         expected: usize,
     },
     /// More axes than [`twin_kinematics::MAX_AXES`], or none.
-    AxisNumber {
-        /// Axes asked for.
-        given: usize,
-    },
+    AxisNumber(usize),
     /// No joint is moved by this axis.
-    AxisWithoutJoint {
-        /// The axis.
-        axis: usize,
-    },
+    AxisWithoutJoint(usize),
     /// Two joints name the same axis.
     AxisMovesTwoJoints {
         /// The second joint.
@@ -59,32 +57,15 @@ pub enum PhysicsError {
         axis: usize,
     },
     /// A joint that can move has no axis (or one the machine does not have), or a fixed one has an axis.
-    JointAxis {
-        /// The joint.
-        joint: usize,
-    },
-    /// A joint of a tree that no axis moves, or several axes in such a way that where they are does not tell where all joints are,
-    /// or the other way round.
-    CoupledJoint {
-        /// The joint.
-        joint: usize,
-    },
+    JointAxis(usize),
+    /// A joint that no axis moves, or axis positions that do not determine the joint positions one to one.
+    CoupledJoint(usize),
     /// Closed loops of links.
-    ClosedLoops {
-        /// Number of loops.
-        loops: usize,
-    },
-    /// Closed loops of links that are not a tripod: three carriages that slide upwards, two rods on each of them by
-    /// two joints that turn, a platform on all of these.
-    UnknownMechanism {
-        /// Number of loops.
-        loops: usize,
-    },
+    ClosedLoops(usize),
+    /// Closed loops that are not a tripod: three vertical carriages, two rods on each, one platform.
+    UnknownMechanism(usize),
     /// A rod whose mass is not the same all around it.
-    UnevenRod {
-        /// The link.
-        link: usize,
-    },
+    UnevenRod(usize),
     /// Rods that do not meet, or do not hold the platform.
     Apart,
     /// The links are not ordered as a tree: `joints[i].child == i + 1` and parents first.
@@ -120,15 +101,9 @@ pub enum PhysicsError {
         value: f64,
     },
     /// The cycle time is not between 1 µs and 1 s.
-    CycleTime {
-        /// The value given, ns.
-        cycle_ns: i64,
-    },
-    /// Gravity, a set-point, an effort or a deceleration is infinite, not a number, or has the wrong sign.
-    Input {
-        /// Start of the cycle, ns.
-        time_ns: i64,
-    },
+    CycleTime(i64),
+    /// Gravity, a set-point, an effort or a deceleration is not finite or has the wrong sign.
+    Input(i64),
     /// An axis ran on a limit switch.
     LimitSwitch {
         /// The axis.
@@ -157,16 +132,10 @@ pub enum PhysicsError {
         /// N.
         force: f64,
     },
-    /// Nothing keeps apart what touches: an axis moves next to nothing against how stiff things are where they touch.
-    Contact {
-        /// Start of the cycle, ns.
-        time_ns: i64,
-    },
+    /// Contact forces cannot be solved: the contact is too stiff for the inertia of an axis.
+    Contact(i64),
     /// The motion became infinite: the drive parameters make the loop unstable.
-    Diverged {
-        /// Start of the cycle, ns.
-        time_ns: i64,
-    },
+    Diverged(i64),
 }
 
 impl PhysicsError {
@@ -180,8 +149,8 @@ impl PhysicsError {
             Self::AxisCount { given, expected } => {
                 format!("{given} axis values given, the machine has {expected} axes")
             }
-            Self::AxisNumber { given } => format!("{given} axes, a machine has 1 to {MAX_AXES}"),
-            Self::AxisWithoutJoint { axis: number } => {
+            Self::AxisNumber(given) => format!("{given} axes, a machine has 1 to {MAX_AXES}"),
+            Self::AxisWithoutJoint(number) => {
                 format!("no joint of the model is moved by {}", axis(number))
             }
             Self::AxisMovesTwoJoints { joint: second, axis: number } => format!(
@@ -189,21 +158,21 @@ impl PhysicsError {
                 joint(second),
                 axis(number)
             ),
-            Self::JointAxis { joint: number } => format!(
+            Self::JointAxis(number) => format!(
                 "{} and its machine axis do not belong together (a joint that moves has one, a fixed one none)",
                 joint(number)
             ),
-            Self::CoupledJoint { joint: number } => format!(
+            Self::CoupledJoint(number) => format!(
                 "{} is moved by no axis, or by axes that do not belong to it one to one",
                 joint(number)
             ),
-            Self::ClosedLoops { loops } => {
+            Self::ClosedLoops(loops) => {
                 format!("its links make {loops} closed loops where they have to be a tree")
             }
-            Self::UnknownMechanism { loops } => {
+            Self::UnknownMechanism(loops) => {
                 format!("its links make {loops} closed loops, which are not those of a tripod")
             }
-            Self::UnevenRod { link: rod } => {
+            Self::UnevenRod(rod) => {
                 format!("{} is a rod whose mass is not the same all around it", link(rod))
             }
             Self::Apart => {
@@ -226,10 +195,10 @@ impl PhysicsError {
             Self::DriveParameter { axis: number, parameter, value } => {
                 format!("{}: {parameter} = {value} is out of range", axis(number))
             }
-            Self::CycleTime { cycle_ns } => {
+            Self::CycleTime(cycle_ns) => {
                 format!("a cycle of {cycle_ns} ns is not between 1 µs and 1 s")
             }
-            Self::Input { time_ns } => {
+            Self::Input(time_ns) => {
                 format!("an input at {time_ns} ns is not a number that the machine can follow")
             }
             Self::LimitSwitch { axis: number, side } => {
@@ -247,10 +216,10 @@ impl PhysicsError {
             Self::Collision { parts: [one, other], force } => {
                 format!("{} ran into {} with {force:.0} N", part(one), part(other))
             }
-            Self::Contact { time_ns } => format!(
+            Self::Contact(time_ns) => format!(
                 "at {time_ns} ns nothing keeps apart what touches: it is too stiff for what an axis moves (stiffness_n_per_mm)"
             ),
-            Self::Diverged { time_ns } => {
+            Self::Diverged(time_ns) => {
                 format!("the motion of the machine diverged at {time_ns} ns")
             }
         }
@@ -264,9 +233,9 @@ impl PhysicsError {
             Self::AxisMovesTwoJoints { joint, axis } => {
                 Self::AxisMovesTwoJoints { joint: joint_of(joint), axis }
             }
-            Self::JointAxis { joint } => Self::JointAxis { joint: joint_of(joint) },
-            Self::CoupledJoint { joint } => Self::CoupledJoint { joint: joint_of(joint) },
-            Self::UnevenRod { link } => Self::UnevenRod { link: link_of(link) },
+            Self::JointAxis(joint) => Self::JointAxis(joint_of(joint)),
+            Self::CoupledJoint(joint) => Self::CoupledJoint(joint_of(joint)),
+            Self::UnevenRod(link) => Self::UnevenRod(link_of(link)),
             Self::NotATree { joint, parent, child } => Self::NotATree {
                 joint: joint_of(joint),
                 parent: link_of(parent),
@@ -275,30 +244,7 @@ impl PhysicsError {
             Self::MassProperties { link, mass } => {
                 Self::MassProperties { link: link_of(link), mass }
             }
-            Self::AxisCount { .. }
-            | Self::AxisNumber { .. }
-            | Self::AxisWithoutJoint { .. }
-            | Self::ClosedLoops { .. }
-            | Self::UnknownMechanism { .. }
-            | Self::Apart
-            | Self::NoInertia { .. }
-            | Self::DriveParameter { .. }
-            | Self::CycleTime { .. }
-            | Self::Input { .. }
-            | Self::LimitSwitch { .. }
-            | Self::FlatMesh { .. }
-            | Self::Overlap { .. }
-            | Self::Collision { .. }
-            | Self::Contact { .. }
-            | Self::Diverged { .. } => self,
+            other => other,
         }
     }
 }
-
-impl fmt::Display for PhysicsError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message(|part| part.to_string()))
-    }
-}
-
-impl std::error::Error for PhysicsError {}

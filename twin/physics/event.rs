@@ -16,8 +16,7 @@ pub struct PhysicsEvent {
 /// Kinds of events of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EventKind {
-    /// The rotor of a step motor fell behind its field (or was pushed ahead of it, below 0) by more than two full steps, and
-    /// these full steps are lost.
+    /// A step motor lost these full steps: its rotor fell behind its field by more than two (below 0: ahead).
     LostSteps(i64),
     /// The motor has exceeded its continuous limit for too long.
     Overload,
@@ -32,13 +31,11 @@ pub enum EventKind {
 /// A fault of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fault {
-    /// The axis does not move any more, whatever pushes it.
+    /// The axis does not move any more, however hard it is pushed.
     Jam,
-    /// The next full steps of the pulse train, this number, do not reach the step motor. A servo motor has none to
-    /// lose.
+    /// This number of full steps of the pulse train does not reach the step motor; servo motors ignore it.
     LostSteps(f64),
-    /// The belt, or whatever gives way, has this part of its stiffness and damping left, and this much more play (m or rad).
-    /// A rigid transmission has nothing to loosen.
+    /// An elastic transmission keeps this part of stiffness and damping, and gets this additional play (m or rad).
     LooseBelt {
         /// Above 0, usually below 1.
         stiffness: f64,

@@ -9,8 +9,7 @@ use crate::machine::PhysicsMachine;
 const JAMMED: f64 = 1e9;
 
 impl PhysicsMachine {
-    /// Injects a fault into `axis`. False if it cannot have the fault: the axis does not exist, or lacks a part that
-    /// can fail so.
+    /// Injects a fault into `axis`. False if the axis does not exist or lacks the part that fails.
     pub fn fail(&mut self, axis: usize, fault: Fault) -> bool {
         let parts = self.drives.get_mut(axis).zip(self.trains.get_mut(axis));
         let Some((drive, train)) = parts else { return false };

@@ -3,13 +3,13 @@
 /// Friction of one moving part: Coulomb, breakaway with its fall by Stribeck, and viscous.
 ///
 /// ```text
-/// f(v) = −sign(v)·(c + (b − c)·exp(−(v/vs)²)) − d·v        at rest whatever holds it, up to b
+/// f(v) = −sign(v)·(c + (b − c)·exp(−(v/vs)²)) − d·v        at rest what holds it, up to b
 /// ```
 ///
 /// Armstrong-Hélouvry, Dupont, Canudas de Wit, *A survey of models … for the control of machines with friction*, 1994.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrictionParameters {
-    /// c: of a sliding part whatever its velocity, N or Nm.
+    /// c: of a sliding part at any velocity, N or Nm.
     pub coulomb: f64,
     /// b: what has to be overcome from rest, N or Nm, at least `coulomb`; slides have 1 to 2 times that.
     pub breakaway: f64,
@@ -74,17 +74,18 @@ const FALLEN: f64 = 7.0;
 /// Slower than this, rounding included, a part is at rest, m/s or rad/s.
 pub(super) const REST: f64 = 1e-12;
 
-/// The part of the most that holds which has to be left for a part to be held: more than what rounding leaves where it breaks away.
+/// Margin below the holding limit, relative: more than the rounding where a part breaks away.
 const LEFT: f64 = 1e-9;
 
 /// Effect of dry friction over a short time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum DryFriction {
     /// Nothing.
+    #[default]
     None,
     /// Opposes motion in this direction.
     Slides(f64),
-    /// Gives whatever holds the part.
+    /// Gives what holds the part.
     Sticks,
 }
 
@@ -98,7 +99,7 @@ impl DryFriction {
         self == Self::Sticks
     }
 
-    /// The force at `velocity`, viscous friction included, but for what holds a part that sticks.
+    /// The force at `velocity`, viscous friction included, without what holds a part that sticks.
     pub(super) fn force(self, velocity: f64, friction: &FrictionParameters) -> f64 {
         let dry = match self {
             Self::None | Self::Sticks => 0.0,

@@ -1,11 +1,9 @@
 //! Time integration over one short step: joints by the equation of motion, together with rotors behind elastic
 //! transmissions.
 //!
-//! The method is classical Runge–Kutta of fourth order. Motors, springs and friction are part of the right-hand side.
-//! The laws change where something stops or breaks away, or where teeth meet. A step therefore ends there (`stop`), and
-//! another one takes the rest of the time. Friction opposes a part as long as it moves; `dry_friction` decides whether a part
-//! at rest is held or breaks away. Every step thus covers smooth motion only. Its error is of fifth order, wherever it
-//! begins.
+//! Classical Runge–Kutta of fourth order over motors, springs and friction. A step ends where a part stops or
+//! breaks away, or where teeth meet (`stop`); another takes the rest. `dry_friction` decides whether a part at rest
+//! is held. Each step is smooth, with an error of fifth order.
 
 use twin_kinematics::MAX_AXES;
 
@@ -17,8 +15,8 @@ use crate::step::{Springs, Step};
 /// Largest number of stops in one step; further ones are ignored.
 const MOST_STOPS: usize = 16;
 
-/// The state after `dt` (s) with `motors` at work and a `disturbance` of the axes, and the mean efforts of the motors on the way; `None` if some axis moves no inertia, or where the
-/// machine cannot be.
+/// State after `dt` (s) with `motors` and a `disturbance` of the axes, and mean motor efforts; `None` at singular
+/// positions, or if an axis moves no inertia.
 pub(super) fn advance(
     equation: &mut Equation,
     trains: &[Train; MAX_AXES],

@@ -3,16 +3,11 @@
 use nalgebra::{SMatrix, SVector};
 use twin_kinematics::{AxisVector, MAX_AXES};
 
-/// One value per axis; axes the machine does not have are 0.
+/// One value per axis, indexed by axis; axes the machine does not have are 0.
 pub(super) type JointVector = SVector<f64, MAX_AXES>;
 
 /// One value per pair of axes.
 pub(super) type JointMatrix = SMatrix<f64, MAX_AXES, MAX_AXES>;
-
-/// The value of `axis`; axes are below [`MAX_AXES`] by construction.
-pub(super) fn at(values: &JointVector, axis: usize) -> f64 {
-    values.get(axis).copied().unwrap_or_default()
-}
 
 /// The joint vector of `values` in axis order; missing values are 0.
 pub(super) fn joint_vector(values: impl Iterator<Item = f64>) -> JointVector {

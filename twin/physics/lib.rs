@@ -6,9 +6,8 @@
 //!                             └──────────────── position, velocity ────────────────────┘
 //! ```
 //!
-//! Axes are integrated in joint space, where accuracy does not depend on solver iterations. rapier owns the bodies and
-//! the shapes for contact detection. Contact is solved in joint space again, in the same way for chains and for closed
-//! loops of links. One cycle of length T (1 ms):
+//! Axes are integrated in joint space. rapier owns bodies and shapes; contact is solved in joint space too. One
+//! cycle of T (1 ms):
 //!
 //! 1. rapier's geometry finds the parts that can come near each other within the cycle (`world`).
 //! 2. In short steps (`stepping`) the drives (`drive`) run their loops when they are due. The equation of motion
@@ -57,6 +56,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#![allow(
+    clippy::indexing_slicing,
+    reason = "numeric code: an index beyond an array is a fault that must stop, not a 0.0 for an axis"
+)]
+
 mod along_path;
 mod bodies;
 mod clearance;
@@ -80,7 +84,6 @@ mod linkage;
 mod load;
 mod machine;
 mod maths;
-mod mechanism;
 mod noise;
 mod pairs;
 mod passive;
@@ -117,7 +120,7 @@ pub use drive::{
     EncoderSide, Motor, OverloadParameters, ServoParameters, StepperParameters, SwitchParameters,
     SwitchStates,
 };
-pub use error::{PhysicsError, Subject};
+pub use error::{PhysicsError, Result, Subject};
 pub use event::{EventKind, Fault, PhysicsEvent};
 pub use friction::FrictionParameters;
 pub use load::{MotorLoad, MotorState};
@@ -130,36 +133,19 @@ pub use transmission::ElasticTransmission;
 use equation::Equation;
 use joint::{JointVector, axis_vector, joint_vector};
 
-/// The inertia of each axis of `model` at `position` while the others are at rest (kg or kg·m²), without rotors: input
-/// of [`ServoParameters::tuned`].
+/// Inertia of each axis of `model` at `position` (kg or kg·m²), the others at rest, without rotors.
 ///
 /// # Errors
 /// Those of [`PhysicsMachine::new`] that concern the model, and [`PhysicsError::Input`].
-pub fn axis_inertia(model: &Model, position: &AxisVector) -> Result<AxisVector, PhysicsError> {
+pub fn axis_inertia(model: &Model, position: &AxisVector) -> Result<AxisVector> {
     let axes = position.len();
     let mut equation = Equation::new(model, axes, Vector3::zeros(), JointVector::zeros())?;
     let inertia = equation.inertia(&checked(position, axes, 0)?).ok_or(PhysicsError::Apart)?;
     Ok(axis_vector(&inertia.diagonal(), axes))
 }
 
-/// The efforts (N or Nm) that hold `model` at `position` against `gravity` (m/s²).
-///
-/// # Errors
-/// Those of [`axis_inertia`].
-#[cfg(test)]
-pub(crate) fn holding_effort(
-    model: &Model,
-    gravity: Vector3<f64>,
-    position: &AxisVector,
-) -> Result<AxisVector, PhysicsError> {
-    let axes = position.len();
-    let mut dynamics = dynamics::Dynamics::new(model, axes, gravity, JointVector::zeros())?;
-    let zero = JointVector::zeros();
-    Ok(axis_vector(&dynamics.inverse_dynamics(&checked(position, axes, 0)?, &zero, &zero), axes))
-}
-
-/// The efforts (N or Nm) that `model` takes in `motion` against `gravity` (m/s²), without friction, with rotors of these
-/// inertias behind the gears (kg or kg·m²).
+/// Efforts (N or Nm) of `model` in `motion` under `gravity` (m/s²), without friction, with rotors of `armature` (kg
+/// or kg·m²).
 ///
 /// # Errors
 /// Those of [`axis_inertia`].
@@ -168,7 +154,7 @@ pub fn motion_effort(
     gravity: Vector3<f64>,
     armature: &[f64],
     motion: &twin_kinematics::AxisMotion,
-) -> Result<AxisVector, PhysicsError> {
+) -> Result<AxisVector> {
     let axes = armature.len();
     let armature = joint_vector(armature.iter().copied());
     let mut dynamics = dynamics::Dynamics::new(model, axes, gravity, armature)?;
@@ -181,13 +167,13 @@ pub fn motion_effort(
     Ok(axis_vector(&effort, axes))
 }
 
-/// `values` as a joint vector, if there are `axes` of them and all are finite.
-fn checked(values: &AxisVector, axes: usize, time_ns: i64) -> Result<JointVector, PhysicsError> {
+/// `values` as a joint vector; an error unless there are `axes` of them, all finite.
+fn checked(values: &AxisVector, axes: usize, time_ns: i64) -> Result<JointVector> {
     if values.len() != axes {
         return Err(PhysicsError::AxisCount { given: values.len(), expected: axes });
     }
     if !values.is_finite() {
-        return Err(PhysicsError::Input { time_ns });
+        return Err(PhysicsError::Input(time_ns));
     }
     Ok(joint_vector(values.iter().copied()))
 }

@@ -1,7 +1,6 @@
 //! Linear solver for the equations of the axes: M = L·D·Lᵀ with 1 on the diagonal of L.
 //!
-//! The systems are no larger than the number of axes. The factorisation needs no square roots and, for so few axes, no
-//! loops when compiled.
+//! One row per axis. The factorisation needs no square roots, and no loops when compiled.
 
 use twin_kinematics::MAX_AXES;
 
@@ -61,7 +60,6 @@ struct Factors<const N: usize> {
     pivots: [f64; N],
 }
 
-#[expect(clippy::indexing_slicing, reason = "every index is below N, and N not above MAX_AXES")]
 impl<const N: usize> Factors<N> {
     /// Of the first N rows and columns; only what is on and below the diagonal is read.
     #[inline]

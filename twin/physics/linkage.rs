@@ -5,7 +5,7 @@ use twin_kinematics::tripod::{Tripod, TripodDeviations, TripodDimensions};
 use twin_urdf::{Joint, JointDrive, JointKind, Loop, Model};
 
 use crate::bodies::{MassProperties, Tree};
-use crate::error::PhysicsError;
+use crate::error::{PhysicsError, Result};
 
 /// Tolerance of rounding, relative to a length, an inertia, or 1.
 const ROUNDING: f64 = 1e-9;
@@ -58,14 +58,11 @@ pub(super) struct Hanging<'m> {
 }
 
 impl Linkage {
-    /// The tripod that `model` is: carriages that slide upwards with an axis each, rods on them by two passive joints in one
-    /// point, the platform on the first of them by three, held to the others by [loops](Model::loops).
-    ///
-    /// # Errors
-    /// [`PhysicsError::UnknownMechanism`] if it is something else, [`PhysicsError::UnevenRod`],
-    /// [`PhysicsError::MassProperties`], and errors of other links that are not a tree.
-    pub(super) fn of(model: &Model, axis_count: usize) -> Result<Self, PhysicsError> {
-        let unknown = PhysicsError::UnknownMechanism { loops: model.loops.len() };
+    /// Tripod in `model`: carriages that slide upwards, rods on them by two passive joints in one point, the
+    /// platform on the first rod by three joints, held to the others by [loops](Model::loops).
+    /// Errors: [`PhysicsError::UnknownMechanism`], [`PhysicsError::UnevenRod`], [`PhysicsError::MassProperties`].
+    pub(super) fn of(model: &Model, axis_count: usize) -> Result<Self> {
+        let unknown = PhysicsError::UnknownMechanism(model.loops.len());
         let hanging = hanging(model).ok_or(unknown)?;
         let mut carriages: Vec<(Carriage, usize)> = Vec::new();
         let mut rods = Vec::with_capacity(hanging.len());
@@ -95,8 +92,8 @@ impl Linkage {
 }
 
 impl Hanging<'_> {
-    fn body(&self, model: &Model, carriage: usize) -> Result<RodBody, PhysicsError> {
-        let unknown = PhysicsError::UnknownMechanism { loops: model.loops.len() };
+    fn body(&self, model: &Model, carriage: usize) -> Result<RodBody> {
+        let unknown = PhysicsError::UnknownMechanism(model.loops.len());
         let number = self.tilt.child;
         let link = model.links.get(number).ok_or(unknown)?;
         let MassProperties { mass, center, inertia } = MassProperties::of(number, link)?;
@@ -111,7 +108,7 @@ impl Hanging<'_> {
         if (center.coords - end.coords * part).norm() > ROUNDING * length
             || (inertia - even).amax() > ROUNDING * inertia.amax()
         {
-            return Err(PhysicsError::UnevenRod { link: number });
+            return Err(PhysicsError::UnevenRod(number));
         }
         let turning = across / (length * length);
         let (above, below) = (1.0 - part, part);
@@ -198,7 +195,7 @@ pub(super) fn hanging(model: &Model) -> Option<Vec<Hanging<'_>>> {
 }
 
 /// The links on other axes than those of the tripod's carriages.
-fn others(model: &Model, axis_count: usize) -> Result<Option<Tree>, PhysicsError> {
+fn others(model: &Model, axis_count: usize) -> Result<Option<Tree>> {
     let mut within = vec![false; model.links.len()];
     for closing in &model.loops {
         for link in closing.links {
@@ -235,7 +232,7 @@ fn others(model: &Model, axis_count: usize) -> Result<Option<Tree>, PhysicsError
     for (index, joint) in rest.joints.iter_mut().enumerate() {
         if let JointDrive::Mimic { joint: leader, .. } = &mut joint.drive {
             let number = numbers.get(*leader + 1).and_then(|number| number.checked_sub(1));
-            let coupled = PhysicsError::CoupledJoint { joint: index };
+            let coupled = PhysicsError::CoupledJoint(index);
             *leader = number.ok_or_else(|| coupled.renumbered(&joints, &links))?;
         }
     }

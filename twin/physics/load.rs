@@ -17,8 +17,7 @@ pub struct MotorLoad {
     pub driving_energy: f64,
     /// Energy taken back while braking, J.
     pub braking_energy: f64,
-    /// Largest losses of the winding relative to the continuous limit, smoothed with its thermal time constant (I²t).
-    /// `None` where they are not known.
+    /// Largest winding losses relative to the continuous limit, smoothed (I²t); `None` if unknown.
     pub peak_warmth: Option<f64>,
 }
 
@@ -31,11 +30,9 @@ pub struct MotorState {
     pub effort_limit: Option<f64>,
     /// Mechanical power, mean over the cycle, W; less than 0 while it brakes.
     pub power: f64,
-    /// Losses of the winding relative to the continuous limit, smoothed with its thermal time constant (I²t), at the
-    /// end of the cycle. `None` where they are not known.
+    /// Winding losses relative to the continuous limit, smoothed (I²t), at the end of the cycle; `None` if unknown.
     pub warmth: Option<f64>,
-    /// Load angle of a step motor: lead of the field over the rotor at the end of the cycle, full steps; `None` of
-    /// other motors.
+    /// Load angle of a step motor: lead of the field over the rotor at the end of the cycle, full steps.
     pub load_angle: Option<f64>,
 }
 

@@ -10,9 +10,9 @@ use crate::drive::{
     AxisDrive, AxisDriveParameters, EffortFeedForward, Motor, MotorAtWork, SwitchStates,
 };
 use crate::equation::Equation;
-use crate::error::PhysicsError;
+use crate::error::{PhysicsError, Result};
 use crate::event::PhysicsEvent;
-use crate::joint::{JointVector, at, axis_vector, joint_vector};
+use crate::joint::{JointVector, axis_vector, joint_vector};
 use crate::load::{LoadSums, MotorLoad, MotorState};
 use crate::state::{Elastic, JointState, MachineState, Train};
 use crate::world::RapierWorld;
@@ -58,10 +58,10 @@ pub struct PhysicsMachine {
 }
 
 impl PhysicsMachine {
-    /// The machine `model` at rest at `initial` (m or rad, machine-file order) with its drives enabled, one of
-    /// `drives` per machine axis, under `gravity` (m/s², machine frame), stepping `cycle_ns` at a time.
+    /// Machine of `model` at rest at `initial` (m or rad), drives enabled, under `gravity` (m/s²), in cycles of
+    /// `cycle_ns`.
     ///
-    /// The drives start with the effort that holds the machine against gravity, and are homed so, so that nothing sags.
+    /// Drives start with the effort that holds the machine against gravity, and are homed there: nothing sags.
     ///
     /// # Errors
     /// [`PhysicsError`] if the model is not a tree of links whose moving joints are the machine's axes, if an axis
@@ -72,8 +72,8 @@ impl PhysicsMachine {
         gravity: Vector3<f64>,
         initial: &AxisVector,
         cycle_ns: i64,
-    ) -> Result<Self, PhysicsError> {
-        let cycle_time = PhysicsError::CycleTime { cycle_ns };
+    ) -> Result<Self> {
+        let cycle_time = PhysicsError::CycleTime(cycle_ns);
         let cycle = u32::try_from(cycle_ns)
             .ok()
             .filter(|ns| (1_000..=1_000_000_000).contains(ns))
@@ -127,7 +127,7 @@ impl PhysicsMachine {
         for (drive, position) in at_work.iter_mut().zip(&position) {
             drive.switched = drive.switches.at(*position);
         }
-        let mut trains = [Train::NONE; MAX_AXES];
+        let mut trains = [Train::default(); MAX_AXES];
         for (train, drive) in trains.iter_mut().zip(drives) {
             *train = train_of(drive);
         }
@@ -162,7 +162,7 @@ impl PhysicsMachine {
         })
     }
 
-    /// The machine with steps of the equation of motion of at most `longest` s, whatever the computing time.
+    /// The machine with steps of the equation of motion of at most `longest` s, regardless of computing time.
     #[must_use]
     pub fn with_steps_of(mut self, longest: f64) -> Self {
         let mut factor = 1_u32;
@@ -194,8 +194,7 @@ impl PhysicsMachine {
         &self.setpoint
     }
 
-    /// Motor positions relative to homing, m or rad at the axes. Without elastic transmissions they are the axis
-    /// positions.
+    /// Motor positions relative to homing, m or rad at the axes; the axis positions if the transmission is rigid.
     pub fn motor_position(&self) -> AxisVector {
         axis_vector(&(self.joints.motors.position - self.homed), self.drives.len())
     }
@@ -211,7 +210,7 @@ impl PhysicsMachine {
         let of = |values: &AxisVector| values.get(axis).copied().unwrap_or_default();
         MotorState {
             effort: of(&self.state.effort),
-            effort_limit: drive.effort_limit(at(&self.joints.motors.velocity, axis)),
+            effort_limit: drive.effort_limit(self.joints.motors.velocity[axis]),
             power: of(&self.state.power),
             warmth: drive.warmth(),
             load_angle: self.load_angle(axis),
@@ -222,7 +221,7 @@ impl PhysicsMachine {
     pub fn load_angle(&self, axis: usize) -> Option<f64> {
         match &self.drives.get(axis)?.motor {
             MotorAtWork::Stepper(stepper) => {
-                Some(stepper.load_angle(at(&self.joints.motors.position, axis)))
+                Some(stepper.load_angle(self.joints.motors.position[axis]))
             }
             MotorAtWork::Servo(_) => None,
         }
@@ -268,8 +267,8 @@ const SWING: f64 = 0.25;
 /// Most steps in a cycle that springs may ask for.
 const MOST_STEPS: u32 = 256;
 
-/// Number of steps of the equation of motion in a cycle: every pass of a drive's loops is at the beginning of a step, and
-/// steps are short against the springs.
+/// Steps of the equation of motion per cycle: each pass of a drive loop begins a step, and steps are short against
+/// springs.
 fn steps_per_cycle(drives: &[AxisDriveParameters], inertia: &JointVector, cycle: f64) -> u32 {
     let passes = drives.iter().map(|drive| match &drive.motor {
         Motor::Servo(servo) => u32::from(servo.velocity_passes),

@@ -1,7 +1,6 @@
 //! Conversion between nalgebra's types and rapier's (glam's), in one place.
 //!
-//! Every conversion copies components. Nothing is normalised or rounded, so a value that is converted there and back is
-//! the same to the bit.
+//! Conversions copy components without normalising or rounding.
 
 #[cfg(test)]
 use nalgebra::Matrix3;

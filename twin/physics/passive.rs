@@ -38,8 +38,8 @@ impl Turns {
         let [a, b] = axes;
         let turned = about(&b, rest) * arm;
         let side = a.cross(&b).dot(&turned);
-        let told_apart = a.dot(&b).abs() <= SQUARE && side.abs() > SQUARE * arm.norm();
-        told_apart.then_some(Self { axes, arm, side: side.signum() })
+        let distinct = a.dot(&b).abs() <= SQUARE && side.abs() > SQUARE * arm.norm();
+        distinct.then_some(Self { axes, arm, side: side.signum() })
     }
 
     /// Both angles, rad, with which they turn their arm to `target`, which is as long.
@@ -98,8 +98,7 @@ impl PassiveJoints {
         Some(Self { rods, ball: Ball::of(model)? })
     }
 
-    /// Sets the passive joints in `values`, one per joint of the model, for the axes at `axes` and the platform at
-    /// `platform`.
+    /// Sets the passive joints in `values` for the axes at `axes` and the platform at `platform`.
     pub(super) fn follow(&self, axes: &[f64], platform: &Isometry3<f64>, values: &mut [f64]) {
         let mut carrier = None;
         for rod in &self.rods {

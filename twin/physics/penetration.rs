@@ -1,8 +1,7 @@
 //! Penetration depth of convex bodies.
 //!
-//! The depth is the smallest distance, over all directions, that one body has to move to come free. parry's own answer
-//! (EPA) is good between polyhedra. Where a round side is deep in something, it may be many times too large. The
-//! directions of both bodies' own axes are therefore tried as well: cylinders and boxes come free in these.
+//! Depth: smallest distance that one body has to move to come free. parry's answer (EPA) is good between polyhedra
+//! but may be many times too large for round sides; the bodies' own axes are therefore tried as well.
 
 use nalgebra::{Point3, Vector3};
 use rapier3d_f64::geometry::Shape;
@@ -17,13 +16,13 @@ pub(super) struct Penetration {
     pub(super) depth: f64,
     /// The point of the first that is deepest in the second, and where it would come out, machine frame, m.
     pub(super) points: [Point3<f64>; 2],
-    /// Position of the overlap, machine frame, m: the middle of the intersection of their bounding boxes.
+    /// Position of the overlap, machine frame, m: middle of the intersection of the bounding boxes.
     pub(super) middle: Point3<f64>,
     /// Direction in which the second comes free.
     pub(super) normal: Vector3<f64>,
 }
 
-/// Of two shapes that intersect; of those in parts, of the parts that are deepest in each other. At most 0 deep if they touch.
+/// Penetration of two intersecting shapes; of compound shapes, of the deepest parts. At most 0 deep if they touch.
 pub(super) fn of(here: &Pose, one: &dyn Shape, there: &Pose, other: &dyn Shape) -> Penetration {
     let mut deepest = Penetration {
         depth: 0.0,

@@ -1,11 +1,10 @@
-//! Forward kinematics: poses of all links for given axis positions, for trees, mimic joints and tripods with closed
-//! loops.
+//! Forward kinematics of trees, mimic joints and tripods with closed loops.
 
 use nalgebra::Isometry3;
 use twin_urdf::{JointDrive, JointPositions, Model};
 
 use crate::equation::Equation;
-use crate::error::PhysicsError;
+use crate::error::{PhysicsError, Result};
 use crate::joint::JointVector;
 use crate::passive::PassiveJoints;
 use crate::tripod::TripodDynamics;
@@ -52,15 +51,13 @@ impl Posed {
     }
 
     /// Fills `poses` with the link poses of `model` in the machine frame, with the axes at `position`.
-    ///
-    /// # Errors
-    /// [`PhysicsError::Apart`].
+    /// Errors: [`PhysicsError::Apart`].
     pub(super) fn poses(
         &mut self,
         model: &Model,
         position: &JointVector,
         poses: &mut [Isometry3<f64>],
-    ) -> Result<(), PhysicsError> {
+    ) -> Result<()> {
         let axes = position.as_slice();
         let axes = axes.get(..self.axis_count).unwrap_or(axes);
         match &mut self.passive {

@@ -3,7 +3,7 @@
 use twin_kinematics::AxisMotion;
 
 use crate::checked;
-use crate::error::PhysicsError;
+use crate::error::Result;
 use crate::joint::JointVector;
 
 /// A set-point in the shape of joint-space mathematics.
@@ -15,11 +15,7 @@ pub(super) struct Setpoint {
 }
 
 impl Setpoint {
-    pub(super) fn new(
-        motion: &AxisMotion,
-        axes: usize,
-        time_ns: i64,
-    ) -> Result<Self, PhysicsError> {
+    pub(super) fn new(motion: &AxisMotion, axes: usize, time_ns: i64) -> Result<Self> {
         Ok(Self {
             position: checked(&motion.position, axes, time_ns)?,
             velocity: checked(&motion.velocity, axes, time_ns)?,
@@ -27,8 +23,8 @@ impl Setpoint {
         })
     }
 
-    /// The set-point at `phase` (0 to 1) of the way to `end`, `duration` (s) later: the cubic through both positions
-    /// and velocities, and the straight line between both accelerations.
+    /// Set-point at `phase` (0 to 1) towards `end`, `duration` (s) later: cubic in position, linear in
+    /// acceleration.
     pub(super) fn towards(&self, end: &Self, phase: f64, duration: f64) -> Self {
         let rest = 1.0 - phase;
         let distance = end.position - self.position;

@@ -13,7 +13,7 @@ use rapier3d_f64::parry::transformation::vhacd::{VHACD, VHACDParameters};
 use rapier3d_f64::parry::transformation::voxelization::FillMode;
 use twin_urdf::{Link, Mesh, Model, Solid, SolidShape};
 
-use crate::error::PhysicsError;
+use crate::error::{PhysicsError, Result};
 use crate::maths;
 use crate::surroundings::{Part, Surroundings};
 
@@ -23,11 +23,10 @@ const CONVEX: f64 = 1e-6;
 /// Largest distance of the tool tip from the surface of the tool's solid, m.
 const AT_TIP: f64 = 1e-6;
 
-/// Corners times triangles of meshes that are asked whether they are convex; larger ones are taken apart, convex or not.
+/// Limit of the convexity test, corners times triangles; larger meshes are always decomposed.
 const MOST_LOOKS: usize = 200_000_000;
 
-/// Parameters of the convex decomposition: parts exceed their mesh by at most a sixtieth of its size, with cuts at
-/// every second place.
+/// Convex decomposition: parts exceed their mesh by at most a sixtieth of its size.
 const FINE: VHACDParameters = VHACDParameters {
     concavity: 1e-3,
     alpha: 0.05,
@@ -86,8 +85,7 @@ pub(super) fn placed(solid: &Solid) -> Option<Placed> {
     Some(Placed { shape, pose })
 }
 
-/// Index of the tool among the collision solids of the last link of `model`, if it has one: the solid that the tip lies
-/// on.
+/// Index of the tool among the collision solids of the last link: the solid that the tip lies on.
 pub(super) fn tool(model: &Model, surroundings: &Surroundings) -> Option<usize> {
     if !surroundings.has_tool {
         return None;
@@ -105,7 +103,7 @@ pub(super) fn tool(model: &Model, surroundings: &Surroundings) -> Option<usize> 
 /// A mesh that has been taken apart, what it was multiplied by, and its parts.
 type Known = (Weak<Mesh>, Vector3<f64>, Option<SharedShape>);
 
-/// Meshes that somebody still has: to take one apart takes a second, and several look at the same machine.
+/// Cache of decomposed meshes: a decomposition takes a second.
 static KNOWN: Mutex<Vec<Known>> = Mutex::new(Vec::new());
 
 /// [`convex_parts`], once for each mesh.
@@ -176,16 +174,14 @@ fn is_convex(mesh: &Mesh, scale: &Vector3<f64>) -> bool {
     })
 }
 
-/// Collision shapes of `part`, in the frame of its link; `tool` is the index of the tool among the last link's solids.
-///
-/// # Errors
-/// [`PhysicsError::FlatMesh`].
+/// Collision shapes of `part` in its link frame; `tool` is the index of the tool among the last link's solids.
+/// Errors: [`PhysicsError::FlatMesh`].
 pub(super) fn of_part(
     model: &Model,
     surroundings: &Surroundings,
     part: Part,
     tool: Option<usize>,
-) -> Result<Vec<Placed>, PhysicsError> {
+) -> Result<Vec<Placed>> {
     let of_link = |link: usize| model.links.get(link).map_or(&[][..], Link::collision_solids);
     let (solids, is_tip): (&[Solid], bool) = match part {
         Part::Link(link) => (of_link(link), link == model.tip.link),

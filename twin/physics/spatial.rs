@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::bodies::MassProperties;
 
 /// Σ m·r·rᵀ, symmetric, kg·m².
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SecondMoments {
     pub(super) xx: f64,
     pub(super) yy: f64,
@@ -16,8 +16,6 @@ pub(super) struct SecondMoments {
 }
 
 impl SecondMoments {
-    const NONE: Self = Self { xx: 0.0, yy: 0.0, zz: 0.0, xy: 0.0, xz: 0.0, yz: 0.0 };
-
     /// Of the symmetric `matrix`.
     fn of(matrix: &Matrix3<f64>) -> Self {
         Self {
@@ -37,7 +35,7 @@ impl SecondMoments {
 }
 
 /// The mass in a frame: Σ m, Σ m·r and Σ m·r·rᵀ.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Spread {
     pub(super) mass: f64,
     pub(super) first: Vector3<f64>,
@@ -45,9 +43,6 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    pub(super) const NONE: Self =
-        Self { mass: 0.0, first: Vector3::new(0.0, 0.0, 0.0), second: SecondMoments::NONE };
-
     /// Of a link.
     pub(super) fn of(properties: &MassProperties) -> Self {
         let MassProperties { mass, center, inertia } = *properties;
@@ -130,7 +125,7 @@ impl Spread {
 }
 
 /// The acceleration field of a rigid body: a + B·r, in its frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Motion {
     /// a, of the origin.
     pub(super) acceleration: Vector3<f64>,
@@ -139,11 +134,6 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    pub(super) const REST: Self = Self {
-        acceleration: Vector3::new(0.0, 0.0, 0.0),
-        change: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-    };
-
     /// Of a body that turns with ω = `omega` and α = `alpha`.
     #[inline]
     pub(super) fn new(

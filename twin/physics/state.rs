@@ -88,7 +88,7 @@ pub(super) trait Motors {
 }
 
 /// Transmission between one motor and its axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Train {
     /// Of the axis, and of all that is joined to it rigidly.
     pub(super) friction: FrictionParameters,
@@ -105,9 +105,6 @@ pub(super) struct Elastic {
 }
 
 impl Train {
-    /// An axis that does not exist.
-    pub(super) const NONE: Self = Self { friction: FrictionParameters::NONE, elastic: None };
-
     /// Adds a brake on the motor that holds `effort`.
     pub(super) fn brake(&mut self, effort: f64) {
         let braked = match &mut self.elastic {

@@ -4,11 +4,11 @@ use twin_kinematics::MAX_AXES;
 
 use crate::equation::Equation;
 use crate::friction::DryFriction;
-use crate::joint::{JointVector, at};
+use crate::joint::JointVector;
 use crate::state::{JointState, MachineState, Motors, Stage, Train};
 
 /// Dry friction on both sides of the transmissions.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Dry {
     pub(super) axes: [DryFriction; MAX_AXES],
     pub(super) motors: [DryFriction; MAX_AXES],
@@ -19,20 +19,12 @@ pub(super) struct Dry {
 }
 
 /// Number of sticking parts: none, some or all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Sticking {
+    #[default]
     None,
     Some,
     All,
-}
-
-impl Dry {
-    pub(super) const NONE: Self = Self {
-        axes: [DryFriction::None; MAX_AXES],
-        motors: [DryFriction::None; MAX_AXES],
-        sticking_axes: Sticking::None,
-        sticking_motors: Sticking::None,
-    };
 }
 
 /// Presence of springs between motors and axes.
@@ -114,10 +106,10 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         for (axis, (((at_axis, at_motor), train), (dry, dry_motor))) in
             rows.zip(dry.axes.iter().zip(&dry.motors)).enumerate().take(self.axes)
         {
-            let velocity = at(&axes.velocity, axis);
+            let velocity = axes.velocity[axis];
             if let Some(elastic) = &train.elastic {
-                let motor_velocity = at(&motors.velocity, axis);
-                let twist = at(&motors.position, axis) - at(&axes.position, axis);
+                let motor_velocity = motors.velocity[axis];
+                let twist = motors.position[axis] - axes.position[axis];
                 let passed = elastic.transmission.effort(twist, motor_velocity - velocity);
                 let friction = dry_motor.force(motor_velocity, &elastic.friction);
                 *at_motor = *at_axis - passed + friction;

@@ -2,28 +2,25 @@
 
 use twin_kinematics::{AxisMotion, AxisVector, MAX_AXES};
 
-use crate::checked;
 use crate::drive::{AxisDrive, DriveInput, EffortFeedForward, FieldSetpoint, MotorAtWork};
-use crate::error::PhysicsError;
+use crate::error::{PhysicsError, Result};
 use crate::event::{EventKind, PhysicsEvent};
-use crate::integrate;
-use crate::joint::{JointVector, at, axis_vector, joint_vector};
+use crate::joint::{JointVector, axis_vector, joint_vector};
 use crate::machine::{AxisState, PhysicsMachine};
 use crate::setpoint::Setpoint;
 use crate::side::Side;
 use crate::state::{JointState, MachineState, Motors, Stage};
+use crate::{checked, integrate};
 
 impl PhysicsMachine {
-    /// Advances one cycle, at the end of which the axes should be at `setpoint`, and returns what they did.
+    /// Advances one cycle towards `setpoint` and returns the state at its end.
     ///
-    /// The drives interpolate from the set-point before to this one (cubic in position, linear in acceleration), as
-    /// drives do that are given a set-point per bus cycle, so the position to compare `setpoint` with is the one
-    /// returned.
+    /// Drives interpolate to this set-point within the cycle, so compare `setpoint` with the returned position.
     ///
     /// # Errors
     /// [`PhysicsError::AxisCount`], [`PhysicsError::Input`] if `setpoint` is not finite, and
     /// [`PhysicsError::Diverged`].
-    pub fn step(&mut self, setpoint: &AxisMotion) -> Result<AxisState, PhysicsError> {
+    pub fn step(&mut self, setpoint: &AxisMotion) -> Result<AxisState> {
         let [from, to] = [&self.setpoint, setpoint]
             .map(|motion| Setpoint::new(motion, self.drives.len(), self.state.time_ns));
         let course = Course { from: from?, to: to?, cycle: self.cycle, steps: self.steps };
@@ -34,11 +31,11 @@ impl PhysicsMachine {
         let noise = joint_vector(self.drives.iter_mut().map(|drive| drive.noise.effort()));
         self.begin_contacts();
         let dt = self.cycle / f64::from(self.steps);
-        let diverged = PhysicsError::Diverged { time_ns: self.state.time_ns };
+        let diverged = PhysicsError::Diverged(self.state.time_ns);
         for step in 0..self.steps {
             self.control(&joints, &course, step, &mut saturated)?;
             for (axis, drive) in self.drives.iter_mut().enumerate() {
-                drive.begin_step(&course, step, axis, at(&self.homed, axis), dt);
+                drive.begin_step(&course, step, axis, self.homed[axis], dt);
             }
             let disturbance = noise + self.contact.push;
             let (next, effort) = integrate::advance(
@@ -65,10 +62,10 @@ impl PhysicsMachine {
     ///
     /// # Errors
     /// Those of [`Self::step`].
-    pub fn step_with_efforts(&mut self, effort: &AxisVector) -> Result<AxisState, PhysicsError> {
+    pub fn step_with_efforts(&mut self, effort: &AxisVector) -> Result<AxisState> {
         let effort = checked(effort, self.drives.len(), self.state.time_ns)?;
         let mut joints = self.joints;
-        let diverged = PhysicsError::Diverged { time_ns: self.state.time_ns };
+        let diverged = PhysicsError::Diverged(self.state.time_ns);
         self.begin_contacts();
         for _ in 0..self.steps {
             let dt = self.cycle / f64::from(self.steps);
@@ -91,7 +88,7 @@ impl PhysicsMachine {
         course: &Course,
         step: u32,
         saturated: &mut [bool; MAX_AXES],
-    ) -> Result<(), PhysicsError> {
+    ) -> Result<()> {
         let now = course.at(f64::from(step));
         // What is fed forward, by the loops' periods in steps.
         let mut whole_machine: Option<(u32, JointVector)> = None;
@@ -107,7 +104,7 @@ impl PhysicsMachine {
             let ahead = course.at(f64::from(step) + 0.5 * f64::from(every));
             let effort = match servo.parameters.effort_feed_forward {
                 EffortFeedForward::None => 0.0,
-                EffortFeedForward::Inertia(inertia) => inertia * at(&ahead.acceleration, axis),
+                EffortFeedForward::Inertia(inertia) => inertia * ahead.acceleration[axis],
                 EffortFeedForward::Dynamics(part) => {
                     let known = whole_machine.filter(|(period, _)| *period == every);
                     let efforts = if let Some((_, efforts)) = known {
@@ -119,17 +116,17 @@ impl PhysicsMachine {
                         efforts.ok_or(PhysicsError::Apart)?
                     };
                     whole_machine = Some((every, efforts));
-                    part * at(&efforts, axis)
+                    part * efforts[axis]
                 }
             };
             let noise = drive.noise.position();
             let input = DriveInput {
-                position_setpoint: at(&now.position, axis),
-                velocity_setpoint: at(&now.velocity, axis),
+                position_setpoint: now.position[axis],
+                velocity_setpoint: now.velocity[axis],
                 effort,
-                position: at(&joints.axes.position, axis) + noise,
-                motor_position: at(&joints.motors.position, axis) - at(&self.homed, axis) + noise,
-                motor_velocity: at(&joints.motors.velocity, axis),
+                position: joints.axes.position[axis] + noise,
+                motor_position: joints.motors.position[axis] - self.homed[axis] + noise,
+                motor_velocity: joints.motors.velocity[axis],
             };
             let period = course.cycle * f64::from(every) / f64::from(course.steps);
             *saturated |= servo.control(&input, step.is_multiple_of(positions_every), period);
@@ -150,8 +147,8 @@ impl PhysicsMachine {
         let time_ns = self.state.time_ns.saturating_add(self.cycle_ns);
         let trains = self.trains.iter_mut().zip(&mut self.loads);
         for (axis, (drive, (train, load))) in self.drives.iter_mut().zip(trains).enumerate() {
-            let effort = at(effort, axis);
-            load.add(effort, at(velocity, axis), dt);
+            let effort = effort[axis];
+            load.add(effort, velocity[axis], dt);
             let mut happens = |kind| self.events.push(PhysicsEvent { time_ns, axis, kind });
             if let Some(overload) = &mut drive.overload {
                 if overload.advance(effort, dt) {
@@ -160,7 +157,7 @@ impl PhysicsMachine {
                 load.observe_warmth(overload.warmth());
             }
             if let MotorAtWork::Stepper(stepper) = &mut drive.motor {
-                let lost = stepper.lost(at(&joints.motors.position, axis));
+                let lost = stepper.lost(joints.motors.position[axis]);
                 if lost != 0 && drive.dead_for.is_none() {
                     happens(EventKind::LostSteps(lost));
                 }
@@ -178,10 +175,10 @@ impl PhysicsMachine {
         next: &MachineState,
         [effort, power]: [&JointVector; 2],
         saturated: [bool; MAX_AXES],
-    ) -> Result<AxisState, PhysicsError> {
+    ) -> Result<AxisState> {
         self.joints = *next;
         if !self.joints.is_finite() {
-            return Err(PhysicsError::Diverged { time_ns: self.state.time_ns });
+            return Err(PhysicsError::Diverged(self.state.time_ns));
         }
         let position = self.joints.axes.position;
         self.world.follow(&position)?;
@@ -230,8 +227,8 @@ impl Course {
     fn field(&self, steps: f64, axis: usize, homed: f64) -> FieldSetpoint {
         let setpoint = self.at(steps);
         FieldSetpoint {
-            position: at(&setpoint.position, axis) + homed,
-            velocity: at(&setpoint.velocity, axis),
+            position: setpoint.position[axis] + homed,
+            velocity: setpoint.velocity[axis],
         }
     }
 }

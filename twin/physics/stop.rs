@@ -1,14 +1,13 @@
 //! Event detection within a step: a part comes to rest or breaks away, or teeth with backlash meet, part or cease to
 //! push.
 //!
-//! Another law holds from such an event on, so the step ends there. Each event is the zero of a quantity that changes
-//! smoothly. Part of the step is repeated until it ends at the zero: false position from the last two ends.
+//! Another law holds from such an event on, so the step ends there: at the zero of a smooth quantity, found by
+//! false position over repeated parts of the step.
 
 use twin_kinematics::MAX_AXES;
 
 use crate::dry_friction::{Holding, Settled};
 use crate::friction::{DryFriction, REST};
-use crate::joint::at;
 use crate::runge_kutta::Arrival;
 use crate::state::{Elastic, MachineState, Motors, Train};
 use crate::step::Step;
@@ -19,7 +18,7 @@ const MOST_ENDS: usize = 12;
 /// As near to it as this part of the step is there.
 const THERE: f64 = 1e-10;
 
-/// And where no more than this is left, m, m/s or N; whatever rounding leaves.
+/// And where no more than this is left, m, m/s or N: rounding.
 const NOUGHT: f64 = 1e-13;
 
 /// Relative size of a value whose sign has changed before.
@@ -36,7 +35,7 @@ pub(super) enum Stop {
     AxisBreaks(usize, f64),
     /// The same of a motor.
     MotorBreaks(usize, f64),
-    /// The teeth of a transmission meet, or are all there, where the motor is so far ahead of the axis (m or rad).
+    /// Teeth meet, or are fully engaged, at this lead of the motor over the axis (m or rad).
     Teeth(usize, f64),
     /// Teeth that are wound up cease to push, or begin again.
     Push(usize),
@@ -46,10 +45,10 @@ impl Stop {
     /// Quantity that is 0 at the stop: a velocity, the friction left, the distance of the teeth, or their push.
     fn value(&self, trains: &[Train; MAX_AXES], state: &MachineState, holding: &Holding) -> f64 {
         match *self {
-            Self::Axis(axis, direction) => direction * at(&state.axes.velocity, axis),
-            Self::Motor(axis, direction) => direction * at(&state.motors.velocity, axis),
-            Self::AxisBreaks(axis, most) => most - at(&holding.axes, axis).abs(),
-            Self::MotorBreaks(axis, most) => most - at(&holding.motors, axis).abs(),
+            Self::Axis(axis, direction) => direction * state.axes.velocity[axis],
+            Self::Motor(axis, direction) => direction * state.motors.velocity[axis],
+            Self::AxisBreaks(axis, most) => most - holding.axes[axis].abs(),
+            Self::MotorBreaks(axis, most) => most - holding.motors[axis].abs(),
             Self::Teeth(axis, edge) => twist(state, axis) - edge,
             Self::Push(axis) => push(trains, state, axis).1,
         }
@@ -70,8 +69,8 @@ impl Stop {
     /// Rate of that quantity if the state changes like `slope`; `None` if it is not known.
     fn rate(&self, slope: &MachineState) -> Option<f64> {
         match *self {
-            Self::Axis(axis, direction) => Some(direction * at(&slope.axes.velocity, axis)),
-            Self::Motor(axis, direction) => Some(direction * at(&slope.motors.velocity, axis)),
+            Self::Axis(axis, direction) => Some(direction * slope.axes.velocity[axis]),
+            Self::Motor(axis, direction) => Some(direction * slope.motors.velocity[axis]),
             Self::Teeth(axis, _) => Some(twist(slope, axis)),
             Self::AxisBreaks(..) | Self::MotorBreaks(..) | Self::Push(_) => None,
         }
@@ -79,32 +78,29 @@ impl Stop {
 
     /// Takes from a part that comes to rest what is left of its velocity.
     fn happen(&self, state: &mut MachineState) {
-        let velocity = match *self {
-            Self::Axis(axis, _) => state.axes.velocity.get_mut(axis),
-            Self::Motor(axis, _) => state.motors.velocity.get_mut(axis),
-            _ => None,
-        };
-        if let Some(velocity) = velocity {
-            *velocity = 0.0;
+        match *self {
+            Self::Axis(axis, _) => state.axes.velocity[axis] = 0.0,
+            Self::Motor(axis, _) => state.motors.velocity[axis] = 0.0,
+            _ => {}
         }
     }
 }
 
 /// Lead of the motor of `axis` over the axis.
 fn twist(state: &MachineState, axis: usize) -> f64 {
-    at(&state.motors.position, axis) - at(&state.axes.position, axis)
+    state.motors.position[axis] - state.axes.position[axis]
 }
 
 /// Loaded side of the teeth of `axis`, and its push.
 fn push(trains: &[Train; MAX_AXES], state: &MachineState, axis: usize) -> (f64, f64) {
     let elastic = trains.get(axis).and_then(|train| train.elastic.as_ref());
-    let rate = at(&state.motors.velocity, axis) - at(&state.axes.velocity, axis);
+    let rate = state.motors.velocity[axis] - state.axes.velocity[axis];
     elastic.map_or((0.0, 0.0), |elastic| elastic.transmission.push(twist(state, axis), rate))
 }
 
 impl<M: Motors + ?Sized> Step<'_, M> {
-    /// Takes the part of the step from `from`, of which `arrival` is the end, only as far as the first stop on the way, which happens
-    /// there. Where in the step that is.
+    /// Shortens the part of the step from `from` that ends at `arrival` to its first stop; returns the place of the
+    /// stop.
     pub(super) fn stop(
         &mut self,
         state: &MachineState,
@@ -168,8 +164,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         Some(arrival.until)
     }
 
-    /// First stop between `state` and `arrival`, which are a `part` of the step apart, and its place as a part of that way.
-    /// The stop `known`, at the end, is left out.
+    /// First stop between `state` and `arrival`, `part` of the step apart, and its place between them; not `known`.
     fn first_stop(
         &self,
         state: &MachineState,

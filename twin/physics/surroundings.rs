@@ -81,7 +81,7 @@ pub struct Surroundings {
     pub obstacles: Vec<Obstacle>,
     /// True if links are checked against each other. Links that a joint joins never are.
     pub among_links: bool,
-    /// True if the solid of the last link that the tip lies on is a tool; it is a part of that link otherwise.
+    /// True if the solid of the last link at the tip is a tool; otherwise it is part of that link.
     pub has_tool: bool,
     /// Excluded pairs.
     pub left_out: Vec<[Part; 2]>,

@@ -37,8 +37,8 @@ impl ElasticTransmission {
         side * push.max(0.0)
     }
 
-    /// Loaded side of the teeth (1 where the motor drives upwards, 0 within the play), and the effort of spring and
-    /// damping there. It is less than 0 where teeth do not push because they part faster than the spring unwinds.
+    /// Loaded side of the teeth (1: the motor drives upwards; 0: within the play), and the effort there; below 0
+    /// where the teeth part faster than the spring unwinds.
     pub(super) fn push(&self, twist: f64, rate: f64) -> (f64, f64) {
         let Self { stiffness, damping, backlash } = *self;
         let wound = twist - twist.clamp(-0.5 * backlash, 0.5 * backlash);
@@ -50,8 +50,7 @@ impl ElasticTransmission {
         (side, stiffness * wound + damping * engaged * rate * side)
     }
 
-    /// Edges of the play between two twists: leads of the motor at which another law begins. There are none without
-    /// backlash.
+    /// Leads of the motor between two twists at which another law begins; none without backlash.
     pub(super) fn edges_between(&self, one: f64, other: f64) -> impl Iterator<Item = f64> + use<> {
         let (low, high) = (one.min(other), one.max(other));
         let half = 0.5 * self.backlash;

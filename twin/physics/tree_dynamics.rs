@@ -9,15 +9,14 @@
 //! f = m·a + B·h      n = h×a + ε(B·J),  ε(A) = (A₃₂ − A₂₃, A₁₃ − A₃₁, A₂₁ − A₁₂)
 //! ```
 //!
-//! The body passes f and n + r×f on to its parent (the recursive Newton–Euler algorithm). The inertia of the joints
-//! comes from the bodies that each joint carries, taken as one (the composite-rigid-body algorithm). A unit of joint
-//! velocity gives them a momentum and an angular momentum, which act on every joint below.
+//! The body passes f and n + r×f to its parent (recursive Newton–Euler). The inertia of the joints comes from the
+//! composite of the bodies that each joint carries (composite-rigid-body algorithm).
 
 use nalgebra::{Matrix3, Vector3};
 use twin_kinematics::MAX_AXES;
 
 use crate::bodies::{self, Tree};
-use crate::joint::{JointMatrix, JointVector, at};
+use crate::joint::{JointMatrix, JointVector};
 use crate::spatial::{Motion, Spread};
 
 /// A link that moves against its parent, with the links fixed to it.
@@ -37,7 +36,7 @@ struct Body {
 }
 
 /// A body at one instant.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct State {
     /// Of the joint, if it turns.
     sin_cos: [f64; 2],
@@ -50,19 +49,6 @@ struct State {
     torque: Vector3<f64>,
     /// Of this body and all that it carries.
     composite: Spread,
-}
-
-impl State {
-    const BASE: Self = Self {
-        sin_cos: [0.0, 1.0],
-        offset: Vector3::new(0.0, 0.0, 0.0),
-        omega: Vector3::new(0.0, 0.0, 0.0),
-        alpha: Vector3::new(0.0, 0.0, 0.0),
-        motion: Motion::REST,
-        force: Vector3::new(0.0, 0.0, 0.0),
-        torque: Vector3::new(0.0, 0.0, 0.0),
-        composite: Spread::NONE,
-    };
 }
 
 impl Body {
@@ -122,7 +108,7 @@ pub(super) struct TreeDynamics {
 }
 
 impl TreeDynamics {
-    /// Of `tree`, with `armature` (kg or kg·m²) added to what each joint moves, and 1 on the diagonal of the inertia beyond `count`
+    /// Of `tree`, with `armature` (kg or kg·m²) added per joint, and 1 on the inertia's diagonal beyond `count`
     /// joints.
     pub(super) fn new(tree: &Tree, armature: &JointVector, count: usize) -> Self {
         let mut bodies: Vec<Body> = Vec::with_capacity(tree.bodies.len());
@@ -147,8 +133,8 @@ impl TreeDynamics {
                         revolute: matches!(link.motion, bodies::Motion::Revolute(..)),
                         turn: (turn != Matrix3::identity()).then_some(turn),
                         origin,
-                        spread: Spread::NONE,
-                        armature: at(armature, joint),
+                        spread: Spread::default(),
+                        armature: armature[joint],
                     });
                     (Some(bodies.len() - 1), along.transpose(), Vector3::zeros())
                 }
@@ -158,10 +144,10 @@ impl TreeDynamics {
             }
             places.push(place);
         }
-        let states = vec![State::BASE; bodies.len()];
+        let states = vec![State::default(); bodies.len()];
         let mut inertia = JointMatrix::from_diagonal(armature);
         for beyond in count..MAX_AXES {
-            set(&mut inertia, beyond, beyond, 1.0);
+            inertia[(beyond, beyond)] = 1.0;
         }
         Self { bodies, states, inertia }
     }
@@ -175,7 +161,7 @@ impl TreeDynamics {
     #[inline]
     pub(super) fn place(&mut self, position: &JointVector) {
         for (body, state) in self.bodies.iter().zip(&mut self.states) {
-            let position = at(position, body.joint);
+            let position = position[body.joint];
             state.offset = body.origin;
             if body.revolute {
                 let (sin, cos) = position.sin_cos();
@@ -188,7 +174,7 @@ impl TreeDynamics {
         }
     }
 
-    /// The efforts of the joints that give them `acceleration` while they move with `velocity`, where they are, under `gravity`.
+    /// Joint efforts for `acceleration` at `velocity` under `gravity`, at the last position.
     #[inline]
     pub(super) fn efforts(
         &mut self,
@@ -199,7 +185,7 @@ impl TreeDynamics {
         for (index, body) in self.bodies.iter().enumerate() {
             let (done, rest) = self.states.split_at_mut(index);
             let Some(state) = rest.first_mut() else { continue };
-            let (rate, change) = (at(velocity, body.joint), at(acceleration, body.joint));
+            let (rate, change) = (velocity[body.joint], acceleration[body.joint]);
             let parent = body.parent.and_then(|parent| done.get(parent));
             let (mut acceleration, mut omega, mut alpha) = match parent {
                 Some(State { motion, omega, alpha, .. }) => (
@@ -226,10 +212,8 @@ impl TreeDynamics {
         for (index, body) in self.bodies.iter().enumerate().rev() {
             let (before, rest) = self.states.split_at_mut(index);
             let Some(state) = rest.first() else { continue };
-            if let Some(effort) = efforts.get_mut(body.joint) {
-                *effort = if body.revolute { state.torque.z } else { state.force.z }
-                    + body.armature * at(acceleration, body.joint);
-            }
+            efforts[body.joint] = if body.revolute { state.torque.z } else { state.force.z }
+                + body.armature * acceleration[body.joint];
             if let Some(parent) = body.parent.and_then(|parent| before.get_mut(parent)) {
                 let force = body.outward(state, &state.force);
                 parent.force += force;
@@ -256,7 +240,7 @@ impl TreeDynamics {
             } else {
                 (Vector3::new(0.0, 0.0, *mass), Vector3::new(first.y, -first.x, 0.0), *mass)
             };
-            set(&mut self.inertia, body.joint, body.joint, own + body.armature);
+            self.inertia[(body.joint, body.joint)] = own + body.armature;
             let (mut above, mut there) = (body, state);
             while let Some((below, next)) = above
                 .parent
@@ -265,25 +249,15 @@ impl TreeDynamics {
                 momentum = above.outward(there, &momentum);
                 angular = above.outward(there, &angular) + there.offset.cross(&momentum);
                 let felt = if below.revolute { angular.z } else { momentum.z };
-                set(&mut self.inertia, body.joint, below.joint, felt);
-                set(&mut self.inertia, below.joint, body.joint, felt);
+                self.inertia[(body.joint, below.joint)] = felt;
+                self.inertia[(below.joint, body.joint)] = felt;
                 (above, there) = (below, next);
             }
-            if body.parent.is_some() {
-                let carried = body.spread_outward(state);
-                if let Some(parent) = body.parent.and_then(|parent| before.get_mut(parent)) {
-                    parent.composite.add(&carried);
-                }
+            if let Some(parent) = body.parent.and_then(|parent| before.get_mut(parent)) {
+                parent.composite.add(&body.spread_outward(state));
             }
         }
         &self.inertia
-    }
-}
-
-#[inline]
-fn set(matrix: &mut JointMatrix, row: usize, column: usize, value: f64) {
-    if let Some(entry) = matrix.get_mut((row, column)) {
-        *entry = value;
     }
 }
 

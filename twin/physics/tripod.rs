@@ -23,10 +23,9 @@
 //! s·(ṗ + ω×r) = sz·q̇      s·(p̈ + α×r) = sz·q̈ − ṡ·ṡ − s·(ω×(ω×r))
 //! ```
 //!
-//! These are six equations with one matrix A for the motion (ω, ṗ) of the platform: J = A⁻¹·D, where D has the sz of
-//! every rod in the column of its carriage. By virtual power, the wrench of everything on the platform acts on the
-//! carriages as Jᵀ times it. Every rod is treated separately, so platforms that tilt because of manufacturing errors
-//! need no special case.
+//! Six equations with one matrix A for the motion (ω, ṗ) of the platform: J = A⁻¹·D, where D has the sz of every
+//! rod in the column of its carriage. The wrench on the platform acts on the carriages as Jᵀ times it. Rods are
+//! separate, so tilting platforms need no special case.
 //!
 //! Compared with an independent derivation, and with a model of 24 degrees of freedom with its loops closed.
 
@@ -37,9 +36,9 @@ use twin_urdf::Model;
 
 use crate::bodies::MassProperties;
 use crate::delta_dynamics::DeltaDynamics;
-use crate::dynamics::Dynamics;
-use crate::error::PhysicsError;
-use crate::joint::{JointMatrix, JointVector, at};
+use crate::dynamics::{Dynamics, check_axis_count};
+use crate::error::{PhysicsError, Result};
+use crate::joint::{JointMatrix, JointVector};
 use crate::linear::{solve, solve_and_invert};
 use crate::linkage::{Carriage, Linkage, RodBody, level_tripod};
 
@@ -53,7 +52,7 @@ pub(super) struct TripodDynamics {
     rods: [RodBody; 6],
     platform: MassProperties,
     kinematics: CalibratedTripod,
-    /// The same in closed form, if rods are parallel in pairs and towers a third of a turn apart: the platform stays level.
+    /// Closed form for parallel rod pairs and towers a third of a turn apart: the platform stays level.
     level: Option<Tripod>,
     /// All of it in closed form, if moreover every carriage has an axis of its own.
     closed: Option<DeltaDynamics>,
@@ -92,20 +91,18 @@ impl From<Vector6<f64>> for Twist {
 }
 
 impl TripodDynamics {
-    /// Equation of motion of `model`, whose loops are those of a tripod, with the axes `0..axis_count` under `gravity`
-    /// (m/s², machine frame), and with `armature` (kg) added to what each moves.
-    ///
-    /// # Errors
-    /// [`PhysicsError::UnknownMechanism`] if it is none, [`PhysicsError::UnevenRod`], [`PhysicsError::MassProperties`], and
-    /// what makes further links no tree.
+    /// Equation of motion of the tripod `model` with the axes `0..axis_count` under `gravity` (m/s², machine
+    /// frame), with rotors of `armature` (kg).
+    /// Errors: those of [`Linkage::of`].
     pub(super) fn new(
         model: &Model,
         axis_count: usize,
         gravity: Vector3<f64>,
         armature: JointVector,
-    ) -> Result<Self, PhysicsError> {
+    ) -> Result<Self> {
+        check_axis_count(axis_count)?;
         let Linkage { carriages, rods, platform, others } = Linkage::of(model, axis_count)?;
-        let unknown = PhysicsError::UnknownMechanism { loops: model.loops.len() };
+        let unknown = PhysicsError::UnknownMechanism(model.loops.len());
         let of_rod = |rod: &RodBody| Rod {
             carriage: rod.carriage,
             upper: rod.upper,
@@ -125,9 +122,7 @@ impl TripodDynamics {
             let others = others.clone().map(|tree| {
                 let mut rotors = armature;
                 for axis in axes {
-                    if let Some(entry) = rotors.get_mut(axis) {
-                        *entry = 1.0;
-                    }
+                    rotors[axis] = 1.0;
                 }
                 Dynamics::of_tree(tree, axis_count, gravity, rotors)
             });
@@ -160,10 +155,8 @@ impl TripodDynamics {
     }
 
     /// Pose of the platform in the machine frame with the axes at `position`.
-    ///
-    /// # Errors
-    /// [`PhysicsError::Apart`] where the rods do not meet.
-    pub(super) fn platform(&self, position: &JointVector) -> Result<Isometry3<f64>, PhysicsError> {
+    /// Errors: [`PhysicsError::Apart`] where the rods do not meet.
+    pub(super) fn platform(&self, position: &JointVector) -> Result<Isometry3<f64>> {
         let heights = self.of_carriages(position);
         let platform = match &self.level {
             Some(level) => level.to_tool(&heights).map(Isometry3::from),
@@ -173,28 +166,21 @@ impl TripodDynamics {
     }
 
     /// State of all parts with the axes at `position`.
-    ///
-    /// # Errors
-    /// [`PhysicsError::Apart`] where the rods do not meet, or do not hold the platform.
-    pub(super) fn state(&self, position: &JointVector) -> Result<TripodState, PhysicsError> {
+    /// Errors: [`PhysicsError::Apart`] where the rods do not meet, or do not hold the platform.
+    pub(super) fn state(&self, position: &JointVector) -> Result<TripodState> {
         let (heights, platform) = (self.of_carriages(position), self.platform(position)?);
         let rotation = platform.rotation.to_rotation_matrix();
         let (mut matrix, mut pulls) = (Matrix6::zeros(), SMatrix::<f64, 6, 3>::zeros());
         let rods = self.rods.map(|rod| {
             let r = rotation * rod.lower.coords;
             let mut upper = rod.upper.coords;
-            upper.z += heights.get(rod.carriage).copied().unwrap_or_default();
+            upper.z += heights[rod.carriage];
             [platform.translation.vector + r - upper, r]
         });
         let rows = matrix.row_iter_mut().zip(pulls.row_iter_mut());
         for ((mut row, mut pull), ([s, r], rod)) in rows.zip(rods.iter().zip(&self.rods)) {
-            let turn = r.cross(s);
-            for (entry, value) in row.iter_mut().zip(turn.iter().chain(s.iter())) {
-                *entry = *value;
-            }
-            if let Some(entry) = pull.get_mut(rod.carriage) {
-                *entry = s.z;
-            }
+            row.copy_from(&six(&r.cross(s), s).transpose());
+            pull[rod.carriage] = s.z;
         }
         let inverse = matrix.try_inverse().ok_or(PhysicsError::Apart)?;
         let jacobian = inverse * pulls;
@@ -245,20 +231,12 @@ impl TripodDynamics {
             let below = upper * m12 + lower * m22 - gravity * weight_below;
             force += below;
             torque += r.cross(&below);
-            if let Some(pull) = pulls.get_mut(rod.carriage) {
-                *pull += m11 * upper.z + m12 * lower.z - gravity.z * weight_above;
-            }
+            pulls[rod.carriage] += m11 * upper.z + m12 * lower.z - gravity.z * weight_above;
         }
-        let mut wrench = Vector6::zeros();
-        for (entry, value) in wrench.iter_mut().zip(torque.iter().chain(force.iter())) {
-            *entry = *value;
-        }
-        pulls += state.jacobian.tr_mul(&wrench);
+        pulls += state.jacobian.tr_mul(&six(&torque, &force));
         let mut efforts = self.armature.component_mul(acceleration);
         for (carriage, pull) in self.carriages.iter().zip(&pulls) {
-            if let Some(effort) = efforts.get_mut(carriage.axis) {
-                *effort += pull;
-            }
+            efforts[carriage.axis] += pull;
         }
         efforts
     }
@@ -295,7 +273,7 @@ impl TripodDynamics {
         Some(self.efforts(&state, velocity, acceleration, true) + additional)
     }
 
-    /// The accelerations of the axes under `effort`; `None` where the rods do not meet, or if some axis moves no inertia.
+    /// Accelerations under `effort`; `None` where the rods do not meet, or if an axis moves no inertia.
     pub(super) fn acceleration(
         &mut self,
         position: &JointVector,
@@ -347,19 +325,12 @@ impl TripodDynamics {
         let zero = JointVector::zeros();
         let mut inertia = JointMatrix::from_diagonal(&self.armature);
         for axis in self.axis_count..MAX_AXES {
-            if let Some(entry) = inertia.get_mut((axis, axis)) {
-                *entry = 1.0;
-            }
+            inertia[(axis, axis)] = 1.0;
         }
         for Carriage { axis, .. } in self.carriages {
             let mut unit = zero;
-            if let Some(entry) = unit.get_mut(axis) {
-                *entry = 1.0;
-            }
-            let efforts = self.efforts(state, &zero, &unit, false);
-            if axis < MAX_AXES {
-                inertia.column_mut(axis).copy_from(&efforts);
-            }
+            unit[axis] = 1.0;
+            inertia.column_mut(axis).copy_from(&self.efforts(state, &zero, &unit, false));
         }
         if let Some(others) = &mut self.others {
             // Its diagonal is 1 too where the machine lacks an axis.
@@ -373,11 +344,16 @@ impl TripodDynamics {
 
     /// The values of the carriages.
     fn of_carriages(&self, values: &JointVector) -> Vector3<f64> {
-        self.carriages.map(|carriage| at(values, carriage.axis)).into()
+        self.carriages.map(|carriage| values[carriage.axis]).into()
     }
+}
+
+/// Both vectors as one.
+fn six(turn: &Vector3<f64>, shift: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(turn.x, turn.y, turn.z, shift.x, shift.y, shift.z)
 }
 
 /// The value of a carriage, upwards.
 fn up(values: &Vector3<f64>, carriage: usize) -> Vector3<f64> {
-    Vector3::z() * values.get(carriage).copied().unwrap_or_default()
+    Vector3::z() * values[carriage]
 }

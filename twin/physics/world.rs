@@ -1,10 +1,9 @@
 //! The rapier world: links of the machine as bodies, and their near points to each other and to obstacles.
 //!
-//! Joint positions come from the equation of motion; collision bodies are placed from them each cycle. Pairs of parts
-//! that may have come near each other are examined (`distances`). rapier's geometry (parry) finds the points where they
-//! would touch. `contact_solver` computes the effect on the motion in joint space. rapier's own solver is not used: it closes
-//! loops to a fraction of a micrometre only, lets 89 N press its bodies 50 to 150 µm into each other, and keeps points
-//! of contact while bodies slip by up to a millimetre.
+//! Joint positions come from the equation of motion; collision bodies are placed from them each cycle. parry finds
+//! the contact points of nearby pairs (`distances`), and `contact_solver` their effect. rapier's own solver is not
+//! used: it closes loops to a fraction of a micrometre only, presses bodies 50 to 150 µm into each other at 89 N,
+//! and keeps contact points while bodies slip by up to a millimetre.
 
 use nalgebra::Isometry3;
 use rapier3d_f64::dynamics::{RigidBodyBuilder, RigidBodyHandle, RigidBodySet};
@@ -12,13 +11,12 @@ use twin_urdf::Model;
 
 use crate::distances::{Distances, Near};
 use crate::equation::Equation;
-use crate::error::PhysicsError;
+use crate::error::{PhysicsError, Result};
 use crate::joint::JointVector;
-use crate::maths;
 use crate::pairs::Pairs;
 use crate::posed::Posed;
-use crate::solids;
 use crate::surroundings::{Part, Surroundings, YieldingTool};
+use crate::{maths, solids};
 
 /// Least search distance, m.
 const REACH: f64 = 4e-3;
@@ -69,14 +67,8 @@ struct Around {
 
 impl RapierWorld {
     /// The machine of `model` at rest with its axes at `position`.
-    ///
-    /// # Errors
-    /// [`PhysicsError::Apart`].
-    pub(super) fn new(
-        model: &Model,
-        equation: &Equation,
-        position: &JointVector,
-    ) -> Result<Self, PhysicsError> {
+    /// Errors: [`PhysicsError::Apart`].
+    pub(super) fn new(model: &Model, equation: &Equation, position: &JointVector) -> Result<Self> {
         let mut bodies = RigidBodySet::new();
         let links = model.links.iter().enumerate().map(|(index, _)| {
             bodies.insert(match index {
@@ -102,10 +94,8 @@ impl RapierWorld {
     }
 
     /// Gives links and surroundings their solids, in the place of those they had.
-    ///
-    /// # Errors
-    /// [`PhysicsError::FlatMesh`] and [`PhysicsError::Overlap`]; nothing is changed then.
-    pub(super) fn insert(&mut self, surroundings: &Surroundings) -> Result<(), PhysicsError> {
+    /// Errors: [`PhysicsError::FlatMesh`] and [`PhysicsError::Overlap`]; nothing is changed then.
+    pub(super) fn insert(&mut self, surroundings: &Surroundings) -> Result<()> {
         let has_tool = solids::tool(&self.model, surroundings).is_some();
         let pairs = Pairs::new(&self.model, surroundings, has_tool);
         let may_touch = |[one, other]: [usize; 2]| pairs.may_touch(one, other);
@@ -128,10 +118,8 @@ impl RapierWorld {
     }
 
     /// Puts the bodies where the machine is with its axes at `position`, and looks what they are near to there.
-    ///
-    /// # Errors
-    /// [`PhysicsError::Apart`].
-    pub(super) fn follow(&mut self, position: &JointVector) -> Result<(), PhysicsError> {
+    /// Errors: [`PhysicsError::Apart`].
+    pub(super) fn follow(&mut self, position: &JointVector) -> Result<()> {
         self.posed.poses(&self.model, position, &mut self.moved)?;
         if let Some(around) = &mut self.around {
             let way = around.distances.go(&self.poses, &self.moved);
@@ -149,26 +137,15 @@ impl RapierWorld {
     }
 
     /// Link poses with the axes at `position`; nothing moves.
-    ///
-    /// # Errors
-    /// [`PhysicsError::Apart`].
-    pub(super) fn poses_at(
-        &mut self,
-        position: &JointVector,
-    ) -> Result<&[Isometry3<f64>], PhysicsError> {
+    /// Errors: [`PhysicsError::Apart`].
+    pub(super) fn poses_at(&mut self, position: &JointVector) -> Result<&[Isometry3<f64>]> {
         self.posed.poses(&self.model, position, &mut self.moved)?;
         Ok(&self.moved)
     }
 
     /// Result true if two parts of these numbers overlap with the axes at `position`.
-    ///
-    /// # Errors
-    /// [`PhysicsError::Apart`].
-    pub(super) fn meet(
-        &mut self,
-        numbers: [usize; 2],
-        position: &JointVector,
-    ) -> Result<bool, PhysicsError> {
+    /// Errors: [`PhysicsError::Apart`].
+    pub(super) fn meet(&mut self, numbers: [usize; 2], position: &JointVector) -> Result<bool> {
         self.posed.poses(&self.model, position, &mut self.moved)?;
         let around = self.around.as_ref();
         Ok(around.is_some_and(|around| around.distances.meet(numbers, &self.moved)))

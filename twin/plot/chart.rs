@@ -60,7 +60,7 @@ impl Across {
 }
 
 /// A strip of colours below the rows.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Strip {
     /// Title.
     pub name: String,
@@ -75,7 +75,7 @@ pub struct Strip {
 impl Strip {
     /// An empty strip.
     pub fn new(name: &str) -> Self {
-        Self { name: name.to_owned(), parts: Vec::new(), marks: Vec::new(), labels: Vec::new() }
+        Self { name: name.to_owned(), ..Self::default() }
     }
 
     /// Stretches of numbers: by turns light and dark where there is room, with their numbers where these fit.

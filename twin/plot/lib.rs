@@ -1,7 +1,6 @@
 //! Pictures as SVG: charts of rows over a common axis, and maps at equal scale.
 //!
-//! The room knows only plain data: lines, marks, labels, units and colours. It imports no other room of `twin`; each of
-//! them hands over what it wants to be seen. Everything that is written as SVG is written by `svg.rs`.
+//! The crate knows only plain data: lines, marks, labels, units and colours. Only `svg.rs` writes SVG.
 //!
 //! ```
 //! use twin_plot::{Across, Chart, Color, Row, Shape, Stroke};

@@ -288,8 +288,7 @@ fn straightened(line: &[Point], tolerance: f64) -> Vec<Point> {
     kept
 }
 
-/// The smallest convex polygon around points, counter-clockwise (Andrew's monotone chain); fewer than three corners if they
-/// are in line.
+/// Convex hull, counter-clockwise (Andrew's monotone chain); fewer than three corners if collinear.
 pub fn hull(mut points: Vec<Point>) -> Vec<Point> {
     points.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.total_cmp(&other.1)));
     let mut hull = half_hull(points.iter());

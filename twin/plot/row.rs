@@ -61,7 +61,7 @@ pub enum Shape {
 }
 
 /// A row.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     /// The quantity.
     pub name: String,
@@ -82,19 +82,10 @@ pub struct Row {
 impl Row {
     /// An empty row.
     pub fn new(name: &str, unit: &str, height: f64, range: [f64; 2]) -> Self {
-        Self {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            height,
-            range,
-            limits: Vec::new(),
-            shapes: Vec::new(),
-            notes: Vec::new(),
-        }
+        Self { name: name.to_owned(), unit: unit.to_owned(), height, range, ..Self::default() }
     }
 
-    /// A row for values that reach from low to high, and for the limits near them: those that are far away would make a
-    /// level line of the curve.
+    /// A row for values from low to high, and for limits near them: far ones would flatten the curve.
     pub fn fitted(
         name: &str,
         unit: &str,
@@ -122,7 +113,7 @@ impl Row {
         (self.range[0]..=self.range[1]).contains(&value)
     }
 
-    /// The power of ten that numbers are divided by where they would have no room next to the row.
+    /// Power of ten by which the numbers next to the row are divided.
     fn power(&self) -> i32 {
         let most = self.range[0].abs().max(self.range[1].abs());
         if most >= 1e4 || (most > DUST && most < 5e-3) {

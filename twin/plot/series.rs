@@ -1,7 +1,7 @@
 //! Curves and stretches of any length in the room of a page.
 //!
-//! Of each column of the picture a curve keeps the first, the lowest, the highest and the last point, which draw the same
-//! picture as all of them (M4: Jugel and others, VLDB 2014).
+//! Each column of the picture keeps the first, lowest, highest and last point: the same picture (M4: Jugel and
+//! others, VLDB 2014).
 
 use super::Point;
 

@@ -2,6 +2,7 @@
 
 use super::Point;
 use super::color::{Attributes, Color, Paint, Stroke};
+use super::ticks::rounded;
 use std::fmt;
 
 /// Anchor of a text: the part of it at its place.
@@ -109,15 +110,12 @@ impl Svg {
     }
 }
 
-/// A length with at most four decimals, as short as possible. What is not finite would spoil the picture: it is 0.
+/// A length with at most four decimals; 0 if it is not finite.
 pub fn number(value: f64) -> String {
-    let value = if value.is_finite() { value } else { 0.0 };
-    let text = format!("{value:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+    rounded(if value.is_finite() { value } else { 0.0 }, 4)
 }
 
-/// Text that may stand in XML.
+/// Text escaped for XML.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {

@@ -25,7 +25,12 @@ pub(super) fn ticks(low: f64, high: f64, count: f64) -> Vec<(f64, String)> {
 
 /// A number with at most three decimals.
 pub fn short(value: f64) -> String {
-    let text = format!("{value:.3}");
+    rounded(value, 3)
+}
+
+/// A number with at most this many decimals.
+pub(super) fn rounded(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }

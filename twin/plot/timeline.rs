@@ -6,7 +6,7 @@ use super::color::Color;
 use super::series::{Series, Stretches};
 
 /// Curves and strips that are recorded sample by sample.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Timeline {
     curves: Vec<Series>,
     kinds: Stretches<Option<usize>>,
@@ -19,13 +19,7 @@ pub struct Timeline {
 impl Timeline {
     /// An empty time line with `curves` curves.
     pub fn new(curves: usize) -> Self {
-        Self {
-            curves: vec![Series::default(); curves],
-            kinds: Stretches::default(),
-            lines: Stretches::default(),
-            kind: None,
-            span: None,
-        }
+        Self { curves: vec![Series::default(); curves], ..Self::default() }
     }
 
     /// Adds a sample: time in s, line of the program, a value of each curve, and the kind that holds until the next one.

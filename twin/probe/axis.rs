@@ -81,9 +81,9 @@ impl AxisProbe {
     /// Carries it out on a machine at rest. The other axes stay where they are.
     ///
     /// # Errors
-    /// Whatever keeps the simulated machine from following, what it runs into and limit switches included; [`PhysicsError::Input`] for an
-    /// axis that is not there, a stroke beyond its software limits, and velocities and rates that are not above 0; what a board cannot
-    /// be told.
+    /// What keeps the simulated machine from following, collisions and limit switches included; [`PhysicsError::Input`]
+    /// for an axis that is not there, a stroke beyond its software limits, and velocities and rates that are not above 0;
+    /// what a board refuses.
     pub fn run(
         &self,
         machine: &Machine,
@@ -97,7 +97,7 @@ impl AxisProbe {
             .zip(limits)
             .is_some_and(|(from, [low, high])| (low..=high).contains(&(from + self.stroke)));
         if !reached || !above.iter().all(|value| value.is_finite() && *value > 0.0) {
-            return Err(refused(PhysicsError::Input { time_ns: 0 }).into());
+            return Err(refused(PhysicsError::Input(0)).into());
         }
         let axis = machine.axes.get(self.axis).zip(from);
         let board = axis.and_then(|(axis, from)| BoardSearch::begin(self, machine, axis, from));

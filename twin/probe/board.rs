@@ -66,9 +66,7 @@ pub(super) struct BoardSearch {
 impl BoardSearch {
     /// The board at rest at `from` (m or rad) with the command on its way; `None` for an axis whose drive is not in the loop of
     /// `machine`.
-    ///
-    /// # Errors
-    /// If the drive cannot be told so.
+    /// Errors: if the drive refuses it.
     pub(super) fn begin(
         probe: &AxisProbe,
         machine: &Machine,

@@ -8,8 +8,7 @@ use std::path::Path;
 use twin_gcode::rs274::{Position, ProbePath, ProbeTarget, Surroundings};
 use twin_machine::Machine;
 use twin_machine::approach::{Approach, Clearance, RELEASE, TOUCH};
-use twin_path::Place;
-use twin_path::{ElementKind, PathElement, ProbeOutcome, ProbeTrip, Probing};
+use twin_path::{ElementKind, PathElement, Place, ProbeOutcome, ProbeTrip, Probing};
 
 /// Start at 0, 0, 20; Z from -60 to 120 mm.
 const GANTRY3: &str = include_str!("../../machines/gantry3.toml");

@@ -73,7 +73,7 @@ fn place(text: &str) -> Vec<f64> {
     ["X", "Y", "Z"].map(behind).to_vec()
 }
 
-/// A touch is no leave to go on: through what was touched, or into something else with stock at the tool.
+/// A touch does not permit going on: through what was touched, or into something else with stock at the tool.
 #[test]
 fn a_probe_is_a_tool_again_when_it_has_touched() {
     for (program, line) in [
@@ -156,7 +156,7 @@ fn an_axis_probes_until_it_touches() {
     assert!((latched - jaw).abs() <= velocity * 1e-3 + 1e-6, "{latched} is not {jaw}");
     let stop = velocity * velocity / (2.0 * deceleration);
     assert!((rest - latched - stop).abs() < velocity * 2e-3, "{rest} is not {}", latched + stop);
-    // A probe gives way: there is no blow.
+    // A probe gives way: there is no impact.
     assert!(simulated.physics().contacts().is_empty());
 
     // It has tripped by now.
@@ -191,7 +191,10 @@ fn a_board_in_the_loop_probes_with_its_own_ramps() {
     let jaw = start + 0.02;
     let step = 1.0 / 320e3;
     assert!((latched - jaw).abs() <= velocity * 1e-3 + step, "{latched} is not {jaw}");
-    assert!((latched / step - (latched / step).round()).abs() < 1e-6, "{latched} is no whole step");
+    assert!(
+        (latched / step - (latched / step).round()).abs() < 1e-6,
+        "{latched} is not a whole step"
+    );
     // 0.1 m/s² are 32 thousand steps/s², which command 40 can say; it brakes from the cycle behind the edge.
     let stop = (velocity * velocity - start_velocity * start_velocity) / (2.0 * deceleration);
     let apart = rest - latched - stop;

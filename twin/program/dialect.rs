@@ -23,10 +23,10 @@ pub enum Dialect {
 /// Errors that leave a program without a dialect.
 #[derive(Debug, thiserror::Error)]
 pub enum DialectError {
-    /// Nothing tells which dialect it is.
+    /// The dialect cannot be determined.
     #[error("{} does not tell its dialect: its ending is none of .cnc .ngc .nc .tap .gcode .queue .toml and it does not begin with % and N blocks; say --dialect", .0.display())]
     Unknown(PathBuf),
-    /// A drawing is no program.
+    /// A drawing is not a program.
     #[error("{} is a drawing; `twin path {} --output PROGRAM.cnc --format din66025` makes a program of it", .0.display(), .0.display())]
     Drawing(PathBuf),
 }

@@ -47,7 +47,7 @@ pub struct ProgramFile {
     made: Option<Arc<Vec<PathElement>>>,
 }
 
-/// What tells whether a file is still the one that was looked at before.
+/// Fingerprint of a file, to find out whether it has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Stamp {
     bytes: u64,
@@ -58,7 +58,7 @@ struct Stamp {
 const LONGEST_TEXT: u64 = 1 << 20;
 
 impl Stamp {
-    /// None for what is no regular file.
+    /// None if it is not a regular file.
     fn of(metadata: &std::fs::Metadata) -> Option<Self> {
         metadata
             .is_file()
@@ -132,7 +132,7 @@ impl ProgramFile {
     /// The whole text of a job, which is short.
     ///
     /// # Errors
-    /// If it cannot be read, has changed, or is no text.
+    /// If it cannot be read, has changed, or is not text.
     pub(crate) fn text(&self) -> io::Result<String> {
         let mut file = Text::open(&self.path)?;
         Stamp::verify(self.stamp, file.inner())?;
@@ -385,7 +385,7 @@ impl ProgramFile {
                 };
                 Decoder::Rs274(Box::new(rs274::Decoder::new(reader, options)))
             }
-            // It calls blocks: there is no path in it.
+            // It calls blocks and has no path.
             Dialect::Job => Decoder::Made { elements: Arc::default(), next: 0 },
             Dialect::Queue | Dialect::Dxf => {
                 Decoder::Queue(Box::new(QueueReader::new(reader).map_err(io::Error::other)?))

@@ -89,7 +89,7 @@ pub enum VariablesError {
         value: f64,
     },
     /// A definition on the command line.
-    #[error("`{0}` is no definition of a variable; expected NAME=NUMBER")]
+    #[error("`{0}` is not a definition of a variable; expected NAME=NUMBER")]
     Definition(String),
 }
 

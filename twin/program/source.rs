@@ -108,8 +108,8 @@ impl From<ToolRadiusError> for Halt {
 impl From<OperationError> for Halt {
     fn from(error: OperationError) -> Self {
         let place = match error {
-            OperationError::UprightArc { place } | OperationError::SplitProbe { place } => place,
-            OperationError::Factor { .. } | OperationError::SplitPlace { .. } => {
+            OperationError::UprightArc(place) | OperationError::SplitProbe(place) => place,
+            OperationError::Factor(_) | OperationError::SplitPlace(_) => {
                 Place { line: 1, block: None }
             }
         };
@@ -144,7 +144,7 @@ pub(super) fn noticed(notice: &Notice) -> Finding {
 
 /// Overlapping sections of stages that cannot be combined.
 pub(super) fn incompatible(error: Incompatible, place: Place) -> Finding {
-    let message = format!("{error}; end the one (G40, G50) before the other begins");
+    let message = format!("{error}; end the first section (G40 or G50) before the second begins");
     Finding::error(Rule::Syntax, place, message)
 }
 
@@ -234,7 +234,7 @@ const LONGEST_MOVE: f64 = 86_400.0;
 const UNFORESEEN: &str =
     "preparation begins here, for which the program must be a file that can be read twice, no pipe";
 
-/// What is wrong with an element that takes absurdly long.
+/// Error of an element that takes absurdly long.
 fn endless(element: &PathElement) -> Option<Finding> {
     if let ElementKind::Dwell { time_ns } = element.kind {
         let time = twin_number::seconds(time_ns);
@@ -277,7 +277,7 @@ fn tripped(element: &PathElement) -> Option<Finding> {
         ProbeTrip::Touch => "touches",
         ProbeTrip::Release => "comes free",
     };
-    // In micrometres, of which none is no less than none.
+    // To the micrometre; adding 0 turns −0 into 0.
     let [x, y, z] = element.end().coords.map(|metres| (metres * 1e6).round() / 1e3 + 0.0).into();
     let message = format!("probe {what} at X {x:.3} Y {y:.3} Z {z:.3} mm");
     let finding = Finding::error(Rule::Probe, element.place, message);

@@ -67,7 +67,7 @@ impl ByPosition {
         Some(next)
     }
 
-    /// What is wrong with the motion if the set-points end here: it has not come to rest.
+    /// Error if the set-points end here before the motion has come to rest.
     pub(super) fn ending(&self) -> Option<Finding> {
         let (velocity, place) = self.along?;
         // What a cycle takes away is rest.

@@ -1,7 +1,7 @@
 //! Report of M functions.
 
 use crate::m_function::MCalls;
-use twin_number::seconds;
+use twin_number::{rounded, seconds};
 
 /// M functions in the order in which the path waits at them.
 #[derive(Clone, Debug, serde::Serialize)]
@@ -32,7 +32,7 @@ impl MFunctionsReport {
     pub(crate) fn new(calls: &MCalls) -> Option<Self> {
         let rows = calls.first().iter().map(|call| MCallReport {
             m: call.number,
-            time_s: seconds(call.since_ns),
+            time_s: rounded(seconds(call.since_ns)),
             line: call.place.line,
             block: call.place.block,
             k: call.parameters.k,

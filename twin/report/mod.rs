@@ -65,7 +65,7 @@ impl CheckReport {
             dialect: program.dialect().name(),
             elements: outcome.elements,
             length_mm: rounded(outcome.length * 1e3),
-            duration_s: seconds(outcome.duration_ns),
+            duration_s: rounded(seconds(outcome.duration_ns)),
             peak: PerAxis(
                 peaks
                     .map(|(axis, peak)| (axis.name.clone(), AxisPeakReport::new(axis, peak)))
@@ -112,7 +112,7 @@ impl ClearanceReport {
             between: nearest.parts.map(|part| machine.part_name(part)),
             line: place.line,
             block: place.block,
-            time_s: seconds(*time_ns),
+            time_s: rounded(seconds(*time_ns)),
         }
     }
 }

@@ -57,7 +57,7 @@ impl RestReport {
         };
         Self {
             asked_s: rest.asked_ns.map(seconds),
-            time_s: seconds(rest.time_ns),
+            time_s: rounded(seconds(rest.time_ns)),
             line: rest.place.line,
             block: rest.place.block,
             axes: PerAxis(axes.collect()),

@@ -1,7 +1,7 @@
 //! Report of switch points of the path.
 
 use twin_machine::switch_points::SwitchPoints;
-use twin_number::seconds;
+use twin_number::{rounded, seconds};
 
 /// Switchings of the path's switches (H words) in the order of time.
 #[derive(Clone, Debug, serde::Serialize)]
@@ -29,7 +29,7 @@ impl SwitchPointsReport {
             .map(|one| SwitchPointReport {
                 h: one.number,
                 on: one.on,
-                time_s: seconds(one.time_ns),
+                time_s: rounded(seconds(one.time_ns)),
                 line: one.place.line,
                 block: one.place.block,
             })

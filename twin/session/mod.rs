@@ -24,6 +24,7 @@ pub use punctuality::Punctuality;
 pub use rest::{Rest, whereabouts};
 use run::Run;
 use std::time::Duration;
+use twin_kinematics::AxisVector;
 use twin_machine::axis_couplings::AxesError;
 use twin_machine::{Machine, SimulationError};
 use twin_path::Place;
@@ -241,7 +242,9 @@ pub struct Session<'a, P> {
     pub machine: &'a Machine,
     /// The program, already checked.
     pub program: &'a ProgramFile,
-    /// The simulated machine, standing at the start of the program.
+    /// Axis positions at the end of the program before, m or rad: the axes bridge the gap to the start of this one.
+    pub continues: Option<AxisVector>,
+    /// The simulated machine, at rest at the start of the program, or where the one before ended.
     pub twin: P,
     /// The drives, standing there too.
     pub hardware: Option<Hardware>,
@@ -292,6 +295,9 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
         let paced = self.is_paced();
         let mut run = Run::new(self.machine, items, self.twin, self.hardware, self.realtime)
             .with_overrides(self.overrides);
+        if let Some(start) = self.continues {
+            run.continue_from(start);
+        }
         let ahead_ns = run.horizon_ns();
         // Drives that begin to follow find a plan.
         run.handle_interrupt(interrupts());

@@ -18,7 +18,7 @@ pub struct OverrideAt {
 /// What is no override at a time.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{0}` is no time with an override, like 2s=50% or 500ms=0; overrides go from 1% to 200%, and 0 is a feed hold"
+    "`{0}` is not a time with an override, like 2s=50% or 500ms=0; overrides go from 1% to 200%, and 0 is a feed hold"
 )]
 pub struct OverrideAtError(String);
 

@@ -60,7 +60,7 @@ pub fn whereabouts(machine: &Machine, heard: &[LastHeard]) -> Vec<String> {
             Some(format!("{} {:.4} {}", axis.name, axis.from_si(*position), axis.unit()))
         });
         let at = axes.collect::<Vec<_>>().join(", ");
-        let unknown = if one.lost { "; where it stands since is not known" } else { "" };
+        let unknown = if one.lost { "; its position since then is not known" } else { "" };
         let time = seconds(one.time_ns);
         format!("device `{}` was last heard of at {time:.3} s: {at}{unknown}", one.device)
     };

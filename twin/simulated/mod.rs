@@ -1,50 +1,48 @@
 //! Simulated machine as a plant: one simulated cycle per set-point.
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use crate::in_loop::DrivesInLoop;
 use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord, ProbeMiss, ProbeTouch};
-use crate::setpoint::AxisSetpoint;
-use crate::setpoint::HORIZON_NS;
+use crate::setpoint::{AxisSetpoint, HORIZON_NS};
 use crate::touch_probe::TouchProbe;
 use std::collections::{BTreeMap, VecDeque};
 use twin_kinematics::{AxisMotion, AxisVector};
 use twin_machine::{Collision, FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError};
 use twin_path::Place;
-
 use twin_physics::{
     ClearanceScan, Contact, EventKind, Fault, MotorState, PhysicsError, PhysicsEvent,
     PhysicsMachine, Side, SwitchStates, YieldingTool,
 };
 
-/// Happenings that are kept: what goes on in every line of a long program is told as well by its first thousand.
+/// Most happenings that are kept; the first thousand of a long program are enough.
 const MOST_HAPPENINGS: usize = 1000;
 
-/// Cycles in which a blow has come to its largest force.
+/// Cycles after which a blow has its largest force.
 const STOPPING: u32 = 20;
 
-/// Simulates one cycle per set-point, at once; what it gives back is where the axes are at the set-point's time.
+/// Simulates one cycle per set-point; the feedback is the position of the axes at the set-point's time.
 ///
-/// A clone is a snapshot of everything: from there both do the same bits if they are told the same.
+/// A clone is a complete snapshot: with the same set-points both give the same bits.
 #[derive(Clone, Debug)]
 pub struct Simulated {
     physics: PhysicsMachine,
-    /// What stands between set-points and motors.
+    /// Drives between set-points and motors.
     drives: Option<DrivesInLoop>,
     begun: bool,
     arrived: Option<AxisFeedback>,
-    /// In the last cycle.
+    /// Motors in the last cycle.
     motors: Vec<MotorState>,
     happened: Happened,
     /// Faults that have not begun.
     faults: Vec<FaultAt>,
-    /// Axes that are jammed until then, ns.
+    /// Jammed axes with the end of the jam, ns.
     jammed: Vec<(usize, i64)>,
     probe: Option<TouchProbe>,
 }
 
-/// What happened, by line, axis and kind.
+/// Happenings, by line, axis and kind.
 #[derive(Clone, Debug, Default)]
 struct Happened {
     kept: BTreeMap<(u32, usize, u8), Happening>,
@@ -52,7 +50,7 @@ struct Happened {
     touches: Vec<ProbeTouch>,
     missed: Vec<ProbeMiss>,
     left_out: u64,
-    /// What is new since it was asked.
+    /// New ones since the last call.
     news: Vec<Happening>,
 }
 
@@ -97,7 +95,7 @@ impl Simulated {
         &self.physics
     }
 
-    /// Result true if the tool touches anything at the present axis positions, including stock.
+    /// True if the tool touches anything at the present axis positions, including stock.
     pub(crate) fn touches(&mut self) -> Result<bool, PhysicsError> {
         let position = self.physics.axis_state().position;
         self.probe.as_mut().map_or(Ok(false), |probe| probe.touches(&position))
@@ -131,7 +129,7 @@ impl Simulated {
         Ok(())
     }
 
-    /// What the probe feels where the axes are.
+    /// The probe at the positions of the axes.
     fn feel(&mut self, setpoint: &AxisSetpoint, position: &AxisVector) -> Result<(), PhysicsError> {
         let Some(probe) = &mut self.probe else { return Ok(()) };
         let felt = probe.feel(setpoint, position, self.drives.is_some())?;
@@ -141,19 +139,16 @@ impl Simulated {
         Ok(())
     }
 
-    /// Notes what was run into at `place`, having let the machine come to a stop, and says what it was.
+    /// Lets the machine stop after collisions at `place`, records them, and returns the first one as an error.
     fn run_into(&mut self, place: Place) -> Result<(), PhysicsError> {
-        let collisions = self.physics.take_collisions();
-        let mut blows: Vec<_> = collisions
-            .iter()
-            .map(
-                |twin_physics::Collision {
-                     speed, contact: Contact { parts, force, .. }, ..
-                 }| Blow { place, parts: *parts, speed: *speed, force: *force },
-            )
-            .collect();
+        let collisions = self.physics.take_collisions().into_iter();
+        let blows = collisions.map(|one| {
+            let Contact { parts, force, .. } = one.contact;
+            Blow { place, parts, speed: one.speed, force }
+        });
+        let mut blows: Vec<_> = blows.collect();
         let Some(first) = blows.first().map(|blow| blow.parts) else { return Ok(()) };
-        // The drives hold where the machine is, as they do when they are told to stop at once.
+        // The drives hold the present position, as in a stop.
         let stop = AxisMotion::at_rest(self.physics.axis_state().position);
         for _ in 0..STOPPING {
             if self.physics.step(&stop).is_err() {
@@ -169,16 +164,14 @@ impl Simulated {
         self.happened.blows.extend(blows);
         Err(PhysicsError::Collision { parts: first, force })
     }
-}
 
-impl Simulated {
-    /// Probing moves that have not touched what they should have, that under way included.
+    /// Probing moves without a touch, including the present one.
     fn missed(&self) -> Vec<ProbeMiss> {
         let under_way = self.probe.as_ref().and_then(TouchProbe::missed);
         self.happened.missed.iter().copied().chain(under_way).collect()
     }
 
-    /// Lets faults begin and end that are due at `setpoint`.
+    /// Begins and ends the faults that are due at `setpoint`.
     fn fail(&mut self, setpoint: &AxisSetpoint) {
         let physics = &mut self.physics;
         self.jammed.retain(|(axis, until_ns)| {
@@ -269,7 +262,7 @@ impl Plant for Simulated {
             Some(drives) => drives.motion(setpoint, ahead),
             None => setpoint.axes,
         };
-        // The machine stands at the first set-point: it is where the others start from.
+        // The machine is at rest at the first set-point.
         if self.probe.is_some() && setpoint.probing {
             self.physics.set_yielding(YieldingTool::Always);
         }

@@ -7,15 +7,14 @@ use twin_kinematics::{AxisVector, Branch, Kinematics, KinematicsError, Margins, 
 /// The name of a turning tool's way.
 const DIRECTION: &str = "direction";
 
-/// What the axes do when the tool moves one way.
+/// Axis motion for one direction of tool motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Way {
     /// x, y, z, or the direction of the tool.
     pub name: &'static str,
     /// Axis velocities per velocity of the tool: rad/m, 1, or m/rad.
     pub rates: AxisVector,
-    /// The axis that is the first to reach its velocity limit, and the velocity of the tool then (m/s, or rad/s of the
-    /// direction); `None` if no axis moves.
+    /// The first axis at its velocity limit, and the tool velocity then (m/s or rad/s); `None` if no axis moves.
     pub fastest: Option<(usize, f64)>,
 }
 
@@ -33,9 +32,9 @@ pub struct Example {
     pub position: Point3<f64>,
     /// Axis positions, m or rad.
     pub axes: AxisVector,
-    /// How far the edge of what the mechanism reaches is, and where solutions meet.
+    /// Margins to the edge of reach and to the other branches.
     pub margins: Margins,
-    /// Which of the solutions it is.
+    /// Branch of the solution.
     pub branch: Branch,
     /// x, y and, where the machine has axes for them, z and the direction of the tool.
     pub ways: Vec<Way>,

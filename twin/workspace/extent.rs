@@ -11,8 +11,7 @@ use twin_machine::axis_kind::AxisKind;
 const SAMPLES: f64 = 60_000.0;
 /// Positions of one axis, at most.
 const MOST: f64 = 65.0;
-/// Axis positions and those that the transform gives for the same pose differ by no more than this if they are on the
-/// same branch, m or rad: next to a singularity, the root of what rounding does.
+/// Tolerance of axis positions on the same branch, m or rad: near singularities, the root of rounding.
 const SAME: f64 = 1e-6;
 /// The search for the farthest point ends when the steps are this small, as a part of the axis's range.
 const FINEST: f64 = 1e-11;
@@ -46,7 +45,7 @@ impl Extent {
     }
 }
 
-/// Where the tool gets when every axis goes through a range.
+/// Sweep of the tool over ranges of all axes.
 #[derive(Clone, Debug)]
 pub struct Sweep<'s, 'm> {
     space: &'s Space<'m>,
@@ -55,6 +54,7 @@ pub struct Sweep<'s, 'm> {
     moving: Vec<usize>,
 }
 
+#[expect(clippy::indexing_slicing, reason = "moving axes are indices of the ranges")]
 impl<'s, 'm> Sweep<'s, 'm> {
     /// Every axis within its software limits.
     pub fn within_limits(space: &'s Space<'m>) -> Self {
@@ -106,7 +106,7 @@ impl<'s, 'm> Sweep<'s, 'm> {
         })
     }
 
-    /// How many axes move the tool.
+    /// Number of axes that move the tool.
     fn dimensions(&self) -> u32 {
         u32::try_from(self.moving.len()).unwrap_or(u32::MAX)
     }
@@ -115,7 +115,7 @@ impl<'s, 'm> Sweep<'s, 'm> {
         AxisVector::from_values(self.ranges.iter().map(|range| position(*range)))
     }
 
-    /// Where the tool is, if the transform would choose these axis positions for it: not on another branch.
+    /// Tool position at `axes`, if the transform would choose them: not on another branch.
     fn tool(&self, axes: &AxisVector) -> Option<Point3<f64>> {
         let kinematics = &self.space.machine().kinematics;
         let pose = kinematics.forward(axes).ok()?;
@@ -133,11 +133,8 @@ impl<'s, 'm> Sweep<'s, 'm> {
             for &index in &self.moving {
                 let part = f64::from(rest % count) / f64::from(count - 1);
                 rest /= count;
-                if let Some((axis, [low, high])) =
-                    axes.get_mut(index).zip(self.ranges.get(index).copied())
-                {
-                    *axis = low + part * (high - low);
-                }
+                let [low, high] = self.ranges[index];
+                axes[index] = low + part * (high - low);
             }
             if let Some(position) = self.tool(&axes) {
                 visit(&axes, &position);
@@ -145,9 +142,8 @@ impl<'s, 'm> Sweep<'s, 'm> {
         }
     }
 
-    /// From axis positions with the tool at `value` on, the farthest it gets on one side: all axes stay or step forth or
-    /// back, in every combination (along the edge between two branches no axis can move alone), with steps that are halved
-    /// where none leads farther.
+    /// Pattern search for the farthest point on one side from `axes` on: all combinations of axis steps, halved
+    /// where none improves.
     fn climb(&self, side: usize, mut value: f64, mut axes: AxisVector, count: u32) -> f64 {
         let mut part = 1.0 / f64::from(count.max(2) - 1);
         for _ in 0..STEPS {
@@ -157,14 +153,10 @@ impl<'s, 'm> Sweep<'s, 'm> {
                 let mut rest = combination;
                 for &index in &self.moving {
                     // 0, 1, 2: stay, forth, back.
-                    let step =
-                        [0.0, part, -part].get(rest as usize % 3).copied().unwrap_or_default();
+                    let step = [0.0, part, -part][rest as usize % 3];
                     rest /= 3;
-                    if let Some((axis, [low, high])) =
-                        moved.get_mut(index).zip(self.ranges.get(index).copied())
-                    {
-                        *axis = (*axis + step * (high - low)).clamp(low, high);
-                    }
+                    let [low, high] = self.ranges[index];
+                    moved[index] = (moved[index] + step * (high - low)).clamp(low, high);
                 }
                 let reached = self.tool(&moved).map(|position| outward(side, &position));
                 if let Some(reached) = reached.filter(|reached| *reached > value) {
@@ -182,8 +174,9 @@ impl<'s, 'm> Sweep<'s, 'm> {
     }
 }
 
-/// How far a point is to one side: +x, −x, +y, −y, +z, −z.
+/// Coordinate of a point towards a side: +x, −x, +y, −y, +z, −z.
+#[expect(clippy::indexing_slicing, reason = "six sides of three coordinates")]
 fn outward(side: usize, position: &Point3<f64>) -> f64 {
-    let value = position.coords.get(side / 2).copied().unwrap_or_default();
+    let value = position.coords[side / 2];
     if side.is_multiple_of(2) { value } else { -value }
 }

@@ -16,8 +16,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Square cells over the rectangle between `min` and `max`, `longer` of them along its longer side; the rectangle
-    /// grows a little where a side is no whole number of cells.
+    /// Square cells over a rectangle, `longer` of them along its longer side; the rectangle grows to whole cells.
     pub fn over(min: Point2<f64>, max: Point2<f64>, longer: u32) -> Self {
         let sides = max - min;
         let cell = sides.max() / f64::from(longer.max(1));

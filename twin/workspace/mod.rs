@@ -1,17 +1,14 @@
 //! The workspace of a machine: where its tool gets, and how well its axes move it there.
 //!
-//! What the tool reaches is found from the axes, by going through their positions ([`Sweep`]), and in a [`Section`] from
-//! the tool, by asking at every node of a grid which axis positions lead there. A section knows, at each point, whether it
-//! is within the software limits, beyond which of them it lies, or that it is out of reach, and the singularity measure:
-//! the smallest singular value of the Jacobian, made dimensionless with the machine's length. It is how fast the tool goes
-//! in its slowest direction where all axes together go at 1: 1 for a gantry, 0 where the axes cannot move the tool every way.
+//! Reach comes from a sweep of the axes ([`Sweep`]); a [`Section`] solves the inverse transform at every node of a
+//! grid. Each point is within the software limits, beyond some of them, or out of reach. The singularity measure is
+//! the smallest singular value of the dimensionless Jacobian: 1 for a gantry, 0 at a singularity.
 //!
 //! Everything here is SI, in the machine frame.
 
 mod example;
 mod extent;
 mod grid;
-mod measure;
 mod picture;
 pub mod region;
 mod scale;

@@ -1,9 +1,8 @@
-//! Regions of a plane, told from points that are in them and points that are not.
+//! Regions of a plane, traced from an inside test.
 //!
-//! A region is known only by a question, "is this point in it?". It is asked at the nodes of a [`Grid`]; where two
-//! neighbours differ, bisection finds the boundary between them. The crossings of a cell are joined as in marching
-//! squares (Lorensen and Cline 1987), with the region on the left, and each chord is broken where the boundary is off it:
-//! curves and corners come out to a small part of a cell. What is thinner than a cell may be missed.
+//! The test runs at the nodes of a [`Grid`]; between neighbours that differ bisection finds the boundary. Crossings
+//! are joined by marching squares (Lorensen and Cline 1987), region on the left, and chords are refined towards the
+//! boundary. Parts thinner than a cell may be missed.
 
 use super::grid::Grid;
 use nalgebra::{Point2, Vector2};
@@ -41,8 +40,8 @@ pub struct Region {
 }
 
 impl Region {
-    /// The region of the points that are `inside`. `nodes` has the answers at the grid's nodes, in their order; the
-    /// boundary is off by no more than `tolerance` cells ([`EXACT`], [`COARSE`]).
+    /// Region of the points that are `inside`; `nodes` are the results at the grid's nodes. The boundary is off by
+    /// at most `tolerance` cells ([`EXACT`], [`COARSE`]).
     pub fn trace(
         grid: &Grid,
         nodes: &[bool],
@@ -73,7 +72,7 @@ impl Region {
         double.sum::<f64>() / 2.0
     }
 
-    /// Where its weight would be, were it a plate; `None` if the region is empty.
+    /// Centroid; `None` if the region is empty.
     pub fn centroid(&self) -> Option<Point2<f64>> {
         // About one of its own points, so that no digits are lost to a far origin.
         let about = self.vertices().next()?.at;
@@ -152,15 +151,15 @@ struct Edge {
     upward: bool,
 }
 
-/// What stands in a triangle.
+/// Corner of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Corner {
     Node(u32, u32),
     Crossing(Edge),
 }
 
-/// A region being traced. Around the grid is one more ring of nodes, which are outside and lie on its edge: thus every
-/// line closes. Rows and columns count from that ring here.
+/// Tracing state. A ring of outside nodes surrounds the grid, so that every line closes; rows and columns count
+/// from it.
 struct Tracing<'a> {
     grid: &'a Grid,
     /// m.

@@ -2,8 +2,7 @@
 
 use twin_plot::Color;
 
-/// The measure in bands of colour, from dark (0) to bright: viridis, which people with any colour vision can read, and
-/// which stays in order without colours.
+/// Colour bands of the measure from dark (0) to bright: viridis, for any colour vision and in grey.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     step: f64,
@@ -23,7 +22,7 @@ impl Scale {
         Self { step, bands }
     }
 
-    /// How many bands there are.
+    /// Number of bands.
     pub fn bands(&self) -> u32 {
         self.bands
     }

@@ -14,10 +14,10 @@ const CELLS: u32 = 200;
 const ROOM: f64 = 0.06;
 /// Smallest side of a section, as a part of the longer one.
 const NARROWEST: f64 = 0.1;
-/// The search for the best place ends when its steps are this small a part of a cell.
+/// Smallest step of the search for the best place, relative to a cell.
 const FINEST: f64 = 1e-7;
 
-/// Which way a section lies.
+/// Orientation of a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cut {
     /// Level, at this height of the tool tip above the origin of the machine frame, m.
@@ -60,8 +60,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane of a section: x and y where it is level; along the ground, from the point it goes through, and z where it
-    /// is upright.
+    /// Plane of a section: x and y if level; distance along the ground and z if upright.
     pub fn new(cut: &Cut) -> Self {
         match *cut {
             Cut::Horizontal { height } => Self {
@@ -114,15 +113,15 @@ pub struct MeasureAt {
 /// A section through the workspace.
 #[derive(Clone, Debug)]
 pub struct Section<'m> {
-    /// What was asked.
+    /// Space that was sampled.
     pub space: Space<'m>,
-    /// Which way it lies.
+    /// Its orientation.
     pub cut: Cut,
     /// Its coordinates.
     pub plane: Plane,
-    /// Where it was asked.
+    /// Sampling grid.
     pub grid: Grid,
-    /// The answers, in the order of the grid's nodes.
+    /// Samples, in the order of the grid's nodes.
     pub samples: Vec<Sample>,
     /// Where the tool can be within the software limits.
     pub within: Region,
@@ -206,8 +205,7 @@ impl<'m> Section<'m> {
         nodes.map(|(at, sample)| (at, sample.measure))
     }
 
-    /// A place well inside, near the middle: among those that are nearly as far from the boundary as any, the one nearest
-    /// to the centroid.
+    /// A point well inside: of the points farthest from the boundary, the one nearest to the centroid.
     pub fn middle(&self) -> Option<Point2<f64>> {
         const EVERY: u32 = 8;
         let nodes = self.grid.nodes().zip(&self.samples);

@@ -11,8 +11,7 @@ use twin_urdf::{Model, Solid, SolidShape};
 /// Points around a cylinder or a sphere.
 const AROUND: u32 = 32;
 
-/// The outlines of all solids of a machine with its axes at `axes`, m, counter-clockwise. What lies behind the plane is
-/// seen like what lies before it.
+/// Outlines of all solids of a machine with its axes at `axes`, m, counter-clockwise, at any depth.
 pub(super) fn silhouette(model: &Model, axes: &[f64], plane: &Plane) -> Vec<Vec<Point2<f64>>> {
     let poses = model.link_poses(axes);
     let links = model.links.iter().zip(&poses);
@@ -20,7 +19,7 @@ pub(super) fn silhouette(model: &Model, axes: &[f64], plane: &Plane) -> Vec<Vec<
     solids.map(|(solid, pose)| outline(solid, pose, plane)).collect()
 }
 
-/// The outlines of what is around a machine, as [`silhouette`] has them, with what each is and its colour.
+/// Outlines of the obstacles, with kind and colour.
 pub(super) fn surroundings(
     collision: &Collision,
     plane: &Plane,

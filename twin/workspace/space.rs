@@ -1,6 +1,5 @@
 //! State of one point of the workspace: within limits, beyond limits of some axes, or out of reach.
 
-use super::measure;
 use nalgebra::Point3;
 use twin_kinematics::{AxisVector, Kinematics, Pose};
 use twin_machine::Machine;
@@ -28,7 +27,7 @@ impl AxisSet {
     }
 }
 
-/// Whether the tool can be at a point.
+/// Reachability of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     /// No axis positions put it there.
@@ -39,10 +38,10 @@ pub enum State {
     Within,
 }
 
-/// What was found at a point.
+/// Sample of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Whether the tool can be there.
+    /// Reachability.
     pub state: State,
     /// Singularity measure, 0 to 1; 0 out of reach.
     pub measure: f64,
@@ -96,7 +95,7 @@ impl<'m> Space<'m> {
         self.machine.kinematics.inverse(&self.pose(position), &self.near).ok()
     }
 
-    /// Which axes are beyond their limits.
+    /// Axes beyond their limits.
     pub fn beyond(&self, axes: &AxisVector) -> AxisSet {
         let limits = self.machine.axes.iter().map(|axis| axis.position_limits);
         let axes = axes.iter().zip(limits).enumerate();
@@ -106,14 +105,16 @@ impl<'m> Space<'m> {
         })
     }
 
-    /// Whether the tool can be at a point, and how well it can be moved there.
+    /// State and singularity measure at a point.
     pub fn sample(&self, position: Point3<f64>) -> Sample {
         let Some(axes) = self.axes(position) else {
             return Sample { state: State::OutOfReach, measure: 0.0 };
         };
         let beyond = self.beyond(&axes);
         let state = if beyond.is_empty() { State::Within } else { State::Beyond(beyond) };
-        Sample { state, measure: measure::smallest(self.machine, &axes) }
+        // The smallest singular value of the Jacobian; 0 without a Jacobian.
+        let dexterity = self.machine.kinematics.dexterity(&axes, self.machine.length_scale);
+        Sample { state, measure: dexterity.map_or(0.0, |dexterity| dexterity.smallest) }
     }
 
     /// [`Self::sample`] without the measure.

@@ -11,26 +11,26 @@ use twin_machine::Machine;
 
 /// Farther than any machine reaches, m.
 const FAR: f64 = 1e7;
-/// How far beyond the workspace the machine is shown, as a part of its longer side.
+/// Room for the machine around the workspace, relative to its longer side.
 const MACHINE: f64 = 0.2;
 /// Lower than this a workspace has no height, m.
 const FLAT: f64 = 1e-9;
 /// Examples are given in whole multiples of this, m, where the workspace is large enough.
 const ROUND: [f64; 2] = [0.01, 0.001];
 
-/// How a machine is looked at.
+/// Sections and tool direction of a survey.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct View {
     /// Height of the horizontal section, m; default: that of the start of programs, or the middle.
     pub height: Option<f64>,
     /// Direction of the vertical section, rad about +z from +x.
     pub azimuth: f64,
-    /// Direction of the tool, rad about +z from +x; for machines that can turn it. Default: that at the
-    /// start of programs.
+    /// Direction of the tool, rad about +z from +x, if the machine turns it; default: that at the start of
+    /// programs.
     pub direction: Option<f64>,
 }
 
-/// What cannot be looked at.
+/// Errors of a survey.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum WorkspaceError {
     /// The tool of a machine that does not turn it was to have a direction.
@@ -43,7 +43,7 @@ pub enum WorkspaceError {
     #[error("at a height of {:.3} mm the tool is nowhere within the software limits; they let it be {:.3} to {:.3} mm high",
         height * 1e3, limits[0] * 1e3, limits[1] * 1e3)]
     Height {
-        /// What was asked for, m.
+        /// Requested height, m.
         height: f64,
         /// Lowest and highest place of the tool, m.
         limits: [f64; 2],
@@ -53,10 +53,10 @@ pub enum WorkspaceError {
     Flat,
 }
 
-/// How far the arms of a machine reach.
+/// Reach of the arms of a machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach {
-    /// What is so far from the axis of the first arm: the tool tip, or the wrist.
+    /// Part that reaches: the tool tip, or the wrist.
     pub of: ReachOf,
     /// Smallest and largest distance, m.
     pub distances: [f64; 2],
@@ -71,7 +71,7 @@ pub struct Workspace<'m> {
     pub turns_tool: bool,
     /// The box around every place of the tool within the software limits.
     pub extent: Extent,
-    /// How far the arms reach, whatever the limits; `None` for machines without arms.
+    /// How far the arms reach without limits; `None` for machines without arms.
     pub reach: Option<Reach>,
     /// Where programs start that do not say where, m, machine frame; `None` if that is out of reach.
     pub start: Option<Point3<f64>>,
@@ -167,8 +167,7 @@ impl<'m> Workspace<'m> {
         machine.start_axes().unwrap_or_else(|| machine.middle())
     }
 
-    /// A pose in the middle of a section, worked out. Its coordinates in the plane are round numbers where that is
-    /// possible.
+    /// A pose in the middle of a section, worked out, at round coordinates where possible.
     ///
     /// # Errors
     /// [`KinematicsError::Singular`] and its neighbours if the section has no such pose.
@@ -183,7 +182,7 @@ impl<'m> Workspace<'m> {
     }
 }
 
-/// The reach of the arms: what the transform says of a place that nothing reaches.
+/// Reach of the arms, from the error of the transform at an unreachable place.
 fn reach(space: &Space<'_>, extent: &Extent) -> Option<Reach> {
     let far = space.pose(Point3::new(FAR, FAR, extent.center().z));
     match space.machine().kinematics.inverse(&far, &space.machine().middle()) {

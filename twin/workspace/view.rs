@@ -1,4 +1,4 @@
-//! A section in space, beside the machine.
+//! A section in space, next to the machine.
 
 use super::{Example, Scale, Section, State, Workspace};
 use crate::live_view::obstacles;
@@ -67,7 +67,7 @@ pub fn show(
     )
 }
 
-/// What is shown, in words, with the colours of the measure.
+/// Description of the picture.
 fn about(section: &Section<'_>, machine: &str, scale: Scale) -> String {
     let measure = match (section.worst, section.best) {
         (Some(worst), Some(best)) => format!("{:.3} to {:.3}", worst.measure, best.measure),

@@ -8,14 +8,14 @@ use nalgebra::{Isometry3, Point3, Vector3};
 const SIZE: f64 = 0.06;
 /// kg.
 const MASS: f64 = 1.0;
-/// Where the first of them stands in the machine frame, m: behind most machines.
+/// Place of the first of them in the machine frame, m: behind most machines.
 const PLACE: [f64; 2] = [-0.6, 0.0];
 /// From one to the next along y, m.
 const SPACING: f64 = 0.15;
 
 impl Model {
     /// Adds an axis that moves neither tool nor work, as a table of 1 kg that turns about z or slides along x. The first
-    /// stands at x −0.6 m, every further one 0.15 m beside it (`number`, from 0).
+    /// is at x −0.6 m, every further one 0.15 m from it (`number`, from 0).
     pub fn add_additional_axis(&mut self, joint: &MachineJoint, turns: bool, number: u8) {
         let half = SIZE / 2.0;
         let (kind, axis, inertial, solid) = if turns {

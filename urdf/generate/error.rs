@@ -51,32 +51,18 @@ pub enum DimensionError {
         reach: f64,
     },
     /// Rods of a tripod that are not two for each carriage.
-    #[error("the rods hang on the carriages {carriages:?}; each of 0, 1 and 2 has two of them")]
-    RodsOfCarriages {
-        /// The carriage of each rod.
-        carriages: [usize; 6],
-    },
+    #[error("the rods hang on the carriages {0:?}; each of 0, 1 and 2 has two of them")]
+    RodsOfCarriages([usize; 6]),
     /// Rods of a tripod that do not meet their platform.
     #[error(
         "the rods do not meet the platform with every axis in the middle of its travel; {:.6} mm are left open",
-        gap * 1e3
+        .0 * 1e3
     )]
-    RodsApart {
-        /// m.
-        gap: f64,
-    },
+    RodsApart(f64),
     /// A belt that does not lead from two motors to two coordinates.
-    #[error(
-        "the factors {factors:?} of the belt are not ±0.5 each, or both coordinates move alike"
-    )]
-    Belt {
-        /// Contributions of the motors (columns) to x and y (rows).
-        factors: [[f64; 2]; 2],
-    },
+    #[error("the factors {0:?} of the belt are not ±0.5 each, or both coordinates move alike")]
+    Belt([[f64; 2]; 2]),
     /// Two joints with one name, or moved by one machine axis.
-    #[error("joints {} and {} have the same name or the same machine axis", joints[0], joints[1])]
-    JointTwice {
-        /// Their names.
-        joints: [String; 2],
-    },
+    #[error("joints {} and {} have the same name or the same machine axis", .0[0], .0[1])]
+    JointTwice([String; 2]),
 }

@@ -19,10 +19,10 @@ pub use tool::ToolShape;
 pub use tripod::TripodDimensions;
 
 use crate::{Joint, JointDrive, JointKind, Solid, SolidShape};
-use nalgebra::{Isometry3, Translation3, Unit, Vector3};
+use nalgebra::{Isometry3, Unit, Vector3};
 
 /// A joint of a generated machine: the axis that moves it, and its limits.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct MachineJoint {
     /// Name of the machine axis; becomes the name of the joint.
     pub name: String,
@@ -39,13 +39,7 @@ pub struct MachineJoint {
 impl MachineJoint {
     /// A joint without limits of velocity and effort.
     pub fn new(name: impl Into<String>, machine_axis: usize, position_limits: [f64; 2]) -> Self {
-        Self {
-            name: name.into(),
-            machine_axis,
-            position_limits,
-            velocity_limit: None,
-            effort_limit: None,
-        }
+        Self { name: name.into(), machine_axis, position_limits, ..Self::default() }
     }
 
     /// Drive of the joint, with its name and limits.
@@ -73,7 +67,7 @@ impl MachineJoint {
 }
 
 /// Driven joint before its place is known: name, drive and limits.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct Driven {
     name: String,
     drive: JointDrive,
@@ -85,13 +79,7 @@ struct Driven {
 impl Driven {
     /// Without limits.
     fn new(name: impl Into<String>, drive: JointDrive) -> Self {
-        Self {
-            name: name.into(),
-            drive,
-            position_limits: None,
-            velocity_limit: None,
-            effort_limit: None,
-        }
+        Self { name: name.into(), drive, ..Self::default() }
     }
 
     /// Moves `child` on `parent`.
@@ -140,10 +128,7 @@ fn cuboid(low: [f64; 3], high: [f64; 3], color: [f64; 4]) -> Solid {
     let (low, high) = (Vector3::from(low), Vector3::from(high));
     Solid {
         shape: SolidShape::Box { size: high - low },
-        origin: Isometry3::from_parts(
-            Translation3::from((low + high) / 2.0),
-            nalgebra::UnitQuaternion::identity(),
-        ),
+        origin: Isometry3::from((low + high) / 2.0),
         color,
     }
 }
@@ -187,9 +172,7 @@ fn check_joints<'a>(joints: impl Iterator<Item = &'a MachineJoint>) -> Result<()
             other.name == joint.name || other.machine_axis == joint.machine_axis
         };
         if let Some(other) = earlier.iter().find(same) {
-            return Err(DimensionError::JointTwice {
-                joints: [other.name.clone(), joint.name.clone()],
-            });
+            return Err(DimensionError::JointTwice([other.name.clone(), joint.name.clone()]));
         }
         earlier.push(joint);
     }

@@ -31,7 +31,7 @@ impl Model {
     /// `link_from_flange`, of `mass` (kg).
     ///
     /// # Errors
-    /// [`DimensionError`] if the tip is above the flange, or a number is none.
+    /// [`DimensionError`] if the tip is above the flange, or a number is not finite.
     pub fn mount_tool(
         &mut self,
         link_from_flange: &Isometry3<f64>,
@@ -62,14 +62,12 @@ impl Model {
         }
         Ok(())
     }
-}
 
-impl Model {
     /// Lets the link where the tip is carry `payload`, which is given in the frame of the flange, whose place in that link is
     /// `link_from_flange`. It has mass and no shape.
     ///
     /// # Errors
-    /// [`DimensionError`] if its mass is not above 0, or a number is none.
+    /// [`DimensionError`] if its mass is not above 0, or a number is not finite.
     pub fn mount_payload(
         &mut self,
         link_from_flange: &Isometry3<f64>,

@@ -25,7 +25,7 @@ const CLOSED_BY_ROUNDING: f64 = 1e-13;
 /// Enough to come from the other end of the travel; a few do from the cycle before.
 const STEPS: usize = 100;
 /// No joint moves further in one part of the way, in rad or in parts of the machine's size: where two ways of assembly are
-/// nearer to each other, they are not told apart.
+/// nearer to each other, they are not distinguished.
 const LARGEST_PART: f64 = 0.1;
 /// Of the way from where the axes are to where they go.
 const SMALLEST_PART: f64 = 1.0 / 4096.0;
@@ -38,11 +38,8 @@ const LARGEST_DAMPING: f64 = 1e12;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LoopError {
     /// No position of the passive joints was found: the axes are where the machine cannot be.
-    #[error("the links of the machine cannot be joined with its axes there; {:.6} mm are left open", gap * 1e3)]
-    Open {
-        /// The largest of the gaps as nearly closed as they were, m.
-        gap: f64,
-    },
+    #[error("the links of the machine cannot be joined with its axes there; {:.6} mm are left open", .0 * 1e3)]
+    Open(f64),
     /// An axis position is infinite or not a number, or the model has such numbers in it.
     #[error("a position of an axis or a joint is not a finite number")]
     NotFinite,
@@ -93,9 +90,7 @@ impl JointPositions {
     }
 
     /// Takes over `positions`, one per joint, to look for passive joints from there.
-    ///
-    /// # Errors
-    /// [`LoopError::Start`] and [`LoopError::NotFinite`].
+    /// Errors: [`LoopError::Start`] and [`LoopError::NotFinite`].
     pub(crate) fn start_from(&mut self, positions: &[f64]) -> Result<(), LoopError> {
         if positions.len() != self.values.len() {
             let (given, expected) = (positions.len(), self.values.len());
@@ -127,7 +122,7 @@ impl JointPositions {
 
     /// Moves the axes of `model`, the model that these are the joints of, to `axes` (m or rad, machine-file order), and
     /// the passive joints with them: from where the loops were closed last, or from rest, or if neither leads there, in
-    /// one go. Allocates nothing but where the machine is singular.
+    /// one go. Allocates only where the machine is singular.
     ///
     /// # Errors
     /// [`LoopError::Open`], with the joints where the gaps are about smallest, and [`LoopError::NotFinite`], with every
@@ -223,7 +218,7 @@ impl JointPositions {
         } else if gaps.are_below(CLOSED_BY_ROUNDING) {
             Ok(())
         } else {
-            Err(LoopError::Open { gap: gaps.largest })
+            Err(LoopError::Open(gaps.largest))
         }
     }
 

@@ -1,7 +1,7 @@
 //! Mesh file reader: STL (`stl_io`) and OBJ (`tobj`).
 //!
 //! Both crates get only input that they handle safely: of an OBJ file the vertices and faces, of an ASCII STL file one
-//! solid. Every file, whatever its bytes, gives a mesh or an error.
+//! solid. Every file, of any bytes, gives a mesh or an error.
 
 use super::Mesh;
 use nalgebra::Point3;
@@ -20,44 +20,26 @@ const MOST_BYTES: u64 = 512 << 20;
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
     /// It cannot be read.
-    #[error("{source}")]
-    Read {
-        /// The cause.
-        source: io::Error,
-    },
+    #[error("{0}")]
+    Read(#[source] io::Error),
     /// Another format.
-    #[error("{} files cannot be read: meshes are STL or OBJ", extension.as_deref().unwrap_or("nameless"))]
-    Format {
-        /// Extension of its name.
-        extension: Option<String>,
-    },
+    #[error("{} files cannot be read: meshes are STL or OBJ", .0.as_deref().unwrap_or("nameless"))]
+    Format(Option<String>),
     /// Too large.
-    #[error("it has {bytes} bytes; at most {MOST_BYTES} are read")]
-    Size {
-        /// Size of the file, bytes.
-        bytes: u64,
-    },
+    #[error("it has {0} bytes; at most {MOST_BYTES} are read")]
+    Size(u64),
     /// No STL file.
-    #[error("not STL: {source}")]
-    Stl {
-        /// The cause.
-        source: io::Error,
-    },
+    #[error("not STL: {0}")]
+    Stl(#[source] io::Error),
     /// No OBJ file.
-    #[error("not OBJ: {source}")]
-    Obj {
-        /// The cause.
-        source: tobj::LoadError,
-    },
+    #[error("not OBJ: {0}")]
+    Obj(#[source] tobj::LoadError),
     /// It has no triangle.
     #[error("it has no triangle")]
     Empty,
     /// A corner is nowhere.
-    #[error("vertex {vertex} has a coordinate that is not a finite number")]
-    NotFinite {
-        /// From 0.
-        vertex: usize,
-    },
+    #[error("vertex {0} has a coordinate that is not a finite number")]
+    NotFinite(usize),
     /// A triangle has a corner that is not there.
     #[error("a triangle has the corner {corner}, of {vertices} vertices")]
     Corner {
@@ -77,10 +59,10 @@ impl Mesh {
     /// # Errors
     /// [`MeshError`].
     pub fn load(path: &Path, name: &str) -> Result<Self, MeshError> {
-        let read = |source| MeshError::Read { source };
+        let read = |source| MeshError::Read(source);
         let bytes = std::fs::metadata(path).map_err(read)?.len();
         if bytes > MOST_BYTES {
-            return Err(MeshError::Size { bytes });
+            return Err(MeshError::Size(bytes));
         }
         Self::parse(&std::fs::read(path).map_err(read)?, path, name)
     }
@@ -94,7 +76,7 @@ impl Mesh {
         match extension.as_deref().map(str::to_ascii_lowercase).as_deref() {
             Some("stl") => stl(bytes, name),
             Some("obj") => obj(bytes, name),
-            _ => Err(MeshError::Format { extension }),
+            _ => Err(MeshError::Format(extension)),
         }
     }
 }
@@ -131,7 +113,7 @@ fn stl(bytes: &[u8], name: &str) -> Result<Mesh, MeshError> {
         String::into_bytes,
     );
     let mut cursor = Cursor::new(bytes);
-    let broken = |source| MeshError::Stl { source };
+    let broken = |source| MeshError::Stl(source);
     let mut vertices = Vertices::default();
     let mut triangles = Vec::new();
     for triangle in stl_io::create_stl_reader(&mut cursor).map_err(broken)? {
@@ -178,7 +160,7 @@ fn obj(bytes: &[u8], name: &str) -> Result<Mesh, MeshError> {
     let options = tobj::LoadOptions { triangulate: true, ..tobj::LoadOptions::default() };
     let no_materials = |_: &Path| Ok((Vec::new(), HashMap::default()));
     let (models, _) = tobj::load_obj_buf(&mut Cursor::new(text), &options, no_materials)
-        .map_err(|source| MeshError::Obj { source })?;
+        .map_err(MeshError::Obj)?;
     let mut vertices = Vec::new();
     let mut triangles = Vec::new();
     for mesh in models.into_iter().map(|model| model.mesh) {

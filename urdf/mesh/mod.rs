@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 /// Triangles from a file, in the file's own unit and frame: see [`SolidShape::Mesh`](crate::SolidShape::Mesh).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
-    /// The file as URDF names it: a path beside the URDF, `package://…` or `file://…`.
+    /// The file as URDF names it: a path from the URDF, `package://…` or `file://…`.
     file: String,
     vertices: Vec<Point3<f64>>,
     triangles: Vec<[u32; 3]>,
@@ -36,7 +36,7 @@ impl Mesh {
         if let Some(vertex) =
             vertices.iter().position(|vertex| !vertex.iter().all(|value| value.is_finite()))
         {
-            return Err(MeshError::NotFinite { vertex });
+            return Err(MeshError::NotFinite(vertex));
         }
         let missing =
             |corner: &&u32| usize::try_from(**corner).map_or(true, |i| i >= vertices.len());

@@ -33,10 +33,10 @@ fn say(model: &mut Model, beyond: &Beyond) -> Result<(), UrdfError> {
         Beyond::Loop { links, points } => {
             let [one, other] = links.each_ref().map(|name| {
                 let found = model.links.iter().position(|link| link.name == *name);
-                found.ok_or_else(|| UrdfError::NoLoopLink { link: name.clone() })
+                found.ok_or_else(|| UrdfError::NoLoopLink(name.clone()))
             });
             let [point, other_point] = points.as_slice() else {
-                return Err(UrdfError::LoopPoints { points: points.len() });
+                return Err(UrdfError::LoopPoints(points.len()));
             };
             if !point.iter().chain(other_point).all(|value| value.is_finite()) {
                 let [link, _] = links;
@@ -51,7 +51,7 @@ fn say(model: &mut Model, beyond: &Beyond) -> Result<(), UrdfError> {
 }
 
 fn drive(model: &mut Model, name: &str, drive: JointDrive) -> Result<(), UrdfError> {
-    let refuse = || UrdfError::NoDrivenJoint { joint: name.to_owned() };
+    let refuse = || UrdfError::NoDrivenJoint(name.to_owned());
     let joint = model.joints.iter_mut().find(|joint| joint.name == name).ok_or_else(refuse)?;
     if joint.kind == JointKind::Fixed || matches!(joint.drive, JointDrive::Mimic { .. }) {
         return Err(refuse());

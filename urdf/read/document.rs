@@ -94,7 +94,7 @@ pub(super) fn survey(text: &str) -> At<Places> {
             roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => {
                 (line, UrdfError::Xacro)
             }
-            _ => (line, UrdfError::Xml { source }),
+            _ => (line, UrdfError::Xml(source)),
         }
     })?;
     let starts: Vec<_> = text.match_indices('\n').map(|(at, _)| at + 1).collect();
@@ -102,7 +102,7 @@ pub(super) fn survey(text: &str) -> At<Places> {
     let survey = Survey { starts, is_1_1: is_since(&root, 1), is_1_2: is_since(&root, 2) };
     if root.tag_name().name() != "robot" {
         let found = root.tag_name().name().to_owned();
-        return Err((survey.line(&root), UrdfError::Root { found }));
+        return Err((survey.line(&root), UrdfError::Root(found)));
     }
     survey.depth(&root)?;
     survey.macros(&root)?;
@@ -136,7 +136,7 @@ impl Survey {
             if let Some(child) = node.first_child() {
                 depth += 1;
                 if depth > DEEPEST {
-                    return Err((self.line(&node), UrdfError::Deep { depth }));
+                    return Err((self.line(&node), UrdfError::Deep(depth)));
                 }
                 node = child;
                 continue;

@@ -2,6 +2,7 @@
 
 use super::Reader;
 use super::document::{At, JointPlaces, OriginPlace, Places};
+use crate::check::{check_finite, check_not_negative, check_safety};
 use crate::{
     Calibration, Joint, JointDetails, JointDrive, JointKind, Model, Part, SafetyController,
     UrdfError,
@@ -77,10 +78,8 @@ pub(super) fn mimic(
             return Err((line(*index), UrdfError::MimicFixed { joint, leader }));
         }
         let (multiplier, offset) = (mimic.multiplier.unwrap_or(1.0), mimic.offset.unwrap_or(0.0));
-        if !(multiplier.is_finite() && offset.is_finite()) {
-            let (part, what) = (Part::Joint(joint), "what it mimics with");
-            return Err((line(*index), UrdfError::NotFinite { part, what }));
-        }
+        check_finite(&Part::Joint(joint), "what it mimics with", [&multiplier, &offset])
+            .map_err(|error| (line(*index), error))?;
         if let Some(joint) = model.joints.get_mut(number) {
             joint.drive = JointDrive::Mimic { joint: found, multiplier, offset };
         }
@@ -88,7 +87,7 @@ pub(super) fn mimic(
     for (number, index) in of_text.iter().enumerate() {
         if model.following(number).is_none() {
             let joint = model.joints.get(number).map(|joint| joint.name.clone());
-            let error = UrdfError::MimicCircle { joint: joint.unwrap_or_default() };
+            let error = UrdfError::MimicCircle(joint.unwrap_or_default());
             return Err((line(*index), error));
         }
     }
@@ -97,12 +96,7 @@ pub(super) fn mimic(
 
 fn read_axis(joint: &urdf_rs::Joint, kind: JointKind) -> Result<Unit<Vector3<f64>>, UrdfError> {
     let axis = Vector3::from(*joint.axis.xyz);
-    if !axis.iter().all(|value| value.is_finite()) {
-        return Err(UrdfError::NotFinite {
-            part: Part::Joint(joint.name.clone()),
-            what: "its axis",
-        });
-    }
+    check_finite(&Part::Joint(joint.name.clone()), "its axis", axis.iter())?;
     // A direction that has length 1 already is kept to the last digit.
     if (axis.norm() - 1.0).abs() <= 4.0 * f64::EPSILON {
         return Ok(Unit::new_unchecked(axis));
@@ -111,25 +105,18 @@ fn read_axis(joint: &urdf_rs::Joint, kind: JointKind) -> Result<Unit<Vector3<f64
     match unit {
         Some(direction) => Ok(direction),
         None if kind == JointKind::Fixed => Ok(Vector3::x_axis()),
-        None => Err(UrdfError::NoDirection { joint: joint.name.clone() }),
+        None => Err(UrdfError::NoDirection(joint.name.clone())),
     }
 }
 
 /// Everything of a joint that its motion does not follow from; `line` is that of an element.
 fn read_details(joint: &urdf_rs::Joint, line: &impl Fn(&str) -> u32) -> At<JointDetails> {
-    let part = || Part::Joint(joint.name.clone());
+    let part = Part::Joint(joint.name.clone());
+    let at = |element: &'static str| move |error: UrdfError| (line(element), error);
     let mut details = JointDetails::default();
     if let Some(dynamics) = &joint.dynamics {
-        for (what, value) in
-            [("its damping", dynamics.damping), ("its friction", dynamics.friction)]
-        {
-            if !value.is_finite() {
-                return Err((line("dynamics"), UrdfError::NotFinite { part: part(), what }));
-            }
-            if value < 0.0 {
-                return Err((line("dynamics"), UrdfError::Negative { part: part(), what, value }));
-            }
-        }
+        check_not_negative(&part, "its damping", dynamics.damping).map_err(at("dynamics"))?;
+        check_not_negative(&part, "its friction", dynamics.friction).map_err(at("dynamics"))?;
         (details.damping, details.friction) = (dynamics.damping, dynamics.friction);
     }
     if let Some(safety) = &joint.safety_controller {
@@ -138,11 +125,8 @@ fn read_details(joint: &urdf_rs::Joint, line: &impl Fn(&str) -> u32) -> At<Joint
             k_position: safety.k_position,
             k_velocity: safety.k_velocity,
         };
+        check_safety(&part, &read).map_err(at("safety_controller"))?;
         let [lower, upper] = read.soft_limits;
-        if ![lower, upper, read.k_position, read.k_velocity].iter().all(|value| value.is_finite()) {
-            let what = "its safety controller";
-            return Err((line("safety_controller"), UrdfError::NotFinite { part: part(), what }));
-        }
         if lower > upper {
             let joint = joint.name.clone();
             return Err((line("safety_controller"), UrdfError::Limits { joint, lower, upper }));
@@ -151,10 +135,8 @@ fn read_details(joint: &urdf_rs::Joint, line: &impl Fn(&str) -> u32) -> At<Joint
     }
     if let Some(calibration) = &joint.calibration {
         let read = Calibration { rising: calibration.rising, falling: calibration.falling };
-        if !read.rising.iter().chain(&read.falling).all(|value| value.is_finite()) {
-            let what = "its calibration";
-            return Err((line("calibration"), UrdfError::NotFinite { part: part(), what }));
-        }
+        let edges = read.rising.iter().chain(&read.falling);
+        check_finite(&part, "its calibration", edges).map_err(at("calibration"))?;
         details.calibration = Some(read);
     }
     if joint.joint_type != JointType::Fixed {
@@ -192,14 +174,11 @@ fn read_limits(
         return Ok(());
     }
     if !limits_are_optional && limit.lower == 0.0 && limit.upper == 0.0 {
-        return Err(UrdfError::NoLimits { joint: joint.name.clone() });
+        return Err(UrdfError::NoLimits(joint.name.clone()));
     }
     if limit.lower > limit.upper {
-        return Err(UrdfError::Limits {
-            joint: joint.name.clone(),
-            lower: limit.lower,
-            upper: limit.upper,
-        });
+        let (joint, lower, upper) = (joint.name.clone(), limit.lower, limit.upper);
+        return Err(UrdfError::Limits { joint, lower, upper });
     }
     if limit.lower.is_finite() || limit.upper.is_finite() {
         read.position_limits = Some([limit.lower, limit.upper]);

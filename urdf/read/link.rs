@@ -2,7 +2,7 @@
 
 use super::document::{At, OriginPlace, Places};
 use super::{Reader, UrdfNote, packages};
-use crate::check::{check_inertial, check_measures};
+use crate::check::{check_finite, check_inertial, check_measures};
 use crate::inertial::turned;
 use crate::mesh::load_first;
 use crate::{Inertial, Link, Mesh, Part, Solid, SolidShape, UrdfError};
@@ -112,12 +112,9 @@ impl Reader<'_> {
             self.warn(line, UrdfNote::NoColor { link, material });
         }
         let color = found.unwrap_or(GREY);
-        if color.iter().all(|value| value.is_finite()) {
-            Ok(color)
-        } else {
-            let part = Part::Link(link.to_owned());
-            Err((line, UrdfError::NotFinite { part, what: "a colour" }))
-        }
+        check_finite(&Part::Link(link.to_owned()), "a colour", &color)
+            .map_err(|error| (line, error))?;
+        Ok(color)
     }
 
     fn body(
@@ -142,7 +139,7 @@ impl Reader<'_> {
                 scale: scale.map_or_else(|| Vector3::repeat(1.0), |scale| Vector3::from(*scale)),
             },
         };
-        check_measures(|| part.clone(), &shape).map_err(|error| (place.line, error))?;
+        check_measures(&part, &shape).map_err(|error| (place.line, error))?;
         Ok((self.pose(&part, origin, place)?, shape))
     }
 

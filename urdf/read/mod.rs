@@ -19,8 +19,8 @@ mod packages;
 mod schema;
 mod tree;
 
+use crate::check::check_finite;
 use crate::error::Place;
-use crate::rotation::rotation_from_rpy;
 use crate::{Joint, JointDrive, JointKind, Model, Part, TIP_NAME, Tip, UrdfError, UrdfFileError};
 use document::{At, OriginPlace, Places};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -29,7 +29,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use tree::Tree;
 
-/// Roll, pitch and yaw, written with all their digits, and the quaternion beside them are no further apart (rad).
+/// Roll, pitch and yaw, written with all their digits, and the quaternion may be this far apart (rad).
 const SAME_ORIENTATION: f64 = 1e-12;
 
 /// Options of reading: information that the text does not contain.
@@ -118,24 +118,6 @@ impl fmt::Display for UrdfNote {
 }
 
 impl Model {
-    /// Reads a URDF file and the meshes that it names.
-    ///
-    /// # Errors
-    /// [`UrdfFileError`] with the line.
-    pub fn load_urdf(path: &Path, options: &UrdfOptions) -> Result<Loaded, UrdfFileError> {
-        let text = std::fs::read(path).and_then(|bytes| {
-            String::from_utf8(bytes).map_err(|error| {
-                std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error())
-            })
-        });
-        let text = text.map_err(|source| UrdfFileError {
-            path: path.to_owned(),
-            line: 1,
-            error: Box::new(UrdfError::Read { source }),
-        })?;
-        Self::read_urdf(&text, path, options)
-    }
-
     /// Reads URDF text; `path` is its origin, for messages and for the meshes next to it.
     ///
     /// # Errors
@@ -164,7 +146,7 @@ impl Model {
         for (joint, line) in model.joints.iter_mut().zip(lines) {
             if let JointDrive::Axis(slot) = &mut joint.drive {
                 let axis = axis_names.iter().position(|name| *name == joint.name);
-                let no_axis = || UrdfError::NoAxis { joint: joint.name.clone() };
+                let no_axis = || UrdfError::NoAxis(joint.name.clone());
                 *slot = axis.ok_or_else(|| at((line, no_axis())))?;
             }
         }
@@ -176,7 +158,7 @@ impl Model {
         let lacks_joint =
             |(axis, _): &(usize, &&str)| !model.joints.iter().any(|joint| moves(*axis, joint));
         match axis_names.iter().enumerate().find(lacks_joint) {
-            Some((_, axis)) => Err(at((robot, UrdfError::NoJoint { axis: (*axis).to_owned() }))),
+            Some((_, axis)) => Err(at((robot, UrdfError::NoJoint((*axis).to_owned())))),
             None => Ok(model),
         }
     }
@@ -294,7 +276,7 @@ impl<'a> Reader<'a> {
             return Ok(tip);
         }
         let link = model.links.iter().position(|link| link.name == *name);
-        let no_link = || (line, UrdfError::NoTipLink { link: name.clone() });
+        let no_link = || (line, UrdfError::NoTipLink(name.clone()));
         Ok(Tip { link: link.ok_or_else(no_link)?, point: Point3::origin() })
     }
 
@@ -304,22 +286,21 @@ impl<'a> Reader<'a> {
         pose: &urdf_rs::Pose,
         place: OriginPlace,
     ) -> At<Isometry3<f64>> {
-        let refuse = |error| Err((place.line, error));
-        let not_finite = || UrdfError::NotFinite { part: part.clone(), what: "an origin" };
+        let refuse = |error| (place.line, error);
         let numbers = place.given.iter().chain(&place.exact).flatten();
-        if !pose.xyz.iter().chain(pose.rpy.iter()).chain(numbers).all(|value| value.is_finite()) {
-            return refuse(not_finite());
-        }
+        let numbers = pose.xyz.iter().chain(pose.rpy.iter()).chain(numbers);
+        check_finite(part, "an origin", numbers).map_err(refuse)?;
         let quaternion = |[w, x, y, z]: [f64; 4]| Quaternion::new(w, x, y, z);
         let translation = Translation3::from(Vector3::from(*pose.xyz));
         if let Some(given) = place.given {
-            return match UnitQuaternion::try_new(quaternion(given), 1e-12) {
-                Some(rotation) => Ok(Isometry3::from_parts(translation, rotation)),
-                None => refuse(not_finite()),
-            };
+            let rotation = UnitQuaternion::try_new(quaternion(given), 1e-12);
+            let no_unit = || UrdfError::NotFinite { part: part.clone(), what: "an origin" };
+            let rotation = rotation.ok_or_else(|| refuse(no_unit()))?;
+            return Ok(Isometry3::from_parts(translation, rotation));
         }
         let angles = pose.rpy.map(|angle| self.right_angle(angle));
-        let mut rotation = rotation_from_rpy(angles);
+        let [roll, pitch, yaw] = angles;
+        let mut rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
         for (given, taken) in pose.rpy.iter().zip(angles) {
             if given.to_bits() != taken.to_bits() {
                 let note = UrdfNote::RightAngle { part: part.clone(), given: *given, taken };
@@ -334,7 +315,7 @@ impl<'a> Reader<'a> {
                 exact.to_rotation_matrix().matrix() - rotation.to_rotation_matrix().matrix();
             let angle = difference.norm().max((exact.norm() - 1.0).abs());
             if angle > SAME_ORIENTATION {
-                return refuse(UrdfError::Orientation { part: part.clone(), angle });
+                return Err(refuse(UrdfError::Orientation { part: part.clone(), angle }));
             }
             rotation = exact;
         }

@@ -4,9 +4,9 @@ use std::path::{Component, Path, PathBuf};
 
 /// Possible paths of a file, the likeliest first. `folder` is that of the URDF.
 ///
-/// `package://NAME/REST` is REST in the folder that the caller gives for NAME, or in a folder NAME beside the URDF or
-/// beside any folder that it is in; failing that, as much of the end of REST as there is beside the URDF, so that a
-/// URDF may be carried about with its meshes. `file://` and `model://` may be written; other names are beside the URDF.
+/// `package://NAME/REST` is REST in the folder that the caller gives for NAME, or in a folder NAME next to the URDF or
+/// next to any folder that it is in; failing that, as much of the end of REST as there is next to the URDF, so that a
+/// URDF may be carried about with its meshes. `file://` and `model://` may be written; other names are relative to the URDF.
 pub(super) fn places(name: &str, folder: &Path, packages: &[(String, PathBuf)]) -> Vec<PathBuf> {
     if let Some(path) = name.strip_prefix("file://") {
         return vec![folder.join(path)];

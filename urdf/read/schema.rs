@@ -61,6 +61,18 @@ pub(super) const SHAPES: [&str; 5] = ["box", "cylinder", "capsule", "sphere", "m
 const NUMBER: Form = Form::Numbers(1);
 const THREE: Form = Form::Numbers(3);
 
+/// Attributes that are numbers.
+#[expect(clippy::indexing_slicing, reason = "both arrays have N elements")]
+const fn numbers<const N: usize>(names: [&'static str; N]) -> [(&'static str, Form); N] {
+    let mut attributes = [("", NUMBER); N];
+    let mut index = 0;
+    while index < N {
+        attributes[index].0 = names[index];
+        index += 1;
+    }
+    attributes
+}
+
 /// Rule of `element`. `limits_are_optional`: since URDF 1.2.
 pub(super) fn rule(element: &str, limits_are_optional: bool) -> Option<Rule> {
     Some(match element {
@@ -96,14 +108,7 @@ pub(super) fn rule(element: &str, limits_are_optional: bool) -> Option<Rule> {
         },
         "mass" => Rule { required: &[("value", NUMBER)], ..NOTHING },
         "inertia" => Rule {
-            required: &[
-                ("ixx", NUMBER),
-                ("ixy", NUMBER),
-                ("ixz", NUMBER),
-                ("iyy", NUMBER),
-                ("iyz", NUMBER),
-                ("izz", NUMBER),
-            ],
+            required: const { &numbers(["ixx", "ixy", "ixz", "iyy", "iyz", "izz"]) },
             ..NOTHING
         },
         "material" => Rule {
@@ -136,28 +141,17 @@ fn of_joint(element: &str, limits_are_optional: bool) -> Option<Rule> {
         "parent" | "child" => Rule { required: &[("link", Form::Text)], ..NOTHING },
         "axis" => Rule { required: &[("xyz", THREE)], ..NOTHING },
         "limit" => {
-            const OTHERS: [(&str, Form); 6] = [
-                ("lower", NUMBER),
-                ("upper", NUMBER),
-                ("effort", NUMBER),
-                ("acceleration", NUMBER),
-                ("deceleration", NUMBER),
-                ("jerk", NUMBER),
-            ];
-            const ALL: [(&str, Form); 7] = [
-                ("velocity", NUMBER),
-                ("lower", NUMBER),
-                ("upper", NUMBER),
-                ("effort", NUMBER),
-                ("acceleration", NUMBER),
-                ("deceleration", NUMBER),
-                ("jerk", NUMBER),
-            ];
-            if limits_are_optional {
-                Rule { optional: &ALL, ..NOTHING }
-            } else {
-                Rule { required: &[("velocity", NUMBER)], optional: &OTHERS, ..NOTHING }
-            }
+            const ALL: &[(&str, Form)] = &numbers([
+                "velocity",
+                "lower",
+                "upper",
+                "effort",
+                "acceleration",
+                "deceleration",
+                "jerk",
+            ]);
+            let (required, optional) = ALL.split_at(usize::from(!limits_are_optional));
+            Rule { required, optional, ..NOTHING }
         }
         "calibration" => Rule { optional: &[("rising", NUMBER), ("falling", NUMBER)], ..NOTHING },
         "dynamics" => Rule { optional: &[("damping", NUMBER), ("friction", NUMBER)], ..NOTHING },
@@ -168,11 +162,7 @@ fn of_joint(element: &str, limits_are_optional: bool) -> Option<Rule> {
         },
         "safety_controller" => Rule {
             required: &[("k_velocity", NUMBER)],
-            optional: &[
-                ("soft_lower_limit", NUMBER),
-                ("soft_upper_limit", NUMBER),
-                ("k_position", NUMBER),
-            ],
+            optional: const { &numbers(["soft_lower_limit", "soft_upper_limit", "k_position"]) },
             ..NOTHING
         },
         _ => return of_twin(element),

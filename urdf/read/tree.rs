@@ -20,7 +20,7 @@ impl Tree {
                 return refuse(UrdfError::NoName);
             }
             if links.insert(link.name.as_str(), index).is_some() {
-                return refuse(UrdfError::Twice { part: Part::Link(link.name.clone()) });
+                return refuse(UrdfError::Twice(Part::Link(link.name.clone())));
             }
         }
         let mut names = HashSet::new();
@@ -32,7 +32,7 @@ impl Tree {
                 return refuse(UrdfError::NoName);
             }
             if !names.insert(joint.name.as_str()) {
-                return refuse(UrdfError::Twice { part: Part::Joint(joint.name.clone()) });
+                return refuse(UrdfError::Twice(Part::Joint(joint.name.clone())));
             }
             let end = |name: &String| links.get(name.as_str()).copied();
             let missing =
@@ -52,7 +52,7 @@ impl Tree {
             let name = |link: usize| {
                 robot.links.get(link).map(|link| link.name.clone()).unwrap_or_default()
             };
-            let error = UrdfError::TwoBases { links: [name(base), name(other)] };
+            let error = UrdfError::TwoBases([name(base), name(other)]);
             return Err((places.link(other), error));
         }
 
@@ -72,7 +72,7 @@ impl Tree {
                 && waiting.len() == before
             {
                 let name = robot.joints.get(*joint).map(|joint| joint.name.clone());
-                let error = UrdfError::Loop { joint: name.unwrap_or_default() };
+                let error = UrdfError::Loop(name.unwrap_or_default());
                 return Err((places.joint(*joint), error));
             }
         }

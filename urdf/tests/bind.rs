@@ -47,7 +47,7 @@ fn axis(machine_axis: usize, joint: &str, reversed: bool, offset: f64) -> AxisJo
 proptest! {
     #![proptest_config(seeded())]
 
-    /// Joint = ± axis + offset, whatever follows it, wherever the base is.
+    /// Joint = ± axis + offset, with any followers and any base.
     #[test]
     fn joints_are_where_their_axes_put_them(
         q in [-1.0..1.0, -1.0..1.0, -0.2..0.2, -0.01..0.01], reversed in prop::array::uniform4(any::<bool>()),
@@ -111,22 +111,19 @@ fn what_does_not_belong_together_is_named() {
         refusal(&all("J4"), &[]).to_string(),
         "there is no joint J4; those that move are j1, j2, j3, left"
     );
-    assert_eq!(refusal(&all("flange"), &[]), BindError::Fixed { joint: "flange".to_owned() });
-    assert_eq!(refusal(&all("right"), &[]), BindError::Mimics { joint: "right".to_owned() });
-    assert_eq!(refusal(&all("j1"), &[]), BindError::Twice { joint: "j1".to_owned() });
-    assert_eq!(
-        refusal(&all("left"), &[("left", 0.0)]),
-        BindError::Twice { joint: "left".to_owned() }
-    );
+    assert_eq!(refusal(&all("flange"), &[]), BindError::Fixed("flange".to_owned()));
+    assert_eq!(refusal(&all("right"), &[]), BindError::Mimics("right".to_owned()));
+    assert_eq!(refusal(&all("j1"), &[]), BindError::Twice("j1".to_owned()));
+    assert_eq!(refusal(&all("left"), &[("left", 0.0)]), BindError::Twice("left".to_owned()));
     let held = refusal(&all("left")[..3], &[("left", 0.0), ("left", 0.0)]);
-    assert_eq!(held, BindError::Twice { joint: "left".to_owned() });
+    assert_eq!(held, BindError::Twice("left".to_owned()));
     let unmoved = refusal(&all("left")[1..3], &[]).to_string();
     assert_eq!(unmoved, "no axis moves j1, left, and nothing holds them");
     let beyond = refusal(&all("left")[..3], &[("left", 0.03)]).to_string();
     assert_eq!(beyond, "joint left is held at 0.03 (m or rad), beyond its limits 0 … 0.02");
 }
 
-/// A tool on the link of the tip: 50 mm down and 10 mm beside, as the flange has it.
+/// A tool on the link of the tip: 50 mm down and 10 mm to the side, as the flange has it.
 #[test]
 fn a_tool_hangs_on_the_tip() {
     let mut model = robot();

@@ -169,7 +169,7 @@ fn links_weigh_what_their_solids_do() {
     assert_eq!((point.mass, point.center, point.inertia.norm()), (0.2, Point3::origin(), 0.0));
 }
 
-/// A payload is given as seen from the flange, however the flange stands in its link.
+/// A payload is given as seen from the flange, however the flange is turned in its link.
 #[test]
 fn a_payload_becomes_a_part_of_the_link_that_carries_it() {
     let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), FRAC_PI_2);

@@ -41,10 +41,11 @@ fn read(text: &str) -> Result<crate::Loaded, crate::UrdfFileError> {
     Model::read_urdf(text, Path::new("some/robot.urdf"), &UrdfOptions::default())
 }
 
-/// The refusal of the text with a change in it.
+/// The refusal of the text with a change in it; an apostrophe stands for a quotation mark.
 fn changed(from: &str, to: &str) -> String {
-    assert!(TEXT.contains(from), "{from}");
-    read(&TEXT.replacen(from, to, 1)).unwrap_err().to_string()
+    let [from, to] = [from, to].map(|text| text.replace('\'', "\""));
+    assert!(TEXT.contains(&from), "{from}");
+    read(&TEXT.replacen(&from, &to, 1)).unwrap_err().to_string()
 }
 
 #[test]
@@ -58,58 +59,50 @@ fn lines_and_parts_are_named() {
     for (from, to, expected) in [
         // The form of the text.
         (
-            "size=\"1 1 1\"",
-            "size=\"1 1\"",
+            "size='1 1 1'",
+            "size='1 1'",
             "7: link base: size of <box> is \"1 1\"; expected three numbers",
         ),
         (
-            "value=\"1\"",
-            "value=\"one\"",
+            "value='1'",
+            "value='one'",
             "13: link slide: value of <mass> is \"one\"; expected a number",
         ),
         (
-            "rpy=\"0 0 0\"",
-            "rpy=\"0 0 ${pi/2}\"",
+            "rpy='0 0 0'",
+            "rpy='0 0 ${pi/2}'",
             "6: this is xacro, of which URDF is made: run `xacro IN.urdf.xacro > OUT.urdf` and take what it writes",
         ),
-        ("<parent link=\"base\"/>", "", "21: joint X: <joint> has no <parent>"),
-        ("name=\"slide\"", "nom=\"slide\"", "11: <link> has no name"),
-        (
-            "rgba=\"1 0 0 1\"",
-            "rgba=\"red\"",
-            "3: rgba of <color> is \"red\"; expected four numbers",
-        ),
+        ("<parent link='base'/>", "", "21: joint X: <joint> has no <parent>"),
+        ("name='slide'", "nom='slide'", "11: <link> has no name"),
+        ("rgba='1 0 0 1'", "rgba='red'", "3: rgba of <color> is \"red\"; expected four numbers"),
         // What it says.
         (
-            "radius=\"1\"",
-            "radius=\"-1\"",
+            "radius='1'",
+            "radius='-1'",
             "16: link slide: the radius of a sphere is -1; it must be above 0",
         ),
-        ("value=\"1\"", "value=\"-1\"", "12: link slide: its mass is -1; it must be above 0"),
-        ("1 0 0\"", "0 0 0\"", "24: joint X: its axis is 0 0 0"),
+        ("value='1'", "value='-1'", "12: link slide: its mass is -1; it must be above 0"),
+        ("1 0 0'", "0 0 0'", "24: joint X: its axis is 0 0 0"),
+        ("upper='1'", "upper='-1'", "25: joint X: its lower limit 0 is above its upper limit -1"),
+        ("<child link='slide'/>", "<child link='gone'/>", "21: joint X: there is no link gone"),
+        ("xyz='0 0 0'", "xyz='0 0 inf'", "5: link base: an origin is not a finite number"),
+        ("link name='base'", "link name='slide'", "11: there are two of link slide"),
         (
-            "upper=\"1\"",
-            "upper=\"-1\"",
-            "25: joint X: its lower limit 0 is above its upper limit -1",
-        ),
-        ("<child link=\"slide\"/>", "<child link=\"gone\"/>", "21: joint X: there is no link gone"),
-        ("xyz=\"0 0 0\"", "xyz=\"0 0 inf\"", "5: link base: an origin is not a finite number"),
-        ("link name=\"base\"", "link name=\"slide\"", "11: there are two of link slide"),
-        (
-            "type=\"fixed\"",
-            "type=\"planar\"",
+            "type='fixed'",
+            "type='planar'",
             "20: link tool_tip marks the tool tip: it has neither body nor mass, hangs on a fixed joint and carries nothing",
         ),
         (
-            "type=\"prismatic\"",
-            "type=\"floating\"",
+            "type='prismatic'",
+            "type='floating'",
             "21: joint X: a floating joint is not supported yet",
         ),
     ] {
         assert_eq!(changed(from, to), format!("some/robot.urdf:{expected}"), "{from} → {to}");
     }
     let orientation = format!("rpy=\"0 0 0\" {}=\"0 0 0 1\"", crate::QUATERNION);
-    let refusal = changed("rpy=\"0 0 0\"", &orientation);
+    let refusal = changed("rpy='0 0 0'", &orientation);
     assert!(
         refusal.starts_with("some/robot.urdf:5: link base: rpy and quaternion_wxyz"),
         "{refusal}"
@@ -120,9 +113,9 @@ fn lines_and_parts_are_named() {
 fn xml_that_is_broken_has_a_line_too() {
     for (from, to, line) in [
         ("</inertial>", "</inertia>", 15),
-        ("<axis xyz", "<axis xyz=\"1\" xyz", 24),
+        ("<axis xyz", "<axis xyz='1' xyz", 24),
         ("</robot>", "", 31),
-        ("name=\"X\"", "name=X", 21),
+        ("name='X'", "name=X", 21),
         ("<child", "<other:child", 23),
     ] {
         let refusal = changed(from, to);

@@ -162,7 +162,8 @@ fn load(folder: &TempDir, packages: &[(&str, &str)]) -> Result<Loaded, UrdfFileE
     let packages =
         packages.iter().map(|(name, path)| ((*name).to_owned(), folder.path().join(path)));
     let options = UrdfOptions { packages: packages.collect(), ..UrdfOptions::default() };
-    Model::load_urdf(&folder.path().join("ws/robots/urdf/robot.urdf"), &options)
+    let path = folder.path().join("ws/robots/urdf/robot.urdf");
+    Model::read_urdf(&fs::read_to_string(&path).unwrap(), &path, &options)
 }
 
 #[test]
@@ -170,7 +171,7 @@ fn meshes_are_found() {
     for (name, at) in [
         ("box.stl", "ws/robots/urdf/box.stl"),
         ("../meshes/box.stl", "ws/robots/meshes/box.stl"),
-        // Packages are folders around the URDF, or beside those.
+        // Packages are folders around the URDF, or next to those.
         ("package://robots/meshes/box.stl", "ws/robots/meshes/box.stl"),
         ("package://arms/meshes/box.stl", "ws/arms/meshes/box.stl"),
         ("model://arms/meshes/box.stl", "arms/meshes/box.stl"),
@@ -182,7 +183,7 @@ fn meshes_are_found() {
         let model = load(&folder, &[]).unwrap_or_else(|error| panic!("{name}: {error}")).model;
         let SolidShape::Mesh { mesh, scale } = &model.links[0].solids[0].shape else { panic!() };
         assert_eq!((mesh.file(), mesh.triangles().len(), scale.x), (name, 12, 1e-3));
-        // What is written beside the meshes is the same machine.
+        // A URDF written next to the meshes is the same machine.
         let path = folder.path().join("ws/robots/urdf/again.urdf");
         let again = Model::read_urdf(&model.to_urdf().unwrap(), &path, &UrdfOptions::default());
         assert_eq!(again.unwrap().model, model);

@@ -1,6 +1,6 @@
 //! Tests of mimic joints and usable limits.
 
-use super::seeded;
+use super::{pose_of, seeded};
 use crate::{Joint, JointDrive, JointKind, Link, Loop, Model, Tip, UrdfOptions};
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
@@ -47,7 +47,7 @@ proptest! {
         prop_assert!((model.tip_position(&[angle]) - tip).norm() < 1e-14);
         let poses = model.link_poses(&[angle]);
         prop_assert!((poses[3] * model.tip.point - tip).norm() < 1e-14);
-        let found = model.pose_of(&[angle], None).unwrap();
+        let found = pose_of(&model, &[angle], None).unwrap();
         prop_assert!(found.values().iter().zip(expected).all(|(one, other)| (one - other).abs() < 1e-15));
         let text = model.to_urdf().unwrap();
         let read = Model::read_urdf(&text, Path::new(""), &UrdfOptions::default()).unwrap().model;
@@ -68,7 +68,7 @@ proptest! {
             ..Joint::new("slide", JointKind::Prismatic, [0, 3], Isometry3::identity(), Vector3::x_axis(), JointDrive::Axis(0))
         };
         model.loops = vec![Loop { links: [2, 3], points: [Point3::new(1.0, 0.0, 0.0), Point3::origin()] }];
-        let found = model.pose_of(&[2.0 * angle.cos()], None).unwrap();
+        let found = pose_of(&model, &[2.0 * angle.cos()], None).unwrap();
         let [first, second, slide] = found.values()[..] else { panic!() };
         prop_assert!((first - angle).abs() < 1e-9, "{first} {angle}");
         prop_assert_eq!(second.to_bits(), (-2.0 * first).to_bits());

@@ -12,7 +12,7 @@ mod read;
 mod refused;
 mod round_trip;
 
-use crate::{GantryDimensions, MachineJoint, ScaraDimensions};
+use crate::{GantryDimensions, JointPositions, LoopError, MachineJoint, Model, ScaraDimensions};
 use nalgebra::Vector3;
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 
@@ -38,6 +38,20 @@ fn scara() -> ScaraDimensions {
     let quill_joint = MachineJoint::new("Z", 2, [-0.1, 0.05]);
     let dimensions = ScaraDimensions::new("scara", arm_joints, Some(quill_joint), [0.25, 0.2]);
     ScaraDimensions { tool: Vector3::new(0.0, 0.0, -0.08), tool_mass: 0.3, ..dimensions }
+}
+
+/// The joint positions of `model` with its axes at `axes`, passive joints from `start` or else from where they rest.
+fn pose_of(
+    model: &Model,
+    axes: &[f64],
+    start: Option<&[f64]>,
+) -> Result<JointPositions, LoopError> {
+    let mut positions = JointPositions::at_rest(model);
+    if let Some(start) = start {
+        positions.start_from(start)?;
+    }
+    positions.follow(model, axes)?;
+    Ok(positions)
 }
 
 fn gantry() -> GantryDimensions {

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
 /// Links and joints out of order, a colour defined in another link, one defined for the robot, and one nowhere needed;
-/// collision geometry alone, an inertia with turned axes, an axis that is no unit vector.
+/// collision geometry alone, an inertia with turned axes, an axis that is not a unit vector.
 const TEXT: &str = r#"<?xml version="1.0"?>
 <!-- a comment -->
 <robot name="example" xmlns:xacro="http://www.ros.org/wiki/xacro">
@@ -86,13 +86,13 @@ fn a_robot_in_any_order() {
 fn moving_joints_and_axes_belong_together() {
     let refusal = |axes: &[&str]| Model::from_urdf(TEXT, axes).unwrap_err();
     let error = refusal(&["Z"]);
-    assert!(matches!(&*error.error, UrdfError::NoAxis { joint } if joint == "C"), "{error}");
+    assert!(matches!(&*error.error, UrdfError::NoAxis(joint) if joint == "C"), "{error}");
     let message = "line 11: joint C moves, but no axis of the machine is called C";
     assert_eq!(error.to_string(), message);
     let error = refusal(&["Z", "C", "A"]);
-    assert!(matches!(&*error.error, UrdfError::NoJoint { axis } if axis == "A"), "{error}");
-    // A fixed joint moves no axis, whatever its name.
-    assert!(matches!(*refusal(&["Z", "C", "tool"]).error, UrdfError::NoJoint { .. }));
+    assert!(matches!(&*error.error, UrdfError::NoJoint(axis) if axis == "A"), "{error}");
+    // A fixed joint moves no axis, even if it has the name of one.
+    assert!(matches!(*refusal(&["Z", "C", "tool"]).error, UrdfError::NoJoint(_)));
 }
 
 /// In version 1.2 an absent limit is no limit, and 0 is 0.

@@ -24,12 +24,11 @@
 mod xml;
 
 use crate::check::{check_inertial, check_joint, check_solid};
-use crate::rotation::rotation_from_rpy;
 use crate::{
     Inertial, Joint, JointDrive, JointKind, Loop, Model, QUATERNION, SolidShape, TIP_NAME,
     UrdfError,
 };
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use xml::Xml;
 
 impl Model {
@@ -291,7 +290,8 @@ fn write_origin(xml: &mut Xml, origin: &Isometry3<f64>) {
     let angles = roll_pitch_yaw(origin);
     xml.open("origin").numbers("xyz", origin.translation.vector.into()).numbers("rpy", angles);
     let [x, y, z, w] = origin.rotation.coords.into();
-    let back: [f64; 4] = rotation_from_rpy(angles).coords.into();
+    let [roll, pitch, yaw] = angles;
+    let back: [f64; 4] = UnitQuaternion::from_euler_angles(roll, pitch, yaw).coords.into();
     // −0 is 0.
     let bits = |values: [f64; 4]| values.map(|value| (value + 0.0).to_bits());
     if bits(back) != bits([x, y, z, w]) {

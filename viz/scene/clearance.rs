@@ -4,7 +4,7 @@ use rerun::{LineStrips3D, Points3D, Radius, RecordingStream};
 
 use super::At;
 use super::series::Series;
-use crate::error::VizError;
+use crate::error::Result;
 use crate::frame::ClearanceFrame;
 use crate::palette;
 use crate::units::{mm, point_mm};
@@ -25,7 +25,7 @@ const POINT_RADIUS: f32 = 3.5;
 pub(super) struct ClearanceTrack {
     distance: Series,
     wanted: Series,
-    /// Nearer than this is told, m.
+    /// Wanted clearance, m.
     limit: f64,
     is_joined: bool,
 }
@@ -55,7 +55,7 @@ impl ClearanceTrack {
         &mut self,
         stream: &RecordingStream,
         clearance: Option<&ClearanceFrame<'_>>,
-    ) -> Result<(), VizError> {
+    ) -> Result<()> {
         let Some(clearance) = clearance.filter(|clearance| clearance.distance < NEAR) else {
             if std::mem::take(&mut self.is_joined) {
                 stream.log(LINE, &LineStrips3D::clear_fields())?;
@@ -82,7 +82,7 @@ impl ClearanceTrack {
     }
 
     /// Sends what the plot holds back.
-    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<(), VizError> {
+    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<()> {
         self.distance.flush(stream)?;
         self.wanted.flush(stream)
     }

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use rerun::sink::{FileSink, FileSinkError};
 
 use super::SceneOptions;
-use crate::error::VizError;
+use crate::error::{Result, VizError};
 use crate::server::{Source, Viewer};
 
 /// An open recording.
@@ -19,9 +19,8 @@ pub(crate) struct Destination {
     pub(crate) complete: Arc<AtomicBool>,
 }
 
-/// Opens the file and the page. The page reads the recording from the file; without one asked for, from a temporary
-/// one that goes away with the page.
-pub(crate) fn open(options: &SceneOptions, title: &str) -> Result<Destination, VizError> {
+/// Opens the file and the page, which reads the file; without one, a temporary file of the page.
+pub(crate) fn open(options: &SceneOptions, title: &str) -> Result<Destination> {
     let complete = Arc::new(AtomicBool::new(false));
     // The address first: an address that is taken must not cost the user an existing recording.
     let address = options.serve.map(crate::server::bind).transpose()?;

@@ -6,7 +6,7 @@ use twin_urdf::Model;
 
 use super::solids;
 use crate::bounds::Bounds;
-use crate::error::VizError;
+use crate::error::Result;
 use crate::frame::Obstacle;
 use crate::units;
 
@@ -30,7 +30,7 @@ impl Machine {
         model: &Model,
         home: &[Isometry3<f64>],
         bounds: &mut Bounds,
-    ) -> Result<Self, VizError> {
+    ) -> Result<Self> {
         let mut links = Vec::with_capacity(model.links.len());
         for (link, pose) in model.links.iter().zip(home) {
             link.solids.iter().for_each(|solid| bounds.add_solid(pose, solid));
@@ -51,7 +51,7 @@ impl Machine {
         &mut self,
         stream: &RecordingStream,
         poses: &[Isometry3<f64>],
-    ) -> Result<(), VizError> {
+    ) -> Result<()> {
         for (link, pose) in self.links.iter_mut().zip(poses) {
             if link.pose.as_ref() != Some(pose) {
                 link.pose = Some(*pose);
@@ -70,7 +70,7 @@ pub(crate) fn log_obstacles(
     stream: &RecordingStream,
     obstacles: &[Obstacle<'_>],
     bounds: &mut Bounds,
-) -> Result<(), VizError> {
+) -> Result<()> {
     for obstacle in obstacles {
         obstacle.solids.iter().for_each(|solid| bounds.add_solid(&Isometry3::identity(), solid));
         solids::log(stream, &entity("surroundings", obstacle.name), obstacle.solids)?;
@@ -78,7 +78,7 @@ pub(crate) fn log_obstacles(
     Ok(())
 }
 
-/// Of something that is called `name`, whatever that is written with.
+/// Entity path of `name`, which may have any characters.
 fn entity(folder: &str, name: &str) -> String {
     format!("{folder}{}", rerun::EntityPath::from_single_string(name.to_owned()))
 }

@@ -27,7 +27,7 @@ use twin_urdf::Model;
 
 use crate::blueprint::{self, Layout};
 use crate::bounds::Bounds;
-use crate::error::VizError;
+use crate::error::{Result, VizError};
 use crate::frame::{Axis, Deviation, DrivesFrame, Frame, Obstacle, PathStrip, Program};
 use crate::motor_plot::MotorPlot;
 use crate::palette;
@@ -75,7 +75,7 @@ pub struct Setup<'a> {
 pub struct Scene {
     stream: RecordingStream,
     path: PathBuf,
-    /// Tells the page that nothing more comes.
+    /// True when the recording is complete; the page reads it.
     complete: Arc<AtomicBool>,
     viewer: Option<Viewer>,
     bounds: Bounds,
@@ -105,16 +105,10 @@ impl Scene {
     /// Creates the recording, starts the page if one is asked for, and shows the machine at its home pose.
     ///
     /// # Errors
-    ///
     /// [`VizError::NoDestination`], [`VizError::Create`], [`VizError::Temporary`], [`VizError::Bind`] and its
-    /// neighbours if the destinations cannot be had; [`VizError::LinkCount`] if `home` does not fit the machine.
-    pub fn open(options: &SceneOptions, setup: &Setup<'_>) -> Result<Self, VizError> {
-        if setup.home.len() != setup.machine.links.len() {
-            return Err(VizError::LinkCount {
-                expected: setup.machine.links.len(),
-                found: setup.home.len(),
-            });
-        }
+    /// neighbours if the destinations cannot be had; [`VizError::Count`] if `home` does not fit the machine.
+    pub fn open(options: &SceneOptions, setup: &Setup<'_>) -> Result<Self> {
+        VizError::check_links(setup.machine.links.len(), setup.home.len())?;
         let Destination { path, sink, viewer, complete } =
             destination::open(options, setup.program.name)?;
         let stream = RecordingStreamBuilder::new(APPLICATION)
@@ -135,10 +129,11 @@ impl Scene {
         program::log_about(&stream, setup)?;
 
         let error = |name, label, color| Series::new(format!("error/tool/{name}"), label, color);
+        let speed = |name, color| Series::new(format!("speed/{name}"), name, color);
         let twin = error("twin", "twin to set-point", palette::twin());
         let drives = error("drives", "drives to set-point", palette::drives());
         // The page must know the machine and the names before the first values.
-        stream.flush_async().map_err(|source| VizError::Write { path: path.clone(), source })?;
+        stream.flush_async().map_err(VizError::write(&path))?;
         let layout = Layout {
             axes: setup.axes.to_vec(),
             motors: Vec::new(),
@@ -167,12 +162,8 @@ impl Scene {
             drives: ToolTrack::new("drives", palette::drives(), Some(drives)),
             between: error("between", "drives to twin", palette::between()),
             clearance: setup.clearance.map(ClearanceTrack::new),
-            path_speed: Series::new("speed/set-point".to_owned(), "set-point", palette::setpoint()),
-            programmed_speed: Series::new(
-                "speed/programmed".to_owned(),
-                "programmed",
-                palette::cut(),
-            ),
+            path_speed: speed("set-point", palette::setpoint()),
+            programmed_speed: speed("programmed", palette::cut()),
             signals: Signals::default(),
             layout,
         })
@@ -183,30 +174,25 @@ impl Scene {
         self.viewer.as_ref()
     }
 
-    /// Shows a piece of the programmed path. May be called often; call it before the first frame for the camera to
-    /// take the path in.
+    /// Shows a piece of the programmed path; pieces before the first frame are in the camera's view.
     ///
     /// # Errors
-    ///
     /// [`VizError::Log`] if rerun refuses the path.
-    pub fn programmed_path(&mut self, strips: &[PathStrip]) -> Result<(), VizError> {
+    pub fn programmed_path(&mut self, strips: &[PathStrip]) -> Result<()> {
         strips.iter().flat_map(|strip| &strip.points).for_each(|point| self.bounds.add(point));
         self.strips_logged += 1;
         trail::log_programmed(&self.stream, self.strips_logged, strips)
     }
 
-    /// Makes room for signals that are switched along the way, each with its name; all are off. Call it before the first
-    /// frame.
+    /// Declares the signals by name, all off; call it before the first frame.
     pub fn signals(&mut self, names: &[String]) {
         self.signals = Signals::new(names);
         self.layout.has_signals = self.signals.are_there();
     }
 
-    /// Shows that a signal is switched at a time (ns) and line, where the tool shall be then (m): a mark there, its line in the
-    /// plot, and words beside the program's text.
+    /// Shows that a signal switches at a time (ns) and line with the tool at `tool` (m): mark, plot and text.
     ///
     /// # Errors
-    ///
     /// [`VizError::Log`] if rerun refuses it.
     pub fn switched(
         &mut self,
@@ -214,7 +200,7 @@ impl Scene {
         tool: &Point3<f64>,
         signal: usize,
         on: bool,
-    ) -> Result<(), VizError> {
+    ) -> Result<()> {
         self.lay_out()?;
         At { time_ns, line }.set(&self.stream);
         match self.signals.switch(&self.stream, tool, signal, on)? {
@@ -226,10 +212,9 @@ impl Scene {
     /// Shows one instant. Poses are thinned to what a screen shows, errors and speeds are kept as they come.
     ///
     /// # Errors
-    ///
-    /// [`VizError::LinkCount`], [`VizError::AxisCount`] and [`VizError::MotorCount`] if the frame does not fit the
+    /// [`VizError::Count`] if the frame does not fit the
     /// machine; [`VizError::Log`] and [`VizError::Encode`] if rerun refuses it.
-    pub fn frame(&mut self, frame: &Frame<'_>) -> Result<(), VizError> {
+    pub fn frame(&mut self, frame: &Frame<'_>) -> Result<()> {
         self.fits(frame)?;
         if self.layout.motors.is_empty() && !frame.motors.is_empty() {
             // The first frame need not know of them: then the page gets room for them now.
@@ -285,9 +270,8 @@ impl Scene {
     /// Shows an event of the twin at `time_ns`, in a line of the program, next to its text.
     ///
     /// # Errors
-    ///
     /// [`VizError::Log`] if rerun refuses it.
-    pub fn news(&mut self, time_ns: i64, line: u32, what: &str) -> Result<(), VizError> {
+    pub fn news(&mut self, time_ns: i64, line: u32, what: &str) -> Result<()> {
         self.lay_out()?;
         At { time_ns, line }.set(&self.stream);
         let seconds = std::time::Duration::from_nanos(u64::try_from(time_ns).unwrap_or(0));
@@ -298,24 +282,21 @@ impl Scene {
     /// [`Viewer`] is dropped.
     ///
     /// # Errors
-    ///
     /// [`VizError::Write`] if not everything could be written.
-    pub fn finish(mut self) -> Result<Option<Viewer>, VizError> {
+    pub fn finish(mut self) -> Result<Option<Viewer>> {
         self.lay_out()?;
         for track in [&mut self.setpoint, &mut self.twin, &mut self.drives] {
             track.flush_trail(&self.stream)?;
         }
         self.send_series()?;
-        self.stream
-            .flush_blocking()
-            .map_err(|source| VizError::Write { path: self.path.clone(), source })?;
+        self.stream.flush_blocking().map_err(VizError::write(&self.path))?;
         self.stream.finalize_deferred_sinks();
         self.complete.store(true, Ordering::Release);
         Ok(self.viewer.take())
     }
 
     /// Sends what the plots hold back.
-    fn send_series(&mut self) -> Result<(), VizError> {
+    fn send_series(&mut self) -> Result<()> {
         for track in [&mut self.twin, &mut self.drives] {
             track.flush_error(&self.stream)?;
         }
@@ -329,41 +310,29 @@ impl Scene {
     }
 
     /// Sends what rerun holds back of everything else.
-    fn send_rows(&self) -> Result<(), VizError> {
-        self.stream
-            .flush_async()
-            .map_err(|source| VizError::Write { path: self.path.clone(), source })
+    fn send_rows(&self) -> Result<()> {
+        self.stream.flush_async().map_err(VizError::write(&self.path))
     }
 
-    fn fits(&self, frame: &Frame<'_>) -> Result<(), VizError> {
-        if frame.link_poses.len() != self.machine.link_count() {
-            return Err(VizError::LinkCount {
-                expected: self.machine.link_count(),
-                found: frame.link_poses.len(),
-            });
+    fn fits(&self, frame: &Frame<'_>) -> Result<()> {
+        VizError::check_links(self.machine.link_count(), frame.link_poses.len())?;
+        let drives = frame.drives.as_ref().map(|drives| drives.deviation.axis_errors.len());
+        let counts = [
+            ("motors", Some(frame.motors.len()).filter(|count| *count > 0)),
+            ("axis errors", Some(frame.twin.axis_errors.len())),
+            ("axis errors", drives),
+        ];
+        let expected = self.axes.len();
+        for (what, found) in counts {
+            if let Some(found) = found.filter(|found| *found != expected) {
+                return Err(VizError::Count { of: "axes", what, expected, found });
+            }
         }
-        if !frame.motors.is_empty() && frame.motors.len() != self.axes.len() {
-            return Err(VizError::MotorCount {
-                expected: self.axes.len(),
-                found: frame.motors.len(),
-            });
-        }
-        let deviations = [Some(&frame.twin), frame.drives.as_ref().map(|drives| &drives.deviation)];
-        match deviations
-            .into_iter()
-            .flatten()
-            .find(|deviation| deviation.axis_errors.len() != self.axes.len())
-        {
-            Some(deviation) => Err(VizError::AxisCount {
-                expected: self.axes.len(),
-                found: deviation.axis_errors.len(),
-            }),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     /// Sends the layout, where it has not been sent as it is, when the extent of machine and path is known.
-    fn lay_out(&mut self) -> Result<(), VizError> {
+    fn lay_out(&mut self) -> Result<()> {
         if !self.has_layout {
             self.has_layout = true;
             blueprint::send(&self.stream, APPLICATION, &self.layout, &self.bounds, self.playback)?;
@@ -373,7 +342,7 @@ impl Scene {
 }
 
 impl Drop for Scene {
-    /// A scene that is given up half-way still ends its recording properly, and tells the page.
+    /// An abandoned scene also ends its recording properly and informs the page.
     fn drop(&mut self) {
         self.stream.finalize_deferred_sinks();
         self.complete.store(true, Ordering::Release);

@@ -4,7 +4,7 @@ use rerun::RecordingStream;
 
 use super::At;
 use super::series::Series;
-use crate::error::VizError;
+use crate::error::Result;
 use crate::frame::{Axis, MotorFrame};
 use crate::motor_plot::MotorPlot;
 use crate::palette;
@@ -22,8 +22,7 @@ pub(super) struct MotorSeries {
 }
 
 impl MotorSeries {
-    /// One per axis, below `motor/<quantity>_<unit>`. All are the twin's and green; axes of one plot differ in brightness as
-    /// they do among the errors. What a motor can give is grey, as is what the program asks for.
+    /// One per axis, below `motor/<quantity>_<unit>`: the twin in green of different brightness, limits in grey.
     pub(super) fn all(axes: &[Axis]) -> Vec<Self> {
         let mut all = Vec::with_capacity(axes.len());
         for (index, axis) in axes.iter().enumerate() {
@@ -37,7 +36,7 @@ impl MotorSeries {
             let effort = MotorPlot::effort(axis.unit);
             let entity = format!("{}{name}/limit", effort.entity());
             let label = format!("{} limit ({})", axis.name, effort.unit());
-            // Often so much more than what is given that nothing could be seen beside it.
+            // The limit is often so large that the effort would look flat.
             let limit =
                 Series::new(entity, &label, palette::shade(palette::limit(), before)).hidden();
             all.push(Self {
@@ -71,7 +70,7 @@ impl MotorSeries {
     }
 
     /// Sends what is held back.
-    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<(), VizError> {
+    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<()> {
         let Self { effort, limit, power, utilisation, warmth, load_angle } = self;
         [effort, limit, power, utilisation, warmth, load_angle]
             .into_iter()

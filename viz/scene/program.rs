@@ -6,7 +6,7 @@ use rerun::{RecordingStream, TextDocument};
 
 use super::Setup;
 use super::clearance::NEAR;
-use crate::error::VizError;
+use crate::error::Result;
 use crate::units::mm;
 
 /// Lines shown before the current one.
@@ -37,7 +37,7 @@ impl Excerpt {
     }
 
     /// Logs the lines around `line`, from 1, if it is another than the one shown, at the stream's time.
-    pub(super) fn log(&mut self, stream: &RecordingStream, line: u32) -> Result<(), VizError> {
+    pub(super) fn log(&mut self, stream: &RecordingStream, line: u32) -> Result<()> {
         if self.shown != Some(line) {
             self.shown = Some(line);
             stream.log("program/here", &TextDocument::from_markdown(self.page(line)))?;
@@ -51,7 +51,7 @@ impl Excerpt {
         stream: &RecordingStream,
         (time, line): (f64, u32),
         what: &str,
-    ) -> Result<(), VizError> {
+    ) -> Result<()> {
         while self.news.len() >= NEWS {
             self.news.pop_front();
         }
@@ -92,13 +92,13 @@ impl Excerpt {
         let begin = *self.begins.get(index)?;
         let end = self.begins.get(index + 1).map_or(self.text.len(), |next| next - 1);
         let line = self.text.get(begin..end)?;
-        // The text after the last line end is no line.
+        // Nothing follows the last line end.
         (begin < self.text.len()).then_some(line.trim_end_matches('\r'))
     }
 }
 
 /// Logs what the page shows, in words.
-pub(super) fn log_about(stream: &RecordingStream, setup: &Setup<'_>) -> Result<(), VizError> {
+pub(super) fn log_about(stream: &RecordingStream, setup: &Setup<'_>) -> Result<()> {
     let drives =
         setup.drives.map_or_else(String::new, |drives| format!("  \n**Drives** {drives} (orange)"));
     let clearance = setup.clearance.map_or_else(String::new, |_| {

@@ -3,7 +3,7 @@
 use rerun::{RecordingStream, Scalars, SeriesLines, TimeColumn};
 
 use super::At;
-use crate::error::VizError;
+use crate::error::Result;
 use crate::frame::{Axis, AxisUnit};
 use crate::palette;
 use crate::timeline::{LINE, TIME};
@@ -13,7 +13,7 @@ use crate::units::mm;
 const LINE_WIDTH: f32 = 1.5;
 
 /// One line in a plot. It does not exist in the recording until it has a value.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Series {
     entity: String,
     label: String,
@@ -28,17 +28,7 @@ pub(super) struct Series {
 impl Series {
     /// A line with its label in the legend and its colour.
     pub(super) fn new(entity: String, label: &str, color: rerun::Color) -> Self {
-        let label = label.to_owned();
-        Self {
-            entity,
-            label,
-            color,
-            is_named: false,
-            is_hidden: false,
-            times_ns: Vec::new(),
-            lines: Vec::new(),
-            values: Vec::new(),
-        }
+        Self { entity, label: label.to_owned(), color, ..Self::default() }
     }
 
     /// The same, of which only the legend is seen until it is clicked at.
@@ -64,7 +54,7 @@ impl Series {
     }
 
     /// Sends what is held back.
-    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<(), VizError> {
+    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<()> {
         if self.values.is_empty() {
             return Ok(());
         }
@@ -95,8 +85,7 @@ pub(super) struct AxisSeries {
 }
 
 impl AxisSeries {
-    /// One per axis, below `error/axis_deg` or `error/axis_mm`. The drives are orange as everywhere, the twin green;
-    /// axes of one plot differ in brightness.
+    /// One per axis, below `error/axis_deg` or `error/axis_mm`: drives orange, twin green, by brightness.
     pub(super) fn all(axes: &[Axis]) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::with_capacity(axes.len());
         for axis in axes {
@@ -134,7 +123,7 @@ impl AxisSeries {
     }
 
     /// Sends what is held back.
-    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<(), VizError> {
+    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<()> {
         self.twin.flush(stream)?;
         self.drives.flush(stream)
     }

@@ -5,7 +5,7 @@ use rerun::{Points3D, Radius, RecordingStream};
 
 use super::At;
 use super::series::Series;
-use crate::error::VizError;
+use crate::error::Result;
 use crate::palette;
 use crate::units::point_mm;
 
@@ -49,14 +49,14 @@ impl Signals {
         !self.signals.is_empty()
     }
 
-    /// A signal is switched where the tool shall be; the words for it, if there is such a signal.
+    /// Switches a signal at the set-point; the words for it, if there is such a signal.
     pub(super) fn switch(
         &mut self,
         stream: &RecordingStream,
         tool: &Point3<f64>,
         index: usize,
         on: bool,
-    ) -> Result<Option<String>, VizError> {
+    ) -> Result<Option<String>> {
         let Some(signal) = self.signals.get_mut(index) else { return Ok(None) };
         signal.is_on = on;
         let words = format!("{} {}", signal.name, if on { "on" } else { "off" });
@@ -78,7 +78,7 @@ impl Signals {
     }
 
     /// Sends what is held back.
-    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<(), VizError> {
+    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<()> {
         self.signals.iter_mut().try_for_each(|signal| signal.series.flush(stream))
     }
 }

@@ -4,15 +4,11 @@ use nalgebra::Vector3;
 use rerun::{FillMode, RecordingStream};
 use twin_urdf::{Mesh, Solid, SolidShape};
 
-use crate::error::VizError;
+use crate::error::Result;
 use crate::units;
 
-/// Logs `solids` below `entity`, in its frame, for good.
-pub(super) fn log(
-    stream: &RecordingStream,
-    entity: &str,
-    solids: &[Solid],
-) -> Result<(), VizError> {
+/// Logs `solids` below `entity`, in its frame, without a time.
+pub(super) fn log(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<()> {
     log_boxes(stream, entity, solids)?;
     log_cylinders(stream, entity, solids)?;
     log_spheres(stream, entity, solids)?;
@@ -43,7 +39,7 @@ fn of_shape<T>(
         .unzip()
 }
 
-fn log_boxes(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<(), VizError> {
+fn log_boxes(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<()> {
     let (solids, sizes) = of_shape(solids, |shape| match shape {
         SolidShape::Box { size } => Some(units::vector_mm(size)),
         _ => None,
@@ -58,7 +54,7 @@ fn log_boxes(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result
     Ok(())
 }
 
-fn log_cylinders(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<(), VizError> {
+fn log_cylinders(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<()> {
     let (solids, measures) = of_shape(solids, |shape| match shape {
         SolidShape::Cylinder { radius, length } => {
             Some((units::mm_f32(*length), units::mm_f32(*radius)))
@@ -77,7 +73,7 @@ fn log_cylinders(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Re
     Ok(())
 }
 
-fn log_spheres(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<(), VizError> {
+fn log_spheres(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<()> {
     let (solids, radii) = of_shape(solids, |shape| match shape {
         SolidShape::Sphere { radius } => Some(units::mm_f32(*radius)),
         _ => None,
@@ -91,7 +87,7 @@ fn log_spheres(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Resu
     Ok(())
 }
 
-fn log_capsules(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<(), VizError> {
+fn log_capsules(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<()> {
     let (solids, measures) = of_shape(solids, |shape| match shape {
         SolidShape::Capsule { radius, length } => {
             Some((units::mm_f32(*length), units::mm_f32(*radius)))
@@ -116,7 +112,7 @@ fn log_capsules(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Res
 }
 
 /// Every mesh is an entity of its own, in the frame of its parent.
-fn log_meshes(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<(), VizError> {
+fn log_meshes(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<()> {
     let (solids, meshes) = of_shape(solids, |shape| match shape {
         SolidShape::Mesh { mesh, scale } => Some((mesh.clone(), *scale)),
         _ => None,

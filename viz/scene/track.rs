@@ -7,7 +7,7 @@ use super::At;
 use super::due::Due;
 use super::series::Series;
 use super::trail::{self, Trail};
-use crate::error::VizError;
+use crate::error::Result;
 use crate::units::point_mm;
 
 /// Marker, trail and error of a tool. None of them exists in the recording until the tool has a position.
@@ -45,7 +45,7 @@ impl ToolTrack {
         at: At,
         tool: &Point3<f64>,
         error: f64,
-    ) -> Result<(), VizError> {
+    ) -> Result<()> {
         self.tool = Some(*tool);
         self.trail.add(stream, at, tool)?;
         if let Some(series) = &mut self.error {
@@ -64,17 +64,17 @@ impl ToolTrack {
     }
 
     /// Sends what the plot holds back.
-    pub(super) fn flush_error(&mut self, stream: &RecordingStream) -> Result<(), VizError> {
+    pub(super) fn flush_error(&mut self, stream: &RecordingStream) -> Result<()> {
         self.error.as_mut().map_or(Ok(()), |error| error.flush(stream))
     }
 
     /// Sends the end of the trail.
-    pub(super) fn flush_trail(&mut self, stream: &RecordingStream) -> Result<(), VizError> {
+    pub(super) fn flush_trail(&mut self, stream: &RecordingStream) -> Result<()> {
         self.trail.flush(stream)
     }
 
     /// The close-up looks from the frame of the set-point, so markers are at the origin of their frames.
-    fn log_marker(&mut self, stream: &RecordingStream, tool: &Point3<f64>) -> Result<(), VizError> {
+    fn log_marker(&mut self, stream: &RecordingStream, tool: &Point3<f64>) -> Result<()> {
         if !self.has_marker {
             self.has_marker = true;
             trail::log_dot(stream, &self.entity, self.color)?;

@@ -4,7 +4,7 @@ use nalgebra::{Point3, distance};
 use rerun::{LineStrips3D, Points3D, Radius, RecordingStream};
 
 use super::At;
-use crate::error::VizError;
+use crate::error::Result;
 use crate::frame::{MoveKind, PathStrip};
 use crate::palette;
 use crate::units::point_mm;
@@ -29,7 +29,7 @@ pub(super) fn log_programmed(
     stream: &RecordingStream,
     piece: usize,
     strips: &[PathStrip],
-) -> Result<(), VizError> {
+) -> Result<()> {
     let kinds = [
         (MoveKind::Cut, "cuts", palette::cut(), CUT_WIDTH),
         (MoveKind::Rapid, "rapids", palette::rapid(), RAPID_WIDTH),
@@ -53,11 +53,7 @@ pub(super) fn log_programmed(
 }
 
 /// Logs the marker of a tool: a dot at the origin of its frame.
-pub(super) fn log_dot(
-    stream: &RecordingStream,
-    entity: &str,
-    color: rerun::Color,
-) -> Result<(), VizError> {
+pub(super) fn log_dot(stream: &RecordingStream, entity: &str, color: rerun::Color) -> Result<()> {
     let dot = Points3D::new([[0.0_f32; 3]])
         .with_colors([color])
         .with_radii([Radius::new_ui_points(MARKER_RADIUS)]);
@@ -70,7 +66,7 @@ pub(super) fn log_dot(
 pub(super) fn log_newest(
     stream: &RecordingStream,
     ends: impl IntoIterator<Item = Vec<[f32; 3]>>,
-) -> Result<(), VizError> {
+) -> Result<()> {
     let ends = LineStrips3D::new(ends)
         .with_colors([palette::setpoint(), palette::twin(), palette::drives()])
         .with_radii([Radius::new_ui_points(TRAIL_WIDTH)]);
@@ -107,7 +103,7 @@ impl Trail {
         stream: &RecordingStream,
         at: At,
         tool: &Point3<f64>,
-    ) -> Result<(), VizError> {
+    ) -> Result<()> {
         let is_due = self.last_ns.is_none_or(|last| at.time_ns.saturating_sub(last) >= SAMPLE_NS);
         let has_moved = self.piece.last().is_none_or(|last| distance(last, tool) > STILL);
         if !is_due || !has_moved {
@@ -126,7 +122,7 @@ impl Trail {
     }
 
     /// Sends the piece, at the stream's time; the next begins where it ends.
-    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<(), VizError> {
+    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<()> {
         if let [_, .., end] = self.piece.as_slice() {
             let end = *end;
             let points: Vec<[f32; 3]> = self.piece.iter().map(point_mm).collect();

@@ -22,7 +22,7 @@ use rerun::log::LogMsg;
 use tempfile::TempPath;
 use tiny_http::{Header, Method, Request, Response, Server, StatusCode};
 
-use crate::error::VizError;
+use crate::error::{Result, VizError};
 
 /// The customary address: port 9090 of this computer, which other computers cannot reach.
 pub const DEFAULT_ADDRESS: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 9090);
@@ -80,11 +80,8 @@ struct Shared {
 }
 
 /// Binds the address early, so that a conflict shows at once.
-///
-/// # Errors
-///
-/// [`VizError::Bind`] if it is taken or not ours.
-pub(crate) fn bind(address: SocketAddr) -> Result<Bound, VizError> {
+/// Errors: [`VizError::Bind`] if it is taken or not ours.
+pub(crate) fn bind(address: SocketAddr) -> Result<Bound> {
     let failed = |source| VizError::Bind { address, source };
     let listener = TcpListener::bind(address).map_err(failed)?;
     Ok(Bound { address: listener.local_addr().map_err(failed)?, listener })
@@ -100,10 +97,9 @@ pub(crate) struct Bound {
 /// Serves a finished recording.
 ///
 /// # Errors
-///
 /// [`VizError::Open`] if the file cannot be read, [`VizError::NotARecording`] if it is none, [`VizError::Bind`] if the
 /// address is taken.
-pub fn view_recording(path: &Path, address: SocketAddr) -> Result<Viewer, VizError> {
+pub fn view_recording(path: &Path, address: SocketAddr) -> Result<Viewer> {
     let file = std::fs::File::open(path)
         .map_err(|source| VizError::Open { path: path.to_owned(), source })?;
     let not_a_recording = |source| VizError::NotARecording { path: path.to_owned(), source };
@@ -125,7 +121,7 @@ pub fn view_recording(path: &Path, address: SocketAddr) -> Result<Viewer, VizErr
 
 impl Viewer {
     /// Starts serving.
-    pub(crate) fn start(bound: Bound, title: &str, source: Source) -> Result<Self, VizError> {
+    pub(crate) fn start(bound: Bound, title: &str, source: Source) -> Result<Self> {
         let Bound { address, listener } = bound;
         let failed = |source| VizError::Serve { address, source };
         let shared = Arc::new(Shared {

@@ -57,7 +57,7 @@ fn the_work_frame_of_the_sketch() {
     assert!(frame.machine_from_work().translation.vector.norm() < 1e-16);
 }
 
-/// C on the right: z still goes up, x along the work to the left, y towards who stands before it.
+/// C on the right: z still goes up, x along the work to the left, y towards someone in front of it.
 #[test]
 fn with_c_on_the_right_the_work_lies_behind_y() {
     let found = cuboid(probed().map(|point| Point3::new(-point.x, point.y, point.z))).unwrap();
@@ -163,7 +163,7 @@ proptest! {
         let rotation = UnitQuaternion::from_euler_angles(angles[0], angles[1], angles[2]);
         let corner = Point3::from(corner);
         let found = cuboid(points.map(|point| corner + rotation * point.coords)).unwrap();
-        // The shortest base is a millimetre beside 0.5 m; coordinates are up to 3 m.
+        // The shortest base is a millimetre, against 0.5 m; coordinates are up to 3 m.
         prop_assert!((found.corner() - corner).norm() < 1e-11, "{found:?}");
         for (edge, expected) in [(found.ab(), Vector3::x() * side), (found.ca(), Vector3::y()), (found.bc(), -Vector3::z())] {
             prop_assert!((edge - rotation * expected).norm() < 1e-11, "{found:?}");

@@ -28,7 +28,7 @@ fn trafo_rpy() {
     }
 }
 
-/// The manual's call takes the old origin in the new frame, (1, 2, 3): so the work frame stands at −R·(1, 2, 3).
+/// The manual's call takes the old origin in the new frame, (1, 2, 3): so the work frame is at −R·(1, 2, 3).
 #[test]
 fn trafo_coord3d() {
     let old_origin = Vector3::new(1.0, 2.0, 3.0);

@@ -6,7 +6,7 @@ mod parameters;
 pub use parameters::{Access, PARAMETERS, Parameter, Value};
 
 use super::config::{AxisConfig, Movement};
-use super::drive::{Answer, Capture, ControllerMode, Transfer};
+use super::drive::{Capture, ControllerMode, Feedback, Transfer};
 use super::math::fmod;
 use super::state::AxisState;
 use error_memory::BlockErrors;
@@ -15,35 +15,12 @@ use twin_profile::{AxisLimits, Profile, RampType, State};
 
 /// An axis (`AXIS_REF`, manual 2.4), cycle by cycle.
 ///
-/// A cycle begins with [`Axis::begin_cycle`], which takes in what the drive says; then the program calls its blocks in
-/// the order it likes; [`Axis::end_cycle`] watches over what they did and gives the set-point for the drive.
+/// [`Axis::begin_cycle`] reads the drive's feedback; then the program calls its blocks in any order; [`Axis::end_cycle`]
+/// supervises them and gives the set-point for the drive, as in the example of the [crate](crate).
 ///
 /// The set-points of a running block count in the drive's coordinates. [`Axis::shift_zero`] moves the zero under it
 /// without moving the axis.
-///
-/// ```
-/// use twin_axis::{Axis, AxisConfig, Block, Direction, MoveAbsolute, Power, VirtualDrive};
-///
-/// let mut axis = Axis::new(AxisConfig { cycle: 0.01, ..AxisConfig::default() });
-/// let mut drive = VirtualDrive::new(0.0);
-/// let mut to_five = Block::new(MoveAbsolute {
-///     position: 5.0,
-///     velocity: 50.0,
-///     acceleration: 100.0,
-///     deceleration: 100.0,
-///     direction: Direction::Shortest,
-/// });
-/// for _ in 0..100 {
-///     axis.begin_cycle(&drive.feedback());
-///     let power = Power { regulator_on: true, drive_start: true }.call(true, &mut axis);
-///     let moved = to_five.call(power.status, &mut axis);
-///     drive.follow(&axis.end_cycle());
-///     if moved.done {
-///         break;
-///     }
-/// }
-/// assert_eq!(axis.set_position(), 5.0);
-/// ```
+#[expect(clippy::struct_excessive_bools, reason = "each is a state of its own")]
 #[derive(Clone, Debug)]
 pub struct Axis {
     pub(super) values: AxisRef,
@@ -62,11 +39,11 @@ pub struct Axis {
     pub(super) overlay_moved: bool,
     /// Base and overlay together when the cycle began.
     pub(super) saved: State,
-    /// The base of it, which the owner goes on from.
+    /// Base when the cycle began; the owner goes on from it.
     pub(super) saved_base: State,
     /// The target of a discrete motion, in the coordinates of `base`.
     pub(super) aim: Option<f64>,
-    /// Sign of its last motion: what goes on in the current direction from rest has it, too.
+    /// Sign of its last motion: motion in the current direction from rest takes it.
     pub(super) went: i64,
     /// Cycles so far, as time, ns.
     pub(super) clock_ns: i64,
@@ -77,15 +54,17 @@ pub struct Axis {
     /// Braking of the axis on its own, and the time since its start, s.
     pub(super) braking: Option<(Profile, f64)>,
     pub(super) capture: Option<Capture>,
-    pub(super) captured: Option<f64>,
     pub(super) home: Option<f64>,
-    /// Parameter of the drive that a block waits for, and whether it has been called in this cycle.
+    /// Parameter of the drive that a block waits for, and whether the block was called in this cycle.
     pub(super) transfer: Option<(Transfer, bool)>,
-    /// Homing runs onto a switch that is the limit switch, too.
+    /// Homing uses the limit switch.
     pub(super) ignores_limit_switch: bool,
     pub(super) has_capture_window: bool,
-    pub(super) drive: DriveReport,
-    /// Every step from state to state, for who watches over them.
+    /// Feedback of the drive in this cycle.
+    pub(super) drive: Feedback,
+    /// True once the drive has answered.
+    pub(super) drive_known: bool,
+    /// Every transition, for the checker of the tests.
     #[cfg(test)]
     pub(super) entered: Vec<[AxisState; 2]>,
     /// Number of commands, of the base and of the superimposed motion, for the checker of the tests.
@@ -93,20 +72,8 @@ pub struct Axis {
     pub(super) commands: [u32; 2],
 }
 
-/// Further feedback of the drive in this cycle.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct DriveReport {
-    pub(super) position: f64,
-    pub(super) velocity: f64,
-    pub(super) homing: super::drive::Homing,
-    pub(super) error: Option<u16>,
-    pub(super) resettable: bool,
-    pub(super) answer: Option<Answer>,
-    pub(super) known: bool,
-}
-
 impl Axis {
-    /// An axis at rest, without power, that knows nothing of its drive yet.
+    /// An axis at rest, without power and without feedback of its drive.
     #[must_use]
     pub fn new(config: AxisConfig) -> Self {
         let (movement_type, period) = match config.movement {
@@ -158,12 +125,12 @@ impl Axis {
             zero: 0.0,
             braking: None,
             capture: None,
-            captured: None,
             home: None,
             transfer: None,
             ignores_limit_switch: false,
             has_capture_window: config.capture_window,
-            drive: DriveReport::default(),
+            drive: Feedback::default(),
+            drive_known: false,
         }
     }
 
@@ -173,32 +140,7 @@ impl Axis {
         self.state
     }
 
-    /// Set position (`fSetPosition`, `SMC_ReadSetPosition`), u; of a rotary axis in [0, period).
-    #[doc(alias = "SMC_ReadSetPosition")]
-    #[must_use]
-    pub fn set_position(&self) -> f64 {
-        self.values.set_position
-    }
-
-    /// Set velocity (`fSetVelocity`), u/s.
-    #[must_use]
-    pub fn set_velocity(&self) -> f64 {
-        self.values.set_velocity
-    }
-
-    /// Set acceleration (`fSetAcceleration`), u/s²: that of the velocity with its sign.
-    #[must_use]
-    pub fn set_acceleration(&self) -> f64 {
-        self.values.set_acceleration
-    }
-
-    /// Cycle time (`fTaskCycle`), s.
-    #[must_use]
-    pub fn cycle(&self) -> f64 {
-        self.values.task_cycle
-    }
-
-    /// Time of this cycle's set-point, ns: the cycles the axis has had, whatever its blocks have done meanwhile.
+    /// Time of this cycle's set-point, ns: the cycles of the axis so far.
     #[must_use]
     pub fn now_ns(&self) -> i64 {
         self.clock_ns
@@ -230,12 +172,6 @@ impl Axis {
     #[must_use]
     pub fn error_id(&self) -> Option<i64> {
         self.values.error.then_some(self.values.error_id)
-    }
-
-    /// The block that moves the axis (`iOwner`), 0 for none.
-    #[must_use]
-    pub fn owner(&self) -> i64 {
-        self.values.owner
     }
 
     /// Limits of a motion with its own velocity, acceleration and deceleration; the jerk is the axis's.
@@ -273,7 +209,7 @@ impl Axis {
         }
     }
 
-    /// The same once all of this cycle's set-points are there: a motion on top is called last, and goes on until then.
+    /// The same at the end of the cycle: a superimposed motion that is not called yet goes on at its velocity.
     pub(super) fn total_after_cycle(&self) -> State {
         let total = self.total();
         let on_top = self.overlay_owner != 0 && !self.overlay_moved;
@@ -301,5 +237,57 @@ impl Axis {
     /// Controller mode wanted.
     pub(super) fn mode(&self) -> ControllerMode {
         ControllerMode::from_number(self.values.controller_mode).unwrap_or_default()
+    }
+
+    /// Set position (`fSetPosition`, `SMC_ReadSetPosition`), u; of a rotary axis in [0, period).
+    #[doc(alias = "SMC_ReadSetPosition")]
+    #[must_use]
+    pub fn set_position(&self) -> f64 {
+        self.values.set_position
+    }
+
+    /// Set velocity (`fSetVelocity`), u/s.
+    #[must_use]
+    pub fn set_velocity(&self) -> f64 {
+        self.values.set_velocity
+    }
+
+    /// Set acceleration (`fSetAcceleration`), u/s²: that of the velocity with its sign.
+    #[must_use]
+    pub fn set_acceleration(&self) -> f64 {
+        self.values.set_acceleration
+    }
+
+    /// Cycle time (`fTaskCycle`), s.
+    #[must_use]
+    pub fn cycle(&self) -> f64 {
+        self.values.task_cycle
+    }
+
+    /// The block that moves the axis (`iOwner`), 0 for none.
+    #[must_use]
+    pub fn owner(&self) -> i64 {
+        self.values.owner
+    }
+
+    /// Actual position (`MC_ReadActualPosition`), u; of a rotary axis in [0, period).
+    #[doc(alias = "MC_ReadActualPosition")]
+    #[must_use]
+    pub fn act_position(&self) -> f64 {
+        self.values.act_position
+    }
+
+    /// Actual velocity (`MC_ReadActualVelocity`), u/s.
+    #[doc(alias = "MC_ReadActualVelocity")]
+    #[must_use]
+    pub fn act_velocity(&self) -> f64 {
+        self.values.act_velocity
+    }
+
+    /// Actual torque, Nm, or force, N (`MC_ReadActualTorque`).
+    #[doc(alias = "MC_ReadActualTorque")]
+    #[must_use]
+    pub fn act_torque(&self) -> f64 {
+        self.values.act_torque
     }
 }

@@ -11,8 +11,6 @@
 //! assert_eq!(error.text(Language::English), "the master is outside the range of the cam");
 //! ```
 
-#[cfg(test)]
-mod manual;
 mod number;
 #[cfg(test)]
 mod tests;

@@ -3,74 +3,23 @@
 use crate::ownership::Start;
 use crate::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
 use twin_cam::{Approach, CamCoupling, CamInput, CamTable, CouplingError, Gap, StartMode};
-use twin_profile::{AxisLimits, ProfileError, RampType, State};
+use twin_profile::{AxisLimits, RampType, State};
 
 /// The slave follows a cam (`MC_CamIn`, manual 5.4); `done` is `InSync`. What `MC_CamTableSelect` gives is a
 /// [`CamTable`]; the periods of master and slave are those of the axes.
 ///
-/// [`CamRun::coupling`] tells `EndOfProfile` and the tappets, by the clock of the slave ([`Axis::now_ns`]), which goes on
-/// when the block is started again. Beside the master's position and velocity its acceleration
-/// counts, so that the slave's acceleration is exact.
+/// [`CamRun::coupling`] has `EndOfProfile` and the tappets, by the clock of the slave ([`Axis::now_ns`]), which goes on when
+/// the block is started again. The master's acceleration counts as well, so that the slave's acceleration is exact.
 ///
-/// The manual says that a cam begins with the master's position at the rising edge, and not what that is of a master that has
-/// been moved in this cycle already. Here a master that stood when the cycle began is where it stood, so that it makes no
-/// difference whether it moves off in this cycle or in the next one: it is not beside a cam that it leaves at once (626), and
-/// passes the tappets that it comes to. One that moves is where it is by now.
+/// The manual begins a cam with the master's position at the rising edge and does not define it for a master that has moved
+/// in this cycle already. Here a master that was at rest when the cycle began counts where it was: a cam that it leaves at
+/// once is not an error 626, and it passes the tappets on its way. A moving master counts where it is now.
 ///
-/// The slave is strictly where the master's position has it (manual 4.6.2): where `MC_SetPosition` moves the master's zero
-/// under an absolute cam, it steps. A cam with `MasterAbsolute` FALSE lies where the master was, and stays there.
+/// The slave is strictly at the position of the cam for the master's position (manual 4.6.2): under an absolute cam it steps
+/// when `MC_SetPosition` moves the master's zero. A cam with `MasterAbsolute` FALSE stays at the master's old position.
 ///
-/// A ramp onto the cam has the ramps of the axis: with sigmoid and parabolic ones the slave's acceleration does not step,
-/// and beside the jerk of the cam itself there is never more than the axis's (`fMaxJerk`). The manual's block has no input
-/// for it.
-///
-/// A lift of 50 u, once a turn of the master; the slave comes onto it with a ramp:
-///
-/// ```
-/// use std::sync::Arc;
-/// use twin_axis::{
-///     Axis, AxisConfig, Block, CamIn, Direction, MoveVelocity, Movement, Power, VirtualDrive,
-/// };
-/// use twin_cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
-///
-/// let knots = [(0.0, 0.0), (180.0, 50.0), (360.0, 0.0)];
-/// let knots = knots.map(|(master, slave)| Knot::at_rest(master, slave)).to_vec();
-/// let cam = Cam::new("lift", Shape::Polynomial(knots), Vec::new())?;
-/// let mut cam_in = Block::new(CamIn {
-///     table: Some(CamTable::new(Arc::new(cam))),
-///     input: CamInput {
-///         start_mode: StartMode::RampIn,
-///         velocity_difference: 20.0,
-///         acceleration: 100.0,
-///         deceleration: 100.0,
-///         ..CamInput::default()
-///     },
-/// });
-/// let mut turn = Block::new(MoveVelocity {
-///     velocity: 90.0,
-///     acceleration: 100.0,
-///     deceleration: 100.0,
-///     direction: Direction::Positive,
-/// });
-///
-/// let movement = Movement::Rotary { period: 360.0 };
-/// let mut master = Axis::new(AxisConfig { cycle: 0.01, movement, ..AxisConfig::default() });
-/// let mut slave = Axis::new(AxisConfig { cycle: 0.01, ..AxisConfig::default() });
-/// let mut drives = [VirtualDrive::new(0.0), VirtualDrive::new(30.0)];
-/// let power = Power { regulator_on: true, drive_start: true };
-/// let mut in_sync = false;
-/// while !(in_sync && master.set_position() > 180.0) {
-///     master.begin_cycle(&drives[0].feedback());
-///     slave.begin_cycle(&drives[1].feedback());
-///     let on = power.call(true, &mut master).status && power.call(true, &mut slave).status;
-///     turn.call(on, &mut master);
-///     in_sync = cam_in.follow(on, &master, &mut slave).done;
-///     drives[0].follow(&master.end_cycle());
-///     drives[1].follow(&slave.end_cycle());
-/// }
-/// assert!((slave.set_position() - 50.0).abs() < 0.1, "just over the top");
-/// # Ok::<(), twin_cam::CamError>(())
-/// ```
+/// A ramp onto the cam has the ramp type of the axis: sigmoid and parabolic ramps do not step the slave's acceleration and
+/// add at most the axis's jerk (`fMaxJerk`) to the cam's own. The manual's block has no input for it.
 #[doc(alias = "MC_CamIn")]
 #[doc(alias = "MC_CamTableSelect")]
 #[derive(Clone, Debug)]
@@ -85,19 +34,19 @@ pub struct CamIn {
 #[derive(Clone, Debug)]
 pub struct CamRun {
     coupling: CamCoupling,
-    /// From positions of the program to set-points, which are unwound and the drive's.
+    /// From positions of the program to set-points, which are unwound and in the drive's coordinates.
     shift: f64,
     seconds: f64,
     restarted: bool,
     /// The master's zero at the start: a cam that lies where the master was stays there.
     zero: f64,
-    /// The way to the cam where it is one with limited jerk; others are the coupling's.
+    /// Ramp-in with limited jerk; other ramps are the coupling's.
     approach: Option<Approach>,
 }
 
 impl CamRun {
-    /// The coupling as it is: cam, tappets, `EndOfProfile`. Where a ramp with limited jerk leads onto the cam, the coupling
-    /// has the slave on it from the beginning; [`Self::is_in_sync`] says when it is.
+    /// Cam, tappets and `EndOfProfile`. During a ramp with limited jerk the coupling already has the slave on the cam;
+    /// [`Self::is_in_sync`] is true once it is.
     pub fn coupling(&self) -> &CamCoupling {
         &self.coupling
     }
@@ -122,7 +71,7 @@ impl CamIn {
         }
         let mut from = now(master);
         if self.ramps() {
-            // A bridge begins where the slave was a cycle ago, and so at where the master was.
+            // A ramp begins at the positions of slave and master a cycle ago.
             from.velocity -= master.acceleration * lead;
             from.position -= f64::midpoint(from.velocity, master.velocity) * lead;
         }
@@ -139,34 +88,6 @@ impl CamIn {
     }
 }
 
-/// Reason why a cam is not followed.
-enum Refused {
-    Coupling(CouplingError),
-    /// The axis's jerk, or the way, is none that there is a ramp for.
-    Ramp,
-}
-
-impl From<CouplingError> for Refused {
-    fn from(error: CouplingError) -> Self {
-        Self::Coupling(error)
-    }
-}
-
-impl From<ProfileError> for Refused {
-    fn from(_: ProfileError) -> Self {
-        Self::Ramp
-    }
-}
-
-impl From<Refused> for SmcError {
-    fn from(refused: Refused) -> Self {
-        match refused {
-            Refused::Coupling(error) => number(error),
-            Refused::Ramp => Self::CiRampinNeedsVelaccValues,
-        }
-    }
-}
-
 impl Motion for CamIn {
     type With = Master;
     type Run = CamRun;
@@ -175,7 +96,7 @@ impl Motion for CamIn {
     fn plan(&self, start: Start, axis: &Axis, master: Master) -> Result<CamRun, SmcError> {
         let Some(table) = self.table.clone() else { return Err(SmcError::CiNoCamSelected) };
         let table = CamTable { master_period: master.period, slave_period: axis.period(), ..table };
-        // Where another block has moved the slave in this cycle already, the cam takes over from there (manual 4.6.2).
+        // If another block has moved the slave in this cycle, the cam takes over from there (manual 4.6.2).
         let moved = axis.values.moved_in_this_cycle;
         let (state, lead) =
             if moved { (axis.total_after_cycle(), 0.0) } else { (start.state, start.lead) };
@@ -188,9 +109,10 @@ impl Motion for CamIn {
             let State { position, velocity, acceleration } = slave;
             let inside = axis.in_program(position);
             let slave = State { position: inside, ..slave };
-            // The axis's own clock goes on from one cam to the next, as what tappets have begun does.
+            // The axis's clock, and pulses of tappets, go on from one cam to the next.
             let start_ns = axis.now_ns().saturating_sub(nanoseconds(lead));
-            let coupling = CamCoupling::start(table.clone(), input, master, &slave, start_ns)?;
+            let coupling = CamCoupling::start(table.clone(), input, master, &slave, start_ns);
+            let coupling = coupling.map_err(number)?;
             let on_cam = coupling.output().slave;
             let gap = Gap {
                 distance: on_cam.position - inside,
@@ -200,22 +122,22 @@ impl Motion for CamIn {
                 mode: self.input.start_mode,
             };
             let approach = limits.map(|limits| Approach::new(gap, limits, axis.ramp()));
-            let (approach, turned) = approach.transpose()?.unzip();
+            // The axis's jerk, or the way, allows no ramp.
+            let approach = approach.transpose();
+            let approach = approach.map_err(|_invalid| SmcError::CiRampinNeedsVelaccValues)?;
+            let (approach, turned) = approach.unzip();
             let shift = position - inside - turned.unwrap_or_default();
             let seconds = lead - axis.cycle();
-            Ok::<_, Refused>(CamRun { coupling, shift, seconds, restarted: true, zero, approach })
+            Ok::<_, SmcError>(CamRun { coupling, shift, seconds, restarted: true, zero, approach })
         };
-        // A master that has come onto the cam in this very cycle is on it; until then the slave goes on as it was, with the
-        // acceleration it had.
+        // If the master comes onto the cam in this cycle, the slave first goes on with its acceleration.
         let State { position, velocity, acceleration } = state;
         let later = State {
             position: position + (velocity + 0.5 * acceleration * lead) * lead,
             velocity: velocity + acceleration * lead,
             acceleration,
         };
-        begin(&from, state, lead)
-            .or_else(|_beside| begin(&now(master), later, 0.0))
-            .map_err(SmcError::from)
+        begin(&from, state, lead).or_else(|_outside| begin(&now(master), later, 0.0))
     }
 
     fn step(

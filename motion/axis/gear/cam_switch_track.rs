@@ -24,23 +24,23 @@ pub(super) struct Ahead {
     pub(super) now_ns: i64,
 }
 
-/// A switch and how it stands.
+/// A switch with its state.
 #[derive(Clone, Debug)]
 pub(super) struct Switched {
     switch: CamSwitch,
-    /// Which way the axis goes, and where it is looked for for switching on and off.
+    /// Direction of the axis, and the positions looked at for switching on and off.
     seen: Option<(Heading, [LookAhead; 2])>,
-    /// Of one by position: where the axis is on it or has been, and when that shows.
+    /// By position: the passes of the axis, with the times of the output.
     spans: Vec<Span>,
-    /// Of one by time.
+    /// By time.
     watch: Option<Watch>,
     bit: TappetBit,
 }
 
-/// From when to when an output is on, ns.
+/// Time for which an output is on, ns.
 #[derive(Clone, Copy, Debug)]
 struct Span {
-    /// Of which of its places, a period apart.
+    /// Number of the pass, one a period.
     pass: f64,
     on_ns: i64,
     /// None while the axis is there.
@@ -100,7 +100,7 @@ impl Switched {
             if self.counts(forward) { self.passes(forward, looks, at.period, slack) } else { NONE }
         };
         let ([first, last], [lowest, highest]) = (within(0.0), within(slack));
-        // Nothing has been passed where it begins: what is on here is, whatever would have come.
+        // At the begin nothing has been passed: the output shows the present position.
         let on_ns = at.now_ns.saturating_add(if at.begins { 0 } else { on_later });
         if at.begins {
             self.spans.clear();
@@ -131,8 +131,8 @@ impl Switched {
         }
     }
 
-    /// The first and the last of its places, a period apart, that the axis, seen by the first look, has come to, and,
-    /// seen by the second one, not gone beyond, by more than the slack.
+    /// First and last pass, one a period, that the axis has reached by the first look and not left by the second one, with
+    /// this slack.
     fn passes(
         &self,
         forward: bool,
@@ -148,7 +148,7 @@ impl Switched {
             let inside = at_begin >= first_on - slack && at_end <= last_on + slack;
             return if inside && length >= 0.0 { [0.0, 0.0] } else { NONE };
         };
-        // What is longer comes round to itself, and goes on beyond: its end is that of the next place's begin or later.
+        // A range longer than a period ends behind its next begin.
         let (whole, rest) = if length < period {
             (0.0, crate::fmod(length, period))
         } else {
@@ -181,7 +181,7 @@ impl Switched {
         let watch =
             self.watch.get_or_insert_with(|| Watch::new(&[tappet], track.hysteresis, at.period));
         for trigger in watch.passed(&Move { from, to, from_ns: at.from_ns, to_ns: at.now_ns }) {
-            // One that is to be off before it is on is never on.
+            // A pulse that ends before it begins does not show.
             if duration > 0.0 {
                 self.bit.take(&trigger);
             }

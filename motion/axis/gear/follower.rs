@@ -25,7 +25,7 @@ impl Follower {
     /// The slave's next state, from `from`, with `ratio` times the master's velocity.
     ///
     /// Until it has that velocity it goes towards it under its limits; then its way is `ratio` times the master's. With
-    /// limited jerk it takes up a master's acceleration only when that is no step.
+    /// limited jerk it takes over a master's acceleration only without a step.
     pub(super) fn step(
         &mut self,
         from: State,

@@ -8,17 +8,16 @@ use twin_profile::{AxisLimits, Profile, RampType, State};
 /// is [`GearInPosRun::is_coupling`] and `Active` is [`Block::is_active`](crate::Block::is_active).
 ///
 /// When the master is at `master_sync_position`, the slave is at `slave_sync_position` with the ratio of velocities.
-/// Before that it goes along a polynomial of fifth degree over the master's position, from its own velocity to that of
-/// the ratio, with the curvature 0 at both ends; the manual says a polynomial only. It may reverse for a moment. With
-/// sigmoid and parabolic ramps it begins with the curvature that the slave's acceleration has, so that this does not step;
-/// how fast it changes on the way follows from the places and from the master's velocity, which the block cannot choose.
-/// Where such a slave waits for its master, it takes an acceleration that it has back within its jerk.
+/// Before that it follows a polynomial of fifth degree over the master's position, from its own velocity to that of
+/// the ratio, with the curvature 0 at both ends; the manual only says a polynomial. It may reverse for a moment. With
+/// sigmoid and parabolic ramps it begins with the slave's acceleration, which therefore does not step; its later change
+/// follows from the positions and the master's velocity. While such a slave waits, it reduces its acceleration within its
+/// jerk.
 ///
-/// With a `master_start_distance` above 0 the slave goes on as it does until the master is so close to the place; with 0
-/// it begins at once. A slave that moves already waits for a master whose velocity has changed by less than a quarter in
-/// the last cycle: over the positions of one that starts from rest the slave would be infinitely fast. A master that
-/// reverses meanwhile is an error 775. Where the master's zero is moved (`MC_SetPosition`), the place moves with it until
-/// the slave begins; from then on it goes on as if nothing had been.
+/// With a `master_start_distance` above 0 the slave goes on until the master is that close; with 0 it begins at once. A
+/// moving slave waits until the master's velocity changes by less than a quarter in a cycle: over the positions of a master
+/// that starts from rest it would be infinitely fast. A master that reverses meanwhile is an error 775. If the master's zero
+/// moves (`MC_SetPosition`), the sync position moves with it until the slave begins.
 #[doc(alias = "SMC_GearInPos")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GearInPos {
@@ -76,7 +75,7 @@ impl Quintic {
     fn new([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], [v0, v1]: [f64; 2], k0: f64) -> Self {
         let h = x1 - x0;
         let c2 = 0.5 * k0 * h * h;
-        // What the upper three have to give to value, slope and, halved, curvature at the end.
+        // Value, slope and half the curvature that the upper three add at the end.
         let rise = y1 - y0 - v0 * h - c2;
         let p = h * (v1 - v0) - 2.0 * c2;
         let coefficients = [
@@ -115,9 +114,9 @@ impl GearInPos {
         let Master { velocity, period, .. } = *master;
         let from = axis.saved_base;
         let limited = axis.ramp() != RampType::Trapezoid;
-        let stands = from.velocity == 0.0 && (from.acceleration == 0.0 || !limited);
+        let at_rest = from.velocity == 0.0 && (from.acceleration == 0.0 || !limited);
         let steady = before != 0.0 && (velocity - before).abs() <= STEADY * before.abs();
-        if !stands && !steady {
+        if !at_rest && !steady {
             return None;
         }
         let sign = velocity.signum();
@@ -132,8 +131,8 @@ impl GearInPos {
         if velocity == 0.0 || ahead <= 0.0 || !near {
             return None;
         }
-        let slope = if stands { 0.0 } else { from.velocity / before };
-        let curvature = if stands || !limited {
+        let slope = if at_rest { 0.0 } else { from.velocity / before };
+        let curvature = if at_rest || !limited {
             0.0
         } else {
             (from.acceleration - slope * acceleration) / (before * before)
@@ -160,8 +159,7 @@ impl Motion for GearInPos {
     fn plan(&self, _start: Start, _axis: &Axis, master: Master) -> Result<GearInPosRun, SmcError> {
         let places =
             [self.master_sync_position, self.slave_sync_position, self.master_start_distance];
-        // The manual has no error of this block's own for wrong inputs: it shows MC_GearIn's for the ratio, and for places that of
-        // a parameter that is not valid.
+        // The manual has no errors for inputs of this block: MC_GearIn's for the ratio, an invalid parameter's for positions.
         if self.ratio_denominator == 0 {
             return Err(SmcError::GiRatioDenom);
         }
@@ -179,7 +177,7 @@ impl Motion for GearInPos {
     ) -> Result<Progress, SmcError> {
         let travel = master.travel_since(&run.master);
         if matches!(run.phase, Phase::Waiting) {
-            // The place is one of the program: as long as nothing follows it, it moves with the zero.
+            // The sync position is one of the program: until the slave begins, it moves with the zero.
             run.unwound += master.zero - run.master.zero;
             // From the cycle before, whose set-point the slave has, so that nothing steps.
             let polynomial = self.polynomial(run, &master, axis);
@@ -216,8 +214,7 @@ impl Motion for GearInPos {
 }
 
 impl Axis {
-    /// One cycle on with the velocity there is; with limited jerk with the one that is there once the acceleration has been
-    /// taken back.
+    /// One cycle on at the present velocity; with limited jerk at the velocity after the acceleration has ended.
     fn goes_on(&self) -> State {
         let State { position, velocity, acceleration } = self.saved_base;
         let cycle = self.cycle();
@@ -233,7 +230,7 @@ impl Axis {
             deceleration: acceleration.abs(),
             jerk,
         };
-        // Without a valid jerk there is no way to keep it.
+        // Without a valid jerk the velocity is kept.
         Profile::to_velocity(self.saved_base, settled, limits, self.ramp())
             .map_or(on, |profile| profile.at(cycle))
     }

@@ -40,6 +40,13 @@ impl Phasing {
     fn limits(&self, axis: &Axis) -> AxisLimits {
         axis.limits(self.velocity, self.acceleration, self.deceleration)
     }
+
+    /// The shift, from rest to rest.
+    fn shift(&self, axis: &Axis) -> Result<Planned, SmcError> {
+        let rest = Start { state: State::default(), lead: axis.cycle(), aim: None };
+        Planned::to(self.phase_shift, self.limits(axis), rest, axis)
+            .map_err(|_invalid| SmcError::PhInvalidVelaccdec)
+    }
 }
 
 impl Motion for Phasing {
@@ -53,11 +60,8 @@ impl Motion for Phasing {
         if rotary_without_period(axis.period()) || rotary_without_period(master.period) {
             return Err(SmcError::PhRotaryaxisPeriod0);
         }
-        // The shift has to be possible, before anything moves.
-        let rest = Start { state: State::default(), lead: axis.cycle(), aim: None };
-        let shift = Planned::to(self.phase_shift, self.limits(axis), rest, axis)
-            .map_err(|_invalid| SmcError::PhInvalidVelaccdec)?;
-        let shift_takes = shift.duration();
+        // The shift has to be possible before anything moves.
+        let shift_takes = self.shift(axis)?.duration();
         let follower = Follower::new(master, self.limits(axis));
         Ok(PhasingRun { follower, slave: start.state, shift: None, shift_takes })
     }
@@ -80,9 +84,7 @@ impl Motion for Phasing {
             None => Progress { setpoint: State::default(), stage: Stage::Busy },
         };
         if run.follower.is_coupled() && run.shift.is_none() {
-            let rest = Start { state: State::default(), lead: axis.cycle(), aim: None };
-            let shift = Planned::to(self.phase_shift, self.limits(axis), rest, axis);
-            run.shift = Some(shift.map_err(|_invalid| SmcError::PhInvalidVelaccdec)?);
+            run.shift = Some(self.shift(axis)?);
         }
         let Progress { setpoint: shift, stage } = progress;
         let setpoint = State {

@@ -8,7 +8,7 @@ use twin_cam::Unwrap;
 /// Outputs, at most.
 const TRACKS: usize = 32;
 
-/// A zero that has moved by less has not, u.
+/// Least move of a zero, u.
 const SAME: f64 = 1e-9;
 
 /// Position that switches the outputs (`MC_TappetMode`).
@@ -36,8 +36,8 @@ pub struct SwitchOutputs {
 
 /// Outputs that an axis switches at its positions, as a mechanical cam would (`MC_DigitalCamSwitch`, manual 5.5).
 ///
-/// Several switches of a track are one output: it is on if one of them is. An axis at rest counts in the direction in
-/// which it moved last. Where the axis is when the block is enabled is no passage: it shows at once what is on there.
+/// Several switches of a track are one output: it is on if one of them is. An axis at rest counts in the direction of its
+/// last motion. Enabling the block passes nothing: the outputs show the present position at once.
 #[doc(alias = "MC_DigitalCamSwitch")]
 #[derive(Clone, Debug)]
 pub struct DigitalCamSwitch {
@@ -54,9 +54,9 @@ pub struct DigitalCamSwitch {
 #[derive(Clone, Debug)]
 struct Seen {
     unwrap: Unwrap,
-    /// How far its zero had been moved, u: to move that passes nothing.
+    /// Shift of its zero, u: moving the zero passes nothing.
     zero: f64,
-    /// By whose position: set or actual.
+    /// True for the set position, false for the actual one.
     demand: bool,
     now_ns: i64,
 }

@@ -21,8 +21,8 @@ pub struct CamSwitch {
     pub track: u8,
     /// `FirstOnPosition`, u.
     pub first_on: f64,
-    /// `LastOnPosition`, u. On a rotary axis it may be below the first: over the end of the period. A whole period after it,
-    /// or more, is always on, unless it is switched off so much earlier, or on so much later, that less is left.
+    /// `LastOnPosition`, u. On a rotary axis it may be below the first: over the end of the period. A range of a whole period
+    /// or more is always on, unless compensations shorten it.
     pub last_on: f64,
     /// `AxisDirection`.
     pub direction: SwitchDirection,
@@ -35,14 +35,13 @@ pub struct CamSwitch {
 #[doc(alias = "MC_TRACK_REF")]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Track {
-    /// `OnCompensation`, s: switched on so much later, or earlier if negative. What is later is the same time later whatever
-    /// the axis does meanwhile; what is earlier is where the axis will be if it goes on as fast as it does.
+    /// `OnCompensation`, s: switches on later, or earlier if negative. A delay is a time; an advance looks at the position that
+    /// the axis will have at its present velocity.
     pub on_compensation: f64,
-    /// `OffCompensation`, s: the same for switching off. One that is to be switched off before it is switched on is never
-    /// on, one that is switched on again before it is switched off is always on. Of a timed switch, its end.
+    /// `OffCompensation`, s: the same for switching off; of a timed switch, its end. An output that would go off before it
+    /// goes on is never on; one that would go on again before it goes off is always on.
     pub off_compensation: f64,
-    /// `Hysteresis`, u: so far beyond a place an output that is on stays on. A time begins again only when the axis has
-    /// been further away from the place than that. An axis turns, for switches that count in one direction and for places
-    /// that are looked for ahead, when it has gone back by more than that from the farthest point it has come to.
+    /// `Hysteresis`, u: an output that is on stays on this far outside its range. A time begins again only after the axis was
+    /// further away than this. The direction changes when the axis goes back by more than this from its farthest point.
     pub hysteresis: f64,
 }

@@ -83,14 +83,13 @@ impl Motion for Follow {
 /// A set-point that is watched: a jump is bridged (`SMC_ControlAxisByPos`, `SMC_ControlAxisByPosVel`,
 /// `SMC_ControlAxisByVel`, manual 2.2.5).
 ///
-/// With `avoid_gaps`, a set-point that takes more than `fSWMaxVelocity` to be reached within the cycle is a jump, and so is
-/// a place that does not fit its velocity: [`ControlOutputs::stop_ipo`] holds the interpolator while the axis goes to the
-/// set-point with the gap values. A set-point that moves on meanwhile is met with its velocity.
+/// With `avoid_gaps`, a set-point that needs more than `fSWMaxVelocity` in the cycle is a jump, and so is a position that
+/// does not fit its velocity: [`ControlOutputs::stop_ipo`] holds the interpolator while the axis goes to the set-point with
+/// the gap values. A set-point that moves on meanwhile is met with its velocity.
 ///
-/// A step of the velocity below that is no jump for positions, as in the manual: the axis takes it, whatever acceleration
-/// that is ([`Axis::exceeds_limits`] tells). Only the first set-point, where another block has left the axis, must not take
-/// more than `fSWMaxAcceleration` or `fSWMaxDeceleration` either. Of velocities alone there is nothing else to watch: one that takes more than
-/// these is a jump.
+/// For positions a step of the velocity below that is not a jump, as in the manual: the axis follows it with any
+/// acceleration ([`Axis::exceeds_limits`] reports it). Only the first set-point must also keep `fSWMaxAcceleration` and
+/// `fSWMaxDeceleration`, and velocities without positions always must.
 ///
 /// Gap values that are not positive are replaced by the axis's own.
 #[doc(alias = "SMC_ControlAxisByPos")]
@@ -123,7 +122,7 @@ impl ControlAxisBy {
     }
 
     /// Limits of the bridge relative to a set-point that moves with `velocity`, so that the axis keeps its own.
-    fn beside(&self, velocity: f64, axis: &Axis) -> Option<AxisLimits> {
+    fn relative(&self, velocity: f64, axis: &Axis) -> Option<AxisLimits> {
         let limits = self.gap_limits(axis);
         let room = axis.implicit_limits().velocity - velocity.abs();
         // What grows for the set-point may fall for the axis.
@@ -140,12 +139,12 @@ impl ControlAxisBy {
     fn bridge(&self, wanted: State, velocity: f64, axis: &Axis) -> Option<(State, bool)> {
         let (from, ramp, cycle) = (axis.saved_base, axis.ramp(), axis.cycle());
         let limits = self.gap_limits(axis);
-        let beside = self.beside(velocity, axis).filter(|_| velocity != 0.0);
-        let (profile, origin, moving) = match (self.setpoint, beside) {
+        let relative = self.relative(velocity, axis).filter(|_| velocity != 0.0);
+        let (profile, origin, moving) = match (self.setpoint, relative) {
             (Follow::Velocity(velocity), _) => {
                 (Profile::to_velocity(from, velocity, limits, ramp), 0.0, 0.0)
             }
-            // As seen from the set-point, which has been a cycle's way behind.
+            // Relative to the set-point, which was a cycle's way behind.
             (_, Some(limits)) => {
                 let origin = wanted.position - velocity * cycle;
                 let from = State {
@@ -174,22 +173,17 @@ impl ControlAxisBy {
             Follow::Velocity(_) => exceeds(wanted, before, axis, true, true),
             Follow::Position(_) => exceeds(wanted, before, axis, true, false),
             Follow::PositionVelocity(..) => {
-                // The way fits the velocities, if its mean one is between them; beside that the axis would have to come
-                // to speed and back within the cycle.
+                // The way fits if its mean velocity is between both; otherwise the axis would have to accelerate
+                // and brake within the cycle.
                 let (low, high) =
                     (before.velocity.min(wanted.velocity), before.velocity.max(wanted.velocity));
                 let excess = mean - mean.clamp(low, high);
-                let beside = State { acceleration: 2.0 * excess / axis.cycle(), ..wanted };
+                let acceleration = 2.0 * excess / axis.cycle();
+                let detour = State { velocity: 0.0, acceleration, ..wanted };
                 let whole = State { velocity: mean, ..wanted };
                 exceeds(wanted, before, axis, true, false)
                     || exceeds(whole, before, axis, true, false)
-                    || exceeds(
-                        State { velocity: 0.0, ..beside },
-                        State::default(),
-                        axis,
-                        false,
-                        true,
-                    )
+                    || exceeds(detour, State::default(), axis, false, true)
             }
         }
     }
@@ -226,12 +220,12 @@ impl Motion for ControlAxisBy {
             return without_setpoint(axis);
         }
         let (wanted, before) = (self.setpoint.wanted(axis), axis.saved_base);
-        // Where the block takes the axis over, that need not be where the set-points begin, nor move as they do.
+        // At the takeover the axis may be elsewhere than the set-points, or have another velocity.
         let begins = run.last.is_none() && exceeds(wanted, before, axis, true, true);
         run.bridging |= self.avoid_gaps && (begins || self.jumps(wanted, before, axis));
         let setpoint = if run.bridging {
             let moves = self.moves(run.last, wanted, axis);
-            // The manual has no error of its own for limits with which there is no way.
+            // The manual has no error for limits without a possible bridge.
             let bridge = self.bridge(wanted, moves, axis).ok_or(SmcError::MaInvalidVelaccValues)?;
             run.bridging = !bridge.1;
             bridge.0
@@ -289,12 +283,12 @@ impl ControlAxis {
         &mut self.block.inputs
     }
 
-    /// Calls it, for a cycle, with `bEnable` and its axis. Not enabled, it gives the axis back, which halts where it
-    /// stands; from motion that is an error 30, as for every block that is not called any more.
+    /// Calls it, for a cycle, with `bEnable` and its axis. Not enabled, it releases an axis at rest; in motion
+    /// that is an error 30, as for every block that is not called any more.
     pub fn call(&mut self, enable: bool, axis: &mut Axis) -> ControlOutputs {
         if !enable {
             let owner = self.block.owner().filter(|owner| axis.owns(*owner));
-            // In motion the axis is left to itself; what another block has taken is none of this one's business any more.
+            // In motion the axis brakes by itself; an axis of another block is not touched.
             if owner.is_none() || axis.set_velocity() == 0.0 {
                 if let Some(owner) = owner {
                     axis.release(owner);

@@ -10,15 +10,15 @@ pub(super) const ANSWER_S: f64 = 1.0;
 
 /// Homing by the drive itself (`MC_Home`, manual 5.3).
 ///
-/// 170 unless the axis stands still, 140 for a position that is no finite number (the manual has no error for it), 171 if the drive does not begin, 172 if it stops answering, 173 if it cannot stop.
+/// 170 if the axis moves, 140 for a position that is not finite (the manual has no error for it), 171 if the drive does not
+/// begin, 172 if it stops answering, 173 if it cannot stop.
 ///
 /// The set position follows the drive meanwhile. When the drive is done, its positions count from the reference, and a
 /// shift of the zero is gone.
 ///
-/// `Deceleration` is in the block's diagram (manual 5.3) and not in its list of inputs; of it the manual says only that an
-/// error when stopping behind homing may be for want of it (173, 9.3), and that the axis stands when the block is done. So a
-/// drive that still moves when it has found its reference is brought to rest with it, on the ramps of the axis, before the
-/// block is done; one that stands needs none.
+/// `Deceleration` is in the block's diagram (manual 5.3) but not in its list of inputs; the manual only names it for error
+/// 173 (9.3) and has the axis at rest when the block is done. So it brakes a drive that still moves at its reference, on
+/// the ramps of the axis, before the block is done; a drive at rest needs none.
 #[doc(alias = "MC_Home")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Home {
@@ -32,7 +32,7 @@ pub struct Home {
 #[expect(clippy::large_enum_variant, reason = "a box would be allocated in a cycle")]
 #[derive(Clone, Debug)]
 pub enum HomeRun {
-    /// The drive is told to, and has been for so long without an answer, s.
+    /// Time since the request without an answer, s.
     Asked(f64),
     /// The reference is found, and the axis comes to rest.
     Braking(Planned),
@@ -116,7 +116,7 @@ impl Axis {
     ///
     /// # Errors
     ///
-    /// [`SmcError::WpParamInvalid`] (140) for a position that is no finite number; the manual has no error for it.
+    /// [`SmcError::WpParamInvalid`] (140) for a position that is not finite; the manual has no error for it.
     #[doc(alias = "MC_SetPosition")]
     pub fn shift_zero(&mut self, position: f64, relative: bool) -> Result<(), SmcError> {
         if !position.is_finite() {

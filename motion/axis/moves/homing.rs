@@ -165,6 +165,29 @@ impl HomingRun {
     fn set_reference(&self, place: f64, axis: &mut Axis) {
         axis.set_offset(self.inputs.home_position - place);
     }
+
+    fn remember(&mut self, axis: &Axis) {
+        // One more than needed, for interpolation; limited for invalid delays.
+        const LONGEST: f64 = 100_000.0;
+        let cycles = (self.inputs.signal_delay.max(0.0) / axis.cycle()).min(LONGEST);
+        self.was_at.push_front(axis.drive.position);
+        while f64::from(u32::try_from(self.was_at.len()).unwrap_or(u32::MAX)) > cycles + 2.0 {
+            self.was_at.pop_back();
+        }
+    }
+
+    /// Plans the way to 0 from rest; this cycle it still rests.
+    fn go_to_zero(&mut self, rest: State, axis: &Axis) -> Result<State, SmcError> {
+        let inputs = self.inputs;
+        let limits = axis.limits(inputs.velocity_fast, inputs.acceleration, inputs.deceleration);
+        let start = Start { state: rest, lead: axis.cycle(), aim: None };
+        let target = axis.to_drive(0.0);
+        let target = Direction::Shortest.unwound(axis, rest, target, limits, 0.0);
+        self.motion = Planned::to(target, limits, start, axis)
+            .map_err(|_invalid| SmcError::HomingInvalidVelaccValues)?;
+        self.phase = Phase::Return;
+        Ok(rest)
+    }
 }
 
 impl Motion for HomingBySwitch {
@@ -199,7 +222,7 @@ impl Motion for HomingBySwitch {
                     inputs.at_velocity(inputs.slow(), start, axis)
                 })?;
             }
-            // While it still runs onto the switch, an open one is none that opens.
+            // While it still runs onto the switch, an open switch does not count.
             Phase::Slow if self.end_switch && axis.saved.velocity * run.inputs.slow() > 0.0 => {
                 if run.inputs.mode.waits_for_index() {
                     run.phase = Phase::Index;
@@ -238,30 +261,5 @@ impl Motion for HomingBySwitch {
             }
         }
         Ok(Progress { setpoint, stage })
-    }
-}
-
-impl HomingRun {
-    fn remember(&mut self, axis: &Axis) {
-        // One more than needed, to interpolate between; a limit for a delay that is none.
-        const LONGEST: f64 = 100_000.0;
-        let cycles = (self.inputs.signal_delay.max(0.0) / axis.cycle()).min(LONGEST);
-        self.was_at.push_front(axis.drive.position);
-        while f64::from(u32::try_from(self.was_at.len()).unwrap_or(u32::MAX)) > cycles + 2.0 {
-            self.was_at.pop_back();
-        }
-    }
-
-    /// Plans the way to 0 from rest; this cycle it still rests.
-    fn go_to_zero(&mut self, rest: State, axis: &Axis) -> Result<State, SmcError> {
-        let inputs = self.inputs;
-        let limits = axis.limits(inputs.velocity_fast, inputs.acceleration, inputs.deceleration);
-        let start = Start { state: rest, lead: axis.cycle(), aim: None };
-        let target = axis.to_drive(0.0);
-        let target = Direction::Shortest.unwound(axis, rest, target, limits, 0.0);
-        self.motion = Planned::to(target, limits, start, axis)
-            .map_err(|_invalid| SmcError::HomingInvalidVelaccValues)?;
-        self.phase = Phase::Return;
-        Ok(rest)
     }
 }

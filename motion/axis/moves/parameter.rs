@@ -14,13 +14,6 @@ pub enum ParameterNumber {
     Drive(u32),
 }
 
-/// Progress of a transfer.
-enum Progress {
-    Waits,
-    Value(f64),
-    Failed,
-}
-
 /// A transfer that is to be made, or is under way.
 #[derive(Clone, Copy, Debug)]
 struct Asked {
@@ -35,34 +28,32 @@ impl Asked {
         Self { transfer: Transfer { number, write }, sent: false, waited: 0.0 }
     }
 
-    /// A cycle of it. One block after the other has the bus.
-    fn go_on(&mut self, axis: &mut Axis) -> Progress {
+    /// A cycle of it: its value or failure at the end. One block after the other has the bus.
+    fn go_on(&mut self, axis: &mut Axis) -> Option<Result<f64, ()>> {
         let ours = self.has_the_bus(axis);
         let answer = axis.drive.answer.filter(|_| ours);
         let ended = match answer {
-            Some(Answer::Value(value)) if value.is_finite() => Progress::Value(value),
-            Some(_) => Progress::Failed,
-            None if self.waited > ANSWER_S || !axis.values.communication => Progress::Failed,
+            Some(Answer::Value(value)) if value.is_finite() => Ok(value),
+            Some(_) => Err(()),
+            None if self.waited > ANSWER_S || !axis.values.communication => Err(()),
             None => {
-                if !self.sent && axis.transfer.is_none() {
+                if ours || (!self.sent && axis.transfer.is_none()) {
                     self.sent = true;
-                    axis.transfer = Some((self.transfer, true));
-                } else if ours {
                     axis.transfer = Some((self.transfer, true));
                 }
                 self.waited += axis.cycle();
-                return Progress::Waits;
+                return None;
             }
         };
-        self.let_go(axis);
-        ended
+        self.release(axis);
+        Some(ended)
     }
 
     fn has_the_bus(&self, axis: &Axis) -> bool {
         self.sent && axis.transfer.is_some_and(|(transfer, _)| transfer == self.transfer)
     }
 
-    fn let_go(&self, axis: &mut Axis) {
+    fn release(&self, axis: &mut Axis) {
         if self.has_the_bus(axis) {
             axis.transfer = None;
         }
@@ -98,7 +89,7 @@ impl ReadParameter {
     pub fn call(&mut self, enable: bool, axis: &mut Axis) -> Result<Option<f64>, SmcError> {
         if !enable {
             if let Some(asked) = self.asked.take() {
-                asked.let_go(axis);
+                asked.release(axis);
             }
             (self.value, self.failed) = (None, false);
             return Ok(None);
@@ -113,21 +104,17 @@ impl ReadParameter {
             }
             ParameterNumber::Drive(number) => {
                 let mut asked = self.asked.take().unwrap_or(Asked::new(number, None));
-                let ended = asked.go_on(axis);
-                match ended {
-                    Progress::Waits => {
-                        self.asked = Some(asked);
-                        let error = self.failed.then_some(SmcError::RpRequestingError);
-                        error.map_or(Ok(self.value), Err)
-                    }
-                    Progress::Value(value) => self.show(Ok(Some(value)), axis),
-                    Progress::Failed => self.show(Err(SmcError::RpRequestingError), axis),
+                let error = SmcError::RpRequestingError;
+                if let Some(ended) = asked.go_on(axis) {
+                    return self.show(ended.map(Some).map_err(|()| error), axis);
                 }
+                self.asked = Some(asked);
+                if self.failed { Err(error) } else { Ok(self.value) }
             }
         }
     }
 
-    /// Keeps what came, and tells the axis of an error that is new.
+    /// Keeps the result, and reports a new error to the axis.
     fn show(
         &mut self,
         value: Result<Option<f64>, SmcError>,
@@ -171,7 +158,7 @@ impl WriteParameter {
     pub fn call(&mut self, execute: bool, axis: &mut Axis) -> Outputs {
         if self.latch.rises(execute) {
             if let Some(asked) = self.asked.take() {
-                asked.let_go(axis);
+                asked.release(axis);
             }
             match self.number {
                 ParameterNumber::Axis(number) => {
@@ -189,16 +176,10 @@ impl WriteParameter {
                 }
             }
         }
-        if let Some(asked) = &mut self.asked {
-            let outcome = match asked.go_on(axis) {
-                Progress::Waits => None,
-                Progress::Value(_) => Some(Outcome::Done),
-                Progress::Failed => Some(Outcome::Failed(SmcError::WpSendingError)),
-            };
-            if let Some(outcome) = outcome {
-                self.asked = None;
-                self.latch.end(outcome, axis);
-            }
+        if let Some(ended) = self.asked.as_mut().and_then(|asked| asked.go_on(axis)) {
+            self.asked = None;
+            let failed = |()| Outcome::Failed(SmcError::WpSendingError);
+            self.latch.end(ended.map_or_else(failed, |_| Outcome::Done), axis);
         }
         self.latch.outputs(self.asked.is_some())
     }

@@ -78,9 +78,9 @@ impl Planned {
 pub trait PlannedMotion {
     /// State of the axis meanwhile. In `discrete_motion` the profile's end is the axis's target; in `stopping` the block keeps
     /// the axis until Execute falls.
-    const STATE: AxisState;
+    const STATE: AxisState = AxisState::DiscreteMotion;
     /// The end of the profile: [`Stage::Done`] gives the axis back, with [`Stage::Reached`] the block goes on.
-    const END: Stage;
+    const END: Stage = Stage::Done;
 
     /// As [`Motion::admitted`].
     ///

@@ -18,7 +18,7 @@ pub struct Trigger {
     pub number: i64,
     /// `bInput`: TRUE latches; without fast latching (the manual's table has it the wrong way round).
     pub input: bool,
-    /// Who waits for it (`bActive`), 0 for nobody, and how many have so far.
+    /// Block that waits for it (`bActive`), 0 for none, and their number so far.
     owner: u64,
     owners: u64,
 }
@@ -93,7 +93,7 @@ impl TouchProbe {
     pub fn call(&mut self, execute: bool, axis: &mut Axis, trigger: &mut Trigger) -> Probed {
         let begins = self.latch.rises(execute);
         if begins {
-            // Anew: what it waited for itself does not stand in its way.
+            // A new edge releases the block's own trigger first.
             if self.waiting.take().is_some_and(|waiting| waiting.owner == trigger.owner) {
                 free(axis, trigger);
             }
@@ -102,7 +102,7 @@ impl TouchProbe {
                 Err(error) => self.latch.end(Outcome::Failed(error), axis),
             }
         }
-        // What the drive tells in the cycle in which the block begins it has latched before, for another one.
+        // A capture that the drive reports in the cycle of the edge is older than the request.
         if let Some(waiting) = self.waiting.filter(|_| !(begins && trigger.fast_latching)) {
             self.wait(waiting, axis, trigger);
         }
@@ -136,14 +136,14 @@ impl TouchProbe {
 
     fn wait(&mut self, waiting: Waiting, axis: &mut Axis, trigger: &mut Trigger) {
         let Waiting { window, owner } = waiting;
-        // Somebody has let go of it, and perhaps another block waits for it since.
+        // It was released, and another block may wait for it since.
         if trigger.owner != owner {
             self.waiting = None;
             return self.latch.end(Outcome::Aborted, axis);
         }
         let here = axis.act_position();
         let latched = if trigger.fast_latching {
-            axis.captured.map(|position| axis.in_program(position))
+            axis.drive.captured.map(|position| axis.in_program(position))
         } else {
             let inside = window.is_none_or(|window| is_inside(window, here, axis));
             (trigger.input && inside).then_some(here)
@@ -164,7 +164,7 @@ impl TouchProbe {
     }
 }
 
-/// Nobody waits for the trigger any more.
+/// Releases the trigger.
 fn free(axis: &mut Axis, trigger: &mut Trigger) {
     trigger.owner = 0;
     axis.values.start_capturing = false;
@@ -183,7 +183,7 @@ fn is_inside([first, last]: [f64; 2], position: f64, axis: &Axis) -> bool {
     }
 }
 
-/// Lets go of a trigger (`MC_AbortTrigger`, manual 5.3): the block that waits for it shows `CommandAborted`.
+/// Releases a trigger (`MC_AbortTrigger`, manual 5.3): the block that waits for it shows `CommandAborted`.
 #[doc(alias = "MC_AbortTrigger")]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AbortTrigger {

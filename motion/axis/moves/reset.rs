@@ -1,4 +1,4 @@
-//! `MC_Reset`, and the status of an axis (`MC_ReadStatus`, actual position and velocity).
+//! `MC_Reset`, and the status of an axis (`MC_ReadStatus`).
 
 use super::home::ANSWER_S;
 use crate::latch::{Latch, Outcome, Outputs};
@@ -95,26 +95,5 @@ impl Axis {
             decelerating: self.values.decelerating,
             fb_error_occurred: self.fb_error_occurred(),
         }
-    }
-
-    /// Actual position (`MC_ReadActualPosition`), u; of a rotary axis in [0, period).
-    #[doc(alias = "MC_ReadActualPosition")]
-    #[must_use]
-    pub fn act_position(&self) -> f64 {
-        self.values.act_position
-    }
-
-    /// Actual velocity (`MC_ReadActualVelocity`), u/s.
-    #[doc(alias = "MC_ReadActualVelocity")]
-    #[must_use]
-    pub fn act_velocity(&self) -> f64 {
-        self.values.act_velocity
-    }
-
-    /// Actual torque, Nm, or force, N (`MC_ReadActualTorque`).
-    #[doc(alias = "MC_ReadActualTorque")]
-    #[must_use]
-    pub fn act_torque(&self) -> f64 {
-        self.values.act_torque
     }
 }

@@ -2,11 +2,11 @@
 
 use super::{Planned, PlannedMotion};
 use crate::ownership::{Refusal, Start};
-use crate::{Axis, AxisState, SmcError, Stage};
+use crate::{Axis, AxisState, SmcError};
 
 /// Brakes and locks the axis (`MC_Stop`, manual 5.3).
 ///
-/// Nothing can interrupt it: the axis is locked until it stands and Execute is FALSE.
+/// Nothing can interrupt it: the axis is locked until it is at rest and Execute is FALSE.
 #[doc(alias = "MC_Stop")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
@@ -16,7 +16,6 @@ pub struct Stop {
 
 impl PlannedMotion for Stop {
     const STATE: AxisState = AxisState::Stopping;
-    const END: Stage = Stage::Done;
 
     fn admitted(&self, axis: &Axis) -> Result<(), Refusal> {
         match axis.state() {
@@ -42,9 +41,6 @@ pub struct Halt {
 }
 
 impl PlannedMotion for Halt {
-    const STATE: AxisState = AxisState::DiscreteMotion;
-    const END: Stage = Stage::Done;
-
     // The manual has no error of MC_Halt's own; it shows MC_Stop's.
     fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError> {
         Planned::halt(self.deceleration, start, axis)

@@ -9,16 +9,8 @@ use twin_profile::State;
 /// A distance on top of the motion there is (`MC_MoveSuperImposed`, manual 5.3).
 ///
 /// Velocity, acceleration and deceleration count relative to the motion below, which goes on and is not aborted. When
-/// another block takes the axis from that, this one is aborted, too. It has to be called after the block below. Without
-/// a motion below it moves the axis alone. Like every block it is called by way of one with its inputs:
-///
-/// ```
-/// use twin_axis::{MoveSuperImposed, SuperImposed};
-///
-/// let inputs =
-///     MoveSuperImposed { distance: 3.0, velocity_diff: 5.0, acceleration: 100.0, deceleration: 100.0 };
-/// let block = SuperImposed::new(inputs);
-/// ```
+/// another block takes the axis, both are aborted. It has to be called after the block below. Without
+/// a motion below it moves the axis alone. [`SuperImposed`] is the block with these inputs.
 #[doc(alias = "MC_MoveSuperImposed")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveSuperImposed {
@@ -32,7 +24,7 @@ pub struct MoveSuperImposed {
     pub deceleration: f64,
 }
 
-/// [`MoveSuperImposed`] as a block: what [`Block`](crate::Block) is for motions that take the axis.
+/// [`MoveSuperImposed`] as a block, like [`Block`](crate::Block) for motions that take the axis.
 #[derive(Clone, Debug)]
 pub struct SuperImposed {
     /// The inputs; taken over at the next rising edge.
@@ -73,7 +65,7 @@ impl SuperImposed {
                     self.taken = Some((planned, owner, axis.values.drive_id));
                 }
                 Err(refusal) => {
-                    // The edge has ended what was on top (manual 5.2 b), with a velocity that nobody takes on.
+                    // The edge has ended its motion (manual 5.2 b), which had a velocity.
                     if let (true, Refusal::Error(error)) = (own, refusal) {
                         axis.fail_with(error.number());
                     }

@@ -17,7 +17,7 @@ use twin_profile::{MOST_POINTS, ProfilePoint, ProfileTable, TableProfile};
 pub struct Points {
     /// The points; their number is `Number_of_pairs`.
     pub points: Vec<ProfilePoint>,
-    /// `IsAbsolute`: whether values count from 0 or from what there is at the start.
+    /// `IsAbsolute`: values count from 0, not from the value at the start.
     pub absolute: bool,
     /// `ArraySize`: how many of the points count, 1 to 100.
     pub array_size: usize,
@@ -52,8 +52,8 @@ impl Points {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PositionProfile(pub Points);
 
-/// Through velocities over time, by parabolas (`MC_VelocityProfile`, manual 5.3). Where it does not end at rest, the axis
-/// goes on with the last velocity and the block with it.
+/// Through velocities over time, by parabolas (`MC_VelocityProfile`, manual 5.3). If it does not end at rest, axis and
+/// block go on with the last velocity.
 #[doc(alias = "MC_VelocityProfile")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct VelocityProfile(pub Points);
@@ -90,9 +90,8 @@ impl TableRun {
     }
 }
 
-/// Whole turns, u, by which the positions of a rotary axis count from another place than it stands: it begins within one period,
-/// and a first point without time may say the same place on the next one, as may one that stands a hair before the end of its
-/// period mean its begin.
+/// Whole turns, u, between the axis and the positions of a table: a first point without time may give the axis's position in
+/// another period, and a position a hair before the end of the period counts as its begin.
 fn whole_turns(table: &ProfileTable<'_>, start: Start, axis: &Axis) -> f64 {
     let Some(period) = axis.period() else { return 0.0 };
     let position = start.state.position;
@@ -106,70 +105,45 @@ fn whole_turns(table: &ProfileTable<'_>, start: Start, axis: &Axis) -> f64 {
     if first.is_some() || near { turns.round() * period } else { 0.0 }
 }
 
-impl Motion for PositionProfile {
-    type With = ();
-    type Run = TableRun;
-    const STATE: AxisState = AxisState::DiscreteMotion;
+macro_rules! profile {
+    ($block:ident in $state:ident, $profile:ident: $size:ident, $step:ident; $($more:item)*) => {
+        impl Motion for $block {
+            type With = ();
+            type Run = TableRun;
+            const STATE: AxisState = AxisState::$state;
 
-    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<TableRun, SmcError> {
-        let mut table = self.0.table(SmcError::PpArraysize, SmcError::PpStep0ms)?;
-        if table.absolute {
-            table.offset = axis.to_drive(table.offset);
-            table.offset += whole_turns(&table, start, axis);
+            fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<TableRun, SmcError> {
+                let mut table = self.0.table(SmcError::$size, SmcError::$step)?;
+                if Self::STATE == AxisState::DiscreteMotion && table.absolute {
+                    table.offset = axis.to_drive(table.offset);
+                    table.offset += whole_turns(&table, start, axis);
+                }
+                let profile = TableProfile::$profile(start.state, table);
+                Ok(TableRun::new(profile.map_err(|_invalid| SmcError::$step)?, start, axis))
+            }
+
+            $($more)*
+
+            fn duration(run: &TableRun) -> Option<f64> {
+                Some(run.profile.duration())
+            }
+
+            fn step(
+                &self,
+                run: &mut TableRun,
+                axis: &mut Axis,
+                (): (),
+            ) -> Result<Progress, SmcError> {
+                Ok(run.step(axis))
+            }
         }
-        let profile = TableProfile::positions(start.state, table);
-        Ok(TableRun::new(profile.map_err(|_invalid| SmcError::PpStep0ms)?, start, axis))
-    }
+    };
+}
 
+profile! { PositionProfile in DiscreteMotion, positions: PpArraysize, PpStep0ms;
     fn aim(run: &TableRun) -> Option<f64> {
         Some(run.profile.end().position)
     }
-
-    fn duration(run: &TableRun) -> Option<f64> {
-        Some(run.profile.duration())
-    }
-
-    fn step(&self, run: &mut TableRun, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        Ok(run.step(axis))
-    }
 }
-
-impl Motion for VelocityProfile {
-    type With = ();
-    type Run = TableRun;
-    const STATE: AxisState = AxisState::ContinuousMotion;
-
-    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<TableRun, SmcError> {
-        let table = self.0.table(SmcError::VpArraysize, SmcError::VpStep0ms)?;
-        let profile = TableProfile::velocities(start.state, table);
-        Ok(TableRun::new(profile.map_err(|_invalid| SmcError::VpStep0ms)?, start, axis))
-    }
-
-    fn duration(run: &TableRun) -> Option<f64> {
-        Some(run.profile.duration())
-    }
-
-    fn step(&self, run: &mut TableRun, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        Ok(run.step(axis))
-    }
-}
-
-impl Motion for AccelerationProfile {
-    type With = ();
-    type Run = TableRun;
-    const STATE: AxisState = AxisState::ContinuousMotion;
-
-    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<TableRun, SmcError> {
-        let table = self.0.table(SmcError::ApArraysize, SmcError::ApStep0ms)?;
-        let profile = TableProfile::accelerations(start.state, table);
-        Ok(TableRun::new(profile.map_err(|_invalid| SmcError::ApStep0ms)?, start, axis))
-    }
-
-    fn duration(run: &TableRun) -> Option<f64> {
-        Some(run.profile.duration())
-    }
-
-    fn step(&self, run: &mut TableRun, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        Ok(run.step(axis))
-    }
-}
+profile! { VelocityProfile in ContinuousMotion, velocities: VpArraysize, VpStep0ms; }
+profile! { AccelerationProfile in ContinuousMotion, accelerations: ApArraysize, ApStep0ms; }

@@ -2,12 +2,11 @@
 
 use super::{Planned, PlannedMotion};
 use crate::ownership::Start;
-use crate::{Axis, AxisState, Direction, SmcError, Stage};
+use crate::{Axis, Direction, SmcError};
 
 /// To a position (`MC_MoveAbsolute`, manual 5.3).
 ///
-/// From motion the axis goes on without a step of the velocity; where it cannot brake in time, it goes past and comes
-/// back.
+/// From motion the axis goes on without a step of the velocity; if it cannot brake in time, it overshoots and returns.
 #[doc(alias = "MC_MoveAbsolute")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveAbsolute {
@@ -24,9 +23,6 @@ pub struct MoveAbsolute {
 }
 
 impl PlannedMotion for MoveAbsolute {
-    const STATE: AxisState = AxisState::DiscreteMotion;
-    const END: Stage = Stage::Done;
-
     fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError> {
         let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
         let target = axis.to_drive(self.position);
@@ -50,9 +46,6 @@ pub struct MoveRelative {
 }
 
 impl PlannedMotion for MoveRelative {
-    const STATE: AxisState = AxisState::DiscreteMotion;
-    const END: Stage = Stage::Done;
-
     fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError> {
         let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
         Planned::to(start.state.position + self.distance, limits, start, axis)
@@ -62,8 +55,8 @@ impl PlannedMotion for MoveRelative {
 
 /// By a distance from the target of the motion there is (`MC_MoveAdditive`, manual 5.3).
 ///
-/// In `discrete_motion` the distance adds to the pending target; else it counts from where the axis is. What a motion on top
-/// has added by then is part of the target; what it still had to add ends with it.
+/// In `discrete_motion` the distance adds to the pending target, otherwise to the position. The part of a superimposed motion
+/// that is done counts for the target; the rest ends.
 #[doc(alias = "MC_MoveAdditive")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveAdditive {
@@ -78,9 +71,6 @@ pub struct MoveAdditive {
 }
 
 impl PlannedMotion for MoveAdditive {
-    const STATE: AxisState = AxisState::DiscreteMotion;
-    const END: Stage = Stage::Done;
-
     fn plan(&self, start: Start, axis: &Axis) -> Result<Planned, SmcError> {
         let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
         let from = start.aim.unwrap_or(start.state.position);

@@ -1,13 +1,14 @@
 //! Tests of the auxiliary functions (manual 2.2.1) and of wrapping encoder counters (2.1.4), for any numbers.
 
-use super::direct::encoder;
-use crate::{atan2, fmod, sgn};
+use super::rig::encoder;
+use crate::{Movement, atan2, fmod, sgn};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 #[test]
 fn signs() {
-    assert_eq!([-3.0, -0.0, 0.0, 1e-300, f64::NAN].map(sgn), [-1.0, 0.0, 0.0, 1.0, 0.0]);
+    let values = [-3.0, -0.0, 0.0, 1e-300, 2.0, f64::NAN];
+    assert_eq!(values.map(sgn), [-1.0, 0.0, 0.0, 1.0, 1.0, 0.0]);
 }
 
 #[test]
@@ -16,7 +17,7 @@ fn remainders_are_never_negative_and_never_the_period() {
         let found = fmod(x, 360.0);
         assert!((found - rest).abs() < 1e-12 && found >= 0.0, "{x}: {found}");
     }
-    assert!((0.0..360.0).contains(&fmod(-1e-20, 360.0)));
+    assert_eq!([fmod(-30.0, 360.0), fmod(360.0, 360.0), fmod(-1e-20, 360.0)], [330.0, 0.0, 0.0]);
 }
 
 #[test]
@@ -32,10 +33,11 @@ fn angles_cover_the_whole_turn() {
         assert!((atan2(sine, cosine) - angle).abs() < 1e-12, "{sine}, {cosine}");
     }
     assert!((0.0..TAU).contains(&atan2(-1e-300, 1.0)));
+    assert!((atan2(-1.0, 0.0) - 1.5 * PI).abs() < 1e-15);
 }
 
 proptest! {
-    /// sin(α)·f and cos(α)·f are what was given.
+    /// sin(α)·f and cos(α)·f are the given values.
     #[test]
     fn angles_solve_the_manuals_equation(sine in -1e3..1e3, cosine in -1e3..1e3) {
         let factor = f64::hypot(sine, cosine);
@@ -46,11 +48,11 @@ proptest! {
         prop_assert!((angle.cos() * factor - cosine).abs() < 1e-9);
     }
 
-    /// A counter of 12 bits that is looked at often enough tells where the axis is, however far it goes: a turn of 360 u has
-    /// 4096 increments.
+    /// A counter of 12 bits that is read often enough gives the position of the axis however far it goes: a turn of 360 u
+    /// has 4096 increments.
     #[test]
     fn a_walk_is_followed(steps in proptest::collection::vec(-2047_i64..2048, 1..200)) {
-        let mut counter = encoder(0x1000, [360, 4096]);
+        let mut counter = encoder(Movement::Rotary { period: 360.0 }, 0x1000, [360, 4096]);
         counter.call(0, None);
         let mut position = 0_i64;
         for step in steps {
@@ -59,7 +61,7 @@ proptest! {
             prop_assert!(counter.call(shown, None).valid);
             let turn = f64::from(shown) * 360.0 / 4096.0;
             prop_assert!((counter.axis().act_position() - turn).abs() < 1e-9);
-            // The way unwound: what the drive's position is.
+            // The unwound way is the drive's position.
             let whole = counter.axis().last_setpoint().position;
             #[expect(clippy::cast_precision_loss, reason = "small")]
             let expected = position as f64 * 360.0 / 4096.0;

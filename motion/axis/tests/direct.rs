@@ -1,63 +1,75 @@
 //! Tests of direct set-points, diagnosis and virtual axes (manual 2.2.5–2.2.9).
 
-use super::rig::{CYCLE, Rig, linear};
+use super::rig::{CYCLE, Rig, encoder, endless, linear};
 use crate::{
-    Axis, AxisConfig, AxisState, Block, ControlAxis, ControlAxisBy, Encoder, EncoderConfig, Follow,
-    Halt, Largest, Movement, SmcError, TimeAxis, TrackingError, atan2, fmod, sgn, units,
+    Axis, AxisConfig, AxisState, Block, ControlAxis, ControlAxisBy, Encoder, Follow, Halt, Largest,
+    Movement, SmcError, TimeAxis, TrackingError, units,
 };
+
+const ROTARY: Movement = Movement::Rotary { period: 360.0 };
+
+/// Watched set-points, with the same gap acceleration and deceleration.
+fn watched(setpoint: Follow, gap_velocity: f64, gap_acceleration: f64) -> ControlAxisBy {
+    let gap_deceleration = gap_acceleration;
+    ControlAxisBy { setpoint, avoid_gaps: true, gap_velocity, gap_acceleration, gap_deceleration }
+}
+
+pub(super) fn control_by_position(gap_velocity: f64) -> ControlAxis {
+    ControlAxis::new(watched(Follow::Position(0.0), gap_velocity, 80.0))
+}
+
+/// A cycle with another set-point: true while the interpolator has to wait.
+fn stops(rig: &mut Rig, block: &mut ControlAxis, setpoint: Follow) -> bool {
+    block.inputs().setpoint = setpoint;
+    rig.cycle(|axis| block.call(true, axis)).stop_ipo
+}
 
 #[test]
 fn followed_set_points_are_not_checked() {
-    let mut rig = linear();
-    let mut block = Block::new(Follow::Position(0.0));
-    rig.cycle(|axis| block.call(true, axis));
+    let (mut rig, mut block) = (linear(), Block::new(Follow::Position(0.0)));
+    rig.call(&mut block, true);
     assert_eq!(rig.axis.state(), AxisState::SynchronizedMotion);
     block.inputs = Follow::Position(50.0);
-    rig.cycle(|axis| block.call(true, axis));
+    rig.call(&mut block, true);
     assert_eq!(rig.axis.set_position(), 50.0);
     assert_eq!(rig.axis.set_velocity(), 50.0 / CYCLE);
     assert!(rig.axis.exceeds_limits(true, false) && rig.axis.exceeds_limits(false, true));
     assert!(!rig.axis.exceeds_limits(false, false));
     block.inputs = Follow::PositionVelocity(50.0, 0.0);
-    rig.cycle(|axis| block.call(true, axis));
+    rig.call(&mut block, true);
     block.inputs = Follow::Velocity(10.0);
-    rig.cycle(|axis| block.call(true, axis));
-    rig.cycle(|axis| block.call(true, axis));
+    rig.calls(2, &mut block);
     // The mean of 0 and 10 u/s for a cycle, then 10 u/s.
     assert!((rig.axis.set_position() - 50.15).abs() < 1e-9);
     let mut halt = Block::new(Halt { deceleration: 100.0 });
-    rig.cycle(|axis| halt.call(true, axis));
+    rig.call(&mut halt, true);
     assert!(rig.cycle(|axis| (halt.call(true, axis), block.call(true, axis)).1).command_aborted);
 }
 
 #[test]
 fn without_a_number_a_moving_axis_brakes() {
-    for watched in [false, true] {
+    for is_watched in [false, true] {
         let mut rig = linear();
         let mut followed = Block::new(Follow::Velocity(0.0));
-        let mut controlled = Block::new(ControlAxisBy {
-            setpoint: Follow::Velocity(0.0),
-            avoid_gaps: true,
-            gap_velocity: 10.0,
-            gap_acceleration: 100.0,
-            gap_deceleration: 100.0,
-        });
-        let mut cycle =
-            |rig: &mut Rig, setpoint| {
-                (followed.inputs, controlled.inputs.setpoint) = (setpoint, setpoint);
-                rig.cycle(|axis| {
-                    if watched { controlled.call(true, axis) } else { followed.call(true, axis) }
-                })
+        let mut controlled = Block::new(watched(Follow::Velocity(0.0), 10.0, 100.0));
+        let mut cycle = |rig: &mut Rig, setpoint| {
+            (followed.inputs, controlled.inputs.setpoint) = (setpoint, setpoint);
+            let shown = if is_watched {
+                rig.call(&mut controlled, true)
+            } else {
+                rig.call(&mut followed, true)
             };
+            shown.error
+        };
         // At rest it just stays.
-        let shown = cycle(&mut rig, Follow::Position(f64::NAN));
-        assert!(shown.error.is_none() && rig.axis.set_position() == 0.0);
+        assert_eq!(cycle(&mut rig, Follow::Position(f64::NAN)), None);
+        assert_eq!(rig.axis.set_position(), 0.0);
         for velocity in 1..=5_u8 {
             cycle(&mut rig, Follow::Velocity(f64::from(velocity)));
         }
         assert!((rig.axis.set_velocity() - 5.0).abs() < 1e-9);
-        let shown = cycle(&mut rig, Follow::PositionVelocity(1.0, f64::INFINITY));
-        assert_eq!(shown.error, Some(SmcError::FbWasntCalledDuringMotion));
+        let error = cycle(&mut rig, Follow::PositionVelocity(1.0, f64::INFINITY));
+        assert_eq!(error, Some(SmcError::FbWasntCalledDuringMotion));
         // 100 u/s² in the same cycle already.
         assert!((rig.axis.set_velocity() - 4.0).abs() < 1e-9);
         assert_eq!(rig.axis.state(), AxisState::ErrorStop);
@@ -72,16 +84,10 @@ fn a_jump_is_bridged_while_the_interpolator_waits() {
         max_deceleration: 1e4,
         ..AxisConfig::default()
     });
-    let mut block = ControlAxis::new(ControlAxisBy {
-        setpoint: Follow::Position(0.0),
-        avoid_gaps: true,
-        gap_velocity: 10.0,
-        gap_acceleration: 100.0,
-        gap_deceleration: 100.0,
-    });
+    let mut block = ControlAxis::new(watched(Follow::Position(0.0), 10.0, 100.0));
     for index in 0..10_u8 {
-        block.inputs().setpoint = Follow::Position(0.1 * f64::from(index));
-        assert!(!rig.cycle(|axis| block.call(true, axis)).stop_ipo, "10 u/s are allowed");
+        let setpoint = Follow::Position(0.1 * f64::from(index));
+        assert!(!stops(&mut rig, &mut block, setpoint), "10 u/s are allowed");
     }
     // The next program begins elsewhere.
     block.inputs().setpoint = Follow::Position(5.0);
@@ -98,8 +104,7 @@ fn a_jump_is_bridged_while_the_interpolator_waits() {
     assert_eq!(rig.axis.set_velocity(), 0.0);
     // Without bAvoidGaps it jumps.
     block.inputs().avoid_gaps = false;
-    block.inputs().setpoint = Follow::Position(0.0);
-    assert!(!rig.cycle(|axis| block.call(true, axis)).stop_ipo);
+    assert!(!stops(&mut rig, &mut block, Follow::Position(0.0)));
     assert_eq!(rig.axis.set_position(), 0.0);
 }
 
@@ -111,13 +116,7 @@ fn jumps_of_velocity_and_of_position_with_velocity_are_bridged() {
         (Follow::PositionVelocity(0.0, 0.0), Follow::PositionVelocity(2.0, 0.0), 64, 0.0),
     ] {
         let mut rig = Rig::new(AxisConfig { max_acceleration: 50.0, ..AxisConfig::default() });
-        let mut block = ControlAxis::new(ControlAxisBy {
-            setpoint,
-            avoid_gaps: true,
-            gap_velocity: 10.0,
-            gap_acceleration: 20.0,
-            gap_deceleration: 20.0,
-        });
+        let mut block = ControlAxis::new(watched(setpoint, 10.0, 20.0));
         assert!(!rig.cycle(|axis| block.call(true, axis)).stop_ipo);
         block.inputs().setpoint = gap;
         let count = rig.until(|axis| {
@@ -130,50 +129,35 @@ fn jumps_of_velocity_and_of_position_with_velocity_are_bridged() {
     }
 }
 
-/// A line of 10 u/s from rest is a step of 1000 u/s², ten times what the axis may, but no jump: the manual watches the velocity.
+/// A line of 10 u/s from rest is a step of 1000 u/s², ten times the limit of the axis, but not a jump: the manual watches
+/// the velocity.
 #[test]
 fn a_step_of_the_velocity_is_no_jump_of_positions() {
-    let mut rig = linear();
-    let mut block = control_by_position(50.0);
+    let (mut rig, mut block) = (linear(), control_by_position(50.0));
     assert!(!rig.cycle(|axis| block.call(true, axis)).stop_ipo);
     for index in 1..=50_u8 {
         let place = 10.0 * CYCLE * f64::from(index);
-        block.inputs().setpoint = Follow::Position(place);
-        assert!(!rig.cycle(|axis| block.call(true, axis)).stop_ipo);
+        assert!(!stops(&mut rig, &mut block, Follow::Position(place)));
         assert!((rig.axis.set_position() - place).abs() < 1e-9, "not behind");
-        // The step is told: in the first cycle alone.
+        // The step is reported in the first cycle only.
         assert_eq!(rig.axis.exceeds_limits(false, true), index == 1);
     }
-    // 1 u in a cycle of 10 ms is what the axis may, a little more is a jump.
+    // The axis may go 1 u in a cycle of 10 ms; a little more is a jump.
     let place = 10.0 * CYCLE * 50.0;
-    block.inputs().setpoint = Follow::Position(place + 1.0);
-    assert!(!rig.cycle(|axis| block.call(true, axis)).stop_ipo);
-    block.inputs().setpoint = Follow::Position(place + 2.001);
-    assert!(rig.cycle(|axis| block.call(true, axis)).stop_ipo);
+    assert!(!stops(&mut rig, &mut block, Follow::Position(place + 1.0)));
+    assert!(stops(&mut rig, &mut block, Follow::Position(place + 2.001)));
 }
 
-pub(super) fn control_by_position(gap_velocity: f64) -> ControlAxis {
-    ControlAxis::new(ControlAxisBy {
-        setpoint: Follow::Position(0.0),
-        avoid_gaps: true,
-        gap_velocity,
-        gap_acceleration: 80.0,
-        gap_deceleration: 80.0,
-    })
-}
-
-/// A set-point that jumps by 20 u and goes on with 30 u/s, more than 80 u/s² for a cycle, though the block asks it to wait:
-/// it is caught up with, and the axis has its velocity then. Relative to it 20 u/s are left of the gap's: the axis gets from
-/// −30 u/s to 20 u/s relative to the set-point in 50/80 s (3.125 u further behind), and from 20 u/s to 0 in 0.25 s (2.5 u);
-/// between that are 20 + 3.125 − 2.5 u at 20 u/s. Backwards, with the set-point coming from ahead, it is the same mirrored.
+/// A set-point that jumps by 20 u and moves on with 30 u/s, more than 80 u/s² for a cycle, although the block asks it to
+/// wait: the axis catches up and has its velocity then. Relative to it 20 u/s of the gap velocity are left: the axis gets
+/// from −30 u/s to 20 u/s relative to the set-point in 50/80 s (3.125 u further behind), and from 20 u/s to 0 in 0.25 s
+/// (2.5 u); between that are 20 + 3.125 − 2.5 u at 20 u/s. Backwards it is the same mirrored.
 #[test]
 fn a_bridge_meets_a_set_point_that_moves_on() {
     for sign in [1.0, -1.0] {
-        let mut rig = linear();
-        let mut block = control_by_position(20.0);
+        let (mut rig, mut block) = (linear(), control_by_position(20.0));
         rig.cycle(|axis| block.call(true, axis));
-        let mut place = 20.0;
-        let (mut before, mut fastest) = (0.0, 0.0_f64);
+        let (mut place, mut before, mut fastest) = (20.0, 0.0, 0.0_f64);
         let count = rig.until(|axis| {
             block.inputs().setpoint = Follow::Position(sign * place);
             place += 30.0 * CYCLE;
@@ -190,8 +174,7 @@ fn a_bridge_meets_a_set_point_that_moves_on() {
         assert!((before - sign * 30.0).abs() < 1e-9, "{before}");
         // And then it is followed without a step.
         for _ in 0..10 {
-            block.inputs().setpoint = Follow::Position(sign * place);
-            assert!(!rig.cycle(|axis| block.call(true, axis)).stop_ipo);
+            assert!(!stops(&mut rig, &mut block, Follow::Position(sign * place)));
             assert!((rig.axis.set_position() - sign * place).abs() < 1e-9);
             assert!((rig.axis.set_velocity() - sign * 30.0).abs() < 1e-9);
             place += 30.0 * CYCLE;
@@ -202,13 +185,7 @@ fn a_bridge_meets_a_set_point_that_moves_on() {
 #[test]
 fn a_control_block_that_is_not_enabled_gives_the_axis_back() {
     let mut rig = linear();
-    let mut block = ControlAxis::new(ControlAxisBy {
-        setpoint: Follow::Position(0.0),
-        avoid_gaps: true,
-        gap_velocity: 0.0,
-        gap_acceleration: 0.0,
-        gap_deceleration: 0.0,
-    });
+    let mut block = ControlAxis::new(watched(Follow::Position(0.0), 0.0, 0.0));
     rig.cycle(|axis| block.call(true, axis));
     assert!(rig.axis.owner() != 0);
     rig.cycle(|axis| block.call(false, axis));
@@ -224,11 +201,10 @@ fn a_control_block_that_is_not_enabled_gives_the_axis_back() {
 
 #[test]
 fn the_largest_velocity_is_kept_with_its_time() {
-    let mut rig = linear();
-    let mut block = super::blocks::endless(-10.0);
+    let (mut rig, mut block) = (linear(), endless(-10.0));
     let (mut velocity, mut acceleration) = (Largest::default(), Largest::default());
     for time in 0..50 {
-        rig.cycle(|axis| block.call(true, axis));
+        rig.call(&mut block, true);
         velocity.set_velocity(&rig.axis, false, time);
         acceleration.set_acceleration(&rig.axis, false, time);
     }
@@ -241,11 +217,10 @@ fn the_largest_velocity_is_kept_with_its_time() {
 
 #[test]
 fn the_tracking_error_leaves_the_bus_out() {
-    let mut rig = linear();
-    let mut block = super::blocks::endless(10.0);
+    let (mut rig, mut block) = (linear(), endless(10.0));
     let (mut with, mut without) = (TrackingError::new(1), TrackingError::new(0));
     for time in 0..50 {
-        rig.cycle(|axis| block.call(true, axis));
+        rig.call(&mut block, true);
         with.call(&rig.axis, false, time);
         without.call(&rig.axis, false, time);
     }
@@ -260,50 +235,42 @@ fn the_time_is_an_axis() {
     let mut time = TimeAxis::new(0.1, None);
     time.call(false);
     assert_eq!(time.axis().set_position(), 0.0);
-    for _ in 0..=10 {
-        time.call(true);
-    }
-    assert!((time.axis().set_position() - 1.0).abs() < 1e-12);
-    // From 1 to 3 within 1 s: 2 s go by in it, and then 0.3 s each 0.1 s.
-    time.time_override = 3.0;
-    time.ramp_in_time = 1.0;
-    for _ in 0..10 {
-        time.call(true);
-    }
-    assert!((time.axis().set_position() - 3.0).abs() < 1e-12);
+    (0..=10).for_each(|_| _ = time.call(true));
+    let near = |time: &TimeAxis, place: f64| (time.axis().set_position() - place).abs() < 1e-12;
+    assert!(near(&time, 1.0));
+    // From 1 to 3 within 1 s: 2 s pass in it, and then 0.3 s each 0.1 s.
+    (time.time_override, time.ramp_in_time) = (3.0, 1.0);
+    (0..10).for_each(|_| _ = time.call(true));
+    assert!(near(&time, 3.0));
     time.call(true);
-    assert!((time.axis().set_position() - 3.3).abs() < 1e-12);
+    assert!(near(&time, 3.3));
     time.call(false);
-    assert!((time.axis().set_position() - 3.3).abs() < 1e-12 && time.axis().set_velocity() == 0.0);
+    assert!(near(&time, 3.3) && time.axis().set_velocity() == 0.0);
     time.call(true);
     assert_eq!(time.axis().set_position(), 0.0, "a new edge counts from 0");
 }
 
-/// What a slave needs to have its own acceleration (y″·v² + y′·a).
+/// A slave needs it for its own acceleration (y″·v² + y′·a).
 #[test]
 fn masters_without_a_drive_tell_their_acceleration() {
     let mut time = TimeAxis::new(0.1, None);
-    time.call(true);
-    assert_eq!(time.axis().set_acceleration(), 0.0);
+    assert_eq!(time.call(true).set_acceleration(), 0.0);
     // From 1 to 3 within 1 s are 2 /s.
     (time.time_override, time.ramp_in_time) = (3.0, 1.0);
     for _ in 0..10 {
-        time.call(true);
-        assert!((time.axis().set_acceleration() - 2.0).abs() < 1e-9);
+        assert!((time.call(true).set_acceleration() - 2.0).abs() < 1e-9);
     }
-    time.call(true);
-    assert_eq!(time.axis().set_acceleration(), 0.0);
+    assert_eq!(time.call(true).set_acceleration(), 0.0);
     // Increments of ½·a·t² with 20 u a cycle²: 10, 40, 90, ... and none of it from the first value.
-    let mut it = encoder(0, [1, 1]);
-    let mut seen = Vec::new();
-    for raw in [100, 100, 110, 140, 190, 240, 240] {
+    let mut it = encoder(ROTARY, 0, [1, 1]);
+    let seen = [100, 100, 110, 140, 190, 240, 240].map(|raw| {
         it.call(raw, None);
         assert_eq!(it.axis().set_acceleration(), it.axis().values.act_acceleration);
-        seen.push((it.axis().values.act_acceleration * CYCLE * CYCLE).round());
-    }
+        (it.axis().values.act_acceleration * CYCLE * CYCLE).round()
+    });
     assert_eq!(seen, [0.0, 0.0, 10.0, 20.0, 20.0, 0.0, -50.0]);
-    // One that turns when it is seen first has not stood before.
-    let mut it = encoder(0, [1, 1]);
+    // An encoder that already turns at its first value was not at rest before.
+    let mut it = encoder(ROTARY, 0, [1, 1]);
     let turning = [100, 130, 160].map(|raw| {
         it.call(raw, None);
         (it.axis().act_velocity(), it.axis().values.act_acceleration)
@@ -311,21 +278,10 @@ fn masters_without_a_drive_tell_their_acceleration() {
     assert_eq!(turning, [(0.0, 0.0), (30.0 / CYCLE, 0.0), (30.0 / CYCLE, 0.0)]);
 }
 
-pub(super) fn encoder(modulo: u32, ratio: [i64; 2]) -> Encoder {
-    Encoder::new(EncoderConfig {
-        id: 1,
-        ratio,
-        movement: Movement::Rotary { period: 360.0 },
-        software_limits: None,
-        modulo,
-        cycle: CYCLE,
-    })
-}
-
 #[test]
 fn an_encoder_counts_over_its_end() {
     // 16 bit, a turn of 65536 increments.
-    let mut it = encoder(0x1_0000, [360, 65_536]);
+    let mut it = encoder(ROTARY, 0x1_0000, [360, 65_536]);
     let position = |axis: &Axis| axis.act_position();
     assert!(it.call(0x8000, None).valid);
     assert_eq!(position(it.axis()), 180.0);
@@ -340,34 +296,22 @@ fn an_encoder_counts_over_its_end() {
     it.call(0x4000, None);
     assert_eq!(position(it.axis()), 100.0);
     // 32 bit.
-    let mut it = encoder(0, [1, 1]);
+    let mut it = encoder(ROTARY, 0, [1, 1]);
     it.call(1, None);
     it.call(u32::MAX, None);
     assert_eq!(position(it.axis()), 359.0, "two back from 1");
+    assert_eq!(units(-65_536, [360, 65_536]), -360.0);
 }
 
 #[test]
 fn encoders_refuse_a_denominator_of_0_and_blocks() {
-    let mut it = encoder(0, [1, 0]);
+    let mut it = encoder(ROTARY, 0, [1, 0]);
     assert_eq!(it.call(0, None).error, Some(SmcError::EncDenomZero));
-    let mut it = Encoder::new(EncoderConfig {
-        id: 1,
-        ratio: [1, 1],
-        movement: Movement::Linear,
-        software_limits: Some([-5.0, 5.0]),
-        modulo: 0,
-        cycle: CYCLE,
-    });
+    let software_limits = Some([-5.0, 5.0]);
+    let config = AxisConfig { software_limits, cycle: CYCLE, ..AxisConfig::default() };
+    let mut it = Encoder::new(config, 0);
     it.call(3, None);
     assert_eq!(it.axis().error_id(), None);
     it.call(7, None);
     assert_eq!(it.axis().error_id(), Some(10));
-}
-
-#[test]
-fn the_auxiliary_functions_are_the_manuals() {
-    assert_eq!([-3.0, 0.0, 2.0].map(sgn), [-1.0, 0.0, 1.0]);
-    assert_eq!([fmod(-30.0, 360.0), fmod(360.0, 360.0), fmod(-1e-20, 360.0)], [330.0, 0.0, 0.0]);
-    assert!((atan2(-1.0, 0.0) - 1.5 * std::f64::consts::PI).abs() < 1e-15);
-    assert_eq!(units(-65_536, [360, 65_536]), -360.0);
 }

@@ -1,22 +1,19 @@
 //! Examples of the manual (11.2–11.5), cycle by cycle.
 
-use super::rig::{CYCLE, Rig, linear, rotary};
+use super::rig::{CYCLE, Rig, cam, cam_in, endless, linear, ramp_in, rotary};
 use crate::{
-    Axis, AxisConfig, AxisState, Block, CamIn, ControllerMode, Direction, MoveAbsolute,
-    MoveVelocity, Movement, Power, SetControllerMode, SmcError, TimeAxis, VirtualDrive, units,
+    Axis, AxisConfig, AxisState, Block, ControllerMode, Direction, MoveAbsolute, Movement, Power,
+    SetControllerMode, SmcError, TimeAxis, VirtualDrive, units,
 };
-use std::sync::Arc;
-use twin_cam::{
-    Action, Cam, CamInput, CamTable, Knot, Passage, Shape, StartMode, Tappet, TappetValue,
-};
+use twin_cam::{Action, Knot, Passage, Tappet, TappetValue};
 
 fn absolute(position: f64, direction: Direction) -> Block<MoveAbsolute> {
     let (velocity, acceleration, deceleration) = (100.0, 100.0, 100.0);
     Block::new(MoveAbsolute { position, velocity, acceleration, deceleration, direction })
 }
 
-/// 11.2: three linear drives of a gantry from −50 to +50 cm, counted in 10⁻⁷ m and told in mm, and a rotary one of 65536
-/// increments a turn, told in degrees, which goes over from position to torque. (The manual prints ±5000 mm.)
+/// 11.2: three linear drives of a gantry from −50 to +50 cm, counted in 10⁻⁷ m, in mm, and a rotary one of 65536
+/// increments a turn, in degrees, which changes from position to torque. (The manual prints ±5000 mm.)
 #[test]
 fn a_gantry_and_a_rotary_drive() {
     let gantry = AxisConfig {
@@ -33,7 +30,7 @@ fn a_gantry_and_a_rotary_drive() {
         assert_eq!(rig.axis.read_parameter(1021), Ok(f64::from(drive_id)), "wDriveId");
         let mut fast = absolute(end, Direction::Shortest);
         fast.inputs.velocity = 400.0;
-        rig.until(|axis| fast.call(true, axis).done);
+        rig.done(&mut fast);
         assert_eq!((rig.axis.set_position(), rig.axis.error_id()), (end, None));
         let mut beyond = absolute(end * 1.01, Direction::Shortest);
         rig.until(|axis| beyond.call(true, axis).error.is_some());
@@ -47,14 +44,11 @@ fn a_gantry_and_a_rotary_drive() {
     });
     assert_eq!(units(16_384, [360, 65_536]), 90.0);
     // Onto the bottle's cap, and tight.
-    let mut turn = absolute(270.0, Direction::Positive);
-    rig.until(|axis| turn.call(true, axis).done);
+    rig.done(&mut absolute(270.0, Direction::Positive));
     assert_eq!(rig.axis.set_torque(1.5), Err(SmcError::StWrongControllerMode));
-    let mut mode = SetControllerMode::new(ControllerMode::Torque);
-    rig.until(|axis| mode.call(true, axis).done);
+    rig.done(&mut SetControllerMode::new(ControllerMode::Torque));
     rig.axis.set_torque(1.5).expect("torque mode");
-    rig.cycle(|_| ());
-    rig.cycle(|_| ());
+    rig.run(2, |_| ());
     assert_eq!((rig.axis.act_torque(), rig.axis.act_position()), (1.5, 270.0));
 }
 
@@ -97,12 +91,7 @@ fn power_and_move_absolute() {
 #[test]
 fn move_velocity_and_move_absolute_in_turn() {
     let mut rig = rotary();
-    let mut turn = Block::new(MoveVelocity {
-        velocity: 50.0,
-        acceleration: 100.0,
-        deceleration: 100.0,
-        direction: Direction::Positive,
-    });
+    let mut turn = endless(50.0);
     let mut go = absolute(10.0, Direction::Positive);
     for _ in 0..2 {
         rig.until(|axis| {
@@ -134,27 +123,16 @@ fn move_velocity_and_move_absolute_in_turn() {
 /// 10 s.
 #[test]
 fn a_cam_over_a_virtual_time_axis() {
-    let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(4.0, 100.0), Knot::at_rest(10.0, 0.0)];
+    let knots = [Knot::at_rest(0.0, 0.0), Knot::at_rest(4.0, 100.0), Knot::at_rest(10.0, 0.0)];
     let tappet = Tappet { group: 1, master: 2.0, passage: Passage::Every, action: Action::Invert };
-    let cam = Cam::new("cam", Shape::Polynomial(knots), vec![tappet]).expect("a cam");
-    let table_select = CamTable::new(Arc::new(cam));
+    let table_select = cam(&knots, vec![tappet]);
     let curve = table_select.cam.curve().clone();
-    let mut cam_in = Block::new(CamIn {
-        table: Some(table_select),
-        input: CamInput {
-            start_mode: StartMode::RampIn,
-            velocity_difference: 100.0,
-            acceleration: 100.0,
-            deceleration: 100.0,
-            ..CamInput::default()
-        },
-    });
+    let mut cam_in = cam_in(table_select, ramp_in(100.0, 100.0));
     let mut time_axis = TimeAxis::new(CYCLE, Some(10.0));
     let mut value = TappetValue::new(1, false, false);
-    let mut drive: Rig = linear();
-    // The drive is not where the cam begins.
-    let mut aside = absolute(5.0, Direction::Shortest);
-    drive.until(|axis| aside.call(true, axis).done);
+    let mut drive = linear();
+    // The drive is not at the begin of the cam.
+    drive.done(&mut absolute(5.0, Direction::Shortest));
     let (mut switched, mut in_sync, mut before) = (Vec::new(), None, false);
     let mut velocity = 0.0;
     for cycle in 0..3500_u32 {

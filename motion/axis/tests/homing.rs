@@ -1,6 +1,6 @@
 //! Tests of homing onto a switch (manual 2.2.7), and by the drive (5.3).
 
-use super::rig::{CYCLE, Rig, linear};
+use super::rig::{CYCLE, Rig, home, linear};
 use crate::{
     AxisConfig, AxisState, Block, Direction, Home, Homing, HomingBySwitch, HomingMode, SmcError,
 };
@@ -9,7 +9,7 @@ use twin_profile::RampType;
 /// The switch is closed below this drive position, u.
 const SWITCH: f64 = -2.0;
 
-fn homing(mode: HomingMode) -> Block<HomingBySwitch> {
+pub(super) fn homing(mode: HomingMode) -> Block<HomingBySwitch> {
     Block::new(HomingBySwitch {
         home_position: 10.0,
         velocity_slow: 1.0,
@@ -27,7 +27,7 @@ fn homing(mode: HomingMode) -> Block<HomingBySwitch> {
     })
 }
 
-/// Runs it with a switch that is closed between two drive positions; the drive position of the home position then.
+/// Runs it with a switch that is closed between two drive positions. Returns the drive position of the home position.
 fn run(
     rig: &mut Rig,
     block: &mut Block<HomingBySwitch>,
@@ -67,37 +67,34 @@ fn off_the_switch_again_is_the_reference() {
 
 #[test]
 fn stop_first_sets_the_reference_at_rest() {
-    let mut rig = linear();
-    run(&mut rig, &mut homing(HomingMode::FastBackSlowStopSet), [-100.0, SWITCH], None);
-    assert!((rig.axis.set_position() - 10.0).abs() < 1e-12);
+    for (mode, begin) in
+        [(HomingMode::FastBackSlowStopSet, -100.0), (HomingMode::FastSlowStopSet, -3.0)]
+    {
+        let mut rig = linear();
+        run(&mut rig, &mut homing(mode), [begin, SWITCH], None);
+        assert!((rig.axis.set_position() - 10.0).abs() < 1e-12);
+    }
 }
 
+/// Back off the switch, or across a switch from 2 to 3 and on to the pulse behind it.
 #[test]
 fn the_index_pulse_is_the_reference() {
-    let mut rig = linear();
-    let mut block = homing(HomingMode::FastBackSlowIndexSetStop);
-    let place = run(&mut rig, &mut block, [-100.0, SWITCH], Some(-1.2345));
-    assert!((place + 1.2345).abs() < 1e-9, "{place}");
-}
-
-#[test]
-fn without_turning_it_may_wait_for_the_index_pulse_too() {
-    let mut rig = linear();
-    let mut block = homing(HomingMode::FastSlowIndexSetStop);
-    block.inputs.direction = Direction::Positive;
-    // Across a switch from 2 to 3, on to the pulse behind it.
-    let place = run(&mut rig, &mut block, [2.0, 3.0], Some(3.4567));
-    assert!((place - 3.4567).abs() < 1e-9, "{place}");
+    for (mode, direction, closed, index) in [
+        (HomingMode::FastBackSlowIndexSetStop, Direction::Negative, [-100.0, SWITCH], -1.2345),
+        (HomingMode::FastSlowIndexSetStop, Direction::Positive, [2.0, 3.0], 3.4567),
+    ] {
+        let mut block = homing(mode);
+        block.inputs.direction = direction;
+        let place = run(&mut linear(), &mut block, closed, Some(index));
+        assert!((place - index).abs() < 1e-9, "{place}");
+    }
 }
 
 #[test]
 fn without_turning_it_goes_across_the_switch() {
-    let mut rig = linear();
-    let place = run(&mut rig, &mut homing(HomingMode::FastSlowSetStop), [-3.0, SWITCH], None);
+    let mut block = homing(HomingMode::FastSlowSetStop);
+    let place = run(&mut linear(), &mut block, [-3.0, SWITCH], None);
     assert!((place + 3.0).abs() <= 0.0101, "{place}");
-    let mut rig = linear();
-    run(&mut rig, &mut homing(HomingMode::FastSlowStopSet), [-3.0, SWITCH], None);
-    assert!((rig.axis.set_position() - 10.0).abs() < 1e-12);
 }
 
 #[test]
@@ -151,29 +148,13 @@ fn the_limit_switch_may_be_the_same_one() {
     }
 }
 
-#[test]
-fn wrong_inputs_are_refused() {
-    let mut rig = linear();
-    let mut error = |change: fn(&mut HomingBySwitch)| {
-        let mut block = homing(HomingMode::FastSlowSetStop);
-        change(&mut block.inputs);
-        rig.cycle(|axis| block.call(true, axis)).error
-    };
-    assert_eq!(error(|it| it.ignore_hw_limit = true), Some(SmcError::HomingModeNeedsHwlimit));
-    let invalid = Some(SmcError::HomingInvalidVelaccValues);
-    assert_eq!(error(|it| it.velocity_slow = 0.0), invalid);
-    assert_eq!(error(|it| it.velocity_fast = f64::NAN), invalid);
-    assert_eq!(error(|it| it.deceleration = -1.0), invalid);
-    assert_eq!(error(|it| it.direction = Direction::Shortest), invalid);
-}
-
-/// A drive that tells that it has found its reference, 5 u, while it still goes back with 10 u/s.
+/// A drive that reports its reference, 5 u, while it still goes back with 10 u/s.
 fn found_in_motion(rig: &mut Rig, home: &mut Block<Home>) {
-    rig.cycle(|axis| home.call(true, axis));
+    rig.call(home, true);
     for way in [0.3, 0.2, 0.1] {
         let feedback = rig.drive.feedback_mut();
         (feedback.homing, feedback.position, feedback.velocity) = (Homing::Busy, 5.0 + way, -10.0);
-        let shown = rig.cycle(|axis| home.call(true, axis));
+        let shown = rig.call(home, true);
         assert!(shown.busy && !shown.done && shown.error.is_none(), "{shown:?}");
     }
     let feedback = rig.drive.feedback_mut();
@@ -185,11 +166,11 @@ fn found_in_motion(rig: &mut Rig, home: &mut Block<Home>) {
 fn an_axis_that_still_moves_at_its_reference_is_brought_to_rest() {
     for ramp in [RampType::Trapezoid, RampType::Sigmoid, RampType::Parabolic] {
         let mut rig = Rig::new(AxisConfig { ramp, jerk: 100.0, ..AxisConfig::default() });
-        let mut home = Block::new(Home { position: 5.0, deceleration: 20.0 });
+        let mut home = home(5.0, 20.0);
         found_in_motion(&mut rig, &mut home);
         let (mut before, mut cycles) = (-10.0, 0);
         loop {
-            let shown = rig.cycle(|axis| home.call(true, axis));
+            let shown = rig.call(&mut home, true);
             let velocity = rig.axis.set_velocity();
             assert!(
                 (velocity - before).abs() <= 20.0 * CYCLE + 1e-9,
@@ -213,20 +194,18 @@ fn an_axis_that_still_moves_at_its_reference_is_brought_to_rest() {
     }
 }
 
-/// "Is a deceleration defined?" (173, manual 9.3): one that has to stop and has none.
+/// "Is a deceleration defined?" (173, manual 9.3): an axis that has to stop without a deceleration.
 #[test]
 fn stopping_behind_homing_without_a_deceleration_is_173() {
     for deceleration in [0.0, -1.0, f64::NAN] {
-        let mut rig = linear();
-        let mut home = Block::new(Home { position: 5.0, deceleration });
-        found_in_motion(&mut rig, &mut home);
-        let shown = rig.cycle(|axis| home.call(true, axis));
+        let (mut rig, mut block) = (linear(), home(5.0, deceleration));
+        found_in_motion(&mut rig, &mut block);
+        let shown = rig.call(&mut block, true);
         assert_eq!(shown.error.map(SmcError::number), Some(173));
         assert_eq!(rig.axis.state(), AxisState::ErrorStop);
-        // Where the drive stands there is nothing to stop.
+        // With the drive at rest nothing has to stop.
         let mut rig = linear();
-        let mut home = Block::new(Home { position: 5.0, deceleration });
-        rig.until(|axis| home.call(true, axis).done);
+        rig.done(&mut home(5.0, deceleration));
         assert_eq!(rig.axis.set_position(), 5.0);
     }
 }

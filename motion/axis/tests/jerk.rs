@@ -1,12 +1,10 @@
 //! Tests of couplings under limited jerk: no step of the acceleration when a slave comes onto its cam or into its gear
 //! (manual 2.1.3, 4.6.1, 5.4).
 
-use super::blocks::endless;
-use super::rig::{CYCLE, Rig};
-use crate::{Axis, AxisConfig, Block, CamIn, GearInPos, GearInPosRun, MoveVelocity, Movement};
+use super::rig::{CYCLE, Rig, cam, cam_in, endless, in_pos, ramp_in, rotary, short};
+use crate::{Axis, AxisConfig, Block, GearInPosRun, MoveVelocity, Movement, SmcError};
 use proptest::prelude::*;
-use std::sync::Arc;
-use twin_cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
+use twin_cam::{Cam, CamInput, CamTable, Knot, StartMode};
 use twin_profile::RampType;
 
 /// Jerk of the axes, u/s³.
@@ -31,19 +29,15 @@ fn mode() -> impl Strategy<Value = StartMode> {
 
 /// A master that turns at 30 u/s.
 fn turning() -> (Rig, Block<MoveVelocity>) {
-    let mut master = Rig::new(AxisConfig {
-        movement: Movement::Rotary { period: 360.0 },
-        ..AxisConfig::default()
-    });
-    let mut lead = endless(30.0);
-    master.until(|axis| lead.call(true, axis).done);
+    let (mut master, mut lead) = (rotary(), endless(30.0));
+    master.done(&mut lead);
     (master, lead)
 }
 
 /// Up by `rise` and down again in a turn.
-fn lift(rise: f64) -> Arc<Cam> {
+fn lift(rise: f64) -> CamTable {
     let knots = [Knot::at_rest(0.0, 0.0), Knot::at_rest(180.0, rise), Knot::at_rest(360.0, 0.0)];
-    Arc::new(Cam::new("lift", Shape::Polynomial(knots.to_vec()), Vec::new()).expect("a cam"))
+    cam(&knots, Vec::new())
 }
 
 /// Velocity and acceleration of a slave on the cam.
@@ -56,8 +50,8 @@ fn on(cam: &Cam, master: &Axis) -> [f64; 2] {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
 
-    /// However a slave moves when it is sent onto a cam: beside the motion of the cam its acceleration changes by no more
-    /// than the axis's jerk, and by its own rates; it arrives, and is on the cam then.
+    /// From any motion a slave comes onto a cam: relative to the cam its acceleration changes by at most the axis's jerk and
+    /// stays within its own rates; it arrives, and is on the cam then.
     #[test]
     fn a_slave_comes_onto_its_cam_within_the_jerk(
         ramp in limited(), movement in movement(), start_mode in mode(), rise in -40.0..40.0_f64,
@@ -65,18 +59,18 @@ proptest! {
         velocity in 1.0..60.0_f64, rates in [20.0..150.0_f64, 20.0..150.0_f64],
     ) {
         let (mut master, mut lead) = turning();
-        let mut slave = rig(ramp, movement);
-        let cam = lift(rise);
-        let mut before = endless(alone);
+        let (mut slave, mut before) = (rig(ramp, movement), endless(alone));
+        let table = lift(rise);
+        let cam = table.cam.clone();
         for _ in 0..wait {
-            master.cycle(|axis| lead.call(true, axis));
-            slave.cycle(|axis| before.call(true, axis));
+            master.call(&mut lead, true);
+            slave.call(&mut before, true);
         }
         let input = CamInput {
             slave_offset, start_mode, velocity_difference: velocity,
             acceleration: rates[0], deceleration: rates[1], ..CamInput::default()
         };
-        let mut block = Block::new(CamIn { table: Some(CamTable::new(cam.clone())), input });
+        let mut block = cam_in(table, input);
         let relative = |master: &Rig, slave: &Rig| {
             let [v, a] = on(&cam, &master.axis);
             [slave.axis.set_velocity() - v, slave.axis.set_acceleration() - a]
@@ -88,7 +82,7 @@ proptest! {
         let mut position = slave.axis.set_position();
         let mut in_sync = 0;
         for _ in 0..20_000 {
-            master.cycle(|axis| lead.call(true, axis));
+            master.call(&mut lead, true);
             let u0 = slave.axis.set_velocity();
             let shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
             prop_assert_eq!(shown.error, None);
@@ -96,8 +90,7 @@ proptest! {
             prop_assert!((a - a0).abs() <= JERK * CYCLE * (1.0 + 1e-6), "{} after {}", a, a0);
             prop_assert!(v.abs() <= fastest + 1e-6, "{} u/s", v);
             prop_assert!(a.abs() <= steepest + 1e-6, "{} u/s²", a);
-            let way = slave.axis.set_position() - position;
-            let way = slave.axis.period().map_or(way, |it| way - it * (way / it).round());
+            let way = short(&slave.axis, slave.axis.set_position() - position);
             let mean = 0.5 * (u0 + slave.axis.set_velocity());
             prop_assert!((way - mean * CYCLE).abs() < 0.1 * (JERK + 500.0) * CYCLE.powi(3), "{} {}", way, mean * CYCLE);
             let backwards = start_mode == StartMode::RampInPositive && v0 >= 0.0 && a0 >= 0.0;
@@ -125,27 +118,22 @@ proptest! {
     ) {
         let mut master = rig(RampType::Trapezoid, Movement::Linear);
         let mut lead = endless(30.0);
-        master.until(|axis| lead.call(true, axis).done);
+        master.done(&mut lead);
         let mut slave = rig(ramp, Movement::Linear);
         let mut before = endless(alone);
         for _ in 0..wait {
-            master.cycle(|axis| lead.call(true, axis));
-            slave.cycle(|axis| before.call(true, axis));
+            master.call(&mut lead, true);
+            slave.call(&mut before, true);
         }
-        let mut block = Block::new(GearInPos {
-            ratio_numerator: ratio,
-            ratio_denominator: 2,
-            master_sync_position: master.axis.set_position() + ahead,
-            slave_sync_position: slave.axis.set_position() + way,
-            master_start_distance: if window { 15.0 } else { 0.0 },
-        });
+        let places = [master.axis.set_position() + ahead, slave.axis.set_position() + way];
+        let mut block = in_pos([ratio, 2], places, if window { 15.0 } else { 0.0 });
         prop_assert!(!block.is_active());
         let (slope, mut jerk) = (0.5 * f64::from(ratio), None);
         for _ in 0..600 {
             let state = [slave.axis.set_position(), slave.axis.set_velocity(), slave.axis.set_acceleration()];
             let [y0, v0, a0] = state;
             let x0 = master.axis.set_position();
-            master.cycle(|axis| lead.call(true, axis));
+            master.call(&mut lead, true);
             let shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
             prop_assert!(shown.error.is_none() && block.is_active());
             if jerk.is_none() && block.running().is_some_and(GearInPosRun::is_coupling) {
@@ -180,42 +168,27 @@ fn a_ramp_takes_as_long_as_its_jerk_needs() {
     for (ramp, seconds) in [(RampType::Trapezoid, 2.0), (RampType::Parabolic, 2.1025)] {
         let config = AxisConfig { ramp, jerk: 100.0, ..AxisConfig::default() };
         let (master, mut slave) = (Rig::new(config), Rig::new(config));
-        let input = CamInput {
-            slave_offset: 10.0,
-            start_mode: StartMode::RampIn,
-            velocity_difference: 50.0,
-            acceleration: 10.0,
-            deceleration: 10.0,
-            ..CamInput::default()
-        };
-        let table = Some(CamTable::new(lift(5.0)));
-        let mut block = Block::new(CamIn { table, input });
+        let input = CamInput { slave_offset: 10.0, ..ramp_in(50.0, 10.0) };
+        let mut block = cam_in(lift(5.0), input);
         let cycles = slave.until(|axis| block.follow(true, &master.axis, axis).done);
         assert!((f64::from(cycles) - seconds / CYCLE).abs() <= 1.0, "{ramp:?}: {cycles}");
         assert!((slave.axis.set_position() - 10.0).abs() < 1e-9);
     }
 }
 
-/// Without a jerk there is no ramp of that kind: error 627, and whoever moves the slave goes on.
+/// Such a ramp needs a jerk: error 627 without one, and the motion of the slave goes on.
 #[test]
 fn a_ramp_without_a_jerk_is_an_error_627() {
-    use crate::SmcError;
     let config = AxisConfig { ramp: RampType::Parabolic, ..AxisConfig::default() };
     let (master, mut slave) = (Rig::new(config), Rig::new(config));
-    let input = CamInput { start_mode: StartMode::RampIn, ..CamInput::default() };
-    let mut error = |input: CamInput, jerk: f64| {
+    let full = CamInput { slave_offset: 3.0, ..ramp_in(1.0, 1.0) };
+    let error = Some(SmcError::CiRampinNeedsVelaccValues);
+    for (input, jerk, expected) in
+        [(ramp_in(0.0, 0.0), 100.0, error), (full, 0.0, error), (full, 100.0, None)]
+    {
         slave.axis.values.max_jerk = jerk;
-        let mut block = Block::new(CamIn { table: Some(CamTable::new(lift(5.0))), input });
-        slave.cycle(|axis| block.follow(true, &master.axis, axis)).error
-    };
-    let full = CamInput {
-        velocity_difference: 1.0,
-        acceleration: 1.0,
-        deceleration: 1.0,
-        slave_offset: 3.0,
-        ..input
-    };
-    assert_eq!(error(input, 100.0), Some(SmcError::CiRampinNeedsVelaccValues));
-    assert_eq!(error(full, 0.0), Some(SmcError::CiRampinNeedsVelaccValues));
-    assert_eq!(error(full, 100.0), None);
+        let mut block = cam_in(lift(5.0), input);
+        let shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
+        assert_eq!(shown.error, expected);
+    }
 }

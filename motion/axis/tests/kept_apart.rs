@@ -1,16 +1,14 @@
 //! Tests of isolation: blocks leave probes, axes and values of other blocks alone.
 
 use super::direct::control_by_position;
-use super::framework::to;
-use super::gears::{gear, pair};
-use super::rig::{Rig, linear};
+use super::gears::pair;
+use super::rig::{Rig, gear, home, in_pos, linear, on_top, phasing, stop, to};
 use crate::{
-    AbortTrigger, AxisConfig, AxisState, Block, ControlAxis, ControlOutputs, GearInPos, Home,
-    Phasing, SmcError, Stop, TouchProbe, Trigger,
+    AbortTrigger, AxisConfig, AxisState, ControlAxis, ControlOutputs, SmcError, TouchProbe, Trigger,
 };
 use twin_profile::RampType;
 
-/// A trigger is let go of and taken by another probe within a cycle: what comes then is for that one, whoever is called first.
+/// A trigger is released and taken by another probe within a cycle: the latch then is for that probe, in any call order.
 #[test]
 fn a_probe_whose_trigger_another_one_has_is_aborted() {
     for fast in [false, true] {
@@ -46,35 +44,26 @@ fn a_probe_whose_trigger_another_one_has_is_aborted() {
     }
 }
 
-/// An axis that is swapped for another one, as which another block has the same number: nobody's business but its own.
+/// A block that gets another axis, on which another block has the same owner number, takes nothing from that block.
 #[test]
 fn a_new_edge_on_another_axis_takes_nothing_from_a_stop() {
-    let config = |drive_id| AxisConfig { drive_id, ..AxisConfig::default() };
-    let (mut one, mut other) = (Rig::new(config(1)), Rig::new(config(2)));
-    let mut block = to(10.0);
-    let mut stop = Block::new(Stop { deceleration: 50.0 });
-    one.cycle(|axis| block.call(true, axis));
-    other.cycle(|axis| stop.call(true, axis));
+    let rig = |drive_id| Rig::new(AxisConfig { drive_id, ..AxisConfig::default() });
+    let (mut one, mut other, mut block, mut stop) = (rig(1), rig(2), to(10.0), stop(50.0));
+    one.call(&mut block, true);
+    other.call(&mut stop, true);
     assert_eq!(one.axis.owner(), other.axis.owner());
-    other.cycle(|axis| {
-        stop.call(true, axis);
-        block.call(false, axis)
-    });
-    let shown = other.cycle(|axis| {
-        stop.call(true, axis);
-        block.call(true, axis)
-    });
+    other.cycle(|axis| [stop.call(true, axis), block.call(false, axis)]);
+    let [_, shown] = other.cycle(|axis| [stop.call(true, axis), block.call(true, axis)]);
     assert!(shown.command_aborted && !shown.busy, "{shown:?}");
     assert_eq!(other.axis.state(), AxisState::Stopping);
-    // On top of nothing likewise: error 32.
-    let mut on_top = super::rig::on_top(5.0, 1.0, 10.0, 10.0);
-    let mut third = Rig::new(config(3));
-    one.cycle(|axis| on_top.call(true, axis));
-    let shown = third.cycle(|axis| on_top.call(true, axis));
+    // A superimposed motion likewise: error 32.
+    let (mut on_top, mut third) = (on_top(5.0, 1.0, 10.0), rig(3));
+    one.call(&mut on_top, true);
+    let shown = third.call(&mut on_top, true);
     assert_eq!(shown.error, Some(SmcError::AxisRefChangedDuringOperation));
 }
 
-/// What methods refuse is a block's error like any other (manual 9.1).
+/// An error of a method is kept like one of a block (manual 9.1).
 #[test]
 fn refusals_are_kept_with_the_errors_of_blocks() {
     let mut rig = linear();
@@ -82,39 +71,26 @@ fn refusals_are_kept_with_the_errors_of_blocks() {
     assert_eq!(rig.axis.read_fb_error(), Some(SmcError::StWrongControllerMode));
     assert_eq!(rig.axis.shift_zero(f64::NAN, false), Err(SmcError::WpParamInvalid));
     assert_eq!(rig.axis.read_fb_error(), Some(SmcError::WpParamInvalid));
-    let mut home = Block::new(Home { position: f64::NAN, deceleration: 0.0 });
-    assert_eq!(rig.cycle(|axis| home.call(true, axis)).error, Some(SmcError::WpParamInvalid));
+    let shown = rig.call(&mut home(f64::NAN, 0.0), true);
+    assert_eq!(shown.error, Some(SmcError::WpParamInvalid));
     assert_eq!(rig.axis.state(), AxisState::Standstill);
 }
 
-/// A move that ends stands at its target, also where a block begins in that cycle that goes on from the last set-point (`Execute`
-/// wired to `Done`): it has this cycle's set-point from the move, and the slave of a master at rest stays there.
+/// A move ends at its target, also when a block that goes on from the last set-point begins in that cycle (`Execute`
+/// wired to `Done`): this cycle's set-point is the move's, and the slave of a master at rest stays there.
 #[test]
 fn what_begins_at_the_end_of_a_move_leaves_it_at_its_target() {
     for ramp in [RampType::Trapezoid, RampType::Sigmoid, RampType::Parabolic] {
         for kind in 0..3 {
             let config = AxisConfig { ramp, jerk: 900.0, ..AxisConfig::default() };
-            let (mut master, mut slave) = (linear(), Rig::new(config));
-            let mut first = to(7.3);
+            let (mut axes, mut first) = ([linear(), Rig::new(config)], to(7.3));
             let mut gear = gear(1, 1);
-            let mut in_pos = Block::new(GearInPos {
-                ratio_numerator: 1,
-                ratio_denominator: 1,
-                master_sync_position: 50.0,
-                slave_sync_position: 200.0,
-                master_start_distance: 20.0,
-            });
-            let mut phasing = Block::new(Phasing {
-                phase_shift: 0.0,
-                velocity: 10.0,
-                acceleration: 50.0,
-                deceleration: 50.0,
-            });
+            let mut in_pos = in_pos([1, 1], [50.0, 200.0], 20.0);
+            let mut phasing = phasing(0.0, 10.0, 50.0);
             let mut ended = false;
             for _ in 0..300 {
                 pair(
-                    &mut master,
-                    &mut slave,
+                    &mut axes,
                     |_| (),
                     |master, axis| {
                         ended |= first.call(true, axis).done;
@@ -125,10 +101,11 @@ fn what_begins_at_the_end_of_a_move_leaves_it_at_its_target() {
                         }
                     },
                 );
+                let slave = &axes[1].axis;
                 if ended {
-                    assert_eq!(slave.axis.set_position(), 7.3, "{ramp:?} {kind}");
-                    assert_eq!(slave.axis.set_velocity(), 0.0, "{ramp:?} {kind}");
-                    assert_eq!(slave.axis.state(), AxisState::SynchronizedMotion);
+                    assert_eq!(slave.set_position(), 7.3, "{ramp:?} {kind}");
+                    assert_eq!(slave.set_velocity(), 0.0, "{ramp:?} {kind}");
+                    assert_eq!(slave.state(), AxisState::SynchronizedMotion);
                 }
             }
             assert!(ended);
@@ -136,19 +113,14 @@ fn what_begins_at_the_end_of_a_move_leaves_it_at_its_target() {
     }
 }
 
-/// Another block has the axis, and moves it: `bEnable` is taken from the control block and given to it again meanwhile.
+/// Another block moves the axis: `bEnable` of the control block falls and rises meanwhile.
 #[test]
 fn a_control_block_is_enabled_anew_while_another_one_moves_the_axis() {
     let mut rig = linear();
     let mut control = control_by_position(0.0);
     let mut move_away = to(50.0);
     rig.cycle(|axis| control.call(true, axis));
-    for _ in 0..5 {
-        rig.cycle(|axis| {
-            move_away.call(true, axis);
-            control.call(true, axis)
-        });
-    }
+    rig.run(5, |axis| (move_away.call(true, axis), control.call(true, axis)));
     let mut shown = |rig: &mut Rig, block: &mut ControlAxis, enable, moves: bool| {
         rig.cycle(|axis| {
             let shown = block.call(enable, axis);

@@ -1,7 +1,6 @@
 //! Tests of a latch in the very cycle in which `MC_TouchProbe` begins (manual 5.3).
 
-use super::blocks::endless;
-use super::rig::linear;
+use super::rig::{endless, linear};
 use crate::{TouchProbe, Trigger};
 
 /// An input of the program that is TRUE in this cycle only, or from it on, latches where the axis is in it.
@@ -10,9 +9,7 @@ fn an_input_that_is_true_when_the_probe_begins_latches_at_once() {
     for stays in [false, true] {
         let mut rig = linear();
         let mut moving = endless(10.0);
-        for _ in 0..50 {
-            rig.cycle(|axis| moving.call(true, axis));
-        }
+        rig.calls(50, &mut moving);
         let (mut trigger, mut probe) = (Trigger::of_program(), TouchProbe::new(None));
         let mut latched = Vec::new();
         for cycle in 0..5 {
@@ -31,7 +28,7 @@ fn an_input_that_is_true_when_the_probe_begins_latches_at_once() {
     }
 }
 
-/// Beside its window it does not, and begun anew it latches again.
+/// Outside its window it does not latch; begun anew it latches again.
 #[test]
 fn the_window_and_a_new_edge_count_in_that_cycle() {
     let mut rig = linear();
@@ -52,7 +49,7 @@ fn the_window_and_a_new_edge_count_in_that_cycle() {
     assert_eq!(shown.recorded_position, 6.5);
 }
 
-/// What the drive tells in that cycle it has latched before it was asked to.
+/// A capture that the drive reports in that cycle is older than the request.
 #[test]
 fn a_latch_of_the_drive_from_before_does_not_count() {
     let mut rig = linear();

@@ -19,6 +19,7 @@ mod jerk;
 mod kept_apart;
 mod latched;
 mod parameters;
+mod refusals;
 mod rig;
 mod silence;
 mod states;

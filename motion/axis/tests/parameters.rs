@@ -1,8 +1,6 @@
 //! Tests of the parameters of axis and drive, by blocks and by number (manual 2.4, 5.3).
 
-use super::blocks::endless;
-use super::framework::to;
-use super::rig::{CYCLE, Rig, linear};
+use super::rig::{CYCLE, Rig, endless, endless_in, linear, to};
 use crate::{
     Answer, AxisConfig, AxisState, Block, ControllerMode, Direction, MoveVelocity, ParameterNumber,
     ReadParameter, SetControllerMode, SmcError, TouchProbe, Transfer, Trigger, WriteParameter,
@@ -12,21 +10,17 @@ use twin_profile::RampType;
 #[test]
 fn blocks_read_and_write_by_number() {
     let mut rig = linear();
-    let mut write = WriteParameter::new(ParameterNumber::Axis(1113), 7.0);
-    let shown = rig.cycle(|axis| write.call(true, axis));
-    assert!(shown.done && shown.error.is_none());
-    let mut read = ReadParameter::new(ParameterNumber::Axis(1113));
-    assert_eq!(rig.cycle(|axis| read.call(true, axis)), Ok(Some(7.0)));
-    assert_eq!(rig.cycle(|axis| read.call(false, axis)), Ok(None));
     // A BOOL is 0 or 1.
-    let mut write = WriteParameter::new(ParameterNumber::Axis(1205), 1.0);
-    assert!(rig.cycle(|axis| write.call(true, axis)).done);
-    let mut read = ReadParameter::new(ParameterNumber::Axis(1205));
-    assert_eq!(rig.cycle(|axis| read.call(true, axis)), Ok(Some(1.0)));
+    for (number, value) in [(1113, 7.0), (1205, 1.0)] {
+        let shown = rig.call(&mut WriteParameter::new(ParameterNumber::Axis(number), value), true);
+        assert!(shown.done && shown.error.is_none());
+        let mut read = ReadParameter::new(ParameterNumber::Axis(number));
+        assert_eq!(rig.cycle(|axis| read.call(true, axis)), Ok(Some(value)));
+        assert_eq!(rig.cycle(|axis| read.call(false, axis)), Ok(None));
+    }
     let mut read = ReadParameter::new(ParameterNumber::Axis(999));
     assert_eq!(rig.cycle(|axis| read.call(true, axis)), Err(SmcError::RpParamUnknown));
-    let mut write = WriteParameter::new(ParameterNumber::Axis(1100), 1.0);
-    let shown = rig.cycle(|axis| write.call(true, axis));
+    let shown = rig.call(&mut WriteParameter::new(ParameterNumber::Axis(1100), 1.0), true);
     assert_eq!(shown.error, Some(SmcError::WpParamInvalid), "the set position is protected");
     assert_eq!(rig.axis.read_fb_error(), Some(SmcError::WpParamInvalid));
 }
@@ -79,10 +73,10 @@ fn parameters_of_the_drive_are_asked_of_it_one_after_the_other() {
 
 #[test]
 fn what_the_drive_refuses_or_does_not_answer_is_131_and_141() {
-    type Change = fn(&mut Rig);
-    let refuses: Change = |_| ();
-    // The virtual drive has no parameters; a silent one says nothing at all; a bus may be down.
-    let silent: Change = |rig| rig.drive.feedback_mut().answer = None;
+    let write = |value| WriteParameter::new(ParameterNumber::Drive(3), value);
+    let refuses: fn(&mut Rig) = |_| ();
+    // The virtual drive has no parameters; a silent drive gives no answer; a bus may be down.
+    let silent: fn(&mut Rig) = |rig| rig.drive.feedback_mut().answer = None;
     // A second is 100 cycles.
     for (change, cycles) in [(refuses, 2..=2), (silent, 101..=102)] {
         let mut rig = linear();
@@ -98,25 +92,15 @@ fn what_the_drive_refuses_or_does_not_answer_is_131_and_141() {
         };
         assert!(cycles.contains(&count), "{count}");
         assert_eq!((error, error.number()), (SmcError::RpRequestingError, 131));
-        let mut rig = linear();
-        let mut write = WriteParameter::new(ParameterNumber::Drive(3), 1.0);
-        let error = loop {
-            let shown = rig.cycle(|axis| write.call(true, axis));
-            change(&mut rig);
-            if !shown.busy {
-                break shown.error.expect("an error");
-            }
-        };
-        assert_eq!((error, error.number()), (SmcError::WpSendingError, 141));
+        let shown = linear().fails(&mut write(1.0), change);
+        assert!(!shown.busy);
+        assert_eq!(shown.error, Some(SmcError::WpSendingError));
+        assert_eq!(shown.error.map(SmcError::number), Some(141));
     }
     let mut rig = linear();
     rig.drive.feedback_mut().communicating = false;
-    let mut write = WriteParameter::new(ParameterNumber::Drive(3), 1.0);
-    let shown = rig.cycle(|axis| write.call(true, axis));
-    assert_eq!(shown.error, Some(SmcError::WpSendingError));
-    let mut write = WriteParameter::new(ParameterNumber::Drive(3), f64::NAN);
-    let shown = rig.cycle(|axis| write.call(true, axis));
-    assert_eq!(shown.error, Some(SmcError::WpParamInvalid));
+    assert_eq!(rig.call(&mut write(1.0), true).error, Some(SmcError::WpSendingError));
+    assert_eq!(rig.call(&mut write(f64::NAN), true).error, Some(SmcError::WpParamInvalid));
 }
 
 #[test]
@@ -130,11 +114,8 @@ fn limits_with_which_nothing_could_brake_are_refused() {
         assert_eq!(rig.axis.write_parameter(number, 50.0), Ok(()));
     }
     assert_eq!(rig.axis.write_parameter(1051, 0.0), Err(SmcError::WpParamInvalid));
-    // It brakes with what was written: 10 u/s with 50 u/s² take 0.2 s.
-    let mut block = endless(10.0);
-    for _ in 0..50 {
-        rig.cycle(|axis| block.call(true, axis));
-    }
+    // It brakes with the written value: 10 u/s with 50 u/s² take 0.2 s.
+    rig.calls(50, &mut endless(10.0));
     let cycles = rig.until(|axis| axis.set_velocity() == 0.0);
     assert!((20..=22).contains(&cycles), "{cycles}");
 }
@@ -142,12 +123,9 @@ fn limits_with_which_nothing_could_brake_are_refused() {
 /// An axis configured without a jerk brakes in errorstop all the same, with constant deceleration.
 #[test]
 fn without_a_jerk_it_brakes_with_constant_deceleration() {
-    let mut rig =
-        Rig::new(AxisConfig { ramp: RampType::Parabolic, jerk: 1000.0, ..AxisConfig::default() });
-    let mut block = endless(10.0);
-    for _ in 0..50 {
-        rig.cycle(|axis| block.call(true, axis));
-    }
+    let config = AxisConfig { ramp: RampType::Parabolic, jerk: 1000.0, ..AxisConfig::default() };
+    let mut rig = Rig::new(config);
+    rig.calls(50, &mut endless(10.0));
     rig.axis.values.sw_max_jerk = 0.0;
     let before = rig.axis.set_position();
     rig.until(|axis| axis.set_velocity() == 0.0);
@@ -158,8 +136,7 @@ fn without_a_jerk_it_brakes_with_constant_deceleration() {
 fn the_largest_torque_is_kept() {
     let mut rig = linear();
     rig.axis.write_parameter(1162, 4.0).expect("fMaxTorque");
-    let mut mode = SetControllerMode::new(ControllerMode::Torque);
-    rig.until(|axis| mode.call(true, axis).done);
+    rig.done(&mut SetControllerMode::new(ControllerMode::Torque));
     for (wanted, set) in [(3.0, 3.0), (5.0, 4.0), (-5.0, -4.0)] {
         rig.axis.set_torque(wanted).expect("torque mode");
         assert_eq!(rig.axis.read_parameter(1160), Ok(set));
@@ -169,7 +146,7 @@ fn the_largest_torque_is_kept() {
     assert_eq!(rig.axis.read_parameter(1160), Ok(5.0));
 }
 
-/// What the set values of this cycle and of the one before are, and those where the block began.
+/// Set values of this cycle, of the one before, and at the begin of the block.
 #[test]
 fn what_moves_is_in_the_parameters() {
     let mut rig = linear();
@@ -177,7 +154,7 @@ fn what_moves_is_in_the_parameters() {
     let mut block = endless(10.0);
     let mut states = Vec::new();
     for _ in 0..30 {
-        rig.cycle(|axis| block.call(true, axis));
+        rig.call(&mut block, true);
         states.push([1100, 1110, 1120].map(|number| read(&rig, number)));
         let cycle = states.len();
         if cycle < 2 {
@@ -199,22 +176,20 @@ fn what_moves_is_in_the_parameters() {
     // A block that brakes from there, with 50 u/s².
     let at = read(&rig, 1100);
     let mut slower = Block::new(MoveVelocity { deceleration: 50.0, ..endless(4.0).inputs });
-    rig.cycle(|axis| slower.call(true, axis));
+    rig.call(&mut slower, true);
     assert_eq!([1106, 1116, 1126].map(|number| read(&rig, number)), [at, 10.0, 0.0]);
     assert_eq!(read(&rig, 1146), 0.0);
     assert_eq!((read(&rig, 1120), read(&rig, 1130), read(&rig, 1137)), (-50.0, 50.0, 0.0));
-    rig.cycle(|axis| slower.call(true, axis));
+    rig.call(&mut slower, true);
     assert_eq!(read(&rig, 1137), 50.0, "fSaveDeceleration");
     // The drive's velocity has fallen by 0.5 u/s in the cycle before, and did not fall before that.
     assert!((read(&rig, 1121) + 50.0).abs() < 1e-9 && (read(&rig, 1131) - 50.0).abs() < 1e-9);
     assert!((read(&rig, 1141) + 50.0 / CYCLE).abs() < 1e-6, "fActJerk");
     // A block from within that jerk: fMarkJerk.
-    let mut faster = endless(10.0);
-    rig.cycle(|axis| slower.call(true, axis));
-    rig.cycle(|axis| faster.call(true, axis));
+    rig.call(&mut slower, true);
+    rig.call(&mut endless(10.0), true);
     assert_eq!((read(&rig, 1126), read(&rig, 1146)), (-50.0, 0.0));
-    let mut again = to(0.0);
-    rig.cycle(|axis| again.call(true, axis));
+    rig.call(&mut to(0.0), true);
     assert!((read(&rig, 1146) - 150.0 / CYCLE).abs() < 1e-6, "from −50 to 100 u/s²");
     assert_eq!(read(&rig, 1105), 0.0, "fAimPosition");
 }
@@ -248,8 +223,8 @@ fn what_is_captured_and_how_is_in_the_parameters() {
     assert_eq!(rig.axis.state(), AxisState::PowerOff);
 }
 
-/// −1 where fSetVelocity is below 0, else 1 (manual 2.4): at rest, too, where a motion in the current direction still goes
-/// on as the last one did.
+/// −1 while fSetVelocity is below 0, else 1 (manual 2.4), also at rest; a motion in the current direction still goes on in
+/// the direction of the last one.
 #[test]
 fn the_direction_is_that_of_the_set_velocity() {
     let mut rig = linear();
@@ -266,27 +241,15 @@ fn the_direction_is_that_of_the_set_velocity() {
     });
     assert!(seen[0] > 20, "{seen:?}");
     assert_eq!((direction(&rig), rig.axis.set_velocity()), (1, 0.0));
-    let mut on = Block::new(MoveVelocity {
-        velocity: 5.0,
-        acceleration: 100.0,
-        deceleration: 100.0,
-        direction: Direction::Current,
-    });
-    rig.until(|axis| on.call(true, axis).done);
+    rig.done(&mut endless_in(Direction::Current, 5.0));
     assert_eq!((direction(&rig), rig.axis.set_velocity()), (-1, -5.0));
 }
 
 /// `SMC_CONTROLLER_MODE` (manual 2.2.4).
 #[test]
 fn controller_modes_have_the_manuals_numbers() {
-    use crate::ControllerMode;
-    let modes = [
-        ControllerMode::Torque,
-        ControllerMode::Velocity,
-        ControllerMode::Position,
-        ControllerMode::Current,
-    ];
-    for (number, mode) in (1..).zip(modes) {
+    use ControllerMode::{Current, Position, Torque, Velocity};
+    for (number, mode) in (1..).zip([Torque, Velocity, Position, Current]) {
         assert_eq!((mode.number(), ControllerMode::from_number(number)), (number, Some(mode)));
     }
     assert_eq!([0, 5].map(ControllerMode::from_number), [None, None]);

@@ -1,19 +1,7 @@
 //! Tests of axis states, power and errors.
 
-use super::rig::{CYCLE, linear};
-use crate::{
-    Axis, AxisConfig, AxisState, Block, Direction, MoveVelocity, Power, SmcError, Stop,
-    VirtualDrive,
-};
-
-fn endless() -> Block<MoveVelocity> {
-    Block::new(MoveVelocity {
-        velocity: 10.0,
-        acceleration: 100.0,
-        deceleration: 100.0,
-        direction: Direction::Positive,
-    })
-}
+use super::rig::{CYCLE, Rig, endless, linear, stop};
+use crate::{Axis, AxisConfig, AxisState, Movement, Power, SmcError, VirtualDrive};
 
 #[test]
 fn the_transitions_are_plcopens() {
@@ -74,16 +62,11 @@ fn an_axis_without_a_cycle_time_gets_no_power() {
 
 #[test]
 fn without_power_or_with_the_brake_on_nothing_moves() {
-    for power in [
-        Power { regulator_on: false, drive_start: true },
-        Power { regulator_on: true, drive_start: false },
-    ] {
+    for (regulator_on, drive_start) in [(false, true), (true, false)] {
         let mut rig = linear();
-        rig.power = power;
-        rig.cycle(|_| ());
-        rig.cycle(|_| ());
-        let mut block = endless();
-        let shown = rig.cycle(|axis| block.call(true, axis));
+        rig.power = Power { regulator_on, drive_start };
+        rig.run(2, |_| ());
+        let shown = rig.call(&mut endless(10.0), true);
         assert_eq!(shown.error, Some(SmcError::RegulatorOrStartNotSet));
         assert_eq!((rig.axis.state(), rig.axis.set_velocity()), (AxisState::PowerOff, 0.0));
     }
@@ -91,50 +74,38 @@ fn without_power_or_with_the_brake_on_nothing_moves() {
 
 #[test]
 fn losing_power_ends_the_motion_with_20() {
-    let mut rig = linear();
-    let mut block = endless();
-    for _ in 0..30 {
-        rig.cycle(|axis| block.call(true, axis));
-    }
+    let (mut rig, mut block) = (linear(), endless(10.0));
+    rig.calls(30, &mut block);
     rig.power.regulator_on = false;
-    rig.cycle(|axis| block.call(true, axis));
-    let shown = rig.cycle(|axis| block.call(true, axis));
-    assert_eq!(shown.error, Some(SmcError::RegulatorOrStartNotSet));
+    rig.call(&mut block, true);
+    assert_eq!(rig.call(&mut block, true).error, Some(SmcError::RegulatorOrStartNotSet));
     assert_eq!(rig.axis.state(), AxisState::PowerOff);
 }
 
 #[test]
 fn a_block_that_is_not_called_is_an_error_30_and_the_axis_brakes() {
-    let mut rig = linear();
-    let mut block = endless();
-    for _ in 0..30 {
-        rig.cycle(|axis| block.call(true, axis));
-    }
+    let (mut rig, mut block) = (linear(), endless(10.0));
+    rig.calls(30, &mut block);
     assert_eq!(rig.axis.set_velocity(), 10.0);
     let at = rig.axis.set_position();
     rig.cycle(|_| ());
     assert_eq!((rig.axis.state(), rig.axis.error_id()), (AxisState::ErrorStop, Some(30)));
     // It brakes from the same cycle on, with fSWMaxDeceleration of 100 u/s²: 10 u/s take 0.1 s and 0.5 u.
     assert!((rig.axis.set_velocity() - 9.0).abs() < 1e-9);
-    for _ in 0..9 {
-        rig.cycle(|_| ());
-    }
+    rig.run(9, |_| ());
     assert!((rig.axis.set_position() - at - 0.5).abs() < 1e-9, "{}", rig.axis.set_position() - at);
     assert!(rig.axis.set_velocity().abs() < 1e-9);
-    // The block learns of it, and so does who asks for motion now.
-    let shown = rig.cycle(|axis| block.call(true, axis));
-    assert_eq!(shown.error, Some(SmcError::FbWasntCalledDuringMotion));
-    let shown = rig.cycle(|axis| endless().call(true, axis));
-    assert_eq!(shown.error, Some(SmcError::FbWasntCalledDuringMotion));
+    // The block shows the error, and so does another one that asks for motion now.
+    for block in [&mut block, &mut endless(10.0)] {
+        let shown = rig.call(block, true);
+        assert_eq!(shown.error, Some(SmcError::FbWasntCalledDuringMotion));
+    }
 }
 
 #[test]
 fn leaving_the_software_limits_is_an_error_10() {
-    let mut rig = super::rig::Rig::new(AxisConfig {
-        software_limits: Some([-1.0, 5.0]),
-        ..AxisConfig::default()
-    });
-    let mut block = endless();
+    let config = AxisConfig { software_limits: Some([-1.0, 5.0]), ..AxisConfig::default() };
+    let (mut rig, mut block) = (Rig::new(config), endless(10.0));
     rig.until(|axis| {
         block.call(true, axis);
         axis.state() == AxisState::ErrorStop
@@ -144,15 +115,8 @@ fn leaving_the_software_limits_is_an_error_10() {
     let over = rig.axis.set_position() - 5.0;
     assert!(over > 0.0 && over < 10.0 * CYCLE * 2.0, "{over}");
     // A rotary axis has no limits (manual 2.1.3).
-    let mut rig = super::rig::Rig::new(AxisConfig {
-        software_limits: Some([-1.0, 5.0]),
-        movement: crate::Movement::Rotary { period: 360.0 },
-        ..AxisConfig::default()
-    });
-    let mut block = endless();
-    for _ in 0..200 {
-        rig.cycle(|axis| block.call(true, axis));
-    }
+    let mut rig = Rig::new(AxisConfig { movement: Movement::Rotary { period: 360.0 }, ..config });
+    rig.calls(200, &mut endless(10.0));
     assert_eq!(rig.axis.state(), AxisState::ContinuousMotion);
 }
 
@@ -162,6 +126,5 @@ fn the_drives_own_error_stops_the_axis() {
     rig.drive.feedback_mut().error = Some(4711);
     rig.cycle(|_| ());
     assert_eq!((rig.axis.state(), rig.axis.error_id()), (AxisState::ErrorStop, Some(4711)));
-    let shown = rig.cycle(|axis| Block::new(Stop { deceleration: 10.0 }).call(true, axis));
-    assert_eq!(shown.error, Some(SmcError::MsAxisInErrorstop));
+    assert_eq!(rig.call(&mut stop(10.0), true).error, Some(SmcError::MsAxisInErrorstop));
 }

@@ -1,8 +1,7 @@
 //! Tests of cam switches on an axis that reverses or jitters (manual 5.5: a hysteresis keeps an output from switching
 //! on and off while an axis oscillates).
 
-use super::blocks::endless;
-use super::rig::{CYCLE, Rig, linear, rotary};
+use super::rig::{CYCLE, Rig, endless, linear, rotary};
 use crate::{Block, CamSwitch, DigitalCamSwitch, Follow, SwitchDirection, Track};
 
 fn range(first_on: f64, last_on: f64, direction: SwitchDirection) -> CamSwitch {
@@ -19,14 +18,13 @@ fn shown(mut rig: Rig, switch: CamSwitch, track: Track, way: &[f64]) -> Vec<bool
     tracks[0] = track;
     let mut block = DigitalCamSwitch::new(&[switch], tracks);
     let mut go = Block::new(Follow::Position(way[0]));
-    rig.cycle(|axis| go.call(true, axis));
-    let mut go = Block::new(Follow::Position(way[0]));
+    rig.call(&mut go.clone(), true);
     let mut before = way[0];
     way.iter()
         .map(|place| {
             go.inputs = Follow::PositionVelocity(*place, (place - before) / CYCLE);
             before = *place;
-            rig.cycle(|axis| go.call(true, axis));
+            rig.call(&mut go, true);
             block.call(true, &rig.axis).outputs[0]
         })
         .collect()
@@ -85,7 +83,7 @@ fn the_manuals_switches() {
     for (index, place) in way.iter().copied().enumerate() {
         let forwards = index <= top;
         go.inputs = Follow::Position(place);
-        rig.cycle(|axis| go.call(true, axis));
+        rig.call(&mut go, true);
         let outputs = block.call(true, &rig.axis).outputs;
         let first = if forwards { 0.0..=100.0 } else { 200.0..=300.0 };
         assert_eq!(outputs[0], first.contains(&place), "{place} {forwards}");
@@ -96,7 +94,7 @@ fn the_manuals_switches() {
     }
 }
 
-/// Jitter by less than the hysteresis turns nothing, wherever in the range and at its ends; without a hysteresis it does.
+/// Jitter by less than the hysteresis switches nothing, anywhere in the range and at its ends; without a hysteresis it does.
 #[test]
 fn jitter_does_not_turn_a_switch() {
     use SwitchDirection::{Both, Negative, Positive};
@@ -120,7 +118,7 @@ fn jitter_does_not_turn_a_switch() {
     assert_eq!(turns.len(), 41, "{turns:?}");
 }
 
-/// By more than the hysteresis from the farthest point it has turned: one direction's output is off, the other's is on.
+/// More than the hysteresis back from the farthest point the axis has turned: one direction's output is off, the other's on.
 #[test]
 fn a_switch_turns_beyond_the_hysteresis() {
     use SwitchDirection::{Both, Negative, Positive};
@@ -141,7 +139,7 @@ fn a_switch_turns_beyond_the_hysteresis() {
     assert_eq!(shown(Negative), [(147.75, true), (111.25, false)]);
 }
 
-/// The end of the period is nowhere: turning and jittering over it is as elsewhere.
+/// Turning and jittering over the end of the period is the same as elsewhere.
 #[test]
 fn a_switch_turns_over_the_end_of_the_period() {
     use SwitchDirection::{Negative, Positive};
@@ -162,7 +160,7 @@ fn a_switch_turns_over_the_end_of_the_period() {
     }
 }
 
-/// What is seen ahead is held while an axis jitters, and given up when it turns: 0.2 s at 25 u/s are 5 u.
+/// An advance holds while an axis jitters and ends when it turns: 0.2 s at 25 u/s are 5 u.
 #[test]
 fn jitter_takes_no_advance_back() {
     use SwitchDirection::{Both, Negative, Positive};
@@ -189,23 +187,17 @@ fn jitter_takes_no_advance_back() {
     assert_eq!(shown(Negative), [(197.0, true), (103.75, false)]);
 }
 
-/// Who has not moved since it was enabled goes the way it went last; what is not beyond the hysteresis turns no switch, but
-/// one for both directions does not wait for that.
+/// A switch enabled at rest takes the direction of the last motion; motion within the hysteresis does not change it, and a
+/// switch for both directions does not wait for that.
 #[test]
 fn a_switch_that_is_enabled_at_rest_knows_the_direction_of_the_last_motion() {
     use SwitchDirection::{Both, Negative, Positive};
     for (velocity, expected) in [(50.0, [true, true, false]), (-50.0, [true, false, true])] {
         for (direction, expected) in [Both, Positive, Negative].into_iter().zip(expected) {
-            let mut rig = linear();
-            let mut go = endless(velocity);
-            for _ in 0..100 {
-                rig.cycle(|axis| go.call(true, axis));
-            }
+            let (mut rig, mut go) = (linear(), endless(velocity));
             let mut halt = Block::new(crate::Halt { deceleration: 100.0 });
-            rig.until(|axis| {
-                go.call(true, axis);
-                halt.call(true, axis).done
-            });
+            rig.calls(100, &mut go);
+            rig.until(|axis| [go.call(true, axis), halt.call(true, axis)][1].done);
             let switch = range(-500.0, 500.0, direction);
             let mut block = DigitalCamSwitch::new(&[switch], [with_hysteresis(1.0); 32]);
             let shown = block.call(true, &rig.axis).outputs[0];
@@ -228,35 +220,42 @@ fn off_in_a_turn(switch: CamSwitch, track: Track) -> Vec<f64> {
     turn.filter(|(_, shown)| !shown).map(|(at, _)| at - 1080.0).collect()
 }
 
-/// One that is longer than a period reaches over its next begin: only where it is switched off earlier than that, by 50 u/s
-/// and the advance, is it off at all.
+/// A switch longer than a period reaches over its next begin: it is off only if its advance, at 50 u/s, ends it before
+/// that.
 #[test]
 fn a_switch_longer_than_a_period_may_be_switched_off_earlier_or_on_later() {
     let off = |last_on, on, off| {
         let track = Track { on_compensation: on, off_compensation: off, hysteresis: 0.0 };
         off_in_a_turn(range(90.0, last_on, SwitchDirection::Both), track)
     };
-    // 400 u long, off 20 u earlier: on until 110, where it has been on again since 90.
-    assert!(off(490.0, 0.0, -0.4).is_empty());
-    assert!(off(490.0, -0.4, -0.4).is_empty());
-    // 60 u earlier: on until 70. Both 20 u earlier: from 70 on.
-    let between = |from: f64, to: f64, off: &[f64]| {
+    for (last_on, on_later, off_later) in [
+        // 400 u long, off 20 u earlier: on until 110, where it has been on again since 90.
+        (490.0, 0.0, -0.4),
+        (490.0, -0.4, -0.4),
+        (450.0, 0.4, 0.4),
+        (450.0, 0.0, 0.4),
+        (490.0, 0.4, 0.0),
+    ] {
+        assert!(off(last_on, on_later, off_later).is_empty(), "{last_on} {on_later} {off_later}");
+    }
+    for (last_on, on_later, off_later, [from, to]) in [
+        // 60 u earlier: on until 70. Both 20 u earlier: from 70 on.
+        (490.0, 0.0, -1.2, [70.0, 90.0]),
+        (490.0, -0.4, -1.6, [50.0, 70.0]),
+        (450.0, 0.0, -0.4, [70.0, 90.0]),
+        // More than two periods: 750 u, off 440 u earlier.
+        (840.0, 0.0, -8.8, [40.0, 90.0]),
+        // On 20 u later, off where the next one begins.
+        (450.0, 0.4, 0.0, [90.0, 110.0]),
+        // On 60 u later: 40 u beyond the next begin it is still on.
+        (490.0, 1.2, 0.0, [130.0, 150.0]),
+        // On 20 u later and off 40 u earlier.
+        (490.0, 0.4, -0.8, [90.0, 110.0]),
+        (490.0, 0.4, -1.6, [50.0, 110.0]),
+    ] {
+        let off = off(last_on, on_later, off_later);
         let [first, last] = [off[0], off[off.len() - 1]];
         assert!((first - from).abs() <= 0.5 && (last - to).abs() <= 0.5, "{off:?}");
         assert!(off.windows(2).all(|pair| pair[1] - pair[0] == 0.5), "one gap: {off:?}");
-    };
-    between(70.0, 90.0, &off(490.0, 0.0, -1.2));
-    between(50.0, 70.0, &off(490.0, -0.4, -1.6));
-    between(70.0, 90.0, &off(450.0, 0.0, -0.4));
-    // More than two periods: 750 u, off 440 u earlier.
-    between(40.0, 90.0, &off(840.0, 0.0, -8.8));
-    // On 20 u later, off where the next one begins, or 20 u later, too.
-    between(90.0, 110.0, &off(450.0, 0.4, 0.0));
-    assert!(off(450.0, 0.4, 0.4).is_empty() && off(450.0, 0.0, 0.4).is_empty());
-    // On 60 u later: 40 u beyond the next begin it is still on.
-    between(130.0, 150.0, &off(490.0, 1.2, 0.0));
-    assert!(off(490.0, 0.4, 0.0).is_empty());
-    // On 20 u later and off 40 u earlier.
-    between(90.0, 110.0, &off(490.0, 0.4, -0.8));
-    between(50.0, 110.0, &off(490.0, 0.4, -1.6));
+    }
 }

@@ -83,7 +83,7 @@ fn largest_velocities_in_closed_form() {
     let scaled =
         find(SlaveLimits { acceleration: 30.0, ..none }, Factors { master: -2.0, slave: 0.5 });
     assert!((scaled.value - (60.0 / peak).sqrt() / 2.0).abs() < 1e-10);
-    // However little it is, it is not lost beside 1.
+    // However little it is, it is not lost next to 1.
     for master in [1e15, -1e20] {
         let found = find(SlaveLimits { velocity: 1.0, ..none }, Factors { master, slave: 1.0 });
         let expected = 1.0 / (100.0 / 180.0 * 1.875) / master.abs();

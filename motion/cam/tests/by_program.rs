@@ -25,13 +25,13 @@ fn filled(last: f64) -> PairTable {
 }
 
 /// Straight, so that the slave is where the master is, from `MC_CamTableSelect` through `MC_CamIn`. The last number of the manual,
-/// 65536, is none of a UINT: it is told, and 65535 stands for it.
+/// 65536, does not fit a UINT: it is refused, and 65535 takes its place.
 #[test]
 fn a_cam_filled_by_program() {
-    let told = filled(65_536.0).curve();
+    let refused = filled(65_536.0).curve();
     assert!(
-        matches!(&told, Err(CamError::OutsideType { index: 128, kind: "UINT", .. })),
-        "{told:?}"
+        matches!(&refused, Err(CamError::OutsideType { index: 128, kind: "UINT", .. })),
+        "{refused:?}"
     );
     let cam = Cam::new("straight", Shape::Pairs(filled(65_535.0)), Vec::new()).unwrap();
     assert_eq!(cam.shape().len(), 128);

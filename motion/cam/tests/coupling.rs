@@ -1,18 +1,16 @@
 //! Tests of the coupling: starts, ramp-in, ends and changes of cams (manual 4.6).
 
+use super::{CYCLE_NS, at, moving, started, tappet};
 use crate::{
     Action, Cam, CamCoupling, CamInput, CamTable, CouplingError, Element, Factors, Knot,
-    MasterMotion, Passage, Shape, StartMode, Tappet, slave_set_position,
+    MasterMotion, Passage, StartMode, slave_set_position,
 };
 use proptest::prelude::*;
 use std::sync::Arc;
 use twin_profile::State;
 
-/// A cycle of 1 ms.
-const CYCLE_NS: i64 = 1_000_000;
-
 fn cam(knots: &[Knot]) -> Arc<Cam> {
-    Arc::new(Cam::new("cam", Shape::Polynomial(knots.to_vec()), Vec::new()).expect("a cam"))
+    super::cam(knots, Vec::new())
 }
 
 /// Half the master, 0 to 100.
@@ -26,14 +24,6 @@ fn lift() -> Arc<Cam> {
     cam(&[Knot::at_rest(0.0, 0.0), Knot::at_rest(100.0, 50.0)])
 }
 
-fn at(position: f64) -> State {
-    State { position, ..State::default() }
-}
-
-fn moving(position: f64, velocity: f64) -> State {
-    State { position, velocity, acceleration: 0.0 }
-}
-
 /// The first set-point.
 fn start(table: CamTable, mode: StartMode, master: f64, slave: f64) -> f64 {
     let input = CamInput {
@@ -43,8 +33,7 @@ fn start(table: CamTable, mode: StartMode, master: f64, slave: f64) -> f64 {
         deceleration: 1.0,
         ..CamInput::default()
     };
-    let coupling = CamCoupling::start(table, input, &at(master), &at(slave), 0).expect("a start");
-    coupling.output().slave.position
+    started(table, input, at(master), at(slave)).output().slave.position
 }
 
 /// The matrix of manual 4.6.1, on the lift at 50: the cam says 25, the slave is at 7.
@@ -107,9 +96,7 @@ fn what_does_not_start() {
 #[test]
 fn a_cam_that_is_not_periodic_holds_its_ends() {
     let table = CamTable { periodic: false, ..CamTable::new(straight()) };
-    let mut coupling =
-        CamCoupling::start(table, CamInput::default(), &moving(0.0, 10.0), &at(0.0), 0)
-            .expect("a start");
+    let mut coupling = started(table, CamInput::default(), moving(0.0, 10.0), at(0.0));
     assert!(!coupling.output().end_of_profile, "standing at the begin is no end");
     let mut now = 0;
     let mut step = |master: State| {
@@ -128,9 +115,8 @@ fn a_cam_that_is_not_periodic_holds_its_ends() {
 
 #[test]
 fn a_periodic_cam_pulses_at_its_ends() {
-    let mut coupling =
-        CamCoupling::start(CamTable::new(straight()), CamInput::default(), &at(90.0), &at(45.0), 0)
-            .expect("a start");
+    let table = CamTable::new(straight());
+    let mut coupling = started(table, CamInput::default(), at(90.0), at(45.0));
     let masters = [99.0, 101.0, 102.0, 200.0, 230.0, 199.0];
     let ends = [false, true, false, true, false, true];
     for (now, (master, end)) in (1..).zip(masters.into_iter().zip(ends)) {
@@ -145,8 +131,7 @@ fn a_periodic_cam_pulses_at_its_ends() {
 #[test]
 fn a_rotary_master_goes_on() {
     let table = CamTable { master_period: Some(360.0), ..CamTable::new(straight()) };
-    let mut coupling =
-        CamCoupling::start(table, CamInput::default(), &at(0.0), &at(0.0), 0).expect("a start");
+    let mut coupling = started(table, CamInput::default(), at(0.0), at(0.0));
     for step in 1..200_i32 {
         let whole = f64::from(step) * 7.0;
         let found = coupling.step(&at(whole % 360.0), i64::from(step) * CYCLE_NS);
@@ -168,16 +153,14 @@ fn cams_in_turn() {
         ..CamTable::new(Arc::clone(cam))
     };
     let master = |step: i32| moving(f64::from(step) * 0.7 % 360.0, 700.0);
-    let mut coupling =
-        CamCoupling::start(select(&first), CamInput::default(), &master(0), &at(500.0), 0)
-            .expect("a start");
+    let mut coupling = started(select(&first), CamInput::default(), master(0), at(500.0));
     let (mut before, mut changes) = (*coupling.output(), 0);
     for step in 1..1100_i32 {
         let now = i64::from(step) * CYCLE_NS;
         let mut found = *coupling.step(&master(step), now).expect("somewhere");
         if found.end_of_profile && changes == 0 {
             changes += 1;
-            // The slave stands at the end of the first cam, 90 on; the second one takes over in the same cycle.
+            // The slave is at the end of the first cam, 90 on; the second one takes over in the same cycle.
             assert!((found.slave.position - 590.0).abs() < 1e-9);
             let table = select(&second);
             coupling =
@@ -215,8 +198,7 @@ fn rotary_slaves_are_ramped_in_their_direction() {
             deceleration: 200.0,
             ..CamInput::default()
         };
-        let mut coupling =
-            CamCoupling::start(table(), input, &at(0.0), &at(350.0), 0).expect("a start");
+        let mut coupling = started(table(), input, at(0.0), at(350.0));
         let sign = if goal > 350.0 { 1.0 } else { -1.0 };
         let mut before = 350.0;
         for step in 1..10_000 {
@@ -233,8 +215,7 @@ fn rotary_slaves_are_ramped_in_their_direction() {
 #[test]
 fn an_edited_cam_is_followed() {
     let table = CamTable::new(straight());
-    let mut coupling =
-        CamCoupling::start(table, CamInput::default(), &at(50.0), &at(25.0), 0).expect("a start");
+    let mut coupling = started(table, CamInput::default(), at(50.0), at(25.0));
     let steep = |master: f64| Knot { velocity: 0.8, ..Knot::at_rest(master, master * 0.8) };
     coupling.exchange(cam(&[steep(0.0), steep(100.0)])).expect("as many points");
     assert_eq!(coupling.step(&at(50.0), CYCLE_NS).expect("somewhere").slave.position, 40.0);
@@ -243,17 +224,13 @@ fn an_edited_cam_is_followed() {
     assert_eq!(coupling.exchange(more), Err(refused));
 }
 
-/// More tappets in a cycle than are told are counted.
+/// Tappets of a cycle beyond the reported ones are counted.
 #[test]
 fn tappets_of_a_cycle() {
-    let tappet =
-        |master: f64| Tappet { group: 1, master, passage: Passage::Every, action: Action::On };
-    let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(100.0, 50.0)];
-    let tappets = (1..=5).map(|i| tappet(f64::from(i) * 10.0)).collect();
-    let cam = Cam::new("cam", Shape::Polynomial(knots), tappets).expect("a cam");
-    let table = CamTable::new(Arc::new(cam));
-    let mut coupling =
-        CamCoupling::start(table, CamInput::default(), &at(0.0), &at(0.0), 0).expect("a start");
+    let tappets = (1..=5).map(|i| tappet(1, f64::from(i) * 10.0, Passage::Every, Action::On));
+    let knots = [Knot::at_rest(0.0, 0.0), Knot::at_rest(100.0, 50.0)];
+    let table = CamTable::new(super::cam(&knots, tappets.collect()));
+    let mut coupling = started(table, CamInput::default(), at(0.0), at(0.0));
     assert!(coupling.output().tappets.restarted);
     let found = coupling.step(&at(100.0), CYCLE_NS).expect("somewhere").tappets;
     let times: Vec<_> = found.triggers().map(|trigger| trigger.time_ns).collect();
@@ -279,7 +256,7 @@ fn input() -> impl Strategy<Value = CamInput> {
 }
 
 proptest! {
-    /// A ramp begins where the slave is and as it moves, keeps its limits beside the cam, and ends on the cam.
+    /// A ramp begins where the slave is and as it moves, keeps its limits next to the cam, and ends on the cam.
     #[test]
     fn ramps_bridge(input in input(), slave in -50.0..50.0_f64, velocity in -20.0..20.0_f64, share in 0.0..1.0_f64) {
         let table = CamTable { slave_absolute: true, ..CamTable::new(lift()) };
@@ -289,11 +266,11 @@ proptest! {
             moving((x - input.master_offset) / input.master_scaling, 20.0 / input.master_scaling)
         };
         let begin = moving(slave, velocity);
-        let mut coupling = CamCoupling::start(table.clone(), input, &master(0), &begin, 0).expect("a start");
+        let mut coupling = started(table.clone(), input, master(0), begin);
         let jump = coupling.jump_from(&begin);
         prop_assert!(jump.position.abs() < 1e-9 && jump.velocity.abs() < 1e-9, "{jump:?}");
         let plain = CamInput { start_mode: StartMode::Absolute, ..input };
-        let mut direct = CamCoupling::start(table, plain, &master(0), &begin, 0).expect("a start");
+        let mut direct = started(table, plain, master(0), begin);
         let most = input.velocity_difference.max((velocity - direct.output().slave.velocity).abs());
         let mut synchronous = coupling.output().in_sync;
         let mut step = 0;
@@ -320,7 +297,7 @@ proptest! {
             velocity: speed + pull * t,
             acceleration: pull,
         };
-        let mut coupling = CamCoupling::start(CamTable::new(Arc::clone(&cam)), input, &master(0.0), &at(0.0), 0).expect("a start");
+        let mut coupling = started(CamTable::new(Arc::clone(&cam)), input, master(0.0), at(0.0));
         let h = 1e-4;
         let mut states = vec![coupling.output().slave];
         for step in 1..=2_i32 {

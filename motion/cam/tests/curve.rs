@@ -219,7 +219,7 @@ proptest! {
     }
 }
 
-/// A thousand short pieces beside a long one: cells hold many of them.
+/// A thousand short pieces next to a long one: cells hold many of them.
 #[test]
 fn pieces_of_very_different_widths() {
     let mut points = vec![[-1000.0, 0.0]];
@@ -249,7 +249,7 @@ fn the_largest_distance_of_curves() {
 
 /// Lines of slope 1 and 2, from 0 over 60 to 120: y′ jumps by 1 at 60, and by −2 + 1 where it begins again; whichever way, and however far away, the master goes.
 #[test]
-fn jumps_are_told_where_they_are_passed() {
+fn jumps_are_reported_where_they_are_passed() {
     let knots = [(0.0, 0.0), (60.0, 60.0), (120.0, 180.0)];
     let knots = knots.map(|(master, slave)| Knot::at_rest(master, slave));
     let curve = Curve::linear(&knots).expect("a curve");

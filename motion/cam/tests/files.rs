@@ -35,7 +35,7 @@ fn tables_say_where_they_are_wrong() {
         ("0;0\n1;2;3", "line 2: 3 columns instead of 2"),
         ("0;0\n\n1;two", "line 3: slave `two` is not a number"),
         ("inf;0\n1;1", "line 1: master `inf` is not a number"),
-        ("5;0\n1;1\n5;2", "line 3: master 5 stands in line 1 already"),
+        ("5;0\n1;1\n5;2", "line 3: master 5 is in line 1 already"),
         ("5;0", "a table needs 2 points, there are 1"),
     ] {
         let error = read_ascii(text.as_bytes()).expect_err(message);

@@ -11,8 +11,39 @@ mod source;
 mod tappet_starts;
 mod tappets;
 
-use super::{Curve, Knot};
+use super::{Action, Cam, CamCoupling, CamInput, CamTable, Curve, Knot, Passage, Shape, Tappet};
 use proptest::prelude::*;
+use std::sync::Arc;
+use twin_profile::State;
+
+/// A cycle of 1 ms.
+const CYCLE_NS: i64 = 1_000_000;
+
+fn cam(knots: &[Knot], tappets: Vec<Tappet>) -> Arc<Cam> {
+    Arc::new(Cam::new("cam", Shape::Polynomial(knots.to_vec()), tappets).expect("a cam"))
+}
+
+/// A slave that stays at 0 over a turn of the master.
+fn still(tappets: Vec<Tappet>) -> Arc<Cam> {
+    cam(&[Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)], tappets)
+}
+
+fn tappet(group: i16, master: f64, passage: Passage, action: Action) -> Tappet {
+    Tappet { group, master, passage, action }
+}
+
+fn at(position: f64) -> State {
+    State::resting(position)
+}
+
+fn moving(position: f64, velocity: f64) -> State {
+    State { position, velocity, acceleration: 0.0 }
+}
+
+/// A slave on its cam at time 0.
+fn started(table: CamTable, input: CamInput, master: State, slave: State) -> CamCoupling {
+    CamCoupling::start(table, input, &master, &slave, 0).expect("a start")
+}
 
 /// Points of any cam, with widths that differ a thousandfold.
 fn knots() -> impl Strategy<Value = Vec<Knot>> {

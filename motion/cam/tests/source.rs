@@ -80,7 +80,7 @@ fn the_end_of_a_periodic_cam_is_its_begin() {
 }
 
 #[test]
-fn what_does_not_fit_is_told() {
+fn what_does_not_fit_is_reported() {
     let mut source = source();
     source.period = None;
     source.insert_line([120.0, 70.0], [130.0, 90.0]);

@@ -1,14 +1,13 @@
 //! Tests of tappets on which the master is when the cam begins (manual 4.4.2).
 
-use super::tappets::{acts, tappet};
+use super::tappets::acts;
+use super::{at, cam, started, still, tappet};
 use crate::{
-    Action, Cam, CamCoupling, CamInput, CamRegister, CamTable, Knot, Passage, RegisterInput, Shape,
-    TappetValue,
+    Action, Cam, CamInput, CamRegister, CamTable, Knot, Passage, RegisterInput, TappetValue,
 };
 use std::sync::Arc;
-use twin_profile::State;
 
-/// A master that stands on a tappet when the cam begins has not come to it: it acts when that happens, from either side, at the
+/// A master at rest on a tappet when the cam begins has not come to it: it acts when that happens, from either side, at the
 /// latest one pass on.
 #[test]
 fn a_tappet_under_the_master_at_the_start_waits_for_a_passage() {
@@ -21,21 +20,19 @@ fn a_tappet_under_the_master_at_the_start_waits_for_a_passage() {
         // Away and back.
         (&[50.0, 60.0, 50.0], 1),
         (&[50.0, 40.0, 60.0], 1),
-        // It stands on, and then goes.
+        // It stays, and then goes.
         (&[50.0, 50.0, 60.0], 0),
     ] {
         assert_eq!(acts(Passage::Every, 0.0, way), [times; 2], "{way:?}");
     }
-    let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)];
     let places = [(1, 0.0), (2, 360.0), (3, 50.0)];
-    let tappets = places.map(|(group, at)| tappet(group, at, Passage::Every, Action::On)).to_vec();
-    let cam = Arc::new(Cam::new("cam", Shape::Polynomial(knots), tappets).expect("a cam"));
+    let cam =
+        still(places.map(|(group, at)| tappet(group, at, Passage::Every, Action::On)).to_vec());
     let stood = |periodic, x: f64| -> Vec<i16> {
         let table = CamTable { periodic, ..CamTable::new(cam.clone()) };
-        let rest = State::resting(0.0);
         // Inside the cam at first, so that it may begin a pass or more further.
         let input = CamInput { master_offset: x, ..CamInput::default() };
-        let coupling = CamCoupling::start(table, input, &rest, &rest, 0).expect("on the cam");
+        let coupling = started(table, input, at(0.0), at(0.0));
         coupling.stood_on().map(|tappet| tappet.group).collect()
     };
     assert_eq!(stood(true, 0.0), [1, 2], "the end is the begin of the next pass");
@@ -46,7 +43,7 @@ fn a_tappet_under_the_master_at_the_start_waits_for_a_passage() {
 }
 
 /// Off at the end of a pass comes before on at the begin of the next one, forwards, and after it backwards: the bit is on after a
-/// seam that is passed forwards, and off after one that is passed backwards. How the lines stand, how often the cam has been
+/// seam that is passed forwards, and off after one that is passed backwards. The order of the lines, how often the cam has been
 /// passed, and how its width is rounded change nothing.
 #[test]
 fn a_pass_is_over_before_the_next_one_begins() {
@@ -62,9 +59,7 @@ fn a_pass_is_over_before_the_next_one_begins() {
                 if swapped {
                     tappets.reverse();
                 }
-                let knots = vec![Knot::at_rest(start, 0.0), Knot::at_rest(end, 0.0)];
-                let cam = Cam::new("seam", Shape::Polynomial(knots), tappets).expect("a cam");
-                let cam = Arc::new(cam);
+                let cam = cam(&[Knot::at_rest(start, 0.0), Knot::at_rest(end, 0.0)], tappets);
                 for forwards in [true, false] {
                     let counts = match passage {
                         Passage::Positive => forwards,
@@ -95,15 +90,13 @@ fn a_pass_is_over_before_the_next_one_begins() {
 fn both(cam: &Arc<Cam>, way: &[f64]) -> [Vec<bool>; 2] {
     let mut register = CamRegister::new(cam.clone(), RegisterInput::default()).expect("tappets");
     let mut value = TappetValue::new(1, false, false);
-    let at = |position: &f64| State::resting(*position);
     let (table, input) = (CamTable::new(cam.clone()), CamInput::default());
-    let start = at(way.first().expect("a way"));
-    let mut coupling = CamCoupling::start(table, input, &start, &start, 0).expect("on the cam");
+    let mut coupling = started(table, input, at(way[0]), at(way[0]));
     let mut found = [Vec::new(), Vec::new()];
     for (now_ns, position) in (0..).zip(way) {
         register.step(*position, 0.0, now_ns);
         found[0].push(register.bit(1).expect("group 1"));
-        let coupled = coupling.step(&at(position), now_ns).expect("somewhere");
+        let coupled = coupling.step(&at(*position), now_ns).expect("somewhere");
         found[1].push(value.step(&coupled.tappets));
     }
     found

@@ -1,23 +1,26 @@
 //! Tests of tappets and registers (manual 4.4.2, 5.5).
 
+use super::{CYCLE_NS, at, cam, moving, started, still, tappet};
 use crate::{
-    Action, Cam, CamCoupling, CamInput, CamRegister, CamTable, Knot, Passage, RegisterInput, Shape,
-    Tappet, TappetBit, TappetValue, Trigger,
+    Action, CamInput, CamRegister, CamTable, Knot, Passage, RegisterInput, Tappet, TappetBit,
+    TappetValue, Trigger,
 };
 use proptest::prelude::*;
-use std::sync::Arc;
-use twin_profile::State;
-
-const CYCLE_NS: i64 = 1_000_000;
-
-pub(super) fn tappet(group: i16, master: f64, passage: Passage, action: Action) -> Tappet {
-    Tappet { group, master, passage, action }
-}
 
 fn register(tappets: Vec<Tappet>, input: RegisterInput) -> CamRegister {
-    let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)];
-    let cam = Cam::new("register", Shape::Polynomial(knots), tappets).expect("a cam");
-    CamRegister::new(Arc::new(cam), input).expect("a cam with tappets")
+    CamRegister::new(still(tappets), input).expect("a cam with tappets")
+}
+
+/// How often the bit of group 1 changes, from off on, over positions and velocities a cycle apart.
+fn changes(register: &mut CamRegister, way: impl IntoIterator<Item = (f64, f64)>) -> usize {
+    let (mut count, mut before) = (0, false);
+    for (cycle, (position, velocity)) in (0..).zip(way) {
+        register.step(position, velocity, cycle * CYCLE_NS);
+        let bit = register.bit(1).expect("group 1");
+        count += usize::from(bit != before);
+        before = bit;
+    }
+    count
 }
 
 /// The bit of group 1 after each position, a cycle apart.
@@ -87,14 +90,10 @@ pub(super) fn acts(passage: Passage, hysteresis: f64, way: &[f64]) -> [usize; 2]
     let mut register = register(cam.clone(), input);
     let found = bits(&mut register, way);
     let changes = found.windows(2).filter(|pair| pair[0] != pair[1]).count();
-    let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)];
-    let cam = Cam::new("coupled", Shape::Polynomial(knots), cam).expect("a cam");
     let input = CamInput { tappet_hysteresis: hysteresis, ..CamInput::default() };
-    let (table, start) = (CamTable::new(Arc::new(cam)), State::resting(way[0]));
-    let mut coupling =
-        CamCoupling::start(table, input, &start, &State::default(), 0).expect("on the cam");
+    let mut coupling = started(CamTable::new(still(cam)), input, at(way[0]), at(0.0));
     let coupled = (1..).zip(&way[1..]).map(|(cycle, position)| {
-        let shown = coupling.step(&State::resting(*position), cycle * CYCLE_NS);
+        let shown = coupling.step(&at(*position), cycle * CYCLE_NS);
         shown.expect("somewhere").tappets.triggers().count()
     });
     [changes, coupled.sum()]
@@ -171,13 +170,8 @@ fn the_bit_of_a_coupling_begins_again() {
         tappet(1, 50.0, Passage::Every, Action::On),
         tappet(2, 60.0, Passage::Every, Action::On),
     ];
-    let cam = Cam::new("cam", Shape::Polynomial(knots), on).expect("a cam");
-    let table = CamTable::new(Arc::new(cam));
-    let at = |position| State { position, ..State::default() };
-    let start = || {
-        CamCoupling::start(table.clone(), CamInput::default(), &at(0.0), &at(0.0), 0)
-            .expect("a start")
-    };
+    let table = CamTable::new(cam(&knots, on));
+    let start = || started(table.clone(), CamInput::default(), at(0.0), at(0.0));
     for (reset, expected) in [(true, false), (false, true)] {
         let mut value = TappetValue::new(1, false, reset);
         let mut coupling = start();
@@ -195,15 +189,14 @@ fn passes_over_the_end() {
     let input = RegisterInput { master_period: Some(720.0), ..RegisterInput::default() };
     let invert = vec![tappet(1, 0.0, Passage::Positive, Action::Invert)];
     let mut register = register(invert, input);
-    let (mut ends, mut changes, mut before) = (0, 0, false);
-    for step in 0..=720_i32 {
-        register.step(f64::from(step) * 5.0 % 720.0, 0.0, i64::from(step) * CYCLE_NS);
-        let bit = register.bit(1).expect("group 1");
-        changes += i32::from(bit != before);
-        before = bit;
+    let mut ends = 0;
+    let way = (0..=720_i32).map(|step| (f64::from(step) * 5.0 % 720.0, 0.0));
+    assert_eq!(changes(&mut register.clone(), way.clone()), 10);
+    for (cycle, (position, _)) in (0..).zip(way) {
+        register.step(position, 0.0, cycle * CYCLE_NS);
         ends += i32::from(register.end_of_profile());
     }
-    assert_eq!((ends, changes), (10, 10));
+    assert_eq!(ends, 10);
 }
 
 /// A master at v u/s from x0 on: a tappet at x switches at (x − x0)/v − dead time, forwards and back, whatever the scaling.
@@ -241,16 +234,13 @@ fn jitter_within_the_hysteresis_passes_nothing_ahead_again() {
             .map(f64::from)
             .chain(jitter)
             .chain((1..=20).map(|by| 50.0 + f64::from(by) * then));
-        let (mut count, mut shown, mut before) = (0, false, 0.0);
-        for (cycle, place) in (0..).zip(way) {
+        let mut before = 0.0;
+        let way = way.map(|place| {
             let velocity = if place == before { 0.0 } else { 100.0 * (place - before).signum() };
             before = place;
-            register.step(place, velocity, cycle * CYCLE_NS);
-            let bit = register.bit(1).expect("group 1");
-            count += i32::from(bit != shown);
-            shown = bit;
-        }
-        count
+            (place, velocity)
+        });
+        changes(&mut register, way)
     };
     for passage in [Passage::Every, Passage::Positive] {
         assert_eq!(counts(55.0, passage, 1.0, 1.0), 1);
@@ -264,7 +254,7 @@ fn jitter_within_the_hysteresis_passes_nothing_ahead_again() {
     assert!(counts(55.0, Passage::Every, 0.0, 1.0) > 10);
 }
 
-/// Positions and velocities of a master that brakes with 2000 u/s² from 100 u/s, 2.5 u on, stands, and goes on or back.
+/// Positions and velocities of a master that brakes with 2000 u/s² from 100 u/s, 2.5 u on, rests, and goes on or back.
 fn braking(then: f64) -> Vec<(f64, f64)> {
     let at = |cycle: i32| {
         let t = f64::from(cycle) * 1e-3;
@@ -288,29 +278,19 @@ fn a_braking_master_passes_nothing_backwards() {
         let cam = vec![tappet(1, place, passage, Action::Invert)];
         let input = RegisterInput { dead_time_s: 0.1, ..RegisterInput::default() };
         let mut register = register(cam.clone(), input);
-        let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)];
-        let cam = Cam::new("coupled", Shape::Polynomial(knots), cam).expect("a cam");
-        let table = CamTable::new(Arc::new(cam));
         let input = CamInput { tappet_dead_time_s: 0.1, ..CamInput::default() };
-        let state = |(position, velocity)| State { position, velocity, acceleration: 0.0 };
         let way = braking(then);
-        let start = State::default();
-        let mut coupling =
-            CamCoupling::start(table, input, &state(way[0]), &start, 0).expect("on the cam");
-        let (mut count, mut coupled, mut before) = (0, 0, false);
-        for (cycle, (position, velocity)) in (0..).zip(way) {
-            register.step(position, velocity, cycle * CYCLE_NS);
-            let bit = register.bit(1).expect("group 1");
-            count += i32::from(bit != before);
-            before = bit;
-            let master = state((position, velocity));
-            let shown = coupling.step(&master, cycle * CYCLE_NS).expect("somewhere");
-            coupled += i32::try_from(shown.tappets.triggers().count()).expect("few");
-        }
-        assert_eq!(count, coupled, "both the same");
-        count
+        let start = moving(way[0].0, way[0].1);
+        let mut coupling = started(CamTable::new(still(cam)), input, start, at(0.0));
+        let acts = (0..).zip(&way).map(|(cycle, (position, velocity))| {
+            let shown = coupling.step(&moving(*position, *velocity), cycle * CYCLE_NS);
+            shown.expect("somewhere").tappets.triggers().count()
+        });
+        let coupled = acts.sum::<usize>();
+        assert_eq!(changes(&mut register, way), coupled, "both the same");
+        coupled
     };
-    // 10 u ahead at 100 u/s it has been seen up to 20; it stands at 12.5.
+    // 10 u ahead at 100 u/s it has been seen up to 20; it rests at 12.5.
     for (place, passage, then, expected) in [
         (11.0, Passage::Every, 0.0, 1),
         (15.0, Passage::Every, 0.0, 1),
@@ -350,17 +330,10 @@ proptest! {
 #[test]
 fn registers_without_bits_to_switch_are_refused() {
     let new = |groups: &[i16], max_num_tappets: Option<i16>| {
-        let tappet = |group: &i16| Tappet {
-            group: *group,
-            master: 10.0,
-            passage: Passage::Every,
-            action: Action::On,
-        };
-        let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)];
-        let tappets = groups.iter().map(tappet).collect();
-        let cam = Cam::new("cam", Shape::Polynomial(knots), tappets).expect("a cam");
+        let on = |group: &i16| tappet(*group, 10.0, Passage::Every, Action::On);
         let input = RegisterInput { max_num_tappets, ..RegisterInput::default() };
-        CamRegister::new(Arc::new(cam), input).map(|_| ()).map_err(|error| error.number())
+        let cam = still(groups.iter().map(on).collect());
+        CamRegister::new(cam, input).map(|_| ()).map_err(|error| error.number())
     };
     assert_eq!(new(&[], None), Err(600));
     assert_eq!(new(&[], Some(8)), Err(600));

@@ -18,14 +18,13 @@ pub(super) fn extremes_along(curve: &Curve, from: f64, way: f64, repeated: bool)
 /// Gives the stretches of pieces that a master passes, of one pass at most if it makes more: the polynomials from where a
 /// stretch begins, how long it is with the sign of the way, and how far it begins from the start.
 ///
-/// Stretches are told in the direction of growing masters: one that is passed backwards has polynomials of the place where
-/// it is entered, in growing distance from there.
+/// Backwards the polynomials are in the distance from where the stretch is entered.
 pub(super) fn along(
     curve: &Curve,
     from: f64,
     way: f64,
     repeated: bool,
-    tell: &mut dyn FnMut([Coefficients; 4], f64, f64),
+    visit: &mut dyn FnMut([Coefficients; 4], f64, f64),
 ) {
     let (sign, length) = (if way < 0.0 { -1.0 } else { 1.0 }, way.abs());
     let mut gone = 0.0;
@@ -42,7 +41,7 @@ pub(super) fn along(
         let left = if sign > 0.0 { piece.start + piece.width - at } else { at - piece.start };
         let width = left.min(length - gone).max(0.0);
         let here = piece.polynomials().map(|c| reversed(shifted(&c, at - piece.start), sign));
-        tell(here, width, gone);
+        visit(here, width, gone);
         gone += width;
         if gone >= length {
             return;
@@ -57,12 +56,12 @@ pub(super) fn along(
         }
     }
     if gone < length && !repeated {
-        // Beyond its ends a cam stands.
+        // Beyond its ends a cam is at rest.
         let rest = curve.at(at).position;
         let mut still = [[0.0; 7]; 4];
         let [position, ..] = &mut still;
         position[0] = rest;
-        tell(still, length - gone, gone);
+        visit(still, length - gone, gone);
     }
 }
 

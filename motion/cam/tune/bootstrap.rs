@@ -1,4 +1,4 @@
-//! Moving-block bootstrap: 95 % intervals of what is fitted.
+//! Moving-block bootstrap: 95 % intervals of a fit.
 //!
 //! Residuals are divided by their scale and whitened as noise of the first order; blocks of the innovations are drawn anew,
 //! coloured again and led through the fit, which is linear at its optimum (Künsch, Annals of Statistics 17, 1989; whitened
@@ -19,6 +19,12 @@ const FEW: usize = 48;
 const INSIDE: f64 = 0.95;
 /// The strongest correlation of noise.
 const STRONGEST: f64 = 0.95;
+/// The estimate of a correlation is too small by this part over the number of samples (Marriott and Pope, Biometrika 41, 1954).
+const BIAS: f64 = 4.0;
+/// Width grows faster than correlation. Replicates therefore draw correlations that scatter by this many standard errors, and lie above
+/// the estimate by this part over the number of samples.
+const SPREAD: f64 = 1.25;
+const ABOVE: f64 = 3.5;
 /// The fit takes away up to this many times more of correlated noise than of white noise.
 const MOST_TAKEN: f64 = 4.0;
 /// Noise of more than this part of a quantum makes rounding part of the noise; up to the smaller part the quantum is reported.
@@ -27,7 +33,7 @@ const TOLD: f64 = 0.35;
 /// Noise is certain beyond this many deviations of what rounding leaves over, and so is its correlation.
 const CERTAIN: f64 = 1.4;
 const CERTAIN_PRODUCTS: f64 = 5.0;
-/// A sum of products of noise that stands out of rounding is counted against at least this part of the squares, times 1/√n.
+/// A sum of products of noise above rounding is divided by at least this part of the squares, times 1/√n.
 const STANDS_OUT: f64 = 7.0;
 
 /// Intervals, and what the residuals show of noise and rounding.
@@ -128,14 +134,13 @@ impl<'a> Sampler<'a> {
         let n = count(self.residuals.len());
         let scaled: Vec<f64> = self.residuals.iter().map(|r| r.value / r.scale).collect();
         let [square, product] = [0, 1].map(|lag| sum_products(&scaled, lag));
-        let [hat, beside] = [0, 1].map(|lag| self.hat(lag));
+        let [hat, next] = [0, 1].map(|lag| self.hat(lag));
         let (mut correlation, mut taken) = (0.0, 1.0);
         if self.residuals.len() >= Fit::SAMPLES && square > 0.0 {
             for _ in 0..2 {
                 let variance = square / self.freedom * taken;
-                correlation = (product + variance * beside) / (square + variance * hat);
-                // Marriott and Pope, Biometrika 41, 1954.
-                correlation = (correlation * (1.0 + 2.0 / n)).clamp(0.0, STRONGEST);
+                correlation = (product + variance * next) / (square + variance * hat);
+                correlation = (correlation * (1.0 + BIAS / n)).clamp(0.0, STRONGEST);
                 taken = ((1.0 + correlation) / (1.0 - correlation)).clamp(1.0, MOST_TAKEN);
             }
         }
@@ -177,7 +182,7 @@ impl<'a> Sampler<'a> {
         let n = count(self.residuals.len());
         let scaled: Vec<f64> = self.residuals.iter().map(|r| r.value / r.scale).collect();
         let [square, product] = [0, 1].map(|lag| sum_products(&scaled, lag));
-        let [hat, beside] = [n - self.freedom, self.hat(1)];
+        let [hat, next] = [n - self.freedom, self.hat(1)];
         let mut noise = Noise { variance: 0.0, dither: 0.0, correlation: 0.0 };
         let (mut left, mut gained) = (0.0, 0.0);
         // What rounding leaves over depends on the noise, so noise is estimated twice. Noise makes the errors of rounding less alike,
@@ -189,8 +194,8 @@ impl<'a> Sampler<'a> {
             let least = (square * (STANDS_OUT / n.sqrt()).min(1.0)).max(f64::MIN_POSITIVE);
             if round > 0 {
                 let excess = product - tried.products[0];
-                let share = excess + variance.max(of_noise.max(0.0)) * beside;
-                noise.correlation = (share / (of_noise * (n - hat)).max(least))
+                let share = excess + variance.max(of_noise.max(0.0)) * next;
+                noise.correlation = (share / (of_noise * (n - hat)).max(least) * (1.0 + BIAS / n))
                     .clamp(0.0, STRONGEST.min(correlation.max(0.9)));
                 if excess > CERTAIN_PRODUCTS * tried.products[1] {
                     // Less what noise and rounding together have by chance.
@@ -243,7 +248,8 @@ impl<'a> Sampler<'a> {
         else {
             return Replicates::default();
         };
-        let spread = ((1.0 - rho * rho) / n).sqrt();
+        let spread = SPREAD * ((1.0 - rho * rho) / n).sqrt();
+        let above = ABOVE * rho / n;
         let anchor = self.residuals.first().map_or(0.0, |r| r.position + r.value);
         // Changes of the unknowns that move positions by about a quantum.
         let sizes = Vector4::from_fn(|index, _| {
@@ -256,7 +262,7 @@ impl<'a> Sampler<'a> {
         for _ in 0..replicates {
             let by: f64 = StandardNormal.sample(&mut random);
             let known = samples >= Fit::SAMPLES;
-            let rho = if known { (rho + spread * by).clamp(0.0, STRONGEST) } else { rho };
+            let rho = if known { (rho + above + spread * by).clamp(0.0, STRONGEST) } else { rho };
             let size = (freedom.max(1.0) / variance.sample(&mut random)).sqrt();
             let moved = step.map(|step| {
                 let part = if self.free[2] { 1.0 } else { 2.0 };

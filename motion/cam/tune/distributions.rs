@@ -1,5 +1,6 @@
 //! Tail probabilities of Student's t, Fisher's F and the lag-1 correlation of white noise.
 
+use statrs::distribution::{ContinuousCDF, StudentsT};
 use statrs::function::beta::checked_beta_reg;
 
 /// Probability that F of `above` and `below` degrees of freedom exceeds `f`.
@@ -17,22 +18,8 @@ pub fn student_exceeds(t: f64, freedom: f64) -> f64 {
 
 /// The value that |t| of `freedom` degrees of freedom exceeds in 5 % of all cases; infinite for 0 degrees.
 pub fn student_975(freedom: usize) -> f64 {
-    if freedom == 0 {
-        return f64::INFINITY;
-    }
     #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
-    let freedom = freedom as f64;
-    // Bisection between less than the normal distribution has and more than one degree of freedom has.
-    let (mut low, mut high) = (1.0, 13.0);
-    for _ in 0..60 {
-        let t = f64::midpoint(low, high);
-        if student_exceeds(t, freedom) > 0.05 {
-            low = t;
-        } else {
-            high = t;
-        }
-    }
-    f64::midpoint(low, high)
+    StudentsT::new(0.0, 1.0, freedom as f64).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
 }
 
 /// Probability that the lag-1 correlation of `samples` values of white noise, Σ e·e′ / Σ e², exceeds `r` in magnitude.

@@ -21,7 +21,7 @@ pub struct Sample {
     pub weight: f64,
 }
 
-/// What is looked for; the others stay as they are given.
+/// The unknowns of a fit; other values stay as they are given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "one for each input of the block")]
 pub struct Free {
@@ -40,6 +40,16 @@ impl Free {
     pub const ALL: Self =
         Self { master_offset: true, master_scaling: true, slave_offset: true, slave_scaling: true };
 
+    /// Nothing.
+    pub const NONE: Self = Self {
+        master_offset: false,
+        master_scaling: false,
+        slave_offset: false,
+        slave_scaling: false,
+    };
+    /// Both offsets.
+    pub const OFFSETS: Self = Self { master_offset: true, slave_offset: true, ..Self::NONE };
+
     /// In the order of the inputs.
     pub fn list(self) -> [bool; 4] {
         [self.master_offset, self.master_scaling, self.slave_offset, self.slave_scaling]
@@ -53,7 +63,7 @@ pub(super) const NAMES: [&str; 4] =
 /// What a fit begins with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitOptions {
-    /// What is looked for.
+    /// The unknowns.
     pub free: Free,
     /// `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` in effect. Values that are not looked for stay; of
     /// several answers that fit alike the one with the sign of this `SlaveScaling` and the nearest `MasterOffset` is taken.
@@ -71,7 +81,7 @@ impl Default for FitOptions {
     /// Both offsets are looked for, the scalings are 1.
     fn default() -> Self {
         Self {
-            free: Free { master_scaling: false, slave_scaling: false, ..Free::ALL },
+            free: Free::OFFSETS,
             from: [0.0, 1.0, 0.0, 1.0],
             scaling_range: 0.05,
             repeated: true,
@@ -136,7 +146,7 @@ pub(super) type Values = [f64; 4];
 /// Finds offsets and scalings.
 ///
 /// # Errors
-/// [`FitError`] if the data do not determine what is asked for, or contradict it.
+/// [`FitError`] if the data do not determine the unknowns, or contradict the cam.
 pub fn fit(curve: &Curve, samples: &[Sample], options: &FitOptions) -> Result<Fit, FitError> {
     let free = options.free.list();
     let unknowns = free.iter().filter(|free| **free).count();
@@ -232,7 +242,7 @@ impl Problem<'_> {
         self.sum(|s| s.weight * self.over(p, s).powi(2))
     }
 
-    /// Normal equations: matrix, with 1 on the diagonal for what is given, and right side.
+    /// Normal equations: matrix, with 1 on the diagonal for given values, and right side.
     pub(super) fn normal(&self, p: Values) -> (Matrix4<f64>, Vector4<f64>) {
         let fixed = self.free.map(|free| if free { 0.0 } else { 1.0 });
         let mut matrix = Matrix4::from_diagonal(&Vector4::from(fixed));
@@ -245,7 +255,7 @@ impl Problem<'_> {
         (matrix, right)
     }
 
-    /// The inverse of the normal matrix, if the data tell all unknowns apart.
+    /// The inverse of the normal matrix, if the data determine all unknowns.
     fn inverse(&self, p: Values) -> Result<Matrix4<f64>, FitError> {
         let (matrix, _) = self.normal(p);
         let all = || FitError::Undetermined { unknowns: self.names() };

@@ -51,7 +51,7 @@ impl Program {
     /// Solves it.
     ///
     /// # Errors
-    /// Clarabel's own word for why there is no solution of at least nearly the quality that it aims at.
+    /// Clarabel's status, if it finds no solution of nearly its own tolerance.
     pub(super) fn solved(self) -> Result<Vec<f64>, SolverStatus> {
         let Self { linear, equal, most } = self;
         let (n, equations, inequalities) = (linear.len(), equal.right.len(), most.right.len());

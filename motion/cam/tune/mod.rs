@@ -5,20 +5,18 @@
 
 #![allow(
     clippy::indexing_slicing,
-    reason = "fixed arrays of the four values, and loops over what is indexed"
+    reason = "fixed arrays of the four values, and loops over the indexed array"
 )]
 
 mod along;
 mod bootstrap;
 mod constrained;
-mod dead_time;
 mod distributions;
+mod evolution;
 mod fit;
 mod linear_program;
-mod polynomial_extrema;
 mod quantum;
 mod ramp_in;
-mod random_numbers;
 mod reshape;
 mod residuals;
 #[cfg(test)]
@@ -27,13 +25,12 @@ mod tests;
 pub use constrained::{
     Bound, Constrained, ConstraintError, Constraints, Objective, constrained_fit,
 };
-pub use dead_time::{DeadTime, Switching, dead_time};
 pub use distributions::{student_975, student_exceeds};
 pub use fit::{Fit, FitOptions, Free, Sample, fit};
 pub use ramp_in::{
     Held, RampError, RampGoal, RampIn, RampMoment, RampShown, RampWish, on_cam, ramp_in, ramp_shown,
 };
-pub use reshape::{ReshapeError, Reshaped, Softened, Tolerance, Wish, reshape, soften};
+pub use reshape::{ReshapeError, Reshaped, Tolerance, Wish, reshape, soften};
 
 use twin_number::Short;
 
@@ -47,10 +44,6 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    pub(crate) const fn given(value: f64) -> Self {
-        Self { value, half_width: 0.0 }
-    }
-
     /// Whether the interval holds a value.
     pub fn holds(&self, value: f64) -> bool {
         (value - self.value).abs() <= self.half_width
@@ -73,32 +66,21 @@ pub enum FitError {
         /// For how many unknowns.
         unknowns: usize,
     },
-    /// Too few switchings.
-    #[error(
-        "{found} switching{} too few for a dead time: {needed} are needed",
-        if *.found == 1 { " is" } else { "s are" }
-    )]
-    TooFewSwitchings {
-        /// How many were seen.
-        found: usize,
-        /// How many are needed.
-        needed: usize,
-    },
     /// Nothing is to be found.
     #[error("nothing is left to be found")]
     NothingFree,
-    /// A sample is no finite number, or its weight is not greater than 0.
-    #[error("sample {index}: {value} is no {what}")]
+    /// A sample is not a finite number, or its weight is not greater than 0.
+    #[error("sample {index}: {value} is not a {what}")]
     NoNumber {
-        /// Which, from 1.
+        /// Its number, from 1.
         index: usize,
         /// Of what.
         what: &'static str,
         /// Its value.
         value: f64,
     },
-    /// The data do not tell unknowns apart.
-    #[error("the data do not tell {} apart", .unknowns.join(" and "))]
+    /// The data do not determine unknowns.
+    #[error("the data do not determine {}", .unknowns.join(" and "))]
     Undetermined {
         /// Which.
         unknowns: Vec<&'static str>,
@@ -132,7 +114,7 @@ pub enum FitError {
         between: [f64; 2],
     },
     /// The master does not move.
-    #[error("the master stands at {} in all {samples} samples: nothing tells {}", Short(*.master), .unknowns.join(" and "))]
+    #[error("the master is at {} in all {samples} samples, which does not determine {}", Short(*.master), .unknowns.join(" and "))]
     Still {
         /// Where, u.
         master: f64,
@@ -143,7 +125,7 @@ pub enum FitError {
     },
     /// The slave does not move: the run shows a dwell of the cam alone.
     #[error(
-        "the slave rests in all of the run (it moves {}, the cam {}): a dwell does not tell {}; if it does not rest, is it recorded in other units?",
+        "the slave rests in all of the run (it moves {}, the cam {}): a dwell does not determine {}; if it does not rest, is it recorded in other units?",
         Short(*.moved), Short(*.height), .unknowns.join(" and ")
     )]
     Resting {
@@ -182,7 +164,7 @@ pub enum FitError {
         Short(*.rms), Short(*.spread)
     )]
     Unexplained {
-        /// What is left over, root mean square, u.
+        /// The residuals, root mean square, u.
         rms: f64,
         /// Spread of the data, root mean square, u.
         spread: f64,

@@ -2,7 +2,7 @@
 //!
 //! Encoder steps are rarely short decimals (2·π/n), and files print their multiples with few digits. The search therefore looks
 //! for an approximate common divisor q: each difference d is a multiple k·q to within the print error and so allows the intervals
-//! |d/q − k| ≤ error/q of 1/q. The intervals that all differences allow are what is left.
+//! |d/q − k| ≤ error/q of 1/q. The intervals that all differences allow remain.
 
 /// Decimals that are tried.
 const DECIMALS: i32 = 9;

@@ -11,7 +11,7 @@ use super::fit::{ALIKE, CHANCE, FitOptions, Problem, ROUNDING, Sample, Values};
 use super::quantum::quantum;
 use nalgebra::{Matrix4, Vector4};
 
-/// A residual, and how an error of its sample moves what is found.
+/// A residual, and how an error of its sample moves the estimates.
 #[derive(Debug)]
 pub(super) struct Residual {
     pub(super) value: f64,
@@ -20,7 +20,7 @@ pub(super) struct Residual {
     pub(super) weight: f64,
     /// Standard deviation of its noise, up to a common factor.
     pub(super) scale: f64,
-    /// Derivatives of the model, and of what is found by the sample.
+    /// Derivatives of the model, and of the estimates by the sample.
     pub(super) row: Vector4<f64>,
     pub(super) share: Vector4<f64>,
 }
@@ -45,15 +45,15 @@ const MEDIAN: f64 = 0.6745;
 const UNIFORM: f64 = 0.25 * 0.25 / (MEDIAN * MEDIAN) - 1.0 / 12.0;
 /// Bins without noise count with this part of the mean variance.
 const FLOOR: f64 = 0.05;
-/// Jitter of the master moves the slope itself by the bend of the cam: its square counts so many times.
+/// Jitter of the master moves the slope itself by the bend of the cam: its square counts this many times.
 const BENT: f64 = 9.0;
 /// An outlier exceeds this many times the usual residual, and one run in a million has one by chance.
 const SUSPECT: f64 = 4.0;
 const OUTLIER: f64 = 1e-6;
-/// One in so many samples may be an outlier, and no more than this many.
+/// One in this many samples may be an outlier, and at most this many.
 const ONE_IN: usize = 10;
 const MOST: usize = 20;
-/// A residual of less than this part of the largest position, or this many quanta, is no outlier.
+/// A residual of less than this part of the largest position, or this many quanta, is not an outlier.
 const NEGLIGIBLE: f64 = 1e-9;
 const QUANTA: f64 = 1.5;
 /// Residuals of more than this part of the spread of the data leave it unexplained.
@@ -172,7 +172,7 @@ impl Problem<'_> {
     }
 
     /// Refuses samples that are far from where all others have the slave: the suspects are left out, the others fitted again, and
-    /// each suspect is compared with that fit by Student's t (Bonferroni's bound for the largest of so many).
+    /// each suspect is compared with that fit by Student's t (Bonferroni's bound for the largest of all).
     pub(super) fn refuse_outliers(
         &self,
         p: Values,
@@ -283,12 +283,12 @@ impl Problem<'_> {
         let f = gained / (unknowns * rest.max(found.rounding) + found.gained);
         let beyond =
             if freedom < MANY { fisher_exceeds(f, unknowns, freedom) < CHANCE } else { f > ALIKE };
-        // The last digits of exact data are no contradiction.
+        // The last digits of exact data do not count.
         let size = self.sum(|s| s.weight * s.slave.powi(2));
         if beyond && gained > ROUNDING * size { Err(FitError::Contradictory { f }) } else { Ok(()) }
     }
 
-    /// Refuses a master that stands, unless one value of the slave is looked for.
+    /// Refuses a master at rest, unless one value of the slave is looked for.
     pub(super) fn refuse_still(&self) -> Result<(), FitError> {
         let [low, high] = self.ends(|sample| sample.master);
         let still = high - low <= 1e-12 * low.abs().max(high.abs()).max(self.width());

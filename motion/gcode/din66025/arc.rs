@@ -59,7 +59,7 @@ pub(super) fn about_center(
 ) -> Result<Arc, DecodeError> {
     let (from, to) = (start.xy() - center, end.xy() - center);
     let (start_radius, end_radius) = (from.norm(), to.norm());
-    // A tenth of a radius off is no rounding, however small.
+    // A deviation of a tenth of the radius is not rounding, however small.
     let tolerance = RADIUS_TOLERANCE.min(0.1 * start_radius);
     if start_radius <= SAME_POINT {
         return Err(DecodeError::CenterAtStart);

@@ -151,9 +151,9 @@ impl Block {
             }
             Letter::N | Letter::G => {
                 let error = match (word.letter, first) {
-                    (Letter::N, _) => DecodeError::MisplacedN { number: value },
+                    (Letter::N, _) => DecodeError::MisplacedN(value),
                     (_, Some(first)) => DecodeError::SecondG { first: first.value, second: value },
-                    (_, None) => DecodeError::MisplacedG { number: value },
+                    (_, None) => DecodeError::MisplacedG(value),
                 };
                 complaints.problems.push(Problem { columns: word.columns.clone(), error });
                 return;
@@ -177,7 +177,7 @@ impl Block {
         if let Some(slot) = self.switches.iter_mut().find(|slot| slot.is_none()) {
             *slot = Some(Request { number: word.value, at, columns });
         } else {
-            let error = DecodeError::TooManySwitches { limit: MAX_SWITCHES };
+            let error = DecodeError::TooManySwitches(MAX_SWITCHES);
             complaints.problems.push(Problem { columns, error });
         }
     }

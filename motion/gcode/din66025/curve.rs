@@ -10,7 +10,7 @@ use twin_path::{Cubic, Ellipse, Shape};
 
 /// A control point of a parabola closer than this to a line is on it, m (manual 6.4, `g_fSMC_CNC_EPS_RELUCTANT`).
 const ON_LINE: f64 = 1e-9;
-/// R and the ratio that start and end tell may differ by as much: programs round.
+/// R may differ this much from the ratio that start and end determine: programs round.
 const RATIO_TOLERANCE: f64 = 1e-3;
 
 /// Words of a block that describe its curve.
@@ -38,14 +38,12 @@ impl CurveWords<'_> {
             Motion::Arc { clockwise } => self.arc(start, end, clockwise, out),
             Motion::Parabola => {
                 let number = motion.number();
-                let control =
-                    self.center(start)?.ok_or(DecodeError::CurveWithoutPoint { number })?;
+                let control = self.center(start)?.ok_or(DecodeError::CurveWithoutPoint(number))?;
                 Ok(self.parabola(start, control, end, out))
             }
             Motion::Ellipse { clockwise } => {
                 let number = motion.number();
-                let center =
-                    self.center(start)?.ok_or(DecodeError::CurveWithoutPoint { number })?;
+                let center = self.center(start)?.ok_or(DecodeError::CurveWithoutPoint(number))?;
                 let direction = self.block.k.unwrap_or_default().to_radians();
                 let ratio = self.block.radius;
                 Ok(match Ellipse::through(start, end, center, direction, ratio, clockwise) {
@@ -136,8 +134,8 @@ impl CurveWords<'_> {
                 start.y + j.unwrap_or_default(),
             )));
         }
-        let i = i.ok_or(DecodeError::IncompleteCenter { missing: 'I' })?;
-        let j = j.ok_or(DecodeError::IncompleteCenter { missing: 'J' })?;
+        let i = i.ok_or(DecodeError::IncompleteCenter('I'))?;
+        let j = j.ok_or(DecodeError::IncompleteCenter('J'))?;
         Ok(Some(Point2::new(i, j)))
     }
 }

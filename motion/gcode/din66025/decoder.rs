@@ -24,7 +24,7 @@ const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 /// Default limit of the jumps (G20) of a program.
 pub const DEFAULT_JUMPS: u32 = 100_000;
 
-/// So many targets of jumps are remembered; others are looked for anew each time.
+/// Number of jump targets that are remembered; others are searched for each time.
 const REMEMBERED_TARGETS: usize = 4096;
 
 /// Options of a decoder.
@@ -34,7 +34,7 @@ pub struct DecoderOptions {
     pub start: [f64; 3],
     /// Start positions of the extra axes P Q U V W, u.
     pub start_extra: ExtraPosition,
-    /// Leaves out the blocks that begin with `/` (`bStepSuppress`). What is in them is not looked at.
+    /// Leaves out the blocks that begin with `/` (`bStepSuppress`). Their contents are not checked.
     pub skip_suppressed_blocks: bool,
     /// Variables for `$name$`.
     pub variables: Variables,
@@ -170,7 +170,7 @@ impl<R: BufRead> Decoder<R> {
             self.line.clear();
             self.begun = true;
             self.state.forgive_missing_feed();
-            self.out.push_error(None, DecodeError::LineTooLong { limit: MAX_LINE_BYTES });
+            self.out.push_error(None, DecodeError::LineTooLong(MAX_LINE_BYTES));
         }
         Ok(true)
     }
@@ -185,7 +185,7 @@ impl<R: BufRead> Decoder<R> {
         let Some(left) = self.jumps_left.checked_sub(1) else {
             self.ended = true;
             self.state.finish(&mut self.out);
-            self.out.error(columns, DecodeError::TooManyJumps { limit: self.jumps });
+            self.out.error(columns, DecodeError::TooManyJumps(self.jumps));
             return Ok(());
         };
         self.jumps_left = left;
@@ -202,7 +202,7 @@ impl<R: BufRead> Decoder<R> {
             }
             self.go(seek, target)
         } else {
-            self.out.error(columns, DecodeError::JumpTarget { block });
+            self.out.error(columns, DecodeError::JumpTarget(block));
             self.go(seek, from)
         }
     }
@@ -266,7 +266,7 @@ impl<R: BufRead> Decoder<R> {
         Ok(())
     }
 
-    /// Decodes the line at hand; tells where to go on if that is not the next one.
+    /// Decodes the current line; returns the offset to go on from if that is not the next line.
     fn decode_line(&mut self) -> Option<JumpTo> {
         let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
         let line = line.strip_suffix(b"\r").unwrap_or(line);

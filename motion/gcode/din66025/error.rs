@@ -33,23 +33,14 @@ pub enum DecodeError {
     )]
     LinesBehindPercent,
     /// A line without end.
-    #[error("the line is longer than {limit} bytes")]
-    LineTooLong {
-        /// The longest line that is read.
-        limit: usize,
-    },
+    #[error("the line is longer than {0} bytes")]
+    LineTooLong(usize),
     /// A character that begins no word.
-    #[error("{character:?} is not part of a word: a block is made of letters followed by numbers")]
-    UnexpectedCharacter {
-        /// The character.
-        character: char,
-    },
-    /// A byte that is no text.
-    #[error("byte {byte:#04x} is neither ASCII nor UTF-8 text")]
-    UnexpectedByte {
-        /// The byte.
-        byte: u8,
-    },
+    #[error("{0:?} is not part of a word: a block is made of letters followed by numbers")]
+    UnexpectedCharacter(char),
+    /// A byte that is not text.
+    #[error("byte {0:#04x} is neither ASCII nor UTF-8 text")]
+    UnexpectedByte(u8),
     /// `(` without `)`.
     #[error("the comment is not closed with ) in its line")]
     UnclosedComment,
@@ -57,25 +48,16 @@ pub enum DecodeError {
     #[error("comments cannot be nested")]
     NestedComment,
     /// A letter without its number.
-    #[error("a number must follow directly after {letter}")]
-    MissingNumber {
-        /// The word's letter.
-        letter: char,
-    },
+    #[error("a number must follow directly after {0}")]
+    MissingNumber(char),
     /// The letter is not followed by a number.
-    #[error("what follows {letter} is not a number")]
-    InvalidNumber {
-        /// The word's letter.
-        letter: char,
-    },
+    #[error("what follows {0} is not a number")]
+    InvalidNumber(char),
     /// A decimal comma.
     #[error(
-        "what follows {letter} is not a number: decimals are set off with a point, not with a comma"
+        "what follows {0} is not a number: decimals are set off with a point, not with a comma"
     )]
-    DecimalComma {
-        /// The word's letter.
-        letter: char,
-    },
+    DecimalComma(char),
     /// A fraction where only whole numbers are allowed (G, N).
     #[error("{letter} takes a whole number, not {}", Short(*value))]
     NotWhole {
@@ -99,11 +81,8 @@ pub enum DecodeError {
         unit: &'static str,
     },
     /// F is zero or negative.
-    #[error("the feed F is {} mm/s, it must be more than 0 mm/s", Short(*value))]
-    NonPositiveFeed {
-        /// F in mm/s.
-        value: f64,
-    },
+    #[error("the feed F is {} mm/s, it must be more than 0 mm/s", Short(*.0))]
+    NonPositiveFeed(f64),
     /// E is zero: neither an acceleration (`SMC_DEC_ACC_TOO_LITTLE`, 1200) nor a deceleration
     /// (`SMC_DEC_RET_TOO_LITTLE`, 1201).
     #[error(
@@ -126,17 +105,11 @@ pub enum DecodeError {
         second: f64,
     },
     /// A G word with other words before it: they would act after the motion.
-    #[error("G{number} must be the first word after N: words act from right to left")]
-    MisplacedG {
-        /// Number of the G word.
-        number: f64,
-    },
+    #[error("G{0} must be the first word after N: words act from right to left")]
+    MisplacedG(f64),
     /// An N word that does not open the block.
-    #[error("N{number} must be the first word of its block")]
-    MisplacedN {
-        /// Number of the N word.
-        number: f64,
-    },
+    #[error("N{0} must be the first word of its block")]
+    MisplacedN(f64),
     /// A block without N word. A warning, once per program.
     #[error(
         "this block has no N word: SoftMotion requires one at the beginning of every block; number the blocks N10, N20 …"
@@ -170,32 +143,18 @@ pub enum DecodeError {
     },
     /// A variable that nobody has given a value (`SMC_RNCF_VAR_COULDNT_BE_REPLACED`, 2004).
     #[error(
-        "the variable ${name}$ is unknown (SoftMotion error 2004, SMC_RNCF_VAR_COULDNT_BE_REPLACED)"
+        "the variable ${0}$ is unknown (SoftMotion error 2004, SMC_RNCF_VAR_COULDNT_BE_REPLACED)"
     )]
-    UnknownVariable {
-        /// Its name.
-        name: String,
-    },
+    UnknownVariable(String),
     /// O names no parameters of an M function.
-    #[error("${name}$ is no set of parameters for M functions")]
-    UnknownParameters {
-        /// The name.
-        name: String,
-    },
+    #[error("${0}$ is not a set of parameters for M functions")]
+    UnknownParameters(String),
     /// O with a number where a variable is to be changed.
-    #[error(
-        "O{value} names no variable: G36 and G37 take O$name$, or no O for the implicit variable"
-    )]
-    VariableExpected {
-        /// The number.
-        value: f64,
-    },
+    #[error("O{0} names no variable: G36 and G37 take O$name$, or no O for the implicit variable")]
+    VariableExpected(f64),
     /// G36 or G37 without D.
-    #[error("G{command} needs the value for its variable, D")]
-    ValueMissing {
-        /// Number of the block's G word.
-        command: u8,
-    },
+    #[error("G{0} needs the value for its variable, D")]
+    ValueMissing(u8),
     /// G36 or G37 make a variable larger or smaller than its type allows.
     #[error(
         "the variable would become {}, but {kind} holds {} to {}",
@@ -214,29 +173,17 @@ pub enum DecodeError {
         max: f64,
     },
     /// O with a number where an M function takes parameters.
-    #[error("O{} names no parameters: M functions take O$name$", Short(*value))]
-    ParametersExpected {
-        /// The number.
-        value: f64,
-    },
+    #[error("O{} names no parameters: M functions take O$name$", Short(*.0))]
+    ParametersExpected(f64),
     /// A switch that does not exist.
-    #[error("there is no switch {value}: H takes 1 to 32, below zero to switch off")]
-    SwitchNumber {
-        /// The number.
-        value: f64,
-    },
+    #[error("switch {0} does not exist: H takes 1 to 32, below zero to switch off")]
+    SwitchNumber(f64),
     /// An axis without S profile.
-    #[error("S{value} names no axis: 3 is Z, 7 to 11 are P Q U V W, below zero switches off")]
-    ProfileAxis {
-        /// The number.
-        value: f64,
-    },
+    #[error("S{0} names no axis: 3 is Z, 7 to 11 are P Q U V W, below zero switches off")]
+    ProfileAxis(f64),
     /// More H words than a path object takes.
-    #[error("a block can have at most {limit} switches (H)")]
-    TooManySwitches {
-        /// The largest number.
-        limit: usize,
-    },
+    #[error("a block can have at most {0} switches (H)")]
+    TooManySwitches(usize),
     /// H without L or O.
     #[error(
         "H needs its place on its right: L in mm from the start (below zero from the end), or O from 0 to 1"
@@ -254,51 +201,33 @@ pub enum DecodeError {
         length_mm: f64,
     },
     /// D below zero where it is a radius.
-    #[error("D is {}: a radius or distance must not be below 0 mm", Short(*value))]
-    NegativeToolRadius {
-        /// D, mm.
-        value: f64,
-    },
+    #[error("D is {}: a radius or distance must not be below 0 mm", Short(*.0))]
+    NegativeToolRadius(f64),
     /// G20 without L.
-    #[error("G20 needs the number of the block to go on with, L")]
+    #[error("G20 needs L, the number of the block at which the program continues")]
     JumpWithoutTarget,
     /// No block has the number that G20 names.
-    #[error("there is no block N{block} to go on with")]
-    JumpTarget {
-        /// The number.
-        block: u32,
-    },
+    #[error("block N{0}, at which the program should continue, does not exist")]
+    JumpTarget(u32),
     /// G20 in a program that can be read only once.
     #[error("G20 needs a program that can be read again: a file, not a stream")]
     JumpInStream,
     /// More jumps than allowed: the program probably never ends.
-    #[error("the program has jumped {limit} times and still goes on; what follows is not read")]
-    TooManyJumps {
-        /// The largest number of jumps.
-        limit: u32,
-    },
+    #[error("the program has jumped {0} times and still goes on; what follows is not read")]
+    TooManyJumps(u32),
     /// A letter that SoftMotion's dialect does not have.
-    #[error("{letter} words are unknown to SoftMotion's dialect of DIN 66025")]
-    UnknownLetter {
-        /// The word's letter.
-        letter: char,
-    },
+    #[error("{0} words are unknown to SoftMotion's dialect of DIN 66025")]
+    UnknownLetter(char),
     /// A G word that SoftMotion's dialect does not have.
-    #[error("G{number} is unknown to SoftMotion's dialect of DIN 66025")]
-    UnknownCommand {
-        /// Its number.
-        number: f64,
-    },
+    #[error("G{0} is unknown to SoftMotion's dialect of DIN 66025")]
+    UnknownCommand(f64),
     /// G6, G8 or G9 without I and J.
-    #[error("G{number} needs I and J")]
-    CurveWithoutPoint {
-        /// The number after G.
-        number: u8,
-    },
+    #[error("G{0} needs I and J")]
+    CurveWithoutPoint(u8),
     /// No ellipse fits. A warning; it becomes a straight line.
     #[error("{0}: replaced by a straight line")]
     NoEllipse(EllipseError),
-    /// R of an ellipse is not the ratio that start and end tell. A warning.
+    /// R of an ellipse is not the ratio that start and end determine. A warning.
     #[error("start and end are on an ellipse of ratio {}: R{} has no effect", Short(*ratio), Short(*given))]
     OtherRatio {
         /// R.
@@ -322,11 +251,8 @@ pub enum DecodeError {
     #[error("an arc takes either its radius R or its centre I and J, not both")]
     RadiusAndCenter,
     /// One of I and J is missing where they are absolute (G98).
-    #[error("{missing} is missing: with G98 the centre of an arc needs both I and J")]
-    IncompleteCenter {
-        /// The missing word's letter.
-        missing: char,
-    },
+    #[error("{0} is missing: with G98 the centre of an arc needs both I and J")]
+    IncompleteCenter(char),
     /// R is less than half the chord. A warning; the arc becomes a straight line.
     #[error(
         "no arc of radius R {} mm joins two points that are 2 × {} mm apart: replaced by a straight line",
@@ -375,59 +301,20 @@ pub enum DecodeError {
 impl TextError for DecodeError {
     fn rule(&self) -> Rule {
         match self {
-            Self::MissingPercent
-            | Self::MisplacedPercent
-            | Self::ClosingPercent
-            | Self::LinesBehindPercent
-            | Self::LineTooLong { .. }
-            | Self::UnexpectedCharacter { .. }
-            | Self::UnexpectedByte { .. }
-            | Self::UnclosedComment
-            | Self::NestedComment
-            | Self::MissingNumber { .. }
-            | Self::InvalidNumber { .. }
-            | Self::DecimalComma { .. }
-            | Self::NotWhole { .. }
-            | Self::OutOfRange { .. }
-            | Self::NonPositiveFeed { .. }
-            | Self::ZeroAcceleration
-            | Self::MissingFeed
-            | Self::SecondG { .. }
-            | Self::MisplacedG { .. }
-            | Self::MisplacedN { .. }
-            | Self::MissingBlockNumber
-            | Self::WordWithoutMotion { .. }
-            | Self::UnusedWord { .. }
-            | Self::DuplicateWord { .. }
-            | Self::UnknownVariable { .. }
-            | Self::UnknownParameters { .. }
-            | Self::VariableExpected { .. }
-            | Self::ValueMissing { .. }
-            | Self::VariableOverflow { .. }
-            | Self::ParametersExpected { .. }
-            | Self::SwitchNumber { .. }
-            | Self::ProfileAxis { .. }
-            | Self::TooManySwitches { .. }
-            | Self::SwitchWithoutPlace
-            | Self::SwitchBeyond { .. }
-            | Self::NegativeToolRadius { .. }
-            | Self::JumpWithoutTarget
-            | Self::JumpTarget { .. }
-            | Self::JumpInStream
-            | Self::TooManyJumps { .. } => Rule::Syntax,
-            Self::UnknownLetter { .. } | Self::UnknownCommand { .. } => Rule::UnsupportedWord,
+            Self::UnknownLetter(_) | Self::UnknownCommand(_) => Rule::UnsupportedWord,
             Self::ArcWithoutCenter
-            | Self::CurveWithoutPoint { .. }
+            | Self::CurveWithoutPoint(_)
             | Self::NoEllipse(_)
             | Self::OtherRatio { .. }
             | Self::StraightParabola
             | Self::CenterAtStart
             | Self::RadiusAndCenter
-            | Self::IncompleteCenter { .. }
+            | Self::IncompleteCenter(_)
             | Self::RadiusTooSmall { .. }
             | Self::RadiusWithoutChord { .. }
             | Self::NegativeRadius { .. }
             | Self::CenterMismatch { .. } => Rule::ArcGeometry,
+            _ => Rule::Syntax,
         }
     }
 

@@ -8,7 +8,7 @@ use super::word::{Command, Letter, Word};
 /// Words that hold for one block and may have nothing to act on in it.
 const LOCAL_WORDS: [Letter; 6] = [Letter::I, Letter::J, Letter::K, Letter::L, Letter::O, Letter::R];
 
-/// Tells of words that the block does not use: an error where they would have to act at some later motion, a
+/// Reports words that the block does not use: an error where they would have to act at some later motion, a
 /// warning where they do nothing.
 pub(super) fn complain(
     command: Command,

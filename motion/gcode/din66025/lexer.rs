@@ -6,7 +6,7 @@ use super::word::{Letter, Word};
 use super::{block, number};
 use std::ops::Range;
 
-/// Appends the words of `line`, from byte `at` on, with `variables` for names, to `words`, and what is wrong with it to `problems`.
+/// Appends the words of `line`, from byte `at` on, with `variables` for names, to `words`, and its errors to `problems`.
 ///
 /// A word that is well formed but of no use is left out and the words after it are still read. After bytes that are
 /// no word at all nothing more is read: what would follow are errors of guessing where the next word begins.
@@ -55,7 +55,7 @@ fn rest(line: &[u8], at: usize) -> &[u8] {
     line.get(at..).unwrap_or_default()
 }
 
-/// The comment that begins at `at`. What is in it may be any bytes.
+/// The comment that begins at `at`. It may contain any bytes.
 fn comment(line: &[u8], at: usize) -> Token {
     let inside = at + 1;
     match rest(line, inside).iter().position(|byte| matches!(byte, b'(' | b')')) {
@@ -87,13 +87,13 @@ fn word(line: &[u8], at: usize, byte: u8, variables: &Variables) -> Token {
         .count();
     let columns = at..at + 1 + length;
     let Some(digits) = after.get(..length).filter(|digits| !digits.is_empty()) else {
-        return Token::Broken(Problem { columns, error: DecodeError::MissingNumber { letter } });
+        return Token::Broken(Problem { columns, error: DecodeError::MissingNumber(letter) });
     };
     let Some(value) = number::parse(digits) else {
         let error = if digits.contains(&b',') {
-            DecodeError::DecimalComma { letter }
+            DecodeError::DecimalComma(letter)
         } else {
-            DecodeError::InvalidNumber { letter }
+            DecodeError::InvalidNumber(letter)
         };
         return Token::Useless(Problem { columns, error });
     };
@@ -119,7 +119,7 @@ fn variable(line: &[u8], at: usize, byte: u8, variables: &Variables) -> Token {
     let Some(length) = rest(line, begin).iter().position(|byte| *byte == b'$') else {
         return Token::Broken(Problem {
             columns: at + 1..begin,
-            error: DecodeError::UnexpectedCharacter { character: '$' },
+            error: DecodeError::UnexpectedCharacter('$'),
         });
     };
     let name = begin..begin + length;
@@ -127,12 +127,12 @@ fn variable(line: &[u8], at: usize, byte: u8, variables: &Variables) -> Token {
     let text = String::from_utf8_lossy(line.get(name.clone()).unwrap_or_default());
     match variables.get(text.trim()) {
         Some(value) => checked(byte, value, columns, true),
-        // No number: what needs one tells.
+        // Not a number: the words that need one report it.
         None if byte.eq_ignore_ascii_case(&b'O') => {
             Token::Word(Word { letter: Letter::O, value: f64::NAN, columns, named: true })
         }
         None => {
-            let error = DecodeError::UnknownVariable { name: text.trim().to_owned() };
+            let error = DecodeError::UnknownVariable(text.trim().to_owned());
             Token::Useless(Problem { columns, error })
         }
     }
@@ -161,14 +161,14 @@ pub(super) fn block_number(line: &[u8], mut at: usize) -> Option<u32> {
     }
 }
 
-/// What is at `at` begins no word.
+/// The character at `at` does not begin a word.
 fn unexpected(line: &[u8], at: usize, byte: u8) -> Token {
     // No character is longer than four bytes.
     let bytes = line.get(at..line.len().min(at + 4)).unwrap_or_default();
     let character = bytes.utf8_chunks().next().and_then(|chunk| chunk.valid().chars().next());
     let (length, error) = match character {
-        Some(character) => (character.len_utf8(), DecodeError::UnexpectedCharacter { character }),
-        None => (1, DecodeError::UnexpectedByte { byte }),
+        Some(character) => (character.len_utf8(), DecodeError::UnexpectedCharacter(character)),
+        None => (1, DecodeError::UnexpectedByte(byte)),
     };
     Token::Broken(Problem { columns: at..at + length, error })
 }

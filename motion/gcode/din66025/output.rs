@@ -15,9 +15,9 @@ const REMEMBERED_DIAGNOSTICS: usize = 4096;
 pub(super) struct Output {
     pub(super) items: VecDeque<Result<Item, Failure>>,
     pub(super) place: Place,
-    /// Line, column and kind of what has been told.
-    told: HashSet<(u32, usize, Discriminant<DecodeError>)>,
-    /// The program has jumped: what there is to tell has perhaps been told.
+    /// Line, column and kind of every diagnostic so far.
+    reported: HashSet<(u32, usize, Discriminant<DecodeError>)>,
+    /// The program has jumped, so diagnostics may have been reported before.
     pub(super) repeats: bool,
 }
 
@@ -53,7 +53,7 @@ impl Output {
         self.items.extend(diagnostic.map(|diagnostic| Err(diagnostic.into())));
     }
 
-    /// None if the same has been told of the same words when the program came by earlier.
+    /// None if the same words were reported on an earlier pass.
     fn diagnostic(
         &mut self,
         place: Place,
@@ -62,10 +62,10 @@ impl Output {
     ) -> Option<Diagnostic> {
         let column = columns.as_ref().map_or(usize::MAX, |columns| columns.start);
         let key = (place.line, column, discriminant(&error));
-        let is_new = if self.told.len() < REMEMBERED_DIAGNOSTICS {
-            self.told.insert(key)
+        let is_new = if self.reported.len() < REMEMBERED_DIAGNOSTICS {
+            self.reported.insert(key)
         } else {
-            !self.repeats || !self.told.contains(&key)
+            !self.repeats || !self.reported.contains(&key)
         };
         (is_new || !self.repeats).then_some(Diagnostic { place, columns, error })
     }

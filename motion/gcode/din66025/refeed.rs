@@ -288,7 +288,7 @@ impl Interpreter for Planned {
     const MAX_LINE_BYTES: usize = MAX_LINE_BYTES;
 
     fn line(&mut self, line: &[u8], refed: &mut Refed) -> Result<Option<Edit>, RefeedError> {
-        // Only for the words of the line: as it stands in the text, and not as it runs.
+        // Only for the words of the line: as written in the text, not as executed.
         self.decoder.state.variables.clone_from(&self.variables);
         let Step { place, .. } = feed_line(&mut self.decoder, line).map_err(RefeedError::Read)?;
         refed.lowered += u64::from(self.plan.lowered.contains(&place.line));

@@ -135,12 +135,12 @@ impl State {
         }
     }
 
-    /// A missing F has been told of, in one way or another.
+    /// A missing F has been reported.
     pub(super) fn forgive_missing_feed(&mut self) {
         self.feed_reported = true;
     }
 
-    /// Does what a block without errors asks for; its words, in `line`, are there to point at. Tells where to go on if
+    /// Does what a block without errors asks for; its words, in `line`, are there to point at. Returns where to go on if
     /// that is not the next line.
     pub(super) fn execute(
         &mut self,
@@ -336,12 +336,12 @@ impl State {
                 let name = text(line, name);
                 let parameters = self.variables.parameters(&name);
                 if parameters.is_none() && !is_switch {
-                    return Err(DecodeError::UnknownParameters { name });
+                    return Err(DecodeError::UnknownParameters(name));
                 }
                 parameters
             }
             Some(Operand::Number(value)) if !is_switch => {
-                return Err(DecodeError::ParametersExpected { value: *value });
+                return Err(DecodeError::ParametersExpected(*value));
             }
             _ => None,
         };
@@ -368,7 +368,7 @@ impl State {
     fn prepare(&mut self, starts: Marks, ends: Marks, words: &[Word], out: &mut Output) {
         if starts != Marks::default() && starts != Marks::LOOPS && self.d < 0.0 {
             let columns = columns_of(words, &[Letter::D]);
-            return out.error(columns, DecodeError::NegativeToolRadius { value: self.d });
+            return out.error(columns, DecodeError::NegativeToolRadius(self.d));
         }
         self.emitter.mark(starts, ends);
     }
@@ -384,8 +384,7 @@ impl State {
     ) {
         let command = Command::Variable { add }.number();
         let Some(value) = block.d else {
-            return out
-                .error(columns_of(words, &[Letter::G]), DecodeError::ValueMissing { command });
+            return out.error(columns_of(words, &[Letter::G]), DecodeError::ValueMissing(command));
         };
         let changed = match &block.o {
             None => {
@@ -396,9 +395,9 @@ impl State {
                 let name = text(line, name);
                 self.variables
                     .change(&name, add, value)
-                    .unwrap_or(Err(DecodeError::UnknownVariable { name }))
+                    .unwrap_or(Err(DecodeError::UnknownVariable(name)))
             }
-            Some(Operand::Number(value)) => Err(DecodeError::VariableExpected { value: *value }),
+            Some(Operand::Number(value)) => Err(DecodeError::VariableExpected(*value)),
         };
         if let Err(error) = changed {
             let overflow = matches!(error, DecodeError::VariableOverflow { .. });

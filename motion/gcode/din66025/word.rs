@@ -12,7 +12,7 @@ pub(super) struct Word {
     pub(super) value: f64,
     /// Bytes of the line.
     pub(super) columns: Range<usize>,
-    /// The name of a variable stands in place of a number.
+    /// The name of a variable is in place of a number.
     pub(super) named: bool,
 }
 
@@ -26,54 +26,55 @@ impl Word {
 
 /// The letters of the language (manual 3.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
 pub(super) enum Letter {
     /// Block number.
-    N,
+    N = b'N',
     /// Command.
-    G,
+    G = b'G',
     /// Target.
-    X,
+    X = b'X',
     /// Target.
-    Y,
+    Y = b'Y',
     /// Target.
-    Z,
+    Z = b'Z',
     /// Target of an extra axis.
-    P,
+    P = b'P',
     /// Target of an extra axis.
-    Q,
+    Q = b'Q',
     /// Target of an extra axis.
-    U,
+    U = b'U',
     /// Target of an extra axis.
-    V,
+    V = b'V',
     /// Target of an extra axis.
-    W,
+    W = b'W',
     /// Centre or intersection of tangents, x.
-    I,
+    I = b'I',
     /// Centre or intersection of tangents, y.
-    J,
+    J = b'J',
     /// Direction of the ellipse, condition of a jump, parameter of an M function.
-    K,
+    K = b'K',
     /// Place of a switch, target of a jump, parameter of an M function.
-    L,
+    L = b'L',
     /// Radius, or ratio of the axes of an ellipse.
-    R,
+    R = b'R',
     /// Tool radius, or value for a variable.
-    D,
+    D = b'D',
     /// Acceleration or, below zero, deceleration.
-    E,
+    E = b'E',
     /// Feed.
-    F,
+    F = b'F',
     /// Switch.
-    H,
+    H = b'H',
     /// Auxiliary function.
-    M,
+    M = b'M',
     /// Place of a switch, variable to change, parameters of an M function.
-    O,
+    O = b'O',
     /// S profile of an axis.
-    S,
+    S = b'S',
 }
 
-/// True if there are no decimals; faster than asking for them.
+/// True if the value has no decimals; faster than `fract`.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_precision_loss,
@@ -93,35 +94,11 @@ const MAX_ACCELERATION_MM_PER_S2: f64 = 1e9;
 /// What has no unit may be any number that is still exact to the thousandth.
 const MAX_NUMBER: f64 = 1e12;
 
-/// The letters from A to Z.
-const LETTERS: [Option<Letter>; 26] = [
-    None,
-    None,
-    None,
-    Some(Letter::D),
-    Some(Letter::E),
-    Some(Letter::F),
-    Some(Letter::G),
-    Some(Letter::H),
-    Some(Letter::I),
-    Some(Letter::J),
-    Some(Letter::K),
-    Some(Letter::L),
-    Some(Letter::M),
-    Some(Letter::N),
-    Some(Letter::O),
-    Some(Letter::P),
-    Some(Letter::Q),
-    Some(Letter::R),
-    Some(Letter::S),
-    None,
-    Some(Letter::U),
-    Some(Letter::V),
-    Some(Letter::W),
-    Some(Letter::X),
-    Some(Letter::Y),
-    Some(Letter::Z),
-];
+/// The letters in the order of the alphabet.
+const LETTERS: [Letter; 22] = {
+    use Letter::{D, E, F, G, H, I, J, K, L, M, N, O, P, Q, R, S, U, V, W, X, Y, Z};
+    [D, E, F, G, H, I, J, K, L, M, N, O, P, Q, R, S, U, V, W, X, Y, Z]
+};
 
 impl Letter {
     /// The letter `byte` is, whatever its case.
@@ -131,9 +108,9 @@ impl Letter {
     #[inline]
     pub(super) fn from_byte(byte: u8) -> Result<Self, DecodeError> {
         let upper = byte.to_ascii_uppercase();
-        let index = usize::from(upper.wrapping_sub(b'A'));
-        let known = LETTERS.get(index).copied().flatten();
-        known.ok_or_else(|| DecodeError::UnknownLetter { letter: char::from(upper) })
+        let index = LETTERS.binary_search_by_key(&upper, |letter| *letter as u8);
+        let known = index.ok().and_then(|index| LETTERS.get(index).copied());
+        known.ok_or_else(|| DecodeError::UnknownLetter(char::from(upper)))
     }
 
     /// True for the letters that say where to go.
@@ -145,30 +122,7 @@ impl Letter {
     }
 
     pub(super) fn as_char(self) -> char {
-        match self {
-            Self::N => 'N',
-            Self::G => 'G',
-            Self::X => 'X',
-            Self::Y => 'Y',
-            Self::Z => 'Z',
-            Self::P => 'P',
-            Self::Q => 'Q',
-            Self::U => 'U',
-            Self::V => 'V',
-            Self::W => 'W',
-            Self::I => 'I',
-            Self::J => 'J',
-            Self::K => 'K',
-            Self::L => 'L',
-            Self::R => 'R',
-            Self::D => 'D',
-            Self::E => 'E',
-            Self::F => 'F',
-            Self::H => 'H',
-            Self::M => 'M',
-            Self::O => 'O',
-            Self::S => 'S',
-        }
+        char::from(self as u8)
     }
 
     /// Error of `value` as this letter's number, if any.
@@ -183,16 +137,16 @@ impl Letter {
             }
             Self::N => (0.0, f64::from(u32::MAX), ""),
             Self::H if value == 0.0 || value.abs() > f64::from(SWITCHES) => {
-                return Some(DecodeError::SwitchNumber { value });
+                return Some(DecodeError::SwitchNumber(value));
             }
             // Which commands there are is Command's to say.
             Self::G | Self::H => return None,
             Self::S => {
                 return (!(3.0..=11.0).contains(&value.abs()) || (4.0..7.0).contains(&value.abs()))
-                    .then_some(DecodeError::ProfileAxis { value });
+                    .then_some(DecodeError::ProfileAxis(value));
             }
             Self::M => (0.0, f64::from(u16::MAX), ""),
-            Self::F if value <= 0.0 => return Some(DecodeError::NonPositiveFeed { value }),
+            Self::F if value <= 0.0 => return Some(DecodeError::NonPositiveFeed(value)),
             Self::F => (0.0, MAX_FEED_MM_PER_S, " mm/s"),
             Self::E if value == 0.0 => return Some(DecodeError::ZeroAcceleration),
             Self::E => (-MAX_ACCELERATION_MM_PER_S2, MAX_ACCELERATION_MM_PER_S2, " mm/s²"),
@@ -237,16 +191,7 @@ pub(super) enum Motion {
 impl Motion {
     /// The number after G.
     pub(super) fn number(self) -> u8 {
-        match self {
-            Self::Rapid => 0,
-            Self::Line => 1,
-            Self::Arc { clockwise: true } => 2,
-            Self::Arc { clockwise: false } => 3,
-            Self::Spline => 5,
-            Self::Parabola => 6,
-            Self::Ellipse { clockwise: true } => 8,
-            Self::Ellipse { clockwise: false } => 9,
-        }
+        Command::Motion(self).number()
     }
 
     /// The words it looks at besides its targets.
@@ -295,66 +240,60 @@ pub(super) enum Command {
     },
 }
 
+/// Every command and the number after G.
+const COMMANDS: [(u8, Command); 24] = {
+    use Command::{Centers, Jump, SetPosition, Targets, Variable};
+    const fn motion(motion: Motion) -> Command {
+        Command::Motion(motion)
+    }
+    const NONE: Marks = Marks(0);
+    const fn begin(number: u8, starts: Marks) -> (u8, Command) {
+        (number, Command::Preparation { number, starts, ends: NONE })
+    }
+    const fn end(number: u8, ends: Marks) -> (u8, Command) {
+        (number, Command::Preparation { number, starts: NONE, ends })
+    }
+    [
+        (0, motion(Motion::Rapid)),
+        (1, motion(Motion::Line)),
+        (2, motion(Motion::Arc { clockwise: true })),
+        (3, motion(Motion::Arc { clockwise: false })),
+        (5, motion(Motion::Spline)),
+        (6, motion(Motion::Parabola)),
+        (8, motion(Motion::Ellipse { clockwise: true })),
+        (9, motion(Motion::Ellipse { clockwise: false })),
+        (20, Jump),
+        (36, Variable { add: false }),
+        (37, Variable { add: true }),
+        end(40, Marks::CORRECTION_END),
+        begin(41, Marks::CORRECTION_LEFT),
+        begin(42, Marks::CORRECTION_RIGHT),
+        end(50, Marks::CORNERS_END),
+        begin(51, Marks::SMOOTHING),
+        begin(52, Marks::ROUNDING),
+        end(60, Marks::LOOPS_END),
+        begin(61, Marks::LOOPS),
+        (90, Targets { relative: false }),
+        (91, Targets { relative: true }),
+        (92, SetPosition),
+        (98, Centers { relative: false }),
+        (99, Centers { relative: true }),
+    ]
+};
+
 impl Command {
     /// The command of `G<number>`.
     ///
     /// # Errors
     /// [`DecodeError::UnknownCommand`].
+    #[expect(clippy::float_cmp, reason = "G words are whole numbers")]
     pub(super) fn from_number(number: f64) -> Result<Self, DecodeError> {
-        let unknown = || DecodeError::UnknownCommand { number };
-        if !(0.0..=99.0).contains(&number) {
-            return Err(unknown());
-        }
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "it is 0 to 99"
-        )]
-        let code = number as u8;
-        let begin = |starts| Self::Preparation { number: code, starts, ends: Marks::default() };
-        let end = |ends| Self::Preparation { number: code, starts: Marks::default(), ends };
-        Ok(match code {
-            0 => Self::Motion(Motion::Rapid),
-            1 => Self::Motion(Motion::Line),
-            2 => Self::Motion(Motion::Arc { clockwise: true }),
-            3 => Self::Motion(Motion::Arc { clockwise: false }),
-            5 => Self::Motion(Motion::Spline),
-            6 => Self::Motion(Motion::Parabola),
-            8 => Self::Motion(Motion::Ellipse { clockwise: true }),
-            9 => Self::Motion(Motion::Ellipse { clockwise: false }),
-            20 => Self::Jump,
-            36 => Self::Variable { add: false },
-            37 => Self::Variable { add: true },
-            40 => end(Marks::CORRECTION_END),
-            41 => begin(Marks::CORRECTION_LEFT),
-            42 => begin(Marks::CORRECTION_RIGHT),
-            50 => end(Marks::CORNERS_END),
-            51 => begin(Marks::SMOOTHING),
-            52 => begin(Marks::ROUNDING),
-            60 => end(Marks::LOOPS_END),
-            61 => begin(Marks::LOOPS),
-            90 => Self::Targets { relative: false },
-            91 => Self::Targets { relative: true },
-            92 => Self::SetPosition,
-            98 => Self::Centers { relative: false },
-            99 => Self::Centers { relative: true },
-            _ => return Err(unknown()),
-        })
+        let found = COMMANDS.iter().find(|(code, _)| f64::from(*code) == number);
+        found.map(|(_, command)| *command).ok_or(DecodeError::UnknownCommand(number))
     }
 
     /// The number after G.
     pub(super) fn number(self) -> u8 {
-        match self {
-            Self::Motion(motion) => motion.number(),
-            Self::Jump => 20,
-            Self::Variable { add: false } => 36,
-            Self::Variable { add: true } => 37,
-            Self::Preparation { number, .. } => number,
-            Self::Targets { relative: false } => 90,
-            Self::Targets { relative: true } => 91,
-            Self::SetPosition => 92,
-            Self::Centers { relative: false } => 98,
-            Self::Centers { relative: true } => 99,
-        }
+        COMMANDS.iter().find(|(_, command)| *command == self).map_or(0, |(code, _)| *code)
     }
 }

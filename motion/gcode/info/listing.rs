@@ -76,38 +76,32 @@ impl MoveType {
         }
     }
 
+    /// The manual's number, none for dwells and probing moves; and the name in lists.
+    const fn number_and_name(self) -> (Option<u8>, &'static str) {
+        match self {
+            Self::Lin => (Some(1), "LIN"),
+            Self::Clw => (Some(2), "CLW"),
+            Self::Cclw => (Some(3), "CCLW"),
+            Self::Spline => (Some(5), "SPLINE"),
+            Self::EllClw => (Some(8), "ELLCLW"),
+            Self::EllCclw => (Some(9), "ELLCCLW"),
+            Self::LinPos => (Some(100), "LINPOS"),
+            Self::InitPos => (Some(110), "INITPOS"),
+            Self::MCommand => (Some(120), "MCOMMAND"),
+            Self::Dwell => (None, "DWELL"),
+            Self::Probe => (None, "PROBE"),
+        }
+    }
+
     /// The manual's number; it has none for dwells and probing moves.
     pub const fn number(self) -> Option<u8> {
-        Some(match self {
-            Self::Lin => 1,
-            Self::Clw => 2,
-            Self::Cclw => 3,
-            Self::Spline => 5,
-            Self::EllClw => 8,
-            Self::EllCclw => 9,
-            Self::LinPos => 100,
-            Self::InitPos => 110,
-            Self::MCommand => 120,
-            Self::Dwell | Self::Probe => return None,
-        })
+        self.number_and_name().0
     }
 }
 
 impl fmt::Display for MoveType {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Lin => "LIN",
-            Self::Clw => "CLW",
-            Self::Cclw => "CCLW",
-            Self::Spline => "SPLINE",
-            Self::EllClw => "ELLCLW",
-            Self::EllCclw => "ELLCCLW",
-            Self::LinPos => "LINPOS",
-            Self::InitPos => "INITPOS",
-            Self::MCommand => "MCOMMAND",
-            Self::Dwell => "DWELL",
-            Self::Probe => "PROBE",
-        })
+        f.pad(self.number_and_name().1)
     }
 }
 

@@ -48,7 +48,7 @@ pub struct RuleCount {
     pub first: Place,
 }
 
-/// Key figures of a program, added up as its elements pass: tell it of every element and every diagnostic.
+/// Key figures of a program, added up as its elements pass: give it every element and every diagnostic.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProgramInfo {
     /// Name of the program, if it has one. The decoder knows.

@@ -115,11 +115,11 @@ fn the_running_line_comes_first() {
 #[test]
 fn viewer_errors() {
     let mut viewer = GCodeViewer::new(2);
-    assert_eq!(viewer.run(1), Err(ViewerError::UnknownLine { line: 1 }));
+    assert_eq!(viewer.run(1), Err(ViewerError::UnknownLine(1)));
     viewer.push(1, "G1".to_owned()).unwrap();
     viewer.push(2, "G1".to_owned()).unwrap();
-    assert_eq!(viewer.push(3, "G1".to_owned()), Err(ViewerError::BufferTooSmall { capacity: 2 }));
-    assert_eq!(viewer.run(1), Err(ViewerError::UnknownLine { line: 1 }));
+    assert_eq!(viewer.push(3, "G1".to_owned()), Err(ViewerError::BufferTooSmall(2)));
+    assert_eq!(viewer.run(1), Err(ViewerError::UnknownLine(1)));
     assert_eq!(viewer.lines().count(), 2);
     assert_eq!(viewer.run(3), Ok(()));
 }

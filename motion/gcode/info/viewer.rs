@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 /// The blocks whose objects are on their way through the look-ahead, the one that is running first.
 ///
 /// Every block that is decoded goes in ([`Self::push`]); the line that the interpolator works on
-/// (`iActObjectSourceNo`) is told by [`Self::run`], and those before it are forgotten. So it must have room for all
+/// (`iActObjectSourceNo`) is set by [`Self::run`], and those before it are forgotten. So it must have room for all
 /// blocks between decoder and interpolator. (`SMC_GCV_BUFFER_WRONG_TYPE`, 1301, cannot happen here: the buffer is its
 /// own.)
 #[derive(Clone, Debug)]
@@ -18,17 +18,11 @@ pub struct GCodeViewer {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ViewerError {
     /// More blocks are under way than there is room for (`SMC_GCV_BUFFER_TOO_SMALL`, 1300). The oldest is forgotten.
-    #[error("the viewer has room for {capacity} blocks, and more are under way")]
-    BufferTooSmall {
-        /// Blocks it has room for.
-        capacity: usize,
-    },
+    #[error("the viewer has room for {0} blocks, and more are under way")]
+    BufferTooSmall(usize),
     /// The running line is none of those under way (`SMC_GCV_UNKNOWN_IPO_LINE`, 1302).
-    #[error("line {line} is running, but is not among the blocks under way")]
-    UnknownLine {
-        /// The line.
-        line: u32,
-    },
+    #[error("line {0} is running, but is not among the blocks under way")]
+    UnknownLine(u32),
 }
 
 impl GCodeViewer {
@@ -48,7 +42,7 @@ impl GCodeViewer {
             self.entries.pop_front();
         }
         self.entries.push_back((line, block));
-        if full { Err(ViewerError::BufferTooSmall { capacity: self.capacity }) } else { Ok(()) }
+        if full { Err(ViewerError::BufferTooSmall(self.capacity)) } else { Ok(()) }
     }
 
     /// The block of `line` is running now: the first of that line which has not been passed.
@@ -57,7 +51,7 @@ impl GCodeViewer {
     /// [`ViewerError::UnknownLine`]; nothing is forgotten then.
     pub fn run(&mut self, line: u32) -> Result<(), ViewerError> {
         let found = self.entries.iter().position(|(number, _)| *number == line);
-        let passed = found.ok_or(ViewerError::UnknownLine { line })?;
+        let passed = found.ok_or(ViewerError::UnknownLine(line))?;
         self.entries.drain(..passed);
         Ok(())
     }

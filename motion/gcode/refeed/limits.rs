@@ -60,7 +60,7 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Limits<I> {
                 Some(limit) => {
                     let limit = limit.map_err(RefeedError::Limits)?;
                     if limit.line < line {
-                        return Err(RefeedError::Late { line: limit.line });
+                        return Err(RefeedError::Late(limit.line));
                     }
                     self.newest = self.newest.max(limit.line);
                     self.waiting.entry(limit.line).or_default().include(&limit);

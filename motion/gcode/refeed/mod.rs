@@ -19,7 +19,7 @@ use std::fmt;
 use std::io::{self, BufRead, Read, Write};
 use twin_path::Place;
 
-/// So many of the lines that no F can help are kept.
+/// Number of lines without a feasible feed that are kept.
 const KEPT: usize = 1000;
 
 /// The largest feed that a machine allows on a line of a program, or on a piece of it: of several for one line the
@@ -31,7 +31,7 @@ pub struct LineLimit {
     /// It is that of a rapid (G0). In RS274 no F word governs rapids.
     pub rapid: bool,
     /// m/s, or where only further axes move a thousandth of their velocity in u/s, as in
-    /// [`twin_path::PathElement::feed`]. What is not a number counts as 0.
+    /// [`twin_path::PathElement::feed`]. NaN counts as 0.
     pub feed: f64,
 }
 
@@ -44,7 +44,7 @@ pub enum Reason {
     NoFeed,
     /// Inverse time (G93) goes no slower than a tenth of a unit per minute.
     InverseTime,
-    /// The line is so long that there is no room for a word more.
+    /// The line has no room for another word.
     LongLine,
 }
 
@@ -110,11 +110,8 @@ pub enum RefeedError {
     #[error("the limits are not known: {0}")]
     Limits(#[source] io::Error),
     /// A limit that comes when its line has been written.
-    #[error("the limit of line {line} came too late")]
-    Late {
-        /// The line.
-        line: u32,
-    },
+    #[error("the limit of line {0} came too late")]
+    Late(u32),
 }
 
 /// Interface to a dialect: the edits of each line.
@@ -122,7 +119,7 @@ pub(crate) trait Interpreter {
     /// The longest line it reads, its end included, bytes.
     const MAX_LINE_BYTES: usize;
 
-    /// Takes the next line, its end included, and tells what is to change in it. Lines that are too long come as their
+    /// Takes the next line, its end included, and returns its edit. Lines that are too long come as their
     /// beginning.
     fn line(&mut self, line: &[u8], refed: &mut Refed) -> Result<Option<Edit>, RefeedError>;
 }

@@ -43,7 +43,7 @@ pub(crate) fn without_feed(element: &PathElement) -> PathElement {
 }
 
 /// A program without its F words and blanks, line by line; it may have no comments with F in them.
-pub(crate) fn without_feeds(program: &str) -> Vec<String> {
+fn without_feeds(program: &str) -> Vec<String> {
     let line = |line: &str| {
         let mut kept = String::new();
         let mut characters = line.chars().filter(|c| *c != ' ').peekable();
@@ -81,6 +81,32 @@ pub(crate) fn check_path(
         } else if before.kind == ElementKind::Rapid {
             prop_assert_eq!(before.feed.to_bits(), after.feed.to_bits());
         }
+    }
+    Ok(())
+}
+
+/// Asserts that `text` is `program` with other F words, that a second reduction changes nothing, and that every changed
+/// line is needed: without it the path has another feed.
+pub(crate) fn check_text(
+    program: &str,
+    text: &str,
+    refed: &Refed,
+    path: impl Fn(&[u8]) -> Vec<PathElement>,
+    written: impl Fn(&[u8]) -> (Vec<u8>, Refed),
+) -> Result<(), TestCaseError> {
+    prop_assert_eq!(without_feeds(program), without_feeds(text));
+    let (again, second) = written(text.as_bytes());
+    prop_assert_eq!(String::from_utf8(again).unwrap(), text);
+    prop_assert_eq!((second.changed, second.lowered), (0, 0));
+    let (old, new): (Vec<_>, Vec<_>) = (program.split('\n').collect(), text.split('\n').collect());
+    let changed: Vec<_> = (0..old.len()).filter(|index| old[*index] != new[*index]).collect();
+    prop_assert_eq!(changed.len() as u64, refed.changed);
+    let after = path(text.as_bytes());
+    for index in changed {
+        let mut one = new.clone();
+        one[index] = old[index];
+        let without = path(one.join("\n").as_bytes());
+        prop_assert_ne!(without, after.clone(), "line {} of {}", index + 1, text);
     }
     Ok(())
 }
@@ -144,5 +170,5 @@ fn a_limit_that_comes_too_late_is_an_error() {
     let mut limits = Limits::new(limits.into_iter().map(Ok));
     assert!(limits.of(1).is_ok());
     assert!(limits.of(2).is_ok());
-    assert!(matches!(limits.of(3), Err(RefeedError::Late { line: 1 })));
+    assert!(matches!(limits.of(3), Err(RefeedError::Late(1))));
 }

@@ -173,7 +173,7 @@ impl Block {
         Some(usize::try_from(*start).ok()?..usize::try_from(*end).ok()?)
     }
 
-    /// Adds the word of an ASCII letter other than N and O, or says what is wrong with it.
+    /// Adds the word of an ASCII letter other than N and O, or returns its error.
     pub(super) fn add(
         &mut self,
         upper: u8,
@@ -199,10 +199,10 @@ impl Block {
     ) -> Result<(), DecodeError> {
         let name = letter.as_char();
         if !Letters::KNOWN.contains(letter) {
-            return Err(DecodeError::UnsupportedLetter { letter: name });
+            return Err(DecodeError::UnsupportedLetter(name));
         }
         if self.present.contains(letter) {
-            return Err(DecodeError::RepeatedWord { letter: name });
+            return Err(DecodeError::RepeatedWord(name));
         }
         if value.abs() > MAX_NUMBER {
             let (min, max) = (-MAX_NUMBER, MAX_NUMBER);
@@ -222,7 +222,7 @@ impl Block {
 
     fn add_g(&mut self, value: f64) -> Result<(), DecodeError> {
         let unsupported = || DecodeError::UnsupportedCode { letter: 'G', number: value };
-        // One decimal; what is meant may be off by a little.
+        // One decimal; the number may be off by a little.
         let tenths = whole_number(value * 10.0, 10.0 * WHOLE, 999).ok_or_else(unsupported)?;
         self.g.add(tenths).map_err(|error| match error {
             CodeError::Unsupported => unsupported(),
@@ -235,7 +235,7 @@ impl Block {
         self.m_count += 1;
         if self.m_count > MAX_M_WORDS {
             self.m_count = MAX_M_WORDS;
-            return Err(DecodeError::TooManyMWords { limit: MAX_M_WORDS });
+            return Err(DecodeError::TooManyMWords(MAX_M_WORDS));
         }
         let number = whole_number(value, WHOLE, 999).ok_or_else(unsupported)?;
         self.m.add(number).map_err(|error| match error {

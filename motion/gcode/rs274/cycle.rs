@@ -133,7 +133,7 @@ impl State {
             Cycle::Peck => {
                 let peck = word(Letter::Q, before.map(|series| series.peck))?;
                 if peck <= 0.0 {
-                    return Err(DecodeError::NonPositivePeck { value: peck });
+                    return Err(DecodeError::NonPositivePeck(peck));
                 }
                 series.peck = peck;
             }
@@ -148,9 +148,5 @@ fn check_count(cycle: Cycle, repeats: u32, pecks: f64) -> Result<(), DecodeError
     let moves = if cycle == Cycle::Peck { 4.0 + 3.0 * pecks } else { 5.0 };
     #[expect(clippy::cast_precision_loss, reason = "it is small")]
     let max = limit as f64;
-    if moves * f64::from(repeats) <= max {
-        Ok(())
-    } else {
-        Err(DecodeError::EndlessCycle { limit })
-    }
+    if moves * f64::from(repeats) <= max { Ok(()) } else { Err(DecodeError::EndlessCycle(limit)) }
 }

@@ -17,11 +17,11 @@ const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// Decodes a program as an iterator over its path elements.
 ///
-/// Whatever the input, it ends with the input, with M2, M30 or the second `%`; what is behind them is not looked at. A
+/// Whatever the input, it ends with the input, with M2, M30 or the second `%`; text behind them is not read. A
 /// block with an error gives an error (or several); the path goes on with the next block where the erroneous one was to
-/// lead as far as that can be told, with a jump in between. So all errors of a program are found in one run.
+/// lead as far as that is known, with a jump in between. So all errors of a program are found in one run.
 #[derive(Debug)]
-#[expect(clippy::struct_excessive_bools, reason = "each is told apart by its name")]
+#[expect(clippy::struct_excessive_bools, reason = "each has a name of its own")]
 pub struct Decoder<R> {
     pub(super) reader: R,
     skip_suppressed_blocks: bool,
@@ -113,7 +113,7 @@ impl<R: BufRead> Decoder<R> {
             }
             self.line.clear();
             self.state.forgive_missing_feed();
-            self.out.error(None, DecodeError::LineTooLong { limit: MAX_LINE_BYTES });
+            self.out.error(None, DecodeError::LineTooLong(MAX_LINE_BYTES));
         }
         Ok(true)
     }
@@ -159,7 +159,7 @@ impl<R: BufRead> Decoder<R> {
         if let Line::ProgramNumber { start, end } = kind {
             if self.under_way {
                 let reason = super::UnsupportedReason::Subroutine;
-                self.out.error(Some(start..end), DecodeError::Unsupported { reason });
+                self.out.error(Some(start..end), DecodeError::Unsupported(reason));
             } else {
                 let digits = line.get(start + 1..end).unwrap_or_default();
                 let digits = digits.iter().filter(|byte| byte.is_ascii_digit());

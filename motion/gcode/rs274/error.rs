@@ -38,23 +38,14 @@ impl std::fmt::Display for UnsupportedReason {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DecodeError {
     /// A line without end.
-    #[error("the line is longer than {limit} bytes")]
-    LineTooLong {
-        /// The longest line that is read.
-        limit: usize,
-    },
+    #[error("the line is longer than {0} bytes")]
+    LineTooLong(usize),
     /// A character that begins no word.
-    #[error("{character:?} is not part of a word: a block is made of letters followed by numbers")]
-    UnexpectedCharacter {
-        /// The character.
-        character: char,
-    },
-    /// A byte that is no text.
-    #[error("byte {byte:#04x} is neither ASCII nor UTF-8 text")]
-    UnexpectedByte {
-        /// The byte.
-        byte: u8,
-    },
+    #[error("{0:?} is not part of a word: a block is made of letters followed by numbers")]
+    UnexpectedCharacter(char),
+    /// A byte that is not text.
+    #[error("byte {0:#04x} is neither ASCII nor UTF-8 text")]
+    UnexpectedByte(u8),
     /// `(` without `)`.
     #[error("the comment is not closed with ) in its line")]
     UnclosedComment,
@@ -65,17 +56,11 @@ pub enum DecodeError {
     #[error("the program does not end with M2, M30 or a second %")]
     MissingEnd,
     /// A letter without its number.
-    #[error("a number must follow after {letter}")]
-    MissingNumber {
-        /// The word's letter.
-        letter: char,
-    },
+    #[error("a number must follow after {0}")]
+    MissingNumber(char),
     /// The letter is not followed by a number.
-    #[error("what follows {letter} is not a number")]
-    InvalidNumber {
-        /// The word's letter.
-        letter: char,
-    },
+    #[error("what follows {0} is not a number")]
+    InvalidNumber(char),
     /// N is not followed by a block number.
     #[error("a whole number must follow after N")]
     InvalidBlockNumber,
@@ -90,7 +75,7 @@ pub enum DecodeError {
         /// Its number.
         value: f64,
     },
-    /// A number, or the position it leads to, beyond what is allowed.
+    /// A number, or the position it leads to, out of range.
     #[error("{letter} is {}{unit}, outside {}{unit} to {}{unit}", Short(*value), Short(*min), Short(*max))]
     OutOfRange {
         /// The word's letter.
@@ -105,11 +90,8 @@ pub enum DecodeError {
         unit: &'static str,
     },
     /// The same letter twice.
-    #[error("a second {letter} word in one block")]
-    RepeatedWord {
-        /// The word's letter.
-        letter: char,
-    },
+    #[error("a second {0} word in one block")]
+    RepeatedWord(char),
     /// Two words of one modal group.
     #[error(
         "{letter}{number} contradicts another {letter} word of this block: they belong to one modal group"
@@ -121,32 +103,20 @@ pub enum DecodeError {
         number: f64,
     },
     /// More M words than a line may have.
-    #[error("a block has at most {limit} M words")]
-    TooManyMWords {
-        /// Largest number allowed.
-        limit: u8,
-    },
+    #[error("a block has at most {0} M words")]
+    TooManyMWords(u8),
     /// A word that nothing in its line uses.
-    #[error("{letter} has nothing to act on in this block")]
-    UnusedWord {
-        /// The word's letter.
-        letter: char,
-    },
+    #[error("{0} has nothing to act on in this block")]
+    UnusedWord(char),
     /// Axis words, but no motion is in force.
     #[error("axis words without a motion: no G0, G1, G2, G3 or canned cycle is in force")]
     AxesWithoutMotion,
     /// G28, G30 or G92 together with a motion.
-    #[error("G{motion} and another G word of this block both want its axis words")]
-    AxesUsedTwice {
-        /// Number of the motion.
-        motion: f64,
-    },
+    #[error("G{0} and another G word of this block both want its axis words")]
+    AxesUsedTwice(f64),
     /// No axis word where one is needed.
-    #[error("G{number} needs an axis word")]
-    MissingAxes {
-        /// Number of the G word.
-        number: f64,
-    },
+    #[error("G{0} needs an axis word")]
+    MissingAxes(f64),
     /// Feed motion before any F, or after G94 without a new one. Reported once until there is an F.
     #[error("motion without a feed: F has not been set, or not since G94")]
     MissingFeed,
@@ -169,41 +139,23 @@ pub enum DecodeError {
     #[error("G53 cannot be used with incremental distances (G91)")]
     MachineFrameIncremental,
     /// A probing move that must trip, to where the tool is.
-    #[error("{probing} goes nowhere: its start and its end are the same")]
-    ProbeNowhere {
-        /// The programmed move.
-        probing: Probing,
-    },
+    #[error("{0} goes nowhere: its start and its end are the same")]
+    ProbeNowhere(Probing),
     /// A probing move that must trip and begins where it would have.
-    #[error("{probing} begins {}", already(*probing))]
-    ProbeTripped {
-        /// The programmed move.
-        probing: Probing,
-    },
+    #[error("{} begins {}", .0, already(*.0))]
+    ProbeTripped(Probing),
     /// A probing move that must trip and does not.
-    #[error("{probing} reaches its end without {}", lacking(*probing))]
-    ProbeNotTripped {
-        /// The programmed move.
-        probing: Probing,
-    },
+    #[error("{} reaches its end without {}", .0, lacking(*.0))]
+    ProbeNotTripped(Probing),
     /// A probing move, and nobody knows where it ends. A warning.
-    #[error("{probing} is taken to reach its end: nothing is known that it could touch")]
-    ProbeUnknown {
-        /// The programmed move.
-        probing: Probing,
-    },
+    #[error("{0} is taken to reach its end: nothing is known that it could touch")]
+    ProbeUnknown(Probing),
     /// A tool that is not in the table.
-    #[error("tool {number} is not in the tool table")]
-    UnknownTool {
-        /// Number of the tool.
-        number: u32,
-    },
+    #[error("tool {0} is not in the tool table")]
+    UnknownTool(u32),
     /// G43 without a tool table. A warning.
-    #[error("there is no tool table: the length of tool {number} is taken to be 0")]
-    NoToolTable {
-        /// Number of the tool.
-        number: u32,
-    },
+    #[error("there is no tool table: the length of tool {0} is taken to be 0")]
+    NoToolTable(u32),
     /// A canned cycle without a word it needs.
     #[error("G{cycle} needs {letter}")]
     MissingCycleWord {
@@ -213,11 +165,8 @@ pub enum DecodeError {
         letter: char,
     },
     /// G83 with a Q that leads nowhere.
-    #[error("the peck Q of G83 is {}, it must be more than 0", Short(*value))]
-    NonPositivePeck {
-        /// Its number.
-        value: f64,
-    },
+    #[error("the peck Q of G83 is {}, it must be more than 0", Short(*.0))]
+    NonPositivePeck(f64),
     /// The retract plane is below the bottom of the hole.
     #[error("the retract plane R at {} is below the bottom of the hole at {}", Short(*retract), Short(*bottom))]
     RetractBelowBottom {
@@ -227,17 +176,11 @@ pub enum DecodeError {
         bottom: f64,
     },
     /// Too many repetitions or pecks.
-    #[error("this canned cycle has more than {limit} moves")]
-    EndlessCycle {
-        /// Largest number allowed.
-        limit: usize,
-    },
+    #[error("this canned cycle has more than {0} moves")]
+    EndlessCycle(usize),
     /// A letter that is not executed.
-    #[error("{letter} words are not supported")]
-    UnsupportedLetter {
-        /// The word's letter.
-        letter: char,
-    },
+    #[error("{0} words are not supported")]
+    UnsupportedLetter(char),
     /// A G or M word that is not executed.
     #[error("{letter}{number} is not supported")]
     UnsupportedCode {
@@ -247,11 +190,8 @@ pub enum DecodeError {
         number: f64,
     },
     /// Unsupported part that is not a word.
-    #[error("{reason} are not supported")]
-    Unsupported {
-        /// The unsupported part.
-        reason: UnsupportedReason,
-    },
+    #[error("{0} are not supported")]
+    Unsupported(UnsupportedReason),
     /// G2 or G3 with neither R nor a centre.
     #[error("an arc needs its radius R or its centre")]
     ArcWithoutCenter,
@@ -259,17 +199,11 @@ pub enum DecodeError {
     #[error("an arc takes either its radius R or its centre, not both")]
     RadiusAndCenter,
     /// A word of the centre along the normal of the plane.
-    #[error("{letter} is not in the plane of the arc")]
-    CenterOutsidePlane {
-        /// The word's letter.
-        letter: char,
-    },
+    #[error("{0} is not in the plane of the arc")]
+    CenterOutsidePlane(char),
     /// One word of the centre is missing where they are absolute (G90.1).
-    #[error("{letter} is missing: with G90.1 the centre of an arc needs both its words")]
-    IncompleteCenter {
-        /// The missing word's letter.
-        letter: char,
-    },
+    #[error("{0} is missing: with G90.1 the centre of an arc needs both its words")]
+    IncompleteCenter(char),
     /// An arc by R without an end.
     #[error("an arc by R needs an axis word of its plane")]
     RadiusWithoutEnd,
@@ -335,21 +269,19 @@ fn lacking(probing: Probing) -> &'static str {
 impl TextError for DecodeError {
     fn rule(&self) -> Rule {
         match self {
-            Self::UnsupportedLetter { .. }
-            | Self::UnsupportedCode { .. }
-            | Self::Unsupported { .. } => Rule::UnsupportedWord,
+            Self::UnsupportedLetter(_) | Self::UnsupportedCode { .. } | Self::Unsupported(_) => {
+                Rule::UnsupportedWord
+            }
             Self::ArcWithoutCenter
             | Self::RadiusAndCenter
-            | Self::CenterOutsidePlane { .. }
-            | Self::IncompleteCenter { .. }
+            | Self::CenterOutsidePlane(_)
+            | Self::IncompleteCenter(_)
             | Self::RadiusWithoutEnd
             | Self::RadiusWithoutChord
             | Self::RadiusTooSmall { .. }
             | Self::ZeroRadius { .. }
             | Self::CenterMismatch { .. } => Rule::ArcGeometry,
-            Self::ProbeTripped { .. }
-            | Self::ProbeNotTripped { .. }
-            | Self::ProbeUnknown { .. } => Rule::Probe,
+            Self::ProbeTripped(_) | Self::ProbeNotTripped(_) | Self::ProbeUnknown(_) => Rule::Probe,
             _ => Rule::Syntax,
         }
     }

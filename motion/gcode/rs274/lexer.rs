@@ -24,10 +24,10 @@ pub(super) enum Line {
     },
 }
 
-/// Reads the words of `line`, from byte `at` on, into `block`, and what is wrong with it into `problems`.
+/// Reads the words of `line`, from byte `at` on, into `block`, and its errors into `problems`.
 ///
 /// Blanks mean nothing, not even within numbers. A word that is well formed but of no use is left out and the words
-/// after it are still read. After bytes that are no word at all nothing more is read: what would follow are errors of
+/// after it are still read. After bytes that are not a word nothing more is read: what would follow are errors of
 /// guessing where the next word begins.
 pub(super) fn lex(line: &[u8], at: usize, block: &mut Block, problems: &mut Vec<Problem>) -> Line {
     let mut lexer = Lexer { line, at };
@@ -92,7 +92,7 @@ impl Lexer<'_> {
         Problem { columns: Some(start..end.min(self.line.len())), error }
     }
 
-    /// The comment that begins here. What is in it may be any bytes.
+    /// The comment that begins here. It may contain any bytes.
     fn comment(&mut self) -> Result<(), Problem> {
         let inside = self.at + 1;
         let rest = self.line.get(inside..).unwrap_or_default();
@@ -132,7 +132,7 @@ impl Lexer<'_> {
                 return Err(self.unsupported(start, UnsupportedReason::Expression));
             }
             _ => {
-                return Err(self.problem(start, start + 1, DecodeError::MissingNumber { letter }));
+                return Err(self.problem(start, start + 1, DecodeError::MissingNumber(letter)));
             }
         }
         let value = self.number();
@@ -141,7 +141,7 @@ impl Lexer<'_> {
             Ok(Some(value)) => block.add(upper, value, columns, problems),
             Ok(None) => problems.push(Problem {
                 columns: Some(columns),
-                error: DecodeError::InvalidNumber { letter },
+                error: DecodeError::InvalidNumber(letter),
             }),
             // A sign, and then something else.
             Err(reason) => return Err(self.unsupported(start, reason)),
@@ -235,10 +235,10 @@ impl Lexer<'_> {
     }
 
     fn unsupported(&self, start: usize, reason: UnsupportedReason) -> Problem {
-        self.problem(start, self.line.len(), DecodeError::Unsupported { reason })
+        self.problem(start, self.line.len(), DecodeError::Unsupported(reason))
     }
 
-    /// What is here begins no word.
+    /// The character here does not begin a word.
     fn unexpected(&self, byte: u8) -> Problem {
         let at = self.at;
         match byte {
@@ -246,7 +246,7 @@ impl Lexer<'_> {
             b'[' => return self.unsupported(at, UnsupportedReason::Expression),
             b'@' | b'^' | b'$' => {
                 let letter = char::from(byte);
-                return self.problem(at, at + 1, DecodeError::UnsupportedLetter { letter });
+                return self.problem(at, at + 1, DecodeError::UnsupportedLetter(letter));
             }
             _ => {}
         }
@@ -254,10 +254,8 @@ impl Lexer<'_> {
         let bytes = self.line.get(at..self.line.len().min(at + 4)).unwrap_or_default();
         let character = bytes.utf8_chunks().next().and_then(|chunk| chunk.valid().chars().next());
         let (length, error) = match character {
-            Some(character) => {
-                (character.len_utf8(), DecodeError::UnexpectedCharacter { character })
-            }
-            None => (1, DecodeError::UnexpectedByte { byte }),
+            Some(character) => (character.len_utf8(), DecodeError::UnexpectedCharacter(character)),
+            None => (1, DecodeError::UnexpectedByte(byte)),
         };
         self.problem(at, at + length, error)
     }

@@ -97,7 +97,7 @@ pub struct DecoderOptions {
     pub surroundings: Option<Surroundings>,
     /// Waiting time behind a probing move, ns: for drives that follow late.
     pub probe_settle_ns: i64,
-    /// Leaves out the blocks that begin with `/`. What is in them is not looked at.
+    /// Leaves out the blocks that begin with `/`. Their contents are not checked.
     pub skip_suppressed_blocks: bool,
     /// Moves that go nowhere are elements too, as in LinuxCNC's interpreter; else they are left out, as its planner
     /// does, but for probing moves, of which it says how they ended. The path stops at elements of length zero.

@@ -35,7 +35,7 @@ pub struct ProbePath {
 /// [`ProbeTrip::Release`]. A target must not make something else of that rounding.
 pub trait ProbeTarget: fmt::Debug {
     /// Place where the probe trips, as a part of the way from the start (0) to the end (1): 0 if it is at the start
-    /// already as the move wants it. None, or a number that is no part, if it does not trip.
+    /// already as the move wants it. None, or a number outside that range, if it does not trip.
     fn trip(&mut self, path: &ProbePath) -> Option<f64>;
 }
 
@@ -89,10 +89,10 @@ impl State {
         let shape = self.line_to(&to);
         let Some(feed) = self.feed_for(&shape, &to, block.get(Letter::F))? else { return Ok(()) };
         if probing.required && stays {
-            return Err(DecodeError::ProbeNowhere { probing }.into());
+            return Err(DecodeError::ProbeNowhere(probing).into());
         }
         let Some(target) = &mut self.probe_target else {
-            out.warning(None, DecodeError::ProbeUnknown { probing });
+            out.warning(None, DecodeError::ProbeUnknown(probing));
             let kind = ElementKind::Probe { probing, outcome: ProbeOutcome::Unknown };
             self.go(kind, shape, feed, to, out);
             self.settle(out);
@@ -109,7 +109,7 @@ impl State {
         let part = target.trip(&path).filter(|part| *part <= 1.0);
         let (shape, outcome) = match part {
             Some(part) if part <= 0.0 && probing.required => {
-                return Err(DecodeError::ProbeTripped { probing }.into());
+                return Err(DecodeError::ProbeTripped(probing).into());
             }
             Some(part) => {
                 to = from.toward(&to, part, &self.offsets, self.units);
@@ -119,7 +119,7 @@ impl State {
         };
         self.go(ElementKind::Probe { probing, outcome }, shape, feed, to, out);
         if probing.required && outcome == ProbeOutcome::NotTripped {
-            return Err(DecodeError::ProbeNotTripped { probing }.into());
+            return Err(DecodeError::ProbeNotTripped(probing).into());
         }
         self.settle(out);
         Ok(())

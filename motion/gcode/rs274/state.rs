@@ -122,7 +122,7 @@ impl State {
         }
     }
 
-    /// A missing F has been told of, in one way or another.
+    /// A missing F has been reported.
     pub(super) fn forgive_missing_feed(&mut self) {
         self.feed_reported = true;
     }
@@ -130,7 +130,7 @@ impl State {
     /// Does what a block asks for; false if the program ends with it.
     ///
     /// # Errors
-    /// What is wrong with it. Nothing of it has been done then, or only what comes before in LinuxCNC's order.
+    /// The error of the block. Nothing of it has been done then, or only what comes before in LinuxCNC's order.
     pub(super) fn execute(&mut self, block: &Block, out: &mut Output) -> Result<bool, Problem> {
         // Most blocks: G1 X1 Y2, X1 Y2.
         let motion = self.motion_of(block)?;
@@ -191,14 +191,14 @@ impl State {
         };
         if let Some((number, needs_axes)) = other {
             return match active {
-                Some(motion) => Err(DecodeError::AxesUsedTwice { motion: motion.number() }),
-                None if needs_axes && !axes => Err(DecodeError::MissingAxes { number }),
+                Some(motion) => Err(DecodeError::AxesUsedTwice(motion.number())),
+                None if needs_axes && !axes => Err(DecodeError::MissingAxes(number)),
                 None => Ok(None),
             };
         }
         match (block.g.motion, axes) {
             (Some(motion @ (Motion::Cycle(_) | Motion::Probe(_))), false) => {
-                Err(DecodeError::MissingAxes { number: motion.number() })
+                Err(DecodeError::MissingAxes(motion.number()))
             }
             (Some(Motion::Off), true) => Err(DecodeError::AxesWithoutMotion),
             (Some(motion), _) => Ok(Some(motion)),
@@ -239,7 +239,7 @@ impl State {
             used = used.with(Letters::of(&[Letter::H]));
         }
         if let Some(letter) = block.letters().without(used).first() {
-            let error = DecodeError::UnusedWord { letter: letter.as_char() };
+            let error = DecodeError::UnusedWord(letter.as_char());
             return Err(Problem { columns: block.columns(letter), error });
         }
         if block.g.one_shot == Some(OneShot::MachineFrame) {
@@ -289,7 +289,7 @@ impl State {
             self.selected_tool = Some(tool);
         }
         if block.m.tool_change {
-            // The spindle stands for it.
+            // The spindle number replaces it.
             self.stop_spindle(out);
             self.tool = self.selected_tool.unwrap_or(self.tool);
             self.m_function(6, Some(f64::from(self.tool)), out);
@@ -325,7 +325,7 @@ impl State {
         match tools.get(number) {
             Some(tool) => Ok(tool.offset),
             None if number == 0 => Ok([0.0; 3]),
-            None => Err(DecodeError::UnknownTool { number }),
+            None => Err(DecodeError::UnknownTool(number)),
         }
     }
 
@@ -364,7 +364,7 @@ impl State {
                 if self.tools.is_none() && number != 0 {
                     out.warning(
                         block.get(Letter::H).and_then(|_| block.columns(Letter::H)),
-                        DecodeError::NoToolTable { number },
+                        DecodeError::NoToolTable(number),
                     );
                 }
                 self.find_tool(number)?

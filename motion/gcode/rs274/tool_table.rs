@@ -34,7 +34,7 @@ pub enum ToolTableError {
     /// It cannot be read.
     #[error("the tool table cannot be read")]
     Io(#[source] io::Error),
-    /// An entry is no letter with a number.
+    /// An entry is not a letter with a number.
     #[error("line {line}: {letter:?} is not followed by a number")]
     Number {
         /// Line of the file, counted from 1.
@@ -51,11 +51,8 @@ pub enum ToolTableError {
         letter: char,
     },
     /// A tool without number, or with one that is negative or no whole number.
-    #[error("line {line}: a tool needs a whole number T")]
-    ToolNumber {
-        /// Line of the file, counted from 1.
-        line: u32,
-    },
+    #[error("line {0}: a tool needs a whole number T")]
+    ToolNumber(u32),
     /// A tool for the second time.
     #[error("line {line}: tool {number} is there already")]
     Duplicate {
@@ -184,7 +181,7 @@ fn entry(text: &[u8], line: u32, unit: LengthUnit) -> Result<Option<Tool>, ToolT
     if empty {
         return Ok(None);
     }
-    tool.number = number.ok_or(ToolTableError::ToolNumber { line })?;
+    tool.number = number.ok_or(ToolTableError::ToolNumber(line))?;
     Ok(Some(tool))
 }
 

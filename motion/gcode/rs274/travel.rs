@@ -134,7 +134,7 @@ impl State {
     fn center(&self, block: &Block, axes: [Axis; 3]) -> Result<Point3<f64>, Problem> {
         let [first, second, normal] = axes;
         if block.get(normal.center).is_some() {
-            let error = DecodeError::CenterOutsidePlane { letter: normal.center.as_char() };
+            let error = DecodeError::CenterOutsidePlane(normal.center.as_char());
             return Err(Problem { columns: block.columns(normal.center), error });
         }
         if !block.letters().meets(Letters::CENTER) {
@@ -149,7 +149,7 @@ impl State {
                 Some(word) => self.units.to_metres(word),
                 None if self.absolute_centers => {
                     let letter = axis.center.as_char();
-                    return Err(DecodeError::IncompleteCenter { letter }.into());
+                    return Err(DecodeError::IncompleteCenter(letter).into());
                 }
                 None => 0.0,
             };
@@ -228,7 +228,7 @@ impl State {
         Ok(())
     }
 
-    /// The feed along `shape` to `to`, as [`PathElement::feed`] has it; none if that it is missing has been told.
+    /// The feed along `shape` to `to`, as [`PathElement::feed`] has it; none if its absence has been reported.
     pub(super) fn feed_for(
         &mut self,
         shape: &Shape,
@@ -241,9 +241,9 @@ impl State {
         };
         // The path goes on where it was to lead.
         self.location = *to;
-        let told = self.feed_reported && !matches!(error, DecodeError::MissingInverseTime);
+        let reported = self.feed_reported && !matches!(error, DecodeError::MissingInverseTime);
         self.feed_reported |= !matches!(error, DecodeError::MissingInverseTime);
-        if told { Ok(None) } else { Err(error.into()) }
+        if reported { Ok(None) } else { Err(error.into()) }
     }
 
     /// m/s, or a thousandth of degrees/s where only rotary axes move.

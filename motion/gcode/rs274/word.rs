@@ -81,6 +81,9 @@ pub(super) enum OneShot {
     RestoreOffset,
 }
 
+/// Work coordinate systems G54 to G59.3, in tenths.
+const SYSTEMS: [u16; 9] = [540, 550, 560, 570, 580, 590, 591, 592, 593];
+
 /// G words of a line but for their columns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct GWords {
@@ -161,15 +164,6 @@ impl GWords {
             }
             430 => set(&mut self.tool_length, true),
             490 => set(&mut self.tool_length, false),
-            540 => set(&mut self.system, 0),
-            550 => set(&mut self.system, 1),
-            560 => set(&mut self.system, 2),
-            570 => set(&mut self.system, 3),
-            580 => set(&mut self.system, 4),
-            590 => set(&mut self.system, 5),
-            591 => set(&mut self.system, 6),
-            592 => set(&mut self.system, 7),
-            593 => set(&mut self.system, 8),
             610 => set(&mut self.exact_path, true),
             640 => set(&mut self.exact_path, false),
             900 => set(&mut self.relative, false),
@@ -180,11 +174,14 @@ impl GWords {
             940 => set(&mut self.inverse_time, false),
             980 => set(&mut self.initial_level, true),
             990 => set(&mut self.initial_level, false),
-            _ => Err(CodeError::Unsupported),
+            _ => match (0..).zip(SYSTEMS).find(|(_, code)| *code == tenths) {
+                Some((system, _)) => set(&mut self.system, system),
+                None => Err(CodeError::Unsupported),
+            },
         }
     }
 
-    /// G80 may stand beside any other motion, which then holds, and beside itself.
+    /// G80 may be in one block with any other motion, which then holds, and with another G80.
     fn motion(&mut self, motion: Motion) -> Result<(), CodeError> {
         match (self.motion, motion) {
             (Some(Motion::Off), _) => self.motion = Some(motion),

@@ -13,29 +13,17 @@ pub enum DxfReadError {
     #[error("this is a binary drawing: save it as a text DXF file")]
     Binary,
     /// The file does not consist of group codes and values.
-    #[error("line {line}: a group code must be here, a whole number on a line of its own")]
-    GroupCode {
-        /// Line of the file, from 1.
-        line: u64,
-    },
-    /// There is no `EOF` at the end.
-    #[error("line {line}: the drawing ends in the middle, its EOF is missing")]
-    Truncated {
-        /// The last line.
-        line: u64,
-    },
+    #[error("line {0}: a group code must be here, a whole number on a line of its own")]
+    GroupCode(u64),
+    /// `EOF` is missing at the end.
+    #[error("line {0}: the drawing ends in the middle, its EOF is missing")]
+    Truncated(u64),
     /// More bytes than allowed.
-    #[error("the drawing has more than {limit} bytes")]
-    TooLarge {
-        /// Largest number allowed.
-        limit: u64,
-    },
+    #[error("the drawing has more than {0} bytes")]
+    TooLarge(u64),
     /// More pieces of path than allowed, blocks inserted.
-    #[error("the drawing has more than {limit} pieces of path")]
-    TooMany {
-        /// Largest number allowed.
-        limit: usize,
-    },
+    #[error("the drawing has more than {0} pieces of path")]
+    TooMany(usize),
     /// Blocks inserted in blocks, too deep or in a circle.
     #[error("line {line}: blocks are inserted in one another more than {limit} deep")]
     TooDeep {
@@ -62,7 +50,7 @@ pub enum DxfReadError {
 /// Reason why a part of a drawing is not, or not exactly, in the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Reason {
-    /// A kind of entity that is no path, or that is not known.
+    /// A kind of entity that is not a path, or is unknown.
     NotUnderstood,
     /// Its plane is not that of X and Y.
     Tilted,

@@ -209,7 +209,7 @@ impl<'a> Expander<'a> {
     fn add(&mut self, count: usize) -> Result<(), DxfReadError> {
         self.count = self.count.saturating_add(count);
         let limit = self.limits.pieces;
-        if self.count > limit { Err(DxfReadError::TooMany { limit }) } else { Ok(()) }
+        if self.count > limit { Err(DxfReadError::TooMany(limit)) } else { Ok(()) }
     }
 }
 

@@ -269,7 +269,7 @@ impl Path<'_> {
                 matches!(piece, Primitive::Line { .. }) || start.z.to_bits() == end.z.to_bits();
             let snapped = if near_level { piece.between(start, end) } else { piece };
             let shape = snapped.shape();
-            // What is shorter than a nanometre once its ends are moved is no piece of its own.
+            // A piece shorter than a nanometre after its ends have moved is dropped.
             if shape.length() > 1e-9 {
                 self.at = shape.end();
                 self.push(ElementKind::Cut, shape, place);

@@ -8,7 +8,7 @@ use std::io::BufRead;
 const UNDERSTOOD: [&str; 8] =
     ["LINE", "ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE", "ELLIPSE", "SPLINE", "INSERT"];
 
-/// Different kinds of entities that are told apart; a file with more is not serious.
+/// Largest number of entity kinds in one file.
 const MOST_KINDS: usize = 256;
 
 /// How far the name of a kind is read.
@@ -41,7 +41,7 @@ pub(super) struct LayerState {
 
 #[derive(Debug, Default)]
 pub(super) struct Survey {
-    /// A drawing of nothing but what is understood.
+    /// A drawing with known entities only.
     pub(super) drawing: Vec<u8>,
     /// `$INSUNITS`, if the drawing says.
     pub(super) units: Option<i32>,
@@ -100,7 +100,7 @@ pub(super) fn survey(reader: impl BufRead, limit: u64) -> Result<Survey, DxfRead
         {
             return Err(DxfReadError::Binary);
         }
-        let code: i32 = code.trim().parse().map_err(|_unclear| DxfReadError::GroupCode { line })?;
+        let code: i32 = code.trim().parse().map_err(|_unclear| DxfReadError::GroupCode(line))?;
         let Some(value) = lines.next()? else { break };
         if code == 0 && value.trim() == "EOF" {
             surveyor.pair(0, "EOF");
@@ -108,7 +108,7 @@ pub(super) fn survey(reader: impl BufRead, limit: u64) -> Result<Survey, DxfRead
         }
         surveyor.read(code, &value, line + 1);
     }
-    Err(DxfReadError::Truncated { line: lines.number })
+    Err(DxfReadError::Truncated(lines.number))
 }
 
 impl Surveyor {
@@ -249,13 +249,13 @@ impl<R: BufRead> Lines<R> {
             return Ok(None);
         }
         if self.reader.limit() == 0 {
-            return Err(DxfReadError::TooLarge { limit: self.limit });
+            return Err(DxfReadError::TooLarge(self.limit));
         }
         self.number += 1;
         while matches!(line.last(), Some(b'\n' | b'\r')) {
             line.pop();
         }
-        // Old drawings are in the code page of some PC: what is no UTF-8 is taken for Latin-1.
+        // Old drawings are in the code page of some PC: text that is not UTF-8 is read as Latin-1.
         Ok(Some(String::from_utf8(line).unwrap_or_else(|error| {
             error.as_bytes().iter().map(|byte| char::from(*byte)).collect()
         })))

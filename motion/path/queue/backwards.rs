@@ -10,12 +10,12 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 #[derive(Debug)]
 pub struct Backwards<I, F> {
     upstream: I,
-    /// Elements in their order, with what is in force along them as marks.
+    /// Elements in their order, with the active sections as marks.
     spool: F,
     /// Lengths of the pieces of the spool, bytes.
     pieces: Vec<u32>,
     bytes: u64,
-    /// The piece that is being written, or what is left of the one that was read.
+    /// The piece that is being written, or the rest of the one that was read.
     piece: Vec<u8>,
     modes: Modes,
     elements: Vec<PathElement>,

@@ -17,11 +17,8 @@ pub enum QueueReadError {
         source: io::Error,
     },
     /// The file begins with something else.
-    #[error("byte {offset}: this is no queue file")]
-    NotAQueue {
-        /// First byte that is different.
-        offset: u64,
-    },
+    #[error("byte {0}: this is not a queue file")]
+    NotAQueue(u64),
     /// Another version of the layout.
     #[error("byte {offset}: the queue has version {version}; version {VERSION} can be read")]
     Version {
@@ -31,17 +28,11 @@ pub enum QueueReadError {
         version: u16,
     },
     /// The file ends before its end record is complete.
-    #[error("byte {offset}: the queue ends in the middle, its end record is missing")]
-    Truncated {
-        /// Length of the file.
-        offset: u64,
-    },
+    #[error("byte {0}: the queue ends in the middle, its end record is missing")]
+    Truncated(u64),
     /// Something follows the end record.
-    #[error("byte {offset}: something follows the end of the queue")]
-    Trailing {
-        /// The first byte too many.
-        offset: u64,
-    },
+    #[error("byte {0}: something follows the end of the queue")]
+    Trailing(u64),
     /// Neither a block nor the end begins where one must.
     #[error("byte {offset}: {tag:#04x} begins neither a block nor the end record")]
     Tag {
@@ -59,11 +50,8 @@ pub enum QueueReadError {
         length: u32,
     },
     /// The data read differ from the data written.
-    #[error("byte {offset}: the checksum is wrong, the queue is damaged before here")]
-    Checksum {
-        /// Offset of the checksum.
-        offset: u64,
-    },
+    #[error("byte {0}: the checksum is wrong, the queue is damaged before here")]
+    Checksum(u64),
     /// The end record counts other elements than there were.
     #[error("byte {offset}: the queue says it has {expected} elements, it has {found}")]
     Count {
@@ -90,26 +78,20 @@ pub enum ContentError {
     /// The block ends within an element.
     #[error("the block ends within an element")]
     Incomplete,
-    /// A number that stands for nothing.
-    #[error("{value} is no {field}")]
+    /// A number without a meaning.
+    #[error("{value} is not a valid {field}")]
     Unknown {
         /// The field.
         field: &'static str,
         /// The value found.
         value: u8,
     },
-    /// A coordinate, angle or limit that is no finite number.
-    #[error("a number of an element is {value}, not a finite one")]
-    NotFinite {
-        /// The value found.
-        value: f64,
-    },
+    /// A coordinate, angle or limit that is not finite.
+    #[error("a number of an element is {0}, not a finite one")]
+    NotFinite(f64),
     /// An ellipse that goes around more often than once.
-    #[error("an ellipse turns by {sweep} rad; it can go around once")]
-    Turns {
-        /// The eccentric angle swept.
-        sweep: f64,
-    },
+    #[error("an ellipse turns by {0} rad; it can go around once")]
+    Turns(f64),
 }
 
 /// Error of writing a queue file.

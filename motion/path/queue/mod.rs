@@ -33,7 +33,7 @@ pub(crate) const VERSION: u16 = 1;
 /// The largest payload of a block, bytes.
 pub const MAX_BLOCK_BYTES: usize = 1 << 16;
 
-/// The first bytes of a file. One is no text and the line ends are of both kinds, so that a file that was taken for
+/// The first bytes of a file. One is not text and the line ends are of both kinds, so that a file that was taken for
 /// text on its way is found out at once.
 const MAGIC: [u8; 8] = *b"\x95TWQ\r\n\x1a\n";
 const HEADER_BYTES: usize = 16;

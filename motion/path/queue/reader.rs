@@ -33,7 +33,7 @@ impl<R: Read> QueueReader<R> {
     /// Begins to read; every block is one read or a few.
     ///
     /// # Errors
-    /// [`QueueReadError`] if this is no queue file of this version.
+    /// [`QueueReadError`] if this is not a queue file of this version.
     pub fn new(reader: R) -> Result<Self, QueueReadError> {
         let mut reader = Self {
             reader,
@@ -48,12 +48,12 @@ impl<R: Read> QueueReader<R> {
         };
         let mut header = [0; HEADER_BYTES];
         let read = reader.fill(&mut header);
-        // What is no queue file may well be shorter than a header.
+        // Another file may be shorter than a header.
         let begun = usize::try_from(reader.offset).unwrap_or(HEADER_BYTES);
         if let Some((wrong, _)) =
             (0..).zip(header.iter().zip(MAGIC)).take(begun).find(|(_, (is, should))| *is != should)
         {
-            return Err(QueueReadError::NotAQueue { offset: wrong });
+            return Err(QueueReadError::NotAQueue(wrong));
         }
         read?;
         let [_, _, _, _, _, _, _, _, low, high, generator, zero, sum @ ..] = header;
@@ -63,7 +63,7 @@ impl<R: Read> QueueReader<R> {
         }
         let [covered @ .., _, _, _, _] = &header;
         if crc32fast::hash(covered) != u32::from_le_bytes(sum) {
-            return Err(QueueReadError::Checksum { offset: 12 });
+            return Err(QueueReadError::Checksum(12));
         }
         let unknown = |offset, field, value| QueueReadError::Content {
             offset,
@@ -153,13 +153,13 @@ impl<R: Read> QueueReader<R> {
             return Err(QueueReadError::Count { offset: at, expected, found: self.elements });
         }
         if u32::from_le_bytes(total) != self.total.clone().finalize() {
-            return Err(QueueReadError::Checksum { offset: at + 8 });
+            return Err(QueueReadError::Checksum(at + 8));
         }
         let mut more = [0];
         match self.fill(&mut more) {
-            Err(QueueReadError::Truncated { .. }) => Ok(()),
+            Err(QueueReadError::Truncated(_)) => Ok(()),
             Err(error) => Err(error),
-            Ok(()) => Err(QueueReadError::Trailing { offset: self.offset - 1 }),
+            Ok(()) => Err(QueueReadError::Trailing(self.offset - 1)),
         }
     }
 
@@ -167,7 +167,7 @@ impl<R: Read> QueueReader<R> {
     fn verify(&mut self, hasher: Hasher) -> Result<(), QueueReadError> {
         let offset = self.offset;
         let sum = u32::from_le_bytes(self.array()?);
-        if sum == hasher.finalize() { Ok(()) } else { Err(QueueReadError::Checksum { offset }) }
+        if sum == hasher.finalize() { Ok(()) } else { Err(QueueReadError::Checksum(offset)) }
     }
 
     fn array<const N: usize>(&mut self) -> Result<[u8; N], QueueReadError> {
@@ -179,7 +179,7 @@ impl<R: Read> QueueReader<R> {
     fn fill(&mut self, mut bytes: &mut [u8]) -> Result<(), QueueReadError> {
         while !bytes.is_empty() {
             match self.reader.read(bytes) {
-                Ok(0) => return Err(QueueReadError::Truncated { offset: self.offset }),
+                Ok(0) => return Err(QueueReadError::Truncated(self.offset)),
                 Ok(read) => {
                     self.offset += read as u64;
                     bytes = std::mem::take(&mut bytes).get_mut(read..).unwrap_or_default();

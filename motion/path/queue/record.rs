@@ -198,7 +198,7 @@ impl Writer<'_> {
 /// The element at the beginning of `bytes`, which moves on behind it.
 ///
 /// # Errors
-/// [`ContentError`]; `bytes` is then at what is wrong, or a few bytes behind it.
+/// [`ContentError`]; `bytes` is then at the error, or a few bytes behind it.
 pub(super) fn read(bytes: &mut &[u8]) -> Result<PathElement, ContentError> {
     let mut from = Reader(bytes);
     let line = from.u32()?;
@@ -278,7 +278,7 @@ impl Reader<'_, '_> {
 
     fn number(&mut self) -> Result<f64, ContentError> {
         let value = f64::from_le_bytes(self.take()?);
-        if value.is_finite() { Ok(value) } else { Err(ContentError::NotFinite { value }) }
+        if value.is_finite() { Ok(value) } else { Err(ContentError::NotFinite(value)) }
     }
 
     /// A number, or infinity where nothing limits.
@@ -286,7 +286,7 @@ impl Reader<'_, '_> {
         match f64::from_le_bytes(self.take()?) {
             f64::INFINITY => Ok(f64::INFINITY),
             value if value.is_finite() => Ok(value),
-            value => Err(ContentError::NotFinite { value }),
+            value => Err(ContentError::NotFinite(value)),
         }
     }
 
@@ -321,7 +321,7 @@ impl Reader<'_, '_> {
                 let major = Vector2::from(self.numbers::<2>()?);
                 let [minor, sweep] = self.numbers()?;
                 if sweep.abs() > MAX_ELLIPSE_SWEEP {
-                    return Err(ContentError::Turns { sweep });
+                    return Err(ContentError::Turns(sweep));
                 }
                 Shape::Ellipse(Box::new(Ellipse::new(start, end, center, major, minor, sweep)))
             }

@@ -234,7 +234,7 @@ fn generators() {
     }
 }
 
-/// Whatever is before the damage may be handed out, nothing else, and the damage is told of.
+/// Only elements before the damage may be handed out, and the damage is reported.
 #[track_caller]
 fn assert_found(bytes: &[u8], what: &dyn std::fmt::Display) {
     let (elements, error) = read(bytes);
@@ -249,9 +249,7 @@ fn every_truncation_is_found() {
     for length in 0..bytes.len() {
         assert_found(&bytes[..length], &length);
         let (_, error) = read(&bytes[..length]);
-        let Some(QueueReadError::Truncated { offset }) = error else {
-            panic!("{length}: {error:?}")
-        };
+        let Some(QueueReadError::Truncated(offset)) = error else { panic!("{length}: {error:?}") };
         assert_eq!(offset, length as u64);
     }
 }
@@ -289,11 +287,11 @@ fn what_is_wrong_is_named() {
         bytes.splice(at..at + new.len(), new.iter().copied());
         read(&bytes).1.unwrap()
     };
-    assert!(matches!(with(0, b"%"), QueueReadError::NotAQueue { offset: 0 }));
-    assert!(matches!(read(b"% program").1, Some(QueueReadError::NotAQueue { offset: 0 })));
-    assert!(matches!(read(b"\x95T").1, Some(QueueReadError::Truncated { offset: 2 })));
+    assert!(matches!(with(0, b"%"), QueueReadError::NotAQueue(0)));
+    assert!(matches!(read(b"% program").1, Some(QueueReadError::NotAQueue(0))));
+    assert!(matches!(read(b"\x95T").1, Some(QueueReadError::Truncated(2))));
     assert!(matches!(with(8, &[2, 0]), QueueReadError::Version { version: 2, offset: 8 }));
-    assert!(matches!(with(10, &[1]), QueueReadError::Checksum { offset: 12 }));
+    assert!(matches!(with(10, &[1]), QueueReadError::Checksum(12)));
     assert!(matches!(with(16, b"X"), QueueReadError::Tag { offset: 16, tag: b'X' }));
     for length in [0, 65_537, u32::MAX] {
         let error = with(17, &length.to_le_bytes());
@@ -305,9 +303,7 @@ fn what_is_wrong_is_named() {
     let mut longer = bytes.clone();
     longer.push(0);
     let length = bytes.len() as u64;
-    assert!(
-        matches!(read(&longer).1, Some(QueueReadError::Trailing { offset }) if offset == length)
-    );
+    assert!(matches!(read(&longer).1, Some(QueueReadError::Trailing(offset)) if offset == length));
 }
 
 /// Blocks that are whole but lost, doubled or exchanged, and an end record of another file.
@@ -339,7 +335,7 @@ fn blocks_in_the_wrong_place_are_found() {
     let exchanged: Vec<_> = [1, 0].into_iter().chain(2..blocks.len()).collect();
     let doubled: Vec<_> = [0].into_iter().chain(0..blocks.len()).collect();
     for order in [&all[1..], &exchanged, &doubled] {
-        assert!(matches!(assemble(order).1, Some(QueueReadError::Checksum { .. })));
+        assert!(matches!(assemble(order).1, Some(QueueReadError::Checksum(_))));
     }
     let shorter = assemble(&all[..all.len() - 1]);
     assert!(matches!(shorter.1, Some(QueueReadError::Count { expected: 2000, .. })));
@@ -356,7 +352,7 @@ fn elements_that_cannot_be_read_are_not_written() {
         let error = writer.write(&bad).unwrap_err();
         assert!(matches!(
             error,
-            QueueWriteError::Content { place, error: ContentError::NotFinite { .. } } if place == bad.place
+            QueueWriteError::Content { place, error: ContentError::NotFinite(_) } if place == bad.place
         ));
     }
     writer.write(&good[2]).unwrap();
@@ -366,7 +362,7 @@ fn elements_that_cannot_be_read_are_not_written() {
 }
 
 proptest! {
-    /// Bit for bit: what `Debug` prints tells −0 from 0, which `==` does not.
+    /// Bit for bit: `Debug` distinguishes −0 from 0, `==` does not.
     #[test]
     fn written_and_read_is_the_same(elements in prop::collection::vec(element(), 0..20)) {
         let (back, error) = read(&written(&elements));

@@ -282,7 +282,7 @@ proptest! {
         prop_assert!((shape.at(length * (1.0 - near)).position - shape.end()).norm() < 2e-9 * length + 1e-15);
     }
 
-    /// Path length is what is travelled: the tangent has length one, and differences of positions are it.
+    /// Path length: the tangent has length one and is the derivative of the position.
     #[test]
     fn curves_are_travelled_by_length(shape in curves(), at in 0.001..0.999) {
         let length = shape.length();

@@ -156,7 +156,7 @@ fn z_with_the_s_profile() {
     }
 }
 
-/// The same of an extra axis, beside one that moves linearly.
+/// The same for an extra axis, next to one that moves linearly.
 #[test]
 fn extra_axes() {
     let shape = line([0.0; 3], [50.0, 0.0, 0.0]);

@@ -200,7 +200,7 @@ proptest! {
     }
 }
 
-/// Of elements whose derivatives are no numbers (a fuzzer made a queue file of them): a path still leads through.
+/// A path leads through elements with derivatives that are NaN (found by fuzzing queue files).
 #[test]
 fn elements_too_small_for_derivatives_have_none() {
     let tiny = 1e-161;

@@ -45,7 +45,7 @@ fn split() {
     assert!((first[0].1 - 0.2).abs() < 1e-12 && (first[1].1 - 1.0).abs() < 1e-12);
     assert!(second[0].0 == 3 && (second[0].1 - 0.5).abs() < 1e-12);
     for at in [0.0, 1.0, -0.5, f64::NAN] {
-        assert!(matches!(quarter().split(at), Err(OperationError::SplitPlace { .. })));
+        assert!(matches!(quarter().split(at), Err(OperationError::SplitPlace(_))));
     }
 }
 
@@ -73,7 +73,7 @@ fn rotated_moved_and_scaled() {
     assert_mm(about.point(&point), 69.282_032_303, 84.641_016_151);
     assert_mm(Similarity::scaling(1.5).unwrap().point(&point), 150.0, 75.0);
     for factor in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(Similarity::scaling(factor), Err(OperationError::Factor { .. })));
+        assert!(matches!(Similarity::scaling(factor), Err(OperationError::Factor(_))));
     }
 }
 
@@ -107,15 +107,15 @@ fn upright_arcs_are_not_turned() {
         PI,
     )));
     let turned = Similarity::rotation(0.1).element(&upright);
-    assert_eq!(turned, Err(OperationError::UprightArc { place: upright.place }));
+    assert_eq!(turned, Err(OperationError::UprightArc(upright.place)));
     let moved = Similarity::translation(Vector3::new(0.0, 0.0, 1.0)).element(&upright).unwrap();
     assert_eq!(moved.start(), Point3::new(0.0, 0.0, 1.0));
-    // Z to X: at the middle it is above or below, not beside.
+    // Z to X: at the middle it is above or below, not at the side.
     assert!((upright.at(upright.length() / 2.0).position.z.abs() - 0.01).abs() < 1e-12);
     assert!(upright.at(upright.length() / 2.0).position.y.abs() < 1e-12);
 }
 
-/// What is in force along each element stays so on the way back; left becomes right.
+/// Sections stay active along each element on the way back; left becomes right.
 #[test]
 fn marks_on_the_way_back() {
     let mut path: Vec<_> = (0..5)
@@ -152,7 +152,7 @@ fn one_element_of_a_stream_is_split() {
 
 #[test]
 fn a_stream_is_mapped_and_says_what_cannot_be() {
-    let path: Path = vec![Ok(quarter()), Err(OperationError::Factor { factor: 0.0 })];
+    let path: Path = vec![Ok(quarter()), Err(OperationError::Factor(0.0))];
     let mapped: Path = MapPath::new(path.into_iter(), Similarity::rotation(PI)).collect();
     assert_mm(mapped[0].as_ref().unwrap().start(), -10.0, 0.0);
     assert!(mapped[1].is_err());
@@ -258,7 +258,7 @@ proptest! {
             prop_assert_eq!(pair[0].end(), pair[1].start());
             let (a, b) = (pair[0].end_tangent(), pair[1].start_tangent());
             let angle = a.cross(&b).norm().atan2(a.dot(&b));
-            // A cusp is no angle that more lines could make smaller.
+            // More lines do not make the angle of a cusp smaller.
             let smooth = pair.iter().all(|line| line.length() > 1e-5 * shape.length());
             prop_assert!(!smooth || angle < limit, "{angle} {limit}");
             s += pair[0].length();
@@ -286,7 +286,7 @@ fn probing_moves() {
     assert_eq!((moved.kind, moved.end()), (kind, zero));
     let place = probe.place;
     let split: Vec<_> = SplitAt::new(path(), 0, 0.5).collect();
-    assert_eq!(split, [Err(OperationError::SplitProbe { place })]);
+    assert_eq!(split, [Err(OperationError::SplitProbe(place))]);
     assert_eq!(
         split[0].clone().unwrap_err().to_string(),
         "line 3 (N30): a probing move cannot be split"

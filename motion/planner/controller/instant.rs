@@ -23,7 +23,7 @@ impl Instant {
         Self { ns, fraction: 0.0 }
     }
 
-    /// `seconds` (not negative) later. Beyond the range of `i64` nanoseconds, 292 years, time stands still.
+    /// `seconds` (not negative) later. Beyond the range of `i64` nanoseconds, 292 years, the time stays the same.
     #[expect(clippy::cast_possible_truncation, reason = "the cast saturates, and so does the sum")]
     pub(crate) fn after(self, seconds: f64) -> Self {
         let fraction = self.fraction + seconds * NS_PER_S;

@@ -5,7 +5,7 @@ use twin_path::PathElement;
 /// Velocity over time along one element: constant acceleration from the start velocity to the peak, constant
 /// velocity, constant deceleration to the end velocity. Each of the three may have no duration.
 ///
-/// The rising part is reckoned from the start of the element and the falling part back from its end, so that both
+/// The rising part is computed from the start of the element and the falling part back from its end, so that both
 /// ends are met exactly and rounding is left where they meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profile {

@@ -52,7 +52,12 @@ fn plan(jerk: Option<f64>) -> Result<(f64, f64), Box<dyn Error>> {
         ..PathElement::new(Place { line: 1, block: None }, ElementKind::Cut, shape)
     };
     let path = CheckVelocities::new(std::iter::once(Ok::<_, CheckError>(element)), 0.0);
-    let limits = AxisLimits { velocity: VELOCITY, acceleration: ACCELERATION, jerk };
+    let limits = AxisLimits {
+        velocity: VELOCITY,
+        acceleration: ACCELERATION,
+        deceleration: ACCELERATION,
+        jerk,
+    };
     let axes = KinematicPath::new(Gantry3::new([0.0; 3])?, vec![limits; 3], AxisVector::zeros(3));
     let options = LimitOptions {
         feed: false,

@@ -9,15 +9,40 @@ pub struct AxisLimits {
     pub velocity: f64,
     /// Largest acceleration, m/s² or rad/s².
     pub acceleration: f64,
+    /// Largest deceleration, m/s² or rad/s²: limits an acceleration that is opposite to the velocity.
+    pub deceleration: f64,
     /// Largest jerk, m/s³ or rad/s³; `None`: not limited.
     pub jerk: Option<f64>,
+}
+
+impl AxisLimits {
+    /// Limit of an `acceleration` while the axis moves with `velocity`.
+    pub fn acceleration_at(&self, velocity: f64, acceleration: f64) -> f64 {
+        if velocity * acceleration < 0.0 { self.deceleration } else { self.acceleration }
+    }
+
+    /// The smaller of acceleration and deceleration: holds where the direction of the motion changes.
+    pub fn smallest_acceleration(&self) -> f64 {
+        self.acceleration.min(self.deceleration)
+    }
+
+    /// The larger of acceleration and deceleration.
+    pub(super) fn largest_acceleration(&self) -> f64 {
+        self.acceleration.max(self.deceleration)
+    }
+
+    /// True if the deceleration is a limit of its own.
+    pub(super) fn has_own_deceleration(&self) -> bool {
+        self.acceleration.to_bits() != self.deceleration.to_bits()
+    }
 }
 
 /// The reciprocals of what an axis can give.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
     pub(super) velocity: f64,
-    pub(super) acceleration: f64,
+    /// Of the smaller of acceleration and deceleration, and of the larger.
+    pub(super) acceleration: [f64; 2],
     /// 0: not limited.
     pub(super) jerk: f64,
 }
@@ -148,7 +173,7 @@ pub enum Constraint {
 /// The number of the first row of [`super::AxisPath::further`] in a [`Constraint::Further`].
 pub const FIRST_FURTHER_ROW: u8 = 2;
 
-/// The number of an axis or row in a [`Constraint`]: there are no more than a few.
+/// The number of an axis or row in a [`Constraint`].
 pub(super) fn number(index: usize) -> u8 {
     u8::try_from(index).unwrap_or(u8::MAX)
 }

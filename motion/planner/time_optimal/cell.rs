@@ -68,7 +68,7 @@ impl Sample {
         }
         for (((d1, d2), d3), limits) in axes {
             let acceleration = d1 * a + d2 * b;
-            worst[0] = worst[0].max(acceleration.abs() / limits.acceleration);
+            worst[0] = worst[0].max(acceleration.abs() / limits.acceleration_at(*d1, acceleration));
             worst[2] = worst[2].max((d1 * v).abs() / limits.velocity);
             if let Some(limit) = limits.jerk {
                 let jerk = d1 * jerk + 3.0 * d2 * a * v + d3 * b * v;

@@ -186,7 +186,7 @@ impl Program {
         self.rows() - before
     }
 
-    /// Leaves so many iterations less for what follows, where they are counted.
+    /// Deducts iterations from those that are left, where they are counted.
     pub(super) fn count_down(&mut self, iterations: u32) {
         if let Some(most) = &mut self.most_iterations {
             *most = most.saturating_sub(iterations).max(1);

@@ -78,8 +78,8 @@ mod tests {
             let r = if drag > 0.0 { row.usable(reference) } else { v };
             let of = (1.0 - of(acceleration, motion.1)) * (1.0 - 0.5 * drag * r);
             let surplus = 1.0 - row.part(acceleration, motion.1) - of;
-            let told = row.surplus(motion.1, reference);
-            prop_assert!(drag <= 0.0 || (surplus - told).abs() < 1e-9 * (1.0 + told), "{surplus} {told}");
+            let expected = row.surplus(motion.1, reference);
+            prop_assert!(drag <= 0.0 || (surplus - expected).abs() < 1e-9 * (1.0 + expected), "{surplus} {expected}");
         }
     }
 }

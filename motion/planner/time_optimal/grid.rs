@@ -8,7 +8,10 @@
 //!
 //! so that limits of velocity are bounds on b, and limits of acceleration are linear in a and b.
 
-use super::bound::{AxisLimits, Cap, CapSource, Disc, JerkRow, Part, Rates, Row, number};
+use super::bound::{
+    AxisLimits, Cap, CapSource, Constraint, Disc, JerkRow, Part, Rates, Row, number,
+};
+use twin_kinematics::AxisVector;
 
 /// One end of a cell.
 #[derive(Clone, Debug)]
@@ -32,11 +35,14 @@ pub struct Grid {
     parts: Vec<Part>,
     limits_jerk: bool,
     extra: usize,
+    /// Axes whose deceleration is a limit of its own. Their rows hold the larger of the two limits in both directions,
+    /// and a further row each the smaller one in its direction; where the axis turns round, the smaller one holds in both.
+    own_decelerations: Vec<usize>,
     /// Path parameter of every node: one more than cells.
     u: Vec<f64>,
     /// Per node, over both cells that meet there.
     caps: Vec<Cap>,
-    /// Per cell, at both ends: axes, then further rows.
+    /// Per cell, at both ends: axes, then further rows, then those of [`Self::own_decelerations`].
     rows: Vec<Row>,
     /// Per cell, at both ends: axes. None where no axis has a limit.
     jerks: Vec<JerkRow>,
@@ -55,12 +61,18 @@ impl Grid {
     pub fn new(limits: Vec<AxisLimits>, extra: usize, start: f64) -> Self {
         let part = |limits: &AxisLimits| Part {
             velocity: 1.0 / limits.velocity,
-            acceleration: 1.0 / limits.acceleration,
+            acceleration: [
+                1.0 / limits.smallest_acceleration(),
+                1.0 / limits.largest_acceleration(),
+            ],
             jerk: limits.jerk.map_or(0.0, |jerk| 1.0 / jerk),
         };
         Self {
             parts: limits.iter().map(part).collect(),
             limits_jerk: limits.iter().any(|limits| limits.jerk.is_some()),
+            own_decelerations: (0..limits.len())
+                .filter(|axis| limits[*axis].has_own_deceleration())
+                .collect(),
             limits,
             extra,
             u: vec![start],
@@ -78,7 +90,8 @@ impl Grid {
     pub fn push(&mut self, length: f64, start: &CellEnd<'_>, end: &CellEnd<'_>) {
         let here = self.u.last().copied().unwrap_or_default();
         self.u.push(here + length);
-        let caps = [self.push_end(start), self.push_end(end)];
+        let firsts = [&start.rates.first, &end.rates.first];
+        let caps = [self.push_end(start, firsts), self.push_end(end, firsts)];
         if start.disc.is_some() || end.disc.is_some() || !self.discs.is_empty() {
             self.discs.resize(2 * self.cell_caps.len(), None);
             self.discs.extend([start.disc, end.disc]);
@@ -118,21 +131,34 @@ impl Grid {
         self.dense.get(cell).copied().unwrap_or_default()
     }
 
-    fn push_end(&mut self, end: &CellEnd<'_>) -> Cap {
+    /// Adds the limits at one end of a cell at whose ends the axes have the first derivatives `firsts`.
+    fn push_end(&mut self, end: &CellEnd<'_>, firsts: [&AxisVector; 2]) -> Cap {
         let CellEnd { rates: Rates { first, second, third }, cap, rows, .. } = end;
         // The largest part of its limit that an axis has at the unit rate.
         let (mut most, mut fastest) = (0.0, 0);
         let values = first.iter().zip(second.iter()).zip(&self.parts);
+        let turns = |axis: usize| firsts[0][axis] * firsts[1][axis] <= 0.0;
         self.rows.extend(values.enumerate().map(|(axis, ((&d1, &d2), part))| {
             let velocity = d1.abs() * part.velocity;
             if velocity > most {
                 (most, fastest) = (velocity, axis);
             }
-            Row { a: d1 * part.acceleration, b: d2 * part.acceleration }
+            let [narrow, wide] = part.acceleration;
+            let factor = if turns(axis) { narrow } else { wide };
+            Row { a: d1 * factor, b: d2 * factor }
         }));
         if self.extra > 0 {
             let given = rows.iter().copied().chain(std::iter::repeat(Row::default()));
             self.rows.extend(given.take(self.extra));
+        }
+        for &axis in &self.own_decelerations {
+            let [narrow, _] = self.parts[axis].acceleration;
+            let (d1, d2) = (first[axis], second[axis]);
+            let slows = self.limits[axis].deceleration < self.limits[axis].acceleration;
+            // The acceleration times this is what the smaller limit bounds.
+            let side = if slows { -d1.signum() } else { d1.signum() } * narrow;
+            let row = Row { a: side * d1, b: side * d2 };
+            self.rows.push(if turns(axis) { Row::default() } else { row });
         }
         if self.limits_jerk {
             let values = first.iter().zip(second.iter()).zip(third.iter()).zip(&self.parts);
@@ -152,7 +178,7 @@ impl Grid {
 
     /// Makes the limits of acceleration, of jerk and of velocity in the newest cell tighter by these factors.
     pub(super) fn tighten_last(&mut self, [acceleration, jerk, velocity]: [f64; 3]) {
-        let width = 2 * (self.limits.len() + self.extra);
+        let width = 2 * self.width();
         for row in self.rows.iter_mut().rev().take(width) {
             row.a *= acceleration;
             row.b *= acceleration;
@@ -215,9 +241,22 @@ impl Grid {
         self.cell_caps.get(cell).copied().unwrap_or([Cap::NONE; 2])
     }
 
+    /// Number of rows at an end of a cell.
+    fn width(&self) -> usize {
+        self.limits.len() + self.extra + self.own_decelerations.len()
+    }
+
+    /// The constraint of a further row.
+    pub(super) fn further(&self, row: usize) -> Constraint {
+        match row.checked_sub(self.extra).and_then(|row| self.own_decelerations.get(row)) {
+            Some(axis) => Constraint::AxisAcceleration(number(*axis)),
+            None => Constraint::Further(number(row)),
+        }
+    }
+
     /// The rows of the axes (each holds with both signs) and the further ones (as they are) at an end of a cell.
     pub(super) fn rows(&self, cell: usize, end: End) -> (&[Row], &[Row]) {
-        let width = self.limits.len() + self.extra;
+        let width = self.width();
         let from = (2 * cell + end as usize) * width;
         let rows = self.rows.get(from..from + width).unwrap_or_default();
         rows.split_at_checked(self.limits.len()).unwrap_or_default()
@@ -229,7 +268,7 @@ impl Grid {
         if self.discs.get(2 * cell..2 * cell + 2).is_some_and(|discs| discs != [None; 2]) {
             return None;
         }
-        let width = self.limits.len() + self.extra;
+        let width = self.width();
         let (start, finish) =
             self.rows.get(2 * cell * width..2 * (cell + 1) * width)?.split_at_checked(width)?;
         let axes = self.limits.len();

@@ -19,6 +19,7 @@ mod drag;
 pub mod emergency;
 mod feeds;
 mod follow;
+#[expect(clippy::indexing_slicing, reason = "an axis counts below the number of the limits")]
 mod grid;
 mod linear;
 mod options;

@@ -142,7 +142,7 @@ impl<E: Clone> PlanExecutor<E> {
         }
     }
 
-    /// The plan from so many items on to where the path next rests.
+    /// The plan from this item on to where the path next rests.
     fn old(&self, queued: usize, resting: usize) -> Vec<Leg> {
         let mut old = Vec::new();
         for item in self.queue.iter().skip(queued) {

@@ -3,7 +3,7 @@
 use super::bound::{Disc, Row};
 use super::grid::{End, Grid};
 
-/// Stands for infinity where products with it must stay numbers.
+/// Replaces infinity where products with it must stay numbers.
 const HUGE: f64 = 1e280;
 /// Bounds that cross by less than this part of them do so by rounding.
 const CROSSED: f64 = 1e-9;

@@ -201,7 +201,7 @@ struct Reach {
 }
 
 impl Reach {
-    /// With `ONWARDS` the start of the cell is given, else its end. None where there are limits that are no rows.
+    /// With `ONWARDS` the start of the cell is given, else its end. `None` where limits exist that are not rows.
     #[inline]
     fn of<const AXES: usize, const ONWARDS: bool>(
         grid: &Grid,

@@ -10,7 +10,7 @@ use std::ops::Range;
 const FAR: f64 = 0.5;
 /// The least c, as a part of the smaller guess of b beside it.
 const LEAST: f64 = 0.02;
-/// Cells that take less time, s, are too short to tell a jerk: their coefficients would drown in rounding.
+/// Cells that take less time, s, are too short for a jerk: rounding would drown their coefficients.
 pub(super) const LEAST_TIME: f64 = 2e-5;
 /// Where the velocity varies within a cell, so does the jerk: at its ends it may be larger than in its middle, by this
 /// part of the limit.
@@ -23,7 +23,7 @@ const JERK_SHARE: f64 = 2.0 / 3.0;
 /// Quality of a guess.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Known {
-    /// It is no solution of the program yet.
+    /// It does not solve the program yet.
     #[default]
     Rough,
     /// One of a program that is not quite this.
@@ -246,7 +246,7 @@ impl Writer<'_> {
             if said_further.get(index).is_some_and(|said| said.is_about(row)) {
                 continue;
             }
-            let origin = self.origin(Constraint::Further(number(index)), 1.0);
+            let origin = self.origin(grid.further(index), 1.0);
             self.add(place.acceleration(row), 1.0, self.screen.other, origin);
         }
         if let Some(disc) = grid.disc(cell, end) {

@@ -16,12 +16,12 @@ use twin_kinematics::{AxisVector, KinematicsError};
 use twin_path::ElementKind;
 use twin_path::prepare::CircularLimits;
 
-/// A span between breaks is cut at least into so many cells; one of a blend, which bends all the way, into more.
+/// Least number of cells of a span between breaks; a blend bends all the way and has more.
 const LEAST: u32 = 2;
 const LEAST_OF_BLEND: u32 = 3;
 /// A span between two blends that is shorter than this part of them is one cell.
 const LITTLE: f64 = 0.3;
-/// And so is one that takes no longer than this, s, at its feed: in shorter cells jerks could not be told.
+/// And so is one that takes no longer than this, s, at its feed: in shorter cells rounding would drown their jerks.
 const SHORTEST: f64 = 3.0 * LEAST_TIME;
 /// Rates half-way through a cell may differ from the mean of those at its ends by this part of the largest.
 const SMOOTH: [f64; 2] = [0.02, 0.1];
@@ -278,7 +278,7 @@ impl<A: AxisPath> Sampler<A> {
             let turn = (t1 - f1).abs();
             // What is left where derivatives are taken a little inside.
             if turn > 1e-6 * f1.abs().max(t1.abs()) {
-                v2 = v2.min((limits.acceleration * STEP_TIME / turn).powi(2));
+                v2 = v2.min((limits.smallest_acceleration() * STEP_TIME / turn).powi(2));
             }
             let bend = (t2 - f2).abs();
             if let Some(jerk) = limits.jerk

@@ -72,9 +72,9 @@ impl Ease<'_> {
         alpha
     }
 
-    /// Where the end can turn: the zeros of 2α² − α·q + c with c = 2j·v at α = 0 for every form that q can have, the
-    /// limits and √(α² + k), with k for a ramp to the end velocity and to a standstill at the smaller limit. What is no
-    /// zero after all only divides a piece.
+    /// Possible turning points of the end: the zeros of 2α² − α·q + c with c = 2j·v at α = 0 for every form of q, the
+    /// limits and √(α² + k), with k for a ramp to the end velocity and to a standstill at the smaller limit. A value that
+    /// is not a zero only divides a piece.
     fn turns(&self) -> [f64; 8] {
         let Rates { acceleration, deceleration, jerk, .. } = *self.limits;
         let c = 2.0 * jerk * self.settled;

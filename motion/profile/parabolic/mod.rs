@@ -28,8 +28,7 @@
 mod ease;
 mod ramp;
 
-use super::AxisLimits;
-use super::rates::Rates;
+use super::rates::{Rates, side};
 use super::segment::Track;
 use ease::Ease;
 use ramp::Up;
@@ -41,11 +40,7 @@ const MOST_STEPS: u32 = 80;
 const PRECISION: f64 = 1e-13;
 
 /// Goes to a velocity.
-pub(super) fn ramp(track: &mut Track, velocity: f64, limits: &AxisLimits) {
-    to_velocity(track, velocity, &limits.into());
-}
-
-fn to_velocity(track: &mut Track, velocity: f64, limits: &Rates) {
+pub(super) fn ramp(track: &mut Track, velocity: f64, limits: &Rates) {
     let start = track.state;
     let sign = side(velocity - limits.settled(start.velocity, start.acceleration));
     limits.up(sign * start.velocity, sign * start.acceleration, sign * velocity).push(
@@ -56,8 +51,7 @@ fn to_velocity(track: &mut Track, velocity: f64, limits: &Rates) {
 }
 
 /// Goes to a position and has `end_velocity`, at most the limit, there.
-pub(super) fn to_position(track: &mut Track, target: f64, end_velocity: f64, limits: &AxisLimits) {
-    let limits = &Rates::from(limits);
+pub(super) fn to_position(track: &mut Track, target: f64, end_velocity: f64, limits: &Rates) {
     let most = limits.velocity;
     let settled = limits.settled(track.state.velocity, track.state.acceleration);
     if track.state.velocity.abs() <= most && settled.abs() <= most {
@@ -72,11 +66,11 @@ pub(super) fn to_position(track: &mut Track, target: f64, end_velocity: f64, lim
     if limits.settled(hard.state.velocity, hard.state.acceleration).abs() > most {
         // That would be too much, so only as much as leads to the limit on the other side.
         hard = *track;
-        to_velocity(&mut hard, -over * most, limits);
+        ramp(&mut hard, -over * most, limits);
     }
     plan(&mut hard, target, end_velocity, limits);
     if settled.abs() > most {
-        to_velocity(track, over * most, limits);
+        ramp(track, over * most, limits);
     }
     plan(track, target, end_velocity, limits);
     if hard.duration < track.duration {
@@ -109,10 +103,6 @@ fn brake(track: &mut Track, sign: f64, limits: &Rates) {
     track.push(left / deceleration, -sign * deceleration, 0.0);
     track.state.velocity = sign * limits.velocity;
     track.state.acceleration = -sign * deceleration;
-}
-
-fn side(value: f64) -> f64 {
-    if value < 0.0 { -1.0 } else { 1.0 }
 }
 
 /// A way to go, turned so that its end is further than that of the straight ramp.

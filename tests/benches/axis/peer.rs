@@ -14,7 +14,7 @@ use twin_profile::RampType;
 const RUCKIG: Package =
     Package { name: "ruckig", requirement: "ruckig==0.19.4", variable: "TWIN_RUCKIG_PYTHON" };
 
-/// Of so many runs in turn the fastest counts: what is slower has been disturbed.
+/// Number of runs, of which the fastest counts: slower ones were disturbed.
 const RUNS: usize = 7;
 /// Passes over the table per run of ours; the peer does as many.
 const PASSES: usize = 30;

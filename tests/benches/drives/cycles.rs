@@ -96,6 +96,7 @@ fn run() -> Punctuality {
     let twin = Simulated::new(&machine, &start).expect("shipped with the product");
     let session = Session {
         machine: &machine,
+        continues: None,
         program: &program,
         twin,
         hardware: Some(hardware),

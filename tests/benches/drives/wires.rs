@@ -29,7 +29,7 @@ const ORDER: f64 = 10e-3;
 /// Zones of a BIM2AX are looked at so often, 1/s.
 const LOOKS: f64 = 200.0;
 
-/// Exchange of a Modbus request and its answer of so many bytes together, s.
+/// Exchange of a Modbus request and its answer with the sum of their bytes, s.
 fn modbus(bytes: f64) -> f64 {
     bytes * BYTE + 2.0 * SILENCE + TURNAROUND
 }

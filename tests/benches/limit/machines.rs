@@ -129,7 +129,7 @@ fn named(name: &'static str, curve: Curve) -> Curve {
     Curve { name, ..curve }
 }
 
-/// The rates of the axes of a transform, and of further ones that move as they are told.
+/// The rates of the axes of a transform, and of further ones that move as given.
 fn through<T: Transform<N>, const N: usize>(
     machine: &T,
     tool: [SVector<f64, N>; 4],

@@ -43,7 +43,7 @@ pub struct Method {
 
 /// Cells per window at first.
 const WINDOW: usize = 500;
-/// So many times finer the grid of the planner is taken to lead to the least time.
+/// Refinement of the planner's grid that is taken to lead to the least time.
 const FINER: f64 = 4.0;
 
 const WHOLE: &str = "Clarabel, one window";

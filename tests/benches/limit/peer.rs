@@ -28,7 +28,7 @@ pub struct Answer {
 }
 
 impl Peer {
-    /// None, with a line that says why, where there is no toppra.
+    /// None, with a line that says why, where toppra is missing.
     pub fn start() -> Option<Self> {
         let mut command = TOPPRA.script("toppra_seidel.py")?;
         command.stdin(Stdio::piped()).stdout(Stdio::piped());

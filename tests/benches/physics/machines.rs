@@ -111,7 +111,7 @@ impl Task {
         }
     }
 
-    /// The machine at rest, with collisions, with so many cycles per period.
+    /// The machine at rest, with collisions, with this number of cycles per period.
     pub fn machine(&self, cycles: i64) -> PhysicsMachine {
         let start = AxisVector::from_values(self.start);
         let cycle = PERIOD_NS / cycles;

@@ -18,7 +18,7 @@ pub struct Peer {
 }
 
 impl Peer {
-    /// None, with a line that says why, where there is no MuJoCo.
+    /// None, with a line that says why, where MuJoCo is missing.
     pub fn start() -> Option<Self> {
         let mut command = MUJOCO.script("mujoco_machines.py")?;
         command.stdin(Stdio::piped()).stdout(Stdio::piped());

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use twin_kinematics::transform::Transform;
 use twin_kinematics::{Kinematics, KinematicsError};
 
-/// Of so many runs the fastest counts: what is slower has been disturbed.
+/// Number of runs, of which the fastest counts: slower ones were disturbed.
 const RUNS: usize = 40;
 /// Passes over the table per run: short enough to be left alone on a busy machine now and then.
 const PASSES: u32 = 20;

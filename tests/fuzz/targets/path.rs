@@ -34,7 +34,7 @@ pub fn decoded<E: TextError>(
         match item {
             Ok(Item::Element(element)) => path.push(element),
             Ok(Item::Warning(diagnostic)) | Err(Failure::Diagnostic(diagnostic)) => {
-                // What is told must be possible to tell.
+                // Every message must format.
                 assert!(!diagnostic.to_string().is_empty());
             }
             Err(Failure::Io(error)) => panic!("reading from memory: {error}"),
@@ -57,7 +57,7 @@ pub fn connected(path: &[PathElement], tolerance: f64) {
     }
 }
 
-/// `path` through `preparation`, as far as it goes without an error. It is no longer than it has reason to be.
+/// `path` through `preparation`, as far as it goes without an error. Its number of elements is bounded.
 pub fn prepared(path: &[PathElement], preparation: &Preparation) -> Vec<PathElement> {
     let notices = Notices::default();
     let stages = preparation.apply(path.iter().cloned().map(Ok::<_, Box<dyn Error>>), &notices);

@@ -93,7 +93,7 @@ fn preparation(stages: u8, window: u8, path: &[PathElement]) -> Preparation {
     }
 }
 
-/// What is asked for in this cycle, if it is something else than before.
+/// The change of this cycle, if there is one.
 fn demand(cycle: usize, demands: [u8; 6]) -> Option<Inputs> {
     let [mode, first, second, third, factor, flags] = demands;
     let mode = match mode % 4 {

@@ -34,7 +34,7 @@ fn expect_axes(vector: &Vector, axes: &Vector3<f64>) {
 pub(crate) fn within_reach() {
     check("trafo-tripod", |vector| {
         let dimensions = dimensions(vector);
-        // The middle of a pair's upper ends beside that of its lower ones.
+        // The middle of a pair's upper ends minus that of its lower ones.
         for pair in dimensions.rods(&TripodDeviations::default()).unwrap().chunks(2) {
             let across = (pair[0].upper - pair[0].lower) + (pair[1].upper - pair[1].lower);
             vector.expect("e", [across.norm() * 0.5e3]);

@@ -35,7 +35,7 @@ pub(super) fn alternates(shown: &Shown<'_>, group: i16) -> bool {
 }
 
 /// Stretches of the cam on which the bit of a group is on when the master goes forwards, pass after pass. Of a group that is only
-/// inverted those of the first pass, from the begin of the cam: it is off there, and has not passed what stands there.
+/// inverted those of the first pass, from the begin of the cam: it is off there, and has not passed the tappets there.
 pub(in crate::cam) fn on_stretches(shown: &Shown<'_>, group: i16) -> Vec<[f64; 2]> {
     let curve = shown.file.cam.curve();
     let (start, end) = (curve.start(), curve.end());

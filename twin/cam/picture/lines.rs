@@ -3,7 +3,7 @@
 use super::Shown;
 use twin_plot::Point;
 
-/// Points of a line over the whole width, and columns that are told apart.
+/// Points of a line over the whole width, and columns that are distinguished.
 const POINTS: f64 = 1800.0;
 
 /// A value over the master; where it jumps the line has a gap. Jumps between polynomials that are no wider than a column of

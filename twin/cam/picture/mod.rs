@@ -6,7 +6,7 @@ mod ramp;
 
 use bars::alternates;
 pub(super) use bars::on_stretches;
-pub use ramp::{RampPicture, ramp_chart};
+pub(crate) use ramp::{RampPicture, ramp_chart};
 
 use super::check::CamUse;
 use super::sample::{at, reach as reached, reaches};
@@ -28,28 +28,30 @@ const SIDES: usize = 3;
 const QUANTITIES: [(&str, &str); 4] =
     [("position", ""), ("velocity", "/s"), ("acceleration", "/s²"), ("jerk", "/s³")];
 
-/// A cam in a picture.
 #[derive(Clone, Copy, Debug)]
-pub struct Shown<'a> {
-    /// The cam.
-    pub file: &'a CamFile,
+pub(crate) struct Shown<'a> {
+    pub(crate) file: &'a CamFile,
     /// How it is used; its limits are drawn where they are of the last one.
-    pub using: &'a CamUse,
+    pub(crate) using: &'a CamUse,
     /// What it is called in the legend.
-    pub name: &'a str,
+    pub(crate) name: &'a str,
 }
 
-/// Recorded positions.
 #[derive(Clone, Debug, Default)]
-pub struct Recorded {
+pub(crate) struct Recorded {
     /// Master, on the scale of the picture, and slave.
-    pub points: Vec<Point>,
+    pub(crate) points: Vec<Point>,
     /// Master and error of the slave, before and after.
-    pub errors: [Vec<Point>; 2],
+    pub(crate) errors: [Vec<Point>; 2],
 }
 
 /// A chart of cams over each other, the last one in front.
-pub fn cam_chart(heading: &str, below: &str, cams: &[Shown<'_>], recorded: &Recorded) -> Chart {
+pub(crate) fn cam_chart(
+    heading: &str,
+    below: &str,
+    cams: &[Shown<'_>],
+    recorded: &Recorded,
+) -> Chart {
     let ends = cams.iter().flat_map(|shown| {
         let curve = shown.file.cam.curve();
         [curve.start(), curve.end()].map(|place| shown.using.master_at(place))
@@ -177,7 +179,7 @@ fn bar(shown: &Shown<'_>, group: i16, color: Color) -> Strip {
     }
 }
 
-/// What was before stands back behind what is now.
+/// Earlier curves are paler.
 fn shade(index: usize, count: usize) -> Color {
     if index + 1 < count { BACK } else { Color::series(0) }
 }

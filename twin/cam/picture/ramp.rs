@@ -19,24 +19,18 @@ const CAM: Color = Color::rgb(44, 140, 80);
 const QUANTITIES: [(&str, &str); 3] =
     [("position", ""), ("velocity", "/s"), ("acceleration", "/s²")];
 
-/// A start to be drawn.
 #[derive(Debug)]
-pub struct RampPicture<'a> {
-    /// What was asked for.
-    pub wish: &'a RampWish,
+pub(crate) struct RampPicture<'a> {
+    pub(crate) wish: &'a RampWish,
     /// The ramp that the cam's file has; none if it has no values for one.
-    pub before: Option<RampIn>,
-    /// The ramp that was found.
-    pub after: RampIn,
-    /// Units of master and slave.
-    pub units: [&'a str; 2],
+    pub(crate) before: Option<RampIn>,
+    pub(crate) after: RampIn,
+    pub(crate) units: [&'a str; 2],
 }
 
 /// A chart of a start.
-///
-/// # Errors
 /// If there is no such start.
-pub fn ramp_chart(
+pub(crate) fn ramp_chart(
     heading: &str,
     below: &str,
     picture: &RampPicture<'_>,

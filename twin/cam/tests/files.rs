@@ -147,7 +147,7 @@ fn whole_numbers_have_no_fraction() {
     };
     for kind in ["INT", "UINT", "DINT", "UDINT"] {
         let found = problems(&table(kind, "1.5"));
-        assert_eq!(found[0].0, format!("value 2: 1.5 is no whole number, as {kind} needs it"));
+        assert_eq!(found[0].0, format!("value 2: 1.5 is not a whole number, as {kind} needs it"));
         assert!(read(&table(kind, "1.0")).is_ok());
     }
     for kind in ["REAL", "LREAL"] {
@@ -293,7 +293,7 @@ fn tables_as_text() {
         ("0,1\n1,nan\n", "line 2: column 2 is `nan`, which is not a number"),
         ("0,1\n1,2,3\n", "line 2: 3 columns instead of 2"),
         ("0,1,2\n1,2,3\n", "line 1: 3 columns; expected master and slave"),
-        ("slave,master\n0,1\n", "column `slave` stands where `master` should"),
+        ("slave,master\n0,1\n", "column `slave` is where `master` should be"),
         ("0,1\n5,2\n\n5,3\n", "line 4: master 5 does not lie behind 5 of line 2"),
         ("", "there is no row of numbers"),
     ] {
@@ -306,7 +306,7 @@ fn tables_as_text() {
         ("lift.txt", "; rename a table of lines `master;slave` to .asc, write other cams as .toml"),
     ] {
         let error = load(&write(name, "")).expect_err("no form");
-        assert!(matches!(error, CamFileError::Ending { .. }), "{error}");
+        assert!(matches!(error, CamFileError::Ending(_)), "{error}");
         let said = format!("{name}: cams are read and written as .toml, .csv or .asc");
         assert!(
             error.to_string().contains(&said) && error.to_string().ends_with(instead),
@@ -533,7 +533,7 @@ fn elements_that_do_not_ascend_are_told() {
     let moved = LIFT.replace(point, "").replace("]\ntappets", &format!("{point}]\ntappets"));
     let line = 1 + moved.lines().position(|line| line.contains("master = 90")).expect("a line");
     let told = read(&moved).expect("a cam").out_of_order.expect("it is told");
-    let said = format!("line {line}: the element at master 90 stands behind the one at 240");
+    let said = format!("line {line}: the element at master 90 comes after the one at 240");
     assert!(told.starts_with(&said), "{told}");
     assert_eq!(read(LIFT).expect("a cam").out_of_order, None);
 }
@@ -627,7 +627,7 @@ fn one_mistake_is_one_message() {
     }
     let machine = include_str!("../../../machines/gantry3.toml");
     let found: Vec<_> = problems(machine).into_iter().map(|(message, _)| message).collect();
-    assert_eq!(found, ["this is a machine file, no cam"]);
+    assert_eq!(found, ["this is a machine file, not a cam"]);
 }
 
 /// As spreadsheets and controllers write them: bits as words; and what cannot be meant is told with its line.

@@ -3,8 +3,9 @@
 use super::found::{Random, cam, using};
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::{RecordedRun, RunSample};
-use crate::cam::tune::{OutputError, Part, TuneError, run_dead_time};
-use twin_cam::tune::{Estimate, FitError};
+use crate::cam::tune::dead_time::Part;
+use crate::cam::tune::{TuneError, run_dead_time};
+use twin_cam::tune::Estimate;
 use twin_machine::cam_file::CamFile;
 
 const TWO: &str = r#"
@@ -45,7 +46,7 @@ pub(super) fn late(time: f64, [on, off]: [f64; 2], [rise, fall]: [f64; 2]) -> bo
 
 pub(super) fn message(run: &RecordedRun) -> Result<Estimate, TuneError> {
     let (file, use_it) = two();
-    run_dead_time(&file, &use_it, run).map(|(found, _)| found.dead_time_s)
+    run_dead_time(&file, &use_it, run).map(|(found, _)| found)
 }
 
 pub(super) fn two() -> (CamFile, CamUse) {
@@ -54,11 +55,8 @@ pub(super) fn two() -> (CamFile, CamUse) {
     (file, use_it)
 }
 
-pub(super) fn output_error(run: &RecordedRun) -> OutputError {
-    match message(run) {
-        Err(TuneError::Output(error)) => error,
-        other => panic!("{other:?}"),
-    }
+pub(super) fn output_error(run: &RecordedRun) -> TuneError {
+    message(run).expect_err("outputs that are refused")
 }
 
 pub(super) const FIRST: [f64; 2] = [60.0, 200.0];
@@ -73,7 +71,7 @@ fn groups_that_contradict_each_other_are_told() {
             vec![late(time, FIRST, [0.005; 2]), late(time, SECOND, [second; 2])]
         });
         let error = output_error(&run);
-        let OutputError::Contradictory { one, other } = &error else { panic!("{error}") };
+        let TuneError::TwoDeadTimes { one, other } = &error else { panic!("{error}") };
         assert_eq!((one.which, other.which), (Part::Group(1), Part::Group(2)));
         assert!((one.mean_s - 0.005).abs() <= between && (other.mean_s - second).abs() <= between);
         let text = error.to_string();
@@ -91,7 +89,7 @@ fn groups_that_contradict_each_other_are_told() {
 #[test]
 fn other_parts_that_contradict_each_other_are_told() {
     let which = |run: &RecordedRun| match output_error(run) {
-        OutputError::Contradictory { one, other } => (one.which, other.which),
+        TuneError::TwoDeadTimes { one, other } => (one.which, other.which),
         other => panic!("{other}"),
     };
     let edges = recorded(&[1], 0.001, 8000, |time| vec![late(time, FIRST, [0.004, 0.011])]);
@@ -157,17 +155,17 @@ fn outputs_at_random_are_told() {
     let mut random = Random(1);
     let run = recorded(&[1], 0.002, 1500, |_| vec![random.share() < 0.5]);
     let error = output_error(&run);
-    assert!(matches!(error, OutputError::Random { group: 1, .. }), "{error}");
+    assert!(matches!(error, TuneError::Random { group: 1, .. }), "{error}");
     // 25 turns, and one pulse.
     let run = recorded(&[1], 0.002, 15_000, |time| vec![(0.205..0.67).contains(&time)]);
     let error = message(&run).expect_err("two switchings");
-    assert!(matches!(error, TuneError::DeadTime(FitError::TooFewSwitchings { .. })), "{error}");
+    assert!(matches!(error, TuneError::FewSwitchings { .. }), "{error}");
 }
 
 #[test]
 fn groups_that_the_cam_has_not_are_told() {
     let run = recorded(&[1, 9], 0.002, 3000, |time| vec![late(time, FIRST, [0.005; 2]), false]);
     let error = output_error(&run);
-    assert_eq!(error, OutputError::NoGroup { group: 9, has: vec![1, 2] });
+    assert_eq!(error, TuneError::NoGroup { group: 9, has: vec![1, 2] });
     assert!(error.to_string().contains("`tappet_9`"), "{error}");
 }

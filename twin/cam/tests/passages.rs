@@ -15,7 +15,7 @@ fn told_of(tappets: &str, run: &RecordedRun) -> Result<Estimate, TuneError> {
          slave = {{ min = 0, max = 1, period = 1 }}\ntappets = [{tappets}]\n"
     ));
     let use_it = using(&file, VELOCITY, AxisLimits::NONE);
-    run_dead_time(&file, &use_it, run).map(|(found, _)| found.dead_time_s)
+    run_dead_time(&file, &use_it, run).map(|(found, _)| found)
 }
 
 /// Beside the place where the master begins again.

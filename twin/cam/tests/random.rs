@@ -3,7 +3,7 @@
 use super::found::Random;
 use super::outputs::{VELOCITY, message, output_error, recorded};
 use crate::cam::run::RecordedRun;
-use crate::cam::tune::OutputError;
+use crate::cam::tune::TuneError;
 
 /// From one switching on to the next of group 1, and when its tappets are passed first, s.
 const EVERY: f64 = 360.0 / VELOCITY;
@@ -36,7 +36,7 @@ fn switchings_anywhere_are_random() {
         let times: Vec<_> =
             (0..160).map(|index| half * (f64::from(index) + random.share())).collect();
         let error = output_error(&switched(&times, 0.002, &mut random, 0.0));
-        let OutputError::Random { group: 1, count, ends, every_s } = error else {
+        let TuneError::Random { group: 1, count, ends, every_s } = error else {
             panic!("{seed}: {error}")
         };
         assert!((150..=160).contains(&count), "{seed}: {count}");

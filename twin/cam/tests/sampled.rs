@@ -3,9 +3,9 @@
 use super::found::{LIFT, cam, using};
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::sample::{MOST, Sampling, reach, write};
-use crate::cam::tune::{ramp, ramp_wish};
+use crate::cam::tune::ramp_wish;
 use crate::finding::{Rule, Severity};
-use twin_cam::tune::RampGoal;
+use twin_cam::tune::{RampGoal, ramp_in};
 use twin_cam::{MasterMotion, SlaveLimits};
 use twin_profile::RampType;
 use twin_profile::State;
@@ -142,7 +142,7 @@ fn a_ramp_goes_round_by_the_shorter_way() {
         let use_it = using(&file, 0.1, AxisLimits { motion, period, ..AxisLimits::NONE });
         let slave = State { position: 350.0, ..State::default() };
         let goal = (RampType::Trapezoid, RampGoal::Soonest);
-        let found = ramp(&ramp_wish(&file, &use_it, 0.0, slave, goal)).expect("a ramp");
+        let found = ramp_in(&ramp_wish(&file, &use_it, 0.0, slave, goal)).expect("a ramp");
         assert!((found.duration_s - expected).abs() < 1e-4, "{found:?}");
         for (found, expected) in found.positions.into_iter().zip(ends) {
             assert!((found - expected).abs() < 1e-3, "{found} {expected}");

@@ -163,7 +163,7 @@ fn where_a_run_was_coupled() {
     assert!((found - first).abs() < 1e-12 && started(&file, &other, found).is_ok());
 }
 
-/// Where a ramp begins that is to begin as a run does: of a cam that is put end to end on the pass on which the block starts, of
+/// Where a ramp begins that is to begin as a run does: of a periodic cam on the pass on which the block starts, of
 /// one that is passed once where the run comes onto it.
 #[test]
 fn where_a_ramp_begins_as_a_run_does() {

@@ -3,9 +3,8 @@
 use super::found::{LIFT, Random, cam, using};
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::{RecordedRun, RunSample};
-use crate::cam::tune::{
-    TuneError, changes, corrected, errors, fit_run, rms, switchings, tappet_dead_time, wanted,
-};
+use crate::cam::tune::dead_time::{switchings, tappet_dead_time};
+use crate::cam::tune::{TuneError, changes, corrected, errors, fit_run, rms, wanted};
 use std::path::Path;
 use twin_cam::tune::{Estimate, Free};
 use twin_machine::cam_file::{CamFile, Coupling};
@@ -127,7 +126,7 @@ fn dead_time(run: &RecordedRun, in_effect: f64) -> Result<Estimate, TuneError> {
     let mut use_it = using(&file, VELOCITY, AxisLimits::NONE);
     use_it.coupling.dead_time_s = in_effect;
     let seen = switchings(&file, &use_it, run);
-    tappet_dead_time(&use_it, &seen, run.between_s()).map(|found| found.dead_time_s)
+    tappet_dead_time(&use_it, &seen, run.between_s())
 }
 
 /// The output of the tappets at 50 and 200, so much later.

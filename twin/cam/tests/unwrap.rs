@@ -75,8 +75,6 @@ struct Way<'a> {
     noise: [f64; 2],
 }
 
-const OFFSETS: Free = Free { master_scaling: false, slave_scaling: false, ..Free::ALL };
-
 fn within(value: f64, range: Option<[f64; 2]>) -> f64 {
     range.map_or(value, |[lowest, period]| (value - lowest).rem_euclid(period) + lowest)
 }
@@ -143,12 +141,12 @@ fn what_begins_again_goes_on() {
         Way { ..plain },
         Way { velocity: -300.0, master: half, noise: [0.05, 0.05], ..plain },
         Way { master: Some([0.0, 720.0]), ..plain },
-        Way { cam: &TABLE, slave: Some([0.0, 360.0]), free: OFFSETS, ..plain },
+        Way { cam: &TABLE, slave: Some([0.0, 360.0]), free: Free::OFFSETS, ..plain },
         Way { cam: &TABLE, slave: half, velocity: -250.0, ..plain },
         // It was ten turns on when the recording began, which nobody can know of a master within its period.
-        Way { cam: &TABLE, on: 3600.0, free: OFFSETS, ..plain },
-        Way { cam: &FEED, on: 500.0, free: OFFSETS, ..plain },
-        Way { cam: &SWING, slave: Some([0.0, 360.0]), free: OFFSETS, ..plain },
+        Way { cam: &TABLE, on: 3600.0, free: Free::OFFSETS, ..plain },
+        Way { cam: &FEED, on: 500.0, free: Free::OFFSETS, ..plain },
+        Way { cam: &SWING, slave: Some([0.0, 360.0]), free: Free::OFFSETS, ..plain },
         Way { cam: &SWING, master: None, slave: Some([0.0, 360.0]), ..plain },
     ];
     for (index, way) in ways.iter().enumerate() {
@@ -195,7 +193,7 @@ fn dead_times_of_a_scaled_master() {
             assert_eq!(unknown.master, given.is_none().then_some(period), "{seed}");
             let (found, _) = run_dead_time(&file, &use_it, &known.run)
                 .unwrap_or_else(|error| panic!("{period} {seed}: {error}"));
-            let time = found.dead_time_s;
+            let time = found;
             held += u32::from(time.holds(dead) && time.half_width < 0.004);
         }
         assert!(held >= 18, "{period}: {held}");

@@ -14,7 +14,7 @@ fn numbers_of_tables_are_told_at_their_place() {
     for (table, message, about) in [
         ("type = \"INT\"\nvalues = [0, 40000, 3, 4]\n", "does not fit INT", "40000"),
         ("type = \"UINT\"\npairs = [[0, 0], [1, 2], [3, -5]]\n", "does not fit UINT", "[3, -5]"),
-        ("type = \"INT\"\nvalues = [0, 1, 2.5, 4]\n", "is no whole number", "2.5"),
+        ("type = \"INT\"\nvalues = [0, 1, 2.5, 4]\n", "is not a whole number", "2.5"),
         ("pairs = [[0, 0], [2, 1], [1, 2], [3, 0]]\n", "does not lie behind", "[1, 2]"),
     ] {
         let found = problems(&format!("{SCALES}[table]\n{table}"));

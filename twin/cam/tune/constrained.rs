@@ -17,76 +17,73 @@ use twin_number::significant;
 
 /// Values that constraints have changed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Constrained {
+pub(crate) struct Constrained {
     /// `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` before.
-    pub from: [f64; 4],
+    pub(crate) from: [f64; 4],
     /// The constraints that hold each of them.
-    pub held: [Vec<Bound>; 4],
+    pub(crate) held: [Vec<Bound>; 4],
     /// The error of the slave without the constraints, root mean square, u; or its peak before, u/s² or u/s³.
-    pub before: f64,
+    pub(crate) before: f64,
     /// The same with them.
-    pub after: f64,
+    pub(crate) after: f64,
     /// Of which quantity the peak is; none of an error or a change.
-    pub quantity: Option<Quantity>,
+    pub(crate) quantity: Option<Quantity>,
     /// Whether the master goes a part of the cam only, for which alone the limits count.
-    pub part: bool,
-    /// What the slave of a run does with what is proposed.
-    pub does: CamUse,
+    pub(crate) part: bool,
+    /// What the slave of a run does with the proposal.
+    pub(crate) does: CamUse,
 }
 
 /// What a run determines, before the limits.
 #[derive(Clone, Copy, Debug)]
-pub struct Told<'a> {
+pub(crate) struct RunFit<'a> {
     /// The coupling that was in effect.
-    pub before: &'a CamUse,
-    /// What is proposed without limits.
-    pub proposed: &'a CamUse,
+    pub(crate) before: &'a CamUse,
+    pub(crate) proposed: &'a CamUse,
     /// What was found in the run.
-    pub fit: &'a Fit,
+    pub(crate) fit: &'a Fit,
     /// How the slave deviates, if it was measured; else the run is the motion wanted.
-    pub deviation: Option<&'a Deviation>,
+    pub(crate) deviation: Option<&'a Deviation>,
     /// Within which part of itself `MasterScaling` has to stay, if that was said.
-    pub scaling_range: Option<f64>,
+    pub(crate) scaling_range: Option<f64>,
 }
 
 /// The peak that is to be small, and what holds offsets and scalings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Least {
+pub(crate) struct Least {
     /// Peak of the slave's acceleration or jerk.
-    pub quantity: Quantity,
+    pub(crate) quantity: Quantity,
     /// Between what `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` may be; none for what stays.
-    pub sought: [Option<[f64; 2]>; 4],
+    pub(crate) sought: [Option<[f64; 2]>; 4],
     /// From where to where the master goes; all of the cam without it.
-    pub travel: Option<[f64; 2]>,
+    pub(crate) travel: Option<[f64; 2]>,
     /// How far the slave goes at least.
-    pub stroke: f64,
+    pub(crate) stroke: f64,
     /// How far tappets may move on the master, and how far from where it is at them the slave may be.
-    pub tappet_tolerance: [f64; 2],
+    pub(crate) tappet_tolerance: [f64; 2],
 }
 
 const ANYTHING: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
-/// Offsets and scalings with the least error that is possible within the limits of what the slave is told, with which it can be
-/// coupled; none if what is proposed keeps them.
-///
-/// # Errors
+/// Offsets and scalings with the least error that is possible within the limits of the set-points, with which the slave can be
+/// coupled; none if the proposal keeps them.
 /// [`TuneError::NoRoom`] and [`TuneError::NoStart`] if nothing does.
-pub fn limited(
+pub(crate) fn limited(
     file: &CamFile,
-    told: &Told<'_>,
+    run_fit: &RunFit<'_>,
     run: &RecordedRun,
     free: Free,
 ) -> Result<Option<(CamUse, Constrained)>, TuneError> {
-    let Told { before, proposed, fit, deviation, scaling_range } = *told;
+    let RunFit { before, proposed, fit, deviation, scaling_range } = *run_fit;
     if keeps(file, proposed) {
         return Ok(None);
     }
     let target = wanted(before);
-    // Where the slave sees the master, and what it has to be told there.
+    // Where the slave sees the master, and its set-point there.
     let sample = |one: &super::super::run::RunSample| match deviation {
         Some(deviation) => Sample {
             master: deviation.sees(one.master),
-            slave: deviation.told_at(super::told_at(file, &target, one.master)),
+            slave: deviation.commanded_at(super::slave_on_cam(file, &target, one.master)),
             weight: 1.0,
         },
         None => Sample { master: one.master, slave: one.slave, weight: 1.0 },
@@ -106,7 +103,7 @@ pub fn limited(
         };
         with_exactly(proposed, [0, 1, 2, 3].map(value))
     };
-    // Values have no more digits than the run tells; what it does not tell from what was in effect stays.
+    // Values have the digits that the run determines; a value within its interval of the one in effect stays.
     let short = |index: usize, value: f64| {
         let half_width = fit.estimates[index].half_width;
         let held = !found.held[index].is_empty();
@@ -150,10 +147,8 @@ pub fn limited(
 /// The nearest offset and scalings with which the cam keeps the limits, at the motion of the master: those for which the sum of
 /// the squares of the changes is least, of the scalings as parts of themselves, of `SlaveOffset` as a part of the stroke.
 /// `scaling_range` is the part of itself within which `MasterScaling` has to stay, if that was said.
-///
-/// # Errors
 /// [`TuneError::NoRoom`] and [`TuneError::NoStart`] if nothing does.
-pub fn within_limits(
+pub(crate) fn within_limits(
     file: &CamFile,
     using: &CamUse,
     free: Free,
@@ -170,10 +165,8 @@ pub fn within_limits(
 }
 
 /// Finds offsets and scalings with the smallest peak.
-///
-/// # Errors
 /// [`TuneError::Minimise`] if nothing is left, or nothing holds a scaling.
-pub fn minimise(
+pub(crate) fn minimise(
     file: &CamFile,
     using: &CamUse,
     least: &Least,
@@ -195,7 +188,7 @@ pub fn minimise(
         start @ TuneError::NoStart { .. } => start,
         _ => TuneError::Minimise(error),
     })?;
-    // Rounding does not put the master beside the cam.
+    // Rounding does not put the master off the cam.
     let all = [with_values(using, found.values), with_exactly(using, found.values)];
     let starts =
         |new: &CamUse| wish.start.is_none_or(|master| new.starts_at(file.cam.curve(), master));
@@ -215,8 +208,8 @@ fn of_motion(
     Constrained { from, held, before, after, quantity, part: false, does }
 }
 
-/// Between what `MasterScaling` may be: within a part of what is in effect, and what is proposed without limits as well.
-pub fn scalings(range: Option<f64>, before: &CamUse, proposed: &CamUse) -> [f64; 2] {
+/// Interval of `MasterScaling`: a part of the value in effect, and the proposal without limits as well.
+pub(crate) fn scalings(range: Option<f64>, before: &CamUse, proposed: &CamUse) -> [f64; 2] {
     let Some(part) = range else { return ANYTHING };
     let [scaling, other] = [before, proposed].map(|using| using.coupling.input.master_scaling);
     let [one, two] = [1.0 - part, 1.0 + part].map(|part| part * scaling);
@@ -259,12 +252,12 @@ fn keeps(file: &CamFile, using: &CamUse) -> bool {
 }
 
 /// Whether a finding says that what was found is of no use: the slave exceeds a limit, or is not coupled at all.
-pub fn refuses(finding: &Finding) -> bool {
+pub(crate) fn refuses(finding: &Finding) -> bool {
     exceeds(finding) || finding.severity == Severity::Error && finding.rule == Rule::Coupling
 }
 
 /// Whether a finding says that the slave exceeds a limit of its axis.
-pub fn exceeds(finding: &Finding) -> bool {
+pub(crate) fn exceeds(finding: &Finding) -> bool {
     let limits = [Rule::AxisPosition, Rule::AxisVelocity, Rule::AxisAcceleration, Rule::AxisJerk];
     finding.severity == Severity::Error && limits.contains(&finding.rule)
 }

@@ -1,4 +1,4 @@
-//! Correction of a deviation: from what a slave did to the coupling with which it does what is wanted.
+//! Correction of a deviation: the coupling with which a measured slave does the wanted motion.
 
 use super::super::check::CamUse;
 use super::same;
@@ -9,22 +9,22 @@ use twin_machine::cam_file::CamFile;
 /// A deviation that is smaller than this part of what it is measured against is rounding, whatever its interval says.
 const ROUNDING: f64 = 1e-9;
 
-/// What the slave is to do: the coupling that the cam's file says is `wanted_…`, or else the coupling as it stands.
-pub fn wanted(using: &CamUse) -> CamUse {
+/// What the slave is to do: the coupling that the cam's file says is `wanted_…`, or else the coupling in effect.
+pub(crate) fn wanted(using: &CamUse) -> CamUse {
     using.coupling.wanted.map_or(*using, |values| with_exactly(using, values))
 }
 
 /// What was fitted, as a use of the cam.
-pub fn as_fitted(using: &CamUse, fit: &Fit) -> CamUse {
+pub(crate) fn as_fitted(using: &CamUse, fit: &Fit) -> CamUse {
     with_exactly(using, fit.estimates.map(|found| found.value))
 }
 
-/// How a slave that was measured deviates from what it is told: it is where a line has it of where it should be, γ · p + d, and
-/// sees the master so, too, κ · m + c: gain, shift and, at one velocity of the master, lag.
+/// Deviation of a measured slave from its set-point p: it is at γ · p + d and sees the master m at κ · m + c. That is gain, shift and,
+/// at one velocity of the master, lag.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Deviation {
+pub(crate) struct Deviation {
     /// The coupling that was in effect: `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling`.
-    told: [f64; 4],
+    commanded: [f64; 4],
     /// The coupling that the slave did.
     did: [f64; 4],
     /// How well that is known: the half widths of the 95 % intervals.
@@ -32,7 +32,7 @@ pub struct Deviation {
 }
 
 impl Deviation {
-    /// What was in effect and what came of it. What deviates from what is wanted by no more than its interval does not.
+    /// The coupling in effect and the measured one. A deviation within its interval does not count.
     fn new(file: &CamFile, using: &CamUse, fit: &Fit) -> Self {
         let curve = file.cam.curve();
         let (width, rise) = (curve.end() - curve.start(), curve.rise());
@@ -55,12 +55,12 @@ impl Deviation {
             if by <= half_width.max(ROUNDING * scales[index]) { target[index] } else { value }
         });
         let known = fit.estimates.map(|found| found.half_width);
-        Self { told: of_coupling(using), did, known }
+        Self { commanded: of_coupling(using), did, known }
     }
 
-    /// What the slave is to be told so that it does `target`.
+    /// The coupling to command so that the slave does `target`.
     fn undone(&self, target: [f64; 4]) -> [f64; 4] {
-        let ([offset, scaling, shift, factor], did) = (self.told, self.did);
+        let ([offset, scaling, shift, factor], did) = (self.commanded, self.did);
         let (by, gain) = (target[1] / did[1], factor / did[3]);
         [
             target[0] - by * (did[0] - offset),
@@ -70,10 +70,9 @@ impl Deviation {
         ]
     }
 
-    /// How well what it is to be told so that it does `target` is known, half widths. Those of gain and shift, which what is
-    /// told combines, are added: so they hold, however the two go together.
-    fn told_within(&self, target: [f64; 4]) -> [f64; 4] {
-        let ([offset, scaling, _, factor], did, known) = (self.told, self.did, self.known);
+    /// Half widths of [`Self::undone`]. Those of gain and shift are added, so they hold however the two correlate.
+    fn commanded_within(&self, target: [f64; 4]) -> [f64; 4] {
+        let ([offset, scaling, _, factor], did, known) = (self.commanded, self.did, self.known);
         let (by, gain) = ((target[1] / did[1]).abs(), (factor / did[3]).abs());
         let parts = [known[1] / did[1].abs(), known[3] / did[3].abs()];
         [
@@ -84,26 +83,26 @@ impl Deviation {
         ]
     }
 
-    /// What the slave does when it is told this.
-    pub(super) fn done(&self, told: [f64; 4]) -> [f64; 4] {
-        let ([offset, scaling, shift, factor], did) = (self.told, self.did);
-        let (by, gain) = (told[1] / scaling, did[3] / factor);
+    /// The coupling that the slave does with a commanded one.
+    pub(super) fn done(&self, commanded: [f64; 4]) -> [f64; 4] {
+        let ([offset, scaling, shift, factor], did) = (self.commanded, self.did);
+        let (by, gain) = (commanded[1] / scaling, did[3] / factor);
         [
-            told[0] + by * (did[0] - offset),
+            commanded[0] + by * (did[0] - offset),
             did[1] * by,
-            did[2] + (told[2] - shift) * gain,
-            told[3] * gain,
+            did[2] + (commanded[2] - shift) * gain,
+            commanded[3] * gain,
         ]
     }
 
     /// Where the slave has the master that is at `master`, as far as the coupling in effect is concerned.
     pub(super) fn sees(&self, master: f64) -> f64 {
-        (self.did[1] * master + self.did[0] - self.told[0]) / self.told[1]
+        (self.did[1] * master + self.did[0] - self.commanded[0]) / self.commanded[1]
     }
 
-    /// Where the slave was told to be when it was measured at `position`.
-    pub fn told_at(&self, position: f64) -> f64 {
-        self.told[2] + (position - self.did[2]) * self.told[3] / self.did[3]
+    /// The set-point of a slave that was measured at `position`.
+    pub(crate) fn commanded_at(&self, position: f64) -> f64 {
+        self.commanded[2] + (position - self.did[2]) * self.commanded[3] / self.did[3]
     }
 }
 
@@ -123,18 +122,18 @@ pub(super) fn with_values(using: &CamUse, values: [f64; 4]) -> CamUse {
 }
 
 /// The same, with every value as it is.
-pub fn with_exactly(using: &CamUse, values: [f64; 4]) -> CamUse {
+pub(crate) fn with_exactly(using: &CamUse, values: [f64; 4]) -> CamUse {
     let mut new = *using;
     let input = &mut new.coupling.input;
     [input.master_offset, input.master_scaling, input.slave_offset, input.slave_scaling] = values;
     new
 }
 
-/// The coupling with which a slave that did what `fit` says, with `using` in effect, does what is wanted, and how it deviates.
+/// The coupling with which a slave does the wanted motion, and its deviation; `fit` is of a run with `using` in effect.
 ///
-/// What was in effect and what came of it tell gain, shift and lag; the new coupling undoes them. So the same machine with the
+/// The coupling in effect and the measured one determine gain, shift and lag; the new coupling undoes them. So the same machine with the
 /// new coupling shows no deviation, and another run changes nothing. What deviates by no more than its interval stays as it is.
-pub fn corrected(file: &CamFile, using: &CamUse, fit: &Fit) -> (CamUse, Deviation) {
+pub(crate) fn corrected(file: &CamFile, using: &CamUse, fit: &Fit) -> (CamUse, Deviation) {
     let deviation = Deviation::new(file, using, fit);
     let target = of_coupling(&wanted(using));
     let [offset, scaling, shift, factor] =
@@ -153,13 +152,13 @@ pub fn corrected(file: &CamFile, using: &CamUse, fit: &Fit) -> (CamUse, Deviatio
 }
 
 /// What undoes a deviation, of `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling`, with its half widths.
-pub fn within(deviation: &Deviation, target: &CamUse, new: &CamUse) -> [Estimate; 4] {
-    let (values, half) = (of_coupling(new), deviation.told_within(of_coupling(target)));
+pub(crate) fn within(deviation: &Deviation, target: &CamUse, new: &CamUse) -> [Estimate; 4] {
+    let (values, half) = (of_coupling(new), deviation.commanded_within(of_coupling(target)));
     [0, 1, 2, 3].map(|index: usize| Estimate { value: values[index], half_width: half[index] })
 }
 
-/// What is wanted of a slave that deviates so, where its coupling is changed from `before` to `after`: what it does with that.
-pub fn wants(deviation: &Deviation, before: &CamUse, after: &CamUse) -> Option<[f64; 4]> {
+/// The wanted coupling of a slave that deviates so, where its coupling changes from `before` to `after`: what it does with that.
+pub(crate) fn wants(deviation: &Deviation, before: &CamUse, after: &CamUse) -> Option<[f64; 4]> {
     let wanted = before.coupling.wanted?;
     let [before, after] = [before, after].map(of_coupling);
     let does = deviation.done(after);

@@ -7,12 +7,12 @@ use twin_cam::MasterMotion;
 use twin_machine::cam_file::CamFile;
 use twin_profile::State;
 
-/// Samples that a parabola is laid through, and how few of them say anything.
+/// Samples that a parabola is laid through, and the fewest that determine one.
 const WINDOW: usize = 21;
 const LEAST: usize = 5;
 /// A derivative that is less than this many times its standard error is noise: of thousands of windows none exceeds it by chance.
 const SEEN: f64 = 8.0;
-/// By so many of them the largest of many is larger than what is measured.
+/// Standard errors by which the largest of many windows exceeds the true value.
 const LUCK: f64 = 3.0;
 /// A part of the way in a window that is rounding.
 const ROUNDING: f64 = 1e-9;
@@ -84,9 +84,13 @@ impl Parabola {
     }
 }
 
-/// The largest velocity and acceleration of the master in a run, as far as they stand out of its noise; none if it stands. What
+/// The largest velocity and acceleration of the master in a run, as far as they exceed its noise; none if it is at rest. What
 /// a run says of its jerk is noise. A master that goes round is not taken to be back where its positions begin again.
-pub fn master_motion(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Option<MasterMotion> {
+pub(crate) fn master_motion(
+    file: &CamFile,
+    using: &CamUse,
+    run: &RecordedRun,
+) -> Option<MasterMotion> {
     let curve = file.cam.curve();
     let turn = (curve.end() - curve.start()) / using.coupling.input.master_scaling.abs();
     let goes_on = |window: &&[RunSample]| {
@@ -106,21 +110,22 @@ pub fn master_motion(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Optio
     (motion.velocity > 0.0).then_some(motion)
 }
 
-/// From where to where the master goes in a run; none if it stands.
-pub fn travel(run: &RecordedRun) -> Option<[f64; 2]> {
+/// From where to where the master goes in a run; none if it is at rest.
+pub(crate) fn travel(run: &RecordedRun) -> Option<[f64; 2]> {
     let least = run.samples.iter().map(|sample| sample.master).fold(f64::INFINITY, f64::min);
     let most = run.samples.iter().map(|sample| sample.master).fold(f64::NEG_INFINITY, f64::max);
     (least < most).then_some([least, most])
 }
 
-/// Where the slave is told to be, and how fast, when samples begin, so that it is where it was.
+/// Set-point and velocity with which the slave is where it was when the samples begin.
 pub(super) fn state(samples: &[RunSample], deviation: Option<&Deviation>) -> Option<State> {
     let first = samples.first()?;
     let window = samples.get(..samples.len().min(WINDOW))?;
     let velocity =
         Parabola::of(window, |sample| sample.slave).map_or(0.0, |one| one.velocity(-1.0));
-    let told = |position| deviation.map_or(position, |deviation| deviation.told_at(position));
-    // A line keeps differences: what is told over one second.
-    let [position, later] = [first.slave, first.slave + velocity].map(told);
+    let commanded =
+        |position| deviation.map_or(position, |deviation| deviation.commanded_at(position));
+    // A line keeps differences: the set-points of one second.
+    let [position, later] = [first.slave, first.slave + velocity].map(commanded);
     Some(State { position, velocity: later - position, acceleration: 0.0 })
 }

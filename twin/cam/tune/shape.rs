@@ -2,28 +2,26 @@
 
 use super::super::check::CamUse;
 use super::{TuneError, same};
-use twin_cam::tune::{ReshapeError, Tolerance, Wish, reshape, soften};
-use twin_cam::{Element, Knot, Peak, Quantity, Shape, SlaveLimits, Source};
+use twin_cam::tune::{Tolerance, Wish, reshape, soften};
+use twin_cam::{Element, Knot, Quantity, Shape, SlaveLimits, Source};
 use twin_machine::cam_file::CamFile;
 
 /// A shape before and after, with what it was made for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shaped {
-    /// The points.
-    pub knots: Vec<Knot>,
+pub(crate) struct Shaped {
+    pub(crate) knots: Vec<Knot>,
     /// The largest velocity of the master, or the peak of the slave, before.
-    pub before: f64,
+    pub(crate) before: f64,
     /// The same afterwards.
-    pub after: f64,
+    pub(crate) after: f64,
     /// What limits it now, and where the master is then.
-    pub limited: Option<(Quantity, f64)>,
-    /// Linear programs that were solved.
-    pub programs: usize,
+    pub(crate) limited: Option<(Quantity, f64)>,
+    pub(crate) programs: usize,
 }
 
 /// What a shape is to be best in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ShapeGoal {
+pub(crate) enum ShapeGoal {
     /// The largest velocity of the master.
     Speed,
     /// The smallest peak of the slave's acceleration or jerk at the master's velocity.
@@ -32,18 +30,15 @@ pub enum ShapeGoal {
 
 /// Which points may be moved, and by how much.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PointTolerance {
-    /// Where the point stands; `None`: all of them.
-    pub master: Option<f64>,
-    /// By how much.
-    pub tolerance: Tolerance,
+pub(crate) struct PointTolerance {
+    /// Master of the point; `None`: all of them.
+    pub(crate) master: Option<f64>,
+    pub(crate) tolerance: Tolerance,
 }
 
 /// Moves points of the cam. The slave stays where it is at every tappet, and points keep their masters.
-///
-/// # Errors
-/// [`TuneError`] if there are no such points, or nothing says what is better.
-pub fn shape(
+/// [`TuneError`] if there are no such points, or nothing limits the slave.
+pub(crate) fn shape(
     file: &CamFile,
     using: &CamUse,
     points: &[PointTolerance],
@@ -93,8 +88,7 @@ pub fn shape(
             })
         }
         ShapeGoal::Peak(quantity) => {
-            let found = soften(knots, &wish, quantity, using.master.velocity * fast)
-                .map_err(|error| of_axes(error, far))?;
+            let found = soften(knots, &wish, quantity, using.master.velocity * fast)?;
             Ok(Shaped {
                 knots: found.knots,
                 before: found.before.value * far,
@@ -103,18 +97,6 @@ pub fn shape(
                 programs: found.programs,
             })
         }
-    }
-}
-
-/// What is told of the slave, in its own unit.
-fn of_axes(error: ReshapeError, far: f64) -> ReshapeError {
-    match error {
-        ReshapeError::Exceeded { quantity, peak, limit } => ReshapeError::Exceeded {
-            quantity,
-            peak: Peak { value: peak.value * far, ..peak },
-            limit: limit * far,
-        },
-        other => other,
     }
 }
 

@@ -8,15 +8,15 @@ use super::recorded::state;
 use twin_machine::cam_file::CamFile;
 use twin_profile::State;
 
-/// So many standard deviations of the master's noise are no motion.
+/// Standard deviations of the master's noise that do not count as motion.
 const NOISE: f64 = 6.0;
-/// Rounding takes so many of the last digits at most.
+/// Steps of the last digit that rounding takes at most.
 const LAST: u32 = 16;
 
 /// Where the master was when the slave of a run was coupled, as far as the run says so: where it begins, if the coupling in
-/// effect starts there. A run that begins beyond the cam began when the slave was on it already. A master that stands beside
-/// an end of the cam by its noise alone stands at the end.
-pub fn started_at(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Option<f64> {
+/// effect starts there. A run that begins beyond the cam began when the slave was on it already. A master that is
+/// off an end of the cam by its noise alone is at that end.
+pub(crate) fn started_at(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Option<f64> {
     let curve = file.cam.curve();
     let first = run.samples.first()?.master;
     let noise = NOISE * (run.noise() * using.coupling.input.master_scaling).abs();
@@ -26,7 +26,7 @@ pub fn started_at(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Option<f
     using.starts_at(curve, master).then_some(master)
 }
 
-/// A place of the master at an end of the cam, without the rounding that puts it beside it.
+/// A place of the master at an end of the cam, without the rounding that puts it off the cam.
 fn onto(using: &CamUse, file: &CamFile, master: f64) -> f64 {
     let curve = file.cam.curve();
     let (mut below, mut above) = (master, master);
@@ -41,25 +41,22 @@ fn onto(using: &CamUse, file: &CamFile, master: f64) -> f64 {
 
 /// Where a ramp begins that is to begin as a run does.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Begin {
+pub(crate) struct Begin {
     /// Where the master is, on a pass of the cam on which `MC_CamIn` starts.
-    pub master: f64,
-    /// Where the slave is told to be, and how fast, so that it is where it was.
-    pub slave: State,
-    /// The line of the run.
-    pub line: u64,
+    pub(crate) master: f64,
+    /// Set-point and velocity with which the slave is where it was.
+    pub(crate) slave: State,
+    pub(crate) line: u64,
     /// How many passes of the cam before the master of the run that is.
-    pub passes: f64,
+    pub(crate) passes: f64,
     /// How many samples of the run come before, which lie beyond a cam that is passed once.
-    pub before: usize,
+    pub(crate) before: usize,
 }
 
-/// Where both are at the first sample with which `MC_CamIn` starts: of a cam that is put end to end the first one of all, on
+/// Where both are at the first sample with which `MC_CamIn` starts: of a periodic cam the first one of all, on
 /// the pass that it starts on.
-///
-/// # Errors
 /// [`TuneError::BeyondCam`] if the run never comes onto a cam that is passed once.
-pub fn begin(
+pub(crate) fn begin(
     file: &CamFile,
     using: &CamUse,
     run: &RecordedRun,

@@ -1,7 +1,7 @@
 //! Tappet shift: tappets stay where they are on the master when its offset and scaling change.
 //!
-//! A tappet at x of the cam is passed where master · `MasterScaling` + `MasterOffset` is x. With other values it has to stand
-//! elsewhere on the cam to be passed there again. A cam that is put end to end is passed again and again: with another scaling
+//! A tappet at x of the cam is passed where master · `MasterScaling` + `MasterOffset` is x. With other values it has to be
+//! elsewhere on the cam to be passed there again. A periodic cam is passed again and again: with another scaling
 //! its passes are longer or shorter on the master, so tappets are kept on one of them, that which the cam's own range was.
 
 use super::super::check::CamUse;
@@ -12,39 +12,36 @@ use twin_machine::cam_file::CamFile;
 
 /// A tappet, and where it stood.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct KeptTappet {
-    /// The tappet as it stands now.
-    pub tappet: Tappet,
+pub(crate) struct KeptTappet {
+    /// The tappet as it is now.
+    pub(crate) tappet: Tappet,
     /// Where it stood on the cam, master u.
-    pub from: f64,
+    pub(crate) from: f64,
 }
 
 /// A cam whose tappets stay where they are on the master.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Kept {
-    /// The cam with them.
-    pub file: CamFile,
+pub(crate) struct Kept {
+    pub(crate) file: CamFile,
     /// By ascending places where they stood.
-    pub tappets: Vec<KeptTappet>,
+    pub(crate) tappets: Vec<KeptTappet>,
 }
 
 impl Kept {
     /// What moves them in the text of the cam's file.
-    pub fn changes(&self) -> impl Iterator<Item = Change> + '_ {
+    pub(crate) fn changes(&self) -> impl Iterator<Item = Change> + '_ {
         let moved = self.tappets.iter().filter(|moved| !same(moved.from, moved.tappet.master));
         moved.map(|moved| Change::Tappet { from: moved.from, tappet: moved.tappet })
     }
 }
 
-/// Tappets keep so many digits of the longest number of their cam: more are rounding.
+/// Digits that tappets keep of the longest number of their cam: more are rounding.
 const DIGITS: f64 = 12.0;
 
 /// The cam with its tappets moved along, so that the master passes them where it did; none if nothing is to be moved.
-///
-/// # Errors
-/// [`TuneError::TappetBeyond`] if one leaves a cam that is not put end to end, [`TuneError::TappetsMeet`] if those at begin
+/// [`TuneError::TappetBeyond`] if one leaves a cam that is not periodic, [`TuneError::TappetsMeet`] if those at begin
 /// and end of one that is would come to one place, where they have no order.
-pub fn keep_tappets(
+pub(crate) fn keep_tappets(
     file: &CamFile,
     before: &CamUse,
     after: &CamUse,
@@ -89,7 +86,7 @@ pub fn keep_tappets(
     Ok(Some(Kept { file: kept, tappets }))
 }
 
-/// Where a tappet has to stand on the cam.
+/// The new place of a tappet on the cam.
 fn place(
     file: &CamFile,
     before: &CamUse,
@@ -114,7 +111,7 @@ fn place(
     Ok(inside)
 }
 
-/// A place beside numbers as large as `scale`, without rounding.
+/// A place among numbers as large as `scale`, without rounding.
 fn rounded(place: f64, scale: f64) -> f64 {
     #[expect(
         clippy::cast_possible_truncation,
@@ -125,16 +122,16 @@ fn rounded(place: f64, scale: f64) -> f64 {
     format!("{place:.decimals$}").parse().unwrap_or(place)
 }
 
-/// Where the master is when it passes a place of the cam: of all passes of one that is put end to end that next to `near`.
-pub fn passed_at(file: &CamFile, using: &CamUse, place: f64, near: f64) -> f64 {
+/// Where the master is when it passes a place of the cam: of all passes of a periodic one that next to `near`.
+pub(crate) fn passed_at(file: &CamFile, using: &CamUse, place: f64, near: f64) -> f64 {
     let curve = file.cam.curve();
     let turn = (curve.end() - curve.start()) / using.coupling.input.master_scaling;
     let master = using.master_at(place);
     if using.repeated { master + ((near - master) / turn).round() * turn } else { master }
 }
 
-/// Where the slave is told to be when the master is at a place.
-pub fn told_at(file: &CamFile, using: &CamUse, master: f64) -> f64 {
+/// The set-point of the slave with the master at a place.
+pub(crate) fn slave_on_cam(file: &CamFile, using: &CamUse, master: f64) -> f64 {
     let (curve, input) = (file.cam.curve(), &using.coupling.input);
     let x = master * input.master_scaling + input.master_offset;
     let y = if using.repeated { curve.repeated(x) } else { curve.at(x) };

@@ -6,7 +6,7 @@ use twin_cam::tune::{Estimate, Fit};
 use twin_machine::cam_file::CamFile;
 use twin_number::significant;
 
-/// A slave that goes so many times as far as is wanted, or only that part of it, is taken for one in other units.
+/// A slave with this many times the wanted stroke, or that part of it, seems to be in other units.
 const STROKES: f64 = 2.0;
 /// Beside its units a slave deviates by no more than this part.
 const DEVIATION: f64 = 0.05;
@@ -18,10 +18,8 @@ const LENGTHS: [(&str, f64); 4] = [("inch", 25.4), ("cm", 10.0), ("m", 1e3), ("Â
 const ANGLES: [(&str, f64); 2] = [("rad", 180.0 / std::f64::consts::PI), ("turns", 360.0)];
 
 /// Whether the slave goes as far as is wanted, or twice as far or half as far at most, unless between what its scaling is was said.
-///
-/// # Errors
 /// [`TuneError::Stroke`] if it does not.
-pub fn refuse_stroke(
+pub(crate) fn refuse_stroke(
     file: &CamFile,
     wanted: &CamUse,
     fit: &Fit,
@@ -55,7 +53,7 @@ pub fn refuse_stroke(
 }
 
 /// How often a master at this velocity passes the cam in a second, if that is more often than machines do.
-pub fn passes_too_often(file: &CamFile, using: &CamUse) -> Option<f64> {
+pub(crate) fn passes_too_often(file: &CamFile, using: &CamUse) -> Option<f64> {
     let curve = file.cam.curve();
     let scaled = using.master.velocity * using.coupling.input.master_scaling;
     let passes = (scaled / (curve.end() - curve.start())).abs();

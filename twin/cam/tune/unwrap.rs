@@ -3,40 +3,38 @@
 //! After what the master's positions begin again is given, or it is what they jump back by, if that is a period that a master of
 //! this cam has: whole passes of the cam, whole turns of an axis in degrees, or whole passes with the scaling in effect. A slave
 //! goes round if its axis does: with the period of the machine's axis, or of the cam's file. Whole periods of it are the same
-//! place, and so is what it gains in whole passes of a master of which nobody knows how often it went round before: the slave is
-//! taken to be where that is nearest to what it is told.
+//! place, and so is its gain in whole passes of a master whose earlier turns are unknown: the slave is
+//! taken to be where that is nearest to its set-point.
 
 use super::super::check::CamUse;
-use super::super::run::{RecordedRun, RunSample};
+use super::super::run::{RecordedRun, RunSample, median, turns};
 use super::errors;
-use super::from_run::median;
 use std::borrow::Cow;
 use twin_machine::axis_kind::AxisKind;
 use twin_machine::cam_file::CamFile;
 use twin_machine::cam_file::unit_fits;
 
-/// Periods of so many passes or turns are known again.
+/// Passes or turns that a period may have.
 const MOST: u32 = 12;
-/// A jump is that of a period if it is so but for this part, and so many standard deviations of its noise.
+/// A jump is that of a period but for this part, and this many standard deviations of its noise.
 const NEAR: f64 = 0.02;
 const NOISE: f64 = 6.0;
-/// Of several periods that are so near, the first one is taken that is told from the jump by no more than this part.
+/// Of several near periods the first one that is as near as this part is taken.
 const EXACT: f64 = 1e-3;
 
 /// A run that goes on, and after what positions of its master and its slave began again, u.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Unwound<'a> {
-    /// The run.
-    pub run: Cow<'a, RecordedRun>,
+pub(crate) struct Unwound<'a> {
+    pub(crate) run: Cow<'a, RecordedRun>,
     /// Of the master.
-    pub master: Option<f64>,
+    pub(crate) master: Option<f64>,
     /// Of the slave.
-    pub slave: Option<f64>,
+    pub(crate) slave: Option<f64>,
 }
 
 /// The same run with a master and a slave that go on where their positions begin again; `period` is that of the master, if it is
 /// given.
-pub fn unwound<'a>(
+pub(crate) fn unwound<'a>(
     file: &CamFile,
     using: &CamUse,
     run: &'a RecordedRun,
@@ -107,11 +105,11 @@ impl Jump {
         let values: Vec<f64> = run.samples.iter().map(position).collect();
         let steps: Vec<f64> =
             values.iter().zip(values.iter().skip(1)).map(|(one, next)| next - one).collect();
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let ends = [f64::INFINITY, f64::NEG_INFINITY];
+        let [least, most] = values.iter().fold(ends, |[a, b], v| [a.min(*v), b.max(*v)]);
         let jumps = |step: &f64| step.abs() > (most - least) / 2.0;
-        // What goes on: the steps beside.
-        let beside = |index: usize| {
+        // The steps on both sides.
+        let around = |index: usize| {
             let both = [index.checked_sub(1), Some(index + 1)].into_iter().flatten();
             let both: Vec<f64> = both
                 .filter_map(|index| steps.get(index).copied())
@@ -125,7 +123,7 @@ impl Jump {
             .iter()
             .enumerate()
             .filter(|(_, step)| jumps(step))
-            .map(|(index, step)| (step - beside(index)).abs())
+            .map(|(index, step)| (step - around(index)).abs())
             .collect();
         if all.is_empty() {
             return None;
@@ -144,12 +142,5 @@ fn slave_turns(run: &RecordedRun, period: f64) -> Option<Vec<f64>> {
     if (jump.by - period).abs() > NEAR * period + jump.error {
         return None;
     }
-    let slaves = || run.samples.iter().map(|sample| sample.slave);
-    let steps = slaves().zip(slaves().skip(1)).map(|(one, next)| next - one);
-    let mut turns = 0.0;
-    let on = steps.map(|step| {
-        turns -= (step / period).round();
-        turns
-    });
-    Some(std::iter::once(0.0).chain(on).collect())
+    Some(turns(run.samples.iter().map(|sample| sample.slave), period, 0.0))
 }

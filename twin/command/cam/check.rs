@@ -53,7 +53,7 @@ Example:
   twin cam check examples/cams/pick_and_place.toml --master-velocity 360 --max-velocity 900 --max-acceleration 20000";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Format {
+pub(in crate::command) enum Format {
     Human,
     Json,
 }
@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         Format::Json => writeln!(out, "{}", check.json()),
         Format::Human => {
             show_findings(&check.findings);
-            tell(&mut out, &file, &using, &check)
+            report(&mut out, &file, &using, &check)
         }
     }
     .map_err(Failure::Stdio)?;
@@ -81,7 +81,7 @@ fn short(value: f64) -> String {
     readable(value, 6)
 }
 
-fn tell(
+fn report(
     out: &mut impl Write,
     file: &CamFile,
     using: &CamUse,
@@ -106,7 +106,7 @@ fn tell(
         short(motion.acceleration),
         short(motion.jerk)
     )?;
-    // What carries tappets only has a slave that nobody has said anything of.
+    // A cam of tappets only has no slave.
     if file.is_tappets_only() {
         writeln!(out, "tappets only")?;
         return tappets(out, file, check);
@@ -122,7 +122,7 @@ fn tell(
         ("jerk", "/s³", &check.bounds.jerk, both(limits.jerk)),
     ] {
         let Range { min, at_min, max, at_max } = range;
-        // What is rounding beside the whole is nothing.
+        // Rounding relative to the whole is 0.
         let message =
             |value: f64| if value.abs() < 1e-12 * range.magnitude() { 0.0 } else { value };
         rows.add_row([
@@ -197,7 +197,7 @@ fn start(
             beside(position, check.bounds.position.magnitude(), 6),
         )
     } else {
-        // A start that is refused is told among the findings.
+        // A refused start is among the findings.
         let [from, to] = using.starts(curve).map(|at| check.place(at));
         writeln!(
             out,

@@ -102,7 +102,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     }
     let made = file.clone();
     if let Some(tolerance) = arguments.tolerance {
-        // What is read as text again has straight lines between its points.
+        // Text forms have straight lines between their points.
         let between = arguments.interpolation.or(as_text.then_some(Between::Linear));
         let wish = Wish { whole: &whole_curve, tolerance, between };
         let cam = reduced(&file, &wish)?;
@@ -114,7 +114,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let positions = if arguments.table.is_none() { points } else { None };
     let bytes = write_file(&file, &arguments.to, positions).map_err(Box::new)?;
     atomic_file::write(&arguments.to, &bytes)?;
-    tell(&made, &whole_curve, arguments)?;
+    report(&made, &whole_curve, arguments)?;
     Ok(Status::Fit)
 }
 
@@ -148,7 +148,7 @@ fn read(arguments: &Arguments, as_text: bool) -> Result<CamFile, Failure> {
 }
 
 /// How many points there are, and how far what was written is from what was read.
-fn tell(file: &CamFile, whole: &Curve, arguments: &Arguments) -> Result<(), Failure> {
+fn report(file: &CamFile, whole: &Curve, arguments: &Arguments) -> Result<(), Failure> {
     let again = CamFile::load(&arguments.to, interpolation(arguments)).map_err(Box::new)?;
     let Peak { value: far, master: at } = whole.largest_distance(again.cam.curve());
     for line in lost(file, &again) {
@@ -186,7 +186,7 @@ fn compiled(file: &CamFile, kind: TableKind, arguments: &Arguments) -> Result<Ca
     let variable = VariableType::from(arguments.r#type);
     let curve = file.cam.curve();
     let range = curve.extremes().position;
-    // What is no floating-point number uses the whole range of its type.
+    // Whole numbers use the range of their type.
     let scale = |min: f64, max: f64| match variable {
         VariableType::Real | VariableType::Lreal => TableScale::IDENTITY,
         _ => {

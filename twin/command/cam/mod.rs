@@ -7,6 +7,7 @@ mod plot;
 mod reduced;
 mod sample;
 
+pub(super) use check::Format;
 pub(super) use options::{
     LimitOptions, MasterOptions, UseOptions, load, magnitude, number, positive,
 };

@@ -34,10 +34,10 @@ fn velocity(text: &str) -> Result<f64, String> {
     if number > 0.0 {
         Ok(number)
     } else if number < 0.0 {
-        let message = "the master's velocity is told without its sign; --master-scaling with the other sign turns its direction round";
+        let message = "give the master's velocity without its sign; --master-scaling with the other sign reverses it";
         Err(format!("{number} is less than 0: {message}"))
     } else {
-        Err("0 is not greater than 0: a master that stands moves nothing".to_owned())
+        Err("0 is not greater than 0: a master at rest moves nothing".to_owned())
     }
 }
 
@@ -88,7 +88,7 @@ pub(super) fn read(path: &Path, between: Option<Between>) -> Result<CamFile, Fai
     Ok(file)
 }
 
-/// How a cam is used: offsets and scalings of `MC_CamIn`. What is not given is that of the cam's `[coupling]`.
+/// How a cam is used: offsets and scalings of `MC_CamIn`. The default is the cam's `[coupling]`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Coupling (MC_CamIn); default: [coupling] of the cam")]
 pub(in crate::command) struct UseOptions {

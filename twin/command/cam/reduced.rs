@@ -15,7 +15,7 @@ pub(super) const ROUNDING: f64 = 1e-13;
 
 /// Requirements of a table reduction.
 pub(super) struct Wish<'a> {
-    /// The cam that it is held against.
+    /// The cam to compare with.
     pub(super) whole: &'a Curve,
     /// Largest deviation of the slave, u.
     pub(super) tolerance: f64,
@@ -26,7 +26,7 @@ pub(super) struct Wish<'a> {
 /// The table of `file` with fewer points. The slave deviates from the whole cam by no more than the tolerance.
 ///
 /// # Errors
-/// If it is no table, or all of its points are too few.
+/// If it is not a table, or all of its points are too few.
 pub(super) fn reduced(file: &CamFile, wish: &Wish<'_>) -> Result<Cam, Failure> {
     let Table { pairs, positions } = Table::of(file, wish.between)?;
     let with = |within: f64| {
@@ -47,7 +47,7 @@ pub(super) fn reduced(file: &CamFile, wish: &Wish<'_>) -> Result<Cam, Failure> {
     if far(&cam) <= most {
         return Ok(cam);
     }
-    // Between its points the table is beside the cam already: it may go less far from them.
+    // The table deviates between its points already, which leaves less tolerance at them.
     let mut best = of_table(file, pairs.clone())?;
     let already = far(&best);
     if already > most {
@@ -73,7 +73,7 @@ pub(super) fn reduced(file: &CamFile, wish: &Wish<'_>) -> Result<Cam, Failure> {
     Ok(best)
 }
 
-/// A table of pairs, and the positions that they stand for.
+/// A table of pairs, and their positions.
 struct Table {
     pairs: PairTable,
     positions: Vec<[f64; 2]>,

@@ -12,7 +12,7 @@ use crate::check;
 use crate::check::{CheckOptions, Outcome};
 use crate::finding;
 use crate::limit::Limits;
-use crate::program::ProgramFile;
+use crate::program::{Dialect, ProgramFile};
 use crate::report::CheckReport;
 use clearance::ClearanceFiles;
 use indicatif::MultiProgress;
@@ -20,19 +20,24 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use twin_kinematics::AxisVector;
 use twin_machine::{Machine, Scenario};
 use twin_number::counted;
 use twin_number::seconds;
 
 /// Check programs against a machine: syntax, reach, axis limits, velocities and accelerations, per program line
 ///
-/// Everything `twin run` checks before it moves anything. Several programs are checked in parallel.
+/// Everything `twin run` checks before it moves anything. Several programs are checked in parallel, each by itself.
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct Arguments {
     /// Programs to check
     #[arg(required = true, value_name = "PROGRAM")]
     programs: Vec<PathBuf>,
+
+    /// Check the programs in this order on one machine, as `twin run` runs them: each begins where the one before ended
+    #[arg(long)]
+    sequence: bool,
 
     #[command(flatten)]
     machine: MachineOption,
@@ -100,6 +105,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         let program = |path| arguments.read.program_with(path, unit, &arguments.inputs);
         arguments.programs.iter().map(|path: &PathBuf| program(path)).collect()
     };
+    if arguments.sequence {
+        return in_sequence(&machine, programs, arguments, &scenario);
+    }
     let next = AtomicUsize::new(0);
     let slots: Vec<_> = programs.iter().map(|_| Mutex::new(None)).collect();
     let bars = MultiProgress::new();
@@ -116,7 +124,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
                         }
                         continue;
                     };
-                    let outcome = one(&machine, program, arguments, &scenario, &bars);
+                    let outcome = one((&machine, &scenario), program, arguments, None, &bars);
                     if let Ok(mut slot) = slot.lock() {
                         *slot = Some(outcome);
                     }
@@ -147,11 +155,43 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     Ok(status)
 }
 
-fn one(
+/// Refuses a job behind another program: its `[[start]]` says where its axes are.
+pub(super) fn may_follow(program: &ProgramFile, end: Option<&AxisVector>) -> Result<(), Failure> {
+    if end.is_some() && program.dialect() == Dialect::Job {
+        return Err(Failure::Usage(format!(
+            "{} is a job, whose [[start]] says where its axes are: it cannot follow another program; put it first",
+            program.path().display()
+        )));
+    }
+    Ok(())
+}
+
+/// Checks the programs one after the other on one machine, up to the first that cannot be read.
+fn in_sequence(
     machine: &Machine,
-    program: &ProgramFile,
+    programs: Vec<Result<ProgramFile, Failure>>,
     arguments: &Arguments,
     scenario: &Scenario,
+) -> Result<Status, Failure> {
+    let (mut status, mut end) = (Status::Fit, None);
+    for program in programs {
+        let program = program?;
+        may_follow(&program, end.as_ref())?;
+        let outcome = one((machine, scenario), &program, arguments, end, &MultiProgress::new())?;
+        report(machine, &program, &outcome, arguments).map_err(Failure::Stdio)?;
+        if finding::unfit(&outcome.findings) {
+            status = Status::Unfit;
+        }
+        end = outcome.end.or(end);
+    }
+    Ok(status)
+}
+
+fn one(
+    (machine, scenario): (&Machine, &Scenario),
+    program: &ProgramFile,
+    arguments: &Arguments,
+    continues: Option<AxisVector>,
     bars: &MultiProgress,
 ) -> Result<Outcome, Failure> {
     if arguments.limits == Limits::Axes {
@@ -171,6 +211,7 @@ fn one(
             scenario: scenario.clone(),
             acknowledge: arguments.m_functions.acknowledge,
             drives: true,
+            continues,
         },
         &mut |progress| {
             show::advance(&bar, &progress);
@@ -251,11 +292,11 @@ fn tables(
 ) -> io::Result<()> {
     writeln!(
         out,
-        "{} ({}) on {}: {} elements, {:.1} mm, {:.3} s",
+        "{} ({}) on {}: {}, {:.1} mm, {:.3} s",
         program.path().display(),
         program.dialect().name(),
         machine.name,
-        outcome.elements,
+        counted(usize::try_from(outcome.elements).unwrap_or(usize::MAX), "element"),
         outcome.length * 1e3,
         seconds(outcome.duration_ns),
     )?;

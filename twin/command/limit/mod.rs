@@ -266,7 +266,7 @@ struct Job<'a> {
     program: &'a ProgramFile,
     /// How far planning has come.
     progress: Progress,
-    summing: Summing,
+    summing: Summing<'a>,
     findings: Vec<Finding>,
 }
 
@@ -275,11 +275,11 @@ impl<'a> Job<'a> {
         let progress =
             Progress::of(program).map_err(|source| unreadable(program.path(), source))?;
         let factor = program.settings().inputs.override_factor.factor();
-        let summing = Summing::under(machine.axes.len(), factor);
+        let summing = Summing::under(&machine.axes, factor);
         Ok(Self { machine, program, progress, summing, findings: Vec::new() })
     }
 
-    /// Takes all of a profile, of which `read` tells how many bytes of the program it has read.
+    /// Takes all of a profile, of which `read` gives the bytes of the program read so far.
     fn follow<P: Iterator<Item = ProfileItem>>(
         &mut self,
         profile: &mut P,

@@ -101,7 +101,8 @@ impl DrawingOptions {
         if unused {
             return Ok(());
         }
-        let message = "this is no drawing; the options under \"Drawings (DXF)\" are for .dxf files";
+        let message =
+            "this is not a drawing; the options under \"Drawings (DXF)\" are for .dxf files";
         Err(Failure::Usage(message.to_owned()))
     }
 

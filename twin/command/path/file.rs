@@ -41,7 +41,7 @@ impl Target {
         let path = match self {
             Self::Stdout => {
                 if format == Format::Queue && io::stdout().is_terminal() {
-                    let message = "a queue file is no text; give --output FILE";
+                    let message = "a queue file is binary; write it to a file with --output FILE";
                     return Err(Failure::Usage(message.to_owned()));
                 }
                 return Ok(File::Stdout(BufWriter::new(io::stdout())));

@@ -142,7 +142,7 @@ fn broken(findings: &[Finding]) -> Vec<(&'static str, &'static str, u64, Place)>
 pub(super) fn viewer(job: &mut Job<'_>, out: &mut dyn Write) -> Result<(), Failure> {
     let program = job.program;
     if !matches!(program.dialect(), Dialect::Din66025 | Dialect::Rs274) {
-        let message = "there are no blocks to be shown: this is no text of a program";
+        let message = "there are no blocks to show: this is not the text of a program";
         return Err(Failure::Usage(message.to_owned()));
     }
     let variables = &program.settings().variables;

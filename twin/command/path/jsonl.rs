@@ -72,7 +72,7 @@ type Number = Box<RawValue>;
 
 fn number(value: f64) -> Number {
     let text = significant(value, DIGITS);
-    // What is not finite is no JSON number; null says so.
+    // JSON has no infinity and no NaN: null.
     RawValue::from_string(text).unwrap_or_else(|_| RawValue::NULL.to_owned())
 }
 

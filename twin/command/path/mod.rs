@@ -75,7 +75,7 @@ pub(super) struct Arguments {
     drawing: DrawingOptions,
 }
 
-/// What is written.
+/// Output format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Format {
     /// Path elements, one JSON object per line, in the machine frame
@@ -145,7 +145,7 @@ impl Arguments {
     }
 }
 
-/// What is to be made of one program.
+/// The task for one program.
 struct Job<'a> {
     program: &'a ProgramFile,
     /// Its name.

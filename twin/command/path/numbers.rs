@@ -42,7 +42,7 @@ mod tests {
             ("1,2,3,4", "more than 3"),
             ("1,x", "`x` is not a number"),
             ("1,inf", "beyond"),
-            ("", "no number"),
+            ("", "not a number"),
         ] {
             assert!(list::<3>(text, 2).unwrap_err().contains(part), "{text}");
         }

@@ -94,7 +94,7 @@ impl PreparationOptions {
     }
 }
 
-/// What is done to the path.
+/// Operations on the path.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Operations, done in this order before preparation")]
 pub(super) struct OperationOptions {
@@ -137,7 +137,7 @@ impl OperationOptions {
         let angle = self.linearise_angle.map(|angle| Chords::Angle(angle.to_radians()));
         let linearise = length.or(angle);
         if self.arcs && linearise.is_none() {
-            let message = "--arcs says nothing without --linearise or --linearise-angle";
+            let message = "--arcs has no effect without --linearise or --linearise-angle";
             return Err(Failure::Usage(message.to_owned()));
         }
         let [x, y, z, translate_additional @ ..] = self.translate.unwrap_or_default();

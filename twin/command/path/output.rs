@@ -74,7 +74,7 @@ impl<'a> Writer<'a> {
 fn said(error: WriteError) -> Failure {
     match error {
         WriteError::Io(source) => Failure::Stdio(source),
-        WriteError::UprightArc { .. } | WriteError::Curve { .. } | WriteError::Cubic { .. } => {
+        WriteError::UprightArc(_) | WriteError::Curve(_) | WriteError::Cubic(_) => {
             Failure::Usage(format!("{error} (--linearise MM --arcs)"))
         }
         error => Failure::Usage(error.to_string()),

@@ -83,6 +83,11 @@ impl AxisWatchOptions {
         self.log_axis.iter().map(|log| ("--log-axis", log.file.as_path()))
     }
 
+    /// The same, to be changed.
+    pub(super) fn files(&mut self) -> impl Iterator<Item = &mut PathBuf> {
+        self.log_axis.iter_mut().map(|log| &mut log.file)
+    }
+
     /// Opens the logs; `drives` is true if there are samples of drives.
     pub(super) fn open<'m>(
         &self,

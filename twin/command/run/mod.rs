@@ -31,7 +31,9 @@ use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use summary::{Report, summary};
+use twin_kinematics::AxisVector;
 use twin_machine::Machine;
+use twin_number::counted;
 
 /// Part of each axis's largest velocity with which the drives approach the start of the program.
 const APPROACH: f64 = 0.25;
@@ -47,10 +49,11 @@ const APPROACH: f64 = 0.25;
 /// if planning takes longer, the path goes on as planned until there is a new plan, and a hold is over at the end of what is
 /// planned at the latest, 1 to 3 s ahead. With --limits softmotion the key s switches single step on and off, n waiting at the
 /// next stop.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// The program
-    program: PathBuf,
+    /// The program; several are run in this order, and the axes bridge the gap from the end of each to the start of the next
+    #[arg(required = true, value_name = "PROGRAM")]
+    programs: Vec<PathBuf>,
 
     #[command(flatten)]
     machine: MachineOption,
@@ -120,6 +123,59 @@ enum Drives {
 }
 
 impl Arguments {
+    /// The same for each program. Of several, the files written for the second are numbered 2, and so on.
+    fn per_program(&self) -> impl Iterator<Item = Self> + '_ {
+        (1..).zip(&self.programs).map(|(number, program)| {
+            let mut own = Self { programs: vec![program.clone()], ..self.clone() };
+            if number > 1 {
+                let written = [&mut own.record, &mut own.report].into_iter().flatten();
+                for path in written.chain(own.axis_watch.files()) {
+                    *path = numbered(path, number);
+                }
+            }
+            own
+        })
+    }
+
+    /// The program, if it can be run with these options.
+    fn open(&self, machine: &Machine) -> Result<ProgramFile, Failure> {
+        let unit = machine.conditions.rs274.units;
+        let [path] = &self.programs[..] else {
+            return Err(Failure::Usage("one program at a time".to_owned()));
+        };
+        let program = self.read.program_with(path, unit, &self.inputs)?;
+        stderr!("{} is read as {}", program.path().display(), program.dialect().name());
+        program.size().map_err(|source| unreadable(program.path(), source))?;
+        if !program.is_repeatable() {
+            return Err(Failure::Usage(format!(
+                "{} is not a regular file: a run reads its program twice, to check it and to run it",
+                program.path().display()
+            )));
+        }
+        let faster = self.override_at.iter().any(|change| change.factor > 1.0);
+        if program.dialect() == Dialect::Job && faster {
+            return Err(Failure::Usage(
+                "--override-at is 100 % at most for a job: its blocks say themselves how fast"
+                    .to_owned(),
+            ));
+        }
+        self.check_targets(&program)?;
+        if self.limits == Limits::Axes {
+            plans_without_inputs(&program)?;
+        }
+        Ok(program)
+    }
+
+    /// The report, if one is wanted.
+    fn report<'a>(
+        &'a self,
+        machine: &'a Machine,
+        program: &'a ProgramFile,
+        outcome: &'a Outcome,
+    ) -> Report<'a> {
+        Report { path: self.report.as_deref(), machine, program, outcome }
+    }
+
     /// Nothing is written over what is read, and nothing twice.
     fn check_targets(&self, program: &ProgramFile) -> Result<(), Failure> {
         let read = [self.machine.path()].into_iter().chain(self.read.variables_file());
@@ -138,48 +194,65 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if arguments.drives == Drives::Real {
         startup::expect_real(&mut machine);
     }
-    let unit = machine.conditions.rs274.units;
-    let program = arguments.read.program_with(&arguments.program, unit, &arguments.inputs)?;
-    stderr!("{} is read as {}", program.path().display(), program.dialect().name());
-    program.size().map_err(|source| unreadable(program.path(), source))?;
-    if !program.is_repeatable() {
-        return Err(Failure::Usage(format!(
-            "{} is no regular file: a run reads its program twice, to check it and to run it",
-            program.path().display()
-        )));
+    // All programs are checked before anything moves.
+    let mut checked = Vec::new();
+    let mut continues = None;
+    for own in arguments.per_program() {
+        let program = own.open(&machine)?;
+        check::may_follow(&program, continues.as_ref())?;
+        let outcome = check_first(&machine, &program, &own, continues)?;
+        show::findings(&program, &outcome.findings);
+        let Some(start) = outcome.start.filter(|_| !finding::unfit(&outcome.findings)) else {
+            let report = own.report(&machine, &program, &outcome);
+            report.write_nothing("the program is not fit for the machine; nothing moved")?;
+            let mut out = io::stdout().lock();
+            check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
+            return Ok(Status::Unfit);
+        };
+        let before = std::mem::replace(&mut continues, outcome.end);
+        checked.push(Checked { arguments: own, program, outcome, start, continues: before });
     }
+    let (mut status, mut caught) = (Status::Fit, None);
+    let count = checked.len();
+    for (index, checked) in checked.iter().enumerate() {
+        let (one, interrupt) = execute(&machine, checked, caught.take())?;
+        status = status.max(one);
+        if one != Status::Fit {
+            match count - index - 1 {
+                0 => {}
+                more => stderr!("not run: {}", counted(more, "further program")),
+            }
+            break;
+        }
+        caught = Some(interrupt);
+    }
+    Ok(status)
+}
 
-    let faster = arguments.override_at.iter().any(|change| change.factor > 1.0);
-    if program.dialect() == Dialect::Job && faster {
-        return Err(Failure::Usage(
-            "--override-at is 100 % at most for a job: its blocks say themselves how fast"
-                .to_owned(),
-        ));
-    }
-    arguments.check_targets(&program)?;
-    if arguments.limits == Limits::Axes {
-        plans_without_inputs(&program)?;
-    }
-    let checked = check_first(&machine, &program, arguments)?;
-    let mut outcome = checked.clone();
-    show::findings(&program, &outcome.findings);
-    let report = Report {
-        path: arguments.report.as_deref(),
-        machine: &machine,
-        program: &program,
-        outcome: &checked,
-    };
-    let Some(start) = outcome.start.filter(|_| !finding::unfit(&outcome.findings)) else {
-        report.write_nothing("the program is not fit for the machine; nothing moved")?;
-        let mut out = io::stdout().lock();
-        check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
-        return Ok(Status::Unfit);
-    };
+/// A program that may run.
+struct Checked {
+    arguments: Arguments,
+    program: ProgramFile,
+    outcome: Outcome,
+    /// Axis positions at its start, m or rad.
+    start: AxisVector,
+    /// The same, if a program before it ended there.
+    continues: Option<AxisVector>,
+}
 
+/// Runs a checked program and reports.
+fn execute(
+    machine: &Machine,
+    checked: &Checked,
+    caught: Option<Interrupt>,
+) -> Result<(Status, Interrupt), Failure> {
+    let Checked { arguments, program, outcome, start, continues } = checked;
+    let report = arguments.report(machine, program, outcome);
+    let mut outcome = outcome.clone();
     if let Some(predicted) = &outcome.following {
-        stderr!("{}", following::predicted(&machine, predicted));
+        stderr!("{}", following::predicted(machine, predicted));
     }
-    let (done, interrupt) = match perform(arguments, &report, &start) {
+    let (done, interrupt) = match perform(arguments, &report, (start, *continues), caught) {
         Ok(done) => done,
         Err(failure) => {
             // What went wrong first is what counts; a report that cannot be written either is the lesser news.
@@ -188,13 +261,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         }
     };
     // What only a run shows.
-    let mut behind = crate::check::following_errors(&machine, &done.ending.comparison);
-    behind.extend(crate::check::happenings(&machine, &done.ending.record));
+    let mut behind = crate::check::following_errors(machine, &done.ending.comparison);
+    behind.extend(crate::check::happenings(machine, &done.ending.record));
     if done.ending.stopped.is_none() {
-        behind.extend(crate::check::faults_to_come(&machine, &done.ending.record));
+        behind.extend(crate::check::faults_to_come(machine, &done.ending.record));
     }
     outcome.loads.clone_from(&done.ending.record.loads);
-    show::findings(&program, &behind);
+    show::findings(program, &behind);
     outcome.findings.extend(behind);
     finding::sort(&mut outcome.findings);
     let report = Report { outcome: &outcome, ..report };
@@ -203,8 +276,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     // First what was asked for in files: nobody may be reading what is printed.
     report.write(&done.ending, (done.samples, done.maxima.clone()), reason.clone())?;
     let mut out = io::stdout().lock();
-    check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
-    summary(&mut out, &machine, &done).map_err(Failure::Stdio)?;
+    check::summary(&mut out, machine, program, &outcome).map_err(Failure::Stdio)?;
+    summary(&mut out, machine, &done).map_err(Failure::Stdio)?;
     if let Some(reason) = &reason {
         stderr!("{reason}");
     }
@@ -214,9 +287,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         stderr!("what asked for it was {signal}, nobody at the keyboard");
     }
     if let Some(rest) = &done.ending.rest {
-        stderr!("{}", rest.message(&machine));
+        stderr!("{}", rest.message(machine));
     }
-    for line in whereabouts(&machine, &done.ending.last_heard) {
+    for line in whereabouts(machine, &done.ending.last_heard) {
         stderr!("{line}");
     }
     if let Some(Stopped::Drives { source, .. }) = &done.ending.stopped
@@ -235,7 +308,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         stderr!("the view stays at {url} until Ctrl-C");
         interrupt.wait();
     }
-    Ok(status)
+    Ok((status, interrupt))
 }
 
 impl Arguments {
@@ -243,6 +316,12 @@ impl Arguments {
     fn check(&self) -> Result<(), Failure> {
         if self.drives != Drives::Real {
             self.start_up.without_real()?;
+        }
+        if self.programs.len() > 1 && self.serve.is_some() {
+            return Err(Failure::Usage(
+                "--serve shows one program: run several without it, or record them with --record"
+                    .to_owned(),
+            ));
         }
         let last = self.override_at.iter().max_by_key(|change| change.time_ns);
         if last.is_some_and(|last| last.factor <= 0.0) {
@@ -296,16 +375,26 @@ fn judge(arguments: &Arguments, ending: &Ending) -> Status {
     status
 }
 
+/// `out.json` for the second of several programs: `out.2.json`.
+fn numbered(path: &Path, number: usize) -> PathBuf {
+    match path.extension() {
+        Some(extension) => path.with_extension(format!("{number}.{}", extension.to_string_lossy())),
+        None => path.with_added_extension(number.to_string()),
+    }
+}
+
 fn check_first(
     machine: &Machine,
     program: &ProgramFile,
     arguments: &Arguments,
+    continues: Option<AxisVector>,
 ) -> Result<Outcome, Failure> {
     let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
     let acknowledge = arguments.m_functions.acknowledge;
     let limits = arguments.limits;
     let drives = arguments.drives != Drives::None;
-    let options = CheckOptions { limits, acknowledge, drives, ..CheckOptions::default() };
+    let options =
+        CheckOptions { limits, acknowledge, drives, continues, ..CheckOptions::default() };
     let bar = show::progress(bytes, "{msg} {bar:30} {percent:>3} % {bytes_per_sec}");
     bar.set_message("checking");
     let mut lines = ProgressLines::new(format!("checking {}", program.path().display()));

@@ -34,11 +34,12 @@ pub(super) struct Done<'m> {
 }
 
 /// Opens view and drives, runs the program, and brings everything to rest. Also Ctrl-C, which is caught from the
-/// moment on that something needs an orderly end.
+/// moment on that something needs an orderly end, unless it has been caught for the program before.
 pub(super) fn perform<'m>(
     arguments: &Arguments,
     about: &Report<'m>,
-    start: &AxisVector,
+    (start, continues): (&AxisVector, Option<AxisVector>),
+    caught: Option<Interrupt>,
 ) -> Result<(Done<'m>, Interrupt), Failure> {
     let (machine, program, outcome) = (about.machine, about.program, about.outcome);
     let emulated = arguments.drives == Drives::Emulated && !machine.drives.is_empty();
@@ -67,8 +68,11 @@ pub(super) fn perform<'m>(
     if let Some(url) = picture.url() {
         stderr!("live view: {url}");
     }
-    let interrupt =
-        if real.is_some() { Interrupt::catch_for_drives() } else { Interrupt::catch() }?;
+    let interrupt = match caught {
+        Some(caught) => caught,
+        None if real.is_some() => Interrupt::catch_for_drives()?,
+        None => Interrupt::catch()?,
+    };
     if arguments.drives == Drives::Emulated && !emulated {
         stderr!("{} names no drives; the simulated machine runs alone", machine.path.display());
     }
@@ -96,8 +100,17 @@ pub(super) fn perform<'m>(
     let stepping = limits == Limits::Softmotion
         && program.dialect() != Dialect::Job
         && program.settings().workpiece.is_none();
-    let session =
-        Session { machine, program, twin, hardware, limits, acknowledge, overrides, realtime };
+    let session = Session {
+        machine,
+        program,
+        continues,
+        twin,
+        hardware,
+        limits,
+        acknowledge,
+        overrides,
+        realtime,
+    };
     let mut watcher = Watcher {
         picture: &mut picture,
         bar: &bar,

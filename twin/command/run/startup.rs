@@ -28,7 +28,7 @@ pub(super) struct StartUpOptions {
     #[arg(long, value_name = "AXIS,AXIS", num_args = 0..=1, value_delimiter = ',', require_equals = true)]
     home: Option<Vec<String>>,
 
-    /// With --drives real: the axes are homed, also those whose devices cannot tell
+    /// With --drives real: the axes are homed, also those whose devices do not report it
     #[arg(long)]
     homed: bool,
 
@@ -38,7 +38,7 @@ pub(super) struct StartUpOptions {
 }
 
 impl StartUpOptions {
-    /// Refuses what says nothing without real drives.
+    /// Refuses what has no effect without real drives.
     pub(super) fn without_real(&self) -> Result<(), Failure> {
         let given = [
             ("--yes", self.consent.given()),
@@ -47,7 +47,7 @@ impl StartUpOptions {
         ];
         match given.into_iter().find(|(_, given)| *given) {
             Some((name, _)) => {
-                Err(Failure::Usage(format!("{name} says nothing without --drives real")))
+                Err(Failure::Usage(format!("{name} has no effect without --drives real")))
             }
             None => Ok(()),
         }
@@ -86,7 +86,7 @@ pub(super) fn expect_real(machine: &mut Machine) {
     for device in &mut machine.drives {
         if !device.expect_real() {
             stderr!(
-                "note: device `{}` is reckoned to answer after {} ms; `turnaround_ms` in the machine file says what it takes",
+                "note: device `{}` is assumed to answer after {} ms; set `turnaround_ms` in the machine file to the time it takes",
                 device.name,
                 f64::from(device.expected_response_us()) * 1e-3
             );

@@ -17,7 +17,7 @@ use crate::session::Ending;
 use std::io::{self, Write};
 use std::path::Path;
 use twin_machine::Machine;
-use twin_number::seconds;
+use twin_number::{rounded, seconds};
 
 /// How often drives were heard of, all together and each.
 fn samples_report(all: Heard, devices: &[(String, Heard)]) -> DriveSamplesReport {
@@ -157,7 +157,7 @@ impl Report<'_> {
             completed: stopped_because.is_none(),
             stopped_because,
             rest: ending.rest.as_ref().map(|rest| RestReport::new(self.machine, rest)),
-            executed_s: seconds(ending.executed_ns),
+            executed_s: rounded(seconds(ending.executed_ns)),
             override_changes: ending.overrides.iter().map(OverrideChangeReport::new).collect(),
             drive_samples: (samples.count > 0).then(|| samples_report(samples, &ending.heard)),
             switched_outputs: outputs::report(&ending.switched),

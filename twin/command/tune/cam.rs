@@ -5,14 +5,14 @@ use super::least::{Find, LeastOptions, Shown, Sought, sought};
 use super::outcome::{apply, moved, picture};
 use super::report::Report;
 use super::start::Started;
-use super::words::{Format, Goal, Ramp, SlaveColumn, part, point, start};
+use super::words::{Goal, Ramp, SlaveColumn, part, point, start};
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune;
 use crate::cam::tune::{PointTolerance, changes};
 use crate::command::atomic_file;
 use crate::command::cam::{
-    LimitOptions, MasterOptions, UseOptions, load, number, positive, show_findings,
+    Format, LimitOptions, MasterOptions, UseOptions, load, number, positive, show_findings,
 };
 use crate::command::{Failure, Status};
 use crate::finding;
@@ -124,7 +124,7 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value = "human")]
     format: Format,
 
-    // What has headings of its own comes last: what stands behind it would be under these.
+    // Groups with headings come last: options after them would be listed under these.
     #[command(flatten)]
     pub(super) least: LeastOptions,
 
@@ -160,7 +160,7 @@ Examples:
 impl Arguments {
     pub(super) fn free(&self) -> Free {
         let has = |find| self.find.iter().any(|sought| sought.what == find);
-        // A run tells offsets, too, where a peak is sought: a slave that is elsewhere would have no other scaling.
+        // A run determines offsets, too, where a peak is sought: a slave that is elsewhere would have no other scaling.
         let peak = self.least.least(&self.find, None).is_some();
         let usual = (self.find.is_empty() || peak) && self.run.is_some();
         Free {
@@ -179,7 +179,7 @@ impl Arguments {
         }
     }
 
-    /// Nothing is written over what is read but the cam itself, and that only if it is said.
+    /// Nothing that is read is overwritten but the cam itself, and that only with --write.
     fn check_targets(&self) -> Result<(), Failure> {
         let read = [Some(self.cam.as_path()), self.run.as_deref(), self.limits.machine_file()];
         let other = match &self.write {
@@ -200,7 +200,7 @@ impl Arguments {
         )
     }
 
-    /// Something must be asked for, and what is said must say something.
+    /// Refuses calls that ask for nothing, and options without effect.
     fn check(&self) -> Result<(), Failure> {
         let wrong = if self.run.is_none()
             && self.find.is_empty()
@@ -209,7 +209,7 @@ impl Arguments {
         {
             "nothing is to be found: give a recorded --run, what to --find within the limits, points to --reshape, or a --ramp-in"
         } else if self.goal != Goal::Speed && self.reshape.is_empty() {
-            "--goal says nothing without --reshape"
+            "--goal has no effect without --reshape"
         } else if self.ramp_in == Some(Shown::Run) && self.run.is_none() {
             "--ramp-in run begins where a --run does, and there is none"
         } else if matches!(self.ramp_in, Some(Shown::Given(_))) && self.master_start.is_some() {
@@ -272,14 +272,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let after_file = moved(&file, &report)?;
     let mut check = CamCheck::new(&after_file, report.after);
     if report.least.as_ref().is_some_and(|found| found.part) && report.shaped.is_none() {
-        // The limits are kept on the way of the master; what lies beside it is not passed.
+        // The limits are kept on the way of the master; the rest of the cam is not passed.
         check.findings.retain(|finding| !tune::exceeds(finding));
     }
     // What was given on the command line belongs to what was found.
     let in_file = CamUse { coupling: file.coupling, ..before };
     let knots = report.shaped.as_ref().map(|shaped| (&file, shaped.knots.as_slice()));
     report.changes = changes(&in_file, &report.after, knots);
-    report.changes.extend(report.kept.iter().flat_map(|kept| kept.changes()));
+    let tappets: Vec<_> = report.kept.iter().flat_map(|kept| kept.changes()).collect();
+    report.changes.extend(tappets);
     // Files first: who reads only the first lines of the report has them, too.
     if let Some(path) = &arguments.output {
         picture(path, &file, &after_file, &report, recorded.as_ref())?;

@@ -1,44 +1,32 @@
 //! Report of values that constraints hold: limits of a run, the least change, and the smallest peak.
 
-use super::report::{Report, of, short};
+use super::report::{Report, Section, short};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{Constrained, errors, with_exactly};
-use serde_json::{Value, json};
-use std::io::{self, Write};
+use serde_json::{Map, Value, json};
 use twin_cam::tune::Bound;
-use twin_number::significant;
-
-/// Why a value has changed that no constraint holds.
-const CHANGE: &str = "for the least change with the others";
 
 impl Report<'_> {
-    /// How far the slave is from what is wanted, sample by sample: in the run, and with what is proposed.
+    /// Error of the slave, sample by sample: in the run, and with the proposal.
     pub(super) fn run_errors(&self, run: &RecordedRun) -> [Vec<(f64, f64)>; 2] {
         let wanted = self.wanted.as_ref().unwrap_or(&self.before);
-        let did = self.did.as_ref().unwrap_or(&self.after);
         let before = errors(self.file, wanted, run);
-        let after = match (&self.limited, &self.wanted) {
-            (None, _) => errors(self.file, did, run),
-            // The run is the motion wanted.
-            (Some(limited), None) => errors(self.file, &limited.does, run),
-            // What is no deviation stays; what limits leave of the deviation comes on top.
-            (Some(limited), Some(_)) => {
-                let does = errors(self.file, &limited.does, run);
-                let noise = errors(self.file, did, run).into_iter();
-                let both = noise.zip(before.iter().zip(does));
-                both.map(|((at, noise), ((_, wanted), (_, does)))| (at, noise + wanted - does))
-                    .collect()
+        let after = errors(self.file, self.did.as_ref().unwrap_or(&self.after), run);
+        let Some(limited) = &self.limited else { return [before, after] };
+        let mut does = errors(self.file, &limited.does, run);
+        if self.wanted.is_some() {
+            // Noise stays; what limits leave of the deviation comes on top.
+            for ((does, noise), wanted) in does.iter_mut().zip(after).zip(&before) {
+                does.1 = noise.1 + wanted.1 - does.1;
             }
-        };
-        [before, after]
+        }
+        [before, does]
     }
 
-    pub(super) fn tell_limited(
-        &self,
-        out: &mut impl Write,
-        limited: &Constrained,
-    ) -> io::Result<()> {
-        let slave = self.file.slave.unit();
+    /// What limits leave of what a run determines.
+    pub(super) fn limited(&self) -> Section {
+        let Some(limited) = &self.limited else { return Section::empty("limited") };
+        let [master, slave] = self.units();
         let start = |bound: &Bound| matches!(bound, Bound::Start { .. });
         let all = || limited.held.iter().flatten();
         let starts = all().any(start);
@@ -48,61 +36,57 @@ impl Report<'_> {
             _ => ("the limits of the slave leave", "them"),
         };
         let [left, without] = [limited.after, limited.before].map(|error| self.slave(error));
-        writeln!(out, "{what} an error of {left} {slave} rms ({without} without {them}):")?;
-        let numbers = self.after.coupling.numbers();
-        for (index, ((_, name, value), held)) in numbers.iter().zip(&limited.held).enumerate() {
+        let mut text =
+            vec![format!("{what} an error of {left} {slave} rms ({without} without {them}):")];
+        for (index, (_, name, value)) in self.after.coupling.numbers().iter().enumerate().take(4) {
             let without = limited.from[index];
-            if held.is_empty() && without.to_bits() == value.to_bits() {
+            if limited.held[index].is_empty() && without.to_bits() == value.to_bits() {
                 continue;
             }
             let by = self.held_by(limited, index, "for the least error with the others");
             let [value, without] = [*value, without].map(|value| self.input(index, value));
-            writeln!(out, "  {name}: {value}, {by} ({without} without limits)")?;
+            text.push(format!("  {name}: {value}, {by} ({without} without limits)"));
         }
         if starts {
             let loose = with_exactly(&self.after, limited.from);
             let [from, to] = loose.starts(self.file.cam.curve()).map(|at| self.place(at));
-            let unit = self.file.master.unit();
-            writeln!(
-                out,
-                "  without that it would start with the master from {from} to {to} {unit}: where it does, --master-start says so"
-            )?;
+            text.push(format!(
+                "  without that it would start with the master from {from} to {to} {master}: where it does, --master-start says so"
+            ));
         }
-        Ok(())
+        let mut value = self.constrained_json(limited);
+        value["rms_left"] = json!(limited.after);
+        value["rms_without"] = json!(limited.before);
+        Section { key: "limited", value, text }
     }
 
     /// What was changed for the smallest peak or to keep the limits, and what holds each value.
-    pub(super) fn tell_constrained(
-        &self,
-        out: &mut impl Write,
-        found: &Constrained,
-    ) -> io::Result<()> {
-        let (indent, keeps) =
-            if found.quantity.is_some() { ("  ", "") } else { ("", " keeps the limits") };
+    pub(super) fn constrained(&self, key: &'static str, found: Option<&Constrained>) -> Section {
+        let Some(found) = found else { return Section::empty(key) };
+        let mut text = Vec::new();
+        let (indent, keeps, otherwise) = match found.quantity {
+            Some(_) => ("  ", "", "which nothing holds"),
+            None => ("", " keeps the limits", "for the least change with the others"),
+        };
         if let Some(quantity) = found.quantity {
-            let unit = of(self.file.slave.unit(), quantity);
             let way = if found.part { " on the way of the master" } else { "" };
             let [before, after] = [found.before, found.after].map(short);
-            writeln!(out, "the slave's largest {quantity}{way}: {before} → {after} {unit}")?;
+            let unit = self.of(quantity);
+            text.push(format!("the slave's largest {quantity}{way}: {before} → {after} {unit}"));
         }
-        let numbers = self.after.coupling.numbers();
-        let mut changed = false;
-        for (index, ((_, name, after), held)) in numbers.iter().zip(&found.held).enumerate() {
+        for (index, (_, name, after)) in self.after.coupling.numbers().iter().enumerate().take(4) {
             let stays = found.from[index].to_bits() == after.to_bits();
-            if stays && (held.is_empty() || found.quantity.is_none()) {
+            if stays && (found.held[index].is_empty() || found.quantity.is_none()) {
                 continue;
             }
-            changed = true;
-            let otherwise = if found.quantity.is_some() { "which nothing holds" } else { CHANGE };
             let by = self.held_by(found, index, otherwise);
             let [before, after] = [found.from[index], *after].map(|value| self.input(index, value));
-            writeln!(out, "{indent}{name}: {before} → {after}{keeps}, {by}")?;
+            text.push(format!("{indent}{name}: {before} → {after}{keeps}, {by}"));
         }
-        if changed || found.quantity.is_some() {
-            Ok(())
-        } else {
-            writeln!(out, "the limits are kept as it is")
+        if text.is_empty() {
+            text.push("the limits are kept as it is".to_owned());
         }
+        Section { key, value: self.constrained_json(found), text }
     }
 
     fn held_by(&self, found: &Constrained, index: usize, otherwise: &str) -> String {
@@ -116,43 +100,33 @@ impl Report<'_> {
 
     /// Constraints with their units.
     fn said(&self, found: &Constrained, held: &[Bound]) -> Vec<String> {
-        let slave = self.file.slave.unit();
+        let [master, slave] = self.units();
         let said = |bound: &Bound| match bound {
             Bound::Limit { quantity, limit } => {
-                format!("the {quantity}, {} {}", significant(*limit, 6), of(slave, *quantity))
+                format!("the {quantity}, {} {}", short(*limit), self.of(*quantity))
             }
-            Bound::Position { limit } => {
-                format!("the position, {} {slave}", significant(*limit, 6))
-            }
-            Bound::Start { master } => {
-                let (at, unit) = (self.place(*master), self.file.master.unit());
-                format!("the start with the master at {at} {unit} (error 626 beyond)")
+            Bound::Position { limit } => format!("the position, {} {slave}", short(*limit)),
+            Bound::Start { master: at } => {
+                let at = self.place(*at);
+                format!("the start with the master at {at} {master} (error 626 beyond)")
             }
             Bound::Interval { end } if found.quantity.is_none() => {
-                format!("the end of --scaling-range, {}", significant(*end, 6))
+                format!("the end of --scaling-range, {}", short(*end))
             }
             other => other.to_string(),
         };
         held.iter().map(said).collect()
     }
 
-    pub(super) fn constrained_json(&self, found: &Constrained) -> Value {
+    fn constrained_json(&self, found: &Constrained) -> Value {
         let names = self.after.coupling.numbers();
         let held = names.iter().zip(&found.held);
-        let held: serde_json::Map<_, _> = held
+        let held: Map<_, _> = held
             .map(|((_, name, _), held)| ((*name).to_owned(), json!(self.said(found, held))))
             .collect();
         json!({
             "of": found.quantity.map(|quantity| format!("peak {quantity}")),
             "from": found.from, "before": found.before, "after": found.after, "held": held,
         })
-    }
-
-    pub(super) fn limited_json(&self, limited: &Constrained) -> Value {
-        let Value::Object(mut object) = self.constrained_json(limited) else { return Value::Null };
-        for (key, value) in [("rms_left", limited.after), ("rms_without", limited.before)] {
-            object.insert(key.to_owned(), json!(value));
-        }
-        Value::Object(object)
     }
 }

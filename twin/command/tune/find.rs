@@ -9,19 +9,19 @@ use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune;
 use crate::cam::tune::{
-    Deviation, Least, Told, TuneError, errors, fit_run, limited, minimise, ramp, ramp_wish,
+    Deviation, Least, RunFit, TuneError, errors, fit_run, limited, minimise, ramp_wish,
     run_dead_time, shape, within_limits,
 };
 use twin_cam::file::clean;
-use twin_cam::tune::{Fit, FitError, RampGoal};
+use twin_cam::tune::{Fit, RampGoal, ramp_in};
 use twin_cam::{Quantity, StartMode};
 use twin_machine::cam_file::CamFile;
 use twin_profile::State;
 
-/// Within this part of itself `MasterScaling` is looked for in a run, if nothing else is said.
+/// Within this part of itself `MasterScaling` is looked for in a run by default.
 const USUAL_RANGE: f64 = 0.05;
 
-/// Finds what is asked for.
+/// Finds what the options ask for.
 pub(super) fn tuned(
     arguments: &Arguments,
     file: &CamFile,
@@ -51,7 +51,7 @@ pub(super) fn tuned(
     let moved = report.kept.as_ref().map(|kept| kept.file.clone());
     let file = moved.as_ref().unwrap_or(file);
     if let Some(least) = peak {
-        // From where the slave does what is wanted.
+        // From where the slave does the wanted motion.
         let corrected = report.after;
         let least = arguments.within_range(least, &before, &corrected);
         let (mut after, found) = minimise(file, &corrected, &least)?;
@@ -93,7 +93,7 @@ pub(super) fn tuned(
             _ => file,
         };
         let wish = ramp_wish(cam, &report.after, master, slave, (arguments.ramp.into(), goal));
-        let found = ramp(&wish)?;
+        let found = ramp_in(&wish)?;
         report.start = Some(Box::new(wish));
         let input = &mut report.after.coupling.input;
         input.velocity_difference = clean(found.velocity_difference);
@@ -107,7 +107,7 @@ pub(super) fn tuned(
     Ok(())
 }
 
-/// What the limits leave of what a run tells, and whether it starts; the limits do not count where something else gives way.
+/// What the limits leave of the fit of a run, and whether it starts; the limits do not count where something else gives way.
 fn within_run(
     arguments: &Arguments,
     (file, run, fit): (&CamFile, &RecordedRun, &Fit),
@@ -120,8 +120,8 @@ fn within_run(
         if gives_way { AxisLimits { period: limits.period, ..AxisLimits::NONE } } else { limits };
     let proposed = CamUse { limits: counts, ..report.after };
     let (before, scaling_range) = (report.before, arguments.scaling_range);
-    let told = Told { before: &before, proposed: &proposed, fit, deviation, scaling_range };
-    if let Some((after, found)) = limited(file, &told, run, arguments.free())? {
+    let run_fit = RunFit { before: &before, proposed: &proposed, fit, deviation, scaling_range };
+    if let Some((after, found)) = limited(file, &run_fit, run, arguments.free())? {
         (report.after, report.limited) = (CamUse { limits, ..after }, Some(found));
         // Limits have no intervals.
         report.proposed = None;
@@ -131,7 +131,7 @@ fn within_run(
     Ok(())
 }
 
-/// Finds what a run tells; how the slave deviates, if it was measured.
+/// Fits a run; returns how the slave deviates, if it was measured.
 fn from_run(
     arguments: &Arguments,
     file: &CamFile,
@@ -142,7 +142,7 @@ fn from_run(
     let mut deviation = None;
     report.samples = run.samples.len();
     let measured = arguments.slave == SlaveColumn::Measured;
-    // The slave is where it is wanted but for what is to be found.
+    // The slave does the wanted motion but for the unknowns.
     let reference = if measured { tune::wanted(&before) } else { before };
     report.error_before = Some(tune::rms(&errors(file, &reference, run)));
     let range = arguments.scaling_range.unwrap_or(USUAL_RANGE);
@@ -167,16 +167,15 @@ fn from_run(
         // The tappets of a slave that was measured are where the coupling in effect has them.
         let register = if measured { before } else { did };
         match run_dead_time(file, &register, run) {
-            Ok((found, seen)) => {
-                let time = found.dead_time_s;
-                // What is compensated to within what the run tells stays.
+            Ok((time, seen)) => {
+                // A compensation within the interval stays.
                 if !time.holds(before.coupling.dead_time_s) {
                     report.after.coupling.dead_time_s = tune::rounded(time);
                 }
-                report.dead_time = Some((found, seen));
+                report.dead_time = Some((time, seen));
             }
-            // Too few of them are no reason to keep back what the slave tells.
-            Err(few @ TuneError::DeadTime(FitError::TooFewSwitchings { .. })) => {
+            // Too few of them do not prevent offsets and scalings.
+            Err(few @ TuneError::FewSwitchings { .. }) => {
                 report.no_dead_time = Some(few.to_string());
             }
             Err(error) => return Err(error),
@@ -186,7 +185,7 @@ fn from_run(
 }
 
 impl Arguments {
-    /// Between what a run is to tell its values; with a peak to be smallest intervals are for that.
+    /// Intervals of the values of a fit; with a peak to be smallest intervals are for that.
     fn between(&self) -> [Option<[f64; 2]>; 4] {
         if self.least.quantity().is_some() { [None; 4] } else { intervals(&self.find) }
     }

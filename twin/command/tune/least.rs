@@ -1,4 +1,4 @@
-//! Options: what is to be found, and what is to be smallest.
+//! Options: unknowns and objective.
 
 use super::list;
 use crate::cam::tune::Least;
@@ -7,7 +7,7 @@ use crate::command::cam::{magnitude, number};
 use clap::ValueEnum;
 use twin_cam::Quantity;
 
-/// What is to be smallest.
+/// Objective.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Minimise {
     /// The slave's error against the --run, root mean square: what a run is fitted by
@@ -46,7 +46,7 @@ const NAMES: [(&str, Find); 4] = [
     ("slave-scaling", Find::SlaveScaling),
 ];
 
-/// What is to be found, and between what.
+/// An unknown and its interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sought {
     pub(super) what: Find,
@@ -64,7 +64,7 @@ pub(super) fn sought(text: &str) -> Result<Sought, String> {
     })?;
     let between = interval.map(|interval| {
         let (low, high) = interval.split_once("..").ok_or_else(|| {
-            format!("`{interval}` is no interval; expected FROM..TO, like 0.9..1.1")
+            format!("`{interval}` is not an interval; expected FROM..TO, like 0.9..1.1")
         })?;
         let [low, high] = [number(low)?, number(high)?];
         if low > high { Err(format!("{low} is more than {high}")) } else { Ok([low, high]) }
@@ -72,7 +72,7 @@ pub(super) fn sought(text: &str) -> Result<Sought, String> {
     Ok(Sought { what: what.1, between: between.transpose()? })
 }
 
-/// Intervals of what is sought, in the order of the inputs.
+/// Intervals of the unknowns, in the order of the inputs.
 pub(super) fn intervals(find: &[Sought]) -> [Option<[f64; 2]>; 4] {
     NAMES.map(|(_, what)| find.iter().find(|sought| sought.what == what)?.between)
 }
@@ -86,7 +86,7 @@ fn tolerance(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
-/// What is given, or what the run shows (`run`).
+/// A given value, or that of the run (`run`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Shown<T> {
     Given(T),
@@ -105,7 +105,7 @@ fn travel(text: &str) -> Result<Shown<[f64; 2]>, String> {
     }
 }
 
-/// What is to be smallest, and what holds offsets and scalings then.
+/// Objective, and the constraints of offsets and scalings.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "What is to be smallest")]
 pub(super) struct LeastOptions {
@@ -140,7 +140,7 @@ impl LeastOptions {
         self.minimise.and_then(Minimise::quantity)
     }
 
-    /// Whether what is sought changes a peak: a scaling does, an offset of the master where only a part of the cam is passed.
+    /// Whether the unknowns change a peak: a scaling does, an offset of the master where only a part of the cam is passed.
     /// Offsets that have an interval are to be in it, too.
     fn seeks(&self, find: &[Sought]) -> bool {
         find.iter().any(|sought| match sought.what {
@@ -150,7 +150,7 @@ impl LeastOptions {
         })
     }
 
-    /// What is to be smallest among what is sought; none if it is the error or nothing. `run` is where the master goes in it.
+    /// The peak to minimise; none for the error or nothing. `run` is where the master goes in it.
     pub(super) fn least(&self, find: &[Sought], run: Option<[f64; 2]>) -> Option<Least> {
         let quantity = self.quantity().filter(|_| self.seeks(find))?;
         let anything = [f64::NEG_INFINITY, f64::INFINITY];
@@ -171,7 +171,7 @@ impl LeastOptions {
         })
     }
 
-    /// What is said must say something; of a ramp, whether there is one, and whether it has a time.
+    /// Refuses options without effect; of a ramp, whether there is one, and whether it has a time.
     pub(super) fn check(
         &self,
         find: &[Sought],
@@ -187,7 +187,7 @@ impl LeastOptions {
         let scaling = has(Find::MasterScaling) || has(Find::SlaveScaling);
         let part = has(Find::MasterOffset) && self.master_travel.is_some();
         let offsets_alone = !find.is_empty() && !scaling && !part;
-        // A run tells them, and a ramp has a peak of its own.
+        // A run determines them, and a ramp has a peak of its own.
         let of_ramp = with_run && within;
         let wrong = if self.minimise == Some(Minimise::Error) && !with_run {
             "--minimise error needs a --run, against which the slave has an error"
@@ -204,7 +204,7 @@ impl LeastOptions {
         } else if peak && offsets_alone && !of_ramp {
             "offsets alone change no peak where all of the cam is passed: --find a scaling, or master-offset with --master-travel FROM,TO"
         } else if !peak && !with_run && has(Find::MasterOffset) {
-            "no limit depends on MasterOffset: a --run tells it, or --minimise with --master-travel"
+            "no limit depends on MasterOffset: a --run determines it, or --minimise with --master-travel"
         } else {
             return Ok(());
         };

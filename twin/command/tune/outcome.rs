@@ -35,7 +35,7 @@ pub(super) fn picture(
     run: Option<&RecordedRun>,
 ) -> Result<(), Failure> {
     let mut recorded = Recorded::default();
-    // Whole passes on is the same cam, and beside what was it is compared.
+    // Whole passes on it is the same cam; the nearest pass is compared.
     let drawn = report.after.beside(&report.before, file);
     if let Some(run) = run {
         // On one pass of the cam, where the picture is.
@@ -116,7 +116,7 @@ pub(super) fn apply(
             other.to_toml()
         }
     };
-    // What is written is what was found, or nothing is written.
+    // The text must say what was found, or nothing is written.
     let again = CamFile::from_toml(target, text.clone()).map_err(Box::new)?;
     let same = again.coupling == report.after.coupling
         && again.cam.shape() == after.cam.shape()
@@ -129,7 +129,7 @@ pub(super) fn apply(
     Ok(())
 }
 
-/// Whether the tappets are the same; those of different groups that stand at one place may come in any order.
+/// Whether the tappets are the same; those of different groups at one place may come in any order.
 fn has_tappets(one: &Cam, other: &Cam) -> bool {
     let [one, other] = [one, other].map(|cam| {
         let mut tappets = cam.tappets().to_vec();

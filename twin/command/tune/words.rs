@@ -10,12 +10,6 @@ use twin_cam::tune::Tolerance;
 use twin_profile::RampType;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Format {
-    Human,
-    Json,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum SlaveColumn {
     Measured,
     Wanted,

@@ -4,7 +4,7 @@ use super::super::Call;
 use super::super::block::{Fired, With};
 use super::moved::Moved;
 use super::{Engine, Running, STOP, watch};
-use crate::finding::{Finding, Rule, Severity};
+use crate::finding::{Finding, Rule};
 use crate::messages::starts_on_tappets;
 use twin_axis::{Language, Master, Outputs, SmcError};
 use twin_cam::Trigger;
@@ -13,10 +13,10 @@ use twin_cam::Trigger;
 const PHASING: &str = "MC_Phasing";
 
 impl Engine {
-    /// Calls the blocks of an axis; at the end of the job it is halted, before its slaves look at it.
+    /// Calls the blocks of an axis; at the end of the job it is halted, before its slaves read its position.
     pub(super) fn call_on(&mut self, axis: usize) -> Result<(), Box<Finding>> {
         let mut place = 0;
-        // A cam that begins in between brings those that wait for its end, which stand behind it.
+        // A cam that begins meanwhile adds the blocks that wait for its end, behind it.
         while let Some(index) = self.active.get(axis).and_then(|active| active.get(place)).copied()
         {
             self.call(index)?;
@@ -35,7 +35,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Whether a block waits for the end of a cam, and the block that has its axis on it has told that in this cycle.
+    /// True if a block waits for the end of a cam, and the cam has reported it in this cycle.
     fn comes_behind_a_profile(&self, index: usize) -> bool {
         let waiting = self.calls.get(index).filter(|running| running.begun_ns.is_none());
         let cam = waiting.and_then(|waiting| self.calls.get(waiting.behind?));
@@ -58,7 +58,7 @@ impl Engine {
         let master = call.master.and_then(|master| self.axes.get(master));
         let master = master.map(|moved| Master::of(&moved.axis));
         let Some(moved) = self.axes.get_mut(call.axis) else { return Ok(()) };
-        // A stop keeps its axis until Execute falls: when the axis stands, so that others may move it.
+        // A stop keeps its axis until Execute falls: at rest, so that others may move it.
         let execute = !(call.name == STOP && running.over_ns.is_some());
         let with = With { master, triggers: self.inputs.triggers() };
         let Outputs { done, command_aborted, error, busy } =
@@ -96,27 +96,26 @@ impl Engine {
         Ok(())
     }
 
-    /// A block has said what is wrong.
+    /// The finding of a block's error.
     fn failed(&self, index: usize, error: SmcError) -> Result<(), Box<Finding>> {
         let Some(Running { call, .. }) = self.calls.get(index) else { return Ok(()) };
-        let axis = self.axes.get(call.axis).map_or("", |moved| moved.name.as_str());
+        let axis = self.name(call.axis);
         let message = format!("{} of axis {axis}: {}", call.name, message(error));
-        let mut finding = Finding::error(Rule::FunctionBlock, call.place(), message);
-        finding.axis = Some(axis.to_owned());
+        let mut finding = call.error(Rule::FunctionBlock, axis, message);
         let more = format!("`twin explain {}` says more", error.number());
         let start = call.block.cam_start().filter(|_| error == SmcError::CiMasterOutOfScale);
         let master = call.master.and_then(|master| self.axes.get(master));
         finding.hint = Some(if error.name().ends_with("_VELACC_VALUES") {
             format!("velocity, acceleration and deceleration have to be greater than 0; {more}")
         } else if let (Some(start), Some(master)) = (start, master) {
-            format!("{}; {more}", watch::beside(start, master))
+            format!("{}; {more}", watch::outside(start, master))
         } else {
             more
         });
         Err(finding.into())
     }
 
-    /// What `MC_Phasing` does to the gear or cam that its axis has followed by until now: it ends that, whatever its ratio.
+    /// Note that `MC_Phasing` ends the gear or cam that its axis has followed until now.
     fn ends_a_coupling(&self, index: usize) -> Option<Finding> {
         let call = &self.calls.get(index)?.call;
         let moved = self.axes.get(call.axis)?;
@@ -131,17 +130,14 @@ impl Engine {
              distance of both, positive so that {name} leads by so much more",
             before.name, before.line, master.name, moved.unit
         );
-        let mut note = Finding::error(Rule::FunctionBlock, call.place(), message);
-        (note.severity, note.axis) = (Severity::Note, Some(name.clone()));
-        Some(note)
+        Some(call.note(name, message))
     }
 
-    /// The tappets on which the master of a cam stands that begins.
+    /// Note on tappets at the master's position when a cam begins.
     fn stands_on(&self, index: usize) -> Option<Finding> {
         let call = &self.calls.get(index)?.call;
         let groups = call.block.stood_on();
-        let name = |axis: usize| self.axes.get(axis).map_or("", |moved| moved.name.as_str());
-        let (slave, master) = (name(call.axis), name(call.master?));
+        let (slave, master) = (self.name(call.axis), self.name(call.master?));
         (!groups.is_empty()).then(|| starts_on_tappets(call.place(), [slave, master], &groups))
     }
 }
@@ -156,13 +152,11 @@ fn is_called(calls: &[Running], index: usize) -> bool {
     }
 }
 
-/// What a block that is done has recorded, if it is one that does.
+/// Note on the position that a block has recorded.
 fn recorded(call: &Call, moved: &Moved) -> Option<Finding> {
     let (position, Moved { name, unit, .. }) = (call.block.recorded()?, moved);
     let message = format!("{} has recorded axis {name} at {position:.6} {unit}", call.name);
-    let mut note = Finding::error(Rule::FunctionBlock, call.place(), message);
-    (note.severity, note.axis) = (Severity::Note, Some(name.clone()));
-    Some(note)
+    Some(call.note(name, message))
 }
 
 /// An error in words.

@@ -9,20 +9,18 @@ use super::super::probe::When;
 use super::{Engine, Running, nanoseconds};
 use crate::finding::{Finding, Rule};
 use twin_axis::AxisState;
-use twin_number::seconds;
-use twin_number::significant;
-use twin_path::Place;
+use twin_number::{seconds, significant};
 
-/// Where nothing is due and every axis has kept its velocity for so long, nothing will change any more, ns.
+/// Time with constant velocities and nothing due after which nothing will change any more, ns.
 const UNCHANGED_NS: i64 = 600_000_000_000;
 
-/// A place that an axis has passed is seen by who waits for it within so many cycles.
+/// Cycles until a waiting block sees that an axis has passed a position.
 const SEEN: f64 = 4.0;
 
-/// Blocks in which a slave moves as its master does once they are done.
+/// Blocks whose slave moves like its master once they are done.
 const GEARS: [&str; 4] = ["MC_GearIn", "SMC_GearInPos", "MC_GearInPos", "MC_Phasing"];
 
-/// Whether what a block waits for comes.
+/// Prospect of a wait.
 enum Comes {
     Never(String),
     Later,
@@ -30,7 +28,7 @@ enum Comes {
 }
 
 impl Engine {
-    /// The first block that is not over waits in vain.
+    /// Refuses a wait of the first block that is not over, if it cannot end.
     pub(super) fn refuse_to_wait(&self, index: usize) -> Result<(), Box<Finding>> {
         let under_way = |running: &Running| running.begun_ns.is_some() && running.over_ns.is_none();
         let all = || self.calls.iter().enumerate().filter(|(_, running)| under_way(running));
@@ -52,11 +50,9 @@ impl Engine {
                 format!("nothing has changed for {:.0} s{moves}", seconds(UNCHANGED_NS))
             }
         };
-        let name = self.axes.get(waits.call.axis).map_or("", |moved| moved.name.as_str());
+        let name = self.name(waits.call.axis);
         let message = format!("{} of axis {name} waits for ever: {why}", waits.call.name);
-        let place = Place { line: waits.call.line, block: None };
-        let mut finding = Finding::error(Rule::FunctionBlock, place, message);
-        finding.axis = Some(name.to_owned());
+        let mut finding = waits.call.error(Rule::FunctionBlock, name, message);
         finding.hint = Some(
             "give the job a `duration_s`, or have a block begin meanwhile (`at_s`) that changes that"
                 .to_owned(),
@@ -64,7 +60,7 @@ impl Engine {
         Err(finding.into())
     }
 
-    /// Whether a block waits for the end of a cam that its axis is on, whose master moves.
+    /// True if a block waits for the end of its axis's cam, whose master moves.
     fn waits_for_a_profile(&self) -> bool {
         self.calls.iter().any(|running| {
             let cam = running.behind.and_then(|cam| self.calls.get(cam));
@@ -77,7 +73,7 @@ impl Engine {
         })
     }
 
-    /// Whether what a block under way waits for comes.
+    /// Prospect of the wait of a block under way.
     fn comes(&self, running: &Running) -> Comes {
         let call = &running.call;
         if let (Some(place), Some(master)) = (call.block.awaits(), call.master) {
@@ -86,7 +82,7 @@ impl Engine {
         if let Some(trigger) = call.block.trigger() {
             return match self.inputs.when(trigger) {
                 Some(When::Passes(axis, place)) => self.comes_to(axis, place, "axis"),
-                // It is TRUE in the cycle that begins then or next.
+                // It is TRUE in the cycle at that time or in the next one.
                 Some(When::At(time)) if nanoseconds(time) + 2 * self.cycle_ns < self.now_ns => {
                     let time = significant(time, 6);
                     Comes::Never(format!("its trigger has been TRUE at {time} s, and is not again"))
@@ -96,14 +92,14 @@ impl Engine {
             };
         }
         let begun_ns = running.begun_ns.unwrap_or(self.now_ns);
-        // Of some that is the least: MC_Phasing has to come to its master's velocity, too.
+        // A lower bound: MC_Phasing also has to reach its master's velocity.
         let lasts =
             |time: f64| begun_ns.saturating_add(nanoseconds(time)).saturating_add(UNCHANGED_NS);
         let ends = call.block.lasts().map(lasts);
         if ends.is_some_and(|end| end >= self.now_ns) { Comes::Later } else { Comes::Unknown }
     }
 
-    /// Whether an axis comes to a place, as it moves now.
+    /// Prospect that an axis passes a position at its present velocity.
     fn comes_to(&self, axis: usize, place: f64, which: &str) -> Comes {
         let Some(moved) = self.axes.get(axis) else { return Comes::Unknown };
         let velocity = moved.state.velocity;
@@ -126,8 +122,8 @@ impl Engine {
         ))
     }
 
-    /// Whether an axis is at constant velocity, and stays there as long as no other block begins: by itself, or in a gear of no
-    /// more than `depth` that leads to such a one.
+    /// True if an axis keeps its constant velocity until another block begins: by itself, or in at most `depth` gears behind
+    /// such an axis.
     fn goes_on(&self, axis: usize, depth: usize) -> bool {
         let Some(moved) = self.axes.get(axis).filter(|moved| moved.is_steady()) else {
             return false;

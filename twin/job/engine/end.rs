@@ -1,19 +1,17 @@
 //! End of a job: everything is done and at rest, or `duration_s` has passed.
 
 use super::super::read::LONGEST;
-use super::super::{Call, ON_TOP, SUPERIMPOSED};
+use super::super::{ON_TOP, SUPERIMPOSED};
 use super::moved::Moved;
 use super::{Engine, Running, nanoseconds};
 use crate::finding::{Finding, Rule};
 use twin_axis::AxisState;
-use twin_number::seconds;
-use twin_number::significant;
-use twin_path::Place;
+use twin_number::{seconds, significant};
 
-/// Where everything has stood for so long and nothing is due, nothing will move any more, ns.
+/// Time at rest with nothing due after which nothing will move any more, ns.
 const STUCK_NS: i64 = 1_000_000_000;
 
-/// How long everything may take to come to rest behind `duration_s`, s.
+/// Longest time to come to rest after `duration_s`, s.
 const LONGEST_HALT: f64 = 600.0;
 
 impl Engine {
@@ -31,13 +29,13 @@ impl Engine {
         let waits = self.calls.get(self.open);
         let ends = self.duration_ns.is_some();
         if let Some(running) = waits {
-            // A block that waits for a master that stands waits for ever.
+            // A block that waits for a master at rest waits for ever.
             let long = self.now_ns - self.moved_ns > STUCK_NS;
             if stand && !ends && long && self.nothing_is_due() && !self.is_under_way() {
-                let Call { line, name, .. } = running.call;
-                let place = Place { line, block: None };
-                let message = format!("{name} waits for ever: its axis and its master stand");
-                return Err(Finding::error(Rule::FunctionBlock, place, message).into());
+                let call = &running.call;
+                let message =
+                    format!("{} waits for ever: its axis and its master are at rest", call.name);
+                return Err(Finding::error(Rule::FunctionBlock, call.place(), message).into());
             }
             if !stand && !ends && self.nothing_is_due() {
                 self.refuse_to_wait(self.open)?;
@@ -56,7 +54,7 @@ impl Engine {
         if stand && !ends { Ok(true) } else { self.in_time() }
     }
 
-    /// Whether a block has begun whose known course goes on: its axis may rest meanwhile.
+    /// True if a block with a known duration is under way: its axis may rest meanwhile.
     fn is_under_way(&self) -> bool {
         self.calls.iter().any(|running| {
             let begun_ns = running.begun_ns.filter(|_| running.over_ns.is_none());
@@ -67,13 +65,13 @@ impl Engine {
         })
     }
 
-    /// Whether no block begins, and no trigger comes, by itself at a time to come.
+    /// True if no block begins and no trigger comes at a later time.
     fn nothing_is_due(&self) -> bool {
         self.schedule.is_empty() && self.inputs.are_over(self.now_ns)
     }
 
-    /// A block that has begun, and would be done only when the job has taken too long already; fine if `duration_s` ends the
-    /// job, or another block may take the axis before.
+    /// Refuses a block that would be done only after the longest time of a job, unless `duration_s` ends the job or another
+    /// block may take the axis before.
     pub(super) fn refuse_endless(&self, index: usize) -> Result<(), Box<Finding>> {
         let Some(call) = self.calls.get(index).map(|running| &running.call) else { return Ok(()) };
         let begun = seconds(self.now_ns - self.cycle_ns);
@@ -90,14 +88,13 @@ impl Engine {
         if self.duration_ns.is_some() || self.calls.iter().enumerate().any(takes) {
             return Ok(());
         }
-        let name = self.axes.get(call.axis).map_or("", |moved| &moved.name);
+        let name = self.name(call.axis);
         let message = format!(
             "{} of axis {name} would take {} s; the limit for a job is {LONGEST:.0} s, and what follows is not planned",
             call.name,
             significant(time, 6)
         );
-        let mut finding = Finding::error(Rule::FunctionBlock, call.place(), message);
-        finding.axis = Some(name.to_owned());
+        let finding = call.error(Rule::FunctionBlock, name, message);
         Err(finding.with_value(time, LONGEST, "s").into())
     }
 

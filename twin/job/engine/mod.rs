@@ -7,6 +7,8 @@ mod inputs;
 mod moved;
 mod order;
 mod schedule;
+#[cfg(test)]
+mod tests;
 mod watch;
 
 use super::block::Fired;
@@ -33,7 +35,7 @@ pub(super) struct State {
 /// The block that keeps its axis when it is done.
 const STOP: &str = "MC_Stop";
 
-/// Values of a virtual axis that nobody limits.
+/// Limits of a virtual axis without limits.
 const UNLIMITED: f64 = 1e9;
 
 /// Axes and blocks of a job under way.
@@ -46,10 +48,10 @@ pub(super) struct Engine {
     /// Blocks that have begun since that was made.
     began: Vec<usize>,
     schedule: Schedule,
-    /// Of each axis the blocks that have to be called, in the order of the file: those under way, and those that wait for the
-    /// end of a cam under way.
+    /// Blocks to be called of each axis, in the order of the file: those under way, and those that wait for the end of a cam
+    /// under way.
     active: Vec<Vec<usize>>,
-    /// Those that come behind the end of a cam that has not begun, by its number.
+    /// Blocks that wait for the end of a cam that has not begun, by the cam's number.
     waiting: BTreeMap<usize, Vec<usize>>,
     /// The first block that is not over.
     open: usize,
@@ -57,11 +59,11 @@ pub(super) struct Engine {
     unbegun: usize,
     /// The triggers of probes.
     inputs: Inputs,
-    /// What blocks have had to tell since it was asked for.
+    /// New notes of blocks.
     notes: Vec<Finding>,
     /// Tappets that acted in the last cycle.
     fired: Vec<Fired>,
-    /// Those that had no room in it, since the beginning.
+    /// Tappets beyond the limit of a cycle, since the beginning.
     lost: u64,
     cycle_ns: i64,
     /// Since the beginning.
@@ -199,6 +201,11 @@ impl Engine {
         self.lost
     }
 
+    /// Name of an axis.
+    fn name(&self, axis: usize) -> &str {
+        self.axes.get(axis).map_or("", |moved| &moved.name)
+    }
+
     /// The time of the last cycle, ns.
     pub(super) fn now_ns(&self) -> i64 {
         self.now_ns
@@ -224,7 +231,7 @@ impl Engine {
     /// Executes the next cycle; false if everything is done and at rest.
     ///
     /// # Errors
-    /// What a block says is wrong, what never ends.
+    /// The error of a block, or a wait or motion without end.
     pub(super) fn step(&mut self) -> Result<bool, Box<Finding>> {
         while self.calls.get(self.open).is_some_and(|running| running.over_ns.is_some()) {
             self.open += 1;

@@ -11,10 +11,10 @@ use twin_profile::RampType;
 /// Cycles until a drive has its power.
 const SWITCHING_ON: usize = 3;
 
-/// Jerk of an axis whose limit nobody gives, in terms of its acceleration: it is up within a tenth of a second.
+/// Default jerk of an axis over its acceleration, 1/s: a tenth of a second to the full acceleration.
 const JERK: f64 = 10.0;
 
-/// An acceleration that is less, in terms of the largest one, is 0 but for rounding.
+/// Part of the largest acceleration that is rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// An axis with its drive.
@@ -33,8 +33,7 @@ pub(super) struct Moved {
     pub(super) max_acceleration: f64,
     pub(super) max_deceleration: f64,
     pub(super) max_velocity: f64,
-    /// Jump of the position in the last cycle: farther than both its largest velocity and its commanded velocity allow.
-    /// 0 without a jump.
+    /// Jump of the position in the last cycle, beyond its largest and its commanded velocity; 0 without a jump.
     pub(super) jumped: f64,
     /// The block that has taken it last.
     pub(super) taken_by: Option<usize>,
@@ -53,13 +52,13 @@ pub(super) struct Moving {
 }
 
 impl Moving {
-    /// The jerk of an axis whose limit nobody gives.
+    /// The jerk limit, or its default.
     fn jerk(&self) -> f64 {
         let (_, acceleration, jerk) = self.limits;
         jerk.unwrap_or(JERK * acceleration)
     }
 
-    /// That in words, and what would give it.
+    /// Message about the default, with the key that replaces it.
     pub(super) fn assumed_jerk(&self) -> String {
         let Self { name, unit, .. } = self;
         format!(
@@ -121,10 +120,11 @@ impl Moved {
             way -= period * (way / period).round();
         }
         let cycle = self.axis.cycle();
-        let told = f64::midpoint(self.state.velocity, command.velocity) * cycle;
-        let beyond = way.abs() > self.max_velocity * cycle && (way - told).abs() > way.abs() / 2.0;
+        let commanded = f64::midpoint(self.state.velocity, command.velocity) * cycle;
+        let beyond =
+            way.abs() > self.max_velocity * cycle && (way - commanded).abs() > way.abs() / 2.0;
         self.jumped = if beyond && command.home.is_none() { way } else { 0.0 };
-        // The drive has given its positions another zero while it stood.
+        // The drive has set a new zero at rest.
         self.shown = match command.home {
             Some(_) => self.drive.feedback().position,
             None => command.position,
@@ -136,8 +136,8 @@ impl Moved {
         };
     }
 
-    /// At the end of the job: brakes, unless it follows a master that still moves: that one brakes. What moves by itself
-    /// in synchronized motion (set-points, a shift of the phase, a motion on top) has none, or none that moves any more.
+    /// At the end of the job: brakes, unless it follows a master that still moves and brakes itself. Set-points, phase shifts
+    /// and superimposed motions brake without a moving master.
     pub(super) fn halt(&mut self, master_moves: bool) {
         let moves = match self.axis.state() {
             AxisState::DiscreteMotion | AxisState::ContinuousMotion => true,

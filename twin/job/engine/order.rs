@@ -12,14 +12,14 @@ use twin_machine::coupling_cycle;
 use twin_path::Place;
 
 /// A master and its slave.
-type Pair = (usize, usize);
+pub(super) type Pair = (usize, usize);
 
-/// So many axes, masters first.
+/// The axes, masters first.
 ///
 /// # Errors
-/// With a ring of axes that follow each other, from master to slave.
-fn masters_first(pairs: &[Pair], axes: usize) -> Result<Vec<usize>, Vec<usize>> {
-    // How many masters in a row an axis has above it; in a ring it grows beyond the number of axes.
+/// A ring of axes that follow each other, from master to slave.
+pub(super) fn masters_first(pairs: &[Pair], axes: usize) -> Result<Vec<usize>, Vec<usize>> {
+    // Length of the chain of masters of an axis; in a ring it grows beyond the number of axes.
     let mut depths = vec![0usize; axes];
     for _ in 0..=axes {
         for (master, slave) in pairs {
@@ -56,7 +56,7 @@ impl Engine {
         Ok(())
     }
 
-    /// The couplings that hold from this cycle on, in which these blocks begin, and those that may hold in it beside them.
+    /// Couplings that hold from this cycle on, in which these blocks begin, and others that may hold in this cycle.
     fn couplings(&self, began: &[usize]) -> (Vec<Pair>, Vec<Pair>) {
         let pair = |index: usize| {
             let call = &self.calls.get(index)?.call;
@@ -87,7 +87,7 @@ impl Engine {
     }
 
     fn ring(&self, ring: &[usize], began: &[usize]) -> Box<Finding> {
-        let name = |axis: usize| self.axes.get(axis).map_or("", |moved| moved.name.as_str());
+        let name = |axis: usize| self.name(axis);
         let closes = |index: &&usize| {
             let call = self.calls.get(**index).map(|running| &running.call);
             call.is_some_and(|call| {
@@ -112,18 +112,5 @@ impl Engine {
                 .to_owned(),
         );
         finding.into()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::masters_first;
-
-    #[test]
-    fn masters_come_before_their_slaves() {
-        assert_eq!(masters_first(&[], 3), Ok(vec![0, 1, 2]));
-        assert_eq!(masters_first(&[(2, 1), (1, 0)], 3), Ok(vec![2, 1, 0]));
-        assert_eq!(masters_first(&[(3, 0), (3, 1), (0, 1)], 4), Ok(vec![2, 3, 0, 1]));
-        assert_eq!(masters_first(&[(0, 1), (1, 2), (2, 1)], 3), Err(vec![1, 2, 1]));
     }
 }

@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 #[derive(Debug)]
 pub(super) struct Schedule {
     begins: Vec<Begins>,
-    /// Those whose time is known, ns, and that have not begun.
+    /// Blocks with a known time, ns, that have not begun.
     due: BTreeSet<(i64, usize)>,
 }
 
@@ -23,7 +23,7 @@ impl Schedule {
         let time = |(index, begins): (usize, &Begins)| match begins {
             Begins::At(time) => Some((nanoseconds(*time), index)),
             Begins::Standing => Some((0, index)),
-            // The first one waits for nothing but the beginning.
+            // The first one begins at once.
             Begins::Next | Begins::WithPrevious if Some(index) == of_file => Some((0, index)),
             Begins::After(pause) if Some(index) == of_file => Some((nanoseconds(*pause), index)),
             _ => None,
@@ -61,13 +61,13 @@ impl Schedule {
         self.due.insert((now_ns.saturating_add(nanoseconds(pause)), index + 1));
     }
 
-    /// How the block behind one of the file begins; couplings of the machine file have none behind them.
+    /// Begin of the next block of the file; couplings of the machine file have no next block.
     fn behind(&self, index: usize) -> Option<Begins> {
         self.begins.get(index).filter(|begins| **begins != Begins::Standing)?;
         self.begins.get(index + 1).copied()
     }
 
-    /// True if a block of the file begins only when this one is over, or behind one that does.
+    /// True if a later block of the file begins only after this one is over.
     pub(super) fn waits_for(&self, index: usize, later: usize) -> bool {
         let between = self.begins.get(index + 1..=later).unwrap_or_default();
         let follows = |begins: &Begins| {
@@ -75,71 +75,5 @@ impl Schedule {
         };
         matches!(between.first(), Some(Begins::Next | Begins::After(_)))
             && between.iter().all(follows)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::super::block::alone;
-    use super::super::super::{Begins, Call};
-    use super::Schedule;
-    use twin_axis::Halt;
-
-    fn schedule(begins: &[Begins]) -> Schedule {
-        let call = |begins: &Begins| Call {
-            name: "MC_Halt",
-            line: 1,
-            axis: 0,
-            master: None,
-            block: alone(Halt { deceleration: 1.0 }),
-            begins: *begins,
-        };
-        Schedule::new(&begins.iter().map(call).collect::<Vec<_>>())
-    }
-
-    fn due(schedule: &mut Schedule, now_ns: i64) -> Vec<usize> {
-        std::iter::from_fn(|| schedule.next(now_ns)).collect()
-    }
-
-    #[test]
-    fn blocks_come_when_what_they_wait_for_has_happened() {
-        use Begins::{After, At, EndOfProfile, Next, Standing, WithPrevious};
-        let begins =
-            [Standing, Next, WithPrevious, After(2e-9), At(5e-9), Next, EndOfProfile, Next];
-        let mut plan = schedule(&begins);
-        assert_eq!(due(&mut plan, 0), [0, 1]);
-        // What stands has nothing behind it, over or not.
-        plan.over(0, 1);
-        plan.begun(0, 1);
-        assert!(due(&mut plan, 4).is_empty());
-        plan.begun(1, 4);
-        assert_eq!(due(&mut plan, 4), [2]);
-        plan.over(1, 4);
-        assert!(due(&mut plan, 4).is_empty(), "3 waits for 2");
-        plan.over(2, 4);
-        assert_eq!(due(&mut plan, 5), [4]);
-        assert_eq!(due(&mut plan, 6), [3]);
-        plan.over(4, 7);
-        assert_eq!((due(&mut plan, 7), plan.is_empty()), (vec![5], true));
-        // Of 6 the cam says when.
-        plan.over(5, 8);
-        assert!(plan.is_empty());
-        plan.over(6, 9);
-        assert_eq!(due(&mut plan, 9), [7]);
-    }
-
-    #[test]
-    fn who_waits_for_whom() {
-        use Begins::{At, EndOfProfile, Next, WithPrevious};
-        let plan = schedule(&[Next, Next, WithPrevious, Next, At(1.0), Next, WithPrevious, Next]);
-        let waits = |index: usize| -> Vec<usize> {
-            (index + 1..8).filter(|later| plan.waits_for(index, *later)).collect()
-        };
-        assert_eq!(waits(0), [1, 2, 3]);
-        // 2 begins with it, and 3 waits for that one.
-        assert!(waits(1).is_empty());
-        assert_eq!(waits(4), [5, 6, 7]);
-        let plan = schedule(&[Next, Next, EndOfProfile, Next]);
-        assert_eq!([1, 2, 3].map(|later| plan.waits_for(0, later)), [true, false, false]);
     }
 }

@@ -4,21 +4,19 @@ use super::super::block::CamStart;
 use super::moved::Moved;
 use super::{Begins, Call, Engine, ON_TOP, STOP, SUPERIMPOSED};
 use crate::finding::{Finding, Rule};
-use twin_number::seconds;
-use twin_number::significant;
-use twin_path::Place;
+use twin_number::{seconds, significant};
 
-/// A block that only looks at its axis, and that another one may end.
+/// A block that only reads its axis, and that another block may end.
 const PROBE: &str = "MC_TouchProbe";
 
-/// Blocks that let a slave of the machine file go.
+/// Blocks that release a slave of the machine file.
 const RELEASES: [&str; 2] = ["MC_CamOut", "MC_GearOut"];
 
-/// Blocks that are there to take over from others.
+/// Blocks whose purpose is to take over from others.
 const TAKES_OVER: [&str; 5] = ["MC_Halt", STOP, "MC_MoveAdditive", "MC_CamOut", "MC_GearOut"];
 
 /// Hint on a cam that does not start at the position of its master (error 626).
-pub(super) fn beside(start: CamStart, master: &Moved) -> String {
+pub(super) fn outside(start: CamStart, master: &Moved) -> String {
     let Moved { name, unit, state, .. } = master;
     let [from, to] = start.masters.map(|end| significant(end, 6));
     if start.laid {
@@ -26,22 +24,22 @@ pub(super) fn beside(start: CamStart, master: &Moved) -> String {
             "with master_absolute = false, master_offset has to be from {from} to {to} of the cam"
         );
     }
-    let stands = significant(state.position, 6);
     format!(
-        "master {name} stands at {stands} {unit}, and the cam starts with it from {from} to {to} {unit}"
+        "master {name} is at {} {unit}; the cam starts with it from {from} to {to} {unit}",
+        significant(state.position, 6)
     )
 }
 
-/// How a slave comes onto a cam that would have made it jump by `jump`.
+/// Hint on a start without a jump, for a cam that makes its slave jump by `jump`.
 fn onto(start: CamStart, axis: &str, unit: &str, jump: f64) -> String {
     let CamStart { relative, slave_offset, .. } = start;
     let lay = significant(slave_offset - jump, 6);
-    let lay = format!("`slave_offset_{unit} = {lay}` lays the cam where it stands");
+    let lay = format!("`slave_offset_{unit} = {lay}` puts the cam at its position");
     let ramp = "`start_mode = \"ramp_in\"` brings it onto its cam";
     if relative {
         let begins = significant(jump, 6);
         return format!(
-            "a relative start adds to where {axis} stands what the cam has at its start, {begins} {unit} (manual 4.6.1): {lay}, \
+            "a relative start adds the cam's value at its start, {begins} {unit}, to the position of {axis} (manual 4.6.1): {lay}, \
              {ramp}"
         );
     }
@@ -56,7 +54,7 @@ impl Engine {
         if call.name == SUPERIMPOSED {
             moved.topped_by = Some(index);
         }
-        // On top of what moves the axis: that goes on.
+        // Motion below goes on.
         if ON_TOP.contains(&call.name) {
             return Ok(());
         }
@@ -70,14 +68,12 @@ impl Engine {
         let master = master.map_or("another axis", |master| &master.name);
         let (by, out) =
             if held.name == "MC_CamIn" { ("cam", "MC_CamOut") } else { ("gear", "MC_GearOut") };
-        let name = self.axes.get(call.axis).map_or("", |moved| &moved.name);
+        let name = self.name(call.axis);
         let message = format!(
             "{} moves axis {name}, which follows {master} by a {by} of the machine file",
             call.name
         );
-        let place = Place { line: call.line, block: None };
-        let mut finding = Finding::error(Rule::Coupling, place, message);
-        finding.axis = Some(name.to_owned());
+        let mut finding = call.error(Rule::Coupling, name, message);
         finding.hint = Some(format!("{out} of the axis lets it go first"));
         Err(finding.into())
     }
@@ -86,20 +82,18 @@ impl Engine {
     pub(super) fn refuse_jumps(&self) -> Result<(), Box<Finding>> {
         for moved in self.axes.iter().filter(|moved| moved.jumped != 0.0) {
             let taker = moved.taken_by.and_then(|taker| self.calls.get(taker));
-            let Some(Call { name, line, .. }) = taker.map(|taker| &taker.call) else { continue };
-            if *name != "MC_CamIn" {
+            let Some(call) = taker.map(|taker| &taker.call) else { continue };
+            if call.name != "MC_CamIn" {
                 continue;
             }
             let (axis, unit, to) = (&moved.name, moved.unit, moved.state.position);
             let message = format!(
-                "{name}: the cam wants {axis} at {} {unit}, it stands at {} {unit}",
+                "MC_CamIn: the cam wants {axis} at {} {unit}, it is at {} {unit}",
                 significant(to, 6),
                 significant(to - moved.jumped, 6)
             );
-            let mut finding =
-                Finding::error(Rule::Coupling, Place { line: *line, block: None }, message);
-            finding.axis = Some(axis.clone());
-            let start = taker.and_then(|taker| taker.call.block.cam_start());
+            let mut finding = call.error(Rule::Coupling, axis, message);
+            let start = call.block.cam_start();
             finding.hint = start.map(|start| onto(start, axis, unit, moved.jumped));
             return Err(finding.into());
         }
@@ -120,9 +114,9 @@ impl Engine {
             return Ok(());
         }
         let Some(moved) = self.axes.get(call.axis) else { return Ok(()) };
-        // What moves on top ends with what it moves on, and for the next one on top.
+        // A superimposed motion ends with the motion below, and with the next one on top.
         let topped_by = moved.topped_by.filter(|_| call.name == SUPERIMPOSED);
-        // Of two that began in the same cycle it is the one on top.
+        // Of two that began in the same cycle the one on top counts.
         let takers = moved.taken_by.into_iter().chain(topped_by).filter(|taker| *taker != index);
         let taker = takers.filter_map(|taker| self.calls.get(taker)).max_by_key(|it| it.begun_ns);
         let later = taker.is_some_and(|taker| taker.begun_ns > loser.begun_ns);
@@ -133,7 +127,7 @@ impl Engine {
             return Ok(());
         }
         let when = if later { "was done" } else { "moved" };
-        let (Call { name, line, .. }, axis) = (call, &moved.name);
+        let (name, axis) = (call.name, &moved.name);
         let message = match taker.map(|taker| &taker.call) {
             Some(Call { begins: Begins::Standing, name: other, .. }) => {
                 format!(
@@ -150,9 +144,7 @@ impl Engine {
                 moved.axis.state()
             ),
         };
-        let place = Place { line: *line, block: None };
-        let mut finding = Finding::error(Rule::FunctionBlock, place, message);
-        finding.axis = Some(axis.clone());
+        let mut finding = call.error(Rule::FunctionBlock, axis, message);
         finding.hint = Some(
             "a block takes over what is under way where `at_s` or `after_s` says when; else it has to wait for the end of the \
              block before it on this axis"
@@ -169,14 +161,12 @@ impl Engine {
         let Some(running) = self.calls.iter().find(|running| running.begun_ns.is_none()) else {
             return Ok(());
         };
-        let Call { line, name, axis, .. } = running.call;
-        let axis = self.axes.get(axis).map_or("", |moved| &moved.name);
+        let (call, axis) = (&running.call, self.name(running.call.axis));
         let message = format!(
-            "{name} of axis {axis} never begins: `duration_s` is over after {} s",
+            "{} of axis {axis} never begins: `duration_s` is over after {} s",
+            call.name,
             self.duration_ns.map_or(0.0, seconds)
         );
-        let mut finding = Finding::error(Rule::FunctionBlock, Place { line, block: None }, message);
-        finding.axis = Some(axis.to_owned());
-        Err(finding.into())
+        Err(call.error(Rule::FunctionBlock, axis, message).into())
     }
 }

@@ -22,8 +22,8 @@ pub struct Columns {
     pub rows: Vec<(u64, Vec<f64>)>,
 }
 
-/// Reads a table: columns are parted by semicolons, tabs or commas, whichever stands in the first line that says anything; a
-/// decimal comma is read as a point where commas part no columns. Lines that begin with `#` do not count.
+/// Reads a table. Columns are separated by semicolon, tab or comma, as in the first line with content; decimal
+/// commas are read where commas do not separate. Lines that begin with `#` are comments.
 ///
 /// # Errors
 /// [`CamFileError::Table`] with the line that is wrong.
@@ -55,7 +55,7 @@ pub fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
                 let line = error.position().map_or(0, |at| line_of(at, bytes));
                 let message = match error.kind() {
                     csv::ErrorKind::Utf8 { .. } => {
-                        "this is no text in UTF-8; save it as UTF-8".to_owned()
+                        "this is not UTF-8 text; save it as UTF-8".to_owned()
                     }
                     _ => error.to_string(),
                 };
@@ -76,7 +76,7 @@ pub fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
         let expected = *width.get_or_insert(found);
         if found != expected {
             let comma = if parting == b',' && found > expected {
-                "; with decimal commas columns are parted by semicolons or tabs"
+                "; with decimal commas, semicolons or tabs separate columns"
             } else {
                 ""
             };
@@ -125,7 +125,7 @@ fn bit(text: &str) -> Option<f64> {
     bits.into_iter().find(|(word, _)| text.eq_ignore_ascii_case(word)).map(|(_, bit)| bit)
 }
 
-/// The line of a record: its position is that of the empty lines and comments before it.
+/// Line of a record; its position counts preceding empty lines and comments.
 fn line_of(at: &csv::Position, bytes: &[u8]) -> u64 {
     let begin = usize::try_from(at.byte()).unwrap_or(usize::MAX);
     let lines = bytes.get(begin..).unwrap_or_default().split(|byte| *byte == b'\n');
@@ -136,7 +136,7 @@ fn line_of(at: &csv::Position, bytes: &[u8]) -> u64 {
     at.line() + silent.map(|_| 1).sum::<u64>()
 }
 
-/// The name of a column without its unit, in small letters: `time` of `Time (ms)`, `slave` of `slave_mm`.
+/// Column name without its unit, in lower case: `time` of `Time (ms)`, `slave` of `slave_mm`.
 pub fn plain(name: &str) -> String {
     let end = name.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(name.len());
     name.get(..end).unwrap_or_default().to_lowercase()

@@ -1,11 +1,9 @@
 //! Cams as CSV: positions, or points with velocity and acceleration.
 
-use crate::cam_file::columns;
 use crate::cam_file::columns::Columns;
-use crate::cam_file::csv_units;
 use crate::cam_file::file::pair_table;
 use crate::cam_file::toml_writer::Number;
-use crate::cam_file::{CamFile, CamFileError};
+use crate::cam_file::{CamFile, CamFileError, columns, csv_units};
 use std::path::Path;
 use twin_cam::file::clean;
 use twin_cam::{Interpolation, Knot, Shape};
@@ -21,7 +19,7 @@ pub(super) fn csv_shape(
     let names = ["master", "slave", "velocity", "acceleration"];
     for (found, expected) in read.names.iter().flatten().zip(names) {
         if columns::plain(found) != expected {
-            let message = format!("column `{found}` stands where `{expected}` should");
+            let message = format!("column `{found}` is where `{expected}` should be");
             return Err(wrong(read.header, message));
         }
     }
@@ -63,8 +61,7 @@ fn other_width(width: usize, names: Option<&[String]>) -> String {
     format!("{found}; expected master and slave, or these with velocity and acceleration{leave}")
 }
 
-/// A table as CSV: its pairs, or the points of a polynomial with velocity and acceleration; `points` positions of a curve
-/// instead, both ends included.
+/// A table as CSV: its pairs, its points with velocity and acceleration, or `points` positions of the curve.
 pub fn csv_of(file: &CamFile, points: Option<usize>) -> String {
     let number = |value: f64| Number(value).to_string();
     let mut text = String::new();

@@ -8,11 +8,8 @@ const DERIVATIVES: [(&str, &str); 2] = [("velocity", ""), ("acceleration", "2")]
 /// Units of time, by which `twin cam sample` and recordings have their derivatives.
 const TIMES: [&str; 7] = ["s", "sec", "ms", "us", "µs", "min", "h"];
 
-/// Holds what the columns `velocity` and `acceleration` say of their units against those of `master` and `slave`, in this
-/// order. What no column says fits anything but a time.
-///
-/// # Errors
-/// With the column, its unit and the one it should have.
+/// Checks the units of the columns `velocity` and `acceleration` against those of `master` and `slave`. Unknown
+/// units fit anything but a time.
 pub(super) fn check(names: &[String]) -> Result<(), String> {
     let [master, slave, derivatives @ ..] = names else { return Ok(()) };
     let [x, y] = [master, slave].map(|name| unit_of(name));

@@ -12,12 +12,9 @@ pub enum CamFileError {
     /// The ending is not that of a form of cams.
     #[error(
         "{}: cams are read and written as .toml, .csv or .asc (ASCII table of SoftMotion){}",
-        path.display(), instead(path)
+        .0.display(), instead(.0)
     )]
-    Ending {
-        /// The file.
-        path: PathBuf,
-    },
+    Ending(PathBuf),
     /// The file cannot be read: `SMC_RCAM_FILE_DOESNT_EXIST` of `SMC_ReadCAM` (manual 9.3).
     #[error("cannot read cam {}: {source} (error 2200)", path.display())]
     Read {
@@ -64,11 +61,8 @@ pub enum CamFileError {
         source: CamError,
     },
     /// Tappets without a curve are to be written as a table.
-    #[error("{}: tappets alone have no positions; write them as .toml", path.display())]
-    TappetsOnly {
-        /// The file.
-        path: PathBuf,
-    },
+    #[error("{}: tappets alone have no positions; write them as .toml", .0.display())]
+    TappetsOnly(PathBuf),
 }
 
 /// Advice for a cam in a form that is not supported.

@@ -1,15 +1,11 @@
 //! Cams read from files and written to them, in the form that their ending says.
 
-use crate::cam_file::columns;
 use crate::cam_file::csv_form::{csv_of, csv_shape};
 use crate::cam_file::form::unit_of;
-use crate::cam_file::toml_form;
 use crate::cam_file::toml_form::TomlCam;
-use crate::cam_file::{AxisScale, CamFileError, Coupling, write_toml};
-use crate::limited_read;
-use crate::section;
+use crate::cam_file::{AxisScale, CamFileError, Coupling, columns, toml_form, write_toml};
 use crate::section::MachineFileError;
-use crate::section::read_text;
+use crate::{limited_read, section};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use twin_cam::file::{read_ascii, write_ascii};
@@ -40,7 +36,7 @@ impl Form {
             Some("toml") => Ok(Self::Toml),
             Some("csv") => Ok(Self::Csv),
             Some("asc") => Ok(Self::Ascii),
-            _ => Err(CamFileError::Ending { path: path.to_owned() }),
+            _ => Err(CamFileError::Ending(path.to_owned())),
         }
     }
 }
@@ -56,9 +52,7 @@ pub struct CamFile {
     pub cam: Cam,
     /// Points, lines and tappets; none of tables.
     pub source: Option<Source>,
-    /// True if the file says that the cam is periodic: by the slave's period, by a table's flag, or by an end that goes
-    /// on as
-    /// the begin does.
+    /// True if the file makes the cam periodic: a slave period, a flag, or ends that continue each other.
     pub repeated: bool,
     /// The slave's period, u.
     pub period: Option<f64>,
@@ -97,14 +91,8 @@ impl CamFile {
         let form = Form::of(path)?;
         match form {
             Form::Toml => {
-                let what = "cam";
-                let text = read_text(what, path).map_err(|error| match error {
-                    MachineFileError::Read { source, path, .. } => {
-                        CamFileError::Read { path, source }
-                    }
-                    other @ MachineFileError::Content { .. } => CamFileError::Toml(other),
-                })?;
-                Self::from_toml(path, text)
+                let text = limited_read::read_to_string(path);
+                Self::from_toml(path, text.map_err(|source| unread(path, source))?)
             }
             Form::Csv => {
                 let read = columns::read(path, &bytes(path)?)?;
@@ -221,7 +209,11 @@ fn stem(path: &Path) -> String {
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>, CamFileError> {
-    limited_read::read(path).map_err(|source| CamFileError::Read { path: path.to_owned(), source })
+    limited_read::read(path).map_err(|source| unread(path, source))
+}
+
+fn unread(path: &Path, source: std::io::Error) -> CamFileError {
+    CamFileError::Read { path: path.to_owned(), source }
 }
 
 fn periodic(shape: &Shape) -> Option<bool> {
@@ -259,7 +251,7 @@ pub fn write_file(
 ) -> Result<Vec<u8>, CamFileError> {
     let form = Form::of(target)?;
     if form != Form::Toml && file.is_tappets_only() {
-        return Err(CamFileError::TappetsOnly { path: target.to_owned() });
+        return Err(CamFileError::TappetsOnly(target.to_owned()));
     }
     match form {
         Form::Toml => Ok(file.to_toml().into_bytes()),
@@ -282,8 +274,7 @@ pub fn write_file(
                     write_ascii(file.cam.curve(), points.unwrap_or(own), &mut bytes)
                 }
             };
-            let path = || target.to_owned();
-            written.map_err(|source| CamFileError::Read { path: path(), source }).map(|()| bytes)
+            written.map_err(|source| unread(target, source)).map(|()| bytes)
         }
     }
 }

@@ -65,13 +65,11 @@ pub struct Coupling {
     pub input: CamInput,
     /// `DeadTimeCompensation` of the tappets, s.
     pub dead_time_s: f64,
-    /// Intended offsets and scalings if the inputs compensate others: `MasterOffset`, `MasterScaling`, `SlaveOffset`
-    /// and
-    /// `SlaveScaling`. `None` if the inputs are the intended ones.
+    /// Intended offsets and scalings of master and slave, if the inputs compensate others; `None`: the inputs.
     pub wanted: Option<[f64; 4]>,
 }
 
-/// Smallest magnitude of a scaling: smaller ones are 0 but for rounding.
+/// Smallest magnitude of a scaling: smaller ones are rounding errors of 0.
 const LEAST_SCALING: f64 = 1e-15;
 
 /// Error message if the scaling `name` is 0 or rounding, or is not finite.
@@ -105,7 +103,7 @@ pub(crate) const START_MODES: [(&str, StartMode); 5] = [
 ];
 
 impl Coupling {
-    /// Keys of `[coupling]` with the names of the inputs and their values, but for the start mode.
+    /// Keys of `[coupling]` with the names of the inputs and their values, without the start mode.
     pub fn numbers(&self) -> [(&'static str, &'static str, f64); 9] {
         let input = &self.input;
         [

@@ -3,8 +3,7 @@
 use crate::cam_file::form::Coupling;
 use crate::cam_file::toml_coupling::coupling;
 use crate::cam_file::toml_table;
-use crate::section::FileKind;
-use crate::section::Section;
+use crate::section::{FileKind, Section};
 use std::ops::{Range, RangeInclusive};
 use twin_cam::{
     Action, Cam, CamError, Compile, Element, Kind, Knot, Passage, Scale, Shape, Source, Tappet,
@@ -25,11 +24,11 @@ pub(super) struct TomlCam {
     pub(super) table: Option<Shape>,
     pub(super) coupling: Coupling,
     pub(super) cam: Cam,
-    /// The first element that does not stand behind the one before it.
+    /// The first element that begins before the preceding one.
     pub(super) out_of_order: Option<OutOfOrder>,
 }
 
-/// An element that begins before the one that stands before it.
+/// An element that begins before the preceding one.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct OutOfOrder {
     span: Range<usize>,
@@ -42,7 +41,7 @@ impl OutOfOrder {
     pub(super) fn message(&self, text: &str) -> String {
         let line = 1 + text.get(..self.span.start).unwrap_or_default().matches('\n').count();
         format!(
-            "line {line}: the element at master {} stands behind the one at {}; they are taken by ascending masters",
+            "line {line}: the element at master {} comes after the one at {}; they are taken by ascending masters",
             self.master, self.before
         )
     }
@@ -73,7 +72,7 @@ pub(super) fn read(root: &Section<'_>, usual: &str) -> Option<TomlCam> {
     section.finish();
     let sections = [root.sections("elements"), root.sections("tappets")];
     let mut elements: Vec<_> = sections[0].iter().filter_map(element).collect();
-    // They are taken in their order, but whoever wrote them may have meant another place.
+    // They are sorted, but another place may have been meant.
     let out_of_order = elements.windows(2).find_map(|pair| {
         let [(before, _), (element, span)] = pair else { return None };
         let [before, master] = [begin(before), begin(element)];
@@ -81,7 +80,7 @@ pub(super) fn read(root: &Section<'_>, usual: &str) -> Option<TomlCam> {
     });
     elements.sort_by(|one, other| begin(&one.0).total_cmp(&begin(&other.0)));
     let mut tappets: Vec<_> = sections[1].iter().filter_map(tappet).collect();
-    // Of what is wrong by itself nothing more is said: without it the others make no cam.
+    // Elements with errors of their own are missing below, so further errors would mislead.
     let mut whole = [elements.len(), tappets.len()] == sections.each_ref().map(Vec::len);
     tappets.sort_by(|one, other| one.0.master.total_cmp(&other.0.master));
     let section = root.section("table");
@@ -95,7 +94,7 @@ pub(super) fn read(root: &Section<'_>, usual: &str) -> Option<TomlCam> {
         whole &= table.is_some();
         section.check_unknown();
     } else if kind == Kind::Cam && !root.has("elements") {
-        root.complain("the cam has no `elements` and no `table`".to_owned());
+        root.complain("the cam has no `elements` and no `table`");
         whole = false;
     }
     root.check_unknown();
@@ -196,8 +195,7 @@ fn scale(section: &Section<'_>) -> Option<Scale> {
     Some(Scale { min, max, step: step.unwrap_or((max - min) / 10.0), unit })
 }
 
-/// The scale of the slave, and whether it has no ends of its own. It is for pictures: without ends they show where the slave goes,
-/// and what is said of its unit and the marks holds.
+/// Scale of the slave, and whether its ends are open: pictures then show the range of the slave.
 fn slave_scale(section: &Section<'_>) -> (Option<Scale>, bool) {
     if section.has("min") || section.has("max") {
         return (scale(section), false);

@@ -42,16 +42,14 @@ pub(super) fn shape(
             fits.then_some(Shape::Pairs(table))
         }
         _ => {
-            section.complain(
-                "[table] needs `values` at equal distances of the master, or `pairs`".to_owned(),
-            );
+            section.complain("[table] needs `values` at equal distances of the master, or `pairs`");
             section.accept_all();
             None
         }
     }
 }
 
-/// Two positions and the numbers that stand for them; the numbers are the positions if nothing is said.
+/// Two positions and the numbers that represent them; the numbers are the positions if nothing is said.
 fn scale(section: &Section<'_>, key: &str) -> Option<TableScale> {
     if !section.has(key) {
         section.accept(key);

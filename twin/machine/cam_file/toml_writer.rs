@@ -191,7 +191,7 @@ fn table_scale(out: &mut String, key: &str, scale: &TableScale) -> fmt::Result {
     let numbers = numbers.map(|number| Number(number).to_string());
     writeln!(
         out,
-        "{key} = [{}]  # positions, and the numbers that stand for them",
+        "{key} = [{}]  # positions, and the numbers that represent them",
         numbers.join(", ")
     )
 }

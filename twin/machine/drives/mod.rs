@@ -24,12 +24,11 @@ pub struct DeviceEntry {
     pub port: Option<String>,
     /// Version of the firmware that the real device must report.
     pub firmware: Option<String>,
-    /// Longest time an answer of the real device may take, ms, where it is not the family's usual.
+    /// Response timeout of the real device, ms, if it differs from the family's.
     pub answer_ms: Option<u32>,
     /// Longest silence while its axes are to move, ms, before the run is stopped; if given.
     pub silence_ms: Option<u32>,
-    /// Response time of the real device, adapter and cable included, µs, if known. Predictions before a run with real
-    /// drives use it.
+    /// Response time of the real device with adapter and cable, µs, if known; predictions use it.
     pub turnaround_us: Option<u32>,
     /// True if it is in the loop, between set-points and motors of the simulated machine.
     pub in_loop: bool,
@@ -39,7 +38,7 @@ pub struct DeviceEntry {
     pub assumed: Vec<(String, String)>,
 }
 
-/// A device by its family: start-up checks, repair commands and reports know more of these families than of any other.
+/// A device by its family, for start-up checks, repair commands and reports.
 #[derive(Clone, Copy, Debug)]
 pub enum DriveFamily<'a> {
     /// SOPROLEC InterpCNC V2.1: a board for five axes on Modbus RTU.
@@ -118,8 +117,7 @@ impl DeviceEntry {
         self.device.waits(self.answer_ms.map(|time_ms| Duration::from_millis(time_ms.into())))
     }
 
-    /// Place of the real device, which is unique: its port, and the offset in it of a module that is mapped. One port
-    /// has many names: links in `/dev/serial/by-id` lead to it, and `./` before it changes nothing.
+    /// Unique place of the real device: its port, resolved, and the offset in it of a mapped module.
     pub(super) fn place(&self) -> Option<(PathBuf, Option<u64>)> {
         let port = Path::new(self.port.as_deref()?);
         // One that is not plugged in has no other name that could be known.
@@ -133,7 +131,7 @@ impl DeviceEntry {
     }
 }
 
-/// Says where an address belongs, which the manuals speak of and each family has in another place.
+/// Complains about an address key that belongs elsewhere in this family.
 fn misplaced_address(section: &Section<'_>, family: &dyn Family) {
     for key in ["address", "station", "drive_address"] {
         if section.has(key)

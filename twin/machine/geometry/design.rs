@@ -171,19 +171,16 @@ fn tripod(kinematics: &Section<'_>, measured: &Section<'_>) -> Option<Design> {
     let rod_distance = kinematics.required_number("rod_distance_mm", LENGTH_MM);
     let rotation = kinematics.number("rotation_deg", ANGLE_DEG).unwrap_or_default();
     let offsets = kinematics.numbers::<3>("offsets_mm", OFFSET_MM).unwrap_or_default();
-    let angles = |key| measured.numbers::<3>(key, DEVIATION_DEG).unwrap_or_default();
-    let lengths = |key| measured.numbers::<3>(key, DEVIATION_MM).unwrap_or_default();
+    let angles = |key| added([0.0; 3], measured.numbers(key, DEVIATION_DEG), DEG);
+    let lengths = |key| added([0.0; 3], measured.numbers(key, DEVIATION_MM), MM);
     let deviations = TripodDeviations {
-        tower_angles: angles("tower_angles_deg").map(|angle| angle * DEG),
-        platform_angles: angles("platform_angles_deg").map(|angle| angle * DEG),
-        outer_radii: lengths("outer_radii_mm").map(|length| length * MM),
-        inner_radii: lengths("inner_radii_mm").map(|length| length * MM),
-        outer_distances: lengths("outer_distances_mm").map(|length| length * MM),
-        inner_distances: lengths("inner_distances_mm").map(|length| length * MM),
-        rod_lengths: measured
-            .numbers::<6>("rod_lengths_mm", DEVIATION_MM)
-            .unwrap_or_default()
-            .map(|length| length * MM),
+        tower_angles: angles("tower_angles_deg"),
+        platform_angles: angles("platform_angles_deg"),
+        outer_radii: lengths("outer_radii_mm"),
+        inner_radii: lengths("inner_radii_mm"),
+        outer_distances: lengths("outer_distances_mm"),
+        inner_distances: lengths("inner_distances_mm"),
+        rod_lengths: added([0.0; 6], measured.numbers("rod_lengths_mm", DEVIATION_MM), MM),
     };
     let measured_offsets = measured.numbers::<3>("offsets_mm", DEVIATION_MM);
     Some(Design::Tripod {

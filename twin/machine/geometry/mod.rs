@@ -21,6 +21,7 @@ use std::path::Path;
 use twin_kinematics::MachineAxes;
 use twin_path::EXTRA_AXES;
 use twin_urdf::{Inertial, MachineJoint, Model, UrdfWarning};
+pub(crate) use urdf::moving_links;
 use urdf::{Given, Source};
 
 /// Geometry from `[kinematics]`, `[body]`, `[tool]`, `[payload]` and the axes.
@@ -28,7 +29,7 @@ pub(super) struct Geometry {
     pub(super) kind: &'static str,
     pub(super) kinematics: MachineAxes,
     pub(super) direction: DirectionRule,
-    /// Length that stands for a radian in measures of singularity, m.
+    /// Length that weighs as much as a radian in measures of singularity, m.
     pub(super) length_scale: f64,
     pub(super) model: Model,
     /// The axes, with what a URDF says of their friction.
@@ -56,7 +57,7 @@ pub(super) fn read(
     let kinematics = root.section("kinematics");
     let body = root.section("body");
     if !root.has("kinematics") {
-        root.complain("the file lacks [kinematics]".to_owned());
+        root.complain("the file lacks [kinematics]");
         return None;
     }
     let kinds: Vec<(&str, &'static Kind)> = KINDS.iter().map(|kind| (kind.name, kind)).collect();

@@ -37,7 +37,7 @@ pub(super) fn sources(
             None => {
                 complete = false;
                 complain(format!(
-                    "axis \"{name}\" has the role \"{role}\"; of a {} axes move {}, or P Q U V W beside it",
+                    "axis \"{name}\" has the role \"{role}\"; of a {} axes move {}, or P Q U V W in addition",
                     kind.name,
                     kind.roles().join(", ")
                 ));

@@ -19,17 +19,14 @@ impl FileKind {
         if self.is(root) {
             return false;
         }
-        let Some(other) =
-            [Self::Machine, Self::Job, Self::Cam].into_iter().find(|kind| kind.is(root))
-        else {
-            return false;
-        };
+        let kinds = [Self::Machine, Self::Job, Self::Cam];
+        let Some(other) = kinds.into_iter().find(|kind| kind.is(root)) else { return false };
         let hint = match other {
             Self::Machine => "",
             Self::Job => ": `twin cam run` runs it",
             Self::Cam => ": `twin cam check` looks at it",
         };
-        root.complain(format!("this is a {}, no {}{hint}", other.name(), self.name()));
+        root.complain(format!("this is a {}, not a {}{hint}", other.name(), self.name()));
         root.accept_all();
         true
     }

@@ -44,7 +44,7 @@ impl Keys for Section<'_> {
 
     fn require(&self, key: &str) {
         if !Section::has(self, key) {
-            self.missing(key);
+            self.complain(format!("{} lacks `{key}`", self.name));
         }
     }
 

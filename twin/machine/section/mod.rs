@@ -7,16 +7,15 @@ mod problem;
 mod recording;
 
 pub use file_kind::FileKind;
-pub use problem::Shown;
-pub(crate) use problem::read_text;
-pub use problem::{Elsewhere, MachineFileError, Problem};
+pub(crate) use problem::load;
+pub use problem::{Elsewhere, MachineFileError, Problem, Shown};
 use recording::Recording;
 pub use recording::{Expected, KeyUse};
 use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeArray, DeTable, DeValue};
 
 /// Collector of the errors of a file, so that a user sees all of them at once.
 #[derive(Debug, Default)]
@@ -123,13 +122,13 @@ impl<'a> Section<'a> {
     }
 
     /// Complains about this section as a whole.
-    pub fn complain(&self, message: String) {
-        self.complaints.add(self.span.clone(), message, None);
+    pub fn complain(&self, message: impl Into<String>) {
+        self.complaints.add(self.span.clone(), message.into(), None);
     }
 
     /// Complains about the value of `key`, or about the section if the key is absent.
-    pub fn complain_at(&self, key: &str, message: String) {
-        self.complaints.add(self.span_of(key), message, None);
+    pub fn complain_at(&self, key: &str, message: impl Into<String>) {
+        self.complaints.add(self.span_of(key), message.into(), None);
     }
 
     /// Complains about the value of `key`, with what would be right.
@@ -195,8 +194,27 @@ impl<'a> Section<'a> {
         self.look_up(key)
     }
 
-    fn missing(&self, key: &str) {
-        self.complain(format!("{} lacks `{key}`", self.name));
+    /// Complains if `key` is missing, which is known then.
+    fn require(&self, key: &str) -> Option<()> {
+        if !self.has(key) {
+            self.value(key);
+            self.complain(format!("{} lacks `{key}`", self.name));
+        }
+        self.has(key).then_some(())
+    }
+
+    /// The entries of an array; complains if `value` is something else.
+    fn array<'v>(
+        &self,
+        key: &str,
+        value: &'v Spanned<DeValue<'a>>,
+        expected: &str,
+    ) -> Option<&'v DeArray<'a>> {
+        let array = value.get_ref().as_array();
+        if array.is_none() {
+            self.wrong_type(key, value, expected);
+        }
+        array
     }
 
     fn wrong_type(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) {
@@ -230,10 +248,8 @@ impl<'a> Section<'a> {
     pub fn sections(&self, key: &str) -> Vec<Section<'a>> {
         self.note(key, false, || Expected::Tables);
         let Some(value) = self.value(key) else { return Vec::new() };
-        let Some(array) = value.get_ref().as_array() else {
-            self.wrong_type(key, value, &format!("tables headed [[{key}]]"));
-            return Vec::new();
-        };
+        let expected = format!("tables headed [[{key}]]");
+        let Some(array) = self.array(key, value, &expected) else { return Vec::new() };
         let mut sections = Vec::new();
         for (index, item) in array.iter().enumerate() {
             match item.get_ref().as_table() {
@@ -243,7 +259,7 @@ impl<'a> Section<'a> {
                     let section = Section::new(name, Some(table), item.span(), self.complaints);
                     sections.push(Section { number, ..section });
                 }
-                None => self.wrong_type(key, item, &format!("tables headed [[{key}]]")),
+                None => self.wrong_type(key, item, &expected),
             }
         }
         sections
@@ -271,11 +287,7 @@ impl<'a> Section<'a> {
     /// The text of `key`; a problem if it is missing.
     pub fn required_text(&self, key: &str) -> Option<&'a str> {
         self.note(key, true, || Expected::Text);
-        if !self.has(key) {
-            self.value(key);
-            self.missing(key);
-            return None;
-        }
+        self.require(key)?;
         self.text(key)
     }
 
@@ -300,11 +312,7 @@ impl<'a> Section<'a> {
     /// One of the `choices` by its name; a problem if `key` is missing or names none of them.
     pub fn required_choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
         self.note(key, true, || choice_of(choices));
-        if !self.has(key) {
-            self.value(key);
-            self.missing(key);
-            return None;
-        }
+        self.require(key)?;
         self.choice(key, choices)
     }
 
@@ -328,8 +336,7 @@ impl<'a> Section<'a> {
     pub(crate) fn pairs_of_names(&self, key: &str) -> Vec<([String; 2], Range<usize>)> {
         self.note(key, false, || Expected::NamePairs);
         let Some(value) = self.value(key) else { return Vec::new() };
-        let Some(array) = value.get_ref().as_array() else {
-            self.wrong_type(key, value, "an array of pairs of names");
+        let Some(array) = self.array(key, value, "an array of pairs of names") else {
             return Vec::new();
         };
         let pair = |item: &Spanned<DeValue<'_>>| {
@@ -384,7 +391,7 @@ fn choice_of<T>(choices: &[(&str, T)]) -> Expected {
     Expected::Choice(choices.iter().map(|(word, _)| (*word).to_owned()).collect())
 }
 
-/// The candidate that a mistyped `word` most likely stands for.
+/// The candidate that a mistyped `word` was most likely meant to be.
 fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
     candidates
         .map(|candidate| (strsim::jaro_winkler(word, candidate), candidate))

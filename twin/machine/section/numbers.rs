@@ -16,11 +16,7 @@ impl Section<'_> {
     /// The number of `key` within `range`; a problem if it is missing or outside.
     pub fn required_number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
         self.note(key, true, || Expected::Number(range.clone()));
-        if !self.has(key) {
-            self.value(key);
-            self.missing(key);
-            return None;
-        }
+        self.require(key)?;
         self.number(key, range)
     }
 
@@ -39,10 +35,7 @@ impl Section<'_> {
     pub fn pairs(&self, key: &str, range: &RangeInclusive<f64>) -> Option<Vec<[f64; 2]>> {
         self.note(key, false, || Expected::NumberPairs(range.clone()));
         let value = self.value(key)?;
-        let Some(array) = value.get_ref().as_array() else {
-            self.wrong_type(key, value, "an array of pairs of numbers");
-            return None;
-        };
+        let array = self.array(key, value, "an array of pairs of numbers")?;
         let pairs: Vec<_> =
             array.iter().map(|item| self.checked_numbers(key, item, range)).collect();
         if pairs.is_empty() {
@@ -56,10 +49,7 @@ impl Section<'_> {
     pub fn list(&self, key: &str, range: &RangeInclusive<f64>) -> Option<Vec<f64>> {
         self.note(key, false, || Expected::NumberList(range.clone()));
         let value = self.value(key)?;
-        let Some(array) = value.get_ref().as_array() else {
-            self.wrong_type(key, value, "an array of numbers");
-            return None;
-        };
+        let array = self.array(key, value, "an array of numbers")?;
         let list: Vec<_> = array.iter().map(|item| self.checked_number(key, item, range)).collect();
         list.into_iter().collect()
     }
@@ -70,35 +60,22 @@ impl Section<'_> {
         value: &Spanned<DeValue<'_>>,
         range: &RangeInclusive<f64>,
     ) -> Option<[f64; N]> {
-        let Some(array) = value.get_ref().as_array() else {
-            self.wrong_type(key, value, &format!("an array of {N} numbers"));
-            return None;
-        };
-        if array.iter().count() != N {
-            let found = array.iter().count();
+        let array = self.array(key, value, &format!("an array of {N} numbers"))?;
+        let found = array.iter().count();
+        if found != N {
             let message = format!("`{key}` has {found} entries; expected {N} numbers");
             self.complaints.add(value.span(), message, None);
             return None;
         }
-        let mut numbers = [0.0; N];
-        let mut complete = true;
-        for (slot, item) in numbers.iter_mut().zip(array.iter()) {
-            match self.checked_number(key, item, range) {
-                Some(number) => *slot = number,
-                None => complete = false,
-            }
-        }
-        complete.then_some(numbers)
+        let numbers: Vec<_> =
+            array.iter().map(|item| self.checked_number(key, item, range)).collect();
+        numbers.into_iter().collect::<Option<Vec<_>>>()?.try_into().ok()
     }
 
     /// The integer of `key` within `range`; a problem if it is missing or outside.
     pub(crate) fn required_integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
         self.note(key, true, || Expected::Integer(range.clone()));
-        if !self.has(key) {
-            self.value(key);
-            self.missing(key);
-            return None;
-        }
+        self.require(key)?;
         self.integer(key, range)
     }
 
@@ -116,8 +93,7 @@ impl Section<'_> {
     pub(crate) fn integers(&self, key: &str, range: &RangeInclusive<i64>, most: usize) -> Vec<i64> {
         self.note(key, false, || Expected::Integers(most, range.clone()));
         let Some(value) = self.value(key) else { return Vec::new() };
-        let Some(array) = value.get_ref().as_array() else {
-            self.wrong_type(key, value, "an array of whole numbers");
+        let Some(array) = self.array(key, value, "an array of whole numbers") else {
             return Vec::new();
         };
         if array.iter().count() > most {
@@ -135,11 +111,7 @@ impl Section<'_> {
         range: RangeInclusive<f64>,
     ) -> Option<[f64; N]> {
         self.note(key, true, || Expected::Numbers(N, range.clone()));
-        if !self.has(key) {
-            self.value(key);
-            self.missing(key);
-            return None;
-        }
+        self.require(key)?;
         self.numbers(key, range)
     }
 

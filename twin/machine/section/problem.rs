@@ -1,7 +1,7 @@
 //! Problems of a TOML file: place, message and help, and their diagnostics.
 
 use crate::limited_read;
-use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode};
+use miette::{Diagnostic, NamedSource, SourceSpan};
 use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -52,9 +52,10 @@ impl fmt::Display for Elsewhere {
 }
 
 fn shown(path: &Path, text: &str, problem: &Problem) -> Shown {
-    let source = NamedSource::new(path.display().to_string(), text.to_owned());
-    let others = problem.elsewhere.as_ref().map_or_else(Vec::new, |elsewhere| elsewhere.shown());
-    Shown { problem: problem.clone(), source, others }
+    let Problem { span, message, help, elsewhere } = problem.clone();
+    let text = NamedSource::new(path.display().to_string(), text.to_owned());
+    let others = elsewhere.map_or_else(Vec::new, |elsewhere| elsewhere.shown());
+    Shown { message, help, text, span: span.into(), others }
 }
 
 /// Errors of a machine file, or of a scenario for one.
@@ -98,51 +99,35 @@ impl MachineFileError {
 }
 
 /// A problem together with the text it is about.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error, Diagnostic)]
+#[error("{message}")]
+#[diagnostic(severity(Error))]
 pub struct Shown {
-    problem: Problem,
-    source: NamedSource<String>,
+    message: String,
+    #[help]
+    help: Option<String>,
+    #[source_code]
+    text: NamedSource<String>,
+    #[label("here")]
+    span: SourceSpan,
     /// Problems of the file that is named here.
+    #[related]
     others: Vec<Shown>,
 }
 
-impl fmt::Display for Shown {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.problem.message)
-    }
-}
-
-impl std::error::Error for Shown {}
-
-impl Diagnostic for Shown {
-    fn severity(&self) -> Option<Severity> {
-        Some(Severity::Error)
-    }
-
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.problem.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        Some(&self.source)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let label = LabeledSpan::new_with_span(Some("here".to_owned()), self.problem.span.clone());
-        Some(Box::new(std::iter::once(label)))
-    }
-
-    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
-        let others = self.others.iter().map(|other| other as &dyn Diagnostic);
-        (!self.others.is_empty()).then(|| Box::new(others) as Box<dyn Iterator<Item = _>>)
-    }
-}
-
-/// The text of a file.
+/// Reads the file `path`, a `what` of the user, and parses its text.
 ///
-/// # Errors
-/// [`MachineFileError`] if the file cannot be read, is too long or is not UTF-8.
-pub(crate) fn read_text(what: &'static str, path: &Path) -> Result<String, MachineFileError> {
-    let text = limited_read::read_to_string(path);
-    text.map_err(|source| MachineFileError::Read { what, path: path.to_owned(), source })
+/// Errors: [`MachineFileError`] if the file cannot be read, is too long or is not UTF-8, and with all that `parse`
+/// finds wrong.
+pub(crate) fn load<T>(
+    what: &'static str,
+    path: &Path,
+    parse: impl FnOnce(&str) -> Result<T, Vec<Problem>>,
+) -> Result<T, MachineFileError> {
+    let path = path.to_owned();
+    let text = match limited_read::read_to_string(&path) {
+        Ok(text) => text,
+        Err(source) => return Err(MachineFileError::Read { what, path, source }),
+    };
+    parse(&text).map_err(|problems| MachineFileError::Content { what, path, text, problems })
 }

@@ -43,7 +43,7 @@ pub struct SimulatedAxis {
 /// A motor with its drive.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SimulatedMotor {
-    /// With gains that follow from the bandwidth and the inertia of the axis, but for those that are given.
+    /// Gains follow from the bandwidth and the inertia of the axis unless they are given.
     Servo(SimulatedServo),
     /// A step motor.
     Stepper(StepperParameters),
@@ -153,8 +153,7 @@ impl SimulatedAxis {
     }
 }
 
-/// Reads the section of an axis that goes at most `max_velocity` (m/s or rad/s), its motor `motor_turns` per m or rad if that is
-/// said elsewhere.
+/// Reads the section of an axis with `max_velocity` (m/s or rad/s) and `motor_turns` per m or rad, if known.
 pub(super) fn read(
     section: &Section<'_>,
     kind: AxisKind,
@@ -233,8 +232,7 @@ pub(super) fn read(
     }
     if simulated.transmission.is_some() && armature <= 0.0 {
         section.complain(
-            "a transmission that gives way needs the inertia of its motor: `rotor_inertia_kg_m2` in [servo] or [stepper]"
-                .to_owned(),
+            "a transmission that gives way needs the inertia of its motor: `rotor_inertia_kg_m2` in [servo] or [stepper]",
         );
     }
     section.check_unknown();

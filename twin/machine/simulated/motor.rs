@@ -44,7 +44,7 @@ impl<'a> Motors<'_, 'a> {
         let servo = self.section.section("servo");
         let stepper = self.section.section("stepper");
         if self.section.has("servo") && self.section.has("stepper") {
-            self.section.complain_at("stepper", "an axis has a servo or a step motor".to_owned());
+            self.section.complain_at("stepper", "an axis has a servo or a step motor");
         }
         if self.section.has("stepper") {
             servo.accept_all();
@@ -117,7 +117,7 @@ impl<'a> Motors<'_, 'a> {
         if !velocity_passes.is_multiple_of(position_passes) {
             section.complain_at(
                 "position_loop_period_us",
-                "`position_loop_period_us` is no multiple of `velocity_loop_period_us`".to_owned(),
+                "`position_loop_period_us` is not a multiple of `velocity_loop_period_us`",
             );
         }
         let parameters = ServoParameters {
@@ -184,9 +184,7 @@ impl<'a> Motors<'_, 'a> {
         self.encoder();
         section.check_unknown();
         if !section.has("holding_torque_nm") && !section.has("pull_out_rpm_nm") {
-            section.complain(
-                "[stepper] needs `holding_torque_nm`, or `pull_out_rpm_nm` from 0 on".to_owned(),
-            );
+            section.complain("[stepper] needs `holding_torque_nm`, or `pull_out_rpm_nm` from 0 on");
         }
         let shaft = shaft?;
         let constant = || EffortCurve::new(vec![[0.0, shaft.effort(holding?)]]);

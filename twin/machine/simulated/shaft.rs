@@ -51,8 +51,7 @@ pub(super) fn shaft(
         (AxisKind::Linear, None) => None,
     };
     if kind == AxisKind::Linear && gear.is_some() && pitch.is_none() {
-        section
-            .complain_at("gear_ratio", "`gear_ratio` says nothing without `pitch_mm`".to_owned());
+        section.complain_at("gear_ratio", "`gear_ratio` has no effect without `pitch_mm`");
     }
     turns.or(motor_turns).map(|turns| Shaft { ratio: turns * TAU })
 }
@@ -70,7 +69,7 @@ pub(super) fn elastic(section: &Section<'_>, kind: AxisKind) -> Option<Simulated
     if stiffness.is_none() && !section.has(key) {
         for wasted in [backlash_key.as_str(), "damping_ratio"] {
             if section.has(wasted) {
-                section.complain_at(wasted, format!("`{wasted}` says nothing without `{key}`"));
+                section.complain_at(wasted, format!("`{wasted}` has no effect without `{key}`"));
             }
         }
     }

@@ -31,7 +31,7 @@ const VISCOUS: [f64; 2] = [10.0, 25.0];
 /// N/m.
 const STIFFNESS: [f64; 2] = [1.5e5, 2.5e5];
 const DAMPING_RATIO: f64 = 0.08;
-/// As on a machine that stands askew, m/s².
+/// As on a tilted machine, m/s².
 const GRAVITY: [f64; 3] = [1.2, -2.5, -9.3];
 
 /// The shipped file with its motors as above, everything said at their shafts, and the belt rigid or not.

@@ -58,7 +58,7 @@ fn a_cam_drives_an_axis_that_drives_another() {
     let folder = tempfile::tempdir().unwrap();
     let cam = "master = { min = 0, max = 100 }\nelements = [{ from = [0, 0], to = [100, 200] }]\n";
     std::fs::write(folder.path().join("ramp.toml"), cam).unwrap();
-    // The gear stands before the cam whose slave is its master.
+    // The gear is written before the cam whose slave is its master.
     let text = with(
         "[[gears]]\naxis = \"Z\"\nmaster = \"Y\"\nratio_numerator = 1\nratio_denominator = 10\n[[cams]]\naxis = \"Y\"\n\
          master = \"X\"\ncam = \"ramp.toml\"\nperiodic = false\nslave_offset_mm = 5\n",
@@ -160,7 +160,7 @@ fn places_of_what_cannot_follow() {
             "{said}: {found:#?}"
         );
     }
-    // An axis that is there has its keys, whatever the other one is.
+    // The keys of a known axis are valid even if the other axis is unknown.
     let cam =
         "[[cams]]\naxis = \"Z\"\nmaster = \"Q\"\ncam = \"none.toml\"\nslave_offset_mm = \"3\"\n";
     let found = problems(&with(cam));

@@ -32,7 +32,7 @@ fn a_drive_needs_its_axis_and_its_ratio() {
     // The other way round: a ratio without a drive is a drive that was forgotten.
     let found = problems(&edited(SHORT, "drive = \"board\"\n", ""));
     for key in ["drive_axis", "increments", "per_mm"] {
-        let complaint = format!("`{key}` says nothing without a `drive`");
+        let complaint = format!("`{key}` has no effect without a `drive`");
         assert!(found.iter().any(|(_, message, _)| *message == complaint), "{key}: {found:#?}");
     }
     refused("= 3200", "= 0", "0", &["`increments` is 0"]);
@@ -90,13 +90,13 @@ fn an_address_is_told_where_it_belongs() {
         let found = problems(&edited(SHORT, "[[drives]]", &format!("[[drives]]\n{key} = 3")));
         let [(place, message, help)] = &found[..] else { panic!("{found:#?}") };
         assert_eq!(place, "3");
-        assert!(message.contains("its Modbus address is `station` here"), "{message}");
+        assert!(message.contains("the Modbus address of a board is `station`"), "{message}");
         assert!(help.as_ref().unwrap().contains("`station = …`, 1 to 247"), "{help:?}");
     }
     for (kind, key, parts) in [
-        ("smartdrive", "address", ["each axis says the address", "`drive_address = …`, 1 to 31"]),
-        ("smartdrive", "station", ["each axis says the address", "`drive_address = …`, 1 to 31"]),
-        ("bim2ax", "address", ["a module, which has no address", "`map_offset`"]),
+        ("smartdrive", "address", ["each axis gives the address", "`drive_address = …`, 1 to 31"]),
+        ("smartdrive", "station", ["each axis gives the address", "`drive_address = …`, 1 to 31"]),
+        ("bim2ax", "address", ["a module has no address", "`map_offset`"]),
     ] {
         let text = edited(SHORT, "kind = \"interpcnc\"", &format!("kind = \"{kind}\"\n{key} = 3"));
         let found = problems(&text);
@@ -130,7 +130,7 @@ fn switches_are_said_beside_the_drive() {
     assert_eq!((found.len(), found[0].0.as_str()), (1, "\"left\""), "{found:#?}");
     assert!(found[0].1.contains("both"), "{found:#?}");
     let without = edited(SHORT, "drive = \"board\"\n", "home_direction = \"positive\"\n");
-    let said = "`home_direction` says nothing without a `drive`";
+    let said = "`home_direction` has no effect without a `drive`";
     assert!(problems(&without).iter().any(|(_, message, _)| message == said));
     let reversed = edited(SHORT, "= 3200\nper_mm = 10", "= -3200\nper_mm = 10");
     assert!(load(&reversed).axes[0].drive.as_ref().unwrap().reversed());

@@ -1,6 +1,6 @@
 //! Tests of the limits of axes and path in machine files.
 
-use super::{GANTRY3, SCARA2, SHORT, edited, load, near, problem, problems, refused};
+use super::{GANTRY3, SCARA2, SHORT, edited, load, near, problem, problems, refused, says};
 use crate::{AxisLimit, Machine, VelocitySource};
 use twin_kinematics::AxisVector;
 
@@ -38,7 +38,7 @@ fn the_smallest_velocity_binds_and_is_known() {
     near(x(&motor).velocity.value, 0.25);
     let fast = with("max_motor_rpm = 3000\nmotor_turns_per_mm = 0.1");
     assert_eq!(x(&fast).velocity.source, VelocitySource::Axis);
-    // Of equal ones that of the axis, whatever rounding says: 128 kHz, 2400 turns a minute.
+    // Of equal ones that of the axis, regardless of rounding: 128 kHz, 2400 turns a minute.
     let equal =
         with("max_step_frequency_khz = 128\nmax_motor_rpm = 2400\nmotor_turns_per_mm = 0.1");
     assert_eq!(x(&equal).velocity.source, VelocitySource::Axis);
@@ -75,14 +75,11 @@ fn limits_of_drives_and_motors_are_checked() {
         ("headroom_percent = -1", "-1", "between 0 and 90"),
         ("max_motor_rpm = 0\nmotor_turns_per_mm = 1", "0", "between 0.1 and 1000000"),
         ("max_motor_rpm = 9\nmotor_turns_per_mm = 0", "0", "between 0.000000001 and 1000000"),
-        ("max_motor_rpm = 3000", "3000", "says nothing without `motor_turns_per_mm`"),
-        ("motor_turns_per_mm = 0.1", "0.1", "says nothing without `max_motor_rpm`"),
+        ("max_motor_rpm = 3000", "3000", "has no effect without `motor_turns_per_mm`"),
+        ("motor_turns_per_mm = 0.1", "0.1", "has no effect without `max_motor_rpm`"),
     ];
     for (line, place, words) in cases {
-        let found = problems(&x(line));
-        assert_eq!(found.len(), 1, "{found:#?}");
-        assert_eq!(found[0].0, place, "{found:#?}");
-        assert!(found[0].1.contains(words), "{found:#?}");
+        assert_eq!(says(&x(line), &[words]), place);
     }
     for (line, key) in [
         ("max_step_freqency_khz = 9", "max_step_frequency_khz"),
@@ -95,7 +92,7 @@ fn limits_of_drives_and_motors_are_checked() {
         assert_eq!(help.unwrap(), format!("did you mean `{key}`?"));
     }
     let without = edited(SHORT, "drive = \"board\"\n", "max_step_frequency_khz = 9\n");
-    let said = "`max_step_frequency_khz` says nothing without a `drive`";
+    let said = "`max_step_frequency_khz` has no effect without a `drive`";
     assert!(problems(&without).iter().any(|(_, message, _)| message == said));
 }
 
@@ -104,11 +101,12 @@ fn limits_of_drives_and_motors_are_checked() {
 fn headroom_is_left_to_the_override() {
     let jerk = "max_jerk_mm_per_s3 = 50000\nheadroom_percent = 20";
     let machine = with(jerk);
-    let AxisLimit { velocity, acceleration, jerk, headroom } = x(&machine);
+    let AxisLimit { velocity, acceleration, deceleration, jerk, headroom } = x(&machine);
     near(headroom, 0.2);
     let faster = 1.0 / 0.8f64;
     near(velocity.value * faster, 0.4);
     near(acceleration * faster.powi(2), 3.0);
+    near(deceleration * faster.powi(2), 3.0);
     near(jerk.unwrap() * faster.powi(3), 50.0);
     // What the axis can do is what it was, and the other axes have no headroom.
     near(machine.axes[0].max_velocity, 0.4);
@@ -200,10 +198,11 @@ fn decelerations_have_a_limit_of_their_own() {
     {
         near(axis.acceleration_limit(axis.slows(velocity, acceleration, CYCLE)), limit);
     }
-    // Plans keep to the smaller one, whichever it is.
-    near(x(&gentle).acceleration, 1.5);
+    near(x(&gentle).acceleration, 3.0);
+    near(x(&gentle).deceleration, 1.5);
     let strong = with("max_deceleration_mm_per_s2 = 6000");
     near(x(&strong).acceleration, 3.0);
+    near(x(&strong).deceleration, 6.0);
     let axis = &strong.axes[0];
     near(axis.acceleration_limit(axis.slows(0.1, -5.0, CYCLE)), 6.0);
     // In the last cycle before a standstill the velocity may be nothing already.

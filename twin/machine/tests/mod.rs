@@ -19,8 +19,7 @@ use super::{Axis, DriveFamily, Machine};
 use crate::axis_kind::AxisKind;
 use crate::section::{MachineFileError, Problem};
 use std::path::Path;
-use twin_interpcnc::Following;
-use twin_interpcnc::{InterpCncEntry, Parity};
+use twin_interpcnc::{Following, InterpCncEntry, Parity};
 use twin_kinematics::{AxisVector, Kinematics, Pose};
 
 const SCARA2: &str = include_str!("../../../machines/scara2.toml");
@@ -96,22 +95,34 @@ fn problems(text: &str) -> Vec<(String, String, Option<String>)> {
         .collect()
 }
 
+/// The only thing wrong with `text`.
+#[track_caller]
+fn only(text: &str) -> (String, String, Option<String>) {
+    let mut problems = problems(text);
+    assert_eq!(problems.len(), 1, "{problems:#?}");
+    problems.remove(0)
+}
+
 /// The only thing wrong with [`SHORT`] when `from` is replaced.
 #[track_caller]
 fn problem(from: &str, to: &str) -> (String, String, Option<String>) {
-    let mut problems = problems(&edited(SHORT, from, to));
-    assert_eq!(problems.len(), 1, "{problems:#?}");
-    problems.remove(0)
+    only(&edited(SHORT, from, to))
+}
+
+/// What [`only`] finds says all of `words`; its place.
+#[track_caller]
+fn says(text: &str, words: &[&str]) -> String {
+    let (place, message, _) = only(text);
+    for word in words {
+        assert!(message.contains(word), "{message} lacks {word}");
+    }
+    place
 }
 
 /// What [`problem`] finds is at `place` and says all of `words`.
 #[track_caller]
 fn refused(from: &str, to: &str, place: &str, words: &[&str]) {
-    let (found, message, _) = problem(from, to);
-    assert_eq!(found, place, "{message}");
-    for word in words {
-        assert!(message.contains(word), "{message} lacks {word}");
-    }
+    assert_eq!(says(&edited(SHORT, from, to), words), place);
 }
 
 fn near(one: f64, other: f64) {
@@ -131,10 +142,8 @@ fn the_shipped_machines_are_as_their_comments_say() {
     // Both arms along +x reach 250 + 200 mm; the tool is 60 mm long.
     let pose = scara.kinematics.forward(&AxisVector::from_values([0.0, 0.0, 0.06])).unwrap();
     assert!((pose.position - nalgebra::point![0.45, 0.0, 0.0]).norm() < 1e-15, "{pose:?}");
-    assert_eq!(
-        scara.conditions.start.map(|value| (value * 1e6).round()),
-        [300_000.0, 0.0, 20_000.0]
-    );
+    let start = scara.conditions.start.map(|value| (value * 1e6).round());
+    assert_eq!(start, [300_000.0, 0.0, 20_000.0]);
     near(scara.conditions.angle_tolerance, 2f64.to_radians());
     assert_eq!(scara.gravity, nalgebra::vector![0.0, 0.0, -9.81]);
     let board = board(&scara);
@@ -159,7 +168,7 @@ fn the_shipped_machines_are_as_their_comments_say() {
 
 /// A real drive answers as slowly as it does; an emulated one as fast as it is set to.
 #[test]
-fn real_devices_are_reckoned_with_by_their_own_time() {
+fn real_devices_have_their_own_response_time() {
     let mut machine = load(GANTRY3);
     assert!(!machine.drives[0].expect_real());
     assert_eq!(machine.drives[0].expected_response_us(), 2000);
@@ -173,7 +182,7 @@ fn real_devices_are_reckoned_with_by_their_own_time() {
     assert_eq!(board(&machine).turnaround_us, 18_500);
 }
 
-/// Each device has a port to itself, but for modules that are mapped from one.
+/// Each device has its own port, except modules mapped from the same one.
 #[test]
 fn no_two_devices_are_on_one_port() {
     let with = |port: &str, more: &str| {
@@ -209,7 +218,7 @@ fn no_two_devices_are_on_one_port() {
     assert!(linked(&port, &link).is_err());
 }
 
-/// What a manual leaves open is a question of the device at hand: the machine file may answer it.
+/// What a manual leaves open depends on the device: the machine file can state it.
 #[test]
 fn assumptions_are_taken_from_the_file() {
     use twin_interpcnc::Assumptions;
@@ -312,10 +321,7 @@ fn a_key_may_be_missing_only_if_it_has_a_default() {
     ];
     for (line, complaint) in needed {
         let found = problems(&edited(SHORT, line, ""));
-        assert!(
-            found.iter().any(|(_, message, _)| message == complaint),
-            "{complaint}: {found:#?}"
-        );
+        assert!(found.iter().any(|problem| problem.1 == complaint), "{complaint}: {found:#?}");
     }
     // The complaint points at the table that lacks it.
     let (place, ..) = problem("position_max_mm = 650\n", "");
@@ -335,13 +341,14 @@ fn a_value_of_another_type_is_named_with_its_type() {
     refused("= -50", "= {mm = -50}", "{mm = -50}", &["`position_min_mm` is a table"]);
     refused("\"portal\"", "7", "7", &["`name` is an integer; expected a string"]);
     refused("= 3200", "= 3200.0", "3200.0", &["`increments` is a float", "whole number"]);
-    let scara = |from, to| problems(&edited(SCARA2, from, to))[0].clone();
-    let (place, message, _) = scara("[250.0, 200.0]", "250.0");
-    assert_eq!((place.as_str(), message.contains("an array of 2 numbers")), ("250.0", true));
-    let (place, message, _) = scara("[250.0, 200.0]", "[250.0]");
-    assert_eq!((place.as_str(), message.contains("has 1 entries")), ("[250.0]", true));
-    let (place, message, _) = scara("[250.0, 200.0]", "[250.0, \"200\"]");
-    assert_eq!((place.as_str(), message.contains("is a string")), ("\"200\"", true));
+    for (arms, place, words) in [
+        ("250.0", "250.0", "an array of 2 numbers"),
+        ("[250.0]", "[250.0]", "has 1 entries"),
+        ("[250.0, \"200\"]", "\"200\"", "is a string"),
+    ] {
+        let (found, message, _) = &problems(&edited(SCARA2, "[250.0, 200.0]", arms))[0];
+        assert_eq!((found.as_str(), message.contains(words)), (place, true), "{message}");
+    }
 
     let flat = "name = \"x\"\nkinematics = 3\naxes = 4\ndrives = [5]\n";
     let found = problems(flat);
@@ -396,15 +403,9 @@ fn a_number_beyond_its_range_is_shown_with_both_bounds() {
 fn what_is_no_finite_number_lies_in_no_range() {
     for number in ["nan", "-nan", "+nan", "inf", "-inf", "+inf", "1e400", "-1e400"] {
         let bound = "must lie between -1000000 and 1000000";
-        let (place, message, _) = problem("= -50\n", &format!("= {number}\n"));
-        assert_eq!(place, number);
-        assert!(message.contains(bound), "{message}");
-        let scara = problems(&edited(
-            SCARA2,
-            "= [300.0, 0.0, 20.0]",
-            &format!("= [300.0, {number}, 20.0]"),
-        ));
-        assert_eq!((scara.len(), scara[0].0.as_str()), (1, number));
+        refused("= -50\n", &format!("= {number}\n"), number, &[bound]);
+        let start = format!("= [300.0, {number}, 20.0]");
+        assert_eq!(only(&edited(SCARA2, "= [300.0, 0.0, 20.0]", &start)).0, number);
     }
     for number in ["99999999999999999999999", "-9223372036854775809", "0xFFFFFFFFFFFFFFFFFF"] {
         refused("= 3200", &format!("= {number}"), number, &[number, "1000000000000"]);
@@ -424,11 +425,8 @@ fn an_unknown_key_is_refused_with_the_key_that_was_meant() {
     meant("position_min_mm", "positon_min_mm", "position_min_mm");
     meant("max_velocity_mm_per_s ", "max_velocity_mm_s ", "max_velocity_mm_per_s");
     // The unit of the other kind of axis.
-    meant(
-        "max_acceleration_mm_per_s2",
-        "max_acceleration_deg_per_s2",
-        "max_acceleration_mm_per_s2",
-    );
+    let right = "max_acceleration_mm_per_s2";
+    meant(right, "max_acceleration_deg_per_s2", right);
     meant("per_mm = 10", "per_deg = 10", "per_mm");
     meant("[kinematics]", "[kinematic]", "kinematics");
     meant("[[drives]]", "[[drive]]", "drives");
@@ -439,10 +437,7 @@ fn an_unknown_key_is_refused_with_the_key_that_was_meant() {
     meant("per_mm = 5", "per_mm = 5\n[axes.physics]\nmax_torque_n = 3", "max_force_n");
     // Nothing like it: what there is.
     let (place, message, help) = problem("[[drives]]", "colour = \"blue\"\n[[drives]]");
-    assert_eq!(
-        (place.as_str(), message.as_str()),
-        ("colour", "unknown key `colour` in [kinematics]")
-    );
+    assert_eq!((&*place, &*message), ("colour", "unknown key `colour` in [kinematics]"));
     assert_eq!(help.unwrap(), "known here: kind, deviations, offsets_mm, length_scale_mm");
     // A key that is there already is not suggested.
     let (_, _, help) = problem("per_mm = 10", "per_mm = 10\nper_mn = 10");
@@ -464,23 +459,16 @@ fn words_are_chosen_from_a_list() {
     refused("\"interpcnc\"", "\"smart\"", "\"smart\"", &["expected \"interpcnc\""]);
     let parity = "kind = \"interpcnc\"\nparity = \"mark\"\n";
     refused("kind = \"interpcnc\"\n", parity, "\"mark\"", &["\"none\", \"even\" or \"odd\""]);
-    let elbow = problems(&edited(SCARA2, "elbow = \"low\"", "elbow = \"left\""));
-    assert_eq!((elbow.len(), elbow[0].0.as_str()), (1, "\"left\""));
+    assert_eq!(only(&edited(SCARA2, "elbow = \"low\"", "elbow = \"left\"")).0, "\"left\"");
     refused("name = \"X\"", "name = \"\"", "\"\"", &["`name` is empty"]);
 }
 
 #[test]
 fn two_axes_share_neither_name_nor_drive_nor_role() {
-    let same_name = problems(&edited(SHORT, "name = \"Y\"", "name = \"X\"\nrole = \"Y\""));
-    assert_eq!(same_name.len(), 1, "{same_name:#?}");
-    assert_eq!(same_name[0].0, "\"X\"");
-    assert_eq!(same_name[0].1, "there is an axis \"X\" already");
-    refused(
-        "drive_axis = \"Y\"",
-        "drive_axis = \"X\"",
-        "\"X\"",
-        &["axis \"X\" already hangs on this axis of the drive"],
-    );
+    let to = "name = \"X\"\nrole = \"Y\"";
+    refused("name = \"Y\"", to, "\"X\"", &["there is an axis \"X\" already"]);
+    let words = ["axis \"X\" already hangs on this axis of the drive"];
+    refused("drive_axis = \"Y\"", "drive_axis = \"X\"", "\"X\"", &words);
     // Of the second of two, not the first.
     let text = edited(SHORT, "drive_axis = \"Y\"", "drive_axis = \"X\"");
     let span = parse(&text).unwrap_err()[0].span.clone();
@@ -506,28 +494,23 @@ fn a_role_is_something_the_machine_moves_with_that_kind_of_axis() {
     let found = problems(&edited(SHORT, "name = \"X\"", "name = \"X\"\nrole = \"T\""));
     assert_eq!(found.len(), 2, "{found:#?}");
     let complaint =
-        "axis \"X\" has the role \"T\"; of a gantry3 axes move X, Y, Z, or P Q U V W beside it";
+        "axis \"X\" has the role \"T\"; of a gantry3 axes move X, Y, Z, or P Q U V W in addition";
     assert!(found.iter().any(|(place, message, _)| place == "\"T\"" && message == complaint));
     assert!(found.iter().any(|(_, message, _)| message == "no axis moves X of the gantry3"));
     // The transform of a SCARA uses X itself.
-    let found = problems(&edited(SCARA2, "name = \"Z\"", "name = \"Z\"\nrole = \"X\""));
-    assert_eq!(found.len(), 1, "{found:#?}");
-    assert_eq!(
-        found[0].1,
-        "axis \"Z\" has the role \"X\"; of a scara2 axes move A, B, Z, or P Q U V W beside it"
-    );
+    let (_, message, _) = only(&edited(SCARA2, "name = \"Z\"", "name = \"Z\"\nrole = \"X\""));
+    let complaint =
+        "axis \"Z\" has the role \"X\"; of a scara2 axes move A, B, Z, or P Q U V W in addition";
+    assert_eq!(message, complaint);
 
     let (before, last) = SHORT.split_at(SHORT.rfind("[[axes]]").unwrap());
     let turning = last.replace("_mm", "_deg").replace("\"linear\"", "\"rotary\"");
-    let found = problems(&format!("{before}{turning}"));
-    assert_eq!(found.len(), 1, "{found:#?}");
-    assert_eq!(found[0].0, "\"Z\"");
-    assert_eq!(found[0].1, "axis \"Z\" is rotary; what moves Z of a gantry3 is linear");
+    let (place, message, _) = only(&format!("{before}{turning}"));
+    assert_eq!(place, "\"Z\"");
+    assert_eq!(message, "axis \"Z\" is rotary; what moves Z of a gantry3 is linear");
     // A SCARA without its own Z axis has no use for a tool with a length.
     let (arms, _) = SCARA2.split_at(SCARA2.find("# The transform knows nothing of Z").unwrap());
-    let found = problems(arms);
-    assert_eq!(found.len(), 1, "{found:#?}");
-    assert!(found[0].1.contains("needs an axis that moves Z"), "{found:#?}");
+    says(arms, &["needs an axis that moves Z"]);
     load(&edited(arms, "length_mm = 60.0", "length_mm = 0.0"));
 }
 

@@ -50,41 +50,24 @@ at_line = 40
 
 #[test]
 fn what_is_no_scenario_is_said() {
-    for (machine, text, said) in [
-        (MOTORS, "", "the scenario lacks [[faults]]"),
-        (MOTORS, "[[faults]]\nkind = \"jam\"\nat_s = 1", "[[faults]] number 1 lacks `axis`"),
-        (MOTORS, "[[faults]]\nkind = \"jam\"\naxis = \"Q\"\nat_s = 1", "`axis` is \"Q\"; expected"),
-        (
-            MOTORS,
-            "[[faults]]\nkind = \"jan\"\naxis = \"X\"\nat_s = 1",
-            "`kind` is \"jan\"; expected",
-        ),
-        (MOTORS, "[[faults]]\nkind = \"jam\"\naxis = \"X\"", "begins `at_s` or `at_line`"),
-        (MOTORS, "[[faults]]\nkind = \"jam\"\naxis = \"X\"\nat_s = 1\nat_line = 2", "one of them"),
-        (
-            MOTORS,
-            "[[faults]]\nkind = \"jam\"\naxis = \"X\"\nat_line = 0",
-            "`at_line` is 0; it must",
-        ),
-        (
-            MOTORS,
-            "[[faults]]\nkind = \"jam\"\naxis = \"X\"\nat_s = 1\nsteps = 4",
-            "unknown key `steps`",
-        ),
-        (
-            MOTORS,
-            "[[faults]]\nkind = \"lost_steps\"\naxis = \"X\"\nat_s = 1\nsteps = 4",
-            "axis X has no step motor",
-        ),
-        (
-            GANTRY3,
-            "[[faults]]\nkind = \"loose_belt\"\naxis = \"X\"\nat_s = 1",
-            "the transmission of axis X is rigid",
-        ),
-        (MOTORS, "[[faults]\nkind", ""),
-    ] {
+    let refused = |machine: &str, text: &str, said: &str| {
         let problems = parse(text, &load(machine)).expect_err(text);
         assert!(problems.iter().any(|problem| problem.message.contains(said)), "{problems:?}");
         assert!(problems.iter().all(|problem| problem.span.end <= text.len()), "{problems:?}");
+    };
+    refused(MOTORS, "", "the scenario lacks [[faults]]");
+    refused(MOTORS, "[[faults]\nkind", "");
+    for (machine, kind, rest, said) in [
+        (MOTORS, "jam", "at_s = 1", "[[faults]] number 1 lacks `axis`"),
+        (MOTORS, "jam", "axis = \"Q\"\nat_s = 1", "`axis` is \"Q\"; expected"),
+        (MOTORS, "jan", "axis = \"X\"\nat_s = 1", "`kind` is \"jan\"; expected"),
+        (MOTORS, "jam", "axis = \"X\"", "begins `at_s` or `at_line`"),
+        (MOTORS, "jam", "axis = \"X\"\nat_s = 1\nat_line = 2", "one of them"),
+        (MOTORS, "jam", "axis = \"X\"\nat_line = 0", "`at_line` is 0; it must"),
+        (MOTORS, "jam", "axis = \"X\"\nat_s = 1\nsteps = 4", "unknown key `steps`"),
+        (MOTORS, "lost_steps", "axis = \"X\"\nat_s = 1\nsteps = 4", "axis X has no step motor"),
+        (GANTRY3, "loose_belt", "axis = \"X\"\nat_s = 1", "the transmission of axis X is rigid"),
+    ] {
+        refused(machine, &format!("[[faults]]\nkind = \"{kind}\"\n{rest}"), said);
     }
 }

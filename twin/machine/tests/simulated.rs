@@ -160,71 +160,66 @@ fn what_is_not_said_is_ideal() {
     near(drive.effort_limit, 50.0);
 }
 
+/// [`SERVO`] with `line` in place of the one with its key.
+fn servo(line: &str) -> String {
+    let (key, _) = line.split_once(" = ").unwrap();
+    let key = format!("{key} = ");
+    let old = SERVO.lines().find(|old| old.starts_with(&key)).unwrap();
+    text(&edited(SERVO, &format!("\n{old}\n"), &format!("\n{line}\n")))
+}
+
 #[test]
 fn what_makes_no_sense_is_said() {
-    for (from, to, words) in [
-        ("pitch_mm = 10\n", "", &["`gear_ratio` says nothing without `pitch_mm`"][..]),
-        ("peak_torque_nm = 4", "peak_torque_nm = \"4\"", &["`peak_torque_nm` is a string"]),
-        ("[3000, 4], [6000, 1]", "[6000, 4], [3000, 1]", &["do not rise from pair to pair"]),
-        ("[3000, 4]", "[3000]", &["`torque_rpm_nm` has 1 entries; expected 2 numbers"]),
+    for (line, said) in [
+        ("peak_torque_nm = \"4\"", "`peak_torque_nm` is a string"),
+        ("torque_rpm_nm = [[0, 4], [6000, 4], [3000, 1]]", "do not rise from pair to pair"),
+        ("torque_rpm_nm = [[0, 4], [3000]]", "`torque_rpm_nm` has 1 entries; expected 2 numbers"),
+        (
+            "breakaway_friction_n = 3",
+            "`breakaway_friction_n` is 3; it is at least the Coulomb friction, 20",
+        ),
+        (
+            "position_loop_period_us = 300",
+            "`position_loop_period_us` is 300; a millisecond is a whole number of periods",
+        ),
+        (
+            "velocity_loop_period_us = 1000",
+            "`position_loop_period_us` is not a multiple of `velocity_loop_period_us`",
+        ),
+        ("delay_periods = 9", "`delay_periods` is 9; it must lie between 0 and 8"),
+        ("home_mm = [-51, -52]", "`home_mm` goes from -51 down to -52"),
+        ("on = \"load\"", "`on` is \"load\"; expected \"motor\" or \"axis\""),
+    ] {
+        refused_text(&servo(line), &[said]);
+    }
+    for (line, said) in [
+        ("pitch_mm = 10\n", "`gear_ratio` has no effect without `pitch_mm`"),
         (
             "stiffness_n_per_mm = 20000\n",
-            "",
-            &["`backlash_mm` says nothing without `stiffness_n_per_mm`"],
+            "`backlash_mm` has no effect without `stiffness_n_per_mm`",
         ),
-        (
-            "breakaway_friction_n = 30",
-            "breakaway_friction_n = 3",
-            &["`breakaway_friction_n` is 3; it is at least the Coulomb friction, 20"],
-        ),
-        (
-            "position_loop_period_us = 500",
-            "position_loop_period_us = 300",
-            &["`position_loop_period_us` is 300; a millisecond is a whole number of periods"],
-        ),
-        (
-            "velocity_loop_period_us = 125",
-            "velocity_loop_period_us = 1000",
-            &["`position_loop_period_us` is no multiple of `velocity_loop_period_us`"],
-        ),
-        (
-            "delay_periods = 2",
-            "delay_periods = 9",
-            &["`delay_periods` is 9; it must lie between 0 and 8"],
-        ),
-        ("home_mm = [-52, -51]", "home_mm = [-51, -52]", &["`home_mm` goes from -51 down to -52"]),
-        (
-            "[axes.physics.brake]\ntorque_nm = 2",
-            "[axes.physics.brake]",
-            &["[brake] lacks `torque_nm`"],
-        ),
-        (
-            "rotor_inertia_kg_m2 = 3e-5",
-            "rotor_inertia_kg_m3 = 3e-5",
-            &["unknown key `rotor_inertia_kg_m3`", "did you mean `rotor_inertia_kg_m2`"],
-        ),
-        ("on = \"axis\"", "on = \"load\"", &["`on` is \"load\"; expected \"motor\" or \"axis\""]),
+        ("torque_nm = 2\nclosing_time_ms", "[brake] lacks `torque_nm`"),
     ] {
-        refused_text(&edited(&text(SERVO), from, to), words);
+        let (_, rest) = line.split_once('\n').unwrap();
+        refused_text(&edited(&text(SERVO), line, rest), &[said]);
     }
-    refused_text(
-        &text("[axes.physics.servo]\npeak_torque_nm = 4"),
-        &["`peak_torque_nm` is of the motor's shaft and needs `pitch_mm`"],
-    );
-    refused_text(
-        &text("[axes.physics.transmission]\npitch_mm = 5\nstiffness_n_per_mm = 1000"),
-        &["needs the inertia of its motor"],
-    );
-    refused_text(
-        &text("[axes.physics.transmission]\npitch_mm = 5\n[axes.physics.stepper]\nmicrosteps = 8"),
-        &["[stepper] needs `holding_torque_nm`"],
-    );
-    refused_text(
-        &text(
-            "[axes.physics.transmission]\npitch_mm = 5\n[axes.physics.stepper]\nholding_torque_nm = 2\n[axes.physics.servo]\n",
+    let unknown = text(SERVO).replace("rotor_inertia_kg_m2", "rotor_inertia_kg_m3");
+    let meant = "did you mean `rotor_inertia_kg_m2`";
+    refused_text(&unknown, &["unknown key `rotor_inertia_kg_m3`", meant]);
+    let pitch = "[axes.physics.transmission]\npitch_mm = 5\n";
+    let stepper = "[axes.physics.stepper]\n";
+    let peak = "`peak_torque_nm` is of the motor's shaft and needs `pitch_mm`";
+    refused_text(&text("[axes.physics.servo]\npeak_torque_nm = 4"), &[peak]);
+    for (motor, said) in [
+        ("stiffness_n_per_mm = 1000".to_owned(), "needs the inertia of its motor"),
+        (format!("{stepper}microsteps = 8"), "[stepper] needs `holding_torque_nm`"),
+        (
+            format!("{stepper}holding_torque_nm = 2\n[axes.physics.servo]\n"),
+            "an axis has a servo or a step motor",
         ),
-        &["an axis has a servo or a step motor"],
-    );
+    ] {
+        refused_text(&text(&format!("{pitch}{motor}")), &[said]);
+    }
 }
 
 /// The pull-out torque is what a step motor gives; what limits a servo would be ignored.

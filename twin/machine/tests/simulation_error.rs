@@ -14,13 +14,13 @@ fn axes_joints_and_links_have_names() {
     let arm = edited(SCARA2, "name = \"A\"\nrole = \"A\"", "name = \"shoulder\"\nrole = \"A\"");
     let machine = load(&arm);
     for (error, expected) in [
-        (PhysicsError::AxisWithoutJoint { axis: 2 }, "no joint of the model is moved by axis Z"),
+        (PhysicsError::AxisWithoutJoint(2), "no joint of the model is moved by axis Z"),
         (
             PhysicsError::AxisMovesTwoJoints { joint: 1, axis: 0 },
             "joint B is moved by axis shoulder, which moves another joint already",
         ),
         (
-            PhysicsError::JointAxis { joint: 0 },
+            PhysicsError::JointAxis(0),
             "joint shoulder and its machine axis do not belong together (a joint that moves has one, a fixed one none)",
         ),
         (
@@ -31,10 +31,7 @@ fn axes_joints_and_links_have_names() {
             PhysicsError::MassProperties { link: 1, mass: -2.0 },
             "link arm1 of -2 kg has mass properties no body can have",
         ),
-        (
-            PhysicsError::UnevenRod { link: 2 },
-            "link arm2 is a rod whose mass is not the same all around it",
-        ),
+        (PhysicsError::UnevenRod(2), "link arm2 is a rod whose mass is not the same all around it"),
         (
             PhysicsError::DriveParameter { axis: 0, parameter: "position_gain", value: -1.0 },
             "axis shoulder: position_gain = -1 is out of range",
@@ -63,7 +60,7 @@ fn the_part_that_is_wrong_is_the_one_that_is_named() {
     let mut machine = load(SCARA2);
     machine.model.links[2].inertial.as_mut().unwrap().inertia.m11 = -1.0;
     assert_eq!(refused(&machine), "link arm2 of 3 kg has mass properties no body can have");
-    // A table on an additional axis of a tripod is a link by itself there.
+    // A table on an additional axis of a tripod is a separate link.
     let text = include_str!("../../../machines/tripod.toml").to_owned()
         + "[[axes]]\nname = \"table\"\nrole = \"U\"\nkind = \"linear\"\nposition_min_mm = -50\nposition_max_mm = 50\n\
            max_velocity_mm_per_s = 100\nmax_acceleration_mm_per_s2 = 1000\n";

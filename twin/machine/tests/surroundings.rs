@@ -16,28 +16,26 @@ fn nearest(machine: &Machine, work_mm: [f64; 3]) -> twin_physics::Clearance {
     scan.nearest(&axes.unwrap()).unwrap().unwrap()
 }
 
-fn names(machine: &Machine, found: &twin_physics::Clearance) -> [String; 2] {
-    found.parts.map(|part| machine.part_name(part))
+/// What is nearest at `work_mm` are these parts, so many mm apart.
+#[track_caller]
+fn assert_nearest(machine: &Machine, work_mm: [f64; 3], parts: [&str; 2], mm: f64) {
+    let found = nearest(machine, work_mm);
+    assert_eq!(found.parts.map(|part| machine.part_name(part)), parts);
+    assert!((found.distance - mm * 1e-3).abs() < 1e-9, "{found:?}, not {mm} mm");
 }
 
 #[test]
 fn the_shipped_vice_is_where_it_should_be() {
     let machine = load(VICE);
     // A tool of 6 mm, 5 mm from the fixed jaw (y −20 to 0, x −20 to 120, top at −10).
-    let found = nearest(&machine, [50.0, -28.0, -30.0]);
-    assert_eq!(names(&machine, &found), ["the tool", "fixed jaw"]);
-    assert!((found.distance - 5e-3).abs() < 1e-9, "{found:?}");
+    assert_nearest(&machine, [50.0, -28.0, -30.0], ["the tool", "fixed jaw"], 5.0);
     // A holder of 40 mm ends 35 mm above the tip: 4 mm above the stock with the tip 31 mm below its top.
-    let found = nearest(&machine, [50.0, 30.0, -31.0]);
-    assert_eq!(names(&machine, &found), ["holder", "stock"]);
-    assert!((found.distance - 4e-3).abs() < 1e-9, "{found:?}");
+    assert_nearest(&machine, [50.0, 30.0, -31.0], ["holder", "stock"], 4.0);
     // The tool may be in the stock and comes near to the table: top at −60.
-    let found = nearest(&machine, [300.0, 150.0, -55.0]);
-    assert_eq!(names(&machine, &found), ["the tool", "table"]);
-    assert!((found.distance - 5e-3).abs() < 1e-9, "{found:?}");
+    assert_nearest(&machine, [300.0, 150.0, -55.0], ["the tool", "table"], 5.0);
     // And the screw is left out.
-    let found = nearest(&machine, [50.0, 120.0, -45.0]);
-    assert_ne!(names(&machine, &found), ["the tool", "screw"]);
+    let [_, part] = nearest(&machine, [50.0, 120.0, -45.0]).parts;
+    assert_ne!(machine.part_name(part), "screw");
 
     let collision = machine.collision.as_ref().unwrap();
     assert_eq!(collision.clearance, 2e-3);
@@ -142,25 +140,18 @@ position_mm = [400, 0, 0]
     );
     let machine = Machine::parse(&file, &text).unwrap_or_else(|problems| panic!("{problems:#?}"));
     // In the machine frame.
-    let at = |x: f64, y: f64, z: f64| nearest(&machine, [x - 100.0, y, z]);
+    let at = |[x, y, z]: [f64; 3], part, mm| {
+        assert_nearest(&machine, [x - 100.0, y, z], ["the tool", part], mm);
+    };
     // Straight above the slope of the wedge, which goes from z 20 at x 100 down to 0 at x 140 and is 20 wide: to the rim of the tool.
-    let found = at(120.0, 10.0, 30.0);
-    assert_eq!(names(&machine, &found), ["the tool", "wedge"]);
     let (run, rise) = (40.0_f64, 20.0_f64);
     let height = 30.0 - 20.0 * (140.0 - (120.0 - 4.0)) / 40.0;
-    let expected = height * run / run.hypot(rise) * 1e-3;
-    assert!((found.distance - expected).abs() < 1e-6, "{found:?}, not {expected}");
+    at([120.0, 10.0, 30.0], "wedge", height * run / run.hypot(rise));
     // Above the pipe, which lies along x.
-    let found = at(30.0, 100.0, 0.0);
-    assert_eq!(names(&machine, &found), ["the tool", "pipe"]);
-    assert!((found.distance - 15e-3).abs() < 1e-6, "{found:?}");
+    at([30.0, 100.0, 0.0], "pipe", 15.0);
     // Next to the pill and its end: the tool is a cylinder, too.
-    let found = at(20.0, -100.0, 0.0);
-    assert_eq!(names(&machine, &found), ["the tool", "pill"]);
-    assert!((found.distance - 12e-3).abs() < 1e-6, "{found:?}");
-    let found = at(400.0, 0.0, 20.0);
-    assert_eq!(names(&machine, &found), ["the tool", "ball"]);
-    assert!((found.distance - 8e-3).abs() < 1e-6, "{found:?}");
+    at([20.0, -100.0, 0.0], "pill", 12.0);
+    at([400.0, 0.0, 20.0], "ball", 8.0);
     let solid = &machine.collision.as_ref().unwrap().surroundings.obstacles[0].solids[0];
     assert!(matches!(solid.shape, SolidShape::Mesh { .. }));
 }
@@ -173,20 +164,16 @@ fn what_is_wrong_with_obstacles_is_said() {
         said.join("; ")
     };
     let one = "[[obstacles]]\nname = \"a\"\n";
+    let ball = format!("{one}shape = \"sphere\"\nradius_mm = 1");
     for (text, expected) in [
         (one.to_owned(), "lacks `shape`"),
         (format!("{one}shape = \"box\""), "lacks `size_mm`"),
         (format!("{one}shape = \"bok\""), "expected \"box\""),
         (format!("{one}shape = \"sphere\"\nradius_mm = -1"), "`radius_mm` is -1"),
-        (format!("{one}shape = \"sphere\"\nradius_mm = 1\nradius = 2"), "unknown key `radius`"),
+        (format!("{ball}\nradius = 2"), "unknown key `radius`"),
         (format!("{one}shape = \"mesh\"\nfile = \"nowhere.stl\""), "nowhere.stl"),
         (format!("{one}shape = \"mesh\"\nfile = \"Cargo.toml\""), "toml files cannot be read"),
-        (
-            format!(
-                "{one}shape = \"sphere\"\nradius_mm = 1\n{one}shape = \"sphere\"\nradius_mm = 1"
-            ),
-            "there is an obstacle of this name already",
-        ),
+        (format!("{ball}\n{ball}"), "there is an obstacle of this name already"),
         (
             "[[obstacles]]\nname = \"tool\"\nshape = \"sphere\"\nradius_mm = 1".to_owned(),
             "an obstacle is called \"tool\", as a link or the tool is",
@@ -234,7 +221,7 @@ fn what_is_drawn_into_each_other_is_left_out() {
     }
 }
 
-/// How deep something is in something is how far it is to the nearest way out, wherever and however deep.
+/// Depth is the distance to the nearest way out, at any place.
 #[test]
 fn depths_are_those_to_the_nearest_way_out() {
     let machine = load(VICE);
@@ -249,7 +236,7 @@ fn depths_are_those_to_the_nearest_way_out() {
         let found = depth([50.0, 30.0, z]);
         assert!((found - expected).abs() < 1e-6, "Z{z}: {found} mm, not {expected} mm");
     }
-    // A flank that just touches, and a tool that just stands on something, are in nothing.
+    // A flank that just touches and a tool that just rests on something do not penetrate.
     assert!(depth([50.0, -23.0, -20.0]).abs() < 1e-6);
     assert!(depth([50.0, -10.0, -10.0]).abs() < 1e-6);
 }

@@ -82,7 +82,7 @@ proptest! {
         which in 0usize..60,
         number in prop_oneof![any::<f64>().prop_map(|number| format!("{number:e}")), any::<i64>().prop_map(|number| number.to_string())],
     ) {
-        // Every number of the files follows "= " or stands in brackets.
+        // Every number of the files follows "= " or is in brackets.
         let text = if gantry { GANTRY3 } else { SCARA2 };
         let starts: Vec<_> = text.match_indices("= ").map(|(at, _)| at + 2)
             .filter(|at| text[*at..].starts_with(|c: char| c == '-' || c.is_ascii_digit())).collect();

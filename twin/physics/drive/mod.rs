@@ -18,8 +18,7 @@ pub(super) use servo::{DriveInput, ServoDrive};
 pub(super) use stepper::{FieldSetpoint, StepperDrive};
 
 use crate::friction::FrictionParameters;
-use crate::joint::JointVector;
-use crate::joint::joint_vector;
+use crate::joint::{JointVector, joint_vector};
 use crate::noise::{Noise, NoiseParameters};
 use crate::state::{JointState, Motors, Stage};
 use crate::transmission::ElasticTransmission;
@@ -137,8 +136,8 @@ pub(super) enum MotorAtWork {
 }
 
 impl AxisDrive {
-    /// A drive that is enabled with the effort `holding` on, of which `fed_forward` is fed forward. The motor feels
-    /// `inertia` and is at `position`.
+    /// Drive enabled with the effort `holding`, `fed_forward` of it by feed-forward; the motor moves `inertia` at
+    /// `position`.
     pub(super) fn enabled(
         parameters: &AxisDriveParameters,
         holding: f64,

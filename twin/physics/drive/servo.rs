@@ -6,9 +6,8 @@
 //! motor  = effort, `delay` velocity periods later, by a current loop of first order           at all times
 //! ```
 //!
-//! While the effort is limited, the integral only moves towards zero error (no wind-up). `balance` is the effort that
-//! holds the axis against gravity when the drive is enabled: the start value that a real drive gets before it releases
-//! the brake. A current loop that is tuned by cancelling the motor's electrical pole closes to a first-order lag.
+//! While the effort is limited, the integral only moves towards zero error (no wind-up). `balance` holds the axis
+//! against gravity when the drive is enabled. A current loop tuned by pole cancellation is a first-order lag.
 
 use super::curve::EffortCurve;
 use super::encoder::{EncoderParameters, EncoderSide};
@@ -53,20 +52,18 @@ pub enum EffortFeedForward {
     None,
     /// The set-point's acceleration times this inertia, kg or kg·m².
     Inertia(f64),
-    /// This part (0 to 1) of the inverse dynamics of the whole machine at the set-point, gravity and coupling of
-    /// the axes included.
+    /// This part (0 to 1) of the inverse dynamics of the whole machine at the set-point.
     Dynamics(f64),
 }
 
 impl ServoParameters {
-    /// Bandwidth of the velocity loop, Hz, for drives of which nothing is known: low for a modern servo drive, reached
-    /// by any.
+    /// Velocity loop bandwidth of drives of unknown tuning, Hz: low for a modern servo drive.
     pub const DEFAULT_BANDWIDTH_HZ: f64 = 50.0;
 
     /// Passes of both loops per cycle where nothing is known: 4 kHz at a cycle of 1 ms.
     pub const DEFAULT_PASSES: u8 = 4;
 
-    /// Does nothing by itself.
+    /// Gives no effort of its own.
     pub const SLACK: Self = Self {
         position_gain: 0.0,
         velocity_gain: 0.0,
@@ -82,9 +79,8 @@ impl ServoParameters {
         encoder: EncoderParameters::IDEAL,
     };
 
-    /// A drive tuned by the usual rules for an axis that moves `inertia` (kg or kg·m², rotor included): velocity gain
-    /// `inertia·ω` for a velocity loop of `bandwidth_hz` (ω = 2π·bandwidth), position gain ω/4 and reset time 4/ω
-    /// (symmetrical optimum), full velocity and inertia feed-forward.
+    /// Drive tuned by the symmetrical optimum for an axis of `inertia` (kg or kg·m², rotor included): velocity gain
+    /// `inertia·ω` (ω = 2π·bandwidth), position gain ω/4, reset time 4/ω, full velocity and inertia feed-forward.
     pub fn tuned(inertia: f64, bandwidth_hz: f64, effort_limit: f64) -> Self {
         let bandwidth = bandwidth_hz * std::f64::consts::TAU;
         Self {
@@ -180,8 +176,8 @@ impl ServoDrive {
         }
     }
 
-    /// One pass of the velocity loop, and of the position loop if it is due; `period` is that of the velocity loop, s.
-    /// True where the effort is limited.
+    /// One pass of the velocity loop, and of the position loop if it is due; `period` (s) is that of the velocity
+    /// loop. True if limited.
     pub(crate) fn control(&mut self, input: &DriveInput, positions: bool, period: f64) -> bool {
         let parameters = &self.parameters;
         let EncoderParameters { side, resolution } = parameters.encoder;

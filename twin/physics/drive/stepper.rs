@@ -5,11 +5,10 @@
 //! effort = T(ω)·(sin(π/2·δ) + d·(ω_field − ω)·cos(π/2·δ)), within ± T(ω), − detent·sin(2π·rotor/full step)
 //! ```
 //!
-//! T is the pull-out torque at the speed of the rotor: the largest load at that speed. It is reached with the rotor one
-//! full step behind the field. Two full steps behind, the effort changes sign. The rotor falls to the next position
-//! where the field would hold it, four full steps away, and the steps in between are lost. Damping (d) models chopper
-//! drives and back-EMF, which damp the swing about the field. It costs no torque in step; out of step its average
-//! effect is zero. Acarnley, *Stepping Motors: a guide to theory and practice*, 2002, chapters 2 to 4.
+//! T is the pull-out torque at the speed of the rotor, reached one full step behind the field. Two full steps
+//! behind, the effort changes sign, and the rotor falls four full steps back: these are lost. Damping (d) models
+//! chopper drives and back-EMF; it costs no torque in step. Acarnley, *Stepping Motors: a guide to theory and
+//! practice*, 2002, chapters 2 to 4.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -52,11 +51,10 @@ impl StepperParameters {
     }
 }
 
-/// Correction factor of a sine that advances by 2·`angle` in a step: with it, the Runge–Kutta weights of start, middle and
-/// end (1, 4, 1) give the mean of the sine exactly.
+/// Correction factor of a sine that advances by 2·`angle` in a step: the Runge–Kutta weights (1, 4, 1) then give
+/// its mean exactly.
 ///
-/// Out of step the field may pass the rotor more than once in a step. Sampled at three places it could seem to rest, and
-/// drag the rotor along. In step the factor is 1 − angle⁴/180.
+/// Out of step the field may pass the rotor more than once in a step; samples could make it seem to rest.
 fn whole(angle: f64) -> f64 {
     if angle.abs() < 1e-3 {
         return 1.0;
@@ -97,8 +95,7 @@ pub(crate) struct StepperDrive {
 }
 
 impl StepperDrive {
-    /// Enabled and homed with the rotor at `position`, moving `inertia` (kg or kg·m²), and the field where the motor gives
-    /// `holding`, or as much of it as it can.
+    /// Enabled and homed at `position`, moving `inertia` (kg or kg·m²); the field gives `holding` as far as it can.
     pub(super) fn enabled(
         parameters: StepperParameters,
         inertia: f64,
@@ -150,7 +147,7 @@ impl StepperDrive {
     /// The full steps lost since it was asked last: more than 0 where the rotor fell behind a field that moves upwards.
     pub(crate) fn lost(&mut self, rotor: f64) -> i64 {
         let turns = (self.load_angle(rotor) / PERIOD).round();
-        // A rotor that runs away for good is not counted for ever.
+        // The count of a rotor that runs away is bounded.
         #[expect(clippy::cast_possible_truncation, reason = "within what is just said")]
         let behind = turns.clamp(-1e15, 1e15) as i64;
         let before = std::mem::replace(&mut self.behind, behind);

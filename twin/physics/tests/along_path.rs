@@ -109,7 +109,7 @@ fn only_motors_with_limits_have_rows() {
     let error = dynamics.at(&axes([0.0; 2]), &zero, &zero).unwrap_err();
     assert!(matches!(error, PhysicsError::AxisCount { given: 2, expected: 3 }));
     let error = dynamics.at(&axes([0.0, f64::NAN, 0.0]), &zero, &zero).unwrap_err();
-    assert!(matches!(error, PhysicsError::Input { .. }));
+    assert!(matches!(error, PhysicsError::Input(_)));
 }
 
 proptest! {

@@ -64,7 +64,7 @@ fn an_arm_presses_as_hard_as_its_motors_push() {
     let tip = model.tip_position(&start);
     let inertia = axis_inertia(&model, &start).unwrap();
     let drives: Vec<_> = inertia.iter().map(|inertia| springy(*inertia)).collect();
-    let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();
+    let mut machine = started(&model, &drives, down(), &start);
     // The tool's radius is a tenth of its length; the wall is half a millimetre away.
     let face = tip.x + 0.006 + 0.0005;
     // As high as the tool, lower than the arms.
@@ -101,8 +101,7 @@ fn a_slide_presses_with_its_limit_and_its_weight() {
     let elastic =
         AxisDriveParameters { armature: 2.0, transmission: Some(spring), ..tuned(5.0, 15.0, 50.0) };
     for drive in [rigid, elastic] {
-        let mut machine =
-            PhysicsMachine::new(&model, &[drive], down(), &axes([0.052]), CYCLE_NS).unwrap();
+        let mut machine = started(&model, &[drive], down(), &axes([0.052]));
         machine.insert_surroundings(&Surroundings::floor(0.0)).unwrap();
         for cycle in 0..4000 {
             let down = (f64::from(cycle) * 2e-5).min(0.04);
@@ -125,7 +124,7 @@ fn a_tripod_presses_with_its_three_motors() {
     let inertia = axis_inertia(&model, &start).unwrap();
     let drives: Vec<_> = inertia.iter().map(|inertia| springy(*inertia)).collect();
     let none = Vector3::zeros();
-    let mut machine = PhysicsMachine::new(&model, &drives, none, &start, CYCLE_NS).unwrap();
+    let mut machine = started(&model, &drives, none, &start);
     let floor = |top| Surroundings { among_links: false, ..Surroundings::floor(top) };
     let mut scan = ClearanceScan::new(&model, 3, &floor(tip.z - 0.1)).unwrap();
     let lowest = scan.nearest(&start).unwrap().unwrap().points[0].z;
@@ -155,14 +154,12 @@ fn a_tripod_presses_with_its_three_motors() {
 fn a_crash_ends_at_the_plate() {
     for speed in [0.2, 1.0, 2.0, 3.7, 5.0, 12.0] {
         for offset in [0.0, 3e-4, 7e-4] {
-            let mut machine = PhysicsMachine::new(
+            let mut machine = started(
                 &solid_gantry(),
                 &[SLACK; 3],
                 Vector3::zeros(),
                 &axes([0.1 + offset, 0.0, 0.1]),
-                CYCLE_NS,
-            )
-            .unwrap();
+            );
             let plate = cuboid([0.5, -0.2, 0.0], [0.505, 0.2, 0.6]);
             machine.insert_surroundings(&around([("plate", plate)])).unwrap();
             machine.start_moving(joints([speed, 0.3 * speed, 0.0]));
@@ -203,7 +200,7 @@ fn links_stop_each_other() {
     let start = axes([0.0, 1.2]);
     let inertia = axis_inertia(&model, &start).unwrap();
     let drives: Vec<_> = inertia.iter().map(|inertia| tuned(*inertia, 30.0, 60.0)).collect();
-    let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();
+    let mut machine = started(&model, &drives, down(), &start);
     machine.insert_surroundings(&Surroundings::default()).unwrap();
     for cycle in 0..2000 {
         let fold = (f64::from(cycle) * 1e-3).min(1.5);
@@ -217,7 +214,7 @@ fn links_stop_each_other() {
 
     let links = [Part::Link(1), Part::Link(2), Part::Link(3), Part::Tool];
     let left_out = links.map(|link| [link, Part::Link(0)]).to_vec();
-    let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();
+    let mut machine = started(&model, &drives, down(), &start);
     machine.insert_surroundings(&Surroundings { left_out, ..Surroundings::default() }).unwrap();
     for cycle in 0..2500 {
         let fold = (f64::from(cycle) * 1e-3).min(1.5);
@@ -380,9 +377,7 @@ fn edges_end_where_they_are() {
                 let mut scan = ClearanceScan::new(&model, 3, &block).unwrap();
                 let above = scan.nearest(&axes([0.3, 0.0, 0.2])).unwrap().unwrap();
                 let start = axes([0.17, 0.0, 0.2 - above.distance + height]);
-                let mut machine =
-                    PhysicsMachine::new(&model, &[SLACK; 3], Vector3::zeros(), &start, CYCLE_NS)
-                        .unwrap();
+                let mut machine = started(&model, &[SLACK; 3], Vector3::zeros(), &start);
                 machine.insert_surroundings(&block).unwrap();
                 machine.start_moving(joints([speed, 0.0, 0.0]));
                 let mut way = 0.0;
@@ -397,7 +392,7 @@ fn edges_end_where_they_are() {
     }
 }
 
-/// Nothing comes through a plate, whatever it is that runs into it, and no blow makes it faster.
+/// Nothing passes through a plate, and no impact makes anything faster.
 #[test]
 fn crashes_of_all_shapes_end_at_the_plate() {
     for (kind, end) in ends().into_iter().enumerate() {
@@ -406,8 +401,7 @@ fn crashes_of_all_shapes_end_at_the_plate() {
         for speed in [0.3, 1.1, 2.0, 4.3] {
             let start = axes([0.1, 0.0, 0.1]);
             let none = Vector3::zeros();
-            let mut machine =
-                PhysicsMachine::new(&model, &[SLACK; 3], none, &start, CYCLE_NS).unwrap();
+            let mut machine = started(&model, &[SLACK; 3], none, &start);
             machine.insert_surroundings(&plate).unwrap();
             let velocity = [speed, 0.1 * speed, -0.05 * speed];
             machine.start_moving(joints(velocity));

@@ -26,8 +26,7 @@ fn a_tripod_under_a_controller_moves_as_the_peer_does() {
     let Some(rows) = reference(columns) else { return };
     let model = thin();
     let start = circle(0.0);
-    let mut machine =
-        PhysicsMachine::new(&model, &[SLACK; 3], down(), &start.position, CYCLE_NS).unwrap();
+    let mut machine = started(&model, &[SLACK; 3], down(), &start.position);
     machine.start_moving(checked(&start.velocity, 3, 0).unwrap());
     let tripod = Tripod::new(rings(), [0.0; 3]).unwrap();
     let w = std::f64::consts::TAU * 15.0;
@@ -81,7 +80,7 @@ proptest! {
         let model = dimensions.model().unwrap();
         let drives = [rotors[0], rotors[1], 0.0].map(|armature| AxisDriveParameters { armature, ..SLACK });
         let mut machine =
-            PhysicsMachine::new(&model, &drives, down(), &axes([0.0; 3]), CYCLE_NS).unwrap();
+            started(&model, &drives, down(), &axes([0.0; 3]));
         let transform = GantryH2::new([0.0; 2], layout).unwrap();
         let effort = axes([forces[0], forces[1], G]);
         let origin = model.tip_position(&[0.0; 3]);

@@ -70,7 +70,7 @@ proptest! {
         prop_assert!(difference < 1e-12 * expected.1.amax(), "{difference} of {}", expected.1);
     }
 
-    /// An additional axis moves as it would alone, whatever number it has.
+    /// An additional axis moves as it would alone, at any place among the axes.
     #[test]
     fn axes_beside_it_are_beside_it(
         (position, velocity, effort) in (places(), motions(), motions()),

@@ -11,7 +11,7 @@ pub(super) fn slide(mass: f64) -> Model {
 }
 
 fn machine(model: &Model, drive: AxisDriveParameters) -> PhysicsMachine {
-    PhysicsMachine::new(model, &[drive], down(), &axes([0.0]), CYCLE_NS).unwrap()
+    started(model, &[drive], down(), &axes([0.0]))
 }
 
 fn at_rest(position: f64) -> AxisMotion {
@@ -326,7 +326,7 @@ fn elastic_drives_follow_as_with_steps_of_a_microsecond() {
         })
         .collect();
     let run = |longest: Option<f64>| {
-        let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();
+        let mut machine = started(&model, &drives, down(), &start);
         if let Some(longest) = longest {
             machine = machine.with_steps_of(longest);
         }

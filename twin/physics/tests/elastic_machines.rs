@@ -46,7 +46,7 @@ fn apart(
     let start = motion(0.0);
     let inertia = axis_inertia(model, &start.position).unwrap();
     let drives: Vec<_> = inertia.iter().map(|inertia| elastic(*inertia)).collect();
-    let machine = PhysicsMachine::new(model, &drives, down(), &start.position, CYCLE_NS).unwrap();
+    let machine = started(model, &drives, down(), &start.position);
     let [own, fine] = [machine.clone(), machine.with_steps_of(2e-6)].map(|mut machine| {
         let moving = checked(&start.velocity, drives.len(), 0).unwrap();
         machine.start_moving(moving);

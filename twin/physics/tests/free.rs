@@ -12,7 +12,7 @@ use twin_kinematics::tripod::Tripod;
 use super::parallel::{rings, thin};
 use super::*;
 
-/// By how much, of itself.
+/// Relative difference.
 const ALLOWED: f64 = 1e-9;
 
 /// The largest changes of `constants` over 5 s, of what they are at the start.
@@ -23,7 +23,7 @@ fn changes<const N: usize>(
     constants: impl Fn(&JointState) -> [f64; N],
 ) -> ([f64; N], PhysicsMachine) {
     let drives = vec![SLACK; position.len()];
-    let mut machine = PhysicsMachine::new(model, &drives, gravity, position, CYCLE_NS).unwrap();
+    let mut machine = started(model, &drives, gravity, position);
     machine.start_moving(checked(velocity, drives.len(), 0).unwrap());
     let efforts = AxisVector::from_values(position.iter().map(|_| 0.0));
     let start = constants(&machine.joints.axes);

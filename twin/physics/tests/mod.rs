@@ -50,7 +50,23 @@ fn joints<const N: usize>(values: [f64; N]) -> JointVector {
     joint_vector(values.into_iter())
 }
 
-/// A drive that does nothing by itself.
+/// A machine at rest at `start`.
+fn started(
+    model: &Model,
+    drives: &[AxisDriveParameters],
+    gravity: Vector3<f64>,
+    start: &AxisVector,
+) -> PhysicsMachine {
+    PhysicsMachine::new(model, drives, gravity, start, CYCLE_NS).unwrap()
+}
+
+/// The efforts (N or Nm) that hold `model` at `position`.
+fn holding_effort(model: &Model, position: &AxisVector) -> AxisVector {
+    let rotors = vec![0.0; position.len()];
+    motion_effort(model, down(), &rotors, &AxisMotion::at_rest(*position)).unwrap()
+}
+
+/// A drive without an effort of its own.
 const SLACK: AxisDriveParameters = AxisDriveParameters::SLACK;
 
 /// A servo drive tuned by rule.
@@ -58,7 +74,7 @@ fn tuned(inertia: f64, bandwidth_hz: f64, effort_limit: f64) -> AxisDriveParamet
     AxisDriveParameters::servo(ServoParameters::tuned(inertia, bandwidth_hz, effort_limit))
 }
 
-/// A drive that does nothing by itself, on an axis with friction.
+/// A drive without an effort of its own, on an axis with friction.
 fn rough(coulomb: f64, viscous: f64) -> AxisDriveParameters {
     AxisDriveParameters { friction: FrictionParameters::new(coulomb, viscous), ..SLACK }
 }

@@ -8,7 +8,7 @@ use super::elastic::slide;
 use super::*;
 
 fn machine(model: &Model, drive: AxisDriveParameters) -> PhysicsMachine {
-    PhysicsMachine::new(model, &[drive], down(), &axes([0.0]), CYCLE_NS).unwrap()
+    started(model, &[drive], down(), &axes([0.0]))
 }
 
 fn at_rest(position: f64) -> AxisMotion {

@@ -18,7 +18,7 @@ use twin_urdf::{Joint, JointKind, Link, Model};
 use super::PhysicsError;
 use crate::bodies::Tree;
 use crate::equation::Equation;
-use crate::joint::{JointMatrix, JointVector, at};
+use crate::joint::{JointMatrix, JointVector};
 use crate::maths;
 
 /// A joint that moves and where rapier keeps it.
@@ -126,7 +126,7 @@ impl Multibody {
                 world.multibody_joints.rigid_body_link(child).map(|id| id.multibody).or(multibody);
             links.push(child);
         }
-        let index = multibody.ok_or(PhysicsError::AxisNumber { given: 0 })?;
+        let index = multibody.ok_or(PhysicsError::AxisNumber(0))?;
         let joints = model.joints.iter().filter_map(|joint| {
             Some(MovingJoint {
                 number: 0,
@@ -177,10 +177,10 @@ impl Multibody {
         let mut displacement = vec![0.0; multibody.ndofs()];
         for joint in &self.joints {
             if let Some(value) = displacement.get_mut(joint.coordinate) {
-                *value = at(&position, joint.number);
+                *value = position[joint.number];
             }
             if let Some(value) = multibody.armature_mut().get_mut(joint.coordinate) {
-                *value = at(&armature, joint.number);
+                *value = armature[joint.number];
             }
         }
         multibody.damping_mut().fill(0.0);
@@ -213,7 +213,7 @@ impl Multibody {
             let mut velocities = multibody.generalized_velocity_mut();
             for joint in &self.joints {
                 if let Some(value) = velocities.get_mut(joint.coordinate) {
-                    *value = at(velocity, joint.number);
+                    *value = velocity[joint.number];
                 }
             }
         }
@@ -233,7 +233,7 @@ impl Multibody {
         for joint in &self.joints {
             let Some(child) = bodies.get_mut(joint.child) else { continue };
             let pose = *child.position();
-            let effort = at(effort, joint.number);
+            let effort = effort[joint.number];
             let wrench = pose.rotation * maths::vector_to_rapier(&joint.direction) * effort;
             if joint.revolute {
                 child.add_torque(wrench, false);

@@ -314,7 +314,7 @@ fn what_is_no_tripod_is_said() {
     let found = |model: &Model| PathDynamics::new(model, &[FREE; 3], down()).map(|_| ());
     let model = thin();
     assert_eq!(found(&model), Ok(()));
-    let unknown = Err(PhysicsError::UnknownMechanism { loops: 5 });
+    let unknown = Err(PhysicsError::UnknownMechanism(5));
     let mut level = model.clone();
     level.joints[0].axis = Vector3::x_axis();
     assert_eq!(found(&level), unknown);
@@ -327,14 +327,14 @@ fn what_is_no_tripod_is_said() {
     assert_eq!(found(&apart), unknown);
     let mut fewer = model.clone();
     fewer.loops.pop();
-    assert_eq!(found(&fewer), Err(PhysicsError::UnknownMechanism { loops: 4 }));
+    assert_eq!(found(&fewer), Err(PhysicsError::UnknownMechanism(4)));
     let rod = model.links.iter().position(|link| link.name == "rod3").unwrap();
     let mut bent = model.clone();
     bent.links[rod].inertial.as_mut().unwrap().center.x = 1e-3;
-    assert_eq!(found(&bent), Err(PhysicsError::UnevenRod { link: rod }));
+    assert_eq!(found(&bent), Err(PhysicsError::UnevenRod(rod)));
     let mut flat = model;
     flat.links[rod].inertial.as_mut().unwrap().inertia.m11 *= 1.01;
-    assert_eq!(found(&flat), Err(PhysicsError::UnevenRod { link: rod }));
+    assert_eq!(found(&flat), Err(PhysicsError::UnevenRod(rod)));
 }
 
 /// With a rod longer by a nanometre the platform is found in another way, and the forces are nearly the same.

@@ -79,8 +79,7 @@ fn past_the_pull_out_torque_the_closed_form_number_of_steps_is_lost() {
             friction: FrictionParameters::new(coulomb, viscous),
             ..stepper(curve)
         };
-        let mut machine =
-            PhysicsMachine::new(&slide(mass), &[drive], down(), &axes([0.0]), CYCLE_NS).unwrap();
+        let mut machine = started(&slide(mass), &[drive], down(), &axes([0.0]));
         let (mut position, mut velocity) = (0.0, 0.0);
         let (mut time, mut held, mut rest) = (0.0, 0.0, 0.0);
         // Where the field is when it should pull the rotor out, where it is when it does, and what the rotor does.
@@ -143,7 +142,7 @@ fn past_the_pull_out_torque_the_closed_form_number_of_steps_is_lost() {
             "{case}: {lost} full steps lost, not {predicted}"
         );
         assert_eq!(lost % 4, 0, "{case}: {lost} are not whole turns of the field");
-        // Those are what it is behind, but for the angle at which friction may hold it.
+        // It is behind by those, up to the angle at which friction can hold it.
         let behind = (position - machine.axis_state().position[0]) / FULL_STEP - found;
         assert!(
             behind.abs() <= 1.0,
@@ -173,8 +172,7 @@ fn steps_are_lost_at_a_load_angle_of_two_full_steps() {
                 friction: FrictionParameters::new(0.0, 30.0),
                 ..stepper(&[[0.0, 200.0]])
             };
-            let mut machine =
-                PhysicsMachine::new(&slide(1.0), &[drive], down(), &axes([0.0]), CYCLE_NS).unwrap();
+            let mut machine = started(&slide(1.0), &[drive], down(), &axes([0.0]));
             assert!(machine.fail(0, Fault::Jam));
             let target = AxisMotion::at_rest(axes([ahead * FULL_STEP]));
             // A sixteenth of a step per cycle.
@@ -205,14 +203,8 @@ fn steps_are_lost_at_a_load_angle_of_two_full_steps() {
 fn a_weight_above_the_holding_torque_falls() {
     let weight = 3.0 * G;
     for part in [0.5, 0.9, 0.99, 0.999, 1.001, 1.01, 1.2] {
-        let mut machine = PhysicsMachine::new(
-            &lift(3.0),
-            &[stepper(&[[0.0, weight / part]])],
-            down(),
-            &axes([0.0]),
-            CYCLE_NS,
-        )
-        .unwrap();
+        let mut machine =
+            started(&lift(3.0), &[stepper(&[[0.0, weight / part]])], down(), &axes([0.0]));
         let (mut lost, mut fallen, mut time) = (0, [None; 2], 0.0);
         for _ in 0..1500 {
             machine.step(&AxisMotion::at_rest(axes([0.0]))).unwrap();
@@ -259,8 +251,7 @@ fn a_field_that_is_too_fast_for_the_rotor_leaves_it_at_rest() {
                     ..stepper(&[[0.0, 100.0]])
                 };
                 let start = axes([0.0]);
-                let mut machine =
-                    PhysicsMachine::new(&slide(10.0), &[drive], down(), &start, CYCLE_NS).unwrap();
+                let mut machine = started(&slide(10.0), &[drive], down(), &start);
                 let mut lost = 0;
                 for cycle in 1..=1000 {
                     let position = axes([f64::from(cycle) * CYCLE * speed]);

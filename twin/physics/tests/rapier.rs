@@ -17,8 +17,7 @@ fn distance(a: &[Isometry3<f64>], b: &[Isometry3<f64>]) -> f64 {
 fn the_bodies_are_where_the_model_says() {
     for (model, start) in [(gantry(), axes([0.3, -0.2, 0.1])), (crooked(), axes([0.7, -0.1, 2.0]))]
     {
-        let mut machine =
-            PhysicsMachine::new(&model, &[SLACK; 3], down(), &start, CYCLE_NS).unwrap();
+        let mut machine = started(&model, &[SLACK; 3], down(), &start);
         let mut links = Unfolded::new(&model, 3, down(), JointVector::zeros());
         assert!(distance(&machine.link_poses(), &model.link_poses(&start)) < 1e-14);
         for _ in 0..300 {
@@ -50,12 +49,12 @@ fn a_generated_scara_runs() {
 
     let start = axes([0.02, 0.4, 1.0]);
     let inertia = axis_inertia(&model, &start).unwrap();
-    let holding = holding_effort(&model, down(), &start).unwrap();
+    let holding = holding_effort(&model, &start);
     assert!((holding[0] - inertia[0] * G).abs() < 1e-9, "the quill carries itself: {holding:?}");
     assert!(holding[1].abs() < 1e-12 && holding[2].abs() < 1e-12, "{holding:?}");
 
     let drives: Vec<_> = inertia.iter().map(|inertia| tuned(*inertia, 50.0, 200.0)).collect();
-    let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();
+    let mut machine = started(&model, &drives, down(), &start);
     let target = axes([0.021, 0.39, 1.02]);
     for _ in 0..1000 {
         machine.step(&AxisMotion::at_rest(target)).unwrap();
@@ -93,7 +92,7 @@ fn rapier_alone_converges_to_the_same_motion() {
     let armature = joints([0.1, 0.5, 0.02]);
     let effort = joints([6.0, 25.0, -0.2]);
     let drives = [0.1, 0.5, 0.02].map(|armature| AxisDriveParameters { armature, ..SLACK });
-    let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();
+    let mut machine = started(&model, &drives, down(), &start);
     for _ in 0..200 {
         machine.step_with_efforts(&axis_vector(&effort, 3)).unwrap();
     }
@@ -125,8 +124,7 @@ fn a_slide_falls_to_the_ground_and_no_further() {
         origin: Isometry3::translation(0.02, -0.01, 0.05),
         color: [1.0; 4],
     });
-    let mut machine =
-        PhysicsMachine::new(&model, &[SLACK], down(), &axes([0.1]), CYCLE_NS).unwrap();
+    let mut machine = started(&model, &[SLACK], down(), &axes([0.1]));
     machine.insert_surroundings(&Surroundings::floor(0.0)).unwrap();
     let mut stood = 0;
     for cycle in 1..=1000 {
@@ -168,9 +166,7 @@ fn solids_that_touch_nothing_change_nothing() {
         });
     }
     let [with, without] = [true, false].map(|solids| {
-        let mut machine =
-            PhysicsMachine::new(&model, &[SLACK; 3], down(), &axes([0.7, -0.1, 2.0]), CYCLE_NS)
-                .unwrap();
+        let mut machine = started(&model, &[SLACK; 3], down(), &axes([0.7, -0.1, 2.0]));
         if solids {
             machine.insert_surroundings(&Surroundings::floor(-20.0)).unwrap();
         }
@@ -191,8 +187,7 @@ fn two_runs_give_the_same_bits() {
             armature: 0.05,
             ..tuned(inertia, 40.0, 30.0)
         });
-        let mut machine =
-            PhysicsMachine::new(&crooked(), &drives, down(), &axes([0.0; 3]), CYCLE_NS).unwrap();
+        let mut machine = started(&crooked(), &drives, down(), &axes([0.0; 3]));
         for cycle in 0..500 {
             let t = f64::from(cycle) * 1e-3;
             let position = axes([0.3 * t, 0.1 * t * t, -0.2 * t]);

@@ -17,8 +17,7 @@ const NANOMETRE: f64 = 1e-9;
 /// The SCARA of the files as one row has it.
 fn machine(gravity: Vector3<f64>, position: JointVector, velocity: JointVector) -> PhysicsMachine {
     let position = axis_vector(&position, 3);
-    let mut machine =
-        PhysicsMachine::new(&scara(), &[SLACK; 3], gravity, &position, CYCLE_NS).unwrap();
+    let mut machine = started(&scara(), &[SLACK; 3], gravity, &position);
     machine.start_moving(velocity);
     machine
 }
@@ -152,7 +151,7 @@ fn the_loops_of_a_tripod_stay_closed_in_rapiers_bodies() {
         let inertia = axis_inertia(&model, &start).unwrap();
         let drives: Vec<_> =
             inertia.iter().map(|inertia| tuned(*inertia, 50.0, f64::INFINITY)).collect();
-        let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();
+        let mut machine = started(&model, &drives, down(), &start);
         machine.start_moving(checked(&circle(0.0).velocity, 3, 0).unwrap());
         let first = machine.link_poses()[model.tip.link];
         let (mut open, mut way, mut tilt) = (0.0_f64, 0.0_f64, 0.0_f64);

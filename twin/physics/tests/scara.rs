@@ -186,9 +186,7 @@ fn inverse_dynamics_is_pinocchios() {
 fn the_closed_loop_is_pinocchios() {
     let mut dynamics = Dynamics::new(&scara(), 3, down(), JointVector::zeros()).unwrap();
     let [start, velocity, _] = circle(0.0);
-    let mut machine =
-        PhysicsMachine::new(&scara(), &[SLACK; 3], down(), &axis_vector(&start, 3), CYCLE_NS)
-            .unwrap();
+    let mut machine = started(&scara(), &[SLACK; 3], down(), &axis_vector(&start, 3));
     machine.start_moving(velocity);
 
     let w = TAU * 15.0;
@@ -220,14 +218,7 @@ fn the_closed_loop_is_pinocchios() {
 fn the_free_motion_is_pinocchios() {
     let model = scara();
     let mut dynamics = Unfolded::new(&model, 3, Vector3::zeros(), JointVector::zeros());
-    let mut machine = PhysicsMachine::new(
-        &model,
-        &[SLACK; 3],
-        Vector3::zeros(),
-        &axes([0.0, 1.0, 0.0]),
-        CYCLE_NS,
-    )
-    .unwrap();
+    let mut machine = started(&model, &[SLACK; 3], Vector3::zeros(), &axes([0.0, 1.0, 0.0]));
     machine.start_moving(joints([3.0, -2.0, 0.0]));
     let (energy, _) = dynamics.energy(&machine.joints.axes.position, &machine.joints.axes.velocity);
     let mut compared = 0;
@@ -260,7 +251,7 @@ fn the_drives_follow_the_circle() {
         .zip(limits)
         .map(|(inertia, limit)| tuned(*inertia, ServoParameters::DEFAULT_BANDWIDTH_HZ, limit))
         .collect();
-    let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();
+    let mut machine = started(&model, &drives, down(), &start);
     machine.start_moving(circle(0.0)[1]);
     let mut worst = 0.0_f64;
     for cycle in 1..=2000 {
@@ -295,7 +286,7 @@ fn dynamic_feed_forward_leaves_micrometres() {
             })
         })
         .collect();
-    let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();
+    let mut machine = started(&model, &drives, down(), &start);
     machine.start_moving(circle(0.0)[1]);
     machine.setpoint.acceleration = axis_vector(&circle(0.0)[2], 3);
     let mut worst = 0.0_f64;

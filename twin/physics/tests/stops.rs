@@ -12,7 +12,7 @@ const MASSES: [f64; 2] = [2.0, 3.0];
 fn machine(drive: AxisDriveParameters) -> PhysicsMachine {
     let [motor, load] = MASSES;
     let drive = AxisDriveParameters { armature: motor, ..drive };
-    PhysicsMachine::new(&slide(load), &[drive], down(), &axes([0.0]), CYCLE_NS).unwrap()
+    started(&slide(load), &[drive], down(), &axes([0.0]))
 }
 
 fn spring(stiffness: f64, damping: f64, backlash: f64) -> ElasticTransmission {
@@ -64,7 +64,7 @@ fn an_axis_breaks_away_when_friction_is_used_up() {
     assert!((5..15).contains(&moved), "{moved}");
 }
 
-/// Where something breaks away, stops or meets is found whatever the steps: all that is left of them is their fourth power.
+/// Where something breaks away, stops or meets is found at any step length: only their fourth power remains.
 #[test]
 fn shorter_steps_are_better_by_their_fourth_power() {
     let run = |longest: f64| {
@@ -103,7 +103,7 @@ fn shorter_steps_are_better_by_their_fourth_power() {
     });
     println!("{errors:?} m");
     assert!(errors[0] < 5e-9 && errors[0] > 1e-13, "{errors:?}");
-    // 16 each but for terms of higher order.
+    // 16 each, up to terms of higher order.
     for pair in errors.windows(2) {
         assert!(pair[0] / pair[1] > 10.0, "{errors:?}");
     }
@@ -171,8 +171,7 @@ fn a_held_axis_takes_no_energy() {
     let model = crooked();
     for jammed in 0..3 {
         let start = axes([0.3, 0.1, -0.5]);
-        let mut machine =
-            PhysicsMachine::new(&model, &[SLACK; 3], down(), &start, CYCLE_NS).unwrap();
+        let mut machine = started(&model, &[SLACK; 3], down(), &start);
         let mut moving = [1.0, -0.4, 3.0];
         moving[jammed] = 0.0;
         machine.start_moving(joints(moving));

@@ -13,20 +13,17 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::bodies::{Motion, Tree};
-use crate::joint::{JointMatrix, at};
+use crate::joint::JointMatrix;
 
 /// A velocity or acceleration of space as a body carries it: rotation, and translation of the point that is at the
 /// origin of the machine frame just now.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Twist {
     angular: Vector3<f64>,
     linear: Vector3<f64>,
 }
 
 impl Twist {
-    const ZERO: Self =
-        Self { angular: Vector3::new(0.0, 0.0, 0.0), linear: Vector3::new(0.0, 0.0, 0.0) };
-
     fn add_scaled(&self, other: &Self, factor: f64) -> Self {
         Self {
             angular: self.angular + other.angular * factor,
@@ -44,7 +41,7 @@ impl Twist {
 }
 
 /// A link at one instant.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct BodyState {
     pose: Isometry3<f64>,
     velocity: Twist,
@@ -54,19 +51,6 @@ struct BodyState {
     center: Vector3<f64>,
     /// About the centre of mass, axes of the machine frame.
     inertia: Matrix3<f64>,
-}
-
-impl BodyState {
-    const BASE: Self = Self {
-        pose: Isometry3 {
-            rotation: UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(1.0, 0.0, 0.0, 0.0)),
-            translation: Translation3 { vector: Vector3::new(0.0, 0.0, 0.0) },
-        },
-        velocity: Twist::ZERO,
-        acceleration: Twist::ZERO,
-        center: Vector3::new(0.0, 0.0, 0.0),
-        inertia: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-    };
 }
 
 /// The equation of motion of one machine.
@@ -98,7 +82,7 @@ impl Unfolded {
             joints.extend(body.motion.joint());
             moved_by.push(joints);
         }
-        let (states, columns) = (Vec::new(), [Twist::ZERO; MAX_AXES]);
+        let (states, columns) = (Vec::new(), [Twist::default(); MAX_AXES]);
         Self { axis_count, gravity, tree, moved_by, armature, states, columns }
     }
 
@@ -214,7 +198,7 @@ impl Unfolded {
         velocity: &JointVector,
         acceleration: &JointVector,
     ) {
-        let mut base = BodyState::BASE;
+        let mut base = BodyState::default();
         base.acceleration.linear = -self.gravity;
         self.states.clear();
         for body in &self.tree.bodies {
@@ -225,10 +209,10 @@ impl Unfolded {
             state.pose = match body.motion {
                 Motion::Fixed => joint,
                 Motion::Revolute(axis, direction) => {
-                    joint * UnitQuaternion::from_axis_angle(&direction, at(position, axis))
+                    joint * UnitQuaternion::from_axis_angle(&direction, position[axis])
                 }
                 Motion::Prismatic(axis, direction) => {
-                    joint * Translation3::from(direction.into_inner() * at(position, axis))
+                    joint * Translation3::from(direction.into_inner() * position[axis])
                 }
             };
             let column = match body.motion {
@@ -244,11 +228,11 @@ impl Unfolded {
                 }
             };
             if let Some((axis, column)) = column {
-                let speed = at(velocity, axis);
+                let speed = velocity[axis];
                 state.velocity = parent.velocity.add_scaled(&column, speed);
                 state.acceleration = parent
                     .acceleration
-                    .add_scaled(&column, at(acceleration, axis))
+                    .add_scaled(&column, acceleration[axis])
                     .add_scaled(&state.velocity.derivative_of(&column), speed);
                 if let Some(slot) = self.columns.get_mut(axis) {
                     *slot = column;
@@ -352,7 +336,7 @@ fn coupled(mut model: Model) -> Model {
 proptest! {
     /// Efforts, inertia, accelerations and mobility are the same to rounding.
     #[test]
-    fn links_told_apart_are_the_same_machine(case in cases(), belt in any::<bool>()) {
+    fn separated_links_are_the_same_machine(case in cases(), belt in any::<bool>()) {
         let count = case.motion[0].len();
         let [q, v, a, rotors] = case.motion.map(|values| joint_vector(values.iter().copied()));
         let model = if belt { coupled(case.model) } else { case.model };
@@ -391,7 +375,7 @@ fn machines_may_stand_anywhere() {
     assert!((efforts[0] - efforts[1]).amax() < 1e-13 * efforts[0].amax(), "{efforts:?}");
 }
 
-/// A machine whose axis moves nothing has no acceleration, whatever the others do.
+/// A machine whose axis moves nothing has no acceleration, however the others move.
 #[test]
 fn an_axis_without_inertia_has_no_acceleration() {
     let mut model = gantry();

@@ -21,6 +21,7 @@ use crate::setpoint::{AxisSetpoint, Transformer, resting_behind};
 use crate::setpoint_source::PlanItem;
 use std::collections::VecDeque;
 use std::task::Poll;
+use twin_kinematics::AxisVector;
 use twin_machine::{Machine, SimulationError};
 use twin_path::Place;
 use twin_physics::PhysicsError;
@@ -110,6 +111,11 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             executed: None,
             m_call: None,
         }
+    }
+
+    /// Begins where the program before ended.
+    pub(super) fn continue_from(&mut self, start: AxisVector) {
+        self.transformer = Transformer::continuing(self.machine, start);
     }
 
     /// The run with scheduled override changes.

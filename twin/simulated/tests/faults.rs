@@ -1,17 +1,13 @@
 //! Tests of scenario faults on machines from files: they begin at their time and have their effect.
 
-use super::load;
-use crate::plant::Plant;
-use crate::setpoint::AxisSetpoint;
+use super::{load, step};
 use crate::simulated::Simulated;
-use twin_kinematics::{AxisMotion, AxisVector, Pose, ToolMotion};
-use twin_machine::tappets::TappetBits;
+use twin_kinematics::{AxisMotion, AxisVector};
 use twin_machine::{Machine, Scenario};
-use twin_path::Place;
 
 const MOTORS: &str = include_str!("../../../machines/gantry3_motors.toml");
 
-/// Where the axes begin, m.
+/// Start of the axes, m.
 const START: [f64; 3] = [0.1, -0.1, 0.02];
 
 /// m/s².
@@ -47,26 +43,14 @@ fn run(machine: &Machine, axis: usize, scenario: &str) -> Vec<[f64; 2]> {
         twin = twin.in_scenario(&scenario);
     }
     let cycles = (0..=1000_i32).map(|cycle| {
-        let setpoint = AxisSetpoint {
-            time_ns: i64::from(cycle) * machine.cycle_ns,
-            place: Place::default(),
-            axes: motion(axis, f64::from(cycle) * 1e-3),
-            tool: ToolMotion::at_rest(Pose::at(0.0, 0.0, 0.0)),
-            m_call: None,
-            path_velocity: 0.0,
-            feed: None,
-            probing: false,
-            tappets: TappetBits::default(),
-            switches: 0,
-        };
-        twin.command(&setpoint).unwrap();
-        let axes = twin.feedback().unwrap().unwrap().position;
+        let time_ns = i64::from(cycle) * machine.cycle_ns;
+        let axes = step(&mut twin, time_ns, motion(axis, f64::from(cycle) * 1e-3)).unwrap();
         [axes[axis], twin.physics().motor_position()[axis]]
     });
     cycles.collect()
 }
 
-/// What both runs have in common at the beginning: so many milliseconds.
+/// Milliseconds at the beginning that both runs have in common, to the bit.
 fn same(one: &[[f64; 2]], other: &[[f64; 2]]) -> usize {
     let bits = |states: &[f64; 2]| states.map(f64::to_bits);
     one.iter().zip(other).take_while(|(one, other)| bits(one) == bits(other)).count()
@@ -76,7 +60,7 @@ fn fault(kind: &str, axis: &str, at_s: f64, more: &str) -> String {
     format!("[[faults]]\nkind = \"{kind}\"\naxis = \"{axis}\"\nat_s = {at_s:?}\n{more}\n")
 }
 
-/// A belt between motor and slide is longer by what it pulls over its stiffness. What it pulls is friction and what accelerates: 9.3 kg.
+/// A belt between motor and slide is longer by its pull over its stiffness. It pulls against friction and 9.3 kg.
 #[test]
 fn a_loose_belt_gives_way_by_its_stiffness() {
     let machine = load(MOTORS);
@@ -114,7 +98,7 @@ fn a_loose_belt_gives_way_by_its_stiffness() {
     }
 }
 
-/// An axis that jams stays where it is from that moment on, to the bit, until it is free again.
+/// A jammed axis keeps its position from that moment on, to the bit, until it is free again.
 #[test]
 fn an_axis_jams_at_its_time() {
     let machine = load(MOTORS);
@@ -133,8 +117,8 @@ fn an_axis_jams_at_its_time() {
     }
 }
 
-/// Pulses that never come: from their time on, and as many as it says: full steps of 25 µm. (The axis is slow enough to be stopped by that;
-/// a faster one would go on and find whole turns of the field again.)
+/// Lost pulses from their time on, in full steps of 25 µm. (The axis is slow enough to be stopped by that; a faster one would
+/// go on and find whole turns of the field again.)
 #[test]
 fn pulses_are_lost_at_their_time() {
     let machine = load(&MOTORS.replace("force_n = 0.5 ", "force_n = 0.0 "));

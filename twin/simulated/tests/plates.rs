@@ -1,19 +1,15 @@
 //! Tests of shipped machines that run into a plate: nothing passes through it, and all descriptions of one machine
 //! agree in contact.
 
-use super::shipped::{Read, SAME, apart, farthest};
-use super::workspace;
-use crate::plant::Plant;
-use crate::setpoint::AxisSetpoint;
+use super::shipped::{Descriptions, SAME, farthest};
+use super::{step, workspace};
 use crate::simulated::Simulated;
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Vector3};
 use std::path::Path;
-use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
+use twin_kinematics::{AxisMotion, AxisVector, Kinematics};
 use twin_machine::Machine;
-use twin_machine::tappets::TappetBits;
-use twin_path::Place;
 use twin_physics::{Part, PhysicsError, PhysicsMachine};
-use twin_urdf::{JointPositions, Solid};
+use twin_urdf::Solid;
 
 /// Of the plate, m.
 const THICKNESS: f64 = 5e-3;
@@ -27,17 +23,17 @@ const CYCLE: f64 = 1e-3;
 /// A shipped machine with a plate across its way.
 struct Plated {
     machine: Machine,
-    /// Where the axes begin.
+    /// Start of the axes.
     start: AxisVector,
     /// The velocities of the axes in the end, m/s or rad/s.
     velocity: AxisVector,
-    /// How fast they come to that: the part of it per second.
+    /// Acceleration, as a part of that per second.
     rate: f64,
     /// From the tool into the plate.
     into: Vector3<f64>,
     /// A point of the side that is hit.
     face: Point3<f64>,
-    /// How fast the tip comes, m/s.
+    /// Speed of the tip, m/s.
     speed: f64,
     /// The tool in its link.
     tool: Solid,
@@ -47,7 +43,7 @@ fn vector(values: impl Iterator<Item = f64>) -> AxisVector {
     AxisVector::from_values(values)
 }
 
-/// With a round tool, and what else is to be in the file.
+/// The machine of a file with a round tool, and with more text.
 fn loaded(path: &Path, more: &str) -> Machine {
     let mut text = std::fs::read_to_string(path).unwrap();
     // A knife has a shape of its own.
@@ -60,9 +56,9 @@ fn loaded(path: &Path, more: &str) -> Machine {
 }
 
 impl Plated {
-    /// The machine of `machines/` whose axes go with these parts of their largest velocities where they meet the plate, which is where
-    /// programs start, at right angles to the way of the tip. The other way where that is upwards, since the tool is below. `None` where
-    /// the tip does not move then.
+    /// A machine of `machines/` whose axes move with these parts of their largest velocities at the plate. The plate is at the
+    /// start of programs, at right angles to the way of the tip. An upwards way is reversed, because the tool is below. `None`
+    /// if the tip does not move.
     fn new(name: &str, parts: impl Fn(usize) -> f64) -> Option<Self> {
         let path = workspace().join("machines").join(name);
         let bare = loaded(&path, "");
@@ -92,7 +88,7 @@ impl Plated {
             off(one).total_cmp(&off(other))
         });
         let tool = tool.unwrap().clone();
-        // Where nothing says otherwise, the lower end.
+        // By default the lower end.
         let way = into - Vector3::z() * 1e-9;
         let face = Point3::from(farthest(&tool, &(pose * tool.origin), &way));
         let level = into.cross(&Vector3::z()).try_normalize(1e-6).unwrap_or_else(Vector3::x);
@@ -122,7 +118,7 @@ impl Plated {
         Some(Self { machine, start, velocity, rate, into, face, speed, tool })
     }
 
-    /// Where the axes should be after `time` s; they would go on through the plate, as far as `beyond` times their largest velocity (s).
+    /// Set-point of the axes after `time` s; it goes on through the plate for `beyond` s at the largest velocity.
     fn motion(&self, time: f64, beyond: f64) -> AxisMotion {
         let Self { rate, .. } = *self;
         let end = 0.5 / rate + STEADY + beyond;
@@ -147,7 +143,7 @@ impl Plated {
         cycles
     }
 
-    /// How deep the tool is in the plate as rapier's bodies have it, m.
+    /// Depth of the tool in the plate by rapier's bodies, m.
     fn depth(&self, poses: &[Isometry3<f64>]) -> f64 {
         let pose = poses[self.machine.model.tip.link] * self.tool.origin;
         (farthest(&self.tool, &pose, &self.into) - self.face.coords).dot(&self.into)
@@ -171,34 +167,10 @@ impl Plated {
     }
 }
 
-/// What describes the machine, to be compared wherever it is.
-struct Descriptions {
-    read: Read,
-    kept: JointPositions,
-}
-
-impl Descriptions {
-    fn of(machine: &Machine) -> Self {
-        Self { read: Read::of(machine), kept: JointPositions::at_rest(&machine.model) }
-    }
-
-    /// How far transform, chain, URDF and rapier's bodies are apart at most, m.
-    fn apart(&mut self, machine: &Machine, physics: &PhysicsMachine) -> f64 {
-        let axes = physics.axis_state().position;
-        let (model, tip) = (&machine.model, machine.model.tip);
-        let transform = machine.kinematics.forward(&axes).unwrap().position;
-        self.kept.follow(model, &axes).unwrap();
-        let mut links = vec![Isometry3::identity(); model.links.len()];
-        model.link_poses_at(self.kept.values(), &mut links);
-        let bodies = physics.link_poses();
-        let errors = [
-            (links[tip.link] * tip.point - transform).norm(),
-            (self.read.tip(&axes) - transform).norm(),
-            (bodies[tip.link] * tip.point - transform).norm(),
-            apart(&bodies, &links),
-        ];
-        errors.into_iter().fold(0.0, f64::max)
-    }
+/// Largest distance between the descriptions of the machine at its present position, m.
+fn apart(descriptions: &mut Descriptions, machine: &Machine, physics: &PhysicsMachine) -> f64 {
+    let errors = descriptions.errors(machine, physics, &physics.axis_state().position);
+    errors.into_iter().fold(0.0, f64::max)
 }
 
 /// Of one axis alone, or of all of them: the sign of each.
@@ -210,9 +182,9 @@ fn ways(machine: &str, axes: usize) -> Vec<Plated> {
     alone.chain(all).collect()
 }
 
-/// Each axis alone, and all together, at their largest velocities into a plate of 5 mm: the tool stays on its side whether drives stop as the
-/// plant makes them or push on with all they have, nothing gets faster of it, and the plant says what was hit. Transform,
-/// URDF and rapier's bodies are one machine all the while.
+/// Each axis alone, and all together, at their largest velocities into a plate of 5 mm: the tool stays on its side if drives stop
+/// and if they push on, the blow adds no energy, and the plant reports the parts. Transform, URDF and rapier's bodies agree
+/// all the time.
 #[test]
 fn no_shipped_machine_goes_through_a_plate_at_its_top_speed() {
     for (name, axes, least) in [
@@ -226,10 +198,10 @@ fn no_shipped_machine_goes_through_a_plate_at_its_top_speed() {
         let ways = ways(name, axes);
         assert!(ways.len() >= least + 2, "{name}: {} ways", ways.len());
         for plated in &ways {
-            let told = format!("{name} at {:?}", plated.velocity);
+            let about = format!("{name} at {:?}", plated.velocity);
             let machine = &plated.machine;
             let twin = Simulated::new(machine, &plated.start)
-                .unwrap_or_else(|error| panic!("{told}: {error}"));
+                .unwrap_or_else(|error| panic!("{about}: {error}"));
             let mut descriptions = Descriptions::of(machine);
             for stops in [true, false] {
                 let mut physics = twin.physics().clone();
@@ -253,10 +225,10 @@ fn no_shipped_machine_goes_through_a_plate_at_its_top_speed() {
                     let depth = plated.depth(&physics.link_poses());
                     most[0] = most[0].max(depth);
                     depth_after = depth;
-                    worst = worst.max(descriptions.apart(machine, &physics));
+                    worst = worst.max(apart(&mut descriptions, machine, &physics));
                     let state = physics.axis_state();
                     let finite = state.position.iter().chain(state.velocity.iter());
-                    assert!(finite.copied().all(f64::is_finite), "{told}: {state:?}");
+                    assert!(finite.copied().all(f64::is_finite), "{about}: {state:?}");
                     // Sideways, along the plate, it may get off it.
                     let tip = machine.kinematics.forward(&state.position).unwrap().position;
                     if hit.is_some() && !stops && (tip - plated.face).norm() > 0.012 {
@@ -264,58 +236,50 @@ fn no_shipped_machine_goes_through_a_plate_at_its_top_speed() {
                     }
                 }
                 let (cycle, speed, parts) = hit.unwrap_or_else(|| {
-                    panic!("{told}: no collision, {most:?}, {} {}", plated.face, plated.into)
+                    panic!("{about}: no collision, {most:?}, {} {}", plated.face, plated.into)
                 });
                 let [deepest, fastest] = most;
                 let [before_hit, fastest] = [before_hit, fastest].map(|energy| energy * 1e3);
                 println!(
-                    "{told}: {speed:.3} m/s in cycle {cycle}, {:.1} µm deep, {before_hit:.1} mJ before, {fastest:.1} mJ after",
+                    "{about}: {speed:.3} m/s in cycle {cycle}, {:.1} µm deep, {before_hit:.1} mJ before, {fastest:.1} mJ after",
                     deepest * 1e6,
                 );
-                assert_eq!(parts, [Part::Tool, Part::Obstacle(0)], "{told}");
+                assert_eq!(parts, [Part::Tool, Part::Obstacle(0)], "{about}");
                 // A knife that turns meets it with its edge, not with its tip.
                 let turns = name.starts_with("gantry_cutter") && plated.velocity[3] != 0.0;
                 let near = if turns { 0.2 } else { 0.02 };
-                assert!((speed / plated.speed - 1.0).abs() < near, "{told}: {speed} m/s");
-                assert!(deepest < 0.1 * THICKNESS, "{told}: {deepest} m deep");
-                assert!(depth_after > -0.02, "{told}: it is thrown back {depth_after} m");
-                assert!(worst <= SAME, "{told}: {worst} m apart");
+                assert!((speed / plated.speed - 1.0).abs() < near, "{about}: {speed} m/s");
+                assert!(deepest < 0.1 * THICKNESS, "{about}: {deepest} m deep");
+                assert!(depth_after > -0.02, "{about}: it is thrown back {depth_after} m");
+                assert!(worst <= SAME, "{about}: {worst} m apart");
                 if stops {
-                    assert!(fastest <= before_hit * 1.001, "{told}: {before_hit} mJ, {fastest} mJ");
+                    assert!(
+                        fastest <= before_hit * 1.001,
+                        "{about}: {before_hit} mJ, {fastest} mJ"
+                    );
                 }
             }
-            stops_with_a_collision(plated, twin, &told);
+            stops_with_a_collision(plated, twin, &about);
         }
     }
 }
 
-/// As the plant is told it.
-fn stops_with_a_collision(plated: &Plated, mut twin: Simulated, told: &str) {
+/// The same through the plant.
+fn stops_with_a_collision(plated: &Plated, mut twin: Simulated, about: &str) {
     let collided = (0..plated.cycles() + 5).find_map(|cycle| {
-        let setpoint = AxisSetpoint {
-            time_ns: i64::from(cycle) * plated.machine.cycle_ns,
-            place: Place::default(),
-            axes: plated.motion(f64::from(cycle) * CYCLE, 0.1),
-            tool: ToolMotion::at_rest(Pose::at(0.0, 0.0, 0.0)),
-            m_call: None,
-            path_velocity: 0.0,
-            feed: None,
-            probing: false,
-            tappets: TappetBits::default(),
-            switches: 0,
-        };
-        twin.command(&setpoint).err()
+        let time_ns = i64::from(cycle) * plated.machine.cycle_ns;
+        step(&mut twin, time_ns, plated.motion(f64::from(cycle) * CYCLE, 0.1)).err()
     });
     let Some(PhysicsError::Collision { parts, force }) = collided else {
-        panic!("{told}: {collided:?}")
+        panic!("{about}: {collided:?}")
     };
-    assert_eq!(parts, [Part::Tool, Part::Obstacle(0)], "{told}");
-    assert!(force > 0.0 && force.is_finite(), "{told}: {force} N");
+    assert_eq!(parts, [Part::Tool, Part::Obstacle(0)], "{about}");
+    assert!(force > 0.0 && force.is_finite(), "{about}: {force} N");
     let depth = plated.depth(&twin.physics().link_poses());
-    assert!(depth < 0.1 * THICKNESS, "{told}: {depth} m deep when it has stopped");
+    assert!(depth < 0.1 * THICKNESS, "{about}: {depth} m deep when it has stopped");
 }
 
-/// Pressed against a plate, and in the blow before that, transform, chain, URDF and rapier's bodies are one machine, whichever is shipped.
+/// In the blow against a plate and pressed against it, transform, chain, URDF and rapier's bodies of every shipped machine agree.
 #[test]
 fn descriptions_agree_in_contact() {
     let files = std::fs::read_dir(workspace().join("machines")).unwrap();
@@ -340,7 +304,7 @@ fn descriptions_agree_in_contact() {
         let (mut worst, mut pressed) = (0.0_f64, 0);
         for cycle in 1..plated.cycles() + 400 {
             physics.step(&plated.motion(f64::from(cycle) * CYCLE, 2e-3)).unwrap();
-            worst = worst.max(descriptions.apart(machine, &physics));
+            worst = worst.max(apart(&mut descriptions, machine, &physics));
             assert!(worst <= SAME, "{name} in cycle {cycle}: {worst} m apart");
             pressed += u32::from(physics.contacts().iter().any(|contact| contact.force > 1.0));
         }

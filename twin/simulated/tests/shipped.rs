@@ -1,18 +1,15 @@
 //! Tests of every shipped machine file: its descriptions agree, and its URDF export is valid.
 
 use super::workspace;
-use crate::plant::Plant;
-use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
 use nalgebra::{Isometry3, Matrix3, Matrix4, Point3, Vector3};
 use std::f64::consts::TAU;
-use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
+use twin_kinematics::{AxisMotion, AxisVector, Kinematics};
 use twin_machine::Machine;
-use twin_machine::tappets::TappetBits;
-use twin_path::Place;
+use twin_physics::PhysicsMachine;
 use twin_urdf::{Joint, JointKind, JointPositions, Loaded, Model, Solid, SolidShape, UrdfOptions};
 
-/// What forward kinematics may be apart, m.
+/// Largest difference of forward kinematics, m.
 pub(super) const SAME: f64 = 1e-10;
 
 /// All of `machines/`, by name.
@@ -82,7 +79,7 @@ fn matrix(joint: &Joint, position: f64) -> Matrix4<f64> {
 }
 
 /// The machine as whoever reads its URDF has it.
-pub(super) struct Read {
+struct Read {
     model: Model,
     joints: JointPositions,
 }
@@ -96,14 +93,14 @@ fn read_again(machine: &Machine) -> Loaded {
 }
 
 impl Read {
-    pub(super) fn of(machine: &Machine) -> Self {
+    fn of(machine: &Machine) -> Self {
         let model = read_again(machine).model;
         let joints = JointPositions::at_rest(&model);
         Self { model, joints }
     }
 
     /// The tip with the axes at `axes`: one matrix after the other.
-    pub(super) fn tip(&mut self, axes: &AxisVector) -> Point3<f64> {
+    fn tip(&mut self, axes: &AxisVector) -> Point3<f64> {
         self.joints.follow(&self.model, axes).unwrap();
         let mut matrices = vec![Matrix4::identity()];
         for (joint, position) in self.model.joints.iter().zip(self.joints.values()) {
@@ -115,13 +112,46 @@ impl Read {
 }
 
 /// The largest distance of the links of two sets of poses, turns included, m.
-pub(super) fn apart(one: &[Isometry3<f64>], other: &[Isometry3<f64>]) -> f64 {
+fn apart(one: &[Isometry3<f64>], other: &[Isometry3<f64>]) -> f64 {
     assert_eq!(one.len(), other.len());
     let points = [Vector3::zeros(), Vector3::x(), Vector3::y()].map(|way| Point3::from(way * 0.3));
     let pairs = one.iter().zip(other);
     pairs
         .flat_map(|(one, other)| points.map(|point| (one * point - other * point).norm()))
         .fold(0.0, f64::max)
+}
+
+/// The descriptions of a machine, to be compared at any axis positions.
+pub(super) struct Descriptions {
+    read: Read,
+    kept: JointPositions,
+}
+
+impl Descriptions {
+    pub(super) fn of(machine: &Machine) -> Self {
+        Self { read: Read::of(machine), kept: JointPositions::at_rest(&machine.model) }
+    }
+
+    /// Distances between the transform and chain, URDF and rapier's bodies, and of all links of chain and bodies, m.
+    pub(super) fn errors(
+        &mut self,
+        machine: &Machine,
+        physics: &PhysicsMachine,
+        axes: &AxisVector,
+    ) -> [f64; 4] {
+        let (model, tip) = (&machine.model, machine.model.tip);
+        let transform = machine.kinematics.forward(axes).unwrap().position;
+        self.kept.follow(model, axes).unwrap();
+        let mut links = vec![Isometry3::identity(); model.links.len()];
+        model.link_poses_at(self.kept.values(), &mut links);
+        let bodies = physics.link_poses();
+        [
+            (links[tip.link] * tip.point - transform).norm(),
+            (self.read.tip(axes) - transform).norm(),
+            (bodies[tip.link] * tip.point - transform).norm(),
+            apart(&bodies, &links),
+        ]
+    }
 }
 
 /// Transform, chain of joints, URDF and rapier's bodies have the tool and the links in the same places, at every step of machines
@@ -132,44 +162,20 @@ fn transform_chain_urdf_and_bodies_agree() {
         // Where a machine moves through what is around it.
         machine.collision = None;
         let name = &machine.name;
-        let mut read = Read::of(&machine);
-        let mut kept = JointPositions::at_rest(&machine.model);
+        let mut descriptions = Descriptions::of(&machine);
         let start = swing(&machine, 0.0).position;
         let mut twin = Simulated::new(&machine, &start).unwrap();
         let [mut least, mut most] = [start, start];
         let mut worst = [0.0_f64; 4];
         for step in 0..=800_i32 {
             let axes = swing(&machine, f64::from(step) * 1e-3);
-            let setpoint = AxisSetpoint {
-                time_ns: i64::from(step) * machine.cycle_ns,
-                place: Place::default(),
-                axes,
-                tool: ToolMotion::at_rest(Pose::at(0.0, 0.0, 0.0)),
-                m_call: None,
-                path_velocity: 0.0,
-                feed: None,
-                probing: false,
-                tappets: TappetBits::default(),
-                switches: 0,
-            };
-            twin.command(&setpoint).unwrap();
-            let measured = twin.feedback().unwrap().unwrap().position;
+            let time_ns = i64::from(step) * machine.cycle_ns;
+            let measured = super::step(&mut twin, time_ns, axes).unwrap();
             for (index, value) in measured.iter().enumerate() {
                 least[index] = least[index].min(*value);
                 most[index] = most[index].max(*value);
             }
-            let transform = machine.kinematics.forward(&measured).unwrap().position;
-            kept.follow(&machine.model, &measured).unwrap();
-            let mut links = vec![Isometry3::identity(); machine.model.links.len()];
-            machine.model.link_poses_at(kept.values(), &mut links);
-            let bodies = twin.physics().link_poses();
-            let tip = machine.model.tip;
-            let errors = [
-                (links[tip.link] * tip.point - transform).norm(),
-                (read.tip(&measured) - transform).norm(),
-                (bodies[tip.link] * tip.point - transform).norm(),
-                apart(&bodies, &links),
-            ];
+            let errors = descriptions.errors(&machine, twin.physics(), &measured);
             for (worst, error) in worst.iter_mut().zip(errors) {
                 assert!(error <= SAME, "{name} at step {step}: {errors:?} m");
                 *worst = worst.max(error);
@@ -216,11 +222,11 @@ fn every_link_is_a_possible_body() {
     for machine in machines() {
         for link in &machine.model.links {
             let Some(body) = link.inertial else { continue };
-            let told = format!("{} {}: {body:?}", machine.name, link.name);
+            let about = format!("{} {}: {body:?}", machine.name, link.name);
             let moments = body.inertia.symmetric_eigenvalues();
-            assert!(body.mass > 0.0 && moments.min() > 0.0, "{told}");
-            assert!((body.inertia - body.inertia.transpose()).amax() < 1e-15, "{told}");
-            assert!(2.0 * moments.max() <= moments.sum() * (1.0 + 1e-12), "{told}");
+            assert!(body.mass > 0.0 && moments.min() > 0.0, "{about}");
+            assert!((body.inertia - body.inertia.transpose()).amax() < 1e-15, "{about}");
+            assert!(2.0 * moments.max() <= moments.sum() * (1.0 + 1e-12), "{about}");
             for way in [Vector3::x(), Vector3::y(), Vector3::z()] {
                 let reach = |way: Vector3<f64>| {
                     let solids = link.solids.iter();
@@ -228,7 +234,7 @@ fn every_link_is_a_possible_body() {
                     ends.fold(f64::NEG_INFINITY, f64::max)
                 };
                 let along = way.dot(&body.center.coords);
-                assert!(-reach(-way) <= along && along <= reach(way), "{told}");
+                assert!(-reach(-way) <= along && along <= reach(way), "{about}");
             }
         }
     }
@@ -308,8 +314,8 @@ fn meeting(model: &Model, axes: &AxisVector) -> Vec<[String; 2]> {
     found
 }
 
-/// At the start, in the middle of all travels and beside that, solids of different links do not meet; but for quills of SCARAs, which go
-/// through a bore of the arm, as boxes have none, and for the tool in its holder.
+/// At the start and at two other positions solids of different links do not meet, except quills of SCARAs, whose arms are boxes
+/// without a bore, and the tool in its holder.
 #[test]
 fn solids_of_different_links_do_not_meet() {
     for machine in machines() {

@@ -1,33 +1,49 @@
 //! Tests of machine files that refer to a URDF.
 
 use super::workspace;
-use crate::plant::Plant;
-use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{PI, TAU};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
-use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
+use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose};
 use twin_machine::Machine;
-use twin_machine::section::MachineFileError;
-use twin_machine::section::Problem;
-use twin_machine::tappets::TappetBits;
-use twin_path::Place;
+use twin_machine::section::{MachineFileError, Problem};
 use twin_physics::{AxisDriveParameters, PhysicsError, PhysicsMachine, ServoParameters};
 use twin_urdf::{JointKind, SolidShape, UrdfNote};
 
-fn tutorial() -> Machine {
-    let path = workspace().join("tests/data/urdf_scara/machine.toml");
-    Machine::load(&path).unwrap_or_else(|error| panic!("{error:?}"))
+fn data() -> PathBuf {
+    workspace().join("tests/data/urdf_scara")
 }
 
-/// The MELFA RH-6CRH6020 of the corpus, if it is there (`TWIN_SHARED` or beside the workspace), with `body` and `axis` for
+/// Machine file and URDF of the tutorial.
+fn texts() -> [String; 2] {
+    ["machine.toml", "scara.urdf"].map(|name| fs::read_to_string(data().join(name)).unwrap())
+}
+
+fn tutorial() -> Machine {
+    loads(Machine::load(&data().join("machine.toml")))
+}
+
+fn loads(loaded: Result<Machine, impl std::fmt::Debug>) -> Machine {
+    loaded.unwrap_or_else(|error| panic!("{error:?}"))
+}
+
+/// A machine file next to a URDF, loaded.
+fn written(machine: &str, urdf: &str) -> Result<Machine, MachineFileError> {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("scara.urdf"), urdf).unwrap();
+    let path = folder.path().join("machine.toml");
+    fs::write(&path, machine).unwrap();
+    Machine::load(&path)
+}
+
+/// The MELFA RH-6CRH6020 of the corpus, if it is there (`TWIN_SHARED` or next to the workspace), with `body` and `axis` for
 /// more keys.
 fn melfa(folder: &TempDir) -> Option<Machine> {
-    let beside = workspace().join("../shared");
-    let shared = std::env::var_os("TWIN_SHARED").map_or(beside, PathBuf::from);
+    let next_to_it = workspace().join("../shared");
+    let shared = std::env::var_os("TWIN_SHARED").map_or(next_to_it, PathBuf::from);
     let urdf = shared.join("corpus/urdf/melfa_rh6crh6020_scara/rh6crh6020.urdf");
     if !urdf.is_file() {
         println!("skipped: no rh6crh6020.urdf (TWIN_SHARED, ../shared)");
@@ -59,26 +75,24 @@ fn melfa(folder: &TempDir) -> Option<Machine> {
     ];
     let path = folder.path().join("melfa.toml");
     fs::write(&path, text.concat()).unwrap();
-    Some(Machine::load(&path).unwrap_or_else(|error| panic!("{error:?}")))
+    Some(loads(Machine::load(&path)))
 }
 
-/// The problems of the tutorial's machine file with a change in it, the file named by its last part only.
-fn changed(changes: &[(&str, &str)]) -> Vec<Problem> {
-    let folder = TempDir::new().unwrap();
-    let data = workspace().join("tests/data/urdf_scara");
-    let mut text = fs::read_to_string(data.join("machine.toml")).unwrap();
-    for (from, to) in changes {
-        assert!(text.contains(from), "{from}");
-        text = text.replacen(from, to, 1);
-    }
-    let path = folder.path().join("machine.toml");
-    fs::copy(data.join("scara.urdf"), folder.path().join("scara.urdf")).unwrap();
-    fs::write(&path, &text).unwrap();
-    match Machine::load(&path) {
+fn problems(loaded: Result<Machine, MachineFileError>) -> Vec<Problem> {
+    match loaded {
         Ok(_) => Vec::new(),
         Err(MachineFileError::Content { problems, .. }) => problems,
         Err(error) => panic!("{error}"),
     }
+}
+
+/// The problems of the tutorial's machine file with changes.
+fn changed(changes: &[(&str, &str)]) -> Vec<Problem> {
+    let [mut text, urdf] = texts();
+    for (from, to) in changes {
+        text = super::edited(&text, from, to);
+    }
+    problems(written(&text, &urdf))
 }
 
 fn messages(changes: &[(&str, &str)]) -> String {
@@ -89,21 +103,15 @@ fn messages(changes: &[(&str, &str)]) -> String {
     said.collect::<Vec<_>>().join("\n")
 }
 
-/// The tutorial with efforts of so much in its URDF, and `more` behind its machine file.
+/// The tutorial with this effort in its URDF, and `more` behind its machine file.
 fn with_effort(effort: &str, more: &str) -> Machine {
-    let folder = TempDir::new().unwrap();
-    let data = workspace().join("tests/data/urdf_scara");
-    let urdf = fs::read_to_string(data.join("scara.urdf")).unwrap();
+    let [text, urdf] = texts();
     assert!(urdf.contains("effort=\"1000.0\""));
     let urdf = urdf.replace("effort=\"1000.0\"", &format!("effort=\"{effort}\""));
-    fs::write(folder.path().join("scara.urdf"), urdf).unwrap();
-    let text = fs::read_to_string(data.join("machine.toml")).unwrap();
-    let path = folder.path().join("machine.toml");
-    fs::write(&path, text + more).unwrap();
-    Machine::load(&path).unwrap_or_else(|error| panic!("{error:?}"))
+    loads(written(&(text + more), &urdf))
 }
 
-/// Nobody has a motor of exactly 1 Nm by chance: what a generator has written is asked about, and only that.
+/// An effort of exactly 1 Nm is probably a generator's placeholder: only that gives a hint.
 #[test]
 fn an_effort_of_one_is_perhaps_a_placeholder() {
     let weak = with_effort("1", "");
@@ -128,7 +136,7 @@ fn the_tutorial_is_read() {
         assert_eq!(axis.simulated.effort_limit, 1000.0);
     }
     assert_eq!((z.simulated.viscous_friction(), z.simulated.dry_friction()), (0.4, 5.0));
-    // Of its ten links, the base and what stands on it do not move.
+    // The base and the links fixed to it do not move.
     let masses = [0.5, 0.5, 0.5, 0.5, 0.5, 0.2];
     assert!((machine.moving_mass() - masses.iter().sum::<f64>()).abs() < 1e-12);
     let undefined = |note: &UrdfNote| matches!(note, UrdfNote::NoColor { .. });
@@ -224,20 +232,7 @@ fn line(machine: &Machine, from: [f64; 3], to: [f64; 3]) {
             velocity: of(&|i| (after[i] - before[i]) / 2e-4),
             acceleration: of(&|i| (after[i] - 2.0 * now[i] + before[i]) / 1e-8),
         };
-        let setpoint = AxisSetpoint {
-            time_ns: i64::from(step) * 1_000_000,
-            place: Place::default(),
-            axes: motion,
-            tool: ToolMotion::at_rest(Pose { position: target, direction: 0.0 }),
-            m_call: None,
-            path_velocity: 0.0,
-            feed: None,
-            probing: false,
-            tappets: TappetBits::default(),
-            switches: 0,
-        };
-        twin.command(&setpoint).unwrap();
-        let position = twin.feedback().unwrap().unwrap().position;
+        let position = super::step(&mut twin, i64::from(step) * 1_000_000, motion).unwrap();
         let tip = machine.kinematics.forward(&position).unwrap().position;
         assert!((tip - target).norm() < 1e-3, "{step}: {tip} {target}");
         reached = reached.max((tip - from).norm());
@@ -305,7 +300,7 @@ fn axes_and_joints_that_do_not_fit_are_named() {
         (
             "tip_link = \"tool0\"",
             "tip_link = \"tool1\"",
-            "scara.urdf:2: there is no link tool1, of which tip_link speaks",
+            "scara.urdf:2: there is no link tool1, which tip_link names",
         ),
         ("tip_link = \"tool0\"", "", "scara.urdf:2: there is no link tool_tip"),
         ("\"scara.urdf\"", "\"other.urdf\"", "other.urdf:1: cannot be read: "),
@@ -337,8 +332,7 @@ fn axes_and_joints_that_do_not_fit_are_named() {
         assert!(said.contains(expected), "{to}: {said}");
     }
     // A joint that nothing moves: the third axis is away.
-    let path = workspace().join("tests/data/urdf_scara/machine.toml");
-    let text = fs::read_to_string(&path).unwrap();
+    let (path, [text, _]) = (data().join("machine.toml"), texts());
     let (before, _) = text.split_once("[[axes]]\nname = \"Z\"").unwrap();
     let refuse = |text: &str| Machine::parse(&path, text).unwrap_err().remove(0);
     let problem = refuse(before);
@@ -385,39 +379,24 @@ fn limits_of_joints_bind() {
     assert!(said.contains("axis \"Z\" goes to 1 mm; joint joint3 of "), "{said}");
 
     // A safety controller binds too, and says that it is it.
-    let folder = TempDir::new().unwrap();
-    let data = workspace().join("tests/data/urdf_scara");
-    let urdf = fs::read_to_string(data.join("scara.urdf")).unwrap();
-    let safe = urdf.replacen(
-        "<dynamics",
-        "<safety_controller k_velocity=\"1\" soft_lower_limit=\"-1.5\" soft_upper_limit=\"1.5\"/><dynamics",
-        1,
-    );
-    fs::write(folder.path().join("scara.urdf"), safe).unwrap();
-    let path = folder.path().join("machine.toml");
-    fs::copy(data.join("machine.toml"), &path).unwrap();
-    let Err(MachineFileError::Content { problems, .. }) = Machine::load(&path) else { panic!() };
+    let [text, urdf] = texts();
+    let controller = "<safety_controller k_velocity=\"1\" soft_lower_limit=\"-1.5\" soft_upper_limit=\"1.5\"/><dynamics";
+    let problems = problems(written(&text, &urdf.replacen("<dynamics", controller, 1)));
     let [low, high] = &problems[..] else { panic!("{problems:?}") };
     assert!(low.message.ends_with("ends at -85.943669 deg (<safety_controller>)"), "{low:?}");
     assert!(high.message.contains("goes to 89.9 deg"), "{high:?}");
 }
 
-/// Links without mass are no matter until something is to be simulated; then a density or a mass helps.
+/// Links without mass are allowed until the machine is simulated; then a density or a mass helps.
 #[test]
 fn mass_where_the_urdf_has_none() {
-    let folder = TempDir::new().unwrap();
-    let data = workspace().join("tests/data/urdf_scara");
-    let urdf = fs::read_to_string(data.join("scara.urdf")).unwrap();
+    let [text, urdf] = texts();
     let mut light = String::new();
     for (number, part) in urdf.split("<inertial>").enumerate() {
         light += if number == 0 { part } else { part.split_once("</inertial>").unwrap().1 };
     }
-    fs::write(folder.path().join("scara.urdf"), light).unwrap();
-    let text = fs::read_to_string(data.join("machine.toml")).unwrap();
-    let path = folder.path().join("machine.toml");
     let load = |more: &str| {
-        let text = text.replace("[program]", &format!("{more}\n[program]"));
-        Machine::parse(&path, &text).unwrap_or_else(|error| panic!("{error:?}"))
+        loads(written(&text.replace("[program]", &format!("{more}\n[program]")), &light))
     };
     let machine = load("");
     assert_eq!(machine.moving_mass(), 0.0);
@@ -456,8 +435,7 @@ fn mass_where_the_urdf_has_none() {
 /// The quill turns down, its link's frame is upside down, and the tool still hangs down from the flange, along the last arm.
 #[test]
 fn a_tool_hangs_the_way_the_transform_has_it() {
-    let path = workspace().join("tests/data/urdf_scara/machine.toml");
-    let text = fs::read_to_string(&path).unwrap();
+    let (path, [text, _]) = (data().join("machine.toml"), texts());
     let tool = "[tool]\nlength_mm = 60.0\noffset_mm = [20.0, 7.0]\nmass_kg = 0.3\n[program]";
     let machine = Machine::parse(&path, &text.replace("[program]", tool)).unwrap();
     let tip = machine.model.tip_position(&[0.0, PI / 2.0, -0.1]);

@@ -59,7 +59,7 @@ fn corners_are_found() {
     }
 }
 
-/// The region right of a line: the edge of the grid closes it, and is no boundary.
+/// The region right of a line: the edge of the grid closes it without being a boundary.
 #[test]
 fn the_edge_of_the_grid_is_no_boundary() {
     let half = trace(&|at| at.x >= 0.123_456);
@@ -79,7 +79,7 @@ fn the_edge_of_the_grid_is_no_boundary() {
 
 /// Two squares that touch at the middle of a cell, diagonally: apart or together as the point between says.
 #[test]
-fn diagonal_neighbours_are_told_apart() {
+fn diagonal_neighbours_are_separate() {
     let grid = Grid::over(Point2::origin(), Point2::new(3.0, 3.0), 3);
     let nodes = |diagonal: bool| -> Vec<bool> {
         grid.nodes()
@@ -105,7 +105,7 @@ fn diagonal_neighbours_are_told_apart() {
     }
 }
 
-/// The triangles fill the region but for what bends within a cell.
+/// The triangles fill the region except what bends within a cell.
 #[test]
 fn triangles_fill_the_region() {
     let ring = trace(&|at| (0.3..=0.8).contains(&at.coords.norm()));

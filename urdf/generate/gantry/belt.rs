@@ -12,6 +12,12 @@ pub enum PlaneDrive {
     HBelt(HBelt),
 }
 
+impl Default for PlaneDrive {
+    fn default() -> Self {
+        Self::Axes(Default::default())
+    }
+}
+
 /// Two fixed motors on one belt: both in the same direction move the one, in opposite directions the other coordinate
 /// (manual, 8.2.3, `SMC_TRAFO_GantryH2`).
 ///
@@ -42,7 +48,7 @@ impl HBelt {
             [xa, xb, ya, yb].iter().all(|factor| factor.abs().to_bits() == 0.5_f64.to_bits());
         // Halves are exact, and so is the determinant.
         if !halves || xa * yb - xb * ya == 0.0 {
-            return Err(DimensionError::Belt { factors: self.factors });
+            return Err(DimensionError::Belt(self.factors));
         }
         let [travel_x, travel_y] = match self.travel {
             Some([x, y]) => [Some(x), Some(y)],
@@ -97,7 +103,7 @@ impl PlaneDrive {
         }
     }
 
-    /// The joints of bridge and carriage, beside `others` of the machine. `offsets` are those of x and y.
+    /// The joints of bridge and carriage, in addition to `others` of the machine. `offsets` are those of x and y.
     pub(super) fn joints<'a>(
         &'a self,
         others: impl Iterator<Item = &'a MachineJoint> + Clone,
@@ -111,7 +117,7 @@ impl PlaneDrive {
                 for other in others {
                     if let Some(joint) = joints.iter().find(|joint| joint.name == other.name) {
                         let joints = [joint.name.clone(), other.name.clone()];
-                        return Err(DimensionError::JointTwice { joints });
+                        return Err(DimensionError::JointTwice(joints));
                     }
                 }
                 Ok(joints)

@@ -66,7 +66,7 @@ impl RotaryTool {
 
 /// The dimensions of a gantry. What is `None` is derived from the rest, unless it says that something is not there; the
 /// size of the machine follows from how far its axes move.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct GantryDimensions {
     /// Name of the machine.
     pub name: String,
@@ -88,7 +88,7 @@ pub struct GantryDimensions {
     pub carriage_mass: Option<f64>,
     /// Edge of the quill's square section, m. Derived: an eighth of its travel but 40 to 150 mm.
     pub quill_width: Option<f64>,
-    /// Flange to the upper end, m. Derived: so that the lowest quill still stands out of the carriage.
+    /// Flange to the upper end, m. Derived: so that the lowest quill still shows above the carriage.
     pub quill_length: Option<f64>,
     /// kg. Derived: a quill of 2700 kg/m³.
     pub quill_mass: Option<f64>,
@@ -129,31 +129,14 @@ impl GantryDimensions {
         plane: [MachineJoint; 2],
         quill_joint: Option<MachineJoint>,
     ) -> Self {
-        Self::driven(name.into(), PlaneDrive::Axes(plane), quill_joint)
+        let plane = PlaneDrive::Axes(plane);
+        Self { name: name.into(), plane, quill_joint, ..Self::default() }
     }
 
     /// A gantry of which `belt` moves bridge and carriage; the rest as in [`Self::new`].
     pub fn h_belt(name: impl Into<String>, belt: HBelt, quill_joint: Option<MachineJoint>) -> Self {
-        Self::driven(name.into(), PlaneDrive::HBelt(belt), quill_joint)
-    }
-
-    fn driven(name: String, plane: PlaneDrive, quill_joint: Option<MachineJoint>) -> Self {
-        Self {
-            name,
-            plane,
-            quill_joint,
-            rotary: None,
-            offsets: [0.0; 3],
-            beam_section: None,
-            bridge_mass: None,
-            carriage_mass: None,
-            quill_width: None,
-            quill_length: None,
-            quill_mass: None,
-            tool: Vector3::zeros(),
-            tool_radius: None,
-            tool_mass: 0.0,
-        }
+        let plane = PlaneDrive::HBelt(belt);
+        Self { name: name.into(), plane, quill_joint, ..Self::default() }
     }
 
     /// The machine: links `base`, `bridge`, `carriage` and `quill`, and `head` if it has a [rotary tool](RotaryTool).

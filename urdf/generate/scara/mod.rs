@@ -54,9 +54,7 @@ impl ScaraHand {
     pub fn new(joint: MachineJoint, length: f64) -> Self {
         Self { joint, length, offset: 0.0, section: None, mass: None }
     }
-}
 
-impl ScaraHand {
     /// All its dimensions below a quill of radius `quill` (m).
     fn complete(&self, quill: f64) -> Hand {
         let [width, height] = self.section.unwrap_or([2.4 * quill, quill]);
@@ -67,7 +65,7 @@ impl ScaraHand {
 
 /// The dimensions of a SCARA with two arms, or three with a hand. What is `None` is derived from the rest, unless it says
 /// that something is not there.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScaraDimensions {
     /// Name of the machine.
     pub name: String,
@@ -91,7 +89,7 @@ pub struct ScaraDimensions {
     pub column_radius: Option<f64>,
     /// m. Derived: a fifth of the width of arm 2.
     pub quill_radius: Option<f64>,
-    /// Flange to the upper end, m. Derived: so that the lowest quill still stands out of arm 2.
+    /// Flange to the upper end, m. Derived: so that the lowest quill still shows above arm 2.
     pub quill_length: Option<f64>,
     /// kg. Derived: solid steel.
     pub quill_mass: Option<f64>,
@@ -144,24 +142,7 @@ impl ScaraDimensions {
         quill_joint: Option<MachineJoint>,
         arms: [f64; 2],
     ) -> Self {
-        Self {
-            name: name.into(),
-            arm_joints,
-            quill_joint,
-            hand: None,
-            arms,
-            offsets: [0.0; 2],
-            arm_sections: None,
-            arm_masses: None,
-            column_height: None,
-            column_radius: None,
-            quill_radius: None,
-            quill_length: None,
-            quill_mass: None,
-            tool: Vector3::zeros(),
-            tool_radius: None,
-            tool_mass: 0.0,
-        }
+        Self { name: name.into(), arm_joints, quill_joint, arms, ..Self::default() }
     }
 
     /// The machine: links `base`, `arm1`, `arm2` and `quill`, and `hand` if it has one.
@@ -183,11 +164,10 @@ impl ScaraDimensions {
         let [shoulder, elbow] = &self.arm_joints;
         let shoulder_origin = origin(self.offsets[0], 0.0, first);
         let elbow_origin = origin(self.offsets[1], self.arms[0], second - first);
-        let part = |name: &str, inertial, solids| Link::new(name, inertial, solids);
         let mut links = vec![
-            part("base", None, scara.base()),
-            part("arm1", Some(scara.first.inertial()), scara.first.beam(paint::IVORY)),
-            part("arm2", Some(scara.second.inertial()), scara.arm2()),
+            Link::new("base", None, scara.base()),
+            Link::new("arm1", Some(scara.first.inertial()), scara.first.beam(paint::IVORY)),
+            Link::new("arm2", Some(scara.second.inertial()), scara.arm2()),
             scara.quill(),
         ];
         let mut joints = vec![
@@ -242,7 +222,8 @@ impl ScaraDimensions {
         let hand = hand.map(|hand| hand.complete(quill_radius));
         let room = CLEARANCE + hand.map_or(0.0, |hand| hand.height + GAP);
         let second = arm(self.arms[1], sections[1], masses[1], highest + room);
-        let first = arm(self.arms[0], sections[0], masses[0], second.bottom - GAP - sections[0][1]);
+        let bottom = second.bottom - GAP - sections[0][1];
+        let first = arm(self.arms[0], sections[0], masses[0], bottom);
         let column_top = first.bottom - GAP;
         let column_height = self.column_height.unwrap_or_else(|| {
             let below_tool = lowest + self.tool.z - CLEARANCE;

@@ -40,7 +40,7 @@ impl Linkage {
         }
         if sums.iter().any(|(count, _)| *count != 2) {
             let carriages = rods.each_ref().map(|rod| rod.carriage);
-            return Err(DimensionError::RodsOfCarriages { carriages });
+            return Err(DimensionError::RodsOfCarriages(carriages));
         }
         let frame = |(_, sum): (u8, Vector3<f64>)| {
             let turn = about(&Vector3::z_axis(), sum.y.atan2(sum.x));

@@ -44,7 +44,7 @@ const PLATFORM_DENSITY: f64 = 2700.0;
 
 /// The dimensions of a tripod. What is `None` is derived from the rest; the size of the machine follows from how far its
 /// axes move.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct TripodDimensions {
     /// Name of the machine.
     pub name: String,
@@ -88,19 +88,7 @@ struct Tripod {
 impl TripodDimensions {
     /// A tripod with these rods, zero offsets and no tool; everything else derived.
     pub fn new(name: impl Into<String>, joints: [MachineJoint; 3], rods: [Rod; 6]) -> Self {
-        Self {
-            name: name.into(),
-            joints,
-            offsets: [0.0; 3],
-            rods,
-            carriage_mass: None,
-            rod_radius: None,
-            rod_mass: None,
-            platform_mass: None,
-            tool: Vector3::zeros(),
-            tool_radius: None,
-            tool_mass: 0.0,
-        }
+        Self { name: name.into(), joints, rods, ..Self::default() }
     }
 
     /// The machine: links `base`, `carriage1` to `carriage3`, `rod1` to `rod6`, `platform`, and the crosses of their
@@ -177,7 +165,7 @@ impl TripodDimensions {
     /// Closes the loops of `model` with every axis in the middle of its travel, where its passive joints rest from then
     /// on. They are given for all carriages at one height.
     fn find_rest(&self, model: &mut Model) -> Result<(), DimensionError> {
-        // Axes 0, 1 and 2, whatever the numbers of the machine's are.
+        // Axes 0, 1 and 2, regardless of the machine's numbers.
         for (axis, joint) in model.joints.iter_mut().take(3).enumerate() {
             joint.drive = JointDrive::Axis(axis);
         }
@@ -194,7 +182,7 @@ impl TripodDimensions {
         let mut positions = JointPositions::at_rest(model);
         let closed = positions.start_from(&start).and_then(|()| positions.follow(model, &middles));
         closed.map_err(|error| match error {
-            LoopError::Open { gap } => DimensionError::RodsApart { gap },
+            LoopError::Open(gap) => DimensionError::RodsApart(gap),
             LoopError::NotFinite | LoopError::Start { .. } => {
                 DimensionError::NotFinite { what: "an end of a rod" }
             }

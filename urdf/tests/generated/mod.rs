@@ -206,7 +206,7 @@ fn every_moving_link_is_a_possible_body() {
     for model in models.map(Result::unwrap) {
         assert!(model.links[0].inertial.is_none());
         for link in &model.links[1..] {
-            // The crosses of ball joints are nothing but joints.
+            // The crosses of ball joints are only joints.
             let Some(inertial) = link.inertial else {
                 assert!(link.solids.is_empty() && model.loops.len() == 5, "{link:?}");
                 continue;
@@ -247,7 +247,7 @@ fn impossible_dimensions_are_named() {
     let mut twice = gantry();
     twice.quill_joint.as_mut().unwrap().name = "X".to_owned();
     let joints = ["X".to_owned(), "X".to_owned()];
-    assert_eq!(twice.model(), Err(DimensionError::JointTwice { joints }));
+    assert_eq!(twice.model(), Err(DimensionError::JointTwice(joints)));
     let mut shared = gantry();
     shared.quill_joint.as_mut().unwrap().machine_axis = 1;
     assert_eq!(

@@ -17,29 +17,10 @@ fn record(limit: Option<f64>, milliseconds: u32, distance: impl Fn(u32) -> Optio
             parts: ["the tool", "fixed jaw"],
             points: [Point3::new(0.1, 0.2, mm * 1e-3), Point3::new(0.1, 0.2, 0.0)],
         });
-        log_frame(&mut scene, ms, clearance).unwrap();
+        scene.frame(&Frame { clearance, ..still(ms, &[Isometry3::identity(); 2]) }).unwrap();
     }
     scene.finish().unwrap();
     Read::new(&path)
-}
-
-fn log_frame(
-    scene: &mut Scene,
-    ms: u32,
-    clearance: Option<ClearanceFrame<'_>>,
-) -> Result<(), VizError> {
-    scene.frame(&Frame {
-        time_ns: i64::from(ms) * 1_000_000,
-        line: 1 + ms / 10,
-        setpoint: Point3::origin(),
-        path_speed: 0.0,
-        programmed_speed: None,
-        link_poses: &[Isometry3::identity(); 2],
-        twin: Deviation { tool: Point3::origin(), tool_error: 0.0, axis_errors: &[0.0; 2] },
-        motors: &[],
-        clearance,
-        drives: None,
-    })
 }
 
 /// 50 mm at 0 ms, 0 mm at 50 ms, and as deep below that.

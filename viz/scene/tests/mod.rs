@@ -129,24 +129,50 @@ pub(crate) fn record_three_frames(path: &Path) {
 }
 
 fn record(milliseconds: u32, has_drives: bool) -> Read {
+    use MoveKind::{Cut, Prepared, Rapid};
+    let strips = [(Cut, 0.25), (Rapid, 0.5), (Cut, 1.0), (Prepared, 2.0)];
+    let strips = strips.map(|(kind, x)| PathStrip {
+        kind,
+        points: vec![Point3::origin(), Point3::new(x, 0.0, 0.0)],
+    });
+    written(|scene| {
+        scene.programmed_path(&strips).unwrap();
+        for ms in 0..milliseconds {
+            log_ms(scene, ms, has_drives).unwrap();
+        }
+    })
+}
+
+/// The recording into which `write` has written.
+fn written(write: impl FnOnce(&mut Scene)) -> Read {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.rrd");
     let mut scene = open_file(&path);
-    let strip =
-        |kind, x| PathStrip { kind, points: vec![Point3::origin(), Point3::new(x, 0.0, 0.0)] };
-    scene
-        .programmed_path(&[
-            strip(MoveKind::Cut, 0.25),
-            strip(MoveKind::Rapid, 0.5),
-            strip(MoveKind::Cut, 1.0),
-            strip(MoveKind::Prepared, 2.0),
-        ])
-        .unwrap();
-    for ms in 0..milliseconds {
-        log_ms(&mut scene, ms, has_drives).unwrap();
-    }
+    write(&mut scene);
     scene.finish().unwrap();
     Read::new(&path)
+}
+
+/// A machine that rests, of which nothing more is known.
+fn still(ms: u32, link_poses: &[Isometry3<f64>]) -> Frame<'_> {
+    Frame {
+        time_ns: i64::from(ms) * 1_000_000,
+        line: 1 + ms / 10,
+        setpoint: Point3::origin(),
+        path_speed: 0.0,
+        programmed_speed: None,
+        link_poses,
+        twin: Deviation { tool: Point3::origin(), tool_error: 0.0, axis_errors: &[0.0; 2] },
+        motors: &[],
+        clearance: None,
+        drives: None,
+    }
+}
+
+#[track_caller]
+fn assert_miscounted(error: &VizError, of: &str, [wanted, given]: [usize; 2]) {
+    let VizError::Count { what, expected, found, .. } = error else { panic!("{error:?}") };
+    assert_eq!((*what, *expected, *found), (of, wanted, given));
 }
 
 /// The recording of a machine that `change` has made another.
@@ -205,9 +231,7 @@ fn lines_in_plots_are_named_before_they_have_values() {
         ("error/axis_deg/A/drives", "A drives (°)"),
         ("error/axis_mm/Z/twin", "Z twin (mm)"),
     ] {
-        let names =
-            read.statics::<components::Name>(entity, &rerun::SeriesLines::descriptor_names());
-        assert_eq!(names.iter().map(|name| name.0.as_str()).collect::<Vec<_>>(), [name]);
+        assert_eq!(read.names(entity), [name]);
         assert!(read.of(entity).next().unwrap().is_static(), "{entity}");
     }
 }
@@ -237,15 +261,12 @@ fn the_machine_moves_fifty_times_a_second_in_mm() {
 
 #[test]
 fn drives_that_answer_now_and_then_are_shown_whenever_they_do() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("slow.rrd");
-    let mut scene = open_file(&path);
     // The drives answer each 25 ms, the first time at 5 ms: never when a pose of the machine is due.
-    for ms in 0..100 {
-        log_ms(&mut scene, ms, ms % 25 == 5).unwrap();
-    }
-    scene.finish().unwrap();
-    let read = Read::new(&path);
+    let read = written(|scene| {
+        for ms in 0..100 {
+            log_ms(scene, ms, ms % 25 == 5).unwrap();
+        }
+    });
     let markers = read.rows::<components::Translation3D>(
         "tool/drives",
         &rerun::Transform3D::descriptor_translation(),
@@ -258,25 +279,19 @@ fn drives_that_answer_now_and_then_are_shown_whenever_they_do() {
 #[test]
 fn solids_are_logged_once_in_mm() {
     let read = record(1, false);
-    let sizes = read.statics::<components::HalfSize3D>(
-        "machine/base/boxes",
-        &rerun::Boxes3D::descriptor_half_sizes(),
-    );
-    assert_eq!(sizes.iter().map(|size| size.0.0).collect::<Vec<_>>(), [[50.0, 100.0, 150.0]]);
+    let half = |size: components::HalfSize3D| size.0.0;
+    let sizes = rerun::Boxes3D::descriptor_half_sizes();
+    assert_eq!(read.each("machine/base/boxes", &sizes, half), [[50.0, 100.0, 150.0]]);
     let arm = "machine/arm 1/cylinders";
-    let lengths =
-        read.statics::<components::Length>(arm, &rerun::Cylinders3D::descriptor_lengths());
-    assert_eq!(lengths.iter().map(|length| length.0.0).collect::<Vec<_>>(), [400.0]);
-    let centers =
-        read.statics::<components::Translation3D>(arm, &rerun::Cylinders3D::descriptor_centers());
-    assert_eq!(centers.iter().map(|center| center.0.0).collect::<Vec<_>>(), [[0.0, 0.0, 10.0]]);
+    let lengths = rerun::Cylinders3D::descriptor_lengths();
+    assert_eq!(read.each(arm, &lengths, |length: components::Length| length.0.0), [400.0]);
+    let centers = rerun::Cylinders3D::descriptor_centers();
+    let centers = read.each(arm, &centers, |center: components::Translation3D| center.0.0);
+    assert_eq!(centers, [[0.0, 0.0, 10.0]]);
     let colors = read.statics::<components::Color>(arm, &rerun::Cylinders3D::descriptor_colors());
     assert_eq!(colors[0].to_array(), [255, 128, 0, 255]);
-    let spheres = read.statics::<components::HalfSize3D>(
-        "machine/arm 1/spheres",
-        &rerun::Ellipsoids3D::descriptor_half_sizes(),
-    );
-    assert_eq!(spheres.iter().map(|size| size.0.0).collect::<Vec<_>>(), [[30.0; 3]]);
+    let sizes = rerun::Ellipsoids3D::descriptor_half_sizes();
+    assert_eq!(read.each("machine/arm 1/spheres", &sizes, half), [[30.0; 3]]);
 }
 
 /// A mesh in mm, in the frame of its link, seen from outside; a capsule from its lower end.
@@ -295,8 +310,7 @@ fn meshes_and_capsules_are_logged_in_mm() {
     });
     let entity = "machine/base/mesh1";
     let positions = rerun::Mesh3D::descriptor_vertex_positions();
-    let found = read.statics::<components::Position3D>(entity, &positions);
-    let places: Vec<[f32; 3]> = found.iter().map(|place| place.0.0).collect();
+    let places = read.each(entity, &positions, |place: components::Position3D| place.0.0);
     assert_eq!(places.len(), 12);
     let expected =
         [[0.0, 0.0, 500.0], [100.0, 0.0, 500.0], [0.0, -200.0, 500.0], [0.0, 0.0, 800.0]];
@@ -305,30 +319,25 @@ fn meshes_and_capsules_are_logged_in_mm() {
     }
     // The normal of the side below: down.
     let normals = rerun::Mesh3D::descriptor_vertex_normals();
-    let normals = read.statics::<components::Vector3D>(entity, &normals);
-    let down = normals.iter().take(1).map(|normal| normal.0.0).collect::<Vec<_>>();
-    assert_eq!(down, [[0.0, 0.0, -1.0]]);
+    let normals = read.each(entity, &normals, |normal: components::Vector3D| normal.0.0);
+    assert_eq!(normals[..1], [[0.0, 0.0, -1.0]]);
     let factor = rerun::Mesh3D::descriptor_albedo_factor();
     let factor = read.statics::<components::AlbedoFactor>(entity, &factor);
     assert_eq!(factor[0].0.to_array(), [255, 0, 0, 255]);
     let entity = "machine/arm 1/capsules";
     let translations = rerun::Capsules3D::descriptor_translations();
-    let translations = read.statics::<components::Translation3D>(entity, &translations);
-    let below = translations.iter().map(|place| place.0.0).collect::<Vec<_>>();
+    let below = read.each(entity, &translations, |place: components::Translation3D| place.0.0);
     assert_eq!(below, [[0.0, 0.0, 350.0]]);
     let lengths = rerun::Capsules3D::descriptor_lengths();
-    let lengths = read.statics::<components::Length>(entity, &lengths);
-    assert_eq!(lengths.iter().map(|length| length.0.0).collect::<Vec<_>>(), [300.0]);
+    assert_eq!(read.each(entity, &lengths, |length: components::Length| length.0.0), [300.0]);
 }
 
 #[test]
-fn cuts_rapids_and_the_prepared_path_are_told_apart() {
+fn cuts_rapids_and_the_prepared_path_are_separate() {
     let read = record(1, false);
-    let lines = |entity| {
-        let strips = read
-            .statics::<components::LineStrip3D>(entity, &rerun::LineStrips3D::descriptor_strips());
-        strips.into_iter().map(|strip| strip.0[1].0[0]).collect::<Vec<_>>()
-    };
+    let strips = rerun::LineStrips3D::descriptor_strips();
+    let lines =
+        |entity| read.each(entity, &strips, |strip: components::LineStrip3D| strip.0[1].0[0]);
     assert_eq!(lines("program/cuts/1"), [250.0, 1000.0]);
     assert_eq!(lines("program/rapids/1"), [500.0]);
     assert_eq!(lines("program/prepared/1"), [2000.0]);
@@ -412,35 +421,15 @@ fn only_the_time_of_the_program_is_in_the_recording() {
 fn a_frame_for_another_machine_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut scene = open_file(&folder.path().join("a.rrd"));
-    let deviation =
-        |axis_errors| Deviation { tool: Point3::origin(), tool_error: 0.0, axis_errors };
-    let frame = |link_poses, axis_errors| Frame {
-        time_ns: 0,
-        line: 1,
-        setpoint: Point3::origin(),
-        path_speed: 0.0,
-        programmed_speed: None,
-        link_poses,
-        twin: deviation(axis_errors),
-        motors: &[],
-        clearance: None,
-        drives: None,
-    };
     let poses = [Isometry3::identity(); 2];
-    assert!(matches!(
-        scene.frame(&frame(&poses[..1], &[0.0, 0.0])),
-        Err(VizError::LinkCount { expected: 2, found: 1 })
-    ));
-    assert!(matches!(
-        scene.frame(&frame(&poses, &[0.0])),
-        Err(VizError::AxisCount { expected: 2, found: 1 })
-    ));
-    let drives = DrivesFrame { deviation: deviation(&[0.0; 3]), tool_error_to_twin: 0.0 };
-    let fitting = frame(&poses, &[0.0, 0.0]);
-    assert!(matches!(
-        scene.frame(&Frame { drives: Some(drives), ..fitting }),
-        Err(VizError::AxisCount { expected: 2, found: 3 })
-    ));
+    let fitting = still(0, &poses);
+    let mut refuse = |frame: Frame<'_>| scene.frame(&frame).unwrap_err();
+    assert_miscounted(&refuse(still(0, &poses[..1])), "link poses", [2, 1]);
+    let deviation = |axis_errors| Deviation { axis_errors, ..still(0, &poses).twin };
+    let twin = deviation(&[0.0][..]);
+    assert_miscounted(&refuse(Frame { twin, ..still(0, &poses) }), "axis errors", [2, 1]);
+    let drives = Some(DrivesFrame { deviation: deviation(&[0.0; 3][..]), tool_error_to_twin: 0.0 });
+    assert_miscounted(&refuse(Frame { drives, ..still(0, &poses) }), "axis errors", [2, 3]);
     scene.frame(&fitting).unwrap();
 }
 

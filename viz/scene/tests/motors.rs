@@ -17,34 +17,18 @@ fn motors(ms: u32) -> [MotorFrame; 2] {
     [stepper, MotorFrame { effort: 7.5, power: 0.25, ..MotorFrame::default() }]
 }
 
-/// Frames one ms apart; every one that `has_motors` tells of them.
+/// Frames one ms apart; with motors where `has_motors` says so.
 fn record(milliseconds: u32, has_motors: impl Fn(u32) -> bool) -> Read {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("motors.rrd");
-    let mut scene = open_file(&path);
-    for ms in 0..milliseconds {
-        let motors = motors(ms);
-        let motors = if has_motors(ms) { &motors[..] } else { &[] };
-        log_motors(&mut scene, ms, motors).unwrap();
-    }
-    scene.finish().unwrap();
-    Read::new(&path)
+    written(|scene| {
+        for ms in 0..milliseconds {
+            let motors = motors(ms);
+            log_motors(scene, ms, if has_motors(ms) { &motors } else { &[] }).unwrap();
+        }
+    })
 }
 
 fn log_motors(scene: &mut Scene, ms: u32, motors: &[MotorFrame]) -> Result<(), VizError> {
-    let still = Deviation { tool: Point3::origin(), tool_error: 0.0, axis_errors: &[0.0; 2] };
-    scene.frame(&Frame {
-        time_ns: i64::from(ms) * 1_000_000,
-        line: 1 + ms / 10,
-        setpoint: Point3::origin(),
-        path_speed: 0.0,
-        programmed_speed: None,
-        link_poses: &[Isometry3::identity(); 2],
-        twin: still,
-        motors,
-        clearance: None,
-        drives: None,
-    })
+    scene.frame(&Frame { motors, ..still(ms, &[Isometry3::identity(); 2]) })
 }
 
 #[test]
@@ -93,10 +77,8 @@ fn motors_are_named_with_their_units() {
         ("motor/warmth_percent/A/twin", "A twin (%)"),
         ("motor/load_angle_full_steps/A/twin", "A twin (full steps)"),
     ] {
-        let names =
-            read.statics::<components::Name>(entity, &rerun::SeriesLines::descriptor_names());
-        assert_eq!(names.iter().map(|name| name.0.as_str()).collect::<Vec<_>>(), [name]);
-        // What motors can give is often so much more than they do that nothing could be seen beside it.
+        assert_eq!(read.names(entity), [name]);
+        // What motors can give is often so much more than they do that it would hide the rest.
         let visible = read.statics::<rerun::external::re_sdk_types::components::Visible>(
             entity,
             &rerun::SeriesLines::descriptor_visible_series(),
@@ -155,5 +137,5 @@ fn motors_of_another_machine_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut scene = open_file(&folder.path().join("a.rrd"));
     let error = log_motors(&mut scene, 0, &motors(0)[..1]).unwrap_err();
-    assert!(matches!(error, VizError::MotorCount { expected: 2, found: 1 }), "{error:?}");
+    assert_miscounted(&error, "motors", [2, 1]);
 }

@@ -51,16 +51,13 @@ impl Read {
         let mut rows = Vec::new();
         for chunk in self.of(entity) {
             let index = |timeline: &'static str| {
-                chunk
-                    .iter_component_indices(timeline.into(), component.component)
-                    .map(|(time, _)| time.as_i64())
+                let indices = chunk.iter_component_indices(timeline.into(), component.component);
+                indices.map(|(time, _)| time.as_i64())
             };
-            let places: Vec<_> = index(TIME).zip(index(LINE)).collect();
             let values = chunk.iter_component::<C>(component.component);
-            let values: Vec<Vec<C>> =
-                values.into_iter().map(|values| values.as_slice().to_vec()).collect();
+            let places = index(TIME).zip(index(LINE)).zip(values);
             rows.extend(
-                places.into_iter().zip(values).map(|((time, line), values)| (time, line, values)),
+                places.map(|((time, line), values)| (time, line, values.as_slice().to_vec())),
             );
         }
         rows.sort_by_key(|(time, ..)| *time);
@@ -72,13 +69,23 @@ impl Read {
         entity: &str,
         component: &ComponentDescriptor,
     ) -> Vec<C> {
-        let chunks = self.of(entity).filter(|chunk| chunk.is_static());
-        chunks
-            .flat_map(|chunk| {
-                let values = chunk.iter_component::<C>(component.component);
-                values.into_iter().flat_map(|values| values.as_slice().to_vec()).collect::<Vec<_>>()
-            })
-            .collect()
+        values(self.of(entity).filter(|chunk| chunk.is_static()), component)
+    }
+
+    /// What `of` takes from each value of a component that has no time.
+    pub(crate) fn each<C: rerun::Component, T>(
+        &self,
+        entity: &str,
+        component: &ComponentDescriptor,
+        of: impl Fn(C) -> T,
+    ) -> Vec<T> {
+        self.statics(entity, component).into_iter().map(of).collect()
+    }
+
+    /// Names of the lines of a plot.
+    pub(crate) fn names(&self, entity: &str) -> Vec<String> {
+        let names = rerun::SeriesLines::descriptor_names();
+        self.each(entity, &names, |name: components::Name| name.0.as_str().to_owned())
     }
 
     pub(crate) fn scalars(&self, entity: &str) -> Vec<(i64, i64, f64)> {
@@ -102,11 +109,7 @@ impl Read {
 
     /// Values of a component in the layouts.
     pub(crate) fn of_layout<C: rerun::Component>(&self, component: &ComponentDescriptor) -> Vec<C> {
-        let values = self.blueprint.iter().map(|chunk| {
-            let values = chunk.iter_component::<C>(component.component);
-            values.into_iter().flat_map(|it| it.as_slice().to_vec()).collect::<Vec<_>>()
-        });
-        values.flatten().collect()
+        values(self.blueprint.iter(), component)
     }
 
     /// Names of the views and containers of the layouts.
@@ -116,4 +119,15 @@ impl Read {
         let names = [views, containers].map(|name| self.of_layout::<components::Name>(&name));
         names.into_iter().flatten().map(|name| name.0.as_str().to_owned()).collect()
     }
+}
+
+fn values<'a, C: rerun::Component>(
+    chunks: impl Iterator<Item = &'a Chunk>,
+    component: &ComponentDescriptor,
+) -> Vec<C> {
+    let of = |chunk: &Chunk| {
+        let values = chunk.iter_component::<C>(component.component);
+        values.into_iter().flat_map(|it| it.as_slice().to_vec()).collect::<Vec<_>>()
+    };
+    chunks.flat_map(of).collect()
 }

@@ -4,17 +4,16 @@ use super::*;
 use rerun::external::re_sdk_types::blueprint::archetypes as layout;
 use rerun::external::re_sdk_types::blueprint::components::QueryExpression;
 
-/// It is where it is for good, below a name of its own, seen through, and the camera sees it.
+/// It has no time, an entity of its own, is translucent, and the camera sees it.
 #[test]
 fn obstacles_stand_beside_the_machine() {
     let read = record(1, false);
     let entity = "surroundings/fixed jaw/boxes";
-    let sizes =
-        read.statics::<components::HalfSize3D>(entity, &rerun::Boxes3D::descriptor_half_sizes());
-    assert_eq!(sizes.iter().map(|size| size.0.0).collect::<Vec<_>>(), [[100.0, 50.0, 25.0]]);
-    let centers =
-        read.statics::<components::Translation3D>(entity, &rerun::Boxes3D::descriptor_centers());
-    let centers: Vec<_> = centers.iter().map(|center| center.0.0).collect();
+    let sizes = rerun::Boxes3D::descriptor_half_sizes();
+    let sizes = read.each(entity, &sizes, |size: components::HalfSize3D| size.0.0);
+    assert_eq!(sizes, [[100.0, 50.0, 25.0]]);
+    let centers = rerun::Boxes3D::descriptor_centers();
+    let centers = read.each(entity, &centers, |center: components::Translation3D| center.0.0);
     assert_eq!(centers, [[2000.0, 0.0, -400.0]]);
     let turns =
         read.statics::<components::RotationQuat>(entity, &rerun::Boxes3D::descriptor_quaternions());

@@ -31,7 +31,7 @@ impl Axis {
     ///
     /// # Errors
     ///
-    /// [`SmcError::RpParamUnknown`] (130) for a number that is none or a `BOOL`.
+    /// [`SmcError::RpParamUnknown`] (130) for a number that is unknown or a `BOOL`.
     #[doc(alias = "MC_ReadParameter")]
     pub fn read_parameter(&self, number: u16) -> Result<f64, SmcError> {
         match self.value(number) {
@@ -46,7 +46,7 @@ impl Axis {
     ///
     /// # Errors
     ///
-    /// [`SmcError::RpParamUnknown`] (130) for a number that is none or not of a `BOOL`.
+    /// [`SmcError::RpParamUnknown`] (130) for a number that is unknown or not of a `BOOL`.
     #[doc(alias = "MC_ReadBoolParameter")]
     pub fn read_bool_parameter(&self, number: u16) -> Result<bool, SmcError> {
         match self.value(number) {
@@ -59,9 +59,9 @@ impl Axis {
     ///
     /// # Errors
     ///
-    /// [`SmcError::WpParamInvalid`] (140) for a number that is none, write-protected or a `BOOL`, for a value that is
-    /// no finite number, for a fraction where an integer belongs, for a largest velocity, rate or jerk that is not
-    /// positive, with which the axis could not brake, and for a ratio of 0.
+    /// [`SmcError::WpParamInvalid`] (140) for a number that is unknown, write-protected or a `BOOL`, for a value that is
+    /// not finite, for a fraction of an integer, for a largest velocity, rate or jerk that is not positive, and for a ratio
+    /// of 0.
     #[doc(alias = "MC_WriteParameter")]
     pub fn write_parameter(&mut self, number: u16, value: f64) -> Result<(), SmcError> {
         self.write(number, Value::Real(value))
@@ -71,7 +71,7 @@ impl Axis {
     ///
     /// # Errors
     ///
-    /// [`SmcError::WpParamInvalid`] (140) for a number that is none, write-protected or not of a `BOOL`.
+    /// [`SmcError::WpParamInvalid`] (140) for a number that is unknown, write-protected or not of a `BOOL`.
     #[doc(alias = "MC_WriteBoolParameter")]
     pub fn write_bool_parameter(&mut self, number: u16, value: bool) -> Result<(), SmcError> {
         self.write(number, Value::Bool(value))

@@ -37,10 +37,9 @@ macro_rules! axis_ref {
         /// where it is above 0), `bSWLimitEnable`, `fSWLimitPositive`, `fSWLimitNegative` and `bHWLimitEnable`, and
         /// `bCaptureOccurred`, which is confirmed by writing FALSE.
         ///
-        /// The others that can be written are kept for who reads them, and nothing here goes by them: the manual names no
-        /// block that keeps to `fMaxVelocity`, `fMaxAcceleration` or `fMaxDeceleration`, and blocks keep to their inputs;
-        /// what goes over a bus (1001–1008, 1054–1058), gains (1040–1044), currents and the ratio to increments are the
-        /// drive's or its driver's; groups of axes have their own list of drives (1300). 1013, 1230, 1231 and 1234–1237 are
+        /// The other writable ones are only kept: no block of the manual uses `fMaxVelocity`, `fMaxAcceleration` or
+        /// `fMaxDeceleration`; bus data (1001–1008, 1054–1058), gains (1040–1044), currents and the ratio to increments
+        /// belong to the drive; groups of axes have their own list of drives (1300). 1013, 1230, 1231 and 1234–1237 are
         /// internal to the original and keep their initial values.
         pub const PARAMETERS: &[Parameter] = &[
             $(Parameter {

@@ -22,46 +22,33 @@ pub(super) fn way(random: &mut Random) -> f64 {
     random.between(-20.0, 20.0)
 }
 
-/// To places, with velocities, and to rest.
+/// A block with its own rates; the fields before and after them, in the order of their draws.
+macro_rules! own_rates {
+    ($block:ident, $random:ident, [$($before:ident: $first:expr),*], [$($after:ident: $last:expr),*]) => {
+        limited(
+            |it: &$block, _| own(it.velocity, it.acceleration, it.deceleration),
+            |$random, _, _| $block {
+                $($before: $first,)*
+                acceleration: rate($random),
+                deceleration: rate($random),
+                $($after: $last,)*
+            },
+        )
+    };
+}
+
+/// Moves to positions, by distances and with velocities, and stops.
 pub(super) fn moves() -> Vec<Box<dyn Called>> {
     vec![
-        limited(
-            |it: &MoveAbsolute, _| own(it.velocity, it.acceleration, it.deceleration),
-            |random, _, _| MoveAbsolute {
-                position: random.between(0.0, 90.0),
-                velocity: speed(random),
-                acceleration: rate(random),
-                deceleration: rate(random),
-                direction: random.direction(),
-            },
+        own_rates!(
+            MoveAbsolute,
+            random,
+            [position: random.between(0.0, 90.0), velocity: speed(random)],
+            [direction: random.direction()]
         ),
-        limited(
-            |it: &MoveRelative, _| own(it.velocity, it.acceleration, it.deceleration),
-            |random, _, _| MoveRelative {
-                distance: way(random),
-                velocity: speed(random),
-                acceleration: rate(random),
-                deceleration: rate(random),
-            },
-        ),
-        limited(
-            |it: &MoveAdditive, _| own(it.velocity, it.acceleration, it.deceleration),
-            |random, _, _| MoveAdditive {
-                distance: way(random),
-                velocity: speed(random),
-                acceleration: rate(random),
-                deceleration: rate(random),
-            },
-        ),
-        limited(
-            |it: &MoveVelocity, _| own(it.velocity, it.acceleration, it.deceleration),
-            |random, _, _| MoveVelocity {
-                velocity: speed(random),
-                acceleration: rate(random),
-                deceleration: rate(random),
-                direction: random.direction(),
-            },
-        ),
+        own_rates!(MoveRelative, random, [distance: way(random), velocity: speed(random)], []),
+        own_rates!(MoveAdditive, random, [distance: way(random), velocity: speed(random)], []),
+        own_rates!(MoveVelocity, random, [velocity: speed(random)], [direction: random.direction()]),
         limited(
             |it: &Halt, _| own(0.0, it.deceleration, it.deceleration),
             |random, _, _| Halt { deceleration: rate(random) },
@@ -73,31 +60,30 @@ pub(super) fn moves() -> Vec<Box<dyn Called>> {
     ]
 }
 
-/// On from a place.
+/// Continuous moves.
 pub(super) fn continued() -> Vec<Box<dyn Called>> {
     vec![
-        limited(
-            |it: &MoveContinuousAbsolute, _| own(it.velocity, it.acceleration, it.deceleration),
-            |random, _, _| MoveContinuousAbsolute {
+        own_rates!(
+            MoveContinuousAbsolute,
+            random,
+            [
                 position: random.between(0.0, 90.0),
                 velocity: 0.5 * FASTEST,
                 end_velocity: speed(random),
-                end_velocity_direction: random.direction(),
-                acceleration: rate(random),
-                deceleration: rate(random),
-                direction: random.direction(),
-            },
+                end_velocity_direction: random.direction()
+            ],
+            [direction: random.direction()]
         ),
-        limited(
-            |it: &MoveContinuousRelative, _| own(it.velocity, it.acceleration, it.deceleration),
-            |random, _, _| MoveContinuousRelative {
+        own_rates!(
+            MoveContinuousRelative,
+            random,
+            [
                 distance: way(random),
                 velocity: 0.5 * FASTEST,
                 end_velocity: speed(random),
-                end_velocity_direction: random.direction(),
-                acceleration: rate(random),
-                deceleration: rate(random),
-            },
+                end_velocity_direction: random.direction()
+            ],
+            []
         ),
     ]
 }
@@ -105,10 +91,10 @@ pub(super) fn continued() -> Vec<Box<dyn Called>> {
 /// Superimposed motion.
 pub(super) struct OnTop {
     block: SuperImposed,
-    /// What it was given when it began.
+    /// Limits at its begin.
     taken: Limits,
     execute: bool,
-    /// So much more than it says it is given; 1 but for one that is not as it should be.
+    /// Factor of its real limits; 1 without a planted fault.
     more: f64,
 }
 
@@ -147,8 +133,8 @@ pub(super) fn on_top() -> Box<dyn Called> {
     hasty_on_top(1.0)
 }
 
-/// One that is so much faster than it was asked.
+/// A superimposed motion with a planted factor of its limits.
 pub(super) fn hasty_on_top(more: f64) -> Box<dyn Called> {
     let taken = Limits::new(1.0, 1.0, 1.0);
-    Box::new(OnTop { block: rig::on_top(1.0, 1.0, 1.0, 1.0), taken, execute: false, more })
+    Box::new(OnTop { block: rig::on_top(1.0, 1.0, 1.0), taken, execute: false, more })
 }

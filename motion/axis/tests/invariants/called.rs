@@ -61,6 +61,46 @@ pub(super) trait Called {
     }
 }
 
+/// Passes methods of [`Called`] on to a field.
+macro_rules! passes_on {
+    ($field:tt: $($method:ident)*) => {
+        $(passes_on! { @$method $field })*
+    };
+    (@call $field:tt) => {
+        fn call(
+            &mut self,
+            execute: bool,
+            random: &mut Random,
+            axis: &mut Axis,
+            master: &Axis,
+        ) -> Outputs {
+            self.$field.call(execute, random, axis, master)
+        }
+    };
+    (@change $field:tt) => {
+        fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis) {
+            self.$field.change(random, axis, master);
+        }
+    };
+    (@name $field:tt) => {
+        fn name(&self) -> &'static str {
+            self.$field.name()
+        }
+    };
+    (@owner $field:tt) => {
+        fn owner(&self) -> i64 {
+            self.$field.owner()
+        }
+    };
+    (@promise $field:tt) => {
+        fn promise(&self) -> Promise {
+            self.$field.promise()
+        }
+    };
+}
+
+pub(super) use passes_on;
+
 /// Further input of a block, from the master.
 pub(super) trait Take {
     fn take(master: &Axis) -> Self;
@@ -102,7 +142,7 @@ pub(super) struct Begun {
 /// Promise of a block for these inputs.
 pub(super) type Keeps<M> = fn(&M, &Begun) -> Promise;
 
-/// How inputs that count every cycle change, with how the axis goes on from the last cycle.
+/// Change of inputs that count every cycle; the state is the axis's in the last cycle.
 type Live<M> = fn(&mut M, &mut Random, &Axis, State);
 
 impl<M: Motion<With: Take> + Clone> Called for Moving<M> {
@@ -115,7 +155,7 @@ impl<M: Motion<With: Take> + Clone> Called for Moving<M> {
     ) -> Outputs {
         let rises = execute && !self.execute;
         self.execute = execute;
-        // Who takes over does so from all there is, motions on top included.
+        // A takeover includes superimposed motions.
         let goes_on = self.block.owner() == Some(axis.owner()) && !rises;
         let from = if goes_on { axis.saved_base } else { axis.saved };
         (self.live)(&mut self.block.inputs, random, axis, from);
@@ -146,7 +186,7 @@ impl<M: Motion<With: Take> + Clone> Called for Moving<M> {
     }
 }
 
-/// A block that keeps what it promises, and whose inputs are taken over at the rising edge.
+/// A block with a promise, whose inputs are taken over at the rising edge.
 pub(super) fn limited<M: Motion<With: Take> + Clone + 'static>(
     promise: Keeps<M>,
     inputs: fn(&mut Random, &Axis, &Axis) -> M,
@@ -179,7 +219,7 @@ pub(super) fn own(velocity: f64, acceleration: f64, deceleration: f64) -> Promis
     Promise::Limits(Limits::new(velocity, acceleration, deceleration))
 }
 
-/// All blocks there are; what moves on top is called last, as the manual has it.
+/// All blocks; the superimposed motion is called last, as in the manual.
 pub(super) fn all() -> Vec<Box<dyn Called>> {
     let mut blocks = alone::moves();
     blocks.extend(alone::continued());

@@ -14,10 +14,10 @@ use crate::{
 use std::sync::Arc;
 use twin_cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
 
-/// Output 2 is output 0 so much later.
+/// Delay of output 2 behind output 0.
 const DELAY_CYCLES: usize = 10;
 
-/// Of the outputs that count in one direction, u.
+/// Hysteresis of the outputs for one direction, u.
 const HYSTERESIS: f64 = 1.0;
 
 /// Output 0 between 10 and 30 u, output 1 masked, output 2 as output 0 but later; outputs 3 and 4 the same each in one
@@ -109,9 +109,8 @@ pub(super) fn gear(random: &mut Random, axis: &Axis, master: &Axis) -> GearInPos
 }
 
 /// The cam itself has at most 0.94·1500 u/s³ of the master's jerk, 3·0.072·15·90 of its velocity and acceleration and
-/// 0.019·15³ of its velocity alone, 1762 u/s³ together; the ramp onto it has the axis's beside that. Of accelerations it
-/// has 0.94·90 of the master's and 0.072·15² of its velocity, 101 u/s²; beside that there are the ramp's, and first what
-/// the slave has beside the cam when it begins.
+/// 0.019·15³ of its velocity alone, 1762 u/s³ together; the ramp adds the axis's jerk. The cam's acceleration is at most
+/// 0.94·90 of the master's and 0.072·15² of its velocity, 101 u/s²; the ramp adds its own, and at first the slave's.
 pub(super) fn on_cam<M: Cams>(it: &M, begun: &Begun) -> Promise {
     const OF_CAM: f64 = 101.0;
     let CamIn { table, input } = it.cam_in();
@@ -155,7 +154,7 @@ fn cam_input(random: &mut Random) -> CamInput {
 }
 
 impl Run {
-    /// Outputs along the axis are what its positions say.
+    /// Outputs along the axis follow its positions.
     pub(super) fn see_switches(&mut self) -> Result<(), String> {
         let shown = self.switch.call(true, &self.axis).outputs;
         let place = self.axis.set_position();
@@ -166,15 +165,16 @@ impl Run {
         if shown[1] {
             return Err("a masked output is on".to_owned());
         }
-        // Every direction is one of both; how far the other one lasts is the hysteresis.
-        let beside = (10.0 - place).max(place - 30.0);
+        // One of the two directions counts; the other output lasts for the hysteresis.
+        let outside = (10.0 - place).max(place - 30.0);
         let both = [shown[3], shown[4]].iter().filter(|it| **it).count();
-        if demand && (both > 1 || (beside <= 0.0 && both == 0) || (beside > HYSTERESIS && both > 0))
+        if demand
+            && (both > 1 || (outside <= 0.0 && both == 0) || (outside > HYSTERESIS && both > 0))
         {
             return Err(format!("{both} of outputs 3 and 4 are on at {place}"));
         }
         self.switched.push(shown[0]);
-        // Where the zero moves and the power goes, nobody has passed what is delayed.
+        // After a move of the zero or a loss of power nothing delayed has been passed.
         let delayed = self.switched.iter().rev().nth(DELAY_CYCLES);
         let counts = self.around != Around::Everything && self.switched.len() > 50;
         if counts && delayed != Some(&shown[2]) {

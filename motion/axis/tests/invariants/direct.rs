@@ -1,12 +1,11 @@
 //! Random set-points from the program: small steps for blocks without supervision, jumps for blocks with it.
 
 use super::alone::{rate, way};
-use super::called::{Begun, Called, Moving, any, moving};
+use super::called::{Begun, Called, Moving, any, moving, passes_on};
 use super::checker::{Limits, Promise};
 use super::random::Random;
 use super::{CYCLE, FASTEST, STEEPEST};
 use crate::{Axis, ControlAxisBy, Follow, Motion, Outputs};
-use std::any::type_name;
 use twin_profile::State;
 
 /// A block that takes set-points as they are.
@@ -20,7 +19,7 @@ impl Direct for Follow {
     }
 }
 
-/// Set-points that are not watched: the axis has each of them in its cycle, whatever it is.
+/// Set-points without supervision: the axis has each of them in its cycle.
 pub(super) struct Walking<M: Direct>(Moving<M>);
 
 impl<M: Direct> Walking<M> {
@@ -29,7 +28,7 @@ impl<M: Direct> Walking<M> {
     }
 }
 
-/// The walk's steps; faster ones first come back to the velocities of the walk at once.
+/// The steps of the walk; a faster start returns to the walk's velocities at once.
 fn walked<M>(_: &M, begun: &Begun) -> Promise {
     let too_fast = (begun.from.velocity.abs() - 0.5 * FASTEST).max(0.0);
     let back = if begun.cycles == 0 { too_fast / CYCLE } else { 0.0 };
@@ -55,15 +54,7 @@ pub(super) fn kind(random: &mut Random) -> Follow {
 }
 
 impl<M: Direct> Called for Walking<M> {
-    fn call(
-        &mut self,
-        execute: bool,
-        random: &mut Random,
-        axis: &mut Axis,
-        master: &Axis,
-    ) -> Outputs {
-        self.0.call(execute, random, axis, master)
-    }
+    passes_on!(0: call change name owner promise);
 
     fn watch(&mut self, shown: Outputs, axis: &Axis, _: &Axis) -> Result<(), String> {
         if !shown.busy {
@@ -90,22 +81,6 @@ impl<M: Direct> Called for Walking<M> {
         }
         Ok(())
     }
-
-    fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis) {
-        self.0.change(random, axis, master);
-    }
-
-    fn name(&self) -> &'static str {
-        type_name::<M>()
-    }
-
-    fn owner(&self) -> i64 {
-        self.0.owner()
-    }
-
-    fn promise(&self) -> Promise {
-        self.0.promise()
-    }
 }
 
 pub(super) fn all() -> Vec<Box<dyn Called>> {
@@ -130,7 +105,7 @@ pub(super) fn all() -> Vec<Box<dyn Called>> {
                 }
                 let position = random.between(0.0, 90.0);
                 it.setpoint = match it.setpoint {
-                    // What is not too fast is no jump (manual 2.2.5), and no promise.
+                    // Within the velocity limit it is not a jump (manual 2.2.5), and nothing is promised.
                     Follow::Position(last) if (position - last).abs() < FASTEST * CYCLE => return,
                     Follow::Position(_) => Follow::Position(position),
                     Follow::Velocity(_) => Follow::Velocity(0.5 * way(random)),

@@ -59,7 +59,7 @@ fn the_checker_sees_what_is_broken() {
         let found = (0..8).any(|seed| {
             Run::new(seed, KINDS[0], called::single(), Around::Forgotten)
                 .calls(50_000, spoil)
-                .is_err_and(|told| told.contains(words))
+                .is_err_and(|message| message.contains(words))
         });
         assert!(found, "nobody sees a wrong {what}");
     }
@@ -113,7 +113,7 @@ fn the_checker_sees_illegal_states() {
     }
 }
 
-/// Who commands an axis, and who says that it does.
+/// Faults of the ownership of an axis.
 #[test]
 fn the_checker_sees_who_has_the_axis() {
     for (owning, expected) in [
@@ -127,7 +127,7 @@ fn the_checker_sees_who_has_the_axis() {
     }
 }
 
-/// Blocks that move otherwise than they were asked, as little as a checker of the axis's own values could not see.
+/// Blocks that deviate from their inputs too little to show in the axis's own values.
 #[test]
 fn the_checker_sees_what_blocks_were_not_asked() {
     type Planted = fn() -> Box<dyn Called>;
@@ -139,7 +139,7 @@ fn the_checker_sees_what_blocks_were_not_asked() {
         ("acceleration profile", &limited, "u/s³, moved by", planted::hurried_accelerations),
         ("set-point", &KINDS, "is not the set-point", planted::beyond),
         ("gear on its way", &KINDS, "on the way into step, but", planted::wrong_gear),
-        ("ramp", &KINDS, "beside the cam after", || planted::wrong_cam(OfCam::Hasty)),
+        ("ramp", &KINDS, "off the cam after", || planted::wrong_cam(OfCam::Hasty)),
         ("rate", &[KINDS[0], KINDS[3]], "u/s², allowed", || planted::wrong_cam(OfCam::Steep)),
         ("cam", &KINDS, "in step, but", || planted::wrong_cam(OfCam::Fast)),
         ("lost tappet", &KINDS, "acted 0 times, not 1", || planted::wrong_cam(OfCam::Lost)),
@@ -159,7 +159,7 @@ fn the_checker_sees_what_blocks_were_not_asked() {
     }
 }
 
-/// Outputs along the axis that switch beside their places.
+/// Outputs along the axis that switch at wrong positions.
 #[test]
 fn the_checker_sees_switches_beside_their_places() {
     for (last_on, expected) in
@@ -168,13 +168,13 @@ fn the_checker_sees_switches_beside_their_places() {
         let found = (0..8).any(|seed| {
             let mut run = Run::new(seed, KINDS[0], called::single(), Around::Forgotten);
             run.switch = coupled::switches_to(last_on);
-            run.calls(50_000, |_, _, _| ()).is_err_and(|told| told.contains(expected))
+            run.calls(50_000, |_, _, _| ()).is_err_and(|message| message.contains(expected))
         });
         assert!(found, "nobody sees an end at {last_on}");
     }
 }
 
-/// In every one of these kinds, in one of some runs.
+/// The checker finds it in every one of these kinds, in one of some runs.
 fn sees(
     what: &str,
     kinds: &[(Movement, RampType)],
@@ -186,18 +186,18 @@ fn sees(
         for seed in 0..8 {
             let mut run = Run::new(seed, *kind, blocks(), Around::Forgotten);
             found.extend(run.calls(200_000, |_, _, _| ()).err());
-            if found.last().is_some_and(|told| told.contains(expected)) {
+            if found.last().is_some_and(|message| message.contains(expected)) {
                 break;
             }
         }
         assert!(
-            found.last().is_some_and(|told| told.contains(expected)),
+            found.last().is_some_and(|message| message.contains(expected)),
             "nobody sees a wrong {what} of {kind:?}: {found:?}"
         );
     }
 }
 
-/// Moves of the axis alone, and one that is not as it should be.
+/// Moves of the axis alone, and a planted one.
 fn with(planted: Box<dyn Called>) -> Vec<Box<dyn Called>> {
     let mut blocks = called::single();
     blocks.insert(0, planted);

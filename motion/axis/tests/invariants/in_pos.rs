@@ -1,10 +1,9 @@
 //! Promise of a gear with a synchronous position, before and after it.
 
-use super::called::{Called, Moving, own};
+use super::called::{Called, Moving, own, passes_on};
 use super::checker::Promise;
 use super::random::Random;
 use crate::{Axis, GearInPos, GearInPosRun, Master, Motion, Outputs, fmod};
-use std::any::type_name;
 use twin_profile::{RampType, State};
 
 /// A block that couples as a gear with a place does.
@@ -18,7 +17,7 @@ impl Couples for GearInPos {
     }
 }
 
-/// A gear with a place to be in step at: to there it goes along its polynomial, from there on as its ratio says.
+/// A gear with a sync position: up to there it follows its polynomial, from there on its ratio.
 pub(super) struct InPos<M: Couples> {
     moving: Moving<M>,
     /// The master in the cycle before.
@@ -45,17 +44,17 @@ impl Way {
     fn new(gear: &GearInPos, owner: i64, axis: &Axis, last: &Master, now: &Master) -> Self {
         let from = axis.saved_base;
         let limited = axis.ramp() != RampType::Trapezoid;
-        let stands = from.velocity == 0.0 && (from.acceleration == 0.0 || !limited);
+        let at_rest = from.velocity == 0.0 && (from.acceleration == 0.0 || !limited);
         let sign = now.velocity.signum();
-        // Where the zero has been moved, so has the place.
+        // The place moves with the zero.
         let ahead = sign * (gear.master_sync_position - last.position - (now.zero - last.zero));
         let ahead = now.period.map_or(ahead, |period| match fmod(ahead, period) {
             0.0 => period,
             ahead => ahead,
         });
-        let v0 = if stands { 0.0 } else { from.velocity / last.velocity };
+        let v0 = if at_rest { 0.0 } else { from.velocity / last.velocity };
         let v1 = f64::from(gear.ratio_numerator) / f64::from(gear.ratio_denominator);
-        let curvature = if stands || !limited {
+        let curvature = if at_rest || !limited {
             0.0
         } else {
             (from.acceleration - v0 * last.acceleration) / last.velocity.powi(2)
@@ -104,7 +103,7 @@ impl Way {
         [value, slope / h, curvature / (h * h)]
     }
 
-    /// How a slave moves there behind a master that moves like this.
+    /// State of the slave there for a state of the master.
     fn state(&self, x: f64, velocity: f64, acceleration: f64) -> State {
         let [position, slope, curvature] = self.at(x);
         State {
@@ -120,13 +119,13 @@ impl<M: Couples> InPos<M> {
         Self { moving, last: None, way: None, steepest: 0.0 }
     }
 
-    /// The slave is where the polynomial has it, as fast as that says.
+    /// Position and velocity of the slave are those of the polynomial.
     fn see_way(&mut self, in_step: bool, axis: &Axis, now: &Master) -> Result<(), String> {
         let owner = self.moving.owner();
         let (way, last) = (self.way.take().filter(|way| way.owner == owner), self.last.take());
         let Some(run) = self.moving.block.running() else { return Ok(()) };
         self.last = Some(*now);
-        // What is done shows for a cycle only once Execute has fallen.
+        // Once Execute has fallen, `done` shows for a cycle only.
         let couples = in_step || run.is_coupling() || way.is_some();
         let Some(last) = last.filter(|_| couples) else { return Ok(()) };
         let gear = self.moving.taken.gear();
@@ -157,33 +156,13 @@ impl<M: Couples> InPos<M> {
 }
 
 impl<M: Couples> Called for InPos<M> {
-    fn call(
-        &mut self,
-        execute: bool,
-        random: &mut Random,
-        axis: &mut Axis,
-        master: &Axis,
-    ) -> Outputs {
-        self.moving.call(execute, random, axis, master)
-    }
+    passes_on!(moving: call change name owner);
 
     fn watch(&mut self, shown: Outputs, axis: &Axis, master: &Axis) -> Result<(), String> {
         self.see_way(shown.done && shown.busy, axis, &Master::of(master))
     }
 
-    fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis) {
-        self.moving.change(random, axis, master);
-    }
-
-    fn name(&self) -> &'static str {
-        type_name::<M>()
-    }
-
-    fn owner(&self) -> i64 {
-        self.moving.owner()
-    }
-
-    /// Until it is coupled it goes on as it came.
+    /// Until it is coupled its motion goes on.
     fn promise(&self) -> Promise {
         match self.way {
             Some(_) => Promise::Smooth(self.steepest),

@@ -3,7 +3,7 @@
 
 use crate::{Axis, AxisState};
 
-/// True if the diagram has an arrow (PLCopen; manual 2.4, 5.2); staying is none, and allowed.
+/// True if the diagram has an arrow (PLCopen; manual 2.4, 5.2), or the state stays.
 pub(super) fn is_arrow(from: AxisState, to: AxisState) -> bool {
     use AxisState::{ErrorStop, Homing, PowerOff, Standstill, Stopping};
     let stays = from == to;
@@ -76,7 +76,7 @@ impl Keeper {
         };
         let let_go = axis.owner() == 0 && axis.state() == AxisState::Standstill;
         match (kept.stops, caller) {
-            // At its end, at rest and without Execute; or begun again.
+            // At its end, at rest and without Execute, or begun again.
             (true, _) if by_itself && let_go && !execute && axis.set_velocity() == 0.0 => Ok(now),
             (_, _) if by_itself && keeps => Ok(now),
             (false, _) if by_itself && let_go => Ok(now),

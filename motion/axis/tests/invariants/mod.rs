@@ -44,12 +44,12 @@ struct Seen {
 
 const POWER: Power = Power { regulator_on: true, drive_start: true };
 
-/// What else happens.
+/// Disturbances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Around {
     /// Now and then the program is not called for a cycle.
     Forgotten,
-    /// Beside that, the zero moves, the power fails, the drive has errors and captures positions.
+    /// Also the zero moves, the power fails, the drive has errors and captures positions.
     Everything,
     /// As the first, on an axis with software limits.
     Limits,
@@ -69,14 +69,14 @@ struct Run {
     reset: Reset,
     around: Around,
     without_power: u32,
-    /// The block that has taken the axis in this cycle, and may have come to its end already.
+    /// The block that has taken the axis in this cycle, and may have ended already.
     taker: Option<usize>,
-    /// Where a block has brought the axis to rest in this cycle, and given it back.
+    /// State in which a block has released the axis in this cycle.
     ended: Option<State>,
-    /// Outputs along the axis, and what the first one was.
+    /// Outputs along the axis, and the values of the first one.
     switch: DigitalCamSwitch,
     switched: Vec<bool>,
-    /// What a follower of the master's positions gets from its change of velocity, u/s².
+    /// Acceleration of a follower of the master's positions from the master's change of velocity, u/s².
     followed: f64,
     seen: Vec<Seen>,
     resets: u32,
@@ -128,7 +128,7 @@ impl Run {
         run
     }
 
-    /// At least so many calls of blocks.
+    /// At least this number of block calls.
     fn calls(
         &mut self,
         calls: u32,
@@ -138,7 +138,7 @@ impl Run {
         while self.calls < calls {
             let before = self.lead.axis.set_velocity();
             self.lead.cycle(&mut self.random);
-            // So much steeper than the master's is what follows its positions.
+            // A follower of the master's positions is steeper by this slope.
             let slope = if before == 0.0 { 0.0 } else { self.axis.set_velocity() / before };
             self.followed = (slope * (self.lead.axis.set_velocity() - before)).abs() / CYCLE;
             self.cycle(&mut checker, &mut spoil)
@@ -165,7 +165,7 @@ impl Run {
             let relative = self.random.one_in(2);
             self.axis.shift_zero(place, relative).expect("a number");
         }
-        // The master's, too, but under an absolute cam: a slave goes where it has it at once.
+        // The master's zero moves, too, but not under an absolute cam, which makes its slave step.
         let steps = was_moving.map(|index| self.blocks[index].promise());
         if self.around == Around::Everything
             && self.random.one_in(300)
@@ -188,7 +188,7 @@ impl Run {
         checker.called(&mut self.axis, ("", true), mover)?;
         self.see_switches()?;
         let owners: Vec<_> = self.blocks.iter().map(|block| block.owner()).collect();
-        // A block that is not called does not know yet that it has lost the axis.
+        // A block that is not called does not notice the loss of the axis.
         let promise = self.promise(was_moving);
         let on_top = self.blocks.iter().find_map(|block| block.on_top());
         let on_top = on_top.unwrap_or(Limits::new(0.0, 0.0, 0.0));
@@ -205,8 +205,8 @@ impl Run {
         })
     }
 
-    /// Whoever begins in the cycle in which another block has come to its end goes on from there: the drive gets that set-point.
-    /// But set-points that count every cycle, and cams, are where their program or their curve has them.
+    /// A block that begins in the cycle in which another one ends goes on from there: the drive gets that set-point. Direct
+    /// set-points and cams have their own positions.
     fn keeps_the_end(&self) -> Result<(), String> {
         let Some(ended) = self.ended else { return Ok(()) };
         let taker = self.taker.map_or("", |index| self.blocks[index].name());
@@ -289,7 +289,7 @@ impl Run {
         Ok(())
     }
 
-    /// What the drive does on its own.
+    /// Disturbances by the drive.
     fn disturb(&mut self) {
         if self.around != Around::Everything {
             return;
@@ -312,14 +312,14 @@ impl Run {
         self.blocks.iter().position(|block| owner != 0 && block.owner() == owner)
     }
 
-    /// What whoever moves the axis in this cycle, or has ended in it, keeps.
+    /// Promise of the block that moves the axis in this cycle, or has ended in it.
     fn promise(&self, was_moving: Option<usize>) -> Promise {
         let of = |index: Option<usize>| index.map(|index| self.blocks[index].promise());
         let (before, now) = (of(was_moving), of(self.mover()));
         let mode = self.axis.values.real_controller_mode;
         let nobody = self.axis.owner() == 0 && self.axis.overlay_owner == 0;
         let unregulated = [1, 4].contains(&mode) && nobody && self.taker.is_none();
-        // Without a position to keep it is where its drive is.
+        // Without position control it follows its drive.
         if before == Some(Promise::Nothing) || unregulated {
             return Promise::Nothing;
         }
@@ -356,7 +356,7 @@ fn random_moves_keep_what_has_to_hold() {
             let mut run = Run::new(seed, kind, called::single(), Around::Forgotten);
             let found = run.calls(50_000, |_, _, _| ());
             found.unwrap_or_else(|what| panic!("{kind:?} {seed}: {what}"));
-            // It is no proof if nothing happens.
+            // Every kind of end occurs.
             let seen = run.total();
             assert!(seen.done > 20 && seen.aborted > 20 && seen.failed > 5, "{seen:?}");
             assert!(run.resets > 0);
@@ -364,9 +364,8 @@ fn random_moves_keep_what_has_to_hold() {
     }
 }
 
-/// Beyond its software limits an axis comes no further than it takes to brake, however often it is reset there and sent
-/// on: 2.25 u from 30 u/s with 200 u/s², 3 u more until the jerk allows it, and as much again for an acceleration that is
-/// still there.
+/// Beyond its software limits an axis only brakes, also after resets there: 2.25 u from 30 u/s with 200 u/s², 3 u more until
+/// the jerk allows it, and as much again for a remaining acceleration.
 #[test]
 fn random_moves_stay_within_the_software_limits() {
     for ramp in [RampType::Trapezoid, RampType::Sigmoid, RampType::Parabolic] {
@@ -402,8 +401,8 @@ fn random_blocks_of_all_kinds_keep_what_has_to_hold() {
                 sum.failed += seen.failed;
             }
         }
-        // Every block comes to what it is for, and to what may come between. Set-points from the program have no end,
-        // a probe of the program cannot fail, and nothing gets between homing or a stop and its end.
+        // Every block is done, aborted and fails, except that direct set-points have no end, probes of the program cannot
+        // fail, and homing and stops cannot be aborted.
         for (block, seen) in called::all().iter().zip(&sum) {
             let [endless, safe, locked] = block.exceptions();
             if (seen.done == 0 && !endless)

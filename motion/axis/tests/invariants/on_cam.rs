@@ -1,24 +1,23 @@
 //! Promise of a slave on its cam and on its ramp-in, and of its tappets.
 
 use super::JERK;
-use super::called::{Called, Moving};
+use super::called::{Called, Moving, passes_on};
 use super::checker::Promise;
 use super::random::Random;
 use crate::{Axis, CamIn, CamRun, Master, Motion, Outputs};
-use std::any::type_name;
 use twin_cam::{Action, CamTable, Passage, Tappet, TappetValue, Trigger};
 use twin_profile::RampType;
 
 /// [`CYCLE`], ns.
 const CYCLE_NS: i64 = 10_000_000;
 
-/// How long a pulse of a tappet is from its passage to its end, ns.
+/// Time from the passage of a tappet to the end of its pulse, ns.
 const PULSE_NS: i64 = 50_000_000;
 
-/// From its passage to its begin.
+/// Time from the passage to the begin of the pulse, ns.
 const DELAY_NS: i64 = 20_000_000;
 
-/// Of group 1 pulses, of group 2 everything else.
+/// Pulses in group 1, another action in group 2.
 pub(super) fn tappets(random: &mut Random) -> Vec<Tappet> {
     let timed = Action::Timed { delay_ns: DELAY_NS, duration_ns: PULSE_NS - DELAY_NS };
     let tappet = |random: &mut Random, group, action| Tappet {
@@ -50,11 +49,11 @@ pub(super) struct OnCam<M: Cams> {
     /// When a pulse was begun last, and whether it has been seen.
     begun_ns: i64,
     unseen: bool,
-    /// Who ramps onto the cam, and how much faster than that it is.
+    /// Owner on the ramp, and its velocity and acceleration relative to the cam.
     ramp: Option<(i64, f64, f64)>,
 }
 
-/// Where the master was on the cam, and which tappets it has passed and not left.
+/// Place of the master on the cam, and the tappets that it has passed and not left.
 struct Passed {
     owner: i64,
     x: f64,
@@ -94,14 +93,14 @@ impl Passed {
         places.collect()
     }
 
-    /// What a way to `x` switches: how often each group may at least and at most.
+    /// Passages on the way to `x`: least and largest count of each group.
     fn on(&mut self, x: f64, table: &CamTable, hysteresis: f64) -> Vec<(i16, [usize; 2])> {
         let from = std::mem::replace(&mut self.x, x);
         let mut counts = Vec::new();
         for (tappet, held) in table.cam.tappets().iter().zip(&mut self.held) {
             let places = Self::places(table, tappet, [from, x]);
             if *held == Held::Unknown {
-                // Known again once it is beside all places.
+                // Known again outside all places.
                 if places.iter().all(|at| (x - at).abs() > hysteresis) {
                     *held = Held::Left;
                 }
@@ -132,7 +131,7 @@ impl<M: Cams> OnCam<M> {
         Self { moving, value, passed: None, begun_ns: 0, unseen: false, ramp: None }
     }
 
-    /// Tappets act where the master passes them, in the cycle that tells of them, and no pulse is lost or hangs.
+    /// Tappets act in the cycle in which the master passes them, and no pulse is lost or hangs.
     fn see_tappets(&mut self) -> Result<(), String> {
         let owner = self.moving.owner();
         let Some(run) = self.moving.block.running() else { return Ok(()) };
@@ -176,7 +175,7 @@ impl<M: Cams> OnCam<M> {
         let on = self.value.step(data);
         let after = now - self.begun_ns;
         self.unseen &= !(on && after >= DELAY_NS);
-        // A pulse is shown for a cycle at least, and one that ended while nobody looked until somebody does.
+        // A pulse shows for a cycle at least; one that ended unseen shows until it is read.
         if on && after > PULSE_NS + 2 * CYCLE_NS {
             return Err(format!("a pulse of {} is still there at {now}", self.begun_ns));
         }
@@ -186,9 +185,9 @@ impl<M: Cams> OnCam<M> {
         Ok(())
     }
 
-    /// On the cam it moves as the cam does (manual 4.6.1: scaling · y(x)), beside it no faster than the ramp may.
+    /// On the cam it has the cam's motion (manual 4.6.1: scaling · y(x)); on the ramp it stays within the ramp's limits.
     fn see_motion(&mut self, axis: &Axis, master: &Axis) -> Result<(), String> {
-        /// Of a rise of 20 u over 40 u between rests: 15/8 and 10/√3 of what a straight line has.
+        /// Slopes of a rise of 20 u over 40 u between rests: 15/8 and 10/√3 of a straight line's.
         const STEEPEST: [f64; 2] = [0.9375, 0.072_169];
         let before = self.ramp.take();
         let owner = self.moving.owner();
@@ -213,7 +212,7 @@ impl<M: Cams> OnCam<M> {
         let (faster, more) = (axis.base.velocity - expected, axis.base.acceleration - bent);
         if run.is_in_sync() {
             return if faster.abs() > 1e-6 || more.abs() > 1e-4 {
-                Err(format!("in step, but {faster} u/s and {more} u/s² beside the cam"))
+                Err(format!("in step, but {faster} u/s and {more} u/s² off the cam"))
             } else {
                 Ok(())
             };
@@ -223,7 +222,7 @@ impl<M: Cams> OnCam<M> {
             let settling = if limited { 0.5 * rate * rate / JERK } else { 0.0 };
             let most = input.velocity_difference.max(last.abs() + settling);
             if faster.abs() > most * (1.0 + 1e-9) + 1e-6 {
-                return Err(format!("{faster} u/s beside the cam after {last}, allowed {most}"));
+                return Err(format!("{faster} u/s off the cam after {last}, allowed {most}"));
             }
         }
         self.ramp = Some((owner, faster, more));
@@ -232,40 +231,16 @@ impl<M: Cams> OnCam<M> {
 }
 
 impl<M: Cams> Called for OnCam<M> {
-    fn call(
-        &mut self,
-        execute: bool,
-        random: &mut Random,
-        axis: &mut Axis,
-        master: &Axis,
-    ) -> Outputs {
-        self.moving.call(execute, random, axis, master)
-    }
+    passes_on!(moving: call change name owner promise);
 
     fn watch(&mut self, _: Outputs, axis: &Axis, master: &Axis) -> Result<(), String> {
         if let Some(run) = self.moving.block.running() {
-            let (told, now) = (run.coupling().output().tappets.now_ns, axis.now_ns());
-            if told != now {
-                return Err(format!("tappets of {told} at {now}"));
+            let (shown, now) = (run.coupling().output().tappets.now_ns, axis.now_ns());
+            if shown != now {
+                return Err(format!("tappets of {shown} at {now}"));
             }
         }
         self.see_tappets()?;
         self.see_motion(axis, master)
-    }
-
-    fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis) {
-        self.moving.change(random, axis, master);
-    }
-
-    fn name(&self) -> &'static str {
-        type_name::<M>()
-    }
-
-    fn owner(&self) -> i64 {
-        self.moving.owner()
-    }
-
-    fn promise(&self) -> Promise {
-        self.moving.promise()
     }
 }

@@ -1,7 +1,7 @@
 //! Planted faults: blocks with deliberate errors.
 
 use super::alone::rate;
-use super::called::{Called, Moving, limited, moving, own};
+use super::called::{Called, Moving, limited, moving, own, passes_on};
 use super::checker::Promise;
 use super::direct::{self, Direct, Walking};
 use super::in_pos::{Couples, InPos};
@@ -14,9 +14,28 @@ use std::sync::Arc;
 use twin_cam::{Action, Cam, CamTable, Knot, Shape, Tappet};
 use twin_profile::State;
 
-/// A block that is another one but for what is written here.
+/// The plan or the step of the genuine block.
+macro_rules! genuine {
+    (plan $with:ty) => {
+        fn plan(&self, start: Start, axis: &Axis, with: $with) -> Result<Self::Run, SmcError> {
+            self.0.plan(start, axis, with)
+        }
+    };
+    (step $with:ty) => {
+        fn step(
+            &self,
+            run: &mut Self::Run,
+            axis: &mut Axis,
+            with: $with,
+        ) -> Result<Progress, SmcError> {
+            self.0.step(run, axis, with)
+        }
+    };
+}
+
+/// A copy of a block with the changes given here.
 macro_rules! planted {
-    ($(#[$doc:meta])* $name:ident in $state:ident with $with:ty, $($changed:item)*) => {
+    ($(#[$doc:meta])* $name:ident in $state:ident with $with:ty, $($changed:tt)*) => {
         $(#[$doc])*
         #[derive(Clone, Debug)]
         pub(super) struct $name(pub(super) crate::$name);
@@ -33,41 +52,31 @@ macro_rules! planted {
 }
 
 planted! {
-    /// Takes the axis whatever it does.
+    /// Takes the axis in every state.
     MoveRelative in DiscreteMotion with (),
     fn admitted(&self, _axis: &Axis) -> Result<(), Refusal> {
         Ok(())
     }
-    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Self::Run, SmcError> {
-        self.0.plan(start, axis, ())
-    }
-    fn step(&self, run: &mut Self::Run, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        self.0.step(run, axis, ())
-    }
+    genuine! { plan () }
+    genuine! { step () }
 }
 
 planted! {
-    /// Moves on without an end, and calls it discrete.
+    /// Moves on without an end, in discrete motion.
     MoveVelocity in DiscreteMotion with (),
-    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Self::Run, SmcError> {
-        self.0.plan(start, axis, ())
-    }
-    fn step(&self, run: &mut Self::Run, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        self.0.step(run, axis, ())
-    }
+    genuine! { plan () }
+    genuine! { step () }
 }
 
 planted! {
-    /// Takes half as much jerk again as the axis has.
+    /// Takes 1.5 times the jerk of the axis.
     MoveAbsolute in DiscreteMotion with (),
     fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Self::Run, SmcError> {
         let mut axis = axis.clone();
         axis.values.max_jerk *= 1.5;
         self.0.plan(start, &axis, ())
     }
-    fn step(&self, run: &mut Self::Run, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        self.0.step(run, axis, ())
-    }
+    genuine! { step () }
 }
 
 /// The same points in less time.
@@ -88,14 +97,7 @@ macro_rules! hurried_table {
             fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Self::Run, SmcError> {
                 crate::$name(hurried(&self.0.0)).plan(start, axis, ())
             }
-            fn step(
-                &self,
-                run: &mut Self::Run,
-                axis: &mut Axis,
-                (): (),
-            ) -> Result<Progress, SmcError> {
-                self.0.step(run, axis, ())
-            }
+            genuine! { step () }
         }
     };
 }
@@ -107,9 +109,7 @@ hurried_table!(AccelerationProfile in ContinuousMotion);
 planted! {
     /// Goes a little beyond its set-points.
     Follow in SynchronizedMotion with (),
-    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Self::Run, SmcError> {
-        self.0.plan(start, axis, ())
-    }
+    genuine! { plan () }
     fn step(&self, run: &mut Self::Run, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
         let Progress { setpoint, stage } = self.0.step(run, axis, ())?;
         let position = setpoint.position + 1e-3 * setpoint.velocity.signum();
@@ -126,9 +126,7 @@ impl Direct for Follow {
 planted! {
     /// Slower on its way into step.
     GearInPos in SynchronizedMotion with Master,
-    fn plan(&self, start: Start, axis: &Axis, with: Master) -> Result<Self::Run, SmcError> {
-        self.0.plan(start, axis, with)
-    }
+    genuine! { plan Master }
     fn step(
         &self,
         run: &mut Self::Run,
@@ -260,10 +258,15 @@ fn of_relative(it: &crate::MoveRelative) -> Promise {
     own(it.velocity, it.acceleration, it.deceleration)
 }
 
+/// Velocity, acceleration and deceleration.
+fn rates(random: &mut Random) -> [f64; 3] {
+    let (velocity, rate) = (random.between(0.1, 15.0), random.between(40.0, 200.0));
+    [velocity, rate, rate]
+}
+
 fn relative(random: &mut Random) -> crate::MoveRelative {
     let distance = random.between(-20.0, 20.0);
-    let (velocity, rate) = (random.between(0.1, 15.0), random.between(40.0, 200.0));
-    let (acceleration, deceleration) = (rate, rate);
+    let [velocity, acceleration, deceleration] = rates(random);
     crate::MoveRelative { distance, velocity, acceleration, deceleration }
 }
 
@@ -272,8 +275,7 @@ pub(super) fn mislabelled() -> Box<dyn Called> {
     limited(
         |MoveVelocity(it), _| own(it.velocity, it.acceleration, it.deceleration),
         |random, _, _| {
-            let (velocity, rate) = (random.between(0.1, 15.0), random.between(40.0, 200.0));
-            let (acceleration, deceleration) = (rate, rate);
+            let [velocity, acceleration, deceleration] = rates(random);
             let direction = random.direction();
             MoveVelocity(crate::MoveVelocity { velocity, acceleration, deceleration, direction })
         },
@@ -376,19 +378,9 @@ impl Called for Greedy {
         shown
     }
 
-    fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis) {
-        self.moving.change(random, axis, master);
-    }
-
-    fn name(&self) -> &'static str {
-        self.moving.name()
-    }
+    passes_on!(moving: change name promise);
 
     fn owner(&self) -> i64 {
         self.mask.unwrap_or(self.moving.owner())
-    }
-
-    fn promise(&self) -> Promise {
-        self.moving.promise()
     }
 }

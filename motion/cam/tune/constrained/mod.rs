@@ -25,7 +25,7 @@ use region::Region;
 use region::{End, Quadratic};
 use travel::Passed;
 
-/// What is to be small.
+/// Objective of a fit.
 #[derive(Clone, Copy, Debug)]
 pub enum Objective<'a> {
     /// The weighted root mean square of the error against samples.
@@ -37,7 +37,7 @@ pub enum Objective<'a> {
     Peak(Quantity),
 }
 
-/// What is looked for, and the constraints.
+/// Unknowns and constraints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constraints {
     /// `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` as they are, or as they are best without constraints.
@@ -83,7 +83,7 @@ impl Constraints {
     }
 }
 
-/// What is found.
+/// Result of a constrained fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constrained {
     /// `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling`.
@@ -329,7 +329,7 @@ impl Problem<'_> {
             // The slave goes the way it went.
             region.between([sign, 0.0], [(0.0, Bound::Given), (free, Bound::Given)]);
         }
-        // What is 0 but for rounding does not depend on the scaling.
+        // A y of 0 but for rounding does not depend on the scaling.
         let nothing = SAME * self.curve.extremes().position.magnitude();
         let whole = |y: f64| if y.abs() <= nothing { 0.0 } else { y };
         let tolerance = self.wish.tappet_tolerance[1];
@@ -535,16 +535,10 @@ fn check(
     wish: &Constraints,
 ) -> Result<(), ConstraintError> {
     // Peaks of limited quantities, and the one that is to be small, have to be finite.
-    let mut limits = wish.limits;
-    let slot = match objective {
-        Objective::Peak(Quantity::Velocity) => Some(&mut limits.velocity),
-        Objective::Peak(Quantity::Acceleration) => Some(&mut limits.acceleration),
-        Objective::Peak(Quantity::Jerk) => Some(&mut limits.jerk),
-        Objective::Error(_) | Objective::Change => None,
+    let limits = match objective {
+        Objective::Peak(of) => wish.limits.with(of, wish.limits.of(of).min(f64::MAX)),
+        Objective::Error(_) | Objective::Change => wish.limits,
     };
-    if let Some(slot) = slot {
-        *slot = slot.min(f64::MAX);
-    }
     curve.refuse_jumps(&limits, wish.repeated)?;
     let MasterMotion { velocity, acceleration, jerk } = wish.master;
     for (name, value) in [
@@ -556,29 +550,32 @@ fn check(
             return Err(LimitError::NoMagnitude { name, value }.into());
         }
     }
-    let [tolerance, of_slave] = wish.tappet_tolerance;
     let travel = wish.travel.into_iter().flatten().map(|value| ("the way of the master", value));
-    let from = NAMES.into_iter().zip(wish.from).chain(travel);
-    let start = wish.start.map(|value| ("where the master starts", value));
-    let scalings = [(NAMES[1], wish.from[1]), (NAMES[3], wish.from[3])];
+    let numbers = [0, 2].map(|index: usize| (NAMES[index], wish.from[index])).into_iter();
+    let numbers = numbers
+        .chain(travel)
+        .chain(wish.start.map(|value| ("where the master starts", value)))
+        .map(|(what, value)| (what, value, value.is_finite()));
+    let scalings = [1, 3].map(|index: usize| {
+        let value = wish.from[index];
+        (NAMES[index], value, value.is_finite() && value != 0.0)
+    });
+    let [tolerance, of_slave] = wish.tappet_tolerance;
     let magnitudes = [
         ("the stroke", wish.stroke),
         ("the tolerance of tappets", tolerance),
         ("the slave's tolerance at tappets", of_slave),
     ];
-    let intervals = NAMES.into_iter().zip(wish.sought);
-    let wrong = from
-        .chain(start)
-        .filter(|(_, value)| !value.is_finite())
-        .chain(scalings.into_iter().filter(|(_, value)| *value == 0.0))
-        .chain(magnitudes.into_iter().filter(|(_, value)| value.is_nan() || *value < 0.0))
-        .chain(intervals.filter_map(|(what, interval)| {
-            let [low, high] = interval?;
-            (low.is_nan() || high.is_nan() || low > high).then_some((what, low))
-        }))
-        .next();
-    match wrong {
-        Some((what, value)) => Err(ConstraintError::NotFinite { what, value }),
+    let intervals = NAMES.into_iter().zip(wish.sought).filter_map(|(what, interval)| {
+        let [low, high] = interval?;
+        Some((what, low, low <= high))
+    });
+    let mut all = numbers
+        .chain(scalings)
+        .chain(magnitudes.map(|(what, value)| (what, value, value >= 0.0)))
+        .chain(intervals);
+    match all.find(|(.., valid)| !valid) {
+        Some((what, value, _)) => Err(ConstraintError::NotFinite { what, value }),
         None => Ok(()),
     }
 }

@@ -1,25 +1,20 @@
-//! Search for scaling and offset of the master: a grid, then golden sections, or a direct search where both are free.
+//! Search for scaling and offset of the master: differential evolution from a grid.
 
 use super::region::Region;
 use super::{Bound, ConstraintError, End, Objective, Place, Problem, close, nearest};
 use crate::tune::Sample;
+use crate::tune::evolution::{Evolution, Population, evolve};
 use crate::tune::fit::NAMES;
+use std::f64::consts::TAU;
 
-/// Places of the grid: in each of two directions, or in one.
-const GRID: u32 = 40;
-const LINE: u32 = 400;
-/// Places of it from which the search goes on.
-const BEST: usize = 6;
-/// Golden sections of a bracket.
-const SECTIONS: usize = 80;
-/// Directions that are tried before the step of the direct search halves, its last step, and all its steps.
-const DIRECTIONS: u32 = 16;
-const LAST: f64 = 1e-11;
-const STEPS: u32 = 3000;
-/// A gain below this part is none.
-const GAIN: f64 = 1e-13;
-/// The angle between directions that never come again, as a part of a turn.
-const GOLDEN: f64 = 0.618_033_988_749_895;
+/// Places of the grid in each of two directions, or in one.
+const GRID: u32 = 24;
+const LINE: u32 = 200;
+/// How many of the best places are evolved, for how many generations; the last ones with all samples, around the best place.
+const EVOLVED: [(usize, usize, bool); 2] = [(80, 20, true), (20, 100, false)];
+const AROUND: f64 = 0.02;
+/// The angle between directions that never come again, rad.
+const GOLDEN: f64 = 0.618_033_988_749_895 * TAU;
 /// Samples that the search looks at; its end takes all.
 const SEARCHED: usize = 256;
 /// The error may be least with a scaling that is greater by this part.
@@ -36,7 +31,7 @@ struct Domain<'a> {
     masters: &'a Region,
     /// Scalings: the one next to 0, the usual one, and the farthest one.
     scalings: [f64; 3],
-    /// The mean master of the samples: what is there on the cam stays there.
+    /// The mean master of the samples, where the offset compensates the scaling.
     pivot: f64,
     /// Whether scaling and offset are searched.
     free: [bool; 2],
@@ -60,39 +55,48 @@ impl Problem<'_> {
         }
         let domain = self.domain(masters, ends)?;
         let few: Vec<Sample>;
-        let coarse = match self.objective {
-            Objective::Error(samples) => {
-                let stride = samples.len().div_ceil(SEARCHED).max(1);
-                few = samples.iter().step_by(stride).copied().collect();
-                Problem { objective: Objective::Error(&few), ..*self }
-            }
-            _ => *self,
-        };
+        let mut coarse = *self;
+        if let Objective::Error(samples) = self.objective {
+            let stride = samples.len().div_ceil(SEARCHED).max(1);
+            few = samples.iter().step_by(stride).copied().collect();
+            coarse.objective = Objective::Error(&few);
+        }
         let at = |shares: Shares| self.place(&domain, shares);
-        let scored = |problem: &Problem<'_>, shares: Shares| {
-            let [offset, scaling] = self.place(&domain, shares);
+        let score = |problem: &Problem<'_>, shares: &mut Shares| {
+            *shares = shares.map(|share| share.clamp(0.0, 1.0));
+            let [offset, scaling] = at(*shares);
             match problem.best(scaling, offset) {
                 Ok(place) => place.cost,
                 Err(by) => EXCEEDED * (1.0 + by.min(EXCEEDED)),
             }
         };
-        let score = |shares: Shares| scored(&coarse, shares);
-        let mut found = match domain.free {
-            [false, false] => [0.0, 0.0],
-            [true, true] => descend_from_grid(&score),
-            [scaling, _] => {
-                let shares = |share: f64| if scaling { [share, 0.0] } else { [0.0, share] };
-                shares(least_on_line(&|share| score(shares(share))))
-            }
-        };
-        if let (Objective::Error(samples), true) = (self.objective, domain.free != [false; 2])
-            && samples.len() > few_of(&coarse)
+        let mut all: Population<2> = domain.grid();
+        for (found, shares) in &mut all {
+            *found = score(&coarse, shares);
+        }
+        all.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let free = domain.free;
+        for (count, generations, crowded) in EVOLVED {
+            all.truncate(count);
+            let by = Evolution { free, generations, crowded, stream: 0 };
+            all = evolve(all, by, &mut |shares| score(&coarse, shares));
+        }
+        if let Objective::Error(samples) = self.objective
+            && samples.len() > SEARCHED
         {
             // All samples move the answer by little.
-            let step = 0.5 / f64::from(GRID);
-            let score = |shares: Shares| scored(self, shares);
-            found = descend((score(found), found), step, domain.free, &score).1;
+            let (_, [one, other]) = all[0];
+            let mut angle = 0.0_f64;
+            for (found, shares) in &mut all {
+                angle += GOLDEN;
+                let by = AROUND * (angle / TAU).fract();
+                *shares = [one + by * angle.cos(), other + by * angle.sin()];
+                *found = score(self, shares);
+            }
+            let by = Evolution { free, generations: EVOLVED[1].1, crowded: false, stream: 0 };
+            all = evolve(all, by, &mut |shares| score(self, shares));
         }
+        let found = all[0].1;
         let farthest = domain.scalings[0];
         let end = ends.into_iter().find(|end| close(end.value, farthest));
         let mut place = self.allowed(self.on_cam(at(found)), end.filter(|_| domain.free[0]))?;
@@ -181,26 +185,14 @@ impl Problem<'_> {
         Ok(domain)
     }
 
-    /// Offset and scaling of the master at shares of their ranges. Where the usual scaling is the best without limits, the grid is
-    /// the finer the nearer it is.
+    /// Offset and scaling of the master at shares of their ranges.
     fn place(&self, domain: &Domain<'_>, [of_scaling, of_offset]: Shares) -> [f64; 2] {
-        let [near, usual, far] = domain.scalings;
-        let scaling = if self.is_peak() {
-            near + of_scaling * (far - near)
-        } else if of_scaling >= 1.0 || close(near, far) {
-            near
-        } else {
-            let (one, other) = (usual - near, far - usual);
-            // Shares above `split` lie between the usual scaling and the one next to 0.
-            let split = if close(usual, far) { 0.0 } else { 0.25 };
-            if of_scaling >= split {
-                usual - one * ((of_scaling - split) / (1.0 - split)).powi(3)
-            } else {
-                usual + other * ((split - of_scaling) / split).powi(3)
-            }
+        let within = |[from, to]: [f64; 2], share: f64| {
+            if share >= 1.0 { to } else { from + share * (to - from) }
         };
-        let [low, high] = self.offsets(domain, scaling);
-        [if of_offset >= 1.0 { high } else { low + of_offset * (high - low) }, scaling]
+        let [near, _, far] = domain.scalings;
+        let scaling = within([near, far], of_scaling);
+        [within(self.offsets(domain, scaling), of_offset), scaling]
     }
 
     /// Least and greatest offset with a scaling: half a pass about where it was, or once along the cam, within the constraints.
@@ -237,7 +229,7 @@ impl Problem<'_> {
         if low <= high { [low, high] } else { [nearest(from[0], [low, high]); 2] }
     }
 
-    /// The same values but for the rounding that puts the master beside the cam when the slave is coupled.
+    /// The same values but for the rounding that puts the master off the cam when the slave is coupled.
     fn on_cam(&self, [offset, scaling]: [f64; 2]) -> [f64; 2] {
         let Some(master) = self.wish.start else { return [offset, scaling] };
         let free = [0, 1].map(|index| self.wish.sought[index].is_some());
@@ -257,123 +249,20 @@ impl Problem<'_> {
     }
 }
 
-fn few_of(problem: &Problem<'_>) -> usize {
-    match problem.objective {
-        Objective::Error(samples) => samples.len(),
-        _ => 0,
-    }
-}
-
-fn share(index: u32, count: u32) -> f64 {
-    f64::from(index) / f64::from(count)
-}
-
-/// The share with the least score: the best of the grid, and of golden sections about its minima.
-fn least_on_line(score: &dyn Fn(f64) -> f64) -> f64 {
-    let row: Vec<(f64, f64)> =
-        (0..=LINE).map(|index| share(index, LINE)).map(|share| (score(share), share)).collect();
-    let at = |index: usize| row.get(index).map_or(f64::INFINITY, |(score, _)| *score);
-    let mut minima: Vec<(f64, f64)> = row
-        .iter()
-        .enumerate()
-        .filter(|(index, (score, _))| {
-            *score <= at(index.wrapping_sub(1)) && *score <= at(index + 1)
-        })
-        .map(|(_, place)| *place)
-        .collect();
-    minima.sort_by(|one, other| one.0.total_cmp(&other.0));
-    let mut best = minima.first().copied().unwrap_or((f64::INFINITY, 0.0));
-    for (_, middle) in minima.into_iter().take(BEST) {
-        let ends = [-1.0, 1.0].map(|by| (middle + by / f64::from(LINE)).clamp(0.0, 1.0));
-        let found = golden(ends, score);
-        if found.0 < best.0 {
-            best = found;
-        }
-    }
-    best.1
-}
-
-/// The best place of golden sections in a bracket.
-fn golden([mut low, mut high]: [f64; 2], of: &dyn Fn(f64) -> f64) -> (f64, f64) {
-    let at = |share: f64| (of(share), share);
-    let inner = |low: f64, high: f64| high - GOLDEN * (high - low);
-    let (mut one, mut other) = (at(inner(low, high)), at(low + high - inner(low, high)));
-    let mut best = (f64::INFINITY, low);
-    for _ in 0..SECTIONS {
-        for place in [one, other] {
-            if place.0 < best.0 {
-                best = place;
-            }
-        }
-        if one.0 <= other.0 {
-            (high, other) = (other.1, one);
-            one = at(inner(low, high));
-        } else {
-            (low, one) = (one.1, other);
-            other = at(low + high - inner(low, high));
-        }
-    }
-    best
-}
-
-/// The best of direct searches from the best places of a grid that are not neighbours.
-fn descend_from_grid(score: &dyn Fn(Shares) -> f64) -> Shares {
-    let all = (0..=GRID).flat_map(|one| (0..=GRID).map(move |other| [one, other]));
-    let mut places: Vec<(f64, Shares)> = all
-        .map(|place| place.map(|index| share(index, GRID)))
-        .map(|shares| (score(shares), shares))
-        .collect();
-    places.sort_by(|one, other| one.0.total_cmp(&other.0));
-    let step = 1.0 / f64::from(GRID);
-    let mut starts: Vec<(f64, Shares)> = Vec::new();
-    for place in places {
-        let apart = |start: &(f64, Shares)| {
-            let by = [0, 1].map(|index: usize| (start.1[index] - place.1[index]).abs());
-            by[0].max(by[1]) > 2.5 * step
-        };
-        if starts.len() < BEST && starts.iter().all(apart) {
-            starts.push(place);
-        }
-    }
-    let ends = starts.into_iter().map(|start| descend(start, step, [true; 2], score));
-    ends.min_by(|one, other| one.0.total_cmp(&other.0)).map_or([0.0; 2], |(_, shares)| shares)
-}
-
-/// Direct search: along the axes, and in directions that never come again.
-fn descend(
-    (mut best, mut shares): (f64, Shares),
-    mut step: f64,
-    free: [bool; 2],
-    score: &dyn Fn(Shares) -> f64,
-) -> (f64, Shares) {
-    let mut failed = 0;
-    for turn in 0..STEPS {
-        if step <= LAST {
-            break;
-        }
-        let (sin, cos) = (std::f64::consts::TAU * GOLDEN * f64::from(turn)).sin_cos();
-        let way = match failed {
-            0 => [1.0, 0.0],
-            1 => [-1.0, 0.0],
-            2 => [0.0, 1.0],
-            3 => [0.0, -1.0],
-            _ => [cos, sin],
-        };
-        let tried = std::array::from_fn(|index| {
-            let by = if free[index] { step * way[index] } else { 0.0 };
-            (shares[index] + by).clamp(0.0, 1.0)
+impl Domain<'_> {
+    /// Shares all over the ranges: of the scaling the denser the nearer to the usual one, with which the error is least without
+    /// limits.
+    fn grid(&self) -> Population<2> {
+        let [near, usual, far] = self.scalings;
+        let usual = if close(near, far) { 0.0 } else { (usual - near) / (far - near) };
+        let count = if self.free == [true; 2] { GRID } else { LINE };
+        let steps = |free: bool| 0..=if free { count } else { 0 };
+        let share = |step: u32| f64::from(step) / f64::from(count);
+        let scalings = steps(self.free[0]).flat_map(|step| {
+            let dense = share(step).powi(3);
+            [share(step), usual - usual * dense, usual + (1.0 - usual) * dense]
         });
-        let found = score(tried);
-        if found < best * (1.0 - GAIN) {
-            (best, shares, failed) = (found, tried, 0);
-            step = (step * 1.5).min(0.1);
-        } else {
-            failed += 1;
-            if failed > DIRECTIONS {
-                step *= 0.5;
-                failed = 0;
-            }
-        }
+        let offsets = steps(self.free[1]).map(share);
+        scalings.flat_map(|one| offsets.clone().map(move |other| (0.0, [one, other]))).collect()
     }
-    (best, shares)
 }

@@ -2,8 +2,8 @@
 
 use super::super::along::along;
 use super::Problem;
-use crate::bounds::{Factors, Quantity};
-use crate::polynomial::{Coefficients, Extremes, extremes, value};
+use crate::bounds::{Factors, Quantity, scaled, weighted};
+use crate::polynomial::{Extremes, extremes, value};
 
 /// The part of a cam that the master passes with a scaling and an offset.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +18,7 @@ pub(super) struct Passed {
 }
 
 impl Problem<'_> {
-    /// What is passed; none if the slave would have to stop at once where the cam ends.
+    /// The passed part; none if the slave would have to stop at once where the cam ends.
     pub(super) fn passed(&self, scaling: f64, offset: f64) -> Option<Passed> {
         let (curve, repeated) = (self.curve, self.wish.repeated);
         let [start, end] = [curve.start(), curve.end()];
@@ -66,33 +66,14 @@ impl Problem<'_> {
             let factors = Factors { master: scaling, slave: 1.0 };
             return self.curve.peak(quantity, &self.wish.master, factors).value;
         };
-        let master = self.wish.master;
-        let [v, a, j] =
-            [master.velocity, master.acceleration, master.jerk].map(|value| value * scaling.abs());
-        // Factors of y′, y″ and y‴, with both signs of what the master adds.
-        let factors: Vec<[f64; 3]> = match quantity {
-            Quantity::Velocity => vec![[v, 0.0, 0.0]],
-            Quantity::Acceleration => [a, -a].map(|a| [a, v * v, 0.0]).to_vec(),
-            Quantity::Jerk => [(a, j), (a, -j), (-a, j), (-a, -j)]
-                .map(|(a, j)| [j, 3.0 * v * a, v * v * v])
-                .to_vec(),
-        };
+        let factors = quantity.factors(&scaled(&self.wish.master, scaling));
         let mut found = 0.0_f64;
-        along(
-            self.curve,
-            from,
-            way,
-            self.wish.repeated,
-            &mut |[_, first, second, third], width, _| {
-                for [one, two, three] in &factors {
-                    let sum: Coefficients = std::array::from_fn(|index| {
-                        one * first[index] + two * second[index] + three * third[index]
-                    });
-                    let extremes = extremes(&sum, width);
-                    found = found.max(extremes.max.abs()).max(extremes.min.abs());
-                }
-            },
-        );
+        along(self.curve, from, way, self.wish.repeated, &mut |y, width, _| {
+            for factors in &factors {
+                let extremes = extremes(&weighted(&y, *factors), width);
+                found = found.max(extremes.max.abs()).max(extremes.min.abs());
+            }
+        });
         found
     }
 

@@ -1,12 +1,12 @@
 //! A start with a ramp: what values make of it, and whether that keeps the limits.
 
-use super::super::super::coupling::CamCoupling;
-use super::super::super::curve::Curve;
-use super::super::super::selection::{CamInput, StartMode};
-use super::course::{Course, Way};
+use super::course::Way;
 use super::wish::{RampError, RampGoal, RampIn, RampWish};
 use crate::SlaveLimits;
+use crate::coupling::CamCoupling;
+use crate::curve::Curve;
 use crate::ramp_in::RampIn as RampInMotion;
+use crate::selection::{CamInput, StartMode};
 use crate::{Approach, Gap};
 use twin_profile::{AxisLimits, RampType};
 
@@ -24,12 +24,14 @@ pub(super) fn values(ramp: &RampIn) -> Values {
 #[derive(Clone, Copy, Debug)]
 pub(in crate::tune) struct Problem<'a> {
     pub(super) wish: &'a RampWish,
-    /// `VelocityDiff` is no more: a gentle ramp has none beyond the axis's own velocity, even where the cam comes towards the
+    /// `VelocityDiff` is at most this: a gentle ramp has none beyond the axis's own velocity, even where the cam comes towards the
     /// slave, which then stays below it.
     pub(super) most: f64,
     /// Where the master is on the scale of the cam.
     pub(super) place: f64,
     gap: Gap,
+    /// What positions are compared with, u: how far the slave is from its cam, and how far it goes on it.
+    span: f64,
 }
 
 impl<'a> Problem<'a> {
@@ -55,7 +57,10 @@ impl<'a> Problem<'a> {
             RampGoal::Soonest => f64::INFINITY,
             RampGoal::Gentlest { .. } => limits.velocity,
         };
-        Ok(Self { wish, most, place: coupling.place(), gap })
+        let y = table.cam.curve().extremes().position;
+        let [distance, ..] = magnitudes(&gap, false);
+        let span = distance + (y.max - y.min) * input.slave_scaling.abs();
+        Ok(Self { wish, most, place: coupling.place(), gap, span: span.max(f64::MIN_POSITIVE) })
     }
 
     /// Without a largest `VelocityDiff`.
@@ -65,7 +70,7 @@ impl<'a> Problem<'a> {
 
     /// The same start with another wish.
     pub(super) fn with<'b>(&self, wish: &'b RampWish) -> Problem<'b> {
-        Problem { wish, most: self.most, place: self.place, gap: self.gap }
+        Problem { wish, most: self.most, place: self.place, gap: self.gap, span: self.span }
     }
 
     pub(super) fn curve(&self) -> &Curve {
@@ -82,26 +87,15 @@ impl<'a> Problem<'a> {
         self.wish.ramp != RampType::Trapezoid
     }
 
-    /// How far the slave is from its cam, how much faster, and by how much it is accelerated more, as magnitudes: of a rotary
-    /// slave on the way that is shortest.
+    /// How far the slave is from its cam, how much faster, and by how much it is accelerated more, as magnitudes.
     pub(super) fn gap(&self) -> [f64; 3] {
-        let Gap { distance, velocity, acceleration, period, .. } = self.gap;
-        let turns = period.map_or(0.0, |period| (distance / period).round() * period);
-        let pull = if self.limited() { acceleration } else { 0.0 };
-        [distance - turns, velocity, pull].map(f64::abs)
+        magnitudes(&self.gap, self.limited())
     }
 
     /// What the values are at most, as logarithms.
     pub(super) fn most_values(&self) -> Values {
         let jerk = if self.limited() { self.wish.limits.jerk.ln() } else { f64::INFINITY };
         [self.most.ln(), f64::INFINITY, f64::INFINITY, jerk]
-    }
-
-    /// What positions are compared with, u: how far the slave is from its cam, and how far it goes on it.
-    pub(super) fn span(&self) -> f64 {
-        let [distance, ..] = self.gap();
-        let y = self.curve().extremes().position;
-        (distance + (y.max - y.min) * self.wish.input.slave_scaling.abs()).max(f64::MIN_POSITIVE)
     }
 
     /// No ramp is over sooner, s: with all that the axis and the motion of the cam allow.
@@ -126,14 +120,9 @@ impl<'a> Problem<'a> {
 
     /// A ramp of these values, and exactly what comes of it.
     pub(in crate::tune) fn ramp(&self, values: Values) -> Result<RampIn, RampError> {
-        Ok(self.course(values)?.ramp)
-    }
-
-    /// The same, stretch by stretch.
-    pub(super) fn course(&self, values: Values) -> Result<Course, RampError> {
         let [velocity_difference, acceleration, deceleration, ramp_jerk] = values;
         let slave = self.wish.slave;
-        let ramp = RampIn {
+        let mut ramp = RampIn {
             velocity_difference,
             acceleration,
             deceleration,
@@ -145,10 +134,8 @@ impl<'a> Problem<'a> {
             peak_cam_jerk: 0.0,
             positions: [slave.position; 2],
         };
-        let mut course =
-            Course { ramp, stretches: Vec::new(), reached: Vec::new(), steps: Vec::new() };
-        self.follow(&self.way(values)?, &mut course);
-        Ok(course)
+        self.follow(&self.way(values)?, &mut ramp);
+        Ok(ramp)
     }
 
     /// The motion of a ramp of these values, on top of the cam's.
@@ -157,7 +144,8 @@ impl<'a> Problem<'a> {
         [velocity, acceleration, deceleration, jerk]: Values,
     ) -> Result<Way, RampError> {
         let RampWish { table, input, master, slave, ramp, .. } = self.wish;
-        let pieces = if *ramp == RampType::Trapezoid {
+        let begin = self.gap.velocity;
+        if *ramp == RampType::Trapezoid {
             let input = CamInput {
                 start_mode: self.gap.mode,
                 velocity_difference: velocity,
@@ -167,30 +155,45 @@ impl<'a> Problem<'a> {
             };
             let coupling = CamCoupling::start(table.clone(), input, master, slave, 0)?;
             let bridge = coupling.bridge().into_iter().flat_map(RampInMotion::pieces);
-            bridge.map(|(duration, pull)| [duration, pull, 0.0, 0.0]).collect()
+            Ok(Way::new(begin, bridge.map(|(duration, pull)| [duration, pull, 0.0, 0.0])))
         } else {
             let limits = AxisLimits { velocity, acceleration, deceleration, jerk };
             let (approach, _) = Approach::new(self.gap, limits, *ramp)?;
-            approach.profile().stretches().collect()
-        };
-        Ok(Way { velocity: self.gap.velocity, pieces })
+            Ok(Way::new(begin, approach.profile().stretches()))
+        }
     }
 
-    /// Whether a ramp keeps all limits. The jerk is that of ramp and cam together; that of a ramp is the axis's, which has one
-    /// of its own.
-    pub(in crate::tune) fn keeps(&self, ramp: &RampIn) -> bool {
+    /// By how much a ramp exceeds the limit that it exceeds most, as a part of it. The jerk is that of ramp and cam together.
+    pub(super) fn excess(&self, ramp: &RampIn) -> f64 {
         let SlaveLimits { velocity, acceleration, jerk } = self.wish.limits;
         // What the slave moves at from before is not the ramp's doing.
         let velocity = velocity.max(self.wish.slave.velocity.abs());
         let [low, high] = self.wish.position;
         let [least, greatest] = ramp.positions;
-        let room = ROUNDING * least.abs().max(greatest.abs());
-        least >= low - room
-            && greatest <= high + room
-            && ramp.velocity_difference <= self.most
-            && !(self.limited() && ramp.ramp_jerk > jerk)
-            && ramp.peak_jerk <= jerk * (1.0 + ROUNDING)
-            && ramp.peak_velocity <= velocity * (1.0 + ROUNDING)
-            && ramp.peak_acceleration <= acceleration * (1.0 + ROUNDING)
+        let span = self.span.max(least.abs()).max(greatest.abs());
+        let axis = if self.limited() { ramp.ramp_jerk } else { 0.0 };
+        let parts = [
+            (low - least) / span,
+            (greatest - high) / span,
+            ramp.velocity_difference / self.most - 1.0,
+            axis / jerk - 1.0,
+            ramp.peak_jerk / jerk - 1.0,
+            ramp.peak_velocity / velocity - 1.0,
+            ramp.peak_acceleration / acceleration - 1.0,
+        ];
+        parts.into_iter().fold(f64::NEG_INFINITY, f64::max)
     }
+
+    /// Whether a ramp keeps all limits but for rounding.
+    pub(in crate::tune) fn keeps(&self, ramp: &RampIn) -> bool {
+        self.excess(ramp) <= ROUNDING
+    }
+}
+
+/// The magnitudes of a gap, of a rotary slave on the way that is shortest; acceleration counts where the jerk is limited.
+fn magnitudes(gap: &Gap, limited: bool) -> [f64; 3] {
+    let Gap { distance, velocity, acceleration, period, .. } = *gap;
+    let turns = period.map_or(0.0, |period| (distance / period).round() * period);
+    let pull = if limited { acceleration } else { 0.0 };
+    [distance - turns, velocity, pull].map(f64::abs)
 }

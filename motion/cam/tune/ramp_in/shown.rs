@@ -3,6 +3,7 @@
 use super::course::{Pull, Way};
 use super::problem::{Problem, values};
 use super::wish::{RampError, RampIn, RampWish};
+use crate::polynomial::value;
 use twin_profile::State;
 
 /// A moment of a start.
@@ -25,8 +26,9 @@ pub struct RampShown {
     pub stretches: Vec<Vec<RampMoment>>,
 }
 
-/// Stretches of a ramp are shown by so many moments each.
+/// Moments of each stretch of a ramp, and of a part of a sine.
 const MOMENTS: u16 = 60;
+const SHORT: u16 = 6;
 
 /// Shows the ramp of a wish that has these values.
 ///
@@ -44,11 +46,12 @@ pub fn ramp_shown(wish: &RampWish, ramp: &RampIn) -> Result<RampShown, RampError
             continue;
         }
         let pull = Pull { acceleration, jerk, angular };
-        let [way, v, a, _] = pull.motion(velocity, 1.0);
-        let of_ramp =
-            |time: f64| [&way, &v, &a].map(|(polynomial, swing)| swing.value(polynomial, time));
+        let [way, v, a, _] = pull.motion(velocity, duration, 1.0);
+        let of_ramp = |time: f64| [&way, &v, &a].map(|polynomial| value(polynomial, time));
+        // A sine has many short stretches.
+        let moments = if angular > 0.0 { SHORT } else { MOMENTS };
         let moment = |index: u16| {
-            let since = duration * f64::from(index) / f64::from(MOMENTS);
+            let since = duration * f64::from(index) / f64::from(moments);
             let cam = problem.cam_at(place + problem.speed() * (time_s + since));
             let [way, v, a] = of_ramp(since);
             let slave = State {
@@ -58,7 +61,7 @@ pub fn ramp_shown(wish: &RampWish, ramp: &RampIn) -> Result<RampShown, RampError
             };
             RampMoment { time_s: time_s + since, cam, slave }
         };
-        stretches.push((0..=MOMENTS).map(moment).collect::<Vec<_>>());
+        stretches.push((0..=moments).map(moment).collect::<Vec<_>>());
         gone += of_ramp(duration)[0];
         velocity += pull.later(duration).1;
         time_s += duration;
@@ -72,7 +75,7 @@ pub fn ramp_shown(wish: &RampWish, ramp: &RampIn) -> Result<RampShown, RampError
     Ok(RampShown { duration_s: time_s, stretches })
 }
 
-/// Where the cam of a wish has the slave so many seconds after the start, turns of a rotary slave aside.
+/// Where the cam of a wish has the slave at a time after the start, turns of a rotary slave aside.
 ///
 /// # Errors
 /// [`RampError`] if the coupling does not start.

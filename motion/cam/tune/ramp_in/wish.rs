@@ -66,12 +66,22 @@ pub struct RampIn {
     /// The largest acceleration of the slave until then, exact, u/s².
     pub peak_acceleration: f64,
     /// The largest jerk of the slave until then, u/s³. With trapezoid ramps the largest step of the ramp's acceleration by
-    /// the time of a cycle, and the largest jerk of the cam beside it; with the others exact, of both together.
+    /// the time of a cycle, and the largest jerk of the cam; with the others exact, of both together.
     pub peak_jerk: f64,
     /// The largest jerk of the cam alone until then, exact, u/s³.
     pub peak_cam_jerk: f64,
     /// Least and greatest position of the slave until then, exact, u.
     pub positions: [f64; 2],
+}
+
+impl RampIn {
+    pub(in crate::tune) fn peak(&self, quantity: Quantity) -> f64 {
+        match quantity {
+            Quantity::Velocity => self.peak_velocity,
+            Quantity::Acceleration => self.peak_acceleration,
+            Quantity::Jerk => self.peak_jerk,
+        }
+    }
 }
 
 /// A ramp in a given time has no `VelocityDiff` beyond the velocity of the axis, and one with more would be there sooner.
@@ -84,7 +94,7 @@ pub struct Held {
 }
 
 impl Held {
-    fn told(self) -> String {
+    fn sentence(self) -> String {
         let Self { velocity, free_s } = self;
         format!(
             " with a `VelocityDiff` of at most the axis's velocity, {}, as a ramp in a given time has it (with more after {} s, as \
@@ -95,13 +105,13 @@ impl Held {
     }
 }
 
-/// Why there is no ramp.
+/// Reason why no ramp is found.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RampError {
     /// The coupling does not start.
     #[error(transparent)]
     Coupling(#[from] CouplingError),
-    /// The ramp cannot be reckoned.
+    /// The profile of the ramp cannot be computed.
     #[error(transparent)]
     Profile(#[from] ProfileError),
     /// A ramp needs a limit of this.
@@ -113,14 +123,14 @@ pub enum RampError {
         /// What it is.
         value: f64,
     },
-    /// No ramp that was found keeps this limit beside all others.
+    /// No ramp keeps this limit and all others.
     #[error("no ramp keeps the slave's {what}: it reaches {}, its limit is {}", Short(*.reached), Short(*.limit))]
     Beyond {
         /// Position, velocity, acceleration or jerk.
         what: &'static str,
         /// The position that the soonest ramp reaches without that limit, u, or the smallest peak, u/s, u/s² or u/s³.
         reached: f64,
-        /// What is allowed.
+        /// Its limit.
         limit: f64,
     },
     /// The cam leaves nothing over for a ramp.
@@ -131,11 +141,11 @@ pub enum RampError {
         what: &'static str,
         /// What the cam reaches, u/s or u/s².
         peak: f64,
-        /// What is allowed.
+        /// Its limit.
         limit: f64,
     },
     /// The limits do not allow a ramp as short as it should be.
-    #[error("the slave is on its cam after {} s at the earliest{}, not within {} s", Short(*.soonest_s), .held.map_or_else(String::new, Held::told),
+    #[error("the slave is on its cam after {} s at the earliest{}, not within {} s", Short(*.soonest_s), .held.map_or_else(String::new, Held::sentence),
         Short(*.within_s))]
     TooLate {
         /// The shortest ramp that was found, s.
@@ -145,13 +155,13 @@ pub enum RampError {
         /// What makes it that late, if it is not the limits alone.
         held: Option<Held>,
     },
-    /// The shortest ramp takes so long that nobody means it.
+    /// The shortest ramp is longer than any sensible one.
     #[error("the slave is on its cam after {} s at the earliest, which is more than {} s: it is too far from the cam, or \
              the limits are too small", Short(*.soonest_s), Short(*.most_s))]
     TooLong {
         /// The shortest ramp that was found, s.
         soonest_s: f64,
-        /// What is taken for meant, s.
+        /// The longest sensible ramp, s.
         most_s: f64,
     },
 }

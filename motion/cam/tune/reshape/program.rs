@@ -1,14 +1,66 @@
-//! The linear program of a shape, and the places it looks at.
+//! The linear program of a shape.
+//!
+//! It is solved for places where the peaks were; then the true peaks of the new cam, found exactly, are added, until there are no
+//! others.
 
 use super::super::super::curve::Curve;
-use super::super::super::knot::{Derivatives, Knot, Piece};
+use super::super::super::knot::{Knot, Piece};
 use super::super::super::polynomial::{Coefficients, extremes};
 use super::super::linear_program::Program;
-use super::weight::Weights;
-use super::{KEPT_AT_TAPPETS, PEAK, POSITION, ROUNDS, ReshapeError, Wish};
+use super::short::KEPT_AT_TAPPETS;
+use super::{POSITION, ReshapeError, Wish};
+use crate::Quantity;
 use clarabel::solver::SolverStatus;
 
-/// What may be changed: which value of which point, and of which other one with it.
+/// Rounds in which peaks are added for one velocity.
+const ROUNDS: usize = 30;
+/// A peak that exceeds what the program found by less than this part is none.
+const PEAK: f64 = 1e-7;
+/// A solution stays this part of the tolerances within limits of the position, and this part of a limit of the motion within
+/// that, so that Clarabel's last digits keep them.
+const MARGIN: f64 = 1e-6;
+const MARGIN_OF_LIMITS: f64 = 2.0 * PEAK;
+/// Rows of positions are divided by no less than this part of the cam's reach: rounding would be as large as what they say.
+const NARROWEST: f64 = 1e-9;
+
+/// A sum of y, y′, y″ and y‴, and between what it is to be.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Row {
+    factors: [f64; 4],
+    ends: [f64; 2],
+    /// Whether its magnitude is to be as small as possible, instead of between the ends.
+    counts: bool,
+}
+
+/// The rows at a velocity of the master: with the `least` quantity and its size that quantity counts and the others keep their
+/// limits; without, all count alike, as parts of their limits.
+pub(super) fn rows(wish: &Wish, velocity: f64, least: Option<(Quantity, f64)>) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for quantity in Quantity::ALL {
+        let counts = least.is_none_or(|(least, _)| least == quantity);
+        let size = least.filter(|_| counts).map(|(_, size)| size);
+        let unit = size.unwrap_or(wish.limits.of(quantity));
+        if unit.is_finite() {
+            let row = |[one, two, three]: [f64; 3]| {
+                let factors = [0.0, one, two, three].map(|by| by / unit);
+                Row { factors, ends: [-1.0, 1.0], counts }
+            };
+            rows.extend(quantity.factors(&wish.master(velocity)).into_iter().map(row));
+        }
+    }
+    if wish.position.iter().any(|limit| limit.is_finite()) {
+        rows.push(Row { factors: [1.0, 0.0, 0.0, 0.0], ends: wish.position, counts: false });
+    }
+    rows
+}
+
+impl Row {
+    fn is_position(&self) -> bool {
+        self.factors[0] != 0.0
+    }
+}
+
+/// A value of a point that may be changed, and the point at the other end of a periodic cam that is changed with it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unknown {
     point: usize,
@@ -17,51 +69,30 @@ pub(super) struct Unknown {
     tolerance: f64,
 }
 
-/// At a place of a piece this sum of y′, y″ and y‴ is limited.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Place {
-    piece: usize,
-    u: f64,
-    /// Which row of the weights.
-    row: usize,
-}
-
 pub(super) struct Problem<'a> {
     knots: &'a [Knot],
     wish: &'a Wish,
     pub(super) unknowns: Vec<Unknown>,
-    places: Vec<Place>,
-    /// Pieces and places in them where the slave's position is limited.
-    positions: Vec<(usize, f64)>,
-    /// How far the slave goes, and how far from 0 it is at most: beside them, changes of its position are rounding.
+    /// Pieces, places on them and rows that are limited there.
+    places: Vec<(usize, f64, usize)>,
+    /// How far the slave goes, and how far from 0 it is at most: changes of its position far below are rounding.
     height: f64,
     reach: f64,
-    /// So far from limits that only have to be kept what is solved stays.
     margin: f64,
     pub(super) programs: usize,
 }
 
-/// Of the tolerances: so far from a limit of the position what is solved stays, so that Clarabel's last digits keep it.
-const MARGIN: f64 = 1e-6;
-/// Rows of positions are divided by no less than this part of the cam's reach: rounding would be as large as what they say.
-const NARROWEST: f64 = 1e-9;
-/// Of a limit of the motion that only has to be kept: more than peaks that are not looked at again exceed it.
-const MARGIN_OF_LIMITS: f64 = 2.0 * PEAK;
-
-fn values(knot: &Knot) -> [f64; 3] {
-    [knot.slave, knot.velocity, knot.acceleration]
-}
-
-fn set(knot: &mut Knot, value: usize, by: f64) {
-    match value {
-        0 => knot.slave += by,
-        1 => knot.velocity += by,
-        _ => knot.acceleration += by,
+/// Position, velocity or acceleration of a point.
+fn value(knot: &mut Knot, index: usize) -> &mut f64 {
+    match index {
+        0 => &mut knot.slave,
+        1 => &mut knot.velocity,
+        _ => &mut knot.acceleration,
     }
 }
 
 impl<'a> Problem<'a> {
-    pub(super) fn new(knots: &'a [Knot], wish: &'a Wish, weights: &Weights) -> Self {
+    pub(super) fn new(knots: &'a [Knot], wish: &'a Wish, rows: &[Row]) -> Self {
         let last = knots.len() - 1;
         let mut unknowns = Vec::new();
         for (point, tolerance) in wish.tolerances.iter().enumerate() {
@@ -73,64 +104,47 @@ impl<'a> Problem<'a> {
                 }
             }
         }
-        let rows = weights.rows.len();
-        let places = (0..last)
-            .flat_map(|piece| (0..rows).map(move |row| (piece, row)))
-            .filter_map(|(piece, row)| {
-                let width = knots.get(piece + 1)?.master - knots.get(piece)?.master;
-                Some([0.0, 0.25, 0.5, 0.75, 1.0].map(|share| Place {
-                    piece,
-                    u: share * width,
-                    row,
-                }))
-            })
-            .flatten()
-            .collect();
-        let bounded = wish.position.iter().any(|limit| limit.is_finite());
-        let positions = (0..last)
-            .filter(|_| bounded)
-            .filter_map(|piece| {
-                let width = knots.get(piece + 1)?.master - knots.get(piece)?.master;
-                Some([0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (piece, share * width)))
-            })
-            .flatten()
-            .collect();
-        let margin = MARGIN_OF_LIMITS;
+        let mut places = Vec::new();
+        for (piece, pair) in knots.windows(2).enumerate() {
+            let width = pair[1].master - pair[0].master;
+            for row in 0..rows.len() {
+                places.extend([0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (piece, share * width, row)));
+            }
+        }
         let (height, reach) = Curve::polynomial(knots).map_or((0.0, 0.0), |curve| {
             let found = curve.extremes().position;
             let height = found.max - found.min;
             (height, height.max(found.magnitude()))
         });
-        Self { knots, wish, unknowns, places, positions, height, reach, margin, programs: 0 }
+        let margin = MARGIN_OF_LIMITS;
+        Self { knots, wish, unknowns, places, height, reach, margin, programs: 0 }
     }
 
     /// The points that make the largest part of a limit smallest, a little within the limits that only have to be kept; on them,
     /// where nothing is left within.
-    pub(super) fn solve(&mut self, weights: &Weights) -> Result<Vec<Knot>, ReshapeError> {
-        let only_kept = weights.rows.iter().any(|weight| !weight.counts);
-        match self.solve_within(weights) {
+    pub(super) fn solve(&mut self, rows: &[Row]) -> Result<Vec<Knot>, ReshapeError> {
+        let only_kept = rows.iter().any(|row| !row.counts && !row.is_position());
+        match self.solve_within(rows) {
             Err(ReshapeError::NoShape) if only_kept && self.margin > 0.0 => {
                 self.margin = 0.0;
-                self.solve_within(weights)
+                self.solve_within(rows)
             }
             solved => solved,
         }
     }
 
-    fn solve_within(&mut self, weights: &Weights) -> Result<Vec<Knot>, ReshapeError> {
+    fn solve_within(&mut self, rows: &[Row]) -> Result<Vec<Knot>, ReshapeError> {
         let mut moved = self.knots.to_vec();
         for _ in 0..ROUNDS {
-            let (shares, part) = self.program(weights)?;
+            let (shares, part) = self.program(rows)?;
             moved = self.knots.to_vec();
             for (unknown, share) in self.unknowns.iter().zip(&shares) {
-                let by = share.clamp(-1.0, 1.0) * unknown.tolerance;
                 for point in [Some(unknown.point), unknown.twin].into_iter().flatten() {
-                    if let Some(knot) = moved.get_mut(point) {
-                        set(knot, unknown.value, by);
-                    }
+                    *value(&mut moved[point], unknown.value) +=
+                        share.clamp(-1.0, 1.0) * unknown.tolerance;
                 }
             }
-            if !self.add_peaks(&moved, weights, part) {
+            if !self.add_peaks(&moved, rows, part) {
                 break;
             }
         }
@@ -138,129 +152,98 @@ impl<'a> Problem<'a> {
     }
 
     /// Adds the places where the new points exceed what the program says; whether there were any.
-    fn add_peaks(&mut self, moved: &[Knot], weights: &Weights, part: f64) -> bool {
-        let before = self.places.len() + self.positions.len();
-        let [lowest, highest] = self.wish.position;
+    fn add_peaks(&mut self, moved: &[Knot], rows: &[Row], part: f64) -> bool {
+        let before = self.places.len();
         for (piece, pair) in moved.windows(2).enumerate() {
-            let [from, to] = pair else { continue };
-            let polynomial = Piece::between(from, to);
-            let [position, first, second, third] = polynomial.polynomials();
-            let found = extremes(&position, polynomial.width);
-            let room = POSITION * found.max.abs().max(found.min.abs());
-            for (u, beyond) in [
-                (found.at_min, found.min < lowest - room),
-                (found.at_max, found.max > highest + room),
-            ] {
-                if beyond && !self.positions.contains(&(piece, u)) {
-                    self.positions.push((piece, u));
-                }
-            }
-            for (row, weight) in weights.rows.iter().enumerate() {
-                let [a, b, c] = weight.factors;
-                let most = if weight.counts { part } else { 1.0 - self.margin };
+            let polynomial = Piece::between(&pair[0], &pair[1]);
+            let derivatives = polynomial.polynomials();
+            for (row, Row { factors, ends, counts }) in rows.iter().enumerate() {
                 let mut sum: Coefficients = [0.0; 7];
-                for (((sum, first), second), third) in
-                    sum.iter_mut().zip(first).zip(second).zip(third)
-                {
-                    *sum = a * first + b * second + c * third;
+                for (by, derivative) in factors.iter().zip(&derivatives) {
+                    sum.iter_mut().zip(derivative).for_each(|(sum, of)| *sum += by * of);
                 }
                 let found = extremes(&sum, polynomial.width);
+                let [low, high] = if rows[row].is_position() {
+                    let room = POSITION * found.max.abs().max(found.min.abs());
+                    [ends[0] - room, ends[1] + room]
+                } else {
+                    let most = if *counts { part } else { 1.0 - self.margin } * (1.0 + PEAK);
+                    [-most, most]
+                };
                 for (u, value) in [(found.at_min, found.min), (found.at_max, found.max)] {
-                    let place = Place { piece, u, row };
-                    if value.abs() > most * (1.0 + PEAK) && !self.places.contains(&place) {
+                    let place = (piece, u, row);
+                    if (value < low || value > high) && !self.places.contains(&place) {
                         self.places.push(place);
                     }
                 }
             }
         }
-        self.places.len() + self.positions.len() > before
+        self.places.len() > before
     }
 
-    /// How much one value of one end of a piece adds to y, y′, y″ and y‴ at a place.
-    fn basis(&self, piece: usize, end: usize, value: usize, u: f64) -> Derivatives {
-        let (Some(from), Some(to)) = (self.knots.get(piece), self.knots.get(piece + 1)) else {
-            return Derivatives::default();
-        };
-        let mut ends = [from, to].map(|knot| Knot::at_rest(knot.master, 0.0));
-        if let Some(knot) = ends.get_mut(end) {
-            set(knot, value, 1.0);
-        }
-        Piece::between(&ends[0], &ends[1]).at(u)
-    }
-
-    /// A linear form of the unknowns: its value without changes, and what each of them, at its tolerance, adds.
-    fn form(
-        &self,
-        piece: usize,
-        u: f64,
-        of: &dyn Fn(&Derivatives) -> f64,
-    ) -> (f64, Vec<(usize, f64)>) {
+    /// A sum of y, y′, y″ and y‴ at a place: its value without changes, and what each unknown, at its tolerance, adds.
+    fn form(&self, piece: usize, u: f64, factors: &[f64; 4]) -> (f64, Vec<(usize, f64)>) {
         let mut constant = 0.0;
-        let mut factors = Vec::new();
+        let mut entries = Vec::new();
         for end in 0..2 {
-            let point = piece + end;
-            let Some(knot) = self.knots.get(point) else { continue };
-            for (value, present) in values(knot).into_iter().enumerate() {
-                let by = of(&self.basis(piece, end, value, u));
-                constant += present * by;
-                let column = self.unknowns.iter().position(|unknown| {
-                    unknown.value == value
+            let mut knot = self.knots[piece + end];
+            for index in 0..3 {
+                let mut ends =
+                    [piece, piece + 1].map(|at| Knot::at_rest(self.knots[at].master, 0.0));
+                *value(&mut ends[end], index) = 1.0;
+                let d = Piece::between(&ends[0], &ends[1]).at(u);
+                let all = [d.position, d.velocity, d.acceleration, d.jerk];
+                let by: f64 = all.iter().zip(factors).map(|(one, by)| one * by).sum();
+                constant += *value(&mut knot, index) * by;
+                let point = piece + end;
+                let changes = |unknown: &Unknown| {
+                    unknown.value == index
                         && (unknown.point == point || unknown.twin == Some(point))
-                });
-                if let Some(column) = column
-                    && let Some(unknown) = self.unknowns.get(column)
-                {
-                    factors.push((column, by * unknown.tolerance));
+                };
+                if let Some(column) = self.unknowns.iter().position(changes) {
+                    entries.push((column, by * self.unknowns[column].tolerance));
                 }
             }
         }
-        (constant, factors)
+        (constant, entries)
     }
 
     /// Solves the linear program: shares of the tolerances, and the largest part of a limit.
-    fn program(&mut self, weights: &Weights) -> Result<(Vec<f64>, f64), ReshapeError> {
+    fn program(&mut self, rows: &[Row]) -> Result<(Vec<f64>, f64), ReshapeError> {
         self.programs += 1;
         let n = self.unknowns.len();
         let mut costs = vec![0.0; n];
         costs.push(1.0);
         let mut program = Program::new(costs);
+        let most = |entries: &[(usize, f64)]| entries.iter().map(|(_, by)| by.abs()).sum::<f64>();
         for held in &self.wish.held {
             let piece = self.knots.partition_point(|knot| knot.master <= *held).max(1) - 1;
             let piece = piece.min(self.knots.len() - 2);
-            let Some(from) = self.knots.get(piece) else { continue };
-            let (_, factors) = self.form(piece, held - from.master, &|d| d.position);
-            // Where nothing moves the slave by more than it may be off, as at an end that stays, nothing has to hold it.
-            let most: f64 = factors.iter().map(|(_, factor)| factor.abs()).sum();
-            if most > KEPT_AT_TAPPETS * self.height {
-                program.equal(factors.into_iter().map(|(column, f)| (column, f / most)), 0.0);
+            let at = held - self.knots[piece].master;
+            let (_, entries) = self.form(piece, at, &[1.0, 0.0, 0.0, 0.0]);
+            // An end that stays needs nothing that holds it.
+            let size = most(&entries);
+            if size > KEPT_AT_TAPPETS * self.height {
+                program.equal(entries.into_iter().map(|(column, by)| (column, by / size)), 0.0);
             }
         }
-        for place in &self.places {
-            let Some(weight) = weights.rows.get(place.row) else { continue };
-            let [a, b, c] = weight.factors;
-            let of = |d: &Derivatives| a * d.velocity + b * d.acceleration + c * d.jerk;
-            let (constant, factors) = self.form(place.piece, place.u, &of);
-            for sign in [1.0, -1.0] {
-                let entries = factors.iter().map(|(column, factor)| (*column, sign * factor));
-                // What counts is the part that is made small, the others keep their limits.
-                let (part, most) =
-                    if weight.counts { (-1.0, 0.0) } else { (0.0, 1.0 - self.margin) };
-                program.most(entries.chain([(n, part)]), most - sign * constant);
+        for (piece, u, row) in &self.places {
+            let Some(Row { factors, ends, counts }) = rows.get(*row) else { continue };
+            let (constant, entries) = self.form(*piece, *u, factors);
+            let (mut size, mut margin) = (1.0, self.margin);
+            if factors[0] != 0.0 {
+                // A position that no unknown moves by more than rounding stays; the limits are checked in the end.
+                if most(&entries) <= POSITION * self.reach {
+                    continue;
+                }
+                (size, margin) = (most(&entries).max(NARROWEST * self.reach), MARGIN);
             }
-        }
-        let [lowest, highest] = self.wish.position;
-        for (piece, u) in &self.positions {
-            let (constant, factors) = self.form(*piece, *u, &|d| d.position);
-            let most: f64 = factors.iter().map(|(_, factor)| factor.abs()).sum();
-            // What no unknown moves by more than rounding is as it is: what keeps the limits is looked at in the end.
-            if most <= POSITION * self.reach {
-                continue;
-            }
-            let size = most.max(NARROWEST * self.reach);
-            for (sign, limit) in [(1.0, highest), (-1.0, -lowest)] {
-                if limit.is_finite() {
-                    let entries = factors.iter().map(|(column, f)| (*column, sign * f / size));
-                    program.most(entries, (limit - sign * constant) / size - MARGIN);
+            for (sign, end) in [(1.0, ends[1]), (-1.0, -ends[0])] {
+                let row = entries.iter().map(|(column, by)| (*column, sign * by / size));
+                if *counts {
+                    program.most(row.chain([(n, -1.0)]), -sign * constant);
+                } else if end.is_finite() {
+                    program.most(row, (end - sign * constant) / size - margin);
                 }
             }
         }
@@ -272,7 +255,7 @@ impl<'a> Problem<'a> {
             SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => {
                 ReshapeError::NoShape
             }
-            status => ReshapeError::NotSolved { status },
+            status => ReshapeError::NotSolved(status),
         })?;
         let part = found.pop().unwrap_or(f64::INFINITY);
         Ok((found, part))

@@ -1,17 +1,18 @@
-//! Points with as few digits as they need.
+//! Points with few digits: 71 instead of the solver's 70.99999999957.
 //!
-//! What a linear program says ends in digits that mean nothing: 70.99999999957 for a point that goes as far as it may, to 71.
-//! Changes that are whole tolerances, or none, but for that are taken for what they are, and the others are rounded to a part of
-//! their tolerance, as coarsely as keeps everything that has to be kept, which is looked at with the points as they are rounded.
+//! A change of a whole tolerance, or of none, is taken as such; others are rounded to a part of their tolerance, as coarsely as
+//! everything that has to be kept allows with the rounded points.
 
 use super::super::super::curve::Curve;
 use super::super::super::file::clean;
 use super::super::super::knot::Knot;
-use super::{KEPT_AT_TAPPETS, Wish};
+use super::Wish;
 
+/// The slave may be so far from where it was at a tappet, as a part of how far it goes at all.
+pub(super) const KEPT_AT_TAPPETS: f64 = 1e-9;
 /// A change is the whole tolerance, or none, if it is within this part of it.
 const WHOLE: f64 = 1e-7;
-/// Rounding is tried to so many decimals of the tolerance.
+/// The most decimals of the tolerance that are tried.
 const DECIMALS: i32 = 14;
 
 /// The points as short as `keeps` lets them be; as they are found if it lets none. `old` are the points before.
@@ -22,43 +23,31 @@ pub(super) fn shortened(
     keeps: &dyn Fn(&[Knot]) -> bool,
 ) -> Vec<Knot> {
     let Ok(before) = Curve::polynomial(old) else { return found.to_vec() };
-    let height = before.extremes().position;
-    let height = height.max - height.min;
+    let y = before.extremes().position;
     let off = |knots: &[Knot]| {
         let Ok(curve) = Curve::polynomial(knots) else { return f64::INFINITY };
         let off = |at: &f64| (curve.at(*at).position - before.at(*at).position).abs();
         wish.held.iter().map(off).fold(0.0, f64::max)
     };
-    // What is found need not be better.
-    let room = off(found).max(KEPT_AT_TAPPETS * height);
-    let all = (0..=DECIMALS).map(|decimals| rounded(old, found, wish, decimals));
-    all.into_iter()
-        .find(|knots| off(knots) <= room && keeps(knots))
-        .unwrap_or_else(|| found.to_vec())
+    // The rounded points need not be better than the found ones.
+    let room = off(found).max(KEPT_AT_TAPPETS * (y.max - y.min));
+    let mut all = (0..=DECIMALS).map(|decimals| rounded(old, found, wish, decimals));
+    all.find(|knots| off(knots) <= room && keeps(knots)).unwrap_or_else(|| found.to_vec())
 }
 
-/// Changes rounded to so many decimals of their tolerances.
+/// Changes rounded to these decimals of their tolerances.
 fn rounded(old: &[Knot], found: &[Knot], wish: &Wish, decimals: i32) -> Vec<Knot> {
-    let mut knots: Vec<Knot> = old
-        .iter()
-        .zip(found)
-        .zip(&wish.tolerances)
-        .map(|((old, found), tolerance)| Knot {
-            slave: near(old.slave, found.slave, tolerance.slave, decimals),
-            velocity: near(old.velocity, found.velocity, tolerance.velocity, decimals),
-            acceleration: near(
-                old.acceleration,
-                found.acceleration,
-                tolerance.acceleration,
-                decimals,
-            ),
+    let pairs = old.iter().zip(found).zip(&wish.tolerances);
+    let mut knots: Vec<Knot> = pairs
+        .map(|((old, found), by)| Knot {
+            slave: near(old.slave, found.slave, by.slave, decimals),
+            velocity: near(old.velocity, found.velocity, by.velocity, decimals),
+            acceleration: near(old.acceleration, found.acceleration, by.acceleration, decimals),
             ..*found
         })
         .collect();
-    // What is changed at the begin is changed at the end.
-    if let (true, [first, .., last]) = (wish.repeated, knots.as_mut_slice())
-        && let [begin, .., end] = old
-    {
+    // The end changes with the begin.
+    if let (true, [first, .., last], [begin, .., end]) = (wish.repeated, &mut knots[..], old) {
         let with = |begin: f64, end: f64, now: f64| {
             if begin.to_bits() == end.to_bits() { now } else { clean(end + (now - begin)) }
         };
@@ -75,26 +64,18 @@ pub(in crate::tune) fn near(old: f64, found: f64, tolerance: f64, decimals: i32)
     if tolerance <= 0.0 || share.abs() <= WHOLE {
         return old;
     }
-    let ends = [old - tolerance, old + tolerance].map(clean);
+    let [low, high] = [old - tolerance, old + tolerance].map(clean);
     if share.abs() >= 1.0 - WHOLE {
-        return if share > 0.0 { ends[1] } else { ends[0] };
+        return if share > 0.0 { high } else { low };
     }
     #[expect(clippy::cast_possible_truncation, reason = "an exponent of ten")]
     let unit = tolerance.log10().floor() as i32 - decimals;
-    let nearest = to_unit(found, unit);
-    let [low, high] = ends;
-    if (low..=high).contains(&nearest) { nearest } else { nearest.clamp(low, high) }
-}
-
-/// The nearest multiple of a power of ten, as a decimal.
-fn to_unit(value: f64, exponent: i32) -> f64 {
-    let short = if exponent > 0 {
-        let unit = 10_f64.powi(exponent);
-        (value / unit).round() * unit
+    // The nearest multiple of a power of ten, as a decimal, without a minus before 0.
+    let nearest = if unit > 0 {
+        (found / 10_f64.powi(unit)).round() * 10_f64.powi(unit)
     } else {
-        let decimals = usize::try_from(-exponent).unwrap_or_default().min(300);
-        format!("{value:.decimals$}").parse().unwrap_or(value)
+        let decimals = usize::try_from(-unit).unwrap_or_default().min(300);
+        format!("{found:.decimals$}").parse().unwrap_or(found)
     };
-    // No minus before nothing.
-    if short == 0.0 { 0.0 } else { short }
+    (nearest + 0.0).clamp(low, high)
 }

@@ -68,7 +68,7 @@ fn the_sign_of_the_scaling_is_kept() {
     }
 }
 
-/// What fits mirrored alone is found so, whatever is in effect, and nothing stands beside it.
+/// What fits mirrored alone is found so, whatever is in effect, and nothing competes with it.
 #[test]
 fn a_mirrored_slave_that_alone_fits_is_found() {
     let curve = slanting();
@@ -127,7 +127,7 @@ fn repeats_that_are_mirrored_too() {
 }
 
 /// An interval says which is meant: half-way between two repeats, of the other sign, or on another pass than the one next to 0;
-/// and where nothing that fits lies in it, that is told.
+/// and where nothing that fits lies in it, that is reported.
 #[test]
 fn an_interval_says_which_is_meant() {
     let curve = lifts(2);

@@ -1,20 +1,12 @@
 //! Offsets and scalings within limits: in closed form, and against grids over all that the limits leave.
 
-use super::Random;
+use super::{PEAK, Random, VELOCITY, at_rest, lift};
 use crate::tune::{
     Bound, Constrained, ConstraintError, Constraints, Free, Objective, Sample, constrained_fit,
 };
-use crate::{Curve, Factors, Knot, MasterMotion, Quantity, SlaveLimits};
+use crate::{Curve, Factors, MasterMotion, Quantity, SlaveLimits};
 
-/// 100 up in half a turn and down in the other one.
-fn lift() -> Curve {
-    let knots = [(0.0, 0.0), (180.0, 100.0), (360.0, 0.0)].map(|(x, y)| Knot::at_rest(x, y));
-    Curve::polynomial(&knots).expect("a cam")
-}
-
-const VELOCITY: f64 = 300.0;
-const NONE: Free =
-    Free { master_offset: false, master_scaling: false, slave_offset: false, slave_scaling: false };
+const NONE: Free = Free::NONE;
 const SLAVE: Free = Free { slave_offset: true, slave_scaling: true, ..NONE };
 
 const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -79,7 +71,7 @@ fn kept(curve: &Curve, wish: &Constraints, values: [f64; 4]) -> bool {
         && wish.sought[1].is_none_or(|[least, greatest]| (least..=greatest).contains(&values[1]))
 }
 
-/// Of a slave with a gain of 0.9 that should go 1: it is to be told 1/0.9, and the largest scaling is the limit over the peak.
+/// Of a slave with a gain of 0.9 that should go 1: its set-point is 1/0.9, and the largest scaling is the limit over the peak.
 #[test]
 fn a_gain_with_a_limit_that_binds() {
     let curve = lift();
@@ -88,7 +80,7 @@ fn a_gain_with_a_limit_that_binds() {
     let y: Vec<f64> = samples.iter().map(|one| one.slave * 0.9).collect();
     let mean = y.iter().sum::<f64>() / 240.0;
     let square = y.iter().map(|y| y * y).sum::<f64>() / 240.0;
-    let peak = 10.0 / 3.0_f64.sqrt() * 100.0 / 180.0_f64.powi(2) * VELOCITY.powi(2);
+    let peak = PEAK * VELOCITY.powi(2);
     let limit = 1.05 * peak;
     let limits = SlaveLimits { acceleration: limit, ..SlaveLimits::NONE };
     let by = Bound::Limit { quantity: Quantity::Acceleration, limit };
@@ -118,7 +110,7 @@ fn a_gain_with_a_limit_that_binds() {
     assert!((found.values[2] - (106.0 - 100.0 * found.values[3])).abs() < 1e-9, "{found:?}");
     let held = vec![Bound::Position { limit: 106.0 }];
     assert_eq!(found.held, [vec![], vec![], held.clone(), held]);
-    // Below that the acceleration holds the scaling, and the position the offset beside it.
+    // Below that the acceleration holds the scaling, and the position the offset next to it.
     let acceleration = 1.03 * peak;
     let limits = SlaveLimits { acceleration, ..SlaveLimits::NONE };
     let found = bounded(&curve, &samples, &Constraints { limits, position, ..both.clone() });
@@ -140,7 +132,7 @@ fn a_gain_with_a_limit_that_binds() {
 }
 
 #[test]
-fn what_leaves_nothing_is_told() {
+fn what_leaves_nothing_is_reported() {
     let curve = lift();
     let from = [0.0, 1.0, 0.0, 1.0];
     let samples = samples(&curve, from, 1.0);
@@ -236,11 +228,7 @@ fn random_task(random: &mut Random, curve: &Curve, from: [f64; 4], free: Free) -
 
 #[test]
 fn no_grid_finds_a_smaller_error() {
-    let curve = Curve::polynomial(
-        &[(0.0, 0.0), (120.0, 70.0), (180.0, 100.0), (360.0, 0.0)]
-            .map(|(x, y)| Knot::at_rest(x, y)),
-    )
-    .expect("a cam");
+    let curve = at_rest(&[(0.0, 0.0), (120.0, 70.0), (180.0, 100.0), (360.0, 0.0)]);
     let mut random = Random(11);
     let mut changed = 0;
     for round in 0..24 {
@@ -319,7 +307,7 @@ fn no_grid_finds_a_smaller_change() {
 fn the_least_change_in_closed_form() {
     let curve = lift();
     let free = Free { master_scaling: true, slave_scaling: true, ..NONE };
-    let peak = 10.0 / 3.0_f64.sqrt() * 100.0 / 180.0_f64.powi(2) * VELOCITY.powi(2);
+    let peak = PEAK * VELOCITY.powi(2);
     let limits = SlaveLimits { acceleration: 0.75 * peak, ..SlaveLimits::NONE };
     let task = Constraints { limits, ..wish([0.0, 1.0, 0.0, 1.0], free) };
     let [_, m, _, s] = nearest(&curve, &task).expect("a change").values;
@@ -327,7 +315,7 @@ fn the_least_change_in_closed_form() {
     assert!(((1.0 - m) * m - 2.0 * s * (1.0 - s)).abs() < 1e-6, "{s} {m}");
 }
 
-/// Where the least error within the limits is that of a slave that stands, that is told; and the offset is never further than
+/// Where the least error within the limits is that of a slave at rest, that is reported; and the offset is never further than
 /// half a turn from where it was, however little the slave moves.
 #[test]
 fn limits_that_leave_next_to_nothing() {
@@ -353,7 +341,7 @@ fn limits_that_leave_next_to_nothing() {
     }
 }
 
-/// What is told without limits would put the master 3 before the begin of the cam: it starts at the begin then, and the offset of
+/// What is reported without limits would put the master 3 before the begin of the cam: it starts at the begin then, and the offset of
 /// the slave makes the mean of the error good, which is the mean of what the cam differs.
 #[test]
 fn the_master_starts_on_the_cam() {
@@ -379,7 +367,7 @@ fn the_master_starts_on_the_cam() {
     let (one, other) = (Bound::Start { master: 0.0 }, Bound::Given);
     assert_eq!(error, ConstraintError::Contradictory { unknown: "MasterOffset", one, other });
     // A limit asks for less of the scaling, and where the master starts holds it: at 40 with an offset of −30 it is 0.75 at least.
-    let peak = 10.0 / 3.0_f64.sqrt() * 100.0 / 180.0_f64.powi(2) * VELOCITY.powi(2);
+    let peak = PEAK * VELOCITY.powi(2);
     let both = Free { master_scaling: true, slave_scaling: true, ..NONE };
     let from = [-30.0, 1.0, 0.0, 1.0];
     let limited = |part: f64, start, free| Constraints {
@@ -400,12 +388,12 @@ fn the_master_starts_on_the_cam() {
     }
 }
 
-/// A scaling is looked for within its interval alone, and the end of it is told.
+/// A scaling is looked for within its interval alone, and the end of it is reported.
 #[test]
 fn the_interval_of_a_scaling_is_kept() {
     let curve = lift();
     let from = [0.0, 1.0, 0.0, 1.0];
-    let peak = 10.0 / 3.0_f64.sqrt() * 100.0 / 180.0_f64.powi(2) * VELOCITY.powi(2);
+    let peak = PEAK * VELOCITY.powi(2);
     let limits = SlaveLimits { acceleration: 0.5 * peak, ..SlaveLimits::NONE };
     let both = Free { master_scaling: true, slave_scaling: true, ..NONE };
     let task = within([0.95, 1.05], Constraints { limits, ..wish(from, both) });

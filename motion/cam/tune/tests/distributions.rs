@@ -43,14 +43,14 @@ fn correlations_of_noise() {
     for (samples, r) in [(6_usize, 0.6), (12, 0.5), (20, 0.45)] {
         let mut beyond = 0_u32;
         for _ in 0..200_000 {
-            let (mut square, mut beside, mut before) = (0.0, 0.0, 0.0);
+            let (mut square, mut product, mut before) = (0.0, 0.0, 0.0);
             for _ in 0..samples {
                 let e = random.normal();
                 square += e * e;
-                beside += e * before;
+                product += e * before;
                 before = e;
             }
-            beyond += u32::from((beside / square).abs() > r);
+            beyond += u32::from((product / square).abs() > r);
         }
         let (found, said) = (f64::from(beyond) / 2e5, correlation_exceeds(r, samples));
         assert!((found / said - 1.0).abs() < 0.1, "{samples}: {found} {said}");

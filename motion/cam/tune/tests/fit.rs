@@ -1,7 +1,7 @@
 //! Offsets, scalings and dead times from made-up runs.
 
 use super::{Random, at_rest, right, trials};
-use crate::tune::{FitError, FitOptions, Free, Sample, Switching, dead_time, fit};
+use crate::tune::{FitError, FitOptions, Free, Sample, fit};
 use crate::{Curve, Knot};
 
 /// Of which 95 % hit.
@@ -146,33 +146,27 @@ fn outliers_are_named() {
     let error = fit(&curve, &samples, &FitOptions::default()).expect_err("one");
     let FitError::Outliers { outliers } = &error else { panic!("{error}") };
     assert_eq!((outliers.len(), outliers[0].0), (1, 5));
-    // A position that is no position at all.
+    // A position that is not a position at all.
     let mut samples = run(&mut Random(2), &curve, truth, 0.2, 60);
     samples[30].slave = 1e6;
     let error = fit(&curve, &samples, &FitOptions::default()).expect_err("one");
     assert!(matches!(&error, FitError::Outliers { outliers } if outliers[0].0 == 31), "{error}");
 }
 
-/// A master that stands, and one that stays where the cam rests.
+/// A master at rest, and one that stays where the cam rests.
 #[test]
-fn rests_are_told() {
+fn rests_are_reported() {
     let curve = lift();
     let mut random = Random(3);
     let still: Vec<_> = (0..40)
         .map(|_| Sample { master: 50.0, slave: 20.0 + 0.1 * random.normal(), weight: 1.0 })
         .collect();
     let error = fit(&curve, &still, &FitOptions::default()).expect_err("it stands");
-    let said =
-        "the master stands at 50 in all 40 samples: nothing tells MasterOffset and SlaveOffset";
+    let said = "the master is at 50 in all 40 samples, which does not determine MasterOffset and SlaveOffset";
     assert_eq!(error.to_string(), said);
-    let free = Free {
-        master_offset: false,
-        master_scaling: false,
-        slave_offset: true,
-        slave_scaling: false,
-    };
+    let free = Free { slave_offset: true, ..Free::NONE };
     let offset = FitOptions { free, ..FitOptions::default() };
-    // What is told is a mean of independent positions, with Student's t of 39 degrees, 2.0227.
+    // The reported value is a mean of independent positions, with Student's t of 39 degrees, 2.0227.
     let mean = still.iter().map(|sample| sample.slave).sum::<f64>() / 40.0;
     let square = still.iter().map(|sample| (sample.slave - mean).powi(2)).sum::<f64>();
     let expected = 2.0227 * (square / 39.0 / 40.0).sqrt();
@@ -194,26 +188,20 @@ fn rests_are_told() {
     }
 }
 
-/// One line of the slave is told on a dwell as well: of 1,000 trials 95 % hold the offset, or the scaling. A slave that does not
+/// One line of the slave is reported on a dwell as well: of 1,000 trials 95 % hold the offset, or the scaling. A slave that does not
 /// rest while its cam does is none of this cam.
 #[test]
-fn a_dwell_tells_one_line() {
+fn a_dwell_determines_one_line() {
     let curve = lift();
-    let none = Free {
-        master_offset: false,
-        master_scaling: false,
-        slave_offset: false,
-        slave_scaling: false,
-    };
-    let offset = Free { slave_offset: true, ..none };
-    let scaling = Free { slave_scaling: true, ..none };
-    for (free, stands) in [(offset, false), (offset, true), (scaling, false)] {
+    let offset = Free { slave_offset: true, ..Free::NONE };
+    let scaling = Free { slave_scaling: true, ..Free::NONE };
+    for (free, rests) in [(offset, false), (offset, true), (scaling, false)] {
         let options = FitOptions { free, ..FitOptions::default() };
         let mut held = 0;
         for seed in 0..trials(1000) {
             let mut random = Random(seed + 31_000);
             let sample = |index: i32| Sample {
-                master: if stands { 50.0 } else { 112.0 + 0.2 * f64::from(index) },
+                master: if rests { 50.0 } else { 112.0 + 0.2 * f64::from(index) },
                 slave: 0.0,
                 weight: 1.0,
             };
@@ -227,13 +215,13 @@ fn a_dwell_tells_one_line() {
                 })
                 .collect();
             let found = fit(&curve, &samples, &options)
-                .unwrap_or_else(|error| panic!("{seed} {stands}: {error}"));
+                .unwrap_or_else(|error| panic!("{seed} {rests}: {error}"));
             held += usize::from(
                 found.estimates[2].half_width > 0.0 && found.estimates[2].holds(truth[0])
                     || found.estimates[3].half_width > 0.0 && found.estimates[3].holds(truth[1]),
             );
         }
-        assert!(right(trials(1000)).contains(&held), "{stands}: {held}");
+        assert!(right(trials(1000)).contains(&held), "{rests}: {held}");
     }
     let mut random = Random(7);
     let wild: Vec<_> = (0..100)
@@ -245,8 +233,8 @@ fn a_dwell_tells_one_line() {
         .collect();
     let options = FitOptions { free: offset, ..FitOptions::default() };
     let error = fit(&curve, &wild, &options).expect_err("another slave");
-    let told = matches!(error, FitError::Unexplained { .. } | FitError::TooFar { .. });
-    assert!(told, "{error}");
+    let refused = matches!(error, FitError::Unexplained { .. } | FitError::TooFar { .. });
+    assert!(refused, "{error}");
 }
 
 #[test]
@@ -268,7 +256,7 @@ fn what_data_do_not_say_is_not_fitted() {
     let samples = run(&mut random, &straight, truth, 0.1, 100);
     let error = fit(&straight, &samples, &FitOptions::default()).expect_err("one of two");
     assert_eq!(error, FitError::Undetermined { unknowns: vec!["MasterOffset", "SlaveOffset"] });
-    // A master that stands.
+    // A master at rest.
     let still: Vec<_> = (0..100)
         .map(|_| Sample { master: 50.0, slave: 20.0 + 0.1 * random.normal(), weight: 1.0 })
         .collect();
@@ -296,42 +284,4 @@ fn what_data_do_not_say_is_not_fitted() {
     wrong[3].weight = 0.0;
     let refused = FitError::NoNumber { index: 4, what: "weight", value: 0.0 };
     assert_eq!(fit(&curve, &wrong, &FitOptions::default()), Err(refused));
-}
-
-#[test]
-fn dead_times_lie_in_their_intervals() {
-    for with_offset in [false, true] {
-        let mut hits = [0_usize; 2];
-        for seed in 0..trials(TRIALS) {
-            let mut random = Random(seed + 7_000_000);
-            let truth = [random.between(0.0, 0.05), random.between(-1.0, 1.0)];
-            let seen: Vec<_> = (0..12)
-                .map(|_| {
-                    let velocity = random.between(-300.0, 500.0);
-                    let deviation = random.between(0.05, 0.5);
-                    let offset = if with_offset { truth[1] } else { 0.0 };
-                    let distance = velocity * truth[0] + offset + deviation * random.normal();
-                    Switching { velocity, distance, weight: 1.0 / (deviation * deviation) }
-                })
-                .collect();
-            let found = dead_time(&seen, with_offset).expect("a dead time");
-            hits[0] += usize::from(found.dead_time_s.holds(truth[0]));
-            hits[1] += usize::from(found.offset.holds(if with_offset { truth[1] } else { 0.0 }));
-        }
-        assert!(right(trials(TRIALS)).contains(&hits[0]), "{hits:?}");
-        assert!(
-            if with_offset {
-                right(trials(TRIALS)).contains(&hits[1])
-            } else {
-                hits[1] as u64 == trials(TRIALS)
-            },
-            "{hits:?}"
-        );
-    }
-    let at = |velocity| Switching { velocity, distance: 1.0, weight: 1.0 };
-    let same = dead_time(&[at(100.0); 9], true);
-    assert_eq!(same, Err(FitError::Undetermined { unknowns: vec!["dead time", "offset"] }));
-    assert_eq!(dead_time(&[at(100.0); 9], false).expect("a time").dead_time_s.value, 0.01);
-    let few = FitError::TooFewSwitchings { found: 3, needed: 4 };
-    assert_eq!(dead_time(&[at(1.0), at(2.0), at(3.0)], true), Err(few));
 }

@@ -1,4 +1,4 @@
-//! The sentence that tuning stands by: of 1,000 seeded trials 95 % have the truth within the interval that is stated, whatever
+//! The promise of tuning: of 1,000 seeded trials 95 % have the truth within the interval that is stated, whatever
 //! recordings are like: dwells, steps of any size, noise that goes on, jitter of the master, all unknowns.
 
 use super::{Random, at_rest, right, trials};
@@ -17,7 +17,7 @@ use Right::{AndMore as AND_MORE, Hits as HITS};
 /// wide would say nothing.
 const WIDEST: f64 = 2.0 * 1.96;
 
-pub(super) const OFFSETS: Free = Free { master_scaling: false, slave_scaling: false, ..Free::ALL };
+pub(super) const OFFSETS: Free = Free::OFFSETS;
 pub(super) const SLAVE: Free = Free { master_offset: false, master_scaling: false, ..Free::ALL };
 const ALL: Free = Free::ALL;
 
@@ -79,7 +79,7 @@ impl Case {
     fn named(&self) -> String {
         let Self { curve: _, free, samples, turns, step, decimals, noise, correlation, jitter } =
             self;
-        let free = [free.master_offset, free.master_scaling, free.slave_offset, free.slave_scaling];
+        let free = free.list();
         format!(
             "{free:?}, {samples} samples of {turns} turns, step {step} ({decimals:?}), noise {noise} ({correlation}), jitter \
              {jitter}"
@@ -110,13 +110,13 @@ impl Case {
             .collect()
     }
 
-    /// Of both offsets, or offset and scaling of the slave: which part of what is found hits, how many are told as no noise, and how
+    /// Of both offsets, or offset and scaling of the slave: which part of what is found hits, how many are reported as no noise, and how
     /// much wider the intervals are than 1.96 times what is found scatters.
     pub(super) fn tried(&self) -> ([f64; 2], u64, [f64; 2]) {
         let curve = (self.curve)();
-        let (mut hits, mut told) = ([0_u32; 2], 0);
+        let (mut hits, mut refused) = ([0_u32; 2], 0);
         let (mut widths, mut squares) = ([0.0; 2], [0.0; 2]);
-        let trials = trials(TRIALS);
+        let trials = TRIALS;
         for seed in 0..trials {
             let mut random = Random(seed + 1_610_000);
             let free = self.free;
@@ -128,7 +128,7 @@ impl Case {
             let found = match fit(&curve, &samples, &options) {
                 Ok(found) if found.is_noise(samples.len()) => found,
                 Ok(_) | Err(FitError::Contradictory { .. }) => {
-                    told += 1;
+                    refused += 1;
                     continue;
                 }
                 Err(error) => panic!("{} {seed}: {error}", self.named()),
@@ -145,28 +145,23 @@ impl Case {
                 squares[index] += (found.value - truth).powi(2);
             }
         }
-        let count = f64::from(u32::try_from(trials - told).expect("a thousand"));
+        let count = f64::from(u32::try_from(trials - refused).expect("a thousand"));
         let part = hits.map(|hits| f64::from(hits) / count);
         let wide: [f64; 2] = std::array::from_fn(|index| {
             widths[index] / count / (1.96 * (squares[index] / count).sqrt())
         });
-        (part, told, wide)
+        (part, refused, wide)
     }
 
-    /// What is found in all trials, of which so many are to hit each unknown. One in two hundred at most may be told as no
+    /// What is found in all trials, of which this part is to hit each unknown. One in two hundred at most may be reported as no
     /// noise; that counts as a miss.
     pub(super) fn holds(&self, wanted: Right) -> Vec<Fit> {
         let trials = trials(TRIALS);
         let [least, most] = [*right(trials).start(), *right(trials).end()];
         let most = if wanted == Right::Hits { most } else { usize::MAX };
         let (curve, name) = ((self.curve)(), self.named());
-        let free = [
-            self.free.master_offset,
-            self.free.master_scaling,
-            self.free.slave_offset,
-            self.free.slave_scaling,
-        ];
-        let (mut hits, mut told) = ([0_usize; 4], 0);
+        let free = self.free.list();
+        let (mut hits, mut refused) = ([0_usize; 4], 0);
         let (mut widths, mut squares) = ([0.0; 4], [0.0; 4]);
         let mut all = Vec::new();
         for seed in 0..trials {
@@ -186,18 +181,16 @@ impl Case {
             let found = fit(&curve, &samples, &options);
             let found = found.unwrap_or_else(|error| panic!("{name} {seed}: {error}"));
             let noise = found.is_noise(samples.len());
-            told += usize::from(!noise);
-            let estimates =
-                [found.estimates[0], found.estimates[1], found.estimates[2], found.estimates[3]];
-            for (index, (estimate, truth)) in estimates.into_iter().zip(truth).enumerate() {
+            refused += usize::from(!noise);
+            for (index, (estimate, truth)) in found.estimates.into_iter().zip(truth).enumerate() {
                 hits[index] += usize::from(noise && estimate.holds(truth));
                 widths[index] += estimate.half_width;
                 squares[index] += (estimate.value - truth).powi(2);
             }
             all.push(found);
         }
-        println!("{name}: {hits:?}, told {told}");
-        assert!(told <= 5, "{name}: {told} told");
+        println!("{name}: {hits:?}, refused {refused}");
+        assert!(refused <= 5, "{name}: {refused} refused");
         #[expect(clippy::cast_precision_loss, reason = "a thousand")]
         let count = trials as f64;
         for (index, (hits, free)) in hits.iter().zip(free).enumerate() {
@@ -261,7 +254,7 @@ fn rounded_with_a_little_noise() {
     }
 }
 
-/// More of it hides the steps, and in some runs they are not told any more. Reckoned with is rather less noise than there is, as
+/// More of it hides the steps, and in some runs they are not reported any more. The estimate is rather less noise than there is, as
 /// what it hides of rounding is known badly: so more may hit.
 #[test]
 fn rounded_with_noise() {
@@ -308,7 +301,7 @@ fn cams_whose_return_mirrors_their_rise() {
     }
 }
 
-/// On dwells nothing is seen of it: what is found there is known better than what is left over elsewhere tells, and so more hit.
+/// On dwells nothing is seen of it: what is found there is known better than residuals elsewhere suggest, and so more hit.
 #[test]
 fn jitter_of_the_master() {
     for (free, step) in [(OFFSETS, 0.0), (SLAVE, 0.0), (OFFSETS, 0.1), (SLAVE, 0.1)] {
@@ -318,20 +311,20 @@ fn jitter_of_the_master() {
 }
 
 /// Jitter that is far more than the slave's own noise: where the cam is steep, samples are far off for those of the dwells, and
-/// none of them is told. A slip of eight times the jitter on the way up is.
+/// none of them is reported. A slip of eight times the jitter on the way up is.
 #[test]
 fn jitter_of_the_master_is_no_outlier() {
     let curve = dwelling();
     let truth = [2.0, 1.0, 0.5, 1.0];
-    let (mut told, mut slipped) = (0_u64, 0_u64);
-    let runs = trials(400);
+    let (mut refused, mut slipped) = (0_u64, 0_u64);
+    let runs = 400;
     for (samples, runs) in [(200, 5 * runs), (1000, runs)] {
         let case = Case { noise: 0.01, jitter: 0.3, samples, ..STILL };
         for seed in 0..runs {
             let mut random = Random(seed + 93_000);
             let mut recorded = case.record(&mut random, &curve, truth);
             let found = fit(&curve, &recorded, &FitOptions::default());
-            told += u64::from(matches!(found, Err(FitError::Outliers { .. })));
+            refused += u64::from(matches!(found, Err(FitError::Outliers { .. })));
             if seed % 10 == 0 {
                 // In the middle of the first way up, where the slope is 15/8 · 80/110.
                 let index = usize::try_from(samples * 55 / 720).expect("an index");
@@ -344,12 +337,11 @@ fn jitter_of_the_master_is_no_outlier() {
         }
     }
     // One in ten runs slips.
-    println!("told {told} of {}, slips {slipped} of {}", 6 * runs, 6 * runs / 10);
-    // 15 of 16 slips are told; of few runs three fewer by chance.
-    assert!(told <= 1 && 16 * (slipped + 3) >= 15 * 6 * runs / 10, "{told} {slipped}");
+    println!("refused {refused} of {}, slips {slipped} of {}", 6 * runs, 6 * runs / 10);
+    assert!(refused <= 1 && slipped >= 225, "{refused} {slipped}");
 }
 
-/// Most samples are fitted as they are, and those between are no outliers for that.
+/// Most samples are fitted as they are, and those between are not outliers for that.
 #[test]
 fn rounded_on_a_long_dwell() {
     Case { curve: resting, step: COUNTS, noise: 0.1 * COUNTS, samples: 200, ..STILL }
@@ -358,7 +350,7 @@ fn rounded_on_a_long_dwell() {
 
 /// Noise that goes on too strongly, a coupling that slips, and a sample that is off.
 #[test]
-fn what_is_wrong_is_told_of_rounded_positions_too() {
+fn what_is_wrong_is_reported_of_rounded_positions_too() {
     let curve = dwelling();
     let truth = [2.0, 1.0, 0.5, 1.0];
     let case = Case { step: 0.1, samples: 600, ..STILL };
@@ -391,7 +383,8 @@ fn what_is_wrong_is_told_of_rounded_positions_too() {
         off +=
             usize::from(matches!(&found, Err(FitError::Outliers { outliers }) if named(outliers)));
     }
-    // Where it is not told, the intervals hold it.
-    assert!(gone_on + held >= 95, "{gone_on} {held}");
+    // Where it is not refused, the intervals hold it.
+    println!("refused {gone_on}, held {held}");
+    assert!(gone_on >= 90 && gone_on + held >= 95, "{gone_on} {held}");
     assert!(slipped == 100 && off == 100, "{slipped} {off}");
 }

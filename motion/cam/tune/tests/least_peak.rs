@@ -1,14 +1,8 @@
 //! Offsets and scalings with the smallest peak: where that is known in closed form, and against grids.
 
-use super::Random;
+use super::{PEAK, Random, VELOCITY, lift};
 use crate::tune::{Bound, Constrained, ConstraintError, Constraints, Objective, constrained_fit};
 use crate::{Curve, Knot, MasterMotion, Quantity, SlaveLimits};
-
-/// 100 up in half a turn and down in the other one.
-fn lift() -> Curve {
-    let knots = [(0.0, 0.0), (180.0, 100.0), (360.0, 0.0)].map(|(x, y)| Knot::at_rest(x, y));
-    Curve::polynomial(&knots).expect("a cam")
-}
 
 /// The quintic of two points at rest: y, y″ and y‴ at a part of the way.
 fn rest_to_rest(rise: f64, width: f64, s: f64) -> [f64; 3] {
@@ -18,8 +12,6 @@ fn rest_to_rest(rise: f64, width: f64, s: f64) -> [f64; 3] {
         rise / width.powi(3) * (60.0 - 360.0 * s + 360.0 * s * s),
     ]
 }
-
-const VELOCITY: f64 = 300.0;
 
 fn wish() -> Constraints {
     let master = MasterMotion { velocity: VELOCITY, acceleration: 0.0, jerk: 0.0 };
@@ -39,8 +31,7 @@ fn least(
 /// slave, and with the square and the cube of the master's.
 #[test]
 fn intervals_hold_what_nothing_else_holds() {
-    let peaks =
-        [10.0 / 3.0_f64.sqrt() * 100.0 / 180.0_f64.powi(2), 60.0 * 100.0 / 180.0_f64.powi(3)];
+    let peaks = [PEAK, 60.0 * 100.0 / 180.0_f64.powi(3)];
     for (quantity, peak, power) in
         [(Quantity::Acceleration, peaks[0], 2), (Quantity::Jerk, peaks[1], 3)]
     {
@@ -231,8 +222,11 @@ fn no_place_of_a_grid_is_gentler() {
         let [offset, scaling, _, factor] = found.values;
         let (height, peak) = sampled(offset, scaling);
         assert!(height * factor >= stroke * 0.999, "{seed}: {found:?}");
-        let told = found.after / factor.abs();
-        assert!(peak <= told * (1.0 + 1e-9) && peak >= told * 0.95, "{seed}: {peak} {found:?}");
+        let reported = found.after / factor.abs();
+        assert!(
+            peak <= reported * (1.0 + 1e-9) && peak >= reported * 0.95,
+            "{seed}: {peak} {found:?}"
+        );
         for (value, [low, high]) in [(offset, offsets), (scaling, scalings), (factor, factors)] {
             assert!(value >= low - 1e-9 && value <= high + 1e-9, "{seed}: {found:?}");
         }
@@ -240,7 +234,7 @@ fn no_place_of_a_grid_is_gentler() {
     assert!(found_some >= 20 && none < 20, "{found_some} {none}");
 }
 
-/// Demands that no scaling fulfils are told, and no place is taken where they are not fulfilled.
+/// Demands that no scaling fulfils are reported, and no place is taken where they are not fulfilled.
 #[test]
 fn demands_that_no_scaling_fulfils() {
     let any = Some([f64::NEG_INFINITY, f64::INFINITY]);
@@ -291,7 +285,7 @@ fn demands_that_no_scaling_fulfils() {
 
 /// A cam that begins at 0 is there with every scaling: without its offset none brings it to 10.
 #[test]
-fn a_position_that_no_scaling_keeps_is_told() {
+fn a_position_that_no_scaling_keeps_is_reported() {
     let sought = [None, None, None, Some([0.9, 1.1])];
     let tappet_tolerance = [f64::INFINITY; 2];
     let position = [10.0, 200.0];

@@ -15,7 +15,7 @@ fn equations_and_limits() {
 }
 
 #[test]
-fn what_contradicts_itself_is_told() {
+fn what_contradicts_itself_is_reported() {
     let mut program = Program::new(vec![1.0]);
     program.most([(0, 1.0)], -1.0);
     program.most([(0, -1.0)], -1.0);

@@ -11,7 +11,6 @@ mod intervals;
 mod least_peak;
 mod linear_program;
 mod noise;
-mod polynomial_extrema;
 mod quantum;
 mod ramp_best;
 mod ramp_in;
@@ -44,6 +43,15 @@ fn at_rest(points: &[(f64, f64)]) -> Curve {
     let knot = |(master, slave): &(f64, f64)| Knot::at_rest(*master, *slave);
     Curve::polynomial(&points.iter().map(knot).collect::<Vec<_>>()).expect("a curve")
 }
+
+/// 100 up in half a turn and down in the other one, and its largest y″: 10/√3 · 100/180².
+fn lift() -> Curve {
+    at_rest(&[(0.0, 0.0), (180.0, 100.0), (360.0, 0.0)])
+}
+
+const PEAK: f64 = 10.0 / 1.732_050_807_568_877_2 * 100.0 / (180.0 * 180.0);
+/// Velocity of the master, u/s.
+const VELOCITY: f64 = 300.0;
 
 /// Numbers that come again with their seed (splitmix64).
 pub(super) struct Random(pub(super) u64);

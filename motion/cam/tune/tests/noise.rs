@@ -38,7 +38,7 @@ const FREE: Free = Free { master_scaling: false, ..Free::ALL };
 /// A sample of the master's place and what is true.
 type Make<'a> = dyn FnMut(&mut Random, &dyn Fn(f64) -> f64, f64) -> Sample + 'a;
 
-/// What is found in trials of so many samples in so many turns, of which so many are to hit each unknown; `sample` makes one
+/// What is found in trials of `count` samples in `turns` turns, of which this part is to hit each unknown; `sample` makes one
 /// of the master's place and what is true.
 fn tried(
     name: &str,
@@ -159,9 +159,9 @@ fn noise_that_goes_on_from_sample_to_sample() {
     }
 }
 
-/// What goes on too strongly is no noise, and is told.
+/// What goes on too strongly is not noise, and is reported.
 #[test]
-fn strong_correlation_is_told() {
+fn strong_correlation_is_reported() {
     let curve = lift();
     let mut random = Random(17);
     let mut noise = 0.0;
@@ -178,9 +178,9 @@ fn strong_correlation_is_told() {
     }
 }
 
-/// A master in radians for a cam in degrees: the slave moves, and that is no rest.
+/// A master in radians for a cam in degrees: the slave moves, and that is not rest.
 #[test]
-fn other_units_of_the_master_are_told() {
+fn other_units_of_the_master_are_reported() {
     let curve = lift();
     let samples: Vec<_> = (0..600)
         .map(|index| {

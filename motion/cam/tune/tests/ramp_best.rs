@@ -1,9 +1,9 @@
 //! Ramps against the best that others found: an independent search, and a brute one with the exact evaluation.
 
 use super::super::ramp_in::Problem;
+use super::Random;
 use super::ramp_in::{lift, limits, moving, wish};
 use super::ramp_witness::witness;
-use super::{Random, trials};
 use crate::tune::{RampGoal, RampWish, ramp_in};
 use crate::{Knot, Quantity, SlaveLimits};
 use twin_profile::RampType;
@@ -32,7 +32,7 @@ fn within(within_s: f64) -> RampGoal {
 }
 
 /// What a search of its own found that knows nothing of this one. A job with these values was on its cam after `measured` seconds,
-/// as far as its samples tell a ramp that comes onto it slower and slower, and kept the limits.
+/// as far as its samples show a ramp that comes onto it slower and slower, and kept the limits.
 #[test]
 fn no_ramp_is_longer_than_one_that_is_known() {
     for (start, velocity, acceleration, measured, by) in [
@@ -101,7 +101,7 @@ const TRIALS: u32 = 20_000;
 #[test]
 fn no_ramp_of_many_is_sooner() {
     let mut worse = Vec::new();
-    for seed in 0..trials(40) {
+    for seed in 0..40 {
         let wish = start(seed, RampType::Trapezoid);
         let other = witness(&wish, TRIALS, 77);
         match (ramp_in(&wish), other) {
@@ -119,8 +119,8 @@ fn no_ramp_of_many_is_sooner() {
 #[test]
 fn no_ramp_of_many_is_gentler() {
     let mut worse = Vec::new();
-    let trapezoids = (0..trials(24)).map(|seed| (seed, RampType::Trapezoid));
-    let parabolic = (12..12 + trials(6)).map(|seed| (seed, RampType::Parabolic));
+    let trapezoids = (0..24).map(|seed| (seed, RampType::Trapezoid));
+    let parabolic = (12..18).map(|seed| (seed, RampType::Parabolic));
     for (seed, ramp) in trapezoids.chain(parabolic) {
         let wish = start(seed, ramp);
         let Ok(soonest) = ramp_in(&wish) else { continue };
@@ -148,7 +148,7 @@ fn parabolic_ramps_are_never_slower_than_sigmoid_ones() {
     let known = SlaveLimits { velocity: 300.0, acceleration: 4000.0, jerk: 60_000.0 };
     let mut wishes =
         vec![pick([354.83, 153.24, 72.41, 0.0], known), pick([193.67, 116.71, 8.52, 0.0], known)];
-    wishes.extend((0..trials(12)).map(|seed| start(seed, RampType::Sigmoid)));
+    wishes.extend((0..12).map(|seed| start(seed, RampType::Sigmoid)));
     let mut compared = 0_u64;
     for wish in wishes {
         let with = |ramp| ramp_in(&RampWish { ramp, ..wish.clone() });
@@ -162,5 +162,5 @@ fn parabolic_ramps_are_never_slower_than_sigmoid_ones() {
             wish.master
         );
     }
-    assert!(compared >= 2 + 2 * trials(12) / 3, "{compared}");
+    assert!(compared >= 10, "{compared}");
 }

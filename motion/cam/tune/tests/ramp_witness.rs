@@ -2,7 +2,7 @@
 //! the exact evaluation; and what must not change the answer.
 
 use super::super::ramp_in::Problem;
-use super::{Random, trials};
+use super::Random;
 use crate::tune::{RampGoal, RampIn, RampWish, ramp_in};
 use crate::{Quantity, SlaveLimits};
 use twin_profile::RampType;
@@ -31,13 +31,11 @@ pub(super) fn score(goal: RampGoal, ramp: &RampIn) -> f64 {
     match goal {
         RampGoal::Soonest => ramp.duration_s,
         RampGoal::Gentlest { within_s, .. } if ramp.duration_s > within_s => f64::INFINITY,
-        RampGoal::Gentlest { least: Quantity::Velocity, .. } => ramp.peak_velocity,
-        RampGoal::Gentlest { least: Quantity::Acceleration, .. } => ramp.peak_acceleration,
-        RampGoal::Gentlest { least: Quantity::Jerk, .. } => ramp.peak_jerk,
+        RampGoal::Gentlest { least, .. } => ramp.peak(least),
     }
 }
 
-/// The best of so many values, half of them anywhere, half of them nearer and nearer to the best.
+/// The best of `count` values, half of them anywhere, half of them nearer and nearer to the best.
 pub(super) fn witness(wish: &RampWish, count: u32, seed: u64) -> Option<RampIn> {
     let problem = Problem::new(wish).expect("a start");
     let mut random = Random(seed);
@@ -100,7 +98,6 @@ fn wishes(seed: u64, ramp: RampType) -> Vec<RampWish> {
 
 /// Nothing that the witness finds is better.
 fn against_the_witness(ramp: RampType, seeds: u64, count: u32) {
-    let seeds = trials(seeds);
     let (mut worse, mut compared) = (Vec::new(), 0);
     for seed in 0..seeds {
         for wish in wishes(seed, ramp) {
@@ -122,7 +119,7 @@ fn against_the_witness(ramp: RampType, seeds: u64, count: u32) {
         }
     }
     assert!(worse.is_empty(), "{ramp:?}: {} of {compared}: {worse:#?}", worse.len());
-    assert!(compared >= 2 * seeds, "{ramp:?}: {compared}");
+    assert!(compared >= 3 * seeds, "{ramp:?}: {compared}");
 }
 
 #[test]

@@ -44,7 +44,11 @@ fn a_free_middle_point() {
     };
     let best = (0..20_000_i32).map(|i| speed(f64::from(i) * 1e-4).value).fold(0.0, f64::max);
     assert!((found.after.value / best - 1.0).abs() < 1e-5, "{} {best}", found.after.value);
-    assert_eq!(speed(found.knots[1].velocity).value, found.after.value, "what is told is exact");
+    assert_eq!(
+        speed(found.knots[1].velocity).value,
+        found.after.value,
+        "the reported value is exact"
+    );
 }
 
 /// Tolerances, tappets and the ends of periodic cams are kept; nothing gets slower.
@@ -266,7 +270,7 @@ fn the_jerk_of_the_master_counts() {
             reshape(&knots, &wish).expect_err("no magnitude"),
             soften(&knots, &wish, Quantity::Jerk, 1.0).expect_err("no magnitude"),
         ] {
-            let said = format!("the master's jerk is {master_jerk}, which is no magnitude");
+            let said = format!("the master's jerk is {master_jerk}, which is not a magnitude");
             assert_eq!(error.to_string(), said);
         }
     }
@@ -306,7 +310,7 @@ fn gentle_at_a_given_velocity() {
     let best = (0..20_000_i32).map(|i| peak(f64::from(i) * 1e-4)).fold(f64::INFINITY, f64::min);
     assert!(found.after.value < found.before.value);
     assert!((found.after.value / best - 1.0).abs() < 1e-5, "{} {best}", found.after.value);
-    assert_eq!(peak(found.knots[1].velocity), found.after.value, "what is told is exact");
+    assert_eq!(peak(found.knots[1].velocity), found.after.value, "the reported value is exact");
     // With the velocity limited the peak is larger, and the limit kept.
     let reached = |knots: &[Knot], quantity| {
         let curve = Curve::polynomial(knots).expect("a curve");

@@ -44,7 +44,7 @@ fn semicircles_of_rounded_numbers() {
     }
 }
 
-/// Manual 3.2.4: the same arc with relative and with absolute centre, and relative without being told.
+/// Manual 3.2.4: the same arc with relative and with absolute centre, and relative by default.
 #[test]
 fn arc_by_center() {
     for blocks in [
@@ -68,7 +68,7 @@ fn full_circle() {
     }
 }
 
-/// Radii 3 and 7 give a straight line, and the caller is told both.
+/// Radii 3 and 7 give a straight line, and the warning reports both.
 #[test]
 fn mismatched_center() {
     let decoded = decode("G2 X10 I3 J0 F10");

@@ -86,7 +86,7 @@ fn curves_that_cannot_be() {
     for (block, number) in [("G6 X10 F1", 6), ("G8 X10 F1", 8), ("G9 X10 R0.5 F1", 9)] {
         let decoded = decode(block);
         let [diagnostic] = &diagnostics(&decoded)[..] else { panic!("{decoded:?}") };
-        assert_eq!(diagnostic.error, DecodeError::CurveWithoutPoint { number });
+        assert_eq!(diagnostic.error, DecodeError::CurveWithoutPoint(number));
         assert!(remaining(&decoded).is_empty());
     }
 }

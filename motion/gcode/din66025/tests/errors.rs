@@ -27,31 +27,31 @@ fn assert_error(block: &str, pointed: &str, error: &DecodeError, rule: Rule) {
 fn syntax() {
     use DecodeError as E;
     for (block, pointed, error) in [
-        ("N20 G1 X2 # Y3", "#", E::UnexpectedCharacter { character: '#' }),
-        ("N20 G1 X2 ; note Y", ";", E::UnexpectedCharacter { character: ';' }),
-        ("N20 G1 X–2", "X", E::MissingNumber { letter: 'X' }),
-        ("N20 G1 X2 é", "é", E::UnexpectedCharacter { character: 'é' }),
-        ("N20 /G1 X2", "/", E::UnexpectedCharacter { character: '/' }),
-        ("N20 G1 X2 \0", "\0", E::UnexpectedCharacter { character: '\0' }),
-        ("N20 G1 X2 )", ")", E::UnexpectedCharacter { character: ')' }),
-        ("N20 G1 X2\rY3", "\r", E::UnexpectedCharacter { character: '\r' }),
-        ("N20 G1 X$ Y3", "$", E::UnexpectedCharacter { character: '$' }),
+        ("N20 G1 X2 # Y3", "#", E::UnexpectedCharacter('#')),
+        ("N20 G1 X2 ; note Y", ";", E::UnexpectedCharacter(';')),
+        ("N20 G1 X–2", "X", E::MissingNumber('X')),
+        ("N20 G1 X2 é", "é", E::UnexpectedCharacter('é')),
+        ("N20 /G1 X2", "/", E::UnexpectedCharacter('/')),
+        ("N20 G1 X2 \0", "\0", E::UnexpectedCharacter('\0')),
+        ("N20 G1 X2 )", ")", E::UnexpectedCharacter(')')),
+        ("N20 G1 X2\rY3", "\r", E::UnexpectedCharacter('\r')),
+        ("N20 G1 X$ Y3", "$", E::UnexpectedCharacter('$')),
         ("N20 G1 X2 (deep Y3", "(deep Y3", E::UnclosedComment),
         ("N20 G1 X2 (a (b) c)", "(", E::NestedComment),
-        ("N20 G1 x Y3", "x", E::MissingNumber { letter: 'X' }),
-        ("N20 G1 X 3", "X", E::MissingNumber { letter: 'X' }),
-        ("N20 X1.2.3 Y1", "X1.2.3", E::InvalidNumber { letter: 'X' }),
-        ("N20 X1-5", "X1-5", E::InvalidNumber { letter: 'X' }),
-        ("N20 G1 X1,5 Y3", "X1,5", E::DecimalComma { letter: 'X' }),
+        ("N20 G1 x Y3", "x", E::MissingNumber('X')),
+        ("N20 G1 X 3", "X", E::MissingNumber('X')),
+        ("N20 X1.2.3 Y1", "X1.2.3", E::InvalidNumber('X')),
+        ("N20 X1-5", "X1-5", E::InvalidNumber('X')),
+        ("N20 G1 X1,5 Y3", "X1,5", E::DecimalComma('X')),
         ("N2.5 G1 X2", "N2.5", E::NotWhole { letter: 'N', value: 2.5 }),
         ("N20 G1.5 X2", "G1.5", E::NotWhole { letter: 'G', value: 1.5 }),
-        ("N20 G1 X2 F0", "F0", E::NonPositiveFeed { value: 0.0 }),
-        ("N20 G1 X2 f-5.5", "f-5.5", E::NonPositiveFeed { value: -5.5 }),
+        ("N20 G1 X2 F0", "F0", E::NonPositiveFeed(0.0)),
+        ("N20 G1 X2 f-5.5", "f-5.5", E::NonPositiveFeed(-5.5)),
         ("N20 G1 X2 E0 Y3", "E0", E::ZeroAcceleration),
         ("N20 G0 X2 G91", "G91", E::SecondG { first: 0.0, second: 91.0 }),
-        ("N20 X2 G0", "G0", E::MisplacedG { number: 0.0 }),
-        ("G1 N20 X2", "N20", E::MisplacedN { number: 20.0 }),
-        ("N20 N21 X2", "N21", E::MisplacedN { number: 21.0 }),
+        ("N20 X2 G0", "G0", E::MisplacedG(0.0)),
+        ("G1 N20 X2", "N20", E::MisplacedN(20.0)),
+        ("N20 N21 X2", "N21", E::MisplacedN(21.0)),
         ("N20 G90 X2", "X2", E::WordWithoutMotion { letter: 'X', command: 90 }),
         ("N20 G99 I2", "I2", E::WordWithoutMotion { letter: 'I', command: 99 }),
         (" % again", "%", E::MisplacedPercent),
@@ -102,7 +102,7 @@ fn out_of_range_in_steps() {
 fn unknown_letters() {
     for letter in "ABCT".chars() {
         let word = format!("{}1", letter.to_ascii_lowercase());
-        let error = DecodeError::UnknownLetter { letter };
+        let error = DecodeError::UnknownLetter(letter);
         assert!(error.to_string().contains("unknown"));
         assert_error(&format!("N20 G1 X2 {word} Y3"), &word, &error, Rule::UnsupportedWord);
     }
@@ -111,7 +111,7 @@ fn unknown_letters() {
 #[test]
 fn unknown_commands() {
     for number in [-1.0, 4.0, 7.0, 17.0, 21.0, 28.0, 43.0, 54.0, 94.0, 100.0, 1e20] {
-        let (word, error) = (format!("G{number}"), DecodeError::UnknownCommand { number });
+        let (word, error) = (format!("G{number}"), DecodeError::UnknownCommand(number));
         assert!(error.to_string().contains("unknown"));
         assert_error(&format!("N20 {word} X2"), &word, &error, Rule::UnsupportedWord);
     }
@@ -133,12 +133,12 @@ fn arcs_that_are_not_said() {
     for (word, missing) in [("I5", 'J'), ("J5", 'I')] {
         let found = diagnostics(&decode(&format!("G98\nG2 X5 F10 {word}")));
         assert_eq!(found.len(), 1);
-        assert_eq!(found[0].error, E::IncompleteCenter { missing });
+        assert_eq!(found[0].error, E::IncompleteCenter(missing));
         assert_eq!(found[0].columns, Some(10..12));
     }
 }
 
-/// Several errors in a block are all told, from left to right, up to what is no word at all.
+/// All errors of a block are reported, from left to right, up to the first text that is not a word.
 #[test]
 fn several_in_a_block() {
     let decoded = decode("N10 G7 X1 T3 F0 Y1,5 G1 # M30");
@@ -147,12 +147,12 @@ fn several_in_a_block() {
         .map(|found| (found.columns.unwrap(), found.error))
         .collect();
     let expected = [
-        (4..6, DecodeError::UnknownCommand { number: 7.0 }),
-        (10..12, DecodeError::UnknownLetter { letter: 'T' }),
-        (13..15, DecodeError::NonPositiveFeed { value: 0.0 }),
-        (16..20, DecodeError::DecimalComma { letter: 'Y' }),
+        (4..6, DecodeError::UnknownCommand(7.0)),
+        (10..12, DecodeError::UnknownLetter('T')),
+        (13..15, DecodeError::NonPositiveFeed(0.0)),
+        (16..20, DecodeError::DecimalComma('Y')),
         (21..23, DecodeError::SecondG { first: 7.0, second: 1.0 }),
-        (24..25, DecodeError::UnexpectedCharacter { character: '#' }),
+        (24..25, DecodeError::UnexpectedCharacter('#')),
     ];
     assert_eq!(found, expected);
 }
@@ -219,7 +219,7 @@ fn long_lines() {
         let long = format!("N10 G1 X1 F1{}", " ".repeat(MAX_LINE_BYTES - 12 + extra - 1));
         let decoded = decode(&format!("{long}\nN20 G1 X2 F1\n"));
         let [diagnostic] = &diagnostics(&decoded)[..] else { panic!("{decoded:?}") };
-        assert_eq!(diagnostic.error, DecodeError::LineTooLong { limit: MAX_LINE_BYTES });
+        assert_eq!(diagnostic.error, DecodeError::LineTooLong(MAX_LINE_BYTES));
         assert_eq!((diagnostic.place.line, &diagnostic.columns), (2, &None));
         let elements = remaining(&decoded);
         assert_eq!((elements.len(), elements[0].place.line), (1, 3));
@@ -231,11 +231,11 @@ fn long_lines() {
 fn bytes_that_are_no_text() {
     let decoded = decode_from([0.0; 3], b"%\nN10 G1 X1 \xFF F1\nN20 G1 X2 F1");
     let [diagnostic] = &diagnostics(&decoded)[..] else { panic!("{decoded:?}") };
-    assert_eq!(diagnostic.error, DecodeError::UnexpectedByte { byte: 0xFF });
+    assert_eq!(diagnostic.error, DecodeError::UnexpectedByte(0xFF));
     assert_eq!(diagnostic.columns, Some(10..11));
     // A character cut off by the end of the line.
     let decoded = decode_from([0.0; 3], b"%\nN10 G1 \xE2\x80");
-    assert_eq!(diagnostics(&decoded)[0].error, DecodeError::UnexpectedByte { byte: 0xE2 });
+    assert_eq!(diagnostics(&decoded)[0].error, DecodeError::UnexpectedByte(0xE2));
 }
 
 /// Columns count from the beginning of the line as it is in the file.

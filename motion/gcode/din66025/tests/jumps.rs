@@ -45,9 +45,9 @@ fn variables_stand_for_any_number() {
     let elements = elements_of(decode_with(with(&variables), program));
     assert_eq!(ends_mm(&elements)[0][1], [12.5, 12.5, 0.0]);
     assert_close(elements[0].feed, 0.02);
-    // What they stand for is checked as if it were written there.
+    // Their values are checked as if written there.
     let decoded = decode_with(with(&[("f", -1.0)]), b"%\nN10 G1 X1 F$f$\n");
-    assert_eq!(diagnostics(&decoded)[0].error, DecodeError::NonPositiveFeed { value: -1.0 });
+    assert_eq!(diagnostics(&decoded)[0].error, DecodeError::NonPositiveFeed(-1.0));
     assert_eq!(diagnostics(&decoded)[0].columns, Some(10..14));
 }
 
@@ -64,14 +64,14 @@ fn what_cannot_be_jumped_to_or_looked_up() {
     use DecodeError as E;
     let name = |text: &str| text.to_owned();
     for (block, pointed, error) in [
-        ("N20 G1 X$nothing$ Y3", "X$nothing$", E::UnknownVariable { name: name("nothing") }),
-        ("N20 G36 O$nothing$ D3", "O$nothing$", E::UnknownVariable { name: name("nothing") }),
-        ("N20 G36 O3 D3", "O3", E::VariableExpected { value: 3.0 }),
-        ("N20 M3 O$nothing$", "O$nothing$", E::UnknownParameters { name: name("nothing") }),
-        ("N20 G20 L99", "L99", E::JumpTarget { block: 99 }),
+        ("N20 G1 X$nothing$ Y3", "X$nothing$", E::UnknownVariable(name("nothing"))),
+        ("N20 G36 O$nothing$ D3", "O$nothing$", E::UnknownVariable(name("nothing"))),
+        ("N20 G36 O3 D3", "O3", E::VariableExpected(3.0)),
+        ("N20 M3 O$nothing$", "O$nothing$", E::UnknownParameters(name("nothing"))),
+        ("N20 G20 L99", "L99", E::JumpTarget(99)),
         ("N20 G20 L1.5", "L1.5", E::NotWhole { letter: 'L', value: 1.5 }),
         ("N20 G20 K1", "G20", E::JumpWithoutTarget),
-        ("N20 G20 L99 X5", "L99", E::JumpTarget { block: 99 }),
+        ("N20 G20 L99 X5", "L99", E::JumpTarget(99)),
     ] {
         let decoded = decode(&format!("N10 G1 X1 F10\n{block}\nN30 G1 X50"));
         let found = diagnostics(&decoded);
@@ -87,7 +87,7 @@ fn endless_loops_end() {
     let options = DecoderOptions { jumps: 50, ..DecoderOptions::default() };
     let decoded = decode_with(options, b"%\nN10 G1 X1 F10\nN20 G1 X0\nN30 G20 L10 K1\nN40 G1 X9\n");
     let [diagnostic] = &diagnostics(&decoded)[..] else { panic!("{decoded:?}") };
-    assert_eq!(diagnostic.error, DecodeError::TooManyJumps { limit: 50 });
+    assert_eq!(diagnostic.error, DecodeError::TooManyJumps(50));
     assert_eq!(diagnostic.place.line, 4);
     assert_eq!(remaining(&decoded).len(), 2 * 51);
 }
@@ -112,14 +112,14 @@ fn names() {
     assert_eq!(variables.iter().collect::<Vec<_>>(), [("G_FX", 2.0)]);
 }
 
-/// The D of G36 and G37 is a value and no tool radius, and the tool radius is no value.
+/// The D of G36 and G37 is a value, not a tool radius, and the tool radius is not a value.
 #[test]
 fn values_are_no_radii() {
     let elements = elements("F10\nG41 D5\nG1 X1\nG36 D3\nG37 D-1\nG1 X2");
     assert!(elements.iter().all(|element| element.tool_radius == 0.005), "{elements:?}");
     for (block, command) in [("G36", 36), ("G37", 37)] {
         let decoded = decode(&format!("D5\n{block}"));
-        assert_eq!(diagnostics(&decoded)[0].error, DecodeError::ValueMissing { command });
+        assert_eq!(diagnostics(&decoded)[0].error, DecodeError::ValueMissing(command));
     }
 }
 
@@ -175,16 +175,16 @@ fn types() {
     assert!(!variables.set_typed("b", "BOOL", 1.0) && !variables.set_typed("r", "REAL", 1e39));
 }
 
-/// What is wrong in a loop is told once, each thing, and what becomes wrong later is told then.
+/// Every error in a loop is reported once; one that only appears in a later pass is reported then.
 #[test]
 fn told_once() {
     let blocks = "F10\nG36 D4\nN1 G1 X1 R5 I2\nN2 G91\nN3 X400000 T1\nN4 X300000\nG37 D-1\nG20 L1";
-    let told: Vec<_> = diagnostics(&decode(blocks))
+    let reported: Vec<_> = diagnostics(&decode(blocks))
         .into_iter()
         .map(|found| (found.place.line, found.columns.unwrap()))
         .collect();
     // R, I, T on the first pass; on the fourth the relative targets lead too far.
-    assert_eq!(told, [(4, 9..11), (4, 12..14), (6, 11..13), (7, 3..10)]);
+    assert_eq!(reported, [(4, 9..11), (4, 12..14), (6, 11..13), (7, 3..10)]);
 }
 
 /// Blocks are found behind comments and in odd spellings, not in comments, and of two the first is meant.

@@ -128,7 +128,7 @@ fn millimetres_become_metres_once() {
     assert_eq!(element.end(), Point3::new(0.1 / 1e3, -123.456 / 1e3, 99.999 / 1e3));
 }
 
-/// A block without coordinates is no path object; one that goes nowhere is.
+/// A block without coordinates is not a path object; one that goes nowhere is.
 #[test]
 fn blocks_without_a_path() {
     let elements = elements(
@@ -299,5 +299,5 @@ fn a_closing_percent() {
 fn a_jump_behind_the_closing_percent() {
     let decoded = decode("N10 G1 X10 F10\nN20 G20 L30 K1\n%\nN30 X30");
     let found: Vec<_> = diagnostics(&decoded).into_iter().map(|found| found.error).collect();
-    assert_eq!(found, [DecodeError::JumpTarget { block: 30 }, DecodeError::LinesBehindPercent]);
+    assert_eq!(found, [DecodeError::JumpTarget(30), DecodeError::LinesBehindPercent]);
 }

@@ -152,7 +152,7 @@ proptest! {
             if let Err(diagnostic) = item {
                 let expected = matches!(
                     diagnostic.error,
-                    DecodeError::ArcWithoutCenter | DecodeError::CurveWithoutPoint { .. } | DecodeError::IncompleteCenter { .. } | DecodeError::OutOfRange { .. }
+                    DecodeError::ArcWithoutCenter | DecodeError::CurveWithoutPoint(_) | DecodeError::IncompleteCenter(_) | DecodeError::OutOfRange { .. }
                 );
                 prop_assert!(expected, "{diagnostic}");
             }

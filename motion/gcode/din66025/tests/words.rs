@@ -42,13 +42,13 @@ fn switches_on_splines() {
 fn switches_that_cannot_be() {
     use DecodeError as E;
     for (block, error) in [
-        ("N20 G1 X10 H0 O0", E::SwitchNumber { value: 0.0 }),
-        ("N20 G1 X10 H33 O0", E::SwitchNumber { value: 33.0 }),
+        ("N20 G1 X10 H0 O0", E::SwitchNumber(0.0)),
+        ("N20 G1 X10 H33 O0", E::SwitchNumber(33.0)),
         ("N20 G1 X10 H1.5 O0", E::NotWhole { letter: 'H', value: 1.5 }),
         ("N20 G1 X10 H1 O1.5", E::SwitchBeyond { at: 1.5, length_mm: 10.0 }),
         ("N20 G1 X10 H1 L25", E::SwitchBeyond { at: 2.5, length_mm: 10.0 }),
         ("N20 G1 X10 O1 H1", E::SwitchWithoutPlace),
-        ("N20 G1 X10 O0 H1 O0 H2 O0 H3 O0 H4 O0", E::TooManySwitches { limit: 3 }),
+        ("N20 G1 X10 O0 H1 O0 H2 O0 H3 O0 H4 O0", E::TooManySwitches(3)),
         ("N20 G90 H1 O0", E::WordWithoutMotion { letter: 'H', command: 90 }),
         ("N20 F10 H1 O0", E::WordWithoutMotion { letter: 'H', command: 1 }),
     ] {
@@ -91,7 +91,7 @@ fn global_parameters_of_auxiliary_functions() {
     let o = |index: usize| parameters(&elements[index]).unwrap().o;
     assert_eq!((o(0), o(1), o(4)), (Some([7.0; 8]), Some([1.0; 8]), Some([7.0; 8])));
     assert_eq!(parameters(&elements[1]).unwrap().k, Some(2.0));
-    // What is no M function has none.
+    // Only M functions have parameters.
     assert_eq!(parameters(&elements[2]), None);
     assert_eq!((parameters(&elements[3]).unwrap().o, elements[3].switches().len()), (None, 1));
 }
@@ -144,7 +144,7 @@ fn s_profiles() {
     assert_close(elements[0].extra_at(0.0025).unwrap().position[0], 4.140_625);
     for number in ["0", "4", "6", "12", "-5"] {
         let found = diagnostics(&decode(&format!("S{number}")));
-        assert!(matches!(found[..], [Diagnostic { error: DecodeError::ProfileAxis { .. }, .. }]));
+        assert!(matches!(found[..], [Diagnostic { error: DecodeError::ProfileAxis(_), .. }]));
     }
 }
 
@@ -170,7 +170,7 @@ fn tool_radius_and_marks() {
     let radii: Vec<_> = elements.iter().map(|element| element.tool_radius).collect();
     assert_eq!(radii, [0.003, 0.003, 0.002, 0.0, 0.002, 0.002]);
     let found = diagnostics(&decode("N10 G41 D-1"));
-    assert_eq!(found[0].error, DecodeError::NegativeToolRadius { value: -1.0 });
+    assert_eq!(found[0].error, DecodeError::NegativeToolRadius(-1.0));
 }
 
 #[test]
@@ -179,7 +179,7 @@ fn the_other_side_replaces_what_has_not_begun() {
     assert_eq!(elements[0].marks, Marks::CORRECTION_RIGHT.with(Marks::ROUNDING));
 }
 
-/// Words that act twice: the left one counts, and one is told.
+/// Words that act twice: the left one counts, with one warning.
 #[test]
 fn words_that_come_twice() {
     let decoded = decode("N10 G1 X1 X2 F10 E100 E-200");
@@ -214,10 +214,10 @@ fn names_that_are_something_else() {
     assert_eq!(switches(&remaining(&run("G1 X10 H1 O$g_n$"))[0]), [(1, 0.5)]);
     let name = || "g_n".to_owned();
     for (block, error) in [
-        ("M5 O2", DecodeError::ParametersExpected { value: 2.0 }),
-        ("M5 O$g_n$", DecodeError::UnknownParameters { name: name() }),
+        ("M5 O2", DecodeError::ParametersExpected(2.0)),
+        ("M5 O$g_n$", DecodeError::UnknownParameters(name())),
         // The motion of a block with an error is none.
-        ("G1 X10 M5 O2", DecodeError::ParametersExpected { value: 2.0 }),
+        ("G1 X10 M5 O2", DecodeError::ParametersExpected(2.0)),
     ] {
         let decoded = run(block);
         assert_eq!(diagnostics(&decoded)[0].error, error);

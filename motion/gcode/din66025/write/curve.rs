@@ -43,12 +43,12 @@ impl Curve<'_> {
                 let number = i64::from(!rapid);
                 Ok(Some(Command { number, words: Vec::new() }))
             }
-            _ if rapid => Err(WriteError::CurvedRapid { place }),
-            // Too short to tell a curve from a full circle.
+            _ if rapid => Err(WriteError::CurvedRapid(place)),
+            // Too short to distinguish a curve from a full circle.
             shape if shape.length() <= TOLERANCE => {
                 Ok(Some(Command { number: 1, words: Vec::new() }))
             }
-            Shape::Arc(arc) if arc.plane() != Plane::Xy => Err(WriteError::UprightArc { place }),
+            Shape::Arc(arc) if arc.plane() != Plane::Xy => Err(WriteError::UprightArc(place)),
             Shape::Arc(arc) => Ok(self.arc(arc, decimals)),
             Shape::Ellipse(ellipse) => Ok(self.ellipse(ellipse, decimals)),
             Shape::Cubic(cubic) => {
@@ -64,8 +64,8 @@ impl Curve<'_> {
     pub(super) fn unsaid(element: &PathElement) -> WriteError {
         let place = element.place;
         match &element.shape {
-            Shape::Cubic(cubic) if !nearly_parabola(cubic) => WriteError::Cubic { place },
-            _ => WriteError::Curve { place },
+            Shape::Cubic(cubic) if !nearly_parabola(cubic) => WriteError::Cubic(place),
+            _ => WriteError::Curve(place),
         }
     }
 

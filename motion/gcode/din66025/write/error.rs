@@ -11,38 +11,21 @@ pub enum WriteError {
     #[error("the program cannot be written")]
     Io(#[from] io::Error),
     /// An arc that is not in X and Y.
-    #[error("{place}: SoftMotion's dialect has arcs in X and Y only: make lines of this one first")]
-    UprightArc {
-        /// The element's block.
-        place: Place,
-    },
+    #[error("{0}: SoftMotion's dialect has arcs in X and Y only: make lines of this one first")]
+    UprightArc(Place),
     /// An arc, a parabola or an ellipse that the decoder would not read back to within a nanometre: one that goes
     /// around several times, or whose ends do not lie on it.
-    #[error("{place}: no words give this curve to the nanometre: make lines of it first")]
-    Curve {
-        /// The element's block.
-        place: Place,
-    },
+    #[error("{0}: no words give this curve to the nanometre: make lines of it first")]
+    Curve(Place),
     /// A cubic that is neither a parabola (G6) nor the piece of a spline (G5) that its neighbours make it.
-    #[error(
-        "{place}: a cubic that is neither a parabola nor a spline piece: make lines of it first"
-    )]
-    Cubic {
-        /// The element's block.
-        place: Place,
-    },
+    #[error("{0}: a cubic that is neither a parabola nor a spline piece: make lines of it first")]
+    Cubic(Place),
     /// A rapid that is not straight.
-    #[error("{place}: a rapid along a curve cannot be said")]
-    CurvedRapid {
-        /// The element's block.
-        place: Place,
-    },
+    #[error("{0}: a rapid along a curve cannot be written")]
+    CurvedRapid(Place),
     /// A dwell: there is no word for it.
-    #[error("{place}: SoftMotion's dialect has no dwell")]
-    Dwell {
-        /// The element's block.
-        place: Place,
-    },
+    #[error("{0}: SoftMotion's dialect has no dwell")]
+    Dwell(Place),
     /// A probing move: there is no word for it.
     #[error("{place}: SoftMotion's dialect has no probing ({probing} of RS274)")]
     Probe {
@@ -51,7 +34,7 @@ pub enum WriteError {
         /// The programmed move.
         probing: Probing,
     },
-    /// The element does not start where the one before ended, and is no jump.
+    /// The element does not start where the one before ended, and is not a jump.
     #[error("{place}: the path has a gap of {gap_mm} mm (or u) here")]
     Gap {
         /// The element's block.
@@ -69,8 +52,8 @@ pub enum WriteError {
         /// The number, in the units of the program.
         value: f64,
     },
-    /// Marks that exclude one another, or that begin something with what is no path object.
-    #[error("{place}: preparation cannot begin like this: marks {marks:#010b}")]
+    /// Marks that exclude one another, or that begin a section with an element that is not a path object.
+    #[error("{place}: preparation cannot begin with these marks: {marks:#010b}")]
     Marks {
         /// The element's block.
         place: Place,
@@ -78,7 +61,9 @@ pub enum WriteError {
         marks: u8,
     },
     /// An M function with parameters that are given with the program, not in it.
-    #[error("{place}: the parameters O of M{number} are given with the program, not in it")]
+    #[error(
+        "{place}: M{number} takes its parameters O from variables outside the program (--variables), which a program text cannot contain"
+    )]
     Parameters {
         /// The element's block.
         place: Place,

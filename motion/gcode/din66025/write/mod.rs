@@ -35,7 +35,7 @@ const PREPARATIONS: [(Marks, i64); 8] = [
 ///
 /// The decoder reads the same path from it, to within a nanometre everywhere; coordinates have nine decimals, more
 /// only where a curve needs them. The program begins with G92 if the path does not start at zero. A jump before the
-/// first path object is no jump then but that start, and of several in a row the last one remains.
+/// first path object is then not a jump but that start, and of several in a row the last one remains.
 ///
 /// Transition velocities (`dVelEnd`) have no word: what the preparation has lowered there is found again by preparing.
 /// Neither have tool radii of what is no path object. One element is held back, because a spline depends on the next.
@@ -121,7 +121,7 @@ impl<W: Write> ProgramWriter<W> {
             ElementKind::Rapid | ElementKind::Cut => self.motion(element, next)?,
             ElementKind::Jump => self.jump(element)?,
             ElementKind::MFunction { number } => self.auxiliary(element, number)?,
-            ElementKind::Dwell { .. } => return Err(WriteError::Dwell { place: element.place }),
+            ElementKind::Dwell { .. } => return Err(WriteError::Dwell(element.place)),
             ElementKind::Probe { probing, .. } => {
                 return Err(WriteError::Probe { place: element.place, probing });
             }
@@ -277,7 +277,7 @@ impl<W: Write> ProgramWriter<W> {
         Ok(())
     }
 
-    /// F and E where they change. What is no path object may have none.
+    /// F and E where they change. Elements that are not path objects may have none.
     fn limits(&mut self, element: &PathElement, words: &mut Words) -> Result<(), WriteError> {
         let needed = element.length() > 0.0;
         let feed = read_back(element.feed * 1e3, DECIMALS);

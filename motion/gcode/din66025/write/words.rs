@@ -26,7 +26,7 @@ fn text(value: f64, decimals: usize) -> String {
 
 /// The written `value` as the decoder reads it.
 pub(super) fn read_back(value: f64, decimals: usize) -> f64 {
-    // What is not a number is refused where it is written.
+    // Values that are not finite are refused when written.
     number::parse(text(value, decimals).as_bytes()).unwrap_or(value)
 }
 

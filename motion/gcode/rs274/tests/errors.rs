@@ -1,4 +1,4 @@
-//! Tests of every error: its message, its line and the bytes it points at. LinuxCNC's rule decides what is an error
+//! Tests of every error: its message, its line and the bytes it points at. LinuxCNC's rules define the errors
 //! (`linuxcnc.rs`); the messages are ours.
 
 use super::*;
@@ -23,20 +23,14 @@ fn assert_error(block: &str, pointed: &str, message: &str, rule: Rule) {
 
 #[test]
 fn no_words() {
+    const WORD: &str = "is not part of a word: a block is made of letters followed by numbers";
+    for (block, character) in
+        [("X2 = Y3", '='), ("X2 é", 'é'), ("/X2 /", '/'), ("X2 % Y3", '%'), ("X2 )", ')')]
+    {
+        let message = format!("'{character}' {WORD}");
+        assert_error(block, &character.to_string(), &message, Rule::Syntax);
+    }
     for (block, pointed, message) in [
-        (
-            "X2 = Y3",
-            "=",
-            "'=' is not part of a word: a block is made of letters followed by numbers",
-        ),
-        ("X2 é", "é", "'é' is not part of a word: a block is made of letters followed by numbers"),
-        ("/X2 /", "/", "'/' is not part of a word: a block is made of letters followed by numbers"),
-        (
-            "X2 % Y3",
-            "%",
-            "'%' is not part of a word: a block is made of letters followed by numbers",
-        ),
-        ("X2 )", ")", "')' is not part of a word: a block is made of letters followed by numbers"),
         ("X2 (deep Y3", "(deep Y3", "the comment is not closed with ) in its line"),
         ("X2 (a (b) c)", "(", "comments cannot be nested"),
         ("X Y3", "X", "a number must follow after X"),
@@ -195,7 +189,7 @@ fn arcs() {
     }
 }
 
-/// Told once, until there is one.
+/// A missing feed is reported once, until there is one.
 #[test]
 fn missing_feed() {
     let messages = |program: &str| -> Vec<String> {
@@ -251,7 +245,7 @@ fn long_lines() {
     }
 }
 
-/// Words that are well formed are all looked at; behind what is no word nothing is.
+/// All well-formed words are checked; nothing is read behind text that is not a word.
 #[test]
 fn several_in_a_block() {
     let decoded = decode("N10 G7 X1 E3 X2 Y1..5 G1 M98 = M30 U1\nM2");

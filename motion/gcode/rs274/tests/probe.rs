@@ -1,4 +1,4 @@
-//! Tests of probing moves: their ends, and the program after them. LinuxCNC's rules decide what is an error: those of
+//! Tests of probing moves: their ends, and the program after them. LinuxCNC's rules define the errors: those of
 //! its interpreter in `linuxcnc.rs`, those of its motion controller (a probe that trips, or does not, or has already)
 //! here.
 
@@ -340,7 +340,7 @@ fn what_the_target_is_asked() {
     assert_eq!(found[..], expected);
 }
 
-/// Numbers that are no part of the way are none, or its beginning.
+/// Numbers outside 0 to 1 count as no trip, or as the start.
 #[test]
 fn strange_answers() {
     for (answer, outcome, end) in [

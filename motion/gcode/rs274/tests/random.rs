@@ -200,11 +200,11 @@ proptest! {
                 DecodeError::OutOfRange { .. }
                     | DecodeError::MachineFrameIncremental
                     | DecodeError::RetractBelowBottom { .. }
-                    | DecodeError::EndlessCycle { .. }
+                    | DecodeError::EndlessCycle(_)
                     | DecodeError::MissingCycleWord { .. }
                     | DecodeError::AxesWithoutMotion
                     | DecodeError::MissingFeed
-                    | DecodeError::ProbeNowhere { .. }
+                    | DecodeError::ProbeNowhere(_)
             );
             prop_assert!(geometry || other, "{error}\n{}", lines.join("\n"));
         }
@@ -252,7 +252,7 @@ impl Read for Endless {
     }
 }
 
-/// Lines without end are left out as they come; what is kept of a program does not grow with it.
+/// Lines without end are left out as they come; memory does not grow with the program.
 #[test]
 fn memory_is_bounded() {
     for piece in [

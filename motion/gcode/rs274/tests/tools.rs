@@ -162,7 +162,7 @@ fn m_functions() {
             (9, 60, None),
             (10, 7, None),
             (11, 0, None),
-            // The end of the program turns off what is on.
+            // The end of the program turns off spindle and coolant.
             (12, 9, None),
         ]
     );

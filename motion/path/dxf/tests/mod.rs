@@ -38,7 +38,7 @@ fn imported(text: &str) -> Import {
     import(text.as_bytes(), &ImportOptions::default()).unwrap()
 }
 
-/// What is cut, of all programs.
+/// The cuts of all programs.
 fn cuts(import: &Import) -> Vec<PathElement> {
     let elements = import.programs.iter().flat_map(|program| &program.elements);
     elements.filter(|element| element.kind == ElementKind::Cut).cloned().collect()

@@ -7,7 +7,7 @@ fn with(options: ImportOptions, entities: &[&str]) -> Import {
     import(drawing(entities).as_bytes(), &options).unwrap()
 }
 
-/// Starts and ends of what is cut, mm in X and Y.
+/// Starts and ends of the cuts, mm in X and Y.
 fn ends_mm(program: &Program) -> Vec<[f64; 4]> {
     let cuts = program.elements.iter().filter(|element| element.kind == ElementKind::Cut);
     let mm = |metres: f64| (metres * 1e9).round() / 1e6;

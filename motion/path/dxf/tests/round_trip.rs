@@ -101,7 +101,7 @@ fn layers_and_what_leaves_no_trace() {
     assert_eq!((names, cuts(&import).len()), (vec!["RAPID", "CUT", "PROBE"], 3));
 }
 
-/// Circles, whole ellipses, arcs that stand upright, and helices.
+/// Circles, whole ellipses, upright arcs, and helices.
 #[test]
 fn other_curves() {
     let at = Point3::<f64>::new;

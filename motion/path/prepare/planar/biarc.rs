@@ -11,7 +11,7 @@ const CHECKS: u32 = 8;
 const DEEPEST: u32 = 12;
 /// An arc that turns by less than this is a line, rad.
 const STRAIGHT: f64 = 1e-9;
-/// What is shorter than this has no direction that is more than rounding, m: there are such pieces where a spline turns
+/// Pieces shorter than this have no reliable direction, m: there are such pieces where a spline turns
 /// back on itself.
 const SHORTEST: f64 = 1e-12;
 
@@ -63,7 +63,7 @@ fn chord(start: &Point2<f64>, end: &Point2<f64>, from: f64, to: f64) -> Fit {
     Fit { curve: Curve::Line { start: *start, end: *end }, from, to }
 }
 
-/// The two arcs in place of the piece between two path lengths; one chord where there are no such arcs.
+/// The two arcs in place of the piece between two path lengths; one chord where no such arcs exist.
 fn biarc(shape: &Shape, from: f64, to: f64) -> Vec<Fit> {
     let (first, last) = (shape.at(from), shape.at(to));
     let (start, end) = (first.position.xy(), last.position.xy());

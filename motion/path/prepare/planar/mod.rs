@@ -225,7 +225,7 @@ impl Curve {
             Self::Line { .. } => corners,
             Self::Arc(arc) => {
                 let radius = arc.radius.max(arc.end_radius);
-                // How far an arc stands out from its chord.
+                // Height of an arc above its chord.
                 let half = 0.5 * arc.sweep.abs();
                 let bulge = if half < std::f64::consts::FRAC_PI_2 {
                     radius * (1.0 - half.cos()) + (arc.end_radius - arc.radius).abs()

@@ -169,7 +169,7 @@ fn ellipses_and_splines_as_arcs() {
     assert_fits(&Shape::Cubic(Box::new(parabola)), 1e-5, 70);
 }
 
-/// Straight curves, and those without any length, are no arcs.
+/// Straight curves, and those of length zero, are not arcs.
 #[test]
 fn degenerate_curves() {
     let straight = Cubic::parabola(

@@ -1,8 +1,8 @@
 //! Tests of loop avoidance, [`AvoidLoops`].
 
 use super::{
-    Error, PROBE, VECTOR_TOLERANCE, arc, assert_continuous, close, cut, element, line, m_function,
-    numbered, polyline, random_path, taken,
+    Error, PROBE, VECTOR_TOLERANCE, arc, assert_continuous, assert_points, close, cut, element,
+    line, m_function, numbered, polyline, random_path, taken,
 };
 use crate::prepare::{AvoidLoops, Notice, Notices};
 use crate::{Details, ElementKind, Ellipse, ExtraAxes, Marks, PathElement, Shape, Switch};
@@ -29,16 +29,6 @@ fn avoid(elements: Vec<PathElement>) -> (Vec<PathElement>, Vec<Notice>) {
     assert_continuous(&path);
     assert!(path.iter().all(|element| element.marks == Marks::default()));
     (path, taken(&notices))
-}
-
-fn assert_points(path: &[PathElement], points_mm: &[[f64; 2]]) {
-    let found: Vec<_> =
-        path.iter().map(|element| (element.start() * 1e3, element.end() * 1e3)).collect();
-    assert_eq!(path.len() + 1, points_mm.len(), "{found:?}");
-    for (element, ends) in path.iter().zip(points_mm.windows(2)) {
-        let [from, to] = [ends[0], ends[1]].map(|[x, y]| [x, y, 0.0]);
-        assert!(close(element.start(), from) && close(element.end(), to), "{found:?}");
-    }
 }
 
 const LOOP: [[f64; 2]; 5] = [[0.0, 0.0], [100.0, 0.0], [100.0, 50.0], [50.0, 50.0], [50.0, -50.0]];
@@ -289,7 +279,6 @@ fn extra_axes_go_on_from_the_crossing() {
     assert_eq!(found, [(0.0, 5.0), (5.0, 40.0)]);
 }
 
-/// The window bounds what is found and what is held.
 /// `iStatus` is that behind the element taken in last.
 #[test]
 fn whether_it_looks_is_told() {
@@ -309,6 +298,7 @@ fn whether_it_looks_is_told() {
     assert!((15..=19).contains(&count) && on[first..first + count].iter().all(|on| *on), "{count}");
 }
 
+/// The window bounds the loops found and the elements held.
 #[test]
 fn the_window() {
     let cut_with = |window: usize| {

@@ -249,7 +249,7 @@ fn limits_must_be_positive_and_finite() {
     );
 }
 
-/// Programs are in mm (manual 3.2), and so is what is said about them.
+/// Programs are in mm (manual 3.2), and so are the messages about them.
 #[test]
 fn messages_are_in_millimetres() {
     let place = Place { line: 3, block: None };

@@ -17,31 +17,17 @@ use crate::prepare::{CheckError, CornerError, Notice, Notices, ToolRadiusError};
 use crate::{Arc, ElementKind, PathElement, ProbeOutcome, Probing, Shape};
 use nalgebra::{Point3, Vector3};
 
-/// What the adapters and the end of a test's stream can find wrong.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Errors of the adapters and of a test's stream.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 enum Error {
-    Check(CheckError),
-    Corner(CornerError),
-    ToolRadius(ToolRadiusError),
+    #[error(transparent)]
+    Check(#[from] CheckError),
+    #[error(transparent)]
+    Corner(#[from] CornerError),
+    #[error(transparent)]
+    ToolRadius(#[from] ToolRadiusError),
+    #[error("upstream")]
     Upstream(u32),
-}
-
-impl From<CheckError> for Error {
-    fn from(error: CheckError) -> Self {
-        Error::Check(error)
-    }
-}
-
-impl From<CornerError> for Error {
-    fn from(error: CornerError) -> Self {
-        Error::Corner(error)
-    }
-}
-
-impl From<ToolRadiusError> for Error {
-    fn from(error: ToolRadiusError) -> Self {
-        Error::ToolRadius(error)
-    }
 }
 
 /// The tolerance of the vectors, 1e-8 mm, in m.
@@ -107,6 +93,17 @@ fn assert_continuous(elements: &[PathElement]) {
 
 fn close(a: Point3<f64>, b_mm: [f64; 3]) -> bool {
     (a - Point3::from(b_mm) * 1e-3).norm() <= VECTOR_TOLERANCE
+}
+
+/// Asserts that the elements lead through these points, mm in X and Y.
+fn assert_points(path: &[PathElement], points_mm: &[[f64; 2]]) {
+    let found: Vec<_> =
+        path.iter().map(|element| (element.start() * 1e3, element.end() * 1e3)).collect();
+    assert_eq!(path.len() + 1, points_mm.len(), "{found:?}");
+    for (element, ends) in path.iter().zip(points_mm.windows(2)) {
+        let [from, to] = [ends[0], ends[1]].map(|[x, y]| [x, y, 0.0]);
+        assert!(close(element.start(), from) && close(element.end(), to), "{found:?}");
+    }
 }
 
 fn taken(notices: &Notices) -> Vec<Notice> {

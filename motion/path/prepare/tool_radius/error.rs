@@ -82,17 +82,11 @@ pub enum ToolRadiusError {
         radius: f64,
     },
     /// A probing move, whose way is where the probe itself goes.
-    #[error("{place}: a probing move cannot be corrected by the tool radius")]
-    Probe {
-        /// The block.
-        place: Place,
-    },
+    #[error("{0}: a probing move cannot be corrected by the tool radius")]
+    Probe(Place),
     /// An arc in another plane than that of X and Y.
-    #[error("{place}: tool radius correction is in X and Y, the arc is in another plane")]
-    Plane {
-        /// The block.
-        place: Place,
-    },
+    #[error("{0}: tool radius correction is in X and Y, the arc is in another plane")]
+    Plane(Place),
 }
 
 impl ToolRadiusError {
@@ -102,8 +96,8 @@ impl ToolRadiusError {
             Self::SideChange { place, .. }
             | Self::RadiusChange { place, .. }
             | Self::Radius { place, .. }
-            | Self::Probe { place }
-            | Self::Plane { place } => *place,
+            | Self::Probe(place)
+            | Self::Plane(place) => *place,
         }
     }
 }

@@ -5,7 +5,7 @@ use super::super::{Notice, Notices};
 use crate::Place;
 use std::collections::VecDeque;
 
-/// Pairs of blocks told last; each pair is told once.
+/// Pairs of blocks reported last; each pair is reported once.
 const REMEMBERED: usize = 32;
 
 /// Compares the pieces of the tool's path with those of the contour around them: the last ones of each, and the first, which the end of a closed contour comes back to.
@@ -16,7 +16,7 @@ pub(super) struct GougeCheck {
     windows: [usize; 2],
     contour: VecDeque<Piece>,
     path: VecDeque<Piece>,
-    told: VecDeque<(Place, Place)>,
+    reported: VecDeque<(Place, Place)>,
 }
 
 #[derive(Debug)]
@@ -28,7 +28,7 @@ struct Piece {
 
 impl GougeCheck {
     /// With the number of pieces of the contour and of the path that are kept; coming nearer than the radius by no more
-    /// than `tolerance`, m, is no gouge.
+    /// than `tolerance`, m, is not a gouge.
     pub(super) fn new(radius: f64, tolerance: f64, windows: [usize; 2]) -> Self {
         Self {
             radius,
@@ -36,7 +36,7 @@ impl GougeCheck {
             windows,
             contour: VecDeque::new(),
             path: VecDeque::new(),
-            told: VecDeque::new(),
+            reported: VecDeque::new(),
         }
     }
 
@@ -45,7 +45,7 @@ impl GougeCheck {
         let piece = Piece { place, curve, bounds: curve.bounds() };
         let near = piece.bounds.widened(self.radius);
         for path in self.path.iter().filter(|path| path.bounds.meets(&near)) {
-            compare([self.radius, self.tolerance], path, &piece, &mut self.told, notices);
+            compare([self.radius, self.tolerance], path, &piece, &mut self.reported, notices);
         }
         remember(&mut self.contour, piece, self.windows[0]);
     }
@@ -55,7 +55,7 @@ impl GougeCheck {
         let piece = Piece { place, curve, bounds: curve.bounds() };
         let near = piece.bounds.widened(self.radius);
         for contour in self.contour.iter().filter(|contour| contour.bounds.meets(&near)) {
-            compare([self.radius, self.tolerance], &piece, contour, &mut self.told, notices);
+            compare([self.radius, self.tolerance], &piece, contour, &mut self.reported, notices);
         }
         remember(&mut self.path, piece, self.windows[1]);
     }
@@ -65,16 +65,16 @@ fn compare(
     [radius, tolerance]: [f64; 2],
     path: &Piece,
     contour: &Piece,
-    told: &mut VecDeque<(Place, Place)>,
+    reported: &mut VecDeque<(Place, Place)>,
     notices: &Notices,
 ) {
     let depth = radius - distance(&path.curve, &contour.curve);
     let pair = (path.place, contour.place);
-    if depth > tolerance && !told.contains(&pair) {
-        if told.len() >= REMEMBERED {
-            told.pop_front();
+    if depth > tolerance && !reported.contains(&pair) {
+        if reported.len() >= REMEMBERED {
+            reported.pop_front();
         }
-        told.push_back(pair);
+        reported.push_back(pair);
         notices.add(Notice::Gouge { place: path.place, damaged: contour.place, depth });
     }
 }

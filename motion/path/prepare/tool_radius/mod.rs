@@ -58,11 +58,11 @@ impl Default for ToolRadiusOptions {
 /// - at the beginning a positioning (G0) leads from the path to its offset, or a positioning that comes just before is
 ///   led there itself; at the end likewise back to the path, or a positioning that comes just after starts from the
 ///   offset. What has no way in X and Y (along Z alone, M functions, dwells) directly before or behind a contour is
-///   done beside it, so that the tool neither comes down nor goes up on the contour itself.
+///   done at the offset from it, so that the tool neither comes down nor goes up on the contour itself.
 ///
 /// Z and the extra axes of an element go on from its start to its end, however much shorter or longer its offset is;
 /// around outer corners they rest. M functions, dwells, elements of length zero or along Z alone, with their switches,
-/// are done behind the corner. Behind a jump (G92) the offset begins anew beside the contour.
+/// are done behind the corner. Behind a jump (G92) the offset from the contour begins anew.
 ///
 /// # Where the tool does not fit
 ///
@@ -72,7 +72,7 @@ impl Default for ToolRadiusOptions {
 /// as there is room. Where nothing meets, the offset stays as it is, with arcs about the corners (and inside-out arcs)
 /// so that it does not break: as in the manual, the path then crosses itself, and [`super::AvoidLoops`] can cut the
 /// loop off. Wherever the tool so comes nearer than its radius to a piece of the contour, within
-/// [`ToolRadiusOptions::gouge_window`] pieces or at the first piece of a contour, [`super::Notice::Gouge`] tells it.
+/// [`ToolRadiusOptions::gouge_window`] pieces or at the first piece of a contour, [`super::Notice::Gouge`] reports it.
 /// Positionings are not looked at. Both notices are the rule `compensation-gouge`. A contour with a radius of 0 stays as
 /// it is and gets [`super::Notice::NoRadius`].
 ///
@@ -88,7 +88,7 @@ pub struct ToolRadius<I, E> {
     state: State<E>,
     /// Between the contours: what may have to lead to the next offset, or back from the last.
     pending: Pending,
-    /// What comes behind that without a way in X and Y: it is done beside the contour, if one follows or has ended.
+    /// What comes behind that without a way in X and Y: it is done at the offset from the contour, if one follows or has ended.
     standing: VecDeque<PathElement>,
     /// What waits for the next piece of the contour.
     between: Between<E>,
@@ -122,8 +122,8 @@ enum Pending {
     Nothing,
     /// A positioning that may be led to an offset.
     Positioning(Box<PathElement>),
-    /// The path stands beside the end of the contour, whose last piece this is.
-    Beside(Box<PathElement>, Station),
+    /// The path is at the offset from the end of the contour, whose last piece this is.
+    Ended(Box<PathElement>, Station),
 }
 
 impl<I, E> ToolRadius<I, E>
@@ -170,7 +170,7 @@ where
                 .without(Marks::CORRECTION_END);
             if matches!(element.kind, ElementKind::Probe { .. }) {
                 let place = element.place;
-                self.refuse(element, ToolRadiusError::Probe { place });
+                self.refuse(element, ToolRadiusError::Probe(place));
             } else if has_way(&element) {
                 self.piece(element);
             } else {
@@ -194,7 +194,7 @@ where
         }
     }
 
-    /// Takes what is no piece of a contour.
+    /// Takes an element that is not a piece of a contour.
     fn carry(&mut self, item: Result<PathElement, E>) {
         match &mut self.state {
             State::On(active) => {
@@ -224,10 +224,10 @@ where
         }
     }
 
-    /// Holds a positioning that may have to lead to an offset; after a contour it starts beside its end.
+    /// Holds a positioning that may have to lead to an offset; after a contour it starts at the offset from its end.
     fn hold(&mut self, mut positioning: PathElement) {
         match std::mem::replace(&mut self.pending, Pending::Nothing) {
-            Pending::Beside(_, at) if has_way(&positioning) => {
+            Pending::Ended(_, at) if has_way(&positioning) => {
                 self.stand(at);
                 if let Shape::Line { start, .. } = &mut positioning.shape {
                     (start.x, start.y) = (at.point.x, at.point.y);
@@ -241,12 +241,12 @@ where
         self.pending = Pending::Positioning(Box::new(positioning));
     }
 
-    /// Hands on what is pending: it leads to no offset.
+    /// Hands on the pending element: no offset follows.
     fn release(&mut self) {
         match std::mem::replace(&mut self.pending, Pending::Nothing) {
             Pending::Nothing => {}
             Pending::Positioning(element) => self.ready.push_back(Ok(*element)),
-            Pending::Beside(last, at) => {
+            Pending::Ended(last, at) => {
                 let at = self.stand(at);
                 let end = last.end();
                 self.ramp(&last, at, [end.x, end.y]);
@@ -289,7 +289,7 @@ where
             return self.refuse(element, ToolRadiusError::Radius { place, radius });
         }
         if matches!(&element.shape, Shape::Arc(arc) if arc.plane() != Plane::Xy) {
-            return self.refuse(element, ToolRadiusError::Plane { place });
+            return self.refuse(element, ToolRadiusError::Plane(place));
         }
         let before = match &self.state {
             State::On(active) => Some(active.radius),
@@ -344,7 +344,7 @@ where
                 let from = Station::start(from);
                 self.ramp(first, from, xy);
             }
-            Pending::Beside(_, at) => {
+            Pending::Ended(_, at) => {
                 let at = self.stand(at);
                 self.ramp(first, at, xy);
             }
@@ -365,7 +365,7 @@ where
             let jumped = active.offset.place(&mut self.between, None);
             self.ready.append(&mut self.between);
             if !jumped {
-                self.pending = Pending::Beside(Box::new(active.last), active.offset.station());
+                self.pending = Pending::Ended(Box::new(active.last), active.offset.station());
             }
         }
     }
@@ -404,7 +404,7 @@ where
             } else {
                 self.ended = true;
                 self.release();
-                // Without an end mark the path ends beside the contour.
+                // Without an end mark the path ends at the offset from the contour.
                 self.end();
             }
         }

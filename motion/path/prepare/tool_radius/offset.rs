@@ -16,7 +16,7 @@ const REVERSAL: f64 = 1e-9;
 /// Offsets that end no further than this apart at an inner corner meet, m: the rounding of programs in micrometres.
 const SMALL_GAP: f64 = 1e-6;
 
-/// Elements that are dropped are not told where the tool comes as near as this to touching them, m: programs in
+/// Elements that are dropped are not reported where the tool comes as near as this to touching them, m: programs in
 /// micrometres have corners of all kinds between short elements.
 const UNTOUCHED: f64 = 2e-6;
 
@@ -47,13 +47,13 @@ struct Track<E> {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Role {
-    /// Beside a piece of the contour.
+    /// At the offset from a piece of the contour.
     Offset,
     /// Around a corner.
     Joint,
 }
 
-/// The path beside one contour, from the mark where it begins to where it ends.
+/// The offset path of one contour, from the mark where it begins to where it ends.
 #[derive(Debug)]
 pub(super) struct Offset<E> {
     /// Distance to the contour, m, positive to the left.
@@ -64,7 +64,7 @@ pub(super) struct Offset<E> {
     tracks: VecDeque<Track<E>>,
     /// End of the pieces handed out.
     at: Station,
-    /// False where the set-point has jumped, or at the very beginning: there is no corner then.
+    /// False where the set-point has jumped, or at the very beginning: then there is not a corner.
     joined: bool,
 }
 
@@ -78,7 +78,7 @@ impl<E> Offset<E> {
         first_curve: &Curve,
     ) -> Self {
         let (curve, _) = first_curve.offset(distance);
-        // The path comes so many pieces after the contour.
+        // Delay of the path behind the contour, in pieces.
         let windows =
             [options.gouge_window.saturating_add(options.look_ahead), options.gouge_window];
         let mut at = Station::start(first);
@@ -256,7 +256,7 @@ impl<E> Offset<E> {
         }
     }
 
-    /// Hands out what is too far behind to change any more.
+    /// Hands out pieces that cannot change any more.
     fn settle(&mut self, ready: &mut Between<E>) {
         // The end of the last piece is not known before the next one.
         while self.tracks.len() > self.look_ahead.max(1) {
@@ -327,7 +327,7 @@ fn too_narrow(element: &PathElement, distance: f64) -> Notice {
 }
 
 impl<E> Track<E> {
-    /// True for what the path is not cut across: it is no cut itself, or the tool moves along Z before it.
+    /// True for a piece that the path is not cut across: it is not a cut, or the tool moves along Z before it.
     fn is_wall(&self) -> bool {
         let moves = |element: &PathElement| element.kind.is_motion() && element.length() > 0.0;
         self.element.kind != ElementKind::Cut || self.between.iter().flatten().any(moves)

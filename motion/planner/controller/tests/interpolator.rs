@@ -190,7 +190,7 @@ fn an_error_comes_after_the_tool_has_stopped_and_ends_the_motion() {
     assert_eq!(results, [Err(Error::Upstream(4))]);
 }
 
-/// Durations that are no whole number of anything do not drift: 20,000 half circles at constant velocity.
+/// Durations that are not whole numbers of cycles do not drift: 20,000 half circles at constant velocity.
 #[test]
 fn time_does_not_drift() {
     let mut pen = Pen::new(0.1, 10.0, 10.0);
@@ -260,7 +260,7 @@ proptest! {
         let cycle_ns = NonZeroU32::new(100_000).unwrap();
         let mut setpoints: Vec<_> =
             Interpolator::new(planned(elements), cycle_ns).take(20_000).map(Result::unwrap).collect();
-        // It stands still where the path ended within the cycle.
+        // It rests where the path ended within the cycle.
         setpoints.pop();
         let h = 1e-4;
         for three in setpoints.windows(3) {

@@ -55,7 +55,7 @@ impl Wired {
     }
 }
 
-/// The path begins at 0, 0; X stands 30 mm beside. It is brought there with the gap velocity, 50 mm/s with 1 m/s²: 0.6 s and
+/// The path begins at 0, 0; X is 30 mm away. It is brought there with the gap velocity, 50 mm/s with 1 m/s²: 0.6 s and
 /// 0.05 s; meanwhile the interpolator waits, and Y with it. Then both go 100 mm to the end, in 1.1 s.
 #[test]
 fn an_axis_beside_the_path_holds_the_interpolator() {

@@ -8,7 +8,7 @@ use twin_path::{ExtraPoint, Shape};
 
 /// Derivatives that differ by no more than this part of them are the same.
 const SAME: f64 = 1e-9;
-/// So many roundings of the coordinates go into a derivative.
+/// Number of roundings of the coordinates in a derivative.
 const ROUNDINGS: f64 = 8.0;
 /// Elements meet that are no further apart, m.
 const MEETING: f64 = 1e-9;
@@ -171,7 +171,7 @@ impl Steps {
     }
 }
 
-/// The largest number that goes into a position of a curve, m; 0 for a line, which starts and ends where it is told.
+/// The largest number that goes into a position of a curve, m; 0 for a line, whose start and end are given.
 fn reckoned_with(element: &CheckedElement) -> f64 {
     match &element.shape {
         Shape::Line { .. } => 0.0,

@@ -27,7 +27,7 @@ use twin_path::prepare::{CheckedElement, curvature};
 
 /// Velocities that differ by no more than this part of them are the same.
 const SAME_FEED: f64 = 1e-9;
-/// So many elements are looked at for the first direction of the path.
+/// Number of elements searched for the first direction of the path.
 const LOOK_AHEAD: usize = 256;
 
 /// Order of the derivatives whose steps are blended.

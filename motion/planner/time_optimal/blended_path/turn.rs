@@ -20,7 +20,7 @@ use twin_path::{Plane, Shape};
 const UPRIGHT: f64 = 1e-6;
 /// Directions that differ by no more than this, rad, are the same.
 const SAME: f64 = 1e-8;
-/// A place on an arc is found by so many halvings.
+/// Number of halvings that find a place on an arc.
 const HALVINGS: u32 = 60;
 /// Places within this part of the length from the ends of an arc are there; between them and the ends it is upright.
 const AT_ENDS: f64 = 1e-7;

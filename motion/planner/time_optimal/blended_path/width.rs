@@ -14,7 +14,7 @@ const SHARE: f64 = 0.5;
 pub(super) const SLIVER: f64 = 0.06;
 /// No blend is narrower on either side, m.
 const NARROWEST: f64 = 1e-15;
-/// Nor than so many times what the coordinates may be off.
+/// Nor than this multiple of the error of the coordinates.
 const DIGITS: f64 = 1e3;
 
 /// Deviation of blends from the path, for each half width d.
@@ -61,13 +61,13 @@ const SHARPEST: f64 = 1e30;
 /// Deviations that are found are within the tolerance by this part of it, at most and at least aimed at.
 const AIM: f64 = 0.98;
 const ENOUGH: f64 = 0.9;
-/// So many widths are tried once there is one that will do. One or two are the rule.
+/// Largest number of widths tried after the first one that fits. One or two are the rule.
 const TRIALS: u32 = 12;
-/// And so many until then: halved so often the longest element is as short as the shortest.
+/// Largest number of widths tried until then: halved that often the longest element is as short as the shortest.
 const MOST_TRIALS: u32 = 100;
-/// So many may be found too wide by what their deviations say.
+/// Largest number of widths that the deviations may prove too wide.
 const PATIENCE: u32 = 3;
-/// Deviations are looked at in so many intervals on each side.
+/// Number of intervals on each side in which deviations are sampled.
 const INTERVALS: u8 = 8;
 
 /// Reason why a joint is not blended.
@@ -260,7 +260,7 @@ fn rounding(steps: &Steps) -> f64 {
     16.0 * f64::EPSILON * far(&steps.before).max(far(&steps.after))
 }
 
-/// A blend held against the path it is to replace.
+/// A blend compared with the path that it replaces.
 struct Trial {
     /// None if it leads to what is not a number.
     blend: Option<Blend>,

@@ -25,7 +25,7 @@ pub(super) struct Open<'s> {
     pub(super) variables: &'s [Option<usize>],
     pub(super) scales: &'s [f64],
     /// Additional worth of the variables that are not proved.
-    pub(super) told: &'s [f64],
+    pub(super) chained: &'s [f64],
 }
 
 /// A cell of it.
@@ -62,7 +62,7 @@ impl Open<'_> {
 struct Approached {
     b: Vec<f64>,
     answer: Answer,
-    /// By how much what it was told of the duration is off there, in parts of the duration.
+    /// Error of the expanded duration there, as a part of the duration.
     astray: f64,
 }
 
@@ -97,9 +97,9 @@ impl LinearSolver {
         for cell in open.cells(about) {
             cell.cost.add_to(&mut self.program, cell.scales, cell.variables);
         }
-        for (variable, told) in open.variables.iter().zip(open.told) {
+        for (variable, chained) in open.variables.iter().zip(open.chained) {
             if let Some(index) = *variable {
-                self.program.add_cost(index, 0.0, -told);
+                self.program.add_cost(index, 0.0, -chained);
             }
         }
         let answer = self.program.solve_all(TOLERANCE)?;

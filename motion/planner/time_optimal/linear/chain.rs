@@ -180,6 +180,6 @@ impl<'g> Chain<'g> {
 
 fn held_by(active: &Active, cell: usize, row: [f64; 3]) -> Held {
     let constraint = active.constraint.filter(|_| active.activity > ACTIVE);
-    // Nothing holds it, as far as can be told.
+    // No known limit holds it.
     constraint.map_or(Held::default(), |_| Held { constraint, cell, row, share: 1.0 })
 }

@@ -147,11 +147,11 @@ impl LinearSolver {
         }
         // What proved b pass on to variables, where all are the largest that they can be.
         chain.hold(&b);
-        let told = chain.ends();
-        let open = Open { grid, cells, variables: &variables, scales: &b, told: &told };
+        let chained = chain.ends();
+        let open = Open { grid, cells, variables: &variables, scales: &b, chained: &chained };
         let (found, answer) = self.approach(&open, &about(grid, cells, &b, presolved))?;
         b = found;
-        let duals = self.costs(&mut chain, &b, (&variables, &told), &answer);
+        let duals = self.costs(&mut chain, &b, (&variables, &chained), &answer);
         let gains = added(gains(&self.program.gains(&duals)).into_iter().chain(chain.gains()));
         let (iterations, rows) = (answer.iterations, self.program.rows());
         Ok(LinearProfile { b, variables: count, iterations, rows, gains })
@@ -186,11 +186,11 @@ impl LinearSolver {
         &self,
         chain: &mut Chain<'_>,
         b: &[f64],
-        (variables, told): (&[Option<usize>], &[f64]),
+        (variables, chained): (&[Option<usize>], &[f64]),
         answer: &Answer,
     ) -> Vec<f64> {
         chain.hold(b);
-        let mut told = told.to_vec();
+        let mut chained = chained.to_vec();
         let mut duals = answer.duals.clone();
         let mut pulled = vec![0.0; duals.len()];
         for _ in 0..MOST_PASSES {
@@ -201,12 +201,14 @@ impl LinearSolver {
                 }
             }
             let mut worth = vec![0.0; answer.x.len()];
-            for ((passed, told), variable) in chain.ends().iter().zip(&mut told).zip(variables) {
+            for ((passed, chained), variable) in
+                chain.ends().iter().zip(&mut chained).zip(variables)
+            {
                 let Some(index) = *variable else { continue };
                 if let (Some(slot), Some(x)) = (worth.get_mut(index), answer.x.get(index)) {
-                    *slot = if *x > 0.0 { passed / x - *told } else { 0.0 };
+                    *slot = if *x > 0.0 { passed / x - *chained } else { 0.0 };
                 }
-                *told = 0.0;
+                *chained = 0.0;
             }
             if worth.iter().all(|worth| worth.abs() < chain::NO_GAIN) {
                 break;

@@ -44,9 +44,11 @@ impl<'g> Scaled<'g> {
             let axes = axes.iter().enumerate().map(move |(axis, row)| {
                 (Constraint::AxisAcceleration(number(axis)), self.turned(row, end), true)
             });
-            axes.chain(further.iter().enumerate().map(move |(place, row)| {
-                (Constraint::Further(number(place)), self.turned(row, end), false)
-            }))
+            axes.chain(
+                further.iter().enumerate().map(move |(place, row)| {
+                    (self.grid.further(place), self.turned(row, end), false)
+                }),
+            )
         })
     }
 

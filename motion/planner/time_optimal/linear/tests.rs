@@ -51,6 +51,7 @@ impl Case {
         let limits = self.limits.iter().zip(0..).map(|(limits, axis)| AxisLimits {
             velocity: limits.velocity * factor(Constraint::Velocity(CapSource::AxisVelocity(axis))),
             acceleration: limits.acceleration * factor(Constraint::AxisAcceleration(axis)),
+            deceleration: limits.deceleration * factor(Constraint::AxisAcceleration(axis)),
             jerk: None,
         });
         let mut grid = Grid::new(limits.collect(), self.along.map_or(0, |_| 2), 0.0);
@@ -85,10 +86,9 @@ impl Case {
 fn cases() -> impl Strategy<Value = Case> {
     let wave = (-1.0..1.0, 0.0..0.3, 1.0..20.0, 0.0..6.3, 0.0..0.1, 1.0..30.0, 0.0..6.3)
         .prop_map(|(a, b, c, d, e, f, g)| [a, b, c, d, e, f, g]);
-    let limits = (0.1..2.0, 0.5..10.0).prop_map(|(velocity, acceleration)| AxisLimits {
-        velocity,
-        acceleration,
-        jerk: None,
+    let share = prop_oneof![Just(1.0), 0.2..5.0];
+    let limits = (0.1..2.0, 0.5..10.0, share).prop_map(|(velocity, acceleration, share)| {
+        AxisLimits { velocity, acceleration, deceleration: share * acceleration, jerk: None }
     });
     let axes = prop::collection::vec((wave, limits), 1..5);
     let further = (

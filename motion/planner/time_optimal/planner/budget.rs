@@ -35,17 +35,17 @@ impl Budget {
         }
     }
 
-    /// A solve over so many cells took so many iterations.
+    /// Counts a solve: its cells and its iterations.
     pub(super) fn solved(&mut self, cells: usize, iterations: u32) {
         self.spend((cells as u64).saturating_mul(u64::from(iterations)));
     }
 
-    /// So many cells were sampled.
+    /// Counts sampled cells.
     pub(super) fn sampled(&mut self, cells: usize) {
         self.spend(SAMPLING.saturating_mul(cells as u64));
     }
 
-    /// So many cells were looked at.
+    /// Counts inspected cells.
     pub(super) fn looked(&mut self, cells: usize) {
         self.spend(LOOKING.saturating_mul(cells as u64));
     }

@@ -50,7 +50,7 @@ where
     /// Time in which the acceleration of the slowest axis builds up, s.
     pub(super) fn build_up(&self) -> f64 {
         let limits = self.sampler.axes().limits().iter();
-        let times = limits.filter_map(|limits| Some(limits.acceleration / limits.jerk?));
+        let times = limits.filter_map(|limits| Some(limits.largest_acceleration() / limits.jerk?));
         times.fold(0.0, f64::max)
     }
 

@@ -12,7 +12,7 @@ use twin_path::prepare::CheckedElement;
 const EVEN: f64 = 0.1;
 /// One that is less than this part of its limit at both ends costs nothing.
 const FELT: f64 = 0.8;
-/// Cells are cut so often at most, in so many parts each time.
+/// Largest number of cuts of a cell, and of the parts of each cut.
 pub(super) const MOST_CUTS: u32 = 3;
 const MOST_PARTS: f64 = 8.0;
 
@@ -76,8 +76,10 @@ fn accelerations(
 ) -> impl Iterator<Item = f64> {
     let rates = sample.rates.first.iter().zip(sample.rates.second.iter());
     let axes = rates.zip(limits);
-    let axes =
-        axes.map(move |((first, second), limits)| (first * a + second * b) / limits.acceleration);
+    let axes = axes.map(move |((first, second), limits)| {
+        let acceleration = first * a + second * b;
+        acceleration / limits.acceleration_at(*first, acceleration)
+    });
     let along = sample.along.iter().map(move |row| row.a * a + row.b * b);
     axes.chain(along)
 }

@@ -10,7 +10,7 @@ use twin_path::prepare::CheckedElement;
 
 /// So much more room for acceleration, jerk and velocity: limits are looked at again between the nodes.
 pub(super) const ROOM: [f64; 3] = [1e-4, 0.01, 1e-6];
-/// If there is no profile about the first guess, others have so much of its u̇².
+/// Parts of the u̇² of the first guess that further guesses have.
 pub(super) const SLOWER: [f64; 4] = [0.2, 0.02, 0.6, 2e-3];
 /// Or, where the path does not begin at rest, times this of that at which jerks let it be gone through at constant velocity.
 const SHARP: f64 = 7.5;

@@ -30,7 +30,7 @@ const SETTLED: f64 = 2e-4;
 const NEAR: f64 = 0.05;
 /// Accuracy with which solvers keep bounds.
 const EXACT: f64 = 1e-4;
-/// Braking takes at least so many cells.
+/// Least number of cells for braking.
 const FEWEST: f64 = 32.0;
 /// b below this part of the first is rest.
 const REST: f64 = 3e-4;

@@ -15,6 +15,9 @@ mod minimum_speed;
 mod pieces;
 mod refine;
 mod replan;
+#[cfg(test)]
+#[allow(clippy::expect_used, clippy::panic, reason = "tests")]
+mod tests;
 mod verify;
 mod window;
 

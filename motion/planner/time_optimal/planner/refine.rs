@@ -13,25 +13,25 @@ use twin_path::prepare::CheckedElement;
 /// Within this time, s, after the path rested, or before it will, steps are shorter in proportion: there the velocity changes
 /// fast.
 const GRADE: f64 = 0.06;
-/// Cells that take no more than this, s, are not cut for the sake of time: a few cuts more, and their jerks could not be told.
+/// Cells that take no more than this, s, are not cut for the sake of time: in shorter cells rounding would drown their jerks.
 pub(super) const SHORTEST: f64 = 4.0 * LEAST_TIME;
 /// The first and last cell of a path between stops take so long, s, and at most a quarter of the whole: there the jerk is
 /// constant.
 const LAUNCH: f64 = 8e-3;
 /// Steps of the grid that is first solved on where jerks are limited, in steps of the one that counts.
 const COARSE: f64 = 4.0;
-/// Between stops there are at least so many steps.
+/// Least number of steps between stops.
 const FEWEST_STEPS: f64 = 12.0;
 /// Cells that take more steps are cut.
 const TOO_LONG: f64 = 1.6;
-/// A path that takes less than so many horizons is planned in one window.
+/// A path that takes less than this number of horizons is planned in one window.
 const BEYOND: f64 = 1.5;
 /// A first profile may be faster by this part, in u̇², than what keeps the jerk limits at constant velocity: not much more can be won
 /// by speeding up and slowing down.
 const BEND_ROOM: f64 = 2.0;
 /// The path does not rest where b is more than this part of what it is a node before.
 const NO_REST: f64 = 1e-6;
-/// Between stops there are at least so many cells.
+/// Least number of cells between stops.
 const FEWEST: usize = 4;
 /// Cells in which jerks differ by more than this part of their limits are cut in half.
 const VARIES: f64 = 0.12;

@@ -15,12 +15,12 @@ use twin_path::prepare::CheckedElement;
 const ALLOWED: [[f64; 2]; 3] = [[1.0005, 1.01], [1.045, 1.2], [1.0005, 1.01]];
 /// Where the jerk is in what [`Planner::worst`] gives.
 const JERK: usize = 1;
-/// Cells are cut in half at most in so many rounds: a shorter cell gives the profile more freedom, which it may use to exceed
+/// Largest number of rounds that cut cells in half: a shorter cell gives the profile more freedom, which it may use to exceed
 /// limits somewhere else.
 pub(super) const HALVING: u32 = 6;
 /// Cells of fewer times the shortest are not cut often any more.
 const FEW_CUTS: f64 = 4.0;
-/// A limit that was made tighter and is still exceeded is made so many times tighter.
+/// Factor by which a limit is tightened further if it is still exceeded.
 const AGAIN: i32 = 4;
 
 impl<I, E, A> Planner<I, E, A>

@@ -15,9 +15,9 @@ use crate::time_optimal::smooth::{Beginning, Broken, Guess, SmoothProfile};
 use std::ops::Range;
 use twin_path::prepare::CheckedElement;
 
-/// Windows are solved again at most so often.
+/// Largest number of solves of a window.
 const ROUNDS: u32 = 16;
-/// Cells are not cut any more once there are so many times more of them.
+/// Largest growth of the number of cells by cutting.
 const MOST_CELLS: usize = 4;
 
 /// A change is felt for so many times the time in which acceleration builds up: mostly, and where between the ends of that

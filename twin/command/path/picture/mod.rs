@@ -28,7 +28,7 @@ const SIDE: f64 = 1000.0;
 const NARROWEST: f64 = 0.32;
 /// Room between path and frame, as a part of the longer side.
 const ROOM: f64 = 0.04;
-/// Smallest size of what is drawn, and largest distance, m: what is farther away is not seen.
+/// Smallest size of a drawing, and largest distance, m; anything farther away is not drawn.
 const SMALLEST: f64 = 1e-4;
 const LARGEST: f64 = 1e6;
 
@@ -138,7 +138,7 @@ impl<T> Marks<T> {
 }
 
 impl<W: Write> Picture<W> {
-    /// Begins a picture of what is within `bounds`; nothing at all if there are none.
+    /// Begins a picture of the area within `bounds`; empty without bounds.
     pub(super) fn new(out: W, bounds: Option<Bounds>, title: &str) -> Self {
         let map = map(bounds, title);
         let arrow_distance = map.mm(ARROW_DISTANCE) * 1e-3;

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use twin_kinematics::{AxisVector, Kinematics, MachineAxes};
 use twin_urdf::Model;
 
-/// Further positions besides the ends and the middles of the axes.
+/// Positions tested, in addition to the ends and middles of the axes.
 const PLACES: u32 = 64;
 /// Distance from the tool of the point that shows the turn of a flange, m.
 const OFFSET: f64 = 0.1;
@@ -23,8 +23,7 @@ pub(super) struct Difference {
     chain: Point3<f64>,
 }
 
-/// The flange of the transform in the link that carries it: z up, and x as the transform has it, taken with every axis in
-/// the middle of its travel.
+/// Flange of the transform in its link: z up, x as the transform has it at mid-travel.
 pub(super) fn flange(given: &Given<'_>, machine: &MachineAxes, model: &Model) -> Isometry3<f64> {
     let middle = AxisVector::from_values(given.axes.iter().map(|entry| {
         let [low, high] = range(entry);
@@ -70,7 +69,7 @@ pub(super) fn check(
             let turned = poses.get(model.tip.link)?.rotation * along;
             Some((transform, model.tip_position(axes) + turned))
         });
-        what = "a point 100 mm beside the tool tip";
+        what = "a point 100 mm from the tool tip";
     }
     let Some(worst) = worst.filter(|worst| worst.length > source.tolerance) else {
         return Some(());

@@ -27,7 +27,7 @@ impl Masses {
         Self { density: body.number("density_kg_per_m3", 1.0..=50_000.0), links: masses }
     }
 
-    /// Gives the links of `model` their masses: first those that are named, then those that have a body and no mass and move.
+    /// Sets masses: first those of named links, then by density those of moving links with solids.
     pub(super) fn complete(&self, model: &mut Model, body: &Section<'_>) -> Option<()> {
         let named = body.section("links");
         let mut complete = true;
@@ -68,7 +68,7 @@ impl Masses {
 }
 
 /// True for each link that an axis moves.
-fn moving_links(model: &Model) -> Vec<bool> {
+pub(crate) fn moving_links(model: &Model) -> Vec<bool> {
     // A parent comes before its children.
     let mut moves = vec![false; model.links.len()];
     for joint in &model.joints {

@@ -1,9 +1,8 @@
 //! `[body] urdf`: links and joints from a URDF file.
 //!
-//! `base_mm` and `base_rotation_deg` place the file's base in the machine frame. Every axis moves the joint that it
-//! names, or else the joint of its own name. Joints that no axis moves are held. Then the chain of joints and the
-//! transform of `[kinematics]` are compared over the whole travel of the axes (`agree`). They describe one machine, so
-//! a file in which they differ is refused.
+//! `base_mm` and `base_rotation_deg` place the file's base in the machine frame. An axis moves the joint that it
+//! names, or else the joint of its own name; other joints are held. Chain and transform are compared over the whole
+//! travel (`agree`): a file in which they differ is refused.
 
 mod agree;
 mod fit;
@@ -12,13 +11,13 @@ mod mass;
 use super::design::Design;
 use super::kind::{Family, Kind};
 use super::{Built, mount};
-use crate::additional_axis;
 use crate::axis::{Axis, AxisEntry};
 use crate::axis_kind::AxisKind;
-use crate::limited_read;
 use crate::section::Section;
 use crate::tool::Tool;
+use crate::{additional_axis, limited_read};
 use mass::Masses;
+pub(crate) use mass::moving_links;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::path::{Path, PathBuf};
 use twin_kinematics::{AxisSource, MachineAxes};
@@ -113,7 +112,7 @@ impl Source {
         let text = limited_read::read_to_string(&self.path).map_err(|source| UrdfFileError {
             path: self.path.clone(),
             line: 1,
-            error: Box::new(UrdfError::Read { source }),
+            error: Box::new(UrdfError::Read(source)),
         });
         let loaded = text.and_then(|text| Model::read_urdf(&text, &self.path, &self.options));
         let Loaded { mut model, warnings } =
@@ -213,16 +212,16 @@ impl Source {
         let file = self.path.display();
         let message = format!("{file}: {error}");
         let joint = match error {
-            BindError::Unmoved { .. } => {
+            BindError::Unmoved(_) => {
                 let help = "let an axis move it (`joint` of [[axes]]), or hold it in \
                             [body.held_joints] (degrees or mm)";
                 given.body.complain_with_help("urdf", message, Some(help.to_owned()));
                 return;
             }
             BindError::NoJoint { joint, .. }
-            | BindError::Fixed { joint }
-            | BindError::Mimics { joint }
-            | BindError::Twice { joint }
+            | BindError::Fixed(joint)
+            | BindError::Mimics(joint)
+            | BindError::Twice(joint)
             | BindError::Beyond { joint, .. } => joint,
         };
         let is_held = matches!(error, BindError::Beyond { .. })
@@ -235,8 +234,7 @@ impl Source {
         }
     }
 
-    /// The axis with what the joint says where the machine file is silent, and the joint with the limits of the axis;
-    /// complains where the axis goes further or faster than the joint may.
+    /// Completes axis and joint from each other; complains where the axis exceeds the limits of the joint.
     fn settle(
         &self,
         given: &Given<'_>,
@@ -263,20 +261,17 @@ impl Source {
                 "<safety_controller>"
             };
             let name = &joint.name;
-            if axis.limited && min < lower - SAME_LIMIT {
+            let ends = [
+                ("min", min, lower, min < lower - SAME_LIMIT),
+                ("max", max, upper, max > upper + SAME_LIMIT),
+            ];
+            for (end, found, limit, _) in
+                ends.into_iter().filter(|(.., beyond)| axis.limited && *beyond)
+            {
                 complain(
-                    &format!("position_min_{unit}"),
+                    &format!("position_{end}_{unit}"),
                     format!(
-                        "axis \"{}\" goes to {min} {unit}; joint {name} of {file} ends at {lower} {unit} ({why})",
-                        axis.name
-                    ),
-                );
-            }
-            if axis.limited && max > upper + SAME_LIMIT {
-                complain(
-                    &format!("position_max_{unit}"),
-                    format!(
-                        "axis \"{}\" goes to {max} {unit}; joint {name} of {file} ends at {upper} {unit} ({why})",
+                        "axis \"{}\" goes to {found} {unit}; joint {name} of {file} ends at {limit} {unit} ({why})",
                         axis.name
                     ),
                 );

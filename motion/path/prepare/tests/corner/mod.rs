@@ -120,11 +120,12 @@ fn a_distance_of_zero_is_noticed() {
     let items = path.into_iter().map(Ok::<_, Error>);
     let smoothed = SmoothPath::new(items, Smoothing::default(), notices.clone());
     assert_eq!(smoothed.count(), 4);
+    let messages: Vec<_> = taken(&notices).iter().map(ToString::to_string).collect();
     assert_eq!(
-        taken(&notices).first().map(ToString::to_string).as_deref(),
-        Some(
+        messages,
+        [
             "line 1: smoothing has no effect, because D is 0 mm; put the distance as D into the block of G51"
-        )
+        ]
     );
 }
 

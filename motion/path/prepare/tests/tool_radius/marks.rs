@@ -103,7 +103,7 @@ fn the_tool_goes_down_and_up_beside_the_contour() {
     assert!(close(path[5].end(), [100.0, 100.0, 50.0]));
 }
 
-/// G0, then M3 and down, then the contour; up and M5, then G0: all of it beside.
+/// G0, then M3 and down, then the contour; up and M5, then G0: all of it away from the contour.
 #[test]
 fn what_stands_before_and_behind_is_done_beside() {
     let mut elements = contour(polyline(&CORNER), LEFT, 10.0);
@@ -152,7 +152,7 @@ fn contours_may_follow_each_other() {
     );
 }
 
-/// The end of the program without G40: the path ends beside the contour.
+/// The end of the program without G40: the path ends at the offset from the contour.
 #[test]
 fn a_program_may_end_without_the_end_mark() {
     let mut elements = contour(polyline(&CORNER), LEFT, 10.0);
@@ -186,7 +186,7 @@ fn what_stands_between_is_done_behind_the_corner() {
     }
 }
 
-/// Lifting and lowering the tool in between, and dwells: beside the contour, too.
+/// Lifting and lowering the tool in between, and dwells: at the offset from the contour, too.
 #[test]
 fn moves_along_z_alone() {
     let mut elements = contour(polyline(&CORNER), RIGHT, 10.0);
@@ -263,7 +263,7 @@ fn the_side_may_not_change() {
     // The path comes back before the error; the element itself is not moved.
     let path: Vec<_> = run(elements.into_iter().map(Ok).collect()).into_iter().flatten().collect();
     assert_points(&path, &[[0.0, 0.0], [0.0, 10.0], [100.0, 10.0], [100.0, 0.0], [100.0, 100.0]]);
-    // The same side once more is no change.
+    // The same side once more is not a change.
     let mut elements = contour(polyline(&CORNER), LEFT, 10.0);
     elements[1].marks = elements[1].marks.with(LEFT);
     assert_eq!(errors(elements), []);
@@ -302,7 +302,7 @@ fn the_radius_may_not_change() {
     }
 }
 
-/// A probe feels its way where the program says, not beside it. Along Z neither: it would be done beside the contour.
+/// A probing move is not offset. Nor along Z: it would be done at the offset from the contour.
 #[test]
 fn probing_moves_are_refused() {
     for upright in [false, true] {
@@ -319,7 +319,7 @@ fn probing_moves_are_refused() {
         let path = ToolRadius::new(items, ToolRadiusOptions::default(), Notices::default());
         let found: Vec<_> = path.filter_map(Result::ok).collect();
         assert!(found.contains(&probe), "{found:#?}");
-        assert_eq!(errors(elements), [ToolRadiusError::Probe { place }]);
+        assert_eq!(errors(elements), [ToolRadiusError::Probe(place)]);
     }
     // Between contours they are where they are, and so is what comes before and behind.
     let mut path = contour(polyline(&CORNER), LEFT, 10.0);
@@ -352,5 +352,5 @@ fn impossible_radii_and_planes() {
     );
     elements[1].shape = Shape::Arc(upright);
     let place = elements[1].place;
-    assert_eq!(errors(elements), [ToolRadiusError::Plane { place }]);
+    assert_eq!(errors(elements), [ToolRadiusError::Plane(place)]);
 }

@@ -5,7 +5,8 @@ mod narrow;
 mod random;
 
 use super::{
-    Error, VECTOR_TOLERANCE, arc, assert_continuous, close, cut, element, numbered, polyline, taken,
+    Error, VECTOR_TOLERANCE, arc, assert_continuous, assert_points, close, cut, element, numbered,
+    polyline, taken,
 };
 use crate::prepare::{Notice, Notices, ToolRadius, ToolRadiusOptions};
 use crate::{Cubic, ElementKind, Marks, PathElement, Shape};
@@ -42,7 +43,7 @@ fn correct(
 }
 
 /// The contour's path without the positionings at its two ends.
-fn beside(elements: Vec<PathElement>, side: Marks, radius_mm: f64) -> Vec<PathElement> {
+fn compensated(elements: Vec<PathElement>, side: Marks, radius_mm: f64) -> Vec<PathElement> {
     let (mut path, notices) =
         correct(contour(elements, side, radius_mm), ToolRadiusOptions::default());
     assert_eq!(notices, []);
@@ -52,22 +53,12 @@ fn beside(elements: Vec<PathElement>, side: Marks, radius_mm: f64) -> Vec<PathEl
     path
 }
 
-fn assert_points(path: &[PathElement], points_mm: &[[f64; 2]]) {
-    let found: Vec<_> =
-        path.iter().map(|element| (element.start() * 1e3, element.end() * 1e3)).collect();
-    assert_eq!(path.len() + 1, points_mm.len(), "{found:?}");
-    for (element, ends) in path.iter().zip(points_mm.windows(2)) {
-        let [from, to] = [ends[0], ends[1]].map(|[x, y]| [x, y, 0.0]);
-        assert!(close(element.start(), from) && close(element.end(), to), "{found:?}");
-    }
-}
-
 const CORNER: [[f64; 2]; 3] = [[0.0, 0.0], [100.0, 0.0], [100.0, 100.0]];
 
 /// Vector `prep-toolcorr-inner`: G41 D10 on 0/0 → 100/0 → 100/100.
 #[test]
 fn prep_toolcorr_inner() {
-    let path = beside(polyline(&CORNER), LEFT, 10.0);
+    let path = compensated(polyline(&CORNER), LEFT, 10.0);
     assert_points(&path, &[[0.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
     let lines: Vec<_> = path.iter().map(|element| element.place.line).collect();
     assert_eq!(lines, [1, 2]);
@@ -76,7 +67,7 @@ fn prep_toolcorr_inner() {
 /// Vector `prep-toolcorr-outer`: G42 D10 on the same contour.
 #[test]
 fn prep_toolcorr_outer() {
-    let path = beside(polyline(&CORNER), RIGHT, 10.0);
+    let path = compensated(polyline(&CORNER), RIGHT, 10.0);
     assert_points(&path, &[[0.0, -10.0], [100.0, -10.0], [110.0, 0.0], [110.0, 100.0]]);
     let Shape::Arc(arc) = &path[1].shape else { panic!("{:?}", path[1]) };
     assert!(close(arc.center(), [100.0, 0.0, 0.0]));
@@ -99,7 +90,7 @@ fn circles() {
     for (sweep, side, radius) in
         [(TAU, LEFT, 40.0), (TAU, RIGHT, 60.0), (-TAU, LEFT, 60.0), (-TAU, RIGHT, 40.0)]
     {
-        let path = beside(vec![arc([0.1, 0.0, 0.0], 0.05, 0.3, sweep, 0.05)], side, 10.0);
+        let path = compensated(vec![arc([0.1, 0.0, 0.0], 0.05, 0.3, sweep, 0.05)], side, 10.0);
         let [PathElement { shape: Shape::Arc(offset), .. }] = &path[..] else { panic!("{path:?}") };
         assert!(close(offset.center(), [100.0, 0.0, 0.0]));
         assert!((offset.radius() * 1e3 - radius).abs() < 1e-9);
@@ -118,7 +109,7 @@ fn tangent_corners_stay_tangent() {
         arc([0.0, 0.02, 0.0], 0.02, FRAC_PI_2, PI, 0.05),
     ];
     for (side, y, radius) in [(LEFT, 5.0, 15.0), (RIGHT, -5.0, 25.0)] {
-        let path = beside(outline.clone(), side, 5.0);
+        let path = compensated(outline.clone(), side, 5.0);
         assert_eq!(path.len(), 4);
         assert!(close(path[0].start(), [0.0, y, 0.0]) && close(path[0].end(), [100.0, y, 0.0]));
         let Shape::Arc(end) = &path[1].shape else { panic!("{path:?}") };
@@ -138,13 +129,13 @@ fn lines_and_arcs_meet() {
             arc([0.02, 0.04, 0.0], 0.05, f64::atan2(-0.04, 0.03), 1.0, 0.05),
         ]
     };
-    let inner = beside(bend(), LEFT, 10.0);
+    let inner = compensated(bend(), LEFT, 10.0);
     assert_eq!(inner.len(), 2);
     // y = 10 meets the circle r 40 about 20/40 at x = 20 + √(1600 − 900).
     assert!(close(inner[0].end(), [20.0 + 700.0_f64.sqrt(), 10.0, 0.0]));
     let Shape::Arc(arc) = &inner[1].shape else { panic!("{inner:?}") };
     assert!((arc.radius() - 0.04).abs() < 1e-12);
-    let outer = beside(bend(), RIGHT, 10.0);
+    let outer = compensated(bend(), RIGHT, 10.0);
     assert_eq!(outer.len(), 3);
     assert!(close(outer[0].end(), [50.0, -10.0, 0.0]));
     assert!(close(outer[1].end(), [56.0, -8.0, 0.0]));
@@ -156,7 +147,7 @@ fn lines_and_arcs_meet() {
 #[test]
 fn a_reversal_is_an_outer_corner() {
     for (side, y) in [(LEFT, 10.0), (RIGHT, -10.0)] {
-        let path = beside(polyline(&[[0.0, 0.0], [100.0, 0.0], [0.0, 0.0]]), side, 10.0);
+        let path = compensated(polyline(&[[0.0, 0.0], [100.0, 0.0], [0.0, 0.0]]), side, 10.0);
         assert_points(&path, &[[0.0, y], [100.0, y], [100.0, -y], [0.0, -y]]);
         let tip = path[1].at(path[1].length() / 2.0).position;
         assert!(close(tip, [110.0, 0.0, 0.0]));
@@ -167,7 +158,7 @@ fn a_reversal_is_an_outer_corner() {
 #[test]
 fn closed_square_outside() {
     let square = polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 100.0], [0.0, 100.0], [0.0, 0.0]]);
-    let path = beside(square, RIGHT, 10.0);
+    let path = compensated(square, RIGHT, 10.0);
     assert_eq!(path.len(), 7);
     assert!(close(path[0].start(), [0.0, -10.0, 0.0]) && close(path[6].end(), [-10.0, 0.0, 0.0]));
     let length: f64 = path.iter().map(PathElement::length).sum();
@@ -185,7 +176,7 @@ fn closed_square_inside() {
         [0.0, 0.0],
         [50.0, 0.0],
     ]);
-    let path = beside(square, LEFT, 10.0);
+    let path = compensated(square, LEFT, 10.0);
     let points =
         [[50.0, 10.0], [90.0, 10.0], [90.0, 90.0], [10.0, 90.0], [10.0, 10.0], [50.0, 10.0]];
     assert_points(&path, &points);
@@ -202,7 +193,7 @@ fn height_stays() {
     let helix = PathElement { shape: Shape::Arc(helix), ..arc([0.0; 3], 0.05, 0.0, PI, 0.05) };
     let down = cut(end.into(), [-0.05, -0.1, -0.01], 0.05);
     for side in [LEFT, RIGHT] {
-        let path = beside(vec![helix.clone(), down.clone()], side, 10.0);
+        let path = compensated(vec![helix.clone(), down.clone()], side, 10.0);
         assert_eq!((path[0].start().z, path[0].end().z), (0.0, 0.02));
         assert_eq!((path[1].start().z, path[1].end().z), (0.02, -0.01));
     }

@@ -25,7 +25,7 @@ fn filleted() -> Vec<PathElement> {
     ])
 }
 
-/// The tool touches both lines and leaves the fillet to a smaller one: told, and no gouge.
+/// The tool touches both lines and leaves the fillet to a smaller one: a notice, but not a gouge.
 #[test]
 fn an_arc_smaller_than_the_tool_vanishes() {
     let (path, notices) = with_notices(contour(filleted(), LEFT, 10.0));
@@ -107,7 +107,7 @@ fn a_slot_narrower_than_the_tool_is_gouged() {
             _ => None,
         })
     };
-    // Beside the one wall the centre is in the other.
+    // At the offset from one wall the centre is inside the other.
     for (from, into) in [(1, 3), (3, 1)] {
         assert!(depth(from, into).is_some_and(|depth| (depth - 0.01).abs() < 1e-12), "{notices:?}");
     }
@@ -160,8 +160,11 @@ fn loop_avoidance_does_it_too() {
         path.remove(0);
         path.pop();
         assert_points(&path, &[[0.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
-        let told = taken(&notices);
-        assert!(told.iter().any(|notice| matches!(notice, Notice::LoopCut { .. })), "{told:?}");
+        let reported = taken(&notices);
+        assert!(
+            reported.iter().any(|notice| matches!(notice, Notice::LoopCut { .. })),
+            "{reported:?}"
+        );
     }
 }
 

@@ -19,7 +19,7 @@ fn from_contour(path: &PathElement, part: f64, contour: &Curve) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// Nowhere nearer to any element than the radius unless a gouge tells it, and beside its own element exactly.
+    /// Nowhere nearer to any element than the radius unless a gouge reports it, and exactly at the radius from its own element.
     #[test]
     fn the_tool_keeps_its_distance(
         path in random_path(false),
@@ -29,7 +29,7 @@ proptest! {
         let side = if left { LEFT } else { RIGHT };
         let (after, notices) =
             correct(contour(path.clone(), side, radius * 1e3), ToolRadiusOptions::default());
-        let told: HashSet<_> = notices
+        let reported: HashSet<_> = notices
             .iter()
             .filter_map(|notice| match notice {
                 Notice::Gouge { place, damaged, .. } => Some((place.line, damaged.line)),
@@ -43,7 +43,7 @@ proptest! {
         for element in after.iter().filter(|element| element.kind == ElementKind::Cut) {
             for (line, contour) in &contours {
                 let own = *line == element.place.line;
-                if told.contains(&(element.place.line, *line)) {
+                if reported.contains(&(element.place.line, *line)) {
                     continue;
                 }
                 for part in [0.0, 0.1, 0.25, 0.5, 0.8, 1.0] {
@@ -87,11 +87,11 @@ proptest! {
         let side = if left { LEFT } else { RIGHT };
         let (after, notices) = correct(contour(path.clone(), side, 5.0), ToolRadiusOptions::default());
         // Far away from itself the path may come near to itself.
-        let beside = |notice: &&Notice| match notice {
+        let unexpected = |notice: &&Notice| match notice {
             Notice::Gouge { place, damaged, .. } => place.line.abs_diff(damaged.line) <= 1,
             _ => true,
         };
-        prop_assert_eq!(notices.iter().find(beside), None);
+        prop_assert_eq!(notices.iter().find(unexpected), None);
         let lines: HashSet<_> = after.iter().map(|element| element.place.line).collect();
         prop_assert_eq!(lines.len(), path.len());
     }

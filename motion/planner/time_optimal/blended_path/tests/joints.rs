@@ -100,7 +100,7 @@ fn width_of_a_line_into_an_arc() {
     let [space, _] = deviation(&found, 5000);
     assert!(space <= tolerance && space > 0.85 * tolerance, "{space}");
 
-    // A step of the acceleration that is not asked for stays, and is told.
+    // A step of the acceleration that is not asked for stays and is reported.
     let left = course(path(), only_velocity(tolerance));
     assert_eq!((left[0].tail(), left[1].head()), (None, None));
     let joint = left[0].joint();

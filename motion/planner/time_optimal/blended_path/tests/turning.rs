@@ -204,7 +204,7 @@ proptest! {
     #[test]
     fn derivatives_are_differences(path in path(), options in options(), part in 0.05..0.95) {
         let course = course(path, BlendOptions { turning: true, order: Order::Jerk, ..options });
-        let mut told = 0;
+        let mut reported = 0;
         for element in &course {
             let breaks: Vec<_> = element.breaks().collect();
             for span in breaks.windows(2) {
@@ -235,11 +235,11 @@ proptest! {
                     if (coarse[order] - fine[order]).abs() > 1e-7 * fine[order].abs() {
                         continue;
                     }
-                    told += 1;
+                    reported += 1;
                     prop_assert!((found - fine[order]).abs() < 1e-4 * size, "{order}: {found} {fine:?} {element:?}");
                 }
             }
         }
-        prop_assert!(told > 0 || course.is_empty() || course.iter().all(|element| element.length() < 1e-3));
+        prop_assert!(reported > 0 || course.is_empty() || course.iter().all(|element| element.length() < 1e-3));
     }
 }

@@ -41,7 +41,7 @@ impl Approach {
         if let Some(period) = period.filter(|period| *period > 0.0) {
             let stop = Profile::halt(from, limits, ramp)?.end().position;
             let turns = match mode {
-                // As far ahead as a slave that is too fast goes until it stands, and less than a turn further.
+                // As far ahead as a slave that is too fast needs to stop, and less than a turn further.
                 StartMode::RampInPositive => ((distance - stop.max(0.0)) / period).floor(),
                 StartMode::RampInNegative => ((distance - stop.min(0.0)) / period).ceil(),
                 _ => (distance / period).round(),

@@ -1,7 +1,7 @@
 //! Fuzz tests: malformed jobs cause no panic, and every finding has a line of the file.
 
-use super::JobSetpoints;
-use super::tests::{job, machine};
+use super::{job, machine};
+use crate::job::JobSetpoints;
 use crate::setpoint_source::PlanItem;
 use proptest::prelude::*;
 use std::sync::LazyLock;
@@ -51,10 +51,27 @@ const PIECES: [&str; 32] = [
 ];
 
 /// The shipped one.
-const SHIPPED: &str = include_str!("../../examples/jobs/flying_shear.toml");
+const SHIPPED: &str = include_str!("../../../examples/jobs/flying_shear.toml");
 
-/// Set-points that are looked at of one that is right after all.
+/// Set-points that are checked of a job that is valid after all.
 const ENOUGH: usize = 300;
+
+/// Where a text is cut, how far, and what comes in.
+type Change = (prop::sample::Index, usize, usize);
+
+fn changes() -> impl Strategy<Value = Vec<Change>> {
+    proptest::collection::vec((any::<prop::sample::Index>(), 0usize..30, 0..PIECES.len()), 1..6)
+}
+
+fn spoilt(text: &str, changes: Vec<Change>) -> String {
+    let mut text: Vec<char> = text.chars().collect();
+    for (place, length, piece) in changes {
+        let start = place.index(text.len() + 1);
+        let end = (start + length).min(text.len());
+        text.splice(start..end, PIECES[piece].chars());
+    }
+    text.into_iter().collect()
+}
 
 fn survives(text: &str) {
     let job = job(text);
@@ -90,30 +107,14 @@ proptest! {
     }
 
     #[test]
-    fn jobs_with_pieces_moved_are_survived(
-        changes in proptest::collection::vec((any::<prop::sample::Index>(), 0usize..30, 0..PIECES.len()), 1..6),
-    ) {
-        let mut text: Vec<char> = TEXT.chars().collect();
-        for (place, length, piece) in changes {
-            let start = place.index(text.len() + 1);
-            let end = (start + length).min(text.len());
-            text.splice(start..end, PIECES[piece].chars());
-        }
-        survives(&text.into_iter().collect::<String>());
+    fn jobs_with_pieces_moved_are_survived(changes in changes()) {
+        survives(&spoilt(TEXT, changes));
     }
 
     #[test]
-    fn the_shipped_job_with_pieces_moved_is_survived(
-        changes in proptest::collection::vec((any::<prop::sample::Index>(), 0usize..30, 0..PIECES.len()), 1..6),
-    ) {
+    fn the_shipped_job_with_pieces_moved_is_survived(changes in changes()) {
         let cams = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/cams/");
-        let mut text: Vec<char> = SHIPPED.replace("../cams/", cams).chars().collect();
-        for (place, length, piece) in changes {
-            let start = place.index(text.len() + 1);
-            let end = (start + length).min(text.len());
-            text.splice(start..end, PIECES[piece].chars());
-        }
-        survives(&text.into_iter().collect::<String>());
+        survives(&spoilt(&SHIPPED.replace("../cams/", cams), changes));
     }
 
     #[test]

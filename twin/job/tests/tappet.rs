@@ -3,11 +3,11 @@
 //! Where the master has constant velocity, it passes a tappet at (tappet position − master position) / velocity, less
 //! the dead time.
 
-use super::tests::{job, machine};
+use super::first_cycle::coupled_by;
+use super::{Job, block, job, machine};
 use crate::check::{CheckOptions, Outcome, check};
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
-use std::path::Path;
 use twin_machine::Machine;
 use twin_machine::tappets::Switched;
 use twin_planner::controller::Override;
@@ -18,14 +18,14 @@ fn outcome(machine: &Machine, program: &ProgramFile) -> Outcome {
     outcome
 }
 
-/// Group, on or off, time in ms and place of the master of everything that was switched.
-fn message(switched: &Switched) -> Vec<(i16, bool, i64, f64)> {
+/// Group, on or off, time in ms and position of the master of every change.
+fn changes(switched: &Switched) -> Vec<(i16, bool, i64, f64)> {
     assert_eq!(switched.left_out, 0);
-    let told = switched.switches.iter().map(|one| {
+    let changes = switched.switches.iter().map(|one| {
         let master = one.master.as_ref().unwrap().position;
         (switched.signals[one.signal].group, one.on, one.time_ns / 1_000_000, master)
     });
-    told.collect()
+    changes.collect()
 }
 
 /// The cycle, ms, at whose end a time, s, is over.
@@ -34,8 +34,8 @@ fn cycle(seconds: f64) -> i64 {
     (seconds * 1e3 - 1e-6).ceil() as i64
 }
 
-fn assert_told(switched: &Switched, expected: &[(i16, bool, f64)], master: impl Fn(f64) -> f64) {
-    let found = message(switched);
+fn assert_changes(switched: &Switched, expected: &[(i16, bool, f64)], master: impl Fn(f64) -> f64) {
+    let found = changes(switched);
     let times: Vec<_> = found.iter().map(|(group, on, ms, _)| (*group, *on, *ms)).collect();
     let wanted: Vec<_> =
         expected.iter().map(|(group, on, seconds)| (*group, *on, cycle(*seconds))).collect();
@@ -90,86 +90,63 @@ fn passes(x: f64) -> f64 {
     0.1 + (x - 10.0) / 200.0
 }
 
-#[test]
-fn tappets_of_a_job_switch_when_the_master_passes_them() {
-    let job = job(JOB);
-    std::fs::write(job.folder.path().join("flat.toml"), CAM).unwrap();
-    let switched = outcome(&machine(), &job.program).tappets;
-    let names: Vec<_> = switched.signals.iter().map(ToString::to_string).collect();
-    assert_eq!(names, ["tappet 1 of X", "tappet 2 of X", "tappet 7 of X"]);
-    let expected = [
+/// The switching times of the cam by the time at which the master passes a position.
+fn expected(passes: impl Fn(f64) -> f64) -> [(i16, bool, f64); 6] {
+    [
         (1, true, passes(50.1)),
         (1, false, passes(70.1)),
         (2, true, passes(90.1)),
         (2, false, passes(95.1)),
         (7, true, passes(100.1) + 5.2e-3),
         (7, false, passes(100.1) + 25.2e-3),
-    ];
-    assert_told(&switched, &expected, |time| 10.0 + 200.0 * (time - 0.1));
+    ]
+}
+
+fn with_cam(text: &str) -> Job {
+    job(text).with("flat.toml", CAM)
+}
+
+#[test]
+fn tappets_of_a_job_switch_when_the_master_passes_them() {
+    let switched = outcome(&machine(), &with_cam(JOB).program).tappets;
+    let names: Vec<_> = switched.signals.iter().map(ToString::to_string).collect();
+    assert_eq!(names, ["tappet 1 of X", "tappet 2 of X", "tappet 7 of X"]);
+    assert_changes(&switched, &expected(passes), |time| 10.0 + 200.0 * (time - 0.1));
     assert_eq!(switched.counts, [2, 2, 2]);
     assert!(switched.switches.iter().all(|one| one.master.as_ref().unwrap().axis == "web"));
 }
 
-/// With 7.3 ms everything that a place triggers comes so much earlier; delays and durations stay.
-#[test]
-fn dead_time_is_compensated() {
-    let job = job(&JOB.replace("dead_time_s = 0.0", "dead_time_s = 0.0073"));
-    std::fs::write(job.folder.path().join("flat.toml"), CAM).unwrap();
-    let switched = outcome(&machine(), &job.program).tappets;
-    let early = |x: f64| passes(x) - 7.3e-3;
-    let expected = [
-        (1, true, early(50.1)),
-        (1, false, early(70.1)),
-        (2, true, early(90.1)),
-        (2, false, early(95.1)),
-        (7, true, early(100.1) + 5.2e-3),
-        (7, false, early(100.1) + 25.2e-3),
-    ];
-    assert_told(&switched, &expected, |time| 10.0 + 200.0 * (time - 0.1));
-}
-
-/// At half the pace places are passed after twice the time, and looked for as long before as ever: a dead time is one of the
-/// outputs and what is behind them, like delays and durations.
+/// With a dead time every action of a tappet comes earlier by it; delays and durations stay. At half the pace positions are
+/// passed after twice the time, and looked for as long before: a dead time is one of the outputs and the devices behind them.
 #[test]
 fn dead_time_is_compensated_at_any_pace() {
-    for (factor, dead_time) in [(0.5, 0.0073), (0.25, 0.0073), (0.5, 0.0)] {
+    for (factor, dead_time) in [(1.0, 0.0073), (0.5, 0.0073), (0.25, 0.0073), (0.5, 0.0)] {
         let key = format!("dead_time_s = {dead_time:?}");
-        let job = job(&JOB.replace("dead_time_s = 0.0", &key));
-        std::fs::write(job.folder.path().join("flat.toml"), CAM).unwrap();
+        let job = with_cam(&JOB.replace("dead_time_s = 0.0", &key));
         let mut settings = ReadSettings::default();
         settings.inputs.override_factor = Override::new(factor).unwrap();
         let path = job.folder.path().join("job.toml");
         let program = ProgramFile::new(&path, Some(Dialect::Job), settings).unwrap();
         let switched = outcome(&machine(), &program).tappets;
         let early = |x: f64| passes(x) / factor - dead_time;
-        let expected = [
-            (1, true, early(50.1)),
-            (1, false, early(70.1)),
-            (2, true, early(90.1)),
-            (2, false, early(95.1)),
-            (7, true, early(100.1) + 5.2e-3),
-            (7, false, early(100.1) + 25.2e-3),
-        ];
-        assert_told(&switched, &expected, |time| 10.0 + 200.0 * (factor * time - 0.1));
+        assert_changes(&switched, &expected(early), |time| 10.0 + 200.0 * (factor * time - 0.1));
     }
 }
 
-/// There and back between 0 and 60 mm: within the band of hysteresis around 50.1 mm the tappet acts once.
+/// There and back between 0 and 60 mm: within the hysteresis band around 50.1 mm the tappet acts once.
 #[test]
 fn hysteresis_holds_a_tappet_back() {
     let moves = |positions: &[f64], keys: &str| {
         let block = |position: &f64| {
-            format!(
-                "[[blocks]]\nblock = \"MC_MoveAbsolute\"\naxis = \"web\"\nposition_mm = {position:?}\nvelocity_mm_per_s = 100\n"
-            )
+            let keys = format!("position_mm = {position:?}; velocity_mm_per_s = 100");
+            block("MC_MoveAbsolute", "web", &keys)
         };
         let head = JOB.replace("duration_s = 1\n", "").replace("dead_time_s = 0.0", keys);
         let (head, _) = head.split_once("[[blocks]]\nblock = \"MC_MoveVelocity\"").unwrap();
-        let job = job(&[head.to_owned(), positions.iter().map(block).collect()].concat());
         let cam = CAM.replace("passage = \"positive\", action = \"on\"", "action = \"invert\"");
-        std::fs::write(job.folder.path().join("flat.toml"), cam).unwrap();
-        let switched = outcome(&machine(), &job.program).tappets;
-        message(&switched).iter().map(|(_, on, _, _)| *on).collect::<Vec<_>>()
+        let job = job(&[head.to_owned(), positions.iter().map(block).collect()].concat());
+        let switched = outcome(&machine(), &job.with("flat.toml", &cam).program).tappets;
+        changes(&switched).iter().map(|(_, on, _, _)| *on).collect::<Vec<_>>()
     };
     let around = [52.0, 49.0, 52.0];
     assert_eq!(moves(&around, "tappet_hysteresis_mm = 0.0"), [true, false, true]);
@@ -178,18 +155,10 @@ fn hysteresis_holds_a_tappet_back() {
     assert_eq!(moves(&[55.0, 45.0], "tappet_hysteresis_mm = 4.0"), [true, false]);
 }
 
-/// X at 90 mm/s with 500 mm/s² along a program: at 8.1 mm after 0.18 s, and on with constant velocity.
+/// X at 90 mm/s with 500 mm/s² along a program: at 8.1 mm after 0.18 s, then at constant velocity.
 #[test]
 fn tappets_of_the_machine_file_switch_in_programs() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("machine.toml");
-    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/gantry3.toml");
-    let shipped = std::fs::read_to_string(shipped).unwrap();
-    let cams =
-        "\n[[cams]]\naxis = \"Y\"\nmaster = \"X\"\ncam = \"flat.toml\"\nslave_absolute = false\n";
-    std::fs::write(&path, [&shipped, cams].concat()).unwrap();
-    std::fs::write(folder.path().join("flat.toml"), CAM).unwrap();
-    let machine = Machine::load(&path).unwrap();
+    let (folder, machine) = coupled_by("Y", "slave_absolute = false\n", CAM);
     let program = folder.path().join("along.cnc");
     std::fs::write(&program, "% along\nN10 G1 X150 F90 E500 E-500\n").unwrap();
     let program =
@@ -197,23 +166,15 @@ fn tappets_of_the_machine_file_switch_in_programs() {
     let found = outcome(&machine, &program);
     let start = machine.axes[0].from_si(found.start.unwrap()[0]);
     assert!(start.abs() < 1e-9, "{start}");
-    let passes = |x: f64| 0.18 + (x - 8.1) / 90.0;
-    let expected = [
-        (1, true, passes(50.1)),
-        (1, false, passes(70.1)),
-        (2, true, passes(90.1)),
-        (2, false, passes(95.1)),
-        (7, true, passes(100.1) + 5.2e-3),
-        (7, false, passes(100.1) + 25.2e-3),
-    ];
-    assert_told(&found.tappets, &expected, |time| 8.1 + 90.0 * (time - 0.18));
+    let expected = expected(|x| 0.18 + (x - 8.1) / 90.0);
+    assert_changes(&found.tappets, &expected, |time| 8.1 + 90.0 * (time - 0.18));
     let place = found.tappets.switches[0].place;
     assert_eq!((place.line, place.block), (2, Some(10)));
 }
 
 /// Off at the end, on at the begin of a cam of 100 mm: forwards a pass is over before the next one begins, so that the signal is on
-/// from the first seam on; backwards, where both count negative passages, it has been switched off last. How the lines stand
-/// changes nothing.
+/// from the first seam on; backwards, where both count negative passages, it has been switched off last. The order of the
+/// lines changes nothing.
 #[test]
 fn a_pass_is_over_before_the_next_one_begins() {
     let tappet = |place: f64, passage: &str, action: &str| {
@@ -240,10 +201,8 @@ fn a_pass_is_over_before_the_next_one_begins() {
                 "s = 200\n",
                 &format!("s = {}\ndirection = \"{passage}\"\n", f64::abs(velocity)),
             );
-            let job = job(&way);
-            std::fs::write(job.folder.path().join("flat.toml"), cam).unwrap();
-            let outcome = outcome(&machine(), &job.program);
-            assert_told(&outcome.tappets, &expected, |time| 60.0 + 200.0 * (time - 0.1));
+            let outcome = outcome(&machine(), &job(&way).with("flat.toml", &cam).program);
+            assert_changes(&outcome.tappets, &expected, |time| 60.0 + 200.0 * (time - 0.1));
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Tests that the table of blocks in docs/src/jobs.md lists every block that jobs accept, with every key.
 
-use super::CamsBefore;
-use super::kind::BLOCKS;
-use super::read::{Known, Lines, Reader};
-use super::tests::machine;
+use super::machine;
+use crate::job::kind::BLOCKS;
+use crate::job::read::{Known, Lines, Reader};
+use crate::job::{CamsBefore, block_names};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use twin_machine::axis_kind::AxisKind;
@@ -18,7 +18,7 @@ const BEGIN: &str = "| block | keys | the next block begins |";
 /// The keys that the reader asks for, with `…` for the units.
 fn asked(name: &str) -> BTreeSet<String> {
     let machine = machine();
-    // X is one of mm; its master turns, so that both units are seen.
+    // X is in mm and its master in degrees, so that both units occur.
     let mut axes: Vec<_> = machine.axes.iter().map(Known::of).collect();
     axes.push(Known {
         name: "shaft".to_owned(),
@@ -33,7 +33,7 @@ fn asked(name: &str) -> BTreeSet<String> {
     let _complaints = parse(&text, |root| {
         let sections = root.sections("blocks");
         for section in &sections {
-            reader.call(section, &CamsBefore::default());
+            reader.calls(section, &machine, 0, &mut CamsBefore::default());
             keys = section.asked_for();
         }
         sections.iter().for_each(Section::accept_all);
@@ -44,7 +44,7 @@ fn asked(name: &str) -> BTreeSet<String> {
 }
 
 /// The keys between backticks in the row of each block of docs/src/jobs.md.
-fn message() -> BTreeMap<String, BTreeSet<String>> {
+fn documented() -> BTreeMap<String, BTreeSet<String>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src/jobs.md");
     let guide = std::fs::read_to_string(path).unwrap();
     let table = guide.split_once(BEGIN).expect("the table").1;
@@ -65,10 +65,16 @@ fn message() -> BTreeMap<String, BTreeSet<String>> {
 
 #[test]
 fn the_table_of_blocks_is_what_jobs_take() {
-    let told = message();
+    let documented = documented();
     let names: BTreeSet<_> = BLOCKS.iter().map(|(name, _)| (*name).to_owned()).collect();
-    assert_eq!(told.keys().cloned().collect::<BTreeSet<_>>(), names);
-    for (name, keys) in &told {
+    assert_eq!(documented.keys().cloned().collect::<BTreeSet<_>>(), names);
+    for (name, keys) in &documented {
         assert_eq!(keys, &asked(name), "{name}");
     }
+}
+
+/// `twin explain` and the reference list the block that runs a program like the others.
+#[test]
+fn the_interpolator_is_a_block_of_jobs() {
+    assert_eq!(block_names().filter(|name| *name == "SMC_Interpolator").count(), 1);
 }

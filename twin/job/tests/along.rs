@@ -1,6 +1,6 @@
 //! Tests of cams over the path length of a program, against closed forms (manual 4, 6.2.9).
 
-use super::tests::{job, machine, near, run, time};
+use super::{Job, finds, job, machine, near, run, time};
 use crate::setpoint::AxisSetpoint;
 
 /// Z goes 0.1 mm for every mm of the path, up to 40 mm of it.
@@ -17,6 +17,10 @@ const JOB: &str = "[[virtual_axes]]\nname = \"way\"\nkind = \"linear\"\n\
                    [[blocks]]\nblock = \"MC_CamIn\"\naxis = \"Z\"\nmaster = \"way\"\ncam = \"rise.toml\"\nslave_offset_mm = 20\nperiodic = false\n\
                    [[blocks]]\nblock = \"SMC_Interpolator\"\naxis = \"way\"\nprogram = \"contour.cnc\"\n";
 
+fn with_files(text: &str) -> Job {
+    job(text).with("rise.toml", CAM).with("contour.cnc", PROGRAM)
+}
+
 fn at(setpoints: &[AxisSetpoint], seconds: f64) -> [f64; 3] {
     let found = setpoints
         .iter()
@@ -27,10 +31,7 @@ fn at(setpoints: &[AxisSetpoint], seconds: f64) -> [f64; 3] {
 
 #[test]
 fn a_cam_follows_the_path_length_of_a_program() {
-    let job = job(JOB);
-    std::fs::write(job.folder.path().join("rise.toml"), CAM).unwrap();
-    std::fs::write(job.folder.path().join("contour.cnc"), PROGRAM).unwrap();
-    let (setpoints, findings) = run(&job, &machine());
+    let (setpoints, findings) = run(&with_files(JOB), &machine());
     assert!(findings.is_empty(), "{findings:?}");
     // A cycle or two until block and cam have begun, of 0.1 mm each.
     for (seconds, way) in [(0.1, 5.0), (0.3, 25.0), (0.4, 30.0), (0.5, 35.0), (0.7, 40.0)] {
@@ -40,21 +41,17 @@ fn a_cam_follows_the_path_length_of_a_program() {
         // The slave is where its master is in the same cycle.
         near(z - 20.0, 0.1 * (x + y - 150.0), 1e-6);
     }
-    let last = setpoints.last().unwrap();
-    near(time(last), 0.6, 10e-3);
+    near(time(setpoints.last().unwrap()), 0.6, 10e-3);
 }
 
 #[test]
-fn what_no_program_is_is_refused() {
-    for (from, to, said) in [
-        ("contour.cnc", "missing.cnc", "missing.cnc"),
-        ("program = \"contour.cnc\"", "", "lacks `program`"),
-        ("axis = \"way\"\nprogram", "axis = \"X\"\nprogram", "virtual"),
+fn a_block_without_a_usable_program_is_refused() {
+    for (from, to, line, said) in [
+        ("contour.cnc", "missing.cnc", 23, "missing.cnc"),
+        ("program = \"contour.cnc\"", "", 20, "lacks `program`"),
+        ("axis = \"way\"\nprogram", "axis = \"X\"\nprogram", 22, "virtual"),
     ] {
-        let job = job(&JOB.replace(from, to));
-        std::fs::write(job.folder.path().join("rise.toml"), CAM).unwrap();
-        std::fs::write(job.folder.path().join("contour.cnc"), PROGRAM).unwrap();
-        let (_, findings) = run(&job, &machine());
-        assert!(findings.iter().any(|one| one.message.contains(said)), "{to}: {findings:?}");
+        let (_, findings) = run(&with_files(&JOB.replace(from, to)), &machine());
+        finds(&findings, line, said);
     }
 }

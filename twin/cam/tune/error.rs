@@ -1,0 +1,165 @@
+//! Errors of cam tuning.
+
+use super::dead_time::SwitchingPart;
+use twin_cam::tune::{ConstraintError, FitError, RampError, ReshapeError};
+use twin_cam::{CamError, LimitError};
+use twin_number::significant;
+
+/// Why something is not tuned. Positions and velocities are in the units of the axes, times (`…_s`) in seconds, lines those of the run.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(crate) enum TuneError {
+    #[error("offsets and scalings: {}{}", .0, meant(.0))]
+    Fit(#[source] FitError),
+    #[error("offsets and scalings: the slave is far from where the other samples have it in {}",
+        all(.outliers, |(line, by)| format!("line {line} (by {})", significant(*by, 4))))]
+    Outliers { outliers: Vec<(u64, f64)> },
+    #[error(
+        "offsets and scalings: {} {unit} rms are left over, and they are not noise from sample to sample (correlation {}): \
+         the slave does something that the cam does not describe, and no interval would hold; the nearest, {nearest}, is \
+         not proposed",
+        significant(*.rms, 4), significant(*.correlation, 3)
+    )]
+    NoNoise { correlation: f64, rms: f64, unit: String, nearest: String },
+    #[error(
+        "{error}. With {with} in --find, noise alone is left over: the slave goes another way than the cam has it"
+    )]
+    Missing {
+        #[source]
+        error: Box<TuneError>,
+        with: &'static str,
+    },
+    #[error(
+        "offsets and scalings: the slave makes {strokes} of the stroke that is wanted (SlaveScaling {}): {guess} If that is its \
+         scaling, --find slave-scaling=FROM..TO says so",
+        significant(*.scaling, 4)
+    )]
+    Stroke { scaling: f64, strokes: String, guess: String },
+    #[error(
+        "dead time of the tappets: {found} switching{} too few for a dead time: {needed} are needed",
+        if *.found == 1 { " is" } else { "s are" }
+    )]
+    FewSwitchings { found: usize, needed: usize },
+    #[error(
+        "dead time of the tappets: the output of line {line} switches {} s behind its tappet, the others about {} s: \
+         something else switched it, or it is not this cam's",
+        significant(*.behind_s, 4), significant(*.usual_s, 4)
+    )]
+    Outlier { line: u64, behind_s: f64, usual_s: f64 },
+    #[error(
+        "dead time of the tappets: {count} switchings determine it to ± {} s only, and the master comes to such a tappet every {} s: \
+         something else switches the output, or it is not this cam's",
+        significant(*.half_width_s, 4), significant(*.every_s, 4)
+    )]
+    Scattered { count: usize, half_width_s: f64, every_s: f64 },
+    #[error(
+        "dead time of the tappets: the output switches {} ± {} s before its tappets, and a dead time cannot be negative: it is \
+         inverted, or not this cam's, or more was compensated than `dead_time_s` says",
+        significant(-.value_s, 4), significant(*.half_width_s, 4)
+    )]
+    Early { value_s: f64, half_width_s: f64 },
+    #[error(
+        "dead time of the tappets: the output switches {} s behind its tappets, and the master comes to such a tappet every {} s: \
+         several tappets may have switched it, or it is inverted",
+        significant(*.value_s, 4), significant(*.every_s, 4)
+    )]
+    Late { value_s: f64, every_s: f64 },
+    #[error(
+        "dead time of the tappets: the run has outputs of group {group} (`tappet_{group}`), and the cam has no tappet of this \
+         group; {}",
+        groups(.has)
+    )]
+    NoGroup { group: i16, has: Vec<i16> },
+    #[error("dead time of the tappets: {one}, {other}: a dead time cannot be both")]
+    TwoDeadTimes { one: SwitchingPart, other: SwitchingPart },
+    #[error(
+        "dead time of the tappets: the output of group {group} switches {count} times, from {} s to {} s behind its tappets, and \
+         the master comes to such a tappet every {} s: so do outputs that switch at random; something else switches it, or it \
+         is not this cam's, or these are too few",
+        significant(.ends[0], 4), significant(.ends[1], 4), significant(*.every_s, 4)
+    )]
+    Random { group: i16, count: usize, ends: [f64; 2], every_s: f64 },
+    #[error("shape: {0}")]
+    Reshape(#[from] ReshapeError),
+    #[error("shape: no velocity of the master is slow enough: {0}")]
+    TooFast(#[source] LimitError),
+    #[error("the smallest peak: {0}")]
+    Minimise(#[source] ConstraintError),
+    #[error("ramp: {0}")]
+    Ramp(#[from] RampError),
+    #[error("a table has no points that could be moved: only points of `elements` are")]
+    NoPoints,
+    #[error("there is no point at master {master}; {}ends of lines stay where they are", standing(.points))]
+    NoPoint { master: f64, points: Vec<f64> },
+    #[error(
+        "the tappet of group {group} at {} of the cam would have to be at {} so that the master passes it at {} as before, and \
+         the cam goes from {} to {} and is not periodic: lengthen it, or take the tappet out",
+        significant(*.at, 6), significant(*.to, 6), significant(*.master, 6), significant(.range[0], 6),
+        significant(.range[1], 6)
+    )]
+    TappetBeyond { group: i16, at: f64, master: f64, to: f64, range: [f64; 2] },
+    #[error(
+        "the tappets of group {group} at {} and {} of the cam, its begin and its end, would both be at {} so that the master \
+         passes them where it did, and there they have no order: leave one of them out",
+        significant(.places[0], 6), significant(.places[1], 6), significant(*.to, 6)
+    )]
+    TappetsMeet { group: i16, places: [f64; 2], to: f64 },
+    #[error("tappets: {0}")]
+    Cam(#[source] CamError),
+    #[error(
+        "with the master at {} MC_CamIn would end with error 626: with the result it starts with the master from {} to {} {unit}. \
+         --find master-offset moves that, --master-start says where the master is if it is elsewhere",
+        significant(*.master, 6), significant(.range[0], 6), significant(.range[1], 6)
+    )]
+    NoStart { master: f64, range: [f64; 2], unit: String },
+    #[error(
+        "ramp: the master of the run is never on the cam, on which it is from {} to {} {unit}: say where the ramp begins with \
+         --ramp-in MASTER,SLAVE, or --end-to-end if the cam is periodic",
+        significant(.range[0], 6), significant(.range[1], 6)
+    )]
+    BeyondCam { range: [f64; 2], unit: String },
+    #[error("no {what} keeps the limits: {why}")]
+    NoRoom { what: &'static str, why: String },
+}
+
+impl TuneError {
+    /// Whether the call is at fault, not cam or data: a limit is not given that is needed, or no point is where one is to be moved.
+    pub(crate) fn is_of_call(&self) -> bool {
+        matches!(
+            self,
+            Self::NoPoint { .. }
+                | Self::NoPoints
+                | Self::Reshape(ReshapeError::NoLimit)
+                | Self::Ramp(RampError::NoLimit { .. })
+        )
+    }
+}
+
+fn all<T>(items: &[T], said: impl Fn(&T) -> String) -> String {
+    items.iter().map(said).collect::<Vec<_>>().join(", ")
+}
+
+/// The option that decides between answers that fit alike.
+fn meant(error: &FitError) -> String {
+    let FitError::Ambiguous { unknown, .. } = error else { return String::new() };
+    let name = if *unknown == "MasterScaling" { "master-scaling" } else { "master-offset" };
+    format!(": --find {name}=FROM..TO says which of them is meant")
+}
+
+/// `points are at 0, 180, 360; `, the first ones of many.
+fn standing(points: &[f64]) -> String {
+    const MOST: usize = 20;
+    let first = all(points.get(..MOST).unwrap_or(points), |point| significant(*point, 12));
+    match points.len() {
+        0 => String::new(),
+        count if count <= MOST => format!("points are at {first}; "),
+        count => format!("points are at {first}, … ({count} in all); "),
+    }
+}
+
+fn groups(has: &[i16]) -> String {
+    match has {
+        [] => "it has none at all".to_owned(),
+        [one] => format!("its tappets are of group {one}"),
+        more => format!("its tappets are of the groups {}", all(more, ToString::to_string)),
+    }
+}
