@@ -1,4 +1,4 @@
-//! Identity of the board, and access to its EEPROM: parameters and user memory.
+//! Identity of the board, and access to its parameters.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use crate::{
     Exception, Line, Parity,
     protocol::{
         parameters::{self, FIRST_PARAMETER, PARAMETERS},
-        registers::{FIRST_USER_MEMORY, RECIPE_SIZE, Status, USER_MEMORY, join, words},
+        registers::{RECIPE_SIZE, Status, join, words},
     },
 };
 use twin_drives::{Action, Clock, DriveError};
@@ -53,13 +53,16 @@ impl InterpCnc {
         count: usize,
         written: bool,
     ) -> Result<u16, DriveError> {
-        let (what, size) = ("parameter", 2 * PARAMETERS);
-        let first = number.saturating_mul(2);
-        if written {
-            self.within_area(what, FIRST_PARAMETER, size, first, 2 * count)
-        } else {
-            self.within_read(what, FIRST_PARAMETER, size, first, 2 * count)
-        }
+        let what = "parameter";
+        let action = |address, count| {
+            if written {
+                Action::Write { what, address, count }
+            } else {
+                Action::Read { what, address, count }
+            }
+        };
+        let area = (FIRST_PARAMETER, 2 * PARAMETERS);
+        self.within_area(action, area, number.saturating_mul(2), 2 * count)
     }
 
     /// Parameter `number` (0 to 383).
@@ -149,37 +152,5 @@ impl InterpCnc {
             })
         })
         .await
-    }
-
-    /// User memory in EEPROM: `count` registers from `first` (0 to 511) on.
-    ///
-    /// # Errors
-    /// If they are fewer or no proper answer comes.
-    pub async fn user_memory(
-        &mut self,
-        first: u16,
-        count: u16,
-        clock: &dyn Clock,
-    ) -> Result<Vec<u16>, DriveError> {
-        let (what, start) = ("user memory", FIRST_USER_MEMORY);
-        let address = self.within_read(what, start, USER_MEMORY, first, count.into())?;
-        self.read_holding(what, address, count, clock).await
-    }
-
-    /// Writes user memory in EEPROM from `first` on and waits until the EEPROM has it.
-    ///
-    /// # Errors
-    /// If the registers are fewer, the board refuses it, the EEPROM fails or is not ready in time, or no
-    /// proper answer comes.
-    pub async fn set_user_memory(
-        &mut self,
-        first: u16,
-        values: &[u16],
-        patience: Duration,
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let (what, start) = ("user memory", FIRST_USER_MEMORY);
-        let address = self.within_area(what, start, USER_MEMORY, first, values.len())?;
-        self.write_kept(what, address, values, patience, clock).await
     }
 }

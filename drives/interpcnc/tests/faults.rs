@@ -47,10 +47,10 @@ async fn begin(driver: &mut InterpCnc, hand: &Hand, doing: Doing) {
     match doing {
         Doing::Idle => {}
         Doing::Homing => {
-            let home = super::super::HomeAxis {
+            let home = Command::HomeAxis {
                 axis: BoardAxis::X,
                 input: 1,
-                normally_open: true,
+                contact: 1,
                 acceleration_khz_per_s: 50,
                 fast_hz: 5000,
                 deceleration_khz_per_s: 50,
@@ -58,7 +58,7 @@ async fn begin(driver: &mut InterpCnc, hand: &Hand, doing: Doing) {
                 slow_hz: 500,
                 final_position: 0,
             };
-            driver.send(&home.command(), &no_clock).await.unwrap();
+            driver.send(&home, &no_clock).await.unwrap();
         }
         Doing::Moving | Doing::Stopping => {
             driver.send(&far, &no_clock).await.unwrap();

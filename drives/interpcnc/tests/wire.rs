@@ -195,19 +195,6 @@ fn the_exception_of_a_locked_board_is_told_as_such_where_it_is_known() {
     }
 }
 
-#[tokio::test(start_paused = true)]
-async fn a_broadcast_into_a_port_that_takes_nothing_ends_at_the_deadline() {
-    // Eleven bytes into a port that has room for four.
-    let (near, _far) = duplex(4);
-    let mut options = InterpCncOptions::new(vec![AxisOptions::new(BoardAxis::X)]);
-    options.deadline = Duration::from_millis(70);
-    let mut driver = InterpCnc::attach(Arc::from("wire"), near, &options);
-    let error = driver.broadcast(&Command::RampStop).await.unwrap_err();
-    let text = error.to_string();
-    assert!(text.starts_with("wire, address 1: command 42 "), "{text}");
-    assert!(text.ends_with(": no answer within 70 ms"), "{text}");
-}
-
 #[test]
 fn values_beyond_the_board_are_not_sent() {
     run(async {

@@ -193,12 +193,14 @@ fn encoder_counters_and_analog_inputs_are_those_of_the_bench() {
 }
 
 #[test]
-fn inputs_17_to_32_are_in_register_1036() {
+fn inputs_are_bits_from_2048_and_registers_1036_and_1037() {
     let mut board = unlocked();
     board.set_input(17, true);
     board.set_input(32, true);
     board.set_input(2, true);
     answers(&mut board, "01 04 04 0C 00 02", "01 04 04 80 01 00 02");
+    // The first 16 bit by bit, from 2048 on.
+    answers(&mut board, "01 02 08 00 00 10", "01 02 02 02 00");
     // A hand against a cam, and off it.
     let cam = Cam { input: 2, axis: BoardAxis::X, from: 5, to: 9, normally_closed: false };
     board.set_bench(Bench { cams: vec![cam], encoder: None });
