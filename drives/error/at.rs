@@ -25,7 +25,6 @@ impl DriveError {
             | Self::NotArrived { at, .. }
             | Self::HomingFailed { at, .. }
             | Self::EncoderDiffers { at, .. }
-            | Self::ProbeFailed { at }
             | Self::EepromFailed { at }
             | Self::NotKept { at, .. }
             | Self::ParameterDiffers { at, .. }

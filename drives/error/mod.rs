@@ -197,12 +197,6 @@ pub enum DriveError {
         /// Encoder itself, points, where the device does not report increments.
         points: Option<i32>,
     },
-    /// The input that a probing move awaited did not come.
-    #[error("{at}: the probe has found nothing")]
-    ProbeFailed {
-        /// Exchange in which it happened.
-        at: Exchange,
-    },
     /// The device could not write its EEPROM.
     #[error("{at}: the EEPROM could not be written")]
     EepromFailed {

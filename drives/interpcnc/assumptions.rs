@@ -89,13 +89,13 @@ assumptions! {
     pub struct Assumptions {
         buffer_segments: u16 = 64, Number(1..=1024, "segments"),
             (97, "How many segments wait in the buffer?",
-                "fewer, more", "keeps fewer in the board");
+                "fewer, more", "keeps two in the board");
         arguments_stay: bool = true, FLAG,
             (77, "What are arguments absent from a command?",
                 "0", "always writes all of them");
         lock_coil: bool = true, FLAG,
             (23, "What does coil 288 read on a locked board?",
-                "0 when locked", "reads it so");
+                "0 when locked", "does not read it");
         silence: Option<Duration> = None, OrNone(Microseconds(1..=1_000_000)),
             (11, "What silence ends a frame?",
                 "any; none is that of Modbus over serial line", "keeps it between frames");
@@ -113,7 +113,7 @@ assumptions! {
                 "any other", "compares it with what it plans by");
         broadcasts: bool = true, FLAG,
             (11, "Are broadcasts carried out?",
-                "ignored", "sends none where they are ignored");
+                "ignored", "sends none");
         locked_exception: Option<u8> = None, OrNone(CODE),
             (107, "What is a motion command to a locked board answered with?",
                 "an exception", "says that the board is locked");
@@ -173,9 +173,6 @@ assumptions! {
         "InterpCncOptions.line" = "Line { baud: 115200, parity: None }",
             (7, "At which speed and parity does the driver speak?",
                 "4800 to 256000 b/s, even, odd", "opens the port so");
-        "InterpCncOptions.most_segments" = "8",
-            (97, "How many segments does the driver keep in the board?",
-                "1 to the size of the buffer", "waits before it sends more");
     }
 }
 

@@ -33,8 +33,8 @@ mod tests;
 
 pub use assumptions::{Assumptions, BAUD_RATES, BaudCode, BoardStop, OutputCode};
 pub use client::{
-    AxisOptions, BoardState, EncoderOptions, Following, HomeAxis, Identity, InterpCnc,
-    InterpCncOptions, ProbeMove, Recipes, Snapshot,
+    AxisOptions, BoardState, EncoderOptions, Following, Identity, InterpCnc, InterpCncOptions,
+    Snapshot,
 };
 pub use drive::InterpCncDrive;
 pub use family::{InterpCncEntry, InterpCncFamily};

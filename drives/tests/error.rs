@@ -56,7 +56,6 @@ fn every_message_names_port_station_and_command() {
             points: Some(9),
         },
         DriveError::device(at(), bim2ax::Fault::Encoder { axis: 1, messages: 2 }),
-        DriveError::ProbeFailed { at: at() },
         DriveError::EepromFailed { at: at() },
         DriveError::ParameterDiffers { at: at(), number: 4, unit: "", expected: 5, found: 4 },
         DriveError::NotKept { at: at(), address: 4360, written: 5, found: 4 },

@@ -232,8 +232,8 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         let (board, runtime) = drive.board();
         for target in (1..=SEGMENTS).map(|count| from + count * SEGMENT) {
             let targets = [Some(target), None, None, None, None];
-            let queued = board.queue_segment(SEGMENT_HZ, &targets, DEADLINE, &clock);
-            runtime.block_on(queued)?;
+            let segment = interpcnc::Command::Interpolated { speed_hz: SEGMENT_HZ, targets };
+            runtime.block_on(board.send(&segment, &clock))?;
             self.queued = Some(target.into());
         }
         Ok(())
@@ -466,7 +466,6 @@ fn board<C: Clock + 'static>(
         increments: ENCODER.steps,
         tolerance: ENCODER_TOLERANCE,
     });
-    options.most_segments = 2 + u16::try_from(SEGMENTS).expect("few");
     (options.deadline, options.worst_latency) = (DEADLINE, WORST_LATENCY);
     let path = board.path().to_str().expect("a name").to_owned();
     let drive = InterpCncDrive::open(&path, &options).expect("it opens");

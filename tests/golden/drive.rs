@@ -23,7 +23,7 @@ pub(crate) struct Hand {
 }
 
 impl Hand {
-    /// With a deadline that an emulator keeps beside other tests and builds.
+    /// With a deadline that an emulator keeps while other tests and builds run.
     pub(crate) fn new(family: &str, port: &str, options: &[&str]) -> Self {
         let words = [&["drive", family, "--port", port][..], options].concat();
         Self { desk: Desk::new(), words: words.into_iter().map(str::to_owned).collect() }
@@ -457,7 +457,7 @@ fn an_axis_is_homed_by_a_switch_that_the_drive_only_shows() {
     let (running, hand) = a_board(1);
     hand.refuses("home X Y --by-switch 0 --yes", "homes one axis at a time");
     hand.refuses("home X --by-switch 3 --yes", "the modes are 0, 1, 2, 4, 5 and 6");
-    hand.refuses("home X --by-switch 2 --yes", "--index-input N says at which input it is");
+    hand.refuses("home X --by-switch 2 --yes", "--index-input N names its input");
     hand.refuses(
         "home X --by-switch 0 --index-input 6 --yes",
         "--index-input says nothing in mode 0",
@@ -491,7 +491,7 @@ fn an_axis_is_homed_by_a_switch_that_the_drive_only_shows() {
     assert!((board.mechanical(BoardAxis::X) + 800.0).abs() <= 1.0);
 }
 
-/// Folders, files, sockets and the ports of other families are told for what they are.
+/// Folders, files, sockets and the ports of other families are named.
 #[test]
 fn what_is_no_port_is_named_with_what_is_wanted() {
     let (module, of_module) = a_module();
@@ -529,7 +529,7 @@ fn what_is_no_port_is_named_with_what_is_wanted() {
     drop((module, board));
 }
 
-/// Homing that takes too long is ended by a stop on the ramp, and told with where the axis stands.
+/// Homing that takes too long is ended by a stop on the ramp, and reported with the position of the axis.
 #[test]
 fn homing_that_does_not_end_in_time_is_stopped() {
     // Drive 3 has no home switch.
@@ -600,7 +600,7 @@ fn what_to_do_next_is_said() {
     drop((board, module));
 }
 
-/// Only what asks has a --yes, which may stand before it, too.
+/// Only actions that ask have a --yes, also before the action.
 #[test]
 fn only_what_asks_takes_a_yes() {
     for (family, asks) in [
@@ -619,7 +619,7 @@ fn only_what_asks_takes_a_yes() {
     }
 }
 
-/// What a family has no need of, or has not, is told in words.
+/// An action that a family does not need or have is refused in words.
 #[test]
 fn what_a_family_does_not_have_is_said() {
     let none = |family| Hand::new(family, "nowhere", &[]);

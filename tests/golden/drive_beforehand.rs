@@ -17,32 +17,32 @@ fn an_axis_that_goes_along_with_x_is_named() {
     hand.refuses("set coupling 5", "it takes 0 to 2 (0 = none, 1 = A with X, 2 = B with X)");
     hand.does("move B 300 --speed 4000 --yes");
     let set = hand.does("set coupling 2").stdout;
-    let told = "parameter 86 (coupling): 0 -> 2 (0 = none, 1 = A with X, 2 = B with X)\n";
-    assert_eq!(set, told);
+    let expected = "parameter 86 (coupling): 0 -> 2 (0 = none, 1 = A with X, 2 = B with X)\n";
+    assert_eq!(set, expected);
     let asked = "move axis X from 0 to 400 steps at 1000 steps/s, and axis B with it (parameter 86, coupling) from 300 to 700: \
                  nothing has moved";
     hand.refuses("move X 400", asked);
     let moved = hand.does("jog X 400 --speed 4000 --yes");
-    assert_eq!(moved.stdout, "axis X stands at 400\naxis B, which has gone along, stands at 700\n");
+    assert_eq!(moved.stdout, "axis X is at 400\naxis B, which has gone along, is at 700\n");
     // Alone it would be driven away from X.
     for alone in ["move B 0 --yes", "jog B 5 --yes", "home B --yes", "home X B --yes"] {
         hand.refuses(alone, "axis B goes along with X (parameter 86, coupling, is 2)");
     }
     hand.refuses("home B --by-switch 0 --input 5 --yes", "axis B goes along with X");
-    assert_eq!(hand.does("move A 50 --speed 4000 --yes").stdout, "axis A stands at 50\n");
+    assert_eq!(hand.does("move A 50 --speed 4000 --yes").stdout, "axis A is at 50\n");
     hand.does("set home-input-x 5");
     hand.does("set home-speed-x 4000");
     let asked = "100000 steps at most, at 4000 steps/s, and axis B with it (parameter 86, coupling) from 700";
     hand.refuses("home X", asked);
     let homed = hand.does("home X --by-switch 0 --input 5 --yes");
     assert!(homed.stderr.contains("axis X and axis B with it (parameter 86, coupling)"));
-    assert!(homed.stdout.contains("axis B, which has gone along, stands at "), "{}", homed.stdout);
+    assert!(homed.stdout.contains("axis B, which has gone along, is at "), "{}", homed.stdout);
     let board = running.stop().expect("it runs");
     let apart = board.mechanical(BoardAxis::B) - board.mechanical(BoardAxis::X);
     assert!((apart - 300.0).abs() <= 1.0, "{apart}");
 }
 
-/// Started beside the test.
+/// Runs next to the test.
 fn begun(hand: &Hand, action: &str) -> Child {
     let mut command = hand.command(action);
     command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("a process")
@@ -62,7 +62,10 @@ fn tells_of_the_restart(child: Child, shown: &str) {
     let said = said.join(" ");
     assert_eq!(status, Some(2), "{said}");
     assert!(said.contains("the device shows itself as after a restart"), "{said}");
-    assert!(said.contains(shown) && said.contains("where the axes stand is not known"), "{said}");
+    assert!(
+        said.contains(shown) && said.contains("the positions of the axes are not known"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -177,7 +180,7 @@ fn conditions_of_a_smartdrive_are_shown() {
 fn numbers_of_a_smartdrive_are_explained() {
     let (_running, hand) = a_bus(Vec::new());
     hand.refuses("set Cur_Idle 0.3", "it is written in 32768ths, and 0.3 is 9830");
-    hand.refuses("set Trj_VelMax 0.3", "`0.3` is no whole number");
+    hand.refuses("set Trj_VelMax 0.3", "`0.3` is not a whole number");
     assert!(hand.does("set Cur_Idle 8192").stdout.contains("9830 -> 8192/32768\n"));
     assert_eq!(row(&hand.does("get Cur_Idle"), 0, "66")[5], "/32768");
     hand.refuses("get 75", "there is no parameter 75; variable 75 is Pos_Actual: say its name");

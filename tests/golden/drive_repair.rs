@@ -19,7 +19,10 @@ fn a_module_with_a_wrong_check_sum_is_shown_and_does_not_move() {
     let reset = hand.tries("reset");
     reset.ended(1, "");
     assert!(reset.stdout.contains("the check sum of its EEPROM is wrong"), "{}", reset.stdout);
-    assert_eq!(row(&hand.does("scan"), 0, "BIM2AX-BOCM")[1..5], ["not", "told", "not", "told"]);
+    assert_eq!(
+        row(&hand.does("scan"), 0, "BIM2AX-BOCM")[1..5],
+        ["unknown", "unknown", "check", "sum"]
+    );
     let status = hand.does("status").stdout;
     assert!(status.contains("phases off") && status.contains("it takes parameters"), "{status}");
     assert!(status.contains("`restore FILE`"), "{status}");

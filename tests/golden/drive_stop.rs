@@ -34,7 +34,7 @@ fn runaway() -> (EmulatedModule, Hand) {
     (running, hand)
 }
 
-fn stands(running: &EmulatedModule) -> bool {
+fn rests(running: &EmulatedModule) -> bool {
     running.module().velocity(ModuleAxis::One).abs() < f64::EPSILON
 }
 
@@ -43,9 +43,9 @@ fn a_bim2ax_with_a_wrong_check_sum_is_stopped() {
     for stop in ["stop", "stop --now"] {
         let (running, hand) = runaway();
         running.module().happen(Event::SpoilEeprom);
-        assert!(!stands(&running));
+        assert!(!rests(&running));
         hand.does(stop);
-        assert!(stands(&running), "{stop}");
+        assert!(rests(&running), "{stop}");
     }
 }
 
@@ -55,18 +55,18 @@ fn a_bim2ax_in_the_other_byte_order_is_stopped() {
     for stop in ["--little-endian stop", "--little-endian stop --now"] {
         let (running, hand) = runaway();
         hand.refuses("--little-endian status", "numbers come in the other order");
-        assert!(!stands(&running));
+        assert!(!rests(&running));
         let done = hand.does(stop);
         done.ended(0, "see --little-endian");
-        assert!(stands(&running), "{stop}");
+        assert!(rests(&running), "{stop}");
         let stood = running.module().shaft(ModuleAxis::One);
         // At rest, neither stop makes it move.
         hand.does(stop);
-        assert!(running.module().shaft(ModuleAxis::One) == stood && stands(&running), "{stop}");
+        assert!(running.module().shaft(ModuleAxis::One) == stood && rests(&running), "{stop}");
     }
 }
 
-/// One that is in alarm has stopped by itself; a stop of it is no error, and the others of the bus are left alone.
+/// One that is in alarm has stopped by itself; stopping it is not an error, and the others of the bus are left alone.
 #[test]
 fn a_smartdrive_is_stopped_whatever_state_it_is_in() {
     let (running, hand) = a_bus(Vec::new());
@@ -79,18 +79,18 @@ fn a_smartdrive_is_stopped_whatever_state_it_is_in() {
     assert_eq!(hand.does("stop --now").stdout, "off\n");
 }
 
-/// A memory file has one master; only a stop goes to it beside that one.
+/// A memory file has one master; only a stop may come from another program.
 #[test]
 fn a_bim2ax_that_has_a_master_is_only_stopped_by_another() {
     let (running, hand, master) = under_way();
     for action in ["status", "unlock 1", "move 1 0 --yes"] {
         hand.refuses(action, "another program is the master of");
-        assert!(!stands(&running), "{action}");
+        assert!(!rests(&running), "{action}");
     }
     let done = hand.tries("stop");
     done.ended(1, "another program drives this module and may move it again");
     assert!(done.stdout.starts_with("at rest at "), "{}", done.stdout);
-    assert!(stands(&running));
+    assert!(rests(&running));
     drop(master);
     hand.does("status");
     hand.does("stop");
@@ -103,14 +103,14 @@ fn a_stop_of_a_bim2ax_whose_master_waits_is_no_end() {
     master.soft_stop().expect("it stops");
     let rests = |_| {
         std::thread::sleep(Duration::from_millis(10));
-        stands(&running)
+        rests(&running)
     };
     assert!((0..1000).any(rests), "it goes on");
     hand.tries("stop").ended(1, "may move it again");
     let (mut target, mut speed) = ([0; MAX_DRIVE_AXES], [0.0; MAX_DRIVE_AXES]);
     (target[0], speed[0]) = (-4_000_000, 4000.0);
     master.move_to(&target, &speed).expect("it moves again");
-    assert!((0..1000).any(|round| !rests(round)), "it stands");
+    assert!((0..1000).any(|round| !rests(round)), "it is at rest");
     master.soft_stop().unwrap_or_default();
 }
 

@@ -46,14 +46,17 @@ fn what_a_file_of_parameters_does_not_have_is_told() {
 #[test]
 fn speeds_that_no_board_has_are_refused_and_others_say_how_to_go_on() {
     let (_running, hand) = a_board(1);
-    hand.refuses("set modbus-speed 12345", "= 12345 is no speed of the board: it takes 4800, 9600");
+    hand.refuses(
+        "set modbus-speed 12345",
+        "= 12345 is not a speed of the board: it takes 4800, 9600",
+    );
     let said = hand.does("set modbus-speed 9600").stdout;
     assert!(said.contains("switched off and on") && said.contains("--baud 9600"), "{said}");
     let said = hand.does("set modbus-address 7").stdout;
     assert!(said.contains("--address 7"), "{said}");
 }
 
-/// A wrong file is told from the memory of a module before anything is made beside it.
+/// A file that is not the memory of a module is refused before anything is made next to it.
 #[test]
 fn a_file_that_is_no_memory_is_left_alone_and_a_module_is_not_looked_for_at_serial_ports() {
     let hand = Hand::new("bim2ax", "b.txt", &[]);
@@ -97,7 +100,7 @@ fn an_address_that_two_drives_have_is_shown() {
     let hand = Hand::new("smartdrive", &port, &["--deadline", "500"]);
     let answers = |_| hand.tries("--address 3 status").status == Some(0);
     assert!((0..50).any(answers), "nobody answers");
-    // What they say differs, as where they stand usually does.
+    // Their messages differ, as their positions usually do.
     let alarms = twin_smartdrive::Alarms::OVERTEMPERATURE;
     running.control(bus::Event::Fault { alarms, present: true }.to(0)).expect("it runs");
     let found = hand.does("scan --addresses 2-3");
@@ -124,7 +127,7 @@ fn refused_targets_and_unknown_switches_name_where_to_look() {
     }
     hand.refuses("move -1001", "Trj_PosMin (parameter 26) is -1000 µsteps");
     hand.tries("home --by-switch 0 --yes").ended(2, "`--input N` says it");
-    // No farther than the drive goes: 1000 µsteps, which end at a limit that is told beforehand.
+    // No farther than the drive goes: 1000 µsteps, which end at a limit that is reported before.
     let beyond = hand.tries("home --by-switch 0 --input 1 --max-way 1001 --yes");
     beyond.ended(2, "--max-way 1001: the drive's own limit is at -1000 µsteps");
     let lost = hand.tries("home --by-switch 0 --input 1 --yes");
@@ -133,9 +136,9 @@ fn refused_targets_and_unknown_switches_name_where_to_look() {
     lost.ended(2, "the axis is at rest, at -1000 µsteps");
 }
 
-/// The switch at input 7 never comes: the axis stands where its way ends.
+/// The switch at input 7 never comes: the axis is where its way ends.
 #[test]
-fn homing_that_fails_says_where_the_axis_stands() {
+fn failed_homing_reports_the_position() {
     let (_running, hand) = a_board(1);
     let failed = hand.tries("home X --by-switch 0 --input 7 --max-way 300 --yes");
     failed.ended(2, "homing axis X: the home switch has not come within 300 from 0");

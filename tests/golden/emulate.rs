@@ -1,10 +1,16 @@
 //! Emulated drives as processes of their own, and their control sockets.
 
 use crate::drive::row;
-use crate::process::Desk;
+use crate::process::{Desk, Done};
 use std::io::{BufRead, BufReader, Write};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
+
+/// `twin drive` without questions.
+fn by_hand(desk: &Desk, family: &str, port: &str, action: &str) -> Done {
+    let words = ["drive", family, "--port", port, "--deadline", "1500", "--yes"];
+    desk.twin(&words.into_iter().chain(action.split(' ')).collect::<Vec<_>>())
+}
 
 /// Says lines to a control socket and takes an answer for each.
 fn message(socket: &Path, lines: &[&str]) -> Vec<String> {
@@ -68,7 +74,7 @@ fn what_a_device_stores_outlives_it() {
     desk.twin(&["emulate", "interpcnc", "--link", "taken"]).ended(2, "taken");
 }
 
-/// The wire of every family takes the same words; what goes wrong on it is told by whoever speaks to the device, and one lost
+/// The wire of every family takes the same words; faults on it are reported by the program that speaks to the device, and one lost
 /// answer is made up for.
 #[test]
 fn faults_of_the_wire_are_the_same_for_every_family() {
@@ -115,11 +121,7 @@ fn a_board_starts_with_switches_and_an_encoder() {
     desk.write("bench.txt", bench);
     let start = ["emulate", "interpcnc", "--link", "board", "--bench", "bench.txt"];
     let more = ["--with", "cam 7 X 900.. --opens", "--with", "input 9 on", "--speed", "4"];
-    let drive = |action: &str| {
-        let words = ["drive", "interpcnc", "--port", "board", "--deadline", "1500", "--yes"];
-        let words = words.into_iter().chain(action.split(' '));
-        desk.twin(&words.collect::<Vec<_>>())
-    };
+    let drive = |action: &str| by_hand(&desk, "interpcnc", "board", action);
     let done = desk.meanwhile("-INT", "Ctrl-C ends it", &[&start[..], &more].concat(), || {
         let inputs = drive("inputs");
         let level = |number| row(&inputs, 0, number)[1].to_owned();
@@ -151,13 +153,13 @@ fn a_board_starts_with_switches_and_an_encoder() {
         assert_eq!(drive("move X 3000").status, Some(2));
         let status = drive("status");
         assert!(status.stdout.contains("on a limit switch"), "{}", status.stdout);
-        let stands: i32 = row(&status, 0, "X")[1].parse().expect("a position");
-        assert!((1200..1250).contains(&stands), "{stands}");
+        let position: i32 = row(&status, 0, "X")[1].parse().expect("a position");
+        assert!((1200..1250).contains(&position), "{position}");
     });
     done.ended(0, "");
 }
 
-/// A board before V2.1D has no registers for an encoder: a run that is told of one is refused, one that is not goes on to ask.
+/// A board before V2.1D has no registers for an encoder: a run with an encoder is refused, one without goes on to ask.
 #[test]
 fn an_older_board_has_no_encoder() {
     let desk = Desk::new();
@@ -188,11 +190,7 @@ fn drives_of_a_bus_start_with_switches() {
     let start = ["emulate", "smartdrive", "--link", "bus", "--address", "1,3", "--speed", "2"];
     let with = ["cam 3 dir -3000..-1000", "homing 3 dir", "cam 3 limp 2000..", "cam 1 go ..500"];
     let with: Vec<_> = with.into_iter().flat_map(|words| ["--with", words]).collect();
-    let drive = |action: &str| {
-        let words = ["drive", "smartdrive", "--port", "bus", "--deadline", "1500", "--yes"];
-        let words = words.into_iter().chain(action.split(' '));
-        desk.twin(&words.collect::<Vec<_>>())
-    };
+    let drive = |action: &str| by_hand(&desk, "smartdrive", "bus", action);
     let done = desk.meanwhile("-INT", "Ctrl-C ends it", &[&start[..], &with].concat(), || {
         while drive("status").status != Some(0) {}
         assert_eq!(row(&drive("--address 3 inputs"), 0, "DIR")[1], "off");
@@ -204,8 +202,8 @@ fn drives_of_a_bus_start_with_switches() {
         assert_eq!(drive("--address 3 move 9000").status, Some(2));
         let found = drive("--address 3 status");
         // It brakes on the switch, which stays pressed.
-        let stands: i32 = row(&found, 0, "3")[5].parse().expect("a position");
-        assert!((3000..5000).contains(&stands), "{stands}");
+        let position: i32 = row(&found, 0, "3")[5].parse().expect("a position");
+        assert!((3000..5000).contains(&position), "{position}");
         assert_eq!(row(&drive("--address 3 inputs"), 0, "LIMP")[1], "on");
         drive("unlock").ended(0, "");
         drive("jog -10").ended(0, "");
@@ -223,11 +221,7 @@ fn a_module_starts_with_switches_and_an_encoder() {
     let encoder = "encoder 1 incremental --points 2000 --microsteps 3200";
     let with: Vec<_> =
         with.into_iter().chain([encoder]).flat_map(|words| ["--with", words]).collect();
-    let drive = |action: &str| {
-        let words = ["drive", "bim2ax", "--port", "module", "--deadline", "1500", "--yes"];
-        let words = words.into_iter().chain(action.split(' '));
-        desk.twin(&words.collect::<Vec<_>>())
-    };
+    let drive = |action: &str| by_hand(&desk, "bim2ax", "module", action);
     let done = desk.meanwhile("-INT", "Ctrl-C ends it", &[&start[..], &with].concat(), || {
         while drive("status").status != Some(0) {}
         assert_eq!(row(&drive("scan"), 0, "BIM2AX-BOCM")[2..4], ["1000", "mA"]);
@@ -246,7 +240,7 @@ fn a_module_starts_with_switches_and_an_encoder() {
     done.ended(0, "");
 }
 
-/// A master at another speed gets no answer, and is told where to look; unless the emulator takes any.
+/// A master at another speed gets no answer, and a hint where to look; unless the emulator takes any.
 #[test]
 fn masters_at_another_speed_are_not_understood() {
     let desk = Desk::new();
@@ -272,7 +266,7 @@ fn masters_at_another_speed_are_not_understood() {
     done.ended(0, "");
 }
 
-/// A link that is left behind is no hindrance, though the next terminal may have the number of the last; one in use is.
+/// A link that is left behind does not matter, though the next terminal may have the number of the last; one in use is.
 #[test]
 fn a_link_that_a_killed_emulator_has_left_is_replaced() {
     let desk = Desk::new();
@@ -287,7 +281,7 @@ fn a_link_that_a_killed_emulator_has_left_is_replaced() {
     }
 }
 
-/// What a device is told to store is there although it was killed.
+/// What a device has stored is there after a kill.
 #[test]
 fn what_is_stored_survives_a_kill() {
     let desk = Desk::new();
@@ -436,9 +430,9 @@ fn firmware_and_mode_of_a_smartdrive_are_chosen() {
         let release = (1 << 12 | 1 << 4 | 9).to_string();
         for (action, said) in [("get Release", release.as_str()), ("status", "3, obeys the bus")] {
             let words: Vec<_> = action.split(' ').collect();
-            let told = desk.twin(&[&drive[..], &words].concat());
-            told.ended(0, "");
-            assert!(told.stdout.contains(said), "{}", told.stdout);
+            let done = desk.twin(&[&drive[..], &words].concat());
+            done.ended(0, "");
+            assert!(done.stdout.contains(said), "{}", done.stdout);
         }
     });
     done.ended(0, "");

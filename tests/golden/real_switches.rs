@@ -31,7 +31,7 @@ fn switches_and_homing_are_held_against_the_machine_file() {
         "✗ device `board`: axis X: the board homes it towards -; `home_direction` says +",
         "set it: twin drive interpcnc --port board --address 1 --deadline 2000 set home-direction-x 1",
         "or `home_direction = \"negative\"` of axis X in mixture.toml",
-        "! axis Z: its drive does not tell which switches it has and where it homes to",
+        "! axis Z: its drive does not report which switches it has and where it homes to",
         "✗ device `module`: axis U: the module homes it towards - (coefficient bit 1); `home_direction` says +",
         "set it: twin drive bim2ax --port module --deadline 2000 set coefficient-1",
         "3 start-up checks have failed: nothing has moved",

@@ -66,7 +66,7 @@ impl Device {
                 let softly = matches!(halted, Ok(Halted::Softly));
                 if let Err(error) = halted {
                     // Whatever else waits to be heard, this is not left out.
-                    self.tell(Event::NotStopped(self.named(error)));
+                    self.send(Event::NotStopped(self.named(error)));
                 }
                 if asks {
                     self.attempt(|device| device.look_again(softly));
@@ -76,7 +76,7 @@ impl Device {
             }
         };
         if let Some(last) = unsaid {
-            // If nobody listens any more there is nobody to tell.
+            // A session that has ended hears no error.
             self.sender.send(last).unwrap_or_default();
         }
     }
@@ -92,7 +92,7 @@ impl Device {
         })
     }
 
-    /// What is tried behind an error that has been told: it may fail as well, and says what can be said itself.
+    /// Tries something after an error that has been reported; a failure of its own is dropped.
     fn attempt(&mut self, act: impl FnOnce(&mut Self)) {
         let tried = self.guarded(|device| {
             act(device);
@@ -104,7 +104,7 @@ impl Device {
     /// As the machine file calls it.
     fn named(&self, error: HardwareError) -> HardwareError {
         match error {
-            HardwareError::WithoutUnit(source) => self.names.tell(source),
+            HardwareError::WithoutUnit(source) => self.names.attribute(source),
             error => error,
         }
     }
@@ -114,7 +114,7 @@ impl Device {
     }
 
     /// False if the session is gone.
-    fn tell(&self, event: Event) -> bool {
+    fn send(&self, event: Event) -> bool {
         self.sender.send(Ok(event)).is_ok()
     }
 
@@ -134,7 +134,7 @@ impl Device {
         }
         self.drive.enable()?;
         self.drive.move_to(target, speed)?;
-        if !self.arrive(target)? || !self.tell(Event::Ready) {
+        if !self.arrive(target)? || !self.send(Event::Ready) {
             return Ok(());
         }
         loop {
@@ -152,7 +152,7 @@ impl Device {
                         return Err(HardwareError::Starved { device, late_ms });
                     }
                     let sample = self.drive.follow(&*self.stream)?;
-                    if !self.tell(Event::Sample(sample)) || !self.switch()? {
+                    if !self.send(Event::Sample(sample)) || !self.switch()? {
                         return self.brake();
                     }
                 }
@@ -168,7 +168,7 @@ impl Device {
         }
     }
 
-    /// Waits until the axes stand at `target`; false if a stop came first.
+    /// Waits until the axes rest at `target`; false if a stop came first.
     fn arrive(&mut self, target: &Increments) -> Result<bool, HardwareError> {
         let axes = self.drive.axis_count();
         let mut still = 0;
@@ -203,10 +203,10 @@ impl Device {
                 return self.brake();
             }
             let sample = self.drive.follow(&*self.stream)?;
-            if !self.tell(Event::Sample(sample)) || !self.switch()? {
+            if !self.send(Event::Sample(sample)) || !self.switch()? {
                 return self.brake();
             }
-            // The session has planned to the end, but the axes follow behind; that they stand now, perhaps just where the
+            // The session has planned to the end, but the axes follow behind; that they rest now, perhaps just where the
             // path will end, says nothing.
             if sample.time_ns < self.stream.end_ns() {
                 continue;
@@ -248,10 +248,10 @@ impl Device {
         if !on {
             self.on.remove(&output);
         }
-        Ok(Some(self.tell(Event::Switched { late_ns: self.stream.now_ns() - due_ns })))
+        Ok(Some(self.send(Event::Switched { late_ns: self.stream.now_ns() - due_ns })))
     }
 
-    /// A program that ends early leaves no spindle running; what cannot be switched off is told.
+    /// A program that ends early leaves no spindle running; what cannot be switched off is reported.
     fn switch_off(&mut self) {
         let on = std::mem::take(&mut self.on).into_iter();
         let left: Vec<_> =
@@ -285,16 +285,16 @@ impl Device {
     }
 
     /// Stops the axes after an error: on their ramps if that still makes sense (`brakes`), and at once if it does not or is
-    /// not confirmed. Where a soft stop that was confirmed has changed nothing, a hard one is only believed when the axes
-    /// stand.
+    /// not confirmed. Where a soft stop that was confirmed has changed nothing, a hard one only counts when the axes
+    /// are at rest.
     fn halt(&mut self, brakes: bool) -> Result<Halted, HardwareError> {
         if brakes {
             match self.drive.soft_stop() {
                 Ok(()) => return Ok(Halted::Softly),
-                // The axes stand; that one of them is not where it counts is worth saying beside what has failed first.
+                // The axes are at rest; a counter that is wrong is reported next to the first error.
                 Err(error) if error.is_of_encoder() => {
                     let error = self.named(error.into());
-                    self.tell(Event::Displaced(error));
+                    self.send(Event::Displaced(error));
                     return Ok(Halted::Softly);
                 }
                 Err(_) => {}
@@ -311,7 +311,7 @@ impl Device {
         }
     }
 
-    /// Looks what has become of a device that has failed, now that everything that can be stopped has been told so: it may have
+    /// Looks what has become of a device that has failed, after everything has been stopped: it may have
     /// been without supply for a moment. One that does not answer is asked again for a while.
     fn look_again(&mut self, softly: bool) {
         let certain = softly || self.drive.hard_stop_keeps_position();

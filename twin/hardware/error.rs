@@ -37,7 +37,7 @@ pub enum HardwareError {
         /// "mm" or "deg".
         unit: &'static str,
     },
-    /// The axes stand still where they should not.
+    /// The axes rest where they should not.
     #[error(
         "device `{device}`: the axes stopped moving at {position:?} on their way to {target:?} increments"
     )]
@@ -179,7 +179,7 @@ impl Names {
     }
 
     /// An error of a driver with the device and the axes that it is about; all of them where it does not say which.
-    pub(super) fn tell(&self, source: DriveError) -> HardwareError {
+    pub(super) fn attribute(&self, source: DriveError) -> HardwareError {
         let about = |place: usize| {
             let axes = source.axes();
             if self.bus {
@@ -211,7 +211,7 @@ impl HardwareError {
             Self::WithoutUnit(error) => advice_in_run(error),
             Self::Drive { source, .. } => advice_in_run(source),
             Self::Silent { .. } => Some(
-                "look at its cable and its supply. When it answers again, `status` tells whether it has been off or locked: then its \
+                "look at its cable and its supply. When it answers again, `status` shows whether it has been off or locked: then its \
                  axes have to be homed (--home); if it has not, its positions still hold, and the program can be run again. A slow \
                  adapter needs larger `answer_deadline_ms` and `longest_silence_ms` of its [[drives]]",
             ),
@@ -238,30 +238,30 @@ mod tests {
     #[test]
     fn errors_of_drivers_name_device_and_axes_of_the_machine_file() {
         let board = names(include_str!("../../machines/gantry3.toml"), 0);
-        let told = board.tell(DriveError::Locked { at: at(1) }).to_string();
+        let message = board.attribute(DriveError::Locked { at: at(1) }).to_string();
         assert_eq!(
-            told,
+            message,
             "device `board`, axes X, Y, Z: /dev/ttyUSB0, address 1: reading status and positions: the board is locked"
         );
         let switch = DriveError::LimitSwitch { at: at(1), axes: Axes::Letters(0b10) };
-        assert!(board.tell(switch).to_string().starts_with("device `board`, axis Y: /dev/"));
+        assert!(board.attribute(switch).to_string().starts_with("device `board`, axis Y: /dev/"));
         // On a bus every axis has its address.
         let bus = Names {
             device: "line".to_owned(),
             axes: vec![(3, "X".to_owned()), (7, "Y".to_owned())],
             bus: true,
         };
-        let message = |address| bus.tell(DriveError::Stalled { at: at(address) }).to_string();
+        let message = |address| bus.attribute(DriveError::Stalled { at: at(address) }).to_string();
         assert!(message(7).starts_with("device `line`, axis Y: "), "{}", message(7));
         assert!(message(0).starts_with("device `line`, axes X, Y: "), "{}", message(0));
         assert!(message(9).starts_with("device `line`: "), "{}", message(9));
         // A module says which of its axes, from 1.
         let module =
             Names { bus: false, axes: vec![(0, "A".to_owned()), (1, "B".to_owned())], ..bus };
-        let told = module.tell(DriveError::device(
+        let message = module.attribute(DriveError::device(
             at(0),
             twin_bim2ax::Fault::AxisMessages { axis: 2, messages: 1 },
         ));
-        assert!(told.to_string().starts_with("device `line`, axis B: "), "{told}");
+        assert!(message.to_string().starts_with("device `line`, axis B: "), "{message}");
     }
 }

@@ -14,7 +14,7 @@ use twin_machine::{Axis, DeviceEntry, Machine};
 /// How long a device may keep silent where the machine file does not say otherwise: at least this, ms.
 const USUAL_SILENCE_MS: u32 = 300;
 
-/// A silence of fewer rounds on the wire than this is none that could be told from the usual ones.
+/// A silence of fewer rounds on the wire than this cannot be distinguished from a usual one.
 const LEAST_ROUNDS: u32 = 3;
 
 /// Samples in a row that have to show an axis too far away: the time of one alone may be uncertain.
@@ -26,7 +26,7 @@ pub enum Guarded {
     /// Real ones.
     Real,
     /// Emulated ones, which are as late as the computer is busy, and of which nothing breaks: how far an axis is off is
-    /// told at the end, and silence ends a run only where the machine file says how long it may last.
+    /// reported at the end, and silence ends a run only where the machine file says how long it may last.
     Emulated,
 }
 
@@ -56,8 +56,8 @@ pub(super) struct Guard {
     looked_ns: i64,
     /// Samples in a row that show an axis too far away.
     beyond: [u32; MAX_DRIVE_AXES],
-    told_silence: bool,
-    told_error: bool,
+    reported_silence: bool,
+    reported_error: bool,
     /// Whose drives it watches, once somebody has said so.
     whose: Option<Guarded>,
 }
@@ -86,7 +86,7 @@ impl Guard {
 
     /// True if the following error of one of its axes has exceeded its limit.
     pub(super) fn is_astray(&self) -> bool {
-        self.told_error
+        self.reported_error
     }
 
     /// It begins to follow.
@@ -101,7 +101,7 @@ impl Guard {
         deviation: &[f64; MAX_DRIVE_AXES],
     ) -> Option<HardwareError> {
         self.begin(time_ns);
-        (self.moving, self.told_silence) = (moving, false);
+        (self.moving, self.reported_silence) = (moving, false);
         let mut farthest: Option<(&Limit, f64)> = None;
         let axes = self.limits.iter().zip(&mut self.beyond).zip(deviation);
         for ((limit, beyond), deviation) in axes {
@@ -113,8 +113,8 @@ impl Guard {
                 farthest = Some((limit, error));
             }
         }
-        let (limit, error) = farthest.filter(|_| !self.told_error)?;
-        self.told_error = true;
+        let (limit, error) = farthest.filter(|_| !self.reported_error)?;
+        self.reported_error = true;
         Some(HardwareError::TooFar {
             axis: limit.axis.clone(),
             error: error * limit.scale,
@@ -132,7 +132,7 @@ impl Guard {
         now_ns: i64,
         (stream, axes): (&Stream, usize),
     ) -> Option<HardwareError> {
-        let limit_ms = self.silence_ms.filter(|_| !self.told_silence)?;
+        let limit_ms = self.silence_ms.filter(|_| !self.reported_silence)?;
         if !self.moving {
             let origin = self.origin.get_or_insert_with(|| stream.at(self.heard_ns).position);
             self.moving = stream.strays(origin, (self.looked_ns, now_ns), axes);
@@ -142,7 +142,7 @@ impl Guard {
         if silent_ms <= i64::from(limit_ms) || !self.moving {
             return None;
         }
-        self.told_silence = true;
+        self.reported_silence = true;
         let device = device.to_owned();
         Some(HardwareError::Silent { device, silent_ms, limit_ms, then: None })
     }
@@ -218,9 +218,9 @@ mod tests {
         assert!(guard.silence("board", 1009 * MS, moves).is_none());
         let mut standing = guard.clone();
         assert!(standing.silence("board", 1400 * MS, others).is_none(), "nothing is to move");
-        let told = guard.silence("board", 1010 * MS, moves).expect("too long");
-        assert!(told.to_string().contains("`board` has not answered for 301 ms"), "{told}");
-        assert!(guard.silence("board", 1400 * MS, moves).is_none(), "it has been told");
+        let error = guard.silence("board", 1010 * MS, moves).expect("too long");
+        assert!(error.to_string().contains("`board` has not answered for 301 ms"), "{error}");
+        assert!(guard.silence("board", 1400 * MS, moves).is_none(), "it has been reported");
         // Heard of again, and while its axes moved.
         assert!(guard.heard((1500 * MS, true), &[0.0; MAX_DRIVE_AXES]).is_none());
         assert!(guard.silence("board", 1800 * MS, others).is_none());
@@ -269,9 +269,9 @@ mod tests {
         for looks in [&[301][..], &[50, 301], &[50, 200, 301]] {
             let mut guard = guard();
             guard.begin(0);
-            let told = looks.iter().find_map(|ms| guard.silence("board", ms * MS, (&stream, 1)));
+            let error = looks.iter().find_map(|ms| guard.silence("board", ms * MS, (&stream, 1)));
             assert!(
-                matches!(told, Some(HardwareError::Silent { silent_ms: 301, .. })),
+                matches!(error, Some(HardwareError::Silent { silent_ms: 301, .. })),
                 "{looks:?}"
             );
         }
@@ -290,11 +290,11 @@ mod tests {
         for error in [0.5e-3, -0.7e-3, 0.0, 0.7e-3] {
             assert!(guard.heard((1, true), &off(error)).is_none(), "{error}");
         }
-        let told = guard.heard((2, true), &off(-0.8e-3)).expect("twice");
-        let said = told.to_string();
+        let error = guard.heard((2, true), &off(-0.8e-3)).expect("twice");
+        let said = error.to_string();
         for part in ["following-error", "axis X", "0.8000 mm", "at most 0.5000 mm"] {
             assert!(said.contains(part), "{said}");
         }
-        assert!(guard.heard((3, true), &off(0.9e-3)).is_none(), "it has been told");
+        assert!(guard.heard((3, true), &off(0.9e-3)).is_none(), "it has been reported");
     }
 }

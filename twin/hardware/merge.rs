@@ -24,10 +24,10 @@ pub(super) struct Measured {
 /// Samples of one device that others wait for, or that wait for others.
 #[derive(Debug, Default)]
 pub(super) struct Track {
-    /// In order of time. The first ones have been told; they are kept for those of others.
+    /// In order of time. The first ones have been reported; they are kept for those of others.
     samples: VecDeque<Measured>,
-    /// How many of them have been told.
-    told: usize,
+    /// Number of samples that have been reported.
+    reported: usize,
     /// There will be no more: it stays where it was last.
     pub(super) ended: bool,
     /// True if the device has failed: the positions of its axes since then are not known.
@@ -42,9 +42,9 @@ impl Track {
         }
     }
 
-    /// The next sample that has not been told.
+    /// The next sample that has not been reported.
     fn next(&self) -> Option<&Measured> {
-        self.samples.get(self.told)
+        self.samples.get(self.reported)
     }
 
     /// What is known of an instant.
@@ -70,9 +70,9 @@ impl Track {
 
     /// Forgets what no instant from `time_ns` on asks for.
     fn forget(&mut self, time_ns: i64) {
-        while self.told > 0 && self.samples.get(1).is_some_and(|next| next.time_ns <= time_ns) {
+        while self.reported > 0 && self.samples.get(1).is_some_and(|next| next.time_ns <= time_ns) {
             self.samples.pop_front();
-            self.told -= 1;
+            self.reported -= 1;
         }
     }
 }
@@ -112,7 +112,7 @@ pub(super) fn next(
             }
         }
         if let Some(track) = tracks.get_mut(unit) {
-            track.told += 1;
+            track.reported += 1;
         }
         for track in tracks.iter_mut() {
             track.forget(time_ns);
@@ -160,13 +160,13 @@ mod tests {
     }
 
     #[test]
-    fn one_device_is_told_as_it_comes() {
+    fn one_device_is_reported_as_it_comes() {
         let mut tracks = [Track::default()];
         for time_ns in [5, 5, 9] {
             tracks[0].push(off(time_ns, 0.25));
         }
         assert_eq!(drain(&mut tracks), [(5, vec![0.25]), (9, vec![0.25])]);
-        assert_eq!(tracks[0].samples.len(), 1, "what is told is forgotten");
+        assert_eq!(tracks[0].samples.len(), 1, "reported samples are forgotten");
     }
 
     #[test]
@@ -198,7 +198,7 @@ mod tests {
         );
     }
 
-    /// Nothing is told of where its axes might be: also of the others no more than while all were known.
+    /// Unknown positions are not reported: of the others only what was known while all were.
     #[test]
     fn a_device_that_is_lost_is_nowhere() {
         let mut tracks = [Track::default(), Track::default()];
@@ -207,7 +207,7 @@ mod tests {
         tracks[1].push(off(10, 0.1));
         tracks[1].push(off(20, 0.2));
         tracks[0].lost = true;
-        let told = drain(&mut tracks);
-        assert_eq!(told, [(10, vec![0.5, 0.1]), (10, vec![0.5, 0.1]), (15, vec![0.7, 0.15])]);
+        let reported = drain(&mut tracks);
+        assert_eq!(reported, [(10, vec![0.5, 0.1]), (10, vec![0.5, 0.1]), (15, vec![0.7, 0.15])]);
     }
 }

@@ -45,11 +45,11 @@ struct Strings {
     follow_panics: bool,
     /// Does not answer while it follows until there is a word from here.
     follow_waits: Option<Mutex<Receiver<()>>>,
-    /// Stands still wherever it is sent.
+    /// Does not move wherever it is sent.
     stuck: bool,
     /// Confirms no stop.
     goes_on: bool,
-    /// Says after a soft stop that it moves, until it has been stopped hard so many times.
+    /// Says after a soft stop that it moves, until this number of hard stops.
     moves_until: Option<u32>,
     /// `soft_stop` waits for a word from here.
     stop_waits: Option<Mutex<Receiver<()>>>,
@@ -218,6 +218,16 @@ fn listen(hardware: &mut Hardware) -> (Vec<AxisFeedback>, Option<HardwareError>)
     }
 }
 
+/// Waits for an error.
+fn first_error(hardware: &mut Hardware) -> HardwareError {
+    loop {
+        match hardware.feedback() {
+            Ok(_) => std::thread::sleep(Duration::from_millis(1)),
+            Err(error) => return error,
+        }
+    }
+}
+
 fn setpoint(cycle: i64, x: f64, velocity: f64) -> AxisSetpoint {
     let at = |x| AxisVector::from_values([x, START[1], START[2]]);
     let zero = nalgebra::Vector3::zeros();
@@ -243,11 +253,20 @@ fn setpoint(cycle: i64, x: f64, velocity: f64) -> AxisSetpoint {
     }
 }
 
-/// Plans to stand at the start for so many cycles.
-fn stand(hardware: &mut Hardware, cycles: i64) {
+/// Plans rest at the start for a number of cycles.
+fn plan_rest(hardware: &mut Hardware, cycles: i64) {
     for cycle in 0..=cycles {
         hardware.command(&setpoint(cycle, START[0], 0.0)).unwrap();
     }
+}
+
+/// Drives that follow a minute of rest at the start.
+fn following(strings: Strings) -> (Hardware, Arc<Strings>) {
+    let (mut hardware, strings) = start(strings);
+    approach(&mut hardware).unwrap();
+    plan_rest(&mut hardware, 60_000);
+    hardware.follow(Clock::start());
+    (hardware, strings)
 }
 
 fn motion(position: f64, velocity: f64) -> IncrementMotion {
@@ -355,7 +374,7 @@ fn a_device_that_does_not_answer_is_an_error_of_the_approach() {
     approach(&mut hardware).unwrap();
     let (_, error) = listen(&mut hardware);
     assert!(matches!(error, Some(HardwareError::Drive { .. })), "{error:?}");
-    // An error is told once; after it there is nothing.
+    // An error is reported once; after it there is nothing.
     assert!(matches!(hardware.feedback(), Ok(None)));
 }
 
@@ -371,11 +390,8 @@ fn an_axis_that_does_not_come_to_the_start_is_stuck() {
 }
 
 #[test]
-fn a_driver_that_panics_is_told_and_its_device_stopped() {
-    let (mut hardware, strings) = start(Strings { follow_panics: true, ..Strings::default() });
-    approach(&mut hardware).unwrap();
-    stand(&mut hardware, 60_000);
-    hardware.follow(Clock::start());
+fn a_driver_that_panics_is_reported_and_its_device_stopped() {
+    let (mut hardware, strings) = following(Strings { follow_panics: true, ..Strings::default() });
     let (_, error) = listen(&mut hardware);
     assert!(
         matches!(&error, Some(HardwareError::Panicked { device }) if device == "board"),
@@ -386,32 +402,29 @@ fn a_driver_that_panics_is_told_and_its_device_stopped() {
     assert_eq!(strings.soft_stops.load(Ordering::SeqCst), 1);
 }
 
-/// A device that nobody can stop is told as such, also if the user has given up on the way to the start.
+/// A device that does not stop is reported as such, also if the user has given up on the way to the start.
 #[test]
-fn a_stop_that_is_not_confirmed_is_told() {
+fn an_unconfirmed_stop_is_reported() {
     let strings = Strings { probe_fails: true, goes_on: true, ..Strings::default() };
     let (mut hardware, _) = start(strings);
     assert!(approach(&mut hardware).is_err());
     hardware.abandon();
-    let told = hardware.not_stopped();
-    assert_eq!(told.len(), 1, "{told:?}");
-    assert!(told[0].starts_with("device `board`, axes X, Y, Z: puppet, address 1"), "{told:?}");
+    let error = hardware.not_stopped();
+    assert_eq!(error.len(), 1, "{error:?}");
+    assert!(error[0].starts_with("device `board`, axes X, Y, Z: puppet, address 1"), "{error:?}");
 }
 
 /// A status that shows "moving" after a confirmed stop keeps nobody waiting for ever: a hard stop comes, and where that changes
-/// nothing either it is told that nobody knows whether the axes stand.
+/// nothing either the state of the axes is reported as unknown.
 #[test]
 fn axes_that_move_on_after_a_confirmed_stop_are_stopped_hard() {
     let both = [1, u32::MAX].map(|most| {
         let strings = Strings { moves_until: Some(most), ..Strings::default() };
-        let (mut hardware, strings) = start(strings);
-        approach(&mut hardware).unwrap();
-        stand(&mut hardware, 60_000);
-        hardware.follow(Clock::start());
+        let (mut hardware, strings) = following(strings);
         hardware.stop();
         (hardware, strings)
     });
-    let told = both.map(|(mut hardware, strings)| {
+    let reported = both.map(|(mut hardware, strings)| {
         let (_, error) = listen(&mut hardware);
         let Some(HardwareError::Moves { device, waited_s: 10.. }) = &error else {
             panic!("{error:?}")
@@ -422,28 +435,25 @@ fn axes_that_move_on_after_a_confirmed_stop_are_stopped_hard() {
         assert_eq!(strings.hard_stops.load(Ordering::SeqCst), 1);
         hardware.not_stopped().to_vec()
     });
-    let [stands, moves] = told;
-    assert_eq!(stands, [""; 0]);
+    let [rests, moves] = reported;
+    assert_eq!(rests, [""; 0]);
     assert_eq!(moves.len(), 1, "{moves:?}");
     assert!(moves[0].starts_with("device `board`: its axes still move"), "{moves:?}");
 }
 
 #[test]
-fn outputs_that_nobody_switches_are_told() {
+fn outputs_that_nobody_switches_are_reported() {
     let (word, waits): (SyncSender<()>, _) = sync_channel(1);
     let (mut hardware, strings) =
-        start(Strings { follow_waits: Some(Mutex::new(waits)), ..Strings::default() });
-    approach(&mut hardware).unwrap();
-    stand(&mut hardware, 60_000);
-    hardware.follow(Clock::start());
+        following(Strings { follow_waits: Some(Mutex::new(waits)), ..Strings::default() });
     // While the driver waits for its device, at most 64 wait.
     (0..32).for_each(|_| hardware.switch(&[1], &[2], 0));
     assert!(hardware.feedback().is_ok() && !hardware.has_switched());
     hardware.switch(&[3], &[], 0);
-    let told = hardware.feedback().map(|_| ()).unwrap_err();
+    let error = hardware.feedback().map(|_| ()).unwrap_err();
     assert!(
-        matches!(&told, HardwareError::Outputs { device, output: 3, .. } if device == "board"),
-        "{told}"
+        matches!(&error, HardwareError::Outputs { device, output: 3, .. } if device == "board"),
+        "{error}"
     );
     drop(word);
     drop(hardware);
@@ -482,7 +492,7 @@ fn devices_are_stopped_at_once_not_one_after_the_other() {
 }
 
 #[test]
-fn an_error_is_told_before_the_device_is_stopped() {
+fn an_error_is_reported_before_the_device_is_stopped() {
     let (word, waits): (SyncSender<()>, _) = sync_channel(1);
     let strings = Strings {
         samples_fail_from: Some(5),
@@ -491,14 +501,9 @@ fn an_error_is_told_before_the_device_is_stopped() {
     };
     let (mut hardware, strings) = start(strings);
     approach(&mut hardware).unwrap();
-    let error = loop {
-        match hardware.feedback() {
-            Ok(_) => std::thread::sleep(Duration::from_millis(1)),
-            Err(error) => break error,
-        }
-    };
+    let error = first_error(&mut hardware);
     assert!(matches!(error, HardwareError::Drive { .. }));
-    assert!(!strings.stopped.load(Ordering::SeqCst), "told only after the stop");
+    assert!(!strings.stopped.load(Ordering::SeqCst), "reported only after the stop");
     assert!(hardware.is_running());
     word.send(()).unwrap();
     drop(hardware);
@@ -507,10 +512,7 @@ fn an_error_is_told_before_the_device_is_stopped() {
 
 #[test]
 fn a_stop_brakes_whatever_is_under_way_and_stays_asked_for() {
-    let (mut hardware, strings) = start(Strings::default());
-    approach(&mut hardware).unwrap();
-    stand(&mut hardware, 60_000);
-    hardware.follow(Clock::start());
+    let (mut hardware, strings) = following(Strings::default());
     hardware.stop();
     hardware.finish(false);
     let (_, error) = listen(&mut hardware);
@@ -528,10 +530,7 @@ fn a_stop_brakes_whatever_is_under_way_and_stays_asked_for() {
 
 #[test]
 fn drives_that_nobody_listens_to_are_brought_to_rest() {
-    let (mut hardware, strings) = start(Strings::default());
-    approach(&mut hardware).unwrap();
-    stand(&mut hardware, 60_000);
-    hardware.follow(Clock::start());
+    let (mut hardware, strings) = following(Strings::default());
     // A puppet answers at once: samples soon fill the channel, and the thread waits for the session.
     while strings.followed.load(Ordering::SeqCst) < 1025 {
         std::thread::sleep(Duration::from_millis(1));
@@ -544,7 +543,7 @@ fn drives_that_nobody_listens_to_are_brought_to_rest() {
 fn drives_whose_plan_runs_dry_brake_and_say_so() {
     let (mut hardware, strings) = start(Strings::default());
     approach(&mut hardware).unwrap();
-    stand(&mut hardware, 50);
+    plan_rest(&mut hardware, 50);
     hardware.follow(Clock::start());
     // The session is kept waiting: no set-points after 50 ms, and no word that those were the last.
     let (_, error) = listen(&mut hardware);
@@ -583,19 +582,19 @@ fn a_setpoint_beyond_the_counters_is_refused_and_sent_to_no_axis() {
     hardware.follow(Clock::start());
     let good = setpoint(501, START[0] + 1e-5, 0.0);
     hardware.replan(500 * CYCLE_NS, &[&good, &far].into_iter());
-    // Samples come before and after it is told, as this computer has time.
+    // Samples come before and after the error, as this computer has time.
     let (mut heard, error) = listen(&mut hardware);
-    assert_eq!(error.expect("told").to_string(), BEYOND);
+    assert_eq!(error.expect("an error").to_string(), BEYOND);
     let (later, error) = listen(&mut hardware);
     assert!(error.is_none(), "{error:?}");
     heard.extend(later);
-    // On gantry3's 320 increments per mm 10 µm are 3.2: it stands at the last place that could be counted.
+    // On gantry3's 320 increments per mm 10 µm are 3.2: it is at the last place that could be counted.
     assert!((heard.last().unwrap().position[0] - START[0] - 1e-5).abs() < 2e-6);
 }
 
 /// Its driver goes on asking, and it may be heard of again: only the session hears of it meanwhile.
 #[test]
-fn a_device_that_keeps_silent_while_its_axes_are_to_move_is_told_while_its_driver_waits() {
+fn a_silent_device_is_reported_while_its_driver_waits() {
     let (word, waits): (SyncSender<()>, _) = sync_channel(2000);
     let strings = Strings { follow_waits: Some(Mutex::new(waits)), ..Strings::default() };
     let (hardware, strings) = start(strings);
@@ -607,17 +606,12 @@ fn a_device_that_keeps_silent_while_its_axes_are_to_move_is_told_while_its_drive
     }
     hardware.follow(Clock::start());
     hardware.finish(false);
-    let told = loop {
-        match hardware.feedback() {
-            Err(told) => break told,
-            Ok(_) => std::thread::sleep(Duration::from_millis(1)),
-        }
-    };
-    let HardwareError::Silent { device, silent_ms, limit_ms, then: None } = &told else {
-        panic!("{told}")
+    let error = first_error(&mut hardware);
+    let HardwareError::Silent { device, silent_ms, limit_ms, then: None } = &error else {
+        panic!("{error}")
     };
     // Beyond one lost answer: 250 ms and 500 ms.
-    assert!(device == "board" && *limit_ms >= 750 && *silent_ms > i64::from(*limit_ms), "{told}");
+    assert!(device == "board" && *limit_ms >= 750 && *silent_ms > i64::from(*limit_ms), "{error}");
     assert!(hardware.is_running() && strings.followed.load(Ordering::SeqCst) == 0);
     // It answers after all, and brings the axes to the end of the plan.
     drop(word);

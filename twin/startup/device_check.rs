@@ -39,13 +39,13 @@ impl<'a> DeviceCheck<'a> {
         Self { name, firmware, is_board, axes, needs, looked: Looked::default() }
     }
 
-    pub(super) fn add(&mut self, passed: bool, told: String) {
-        self.add_with(passed, told, Vec::new());
+    pub(super) fn add(&mut self, passed: bool, message: String) {
+        self.add_with(passed, message, Vec::new());
     }
 
     /// Adds a note about a missing ability of the device, or about facts that only the user can judge.
-    pub(super) fn tell(&mut self, told: String, help: Vec<String>) {
-        self.looked.checks.push(Check { verdict: Verdict::Told, told, help });
+    pub(super) fn note(&mut self, message: String, help: Vec<String>) {
+        self.looked.checks.push(Check { verdict: Verdict::Note, message, help });
     }
 
     /// Homing state of an axis, by its place in the machine file, as given by the user or the program.
@@ -54,10 +54,10 @@ impl<'a> DeviceCheck<'a> {
     }
 
     /// With what can be done about it.
-    pub(super) fn add_with(&mut self, passed: bool, told: String, help: Vec<String>) {
+    pub(super) fn add_with(&mut self, passed: bool, message: String, help: Vec<String>) {
         let verdict = if passed { Verdict::Passed } else { Verdict::Failed };
-        let told = if passed { told } else { format!("device `{}`: {told}", self.name) };
-        self.looked.checks.push(Check { verdict, told, help });
+        let message = if passed { message } else { format!("device `{}`: {message}", self.name) };
+        self.looked.checks.push(Check { verdict, message, help });
     }
 
     pub(super) fn failed(&mut self, error: &DriveError) {
@@ -85,12 +85,12 @@ impl<'a> DeviceCheck<'a> {
         self.may_be_enabled((machine, index), drive, stream)?;
         self.homed(machine, drive, stream)?;
         if let Some(position) = self.looked.position {
-            self.stands(&position);
+            self.positions(&position);
         }
         Ok(())
     }
 
-    /// That nothing keeps the device from being enabled; where its axes stand.
+    /// Checks that the device can be enabled, and the positions of its axes.
     fn may_be_enabled(
         &mut self,
         (machine, device): (&Machine, usize),
@@ -106,7 +106,7 @@ impl<'a> DeviceCheck<'a> {
                 }
                 Ok(())
             }
-            // Each of them is told already, with all others that are wrong.
+            // Each of them has been reported with all other faults.
             Err(
                 DriveError::Parameter { .. }
                 | DriveError::EnableOpen { .. }
@@ -116,7 +116,7 @@ impl<'a> DeviceCheck<'a> {
         }
     }
 
-    /// Which axes move by themselves: those that stand elsewhere a moment later.
+    /// Which axes move by themselves: those whose position differs a moment later.
     fn moves_already(
         &mut self,
         machine: &Machine,
@@ -139,8 +139,8 @@ impl<'a> DeviceCheck<'a> {
         }
         let command = repair_commands::command(machine, device, self.first_address());
         let stop = command.map(|command| format!("stop it: {command} stop"));
-        let told = format!("{}: {}", drive.describe(), moving.join("; "));
-        self.add_with(false, told, stop.into_iter().collect());
+        let message = format!("{}: {}", drive.describe(), moving.join("; "));
+        self.add_with(false, message, stop.into_iter().collect());
     }
 
     /// The address of the first axis's drive, where each has its own.
@@ -156,18 +156,18 @@ impl<'a> DeviceCheck<'a> {
             if unit.firmware.as_deref() == Some(wanted) {
                 continue;
             }
-            let found = unit.firmware.as_deref().unwrap_or("not told by the device");
+            let found = unit.firmware.as_deref().unwrap_or("not reported by the device");
             let station = if unit.address == 0 {
                 String::new()
             } else {
                 format!("address {}: ", unit.address)
             };
-            let told = format!("{station}the firmware is {found}; {wanted} is wanted");
+            let message = format!("{station}the firmware is {found}; {wanted} is wanted");
             let (name, file) = (self.name, machine.path.display());
             let key = unit.firmware.as_ref().map(|found| {
                 format!("or `firmware = \"{found}\"` of [[drives]] \"{name}\" in {file}")
             });
-            self.add_with(false, told, key.into_iter().collect());
+            self.add_with(false, message, key.into_iter().collect());
         }
         Ok(())
     }
@@ -206,8 +206,8 @@ impl<'a> DeviceCheck<'a> {
                 }
                 Must::Have(bits) => format!("a number with the bits {bits:04X}h is wanted"),
             };
-            let told = format!("{whose}{} ({name}) is {found}{unit}; {value}", one.id);
-            self.add_with(false, told, one.help(machine, index, found));
+            let message = format!("{whose}{} ({name}) is {found}{unit}; {value}", one.id);
+            self.add_with(false, message, one.help(machine, index, found));
         }
         if right == wanted.len() {
             self.add(true, format!("parameters: {right} of {right} as the machine file has them"));
@@ -237,8 +237,8 @@ impl<'a> DeviceCheck<'a> {
         Ok(())
     }
 
-    /// Axes that are home stand within their limits; where others stand says nothing yet.
-    fn stands(&mut self, found: &Increments) {
+    /// Checks that homed axes are within their limits; positions of others mean nothing yet.
+    fn positions(&mut self, found: &Increments) {
         for (slot, (index, axis)) in self.axes.clone().into_iter().enumerate() {
             let who = self.who_homes(index);
             let home = !matches!(who, Homed::First | Homed::Emulated);
@@ -250,7 +250,7 @@ impl<'a> DeviceCheck<'a> {
             if at < least - slack || at > most + slack {
                 let (name, unit) = (&axis.name, axis.unit());
                 let wanted = format!("{least:.4} … {most:.4} {unit} is wanted; is it homed?");
-                self.add(false, format!("axis {name}: it stands at {at:.4} {unit}; {wanted}"));
+                self.add(false, format!("axis {name}: it is at {at:.4} {unit}; {wanted}"));
             }
         }
     }
@@ -258,7 +258,7 @@ impl<'a> DeviceCheck<'a> {
     /// A board that is to home an axis and does not know where its switch is.
     fn no_home_switch(&mut self, machine: &Machine, axis: &Axis) {
         let name = &axis.name;
-        let told =
+        let message =
             format!("axis {name}: it is to be homed, and the board knows no home switch for it");
         let help = axis.drive.as_ref().and_then(|place| {
             let command = repair_commands::command(machine, place.device, place.index)?;
@@ -266,7 +266,7 @@ impl<'a> DeviceCheck<'a> {
             let of_board = device.axis_name(place.index).to_lowercase();
             Some(format!("set it: {command} set home-input-{of_board} N, where N is its input"))
         });
-        self.add_with(false, told, help.into_iter().collect());
+        self.add_with(false, message, help.into_iter().collect());
     }
 
     fn homed(
@@ -293,7 +293,7 @@ impl<'a> DeviceCheck<'a> {
                 self.no_home_switch(machine, axis);
                 continue;
             }
-            let told = match (who, known) {
+            let message = match (who, known) {
                 (Homed::Emulated, _) => continue,
                 (Homed::First, _) => format!("axis {name}: will be homed first"),
                 (_, Some(true)) => format!("axis {name}: homed"),
@@ -301,7 +301,7 @@ impl<'a> DeviceCheck<'a> {
                     let counts = counts.and_then(|counts| counts.get(slot).copied());
                     let zero = if counts == Some(0) { ZERO } else { "" };
                     format!(
-                        "axis {name}: homed, as --homed says: by your word, the device cannot tell{zero}"
+                        "axis {name}: homed, as --homed says: by your word, the device cannot report it{zero}"
                     )
                 }
                 (_, known) => {
@@ -321,7 +321,7 @@ impl<'a> DeviceCheck<'a> {
                     continue;
                 }
             };
-            self.add(true, told);
+            self.add(true, message);
         }
         Ok(())
     }

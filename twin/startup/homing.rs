@@ -60,8 +60,8 @@ pub enum HomingError {
         /// The axis.
         axis: String,
     },
-    /// It has not come home, for a reason that does not tell where it stands.
-    #[error("{why}; it stands at {at:.3} {unit}")]
+    /// It has not come home, for a reason that leaves its position open.
+    #[error("{why}; it is at {at:.3} {unit}")]
     AtRest {
         /// Why it is not home.
         why: Box<HomingError>,

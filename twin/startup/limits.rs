@@ -40,7 +40,7 @@ impl DeviceCheck<'_> {
             let found = format!(
                 "axis {name}: the device's software limits are {lowest:.4} … {highest:.4} {unit}"
             );
-            // What rounding to increments makes, and one that lets an axis stand on its limit.
+            // What rounding to increments makes, and one for an axis on its limit.
             let slack = 2.5 / axis.increments_per_si().abs();
             let [lowest, highest] = [lowest, highest].map(|limit| axis.to_si(limit));
             let [least, most] = axis.position_limits;
@@ -56,8 +56,8 @@ impl DeviceCheck<'_> {
                 self.add_with(false, format!("{found}; {wanted}"), help);
             } else if let Some(range) = too_tight {
                 let [from, to] = range.map(|position| axis.from_si(position));
-                let told = format!("{found}; the program goes from {from:.4} to {to:.4} {unit}");
-                self.add_with(false, told, repair_commands::set_limits(machine, device, axis));
+                let message = format!("{found}; the program goes from {from:.4} to {to:.4} {unit}");
+                self.add_with(false, message, repair_commands::set_limits(machine, device, axis));
             } else {
                 self.add(true, found);
             }
@@ -79,12 +79,12 @@ impl DeviceCheck<'_> {
             let device = device.map(|increments| (increments / per_unit).abs());
             // Ratios are rounded; a limit that is met is not exceeded.
             if let Some(device) = device.filter(|most| wanted > most * (1.0 + 1e-12)) {
-                let told = format!(
+                let message = format!(
                     "axis {}: the device's {what} is {device:.1} {unit}/s² at most, plans may ask for {wanted:.1} {unit}/s² \
                      ({key}): where they do it falls behind",
                     axis.name
                 );
-                self.tell(told, Vec::new());
+                self.note(message, Vec::new());
             }
         }
     }
@@ -97,13 +97,13 @@ impl DeviceCheck<'_> {
             return;
         }
         let left = what_is_left(axis);
-        let told = format!(
+        let message = format!(
             "axis {name}: the software limits of its drive are off (Trj_PosMin is not below Trj_PosMax); {left}, or to a limit \
-             switch if one is wired to LIMP or LIMN, which the drive does not tell"
+             switch if one is wired to LIMP or LIMN, which the drive does not report"
         );
         let mut help = repair_commands::set_limits(machine, device, axis);
         // The machine file has its limits: those of the drive are to follow, not the other way round.
         help.pop();
-        self.tell(told, help);
+        self.note(message, help);
     }
 }

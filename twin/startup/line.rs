@@ -51,11 +51,11 @@ impl DeviceCheck<'_> {
             }
         }
         if !other.is_empty() {
-            let told = format!(
+            let message = format!(
                 "{}: from the next power-up on it has another line than the machine file",
                 other.join(", ")
             );
-            self.tell(told, help);
+            self.note(message, help);
         }
         Ok(())
     }

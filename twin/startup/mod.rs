@@ -26,7 +26,7 @@ pub enum Verdict {
     /// It is as it must be.
     Passed,
     /// Nothing is wrong, but the device does not do what others do: the user has to know.
-    Told,
+    Note,
     /// It is not as it must be: nothing moves.
     Failed,
 }
@@ -37,7 +37,7 @@ pub struct Check {
     /// The verdict.
     pub verdict: Verdict,
     /// The finding; for a failed check also the device, address, axis and parameter concerned, and the required value.
-    pub told: String,
+    pub message: String,
     /// Remedies: commands to copy, keys of the machine file, places to look.
     pub help: Vec<String>,
 }
@@ -49,8 +49,8 @@ impl Check {
     }
 
     /// Of a device that cannot be spoken to.
-    pub fn failed(told: String, help: Option<String>) -> Self {
-        Self { verdict: Verdict::Failed, told, help: help.into_iter().collect() }
+    pub fn failed(message: String, help: Option<String>) -> Self {
+        Self { verdict: Verdict::Failed, message, help: help.into_iter().collect() }
     }
 }
 
@@ -58,10 +58,10 @@ impl fmt::Display for Check {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mark = match self.verdict {
             Verdict::Passed => '✓',
-            Verdict::Told => '!',
+            Verdict::Note => '!',
             Verdict::Failed => '✗',
         };
-        write!(f, "{mark} {}", self.told)?;
+        write!(f, "{mark} {}", self.message)?;
         self.help.iter().try_for_each(|line| write!(f, "\n      {line}"))
     }
 }

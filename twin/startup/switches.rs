@@ -73,7 +73,7 @@ impl DeviceCheck<'_> {
         Ok(())
     }
 
-    /// Parameters 104 to 123: an input of 0 is no switch.
+    /// Parameters 104 to 123: input 0 means none.
     fn board_limits(
         &mut self,
         axis: &Axis,
@@ -100,7 +100,7 @@ impl DeviceCheck<'_> {
             has = format!("axis {name}: the board knows no limit switch for it");
         }
         if let Some(wanted) = switches.limits.filter(|wanted| *wanted != found) {
-            let told = format!("{has}; `limit_switches` is \"{}\"", ends(wanted));
+            let message = format!("{has}; `limit_switches` is \"{}\"", ends(wanted));
             let mut help = Vec::new();
             for (positive, (wanted, found)) in
                 [false, true].into_iter().zip(wanted.into_iter().zip(found))
@@ -119,14 +119,14 @@ impl DeviceCheck<'_> {
                 "or `limit_switches = \"{}\"` of axis {name} in {file}",
                 ends(found)
             ));
-            self.add_with(false, told, help);
+            self.add_with(false, message, help);
             return Ok(());
         }
         if found == [true, true] {
             self.add(true, format!("{has}; no software limits in the board"));
         } else if axis.limited {
             let left = what_is_left(axis);
-            self.tell(format!("{has}, and it has no software limits: {left}"), Vec::new());
+            self.note(format!("{has}, and it has no software limits: {left}"), Vec::new());
         } else {
             self.add(true, format!("{has}; no software limits, as in the machine file"));
         }
@@ -155,7 +155,7 @@ impl DeviceCheck<'_> {
         let per_s = |steps: i64| axis.from_si(steps as f64 / axis.increments_per_si().abs());
         let before = self.looked.checks.len();
         if let Some(wanted) = switches.home_positive.filter(|wanted| *wanted != positive) {
-            let told = format!(
+            let message = format!(
                 "axis {name}: the board homes it towards {}; `home_direction` says {}",
                 sign(positive),
                 sign(wanted)
@@ -166,7 +166,7 @@ impl DeviceCheck<'_> {
             let found = if positive { "positive" } else { "negative" };
             let file = machine.path.display();
             help.push(format!("or `home_direction = \"{found}\"` of axis {name} in {file}"));
-            self.add_with(false, told, help);
+            self.add_with(false, message, help);
         }
         // What the axis can do at most, whatever it is for.
         let most = axis.from_si(axis.max_velocity);
@@ -179,30 +179,30 @@ impl DeviceCheck<'_> {
             #[expect(clippy::cast_possible_truncation, reason = "at most 200 kHz")]
             let possible = (axis.max_velocity * axis.increments_per_si()).abs().floor() as i64;
             if speed > most * (1.0 + 1e-9) {
-                let told = format!(
+                let message = format!(
                     "axis {name}: the board moves it {what} at {speed:.3} {unit}/s ({steps} steps/s); its max_velocity is {most:.3} {unit}/s"
                 );
                 self.add_with(
                     false,
-                    told,
+                    message,
                     repair_commands::set(machine, device, id(number), possible),
                 );
             } else if steps == 0 && first {
-                let told = format!(
+                let message = format!(
                     "axis {name}: it is to be homed, and the board's speed {what} is 0 steps/s"
                 );
                 let command = repair_commands::set_to(machine, device, id(number), "N");
                 let help =
                     command.map(|set| format!("{set}, where N is its speed, {possible} at most"));
-                self.add_with(false, told, help.into_iter().collect());
+                self.add_with(false, message, help.into_iter().collect());
             }
         }
         if self.looked.checks.len() == before && input != 0 {
             let (sign, fast, slow) = (sign(positive), per_s(fast), per_s(slow));
-            let told = format!(
+            let message = format!(
                 "axis {name}: homes towards {sign} at {fast:.3} {unit}/s, to its switch at IN{input}, and off it at {slow:.3} {unit}/s"
             );
-            self.add(true, told);
+            self.add(true, message);
         }
         Ok(())
     }
@@ -219,11 +219,11 @@ impl DeviceCheck<'_> {
         let (name, unit) = (&axis.name, axis.unit());
         let (switches, _) = said(axis);
         if switches != Switches::default() {
-            let told = format!(
-                "axis {name}: its drive does not tell which switches it has and where it homes to (CfgHome, which the manual does not \
+            let message = format!(
+                "axis {name}: its drive does not report which switches it has and where it homes to (CfgHome, which the manual does not \
                  explain): `limit_switches` and `home_direction` cannot be checked"
             );
-            self.tell(told, Vec::new());
+            self.note(message, Vec::new());
         }
         let offset = drive.parameter(id)?;
         if offset == 0 {
@@ -232,7 +232,7 @@ impl DeviceCheck<'_> {
         #[expect(clippy::cast_precision_loss, reason = "parameters have 32 bits")]
         let home = axis.counting().map_or(0.0, |counting| counting.si(offset as f64));
         let [least, most] = axis.position_limits;
-        let told = format!(
+        let message = format!(
             "axis {name}: App_PosOffset is {offset} µsteps: where its home switch opens it counts {:.4} {unit}, not 0",
             axis.from_si(home)
         );
@@ -240,9 +240,9 @@ impl DeviceCheck<'_> {
         if axis.limited && !(least..=most).contains(&home) {
             let [least, most] = [least, most].map(|limit| axis.from_si(limit));
             let wanted = format!("its limits are {least:.4} … {most:.4} {unit}");
-            self.add_with(false, format!("{told}; {wanted}"), help);
+            self.add_with(false, format!("{message}; {wanted}"), help);
         } else {
-            self.tell(told, help);
+            self.note(message, help);
         }
         Ok(())
     }
@@ -269,7 +269,7 @@ impl DeviceCheck<'_> {
         };
         let positive = has(HOME_PLUS) != reversed;
         if let Some(wanted) = switches.home_positive.filter(|wanted| *wanted != positive) {
-            let told = format!(
+            let message = format!(
                 "axis {name}: the module homes it towards {} (coefficient bit 1); `home_direction` says {}",
                 sign(positive),
                 sign(wanted)
@@ -277,30 +277,30 @@ impl DeviceCheck<'_> {
             let mut help = flipped(HOME_PLUS);
             let found = if positive { "positive" } else { "negative" };
             help.push(format!("or `home_direction = \"{found}\"` of axis {name} in {file}"));
-            self.add_with(false, told, help);
+            self.add_with(false, message, help);
         }
         let wanted = switches.limits.map(|limits| limits.contains(&true));
         match (wanted, has(IGNORE_SWITCHES)) {
             (Some(true), true) => {
-                let told = format!(
+                let message = format!(
                     "axis {name}: the module ignores its end switches (coefficient bit 4); `limit_switches` says that it has them"
                 );
                 let mut help = flipped(IGNORE_SWITCHES);
                 help.push(format!("or `limit_switches = \"none\"` of axis {name} in {file}"));
-                self.add_with(false, told, help);
+                self.add_with(false, message, help);
             }
             (Some(false), false) => {
                 // An input without a switch says "on it" or nothing, by coefficient bit 14: what it says is looked at later.
-                let told = format!(
+                let message = format!(
                     "axis {name}: the module looks at end switches (coefficient bit 4 is 0), which `limit_switches` says it has not"
                 );
-                self.tell(told, flipped(IGNORE_SWITCHES));
+                self.note(message, flipped(IGNORE_SWITCHES));
             }
             (_, true) => {
-                let told = format!(
+                let message = format!(
                     "axis {name}: the module ignores its end switches (coefficient bit 4); beyond its software limits, which count once it is homed, nothing stops it"
                 );
-                self.tell(told, Vec::new());
+                self.note(message, Vec::new());
             }
             (_, false) => {}
         }

@@ -9,7 +9,7 @@ use crate::{
     emulator::Control,
     protocol::bits::{card, message},
 };
-use twin_drives::{Direction, DriveError, FaultRule, When, WireFault};
+use twin_drives::{Clock, Direction, DriveError, FaultRule, When, WireFault};
 
 /// What an axis is doing when something goes wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +49,15 @@ async fn doing(what: Doing) -> Rig {
     rig
 }
 
+/// Does something to a rig in every state, which is usable again afterwards.
+async fn everywhere(test: impl AsyncFn(&mut Rig, Doing, &dyn Clock)) {
+    for what in EVERYTHING {
+        let mut rig = doing(what).await;
+        test(&mut rig, what, &clock()).await;
+        rig.usable().await;
+    }
+}
+
 impl Rig {
     async fn moves(&mut self) -> bool {
         let (seen, _) = self.driver.positions(&clock()).await.unwrap();
@@ -72,7 +81,7 @@ impl Rig {
         self.module.module().velocity(ModuleAxis::One).abs()
     }
 
-    /// The module does as it is told again.
+    /// The module obeys again.
     async fn usable(&mut self) {
         let clock = &clock();
         self.driver.rested(seconds(60), clock).await.unwrap();
@@ -86,9 +95,7 @@ impl Rig {
 
 #[tokio::test(start_paused = true)]
 async fn a_module_that_hears_nothing_is_a_timeout_and_motion_goes_on_to_its_end() {
-    for what in EVERYTHING {
-        let mut rig = doing(what).await;
-        let clock = &clock();
+    everywhere(async |rig, what, clock| {
         rig.always(Direction::Request, WireFault::Drop);
         let error = rig.driver.positions(clock).await.unwrap_err();
         let text = error.to_string();
@@ -103,28 +110,25 @@ async fn a_module_that_hears_nothing_is_a_timeout_and_motion_goes_on_to_its_end(
         rig.sound();
         rig.driver.stop_hard(clock).await.unwrap();
         assert!(!rig.moves().await);
-        rig.usable().await;
-    }
+    })
+    .await;
 }
 
 #[tokio::test(start_paused = true)]
 async fn a_module_that_says_nothing_still_stops() {
-    for what in EVERYTHING {
-        let mut rig = doing(what).await;
+    everywhere(async |rig, what, clock| {
         rig.always(Direction::Answer, WireFault::Drop);
-        let error = rig.driver.stop_hard(&clock()).await.unwrap_err();
+        let error = rig.driver.stop_hard(clock).await.unwrap_err();
         assert!(matches!(error, DriveError::Timeout { .. }), "{what:?}: {error}");
         assert!(rig.speed() == 0.0, "{what:?}");
         rig.sound();
-        rig.usable().await;
-    }
+    })
+    .await;
 }
 
 #[tokio::test(start_paused = true)]
 async fn late_answers_are_not_taken_for_those_to_the_next_question() {
-    for what in EVERYTHING {
-        let mut rig = doing(what).await;
-        let clock = &clock();
+    everywhere(async |rig, what, clock| {
         // Later than the deadline, so that the answer to a question comes during the next.
         rig.always(Direction::Request, WireFault::Delay { ns: 15_000_000 });
         // A late answer is for one zone and the question for another: the zone's number tells.
@@ -136,21 +140,20 @@ async fn late_answers_are_not_taken_for_those_to_the_next_question() {
             }
             if let Ok((seen, stamp)) = rig.driver.positions(clock).await {
                 let now = rig.module.module().position(ModuleAxis::One);
-                let moved = 10_000.0 * twin_drives::ramp::seconds(clock() - stamp.sent_ns) + 1.0;
+                let moved =
+                    10_000.0 * twin_drives::ramp::seconds(clock.now_ns() - stamp.sent_ns) + 1.0;
                 assert!((f64::from(seen.positions[0]) - now).abs() <= moved, "{what:?}: stale");
             }
         }
         rig.sound();
         sleep(Duration::from_millis(50)).await;
-        rig.usable().await;
-    }
+    })
+    .await;
 }
 
 #[tokio::test(start_paused = true)]
 async fn garbled_zone_numbers_and_parameters_are_told() {
-    for what in EVERYTHING {
-        let mut rig = doing(what).await;
-        let clock = &clock();
+    everywhere(async |rig, what, clock| {
         // Bits of the number of the parameter that the module echoes.
         rig.module.module().set_garbled(Some((0x1D, 0x40)));
         let error = rig.driver.parameter(Parameter::Version, clock).await.unwrap_err();
@@ -161,8 +164,8 @@ async fn garbled_zone_numbers_and_parameters_are_told() {
         assert!(matches!(error, DriveError::Protocol { .. }), "{what:?}: {error}");
         rig.sound();
         assert_eq!(rig.driver.parameter(Parameter::Version, clock).await.unwrap(), 15);
-        rig.usable().await;
-    }
+    })
+    .await;
 }
 
 /// A question for a parameter changes nothing, so one that is lost, late or spoilt is asked again, also while looking who
@@ -175,9 +178,7 @@ async fn a_parameter_that_does_not_come_is_asked_for_again_once() {
         (Direction::Request, WireFault::Delay { ns: 15_000_000 }),
         (Direction::Answer, WireFault::Delay { ns: 15_000_000 }),
     ];
-    for what in EVERYTHING {
-        let mut rig = doing(what).await;
-        let clock = &clock();
+    everywhere(async |rig, what, clock| {
         for (direction, fault) in faults {
             for (lost, answered) in [(1, true), (2, false)] {
                 let rule = FaultRule { direction, when: When::Next(lost), fault };
@@ -198,15 +199,13 @@ async fn a_parameter_that_does_not_come_is_asked_for_again_once() {
                 rig.sound();
             }
         }
-        rig.usable().await;
-    }
+    })
+    .await;
 }
 
 #[tokio::test(start_paused = true)]
 async fn a_reset_on_the_way_stops_the_motor_and_is_told() {
-    for what in EVERYTHING {
-        let mut rig = doing(what).await;
-        let clock = &clock();
+    everywhere(async |rig, what, clock| {
         let stood = rig.module.module().shaft(ModuleAxis::One);
         rig.module.module().brown_out(0);
         let error = rig.driver.positions(clock).await.unwrap_err();
@@ -218,15 +217,13 @@ async fn a_reset_on_the_way_stops_the_motor_and_is_told() {
         let (seen, _) = rig.driver.positions(clock).await.unwrap();
         assert_eq!(seen.messages[0] & (message::HOMED | message::PHASES_OFF), message::PHASES_OFF);
         assert_eq!(rig.module.module().shaft(ModuleAxis::One), stood, "{what:?}");
-        rig.usable().await;
-    }
+    })
+    .await;
 }
 
 #[tokio::test(start_paused = true)]
 async fn power_lost_on_the_way_stops_hard_and_is_told() {
-    for what in EVERYTHING {
-        let mut rig = doing(what).await;
-        let clock = &clock();
+    everywhere(async |rig, what, clock| {
         rig.rewire(|surroundings| surroundings.benches[0].power = false);
         let (seen, _) = rig.driver.positions(clock).await.unwrap();
         let hard = if what == Doing::Idle { 0 } else { message::HARD_STOPPED };
@@ -236,30 +233,26 @@ async fn power_lost_on_the_way_stops_hard_and_is_told() {
         let error = rig.driver.start([Some(Start::to(0)), None], clock).await;
         assert!(matches!(fault_of(&error), Some(Fault::AxisMessages { axis: 1, .. })), "{what:?}");
         rig.rewire(|surroundings| surroundings.benches[0].power = true);
-        rig.usable().await;
-    }
+    })
+    .await;
 }
 
 #[tokio::test(start_paused = true)]
 async fn a_phase_that_breaks_is_found_at_the_end_and_cleared_by_a_test() {
-    for what in EVERYTHING {
-        let mut rig = doing(what).await;
-        let clock = &clock();
+    everywhere(async |rig, what, clock| {
         rig.rewire(|surroundings| surroundings.benches[0].phase_open = true);
         rig.driver.rested(seconds(60), clock).await.unwrap();
         let error = rig.driver.start([Some(Start::to(1)), None], clock).await.unwrap_err();
         assert!(error.to_string().contains("axis 1: phase open"), "{what:?}: {error}");
         rig.rewire(|surroundings| surroundings.benches[0].phase_open = false);
         rig.driver.test_motors(&[ModuleAxis::One], clock).await.unwrap();
-        rig.usable().await;
-    }
+    })
+    .await;
 }
 
 #[tokio::test(start_paused = true)]
 async fn a_switch_that_sticks_stops_with_the_ramp() {
-    for what in EVERYTHING {
-        let mut rig = doing(what).await;
-        let clock = &clock();
+    everywhere(async |rig, what, clock| {
         rig.rewire(|surroundings| {
             for contact in [&mut surroundings.benches[0].plus, &mut surroundings.benches[0].minus] {
                 *contact = contact.map(|contact| Contact { stuck: Some(true), ..contact });
@@ -280,15 +273,13 @@ async fn a_switch_that_sticks_stops_with_the_ramp() {
                 *contact = contact.map(|contact| Contact { stuck: None, ..contact });
             }
         });
-        rig.usable().await;
-    }
+    })
+    .await;
 }
 
 #[tokio::test(start_paused = true)]
 async fn an_eeprom_that_fails_is_found_at_reset() {
-    for what in EVERYTHING {
-        let mut rig = doing(what).await;
-        let clock = &clock();
+    everywhere(async |rig, what, clock| {
         rig.module.module().spoil_eeprom();
         assert_eq!(rig.moves().await, what != Doing::Idle, "nothing is noticed until RESET");
         rig.driver.reset().await.unwrap();
@@ -300,8 +291,8 @@ async fn an_eeprom_that_fails_is_found_at_reset() {
         let holding = Parameter::Axis(AxisParameter::HoldingCurrent, ModuleAxis::One);
         rig.driver.set_parameter(holding, 500, clock).await.unwrap();
         rig.driver.reset().await.unwrap();
-        rig.usable().await;
-    }
+    })
+    .await;
 }
 
 #[tokio::test(start_paused = true)]

@@ -75,73 +75,27 @@ impl InterpCnc {
         Ok(())
     }
 
-    /// Coils (function 1) or discrete inputs (function 2).
-    pub(super) async fn read_bits(
+    /// Coils (function 1).
+    pub(super) async fn read_coils(
         &mut self,
         what: &'static str,
         address: u16,
         count: u16,
-        coils: bool,
         clock: &dyn Clock,
     ) -> Result<Vec<bool>, DriveError> {
         let action = Action::Read { what, address, count };
-        let request = if coils {
-            Request::ReadCoils(address, count)
-        } else {
-            Request::ReadDiscreteInputs(address, count)
-        };
+        let request = Request::ReadCoils(address, count);
         // The bits come in whole bytes.
         let most = usize::from(count);
         self.asked_twice(action, &request, clock, |answer| match answer {
-            Response::ReadCoils(bits) if coils => bits.get(..most).map(<[_]>::to_vec),
-            Response::ReadDiscreteInputs(bits) if !coils => bits.get(..most).map(<[_]>::to_vec),
+            Response::ReadCoils(bits) => bits.get(..most).map(<[_]>::to_vec),
             _ => None,
         })
         .await
     }
 
-    /// Coils (function 15).
-    pub(super) async fn write_bits(
-        &mut self,
-        what: &'static str,
-        address: u16,
-        bits: &[bool],
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let count = u16::try_from(bits.len()).unwrap_or(u16::MAX);
-        let action = Action::Write { what, address, count };
-        let request = Request::WriteMultipleCoils(address, Cow::Borrowed(bits));
-        let done = Response::WriteMultipleCoils(address, count);
-        self.asked_twice(action, &request, clock, |answer| (*answer == done).then_some(())).await
-    }
-
-    /// Address of entry `first` of an area, if `count` entries from there on, which are to be written, are in it.
+    /// Address of entry `first` of an area, if `count` entries from there on are in it; `action` names them in the error.
     pub(super) fn within_area(
-        &self,
-        what: &'static str,
-        start: u16,
-        size: u16,
-        first: u16,
-        count: usize,
-    ) -> Result<u16, DriveError> {
-        let writing = |address, count| Action::Write { what, address, count };
-        self.entry(writing, (start, size), first, count)
-    }
-
-    /// The same of entries that are to be read.
-    pub(super) fn within_read(
-        &self,
-        what: &'static str,
-        start: u16,
-        size: u16,
-        first: u16,
-        count: usize,
-    ) -> Result<u16, DriveError> {
-        let reading = |address, count| Action::Read { what, address, count };
-        self.entry(reading, (start, size), first, count)
-    }
-
-    fn entry(
         &self,
         action: impl Fn(u16, u16) -> Action,
         (start, size): (u16, u16),

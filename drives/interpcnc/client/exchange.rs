@@ -3,7 +3,7 @@
 use std::io;
 
 use tokio::{
-    io::{AsyncReadExt, AsyncWriteExt},
+    io::AsyncReadExt,
     time::{sleep, timeout},
 };
 use tokio_modbus::{
@@ -12,10 +12,7 @@ use tokio_modbus::{
 };
 
 use super::{ATTEMPTS, InterpCnc, MOST_LEFTOVERS};
-use crate::{
-    Command, Exception,
-    protocol::{frame::seal, registers::COMMAND},
-};
+use crate::Exception;
 use twin_drives::pause::Pause;
 use twin_drives::ramp::whole_ns;
 use twin_drives::{Action, Clock, DriveError, ProtocolFault, Stamp};
@@ -150,48 +147,6 @@ impl InterpCnc {
             Err(_) => DriveError::Timeout { at, deadline: self.options.deadline },
         };
         Err(error)
-    }
-
-    /// Sends a command to all boards of the line (address 0). Nobody answers: whether it arrived is unknown, and whether
-    /// boards carry it out is assumed (they count broadcasts).
-    ///
-    /// # Errors
-    /// If boards are assumed to ignore broadcasts, a value is beyond what a board takes, or the port cannot be written before
-    /// the deadline.
-    pub async fn broadcast(&mut self, command: &Command) -> Result<(), DriveError> {
-        self.check(command)?;
-        if !self.options.assumptions.broadcasts {
-            let (at, setting) = (self.at(command.action()), "broadcasts that boards carry out");
-            return Err(DriveError::Setting { at, setting, value: 0, low: 1, high: 1 });
-        }
-        if let Some(silence) = self.silence.take() {
-            silence.over().await;
-        }
-        let action = command.action();
-        self.in_step = false;
-        self.clear(action).await?;
-        let registers = command.registers();
-        let count = u8::try_from(registers.len()).unwrap_or(u8::MAX);
-        let [high, low] = COMMAND.to_be_bytes();
-        let mut frame = vec![0, 16, high, low, 0, count, count.saturating_mul(2)];
-        frame.extend(registers.iter().flat_map(|register| register.to_be_bytes()));
-        let frame = seal(frame);
-        let (deadline, mut port) = (self.options.deadline, self.transport.clone());
-        let sending = timeout(deadline, async {
-            port.write_all(&frame).await?;
-            port.flush().await
-        });
-        match sending.await {
-            Ok(Ok(())) => {}
-            Ok(Err(source)) => return Err(DriveError::Transport { at: self.at(action), source }),
-            Err(_) => return Err(DriveError::Timeout { at: self.at(action), deadline }),
-        }
-        // Boards need the silence and some time to carry it out ("turnaround delay" of Modbus over serial line).
-        let line = self.options.line;
-        let quiet =
-            line.duration(frame.len()) + self.options.silence() + self.options.broadcast_delay;
-        self.silence = Some(Pause::begin(quiet, self.alone));
-        Ok(())
     }
 
     fn stamp(

@@ -1,11 +1,9 @@
-//! Inputs, outputs, counters and what the board keeps for its user until power-down.
+//! Inputs, outputs and counters of the board.
 
 use super::{BoardState, InterpCnc};
 use crate::protocol::registers::{
-    ANALOG_OUTPUT, AxisMask, ENCODER, EXTENDED_STATUS, ExtendedStatus, FIRST_ENCODER_INPUT,
-    FIRST_INPUT, FIRST_OUTPUT, FIRST_STATUS_BIT, FIRST_USER_BIT, FIRST_USER_REGISTER,
-    FIRST_USER_VALUE, KEYPAD, LOCK_COIL, MAX_ANALOG, OUTPUT_WORDS, OUTPUTS, PROBE_RESULT,
-    SNAPSHOT_REGISTERS, STATUS, Status, USER_BITS, USER_REGISTERS, USER_VALUES, join, words,
+    ANALOG_OUTPUT, ENCODER, EXTENDED_STATUS, ExtendedStatus, FIRST_OUTPUT, MAX_ANALOG, OUTPUTS,
+    SNAPSHOT_REGISTERS, STATUS, join,
 };
 use twin_drives::{Action, Clock, DriveError};
 
@@ -87,200 +85,13 @@ impl InterpCnc {
         Ok(ExtendedStatus(long(&registers).unwrap_or(0)))
     }
 
-    /// The counter at the edge that ended the last probing move, steps (registers 1044 and 1045).
-    ///
-    /// # Errors
-    /// If no proper answer comes.
-    pub async fn probe_result(&mut self, clock: &dyn Clock) -> Result<i32, DriveError> {
-        let registers = self.read_input("result of the probe", PROBE_RESULT, 2, clock).await?;
-        Ok(long(&registers).unwrap_or(0).cast_signed())
-    }
-
-    /// Status, directions of X to B (true: positive) and encoder inputs A, B, C bit by bit (function 2, 2080 to 2119),
-    /// as masters without function 4 read them.
-    ///
-    /// # Errors
-    /// If no proper answer comes.
-    pub async fn status_bits(
-        &mut self,
-        clock: &dyn Clock,
-    ) -> Result<(Status, AxisMask, [bool; 3]), DriveError> {
-        let count = FIRST_ENCODER_INPUT + 3 - FIRST_STATUS_BIT;
-        let bits = self.read_bits("status bits", FIRST_STATUS_BIT, count, false, clock).await?;
-        let (status, rest) = bits.split_at_checked(32).unwrap_or_default();
-        let (directions, encoder) = rest.split_at_checked(5).unwrap_or_default();
-        let directions = AxisMask::from_bits(word(directions));
-        Ok((Status(word(status)), directions, encoder.try_into().unwrap_or_default()))
-    }
-
-    /// Inputs IN1 to IN16 bit by bit (function 2), bit 0 = IN1. All 32 are in [`Self::snapshot`].
-    ///
-    /// # Errors
-    /// If no proper answer comes.
-    pub async fn input_bits(&mut self, clock: &dyn Clock) -> Result<u32, DriveError> {
-        Ok(word(&self.read_bits("inputs", FIRST_INPUT, 16, false, clock).await?))
-    }
-
     /// Outputs, bit 0 = OUT1, as coils (function 1).
     ///
     /// # Errors
     /// If no proper answer comes.
     pub async fn outputs(&mut self, clock: &dyn Clock) -> Result<u32, DriveError> {
         let count = OUTPUTS.into();
-        Ok(word(&self.read_bits("outputs", FIRST_OUTPUT, count, true, clock).await?))
-    }
-
-    /// Switches several outputs at once, `first` (from 1) and those after it (function 15), and reads them back.
-    ///
-    /// # Errors
-    /// If the outputs do not exist, the board refuses or is locked, or no proper answer comes.
-    pub async fn switch_outputs(
-        &mut self,
-        first: u8,
-        on: &[bool],
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let what = "outputs";
-        let address = FIRST_OUTPUT + u16::from(first.max(1)) - 1;
-        let count = u16::try_from(on.len()).unwrap_or(u16::MAX);
-        let action = Action::Write { what, address, count };
-        let last = usize::from(first) + on.len();
-        if first == 0 || on.is_empty() || last > usize::from(OUTPUTS) + 1 {
-            let (value, high) = (first.into(), OUTPUTS.into());
-            return Err(DriveError::Range {
-                at: self.at(action),
-                register: FIRST_OUTPUT,
-                value,
-                unit: "",
-                low: 1.0,
-                high,
-            });
-        }
-        if let Err(error) = self.write_bits(what, address, on, clock).await {
-            return Err(self.if_locked(error, clock).await);
-        }
-        let found = self.read_bits(what, address, count, true, clock).await?;
-        if found == on { Ok(()) } else { Err(DriveError::Locked { at: self.at(action) }) }
-    }
-
-    /// Sets all outputs at once, bit 0 = OUT1 (registers 4148 and 4149), and reads them back.
-    ///
-    /// # Errors
-    /// If the board refuses or is locked, or no proper answer comes.
-    pub async fn set_outputs(&mut self, outputs: u32, clock: &dyn Clock) -> Result<(), DriveError> {
-        let outputs_words = words(outputs);
-        if let Err(error) = self.write_holding("outputs", OUTPUT_WORDS, &outputs_words, clock).await
-        {
-            return Err(self.if_locked(error, clock).await);
-        }
-        let found = self.read_holding("outputs", OUTPUT_WORDS, 2, clock).await?;
-        if long(&found) == Some(outputs) {
-            return Ok(());
-        }
-        let action = Action::Write { what: "outputs", address: OUTPUT_WORDS, count: 2 };
-        Err(DriveError::Locked { at: self.at(action) })
-    }
-
-    /// Whether the board is locked, by its coil 288.
-    ///
-    /// # Errors
-    /// If no proper answer comes.
-    pub async fn lock_coil(&mut self, clock: &dyn Clock) -> Result<bool, DriveError> {
-        let bits = self.read_bits("board lock", LOCK_COIL, 1, true, clock).await?;
-        Ok(bits.first() == Some(&self.options().assumptions.lock_coil))
-    }
-
-    /// The 96 user bits.
-    ///
-    /// # Errors
-    /// If no proper answer comes.
-    pub async fn user_bits(&mut self, clock: &dyn Clock) -> Result<Vec<bool>, DriveError> {
-        self.read_bits("user bits", FIRST_USER_BIT, USER_BITS, true, clock).await
-    }
-
-    /// Writes user bits from `first` (0 to 95) on.
-    ///
-    /// # Errors
-    /// If they are fewer, the board refuses it or no proper answer comes.
-    pub async fn set_user_bits(
-        &mut self,
-        first: u16,
-        bits: &[bool],
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let what = "user bits";
-        let address = self.within_area(what, FIRST_USER_BIT, USER_BITS, first, bits.len())?;
-        self.write_bits(what, address, bits, clock).await
-    }
-
-    /// The user registers in RAM, 4150 to 4195.
-    ///
-    /// # Errors
-    /// If no proper answer comes.
-    pub async fn user_registers(&mut self, clock: &dyn Clock) -> Result<Vec<u16>, DriveError> {
-        self.read_holding("user registers", FIRST_USER_REGISTER, USER_REGISTERS, clock).await
-    }
-
-    /// Writes user registers in RAM from `first` (0 to 45) on.
-    ///
-    /// # Errors
-    /// If they are fewer, the board refuses it or no proper answer comes.
-    pub async fn set_user_registers(
-        &mut self,
-        first: u16,
-        values: &[u16],
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let (what, start) = ("user registers", FIRST_USER_REGISTER);
-        let address = self.within_area(what, start, USER_REGISTERS, first, values.len())?;
-        self.write_holding(what, address, values, clock).await
-    }
-
-    /// The ten user values.
-    ///
-    /// # Errors
-    /// If no proper answer comes.
-    pub async fn user_values(&mut self, clock: &dyn Clock) -> Result<Vec<u32>, DriveError> {
-        let count = 2 * USER_VALUES;
-        Ok(longs(&self.read_holding("user values", FIRST_USER_VALUE, count, clock).await?))
-    }
-
-    /// Writes user value `index` (0 to 9).
-    ///
-    /// # Errors
-    /// If there is none, the board refuses it or no proper answer comes.
-    pub async fn set_user_value(
-        &mut self,
-        index: u16,
-        value: u32,
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let what = "user values";
-        let first = index.saturating_mul(2);
-        let address = self.within_area(what, FIRST_USER_VALUE, 2 * USER_VALUES, first, 2)?;
-        self.write_holding(what, address, &words(value), clock).await
-    }
-
-    /// Presses keys of the simulated keypad, one per bit; 0 releases all. Its words are the other way round than all
-    /// others (4196 low, 4197 high).
-    ///
-    /// # Errors
-    /// If the board refuses it or no proper answer comes.
-    pub async fn press_keys(&mut self, keys: u32, clock: &dyn Clock) -> Result<(), DriveError> {
-        let [high, low] = words(keys);
-        self.write_holding("keypad", KEYPAD, &[low, high], clock).await
-    }
-
-    /// Keys of the simulated keypad that are pressed.
-    ///
-    /// # Errors
-    /// If no proper answer comes.
-    pub async fn keys(&mut self, clock: &dyn Clock) -> Result<u32, DriveError> {
-        let registers = self.read_holding("keypad", KEYPAD, 2, clock).await?;
-        Ok(match *registers.as_slice() {
-            [low, high] => join(high, low),
-            _ => 0,
-        })
+        Ok(word(&self.read_coils("outputs", FIRST_OUTPUT, count, clock).await?))
     }
 
     /// Analog outputs 1 and 2, 0 to 1023.
@@ -304,8 +115,9 @@ impl InterpCnc {
     ) -> Result<(), DriveError> {
         let what = "analog outputs";
         let first = u16::from(number).wrapping_sub(1);
-        let address = self.within_area(what, ANALOG_OUTPUT, 2, first, 1)?;
-        let action = Action::Write { what, address, count: 1 };
+        let writing = |address, count| Action::Write { what, address, count };
+        let address = self.within_area(writing, (ANALOG_OUTPUT, 2), first, 1)?;
+        let action = writing(address, 1);
         if value > MAX_ANALOG {
             return Err(DriveError::Range {
                 at: self.at(action),

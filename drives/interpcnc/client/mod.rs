@@ -15,13 +15,11 @@ pub(crate) mod options;
 mod outcome;
 pub(crate) mod port;
 mod ranges;
-mod segments;
 mod settings;
 
-pub use homing::{HomeAxis, ProbeMove};
 pub use memory::Snapshot;
 pub use options::{AxisOptions, EncoderOptions, Following, InterpCncOptions};
-pub use settings::{Identity, Recipes};
+pub use settings::Identity;
 
 use super::{Command, Line, Parity};
 use crate::{
@@ -81,8 +79,6 @@ pub struct InterpCnc {
     silence: Option<Pause>,
     /// Whether it has its thread to itself.
     alone: bool,
-    /// Segments that may still wait in the command buffer or be under way.
-    outstanding: u16,
 }
 
 impl std::fmt::Debug for InterpCnc {
@@ -142,7 +138,6 @@ impl InterpCnc {
             late: false,
             silence: None,
             alone: false,
-            outstanding: 0,
         }
     }
 
@@ -232,36 +227,6 @@ impl InterpCnc {
                 done => return done,
             }
         }
-    }
-
-    /// Sends a command register by register with function 6, arguments first and the number last, as the manual says
-    /// masters that have no function 16. If it fails on the way nothing is carried out, and nothing is repeated.
-    ///
-    /// # Errors
-    /// As [`Self::send`].
-    pub async fn send_singly(
-        &mut self,
-        command: &Command,
-        clock: &dyn Clock,
-    ) -> Result<Stamp, DriveError> {
-        self.check(command)?;
-        let action = command.action();
-        let registers = command.registers();
-        let (number, arguments) = registers.split_first().unwrap_or((&0, &[]));
-        let mut stamp = Stamp::default();
-        let arguments = (COMMAND + 1..).zip(arguments);
-        for (address, value) in arguments.chain(std::iter::once((COMMAND, number))) {
-            let request = Request::WriteSingleRegister(address, *value);
-            let (answer, then) = match self.settled_exchange(action, request, clock).await {
-                Ok(done) => done,
-                Err(error) => return Err(self.if_locked(error, clock).await),
-            };
-            if answer != Response::WriteSingleRegister(address, *value) {
-                return Err(self.distrust(action, ProtocolFault::Garbled));
-            }
-            stamp = then;
-        }
-        Ok(stamp)
     }
 
     /// Switches output `output` (1 to 32) and reads it back: a locked board confirms the write and leaves the output

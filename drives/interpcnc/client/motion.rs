@@ -98,20 +98,6 @@ impl InterpCnc {
         .await
     }
 
-    /// Changes the speed of axes in independent moves (command 96). Axes at rest or in their final deceleration ignore
-    /// it.
-    ///
-    /// # Errors
-    /// If the board refuses it or no proper answer comes.
-    pub async fn change_speed(
-        &mut self,
-        axes: AxisMask,
-        speed_hz: u32,
-        clock: &dyn Clock,
-    ) -> Result<Stamp, DriveError> {
-        self.send(&Command::ChangeSpeed { axes, speed_hz }, clock).await
-    }
-
     /// Brings all axes to rest on their ramps (command 42), empties the buffer and waits for both: axes that stand go on
     /// if segments wait.
     ///
@@ -122,20 +108,12 @@ impl InterpCnc {
         patience: Duration,
         clock: &dyn Clock,
     ) -> Result<BoardState, DriveError> {
-        self.stop_by(&Command::RampStop, AxisMask::ALL, patience, clock).await
-    }
-
-    /// Brings independent moves of some axes to rest on their ramps (command 41) and waits for it.
-    ///
-    /// # Errors
-    /// If they still move after `patience` or no proper answer comes.
-    pub async fn ramp_stop_axes(
-        &mut self,
-        axes: AxisMask,
-        patience: Duration,
-        clock: &dyn Clock,
-    ) -> Result<BoardState, DriveError> {
-        self.stop_by(&Command::RampStopAxes { axes }, axes, patience, clock).await
+        let command = Command::RampStop;
+        self.send_stop(&command, clock).await?;
+        self.wait(command.action(), patience, clock, |_, state| {
+            state.status.stopped(AxisMask::ALL).then_some(Ok(*state))
+        })
+        .await
     }
 
     /// Sends what stops axes, and once more if a move that was sent before may arrive after it.
@@ -154,28 +132,6 @@ impl InterpCnc {
         Ok(())
     }
 
-    async fn stop_by(
-        &mut self,
-        command: &Command,
-        axes: AxisMask,
-        patience: Duration,
-        clock: &dyn Clock,
-    ) -> Result<BoardState, DriveError> {
-        self.send_stop(command, clock).await?;
-        let action = command.action();
-        let independent_only = matches!(command, Command::RampStopAxes { .. });
-        self.wait(action, patience, clock, |_, state| {
-            let status = state.status;
-            let stopped = if independent_only {
-                status.independent().intersection(axes).is_empty()
-            } else {
-                status.stopped(axes)
-            };
-            stopped.then_some(Ok(*state))
-        })
-        .await
-    }
-
     /// Stops all axes without ramp, empties the buffer and locks the board (command 43), and checks it.
     ///
     /// # Errors
@@ -192,38 +148,6 @@ impl InterpCnc {
             Ok(state)
         } else {
             Err(DriveError::NotLocked { at })
-        }
-    }
-
-    /// Sets position counters (command 67) of axes at rest and reads them back.
-    ///
-    /// # Errors
-    /// If an axis moves, a counter does not hold what was written, the board refuses it or no proper answer comes.
-    pub async fn write_positions(
-        &mut self,
-        positions: &AxisValues,
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let command = Command::WritePosition { positions: *positions };
-        let action = command.action();
-        let (before, _) = self.state(clock).await?;
-        let moving = before.status.moving().intersection(targets_mask(positions));
-        if !moving.is_empty() {
-            return Err(DriveError::Moving {
-                at: self.at(action),
-                axes: Axes::Letters(moving.bits()),
-            });
-        }
-        self.send(&command, clock).await?;
-        let (after, _) = self.state(clock).await?;
-        match off_target(&after, positions) {
-            None => Ok(()),
-            Some((axis, written, found)) => Err(DriveError::NotWritten {
-                at: self.at(action),
-                axis: Axes::Letters(axis.mask().bits()),
-                written: written.into(),
-                found: found.into(),
-            }),
         }
     }
 }

@@ -95,17 +95,12 @@ pub struct InterpCncOptions {
     pub following: Following,
     /// Whether the adapter hears what it sends (two-wire RS485 without receiver control): the echo is taken away.
     pub echo: bool,
-    /// Interpolated segments that are in the board at the same time, the one under way included. The board's buffer
-    /// cannot be read, and what a master that dies has queued is carried out.
-    pub most_segments: u16,
-    /// Time that boards get to carry out a broadcast before the next frame.
-    pub broadcast_delay: Duration,
     /// Assumptions where the manual is silent.
     pub assumptions: Assumptions,
 }
 
 impl InterpCncOptions {
-    /// Station 1, 115200 baud, no parity, 250 ms, the given axes, no echo, 8 segments.
+    /// Station 1, 115200 baud, no parity, 250 ms, the given axes, no echo.
     pub fn new(axes: Vec<AxisOptions>) -> Self {
         Self {
             address: 1,
@@ -116,8 +111,6 @@ impl InterpCncOptions {
             encoder: None,
             following: Following::Retargeted,
             echo: false,
-            most_segments: 8,
-            broadcast_delay: Duration::from_millis(100),
             assumptions: Assumptions::default(),
         }
     }
@@ -145,7 +138,6 @@ impl InterpCncOptions {
             }
         };
         within("address", self.address.into(), 1, 247)?;
-        within("segments", self.most_segments.into(), 1, self.assumptions.buffer_segments.into())?;
         within("baud", self.line.baud, 4800, 256_000)?;
         // Status and positions are of one instant only in one frame.
         let Assumptions { most_read, most_written, .. } = self.assumptions;

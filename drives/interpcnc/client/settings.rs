@@ -1,4 +1,4 @@
-//! Identity of the board, and access to its EEPROM: parameters, user memory and recipes.
+//! Identity of the board, and access to its parameters.
 
 use std::time::Duration;
 
@@ -7,10 +7,7 @@ use crate::{
     Exception, Line, Parity,
     protocol::{
         parameters::{self, FIRST_PARAMETER, PARAMETERS},
-        registers::{
-            FIRST_RECIPE, FIRST_USER_MEMORY, RECIPE_INDEX, RECIPE_PAGE, RECIPE_PAGES,
-            RECIPE_REGISTERS, RECIPE_SIZE, Status, USER_MEMORY, join, words,
-        },
+        registers::{RECIPE_SIZE, Status, join, words},
     },
 };
 use twin_drives::{Action, Clock, DriveError};
@@ -28,22 +25,6 @@ pub struct Identity {
     pub line: Option<Line>,
     /// Whether it has recipes: firmware 5.30 or later, which also knows command 78.
     pub has_recipes: bool,
-}
-
-/// Size and number of stored recipes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Recipes {
-    /// Registers of each, 1 to 250.
-    pub size: u16,
-    /// Recipe shown on page 0 to 3.
-    pub shown: [u16; 4],
-}
-
-impl Recipes {
-    /// Number of recipes that fit into the 5000 registers.
-    pub fn count(&self) -> u16 {
-        RECIPE_REGISTERS.checked_div(self.size).unwrap_or(0)
-    }
 }
 
 impl InterpCnc {
@@ -72,13 +53,16 @@ impl InterpCnc {
         count: usize,
         written: bool,
     ) -> Result<u16, DriveError> {
-        let (what, size) = ("parameter", 2 * PARAMETERS);
-        let first = number.saturating_mul(2);
-        if written {
-            self.within_area(what, FIRST_PARAMETER, size, first, 2 * count)
-        } else {
-            self.within_read(what, FIRST_PARAMETER, size, first, 2 * count)
-        }
+        let what = "parameter";
+        let action = |address, count| {
+            if written {
+                Action::Write { what, address, count }
+            } else {
+                Action::Read { what, address, count }
+            }
+        };
+        let area = (FIRST_PARAMETER, 2 * PARAMETERS);
+        self.within_area(action, area, number.saturating_mul(2), 2 * count)
     }
 
     /// Parameter `number` (0 to 383).
@@ -168,147 +152,5 @@ impl InterpCnc {
             })
         })
         .await
-    }
-
-    /// User memory in EEPROM: `count` registers from `first` (0 to 511) on.
-    ///
-    /// # Errors
-    /// If they are fewer or no proper answer comes.
-    pub async fn user_memory(
-        &mut self,
-        first: u16,
-        count: u16,
-        clock: &dyn Clock,
-    ) -> Result<Vec<u16>, DriveError> {
-        let (what, start) = ("user memory", FIRST_USER_MEMORY);
-        let address = self.within_read(what, start, USER_MEMORY, first, count.into())?;
-        self.read_holding(what, address, count, clock).await
-    }
-
-    /// Writes user memory in EEPROM from `first` on and waits until the EEPROM has it.
-    ///
-    /// # Errors
-    /// If the registers are fewer, the board refuses it, the EEPROM fails or is not ready in time, or no
-    /// proper answer comes.
-    pub async fn set_user_memory(
-        &mut self,
-        first: u16,
-        values: &[u16],
-        patience: Duration,
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let (what, start) = ("user memory", FIRST_USER_MEMORY);
-        let address = self.within_area(what, start, USER_MEMORY, first, values.len())?;
-        self.write_kept(what, address, values, patience, clock).await
-    }
-
-    /// Reads the sizes of recipes and the numbers of those that are shown.
-    ///
-    /// # Errors
-    /// If no proper answer comes.
-    pub async fn recipes(&mut self, clock: &dyn Clock) -> Result<Recipes, DriveError> {
-        let registers = self.read_holding("recipes", RECIPE_SIZE, 1 + RECIPE_PAGES, clock).await?;
-        Ok(match *registers.as_slice() {
-            [size, a, b, c, d] => Recipes { size, shown: [a, b, c, d] },
-            _ => Recipes { size: 0, shown: [0; 4] },
-        })
-    }
-
-    /// Gives recipes another size, 1 to 250 registers. **All recipes are lost.**
-    ///
-    /// # Errors
-    /// If the size does not exist, the board refuses it, the EEPROM fails or is not ready in time, or no proper answer
-    /// comes.
-    pub async fn erase_recipes(
-        &mut self,
-        size: u16,
-        patience: Duration,
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let what = "recipe size";
-        if !(1..=RECIPE_PAGE).contains(&size) {
-            let at = self.at(Action::Write { what, address: RECIPE_SIZE, count: 1 });
-            let (low, high) = (1.0, RECIPE_PAGE.into());
-            return Err(DriveError::Range {
-                at,
-                register: RECIPE_SIZE,
-                value: size.into(),
-                unit: "",
-                low,
-                high,
-            });
-        }
-        self.write_kept(what, RECIPE_SIZE, &[size], patience, clock).await
-    }
-
-    /// Shows recipe `recipe` (from 0) on page `page` (0 to 3).
-    ///
-    /// # Errors
-    /// If the page or recipe does not exist, the board refuses it, the EEPROM fails or is not ready in time, or no
-    /// proper answer comes.
-    pub async fn show_recipe(
-        &mut self,
-        page: u16,
-        recipe: u16,
-        patience: Duration,
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let what = "recipe index";
-        let address = self.within_area(what, RECIPE_INDEX, RECIPE_PAGES, page, 1)?;
-        let count = self.recipes(clock).await?.count();
-        if recipe >= count {
-            let at = self.at(Action::Write { what, address, count: 1 });
-            let high = f64::from(count) - 1.0;
-            return Err(DriveError::Range {
-                at,
-                register: address,
-                value: recipe.into(),
-                unit: "",
-                low: 0.0,
-                high,
-            });
-        }
-        self.write_kept(what, address, &[recipe], patience, clock).await
-    }
-
-    /// The recipe that page `page` (0 to 3) shows.
-    ///
-    /// # Errors
-    /// If the page does not exist, the board refuses it (exception 2: beyond the stored ones) or no proper answer comes.
-    pub async fn recipe(&mut self, page: u16, clock: &dyn Clock) -> Result<Vec<u16>, DriveError> {
-        let size = self.recipes(clock).await?.size;
-        self.within_read("recipe page", RECIPE_INDEX, RECIPE_PAGES, page, 1)?;
-        let start = FIRST_RECIPE + RECIPE_PAGE * page;
-        let address = self.within_read("recipe", start, size, 0, size.into())?;
-        self.read_holding("recipe", address, size, clock).await
-    }
-
-    /// Writes registers of the recipe that page `page` shows, from `first` on.
-    ///
-    /// # Errors
-    /// If the recipe has fewer, the board refuses it, the EEPROM fails or is not ready in time, or no proper
-    /// answer comes.
-    pub async fn set_recipe(
-        &mut self,
-        page: u16,
-        first: u16,
-        values: &[u16],
-        patience: Duration,
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let size = self.recipes(clock).await?.size;
-        let address = self.recipe_address(page, first, size, values.len())?;
-        self.write_kept("recipe", address, values, patience, clock).await
-    }
-
-    fn recipe_address(
-        &self,
-        page: u16,
-        first: u16,
-        size: u16,
-        count: usize,
-    ) -> Result<u16, DriveError> {
-        self.within_area("recipe page", RECIPE_INDEX, RECIPE_PAGES, page, 1)?;
-        self.within_area("recipe", FIRST_RECIPE + RECIPE_PAGE * page, size, first, count)
     }
 }

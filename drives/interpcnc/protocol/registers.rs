@@ -27,10 +27,6 @@ pub const INPUTS: u8 = 32;
 
 /// Coil of the board lock.
 pub const LOCK_COIL: u16 = 288;
-/// Coil of the first of the [`USER_BITS`] user bits.
-pub const FIRST_USER_BIT: u16 = 320;
-/// Number of user bits.
-pub const USER_BITS: u16 = 96;
 /// First discrete input: IN1.
 pub const FIRST_INPUT: u16 = 2048;
 /// Discrete input of status bit B0; B31 is the last of them.
@@ -51,16 +47,6 @@ pub const ANALOG_OUTPUT: u16 = 4146;
 pub const MAX_ANALOG: u16 = 1023;
 /// Holding registers of the outputs, OUT17 to OUT32 first.
 pub const OUTPUT_WORDS: u16 = 4148;
-/// First of the user registers in RAM.
-pub const FIRST_USER_REGISTER: u16 = 4150;
-/// Number of user registers in RAM.
-pub const USER_REGISTERS: u16 = 46;
-/// Holding registers of the simulated keypad, low word first.
-pub const KEYPAD: u16 = 4196;
-/// First of the ten user values of 32 bits.
-pub const FIRST_USER_VALUE: u16 = 4198;
-/// Number of user values.
-pub const USER_VALUES: u16 = 10;
 /// Holding registers of the encoder position; those of pulse counters A and B follow.
 pub const ENCODER: u16 = 4218;
 /// First register of the user memory in EEPROM.
@@ -69,16 +55,6 @@ pub const FIRST_USER_MEMORY: u16 = 5120;
 pub const USER_MEMORY: u16 = 512;
 /// Holding register of the recipes' size.
 pub const RECIPE_SIZE: u16 = 5632;
-/// Holding register of the recipe that page 0 shows; those of pages 1 to 3 follow.
-pub const RECIPE_INDEX: u16 = 5633;
-/// First register of recipe page 0; the pages have [`RECIPE_PAGE`] registers.
-pub const FIRST_RECIPE: u16 = 5637;
-/// Registers of a recipe page, and of a recipe at most.
-pub const RECIPE_PAGE: u16 = 250;
-/// Number of recipe pages.
-pub const RECIPE_PAGES: u16 = 4;
-/// Registers that all recipes together have.
-pub const RECIPE_REGISTERS: u16 = 5000;
 
 /// Largest step frequency the board makes, Hz (published vendor sources; the manual is silent).
 pub const MAX_SPEED_HZ: u32 = 200_000;
@@ -226,15 +202,15 @@ impl ExtendedStatus {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum BoardAxis {
     /// Bit 0.
-    X,
+    X = 1,
     /// Bit 1.
-    Y,
+    Y = 2,
     /// Bit 2.
-    Z,
+    Z = 3,
     /// Bit 3.
-    A,
+    A = 4,
     /// Bit 4.
-    B,
+    B = 5,
 }
 
 impl BoardAxis {
@@ -248,13 +224,7 @@ impl BoardAxis {
 
     /// 1 for X … 5 for B, as command 78 counts.
     pub fn number(self) -> u8 {
-        match self {
-            Self::X => 1,
-            Self::Y => 2,
-            Self::Z => 3,
-            Self::A => 4,
-            Self::B => 5,
-        }
+        self as u8
     }
 
     /// The axis alone in a mask.

@@ -54,9 +54,7 @@ async fn session(mut driver: InterpCnc, hand: Hand) {
     assert!(locked(&refused), "{assumed:?}: {refused:?}");
     let refused = driver.set_output(3, true, &no_clock).await;
     assert!(locked(&refused), "{assumed:?}: {refused:?}");
-    assert!(driver.lock_coil(&no_clock).await.unwrap(), "{assumed:?}");
     driver.unlock(&no_clock).await.unwrap();
-    assert!(!driver.lock_coil(&no_clock).await.unwrap(), "{assumed:?}");
     driver.set_output(3, true, &no_clock).await.unwrap();
     for target in [500, -300] {
         driver.move_axis(BoardAxis::X, &profile(target), LONG, &no_clock).await.unwrap();
@@ -66,9 +64,9 @@ async fn session(mut driver: InterpCnc, hand: Hand) {
     }
     for target in [700, 900] {
         let targets = [Some(target), None, None, None, None];
-        driver.queue_segment(5000, &targets, LONG, &no_clock).await.unwrap();
+        driver.send(&Command::Interpolated { speed_hz: 5000, targets }, &no_clock).await.unwrap();
     }
-    driver.finish_segments(LONG, &no_clock).await.unwrap();
+    driver.wait_for_rest(AxisMask::ALL, LONG, &no_clock).await.unwrap();
     let (state, _) = driver.state(&no_clock).await.unwrap();
     assert_eq!(state.positions[0], 900, "{assumed:?}");
     for target in [90_000, 0] {
@@ -87,16 +85,13 @@ async fn session(mut driver: InterpCnc, hand: Hand) {
     assert_eq!(then.positions, now.positions, "{assumed:?}");
     assert!(now.status.has(Status::BUFFER_EMPTY) && now.status.moving() == AxisMask::NONE);
     driver.move_axis(BoardAxis::X, &profile(0), LONG, &no_clock).await.unwrap();
-    let all = driver.broadcast(&Command::RampStop).await;
-    assert_eq!(all.is_ok(), assumed.broadcasts, "{all:?}");
 }
 
 #[test]
 fn the_driver_copes_with_every_alternative() {
     for assumptions in alternatives() {
         let options = BoardOptions { assumptions, ..BoardOptions::default() };
-        let few = |settings: &mut InterpCncOptions| settings.most_segments = 4;
-        let ((), board) = with_board(&options, Bench::default(), few, session);
+        let ((), board) = with_board(&options, Bench::default(), |_| {}, session);
         assert_eq!(board.counters()[0], 0, "{assumptions:?}");
     }
 }
@@ -137,12 +132,13 @@ fn an_axis_in_an_interpolated_move_gets_no_other() {
         |mut driver, _hand| async move {
             driver.unlock(&no_clock).await.unwrap();
             let targets = [Some(20_000), None, None, None, None];
-            driver.queue_segment(2000, &targets, LONG, &no_clock).await.unwrap();
+            let segment = Command::Interpolated { speed_hz: 2000, targets };
+            driver.send(&segment, &no_clock).await.unwrap();
             let moved = driver.move_axis(BoardAxis::X, &profile(500), LONG, &no_clock).await;
             let said = moved.map_err(|error| error.to_string()).unwrap_err();
             assert!(said.contains("command 80 (independent move)") && said.contains('X'), "{said}");
             driver.move_axis(BoardAxis::Y, &profile(500), LONG, &no_clock).await.unwrap();
-            driver.finish_segments(LONG, &no_clock).await.unwrap();
+            driver.wait_for_rest(AxisMask::ALL, LONG, &no_clock).await.unwrap();
         },
     );
     assert_eq!(board.counters()[..2], [20_000, 500]);

@@ -9,25 +9,19 @@ use tokio::{
     time::{Instant, sleep},
 };
 
-use crate::Exception;
-use crate::tests::common::fault_of;
 use crate::{
-    Assumptions, AxisMask, AxisOptions, BoardAxis, Command, HomeAxis, InterpCnc, InterpCncOptions,
-    Line, MoveProfile, ProbeMove,
+    Assumptions, AxisMask, AxisOptions, BoardAxis, Command, InterpCnc, InterpCncOptions, Line,
+    MoveProfile,
     emulator::{
         Bench, Board, BoardOptions, Cam, Condition, Control, EncoderLink, Event, Wire, serve,
     },
     protocol::{parameters, registers::Status},
 };
+pub(super) use twin_drives::no_clock;
 use twin_drives::{Axes, DriveError};
 
 /// Longer than anything here takes.
 pub(super) const LONG: Duration = Duration::from_mins(1);
-
-/// A clock for exchanges whose time matters to nobody.
-pub(super) fn no_clock() -> i64 {
-    0
-}
 
 /// The board's end of a rig.
 pub(super) type Hand = mpsc::Sender<Control>;
@@ -65,8 +59,26 @@ pub(super) fn with_board<T, F: Future<Output = T>>(
 }
 
 /// The usual board, without anything around it.
-fn with_usual<T, F: Future<Output = T>>(test: impl FnOnce(InterpCnc, Hand) -> F) -> (T, Board) {
-    with_board(&BoardOptions::default(), Bench::default(), |_| {}, test)
+pub(super) fn with_usual<T, F: Future<Output = T>>(
+    test: impl FnOnce(InterpCnc, Hand) -> F,
+) -> (T, Board) {
+    with_bench(Bench::default(), test)
+}
+
+/// The usual board on a bench.
+fn with_bench<T, F: Future<Output = T>>(
+    bench: Bench,
+    test: impl FnOnce(InterpCnc, Hand) -> F,
+) -> (T, Board) {
+    with_board(&BoardOptions::default(), bench, |_| {}, test)
+}
+
+/// A board with options, without anything around it.
+fn with_options<T, F: Future<Output = T>>(
+    board: &BoardOptions,
+    test: impl FnOnce(InterpCnc, Hand) -> F,
+) -> (T, Board) {
+    with_board(board, Bench::default(), |_| {}, test)
 }
 
 fn switch(input: u8, axis: BoardAxis, from: i32, to: i32) -> Cam {
@@ -84,20 +96,6 @@ pub(super) fn profile(target: i32) -> MoveProfile {
         speed_hz: 20_000,
         deceleration_khz_per_s: 40,
         target,
-    }
-}
-
-fn home(axis: BoardAxis, input: u8, max_stroke: i32) -> HomeAxis {
-    HomeAxis {
-        axis,
-        input,
-        normally_open: true,
-        acceleration_khz_per_s: 50,
-        fast_hz: 5000,
-        deceleration_khz_per_s: 50,
-        max_stroke,
-        slow_hz: 500,
-        final_position: 100,
     }
 }
 
@@ -125,20 +123,15 @@ fn the_instant_of_reversal_is_not_taken_for_the_end() {
     // The board shows no motion for 20 ms when the move reverses, which is more than an exchange.
     let assumptions = Assumptions { reversal_gap_ns: 20_000_000, ..Assumptions::default() };
     let options = BoardOptions { assumptions, ..BoardOptions::default() };
-    let ((), _) = with_board(
-        &options,
-        Bench::default(),
-        |_| {},
-        |mut driver, _hand| async move {
-            driver.unlock(&no_clock).await.unwrap();
-            let far = Command::Move { axis: BoardAxis::X, profile: profile(1_000_000) };
-            driver.send(&far, &no_clock).await.unwrap();
-            sleep(Duration::from_secs(1)).await;
-            driver.move_axis(BoardAxis::X, &profile(-500), LONG, &no_clock).await.unwrap();
-            let (state, _) = driver.state(&no_clock).await.unwrap();
-            assert_eq!(state.positions[0], -500);
-        },
-    );
+    let ((), _) = with_options(&options, |mut driver, _hand| async move {
+        driver.unlock(&no_clock).await.unwrap();
+        let far = Command::Move { axis: BoardAxis::X, profile: profile(1_000_000) };
+        driver.send(&far, &no_clock).await.unwrap();
+        sleep(Duration::from_secs(1)).await;
+        driver.move_axis(BoardAxis::X, &profile(-500), LONG, &no_clock).await.unwrap();
+        let (state, _) = driver.state(&no_clock).await.unwrap();
+        assert_eq!(state.positions[0], -500);
+    });
 }
 
 #[test]
@@ -159,7 +152,7 @@ fn an_axis_that_something_else_stops_has_not_arrived() {
             matches!(stopped, Err(DriveError::LimitSwitch { axes: Axes::Letters(1), .. })),
             "{stopped:?}"
         );
-        // A ramp stop that another master has sent: the axis stands elsewhere.
+        // A ramp stop that another master has sent: the axis is elsewhere.
         let elsewhere = Command::Move { axis: BoardAxis::Z, profile: profile(100_000) };
         driver.send(&elsewhere, &no_clock).await.unwrap();
         sleep(Duration::from_millis(500)).await;
@@ -185,10 +178,6 @@ fn stops_are_waited_for() {
             driver.send(&command, &no_clock).await.unwrap();
         }
         sleep(Duration::from_secs(1)).await;
-        driver.change_speed(BoardAxis::X.mask(), 1000, &no_clock).await.unwrap();
-        let x = BoardAxis::X.mask();
-        let state = driver.ramp_stop_axes(x, LONG, &no_clock).await.unwrap();
-        assert_eq!(state.status.moving(), BoardAxis::Y.mask());
         let state = driver.ramp_stop(LONG, &no_clock).await.unwrap();
         assert!(state.status.moving().is_empty() && !state.status.locked());
         let command = Command::Move { axis: BoardAxis::X, profile: profile(0) };
@@ -206,7 +195,7 @@ fn a_stop_is_not_over_while_segments_wait() {
         let frozen = Event::Condition(Condition::BufferFrozen, true);
         hand.send(Control::Event(frozen)).await.unwrap();
         let targets = [Some(5000), None, None, None, None];
-        driver.queue_segment(1000, &targets, LONG, &no_clock).await.unwrap();
+        driver.send(&Command::Interpolated { speed_hz: 1000, targets }, &no_clock).await.unwrap();
         // As if the board had kept it.
         hand.send(Control::Event(Event::StuckStatus(true))).await.unwrap();
         let patience = Duration::from_secs(1);
@@ -220,143 +209,29 @@ fn a_stop_is_not_over_while_segments_wait() {
 }
 
 #[test]
-fn positions_are_written_and_read_back() {
-    let ((), board) = with_usual(|mut driver, _hand| async move {
-        driver.unlock(&no_clock).await.unwrap();
-        let positions = [Some(5), None, Some(-7), None, None];
-        driver.write_positions(&positions, &no_clock).await.unwrap();
-        let command = Command::Move { axis: BoardAxis::Z, profile: profile(100_000) };
-        driver.send(&command, &no_clock).await.unwrap();
-        let moving = driver.write_positions(&positions, &no_clock).await;
-        assert!(
-            matches!(moving, Err(DriveError::Moving { axes: Axes::Letters(4), .. })),
-            "{moving:?}"
-        );
-    });
-    assert_eq!(board.counters()[0], 5);
-}
-
-#[test]
-fn segments_go_in_few_at_a_time() {
-    // This board's buffer holds seven besides the one under way: an eighth would be refused.
-    let assumptions = Assumptions { buffer_segments: 8, ..Assumptions::default() };
-    let options = BoardOptions { assumptions, ..BoardOptions::default() };
-    let seven = Assumptions { buffer_segments: 7, ..assumptions };
-    let board = BoardOptions { assumptions: seven, ..options };
-    let settings = |settings: &mut InterpCncOptions| settings.assumptions = assumptions;
-    let (most, board) =
-        with_board(&board, Bench::default(), settings, |mut driver, _hand| async move {
-            driver.unlock(&no_clock).await.unwrap();
-            let mut most = 0;
-            for step in 1..=30 {
-                let targets = [Some(300 * step), Some(-100 * step), None, None, None];
-                driver.queue_segment(5000, &targets, LONG, &no_clock).await.unwrap();
-                most = most.max(driver.outstanding_segments());
-            }
-            driver.finish_segments(LONG, &no_clock).await.unwrap();
-            assert_eq!(driver.outstanding_segments(), 0);
-            most
-        });
-    assert_eq!(most, 8);
-    assert_eq!(board.counters()[..2], [9000, -3000]);
-}
-
-#[test]
-fn segments_of_axes_in_independent_moves_are_not_sent() {
-    let ((), board) = with_usual(|mut driver, _hand| async move {
-        driver.unlock(&no_clock).await.unwrap();
-        let command = Command::Move { axis: BoardAxis::X, profile: profile(100_000) };
-        driver.send(&command, &no_clock).await.unwrap();
-        let targets = [Some(1), Some(1), None, None, None];
-        let refused = driver.queue_segment(5000, &targets, LONG, &no_clock).await;
-        assert!(
-            matches!(refused, Err(DriveError::Moving { axes: Axes::Letters(1), .. })),
-            "{refused:?}"
-        );
-        // The board itself refuses with exception 4.
-        let targets = Command::Interpolated { speed_hz: 5000, targets };
-        let refused = driver.send(&targets, &no_clock).await;
-        assert!(matches!(fault_of(&refused), Some(Exception(4))), "{refused:?}");
-    });
-    assert_eq!(board.counters()[1], 0);
-}
-
-#[test]
 fn homing_ends_well_or_says_which_axes_failed() {
-    let bench =
-        on_bench(vec![switch(1, BoardAxis::X, -9000, -4000), switch(2, BoardAxis::B, 6000, 9000)]);
-    let ((), board) = with_board(
-        &BoardOptions::default(),
-        bench,
-        |_| {},
-        |mut driver, _hand| async move {
-            driver.unlock(&no_clock).await.unwrap();
-            let both = [home(BoardAxis::X, 1, -10_000), home(BoardAxis::B, 2, 10_000)];
-            driver.home_axes(&both, LONG, &no_clock).await.unwrap();
-            let (state, _) = driver.state(&no_clock).await.unwrap();
-            assert_eq!(state.positions, [100, 0, 0, 0, 100]);
-            // The other way there is no switch.
-            let wrong = [home(BoardAxis::X, 1, 2000), home(BoardAxis::B, 2, 2000)];
-            let failed = driver.home_axes(&wrong, LONG, &no_clock).await;
-            assert!(
-                matches!(failed, Err(DriveError::HomingFailed { axes: Axes::Letters(1), .. })),
-                "{failed:?}"
-            );
-
-            for (number, value) in [(parameters::home_input(BoardAxis::X), 1), (14, 500)] {
-                driver.set_parameter(number, value, LONG, &no_clock).await.unwrap();
-            }
-            let x = |stroke| [Some(stroke), None, None, None, None];
-            let state = driver.home_machine(&x(20_000), LONG, &no_clock).await.unwrap();
-            assert_eq!(state.positions[0], 0);
-            let y = [None, Some(1000), None, None, None];
-            let failed = driver.home_machine(&y, LONG, &no_clock).await;
-            assert!(
-                matches!(failed, Err(DriveError::HomingFailed { axes: Axes::Letters(2), .. })),
-                "{failed:?}"
-            );
-            let (state, _) = driver.state(&no_clock).await.unwrap();
-            assert!(state.status.has(Status::HOMING_ERROR));
-            driver.clear_errors(true, false, &no_clock).await.unwrap();
-            let (state, _) = driver.state(&no_clock).await.unwrap();
-            assert!(!state.status.has(Status::HOMING_ERROR));
-        },
-    );
+    let bench = on_bench(vec![switch(1, BoardAxis::X, -9000, -4000)]);
+    let ((), board) = with_bench(bench, |mut driver, _hand| async move {
+        driver.unlock(&no_clock).await.unwrap();
+        for (number, value) in [(parameters::home_input(BoardAxis::X), 1), (14, 500)] {
+            driver.set_parameter(number, value, LONG, &no_clock).await.unwrap();
+        }
+        let x = |stroke| [Some(stroke), None, None, None, None];
+        let state = driver.home_machine(&x(20_000), LONG, &no_clock).await.unwrap();
+        assert_eq!(state.positions[0], 0);
+        let y = [None, Some(1000), None, None, None];
+        let failed = driver.home_machine(&y, LONG, &no_clock).await;
+        assert!(
+            matches!(failed, Err(DriveError::HomingFailed { axes: Axes::Letters(2), .. })),
+            "{failed:?}"
+        );
+        let (state, _) = driver.state(&no_clock).await.unwrap();
+        assert!(state.status.has(Status::HOMING_ERROR));
+        driver.clear_errors(true, false, &no_clock).await.unwrap();
+        let (state, _) = driver.state(&no_clock).await.unwrap();
+        assert!(!state.status.has(Status::HOMING_ERROR));
+    });
     assert!((board.mechanical(BoardAxis::X) + 4000.0).abs() <= 1.0);
-}
-
-#[test]
-fn a_probe_gives_the_place_of_the_edge() {
-    let bench = on_bench(vec![switch(3, BoardAxis::Z, i32::MIN, -4321)]);
-    let ((), board) = with_board(
-        &BoardOptions::default(),
-        bench,
-        |_| {},
-        |mut driver, _hand| async move {
-            driver.unlock(&no_clock).await.unwrap();
-            let probe = ProbeMove {
-                axis: BoardAxis::Z,
-                positive: false,
-                input: 3,
-                level: true,
-                max_stroke: 10_000,
-                speed_hz: 2000,
-                start_stop_hz: 100,
-                acceleration_khz_per_s: 50,
-                deceleration_khz_per_s: 20,
-            };
-            let found = driver.probe(&probe, LONG, &no_clock).await.unwrap();
-            assert!((found + 4322).abs() <= 1, "{found}");
-            assert_eq!(driver.probe_result(&no_clock).await.unwrap(), found);
-            // It is on the piece already; and the other way there is none.
-            for probe in [probe, ProbeMove { positive: true, level: true, input: 4, ..probe }] {
-                let failed = driver.probe(&probe, LONG, &no_clock).await;
-                assert!(matches!(failed, Err(DriveError::ProbeFailed { .. })), "{failed:?}");
-            }
-            driver.clear_errors(false, true, &no_clock).await.unwrap();
-        },
-    );
-    assert!(!board.status().probe_failed());
 }
 
 #[test]
@@ -382,18 +257,13 @@ fn an_eeprom_that_fails_is_an_error_of_its_own() {
     for eeprom_refuses in [true, false] {
         let assumptions = Assumptions { eeprom_refuses, ..Assumptions::default() };
         let options = BoardOptions { assumptions, ..BoardOptions::default() };
-        with_board(
-            &options,
-            Bench::default(),
-            |_| {},
-            |mut driver, hand| async move {
-                hand.send(Control::Event(Event::BreakEeprom(true))).await.unwrap();
-                let failed = driver.set_parameter(4, 78, LONG, &no_clock).await;
-                assert!(matches!(failed, Err(DriveError::EepromFailed { .. })), "{failed:?}");
-                hand.send(Control::Event(Event::BreakEeprom(false))).await.unwrap();
-                driver.set_parameter(4, 79, LONG, &no_clock).await.unwrap();
-            },
-        );
+        with_options(&options, |mut driver, hand| async move {
+            hand.send(Control::Event(Event::BreakEeprom(true))).await.unwrap();
+            let failed = driver.set_parameter(4, 78, LONG, &no_clock).await;
+            assert!(matches!(failed, Err(DriveError::EepromFailed { .. })), "{failed:?}");
+            hand.send(Control::Event(Event::BreakEeprom(false))).await.unwrap();
+            driver.set_parameter(4, 79, LONG, &no_clock).await.unwrap();
+        });
     }
 }
 
@@ -404,140 +274,71 @@ fn a_broken_eeprom_is_no_lock_and_stays_broken_when_asked_again() {
     for (locked_exception, eeprom_refuses) in [(Some(4), true), (None, true), (None, false)] {
         let assumptions = Assumptions { locked_exception, eeprom_refuses, ..usual };
         let options = BoardOptions { assumptions, ..BoardOptions::default() };
-        with_board(
-            &options,
-            Bench::default(),
-            |_| {},
-            |mut driver, hand| async move {
-                let clock = &no_clock;
-                let locked = driver.set_output(3, true, clock).await;
-                assert!(matches!(locked, Err(DriveError::Locked { .. })), "{locked:?}");
-                for unlocked in [false, true] {
-                    if unlocked {
-                        driver.unlock(clock).await.unwrap();
-                    }
-                    hand.send(Control::Event(Event::BreakEeprom(true))).await.unwrap();
-                    // The first leaves the value in RAM, where it reads back.
-                    for _ in 0..3 {
-                        let failed = driver.set_parameter(4, 78, LONG, clock).await;
-                        let told = matches!(failed, Err(DriveError::EepromFailed { .. }));
-                        assert!(told, "{assumptions:?}: {failed:?}");
-                    }
-                    hand.send(Control::Event(Event::BreakEeprom(false))).await.unwrap();
-                    driver.set_parameter(4, 78, LONG, clock).await.unwrap();
-                    driver.set_parameter(4, 77, LONG, clock).await.unwrap();
+        with_options(&options, |mut driver, hand| async move {
+            let clock = &no_clock;
+            let locked = driver.set_output(3, true, clock).await;
+            assert!(matches!(locked, Err(DriveError::Locked { .. })), "{locked:?}");
+            for unlocked in [false, true] {
+                if unlocked {
+                    driver.unlock(clock).await.unwrap();
                 }
-            },
-        );
+                hand.send(Control::Event(Event::BreakEeprom(true))).await.unwrap();
+                // The first leaves the value in RAM, where it reads back.
+                for _ in 0..3 {
+                    let failed = driver.set_parameter(4, 78, LONG, clock).await;
+                    let told = matches!(failed, Err(DriveError::EepromFailed { .. }));
+                    assert!(told, "{assumptions:?}: {failed:?}");
+                }
+                hand.send(Control::Event(Event::BreakEeprom(false))).await.unwrap();
+                driver.set_parameter(4, 78, LONG, clock).await.unwrap();
+                driver.set_parameter(4, 77, LONG, clock).await.unwrap();
+            }
+        });
     }
-}
-
-#[test]
-fn recipes_and_user_memory_are_kept() {
-    let ((), board) = with_usual(|mut driver, _hand| async move {
-        let clock = &no_clock;
-        driver.erase_recipes(100, LONG, clock).await.unwrap();
-        driver.show_recipe(2, 49, LONG, clock).await.unwrap();
-        driver.set_recipe(2, 97, &[7, 8, 9], LONG, clock).await.unwrap();
-        let recipes = driver.recipes(clock).await.unwrap();
-        assert_eq!((recipes.size, recipes.shown, recipes.count()), (100, [0, 0, 49, 0], 50));
-        let recipe = driver.recipe(2, clock).await.unwrap();
-        assert_eq!((recipe.len(), &recipe[96..]), (100, &[0, 7, 8, 9][..]));
-        for outcome in [
-            driver.show_recipe(2, 50, LONG, clock).await,
-            driver.show_recipe(4, 0, LONG, clock).await,
-            driver.set_recipe(2, 98, &[1, 2, 3], LONG, clock).await,
-            driver.erase_recipes(251, LONG, clock).await,
-            driver.set_user_memory(511, &[1, 2], LONG, clock).await,
-        ] {
-            assert!(matches!(outcome, Err(DriveError::Range { .. })), "{outcome:?}");
-        }
-        let values: Vec<u16> = (0..512).collect();
-        driver.set_user_memory(0, &values, LONG, clock).await.unwrap();
-        assert_eq!(driver.user_memory(0, 512, clock).await.unwrap(), values);
-        assert!(driver.snapshot(clock).await.unwrap().extended.has(1 << 9));
-    });
-    assert!(board.eeprom_generation() > 0);
-}
-
-#[test]
-fn bits_and_registers_of_the_user_hold_what_is_written() {
-    let ((), _) = with_usual(|mut driver, _hand| async move {
-        let clock = &no_clock;
-        driver.set_user_bits(93, &[true, false, true], clock).await.unwrap();
-        let bits = driver.user_bits(clock).await.unwrap();
-        assert_eq!((bits.len(), &bits[92..]), (96, &[false, true, false, true][..]));
-        driver.set_user_registers(44, &[5, 6], clock).await.unwrap();
-        assert_eq!(driver.user_registers(clock).await.unwrap()[43..], [0, 5, 6]);
-        driver.set_user_value(9, 0xDEAD_BEEF, clock).await.unwrap();
-        assert_eq!(driver.user_values(clock).await.unwrap()[8..], [0, 0xDEAD_BEEF]);
-        driver.press_keys(0x0001_8000, clock).await.unwrap();
-        assert_eq!(driver.keys(clock).await.unwrap(), 0x0001_8000);
-        for outcome in [
-            driver.set_user_bits(94, &[true; 3], clock).await,
-            driver.set_user_registers(46, &[1], clock).await,
-            driver.set_user_value(10, 1, clock).await,
-        ] {
-            assert!(matches!(outcome, Err(DriveError::Range { .. })), "{outcome:?}");
-        }
-    });
 }
 
 #[test]
 fn inputs_and_outputs_are_those_of_the_board() {
     let link = EncoderLink { axis: BoardAxis::A, counts: 2, steps: 1, counts_per_revolution: 7 };
     let bench = Bench { cams: vec![], encoder: Some(link) };
-    let ((), board) = with_board(
-        &BoardOptions::default(),
-        bench,
-        |_| {},
-        |mut driver, hand| async move {
-            let clock = &no_clock;
-            for outcome in [
-                driver.set_outputs(5, clock).await,
-                driver.switch_outputs(1, &[true], clock).await,
-                driver.set_analog_output(1, 100, clock).await,
-            ] {
-                assert!(matches!(outcome, Err(DriveError::Locked { .. })), "{outcome:?}");
-            }
-            assert!(driver.lock_coil(clock).await.unwrap());
-            driver.unlock(clock).await.unwrap();
-            assert!(!driver.lock_coil(clock).await.unwrap());
-            driver.set_outputs(0x8000_0005, clock).await.unwrap();
-            driver.switch_outputs(2, &[true, false], clock).await.unwrap();
-            assert_eq!(driver.outputs(clock).await.unwrap(), 0x8000_0003);
-            driver.set_analog_output(2, 1023, clock).await.unwrap();
-            assert_eq!(driver.analog_outputs(clock).await.unwrap(), [0, 1023]);
-            for outcome in [
-                driver.switch_outputs(32, &[true, true], clock).await,
-                driver.switch_outputs(0, &[true], clock).await,
-                driver.set_analog_output(2, 1024, clock).await,
-                driver.set_analog_output(3, 1, clock).await,
-                driver.set_analog_output(0, 1, clock).await,
-            ] {
-                assert!(matches!(outcome, Err(DriveError::Range { .. })), "{outcome:?}");
-            }
-            for control in [
-                Control::Event(Event::Input { number: 3, level: true }),
-                Control::Event(Event::Input { number: 20, level: true }),
-                Control::Event(Event::AnalogInput { number: 2, value: 512 }),
-                Control::Event(Event::Pulses { second: true, count: 70_000 }),
-            ] {
-                hand.send(control).await.unwrap();
-            }
-            driver.move_axis(BoardAxis::A, &profile(11), LONG, clock).await.unwrap();
-            let all = driver.snapshot(clock).await.unwrap();
-            assert_eq!((all.inputs, all.outputs), (0x0008_0004, 0x8000_0003));
-            assert_eq!((all.analog_inputs, all.state.positions[3]), ([0, 512, 0, 0], 11));
-            assert_eq!(all.extended.positive(), BoardAxis::A.mask());
-            assert_eq!(driver.input_bits(clock).await.unwrap(), 4);
-            assert_eq!(driver.counters(clock).await.unwrap(), (22, [0, 70_000]));
-            let (status, directions, encoder) = driver.status_bits(clock).await.unwrap();
-            assert_eq!((status, directions), (all.state.status, BoardAxis::A.mask()));
-            // 22 = 2 (mod 4): A and B are 1; 22 is no multiple of 7.
-            assert_eq!(encoder, [true, true, false]);
-        },
-    );
+    let ((), board) = with_bench(bench, |mut driver, hand| async move {
+        let clock = &no_clock;
+        for outcome in
+            [driver.set_output(1, true, clock).await, driver.set_analog_output(1, 100, clock).await]
+        {
+            assert!(matches!(outcome, Err(DriveError::Locked { .. })), "{outcome:?}");
+        }
+        driver.unlock(clock).await.unwrap();
+        for (output, on) in [(1, true), (2, true), (3, true), (3, false), (32, true)] {
+            driver.set_output(output, on, clock).await.unwrap();
+        }
+        assert_eq!(driver.outputs(clock).await.unwrap(), 0x8000_0003);
+        driver.set_analog_output(2, 1023, clock).await.unwrap();
+        assert_eq!(driver.analog_outputs(clock).await.unwrap(), [0, 1023]);
+        for outcome in [
+            driver.set_output(33, true, clock).await,
+            driver.set_output(0, true, clock).await,
+            driver.set_analog_output(2, 1024, clock).await,
+            driver.set_analog_output(3, 1, clock).await,
+            driver.set_analog_output(0, 1, clock).await,
+        ] {
+            assert!(matches!(outcome, Err(DriveError::Range { .. })), "{outcome:?}");
+        }
+        for control in [
+            Control::Event(Event::Input { number: 3, level: true }),
+            Control::Event(Event::Input { number: 20, level: true }),
+            Control::Event(Event::AnalogInput { number: 2, value: 512 }),
+            Control::Event(Event::Pulses { second: true, count: 70_000 }),
+        ] {
+            hand.send(control).await.unwrap();
+        }
+        driver.move_axis(BoardAxis::A, &profile(11), LONG, clock).await.unwrap();
+        let all = driver.snapshot(clock).await.unwrap();
+        assert_eq!((all.inputs, all.outputs), (0x0008_0004, 0x8000_0003));
+        assert_eq!((all.analog_inputs, all.state.positions[3]), ([0, 512, 0, 0], 11));
+        assert_eq!(all.extended.positive(), BoardAxis::A.mask());
+        assert_eq!(driver.counters(clock).await.unwrap(), (22, [0, 70_000]));
+    });
     assert_eq!(board.analog_outputs(), [0, 1023]);
 }
 
@@ -558,45 +359,16 @@ fn a_board_is_identified_by_its_parameters() {
 }
 
 #[test]
-fn a_broadcast_reaches_every_board_and_disturbs_nothing() {
-    let ((), board) = with_usual(|mut driver, _hand| async move {
-        driver.unlock(&no_clock).await.unwrap();
-        let command = Command::Move { axis: BoardAxis::X, profile: profile(100_000) };
-        driver.send(&command, &no_clock).await.unwrap();
-        driver.broadcast(&Command::Stop).await.unwrap();
-        let (state, _) = driver.state(&no_clock).await.unwrap();
-        assert!(state.status.locked() && state.status.moving().is_empty());
-    });
-    assert!(board.status().locked());
-}
-
-#[test]
-fn commands_go_register_by_register_too() {
-    let ((), board) = with_usual(|mut driver, _hand| async move {
-        driver.unlock(&no_clock).await.unwrap();
-        let command = Command::Move { axis: BoardAxis::B, profile: profile(-300) };
-        driver.send_singly(&command, &no_clock).await.unwrap();
-        driver.wait_for_rest(AxisMask::ALL, LONG, &no_clock).await.unwrap();
-    });
-    assert_eq!(board.counters()[4], -300);
-}
-
-#[test]
 fn a_board_with_short_frames_and_long_silence_is_read_piece_by_piece() {
     let silence = Some(Duration::from_millis(5));
     let assumptions =
         Assumptions { most_read: 32, most_written: 40, silence, ..Assumptions::default() };
     let options = BoardOptions { assumptions, ..BoardOptions::default() };
-    let ((), board) = with_board(
-        &options,
-        Bench::default(),
-        |_| {},
-        |mut driver, _hand| async move {
-            let values: Vec<u16> = (1000..1512).collect();
-            driver.set_user_memory(0, &values, LONG, &no_clock).await.unwrap();
-            assert_eq!(driver.user_memory(0, 512, &no_clock).await.unwrap(), values);
-        },
-    );
-    // 13 writes and 16 reads of memory, and questions for the status between them.
-    assert!(board.frames_handled() >= 29);
+    let ((), board) = with_options(&options, |mut driver, _hand| async move {
+        driver.set_parameter(383, 1234, LONG, &no_clock).await.unwrap();
+        let all = driver.parameters(0, 384, &no_clock).await.unwrap();
+        assert_eq!((all.len(), all[101], all[383]), (384, 115_200, 1234));
+    });
+    // 24 reads of 16 parameters.
+    assert!(board.frames_handled() >= 24);
 }

@@ -365,7 +365,7 @@ fn a_bench_presses_switches_and_faults_come_on_demand() {
     drive.move_to(&[700, 0, 0, 0, 0], &[5000.0; 5]).unwrap();
     assert_eq!(wait_until_rest(&mut drive, &stream)[0], 700);
     let (driver, runtime) = drive.board();
-    assert_eq!(runtime.block_on(driver.input_bits(&|| 0)).unwrap(), 1 << 4);
+    assert_eq!(runtime.block_on(driver.snapshot(&|| 0)).unwrap().inputs, 1 << 4);
     // A garbled answer: asked again, and nothing is to be seen of it.
     let rule = FaultRule {
         direction: Direction::Answer,

@@ -17,11 +17,7 @@ use crate::{
         vectors::{bytes, vector},
     },
 };
-use twin_drives::{Action, DriveError, ProtocolFault};
-
-fn no_clock() -> i64 {
-    0
-}
+use twin_drives::{Action, DriveError, ProtocolFault, no_clock};
 
 fn run<T>(test: impl Future<Output = T>) -> T {
     tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(test)
@@ -102,98 +98,6 @@ fn exchanges_are_stamped_in_their_middle() {
 }
 
 #[test]
-fn commands_are_the_bytes_of_their_vectors() {
-    let x_and = |second: BoardAxis, x: i32, other: i32| {
-        let mut values = [None; 5];
-        values[0] = Some(x);
-        values[second.index()] = Some(other);
-        values
-    };
-    let x = |value| [Some(value), None, None, None, None];
-    let commands = [
-        (1, Command::Reset { unlock: true, homing_error: false, probe_error: false }),
-        (3, Command::HomeMachine { max_strokes: x_and(BoardAxis::Y, 10_000, 20_000) }),
-        (4, Command::HomeMachine { max_strokes: x_and(BoardAxis::Z, 10_000, 20_000) }),
-        (
-            5,
-            Command::Probe {
-                axes: BoardAxis::Z.mask(),
-                positive: false,
-                input: 3,
-                level: 1,
-                max_stroke: 10_000,
-                speed_hz: 1000,
-                start_stop_hz: 100,
-                acceleration_khz_per_s: 50,
-                deceleration_khz_per_s: 100,
-            },
-        ),
-        (7, Command::WritePosition { positions: x(1000) }),
-        (8, Command::WritePosition { positions: x_and(BoardAxis::Z, 1000, 0) }),
-        (9, Command::ChangeSpeed { axes: BoardAxis::X.mask(), speed_hz: 10_000 }),
-        (10, Command::WritePosition { positions: x(10_000) }),
-        (11, move_x(20_000, 100_000)),
-        (12, move_x(150_000, -5000)),
-        (13, Command::Interpolated { speed_hz: 5000, targets: x_and(BoardAxis::Z, 1000, -2000) }),
-        (
-            14,
-            Command::Interpolated {
-                speed_hz: 5000,
-                targets: [Some(1), Some(2), Some(3), Some(4), Some(-5)],
-            },
-        ),
-        (
-            15,
-            Command::HomeAxis {
-                axis: BoardAxis::X,
-                input: 5,
-                contact: 0,
-                acceleration_khz_per_s: 20,
-                fast_hz: 4000,
-                deceleration_khz_per_s: 40,
-                max_stroke: -60_000,
-                slow_hz: 300,
-                final_position: 0,
-            },
-        ),
-        (16, Command::RampStopAxes { axes: AxisMask::from_bits(0b11) }),
-        (17, Command::RampStop),
-        (18, Command::Stop),
-    ];
-    for (number, command) in commands {
-        let expected = vector(number);
-        // A write is confirmed with its address and count (vectors 2 and 6).
-        let answer = seal(expected[..6].to_vec());
-        match number {
-            1 => assert_eq!(answer, vector(2)),
-            5 => assert_eq!(answer, vector(6)),
-            _ => {}
-        }
-        let (request, outcome) = exchange(command, &answer);
-        assert_eq!(request, expected, "vector {number}");
-        assert!(outcome.is_ok(), "vector {number}: {outcome:?}");
-    }
-}
-
-#[test]
-fn vectors_20_and_21_are_the_state() {
-    run(async {
-        let (mut driver, mut far) = attached(1000, 1);
-        let board = async {
-            let request = request(&mut far).await;
-            far.write_all(&vector(21)).await.unwrap();
-            request
-        };
-        let (request, state) = tokio::join!(board, driver.state(&no_clock));
-        assert_eq!(request, vector(20));
-        let (state, _) = state.unwrap();
-        assert_eq!(state.status, Status(0x0040_0020));
-        assert_eq!(state.status.moving(), BoardAxis::X.mask());
-        assert_eq!(state.positions, [100_000, -1, 0, 0, 0]);
-    });
-}
-
-#[test]
 fn an_exception_is_an_error_with_its_code_and_command() {
     let (_, outcome) = exchange(move_x(20_000, 5), &vector(29));
     assert_eq!(fault_of(&outcome), Some(&Exception(2)));
@@ -253,7 +157,7 @@ fn a_stop_by_hand_outlasts_a_move_that_arrives_late() {
             drop(driver);
         };
         let (heard, ()) = tokio::join!(board, stopping);
-        // Stop, a look when nothing can arrive any more, stop, and whether it stands.
+        // Stop, a look when nothing can arrive any more, stop, and whether it rests.
         assert_eq!(heard[..4], [42, 0, 42, 0], "{heard:?}");
     });
 }
@@ -289,19 +193,6 @@ fn the_exception_of_a_locked_board_is_told_as_such_where_it_is_known() {
         let as_refused = matches!(told.fault(), Some(Exception(6)));
         assert_eq!((as_locked, as_refused), (locked, !locked), "{known:?}: {told}");
     }
-}
-
-#[tokio::test(start_paused = true)]
-async fn a_broadcast_into_a_port_that_takes_nothing_ends_at_the_deadline() {
-    // Eleven bytes into a port that has room for four.
-    let (near, _far) = duplex(4);
-    let mut options = InterpCncOptions::new(vec![AxisOptions::new(BoardAxis::X)]);
-    options.deadline = Duration::from_millis(70);
-    let mut driver = InterpCnc::attach(Arc::from("wire"), near, &options);
-    let error = driver.broadcast(&Command::RampStop).await.unwrap_err();
-    let text = error.to_string();
-    assert!(text.starts_with("wire, address 1: command 42 "), "{text}");
-    assert!(text.ends_with(": no answer within 70 ms"), "{text}");
 }
 
 #[test]

@@ -11,11 +11,8 @@ use crate::{
     AxisOptions, Command, Execution, Init, IoUpdate, LoadSource, SmartDrive, SmartDriveOptions,
     StepsPerTurn, TrajectoryFlags, protocol::vectors::vector,
 };
+pub(super) use twin_drives::no_clock;
 use twin_drives::{DriveError, ProtocolFault};
-
-pub(super) fn no_clock() -> i64 {
-    0
-}
 
 pub(super) fn run<T>(test: impl Future<Output = T>) -> T {
     tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(test)

@@ -193,8 +193,8 @@ impl<F: Family> Command<F> {
         let travel = device.plan(axis, ramps, target)?;
         self.consent().ask(&travel.question)?;
         device.travel(axis, &travel)?;
-        say!("{} stands at {}", F::axis_name(axis), travel.target);
-        device.tell_follower()
+        say!("{} is at {}", F::axis_name(axis), travel.target);
+        device.report_follower()
     }
 }
 

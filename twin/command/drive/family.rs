@@ -101,7 +101,7 @@ pub(super) trait Family: Debug + Sized {
     fn travel(&mut self, axis: &Self::Axis, to: &Travel<Self::Profile>) -> Result<(), Failure>;
 
     /// Says what else has moved.
-    fn tell_follower(&mut self) -> Result<(), Failure> {
+    fn report_follower(&mut self) -> Result<(), Failure> {
         Ok(())
     }
 

@@ -94,7 +94,7 @@ fn restore(
     consent.ask_to_write(&format!("write {} parameters of {name}", plan.changes.len()))?;
     plan.carry_out(drive, save)?;
     if plan.unseen {
-        say!("written: `reset` makes the module read them, and tell them");
+        say!("written: `reset` makes the module read and report them");
         return Ok(());
     }
     say!("{}, and read back", if save { "written, saved" } else { "written" });

@@ -5,32 +5,28 @@ use crate::command::run::Interrupt;
 use std::time::Duration;
 use tokio::runtime::{Builder, Runtime};
 use twin_drives::DriveError;
+pub(super) use twin_drives::no_clock;
 
-/// Time between two looks for Ctrl-C.
+/// Interval of looking for Ctrl-C.
 const LOOK: Duration = Duration::from_millis(20);
 /// How long axes may take to come to rest on their ramps before they are stopped at once.
 pub(super) const BRAKING: Duration = Duration::from_secs(10);
 
-/// The clock of exchanges whose time matters to nobody.
-pub(super) fn no_clock() -> i64 {
-    0
+/// Positions of the axes after a stop.
+pub(super) enum RestPosition {
+    /// Known, in words.
+    Known(String),
+    /// Lost: the device shows itself as after a restart, in these words.
+    Lost(&'static str),
 }
 
-/// Where the axes of a drive stand.
-pub(super) enum Stands {
-    /// Here, in words.
-    At(String),
-    /// Nobody knows: it shows itself as after a restart, in these words.
-    Anew(&'static str),
-}
-
-impl Stands {
-    /// After what has been said of the stop.
+impl RestPosition {
+    /// Message after a stop.
     fn after(self, stopped: &str) -> String {
         match self {
-            Self::At(place) => format!("{stopped}, at {place}"),
-            Self::Anew(shown) => format!(
-                "{stopped}, and the device shows itself as after a restart ({shown}): where the axes stand is not known; `unlock`, then \
+            Self::Known(place) => format!("{stopped}, at {place}"),
+            Self::Lost(shown) => format!(
+                "{stopped}, and the device shows itself as after a restart ({shown}): the positions of the axes are not known; `unlock`, then \
                  `home` again"
             ),
         }
@@ -45,8 +41,8 @@ pub(super) trait Stopping {
     /// To rest at once; returns when that is confirmed.
     async fn hard_stop(&mut self) -> Result<(), DriveError>;
 
-    /// Where the axes stand.
-    async fn stands(&mut self) -> Result<Stands, DriveError>;
+    /// Positions of the axes.
+    async fn rest_position(&mut self) -> Result<RestPosition, DriveError>;
 }
 
 /// A runtime for the calls of one command.
@@ -61,7 +57,7 @@ impl Session {
         Ok(Self { runtime: runtime.map_err(Failure::Stdio)? })
     }
 
-    /// What opens a port has to be done within the runtime.
+    /// Opens a port within the runtime.
     pub(super) fn inside<T>(
         &self,
         open: impl FnOnce() -> Result<T, DriveError>,
@@ -70,7 +66,7 @@ impl Session {
         Ok(open()?)
     }
 
-    /// What moves nothing.
+    /// Runs a request that moves nothing.
     pub(super) fn ask<T>(
         &self,
         request: impl Future<Output = Result<T, DriveError>>,
@@ -78,7 +74,7 @@ impl Session {
         Ok(self.runtime.block_on(request)?)
     }
 
-    /// What moves axes. On Ctrl-C, and if it fails in any way, they are brought to rest before this returns.
+    /// Runs a motion. On Ctrl-C and on any failure the axes are brought to rest before this returns.
     pub(super) fn motion<D: Stopping, T>(
         &self,
         drive: &mut D,
@@ -88,7 +84,7 @@ impl Session {
         self.interruptible(drive, motion, || pressed(&interrupt))
     }
 
-    /// The same, with what `pressed` waits for, and calls, as Ctrl-C.
+    /// The same with `pressed` in the place of Ctrl-C.
     fn interruptible<D: Stopping, T, F: Future<Output = &'static str>>(
         &self,
         drive: &mut D,
@@ -105,7 +101,7 @@ impl Session {
             Ok(Ok(value)) => return Ok(value),
             Ok(Err(error)) => Ok(error),
             Err(name) => {
-                beside(format!("{name}: stopping"));
+                say_in_background(format!("{name}: stopping"));
                 Err(name)
             }
         };
@@ -117,10 +113,10 @@ impl Session {
             Ok(at_rest) => at_rest,
             Err(unknown) => return Err(failed(why, unknown)),
         };
-        // A drive that has just stopped and now says nothing is no reason to say less.
-        let stands = self.runtime.block_on(drive.stands());
-        let at_rest = match stands {
-            Ok(stands) => stands.after(at_rest),
+        // Without an answer the stop is reported all the same.
+        let position = self.runtime.block_on(drive.rest_position());
+        let at_rest = match position {
+            Ok(position) => position.after(at_rest),
             Err(_) => at_rest.to_owned(),
         };
         Err(failed(why, at_rest))
@@ -141,7 +137,7 @@ impl Session {
             }
         });
         let Err(why) = soft else { return Ok("the axes are at rest") };
-        beside(format!("{why}: stopping at once"));
+        say_in_background(format!("{why}: stopping at once"));
         match self.runtime.block_on(drive.hard_stop()) {
             Ok(()) => Ok("the axes were stopped at once"),
             Err(hard) => Err(format!(
@@ -151,14 +147,13 @@ impl Session {
     }
 }
 
-/// Says something while the axes are being stopped. A terminal may be held (Ctrl-S) and take no words for as long as it likes:
-/// no stop waits for that.
-fn beside(words: String) {
+/// Prints on a thread of its own: a terminal that is held (Ctrl-S) must not delay a stop.
+fn say_in_background(words: String) {
     let thread = std::thread::Builder::new().name("words".to_owned());
     drop(thread.spawn(move || stderr!("{words}")));
 }
 
-/// Returns on the next Ctrl-C, or what is like it, with its name.
+/// Returns on the next signal that ends the command, with its name.
 async fn pressed(interrupt: &Interrupt) -> &'static str {
     let before = interrupt.count();
     while interrupt.count() == before {
@@ -169,21 +164,21 @@ async fn pressed(interrupt: &Interrupt) -> &'static str {
 
 #[cfg(test)]
 mod tests {
-    use super::{Session, Stands, Stopping};
+    use super::{RestPosition, Session, Stopping};
     use std::future::{pending, ready};
     use std::time::Duration;
     use twin_drives::{Action, DriveError, Exchange};
 
-    /// A drive that confirms its stops or not, and what it was told.
+    /// A drive that confirms its stops or not, and its calls.
     struct Drive {
         confirms: [bool; 2],
-        told: Vec<&'static str>,
+        calls: Vec<&'static str>,
         restarted: bool,
     }
 
     impl Drive {
         fn new(confirms: [bool; 2]) -> Self {
-            Self { confirms, told: Vec::new(), restarted: false }
+            Self { confirms, calls: Vec::new(), restarted: false }
         }
     }
 
@@ -197,61 +192,65 @@ mod tests {
 
     impl Stopping for Drive {
         async fn soft_stop(&mut self) -> Result<(), DriveError> {
-            self.told.push("soft");
+            self.calls.push("soft");
             tokio::task::yield_now().await;
             confirmed(self.confirms[0])
         }
 
         async fn hard_stop(&mut self) -> Result<(), DriveError> {
-            self.told.push("hard");
+            self.calls.push("hard");
             confirmed(self.confirms[1])
         }
 
-        async fn stands(&mut self) -> Result<Stands, DriveError> {
-            let at = || Stands::At("17".to_owned());
-            Ok(if self.restarted { Stands::Anew("off, at 0") } else { at() })
+        async fn rest_position(&mut self) -> Result<RestPosition, DriveError> {
+            let at = || RestPosition::Known("17".to_owned());
+            Ok(if self.restarted { RestPosition::Lost("off, at 0") } else { at() })
         }
     }
 
     #[test]
-    fn a_stop_that_is_not_confirmed_is_followed_by_one_at_once() {
+    fn an_unconfirmed_stop_is_followed_by_a_hard_stop() {
         let session = Session::start().expect("a runtime");
         let stop = |confirms| {
             let mut drive = Drive::new(confirms);
             let said = session.stop(&mut drive, pending());
-            (said, drive.told)
+            (said, drive.calls)
         };
         assert_eq!(stop([true, true]), (Ok("the axes are at rest"), vec!["soft"]));
-        let (said, told) = stop([false, true]);
-        assert_eq!((said, told), (Ok("the axes were stopped at once"), vec!["soft", "hard"]));
-        let (said, told) = stop([false, false]);
+        let (said, calls) = stop([false, true]);
+        assert_eq!((said, calls), (Ok("the axes were stopped at once"), vec!["soft", "hard"]));
+        let (said, calls) = stop([false, false]);
         let said = said.expect_err("nothing is confirmed");
         assert!(said.contains("p, address 7") && said.contains("emergency stop"), "{said}");
-        assert_eq!(told, ["soft", "hard"]);
+        assert_eq!(calls, ["soft", "hard"]);
     }
 
     #[test]
-    fn what_goes_wrong_is_told_with_where_the_axes_came_to_rest() {
+    fn a_failure_reports_the_positions_after_the_stop() {
         let session = Session::start().expect("a runtime");
         let mut drive = Drive::new([true, true]);
         let failed = session.motion(&mut drive, async |_| confirmed(false));
         let said = failed.expect_err("it fails").to_string();
         assert!(said.ends_with("no answer within 1 ms; the axes are at rest, at 17"), "{said}");
-        assert_eq!(drive.told, ["soft"]);
+        assert_eq!(drive.calls, ["soft"]);
     }
 
     #[test]
-    fn a_place_is_not_told_of_a_device_that_has_restarted() {
+    fn positions_after_a_restart_are_unknown() {
         let session = Session::start().expect("a runtime");
         let mut drive = Drive { restarted: true, ..Drive::new([true, true]) };
         let failed = session.motion(&mut drive, async |_| confirmed(false));
         let said = failed.expect_err("it fails").to_string();
-        assert!(said.contains("as after a restart (off, at 0): where the axes stand is not known"));
+        assert!(
+            said.contains(
+                "as after a restart (off, at 0): the positions of the axes are not known"
+            )
+        );
         assert!(said.ends_with("`unlock`, then `home` again") && !said.contains("17"), "{said}");
     }
 
     #[test]
-    fn what_went_wrong_first_is_told_though_no_stop_is_confirmed() {
+    fn an_unconfirmed_stop_keeps_the_first_error() {
         let session = Session::start().expect("a runtime");
         let mut drive = Drive::new([false, false]);
         let moved = async |_: &mut Drive| {
@@ -267,12 +266,12 @@ mod tests {
     }
 
     #[test]
-    fn what_has_asked_for_the_stop_is_called_by_its_name() {
+    fn a_stop_names_its_signal() {
         let session = Session::start().expect("a runtime");
         let mut drive = Drive::new([true, true]);
         let moved = async |_: &mut Drive| pending::<Result<(), DriveError>>().await;
         let asked = std::cell::Cell::new(0);
-        // The second time it is who cannot wait.
+        // The second call waits for the impatient second signal.
         let pressed = || {
             asked.set(asked.get() + 1);
             let first = asked.get() == 1;
@@ -284,11 +283,11 @@ mod tests {
     }
 
     #[test]
-    fn who_cannot_wait_stops_at_once() {
+    fn a_second_signal_stops_at_once() {
         let session = Session::start().expect("a runtime");
         let mut drive = Drive::new([true, true]);
         let said = session.stop(&mut drive, ready("Ctrl-C"));
         assert_eq!(said.ok(), Some("the axes were stopped at once"));
-        assert_eq!(drive.told.last(), Some(&"hard"));
+        assert_eq!(drive.calls.last(), Some(&"hard"));
     }
 }

@@ -51,7 +51,7 @@ pub(super) fn integer(text: &str) -> Option<i64> {
 
 /// As [`integer`], for clap.
 pub(super) fn value(text: &str) -> Result<i64, String> {
-    integer(text).ok_or_else(|| format!("`{text}` is no whole number"))
+    integer(text).ok_or_else(|| format!("`{text}` is not a whole number"))
 }
 
 /// Milliseconds, more than none and no more than a minute.
@@ -69,7 +69,7 @@ pub(super) fn patience(distance: f64, speed: f64, acceleration: f64) -> Duration
 
 /// What a parameter was and is, with its unit. What the numbers mean is in brackets.
 pub(super) fn changed(old: impl Display, new: impl Display, unit: &str) -> String {
-    // Neither "1000 steps/s²" nor "/32768" is told from a legend by its digits.
+    // Digits do not mark a legend: "1000 steps/s²" and "/32768" are units.
     let is_legend = ["=", ",", " to ", " or "].iter().any(|mark| unit.contains(mark))
         || matches!(unit, "bits" | "code" | "address");
     match unit {
@@ -96,12 +96,12 @@ pub(super) fn check_value(
     Err(Failure::Usage(format!("{name} = {value} is impossible: it takes {values}{unit}")))
 }
 
-/// That there is no parameter of this number.
+/// Error of an unknown parameter number.
 pub(super) fn unknown_number(number: i64, numbers: &str) -> Failure {
     Failure::Usage(format!("there is no parameter {number}: {numbers}; `get` lists all"))
 }
 
-/// That there is no such parameter, with the nearest name there is.
+/// Error of an unknown name, with the nearest known one.
 pub(super) fn unknown_name<'a>(
     what: &str,
     name: &str,
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_is_told_with_its_unit_or_with_what_it_means() {
+    fn a_change_has_its_unit_or_its_legend() {
         let message = |unit| changed(0, 5, unit);
         assert_eq!(message(""), "0 -> 5");
         assert_eq!(

@@ -1,9 +1,10 @@
 //! A BIM2AX module.
 
 use super::bench::{self, stretch};
-use super::control::{Obeys, Switch};
+use super::control::{Obeys, Switch, one_of};
 use super::faults::{self, Carrier, Said, WireWord};
 use super::{Common, Failure, Status, serve};
+use clap::builder::TypedValueParser;
 use twin_bim2ax::emulator::{
     Control, EmulatedModule, EmulatorOptions, Event, ModuleOptions, Surroundings,
 };
@@ -15,8 +16,8 @@ pub(super) struct Options {
     common: Common,
 
     /// Byte order of its numbers; the manual is silent
-    #[arg(long, value_enum, default_value = "big")]
-    byte_order: OrderWord,
+    #[arg(long, default_value = "big", value_parser = one_of(&BYTE_ORDERS))]
+    byte_order: ByteOrder,
 
     /// Version of its software; from 15 on, several zones go with one interrupt
     #[arg(long, default_value_t = 15, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
@@ -32,10 +33,25 @@ fn rating(text: &str) -> Result<u32, String> {
     known.ok_or_else(|| "modules are rated 1000, 2000 or 5000 mA".to_owned())
 }
 
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum OrderWord {
-    Big,
-    Little,
+const BYTE_ORDERS: [(&str, ByteOrder); 2] =
+    [("big", ByteOrder::Big), ("little", ByteOrder::Little)];
+const ENCODERS: [(&str, EncoderKind); 3] = [
+    ("incremental", EncoderKind::Incremental),
+    ("ssi", EncoderKind::Ssi),
+    ("endat", EncoderKind::EnDat),
+];
+const MOTOR_FAULTS: [(&str, fn(ModuleAxis, bool) -> Event); 4] = [
+    ("power", Event::Power),
+    ("phase-open", Event::PhaseOpen),
+    ("phase-short", Event::PhaseShort),
+    ("stalled", Event::Stall),
+];
+
+/// Axis 1 or 2.
+fn axis() -> impl TypedValueParser<Value = ModuleAxis> {
+    clap::value_parser!(u8)
+        .range(1..=2)
+        .map(|number| if number == 1 { ModuleAxis::One } else { ModuleAxis::Two })
 }
 
 pub(super) fn run(options: &Options) -> Result<Status, Failure> {
@@ -43,12 +59,8 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         return Ok(Status::Fit);
     }
     let link = options.common.link()?;
-    let byte_order = match options.byte_order {
-        OrderWord::Big => ByteOrder::Big,
-        OrderWord::Little => ByteOrder::Little,
-    };
     let module = ModuleOptions {
-        byte_order,
+        byte_order: options.byte_order,
         version: options.software,
         rating_ma: options.rating_ma,
         assumptions: options.common.assume.take()?,
@@ -91,8 +103,8 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
 enum Word {
     /// A contact of an axis that is always closed (on) or open (off) from now on, or obeys the axis again
     Contact {
-        #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
-        axis: u8,
+        #[arg(value_parser = axis())]
+        axis: ModuleAxis,
         #[arg(value_enum)]
         contact: ContactWord,
         #[arg(value_enum)]
@@ -100,8 +112,8 @@ enum Word {
     },
     /// Where an end switch or a home cam is actuated
     Place {
-        #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
-        axis: u8,
+        #[arg(value_parser = axis())]
+        axis: ModuleAxis,
         #[arg(value_enum)]
         contact: ContactWord,
         /// FROM..TO, whole µsteps of the shaft, 0 where it stood at the start; without an end: from there on, or up to there
@@ -113,8 +125,8 @@ enum Word {
     },
     /// An end switch or a home cam is taken away: its input is open
     Remove {
-        #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
-        axis: u8,
+        #[arg(value_parser = axis())]
+        axis: ModuleAxis,
         #[arg(value_enum)]
         contact: ContactWord,
     },
@@ -122,34 +134,34 @@ enum Word {
     Encoder(EncoderWord),
     /// The encoder of an axis is taken away
     NoEncoder {
-        #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
-        axis: u8,
+        #[arg(value_parser = axis())]
+        axis: ModuleAxis,
     },
     /// The plug of an axis has this value, 0 to 4294967294
     AxisPlug {
-        #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
-        axis: u8,
+        #[arg(value_parser = axis())]
+        axis: ModuleAxis,
         #[arg(value_parser = clap::value_parser!(u32).range(..i64::from(u32::MAX)))]
         value: u32,
     },
     /// The plug of an axis is pulled out
     NoAxisPlug {
-        #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
-        axis: u8,
+        #[arg(value_parser = axis())]
+        axis: ModuleAxis,
     },
     /// Power, phases, or a shaft that is held
     Motor {
-        #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
-        axis: u8,
-        #[arg(value_enum)]
-        what: MotorWord,
+        #[arg(value_parser = axis())]
+        axis: ModuleAxis,
+        #[arg(value_parser = one_of(&MOTOR_FAULTS))]
+        what: fn(ModuleAxis, bool) -> Event,
         #[arg(value_enum)]
         state: Switch,
     },
     /// The shaft of an axis is held, as by `motor AXIS stalled`
     Stall {
-        #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
-        axis: u8,
+        #[arg(value_parser = axis())]
+        axis: ModuleAxis,
         #[arg(value_enum)]
         state: Switch,
     },
@@ -173,10 +185,10 @@ enum Word {
 #[derive(Clone, Copy, Debug, clap::Args)]
 #[expect(clippy::struct_excessive_bools, reason = "independent switches of a command")]
 struct EncoderWord {
-    #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
-    axis: u8,
-    #[arg(value_enum)]
-    kind: KindWord,
+    #[arg(value_parser = axis())]
+    axis: ModuleAxis,
+    #[arg(value_parser = one_of(&ENCODERS))]
+    kind: EncoderKind,
     /// Points per turn: lines × 4 of an incremental encoder
     #[arg(long, default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..))]
     points: u32,
@@ -212,11 +224,7 @@ struct EncoderWord {
 impl EncoderWord {
     fn bench(self) -> EncoderBench {
         EncoderBench {
-            kind: Some(match self.kind {
-                KindWord::Incremental => EncoderKind::Incremental,
-                KindWord::Ssi => EncoderKind::Ssi,
-                KindWord::Endat => EncoderKind::EnDat,
-            }),
+            kind: Some(self.kind),
             points_per_turn: self.points,
             microsteps_per_turn: self.microsteps,
             inverted: self.inverted,
@@ -229,13 +237,6 @@ impl EncoderWord {
             alarm: self.alarm,
         }
     }
-}
-
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum KindWord {
-    Incremental,
-    Ssi,
-    Endat,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -252,24 +253,15 @@ enum ContactState {
     Free,
 }
 
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum MotorWord {
-    Power,
-    PhaseOpen,
-    PhaseShort,
-    Stalled,
-}
-
 impl Word {
     /// What happens to a module with these surroundings.
     fn control(self, mut surroundings: Surroundings) -> Result<Control, Said> {
-        let axis = |axis: u8| if axis == 1 { ModuleAxis::One } else { ModuleAxis::Two };
         let event = match self {
             Self::Wire(word) => {
                 return word.control(Carrier::Bus, |words| obeyed(words, surroundings));
             }
-            Self::Contact { axis: number, contact, state } => {
-                let slot = contact.of(&mut surroundings, axis(number))?;
+            Self::Contact { axis, contact, state } => {
+                let slot = contact.of(&mut surroundings, axis)?;
                 // One that nothing actuates.
                 let nowhere = Contact::between(i64::MAX, i64::MAX, true);
                 slot.get_or_insert(nowhere).stuck = match state {
@@ -279,40 +271,34 @@ impl Word {
                 };
                 Event::Surroundings(Box::new(surroundings))
             }
-            Self::Place { axis: number, contact, range: (low, high), opens } => {
+            Self::Place { axis, contact, range: (low, high), opens } => {
                 let low = low.map_or(i64::MIN, i64::from);
                 let high = high.map_or(i64::MAX, i64::from);
-                *contact.of(&mut surroundings, axis(number))? =
-                    Some(Contact::between(low, high, !opens));
+                *contact.of(&mut surroundings, axis)? = Some(Contact::between(low, high, !opens));
                 Event::Surroundings(Box::new(surroundings))
             }
-            Self::Remove { axis: number, contact } => {
-                *contact.of(&mut surroundings, axis(number))? = None;
+            Self::Remove { axis, contact } => {
+                *contact.of(&mut surroundings, axis)? = None;
                 Event::Surroundings(Box::new(surroundings))
             }
             Self::Encoder(encoder) => {
-                put(&mut surroundings.encoders, axis(encoder.axis), Some(encoder.bench()));
+                put(&mut surroundings.encoders, encoder.axis, Some(encoder.bench()));
                 Event::Surroundings(Box::new(surroundings))
             }
-            Self::NoEncoder { axis: number } => {
-                put(&mut surroundings.encoders, axis(number), None);
+            Self::NoEncoder { axis } => {
+                put(&mut surroundings.encoders, axis, None);
                 Event::Surroundings(Box::new(surroundings))
             }
-            Self::AxisPlug { axis: number, value } => {
-                put(&mut surroundings.plugs, axis(number), Some(value));
+            Self::AxisPlug { axis, value } => {
+                put(&mut surroundings.plugs, axis, Some(value));
                 Event::Surroundings(Box::new(surroundings))
             }
-            Self::NoAxisPlug { axis: number } => {
-                put(&mut surroundings.plugs, axis(number), None);
+            Self::NoAxisPlug { axis } => {
+                put(&mut surroundings.plugs, axis, None);
                 Event::Surroundings(Box::new(surroundings))
             }
-            Self::Motor { axis: number, what, state } => match what {
-                MotorWord::Power => Event::Power(axis(number), state.is_on()),
-                MotorWord::PhaseOpen => Event::PhaseOpen(axis(number), state.is_on()),
-                MotorWord::PhaseShort => Event::PhaseShort(axis(number), state.is_on()),
-                MotorWord::Stalled => Event::Stall(axis(number), state.is_on()),
-            },
-            Self::Stall { axis: number, state } => Event::Stall(axis(number), state.is_on()),
+            Self::Motor { axis, what, state } => what(axis, state.is_on()),
+            Self::Stall { axis, state } => Event::Stall(axis, state.is_on()),
             Self::StuckStatus { state } => Event::StuckStatus(state.is_on()),
             Self::BrownOut { ms } => Event::BrownOut { off_ns: i64::from(ms) * 1_000_000 },
             Self::SpoilEeprom => Event::SpoilEeprom,

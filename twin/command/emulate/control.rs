@@ -1,5 +1,6 @@
 //! The control socket of an emulator: a line in, a line out.
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use std::fs;
 use std::io::{self, Read, Write};
@@ -7,7 +8,7 @@ use std::os::unix::fs::FileTypeExt;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 
-/// A longer line is no command.
+/// Longest line of a command, bytes.
 const MOST_BYTES: usize = 4096;
 
 /// A device that things can be done to.
@@ -15,7 +16,7 @@ pub(super) trait Obeys {
     /// Does what the words say.
     ///
     /// # Errors
-    /// Why not, in words.
+    /// The reason, in words.
     fn obey(&mut self, words: &[&str]) -> Result<String, String>;
 }
 
@@ -34,6 +35,16 @@ impl Switch {
     }
 }
 
+/// Parses one of a few words as its meaning; help and errors list them.
+pub(in crate::command) fn one_of<T: Copy + Send + Sync + 'static>(
+    table: &'static [(&'static str, T)],
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(table.iter().map(|(word, _)| *word)).try_map(|word| {
+        let found = table.iter().find(|(known, _)| known.eq_ignore_ascii_case(&word));
+        found.map(|(_, meaning)| *meaning).ok_or("not one of the words")
+    })
+}
+
 /// Parses the words of a line.
 ///
 /// # Errors
@@ -41,7 +52,7 @@ impl Switch {
 pub(super) fn understood<T: clap::Parser>(words: &[&str]) -> Result<T, Result<String, String>> {
     T::try_parse_from(words).map_err(|error| {
         let text = error.to_string();
-        // Help is no error.
+        // Help is not an error.
         if !error.use_stderr() {
             return Ok(text.trim_end().to_owned());
         }
@@ -139,7 +150,7 @@ mod tests {
     use super::*;
     use std::io::{BufRead, BufReader};
 
-    /// Says what it was told, and refuses "no".
+    /// Repeats its commands, and refuses "no".
     #[derive(Default)]
     struct Parrot(Vec<String>);
 
@@ -170,7 +181,7 @@ mod tests {
         assert_eq!(parrot.0, ["input 3 on", "quiet"]);
         assert!(console.talkers.is_empty());
 
-        // What never ends is no line.
+        // A line without an end is dropped.
         let mut endless = UnixStream::connect(&path).unwrap();
         endless.write_all(&[b'x'; 3 * MOST_BYTES]).unwrap();
         console.serve(&mut parrot);

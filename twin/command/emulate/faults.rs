@@ -1,8 +1,11 @@
 //! Words that every emulated device obeys: what goes wrong with its wire or bus, and when.
 
-use super::control::{Switch, understood};
+use super::control::{Switch, one_of, understood};
 use clap::ValueEnum;
 use twin_drives::{Control, Direction, FaultRule, When, WireFault};
+
+const DIRECTIONS: [(&str, Direction); 2] =
+    [("request", Direction::Request), ("answer", Direction::Answer)];
 
 /// What all devices obey.
 #[derive(Debug, clap::Subcommand)]
@@ -13,8 +16,8 @@ pub(super) enum WireWord {
     /// byte by byte, there is no wrong-check, noise or echo,
     /// and no answer comes twice
     Fault {
-        #[arg(value_enum)]
-        direction: DirectionWord,
+        #[arg(value_parser = one_of(&DIRECTIONS))]
+        direction: Direction,
         #[arg(value_enum)]
         fault: FaultWord,
         /// What it takes
@@ -47,12 +50,6 @@ pub(super) enum WireWord {
         #[arg(required = true, trailing_var_arg = true, allow_hyphen_values = true)]
         words: Vec<String>,
     },
-}
-
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-pub(super) enum DirectionWord {
-    Request,
-    Answer,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -155,10 +152,6 @@ impl WireWord {
     ) -> Result<Control<E>, Said> {
         Ok(match self {
             Self::Fault { direction, fault, value, next, after, every, per_million } => {
-                let direction = match direction {
-                    DirectionWord::Request => Direction::Request,
-                    DirectionWord::Answer => Direction::Answer,
-                };
                 let when = next.map(When::Next).or(after.map(When::After));
                 let when = when.or(every.map(When::Every)).or(per_million.map(When::PerMillion));
                 carrier.check(direction, fault).map_err(Err)?;

@@ -1,7 +1,7 @@
 //! An InterpCNC board.
 
 use super::bench::{self, stretch};
-use super::control::{Obeys, Switch};
+use super::control::{Obeys, Switch, one_of};
 use super::faults::{self, Carrier, Said, WireWord};
 use super::{Common, Failure, Status, milliseconds, serve};
 use twin_interpcnc::emulator::{
@@ -24,8 +24,8 @@ pub(super) struct Options {
     baud: u32,
 
     /// Parity; a pseudo-terminal does not tell that of a master
-    #[arg(long, value_enum, default_value = "none")]
-    parity: ParityOption,
+    #[arg(long, default_value = "none", value_parser = one_of(&PARITIES))]
+    parity: Parity,
 
     /// Understand masters at any speed; otherwise those at another than --baud get no answer, as from a board
     #[arg(long)]
@@ -44,12 +44,28 @@ pub(super) struct Options {
     older: bool,
 }
 
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum ParityOption {
-    None,
-    Even,
-    Odd,
-}
+/// Parities by their words.
+pub(in crate::command) const PARITIES: [(&str, Parity); 3] =
+    [("none", Parity::None), ("even", Parity::Even), ("odd", Parity::Odd)];
+const AXES: [(&str, BoardAxis); 5] = [
+    ("x", BoardAxis::X),
+    ("y", BoardAxis::Y),
+    ("z", BoardAxis::Z),
+    ("a", BoardAxis::A),
+    ("b", BoardAxis::B),
+];
+const CONDITIONS: [(&str, Condition); 10] = [
+    ("buffer-frozen", Condition::BufferFrozen),
+    ("overridden", Condition::Overridden),
+    ("override-allowed", Condition::OverrideAllowed),
+    ("waiting-for-input", Condition::WaitingForInput),
+    ("wait-timeout", Condition::WaitTimeout),
+    ("height-control", Condition::HeightControl),
+    ("basic-tx-overrun", Condition::BasicTxOverrun),
+    ("basic-rx-overrun", Condition::BasicRxOverrun),
+    ("basic-running", Condition::BasicRunning),
+    ("recipes-changed", Condition::RecipesChanged),
+];
 
 pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     if bench::help(&options.common, |words| obeyed(words, &Bench::default()).map(drop))? {
@@ -58,12 +74,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     let link = options.common.link()?;
     let assumptions = options.common.assume.take()?;
     let turnaround = milliseconds("--turnaround-ms", options.turnaround_ms)?;
-    let parity = match options.parity {
-        ParityOption::None => Parity::None,
-        ParityOption::Even => Parity::Even,
-        ParityOption::Odd => Parity::Odd,
-    };
-    let line = Line { baud: options.baud, parity };
+    let line = Line { baud: options.baud, parity: options.parity };
     let enable = !options.enable_open;
     let mut bench = Bench::default();
     let afterwards = bench::set_up(&options.common, |words| {
@@ -139,8 +150,8 @@ enum Word {
     Cam {
         #[arg(value_parser = clap::value_parser!(u8).range(1..=32))]
         number: u8,
-        #[arg(value_enum, ignore_case = true)]
-        axis: AxisWord,
+        #[arg(ignore_case = true, value_parser = one_of(&AXES))]
+        axis: BoardAxis,
         /// FROM..TO, steps from where the axis stood at the start; without an end: from there on, or up to there
         #[arg(value_parser = stretch, allow_hyphen_values = true)]
         range: (Option<i32>, Option<i32>),
@@ -155,8 +166,8 @@ enum Word {
     },
     /// The encoder is on an axis and counts so many edges in so many steps of it
     Encoder {
-        #[arg(value_enum, ignore_case = true)]
-        axis: AxisWord,
+        #[arg(ignore_case = true, value_parser = one_of(&AXES))]
+        axis: BoardAxis,
         /// Below 0: it counts down where the axis counts up
         #[arg(allow_negative_numbers = true)]
         counts: i32,
@@ -176,15 +187,15 @@ enum Word {
     },
     /// Something that nothing on Modbus brings about is so (on) or no more (off)
     Condition {
-        #[arg(value_enum)]
-        condition: ConditionWord,
+        #[arg(value_parser = one_of(&CONDITIONS))]
+        condition: Condition,
         #[arg(value_enum)]
         state: Switch,
     },
     /// The motor of an axis does not follow
     Stall {
-        #[arg(value_enum, ignore_case = true)]
-        axis: AxisWord,
+        #[arg(ignore_case = true, value_parser = one_of(&AXES))]
+        axis: BoardAxis,
         #[arg(value_enum)]
         state: Switch,
     },
@@ -207,62 +218,10 @@ enum Word {
     Wire(WireWord),
 }
 
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum AxisWord {
-    X,
-    Y,
-    Z,
-    A,
-    B,
-}
-
-impl AxisWord {
-    fn axis(self) -> BoardAxis {
-        match self {
-            Self::X => BoardAxis::X,
-            Self::Y => BoardAxis::Y,
-            Self::Z => BoardAxis::Z,
-            Self::A => BoardAxis::A,
-            Self::B => BoardAxis::B,
-        }
-    }
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum CounterWord {
     A,
     B,
-}
-
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum ConditionWord {
-    BufferFrozen,
-    Overridden,
-    OverrideAllowed,
-    WaitingForInput,
-    WaitTimeout,
-    HeightControl,
-    BasicTxOverrun,
-    BasicRxOverrun,
-    BasicRunning,
-    RecipesChanged,
-}
-
-impl ConditionWord {
-    fn condition(self) -> Condition {
-        match self {
-            Self::BufferFrozen => Condition::BufferFrozen,
-            Self::Overridden => Condition::Overridden,
-            Self::OverrideAllowed => Condition::OverrideAllowed,
-            Self::WaitingForInput => Condition::WaitingForInput,
-            Self::WaitTimeout => Condition::WaitTimeout,
-            Self::HeightControl => Condition::HeightControl,
-            Self::BasicTxOverrun => Condition::BasicTxOverrun,
-            Self::BasicRxOverrun => Condition::BasicRxOverrun,
-            Self::BasicRunning => Condition::BasicRunning,
-            Self::RecipesChanged => Condition::RecipesChanged,
-        }
-    }
 }
 
 impl Word {
@@ -274,7 +233,7 @@ impl Word {
             Self::Cam { number: input, axis, range: (from, to), opens } => {
                 bench.cams.push(Cam {
                     input,
-                    axis: axis.axis(),
+                    axis,
                     from: from.unwrap_or(i32::MIN),
                     to: to.unwrap_or(i32::MAX),
                     normally_closed: opens,
@@ -286,7 +245,6 @@ impl Word {
                 Event::Bench(bench)
             }
             Self::Encoder { axis, counts, steps, turn: counts_per_revolution } => {
-                let axis = axis.axis();
                 bench.encoder = Some(EncoderLink { axis, counts, steps, counts_per_revolution });
                 Event::Bench(bench)
             }
@@ -297,14 +255,12 @@ impl Word {
             Self::Pulses { counter, count } => {
                 Event::Pulses { second: counter == CounterWord::B, count }
             }
-            Self::Condition { condition, state } => {
-                Event::Condition(condition.condition(), state.is_on())
-            }
+            Self::Condition { condition, state } => Event::Condition(condition, state.is_on()),
             Self::Enable { state } => Event::Enable(state.is_on()),
             Self::Input { number, state } => Event::Input { number, level: state.is_on() },
             Self::Release { number } => Event::ReleaseInput(number),
             Self::Analog { number, value } => Event::AnalogInput { number, value },
-            Self::Stall { axis: word, state } => Event::Stall(word.axis(), state.is_on()),
+            Self::Stall { axis, state } => Event::Stall(axis, state.is_on()),
             Self::StuckStatus { state } => Event::StuckStatus(state.is_on()),
             Self::BreakEeprom { state } => Event::BreakEeprom(state.is_on()),
             Self::BrownOut { ms } => Event::BrownOut { off_ns: i64::from(ms) * 1_000_000 },

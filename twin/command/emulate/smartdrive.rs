@@ -1,7 +1,7 @@
 //! `SmartDRIVE`s on a bus.
 
 use super::bench::{self, stretch};
-use super::control::{Obeys, Switch};
+use super::control::{Obeys, Switch, one_of};
 use super::faults::{self, Carrier, Said, WireWord};
 use super::{Common, Failure, Status, milliseconds, serve};
 use std::collections::HashSet;
@@ -155,16 +155,16 @@ enum Word {
     /// An input
     Input {
         address: u8,
-        #[arg(value_enum)]
-        input: InputWord,
+        #[arg(value_parser = one_of(&INPUTS))]
+        input: Input,
         #[arg(value_enum)]
         state: Switch,
     },
     /// One more switch at an input, active while the axis is on a stretch: a home or limit switch
     Cam {
         address: u8,
-        #[arg(value_enum)]
-        input: InputWord,
+        #[arg(value_parser = one_of(&INPUTS))]
+        input: Input,
         /// FROM..TO, µsteps from where the axis stood at the start; without an end: from there on, or up to there
         #[arg(value_parser = stretch, allow_hyphen_values = true)]
         range: (Option<i32>, Option<i32>),
@@ -172,14 +172,14 @@ enum Word {
     /// All switches at an input are taken away
     NoCams {
         address: u8,
-        #[arg(value_enum)]
-        input: InputWord,
+        #[arg(value_parser = one_of(&INPUTS))]
+        input: Input,
     },
     /// Homing looks for a switch at this input, towards smaller positions; the manual does not say where it is chosen
     Homing {
         address: u8,
-        #[arg(value_enum)]
-        input: InputWord,
+        #[arg(value_parser = one_of(&INPUTS))]
+        input: Input,
         /// Towards larger positions
         #[arg(long)]
         positive: bool,
@@ -200,8 +200,8 @@ enum Word {
     /// The cause of an alarm
     Alarm {
         address: u8,
-        #[arg(value_enum)]
-        alarm: AlarmWord,
+        #[arg(value_parser = one_of(&ALARMS))]
+        alarm: Alarms,
         #[arg(value_enum)]
         state: Switch,
     },
@@ -210,8 +210,8 @@ enum Word {
     /// A bit of the status of which the manual does not say what sets it; a new motion clears the last
     Condition {
         address: u8,
-        #[arg(value_enum)]
-        condition: ConditionWord,
+        #[arg(value_parser = one_of(&CONDITIONS))]
+        condition: Condition,
         #[arg(value_enum)]
         state: Switch,
     },
@@ -231,51 +231,24 @@ enum Word {
     Wire(WireWord),
 }
 
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum InputWord {
-    Go,
-    Dir,
-    Off,
-    Limp,
-    Limn,
-}
-
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum AlarmWord {
-    PowerDriver,
-    Overtemperature,
-    CurrentProbes,
-    Oscillator,
-}
-
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum ConditionWord {
-    Signalled,
-    Busy,
-    Triggered,
-}
-
-impl ConditionWord {
-    fn condition(self) -> Condition {
-        match self {
-            Self::Signalled => Condition::Signalled,
-            Self::Busy => Condition::Busy,
-            Self::Triggered => Condition::Triggered,
-        }
-    }
-}
-
-impl InputWord {
-    fn input(self) -> Input {
-        match self {
-            Self::Go => Input::Go,
-            Self::Dir => Input::Dir,
-            Self::Off => Input::Off,
-            Self::Limp => Input::LimP,
-            Self::Limn => Input::LimN,
-        }
-    }
-}
+const INPUTS: [(&str, Input); 5] = [
+    ("go", Input::Go),
+    ("dir", Input::Dir),
+    ("off", Input::Off),
+    ("limp", Input::LimP),
+    ("limn", Input::LimN),
+];
+const ALARMS: [(&str, Alarms); 4] = [
+    ("power-driver", Alarms::POWER_DRIVER),
+    ("overtemperature", Alarms::OVERTEMPERATURE),
+    ("current-probes", Alarms::CURRENT_PROBES),
+    ("oscillator", Alarms::OSCILLATOR),
+];
+const CONDITIONS: [(&str, Condition); 3] = [
+    ("signalled", Condition::Signalled),
+    ("busy", Condition::Busy),
+    ("triggered", Condition::Triggered),
+];
 
 impl Word {
     /// What happens, and the address of the drive.
@@ -285,31 +258,25 @@ impl Word {
                 return word.control(Carrier::Wire, |words| obeyed(words, addresses));
             }
             Self::Input { address, input, state } => {
-                (address, Event::Input { input: input.input(), level: state.is_on() })
+                (address, Event::Input { input, level: state.is_on() })
             }
             Self::Cam { address, input, range: (from, to) } => {
                 let (from, to) = (from.unwrap_or(i32::MIN), to.unwrap_or(i32::MAX));
-                (address, Event::Cam { input: input.input(), from, to })
+                (address, Event::Cam { input, from, to })
             }
-            Self::NoCams { address, input } => (address, Event::NoCams(input.input())),
+            Self::NoCams { address, input } => (address, Event::NoCams(input)),
             Self::Homing { address, input, positive, timeout } => {
                 let timeout = Duration::from_secs(timeout.into());
-                (address, Event::Homing(HomingOptions { input: input.input(), positive, timeout }))
+                (address, Event::Homing(HomingOptions { input, positive, timeout }))
             }
             Self::Analog { address, number, value } => (address, Event::Analog { number, value }),
             Self::Supply { address, volts } => (address, Event::Supply(volts)),
             Self::Alarm { address, alarm, state } => {
-                let alarms = match alarm {
-                    AlarmWord::PowerDriver => Alarms::POWER_DRIVER,
-                    AlarmWord::Overtemperature => Alarms::OVERTEMPERATURE,
-                    AlarmWord::CurrentProbes => Alarms::CURRENT_PROBES,
-                    AlarmWord::Oscillator => Alarms::OSCILLATOR,
-                };
-                (address, Event::Fault { alarms, present: state.is_on() })
+                (address, Event::Fault { alarms: alarm, present: state.is_on() })
             }
             Self::Stall { address } => (address, Event::Stall),
             Self::Condition { address, condition, state } => {
-                (address, Event::Condition(condition.condition(), state.is_on()))
+                (address, Event::Condition(condition, state.is_on()))
             }
             Self::StuckStatus { address, state } => (address, Event::StuckStatus(state.is_on())),
             Self::BrownOut { address, ms } => {

@@ -275,56 +275,36 @@ fn assert_within(errors: &[Errors], rms_ms: f64, largest_ms: f64) {
 }
 
 #[test]
-fn a_sine_is_followed() {
-    // 80 mm to and fro at 100 increments per mm, 1 Hz: 25 kHz, 158 kHz/s.
-    for seed in 0..4 {
-        assert_within(&follow(&steep(1), EMULATED, seed, 3.0, &sines(1, 4000.0, 1.0)), 0.5, 1.5);
-    }
-}
-
-#[test]
-fn three_sines_are_followed() {
-    assert_within(&follow(&steep(3), EMULATED, 1, 6.0, &sines(3, 4000.0, 1.0)), 0.8, 3.0);
-}
-
-#[test]
-fn a_fast_sine_is_followed() {
-    // 3 Hz: a turn every 170 ms, a round takes 30.
-    assert_within(&follow(&steep(2), EMULATED, 1, 4.0, &sines(2, 1000.0, 3.0)), 1.0, 4.0);
-}
-
-#[test]
-fn ramps_little_steeper_than_the_plan_suffice() {
+fn sines_are_followed() {
     let gentle = |options: AxisOptions| AxisOptions {
         acceleration_khz_per_s: 200,
         deceleration_khz_per_s: 200,
         max_speed_hz: 30_000,
         ..options
     };
-    let axes: Vec<_> = steep(2).into_iter().map(gentle).collect();
-    assert_within(&follow(&axes, EMULATED, 1, 4.0, &sines(2, 4000.0, 1.0)), 1.0, 4.0);
-}
-
-#[test]
-fn a_board_that_executes_later_than_assumed_is_followed() {
+    let gentle: Vec<_> = steep(2).into_iter().map(gentle).collect();
     // Executed just before the answer instead of just after the request.
     let late = Wire { before_ns: 6 * MS, turnaround_ns: 0, jitter_ns: MS, ..EMULATED };
-    assert_within(&follow(&steep(2), late, 1, 4.0, &sines(2, 4000.0, 1.0)), 3.0, 6.0);
-}
-
-#[test]
-fn a_slow_adapter_is_endured() {
     // The 16 ms latency timer of USB adapters, and answers up to 5 ms late.
     let slow = Wire { before_ns: 2 * MS, turnaround_ns: 16 * MS, jitter_ns: 5 * MS, ..EMULATED };
-    assert_within(&follow(&steep(2), slow, 1, 4.0, &sines(2, 4000.0, 1.0)), 10.0, 20.0);
-}
-
-#[test]
-fn a_busy_computer_is_endured() {
     // One wait in fifty lasts 40 ms longer: a stall every 250 ms.
     let busy = Wire { stalls: Some((50, 40 * MS)), ..EMULATED };
-    for seed in 0..4 {
-        assert_within(&follow(&steep(2), busy, seed, 6.0, &sines(2, 4000.0, 1.0)), 5.0, 40.0);
+    // Axes, wire, seeds, end, sine, and bounds of the errors, ms.
+    for (axes, wire, seeds, end_s, (amplitude, frequency), (rms_ms, largest_ms)) in [
+        // 80 mm to and fro at 100 increments per mm, 1 Hz: 25 kHz, 158 kHz/s.
+        (steep(1), EMULATED, 0..4, 3.0, (4000.0, 1.0), (0.5, 1.5)),
+        (steep(3), EMULATED, 1..2, 6.0, (4000.0, 1.0), (0.8, 3.0)),
+        // 3 Hz: a turn every 170 ms, a round takes 30.
+        (steep(2), EMULATED, 1..2, 4.0, (1000.0, 3.0), (1.0, 4.0)),
+        (gentle, EMULATED, 1..2, 4.0, (4000.0, 1.0), (1.0, 4.0)),
+        (steep(2), late, 1..2, 4.0, (4000.0, 1.0), (3.0, 6.0)),
+        (steep(2), slow, 1..2, 4.0, (4000.0, 1.0), (10.0, 20.0)),
+        (steep(2), busy, 0..4, 6.0, (4000.0, 1.0), (5.0, 40.0)),
+    ] {
+        for seed in seeds {
+            let sines = sines(axes.len(), amplitude, frequency);
+            assert_within(&follow(&axes, wire, seed, end_s, &sines), rms_ms, largest_ms);
+        }
     }
 }
 
@@ -347,27 +327,14 @@ fn trapezoid(time: f64, way: f64, v: f64, a: f64) -> (f64, f64) {
 #[test]
 fn a_trapezoid_is_followed() {
     // 400 kHz/s up to 40 kHz.
-    let errors = follow(&steep(1), EMULATED, 1, 1.5, &|time| {
-        let (position, velocity) = trapezoid(time, 40e3, 40e3, 400e3);
-        let mut motion = IncrementMotion::default();
-        motion.position[0] = position;
-        motion.velocity[0] = velocity;
-        motion
-    });
+    let errors = follow(&steep(1), EMULATED, 1, 1.5, &ramps(40e3, 40e3, 400e3));
     assert_within(&errors, 0.5, 2.0);
 }
 
 #[test]
 fn an_axis_that_the_plan_leaves_alone_gets_no_command() {
-    let plan = |time: f64| {
-        let (position, velocity) = trapezoid(time, 20e3, 5e3, 400e3);
-        let mut motion = IncrementMotion::default();
-        motion.position[0] = position;
-        motion.velocity[0] = velocity;
-        motion
-    };
-    let errors = follow(&steep(2), EMULATED, 1, 4.5, &plan);
-    // The second axis stands on the plan from beginning to end.
+    let errors = follow(&steep(2), EMULATED, 1, 4.5, &ramps(20e3, 5e3, 400e3));
+    // The second axis is on the plan from beginning to end.
     assert_eq!(errors[1].largest.to_bits(), 0.0_f64.to_bits());
     assert_within(&errors[..1], 0.5, 2.0);
 }
@@ -380,7 +347,7 @@ fn a_slow_axis_is_followed_step_by_step() {
 }
 
 #[test]
-fn an_axis_whose_master_dies_stands_on_the_plan() {
+fn an_axis_whose_master_dies_rests_on_the_plan() {
     let of = sines(2, 4000.0, 1.0);
     for rounds in 10..60 {
         let mut run = start(&steep(2), EMULATED, 7, 4.0, &of);
@@ -388,16 +355,16 @@ fn an_axis_whose_master_dies_stands_on_the_plan() {
         let now = run.plan.now_ns();
         run.board.advance(3000 * MS);
         for axis in 0..2 {
-            let stands = run.board.position(BoardAxis::ALL[axis]);
+            let rest = run.board.position(BoardAxis::ALL[axis]);
             let planned = (0..=run.plan.horizon_ns / MS)
                 .map(|part| run.plan.at(now + part * MS).position[axis]);
             // The last command is a few rounds old at most.
             let nearest =
-                planned.map(|position| (position - stands).abs()).fold(f64::INFINITY, f64::min);
-            assert!(nearest < 60.0, "axis {axis} stands at {stands}, {nearest} from the plan");
+                planned.map(|position| (position - rest).abs()).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 60.0, "axis {axis} is at {rest}, {nearest} from the plan");
             assert!(
-                (-0.6..=8000.6).contains(&stands),
-                "axis {axis} stands at {stands}, beyond the turning points"
+                (-0.6..=8000.6).contains(&rest),
+                "axis {axis} is at {rest}, beyond the turning points"
             );
         }
     }
@@ -406,13 +373,7 @@ fn an_axis_whose_master_dies_stands_on_the_plan() {
 #[test]
 fn a_short_horizon_makes_the_axis_lag_and_never_lead() {
     // The plan reaches 60 ms ahead only: the axis brakes for the end of what is planned.
-    let of = |time: f64| {
-        let (position, velocity) = trapezoid(time, 20e3, 20e3, 200e3);
-        let mut motion = IncrementMotion::default();
-        motion.position[0] = position;
-        motion.velocity[0] = velocity;
-        motion
-    };
+    let of = ramps(20e3, 20e3, 200e3);
     let mut run = start(&steep(1), EMULATED, 3, 1.5, &of);
     run.plan.horizon_ns = 60 * MS;
     while run.plan.now_ns() < 2500 * MS {
@@ -436,7 +397,7 @@ fn ramps(way: f64, speed: f64, rate: f64) -> impl Fn(f64) -> IncrementMotion + S
 
 #[test]
 fn an_axis_that_was_left_behind_comes_back_no_faster_than_three_times_the_plan() {
-    // 30 mm/s at 320 increments per mm; a lost answer takes 770 ms, in which the axis runs to its last target and stands.
+    // 30 mm/s at 320 increments per mm; a lost answer takes 770 ms, in which the axis runs to its last target and rests there.
     let (way, speed) = (60e3, 9.6e3);
     let end_s = way / speed + speed / 100e3;
     let of = ramps(way, speed, 100e3);
@@ -468,7 +429,7 @@ fn an_axis_that_was_left_behind_comes_back_no_faster_than_three_times_the_plan()
 fn an_axis_left_behind_stops_with_the_plan() {
     let (way, speed, rate) = (60e3, 9.6e3, 100e3);
     let of = ramps(way, speed, rate);
-    // What the board has been told before the plan changes it may still do: brake at 1000 kHz/s from its largest speed.
+    // Orders from before the change of plan are still carried out: brake at 1000 kHz/s from its largest speed.
     let braking = (3.0 * speed).powi(2) * 0.5 / 1e6;
     for rounds in 60..80 {
         let mut run = start(&steep(1), EMULATED, 5, 7.0, &of);

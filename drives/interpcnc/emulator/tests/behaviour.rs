@@ -80,10 +80,7 @@ fn parameters_88_and_89_unlock_by_input_or_automatically() {
     board.set_input(3, true);
     assert!(!board.status().locked());
     // IN1 to IN16 as a word.
-    assert_eq!(
-        board.handle(&seal(bytes("01 04 04 0D 00 01"))),
-        Some(seal(bytes("01 04 02 00 06")))
-    );
+    answers(&mut board, "01 04 04 0D 00 01", "01 04 02 00 06");
 }
 
 #[test]

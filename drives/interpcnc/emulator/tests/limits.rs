@@ -177,40 +177,30 @@ fn encoder_counters_and_analog_inputs_are_those_of_the_bench() {
     let link = EncoderLink { axis: BoardAxis::Y, counts: -4, steps: 2, counts_per_revolution: 100 };
     board.set_bench(Bench { cams: vec![], encoder: Some(link) });
     // Count 0 is an index; A and B are 0 there.
-    assert_eq!(board.handle(&seal(bytes("01 02 08 45 00 03"))), Some(seal(bytes("01 02 01 04"))));
+    answers(&mut board, "01 02 08 45 00 03", "01 02 01 04");
     send(&mut board, go(BoardAxis::Y, 51));
     board.advance(5000 * MS);
     // 51 steps are −102 counts; −102 mod 4 = 2, both inputs are 1, and no index.
-    assert_eq!(
-        board.handle(&seal(bytes("01 03 10 7A 00 02"))),
-        Some(seal(bytes("01 03 04 FF FF FF 9A")))
-    );
-    assert_eq!(board.handle(&seal(bytes("01 02 08 45 00 03"))), Some(seal(bytes("01 02 01 03"))));
+    answers(&mut board, "01 03 10 7A 00 02", "01 03 04 FF FF FF 9A");
+    answers(&mut board, "01 02 08 45 00 03", "01 02 01 03");
     board.add_pulses(false, 0x0001_0002);
     board.add_pulses(true, 5);
     board.add_pulses(true, u32::MAX);
-    assert_eq!(
-        board.handle(&seal(bytes("01 03 10 7C 00 04"))),
-        Some(seal(bytes("01 03 08 00 01 00 02 00 00 00 04")))
-    );
+    answers(&mut board, "01 03 10 7C 00 04", "01 03 08 00 01 00 02 00 00 00 04");
     board.set_analog_input(1, 17);
     board.set_analog_input(4, 5000);
-    assert_eq!(
-        board.handle(&seal(bytes("01 04 04 10 00 04"))),
-        Some(seal(bytes("01 04 08 00 11 00 00 00 00 03 FF")))
-    );
+    answers(&mut board, "01 04 04 10 00 04", "01 04 08 00 11 00 00 00 00 03 FF");
 }
 
 #[test]
-fn inputs_17_to_32_are_in_register_1036() {
+fn inputs_are_bits_from_2048_and_registers_1036_and_1037() {
     let mut board = unlocked();
     board.set_input(17, true);
     board.set_input(32, true);
     board.set_input(2, true);
-    assert_eq!(
-        board.handle(&seal(bytes("01 04 04 0C 00 02"))),
-        Some(seal(bytes("01 04 04 80 01 00 02")))
-    );
+    answers(&mut board, "01 04 04 0C 00 02", "01 04 04 80 01 00 02");
+    // The first 16 bit by bit, from 2048 on.
+    answers(&mut board, "01 02 08 00 00 10", "01 02 02 02 00");
     // A hand against a cam, and off it.
     let cam = Cam { input: 2, axis: BoardAxis::X, from: 5, to: 9, normally_closed: false };
     board.set_bench(Bench { cams: vec![cam], encoder: None });

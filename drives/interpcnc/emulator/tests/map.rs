@@ -22,10 +22,7 @@ fn addresses_outside_the_map_reserved_or_read_only_get_exception_2() {
         assert_eq!(refusal(&mut board, request), Some(2), "{request}");
     }
     // The refused pair has left 4217 alone.
-    assert_eq!(
-        board.handle(&seal(bytes("01 03 10 79 00 01"))),
-        Some(seal(bytes("01 03 02 00 00")))
-    );
+    answers(&mut board, "01 03 10 79 00 01", "01 03 02 00 00");
 }
 
 #[test]
@@ -71,20 +68,14 @@ fn recipes_show_their_registers_on_the_pages() {
     assert_eq!(refusal(&mut board, "01 10 16 00 00 03 06 00 64 00 00 00 02"), None);
     assert_eq!(refusal(&mut board, "01 06 16 FF 12 34"), None); // 5887, first of page 1
     assert_eq!(refusal(&mut board, "01 06 16 01 00 02"), None); // page 0 shows recipe 2 too
-    assert_eq!(
-        board.handle(&seal(bytes("01 03 16 05 00 01"))),
-        Some(seal(bytes("01 03 02 12 34")))
-    );
+    answers(&mut board, "01 03 16 05 00 01", "01 03 02 12 34");
     // Offset 100 is beyond the recipe; recipe 50 is beyond the 5000 registers.
     assert_eq!(refusal(&mut board, "01 03 16 69 00 01"), Some(2));
     assert_eq!(refusal(&mut board, "01 06 16 01 00 32"), None);
     assert_eq!(refusal(&mut board, "01 03 16 05 00 01"), Some(2));
     // A new size erases all.
     assert_eq!(refusal(&mut board, "01 10 16 00 00 02 04 00 C8 00 01"), None);
-    assert_eq!(
-        board.handle(&seal(bytes("01 03 16 05 00 01"))),
-        Some(seal(bytes("01 03 02 00 00")))
-    );
+    answers(&mut board, "01 03 16 05 00 01", "01 03 02 00 00");
     assert_eq!(refusal(&mut board, "01 06 16 00 00 FB"), Some(3));
 }
 
@@ -92,7 +83,7 @@ fn recipes_show_their_registers_on_the_pages() {
 fn user_bits_and_registers_hold_what_is_written() {
     let mut board = unlocked();
     assert_eq!(refusal(&mut board, "01 0F 01 9E 00 02 01 03"), None); // 414, 415
-    assert_eq!(board.handle(&seal(bytes("01 01 01 9D 00 03"))), Some(seal(bytes("01 01 01 06"))));
+    answers(&mut board, "01 01 01 9D 00 03", "01 01 01 06");
     for address in ["10 36", "10 64", "10 66", "14 00"] {
         assert_eq!(refusal(&mut board, &format!("01 06 {address} BE EF")), None);
         let read = board.handle(&seal(bytes(&format!("01 03 {address} 00 01"))));

@@ -54,6 +54,12 @@ fn refusal(board: &mut Board, request: &str) -> Option<u8> {
     (answer[1] & 0x80 != 0).then(|| answer[2])
 }
 
+/// Checks the answer to a request; both without their check sums.
+#[track_caller]
+fn answers(board: &mut Board, request: &str, answer: &str) {
+    assert_eq!(board.handle(&seal(bytes(request))), Some(seal(bytes(answer))), "{request}");
+}
+
 fn go(axis: BoardAxis, target: i32) -> Command {
     let profile = MoveProfile {
         start_stop_hz: 200,

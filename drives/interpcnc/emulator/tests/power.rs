@@ -96,7 +96,7 @@ fn a_power_failure_in_a_move_loses_the_counters_and_locks() {
     let status = board.status();
     assert!(status.locked() && status.moving().is_empty() && status.has(Status::BUFFER_EMPTY));
     assert_eq!((board.counters(), board.outputs()), ([0; 5], 0));
-    assert_eq!(board.handle(&seal(bytes("01 01 01 40 00 01"))), Some(seal(bytes("01 01 01 00"))));
+    answers(&mut board, "01 01 01 40 00 01", "01 01 01 00");
     // The mechanics are where they were, on a whole step.
     same(board.mechanical(BoardAxis::X), place);
     board.handle(&vector(1)).unwrap();

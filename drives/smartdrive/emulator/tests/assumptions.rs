@@ -79,7 +79,7 @@ fn codes_and_lengths_may_be_refused_otherwise() {
         let answer = Answer::decode(&answer.try_into().unwrap()).unwrap();
         assert_eq!((answer.status.rejected(), answer.tag), (true, expected), "{code:x}");
     }
-    // A variable that does not exist is no unknown code.
+    // A variable that does not exist is not an unknown code.
     let missing = Command::Get { parameter: 1 };
     assert_eq!(refusal(&mut device, missing), Some(RejectCode::NotAvailable));
 }
@@ -151,7 +151,7 @@ fn a_limit_switch_stops_by_another_rate() {
 
 #[test]
 fn homing_may_go_on_by_the_offset() {
-    for (home_position, position, stands) in
+    for (home_position, position, mechanical) in
         [(HomePosition::IsOffset, 500, -2000.0), (HomePosition::GoesOffset, 0, -1500.0)]
     {
         let mut options = DeviceOptions {
@@ -171,7 +171,7 @@ fn homing_may_go_on_by_the_offset() {
             assert!(most > 0, "homing never ends");
         }
         assert_eq!((device.counter(), flags(&mut device)), (position, TrajectoryFlags::DONE));
-        near(device.mechanical(), stands, 1.0);
+        near(device.mechanical(), mechanical, 1.0);
     }
 }
 

@@ -153,14 +153,6 @@ fn vector_18_stops_every_device_and_nobody_answers() {
 }
 
 #[test]
-fn vectors_19_and_20_read_a_position() {
-    let mut device = remote();
-    ask(&mut device, go_to(-1000, 0, 0));
-    device.advance(5000 * MS);
-    assert_eq!(device.handle(&vector(19)), Some(vector(20)));
-}
-
-#[test]
 fn vectors_21_29_and_30_switch_outputs_and_show_inputs() {
     let mut device = remote();
     device.handle(&vector(21)).unwrap();
@@ -189,11 +181,6 @@ fn vectors_22_to_26_set_parameters() {
     assert_eq!(refusal(&mut device, go_to(-100_000, 0, 0)), None);
     device.handle(&vector(26)).unwrap();
     assert_eq!(ask(&mut device, Command::Get { parameter: 66 }).words().1, 9830);
-}
-
-#[test]
-fn vectors_27_and_28_read_the_release() {
-    assert_eq!(remote().handle(&vector(27)), Some(vector(28)));
 }
 
 #[test]

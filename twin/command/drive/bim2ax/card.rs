@@ -1,6 +1,6 @@
 //! The module, and how it is stopped.
 
-use super::super::session::{BRAKING, Stands, Stopping, no_clock};
+use super::super::session::{BRAKING, RestPosition, Stopping, no_clock};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::time::{Instant, sleep};
@@ -21,16 +21,16 @@ pub(super) fn of(seen: &Positions, axis: ModuleAxis) -> (i32, u16) {
 pub(super) struct Card {
     pub(super) driver: Bim2Ax,
     pub(super) port: Arc<str>,
-    /// Another program is its master.
-    beside: bool,
+    /// True if another program is its master.
+    shared: bool,
 }
 
-/// How long a module that another program drives has to stand until that has noticed that it was stopped: longer than a leg
-/// of a plan takes, which ends within the plan's horizon.
-const STANDING: Duration = Duration::from_secs(1);
-/// Time between two looks at it.
+/// Time at rest after which another master has noticed the stop: longer than a leg of a plan, which ends within the
+/// plan's horizon.
+const REST_TIME: Duration = Duration::from_secs(1);
+/// Interval of looks.
 const LOOK: Duration = Duration::from_millis(5);
-/// It is stopped at most so many times.
+/// Largest number of stops.
 const MOST_STOPS: u32 = 20;
 
 impl Card {
@@ -38,30 +38,30 @@ impl Card {
         port: Arc<str>,
         memory: impl Memory + 'static,
         mut options: Bim2AxOptions,
-        beside: bool,
+        shared: bool,
     ) -> Self {
-        if beside {
-            // The master takes some of the answers: they are waited for no longer than it makes sense to look.
-            options.deadline = options.deadline.min(STANDING / 4);
+        if shared {
+            // The master takes some of the answers.
+            options.deadline = options.deadline.min(REST_TIME / 4);
         }
         let driver = Bim2Ax::new(&port, memory, &options);
-        Self { driver, port, beside }
+        Self { driver, port, shared }
     }
 
     /// Whether another program was the master of the module when it was opened.
-    pub(super) fn is_beside(&self) -> bool {
-        self.beside
+    pub(super) fn is_shared(&self) -> bool {
+        self.shared
     }
 
     /// Stops both axes for good: a program that is the master of the module may give it another order before it notices.
-    /// True if the module writes its numbers otherwise than it was thought to.
+    /// True if the byte order differs from the options.
     pub(super) async fn stop_for_good(&mut self, hard: bool) -> Result<bool, DriveError> {
         let mut stopped = self.stop(hard).await;
-        if !self.beside {
+        if !self.shared {
             return stopped;
         }
         for _ in 1..MOST_STOPS {
-            if stopped.is_ok() && self.stands().await {
+            if stopped.is_ok() && self.rests().await {
                 return stopped;
             }
             stopped = self.stop(hard).await;
@@ -73,15 +73,15 @@ impl Card {
         })
     }
 
-    /// Whether both axes stand for as long as the master may take to notice, from the first look to the last. The two ask at
-    /// the same time, and each may miss what the module answers to it: not known is not standing.
-    async fn stands(&mut self) -> bool {
+    /// Whether both axes are at rest from the first look to the last, for as long as the master may take to notice. An
+    /// answer that the other program has taken counts as motion.
+    async fn rests(&mut self) -> bool {
         let mut first = None;
         while let Ok((seen, _)) = self.driver.positions(&no_clock).await
             && seen.messages.iter().all(|messages| messages & message::MOVING == 0)
         {
             let now = Instant::now();
-            if now.duration_since(*first.get_or_insert(now)) >= STANDING {
+            if now.duration_since(*first.get_or_insert(now)) >= REST_TIME {
                 return true;
             }
             sleep(LOOK).await;
@@ -92,8 +92,8 @@ impl Card {
     /// Stops both axes: whatever else is wrong with the module, the order goes out first.
     ///
     /// Read in the other byte order, that to brake says nothing, but that for a hard stop would begin homing: so the first
-    /// stop is on the ramps, and a hard one comes after the module has told how it writes its numbers. True if that is
-    /// otherwise than it was thought to be.
+    /// stop is on the ramps, and a hard one follows when the byte order is known. True if that differs from the
+    /// options.
     async fn stop(&mut self, hard: bool) -> Result<bool, DriveError> {
         let braked = self.driver.abandon(&no_clock).await;
         let other = self.driver.adopt_byte_order(&no_clock).await?;
@@ -121,15 +121,15 @@ impl Stopping for Card {
         self.driver.rested(BRAKING, &no_clock).await.map(|_| ())
     }
 
-    async fn stands(&mut self) -> Result<Stands, DriveError> {
+    async fn rest_position(&mut self) -> Result<RestPosition, DriveError> {
         let (seen, _) = self.driver.positions(&no_clock).await?;
         let [one, two] = seen.positions;
         let lost = message::PHASES_OFF | message::HOMED;
         let off = |messages: &u16| messages & lost == message::PHASES_OFF;
         if seen.positions == [0; 2] && seen.messages.iter().all(off) {
-            return Ok(Stands::Anew("both motors are without current, not homed, and at 0"));
+            return Ok(RestPosition::Lost("both motors are without current, not homed, and at 0"));
         }
-        Ok(Stands::At(format!("1: {one}, 2: {two}")))
+        Ok(RestPosition::Known(format!("1: {one}, 2: {two}")))
     }
 }
 
@@ -140,7 +140,7 @@ mod tests {
     use twin_bim2ax::SharedModule;
     use twin_bim2ax::emulator::{Eeprom, Module as Emulated, ModuleOptions, Surroundings};
 
-    /// A module that is asked nothing any more once it has been asked so many times.
+    /// A module that hears a number of questions and no more.
     struct Falling {
         module: SharedModule,
         questions: u32,
@@ -163,7 +163,7 @@ mod tests {
         }
     }
 
-    fn stands(questions: u32, deadline: Duration) -> bool {
+    fn rests(questions: u32, deadline: Duration) -> bool {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let options = ModuleOptions::default();
         let module = Emulated::new(&options, &Eeprom::blank(), &Surroundings::default());
@@ -172,16 +172,15 @@ mod tests {
         let memory = Falling { module: SharedModule::new(module, now), questions };
         let options = Bim2AxOptions { deadline, ..Bim2AxOptions::default() };
         let mut module = Card::new("module".into(), memory, options, true);
-        runtime.expect("a runtime").block_on(module.stands())
+        runtime.expect("a runtime").block_on(module.rests())
     }
 
-    /// However long it may take to answer: a question that hangs is no look.
     #[test]
-    fn a_module_that_falls_silent_is_not_known_to_stand() {
+    fn a_silent_module_does_not_count_as_at_rest() {
         let patient = Duration::from_secs(3);
-        assert!(stands(u32::MAX, patient));
+        assert!(rests(u32::MAX, patient));
         for questions in [1, 20] {
-            assert!(!stands(questions, patient), "{questions}");
+            assert!(!rests(questions, patient), "{questions}");
         }
     }
 }

@@ -1,10 +1,10 @@
 //! `twin drive bim2ax`.
 
 mod card;
+mod checksum_fault;
 mod motion;
 mod parameters;
 mod show;
-mod unsound;
 
 use super::action::{Action, Command};
 use super::by_switch::{BySwitch, one_at_a_time};
@@ -97,7 +97,7 @@ fn axis(text: &str) -> Result<ModuleAxis, String> {
 
 fn offset(text: &str) -> Result<u64, String> {
     let number = words::integer(text).and_then(|number| u64::try_from(number).ok());
-    number.ok_or_else(|| format!("`{text}` is no offset"))
+    number.ok_or_else(|| format!("`{text}` is not an offset"))
 }
 
 /// Arguments of `outputs`: there are none.
@@ -156,8 +156,8 @@ impl Family for Module {
     fn open(command: &Command<Self>) -> Result<Self, Failure> {
         let session = Session::start()?;
         let (port, memory, options) = memory(command)?;
-        let beside = memory.has_other_master();
-        let card = Card::new(port, memory, options, beside);
+        let shared = memory.has_other_master();
+        let card = Card::new(port, memory, options, shared);
         Ok(Self { session, card, consent: command.consent(), per_step: None })
     }
 
@@ -169,7 +169,7 @@ impl Family for Module {
         let Self { session, mut card, .. } = Self::open(command)?;
         match session.ask(card.driver.identify_any(&no_clock))? {
             Some(identity) => show::scan(&identity)?,
-            None => show::unsound_scan()?,
+            None => show::checksum_fault_scan()?,
         }
         Ok(Status::Fit)
     }
@@ -191,7 +191,7 @@ impl Family for Module {
             say!("{}", self.stop(now)?);
             // One that has noticed and ended meanwhile moves nothing any more.
             let line = &command.line;
-            if !self.card.is_beside() || OpenedMemory::alone(&line.port, line.map).is_ok() {
+            if !self.card.is_shared() || OpenedMemory::alone(&line.port, line.map).is_ok() {
                 return Ok(Some(Status::Fit));
             }
             stderr!(
@@ -203,7 +203,7 @@ impl Family for Module {
         if self.session.ask(self.card.driver.identify_any(&no_clock))?.is_some() {
             return Ok(None);
         }
-        self.with_wrong_check_sum(&command.action).map(Some)
+        self.with_checksum_fault(&command.action).map(Some)
     }
 
     fn status(&mut self) -> Result<(), Failure> {
@@ -212,7 +212,7 @@ impl Family for Module {
     }
 
     fn unlock(&mut self, unlock: &Unlock) -> Result<(), Failure> {
-        self.standing("unlock")?;
+        self.at_rest("unlock")?;
         self.session.ask(self.card.driver.energise(&unlock.axes, &no_clock))?;
         say!("motors have current");
         Ok(())
@@ -273,7 +273,7 @@ impl Family for Module {
     }
 
     fn reset(&mut self) -> Result<Status, Failure> {
-        self.standing("reset")?;
+        self.at_rest("reset")?;
         self.session.ask(self.card.driver.reset())?;
         if self.session.ask(self.card.driver.identify_any(&no_clock))?.is_some() {
             say!("running again; both axes have to be homed");

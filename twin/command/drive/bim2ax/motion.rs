@@ -13,7 +13,7 @@ use twin_bim2ax::{AxisSettings, MOST_POSITION, ModuleAxis};
 
 impl Module {
     /// What both axes say, none of which moves.
-    pub(super) fn standing(&mut self, what: &str) -> Result<Positions, Failure> {
+    pub(super) fn at_rest(&mut self, what: &str) -> Result<Positions, Failure> {
         let (seen, _) = self.session.ask(self.card.driver.positions(&no_clock))?;
         if seen.messages.iter().any(|messages| messages & message::MOVING != 0) {
             let port = &self.card.port;
@@ -33,7 +33,7 @@ impl Module {
         timeout: Option<Duration>,
     ) -> Result<(), Failure> {
         use twin_bim2ax::protocol::bits::coefficient::HOME_PLUS;
-        let seen = self.standing("home")?;
+        let seen = self.at_rest("home")?;
         let mut said = Vec::with_capacity(axes.len());
         let mut patience = Duration::ZERO;
         for axis in axes {
@@ -80,7 +80,7 @@ impl Module {
         speed: Option<u16>,
         target: &dyn Fn(i32) -> Result<i32, Failure>,
     ) -> Result<Travel<Option<u16>>, Failure> {
-        let seen = self.standing("move")?;
+        let seen = self.at_rest("move")?;
         let (from, messages) = of(&seen, axis);
         let target = target(from)?;
         let settings = self.settings(axis)?;

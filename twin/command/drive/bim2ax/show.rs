@@ -30,22 +30,22 @@ pub(super) fn scan(identity: &Identity) -> Result<(), Failure> {
 }
 
 /// A module that takes parameters and nothing else.
-pub(super) fn unsound_scan() -> Result<(), Failure> {
+pub(super) fn checksum_fault_scan() -> Result<(), Failure> {
     let mut table = show::table();
     table.set_header(["module", "version", "rating", "state"]);
-    table.add_row(["BIM2AX-BOCM", "not told", "not told", "check sum of its EEPROM is wrong"]);
+    table.add_row(["BIM2AX-BOCM", "unknown", "unknown", "check sum of its EEPROM is wrong"]);
     say!("{table}");
     Ok(())
 }
 
-/// Where the axes stand, and what they say.
+/// Positions and messages of the axes.
 pub(super) fn positions(seen: &Positions) -> Result<(), Failure> {
     let mut table = show::table();
     table.set_header(["axis", "position, µsteps", "state"]);
     for axis in ModuleAxis::ALL {
         let (position, messages) = of(seen, axis);
         let mut said = describe_messages(messages);
-        // What it says of an axis at rest that is home.
+        // An axis at rest and homed.
         if messages & message::HOMED != 0 {
             let others = messages & !(message::HOMED | message::ON_CAM) != 0;
             said = if others { format!("home, {said}") } else { "home".to_owned() };

@@ -33,8 +33,8 @@ impl BySwitch {
             None if by_index => {
                 // No drive latches one for its master, and the index of an encoder is at no input: it would have to be wired to one.
                 format!(
-                    "mode {number} ends on an index pulse, which no drive tells its master by itself: --index-input N says at which input it \
-                     is; a BIM2AX homes on the index of its encoder by itself (bit 3 of encoder-definition, then `home` without --by-switch)"
+                    "mode {number} ends on an index pulse, which no drive reports to its master: --index-input N names its \
+                     input; a BIM2AX homes on the index of its encoder by itself (bit 3 of encoder-definition, then `home` without --by-switch)"
                 )
             }
             Some(_) if !by_index => {

@@ -13,7 +13,7 @@ use twin_drives::homing::{
     Direction, HomingMode, HomingOptions, HomingRun, Switch, home_by_switch,
 };
 use twin_drives::{Drive, DriveError, MAX_DRIVE_AXES, SetpointStream};
-use words::Told;
+use words::Search;
 
 /// How an axis is homed by a switch.
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -131,7 +131,7 @@ impl BySwitch {
         Ok(())
     }
 
-    /// The same of a drive whose own counter can only be made 0, where the axis stands: `keep` does that, at 0.
+    /// The same of a drive whose own counter can only be made 0: `keep` does that, at 0.
     pub(super) fn carry_out_at_zero<D: Drive>(
         &self,
         drive: &mut D,
@@ -142,7 +142,7 @@ impl BySwitch {
         let most = i64::from(self.max_slow_way);
         if i64::from(self.home_position).abs() > most {
             return Err(Failure::Usage(format!(
-                "{name} can make its counter 0 where it stands, and give it no other value: from its home at {} it would go to 0, \
+                "{name} can make its counter 0 where it is, and give it no other value: from its home at {} it would go to 0, \
                  which is beyond --max-slow-way ({most} {unit})",
                 self.home_position
             )));
@@ -160,7 +160,7 @@ impl BySwitch {
             return Err(Failure::Usage(message));
         }
         keep(drive)?;
-        say!("{said}; it stands at 0, and so does its counter");
+        say!("{said}; it is at 0, and so is its counter");
         Ok(())
     }
 
@@ -180,7 +180,7 @@ impl BySwitch {
                 return Ok(());
             }
             if !sample.moving {
-                return Err(Failure::Usage(format!("it stands at {at} instead of 0")));
+                return Err(Failure::Usage(format!("it is at {at} instead of 0")));
             }
         }
     }
@@ -226,7 +226,7 @@ impl BySwitch {
         let from = drive.probe(&stream)?.position.first().copied().unwrap_or(0);
         let signals = drive.signals(&|| stream.now_ns())?;
         let mut index = self.index(&signals, mode)?;
-        // Mistakes of the words are told before what the drive does not have.
+        // Mistakes of the words come before missing abilities of the drive.
         self.options(mode, 1)?;
         let switch = self.switch();
         if switch.pressed(&signals, 0).is_none() {
@@ -234,20 +234,20 @@ impl BySwitch {
         }
         let (most, kept) = self.way(drive, from, unit)?;
         let options = self.options(mode, most)?;
-        let told = Told { name, unit, switch, leg: options.longest_leg() };
+        let search = Search { name, unit, switch, leg: options.longest_leg() };
         let sign = if self.positive { '+' } else { '-' };
         let afterwards = match self.index_input {
             Some(input) => format!(" until the index pulse comes at input {input}{afterwards}"),
             None => afterwards.to_owned(),
         };
         let returns = if self.return_to_zero { ", then to 0" } else { "" };
-        let at = told.place();
+        let at = search.place();
         let Self { fast, slow, .. } = self;
         consent.ask(&format!(
             "home {name} from {from} towards {sign} until {at} says so, {most} {unit} at most{kept}, at {fast} {unit}/s, and off it at \
              {slow}{afterwards}{returns}; where this program or its wire fails meanwhile nobody watches the switch, and the axis \
              ends within {} {unit}",
-            told.leg
+            search.leg
         ))?;
         let interrupt = Interrupt::catch_for_drives()?;
         drive.enable()?;
@@ -267,12 +267,12 @@ impl BySwitch {
             &mut |signals, position| index.seen(signals, position),
             &stopped,
         );
-        let report = ended.map_err(|error| told.failure(&error, drive, &interrupt))?;
-        let stands = drive.sample(&stream)?.position.first().copied().unwrap_or(0);
+        let report = ended.map_err(|error| search.failure(&error, drive, &interrupt))?;
+        let position = drive.sample(&stream)?.position.first().copied().unwrap_or(0);
         #[expect(clippy::cast_precision_loss, reason = "milliseconds")]
         let looks_s = report.longest_look_ns as f64 * 1e-9;
         let said = format!(
-            "{name} is home, at {stands}; the switch was at {:.1}, known to {:.1} {unit}",
+            "{name} is home, at {position}; the switch was at {:.1}, known to {:.1} {unit}",
             report.reference,
             options.uncertainty(looks_s)
         );

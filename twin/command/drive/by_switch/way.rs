@@ -8,7 +8,7 @@ use twin_drives::{DeviceLimits, Drive};
 const USUAL_WAY: u32 = 100_000;
 
 impl BySwitch {
-    /// The longest way to the switch from where the axis stands, increments, and in words what it ends at where that is a limit of
+    /// The longest way to the switch from the position of the axis, increments, and in words what it ends at where that is a limit of
     /// the drive's own.
     pub(super) fn way(
         &self,
@@ -41,7 +41,7 @@ impl BySwitch {
                 Err(format!("{of_drive}, and the axis counts {from}: it cannot go on ({way})"))
             }
             Some(wanted) if wanted > room => Err(format!(
-                "--max-way {wanted}: {of_drive}, which is {room} {unit} from {from}, where the axis stands"
+                "--max-way {wanted}: {of_drive}, which is {room} {unit} from the position of the axis, {from}"
             )),
             Some(wanted) => Ok((wanted, String::new())),
             None if room < USUAL_WAY => Ok((room, format!(" ({of_drive})"))),

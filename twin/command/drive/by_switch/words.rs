@@ -7,9 +7,9 @@ use crate::startup::Still;
 use twin_drives::homing::{HomingError, HomingFault, Switch};
 use twin_drives::{Drive, SetpointStream, Signals};
 
-/// Which axis is homed onto what.
+/// Search of an axis for its switch.
 #[derive(Clone, Copy)]
-pub(super) struct Told<'a> {
+pub(super) struct Search<'a> {
     pub(super) name: &'a str,
     /// What its increments are called.
     pub(super) unit: &'static str,
@@ -33,7 +33,7 @@ pub(super) fn axis_error(error: &HomingFault) -> String {
 pub(super) fn no_switch(switch: Switch, signals: &Signals) -> String {
     match switch {
         Switch::Home => {
-            "the drive does not tell which input the home switch is at: `--input N` says it, as `inputs` numbers them"
+            "the drive does not report which input the home switch is at: `--input N` says it, as `inputs` numbers them"
                 .to_owned()
         }
         Switch::Input { number, .. } => {
@@ -44,7 +44,7 @@ pub(super) fn no_switch(switch: Switch, signals: &Signals) -> String {
     }
 }
 
-impl Told<'_> {
+impl Search<'_> {
     /// What the switch is.
     pub(super) fn place(&self) -> String {
         match self.switch {
@@ -112,11 +112,11 @@ impl Told<'_> {
         )
     }
 
-    /// Whether the axis is at rest, and where. A drive that says nothing any more is no reason to say less.
+    /// Whether the axis is at rest, and where.
     fn rest(&self, drive: &mut dyn Drive) -> String {
         let stream: &dyn SetpointStream = &Still::new(Clock::start());
         if drive.shows_restart().unwrap_or(false) {
-            return "; the device shows itself as after a restart: where the axis stands is not known; `unlock`, then home it again"
+            return "; the device shows itself as after a restart: the position of the axis is not known; `unlock`, then home it again"
                 .to_owned();
         }
         let Ok(sample) = drive.probe(stream) else { return "; the axis was stopped".to_owned() };

@@ -46,8 +46,8 @@ fn of_code(code: u32, axes: &[BoardAxis], what: &str) -> Result<Option<BoardAxis
     Ok(axes.contains(&BoardAxis::X).then_some(follower))
 }
 
-/// What a question says of it.
-pub(super) fn beside(follower: Option<BoardAxis>) -> String {
+/// Words of a question about the follower.
+pub(super) fn with_follower(follower: Option<BoardAxis>) -> String {
     let words = |axis| format!("and axis {axis} with it (parameter {COUPLING}, coupling)");
     follower.map_or(String::new(), words)
 }
@@ -59,7 +59,7 @@ mod tests {
 
     /// `EE_COUPLAGE_AXE`: 1 = A goes along with X, 2 = B does.
     #[test]
-    fn what_goes_along_with_x_is_not_moved_alone() {
+    fn a_coupled_axis_is_not_moved_alone() {
         assert_eq!(of_code(0, &[X, A, B], "home"), Ok(None));
         assert_eq!(of_code(1, &[X, B], "home"), Ok(Some(A)));
         assert_eq!(of_code(2, &[Y, X], "home"), Ok(Some(B)));

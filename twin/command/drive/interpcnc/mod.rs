@@ -11,9 +11,10 @@ use super::consent::Consent;
 use super::family::{Family, Nothing, Travel};
 use super::session::{BRAKING, Session, no_clock};
 use super::words;
+use crate::command::emulate::{PARITIES, one_of};
 use crate::command::{Failure, Status};
 use comfy_table::Cell;
-use coupled::beside;
+use coupled::with_follower;
 use parameters::Known;
 use show::Output;
 use std::ops::RangeInclusive;
@@ -49,8 +50,8 @@ pub(super) struct LineOptions {
     baud: u32,
 
     /// Parity
-    #[arg(long, value_enum, default_value = "none")]
-    parity: ParityOption,
+    #[arg(long, default_value = "none", value_parser = one_of(&PARITIES))]
+    parity: Parity,
 
     /// The adapter hears what it sends (two-wire RS485 without receiver control)
     #[arg(long)]
@@ -59,13 +60,6 @@ pub(super) struct LineOptions {
     /// Longest time an answer may take, ms
     #[arg(long, value_name = "MS", default_value = "250", value_parser = words::milliseconds)]
     deadline: Duration,
-}
-
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum ParityOption {
-    None,
-    Even,
-    Odd,
 }
 
 #[derive(Debug, clap::Args)]
@@ -147,15 +141,10 @@ fn options(
     axes: &[BoardAxis],
 ) -> Result<InterpCncOptions, Failure> {
     let line = &command.line;
-    let parity = match line.parity {
-        ParityOption::None => Parity::None,
-        ParityOption::Even => Parity::Even,
-        ParityOption::Odd => Parity::Odd,
-    };
     Ok(InterpCncOptions {
         assumptions: command.assume.take()?,
         address,
-        line: Line { baud: line.baud, parity },
+        line: Line { baud: line.baud, parity: line.parity },
         deadline: line.deadline,
         worst_latency: 2 * line.deadline,
         echo: line.echo,
@@ -194,7 +183,7 @@ impl Family for HandBoard {
     fn drive(command: &Command<Self>, restore: bool) -> Result<Box<dyn Drive>, Failure> {
         // Some parameters end or bend what moves.
         if restore {
-            Self::open(command)?.standing("restore")?;
+            Self::open(command)?.at_rest("restore")?;
         }
         Ok(Box::new(drive(command, &BoardAxis::ALL)?))
     }
@@ -210,12 +199,12 @@ impl Family for HandBoard {
     ) -> Result<(), Failure> {
         let [axis] = *home.axes else { return Err(one_at_a_time()) };
         let follower = Self::open(command)?.follower(&[axis], "home")?;
-        let also = beside(follower);
+        let also = with_follower(follower);
         let space = if also.is_empty() { "" } else { " " };
         let name = format!("axis {axis}{space}{also}");
         let named = (name.as_str(), Self::UNIT);
         by_switch.carry_out(&mut drive(command, &[axis])?, named, command.consent())?;
-        Self { follower, ..Self::open(command)? }.tell_follower()
+        Self { follower, ..Self::open(command)? }.report_follower()
     }
 
     fn status(&mut self) -> Result<(), Failure> {
@@ -252,8 +241,8 @@ impl Family for HandBoard {
         })
     }
 
-    fn tell_follower(&mut self) -> Result<(), Failure> {
-        self.tell_where_the_follower_stands()
+    fn report_follower(&mut self) -> Result<(), Failure> {
+        self.report_follower()
     }
 
     fn stop(&mut self, now: bool) -> Result<String, Failure> {
@@ -281,7 +270,7 @@ impl Family for HandBoard {
 
     fn set(&mut self, parameter: &Known, value: &str) -> Result<(), Failure> {
         let value = words::value(value).map_err(Failure::Usage)?;
-        self.standing("set")?;
+        self.at_rest("set")?;
         parameters::set(&self.session, &mut self.board, parameter, value)
     }
 

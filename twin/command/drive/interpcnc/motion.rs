@@ -1,9 +1,9 @@
 //! Motion of the axes of an InterpCNC board by hand.
 
 use super::super::family::Travel;
-use super::super::session::{BRAKING, Stands, Stopping, no_clock};
+use super::super::session::{BRAKING, RestPosition, Stopping, no_clock};
 use super::super::words;
-use super::coupled::beside;
+use super::coupled::with_follower;
 use super::{HandBoard, Ramps};
 use crate::command::Failure;
 use std::time::Duration;
@@ -22,18 +22,18 @@ impl Stopping for InterpCnc {
         self.stop_and_lock(&no_clock).await.map(|_| ())
     }
 
-    async fn stands(&mut self) -> Result<Stands, DriveError> {
+    async fn rest_position(&mut self) -> Result<RestPosition, DriveError> {
         let (state, _) = self.state(&no_clock).await?;
         if state.status.locked() && state.positions == [0; BoardAxis::ALL.len()] {
-            return Ok(Stands::Anew("the board is locked, and all its counters are 0"));
+            return Ok(RestPosition::Lost("the board is locked, and all its counters are 0"));
         }
         let axes = BoardAxis::ALL.into_iter().zip(state.positions);
         let said: Vec<_> = axes.map(|(axis, at)| format!("{axis} {at}")).collect();
-        Ok(Stands::At(said.join(", ")))
+        Ok(RestPosition::Known(said.join(", ")))
     }
 }
 
-/// Where an axis stands.
+/// Position of an axis.
 fn of(state: &BoardState, axis: BoardAxis) -> i32 {
     state.positions.get(axis.index()).copied().unwrap_or(0)
 }
@@ -41,13 +41,13 @@ fn of(state: &BoardState, axis: BoardAxis) -> i32 {
 impl HandBoard {
     /// The state of a board that obeys and none of whose axes moves.
     fn obeying(&mut self, what: &str) -> Result<BoardState, Failure> {
-        let state = self.standing(what)?;
+        let state = self.at_rest(what)?;
         self.board.check_obeys(&state, Action::ReadState)?;
         Ok(state)
     }
 
     /// The state of a board none of whose axes moves.
-    pub(super) fn standing(&mut self, what: &str) -> Result<BoardState, Failure> {
+    pub(super) fn at_rest(&mut self, what: &str) -> Result<BoardState, Failure> {
         let (state, _) = self.session.ask(self.board.state(&no_clock))?;
         if state.status.moving().is_empty() && !state.status.has(Status::HOMING_IN_PROGRESS) {
             return Ok(state);
@@ -70,7 +70,7 @@ impl HandBoard {
                 let at = of(&state, follower);
                 // By the same steps; a counter that overflows starts again at the other end.
                 let end = at.wrapping_add(target.wrapping_sub(from));
-                format!(", {} from {at} to {end}", beside(Some(follower)))
+                format!(", {} from {at} to {end}", with_follower(Some(follower)))
             }
             None => String::new(),
         };
@@ -90,11 +90,11 @@ impl HandBoard {
         Ok(Travel { target, question, profile, patience })
     }
 
-    /// Says where the axis stands that has gone along.
-    pub(super) fn tell_where_the_follower_stands(&mut self) -> Result<(), Failure> {
+    /// Reports the position of the follower.
+    pub(super) fn report_follower(&mut self) -> Result<(), Failure> {
         if let Some(axis) = self.follower {
             let (state, _) = self.session.ask(self.board.state(&no_clock))?;
-            say!("axis {axis}, which has gone along, stands at {}", of(&state, axis));
+            say!("axis {axis}, which has gone along, is at {}", of(&state, axis));
         }
         Ok(())
     }
@@ -125,7 +125,7 @@ impl HandBoard {
             let sign = if positive { "+" } else { "-" };
             let also = match follower.filter(|_| *axis == BoardAxis::X) {
                 Some(follower) => {
-                    format!(", {} from {}", beside(Some(follower)), of(&state, follower))
+                    format!(", {} from {}", with_follower(Some(follower)), of(&state, follower))
                 }
                 None => String::new(),
             };
@@ -155,7 +155,7 @@ impl HandBoard {
             }
             say!("axis {axis} is home, at {position}");
         }
-        self.tell_where_the_follower_stands()?;
+        self.report_follower()?;
         if !zeroes {
             say!(
                 "note: the board leaves its counters as they are (zero-after-homing is 0), so that they do not count from home; a run wants \

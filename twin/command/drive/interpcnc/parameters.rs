@@ -4,6 +4,7 @@
 use super::super::session::{Session, no_clock};
 use super::super::words;
 use crate::command::Failure;
+use crate::command::emulate::PARITIES;
 use std::time::Duration;
 use twin_interpcnc::protocol::parameters as numbers;
 use twin_interpcnc::{Assumptions, BAUD_RATES, BoardAxis, InterpCnc, Parity};
@@ -132,16 +133,14 @@ fn of_the_line(number: u16, value: u32, assumed: &Assumptions) -> Result<Option<
                 let codes = BAUD_RATES.iter().filter_map(|baud| assumed.baud_code.encode(*baud));
                 let codes: Vec<_> = codes.map(|code| code.to_string()).collect();
                 let codes = codes.join(", ");
-                format!("modbus-speed (parameter {number}) = {value} is no speed of the board: it takes {codes}")
+                format!("modbus-speed (parameter {number}) = {value} is not a speed of the board: it takes {codes}")
             })?;
             format!("it is spoken to with --baud {baud}")
         }
         numbers::MODBUS_PARITY => {
-            let name = Parity::from_code(value).map_or("", |parity| match parity {
-                Parity::None => "none",
-                Parity::Even => "even",
-                Parity::Odd => "odd",
-            });
+            let parity = Parity::from_code(value);
+            let known = PARITIES.iter().find(|(_, known)| Some(*known) == parity);
+            let name = known.map_or("", |(name, _)| *name);
             format!("it is spoken to with --parity {name}")
         }
         numbers::MODBUS_ADDRESS => format!("it is spoken to with --address {value}"),

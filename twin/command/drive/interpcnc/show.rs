@@ -30,12 +30,12 @@ pub(super) fn scan(
                 found += 1;
             }
             Err(Failure::Drive(DriveError::Timeout { .. })) => {}
-            // It is there, and has not what was asked.
+            // It answers and refuses the question.
             Err(Failure::Drive(error)) if error.fault::<Exception>().is_some() => {
-                table.add_row([right(address), "not told".into(), "not told".into()]);
+                table.add_row([right(address), "unknown".into(), "unknown".into()]);
                 found += 1;
             }
-            // Something is there that speaks otherwise, or at another speed.
+            // A device with another protocol or speed.
             Err(Failure::Drive(error @ DriveError::Protocol { .. })) => {
                 stderr!("{error}");
             }

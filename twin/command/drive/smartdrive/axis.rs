@@ -1,7 +1,7 @@
 //! One drive of a bus.
 
 use super::super::consent::Consent;
-use super::super::session::{BRAKING, Session, Stands, Stopping, no_clock};
+use super::super::session::{BRAKING, RestPosition, Session, Stopping, no_clock};
 use std::sync::Arc;
 use twin_drives::{Action as Doing, DriveError, Exchange};
 use twin_smartdrive::{DriveState, Fault, Mode, SmartDrive};
@@ -45,13 +45,13 @@ impl Stopping for Unit {
         self.bus.set_mode(self.address, Some(Mode::Off)).await
     }
 
-    async fn stands(&mut self) -> Result<Stands, DriveError> {
+    async fn rest_position(&mut self) -> Result<RestPosition, DriveError> {
         let state = self.state().await?;
         let obeys = state.mode == Mode::Remote.number();
         Ok(if !obeys && state.alarms.is_empty() && state.position == 0 {
-            Stands::Anew("the drive does not obey the bus, and its position is 0")
+            RestPosition::Lost("the drive does not obey the bus, and its position is 0")
         } else {
-            Stands::At(state.position.to_string())
+            RestPosition::Known(state.position.to_string())
         })
     }
 }

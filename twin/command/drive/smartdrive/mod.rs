@@ -78,7 +78,7 @@ fn addresses(text: &str) -> Result<RangeInclusive<u8>, String> {
     words::addresses(text, ADDRESSES)
 }
 
-/// Settings of the driver for a drive whose turn has so many µsteps, and which goes at most so fast.
+/// Settings of the driver for a drive with these µsteps per turn and this largest speed.
 fn options(
     command: &Command<Axis>,
     turn: StepsPerTurn,
@@ -106,10 +106,10 @@ fn options(
     })
 }
 
-/// Where ceilings and turn, which are those of following, do not count.
+/// Settings of the driver where speed and turn, which only following uses, do not matter.
 fn any_options(command: &Command<Axis>) -> Result<SmartDriveOptions, Failure> {
     let turn = StepsPerTurn::new(200, 16)
-        .ok_or_else(|| Failure::Usage("200 steps of 16 µsteps are no turn".to_owned()))?;
+        .ok_or_else(|| Failure::Usage("200 steps of 16 µsteps are not a turn".to_owned()))?;
     options(command, turn, 1)
 }
 
@@ -186,7 +186,7 @@ impl Family for Axis {
         let rate = value(ACCELERATION_MAX)?;
         drop(drive);
         let turn = StepsPerTurn::new(full_steps, divisor).ok_or_else(|| {
-            Failure::Usage(format!("{full_steps} steps of {divisor} µsteps are no turn"))
+            Failure::Usage(format!("{full_steps} steps of {divisor} µsteps are not a turn"))
         })?;
         let rpm = turn.rpm(by_switch.fastest()).ceil().clamp(1.0, 32_767.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
@@ -214,7 +214,7 @@ impl Family for Axis {
     }
 
     fn unlock(&mut self, _: &Nothing) -> Result<(), Failure> {
-        let state = self.standing("unlock")?;
+        let state = self.at_rest("unlock")?;
         if state.mode == Mode::Remote.number() && state.alarms.is_empty() {
             say!("obeys the bus already, at {}", state.position);
         } else {
@@ -276,7 +276,7 @@ impl Family for Axis {
     }
 
     fn save(&mut self) -> Result<(), Failure> {
-        self.standing("save")?;
+        self.at_rest("save")?;
         let Unit { bus, address, .. } = &mut self.unit;
         self.session.ask(bus.save(*address))?;
         say!("saved; the position is 0");

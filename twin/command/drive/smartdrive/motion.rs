@@ -27,7 +27,7 @@ fn within([low, high]: [i64; 2], target: i32) -> Result<(), String> {
 
 impl Axis {
     /// The state of a drive that does not move.
-    pub(super) fn standing(&mut self, what: &str) -> Result<DriveState, Failure> {
+    pub(super) fn at_rest(&mut self, what: &str) -> Result<DriveState, Failure> {
         let state = self.session.ask(self.unit.state())?;
         if turns(&state) {
             let at = self.unit.at();
@@ -40,7 +40,7 @@ impl Axis {
 
     /// The same, which has to obey the bus.
     fn obeying(&mut self, what: &str) -> Result<DriveState, Failure> {
-        let state = self.standing(what)?;
+        let state = self.at_rest(what)?;
         if state.mode != Mode::Remote.number() {
             let (at, mode) = (self.unit.at(), mode(state.mode));
             let message = format!("{at}: it is in mode {mode}: `unlock` first");

@@ -88,7 +88,7 @@ impl Axis {
         let value = number(entry, value).map_err(Failure::Usage)?;
         // Ceilings and steps of a turn count from now on, for what moves already, too.
         if matches!(found, Found::Parameter(_)) {
-            self.standing("set")?;
+            self.at_rest("set")?;
         }
         let Self { session, unit, .. } = self;
         let named = format!("{} ({})", entry.name, entry.index);
@@ -97,7 +97,7 @@ impl Axis {
             .ok()
             .filter(|_| entry.index == ADDRESS && matches!(found, Found::Parameter(_)));
         if let Some(new) = new_address.filter(|new| *new != address) {
-            // Two at one address can be told apart by their cables alone.
+            // Two drives at one address can only be separated by their cables.
             match session.ask(unit.bus.state(new, &no_clock)) {
                 Err(Failure::Drive(DriveError::Timeout { .. })) => {}
                 Ok(_) | Err(Failure::Drive(DriveError::Protocol { .. })) => {
@@ -143,20 +143,20 @@ mod tests {
 
     /// "Annexe": 0.3 · 32768 = 9830.
     #[test]
-    fn a_fraction_is_told_in_the_numbers_of_the_drive() {
+    fn a_fraction_is_refused_with_its_32768ths() {
         let entry = |name| named(&PARAMETERS, name).expect("it is there");
         assert_eq!(number(entry("Cur_Idle"), "9830"), Ok(9830));
-        let told = number(entry("Cur_Idle"), "0.3").unwrap_err();
-        assert_eq!(told, "Cur_Idle (66) = 0.3: it is written in 32768ths, and 0.3 is 9830");
+        let message = number(entry("Cur_Idle"), "0.3").unwrap_err();
+        assert_eq!(message, "Cur_Idle (66) = 0.3: it is written in 32768ths, and 0.3 is 9830");
         for (name, text) in [("Cur_Idle", "1.5"), ("Cur_Idle", "half"), ("Trj_VelMax", "0.3")] {
-            assert_eq!(number(entry(name), text), Err(format!("`{text}` is no whole number")));
+            assert_eq!(number(entry(name), text), Err(format!("`{text}` is not a whole number")));
         }
     }
 
     #[test]
     fn the_number_of_a_variable_leads_to_its_name() {
-        let told = find("75").err().map(|error| error.to_string());
+        let message = find("75").err().map(|error| error.to_string());
         let expected = "there is no parameter 75; variable 75 is Pos_Actual: say its name";
-        assert_eq!(told.as_deref(), Some(expected));
+        assert_eq!(message.as_deref(), Some(expected));
     }
 }

@@ -16,10 +16,7 @@ use twin_drives::{Action as Doing, DriveError, Exchange};
 
 impl Module {
     /// Does an action with such a module, or says why it cannot be done.
-    pub(super) fn with_wrong_check_sum(
-        &mut self,
-        action: &Action<Self>,
-    ) -> Result<Status, Failure> {
+    pub(super) fn with_checksum_fault(&mut self, action: &Action<Self>) -> Result<Status, Failure> {
         match action {
             Action::Status => {
                 let (seen, _) = self.session.ask(self.card.driver.positions(&no_clock))?;
@@ -38,8 +35,8 @@ impl Module {
             _ => {
                 let port = std::sync::Arc::clone(&self.card.port);
                 let at = Exchange { port, address: 0, action: Doing::Identify };
-                let unsound = Fault::CardMessages { messages: card::CHECKSUM };
-                Err(DriveError::device(at, unsound).into())
+                let fault = Fault::CardMessages { messages: card::CHECKSUM };
+                Err(DriveError::device(at, fault).into())
             }
         }
     }
