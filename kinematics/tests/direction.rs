@@ -123,7 +123,7 @@ proptest! {
             let [rate, acceleration, _] = rates(t);
             [start.perp(&vector).atan2(start.dot(&vector)), rate, acceleration]
         };
-        let (first, second) = differences(all, 2e-3);
+        let [first, second, _] = differences(all, 2e-3);
         let found = rates(0.0);
         for ((found, expected), power) in found.into_iter().zip(first).zip(1..) {
             prop_assert!((found - expected).abs() < 1e-8 * found.abs().max(f64::from(power)), "{found} {expected}");
