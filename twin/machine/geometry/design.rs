@@ -5,8 +5,7 @@ use crate::section::Section;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 use twin_kinematics::gantry::{
-    BeltLayout, Gantry2, Gantry3, GantryCutter2, GantryCutter3, GantryH2,
-    Sense, ToolBeside,
+    BeltLayout, Gantry2, Gantry3, GantryCutter2, GantryCutter3, GantryH2, Sense, ToolBeside,
 };
 use twin_kinematics::scara::{Elbow, Scara2, Scara3};
 use twin_kinematics::tripod::{CalibratedTripod, Tripod, TripodDeviations, TripodDimensions};
@@ -205,9 +204,7 @@ impl Design {
                     (Some((r, sense)), _, true) => {
                         Box::new(GantryCutter3::new([x, y, z, r], sense)?)
                     }
-                    (Some((r, sense)), _, false) => {
-                        Box::new(GantryCutter2::new([x, y, r], sense)?)
-                    }
+                    (Some((r, sense)), _, false) => Box::new(GantryCutter2::new([x, y, r], sense)?),
                     (None, Some(layout), _) => Box::new(GantryH2::new([x, y], layout)?),
                     (None, None, true) => Box::new(Gantry3::with_tool_beside([x, y, z], beside)?),
                     (None, None, false) => Box::new(Gantry2::with_tool_beside([x, y], beside)?),

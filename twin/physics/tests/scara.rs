@@ -4,6 +4,11 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::Vector2;
+use twin_kinematics::Transform;
+use twin_kinematics::scara::{Elbow, Scara2};
+use twin_kinematics::transform::Motion;
+
 use super::*;
 
 /// Two revolute axes about +z, 0.4 m and 0.3 m apart, and a slide along +z; masses of uniform boxes.
@@ -30,43 +35,29 @@ pub(super) fn scara() -> Model {
     ])
 }
 
-/// Joint motion on a circle of 0.1 m about (0.45, 0) at 0.5 m/s, z = 0.02·sin(2πt), in closed form.
+fn transform() -> Scara2 {
+    Scara2::new([0.4, 0.3], [0.0; 2], Elbow::Low).unwrap()
+}
+
+/// Joint motion on a circle of 0.1 m about (0.45, 0) at 0.5 m/s, z = 0.02·sin(2πt).
 pub(super) fn circle(t: f64) -> [JointVector; 3] {
-    let (sin, cos) = (5.0 * t).sin_cos();
-    let place = [0.45 + 0.1 * cos, 0.1 * sin];
-    let velocity = [-0.5 * sin, 0.5 * cos];
-    let acceleration = [-2.5 * cos, -2.5 * sin];
-    let (l1, l2) = (0.4, 0.3);
-    let q2 = ((place[0].powi(2) + place[1].powi(2) - l1 * l1 - l2 * l2) / (2.0 * l1 * l2)).acos();
-    let q1 = place[1].atan2(place[0]) - (l2 * q2.sin()).atan2(l1 + l2 * q2.cos());
-    // Jacobian of (x, y) and its rate.
-    let (s1, c1) = q1.sin_cos();
-    let (s12, c12) = (q1 + q2).sin_cos();
-    let determinant = l1 * l2 * q2.sin();
-    let solve = |x: f64, y: f64| {
-        [
-            (l2 * c12 * x + l2 * s12 * y) / determinant,
-            (-(l1 * c1 + l2 * c12) * x - (l1 * s1 + l2 * s12) * y) / determinant,
-        ]
+    let ((sin, cos), (up, along)) = ((5.0 * t).sin_cos(), (TAU * t).sin_cos());
+    let tool = Motion {
+        position: Vector2::new(0.45 + 0.1 * cos, 0.1 * sin),
+        velocity: Vector2::new(-0.5 * sin, 0.5 * cos),
+        acceleration: Vector2::new(-2.5 * cos, -2.5 * sin),
     };
-    let [v1, v2] = solve(velocity[0], velocity[1]);
-    let v12 = v1 + v2;
-    let [a1, a2] = solve(
-        acceleration[0] + l1 * c1 * v1 * v1 + l2 * c12 * v12 * v12,
-        acceleration[1] + l1 * s1 * v1 * v1 + l2 * s12 * v12 * v12,
-    );
-    let (sin_z, cos_z) = (TAU * t).sin_cos();
+    let arms = transform().axis_motion(&tool, &Vector2::zeros()).unwrap();
     [
-        joints([q1, q2, 0.02 * sin_z]),
-        joints([v1, v2, 0.02 * TAU * cos_z]),
-        joints([a1, a2, -0.02 * TAU * TAU * sin_z]),
+        (arms.position, 0.02 * up),
+        (arms.velocity, 0.02 * TAU * along),
+        (arms.acceleration, -0.02 * TAU * TAU * up),
     ]
+    .map(|(arms, z)| joints([arms.x, arms.y, z]))
 }
 
 pub(super) fn tip(q: &JointVector) -> Vector3<f64> {
-    let (s1, c1) = q[0].sin_cos();
-    let (s12, c12) = (q[0] + q[1]).sin_cos();
-    Vector3::new(0.4 * c1 + 0.3 * c12, 0.4 * s1 + 0.3 * s12, q[2] - 0.12)
+    transform().to_tool(&q.fixed_rows::<2>(0).into()).unwrap().push(q[2] - 0.12)
 }
 
 /// Cycle, `tau_ff` of that cycle: inverse dynamics half a cycle ahead (`scara_circle.csv`).
