@@ -8,17 +8,6 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 const ALL: [ToPath; 4] = [ToPath::Tangential, ToPath::Opposite, ToPath::Right, ToPath::Left];
 
-/// SoftMotion vector `trafo-calcdir`: v = (1, 1, 0), degrees.
-#[test]
-fn trafo_calcdir() {
-    for (to_path, expected) in ALL.into_iter().zip([45_f64, 225.0, 315.0, 135.0]) {
-        let found = to_path.direction(Vector2::new(1.0, 1.0)).unwrap();
-        assert!((found - expected.to_radians()).abs() < 1e-15, "{to_path:?}: {found}");
-        assert_eq!(to_path.direction(Vector2::zeros()), None);
-        assert_eq!(to_path.direction(Vector2::new(-0.0, 0.0)), None);
-    }
-}
-
 /// Along the axes the four are exact, and never a whole turn or −0.
 #[test]
 fn quarter_turns_are_exact() {
