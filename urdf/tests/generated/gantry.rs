@@ -6,7 +6,7 @@ use crate::{
     DimensionError, GantryDimensions, HBelt, Joint, JointDrive, JointKind, MachineJoint, Model,
     RotaryTool,
 };
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Isometry3, Point3, Vector2, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
@@ -198,7 +198,11 @@ proptest! {
             position[2] - offsets[2] - length,
         );
         let tip = model.tip_position(&position);
-        prop_assert!((tip - expected).norm() < 1e-12, "{tip} {expected}");
+        prop_assert!((tip - expected).norm() < 1e-14, "{tip} {expected}");
+        let mut poses = [Isometry3::translation(9.0, 9.0, 9.0); 4];
+        model.link_poses_into(&position, &mut poses);
+        prop_assert!((poses[3] * model.tip.point - expected).norm() < 1e-14);
+        prop_assert_eq!(poses.to_vec(), model.link_poses(&position));
         // Without Z the flange stays in one plane.
         let flat = GantryDimensions { offsets, tool, quill_joint: None, ..gantry() }.model().unwrap();
         let tip = flat.tip_position(&position[..2]);

@@ -6,13 +6,11 @@ pub(super) mod tripod;
 
 use super::{gantry, scara, seeded};
 use crate::{
-    DimensionError, GantryDimensions, Joint, JointKind, MachineJoint, Model, PlaneDrive,
-    ScaraDimensions, SolidShape,
+    DimensionError, Joint, JointKind, MachineJoint, Model, PlaneDrive, ScaraDimensions, SolidShape,
 };
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
-use twin_kinematics::gantry::Gantry3;
 use twin_kinematics::scara::{Elbow, Scara2};
 use twin_kinematics::{AxisSource, AxisVector, Coordinate, Kinematics, MachineAxes};
 
@@ -223,22 +221,5 @@ proptest! {
         let poses = model.link_poses(&position);
         prop_assert!((poses[model.tip.link] * model.tip.point - expected).norm() < 1e-14);
         prop_assert_eq!(poses[0], Isometry3::identity());
-    }
-
-    #[test]
-    fn the_tip_of_a_gantry_is_where_its_transform_says(
-        offsets in prop::array::uniform3(-1.0..1.0), tool_length in 0.0_f64..0.3,
-        position in [0.0..0.6, -0.2..0.2, -0.15..0.0],
-    ) {
-        let model = GantryDimensions { offsets, tool: Vector3::new(0.0, 0.0, -tool_length), ..gantry() }.model().unwrap();
-        let sources = (0..3).map(AxisSource::Transform).collect();
-        let machine = MachineAxes::new(Box::new(Gantry3::new(offsets).unwrap()), sources, -Vector3::z() * tool_length).unwrap();
-        let expected = machine.forward(&AxisVector::from_values(position)).unwrap().position;
-        let tip = model.tip_position(&position);
-        prop_assert!((tip - expected).norm() < 1e-14, "{tip} {expected}");
-        let mut poses = [Isometry3::translation(9.0, 9.0, 9.0); 4];
-        model.link_poses_into(&position, &mut poses);
-        prop_assert!((poses[3] * model.tip.point - expected).norm() < 1e-14);
-        prop_assert_eq!(poses.to_vec(), model.link_poses(&position));
     }
 }
