@@ -256,8 +256,6 @@ implement! {
     crate::gantry::Gantry3: 3,
     crate::gantry::GantryCutter2: 3,
     crate::gantry::GantryCutter3: 4,
-    crate::gantry::Gantry2Tool: 2,
-    crate::gantry::Gantry3Tool: 3,
     crate::gantry::GantryH2: 2,
     crate::scara::Scara2: 2,
     crate::scara::Scara3: 3,

@@ -88,11 +88,6 @@ impl WorkFrame {
         self.machine_from_work.transform_vector(vector)
     }
 
-    /// A free vector of the machine frame in the work frame.
-    pub(crate) fn vector_to_work(&self, vector: &Vector3<f64>) -> Vector3<f64> {
-        self.machine_from_work.inverse_transform_vector(vector)
-    }
-
     /// A tool pose of the work frame in the machine frame.
     pub fn pose_to_machine(&self, pose: &Pose) -> Pose {
         let [direction, ..] = self.seen_from_above.of(pose.direction);
@@ -107,27 +102,14 @@ impl WorkFrame {
 
     /// A tool motion of the work frame in the machine frame.
     pub fn motion_to_machine(&self, motion: &ToolMotion) -> ToolMotion {
-        let [direction, direction_velocity, direction_acceleration] =
-            turn(&self.seen_from_above, motion);
+        let [direction, slope, curvature, _] = self.seen_from_above.of(motion.pose.direction);
+        let rate = motion.direction_velocity;
         ToolMotion {
             pose: Pose { position: self.point_to_machine(&motion.pose.position), direction },
             velocity: self.vector_to_machine(&motion.velocity),
             acceleration: self.vector_to_machine(&motion.acceleration),
-            direction_velocity,
-            direction_acceleration,
-        }
-    }
-
-    /// A tool motion of the machine frame in the work frame.
-    pub fn motion_to_work(&self, motion: &ToolMotion) -> ToolMotion {
-        let [direction, direction_velocity, direction_acceleration] =
-            turn(&self.seen_from_above.inverse(), motion);
-        ToolMotion {
-            pose: Pose { position: self.point_to_work(&motion.pose.position), direction },
-            velocity: self.vector_to_work(&motion.velocity),
-            acceleration: self.vector_to_work(&motion.acceleration),
-            direction_velocity,
-            direction_acceleration,
+            direction_velocity: slope * rate,
+            direction_acceleration: slope * motion.direction_acceleration + curvature * rate * rate,
         }
     }
 
@@ -149,12 +131,4 @@ impl Default for WorkFrame {
     fn default() -> Self {
         Self::identity()
     }
-}
-
-/// Direction (rad), its rate and its acceleration on the other side of `map`.
-fn turn(map: &Above, motion: &ToolMotion) -> [f64; 3] {
-    let [direction, slope, curvature, _] = map.of(motion.pose.direction);
-    let rate = motion.direction_velocity;
-    let acceleration = slope * motion.direction_acceleration + curvature * rate * rate;
-    [direction, slope * rate, acceleration]
 }

@@ -13,20 +13,21 @@
 //! singularities and no bound of reach; velocities and accelerations pass unchanged, because offsets are constant
 //! (the manual's `dvx = dVel · vx`). The flange keeps its attitude: x forward.
 
-use super::view::{GantryView, Range};
+use super::ToolBeside;
+use super::view::{GantryToolView, GantryView, Range};
 use crate::error::{DimensionError, all_finite};
 use crate::transform::Values;
 use crate::transform::{Serial, Straight, Transform};
 use crate::{Coordinate, Result};
-use nalgebra::{SVector, Vector3};
+use nalgebra::{SVector, Vector2, Vector3};
 
-/// A gantry with N axes, 2 or 3: x and y, or x, y and z.
+/// A gantry with N axes, 2 or 3: x and y, or x, y and z. Its tool may be offset from their crossing ([`ToolBeside`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gantry<const N: usize> {
     offsets: Values<N>,
-    /// Tool tip, from the flange.
-    tool: Values<N>,
-    /// Added to the tip to give the axes: offsets less tool.
+    /// What the flange hangs on.
+    beside: ToolBeside,
+    /// Added to the tip to give the axes: offsets less the tool tip, from the crossing of the axes.
     shift: Values<N>,
 }
 
@@ -41,10 +42,18 @@ impl<const N: usize> Gantry<N> {
     /// # Errors
     /// [`DimensionError::NotFinite`].
     pub fn new(offsets: [f64; N]) -> Result<Self, DimensionError> {
+        Self::with_tool_beside(offsets, ToolBeside::default())
+    }
+
+    /// A gantry whose axes are at `offsets` (m) when they cross at the origin, with a tool offset from there.
+    ///
+    /// # Errors
+    /// [`DimensionError::NotFinite`].
+    pub fn with_tool_beside(offsets: [f64; N], beside: ToolBeside) -> Result<Self, DimensionError> {
         const { assert!(N == 2 || N == 3, "a gantry has two or three axes") };
-        all_finite(&offsets)?;
+        all_finite(offsets.iter().chain(&[beside.angle, beside.ahead, beside.left]))?;
         let offsets = SVector::from(offsets);
-        Ok(Self { offsets, tool: SVector::zeros(), shift: offsets })
+        Ok(Self { offsets, beside, shift: offsets }.holding(&Vector3::zeros()))
     }
 
     /// Axis positions with the tool tip (of a machine without tool: the flange) at the origin, m.
@@ -53,13 +62,18 @@ impl<const N: usize> Gantry<N> {
     }
 
     /// The manual's normalised outputs with the axes at `axes` (m).
-    pub fn view(&self, axes: &Values<N>, range: &Range) -> Option<GantryView> {
-        let tip = axes - self.shift;
-        Some(
-            range
-                .view([*tip.get(0)?, *tip.get(1)?], [*self.offsets.get(0)?, *self.offsets.get(1)?]),
-        )
+    pub fn view(&self, axes: &Values<N>, range: &Range) -> GantryView {
+        range.view(xy(&(axes - self.shift)).into(), xy(&self.offsets).into())
     }
+
+    /// Those of its blocks for a tool beside the axes.
+    pub fn tool_view(&self, axes: &Values<N>, range: &Range) -> GantryToolView {
+        range.tool_view(xy(&(axes - self.offsets)), xy(&self.offsets).into(), &self.beside)
+    }
+}
+
+fn xy<const N: usize>(values: &Values<N>) -> Vector2<f64> {
+    Vector2::new(values[0], values[1])
 }
 
 impl<const N: usize> Transform<N> for Gantry<N> {
@@ -101,8 +115,10 @@ impl<const N: usize> Transform<N> for Gantry<N> {
         super::CHARACTERISTIC_LENGTH
     }
 
+    /// The tip counts from the end of the arm beside the axes.
     fn holding(self, tip: &Vector3<f64>) -> Self {
+        let tip = tip + self.beside.offset().push(0.0);
         let tool = SVector::<f64, N>::from_iterator(tip.iter().copied().take(N));
-        Self { tool, shift: self.offsets - tool, ..self }
+        Self { shift: self.offsets - tool, ..self }
     }
 }

@@ -2,8 +2,7 @@
 
 use crate::Transform;
 use crate::gantry::{
-    BeltLayout, Gantry2, Gantry2Tool, Gantry3, Gantry3Tool, GantryCutter2, GantryCutter3, GantryH2,
-    Sense, ToolBeside,
+    BeltLayout, Gantry2, Gantry3, GantryCutter2, GantryCutter3, GantryH2, Sense, ToolBeside,
 };
 use crate::scara::{Elbow, Scara2, Scara3};
 use crate::tripod::{CalibratedTripod, Tripod, TripodDeviations, TripodDimensions};
@@ -78,15 +77,21 @@ fn beside() -> impl Strategy<Value = ToolBeside> {
     })
 }
 
-pub(crate) fn gantry2_tool() -> impl Strategy<Value = Placed<Gantry2Tool, 2>> {
+pub(crate) fn gantry2_tool() -> impl Strategy<Value = Placed<Gantry2, 2>> {
     (values::<2>(1.0), beside(), tools(), values(1.0)).prop_map(|(offsets, beside, tool, axes)| {
-        Placed { machine: Gantry2Tool::new(offsets.into(), beside).unwrap().holding(&tool), axes }
+        Placed {
+            machine: Gantry2::with_tool_beside(offsets.into(), beside).unwrap().holding(&tool),
+            axes,
+        }
     })
 }
 
-pub(crate) fn gantry3_tool() -> impl Strategy<Value = Placed<Gantry3Tool, 3>> {
+pub(crate) fn gantry3_tool() -> impl Strategy<Value = Placed<Gantry3, 3>> {
     (values::<3>(1.0), beside(), tools(), values(1.0)).prop_map(|(offsets, beside, tool, axes)| {
-        Placed { machine: Gantry3Tool::new(offsets.into(), beside).unwrap().holding(&tool), axes }
+        Placed {
+            machine: Gantry3::with_tool_beside(offsets.into(), beside).unwrap().holding(&tool),
+            axes,
+        }
     })
 }
 

@@ -1,7 +1,7 @@
 //! Normalised outputs that no worked vector covers, computed by hand.
 
 use crate::Transform;
-use crate::gantry::{Gantry2Tool, Range, ToolBeside};
+use crate::gantry::{Gantry2, Range, ToolBeside};
 use crate::tripod::{Tripod, TripodDimensions};
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::FRAC_PI_2;
@@ -16,9 +16,9 @@ fn close(found: [f64; 2], expected: [f64; 2]) {
 #[test]
 fn tools_beside() {
     let beside = ToolBeside { angle: FRAC_PI_2, ahead: 0.02, left: 0.01 };
-    let gantry = Gantry2Tool::new([0.004, -0.002], beside).unwrap();
+    let gantry = Gantry2::with_tool_beside([0.004, -0.002], beside).unwrap();
     let range = Range { x: [0.0, 0.2], y: [0.0, 0.1] };
-    let view = gantry.view(&Vector2::new(0.044, 0.028), &range).unwrap();
+    let view = gantry.tool_view(&Vector2::new(0.044, 0.028), &range);
     close(view.crossing.tool, [0.2, 0.3]);
     close(view.crossing.offset, [0.02, -0.02]);
     close(view.legs, [0.1, 0.05]);

@@ -130,7 +130,6 @@ fn no_frame_or_direction_asks_for_memory() {
         calls.call(of, "pose_to_machine", || frame.pose_to_machine(&motion.pose));
         calls.call(of, "pose_to_work", || frame.pose_to_work(&motion.pose));
         calls.call(of, "motion_to_machine", || frame.motion_to_machine(&motion));
-        calls.call(of, "motion_to_work", || frame.motion_to_work(&motion));
         calls.call(of, "jerk_to_machine", || frame.jerk_to_machine(&motion, &jerk));
     }
     let path = Vector2::new(1.0, 2.0);

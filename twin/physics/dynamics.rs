@@ -88,12 +88,6 @@ impl Dynamics {
         self.axis_count
     }
 
-    /// The links.
-    #[cfg(test)]
-    pub(super) fn tree(&self) -> &Tree {
-        &self.tree
-    }
-
     /// The efforts that give the joint accelerations `acceleration` at `position` and `velocity`.
     pub(super) fn inverse_dynamics(
         &mut self,

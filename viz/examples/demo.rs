@@ -8,8 +8,8 @@
 use std::f64::consts::TAU;
 use std::time::Duration;
 
-use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
-use twin_urdf::{Inertial, Joint, JointDrive, JointKind, Link, Model, Solid, SolidShape, Tip};
+use nalgebra::{Isometry3, Point3, Vector3};
+use twin_urdf::{MachineJoint, ScaraDimensions, Solid, SolidShape};
 use twin_viz::{
     Axis, AxisUnit, ClearanceFrame, Deviation, DrivesFrame, Frame, MoveKind, Obstacle, PathStrip,
     Playback, Program, Scene, SceneOptions, Setup,
@@ -17,8 +17,6 @@ use twin_viz::{
 
 const UPPER_ARM: f64 = 0.3;
 const FOREARM: f64 = 0.25;
-const COLUMN: f64 = 0.25;
-const QUILL: f64 = 0.3;
 const FEED: f64 = 0.06;
 
 const PROGRAM: &str = "% demo\n\
@@ -46,16 +44,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             other => return Err(format!("unknown argument {other}").into()),
         }
     }
-    let model = machine();
     let axes = [("A1", AxisUnit::Rotary), ("A2", AxisUnit::Rotary), ("Z", AxisUnit::Linear)]
         .map(|(name, unit)| Axis { name: name.to_owned(), unit });
+    let arms =
+        [("A1", 0), ("A2", 1)].map(|(name, axis)| MachineJoint::new(name, axis, [-3.0, 3.0]));
+    let quill = MachineJoint::new("Z", 2, [-0.1, 0.1]);
+    let dimensions = ScaraDimensions::new("demo machine", arms, Some(quill), [UPPER_ARM, FOREARM]);
+    let model = ScaraDimensions { quill_radius: Some(QUILL_RADIUS), ..dimensions }.model()?;
     let path = path();
     let start = axis_positions(&Point3::new(0.3, 0.2, 0.0));
     let mut scene = Scene::open(
         &options,
         &Setup {
             machine: &model,
-            home: &poses(start),
+            home: &model.link_poses(&start),
             surroundings: &[Obstacle { name: "ball", solids: &[ball()] }],
             clearance: Some(0.002),
             axes: &axes,
@@ -91,7 +93,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             setpoint: *setpoint,
             path_speed: (ahead - setpoint).norm() * 1000.0,
             programmed_speed: Some(FEED),
-            link_poses: &poses(axis_positions(&twin)),
+            link_poses: &model.link_poses(&axis_positions(&twin)),
             twin: Deviation {
                 tool: twin,
                 tool_error: (twin - setpoint).norm(),
@@ -168,15 +170,6 @@ fn axis_positions(tool: &Point3<f64>) -> [f64; 3] {
     [shoulder, elbow, tool.z]
 }
 
-fn poses([shoulder, elbow, height]: [f64; 3]) -> [Isometry3<f64>; 4] {
-    let about_z = |angle| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
-    let upper_arm = Isometry3::from_parts(Translation3::new(0.0, 0.0, COLUMN), about_z(shoulder));
-    let forearm =
-        upper_arm * Isometry3::from_parts(Translation3::new(UPPER_ARM, 0.0, 0.0), about_z(elbow));
-    let quill = forearm * Isometry3::translation(FOREARM, 0.0, height - COLUMN);
-    [Isometry3::identity(), upper_arm, forearm, quill]
-}
-
 /// Beside the square.
 const BALL: [f64; 3] = [0.415, 0.03, 0.0];
 const BALL_RADIUS: f64 = 0.02;
@@ -200,43 +193,5 @@ fn to_ball(tool: &Point3<f64>) -> ClearanceFrame<'static> {
         distance: way.norm() - BALL_RADIUS - QUILL_RADIUS,
         parts: ["quill", "ball"],
         points: [tool + towards * QUILL_RADIUS, middle - towards * BALL_RADIUS],
-    }
-}
-
-fn machine() -> Model {
-    let bar = |length: f64, color| Solid {
-        shape: SolidShape::Box { size: Vector3::new(length, 0.05, 0.04) },
-        origin: Isometry3::translation(length / 2.0, 0.0, 0.0),
-        color,
-    };
-    let post = |radius, length, z, color| Solid {
-        shape: SolidShape::Cylinder { radius, length },
-        origin: Isometry3::translation(0.0, 0.0, z),
-        color,
-    };
-    let inertial = Inertial { mass: 1.0, center: Point3::origin(), inertia: Matrix3::identity() };
-    let link = |name: &str, solids| Link::new(name, Some(inertial), solids);
-    let joint = |name: &str, kind, parent, x, z, axis: usize| {
-        let origin = Isometry3::translation(x, 0.0, z);
-        let drive = JointDrive::Axis(axis);
-        Joint::new(name, kind, [parent, parent + 1], origin, Vector3::z_axis(), drive)
-    };
-    let (grey, blue, light) =
-        ([0.35, 0.37, 0.4, 1.0], [0.3, 0.42, 0.55, 1.0], [0.5, 0.6, 0.7, 1.0]);
-    Model {
-        name: "demo machine".to_owned(),
-        links: vec![
-            link("base", vec![post(0.05, COLUMN - 0.02, COLUMN / 2.0 - 0.01, grey)]),
-            link("upper arm", vec![bar(UPPER_ARM, blue), post(0.035, 0.05, 0.0, grey)]),
-            link("forearm", vec![bar(FOREARM, light), post(0.03, 0.05, 0.0, grey)]),
-            link("quill", vec![post(QUILL_RADIUS, QUILL, QUILL / 2.0, grey)]),
-        ],
-        joints: vec![
-            joint("A1", JointKind::Revolute, 0, 0.0, COLUMN, 0),
-            joint("A2", JointKind::Revolute, 1, UPPER_ARM, 0.0, 1),
-            joint("Z", JointKind::Prismatic, 2, FOREARM, -COLUMN, 2),
-        ],
-        loops: Vec::new(),
-        tip: Tip { link: 3, point: Point3::origin() },
     }
 }

@@ -1,6 +1,5 @@
 //! Tests of the work frame of a probed cuboid.
 
-use super::COLUMNS;
 use crate::tests::seeded;
 use crate::{Cuboid, CuboidError, WorkFrame};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
@@ -24,24 +23,6 @@ fn probed() -> Points {
         Point3::new(0.09, 0.0, -0.02),
         Point3::new(0.0, 0.05, -0.015),
     ]
-}
-
-/// SoftMotion vector `trafo-cuboid`: corner (5, 6, 7), edges along the axes of `trafo-rpy`.
-#[test]
-fn trafo_cuboid() {
-    let found = cuboid([
-        Point3::new(5.509_302_034_343_227, 5.697_645_801_311_74, 9.156_198_825_792_611),
-        Point3::new(6.647_889_179_236_295, 8.586_201_034_419_815, 9.756_088_798_011_016),
-        Point3::new(6.074_221_062_705_97, 4.853_060_484_170_214, 12.150_784_295_179_424),
-        Point3::new(3.566_731_288_099_637, 7.396_249_490_117_715, 7.998_112_298_708_665),
-        Point3::new(4.243_335_094_214_137, 10.831_752_368_940_519, 10.175_157_833_177_709),
-        Point3::new(4.195_565_608_936_754, 5.222_608_489_043_193, 8.936_116_667_240_638),
-    ])
-    .unwrap();
-    assert!((found.corner() - Point3::new(5.0, 6.0, 7.0)).norm() < 1e-13, "{found:?}");
-    for (edge, expected) in [found.ab(), found.bc(), found.ca()].into_iter().zip(COLUMNS) {
-        assert!((edge - Vector3::from(expected)).norm() < 1e-14, "{found:?}");
-    }
 }
 
 /// C on the left: the frame is the one in which the points were written down.

@@ -9,34 +9,8 @@ use nalgebra::{Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Columns of the matrix of SoftMotion vector `trafo-rpy`: roll 0.3, pitch −0.5, yaw 1.1.
-const COLUMNS: [[f64; 3]; 3] = [
-    [0.398_068_046_304_194_73, 0.782_108_038_218_270_4, 0.479_425_538_604_203],
-    [-0.915_668_379_102_278_8, 0.307_070_725_949_722_5, 0.259_343_380_052_230_8],
-    [0.055_616_994_019_516_14, -0.542_231_118_453_265_3, 0.838_386_643_594_203_6],
-];
-
 fn direction_of(frame: &WorkFrame, direction: f64) -> f64 {
     frame.pose_to_machine(&Pose { position: Point3::origin(), direction }).direction
-}
-
-#[test]
-fn trafo_rpy() {
-    let frame = WorkFrame::new(Vector3::zeros(), 0.3, -0.5, 1.1);
-    for (axis, column) in [Vector3::x(), Vector3::y(), Vector3::z()].iter().zip(COLUMNS) {
-        assert!((frame.vector_to_machine(axis) - Vector3::from(column)).norm() < 1e-15);
-    }
-}
-
-/// The manual's call takes the old origin in the new frame, (1, 2, 3): so the work frame is at −R·(1, 2, 3).
-#[test]
-fn trafo_coord3d() {
-    let old_origin = Vector3::new(1.0, 2.0, 3.0);
-    let turned = WorkFrame::new(Vector3::zeros(), 0.3, -0.5, 1.1);
-    let frame = WorkFrame::new(-turned.vector_to_machine(&old_origin), 0.3, -0.5, 1.1);
-    let found = frame.point_to_work(&Point3::new(10.0, 20.0, 30.0));
-    let expected = Point3::new(35.005_607_386, 6.765_032_13, 17.863_146_879);
-    assert!((found - expected).norm() < 2e-9, "{found}");
 }
 
 #[test]
@@ -113,19 +87,15 @@ fn placed_is_new() {
 
 /// From above, a frame that is edge-on has two directions; on the way back they turn as the work does.
 #[test]
-fn a_frame_seen_edge_on_has_rates_both_ways() {
+fn a_frame_seen_edge_on_turns_on_the_way_back_as_the_work_does() {
     for [roll, pitch] in [[0.0, FRAC_PI_2], [0.0, -FRAC_PI_2], [FRAC_PI_2, 0.0], [-FRAC_PI_2, 0.3]]
     {
         let frame = WorkFrame::new(Vector3::zeros(), roll, pitch, 0.4);
-        let mut motion = ToolMotion::at_rest(Pose { position: Point3::origin(), direction: 9.0 });
-        motion.direction_velocity = 2.0;
-        motion.direction_acceleration = -3.0;
-        let found = frame.motion_to_work(&motion);
-        assert_eq!(
-            (found.direction_velocity.abs(), found.direction_acceleration.abs()),
-            (2.0, 3.0)
-        );
-        assert!((found.pose.direction.abs() - 9.0).abs() < 2.0 * PI, "{found:?}");
+        let [seen, further] = [9.0, 9.5].map(|direction| {
+            frame.pose_to_work(&Pose { position: Point3::origin(), direction }).direction
+        });
+        assert!(((further - seen).abs() - 0.5).abs() < 1e-14, "{seen} {further}");
+        assert!((seen.abs() - 9.0).abs() < 2.0 * PI, "{seen}");
     }
 }
 
@@ -141,18 +111,6 @@ fn jerk_of_a_steady_turn_in_a_tilted_frame() {
     let ToolJerk { linear, direction } = frame.jerk_to_machine(&motion, &given);
     assert!((linear - Vector3::y()).norm() < 1e-15, "{linear}");
     assert!((direction - (2.0 * 0.25 - 12.0 * 0.125)).abs() < 1e-14, "{direction}");
-}
-
-#[test]
-fn jerk_in_a_turned_frame_is_turned() {
-    let frame = WorkFrame::new(Vector3::new(1.0, 2.0, 3.0), 0.0, 0.0, FRAC_PI_2);
-    let mut motion = ToolMotion::at_rest(Pose { position: Point3::origin(), direction: 1.0 });
-    motion.direction_velocity = 0.5;
-    motion.direction_acceleration = 0.75;
-    let given = ToolJerk { linear: Vector3::x(), direction: 0.25 };
-    let ToolJerk { linear, direction } = frame.jerk_to_machine(&motion, &given);
-    assert!((linear - Vector3::y()).norm() < 1e-15, "{linear}");
-    assert!((direction - 0.25).abs() < 1e-16, "{direction}");
 }
 
 prop_compose! {
@@ -178,17 +136,6 @@ prop_compose! {
             direction_acceleration,
         }
     }
-}
-
-/// The largest difference of any number of two motions.
-fn apart(one: &ToolMotion, other: &ToolMotion) -> f64 {
-    (one.pose.position - other.pose.position)
-        .amax()
-        .max((one.velocity - other.velocity).amax())
-        .max((one.acceleration - other.acceleration).amax())
-        .max((one.pose.direction - other.pose.direction).abs())
-        .max((one.direction_velocity - other.direction_velocity).abs())
-        .max((one.direction_acceleration - other.direction_acceleration).abs())
 }
 
 prop_compose! {
@@ -234,32 +181,6 @@ proptest! {
         prop_assert!((last - first - turn).abs() < 1e-11, "{first} {last}");
     }
 
-    #[test]
-    fn rates_of_the_direction_are_its_derivatives(
-        roll in -1.0..1.0, pitch in -1.0..1.0, flip in any::<bool>(), direction in -5.0..5.0,
-        velocity in -1.0..1.0, acceleration in -1.0..1.0,
-    ) {
-        let roll = if flip { roll + PI } else { roll };
-        let frame = WorkFrame::new(Vector3::zeros(), roll, pitch, -0.7);
-        let mut motion = ToolMotion::at_rest(Pose { position: Point3::origin(), direction });
-        motion.direction_velocity = velocity;
-        motion.direction_acceleration = acceleration;
-        let found = frame.motion_to_machine(&motion);
-        let at = |t: f64| [direction_of(&frame, direction + velocity * t + acceleration * t * t / 2.0)];
-        let ([first], [second]) = differences(at, 2e-3);
-        prop_assert!((found.direction_velocity - first).abs() < 1e-10, "{found:?} {first}");
-        prop_assert!((found.direction_acceleration - second).abs() < 1e-7, "{found:?} {second}");
-    }
-    /// Directions with their whole turns, and rates, both ways round.
-    #[test]
-    fn motion_to_work_undoes_motion_to_machine(frame in tilted(), motion in motions()) {
-        let there_and_back = frame.motion_to_work(&frame.motion_to_machine(&motion));
-        prop_assert!(apart(&there_and_back, &motion) < 1e-12, "{there_and_back:?} {motion:?}");
-        let back_and_there = frame.motion_to_machine(&frame.motion_to_work(&motion));
-        prop_assert!(apart(&back_and_there, &motion) < 1e-12, "{back_and_there:?} {motion:?}");
-        prop_assert_eq!(frame.motion_to_work(&motion).pose, frame.pose_to_work(&motion.pose));
-        prop_assert_eq!(frame.motion_to_machine(&motion).pose, frame.pose_to_machine(&motion.pose));
-    }
 
     /// Also in frames only turned about z, and in frames that are tilted almost to the edge.
     #[test]
@@ -312,15 +233,18 @@ proptest! {
         let [_, velocity, acceleration] = numbers(0.0);
         let jerk = [linear.x, linear.y, linear.z, direction];
         for (order, found) in [velocity, acceleration, jerk].into_iter().enumerate() {
-            let (first, _) = differences(|t| numbers(t)[order], 4e-3);
+            let [first, ..] = differences(|t| numbers(t)[order], 4e-3);
             for (found, expected) in found.into_iter().zip(first) {
-                prop_assert!((found - expected).abs() < 1e-8 * found.abs().max(1.0), "{order}: {found} {expected}");
+                let within = if order == 0 { 1e-10 } else { 1e-8 };
+                prop_assert!((found - expected).abs() < within * found.abs().max(1.0), "{order}: {found} {expected}");
             }
         }
         // And the second of the one before that.
-        let (_, second) = differences(|t| numbers(t)[1], 4e-3);
+        let [_, second, _] = differences(|t| numbers(t)[1], 4e-3);
         for (found, expected) in jerk.into_iter().zip(second) {
             prop_assert!((found - expected).abs() < 1e-8 * found.abs().max(1.0), "{found} {expected}");
         }
+        let there = frame.motion_to_machine(&motion).pose;
+        prop_assert_eq!(there, frame.pose_to_machine(&motion.pose));
     }
 }

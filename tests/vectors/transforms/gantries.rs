@@ -4,7 +4,7 @@ use super::vector::{Vector, check};
 use nalgebra::{SVector, Vector2, Vector3};
 use twin_kinematics::ToPath;
 use twin_kinematics::gantry::{
-    BeltLayout, Gantry2Tool, Gantry3, GantryCutter2, GantryH2, Range, Sense, ToolBeside,
+    BeltLayout, Gantry2, Gantry3, GantryCutter2, GantryH2, Range, Sense, ToolBeside,
 };
 use twin_kinematics::transform::{Motion, Transform};
 
@@ -32,7 +32,7 @@ pub(crate) fn three_axes() {
         vector.expect("fwd", mm(gantry.to_tool(&axes).unwrap()));
         let edge = |name| vector.number(name) * 1e-3;
         let range = Range { x: [edge("minX"), edge("maxX")], y: [edge("minY"), edge("maxY")] };
-        let view = gantry.view(&axes, &range).unwrap();
+        let view = gantry.view(&axes, &range);
         vector.expect("dnx", [view.tool[0]]);
         vector.expect("dny", [view.tool[1]]);
         vector.expect("dnOffsetX", [view.offset[0]]);
@@ -79,13 +79,13 @@ pub(crate) fn velocities() {
     });
 }
 
-fn with_tool(vector: &Vector, left: f64) -> Gantry2Tool {
+fn with_tool(vector: &Vector, left: f64) -> Gantry2 {
     let beside = ToolBeside {
         angle: vector.number("dAlpha").to_radians(),
         ahead: vector.number("dToolA") * 1e-3,
         left,
     };
-    Gantry2Tool::new(lengths(vector, "off"), beside).unwrap()
+    Gantry2::with_tool_beside(lengths(vector, "off"), beside).unwrap()
 }
 
 #[test]

@@ -5,8 +5,7 @@ use crate::section::Section;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 use twin_kinematics::gantry::{
-    BeltLayout, Gantry2, Gantry2Tool, Gantry3, Gantry3Tool, GantryCutter2, GantryCutter3, GantryH2,
-    Sense, ToolBeside,
+    BeltLayout, Gantry2, Gantry3, GantryCutter2, GantryCutter3, GantryH2, Sense, ToolBeside,
 };
 use twin_kinematics::scara::{Elbow, Scara2, Scara3};
 use twin_kinematics::tripod::{CalibratedTripod, Tripod, TripodDeviations, TripodDimensions};
@@ -31,7 +30,7 @@ pub(super) enum Design {
         has_z: bool,
         /// Offset and sense of R.
         rotary: Option<(f64, Sense)>,
-        beside: Option<ToolBeside>,
+        beside: ToolBeside,
         belt: Option<BeltLayout>,
     },
     Scara {
@@ -102,7 +101,7 @@ fn gantry(kinematics: &Section<'_>, deviations: &Section<'_>, kind: &Kind) -> De
         (offset, sense.unwrap_or_default())
     });
     let beside = match kind.family {
-        Family::BesideTool(legs) => Some(ToolBeside {
+        Family::BesideTool(legs) => ToolBeside {
             angle: with_deviation("tool_angle_deg", [ANGLE_DEG, DEVIATION_DEG]) * DEG,
             ahead: with_deviation("tool_ahead_mm", [OFFSET_MM, DEVIATION_MM]) * MM,
             left: if legs == 2 {
@@ -110,8 +109,8 @@ fn gantry(kinematics: &Section<'_>, deviations: &Section<'_>, kind: &Kind) -> De
             } else {
                 0.0
             },
-        }),
-        _ => None,
+        },
+        _ => ToolBeside::default(),
     };
     let belt = (kind.family == Family::HBelt).then(|| {
         let layout = |coordinates_exchanged, drives_exchanged| BeltLayout {
@@ -201,18 +200,14 @@ impl Design {
     pub(super) fn transform(&self) -> Result<Box<dyn Kinematics>, DimensionError> {
         Ok(match *self {
             Self::Gantry { offsets: [x, y, z], has_z, rotary, beside, belt } => {
-                match (rotary, beside, belt, has_z) {
-                    (Some((r, sense)), _, _, true) => {
+                match (rotary, belt, has_z) {
+                    (Some((r, sense)), _, true) => {
                         Box::new(GantryCutter3::new([x, y, z, r], sense)?)
                     }
-                    (Some((r, sense)), _, _, false) => {
-                        Box::new(GantryCutter2::new([x, y, r], sense)?)
-                    }
-                    (None, Some(beside), _, true) => Box::new(Gantry3Tool::new([x, y, z], beside)?),
-                    (None, Some(beside), _, false) => Box::new(Gantry2Tool::new([x, y], beside)?),
-                    (None, None, Some(layout), _) => Box::new(GantryH2::new([x, y], layout)?),
-                    (None, None, None, true) => Box::new(Gantry3::new([x, y, z])?),
-                    (None, None, None, false) => Box::new(Gantry2::new([x, y])?),
+                    (Some((r, sense)), _, false) => Box::new(GantryCutter2::new([x, y, r], sense)?),
+                    (None, Some(layout), _) => Box::new(GantryH2::new([x, y], layout)?),
+                    (None, None, true) => Box::new(Gantry3::with_tool_beside([x, y, z], beside)?),
+                    (None, None, false) => Box::new(Gantry2::with_tool_beside([x, y], beside)?),
                 }
             }
             Self::Scara { arms, offsets, elbow, has_hand: true } => {

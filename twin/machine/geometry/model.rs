@@ -107,7 +107,7 @@ impl Body {
                     }),
                     None => None,
                 };
-                let offset = beside.map(|beside| beside.offset()).unwrap_or_default();
+                let offset = beside.offset();
                 let dimensions = GantryDimensions {
                     name,
                     plane,

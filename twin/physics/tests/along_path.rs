@@ -1,9 +1,8 @@
 //! Tests of efforts along paths: a peer's inverse dynamics, their mechanical power, and limits with friction.
 
-use std::path::{Path, PathBuf};
-
 use proptest::prelude::*;
 
+use super::parallel::rows_of;
 use super::scara::{FEED_FORWARD, circle, scara};
 use super::*;
 use twin_planner::time_optimal::{DragRow, Row};
@@ -45,27 +44,15 @@ fn efforts_on_a_circle_are_pinocchios() {
 /// Every row of the peer's file, if it is there (`TWIN_SHARED` or next to the workspace).
 #[test]
 fn all_efforts_on_the_circle_are_pinocchios() {
-    let neighbour = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    let shared = std::env::var_os("TWIN_SHARED").map_or(neighbour, PathBuf::from);
-    let Ok(mut file) = csv::Reader::from_path(shared.join("reference/scara_circle.csv")) else {
-        println!("skipped: no scara_circle.csv (TWIN_SHARED, ../shared)");
-        return;
-    };
-    let header = file.headers().unwrap().clone();
-    let columns = ["tau_ff1", "tau_ff2", "tau_ff3"]
-        .map(|name| header.iter().position(|column| column == name).unwrap());
+    let columns = ["t_s", "tau_ff1", "tau_ff2", "tau_ff3"];
+    let Some(rows) = rows_of("scara_circle.csv", columns) else { return };
     let mut dynamics = PathDynamics::new(&scara(), &[FREE; 3], down()).unwrap();
-    let (mut rows, mut worst) = (0, 0.0_f64);
-    for row in file.records() {
-        let row = row.unwrap();
-        let time: f64 = row[0].parse().unwrap();
-        let expected = joints(columns.map(|column| row[column].parse().unwrap()));
-        let effort = on_circle(&mut dynamics, time + 0.5e-3);
-        worst = worst.max((effort - expected).amax());
-        rows += 1;
-    }
-    println!("{rows} rows, at most {worst:e} Nm or N apart");
-    assert!(rows >= 5000 && worst < 1e-11, "{rows} rows, {worst} apart");
+    let apart = rows.iter().map(|[time, expected @ ..]| {
+        (on_circle(&mut dynamics, time + 0.5e-3) - joints(*expected)).amax()
+    });
+    let worst = apart.fold(0.0, f64::max);
+    println!("{} rows, at most {worst:e} Nm or N apart", rows.len());
+    assert!(rows.len() >= 5000 && worst < 1e-11, "{} rows, {worst} apart", rows.len());
 }
 
 #[test]
@@ -129,13 +116,12 @@ proptest! {
         let torque = dynamics.at(&axes(position), &axes(first), &axes(second)).unwrap();
         let power: f64 = torque.axes().iter().zip(first)
             .map(|(axis, first)| axis.effort(acceleration, speed) * first * speed).sum();
-        let mut energies = Unfolded::new(&crooked(), 3, down(), JointVector::zeros());
+        let energies = Unfolded::new(&crooked(), 3, down(), JointVector::zeros());
         let [position, first, second] = [position, first, second].map(joints);
-        let mut energy = |t: f64| {
+        let energy = |t: f64| {
             let (s, rate) = (t * (speed + 0.5 * t * acceleration), speed + t * acceleration);
             let velocity = (first + second * s) * rate;
-            let (kinetic, potential) = energies.energy(&(position + (first + second * (0.5 * s)) * s), &velocity);
-            kinetic + potential
+            energies.energy(&(position + (first + second * (0.5 * s)) * s), &velocity)
         };
         let dt = 1e-4;
         let growth = (8.0 * (energy(dt) - energy(-dt)) - (energy(2.0 * dt) - energy(-2.0 * dt))) / (12.0 * dt);

@@ -262,10 +262,7 @@ fn meshes_are_convex_parts() {
     assert!(nearest.distance < -0.03, "{nearest:?}");
 
     // A mesh that is convex is one body, exactly.
-    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Point3::from);
-    let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-    let tetrahedron = Mesh::new("corner.stl", corners.to_vec(), faces).unwrap();
-    let shape = SolidShape::Mesh { mesh: std::sync::Arc::new(tetrahedron), scale };
+    let shape = SolidShape::Mesh { mesh: std::sync::Arc::new(tetrahedron()), scale };
     surroundings.obstacles[0].solids = vec![solid(shape, [1.0, 0.0, 0.0])];
     let mut scan = ClearanceScan::new(&model, 3, &surroundings).unwrap();
     let nearest = scan.nearest(&axes([0.05, 0.5, 0.3])).unwrap().unwrap();

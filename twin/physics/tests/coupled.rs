@@ -6,9 +6,8 @@ use proptest::prelude::*;
 use twin_kinematics::Kinematics;
 use twin_kinematics::gantry::{BeltLayout, GantryH2};
 use twin_kinematics::tripod::Tripod;
-use twin_urdf::{GantryDimensions, HBelt, MachineJoint};
 
-use super::parallel::{circle, reference, rings, thin};
+use super::parallel::{circle, h_gantry, reference, rings, thin};
 use super::*;
 
 /// The tip of the tool as rapier's bodies have it.
@@ -66,18 +65,7 @@ proptest! {
         let layout = BeltLayout { coordinates_exchanged, drives_exchanged };
         let by_drives = layout.coordinates_by_drives();
         let factors = [0, 1].map(|row| [0, 1].map(|column| by_drives[(row, column)]));
-        let motor = |name: &str, axis| MachineJoint::new(name, axis, [-0.7, 0.7]);
-        let dimensions = GantryDimensions {
-            bridge_mass: Some(4.0),
-            carriage_mass: Some(1.5),
-            quill_mass: Some(1.0),
-            ..GantryDimensions::h_belt(
-                "belt",
-                HBelt { factors, ..HBelt::new([motor("A", 0), motor("B", 1)]) },
-                Some(motor("Z", 2)),
-            )
-        };
-        let model = dimensions.model().unwrap();
+        let model = h_gantry(factors);
         let drives = [rotors[0], rotors[1], 0.0].map(|armature| AxisDriveParameters { armature, ..SLACK });
         let mut machine =
             started(&model, &drives, down(), &axes([0.0; 3]));

@@ -150,80 +150,83 @@ fn what_cannot_be_simulated_is_refused() {
         |model: &Model, drives: &[AxisDriveParameters], initial: &AxisVector, cycle_ns: i64| {
             PhysicsMachine::new(model, drives, down(), initial, cycle_ns).map(|_| ())
         };
-    let model = gantry();
-    let start = axes([0.0; 3]);
-    assert_eq!(build(&model, &[SLACK; 3], &start, 0), Err(PhysicsError::CycleTime(0)));
-    assert_eq!(build(&model, &[], &axes([]), CYCLE_NS), Err(PhysicsError::AxisNumber(0)));
-    assert_eq!(
-        build(&model, &[SLACK; 2], &axes([0.0; 2]), CYCLE_NS),
-        Err(PhysicsError::JointAxis(2))
-    );
-    assert_eq!(
-        build(&model, &[SLACK; 4], &axes([0.0; 4]), CYCLE_NS),
-        Err(PhysicsError::AxisWithoutJoint(3))
-    );
-    assert_eq!(
-        build(&model, &[SLACK; 3], &axes([0.0; 2]), CYCLE_NS),
-        Err(PhysicsError::AxisCount { given: 2, expected: 3 })
-    );
     let wrong = AxisDriveParameters::servo(ServoParameters {
         velocity_feed_forward: 1.5,
         ..ServoParameters::SLACK
     });
-    assert_eq!(
-        build(&model, &[SLACK, wrong, SLACK], &start, CYCLE_NS),
-        Err(PhysicsError::DriveParameter {
-            axis: 1,
-            parameter: "velocity_feed_forward",
-            value: 1.5
-        })
-    );
-    assert_eq!(
-        build(&model, &[SLACK; 3], &axes([0.0, f64::NAN, 0.0]), CYCLE_NS),
-        Err(PhysicsError::Input(0))
-    );
+    let parameter = "velocity_feed_forward";
+    for (drives, initial, cycle_ns, error) in [
+        (vec![SLACK; 3], axes([0.0; 3]), 0, PhysicsError::CycleTime(0)),
+        (Vec::new(), axes([]), CYCLE_NS, PhysicsError::AxisNumber(0)),
+        (vec![SLACK; 2], axes([0.0; 2]), CYCLE_NS, PhysicsError::JointAxis(2)),
+        (vec![SLACK; 4], axes([0.0; 4]), CYCLE_NS, PhysicsError::AxisWithoutJoint(3)),
+        (
+            vec![SLACK; 3],
+            axes([0.0; 2]),
+            CYCLE_NS,
+            PhysicsError::AxisCount { given: 2, expected: 3 },
+        ),
+        (
+            vec![SLACK, wrong, SLACK],
+            axes([0.0; 3]),
+            CYCLE_NS,
+            PhysicsError::DriveParameter { axis: 1, parameter, value: 1.5 },
+        ),
+        (vec![SLACK; 3], axes([0.0, f64::NAN, 0.0]), CYCLE_NS, PhysicsError::Input(0)),
+    ] {
+        assert_eq!(build(&gantry(), &drives, &initial, cycle_ns), Err(error));
+    }
 
-    let mut twice = gantry();
-    twice.joints[2].drive = JointDrive::Axis(1);
-    assert_eq!(
-        build(&twice, &[SLACK; 3], &start, CYCLE_NS),
-        Err(PhysicsError::AxisMovesTwoJoints { joint: 2, axis: 1 })
-    );
-    let mut belt = gantry();
-    belt.joints[1].drive = JointDrive::Combination(vec![(0, 0.5), (1, 0.5)]);
-    assert_eq!(build(&belt, &[SLACK; 3], &start, CYCLE_NS), Ok(()));
-    // Two joints that move as one, and a motor that moves none of its own.
-    belt.joints[0].drive = JointDrive::Combination(vec![(0, 1.0), (1, 1.0)]);
-    assert_eq!(build(&belt, &[SLACK; 3], &start, CYCLE_NS), Err(PhysicsError::CoupledJoint(0)));
-    let mut loose = gantry();
-    loose.joints[2].drive = JointDrive::Passive { rest: 0.0 };
-    assert_eq!(build(&loose, &[SLACK; 3], &start, CYCLE_NS), Err(PhysicsError::CoupledJoint(2)));
-    let mut closed = gantry();
-    closed.loops.push(Loop { links: [1, 3], points: [Point3::origin(); 2] });
-    assert_eq!(
-        build(&closed, &[SLACK; 3], &start, CYCLE_NS),
-        Err(PhysicsError::UnknownMechanism(1))
-    );
-    let mut swapped = gantry();
-    swapped.joints[1].parent = 2;
-    assert_eq!(
-        build(&swapped, &[SLACK; 3], &start, CYCLE_NS),
-        Err(PhysicsError::NotATree { joint: 1, parent: 2, child: 2 })
-    );
-    let mut weightless = gantry();
-    weightless.links[3].inertial = None;
-    assert_eq!(
-        build(&weightless, &[SLACK; 3], &start, CYCLE_NS),
-        Err(PhysicsError::NoInertia { axis: 2, inertia: 0.0 })
-    );
+    let belt = |model: &mut Model| {
+        model.joints[1].drive = JointDrive::Combination(vec![(0, 0.5), (1, 0.5)]);
+    };
+    let weightless = |model: &mut Model| model.links[3].inertial = None;
     let rotor = AxisDriveParameters { armature: 0.1, ..SLACK };
-    assert_eq!(build(&weightless, &[SLACK, SLACK, rotor], &start, CYCLE_NS), Ok(()));
-    let mut negative = gantry();
-    negative.links[1].inertial.as_mut().unwrap().mass = -1.0;
-    assert_eq!(
-        build(&negative, &[SLACK; 3], &start, CYCLE_NS),
-        Err(PhysicsError::MassProperties { link: 1, mass: -1.0 })
-    );
+    let changes: [(&dyn Fn(&mut Model), _); 10] = [
+        (&|_| (), Ok(())),
+        (
+            &|model| model.joints[2].drive = JointDrive::Axis(1),
+            Err(PhysicsError::AxisMovesTwoJoints { joint: 2, axis: 1 }),
+        ),
+        (&belt, Ok(())),
+        // Two joints that move as one, and a motor that moves none of its own.
+        (
+            &|model| {
+                belt(model);
+                model.joints[0].drive = JointDrive::Combination(vec![(0, 1.0), (1, 1.0)]);
+            },
+            Err(PhysicsError::CoupledJoint(0)),
+        ),
+        (
+            &|model| model.joints[2].drive = JointDrive::Passive { rest: 0.0 },
+            Err(PhysicsError::CoupledJoint(2)),
+        ),
+        (
+            &|model| model.loops.push(Loop { links: [1, 3], points: [Point3::origin(); 2] }),
+            Err(PhysicsError::UnknownMechanism(1)),
+        ),
+        (
+            &|model| model.joints[1].parent = 2,
+            Err(PhysicsError::NotATree { joint: 1, parent: 2, child: 2 }),
+        ),
+        (&weightless, Err(PhysicsError::NoInertia { axis: 2, inertia: 0.0 })),
+        (
+            &|model| model.links[1].inertial.as_mut().unwrap().mass = -1.0,
+            Err(PhysicsError::MassProperties { link: 1, mass: -1.0 }),
+        ),
+        (
+            &|model| model.links[2].inertial.as_mut().unwrap().mass = f64::INFINITY,
+            Err(PhysicsError::MassProperties { link: 2, mass: f64::INFINITY }),
+        ),
+    ];
+    for (change, expected) in changes {
+        let mut model = gantry();
+        change(&mut model);
+        assert_eq!(build(&model, &[SLACK; 3], &axes([0.0; 3]), CYCLE_NS), expected);
+    }
+    let mut model = gantry();
+    weightless(&mut model);
+    assert_eq!(build(&model, &[SLACK, SLACK, rotor], &axes([0.0; 3]), CYCLE_NS), Ok(()));
 }
 
 #[test]

@@ -10,15 +10,15 @@ pub(super) fn slide(mass: f64) -> Model {
     chain([(JointKind::Prismatic, Vector3::x(), Isometry3::identity(), Some(cube))])
 }
 
-fn machine(model: &Model, drive: AxisDriveParameters) -> PhysicsMachine {
+pub(super) fn machine(model: &Model, drive: AxisDriveParameters) -> PhysicsMachine {
     started(model, &[drive], down(), &axes([0.0]))
 }
 
-fn at_rest(position: f64) -> AxisMotion {
+pub(super) fn at_rest(position: f64) -> AxisMotion {
     AxisMotion::at_rest(axes([position]))
 }
 
-fn spring(stiffness: f64, damping: f64, backlash: f64) -> ElasticTransmission {
+pub(super) fn spring(stiffness: f64, damping: f64, backlash: f64) -> ElasticTransmission {
     ElasticTransmission { stiffness, damping, backlash }
 }
 
@@ -280,7 +280,7 @@ fn a_loose_belt_is_softer() {
     // Seen once per millisecond.
     assert!((most.1 - 2.0 * 50.0 / motor * 1.5 / (0.25 * 1e5)).abs() < 3.2e-6, "{most:?}");
     // A rigid axis has nothing to loosen, and a servo no steps to lose.
-    let mut rigid = super::elastic::machine(&slide(1.0), SLACK);
+    let mut rigid = self::machine(&slide(1.0), SLACK);
     assert!(!rigid.fail(0, Fault::LooseBelt { stiffness: 0.5, backlash: 0.0 }));
     assert!(!rigid.fail(0, Fault::LostSteps(4.0)));
     assert!(!rigid.fail(1, Fault::Jam));
@@ -334,9 +334,7 @@ fn elastic_drives_follow_as_with_steps_of_a_microsecond() {
         machine.start_moving(velocity);
         let mut tips = Vec::new();
         for cycle in 1..=2000 {
-            let [position, velocity, acceleration] =
-                super::scara::circle(f64::from(cycle) * 1e-3).map(|v| axis_vector(&v, 3));
-            machine.step(&AxisMotion { position, velocity, acceleration }).unwrap();
+            machine.step(&super::scara::motion(f64::from(cycle) * 1e-3)).unwrap();
             tips.push(super::scara::tip(&machine.joints.axes.position));
         }
         tips

@@ -7,9 +7,8 @@ use std::f64::consts::TAU;
 
 use twin_kinematics::tripod::{Tripod, TripodDeviations};
 use twin_kinematics::{Kinematics, Pose};
-use twin_urdf::{GantryDimensions, HBelt, MachineJoint};
 
-use super::parallel::{circle, generated, rings};
+use super::parallel::{circle, generated, h_gantry, rings};
 use super::*;
 
 /// m.
@@ -102,16 +101,7 @@ fn elastic_drives_of_a_gantry() {
 #[test]
 fn elastic_drives_of_an_h_gantry() {
     // A = y + x, B = y − x.
-    let motor = |name: &str, axis| MachineJoint::new(name, axis, [-0.7, 0.7]);
-    let belt =
-        HBelt { factors: [[0.5, -0.5], [0.5, 0.5]], ..HBelt::new([motor("A", 0), motor("B", 1)]) };
-    let dimensions = GantryDimensions {
-        bridge_mass: Some(4.0),
-        carriage_mass: Some(1.5),
-        quill_mass: Some(1.0),
-        ..GantryDimensions::h_belt("belt", belt, Some(motor("Z", 2)))
-    };
-    let model = dimensions.model().unwrap();
+    let model = h_gantry([[0.5, -0.5], [0.5, 0.5]]);
     let motion = |t| round(t, |[x, y, z]| [y + x, y - x, z], [0.0; 3]);
     let tip = |axes: &AxisVector| {
         Point3::new(0.5 * (axes[0] - axes[1]), 0.5 * (axes[0] + axes[1]), axes[2])

@@ -19,7 +19,6 @@ mod rapier;
 mod reference;
 mod scara;
 mod stops;
-mod trees;
 mod unfolded;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
@@ -159,6 +158,13 @@ fn crooked() -> Model {
 }
 
 impl PhysicsMachine {
+    /// Kinetic and potential energy of the links of `model`, J, without rotors.
+    fn energy(&self, model: &Model) -> f64 {
+        let JointState { position, velocity } = &self.joints.axes;
+        Unfolded::new(model, self.drives.len(), down(), JointVector::zeros())
+            .energy(position, velocity)
+    }
+
     /// Makes the machine move, as if it had been moving before.
     fn start_moving(&mut self, velocity: JointVector) {
         self.joints.axes.velocity = velocity;

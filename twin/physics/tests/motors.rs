@@ -4,16 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::Complex;
 
-use super::elastic::slide;
+use super::elastic::{at_rest, machine, slide};
 use super::*;
-
-fn machine(model: &Model, drive: AxisDriveParameters) -> PhysicsMachine {
-    started(model, &[drive], down(), &axes([0.0]))
-}
-
-fn at_rest(position: f64) -> AxisMotion {
-    AxisMotion::at_rest(axes([position]))
-}
 
 /// The function of time whose Laplace transform is `of`, at `t` > 0: Euler's sum of Abate and Whitt, *A unified framework for
 /// numerically inverting Laplace transforms*, 2006.

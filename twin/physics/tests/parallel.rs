@@ -11,7 +11,6 @@ use twin_urdf::{GantryDimensions, HBelt, JointPositions, MachineJoint, TripodDim
 
 use super::along_path::FREE;
 use super::*;
-use crate::tripod::TripodDynamics;
 
 pub(super) const NAMES: [&str; 3] = ["A", "B", "C"];
 
@@ -37,6 +36,19 @@ pub(super) fn generated(deviations: &TripodDeviations) -> Model {
         rod_mass: Some(0.1),
         platform_mass: Some(1.0),
         ..TripodDimensions::new("tripod", joints, rods)
+    };
+    dimensions.model().unwrap()
+}
+
+/// x and y (rows) by both motors of a belt: bridge, carriage and quill of 4, 1.5 and 1 kg.
+pub(super) fn h_gantry(factors: [[f64; 2]; 2]) -> Model {
+    let motor = |name: &str, axis| MachineJoint::new(name, axis, [-0.7, 0.7]);
+    let belt = HBelt { factors, ..HBelt::new([motor("A", 0), motor("B", 1)]) };
+    let dimensions = GantryDimensions {
+        bridge_mass: Some(4.0),
+        carriage_mass: Some(1.5),
+        quill_mass: Some(1.0),
+        ..GantryDimensions::h_belt("belt", belt, Some(motor("Z", 2)))
     };
     dimensions.model().unwrap()
 }
@@ -111,44 +123,6 @@ fn all_forces_on_the_circle_are_those_of_the_peer() {
     }
     println!("{} rows, at most {worst:?} N apart, without and with half a step ahead", rows.len());
     assert!(rows.len() >= 2000 && worst.into_iter().fold(f64::INFINITY, f64::min) < 1e-9);
-}
-
-/// The peer's states under its controller, integrated from its forces.
-#[test]
-fn the_motion_under_a_controller_is_that_of_the_peer() {
-    let columns = [
-        "t_s", "x", "y", "z", "f_ff1", "f_ff2", "f_ff3", "q_set1", "q_set2", "q_set3", "v_set1",
-        "v_set2", "v_set3",
-    ];
-    let Some(rows) = reference(columns) else { return };
-    let mut dynamics = TripodDynamics::new(&thin(), 3, down(), JointVector::zeros()).unwrap();
-    let tripod = Tripod::new(rings(), [0.0; 3]).unwrap();
-    let w = std::f64::consts::TAU * 15.0;
-    let (kp, kd) = (2.5 * w * w, 5.0 * w);
-    let start = circle(0.0);
-    let of = |values: &AxisVector| checked(values, 3, 0).unwrap();
-    let (mut q, mut v) = (of(&start.position), of(&start.velocity));
-    let mut worst = 0.0_f64;
-    for [_, x, y, z, f1, f2, f3, q1, q2, q3, v1, v2, v3] in &rows {
-        let place = Kinematics::forward(&tripod, &axis_vector(&q, 3)).unwrap().position;
-        worst = worst.max((place - Point3::new(*x, *y, *z)).norm());
-        let force = joints([*f1, *f2, *f3])
-            + (joints([*q1, *q2, *q3]) - q) * kp
-            + (joints([*v1, *v2, *v3]) - v) * kd;
-        let mut slope =
-            |q: JointVector, v: JointVector| (v, dynamics.acceleration(&q, &v, &force).unwrap());
-        for _ in 0..5 {
-            let dt = 2e-4;
-            let (v1, a1) = slope(q, v);
-            let (v2, a2) = slope(q + v1 * (0.5 * dt), v + a1 * (0.5 * dt));
-            let (v3, a3) = slope(q + v2 * (0.5 * dt), v + a2 * (0.5 * dt));
-            let (v4, a4) = slope(q + v3 * dt, v + a3 * dt);
-            q += (v1 + (v2 + v3) * 2.0 + v4) * (dt / 6.0);
-            v += (a1 + (a2 + a3) * 2.0 + a4) * (dt / 6.0);
-        }
-    }
-    println!("{} rows, at most {worst:e} m apart", rows.len());
-    assert!(rows.len() >= 2000 && worst < 1e-9, "{worst} m");
 }
 
 /// Kinetic and potential energy of all links, from where the model has them: velocities by differences of places, and rods,
@@ -244,16 +218,8 @@ proptest! {
             [[-0.5, 0.5], [0.5, 0.5]],
             [[0.5, 0.5], [-0.5, 0.5]],
         ][layout];
-        let motor = |name: &str, axis| MachineJoint::new(name, axis, [-0.7, 0.7]);
-        let belt = HBelt { factors, ..HBelt::new([motor("A", 0), motor("B", 1)]) };
-        let dimensions = GantryDimensions {
-            bridge_mass: Some(4.0),
-            carriage_mass: Some(1.5),
-            quill_mass: Some(1.0),
-            ..GantryDimensions::h_belt("belt", belt, Some(motor("Z", 2)))
-        };
         let loads = rotors.map(|armature| AxisLoad { armature, ..FREE });
-        let mut dynamics = PathDynamics::new(&dimensions.model().unwrap(), &loads, down()).unwrap();
+        let mut dynamics = PathDynamics::new(&h_gantry(factors), &loads, down()).unwrap();
         let torque = dynamics.at(&axes(position), &axes(first), &axes(second)).unwrap();
         let (s2, v) = motion;
         let change = |axis: usize| first[axis] * s2 + second[axis] * v * v;

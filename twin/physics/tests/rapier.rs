@@ -18,7 +18,7 @@ fn the_bodies_are_where_the_model_says() {
     for (model, start) in [(gantry(), axes([0.3, -0.2, 0.1])), (crooked(), axes([0.7, -0.1, 2.0]))]
     {
         let mut machine = started(&model, &[SLACK; 3], down(), &start);
-        let mut links = Unfolded::new(&model, 3, down(), JointVector::zeros());
+        let links = Unfolded::new(&model, 3, down(), JointVector::zeros());
         assert!(distance(&machine.link_poses(), &model.link_poses(&start)) < 1e-14);
         for _ in 0..300 {
             machine.step_with_efforts(&axes([5.0, 3.0, -0.2])).unwrap();
@@ -73,8 +73,7 @@ fn rapier_adds_nothing_to_free_motion() {
     let velocity = joints([1.5, -0.8, 4.0]);
     let mut dynamics = Dynamics::new(&model, 3, down(), JointVector::zeros()).unwrap();
     let zero = JointVector::zeros();
-    let equation = Equation::new(&model, 3, down(), zero).unwrap();
-    let mut world = RapierAlone::new(&model, &equation, down(), (&zero, &start), (1e-3, 1));
+    let mut world = RapierAlone::new(&model, (&zero, &start), (1e-3, 1));
     world.set_velocity(&velocity);
     world.apply_effort(&dynamics.inverse_dynamics(&start, &velocity, &JointVector::zeros()));
     world.step();
@@ -96,11 +95,9 @@ fn rapier_alone_converges_to_the_same_motion() {
     for _ in 0..200 {
         machine.step_with_efforts(&axis_vector(&effort, 3)).unwrap();
     }
-    let equation = Equation::new(&model, 3, down(), armature).unwrap();
     let errors = [1, 4, 16, 64].map(|iterations| {
         let start = joint_vector(start.iter().copied());
-        let mut world =
-            RapierAlone::new(&model, &equation, down(), (&armature, &start), (1e-3, iterations));
+        let mut world = RapierAlone::new(&model, (&armature, &start), (1e-3, iterations));
         for _ in 0..200 {
             world.apply_effort(&effort);
             world.step();

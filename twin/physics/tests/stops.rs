@@ -3,7 +3,7 @@
 //! The references are closed forms, and an integration that knows the events only as conditions. None of the events is
 //! at the end of a step.
 
-use super::elastic::slide;
+use super::elastic::{slide, spring};
 use super::*;
 
 /// Masses of a motor and of what it drives, kg.
@@ -13,10 +13,6 @@ fn machine(drive: AxisDriveParameters) -> PhysicsMachine {
     let [motor, load] = MASSES;
     let drive = AxisDriveParameters { armature: motor, ..drive };
     started(&slide(load), &[drive], down(), &axes([0.0]))
-}
-
-fn spring(stiffness: f64, damping: f64, backlash: f64) -> ElasticTransmission {
-    ElasticTransmission { stiffness, damping, backlash }
 }
 
 /// A motor winds its spring up against an axis that sticks: force·(1 − cos ωt), until that is what friction holds. From there on two
@@ -176,17 +172,11 @@ fn a_held_axis_takes_no_energy() {
         moving[jammed] = 0.0;
         machine.start_moving(joints(moving));
         assert!(machine.fail(jammed, Fault::Jam));
-        let mut dynamics = Unfolded::new(&model, 3, down(), JointVector::zeros());
-        let mut energy = |machine: &PhysicsMachine| {
-            let JointState { position, velocity } = &machine.joints.axes;
-            let (kinetic, potential) = dynamics.energy(position, velocity);
-            kinetic + potential
-        };
-        let before = energy(&machine);
+        let before = machine.energy(&model);
         for _ in 0..500 {
             machine.step_with_efforts(&axes([0.0; 3])).unwrap();
         }
-        let after = energy(&machine);
+        let after = machine.energy(&model);
         assert!((after - before).abs() < 1e-8 * before.abs(), "{jammed}: {before} J, {after} J");
         let state = machine.axis_state();
         for axis in 0..3 {

@@ -1,71 +1,70 @@
-//! Reference equation of motion: sums over all links separately, in the machine frame about its origin.
+//! Reference equation of motion: sums over all links separately, by their Jacobians in the machine frame.
 //!
 //! It is slower than the tree dynamics in use, in other frames and by another formulation. Both must agree.
 //!
-//! A joint contributes one column, the velocity it gives its subtree per unit of joint velocity: `(a, p × a)` for a
-//! revolute joint with direction `a` through `p`, `(0, a)` for a prismatic one. Velocities of all bodies are then plain
-//! sums of columns along the branch, and the derivative of a column is the cross product with the velocity of its body
-//! (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, chapters 2, 5 and 6). The inertia is summed from the bodies'
-//! Jacobians.
+//! A joint moves the origin of the machine frame, carried along by the joint's subtree, by the column `(a, p × a)` per
+//! unit of its velocity (revolute, direction `a` through `p`) or by `(0, a)` (prismatic). The Jacobian of a link has the
+//! columns of its branch; the derivative of a column is its cross product with the velocity of its body (Featherstone,
+//! *Rigid Body Dynamics Algorithms*, 2008, chapters 2, 5 and 6).
 
-use nalgebra::{Translation3, UnitQuaternion};
+use nalgebra::{SMatrix, Translation3, UnitQuaternion};
 use proptest::prelude::*;
 
 use super::*;
-use crate::bodies::{Motion, Tree};
+use crate::bodies::{MassProperties, Motion, Tree};
 use crate::joint::JointMatrix;
 
-/// A velocity or acceleration of space as a body carries it: rotation, and translation of the point that is at the
-/// origin of the machine frame just now.
-#[derive(Clone, Copy, Debug, Default)]
-struct Twist {
-    angular: Vector3<f64>,
-    linear: Vector3<f64>,
+/// Rotation, and translation of the point at the origin of the machine frame: columns of joints, velocity, acceleration.
+type Twist = [Vector3<f64>; 2];
+
+fn add_scaled(sum: &mut Twist, twist: &Twist, factor: f64) {
+    sum.iter_mut().zip(twist).for_each(|(sum, part)| *sum += part * factor);
 }
 
-impl Twist {
-    fn add_scaled(&self, other: &Self, factor: f64) -> Self {
-        Self {
-            angular: self.angular + other.angular * factor,
-            linear: self.linear + other.linear * factor,
-        }
-    }
-
-    /// How `column` changes when its body moves with this velocity.
-    fn derivative_of(&self, column: &Self) -> Self {
-        Self {
-            angular: self.angular.cross(&column.angular),
-            linear: self.angular.cross(&column.linear) + self.linear.cross(&column.angular),
-        }
-    }
-}
-
-/// A link at one instant.
-#[derive(Clone, Copy, Debug, Default)]
-struct BodyState {
+/// A link at one instant, in the machine frame.
+#[derive(Clone)]
+struct LinkState {
     pose: Isometry3<f64>,
+    mass: MassProperties,
+    /// The column of each joint, 0 of those that do not move the link.
+    columns: [Twist; MAX_AXES],
     velocity: Twist,
-    /// Acceleration at the joint accelerations of the last evaluation, gravity as an upward acceleration of the base.
+    /// With gravity as an upward acceleration of the base.
     acceleration: Twist,
-    /// Centre of mass, machine frame.
-    center: Vector3<f64>,
-    /// About the centre of mass, axes of the machine frame.
-    inertia: Matrix3<f64>,
+}
+
+impl LinkState {
+    fn center(&self) -> Vector3<f64> {
+        (self.pose * self.mass.center).coords
+    }
+
+    /// About the centre of mass.
+    fn inertia(&self) -> Matrix3<f64> {
+        let rotation = self.pose.rotation.to_rotation_matrix();
+        rotation * self.mass.inertia * rotation.inverse()
+    }
+
+    /// Velocity of the centre of mass by that of the link.
+    fn at_center(&self, [angular, linear]: &Twist) -> Vector3<f64> {
+        linear + angular.cross(&self.center())
+    }
+
+    /// Rotation, and translation of the centre of mass, by the velocities of the joints.
+    fn jacobians(&self) -> [SMatrix<f64, 3, MAX_AXES>; 2] {
+        let centers = self.columns.map(|column| self.at_center(&column));
+        [self.columns.map(|[angular, _]| angular), centers].map(|rows| SMatrix::from_columns(&rows))
+    }
 }
 
 /// The equation of motion of one machine.
-#[derive(Clone, Debug)]
 pub(super) struct Unfolded {
-    axis_count: usize,
     gravity: Vector3<f64>,
     tree: Tree,
-    /// Joints that move each body, base side first.
-    moved_by: Vec<Vec<usize>>,
     armature: JointVector,
-    /// The bodies at the last evaluation, in the order of the tree.
-    states: Vec<BodyState>,
-    /// The joint columns at the last evaluation.
-    columns: [Twist; MAX_AXES],
+    /// Joint motion by that of the axes; the identity unless axes are coupled.
+    coupling: JointMatrix,
+    /// Of axes that the machine does not have.
+    beyond: JointMatrix,
 }
 
 impl Unfolded {
@@ -76,188 +75,101 @@ impl Unfolded {
         armature: JointVector,
     ) -> Self {
         let tree = Tree::new(model, axis_count).unwrap();
-        let mut moved_by: Vec<Vec<usize>> = Vec::new();
-        for body in &tree.bodies {
-            let mut joints = body.parent.map_or_else(Vec::new, |parent| moved_by[parent].clone());
-            joints.extend(body.motion.joint());
-            moved_by.push(joints);
+        let coupling = tree.coupling.unwrap_or_else(JointMatrix::identity);
+        let beyond = JointMatrix::from_fn(|row, column| {
+            f64::from(u8::from(row == column && row >= axis_count))
+        });
+        Self { gravity, tree, armature, coupling, beyond }
+    }
+
+    /// The efforts that give the axes the acceleration `a` at position `q` and velocity `v`.
+    fn inverse_dynamics(&self, q: &JointVector, v: &JointVector, a: &JointVector) -> JointVector {
+        let mut effort = JointVector::zeros();
+        for link in self.links(q, v, a) {
+            let ([angular, linear], inertia) = (link.jacobians(), link.inertia());
+            let ([turning, _], [turning_change, _]) = (link.velocity, link.acceleration);
+            let force =
+                link.at_center(&link.acceleration) + turning.cross(&link.at_center(&link.velocity));
+            let torque = inertia * turning_change + turning.cross(&(inertia * turning));
+            effort += linear.tr_mul(&(force * link.mass.mass)) + angular.tr_mul(&torque);
         }
-        let (states, columns) = (Vec::new(), [Twist::default(); MAX_AXES]);
-        Self { axis_count, gravity, tree, moved_by, armature, states, columns }
+        self.coupling.tr_mul(&effort) + self.armature.component_mul(a)
     }
 
-    /// The efforts that give the joint accelerations `acceleration` at `position` and `velocity`.
-    pub(super) fn inverse_dynamics(
-        &mut self,
-        position: &JointVector,
-        velocity: &JointVector,
-        acceleration: &JointVector,
-    ) -> JointVector {
-        self.evaluate(position, velocity, acceleration);
-        let rotors = self.armature.component_mul(acceleration);
-        let coupling = self.tree.coupling.as_ref();
-        let mut effort = if coupling.is_none() { rotors } else { JointVector::zeros() };
-        for ((body, state), moved_by) in
-            self.tree.bodies.iter().zip(&self.states).zip(&self.moved_by)
-        {
-            let angular_velocity = state.velocity.angular;
-            let angular_acceleration = state.acceleration.angular;
-            let center_velocity = state.velocity.linear + angular_velocity.cross(&state.center);
-            let center_acceleration = state.acceleration.linear
-                + angular_acceleration.cross(&state.center)
-                + angular_velocity.cross(&center_velocity);
-            let force = center_acceleration * body.mass.mass;
-            let torque = state.inertia * angular_acceleration
-                + angular_velocity.cross(&(state.inertia * angular_velocity))
-                + state.center.cross(&force);
-            for (axis, column) in moving(moved_by, &self.columns) {
-                if let Some(effort) = effort.get_mut(axis) {
-                    *effort += column.angular.dot(&torque) + column.linear.dot(&force);
-                }
-            }
+    /// The inertia of the axes; 1 where the machine has no axis.
+    fn inertia_at(&self, q: &JointVector) -> JointMatrix {
+        let mut inertia = JointMatrix::zeros();
+        for link in self.links(q, &JointVector::zeros(), &JointVector::zeros()) {
+            let [angular, linear] = link.jacobians();
+            inertia += linear.tr_mul(&linear) * link.mass.mass
+                + angular.tr_mul(&(link.inertia() * angular));
         }
-        coupling.map_or(effort, |coupling| coupling.tr_mul(&effort) + rotors)
+        let rotors = JointMatrix::from_diagonal(&self.armature);
+        self.coupling.tr_mul(&(inertia * self.coupling)) + rotors + self.beyond
     }
 
-    /// The joint-space inertia at the last evaluated position; the identity where the machine has no axis.
-    fn inertia(&self) -> JointMatrix {
-        let mut rotors = JointMatrix::from_diagonal(&self.armature);
-        for axis in self.axis_count..MAX_AXES {
-            add(&mut rotors, axis, axis, 1.0);
-        }
-        let coupling = self.tree.coupling.as_ref();
-        let mut inertia = if coupling.is_none() { rotors } else { JointMatrix::zeros() };
-        for ((body, state), moved_by) in
-            self.tree.bodies.iter().zip(&self.states).zip(&self.moved_by)
-        {
-            for (count, (row, column)) in moving(moved_by, &self.columns).enumerate() {
-                let center_velocity =
-                    (column.linear + column.angular.cross(&state.center)) * body.mass.mass;
-                let momentum = state.inertia * column.angular;
-                for (other_row, other) in moving(moved_by, &self.columns).take(count + 1) {
-                    let other_velocity = other.linear + other.angular.cross(&state.center);
-                    let value = center_velocity.dot(&other_velocity) + momentum.dot(&other.angular);
-                    add(&mut inertia, row, other_row, value);
-                    if row != other_row {
-                        add(&mut inertia, other_row, row, value);
-                    }
-                }
-            }
-        }
-        coupling.map_or(inertia, |coupling| coupling.tr_mul(&(inertia * coupling)) + rotors)
+    /// Poses of the links, the base (link 0) first.
+    pub(super) fn link_poses(&self, q: &JointVector) -> Vec<Isometry3<f64>> {
+        let links = self.links(q, &JointVector::zeros(), &JointVector::zeros());
+        std::iter::once(Isometry3::identity()).chain(links.iter().map(|link| link.pose)).collect()
     }
 
-    /// The same at `position`.
-    pub(super) fn inertia_at(&mut self, position: &JointVector) -> JointMatrix {
-        self.evaluate(position, &JointVector::zeros(), &JointVector::zeros());
-        self.inertia()
+    /// Kinetic and potential energy, J, the latter 0 with every centre of mass at the origin.
+    pub(super) fn energy(&self, q: &JointVector, v: &JointVector) -> f64 {
+        let links = self.links(q, v, &JointVector::zeros());
+        let of_links = links.iter().map(|link| {
+            let turning = link.velocity[0];
+            let squares = link.mass.mass * link.at_center(&link.velocity).norm_squared()
+                + turning.dot(&(link.inertia() * turning));
+            0.5 * squares - link.mass.mass * self.gravity.dot(&link.center())
+        });
+        let rotors = 0.5 * self.armature.dot(&v.component_mul(v));
+        of_links.sum::<f64>() + rotors
     }
 
-    /// Poses of the links in the machine frame, the base (link 0) first.
-    pub(super) fn link_poses(&mut self, position: &JointVector) -> Vec<Isometry3<f64>> {
-        self.evaluate(position, &JointVector::zeros(), &JointVector::zeros());
-        std::iter::once(Isometry3::identity())
-            .chain(self.states.iter().map(|state| state.pose))
-            .collect()
-    }
-
-    /// Kinetic and potential energy, J; potential energy is 0 with every centre of mass at the origin.
-    pub(super) fn energy(&mut self, position: &JointVector, velocity: &JointVector) -> (f64, f64) {
-        self.evaluate(position, velocity, &JointVector::zeros());
-        let kinetic = 0.5 * (velocity.transpose() * self.inertia() * velocity).x;
-        let potential = self.tree.bodies.iter().zip(&self.states);
-        (
-            kinetic,
-            -potential
-                .map(|(body, state)| body.mass.mass * self.gravity.dot(&state.center))
-                .sum::<f64>(),
-        )
-    }
-
-    /// Fills the workspace with the bodies at the given motion of the axes.
-    fn evaluate(
-        &mut self,
-        position: &JointVector,
-        velocity: &JointVector,
-        acceleration: &JointVector,
-    ) {
-        match &self.tree.coupling {
-            Some(coupling) => {
-                let [position, velocity, acceleration] =
-                    [position, velocity, acceleration].map(|values| coupling * values);
-                self.evaluate_joints(&position, &velocity, &acceleration);
-            }
-            None => self.evaluate_joints(position, velocity, acceleration),
-        }
-    }
-
-    /// The same of the joints.
-    fn evaluate_joints(
-        &mut self,
-        position: &JointVector,
-        velocity: &JointVector,
-        acceleration: &JointVector,
-    ) {
-        let mut base = BodyState::default();
-        base.acceleration.linear = -self.gravity;
-        self.states.clear();
+    /// The links in the order of the tree.
+    fn links(&self, q: &JointVector, v: &JointVector, a: &JointVector) -> Vec<LinkState> {
+        let [q, v, a] = [q, v, a].map(|axes| self.coupling * axes);
+        let mut links: Vec<LinkState> = Vec::new();
         for body in &self.tree.bodies {
-            let parent =
-                body.parent.and_then(|parent| self.states.get(parent)).copied().unwrap_or(base);
-            let joint = parent.pose * body.origin;
-            let mut state = parent;
-            state.pose = match body.motion {
-                Motion::Fixed => joint,
-                Motion::Revolute(axis, direction) => {
-                    joint * UnitQuaternion::from_axis_angle(&direction, position[axis])
-                }
-                Motion::Prismatic(axis, direction) => {
-                    joint * Translation3::from(direction.into_inner() * position[axis])
-                }
-            };
-            let column = match body.motion {
+            let zero = [Vector3::zeros(); 2];
+            let mut link = body.parent.map_or_else(
+                || LinkState {
+                    pose: Isometry3::identity(),
+                    mass: body.mass,
+                    columns: [zero; MAX_AXES],
+                    velocity: zero,
+                    acceleration: [Vector3::zeros(), -self.gravity],
+                },
+                |parent| links[parent].clone(),
+            );
+            link.mass = body.mass;
+            link.pose *= body.origin;
+            let (rotation, place) = (link.pose.rotation, link.pose.translation.vector);
+            let moving = match body.motion {
                 Motion::Fixed => None,
-                Motion::Revolute(axis, direction) => {
-                    let direction = joint.rotation * direction.into_inner();
-                    let linear = joint.translation.vector.cross(&direction);
-                    Some((axis, Twist { angular: direction, linear }))
+                Motion::Revolute(joint, axis) => {
+                    let direction = rotation * axis.into_inner();
+                    link.pose *= UnitQuaternion::from_axis_angle(&axis, q[joint]);
+                    Some((joint, [direction, place.cross(&direction)]))
                 }
-                Motion::Prismatic(axis, direction) => {
-                    let linear = joint.rotation * direction.into_inner();
-                    Some((axis, Twist { angular: Vector3::zeros(), linear }))
+                Motion::Prismatic(joint, axis) => {
+                    link.pose *= Translation3::from(axis.into_inner() * q[joint]);
+                    Some((joint, [Vector3::zeros(), rotation * axis.into_inner()]))
                 }
             };
-            if let Some((axis, column)) = column {
-                let speed = velocity[axis];
-                state.velocity = parent.velocity.add_scaled(&column, speed);
-                state.acceleration = parent
-                    .acceleration
-                    .add_scaled(&column, acceleration[axis])
-                    .add_scaled(&state.velocity.derivative_of(&column), speed);
-                if let Some(slot) = self.columns.get_mut(axis) {
-                    *slot = column;
-                }
+            if let Some((joint, column)) = moving {
+                link.columns[joint] = column;
+                add_scaled(&mut link.velocity, &column, v[joint]);
+                let ([w, u], [angular, linear]) = (link.velocity, column);
+                let derivative = [w.cross(&angular), w.cross(&linear) + u.cross(&angular)];
+                add_scaled(&mut link.acceleration, &column, a[joint]);
+                add_scaled(&mut link.acceleration, &derivative, v[joint]);
             }
-            let rotation = state.pose.rotation.to_rotation_matrix();
-            state.center = (state.pose * body.mass.center).coords;
-            state.inertia = rotation * body.mass.inertia * rotation.inverse();
-            self.states.push(state);
+            links.push(link);
         }
+        links
     }
-}
-
-fn add(matrix: &mut JointMatrix, row: usize, column: usize, value: f64) {
-    if let Some(entry) = matrix.get_mut((row, column)) {
-        *entry += value;
-    }
-}
-
-/// The joints of `moved_by` with their columns.
-fn moving<'a>(
-    moved_by: &'a [usize],
-    columns: &'a [Twist; MAX_AXES],
-) -> impl Iterator<Item = (usize, &'a Twist)> {
-    moved_by.iter().filter_map(|axis| columns.get(*axis).map(|column| (*axis, column)))
 }
 
 /// What the machine does at one instant.
@@ -340,7 +252,7 @@ proptest! {
         let count = case.motion[0].len();
         let [q, v, a, rotors] = case.motion.map(|values| joint_vector(values.iter().copied()));
         let model = if belt { coupled(case.model) } else { case.model };
-        let mut unfolded = Unfolded::new(&model, count, down(), rotors);
+        let unfolded = Unfolded::new(&model, count, down(), rotors);
         let mut dynamics = Dynamics::new(&model, count, down(), rotors).unwrap();
         let effort = unfolded.inverse_dynamics(&q, &v, &a);
         let scale = effort.amax().max(1.0);
@@ -358,6 +270,38 @@ proptest! {
         prop_assert!((found - a).amax() < 1e-12 * condition * scale, "{found} is not {a}");
         let product = mobility * inertia - JointMatrix::identity();
         prop_assert!(product.amax() < 1e-13 * condition, "{product}");
+    }
+
+    /// The power of the efforts is the rate of the energy (central difference): gravity, Coriolis terms and inertia
+    /// have the signs and sizes they must have.
+    #[test]
+    fn effort_is_power(case in cases()) {
+        let count = case.motion[0].len();
+        let [q, v, a, _] = case.motion.map(|values| joint_vector(values.iter().copied()));
+        let mut dynamics = Dynamics::new(&case.model, count, down(), JointVector::zeros()).unwrap();
+        let power = dynamics.inverse_dynamics(&q, &v, &a).dot(&v);
+        let h = 1e-4;
+        let unfolded = Unfolded::new(&case.model, count, down(), JointVector::zeros());
+        let energy = |t: f64| unfolded.energy(&(q + v * t + a * (0.5 * t * t)), &(v + a * t));
+        let rate = (energy(h) - energy(-h)) / (2.0 * h);
+        let scale = 1.0 + energy(0.0).abs();
+        prop_assert!((power - rate).abs() < 1e-3 * scale, "{power} W, but the energy grows with {rate} W");
+    }
+
+    /// rapier, given the bias efforts, leaves the velocity alone on every tree: same frames, masses and axes.
+    #[test]
+    fn rapier_agrees_about_the_bias(case in cases()) {
+        let count = case.motion[0].len();
+        let [q, v, ..] = case.motion.map(|values| joint_vector(values.iter().copied()));
+        let zero = JointVector::zeros();
+        let mut dynamics = Dynamics::new(&case.model, count, down(), zero).unwrap();
+        let mut world = RapierAlone::new(&case.model, (&zero, &q), (1e-3, 1));
+        world.set_velocity(&v);
+        world.apply_effort(&dynamics.inverse_dynamics(&q, &v, &zero));
+        world.step();
+        let (position, velocity) = world.motion();
+        prop_assert!((velocity - v).amax() < 1e-9, "{velocity} instead of {v}");
+        prop_assert!((position - (q + v * 1e-3)).amax() < 1e-12);
     }
 }
 

@@ -6,7 +6,7 @@ use crate::{
     DimensionError, GantryDimensions, HBelt, Joint, JointDrive, JointKind, MachineJoint, Model,
     RotaryTool,
 };
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Isometry3, Point3, Vector2, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
@@ -31,7 +31,7 @@ pub(in crate::tests) fn h_gantry() -> GantryDimensions {
     }
 }
 
-pub(super) fn cutter() -> GantryDimensions {
+pub(in crate::tests) fn cutter() -> GantryDimensions {
     let rotary = RotaryTool {
         offset: 0.3,
         mass: Some(0.4),
@@ -81,7 +81,8 @@ fn no_gantry_touches_itself() {
         rotary: Some(RotaryTool::new(MachineJoint::new("R", 2, [-PI, PI]))),
         ..cutter()
     };
-    for dimensions in [beside, level, cutter(), dragged, two, flat_cutter] {
+    let shifted = GantryDimensions { offsets: [0.3, -0.1, 0.05], ..gantry() };
+    for dimensions in [gantry(), shifted, beside, level, cutter(), dragged, two, flat_cutter] {
         let model = dimensions.model().unwrap();
         // The corners of the travel, and every quarter turn of R between.
         let mut all = corners(&model);
@@ -142,27 +143,6 @@ fn a_belt_shares_limits() {
     assert_eq!(model.joints[2].kind, JointKind::Fixed);
 }
 
-/// A model of joints that are not all the machine's axes can be written and read: with joints of its own.
-#[test]
-fn what_is_written_can_be_read() {
-    let model = cutter().model().unwrap();
-    let text = model.to_urdf().unwrap();
-    let read = Model::from_urdf(&text, &["X", "Y", "Z", "R"]).unwrap();
-    assert!(
-        (read.tip_position(&[0.1, 0.1, -0.1, 1.0]) - model.tip_position(&[0.1, 0.1, -0.1, 1.0]))
-            .norm()
-            < 1e-15
-    );
-    let model = h_gantry().model().unwrap();
-    let text = model.to_urdf().unwrap();
-    assert_eq!(Model::from_urdf(&text, &["A", "B", "Z"]).unwrap(), model);
-    // As readers have it that know nothing of belts.
-    let plain = crate::tests::plain(&text);
-    let read = Model::from_urdf(&plain, &["bridge", "carriage", "Z"]).unwrap();
-    assert_eq!(read.tip_position(&[0.2, 0.3, -0.05]), model.tip_position(&[0.5, 0.1, -0.05]));
-    assert_eq!(read.links, model.links);
-}
-
 #[test]
 fn impossible_gantries_are_named() {
     let refusal = |dimensions: GantryDimensions| dimensions.model().unwrap_err();
@@ -218,7 +198,11 @@ proptest! {
             position[2] - offsets[2] - length,
         );
         let tip = model.tip_position(&position);
-        prop_assert!((tip - expected).norm() < 1e-12, "{tip} {expected}");
+        prop_assert!((tip - expected).norm() < 1e-14, "{tip} {expected}");
+        let mut poses = [Isometry3::translation(9.0, 9.0, 9.0); 4];
+        model.link_poses_into(&position, &mut poses);
+        prop_assert!((poses[3] * model.tip.point - expected).norm() < 1e-14);
+        prop_assert_eq!(poses.to_vec(), model.link_poses(&position));
         // Without Z the flange stays in one plane.
         let flat = GantryDimensions { offsets, tool, quill_joint: None, ..gantry() }.model().unwrap();
         let tip = flat.tip_position(&position[..2]);
