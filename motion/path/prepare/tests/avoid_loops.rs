@@ -2,7 +2,7 @@
 
 use super::{
     Error, assert_continuous, assert_path, close, cut, element, extras, line, path, random_path,
-    switched, switches, taken, with_extra,
+    switched, switches, taken, with_extra, words,
 };
 use crate::prepare::{AvoidLoops, Notice, Notices};
 use crate::{ElementKind, Ellipse, Marks, PathElement, Shape};
@@ -168,9 +168,9 @@ fn extra_axes_go_on_from_the_crossing() {
 /// `iStatus` is that behind the element taken in last.
 #[test]
 fn whether_it_looks_is_told() {
-    let points =
-        |range: std::ops::Range<u32>| -> String { range.map(|x| format!(" {x},0")).collect() };
-    let path = path(&format!("0,0{} G61{} G60{}", points(1..21), points(21..41), points(41..60)));
+    let points = |range: std::ops::Range<u8>| words(range.map(|x| [f64::from(x), 0.0]));
+    let [before, within, behind] = [0..21, 21..41, 41..60].map(points);
+    let path = path(&format!("{before} G61 {within} G60 {behind}"));
     let window = NonZeroUsize::new(4).unwrap();
     let items = path.into_iter().map(Ok::<_, Error>);
     let mut stage = AvoidLoops::with_window(items, window, Notices::default());

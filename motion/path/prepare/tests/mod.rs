@@ -118,6 +118,12 @@ fn path(text: &str) -> Vec<PathElement> {
     numbered(path)
 }
 
+/// Words of cuts to these points.
+fn words(points: impl IntoIterator<Item = [f64; 2]>) -> String {
+    let words: Vec<_> = points.into_iter().map(|[x, y]| format!("{x},{y}")).collect();
+    words.join(" ")
+}
+
 /// Letter and numbers of a word of a path.
 fn split(word: &str) -> (&str, Vec<f64>) {
     let (letter, rest) =

@@ -215,7 +215,9 @@ fn switches_without_room_are_told() {
 fn impossible_distances_are_errors_at_their_place() {
     for distance in [-0.001, f64::NAN] {
         let mut path = marked(path(CORNER), Marks::ROUNDING);
-        path.iter_mut().for_each(|element| element.tool_radius = distance);
+        for element in &mut path {
+            element.tool_radius = distance;
+        }
         let rounded = round_all(path.into_iter().map(Ok).collect(), Rounding::default());
         assert_eq!(rounded.len(), 3);
         let Err(Error::Corner(CornerError::Distance { place, distance: found })) = rounded[1]

@@ -2,7 +2,7 @@
 
 use super::{CORNER, correct};
 use crate::prepare::tests::{
-    Error, assert_continuous, assert_path, extras, path, switched, with_extra,
+    Error, assert_continuous, assert_path, extras, path, switched, with_extra, words,
 };
 use crate::prepare::{
     Notice, Notices, Side, Stage, ToolRadius, ToolRadiusError, ToolRadiusOptions,
@@ -173,9 +173,9 @@ fn the_side_may_not_change() {
 /// `iStatus` is that of the element taken in last, some way ahead of the one handed out.
 #[test]
 fn the_side_is_told() {
-    let points: String = (1..500).map(|x| format!(" {x},0")).collect();
+    let points = words((1..500).map(|x| [f64::from(x), 0.0]));
     for (mark, side) in [("G41", Side::Left), ("G42", Side::Right)] {
-        let elements = path(&format!("D10 -100,0 r0,0 {mark}{points} G40 r500,0"));
+        let elements = path(&format!("D10 -100,0 r0,0 {mark} {points} G40 r500,0"));
         let items = elements.into_iter().map(Ok::<_, Error>);
         let options = ToolRadiusOptions { look_ahead: 8, ..ToolRadiusOptions::default() };
         let mut stage = ToolRadius::new(items, options, Notices::default());

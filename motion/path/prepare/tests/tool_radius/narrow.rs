@@ -3,7 +3,7 @@
 use super::{LEFT, RIGHT, contour, correct};
 use crate::Place;
 use crate::prepare::tests::{
-    Error, assert_path, cut, element, m_function, numbered, path, switched, switches, taken,
+    Error, assert_path, cut, element, m_function, numbered, path, switched, switches, taken, words,
 };
 use crate::prepare::{AvoidLoops, Notice, Notices, ToolRadius, ToolRadiusOptions};
 use crate::{Cubic, ElementKind, Ellipse, Marks, PathElement, Shape};
@@ -61,13 +61,11 @@ fn an_element_between_inner_corners_reverses() {
 /// Several short elements in one corner.
 #[test]
 fn the_path_is_found_again_behind_several_elements() {
-    let points: String = (0..=6)
-        .map(|step| {
-            let (sin, cos) = (f64::from(step) * 15_f64.to_radians()).sin_cos();
-            format!("{},{} ", 97.0 + 3.0 * sin, 3.0 - 3.0 * cos)
-        })
-        .collect();
-    let elements = path(&format!("0,0 {points}100,100"));
+    let points = words((0..=6).map(|step| {
+        let (sin, cos) = (f64::from(step) * 15_f64.to_radians()).sin_cos();
+        [97.0 + 3.0 * sin, 3.0 - 3.0 * cos]
+    }));
+    let elements = path(&format!("0,0 {points} 100,100"));
     let (path, notices) = with_notices(contour(elements, LEFT, 10.0));
     assert_path(&path, OFFSET);
     let lines: Vec<_> = notices.iter().map(|notice| notice.place().line).collect();
@@ -113,9 +111,8 @@ fn a_slot_narrower_than_the_tool_is_gouged() {
 #[test]
 fn inner_corner_where_a_contour_closes() {
     // Long enough to leave the window.
-    let side: String =
-        (0..200).map(|step| format!("{},100 ", 100.0 - f64::from(step) * 0.5)).collect();
-    let square = path(&format!("0,0 100,0 {side}0,100 0,0"));
+    let side = words((0..200).map(|step| [100.0 - f64::from(step) * 0.5, 100.0]));
+    let square = path(&format!("0,0 100,0 {side} 0,100 0,0"));
     let last = u32::try_from(square.len()).unwrap();
     let (_, notices) = with_notices(contour(square, LEFT, 10.0));
     let pairs: Vec<_> = notices
