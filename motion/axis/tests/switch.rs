@@ -205,39 +205,43 @@ fn compensations_are_times() {
     let (switch, short) = (range(100.0, 200.0), timed(0.05));
     for (switch, track, way, on) in [
         // Behind the end, off; beyond it there is nothing to switch.
-        (switch, later(0.0, 0.1), starting(201.0), vec![]),
+        (switch, later(0.0, 0.1), starting(201.0), &[][..]),
         // Inside, on: nothing is switched before the end, at 0.445 s.
-        (switch, later(0.1, 0.0), starting(101.0), vec![0..45]),
-        (switch, later(0.0, 0.1), starting(101.0), vec![0..55]),
+        (switch, later(0.1, 0.0), starting(101.0), &[[0, 45]][..]),
+        (switch, later(0.0, 0.1), starting(101.0), &[[0, 55]][..]),
         // Inside from 0.06 s on, where it stays.
-        (switch, later(0.1, 0.0), braking(10.0, 0.55), vec![16..60]),
-        (switch, later(0.1, 0.0), braking(10.0, 2.2), vec![16..60]),
+        (switch, later(0.1, 0.0), braking(10.0, 0.55), &[[16, 60]][..]),
+        (switch, later(0.1, 0.0), braking(10.0, 2.2), &[[16, 60]][..]),
         // Inside from 0.0225 s to 0.1775 s, and out where it has come in.
-        (switch, later(0.0, 0.0), turning(103.0), vec![3..18]),
-        (switch, later(0.1, 0.1), turning(103.0), vec![13..28]),
-        (switch, later(0.1, 0.0), turning(103.0), vec![13..18]),
-        (switch, later(0.0, 0.3), turning(103.0), vec![3..48]),
-        (switch, later(0.2, 0.0), turning(103.0), vec![]),
+        (switch, later(0.0, 0.0), turning(103.0), &[[3, 18]][..]),
+        (switch, later(0.1, 0.1), turning(103.0), &[[13, 28]][..]),
+        (switch, later(0.1, 0.0), turning(103.0), &[[13, 18]][..]),
+        (switch, later(0.0, 0.3), turning(103.0), &[[3, 48]][..]),
+        (switch, later(0.2, 0.0), turning(103.0), &[][..]),
         // Passed at 0.054 s, on from 0.154 s to 0.204 s, wherever it is by then.
-        (short, later(0.1, 0.0), braking(10.0, 0.55), vec![16..21]),
-        (short, later(0.1, 0.0), braking(20.0, 2.2), vec![16..21]),
+        (short, later(0.1, 0.0), braking(10.0, 0.55), &[[16, 21]][..]),
+        (short, later(0.1, 0.0), braking(20.0, 2.2), &[[16, 21]][..]),
         // Forth at 0.0225 s, back at 0.1775 s.
-        (short, later(0.1, 0.0), turning(103.0), vec![13..18, 28..33]),
+        (short, later(0.1, 0.0), turning(103.0), &[[13, 18], [28, 33]][..]),
         // 99 + 500 t² + 50 t is 100 at 0.017 s; it is beyond 200 at 0.4494 s.
-        (switch, later(-0.05, 0.0), starting(99.0), vec![2..45]),
+        (switch, later(-0.05, 0.0), starting(99.0), &[[2, 45]][..]),
         // Seen inside at 0.02 s; it does not come there, and is off from when it turns.
-        (switch, later(-0.05, 0.0), turning(99.5), vec![2..11]),
+        (switch, later(-0.05, 0.0), turning(99.5), &[[2, 11]][..]),
         // Seen beyond the end at 0.03 s, where it does not come; from when it turns it is inside again, until it is seen
         // beyond the other end: 199 − 500 t² − 50 t is 100 at 0.398 s.
-        (switch, later(0.0, -0.05), turning(199.0), vec![0..3, 11..50]),
+        (switch, later(0.0, -0.05), turning(199.0), &[[0, 3], [11, 50]][..]),
         // A time begins once, where it is seen to come to 100: between 0.01 s and 0.02 s.
-        (short, later(-0.05, 0.0), turning(99.5), vec![2..7]),
+        (short, later(-0.05, 0.0), turning(99.5), &[[2, 7]][..]),
     ] {
         let way: Vec<_> = (0..60_u32).map(|cycle| way(f64::from(cycle) * CYCLE)).collect();
         let found = shown(linear(), switch, track, &way);
         let found: Vec<_> =
             (0..).zip(found).filter_map(|(cycle, on)| on.then_some(cycle)).collect();
-        assert_eq!(found, on.into_iter().flatten().collect::<Vec<u32>>(), "{switch:?} {track:?}");
+        assert_eq!(
+            found,
+            on.iter().flat_map(|[from, to]| *from..*to).collect::<Vec<_>>(),
+            "{switch:?} {track:?}"
+        );
     }
 }
 
