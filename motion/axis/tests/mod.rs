@@ -25,7 +25,6 @@ mod silence;
 mod states;
 mod steps;
 mod switch;
-mod switch_turns;
 mod tables;
 mod targets;
 mod zeros;

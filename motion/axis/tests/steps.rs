@@ -214,33 +214,6 @@ fn half() -> Block<CamIn> {
     cam_in(straight(100.0, 0.5), ramp_in(20.0, 50.0))
 }
 
-/// A cycle ago the master was not on the cam yet.
-#[test]
-fn a_master_that_comes_onto_the_cam_in_the_cycle_of_the_start() {
-    let (mut master, mut slave, mut lead) = (linear().at(-1.0), linear(), endless(10.0));
-    let (mut alone, mut block) = (endless(8.0), half());
-    let (mut before, mut began) = (0.0, false);
-    for _ in 0..200 {
-        master.call(&mut lead, true);
-        let on_it = master.axis.set_position() >= 0.0;
-        slave.cycle(|axis| {
-            if on_it {
-                assert!(block.follow(true, &master.axis, axis).error.is_none());
-            } else {
-                alone.call(true, axis);
-            }
-        });
-        let way = slave.axis.set_position() - before;
-        before = slave.axis.set_position();
-        if on_it && !began {
-            began = true;
-            assert!(master.axis.set_position() < 10.0 * CYCLE);
-            assert!((way - 8.0 * CYCLE).abs() < 1e-9, "{way}");
-        }
-    }
-    assert!(began);
-}
-
 /// The block below has been called in this cycle already, the superimposed one has not.
 #[test]
 fn a_cam_takes_over_both_motions_that_there_are() {

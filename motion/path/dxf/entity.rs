@@ -1,11 +1,11 @@
 //! Conversion of entities to primitives.
 
 use super::error::Reason;
-use super::primitive::{Affine, Primitive};
+use super::primitive::{Primitive, scaling};
 use super::spline::Spline;
 use ::dxf::entities::{self, Entity, EntityType};
 use ::dxf::{Point, Vector};
-use nalgebra::{Point3, Vector2};
+use nalgebra::{Affine3, Point3, Vector2};
 use std::f64::consts::TAU;
 
 /// The pieces of an entity, connected, in the coordinates of the drawing or block; false if they are approximated.
@@ -58,9 +58,7 @@ fn extent(piece: &Primitive) -> f64 {
     match piece {
         Primitive::Line { start, end } => (end - start).norm(),
         Primitive::Arc { u, v, sweep, .. } => (u.norm() + v.norm()) * sweep,
-        Primitive::Bezier { points: [a, b, c, d], .. } => {
-            (b - a).norm() + (c - b).norm() + (d - c).norm()
-        }
+        Primitive::Bezier([a, b, c, d]) => (b - a).norm() + (c - b).norm() + (d - c).norm(),
     }
 }
 
@@ -69,12 +67,13 @@ fn point(point: &Point) -> Point3<f64> {
 }
 
 /// From the coordinates of an entity with this normal to those of the drawing.
-pub(super) fn frame(normal: &Vector) -> Result<Affine, Reason> {
+pub(super) fn frame(normal: &Vector) -> Result<Affine3<f64>, Reason> {
     let size = normal.z.abs();
     if !(size > 0.0 && normal.x.abs() <= 1e-9 * size && normal.y.abs() <= 1e-9 * size) {
         return Err(Reason::Tilted);
     }
-    Ok(if normal.z < 0.0 { Affine::upside_down() } else { Affine::scaling(1.0) })
+    let side = normal.z.signum();
+    Ok(scaling(side, 1.0, side))
 }
 
 /// The angle from the first to the second, counter-clockwise, more than 0 and at most a full turn.
@@ -125,7 +124,7 @@ fn polyline(polyline: &entities::Polyline) -> Result<Vec<Primitive>, Reason> {
     let closed = polyline.is_closed();
     if polyline.is_3d_polyline() {
         let straight = vertices.map(|vertex| (point(&vertex.location), 0.0));
-        return Ok(bulged(straight, closed, &Affine::scaling(1.0)));
+        return Ok(bulged(straight, closed, &Affine3::identity()));
     }
     let elevation = polyline.location.z;
     let vertices = vertices
@@ -138,7 +137,7 @@ fn polyline(polyline: &entities::Polyline) -> Result<Vec<Primitive>, Reason> {
 fn bulged(
     vertices: impl Iterator<Item = (Point3<f64>, f64)>,
     closed: bool,
-    frame: &Affine,
+    frame: &Affine3<f64>,
 ) -> Vec<Primitive> {
     let mut pieces = Vec::new();
     let mut first = None;
@@ -165,6 +164,7 @@ fn segment(start: Point3<f64>, end: Point3<f64>, bulge: f64) -> Primitive {
     let center = start.xy() + chord / 2.0 + left * ((1.0 - bulge * bulge) / (4.0 * bulge));
     let u = start.xy() - center;
     let v = Vector2::new(-u.y, u.x) * bulge.signum();
+    let center = Point3::new(center.x, center.y, start.z);
     let sweep = 4.0 * bulge.abs().atan();
-    Primitive::Arc { start, end, center, u, v, sweep }
+    Primitive::Arc { start, end, center, u: u.push(0.0), v: v.push(0.0), sweep }
 }

@@ -1,12 +1,12 @@
 //! Expansion of a drawing: inserts its blocks and gives chains of primitives.
 
 use super::error::{DxfReadError, Note, Reason};
-use super::primitive::{Affine, Primitive};
+use super::primitive::{Primitive, scaling};
 use super::survey::{Items, Survey};
 use super::{Limits, entity};
 use ::dxf::entities::{Entity, EntityType, Insert};
 use ::dxf::{Block, Drawing};
-use nalgebra::{Matrix2, Rotation2, Vector3};
+use nalgebra::{Affine3, Rotation3, Translation3, Vector3};
 use std::collections::{BTreeMap, HashMap};
 
 /// Connected pieces of one entity, m.
@@ -35,7 +35,7 @@ pub(super) struct Expander<'a> {
 /// Insertion of a block into the drawing.
 #[derive(Clone, Copy)]
 struct Insertion<'a> {
-    map: Affine,
+    map: Affine3<f64>,
     /// The layer of the INSERT, which is that of entities on layer 0.
     layer: Option<&'a str>,
     /// Of the outermost INSERT.
@@ -79,7 +79,8 @@ impl<'a> Expander<'a> {
     /// # Errors
     /// [`DxfReadError`] if it goes beyond the limits.
     pub(super) fn run(&mut self, unit: f64) -> Result<(), DxfReadError> {
-        let insertion = Insertion { map: Affine::scaling(unit), layer: None, line: None, depth: 0 };
+        let map = scaling(unit, unit, unit);
+        let insertion = Insertion { map, layer: None, line: None, depth: 0 };
         self.entities(self.drawing.entities(), &self.survey.entities, insertion)
     }
 
@@ -178,27 +179,20 @@ impl<'a> Expander<'a> {
         if !(x != 0.0 && y != 0.0 && [x, y, z].iter().all(|scale| scale.is_finite())) {
             return Ok(Err(Reason::Degenerate));
         }
-        let turn = *Rotation2::new(insert.rotation.to_radians()).matrix();
-        let scaled =
-            Affine { plane: turn * Matrix2::new(x, 0.0, 0.0, y), z, offset: Vector3::zeros() };
-        let base = &block.base_point;
-        let from_base =
-            Affine { offset: -Vector3::new(base.x, base.y, base.z), ..Affine::scaling(1.0) };
-        let scaled = scaled.after(&from_base);
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), insert.rotation.to_radians());
+        let (base, to) = (&block.base_point, &insert.location);
+        let from_base = scaling(x, y, z) * Translation3::new(-base.x, -base.y, -base.z);
+        let outside = outer.map * frame * Translation3::new(to.x, to.y, to.z) * turn;
         for row in 0..insert.row_count.max(1) {
             for column in 0..insert.column_count.max(1) {
                 self.add(1)?;
-                let step = turn
-                    * nalgebra::Vector2::new(
-                        f64::from(column) * insert.column_spacing,
-                        f64::from(row) * insert.row_spacing,
-                    );
-                let to = &insert.location;
-                let placed = Affine {
-                    offset: scaled.offset + Vector3::new(to.x + step.x, to.y + step.y, to.z),
-                    ..scaled
-                };
-                let map = outer.map.after(&frame).after(&placed);
+                let (along, across) = (f64::from(column), f64::from(row));
+                let step = Translation3::new(
+                    along * insert.column_spacing,
+                    across * insert.row_spacing,
+                    0.0,
+                );
+                let map = outside * step * from_base;
                 let inner = Insertion { map, depth: outer.depth + 1, ..outer };
                 self.entities(block.entities.iter(), items, inner)?;
             }

@@ -123,7 +123,7 @@ impl Spline {
             let point = self.blossom(span, arguments);
             Point3::from(point.xyz() / point.w)
         };
-        let flat = match self.degree {
+        let points = match self.degree {
             1 => return Primitive::Line { start: point(&[from]), end: point(&[to]) },
             2 => {
                 let [a, b, c] = [point(&[from, from]), point(&[from, to]), point(&[to, to])];
@@ -137,8 +137,9 @@ impl Spline {
                 point(&[to, to, to]),
             ],
         };
-        let [Point3 { coords: first }, ..] = flat;
-        Primitive::Bezier { points: flat.map(|point| point.xy()), z: first.z }
+        // Level to the last digit.
+        let [Point3 { coords: first }, ..] = points;
+        Primitive::Bezier(points.map(|point| Point3::new(point.x, point.y, first.z)))
     }
 
     /// Lines between two parameters and their points.

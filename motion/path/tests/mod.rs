@@ -42,38 +42,6 @@ fn assert_length(shape: &Shape, expected_mm: f64) {
     );
 }
 
-/// Vector `cnc-arc-R-semicircle`.
-#[test]
-fn semicircle() {
-    let shape = arc([100.0, 100.0, 0.0], [200.0, 100.0, 0.0], [150.0, 100.0], -PI);
-    assert_length(&shape, 157.079_632_679);
-    assert_at(&shape, 0.5, [150.0, 150.0, 0.0]);
-    assert!((shape.start_tangent() - Vector3::y()).norm() < 1e-12);
-    assert!((shape.end_tangent() + Vector3::y()).norm() < 1e-12);
-}
-
-/// Vector `cnc-arc-full`: length, and the point a quarter on.
-#[test]
-fn full_circle() {
-    let shape = arc([10.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 0.0], -TAU);
-    assert_length(&shape, 62.831_853_072);
-    assert_at(&shape, 0.25, [0.0, -10.0, 0.0]);
-}
-
-/// Vector `cnc-helix`, and the circle's and the helix's curvature: r/(r² + (h/φ)²).
-#[test]
-fn helix() {
-    let shape = arc([10.0, 0.0, 0.0], [0.0, 10.0, 5.0], [0.0, 0.0], FRAC_PI_2);
-    assert_length(&shape, 16.484_541_547);
-    assert_at(&shape, 0.5, [7.071_067_812, 7.071_067_812, 2.5]);
-    let (radius, pitch) = (0.01, 0.005 / FRAC_PI_2);
-    let curvature = shape.at(0.0).curvature;
-    assert!(
-        (curvature - Vector3::new(-radius / (radius * radius + pitch * pitch), 0.0, 0.0)).norm()
-            < 1e-9
-    );
-}
-
 #[test]
 fn space_diagonal() {
     let shape = line([1.0, 2.0, 3.0], [3.0, 5.0, 9.0]);

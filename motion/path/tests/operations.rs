@@ -49,29 +49,8 @@ fn split() {
     }
 }
 
-/// Vector `cnc-reverse-arc`.
 #[test]
-fn reverse_of_an_arc() {
-    let back = with_switches(quarter(), &[0.25]).reversed();
-    let Shape::Arc(arc) = &back.shape else { panic!("{back:?}") };
-    assert!((arc.start_angle().to_degrees() - 90.0).abs() < 1e-9);
-    assert!((arc.sweep().to_degrees() + 90.0).abs() < 1e-9);
-    assert!((arc.length() * 1e3 - 15.707_963_268).abs() < 1e-8);
-    assert_mm(back.start(), 0.0, 10.0);
-    assert_mm(back.end(), 10.0, 0.0);
-    assert!((back.switches()[0].at - 0.75).abs() < 1e-12);
-}
-
-/// Vector `cnc-rotate-queue`: about the origin, about another point, and scaled.
-#[test]
-fn rotated_moved_and_scaled() {
-    let point = Point3::new(0.1, 0.05, 0.0);
-    let turn = Similarity::rotation(30f64.to_radians());
-    assert_mm(turn.point(&point), 61.602_540_378, 93.301_270_189);
-    let center = Vector3::new(0.02, 0.01, 0.0);
-    let about = Similarity::translation(-center).then(&turn).then(&Similarity::translation(center));
-    assert_mm(about.point(&point), 69.282_032_303, 84.641_016_151);
-    assert_mm(Similarity::scaling(1.5).unwrap().point(&point), 150.0, 75.0);
+fn factors_that_scale_nothing() {
     for factor in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(Similarity::scaling(factor), Err(OperationError::Factor(_))));
     }

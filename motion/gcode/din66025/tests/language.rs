@@ -189,6 +189,43 @@ fn rounded_arcs_are_arcs() {
     }
 }
 
+/// Half the chord is the radius in decimals, but in binary not always: an angle of 180° all the same.
+#[test]
+fn semicircles_of_rounded_numbers() {
+    for block in ["X-10.3 F10\nG3 X20.1 R15.2", "X0.1 F10\nG3 X0.4 R0.15", "X7 F10\nG3 X7.2 R.1"] {
+        let element = elements(block).pop().unwrap();
+        let Shape::Arc(arc) = &element.shape else { panic!("{element:?}") };
+        assert!((arc.sweep() - std::f64::consts::PI).abs() < 1e-15, "{block}: {}", arc.sweep());
+    }
+}
+
+/// Centres relative (by default) and absolute, and words of a target that is where the tool is, left out (manual 3.2.4);
+/// the vectors `cnc-arc-…` and `cnc-parabola` have the numbers.
+#[test]
+fn ways_to_write_a_curve() {
+    for blocks in [
+        &[
+            "G2 X200 Y100 I50 J0",
+            "G99\nG2 X200 Y100 I50 J0",
+            "G98\nG2 X200 Y100 I150 J100",
+            "G2 X200 I50",
+        ][..],
+        &["G2 X100 Y100 I-10 J0", "G2 I-10"],
+        &["G6 X200 Y100 I50 J100", "G98\nG6 X200 Y100 I150 J200", "G6 X200 I50 J100"],
+    ] {
+        let made = |block: &str| elements(&format!("G1 X100 Y100 F10\n{block}")).remove(1);
+        let first = made(blocks[0]);
+        assert!(!matches!(first.shape, Shape::Line { .. }));
+        for block in blocks {
+            let other = made(block);
+            for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
+                let [one, other] = [&first, &other].map(|it| it.at(part * it.length()).position);
+                assert!((one - other).norm() < 1e-12, "{block}: {one} {other}");
+            }
+        }
+    }
+}
+
 /// Suppressed blocks are left out with whatever is in them, or executed.
 #[test]
 fn suppressed_blocks() {

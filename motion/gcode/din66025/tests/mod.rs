@@ -2,7 +2,6 @@
 
 #![expect(clippy::float_cmp, reason = "rounded before, or to be the same bit for bit")]
 
-mod arcs;
 mod curves;
 mod errors;
 mod jumps;

@@ -10,26 +10,6 @@ fn switches(element: &PathElement) -> Vec<(i16, f64)> {
     element.switches().iter().map(|s| (i16::from(s.number) * sign(s.on), s.at)).collect()
 }
 
-/// Manual 3.2.1.
-#[test]
-fn places_of_switches() {
-    let block = |words: &str| {
-        elements(&format!("N90 G1 X20 Y20 F10\nN100 G1 X100 Y40 {words}")).pop().unwrap()
-    };
-    let element = block("H-2 O0.25");
-    assert_close(element.length() * 1e3, 82.462_112_512);
-    assert_eq!(switches(&element), [(-2, 0.25)]);
-    let at = element.at(0.25 * element.length()).position * 1e3;
-    assert_close(at.x, 40.0);
-    assert_close(at.y, 25.0);
-    assert_close(switches(&block("H1 L20"))[0].1, 0.242_535_625);
-    let from_end = switches(&block("H1 L-10"))[0].1;
-    assert_close(from_end, 0.878_732_187);
-    let at = element.at(from_end * element.length()).position * 1e3;
-    assert_close(at.x, 90.298_574_999);
-    assert_close(at.y, 37.574_643_75);
-}
-
 /// The length of a spline is known only with its successor.
 #[test]
 fn switches_on_splines() {

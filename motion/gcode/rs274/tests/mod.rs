@@ -8,7 +8,6 @@
 )]
 
 mod corpus;
-mod cycles;
 mod errors;
 mod linuxcnc;
 mod moves;

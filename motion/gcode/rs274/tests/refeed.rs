@@ -16,103 +16,90 @@ fn written(program: &[u8], table: &Table) -> (Vec<u8>, Refed) {
     (out, refed)
 }
 
-/// Limits by line, units per minute (mm); a second time nothing changes.
-#[track_caller]
-fn assert_limited(program: &str, limits_per_min: &[(u32, f64)], expected: &str) -> Refed {
-    let table: Table =
-        limits_per_min.iter().map(|(line, feed)| ((*line, false), feed / 6e4)).collect();
-    let (text, refed) = written(program.as_bytes(), &table);
-    assert_eq!(String::from_utf8_lossy(&text), expected);
-    let (again, second) = written(&text, &table);
-    assert_eq!(String::from_utf8_lossy(&again), expected, "a second time");
-    assert_eq!((second.changed, second.lowered), (0, 0));
-    refed
+/// Program and limits by line, rapids with a minus, mm per minute; what becomes of it, and how many lines are lowered.
+/// A second time nothing changes.
+#[test]
+fn feeds_are_lowered_where_they_must() {
+    for (program, limits, expected, lowered) in [
+        // A line gets less, and the next the programmed feed back; nothing is looked at behind the end.
+        (
+            "%\nN10 G1 X10 F1500. ; first\nN20 X20 (F9)\nG1X30M8\r\nN40 X40\nM2\nX1 F1 what is behind the end",
+            &[(3, 1234.56), (4, 1234.56), (5, 9000.0)][..],
+            "%\nN10 G1 X10 F1500. ; first\nN20 X20 F1234 (F9)\nG1X30M8\r\nN40 X40 F1500\nM2\nX1 F1 what is behind the end",
+            2,
+        ),
+        // Blanks mean nothing in this language, not even within numbers.
+        (
+            "g1 f 1 00.5 x1\nx2\ng1x3y4\nM2",
+            &[(1, 60.0), (3, 30.0)],
+            "g1 f 60 x1\nx2 f100.5\ng1x3y4f30\nM2",
+            2,
+        ),
+        // F is read in the units that were in force before its line: F10 is inches, and so is the F that restores it in
+        // line 4. 1 in/min is 25.4 mm/min.
+        (
+            "G20\nG1 X1 F10\nX2\nG21 X30\nX40\nX50\nM2",
+            &[(3, 25.4 * 4.0), (5, 100.0)],
+            "G20\nG1 X1 F10\nX2 F4\nG21 X30 F10\nX40 F100\nX50 F254\nM2",
+            2,
+        ),
+        // Where only rotary axes move, F is degrees per minute, whatever the units of length.
+        (
+            "G20\nG1 X1 F100\nA90\nX2 A0\nM2",
+            &[(3, 90.0)],
+            "G20\nG1 X1 F100\nA90 F90\nX2 A0 F100\nM2",
+            1,
+        ),
+        // Inverse time: 10 mm at F6 take a sixth of a minute: 60 mm/min. Its F belongs to its line alone.
+        (
+            "G1 X1 F500\nG93\nX11 F6\nX21 F6\nG94\nX31 F500\nM2",
+            &[(3, 40.0), (6, 100.0)],
+            "G1 X1 F500\nG93\nX11 F4\nX21 F6\nG94\nX31 F100\nM2",
+            2,
+        ),
+        // No line relies on a feed that is written in a block that may be left out.
+        (
+            "G1 X1 F100\n/X2\nX3\nX4\n/ X5 F60\nX6\nM2",
+            &[(1, 50.0), (2, 20.0), (3, 20.0), (4, 20.0), (5, 20.0), (6, 20.0)],
+            "G1 X1 F50\n/X2 F20\nX3 F20\nX4\n/ X5 F20\nX6 F20\nM2",
+            6,
+        ),
+    ] {
+        let table: Table = limits.iter().map(|(line, feed)| ((*line, false), feed / 6e4)).collect();
+        let (text, refed) = written(program.as_bytes(), &table);
+        assert_eq!(String::from_utf8_lossy(&text), expected);
+        assert_eq!((refed.lowered, &refed.unrepaired[..]), (lowered, &[][..]), "{program}");
+        let (again, second) = written(&text, &table);
+        assert_eq!(String::from_utf8_lossy(&again), expected, "a second time");
+        assert_eq!((second.changed, second.lowered), (0, 0));
+    }
 }
 
+/// F does not reach rapids, also those of canned cycles; the cut of a cycle it does. No F is low enough for 0, nor in
+/// inverse time for less than a tenth of a millimetre per minute.
 #[test]
-fn a_line_gets_less_and_the_next_the_programmed_feed_back() {
-    let refed = assert_limited(
-        "%\nN10 G1 X10 F1500. ; first\nN20 X20 (F9)\nG1X30M8\r\nN40 X40\nM2\nX1 F1 what is behind the end",
-        &[(3, 1234.56), (4, 1234.56), (5, 9000.0)],
-        "%\nN10 G1 X10 F1500. ; first\nN20 X20 F1234 (F9)\nG1X30M8\r\nN40 X40 F1500\nM2\nX1 F1 what is behind the end",
-    );
-    assert_eq!((refed.lines, refed.changed, refed.lowered), (7, 2, 2));
-}
-
-/// Blanks mean nothing in this language, not even within numbers.
-#[test]
-fn words_are_replaced_in_place() {
-    assert_limited(
-        "g1 f 1 00.5 x1\nx2\ng1x3y4\nM2",
-        &[(1, 60.0), (3, 30.0)],
-        "g1 f 60 x1\nx2 f100.5\ng1x3y4f30\nM2",
-    );
-}
-
-/// F is read in the units that were in force before its line: F10 is inches, and so is the F that restores it in line 4.
-/// 1 in/min is 25.4 mm/min.
-#[test]
-fn units_are_those_of_the_line_before() {
-    assert_limited(
-        "G20\nG1 X1 F10\nX2\nG21 X30\nX40\nX50\nM2",
-        &[(3, 25.4 * 4.0), (5, 100.0)],
-        "G20\nG1 X1 F10\nX2 F4\nG21 X30 F10\nX40 F100\nX50 F254\nM2",
-    );
-}
-
-/// Where only rotary axes move, F is degrees per minute, whatever the units of length.
-#[test]
-fn rotary_moves_have_their_own_feed() {
-    let table: Table = [((3, false), 90.0 / 60.0 * 1e-3)].into();
-    let program = "G20\nG1 X1 F100\nA90\nX2 A0\nM2";
-    let (text, _) = written(program.as_bytes(), &table);
-    assert_eq!(String::from_utf8(text).unwrap(), "G20\nG1 X1 F100\nA90 F90\nX2 A0 F100\nM2");
-}
-
-/// 10 mm at F6 take a sixth of a minute: 60 mm/min. Its F belongs to the line alone.
-#[test]
-fn inverse_time() {
-    let refed = assert_limited(
-        "G1 X1 F500\nG93\nX11 F6\nX21 F6\nG94\nX31 F500\nM2",
-        &[(3, 40.0), (6, 100.0)],
-        "G1 X1 F500\nG93\nX11 F4\nX21 F6\nG94\nX31 F100\nM2",
-    );
-    assert_eq!(refed.lowered, 2);
-    // Not below a tenth of a millimetre per minute.
-    let table: Table = [((2, false), 0.05 / 6e4)].into();
-    let (text, refed) = written(b"G93\nG1 X1 F1\nM2", &table);
-    assert_eq!(text, b"G93\nG1 X1 F1\nM2");
-    assert_eq!(refed.unrepaired[0].reason, Reason::InverseTime);
-}
-
-/// F does not reach rapids, also those of canned cycles; the cut of a cycle it does.
-#[test]
-fn fast_rapids_are_reported() {
-    let program = "G0 X10\nG81 X1 Z-1 R1 F100\nX5\nG1 X6\nM2";
-    let table: Table =
-        [((1, true), 0.05), ((2, true), 0.01), ((2, false), 50.0 / 6e4), ((3, true), 0.2)].into();
-    let (text, refed) = written(program.as_bytes(), &table);
-    assert_eq!(String::from_utf8(text).unwrap(), "G0 X10\nG81 X1 Z-1 R1 F50\nX5 F100\nG1 X6\nM2");
-    let reported: Vec<_> =
-        refed.unrepaired.iter().map(|one| (one.place.line, one.reason, one.limit)).collect();
-    assert_eq!(reported, [(1, Reason::Rapid, 0.05), (2, Reason::Rapid, 0.01)]);
-}
-
-#[test]
-fn unrepaired_lines_are_reported() {
-    let table: Table = [((1, false), 0.0)].into();
-    let (text, refed) = written(b"G1 X1 F10\nM2", &table);
-    assert_eq!(text, b"G1 X1 F10\nM2");
-    assert_eq!((refed.unrepaired[0].reason, refed.lowered), (Reason::NoFeed, 0));
-}
-
-#[test]
-fn no_feed_depends_on_suppressed_blocks() {
-    assert_limited(
-        "G1 X1 F100\n/X2\nX3\nX4\n/ X5 F60\nX6\nM2",
-        &[(1, 50.0), (2, 20.0), (3, 20.0), (4, 20.0), (5, 20.0), (6, 20.0)],
-        "G1 X1 F50\n/X2 F20\nX3 F20\nX4\n/ X5 F20\nX6 F20\nM2",
-    );
+fn what_stays_too_fast_is_reported() {
+    use Reason::{InverseTime, NoFeed, Rapid};
+    for (program, limits, expected, reported) in [
+        (
+            "G0 X10\nG81 X1 Z-1 R1 F100\nX5\nG1 X6\nM2",
+            &[((1, true), 0.05), ((2, true), 0.01), ((2, false), 50.0 / 6e4), ((3, true), 0.2)][..],
+            "G0 X10\nG81 X1 Z-1 R1 F50\nX5 F100\nG1 X6\nM2",
+            &[(1, Rapid, 0.05), (2, Rapid, 0.01)][..],
+        ),
+        ("G1 X1 F10\nM2", &[((1, false), 0.0)], "G1 X1 F10\nM2", &[(1, NoFeed, 0.0)]),
+        (
+            "G93\nG1 X1 F1\nM2",
+            &[((2, false), 0.05 / 6e4)],
+            "G93\nG1 X1 F1\nM2",
+            &[(2, InverseTime, 0.05 / 6e4)],
+        ),
+    ] {
+        let (text, refed) = written(program.as_bytes(), &limits.iter().copied().collect());
+        assert_eq!(String::from_utf8_lossy(&text), expected);
+        let found = refed.unrepaired.iter().map(|one| (one.place.line, one.reason, one.limit));
+        assert_eq!(found.collect::<Vec<_>>(), reported);
+    }
 }
 
 fn limit_of(table: &Table, element: &PathElement) -> f64 {

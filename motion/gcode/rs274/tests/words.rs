@@ -1,10 +1,9 @@
 //! Tests of the notation of words: blanks, comments, `%`, numbers of blocks and programs; arcs, feeds, path modes.
 
 use super::*;
-use crate::rs274::PathMode;
+use crate::rs274::{MAX_CYCLE_MOVES, PathMode};
 use ElementKind::{Cut, Dwell, Rapid};
-use std::f64::consts::{PI, TAU};
-use twin_path::{Plane, Shape};
+use std::f64::consts::PI;
 
 #[test]
 fn ways_to_write_a_line() {
@@ -115,42 +114,15 @@ fn velocities() {
     assert!((found[0].feed - PI * 0.005).abs() < 1e-15);
 }
 
-/// Plane, sweep and rise of the arc of a block.
-#[track_caller]
-fn arc(block: &str) -> (Plane, f64, f64) {
-    let found = elements(&format!("F60 {block}\nM2"));
-    let Shape::Arc(arc) = &found[0].shape else { panic!("{found:?}") };
-    (arc.plane(), arc.sweep(), arc.rise())
-}
-
+/// One block gives at most [`MAX_CYCLE_MOVES`] moves, and a canned cycle with that many is decoded.
 #[test]
-fn arcs() {
-    for (block, plane, sweep, rise) in [
-        ("G2 X10 I5", Plane::Xy, -PI, 0.0),
-        ("G3 X10 I5", Plane::Xy, PI, 0.0),
-        ("G3 X5 Y5 I5", Plane::Xy, 1.5 * PI, 0.0),
-        ("G2 X5 Y5 I5", Plane::Xy, -0.5 * PI, 0.0),
-        ("G2 I5", Plane::Xy, -TAU, 0.0),
-        ("G3 I5 Z3", Plane::Xy, TAU, 0.003),
-        ("G3 I5 Z3 P4", Plane::Xy, 4.0 * TAU, 0.003),
-        ("G2 X10 I5 Z-3 P2", Plane::Xy, -3.0 * PI, -0.003),
-        ("G90.1 G2 X10 I5 J0", Plane::Xy, -PI, 0.0),
-        ("G91.1 G2 X10 I5", Plane::Xy, -PI, 0.0),
-        // Z is the first axis of G18: seen from the tip of Y, counter-clockwise from Z to X.
-        ("G18 G3 X5 Z5 K5 Y2", Plane::Zx, 1.5 * PI, 0.002),
-        ("G18 G2 X5 Z5 K5", Plane::Zx, -0.5 * PI, 0.0),
-        ("G19 G3 Y5 Z5 J5 X1", Plane::Yz, 1.5 * PI, 0.001),
-        ("G19 G2 Y5 Z5 J5 X1", Plane::Yz, -0.5 * PI, 0.001),
-        ("G2 X5 Y5 R5", Plane::Xy, -0.5 * PI, 0.0),
-        ("G2 X5 Y5 R-5", Plane::Xy, -1.5 * PI, 0.0),
-        ("G3 X5 Y5 R5 P2", Plane::Xy, 2.5 * PI, 0.0),
-        ("G3 X10 R5", Plane::Xy, PI, 0.0),
-    ] {
-        let found = arc(block);
-        assert_eq!(found.0, plane, "{block}");
-        assert!((found.1 - sweep).abs() < 1e-9, "{block}: {found:?}");
-        assert!((found.2 - rise).abs() < 1e-15, "{block}: {found:?}");
-    }
+fn most_moves_of_a_cycle() {
+    let count =
+        |repeats: usize| decode(&format!("F60 G91 G81 X.001 Z-1 R1 L{repeats}\nM2")).elements.len();
+    let most = MAX_CYCLE_MOVES / 5;
+    // Up to R once; then for each hole above it, down to the bottom and up to R.
+    assert_eq!(count(most), 1 + 3 * most);
+    assert_eq!(count(most + 1), 0);
 }
 
 #[test]

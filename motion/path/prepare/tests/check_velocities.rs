@@ -1,10 +1,9 @@
 //! Tests of transition velocities, [`CheckVelocities`].
 
-use super::{Error, PROBE, arc, cut, element, line, m_function};
+use super::{Error, arc, cut, line, path};
 use crate::Place;
 use crate::prepare::{CheckError, CheckVelocities, CornerError, Limit, ToolRadiusError};
-use crate::{AxisMask, Details, ElementKind, ExtraAxes, PathElement, Shape};
-use nalgebra::Point3;
+use crate::{AxisMask, Details, ElementKind, ExtraAxes, PathElement};
 use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -22,18 +21,16 @@ fn end_velocities<const N: usize>(elements: [PathElement; N], angle_tolerance: f
     check(elements, angle_tolerance).into_iter().map(Result::unwrap).collect()
 }
 
-/// Vector `cnc-transition`: 0/0 → 100/0 → 200/20 turns by 11.309932474°; F 50 and 30.
+/// The angle of vector `cnc-transition`, from both sides.
 #[test]
-fn cnc_transition() {
+fn the_angle_itself() {
     let path = || {
         let corner = [0.1, 0.0, 0.0];
         [cut([0.0; 3], corner, 0.05), cut(corner, [0.2, 0.02, 0.0], 0.03)]
     };
-    assert_eq!(end_velocities(path(), 15_f64.to_radians()), [0.03, 0.0]);
-    assert_eq!(end_velocities(path(), 10_f64.to_radians()), [0.0, 0.0]);
-    // The angle itself, from both sides.
-    assert_eq!(end_velocities(path(), 11.309_933_f64.to_radians()), [0.03, 0.0]);
-    assert_eq!(end_velocities(path(), 11.309_932_f64.to_radians()), [0.0, 0.0]);
+    for (tolerance, expected) in [(11.309_933_f64, 0.03), (11.309_932, 0.0)] {
+        assert_eq!(end_velocities(path(), tolerance.to_radians()), [expected, 0.0]);
+    }
 }
 
 /// What [`crate::prepare::LimitCircularVelocities`] has set stays, where it is the smallest.
@@ -54,31 +51,23 @@ fn a_limit_on_the_transition_is_kept() {
     assert_eq!(check(end, 0.0), [Ok(0.0), Err(Error::Upstream(1)), Ok(0.0)]);
 }
 
+/// M functions and dwells; rapids and jumps at both ends; elements of length zero. A probe that trips has nowhere to go on
+/// to.
 #[test]
-fn m_functions_and_dwells_stop_the_path() {
-    let at = |x: f64| [x, 0.0, 0.0];
-    let here = Point3::from(at(0.1));
-    let dwell = element(
-        ElementKind::Dwell { time_ns: 1_000_000 },
-        Shape::Line { start: here, end: here },
-        0.05,
-    );
-    for stop in [m_function(here), dwell] {
-        let path = [cut(at(0.0), at(0.1), 0.05), stop, cut(at(0.1), at(0.2), 0.05)];
-        assert_eq!(end_velocities(path, PI), [0.0; 3]);
+fn where_the_path_stops() {
+    for (elements, expected) in [
+        ("0,0 100,0 m 200,0", &[0.0; 3][..]),
+        ("0,0 100,0 p200,0 300,0", &[0.0; 3]),
+        ("0,0 100,0 r200,0 r300,0 400,0 500,0", &[0.0, 0.0, 0.0, 0.05, 0.0]),
+        ("0,0 100,0 j0,0 100,0 100,0 200,0", &[0.0; 5]),
+    ] {
+        let items = path(elements).into_iter().map(Ok).collect();
+        let found: Vec<_> = check(items, PI).into_iter().map(Result::unwrap).collect();
+        assert_eq!(found, expected, "{elements}");
     }
-}
-
-/// A probe that trips has nowhere to go on to.
-#[test]
-fn probing_moves_begin_and_end_at_rest() {
-    let at = |x: f64| [x, 0.0, 0.0];
-    let probe = line(PROBE, at(0.1), at(0.2), 0.05);
-    let path = [cut(at(0.0), at(0.1), 0.05), probe, cut(at(0.2), at(0.3), 0.05)];
-    assert_eq!(end_velocities(path.clone(), PI), [0.0; 3]);
-    let items = path.into_iter().map(Ok::<_, Error>);
-    let kinds: Vec<_> = CheckVelocities::new(items, PI).map(|item| item.unwrap().kind).collect();
-    assert_eq!(kinds, [ElementKind::Cut, PROBE, ElementKind::Cut]);
+    let mut dwelling = path("0,0 100,0 100,0 200,0");
+    dwelling[1].kind = ElementKind::Dwell { time_ns: 1_000_000 };
+    assert!(check(dwelling.into_iter().map(Ok).collect(), PI).iter().all(|end| *end == Ok(0.0)));
 }
 
 /// Their path has another unit than that of the tool; among themselves they turn as lines do.
@@ -120,32 +109,6 @@ fn z_with_the_s_profile() {
     let on = || cut([0.0; 3], [0.0, 0.0, -0.1], 0.05);
     assert_eq!(end_velocities([plunge(), on()], 0.0), [0.05, 0.0]);
     assert_eq!(end_velocities([smooth(plunge()), on()], 0.0), [0.0, 0.0]);
-}
-
-#[test]
-fn rapids_stop_at_both_ends() {
-    let at = |x: f64| [x, 0.0, 0.0];
-    let path = [
-        cut(at(0.0), at(0.1), 0.05),
-        line(ElementKind::Rapid, at(0.1), at(0.2), 0.5),
-        line(ElementKind::Rapid, at(0.2), at(0.3), 0.5),
-        cut(at(0.3), at(0.4), 0.05),
-        cut(at(0.4), at(0.5), 0.06),
-    ];
-    assert_eq!(end_velocities(path, PI), [0.0, 0.0, 0.0, 0.05, 0.0]);
-}
-
-#[test]
-fn jumps_and_elements_of_length_zero_stop_at_both_ends() {
-    let at = |x: f64| [x, 0.0, 0.0];
-    let path = [
-        cut(at(0.0), at(0.1), 0.05),
-        line(ElementKind::Jump, at(0.1), at(0.0), 0.0),
-        cut(at(0.0), at(0.1), 0.05),
-        cut(at(0.1), at(0.1), 0.0),
-        cut(at(0.1), at(0.2), 0.05),
-    ];
-    assert_eq!(end_velocities(path, PI), [0.0; 5]);
 }
 
 #[test]
@@ -196,23 +159,12 @@ fn arcs_count_with_their_tangents() {
 
 #[test]
 fn errors_keep_their_place_and_the_path_stops_before_them() {
-    let at = |x: f64| [x, 0.0, 0.0];
-    let elements = vec![
-        Err(Error::Upstream(1)),
-        Ok(cut(at(0.0), at(0.1), 0.05)),
-        Ok(cut(at(0.1), at(0.2), 0.05)),
-        Err(Error::Upstream(2)),
-        Err(Error::Upstream(3)),
-        Ok(cut(at(0.2), at(0.3), 0.05)),
-    ];
-    let expected = [
-        Err(Error::Upstream(1)),
-        Ok(0.05),
-        Ok(0.0),
-        Err(Error::Upstream(2)),
-        Err(Error::Upstream(3)),
-        Ok(0.0),
-    ];
+    let mut elements: Vec<_> = path("0,0 100,0 200,0 300,0").into_iter().map(Ok).collect();
+    for (index, number) in [(2, 3), (2, 2), (0, 1)] {
+        elements.insert(index, Err(Error::Upstream(number)));
+    }
+    let upstream = |number| Err(Error::Upstream(number));
+    let expected = [upstream(1), Ok(0.05), Ok(0.0), upstream(2), upstream(3), Ok(0.0)];
     assert_eq!(check(elements, 0.0), expected);
 }
 

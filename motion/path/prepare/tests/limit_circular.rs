@@ -1,7 +1,7 @@
 //! Tests of velocity limits on curves, [`LimitCircularVelocities`].
 
 use super::{Error, arc, cut, element, line};
-use crate::prepare::{CheckVelocities, CircularLimits, LimitCircularVelocities};
+use crate::prepare::{CircularLimits, LimitCircularVelocities};
 use crate::{Arc, Cubic, ElementKind, Ellipse, PathElement, Plane, Shape};
 use nalgebra::{Point2, Point3, Vector2};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -32,33 +32,6 @@ fn vector_path(second: f64) -> [PathElement; 3] {
         end_of_first,
         arc(center, 0.025, start_angle, second * FRAC_PI_2, 1.0),
     ]
-}
-
-/// Vector `prep-limitcirc`: dMaxAcc 200, dMaxAccJump 100, radii 50 and 25.
-#[test]
-fn prep_limitcirc() {
-    let same = limit(vector_path(1.0), LIMITS);
-    let opposite = limit(vector_path(-1.0), LIMITS);
-    for path in [&same, &opposite] {
-        // A line has no curvature, and its own feed stays.
-        assert!(close_mm_per_s(path[0].feed, 1000.0));
-        assert!(close_mm_per_s(path[1].feed, 100.0));
-        assert!(close_mm_per_s(path[2].feed, 70.710_678_119));
-        assert!(close_mm_per_s(path[0].end_velocity, 70.710_678_119));
-        assert!(path[2].end_velocity.is_infinite());
-    }
-    assert!(close_mm_per_s(same[1].end_velocity, 70.710_678_119));
-    assert!(close_mm_per_s(opposite[1].end_velocity, 40.824_829_046));
-}
-
-/// What it sets is what the path is planned with.
-#[test]
-fn the_check_keeps_the_limit() {
-    let limited = limit(vector_path(-1.0), LIMITS).into_iter().map(Ok::<_, Error>);
-    let checked: Vec<_> = CheckVelocities::new(limited, 1e-6).map(Result::unwrap).collect();
-    let velocities: Vec<_> =
-        checked.iter().map(|element| (element.end_velocity * 1e9).round() / 1e6).collect();
-    assert_eq!(velocities, [70.710_678, 40.824_829, 0.0]);
 }
 
 #[test]

@@ -14,7 +14,9 @@ use random::random_path;
 
 use crate::Place;
 use crate::prepare::{CheckError, CornerError, Notice, Notices, ToolRadiusError};
-use crate::{Arc, ElementKind, PathElement, ProbeOutcome, Probing, Shape};
+use crate::{
+    Arc, Details, ElementKind, ExtraAxes, Marks, PathElement, ProbeOutcome, Probing, Shape, Switch,
+};
 use nalgebra::{Point3, Vector3};
 
 /// Errors of the adapters and of a test's stream.
@@ -62,10 +64,89 @@ fn arc(center: [f64; 3], radius: f64, start_angle: f64, sweep: f64, feed: f64) -
     element(ElementKind::Cut, Shape::Arc(arc), feed)
 }
 
-/// A line per pair of neighbouring points (mm, in X and Y), on lines 1, 2, 3 … of the program.
-fn polyline(points_mm: &[[f64; 2]]) -> Vec<PathElement> {
-    let at = |[x, y]: [f64; 2]| [x * 1e-3, y * 1e-3, 0.0];
-    numbered(points_mm.windows(2).map(|pair| cut(at(pair[0]), at(pair[1]), 0.05)).collect())
+/// A path in words, mm: a start, then an element to each place, on lines 1, 2, 3 … of the program. Before a place `r`
+/// makes a positioning of it, `j` a jump, `p` a probing move; `oX,Y:A` is an arc of A° about X/Y, `m` an M function.
+/// Without Z the height stays. `D` is the radius from here on; G words begin with the next element and end with the last.
+fn path(text: &str) -> Vec<PathElement> {
+    let (mut at, mut radius, mut begins) = (Point3::origin(), 0.0, Marks::default());
+    let (mut path, mut started) = (Vec::<PathElement>::new(), false);
+    for word in text.split_whitespace() {
+        let (letter, numbers) = split(word);
+        let mark = |marks: &mut Marks, mark: Marks| *marks = marks.with(mark);
+        let next = match (letter, &numbers[..]) {
+            ("D", [value]) => {
+                radius = value * 1e-3;
+                continue;
+            }
+            ("G", [word]) => {
+                let ends = path.last_mut().map(|element| &mut element.marks);
+                match (*word, ends) {
+                    (40.0, Some(ends)) => mark(ends, Marks::CORRECTION_END),
+                    (50.0, Some(ends)) => mark(ends, Marks::CORNERS_END),
+                    (60.0, Some(ends)) => mark(ends, Marks::LOOPS_END),
+                    (41.0, _) => mark(&mut begins, Marks::CORRECTION_LEFT),
+                    (42.0, _) => mark(&mut begins, Marks::CORRECTION_RIGHT),
+                    (51.0, _) => mark(&mut begins, Marks::SMOOTHING),
+                    (52.0, _) => mark(&mut begins, Marks::ROUNDING),
+                    (61.0, _) => mark(&mut begins, Marks::LOOPS),
+                    other => panic!("{other:?}"),
+                }
+                continue;
+            }
+            ("o", [x, y, degrees]) => {
+                let (center, sweep) = (Point3::new(x * 1e-3, y * 1e-3, at.z), degrees.to_radians());
+                let end = center
+                    + nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), sweep)
+                        * (at - center);
+                element(ElementKind::Cut, Shape::Arc(Arc::new(at, end, center, sweep)), 0.05)
+            }
+            ("m", []) => m_function(at),
+            (_, place) => {
+                let end = placed(place, at);
+                line(kind_of(letter), at.into(), end.into(), 0.05)
+            }
+        };
+        at = next.end();
+        if std::mem::replace(&mut started, true) {
+            path.push(PathElement {
+                tool_radius: radius,
+                marks: std::mem::take(&mut begins),
+                ..next
+            });
+        }
+    }
+    numbered(path)
+}
+
+/// Words of cuts to these points.
+fn words(points: impl IntoIterator<Item = [f64; 2]>) -> String {
+    let words: Vec<_> = points.into_iter().map(|[x, y]| format!("{x},{y}")).collect();
+    words.join(" ")
+}
+
+/// Letter and numbers of a word of a path.
+fn split(word: &str) -> (&str, Vec<f64>) {
+    let (letter, rest) =
+        word.split_at(word.find(|c: char| !c.is_alphabetic()).unwrap_or(word.len()));
+    let numbers = rest.split([',', ':']).filter(|number| !number.is_empty());
+    (letter, numbers.map(|number| number.parse().unwrap()).collect())
+}
+
+fn kind_of(letter: &str) -> ElementKind {
+    match letter {
+        "" => ElementKind::Cut,
+        "r" => ElementKind::Rapid,
+        "j" => ElementKind::Jump,
+        "m" => ElementKind::MFunction { number: 8 },
+        "p" => PROBE,
+        _ => panic!("{letter}"),
+    }
+}
+
+/// A place in mm, at the height of `before` where it has no Z.
+fn placed(numbers: &[f64], before: Point3<f64>) -> Point3<f64> {
+    let [x, y, ref z @ ..] = *numbers else { panic!("{numbers:?}") };
+    Point3::new(x * 1e-3, y * 1e-3, z.first().map_or(before.z, |z| z * 1e-3))
 }
 
 /// The elements on lines 1, 2, 3 … of the program.
@@ -95,15 +176,50 @@ fn close(a: Point3<f64>, b_mm: [f64; 3]) -> bool {
     (a - Point3::from(b_mm) * 1e-3).norm() <= VECTOR_TOLERANCE
 }
 
-/// Asserts that the elements lead through these points, mm in X and Y.
-fn assert_points(path: &[PathElement], points_mm: &[[f64; 2]]) {
-    let found: Vec<_> =
-        path.iter().map(|element| (element.start() * 1e3, element.end() * 1e3)).collect();
-    assert_eq!(path.len() + 1, points_mm.len(), "{found:?}");
-    for (element, ends) in path.iter().zip(points_mm.windows(2)) {
-        let [from, to] = [ends[0], ends[1]].map(|[x, y]| [x, y, 0.0]);
-        assert!(close(element.start(), from) && close(element.end(), to), "{found:?}");
+/// Asserts that the elements lead through these places, and are of these kinds: the words of [`path`], arcs as lines.
+#[track_caller]
+fn assert_path(path: &[PathElement], text: &str) {
+    let found: Vec<_> = path.iter().map(|e| (e.kind, e.start() * 1e3, e.end() * 1e3)).collect();
+    let mut at = path.first().map_or(Point3::origin(), PathElement::start);
+    let words: Vec<_> = text.split_whitespace().map(split).collect();
+    assert_eq!(path.len() + 1, words.len(), "{found:?}");
+    for (index, (letter, numbers)) in words.iter().enumerate() {
+        let place = placed(numbers, at);
+        if index > 0 {
+            at = path[index - 1].end();
+            assert_eq!(path[index - 1].kind, kind_of(letter), "element {index} of {found:?}");
+        }
+        assert!((at - place).norm() <= VECTOR_TOLERANCE, "place {index} of {found:?}");
     }
+}
+
+/// The first extra axis from `start` to `end`, and the others at 0.
+fn with_extra(element: PathElement, start: f64, end: f64) -> PathElement {
+    let wide = |p: f64| [p, 0.0, 0.0, 0.0, 0.0];
+    let extra = Some(ExtraAxes { start: wide(start), end: wide(end) });
+    PathElement { details: Some(Box::new(Details { extra, ..Details::default() })), ..element }
+}
+
+/// Where the first extra axis is at both ends of every element.
+fn extras(path: &[PathElement]) -> Vec<Option<(f64, f64)>> {
+    path.iter().map(|e| e.extra().map(|extra| (extra.start[0], extra.end[0]))).collect()
+}
+
+/// With switches that turn on, by number and place.
+fn switched(mut element: PathElement, switches: &[(u8, f64)]) -> PathElement {
+    let details = element.details.get_or_insert_default();
+    for &(number, at) in switches {
+        assert!(details.switches.add(Switch { number, on: true, at }));
+    }
+    element
+}
+
+/// The switches of an element by number, their places to nine digits.
+fn switches(element: &PathElement) -> Vec<(u8, f64)> {
+    let mut found: Vec<_> =
+        element.switches().iter().map(|s| (s.number, (s.at * 1e9).round() / 1e9)).collect();
+    found.sort_by_key(|(number, _)| *number);
+    found
 }
 
 fn taken(notices: &Notices) -> Vec<Notice> {

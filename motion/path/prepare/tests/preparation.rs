@@ -1,7 +1,8 @@
 //! Tests of [`Preparation`]: the adapters in a row.
 
-use super::random_path;
-use super::{Error, arc, assert_continuous, close, cut, m_function, numbered, polyline, taken};
+use super::{
+    Error, assert_continuous, assert_path, close, cut, m_function, path, random_path, taken,
+};
 use crate::prepare::{
     CircularLimits, DEFAULT_LOOP_WINDOW, Incompatible, Notices, Preparation, Rounding, Sections,
     Smoothing, Stage, ToolRadiusOptions,
@@ -63,28 +64,11 @@ fn stages_one_after_the_other() {
 /// is what the stage makes of it alone.
 #[test]
 fn sections_of_every_stage() {
-    let corner = |x: f64, starts: Marks, ends: Marks| {
-        let mut path = polyline(&[[x, 0.0], [x + 100.0, 0.0], [x + 100.0, 100.0]]);
-        for element in &mut path {
-            element.tool_radius = 0.01;
-        }
-        path[0].marks = starts;
-        path[1].marks = ends;
-        path
-    };
-    let back = |x: f64| {
-        let mut back = cut([x, 0.1, 0.0], [x, 0.0, 0.0], 0.5);
-        back.kind = ElementKind::Rapid;
-        back
-    };
-    let corrected = corner(0.0, Marks::CORRECTION_LEFT, Marks::CORRECTION_END);
-    let smoothed = corner(100.0, Marks::SMOOTHING, Marks::CORNERS_END);
-    let rounded = corner(200.0, Marks::ROUNDING, Marks::CORNERS_END);
-    let mut path = corrected.clone();
-    path.push(back(0.1));
-    path.extend(smoothed.clone());
-    path.push(back(0.2));
-    path.extend(rounded.clone());
+    let corrected = "D10 0,0 G41 100,0 100,100 G40";
+    let smoothed = "D10 100,0 G51 200,0 200,100 G50";
+    let rounded = "D10 200,0 G52 300,0 300,100 G50";
+    let behind = |section: &str| section.replacen("D10 ", "r", 1);
+    let path = path(&format!("{corrected} {} {}", behind(smoothed), behind(rounded)));
     let marks = path.iter().fold(Marks::default(), |marks, element| marks.with(element.marks));
     let mut checked = Sections::default();
     assert!(path.iter().all(|element| checked.pass(element.marks).is_ok()));
@@ -93,7 +77,7 @@ fn sections_of_every_stage() {
     let cuts = |path: Vec<PathElement>| -> Vec<Shape> {
         path.into_iter().filter(|e| e.kind == ElementKind::Cut).map(|e| e.shape).collect()
     };
-    let alone = |path: Vec<PathElement>, marks| cuts(run(Preparation::for_marks(marks), path));
+    let alone = |text, marks| cuts(run(Preparation::for_marks(marks), super::path(text)));
     let apart = [
         alone(corrected, Marks::CORRECTION_LEFT),
         alone(smoothed, Marks::SMOOTHING),
@@ -148,25 +132,7 @@ fn combinations() -> Vec<Preparation> {
 
 /// A path with marks for all of them.
 fn marked_for_all() -> Vec<PathElement> {
-    let mut path = polyline(&[
-        [0.0, 0.0],
-        [100.0, 0.0],
-        [100.0, 50.0],
-        [50.0, 50.0],
-        [50.0, -50.0],
-        [0.0, -50.0],
-    ]);
-    let bend = arc([0.0, -0.08, 0.0], 0.03, std::f64::consts::FRAC_PI_2, 2.0, 0.5);
-    path[4].shape = Shape::Line { start: path[4].start(), end: bend.start() };
-    path.push(bend);
-    for element in &mut path {
-        element.tool_radius = 0.004;
-    }
-    path[0].marks =
-        Marks::CORRECTION_LEFT.with(Marks::LOOPS).with(Marks::SMOOTHING).with(Marks::ROUNDING);
-    path[5].marks = Marks::CORRECTION_END.with(Marks::LOOPS_END).with(Marks::CORNERS_END);
-    path.insert(2, m_function(path[1].end()));
-    numbered(path)
+    path("D4 0,0 G41 G61 G51 G52 100,0 100,50 m 50,50 50,-50 0,-50 o0,-80:114 G40 G60 G50")
 }
 
 #[test]
@@ -197,12 +163,8 @@ fn corners_of_what_loop_avoidance_leaves() {
         rounding: Some(Rounding { distance: 0.02, angle_tolerance: 0.0 }),
         ..Preparation::default()
     };
-    let mut path =
-        polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 50.0], [50.0, 50.0], [50.0, -50.0]]);
-    path[0].marks = Marks::LOOPS.with(Marks::ROUNDING);
-    let path = run(preparation, path);
-    assert_eq!(path.len(), 3);
-    assert!(close(path[0].end(), [30.0, 0.0, 0.0]) && close(path[1].end(), [50.0, -20.0, 0.0]));
+    let path = run(preparation, path("0,0 G61 G52 100,0 100,50 50,50 50,-50"));
+    assert_path(&path, "0,0 30,0 50,-20 50,-50");
 }
 
 #[test]
@@ -213,9 +175,7 @@ fn checked_to_the_end() {
         circular: Some(CIRCULAR),
         ..Preparation::default()
     };
-    let mut path = polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 100.0]]);
-    path[0].marks = Marks::ROUNDING;
-    let items = path.into_iter().map(Ok::<_, Error>);
+    let items = path("0,0 G52 100,0 100,100").into_iter().map(Ok::<_, Error>);
     let checked = preparation.check(items, 1e-6, &notices);
     let velocities: Vec<_> = checked.map(|element| element.unwrap().end_velocity).collect();
     // √(0.1·0.02) into and out of an arc of 20 mm; F 50 mm/s is above it.
@@ -291,9 +251,19 @@ proptest! {
         prop_assert_eq!(whole, pieces);
     }
 
+    /// Whatever the radius, and with positionings and M functions among them.
     #[test]
-    fn without_marks_all_of_it_is_the_identity(path in random_path(true), which in 0_usize..16) {
+    fn without_marks_all_of_it_is_the_identity(path in random_path(true), which in 0_usize..16, radius in 0.0..0.02, at in 0_usize..12) {
         let preparation = Preparation { circular: None, ..combinations()[which] };
+        let mut path = path;
+        if let Some(element) = path.get_mut(at) {
+            element.kind = ElementKind::Rapid;
+            let end = element.end();
+            path.insert(at + 1, m_function(end));
+        }
+        for element in &mut path {
+            element.tool_radius = radius;
+        }
         prop_assert_eq!(run(preparation, path.clone()), path);
     }
 }

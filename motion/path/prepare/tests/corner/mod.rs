@@ -1,13 +1,13 @@
 //! Tests of corner rounding and smoothing, [`RoundPath`] and [`SmoothPath`].
 
 use super::{
-    Error, PROBE, VECTOR_TOLERANCE, assert_continuous, close, cut, m_function, numbered, polyline,
-    taken,
+    Error, assert_continuous, assert_path, extras, m_function, path, switched, switches, taken,
+    with_extra,
 };
 use crate::prepare::{
     CornerError, Notice, Notices, RoundPath, Rounding, SmoothPath, Smoothing, Stage,
 };
-use crate::{Details, ElementKind, ExtraAxes, Marks, PathElement, Shape, Switch};
+use crate::{Marks, PathElement, Shape};
 use std::f64::consts::PI;
 
 mod random;
@@ -34,30 +34,20 @@ fn marked(mut elements: Vec<PathElement>, begin: Marks) -> Vec<PathElement> {
 fn round(elements: Vec<PathElement>, distance: f64) -> Vec<PathElement> {
     let elements = marked(elements, Marks::ROUNDING).into_iter().map(Ok).collect();
     let style = Rounding { distance, angle_tolerance: 0.01 };
-    round_all(elements, style).into_iter().map(Result::unwrap).collect()
+    let path: Vec<_> = round_all(elements, style).into_iter().map(Result::unwrap).collect();
+    assert_continuous(&path);
+    path
 }
 
-fn with_radius(mut elements: Vec<PathElement>, radius: f64) -> Vec<PathElement> {
-    for element in &mut elements {
-        element.tool_radius = radius;
-    }
-    elements
-}
+const CORNER: &str = "0,0 100,0 100,100";
 
 /// Also one of length zero, which has tripped where it began.
 #[test]
 fn probing_moves_keep_their_corners() {
-    for (index, empty) in [(0, false), (1, false), (1, true)] {
-        let mut path = with_radius(polyline(&CORNER_60), 0.02);
-        if empty {
-            let at = path[0].end();
-            path.insert(
-                1,
-                PathElement { shape: Shape::Line { start: at, end: at }, ..path[0].clone() },
-            );
-        }
-        path[index].kind = PROBE;
-        let path = numbered(path);
+    for elements in
+        ["D20 0,0 p100,0 150,87", "D20 0,0 100,0 p150,87", "D20 0,0 100,0 p100,0 150,87"]
+    {
+        let path = path(elements);
         assert_eq!(round(path.clone(), 0.0), path);
         let marked = marked(path.clone(), Marks::SMOOTHING).into_iter().map(Ok::<_, Error>);
         let smooth = SmoothPath::new(marked, Smoothing::default(), Notices::default());
@@ -65,24 +55,14 @@ fn probing_moves_keep_their_corners() {
     }
 }
 
-const CORNER_60: [[f64; 2]; 3] = [[0.0, 0.0], [100.0, 0.0], [150.0, 86.602_540_378_443_86]];
-
-/// Vector `prep-round-60`: r 20 on 0/0 → 100/0 → 150/86.6.
+/// The adapter's distance, which then dominates D, or D; the marks are obeyed and gone.
 #[test]
-fn prep_round_60() {
-    // Once as the adapter's distance, which then dominates D, and once as D.
-    for (distance, programmed) in [(0.02, 0.0), (0.02, 0.005), (0.0, 0.02)] {
-        let path = round(with_radius(polyline(&CORNER_60), programmed), distance);
-        assert_eq!(path.len(), 3);
-        assert_continuous(&path);
-        assert!(close(path[0].end(), [80.0, 0.0, 0.0]));
-        assert!(close(path[1].end(), [110.0, 17.320_508_076, 0.0]));
-        let Shape::Arc(arc) = &path[1].shape else { panic!("{:?}", path[1]) };
-        assert!(close(arc.center(), [80.0, 34.641_016_151, 0.0]));
-        assert!((arc.radius() - 0.034_641_016_151).abs() <= VECTOR_TOLERANCE);
-        assert!((arc.length() - 0.036_275_987_285).abs() <= VECTOR_TOLERANCE);
-        assert!(arc.sweep() > 0.0, "counter-clockwise");
-        // The marks are obeyed and gone.
+fn the_distance_dominates_the_radius() {
+    for (distance, elements) in
+        [(0.02, CORNER), (0.02, "D5 0,0 100,0 100,100"), (0.0, "D20 0,0 100,0 100,100")]
+    {
+        let path = round(path(elements), distance);
+        assert_path(&path, "0,0 80,0 100,20 100,100");
         assert!(path.iter().all(|element| element.marks == Marks::default()));
     }
 }
@@ -92,9 +72,8 @@ fn rounded_corners_are_tangent_on_either_side() {
     for turn_deg in [-170, -90, -30, -1, 1, 30, 90, 170] {
         let turn = f64::from(turn_deg).to_radians();
         let end = [100.0 + 80.0 * turn.cos(), 80.0 * turn.sin()];
-        let path = round(polyline(&[[0.0, 0.0], [100.0, 0.0], end]), 0.01);
+        let path = round(path(&format!("0,0 100,0 {},{}", end[0], end[1])), 0.01);
         assert_eq!(path.len(), 3, "turn of {turn_deg}°");
-        assert_continuous(&path);
         for pair in path.windows(2) {
             let kink = (pair[0].end_tangent() - pair[1].start_tangent()).norm();
             assert!(kink < 1e-9, "turn of {turn_deg}°: kink of {kink}");
@@ -107,9 +86,7 @@ fn rounded_corners_are_tangent_on_either_side() {
 /// Smoothing and rounding need G51 or G52, G50 and D (manual 3.4): without D no corner can be cut. One notice a section.
 #[test]
 fn a_distance_of_zero_is_noticed() {
-    let mut path = polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 30.0], [0.0, 30.0], [0.0, 0.0]]);
-    path[0].marks = Marks::ROUNDING;
-    path[3].marks = Marks::CORNERS_END;
+    let mut path = path("0,0 G52 100,0 100,30 0,30 0,0 G50");
     let notices = Notices::default();
     let items = path.clone().into_iter().map(Ok::<_, Error>);
     let rounded = RoundPath::new(items, Rounding::default(), notices.clone());
@@ -132,78 +109,43 @@ fn a_distance_of_zero_is_noticed() {
 /// No more than half of either line goes (manual 6.2.6), so that the next corner has the other half.
 #[test]
 fn half_of_the_shorter_line_is_the_most() {
-    let path = round(polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 30.0], [0.0, 30.0]]), 0.02);
     // Nothing is left of the line between the corners.
-    assert_eq!(path.len(), 4);
-    assert_continuous(&path);
-    assert!(close(path[0].end(), [85.0, 0.0, 0.0]));
-    assert!(close(path[1].end(), [100.0, 15.0, 0.0]));
-    assert!(close(path[2].end(), [85.0, 30.0, 0.0]));
+    assert_path(&round(path("0,0 100,0 100,30 0,30"), 0.02), "0,0 85,0 100,15 85,30 0,30");
 }
 
 #[test]
 fn what_stays_as_it_is() {
-    let corner = || polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 100.0]]);
-    let rapid = |index: usize| {
-        let mut path = corner();
-        path[index].kind = ElementKind::Rapid;
-        path
-    };
-    let plunge =
-        vec![cut([0.0; 3], [0.1, 0.0, 0.0], 0.05), cut([0.1, 0.0, 0.0], [0.1, 0.0, -0.1], 0.05)];
-    let back = polyline(&[[0.0, 0.0], [100.0, 0.0], [0.0, 0.0]]);
-    let faint = polyline(&[[0.0, 0.0], [100.0, 0.0], [200.0, 0.9]]);
-    let jump = {
-        let mut path = polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 50.0], [0.0, 50.0]]);
-        path[1].kind = ElementKind::Jump;
-        path
-    };
-    for path in [rapid(0), rapid(1), plunge, back, faint, jump] {
-        let rounded = round(path.clone(), 0.02);
-        let bare = |path: &[PathElement]| -> Vec<_> {
-            path.iter().map(|element| (element.kind, element.shape.clone())).collect()
-        };
-        assert_eq!(bare(&rounded), bare(&path));
+    for elements in [
+        "0,0 r100,0 100,100",
+        "0,0 100,0 r100,100",
+        "0,0 100,0 100,0,-100",
+        "0,0 100,0 0,0",
+        "0,0 100,0 200,0.9",
+        "0,0 100,0 j100,50 0,50",
+    ] {
+        assert_path(&round(path(elements), 0.02), elements);
     }
     // No distance at all.
-    assert_eq!(round(corner(), 0.0).len(), 2);
+    assert_eq!(round(path(CORNER), 0.0).len(), 2);
     // Corners outside the marks; a mark behind the last corner.
     let style = Rounding { distance: 0.02, angle_tolerance: 0.0 };
-    let mut path = polyline(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [2.0, 1.0], [2.0, 2.0]]);
-    path[1].marks = Marks::ROUNDING;
-    path[2].marks = Marks::CORNERS_END;
+    let path = path("0,0 1000,0 G52 1000,1000 2000,1000 G50 2000,2000");
     let rounded = round_all(path.into_iter().map(Ok).collect(), style);
     let lines: Vec<_> = rounded.iter().flatten().map(|element| element.place.line).collect();
     assert_eq!(lines, [1, 2, 2, 3, 4]);
 }
 
-#[test]
-fn without_marks_nothing_changes() {
-    let path = polyline(&CORNER_60);
-    let items: Vec<_> = path.into_iter().map(Ok).collect();
-    let style = Rounding { distance: 0.02, angle_tolerance: 0.0 };
-    assert_eq!(round_all(items.clone(), style), items);
-}
-
 /// Z and the extra axes go on linearly from cut to cut.
 #[test]
 fn height_and_extra_axes_go_on_linearly() {
-    let extra = |start: f64, end: f64| {
-        let wide = |p: f64| [p, 0.0, 0.0, 0.0, 0.0];
-        let extra = Some(ExtraAxes { start: wide(start), end: wide(end) });
-        Some(Box::new(Details { extra, ..Details::default() }))
-    };
-    let (a, b, c) = ([0.0, 0.0, 0.0], [0.1, 0.0, 0.01], [0.1, 0.1, 0.0]);
-    let path = vec![
-        PathElement { details: extra(0.0, 10.0), ..cut(a, b, 0.05) },
-        PathElement { details: extra(10.0, 50.0), ..cut(b, c, 0.03) },
-    ];
+    let mut path = path("0,0 100,0,10 100,100,0");
+    for (element, (start, end)) in path.iter_mut().zip([(0.0, 10.0), (10.0, 50.0)]) {
+        *element = with_extra(element.clone(), start, end);
+    }
+    path[1].feed = 0.03;
     let path = round(path, 0.02);
-    assert_continuous(&path);
-    assert!(close(path[0].end(), [80.0, 0.0, 8.0]));
-    assert!(close(path[2].start(), [100.0, 20.0, 8.0]));
-    let ends = path[1].extra().map(|extra| (extra.start[0], extra.end[0]));
-    let Some((start, end)) = ends else { panic!("{path:?}") };
+    assert_path(&path, "0,0 80,0,8 100,20,8 100,100,0");
+    let Some((start, end)) = extras(&path)[1] else { panic!("{path:?}") };
     assert!((start - 8.0).abs() < 1e-12 && (end - 18.0).abs() < 1e-12);
     assert_eq!(path[1].feed, 0.03);
 }
@@ -211,33 +153,22 @@ fn height_and_extra_axes_go_on_linearly() {
 /// They move behind the corner, with errors at their place among them.
 #[test]
 fn m_functions_move_behind_the_corner() {
-    let mut lines = marked(polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 100.0]]), Marks::ROUNDING);
-    let corner = lines[0].end();
-    let second = lines.remove(1);
-    let zero = cut(corner.into(), corner.into(), 0.05);
-    let items = vec![
-        Ok(lines.remove(0)),
-        Ok(m_function(corner)),
-        Err(Error::Upstream(7)),
-        Ok(zero),
-        Ok(second),
-    ];
+    let elements = marked(path("0,0 100,0 m 100,0 100,100"), Marks::ROUNDING);
+    let mut items: Vec<_> = elements.into_iter().map(Ok).collect();
+    items.insert(2, Err(Error::Upstream(7)));
     let style = Rounding { distance: 0.02, angle_tolerance: 0.0 };
     let rounded = round_all(items, style);
     assert_eq!(rounded[3], Err(Error::Upstream(7)));
     let path: Vec<_> = rounded.into_iter().flatten().collect();
-    assert_eq!(path.len(), 5);
     assert_continuous(&path);
+    assert_path(&path, "0,0 80,0 100,20 m100,20 100,20 100,100");
     assert!(matches!(path[1].shape, Shape::Arc(_)));
-    assert_eq!(path[2].kind, ElementKind::MFunction { number: 8 });
-    assert!(close(path[2].start(), [100.0, 20.0, 0.0]));
-    assert_eq!((path[3].length(), path[3].start()), (0.0, path[2].start()));
 }
 
 /// The window is bounded: with very many of them in a row the corner stays.
 #[test]
 fn very_many_m_functions() {
-    let lines = marked(polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 100.0]]), Marks::ROUNDING);
+    let lines = marked(path(CORNER), Marks::ROUNDING);
     let corner = lines[0].end();
     let many = std::iter::repeat_with(|| Ok::<_, Error>(m_function(corner))).take(100_000);
     let items = std::iter::once(Ok(lines[0].clone())).chain(many).chain([Ok(lines[1].clone())]);
@@ -248,43 +179,27 @@ fn very_many_m_functions() {
     assert_continuous(&path);
 }
 
-fn switch(number: u8, at: f64) -> Switch {
-    Switch { number, on: true, at }
-}
-
-fn switched(mut element: PathElement, switches: &[Switch]) -> PathElement {
-    let details = element.details.get_or_insert_default();
-    for switch in switches {
-        assert!(details.switches.add(*switch));
-    }
-    element
+/// The corner with switches on either line.
+fn switched_corner(first: &[(u8, f64)], second: &[(u8, f64)]) -> Vec<PathElement> {
+    let lines = path(CORNER).into_iter().zip([first, second]);
+    lines.map(|(line, switches)| switched(line, switches)).collect()
 }
 
 #[test]
 fn switches_on_what_is_cut_off_move_onto_the_arc() {
-    let mut lines = polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 100.0]]);
-    let second = switched(lines.remove(1), &[switch(4, 0.1), switch(5, 0.6)]);
-    let first = switched(lines.remove(0), &[switch(1, 0.4), switch(2, 0.78), switch(3, 0.9)]);
-    let path = round(vec![first, second], 0.02);
-    let found: Vec<Vec<_>> = path
-        .iter()
-        .map(|element| {
-            element.switches().iter().map(|s| (s.number, (s.at * 1e9).round() / 1e9)).collect()
-        })
-        .collect();
+    let lines = switched_corner(&[(1, 0.4), (2, 0.78), (3, 0.9)], &[(4, 0.1), (5, 0.6)]);
+    let found: Vec<_> = round(lines, 0.02).iter().map(switches).collect();
     // 40 mm and 78 mm of 80; 90 mm is in the middle of the first half of the arc, 10 mm of the second.
-    let expected: [&[_]; 3] = [&[(1, 0.5), (2, 0.975)], &[(3, 0.25), (4, 0.75)], &[(5, 0.5)]];
+    let expected = [vec![(1, 0.5), (2, 0.975)], vec![(3, 0.25), (4, 0.75)], vec![(5, 0.5)]];
     assert_eq!(found, expected);
 }
 
 #[test]
 fn switches_without_room_are_told() {
-    let mut lines = marked(polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 100.0]]), Marks::ROUNDING);
-    let second = switched(lines.remove(1), &[switch(4, 0.1), switch(5, 0.15)]);
-    let first = switched(lines.remove(0), &[switch(1, 0.85), switch(2, 0.9), switch(3, 0.95)]);
+    let lines = switched_corner(&[(1, 0.85), (2, 0.9), (3, 0.95)], &[(4, 0.1), (5, 0.15)]);
     let notices = Notices::default();
     let style = Rounding { distance: 0.02, angle_tolerance: 0.0 };
-    let items = numbered(vec![first, second]).into_iter().map(Ok::<_, Error>);
+    let items = marked(lines, Marks::ROUNDING).into_iter().map(Ok::<_, Error>);
     let path: Vec<_> = RoundPath::new(items, style, notices.clone()).map(Result::unwrap).collect();
     assert_eq!(path[1].switches().len(), 3);
     let lost: Vec<_> = taken(&notices).iter().map(ToString::to_string).collect();
@@ -299,7 +214,10 @@ fn switches_without_room_are_told() {
 #[test]
 fn impossible_distances_are_errors_at_their_place() {
     for distance in [-0.001, f64::NAN] {
-        let path = marked(with_radius(polyline(&CORNER_60), distance), Marks::ROUNDING);
+        let mut path = marked(path(CORNER), Marks::ROUNDING);
+        for element in &mut path {
+            element.tool_radius = distance;
+        }
         let rounded = round_all(path.into_iter().map(Ok).collect(), Rounding::default());
         assert_eq!(rounded.len(), 3);
         let Err(Error::Corner(CornerError::Distance { place, distance: found })) = rounded[1]
@@ -309,7 +227,7 @@ fn impossible_distances_are_errors_at_their_place() {
         assert_eq!((place.line, found.to_bits()), (1, distance.to_bits()));
     }
     // A negative distance of the adapter itself.
-    let path = marked(polyline(&CORNER_60), Marks::ROUNDING);
+    let path = marked(path(CORNER), Marks::ROUNDING);
     let style = Rounding { distance: -0.01, angle_tolerance: PI / 8.0 };
     let rounded = round_all(path.into_iter().map(Ok).collect(), style);
     assert_eq!(rounded.iter().filter(|item| item.is_err()).count(), 1);

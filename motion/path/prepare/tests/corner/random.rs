@@ -47,17 +47,4 @@ proptest! {
         prop_assert_eq!(ends(&smoothed), ends(&path));
         tangent_where_inserted(&smoothed);
     }
-
-    #[test]
-    fn without_marks_they_are_the_identity(path in random_path(true)) {
-        let items: Vec<_> = path.into_iter().map(Ok::<_, Error>).collect();
-        let style = Rounding { distance: 0.01, angle_tolerance: 0.0 };
-        let rounded: Vec<_> =
-            RoundPath::new(items.clone().into_iter(), style, Notices::default()).collect();
-        prop_assert_eq!(&rounded, &items);
-        let style = Smoothing { edge_distance: 0.01, angle_tolerance: 0.0 };
-        let smoothed: Vec<_> =
-            SmoothPath::new(items.clone().into_iter(), style, Notices::default()).collect();
-        prop_assert_eq!(&smoothed, &items);
-    }
 }

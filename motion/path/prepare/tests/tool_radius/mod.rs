@@ -4,14 +4,11 @@ mod marks;
 mod narrow;
 mod random;
 
-use super::{
-    Error, VECTOR_TOLERANCE, arc, assert_continuous, assert_points, close, cut, element, numbered,
-    polyline, taken,
-};
+use super::{Error, assert_continuous, assert_path, close, cut, element, numbered, path, taken};
 use crate::prepare::{Notice, Notices, ToolRadius, ToolRadiusOptions};
 use crate::{Cubic, ElementKind, Marks, PathElement, Shape};
 use nalgebra::Vector2;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
 const LEFT: Marks = Marks::CORRECTION_LEFT;
 const RIGHT: Marks = Marks::CORRECTION_RIGHT;
@@ -42,46 +39,29 @@ fn correct(
     (path, taken(&notices))
 }
 
-/// The contour's path without the positionings at its two ends.
-fn compensated(elements: Vec<PathElement>, side: Marks, radius_mm: f64) -> Vec<PathElement> {
+/// The corrected path of a contour without the positionings at its two ends.
+fn compensated(elements: &str, side: Marks, radius_mm: f64) -> Vec<PathElement> {
+    correct_contour(path(elements), side, radius_mm)
+}
+
+fn correct_contour(elements: Vec<PathElement>, side: Marks, radius_mm: f64) -> Vec<PathElement> {
     let (mut path, notices) =
         correct(contour(elements, side, radius_mm), ToolRadiusOptions::default());
     assert_eq!(notices, []);
+    assert!(path.iter().all(|element| element.marks == Marks::default()));
     assert_eq!(path.first().map(|element| element.kind), Some(ElementKind::Rapid));
     assert_eq!(path.pop().map(|element| element.kind), Some(ElementKind::Rapid));
     path.remove(0);
     path
 }
 
-const CORNER: [[f64; 2]; 3] = [[0.0, 0.0], [100.0, 0.0], [100.0, 100.0]];
-
-/// Vector `prep-toolcorr-inner`: G41 D10 on 0/0 → 100/0 → 100/100.
-#[test]
-fn prep_toolcorr_inner() {
-    let path = compensated(polyline(&CORNER), LEFT, 10.0);
-    assert_points(&path, &[[0.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
-    let lines: Vec<_> = path.iter().map(|element| element.place.line).collect();
-    assert_eq!(lines, [1, 2]);
-}
-
-/// Vector `prep-toolcorr-outer`: G42 D10 on the same contour.
-#[test]
-fn prep_toolcorr_outer() {
-    let path = compensated(polyline(&CORNER), RIGHT, 10.0);
-    assert_points(&path, &[[0.0, -10.0], [100.0, -10.0], [110.0, 0.0], [110.0, 100.0]]);
-    let Shape::Arc(arc) = &path[1].shape else { panic!("{:?}", path[1]) };
-    assert!(close(arc.center(), [100.0, 0.0, 0.0]));
-    assert!((arc.radius() - 0.01).abs() <= VECTOR_TOLERANCE);
-    assert!((arc.length() - 0.015_707_963_268).abs() <= VECTOR_TOLERANCE);
-    assert!(arc.sweep() > 0.0, "move type 3: counter-clockwise");
-}
+const CORNER: &str = "0,0 100,0 100,100";
 
 #[test]
 fn half_of_the_radius_may_come_from_the_options() {
-    let elements = contour(polyline(&CORNER), LEFT, 4.0);
     let options = ToolRadiusOptions { radius: 0.006, ..ToolRadiusOptions::default() };
-    let (path, _) = correct(elements, options);
-    assert_points(&path[1..3], &[[0.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
+    let (path, _) = correct(contour(path(CORNER), LEFT, 4.0), options);
+    assert_path(&path, "0,0 r0,10 90,10 90,100 r100,100");
 }
 
 /// A circle's offset is a circle about the same centre, closed like the circle itself.
@@ -90,7 +70,8 @@ fn circles() {
     for (sweep, side, radius) in
         [(TAU, LEFT, 40.0), (TAU, RIGHT, 60.0), (-TAU, LEFT, 60.0), (-TAU, RIGHT, 40.0)]
     {
-        let path = compensated(vec![arc([0.1, 0.0, 0.0], 0.05, 0.3, sweep, 0.05)], side, 10.0);
+        let circle = format!("148,14 o100,0:{}", sweep.to_degrees());
+        let path = compensated(&circle, side, 10.0);
         let [PathElement { shape: Shape::Arc(offset), .. }] = &path[..] else { panic!("{path:?}") };
         assert!(close(offset.center(), [100.0, 0.0, 0.0]));
         assert!((offset.radius() * 1e3 - radius).abs() < 1e-9);
@@ -102,14 +83,8 @@ fn circles() {
 /// A slot's outline with semicircles: tangent corners need neither arc nor cut.
 #[test]
 fn tangent_corners_stay_tangent() {
-    let outline = vec![
-        cut([0.0; 3], [0.1, 0.0, 0.0], 0.05),
-        arc([0.1, 0.02, 0.0], 0.02, -FRAC_PI_2, PI, 0.05),
-        cut([0.1, 0.04, 0.0], [0.0, 0.04, 0.0], 0.05),
-        arc([0.0, 0.02, 0.0], 0.02, FRAC_PI_2, PI, 0.05),
-    ];
     for (side, y, radius) in [(LEFT, 5.0, 15.0), (RIGHT, -5.0, 25.0)] {
-        let path = compensated(outline.clone(), side, 5.0);
+        let path = compensated("0,0 100,0 o100,20:180 0,40 o0,20:180", side, 5.0);
         assert_eq!(path.len(), 4);
         assert!(close(path[0].start(), [0.0, y, 0.0]) && close(path[0].end(), [100.0, y, 0.0]));
         let Shape::Arc(end) = &path[1].shape else { panic!("{path:?}") };
@@ -122,20 +97,15 @@ fn tangent_corners_stay_tangent() {
 #[test]
 fn lines_and_arcs_meet() {
     // Along +X to 50/0, then counter-clockwise about 50/50: tangent would be +X, the arc starts at −X−Y instead.
-    let bend = || {
-        vec![
-            cut([-0.1, 0.0, 0.0], [0.05, 0.0, 0.0], 0.05),
-            // From 50/0 about 20/40: r 50, starting towards 80/30 turned by 36.87° to the left.
-            arc([0.02, 0.04, 0.0], 0.05, f64::atan2(-0.04, 0.03), 1.0, 0.05),
-        ]
-    };
-    let inner = compensated(bend(), LEFT, 10.0);
+    // From 50/0 about 20/40: r 50, starting towards 80/30 turned by 36.87° to the left.
+    let bend = "-100,0 50,0 o20,40:57";
+    let inner = compensated(bend, LEFT, 10.0);
     assert_eq!(inner.len(), 2);
     // y = 10 meets the circle r 40 about 20/40 at x = 20 + √(1600 − 900).
     assert!(close(inner[0].end(), [20.0 + 700.0_f64.sqrt(), 10.0, 0.0]));
     let Shape::Arc(arc) = &inner[1].shape else { panic!("{inner:?}") };
     assert!((arc.radius() - 0.04).abs() < 1e-12);
-    let outer = compensated(bend(), RIGHT, 10.0);
+    let outer = compensated(bend, RIGHT, 10.0);
     assert_eq!(outer.len(), 3);
     assert!(close(outer[0].end(), [50.0, -10.0, 0.0]));
     assert!(close(outer[1].end(), [56.0, -8.0, 0.0]));
@@ -147,8 +117,8 @@ fn lines_and_arcs_meet() {
 #[test]
 fn a_reversal_is_an_outer_corner() {
     for (side, y) in [(LEFT, 10.0), (RIGHT, -10.0)] {
-        let path = compensated(polyline(&[[0.0, 0.0], [100.0, 0.0], [0.0, 0.0]]), side, 10.0);
-        assert_points(&path, &[[0.0, y], [100.0, y], [100.0, -y], [0.0, -y]]);
+        let path = compensated("0,0 100,0 0,0", side, 10.0);
+        assert_path(&path, &format!("0,{y} 100,{y} 100,{0} 0,{0}", -y));
         let tip = path[1].at(path[1].length() / 2.0).position;
         assert!(close(tip, [110.0, 0.0, 0.0]));
     }
@@ -157,8 +127,7 @@ fn a_reversal_is_an_outer_corner() {
 /// Closed, from a corner, around the outside: it comes back to a radius from where it began.
 #[test]
 fn closed_square_outside() {
-    let square = polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 100.0], [0.0, 100.0], [0.0, 0.0]]);
-    let path = compensated(square, RIGHT, 10.0);
+    let path = compensated("0,0 100,0 100,100 0,100 0,0", RIGHT, 10.0);
     assert_eq!(path.len(), 7);
     assert!(close(path[0].start(), [0.0, -10.0, 0.0]) && close(path[6].end(), [-10.0, 0.0, 0.0]));
     let length: f64 = path.iter().map(PathElement::length).sum();
@@ -168,32 +137,19 @@ fn closed_square_outside() {
 /// Closed, from the middle of a side, along the inside.
 #[test]
 fn closed_square_inside() {
-    let square = polyline(&[
-        [50.0, 0.0],
-        [100.0, 0.0],
-        [100.0, 100.0],
-        [0.0, 100.0],
-        [0.0, 0.0],
-        [50.0, 0.0],
-    ]);
-    let path = compensated(square, LEFT, 10.0);
-    let points =
-        [[50.0, 10.0], [90.0, 10.0], [90.0, 90.0], [10.0, 90.0], [10.0, 10.0], [50.0, 10.0]];
-    assert_points(&path, &points);
+    let path = compensated("50,0 100,0 100,100 0,100 0,0 50,0", LEFT, 10.0);
+    assert_path(&path, "50,10 90,10 90,90 10,90 10,10 50,10");
 }
 
 /// Helices keep their Z: the heights of their ends, however their length changes.
 #[test]
 fn height_stays() {
-    let shape = |element: &PathElement| element.shape.clone();
-    let Shape::Arc(flat) = shape(&arc([0.0; 3], 0.05, 0.0, PI, 0.05)) else { panic!() };
-    let mut end = flat.end();
-    end.z = 0.02;
-    let helix = crate::Arc::new(flat.start(), end, flat.center(), PI);
-    let helix = PathElement { shape: Shape::Arc(helix), ..arc([0.0; 3], 0.05, 0.0, PI, 0.05) };
-    let down = cut(end.into(), [-0.05, -0.1, -0.01], 0.05);
+    let (start, center) = ([0.05, 0.0, 0.0].into(), [0.0; 3].into());
+    let helix = crate::Arc::new(start, [-0.05, 0.0, 0.02].into(), center, PI);
+    let down = cut(helix.end().into(), [-0.05, -0.1, -0.01], 0.05);
+    let helix = element(ElementKind::Cut, Shape::Arc(helix), 0.05);
     for side in [LEFT, RIGHT] {
-        let path = compensated(vec![helix.clone(), down.clone()], side, 10.0);
+        let path = correct_contour(vec![helix.clone(), down.clone()], side, 10.0);
         assert_eq!((path[0].start().z, path[0].end().z), (0.0, 0.02));
         assert_eq!((path[1].start().z, path[1].end().z), (0.02, -0.01));
     }
@@ -204,7 +160,7 @@ fn height_stays() {
 #[test]
 fn splines_that_turn_back() {
     // G1 X87.48 Y51.53, then G5 X0 Y0: the spline leaves in the direction of the line and arrives along its chord.
-    let line = polyline(&[[0.0, 0.0], [87.48, 51.53]]);
+    let line = path("0,0 87.48,51.53");
     let (start, end) = (line[0].end(), line[0].start());
     let chord = (end - start).xy();
     let spline = Cubic::hermite(start, end, -chord, chord);

@@ -1,12 +1,14 @@
 //! Tests of contours that are too narrow for the tool.
 
-use super::{LEFT, RIGHT, assert_points, contour, correct};
+use super::{LEFT, RIGHT, contour, correct};
 use crate::Place;
-use crate::prepare::tests::{Error, arc, cut, element, m_function, numbered, polyline, taken};
+use crate::prepare::tests::{
+    Error, assert_path, cut, element, m_function, numbered, path, switched, switches, taken, words,
+};
 use crate::prepare::{AvoidLoops, Notice, Notices, ToolRadius, ToolRadiusOptions};
-use crate::{Cubic, ElementKind, Ellipse, Marks, PathElement, Shape, Switch};
+use crate::{Cubic, ElementKind, Ellipse, Marks, PathElement, Shape};
 use nalgebra::{Point2, Point3, Vector2};
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::TAU;
 
 fn with_notices(elements: Vec<PathElement>) -> (Vec<PathElement>, Vec<Notice>) {
     let (mut path, notices) = correct(elements, ToolRadiusOptions::default());
@@ -16,20 +18,17 @@ fn with_notices(elements: Vec<PathElement>) -> (Vec<PathElement>, Vec<Notice>) {
     (path, notices)
 }
 
+/// What is left of either corner below.
+const OFFSET: &str = "0,10 90,10 90,100";
+
 /// Lines 1 and 3 with a fillet of 5 mm in the corner between them.
-fn filleted() -> Vec<PathElement> {
-    numbered(vec![
-        cut([0.0; 3], [0.095, 0.0, 0.0], 0.05),
-        arc([0.095, 0.005, 0.0], 0.005, -FRAC_PI_2, FRAC_PI_2, 0.05),
-        cut([0.1, 0.005, 0.0], [0.1, 0.1, 0.0], 0.05),
-    ])
-}
+const FILLETED: &str = "0,0 95,0 o95,5:90 100,100";
 
 /// The tool touches both lines and leaves the fillet to a smaller one: a notice, but not a gouge.
 #[test]
 fn an_arc_smaller_than_the_tool_vanishes() {
-    let (path, notices) = with_notices(contour(filleted(), LEFT, 10.0));
-    assert_points(&path, &[[0.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
+    let (path, notices) = with_notices(contour(path(FILLETED), LEFT, 10.0));
+    assert_path(&path, OFFSET);
     let [Notice::TooNarrow { place, radius: Some(radius), tool_radius }] = notices[..] else {
         panic!("{notices:?}");
     };
@@ -40,36 +39,35 @@ fn an_arc_smaller_than_the_tool_vanishes() {
         "line 2: an arc of radius 5.000000 mm is too narrow for a tool of radius 10.000000 mm"
     );
     // On the outside it becomes larger.
-    let (path, notices) = with_notices(contour(filleted(), RIGHT, 10.0));
+    let (path, notices) = with_notices(contour(self::path(FILLETED), RIGHT, 10.0));
     assert_eq!((path.len(), notices.len()), (3, 0));
 }
 
 /// A chamfer of 7.07 mm: each of its corners takes 10·tan(22.5°) = 4.14 mm of it.
-const CHAMFERED: [[f64; 2]; 4] = [[0.0, 0.0], [95.0, 0.0], [100.0, 5.0], [100.0, 100.0]];
+const CHAMFERED: &str = "0,0 95,0 100,5 100,100";
 
 #[test]
 fn an_element_between_inner_corners_reverses() {
-    let (path, notices) = with_notices(contour(polyline(&CHAMFERED), LEFT, 10.0));
-    assert_points(&path, &[[0.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
+    let (path, notices) = with_notices(contour(path(CHAMFERED), LEFT, 10.0));
+    assert_path(&path, OFFSET);
     let place = Place { line: 2, block: None };
     assert_eq!(notices, [Notice::TooNarrow { place, radius: None, tool_radius: 0.01 }]);
     assert_eq!(notices[0].rule(), "compensation-gouge");
     // A smaller tool fits.
-    let (path, notices) = with_notices(contour(polyline(&CHAMFERED), LEFT, 8.0));
+    let (path, notices) = with_notices(contour(self::path(CHAMFERED), LEFT, 8.0));
     assert_eq!((path.len(), notices.len()), (3, 0));
 }
 
 /// Several short elements in one corner.
 #[test]
 fn the_path_is_found_again_behind_several_elements() {
-    let mut points = vec![[0.0, 0.0]];
-    points.extend((0..=6).map(|step| {
-        let angle = f64::from(step) * 15_f64.to_radians();
-        [97.0 + 3.0 * angle.sin(), 3.0 - 3.0 * angle.cos()]
+    let points = words((0..=6).map(|step| {
+        let (sin, cos) = (f64::from(step) * 15_f64.to_radians()).sin_cos();
+        [97.0 + 3.0 * sin, 3.0 - 3.0 * cos]
     }));
-    points.push([100.0, 100.0]);
-    let (path, notices) = with_notices(contour(polyline(&points), LEFT, 10.0));
-    assert_points(&path, &[[0.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
+    let elements = path(&format!("0,0 {points} 100,100"));
+    let (path, notices) = with_notices(contour(elements, LEFT, 10.0));
+    assert_path(&path, OFFSET);
     let lines: Vec<_> = notices.iter().map(|notice| notice.place().line).collect();
     assert_eq!(lines, [2, 3, 4, 5, 6, 7]);
 }
@@ -77,24 +75,17 @@ fn the_path_is_found_again_behind_several_elements() {
 /// What the dropped element carried is done where it would have been.
 #[test]
 fn nothing_but_the_path_is_dropped() {
-    let mut elements = contour(polyline(&CHAMFERED), LEFT, 10.0);
-    elements[1].marks = Marks::LOOPS;
-    let details = elements[1].details.get_or_insert_default();
-    assert!(details.switches.add(Switch { number: 7, on: true, at: 0.5 }));
-    elements.insert(1, m_function([0.095, 0.0, 0.0].into()));
-    elements.insert(3, m_function([0.1, 0.005, 0.0].into()));
+    let mut elements = path("D10 0,0 G41 95,0 m G61 100,5 m 100,100 G40");
+    elements[2] = switched(elements[2].clone(), &[(7, 0.5)]);
     let (path, _) = with_notices(elements);
-    assert_points(&path, &[[0.0, 10.0], [90.0, 10.0], [90.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
-    let m = ElementKind::MFunction { number: 8 };
-    assert_eq!((path[1].kind, path[2].kind), (m, m));
-    assert_eq!(path[3].marks, Marks::LOOPS);
-    assert_eq!(path[3].switches(), [Switch { number: 7, on: true, at: 0.0 }]);
+    assert_path(&path, "0,10 90,10 m90,10 m90,10 90,100");
+    assert_eq!((path[3].marks, switches(&path[3])), (Marks::LOOPS, vec![(7, 0.0)]));
 }
 
 /// Down a slot of 10 mm with a tool of 20 mm: it cannot but cut into the other wall.
 #[test]
 fn a_slot_narrower_than_the_tool_is_gouged() {
-    let slot = polyline(&[[0.0, 100.0], [0.0, 0.0], [10.0, 0.0], [10.0, 100.0]]);
+    let slot = path("0,100 0,0 10,0 10,100");
     let (path, notices) = with_notices(contour(slot, LEFT, 10.0));
     assert!(path.len() >= 3);
     let depth = |from: u32, into: u32| {
@@ -119,13 +110,11 @@ fn a_slot_narrower_than_the_tool_is_gouged() {
 /// looked at.
 #[test]
 fn inner_corner_where_a_contour_closes() {
-    let mut square = vec![[0.0, 0.0], [100.0, 0.0], [100.0, 100.0]];
     // Long enough to leave the window.
-    square.extend((0..200).map(|step| [100.0 - f64::from(step) * 0.5, 100.0]));
-    square.extend([[0.0, 100.0], [0.0, 0.0]]);
-    square.dedup();
-    let last = u32::try_from(square.len() - 1).unwrap();
-    let (_, notices) = with_notices(contour(polyline(&square), LEFT, 10.0));
+    let side = words((0..200).map(|step| [100.0 - f64::from(step) * 0.5, 100.0]));
+    let square = path(&format!("0,0 100,0 {side} 0,100 0,0"));
+    let last = u32::try_from(square.len()).unwrap();
+    let (_, notices) = with_notices(contour(square, LEFT, 10.0));
     let pairs: Vec<_> = notices
         .iter()
         .filter_map(|notice| match notice {
@@ -138,8 +127,7 @@ fn inner_corner_where_a_contour_closes() {
 
 #[test]
 fn a_hole_smaller_than_the_tool() {
-    let hole = numbered(vec![arc([0.0; 3], 0.005, 0.0, TAU, 0.05)]);
-    let (_, notices) = with_notices(contour(hole, LEFT, 10.0));
+    let (_, notices) = with_notices(path("D10 5,0 G41 o0,0:360 G40"));
     assert!(notices.iter().any(|notice| matches!(notice, Notice::TooNarrow { .. })));
     assert!(notices.iter().any(|notice| matches!(notice, Notice::Gouge { .. })));
 }
@@ -147,8 +135,8 @@ fn a_hole_smaller_than_the_tool() {
 /// Without look-ahead the offset crosses itself, as in the manual; loop avoidance after it finds the same path.
 #[test]
 fn loop_avoidance_does_it_too() {
-    for elements in [filleted(), polyline(&CHAMFERED)] {
-        let mut elements = contour(elements, LEFT, 10.0);
+    for elements in [FILLETED, CHAMFERED] {
+        let mut elements = contour(path(elements), LEFT, 10.0);
         elements[0].marks = elements[0].marks.with(Marks::LOOPS);
         elements[2].marks = elements[2].marks.with(Marks::LOOPS_END);
         let notices = Notices::default();
@@ -159,7 +147,7 @@ fn loop_avoidance_does_it_too() {
             AvoidLoops::new(offset, notices.clone()).map(Result::unwrap).collect();
         path.remove(0);
         path.pop();
-        assert_points(&path, &[[0.0, 10.0], [90.0, 10.0], [90.0, 100.0]]);
+        assert_path(&path, OFFSET);
         let reported = taken(&notices);
         assert!(
             reported.iter().any(|notice| matches!(notice, Notice::LoopCut { .. })),
@@ -181,9 +169,7 @@ fn curves_are_offset_to_the_tolerance() {
     );
     for shape in [Shape::Ellipse(Box::new(ellipse)), Shape::Cubic(Box::new(bend))] {
         for (side, tolerance) in [(LEFT, 1e-6), (RIGHT, 1e-6), (LEFT, 1e-4)] {
-            let mut curve = element(ElementKind::Cut, shape.clone(), 0.05);
-            let details = curve.details.get_or_insert_default();
-            assert!(details.switches.add(Switch { number: 7, on: true, at: 0.5 }));
+            let curve = switched(element(ElementKind::Cut, shape.clone(), 0.05), &[(7, 0.5)]);
             let options = ToolRadiusOptions { tolerance, ..ToolRadiusOptions::default() };
             let (path, notices) = correct(contour(vec![curve], side, 5.0), options);
             assert_eq!(notices, []);
@@ -230,7 +216,7 @@ fn the_window_is_bounded() {
         assert!(pulled.get() <= element.place.line + 130, "{} at {}", pulled.get(), element.place);
     }
     assert_eq!(pulled.get(), 5000);
-    let lines = contour(polyline(&super::CORNER), LEFT, 10.0);
+    let lines = contour(self::path(super::CORNER), LEFT, 10.0);
     let many = std::iter::repeat_with(|| Ok::<_, Error>(m_function(lines[0].end()))).take(10_000);
     let items = std::iter::once(Ok(lines[0].clone())).chain(many).chain([Ok(lines[1].clone())]);
     let path: Vec<_> =
@@ -242,12 +228,7 @@ fn the_window_is_bounded() {
 /// A semicircle of exactly the tool's radius shrinks to a point.
 #[test]
 fn an_arc_of_the_tools_radius() {
-    let pocket = numbered(vec![
-        cut([0.0; 3], [0.1, 0.0, 0.0], 0.05),
-        arc([0.1, 0.01, 0.0], 0.01, -FRAC_PI_2, PI, 0.05),
-        cut([0.1, 0.02, 0.0], [0.0, 0.02, 0.0], 0.05),
-    ]);
-    let (path, _) = with_notices(contour(pocket, LEFT, 10.0));
+    let (path, _) = with_notices(path("D10 0,0 G41 100,0 o100,10:180 0,20 G40"));
     let length: f64 = path.iter().map(PathElement::length).sum();
     assert!((length - 0.2).abs() < 1e-9, "{path:?}");
 }

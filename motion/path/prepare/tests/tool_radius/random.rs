@@ -2,8 +2,8 @@
 
 use super::{LEFT, RIGHT, contour, correct};
 use crate::prepare::planar::{Curve, distance};
-use crate::prepare::tests::{Error, cut, element, numbered, random_path};
-use crate::prepare::{Notice, Notices, ToolRadius, ToolRadiusOptions};
+use crate::prepare::tests::{cut, element, numbered, random_path};
+use crate::prepare::{Notice, ToolRadiusOptions};
 use crate::{Arc, ElementKind, PathElement, Shape};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
@@ -94,15 +94,6 @@ proptest! {
         prop_assert_eq!(notices.iter().find(unexpected), None);
         let lines: HashSet<_> = after.iter().map(|element| element.place.line).collect();
         prop_assert_eq!(lines.len(), path.len());
-    }
-
-    #[test]
-    fn without_marks_it_is_the_identity(path in random_path(true)) {
-        let items: Vec<_> = path.into_iter().map(Ok::<_, Error>).collect();
-        let options = ToolRadiusOptions { radius: 0.01, ..ToolRadiusOptions::default() };
-        let same: Vec<_> =
-            ToolRadius::new(items.clone().into_iter(), options, Notices::default()).collect();
-        prop_assert_eq!(same, items);
     }
 
     /// Also with curves the path never breaks, and its ends are those of the contour.
