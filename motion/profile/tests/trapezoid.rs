@@ -39,18 +39,6 @@ fn past_the_target_and_back() {
     assert_eq!(profile.at(9.0), State::resting(10.0));
 }
 
-/// The numbers of `axis-direction`: from 100 u/s to 340 of 360 u, on or back, all limits 100.
-#[test]
-fn both_ways_round() {
-    let limits = limits(100.0, 100.0, 100.0);
-    let on = plan(moving(0.0, 100.0), 340.0, 0.0, limits);
-    // 290 u at 100 u/s, 50 u to brake.
-    assert!(close(on.duration(), 2.9 + 1.0));
-    let back = plan(moving(0.0, 100.0), 340.0 - 360.0, 0.0, limits);
-    // 50 u to brake, and 70 u back.
-    assert!(close(back.duration(), 1.0 + 2.0 * 0.7_f64.sqrt()));
-}
-
 #[test]
 fn the_end_velocity_has_a_direction() {
     // To 10 with −20 u/s: past it by 2 u, to rest, and back through it.

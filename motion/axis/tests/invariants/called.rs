@@ -126,6 +126,23 @@ pub(super) struct Moving<M: Motion> {
     inputs: fn(&mut Random, &Axis, &Axis) -> M,
     live: Live<M>,
     execute: bool,
+    fault: Fault<M>,
+}
+
+/// A planted fault of a block: how it does other than it was asked. None by default.
+pub(super) struct Fault<M: Motion> {
+    /// Other inputs.
+    pub(super) inputs: fn(&mut M),
+    /// Factor of the jerk that it plans with.
+    pub(super) jerk: f64,
+    /// Another set-point.
+    pub(super) setpoint: fn(&M::Run, &mut State),
+}
+
+impl<M: Motion> Default for Fault<M> {
+    fn default() -> Self {
+        Self { inputs: |_| (), jerk: 1.0, setpoint: |_, _| () }
+    }
 }
 
 /// Start of a block.
@@ -144,6 +161,12 @@ pub(super) type Keeps<M> = fn(&M, &Begun) -> Promise;
 
 /// Change of inputs that count every cycle; the state is the axis's in the last cycle.
 type Live<M> = fn(&mut M, &mut Random, &Axis, State);
+
+impl<M: Motion> Moving<M> {
+    pub(super) fn with(self, fault: Fault<M>) -> Self {
+        Self { fault, ..self }
+    }
+}
 
 impl<M: Motion<With: Take> + Clone> Called for Moving<M> {
     fn call(
@@ -164,7 +187,18 @@ impl<M: Motion<With: Take> + Clone> Called for Moving<M> {
             self.taken = self.block.inputs.clone();
             self.begun = Begun { from: axis.start().state, ..Begun::default() };
         }
+        let (asked, jerk) = (self.block.inputs.clone(), axis.values.max_jerk);
+        (self.fault.inputs)(&mut self.block.inputs);
+        axis.values.max_jerk *= self.fault.jerk;
         let shown = self.block.call_with(execute, axis, M::With::take(master));
+        (self.block.inputs, axis.values.max_jerk) = (asked, jerk);
+        let before = axis.base;
+        if let Some(run) = self.block.running() {
+            (self.fault.setpoint)(run, &mut axis.base);
+        }
+        if axis.base != before {
+            axis.show_set_values();
+        }
         self.begun.done |= shown.done;
         shown
     }
@@ -211,7 +245,8 @@ pub(super) fn moving<M: Motion<With: Take> + Clone>(
     let block = Block::new(inputs(&mut Random(1), &nowhere, &nowhere));
     let taken = block.inputs.clone();
     let begun = Begun::default();
-    Moving { block, promise, taken, begun, inputs, live, execute: false }
+    let fault = Fault::default();
+    Moving { block, promise, taken, begun, inputs, live, execute: false, fault }
 }
 
 /// The block's own velocity, acceleration and deceleration.

@@ -1,10 +1,10 @@
 //! Random slaves: gears and cams behind a master, and cam switches along their motion.
 
 use super::alone::{rate, speed, way};
-use super::called::{Begun, Called, limited, moving, own};
+use super::called::{Begun, Called, Fault, limited, moving, own};
 use super::checker::{Limits, Promise};
 use super::in_pos::InPos;
-use super::on_cam::{self, Cams, OnCam};
+use super::on_cam::{self, OnCam};
 use super::random::Random;
 use super::{Around, CYCLE, JERK, Run, STEEPEST};
 use crate::{
@@ -87,17 +87,30 @@ pub(super) fn all() -> Vec<Box<dyn Called>> {
                 deceleration: rate(random).min(100.0),
             },
         ),
-        Box::new(InPos::new(moving(|_, _| Promise::Nothing, gear, |_, _, _, _| ()))),
-        Box::new(OnCam::new(moving(on_cam, |random, _, _| cam_in(random), |_, _, _, _| ()))),
+        gear_in_pos(Fault::default()),
+        cam_in(Fault::default()),
         // One more, so that cams are switched between.
-        Box::new(OnCam::new(moving(on_cam, |random, _, _| cam_in(random), |_, _, _, _| ()))),
+        cam_in(Fault::default()),
         // On with whatever velocity there was; an acceleration takes its time.
         limited(|_, begun| own(begun.from.velocity.abs(), STEEPEST, STEEPEST), |_, _, _| Decouple),
     ]
 }
 
+pub(super) fn gear_in_pos(fault: Fault<GearInPos>) -> Box<dyn Called> {
+    let moving = moving(|_, _| Promise::Nothing, gear, |_, _, _, _| ());
+    Box::new(InPos::new(moving.with(fault)))
+}
+
+pub(super) fn cam_in(fault: Fault<CamIn>) -> Box<dyn Called> {
+    let inputs = |random: &mut Random, _: &Axis, _: &Axis| CamIn {
+        table: cam(random),
+        input: cam_input(random),
+    };
+    Box::new(OnCam::new(moving(on_cam, inputs, |_, _, _, _| ()).with(fault)))
+}
+
 /// A gear with a place, ahead of the master.
-pub(super) fn gear(random: &mut Random, axis: &Axis, master: &Axis) -> GearInPos {
+fn gear(random: &mut Random, axis: &Axis, master: &Axis) -> GearInPos {
     let sign = if master.set_velocity() < 0.0 { -1.0 } else { 1.0 };
     GearInPos {
         ratio_numerator: random.one_of(&[-3, -1, 1, 2, 3]),
@@ -111,17 +124,13 @@ pub(super) fn gear(random: &mut Random, axis: &Axis, master: &Axis) -> GearInPos
 /// The cam itself has at most 0.94·1500 u/s³ of the master's jerk, 3·0.072·15·90 of its velocity and acceleration and
 /// 0.019·15³ of its velocity alone, 1762 u/s³ together; the ramp adds the axis's jerk. The cam's acceleration is at most
 /// 0.94·90 of the master's and 0.072·15² of its velocity, 101 u/s²; the ramp adds its own, and at first the slave's.
-pub(super) fn on_cam<M: Cams>(it: &M, begun: &Begun) -> Promise {
+fn on_cam(it: &CamIn, begun: &Begun) -> Promise {
     const OF_CAM: f64 = 101.0;
-    let CamIn { table, input } = it.cam_in();
+    let CamIn { table, input } = it;
     let ramp = input.acceleration.max(input.deceleration);
     let rate = OF_CAM + ramp.max(begun.from.acceleration.abs() + OF_CAM);
     let steps = table.as_ref().is_some_and(|table| table.master_absolute);
     Promise::OnCam { rate, jerk: JERK + 1762.0, steps }
-}
-
-pub(super) fn cam_in(random: &mut Random) -> CamIn {
-    CamIn { table: cam(random), input: cam_input(random) }
 }
 
 fn cam(random: &mut Random) -> Option<CamTable> {

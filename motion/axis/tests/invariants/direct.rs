@@ -1,42 +1,30 @@
 //! Random set-points from the program: small steps for blocks without supervision, jumps for blocks with it.
 
 use super::alone::{rate, way};
-use super::called::{Begun, Called, Moving, any, moving, passes_on};
+use super::called::{Begun, Called, Fault, Moving, any, moving, passes_on};
 use super::checker::{Limits, Promise};
 use super::random::Random;
 use super::{CYCLE, FASTEST, STEEPEST};
-use crate::{Axis, ControlAxisBy, Follow, Motion, Outputs};
+use crate::{Axis, ControlAxisBy, Follow, Outputs};
 use twin_profile::State;
 
-/// A block that takes set-points as they are.
-pub(super) trait Direct: Motion<With = ()> + Clone {
-    fn given(&mut self) -> &mut Follow;
-}
-
-impl Direct for Follow {
-    fn given(&mut self) -> &mut Follow {
-        self
-    }
-}
-
 /// Set-points without supervision: the axis has each of them in its cycle.
-pub(super) struct Walking<M: Direct>(Moving<M>);
+pub(super) struct Walking(Moving<Follow>);
 
-impl<M: Direct> Walking<M> {
-    pub(super) fn new(inputs: fn(&mut Random, &Axis, &Axis) -> M) -> Self {
-        Self(moving(walked, inputs, walk))
+impl Walking {
+    pub(super) fn new(fault: Fault<Follow>) -> Self {
+        Self(moving(walked, |random, _, _| kind(random), walk).with(fault))
     }
 }
 
 /// The steps of the walk; a faster start returns to the walk's velocities at once.
-fn walked<M>(_: &M, begun: &Begun) -> Promise {
+fn walked(_: &Follow, begun: &Begun) -> Promise {
     let too_fast = (begun.from.velocity.abs() - 0.5 * FASTEST).max(0.0);
     let back = if begun.cycles == 0 { too_fast / CYCLE } else { 0.0 };
     Promise::Smooth(STEEPEST.max(back))
 }
 
-fn walk<M: Direct>(it: &mut M, random: &mut Random, axis: &Axis, last: State) {
-    let it = it.given();
+fn walk(it: &mut Follow, random: &mut Random, axis: &Axis, last: State) {
     let change = random.between(-STEEPEST, STEEPEST) * axis.cycle();
     let velocity = (last.velocity + change).clamp(-0.5 * FASTEST, 0.5 * FASTEST);
     let mean = 0.5 * (last.velocity + velocity);
@@ -48,12 +36,12 @@ fn walk<M: Direct>(it: &mut M, random: &mut Random, axis: &Axis, last: State) {
     };
 }
 
-pub(super) fn kind(random: &mut Random) -> Follow {
+fn kind(random: &mut Random) -> Follow {
     let kinds = [Follow::Position(0.0), Follow::Velocity(0.0), Follow::PositionVelocity(0.0, 0.0)];
     random.one_of(&kinds)
 }
 
-impl<M: Direct> Called for Walking<M> {
+impl Called for Walking {
     passes_on!(0: call change name owner promise);
 
     fn watch(&mut self, shown: Outputs, axis: &Axis, _: &Axis) -> Result<(), String> {
@@ -62,7 +50,7 @@ impl<M: Direct> Called for Walking<M> {
         }
         let (before, now) = (axis.saved_base, axis.base);
         let mean = 0.5 * (before.velocity + now.velocity);
-        let given = *self.0.block.inputs.given();
+        let given = self.0.block.inputs;
         let (place, velocity) = match given {
             Follow::Position(place) => (place, (now.position - before.position) / CYCLE),
             Follow::Velocity(velocity) => {
@@ -85,7 +73,7 @@ impl<M: Direct> Called for Walking<M> {
 
 pub(super) fn all() -> Vec<Box<dyn Called>> {
     vec![
-        Box::new(Walking::new(|random, _, _| kind(random))),
+        Box::new(Walking::new(Fault::default())),
         any(
             // Set-points of the program have no jerk.
             |_, _| {

@@ -1,9 +1,9 @@
 //! Tests of the checker: it must find every planted fault and name it.
 
 use super::called::{self, Called};
-use super::planted::{self, OfCam, Owning};
+use super::planted::{self, Owning, with_tappets};
 use super::{Around, KINDS, Run, alone, coupled};
-use crate::{Axis, AxisState, Movement, Outputs};
+use crate::{Axis, AxisState, CamIn, Movement, Outputs};
 use twin_profile::RampType;
 
 #[test]
@@ -139,12 +139,25 @@ fn the_checker_sees_what_blocks_were_not_asked() {
         ("acceleration profile", &limited, "u/s³, moved by", planted::hurried_accelerations),
         ("set-point", &KINDS, "is not the set-point", planted::beyond),
         ("gear on its way", &KINDS, "on the way into step, but", planted::wrong_gear),
-        ("ramp", &KINDS, "off the cam after", || planted::wrong_cam(OfCam::Hasty)),
-        ("rate", &[KINDS[0], KINDS[3]], "u/s², allowed", || planted::wrong_cam(OfCam::Steep)),
-        ("cam", &KINDS, "in step, but", || planted::wrong_cam(OfCam::Fast)),
-        ("lost tappet", &KINDS, "acted 0 times, not 1", || planted::wrong_cam(OfCam::Lost)),
-        ("doubled tappet", &KINDS, "acted 2 times, not 1", || planted::wrong_cam(OfCam::Doubled)),
-        ("late pulse", &KINDS, "is not there at", || planted::wrong_cam(OfCam::Late)),
+        ("ramp", &KINDS, "off the cam after", || {
+            planted::wrong_cam(|it| it.input.velocity_difference *= 1.5)
+        }),
+        ("rate", &[KINDS[0], KINDS[3]], "u/s², allowed", || {
+            planted::wrong_cam(|CamIn { input, .. }| {
+                input.acceleration *= 5.0;
+                input.deceleration *= 5.0;
+            })
+        }),
+        ("cam", &KINDS, "in step, but", planted::fast_cam),
+        ("lost tappet", &KINDS, "acted 0 times, not 1", || {
+            planted::wrong_cam(|it| with_tappets(it, Vec::clear))
+        }),
+        ("doubled tappet", &KINDS, "acted 2 times, not 1", || {
+            planted::wrong_cam(|it| with_tappets(it, |all| all.extend_from_within(..)))
+        }),
+        ("late pulse", &KINDS, "is not there at", || {
+            planted::wrong_cam(|it| with_tappets(it, planted::delay))
+        }),
         ("way on top", &KINDS, "on top, moved by", || alone::hasty_on_top(1.5)),
     ];
     for (what, kinds, expected, block) in planted {

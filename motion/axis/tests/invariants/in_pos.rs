@@ -3,23 +3,12 @@
 use super::called::{Called, Moving, own, passes_on};
 use super::checker::Promise;
 use super::random::Random;
-use crate::{Axis, GearInPos, GearInPosRun, Master, Motion, Outputs, fmod};
+use crate::{Axis, GearInPos, Master, Outputs, fmod};
 use twin_profile::{RampType, State};
 
-/// A block that couples as a gear with a place does.
-pub(super) trait Couples: Motion<With = Master, Run = GearInPosRun> + Clone {
-    fn gear(&self) -> &GearInPos;
-}
-
-impl Couples for GearInPos {
-    fn gear(&self) -> &GearInPos {
-        self
-    }
-}
-
 /// A gear with a sync position: up to there it follows its polynomial, from there on its ratio.
-pub(super) struct InPos<M: Couples> {
-    moving: Moving<M>,
+pub(super) struct InPos {
+    moving: Moving<GearInPos>,
     /// The master in the cycle before.
     last: Option<Master>,
     way: Option<Way>,
@@ -114,8 +103,8 @@ impl Way {
     }
 }
 
-impl<M: Couples> InPos<M> {
-    pub(super) fn new(moving: Moving<M>) -> Self {
+impl InPos {
+    pub(super) fn new(moving: Moving<GearInPos>) -> Self {
         Self { moving, last: None, way: None, steepest: 0.0 }
     }
 
@@ -128,7 +117,7 @@ impl<M: Couples> InPos<M> {
         // Once Execute has fallen, `done` shows for a cycle only.
         let couples = in_step || run.is_coupling() || way.is_some();
         let Some(last) = last.filter(|_| couples) else { return Ok(()) };
-        let gear = self.moving.taken.gear();
+        let gear = &self.moving.taken;
         let mut way = way.unwrap_or_else(|| Way::new(gear, owner, axis, &last, now));
         let from = way.x;
         way.x += now.travel_since(&last);
@@ -155,7 +144,7 @@ impl<M: Couples> InPos<M> {
     }
 }
 
-impl<M: Couples> Called for InPos<M> {
+impl Called for InPos {
     passes_on!(moving: call change name owner);
 
     fn watch(&mut self, shown: Outputs, axis: &Axis, master: &Axis) -> Result<(), String> {

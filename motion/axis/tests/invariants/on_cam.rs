@@ -4,7 +4,7 @@ use super::JERK;
 use super::called::{Called, Moving, passes_on};
 use super::checker::Promise;
 use super::random::Random;
-use crate::{Axis, CamIn, CamRun, Master, Motion, Outputs};
+use crate::{Axis, CamIn, Master, Outputs};
 use twin_cam::{Action, CamTable, Passage, Tappet, TappetValue, Trigger};
 use twin_profile::RampType;
 
@@ -30,20 +30,9 @@ pub(super) fn tappets(random: &mut Random) -> Vec<Tappet> {
     vec![tappet(random, 1, timed), tappet(random, 1, timed), tappet(random, 2, other)]
 }
 
-/// A block that moves as a cam says.
-pub(super) trait Cams: Motion<With = Master, Run = CamRun> + Clone {
-    fn cam_in(&self) -> &CamIn;
-}
-
-impl Cams for CamIn {
-    fn cam_in(&self) -> &CamIn {
-        self
-    }
-}
-
 /// A cam with what its tappets switch.
-pub(super) struct OnCam<M: Cams> {
-    moving: Moving<M>,
+pub(super) struct OnCam {
+    moving: Moving<CamIn>,
     value: TappetValue,
     passed: Option<Passed>,
     /// When a pulse was begun last, and whether it has been seen.
@@ -125,8 +114,8 @@ impl Passed {
     }
 }
 
-impl<M: Cams> OnCam<M> {
-    pub(super) fn new(moving: Moving<M>) -> Self {
+impl OnCam {
+    pub(super) fn new(moving: Moving<CamIn>) -> Self {
         let value = TappetValue::new(1, false, false);
         Self { moving, value, passed: None, begun_ns: 0, unseen: false, ramp: None }
     }
@@ -135,7 +124,7 @@ impl<M: Cams> OnCam<M> {
     fn see_tappets(&mut self) -> Result<(), String> {
         let owner = self.moving.owner();
         let Some(run) = self.moving.block.running() else { return Ok(()) };
-        let (coupling, taken) = (run.coupling(), self.moving.taken.cam_in());
+        let (coupling, taken) = (run.coupling(), &self.moving.taken);
         let data = &coupling.output().tappets;
         let triggers: Vec<Trigger> = data.triggers().copied().collect();
         let now = data.now_ns;
@@ -194,7 +183,7 @@ impl<M: Cams> OnCam<M> {
         let Some(run) = self.moving.block.running().filter(|_| owner == axis.owner()) else {
             return Ok(());
         };
-        let (coupling, input) = (run.coupling(), &self.moving.taken.cam_in().input);
+        let (coupling, input) = (run.coupling(), &self.moving.taken.input);
         let Master { velocity, acceleration, .. } = Master::of(master);
         let (scaling, of_master) = (input.slave_scaling, input.master_scaling);
         let (v, a) = (velocity * of_master, acceleration * of_master);
@@ -230,7 +219,7 @@ impl<M: Cams> OnCam<M> {
     }
 }
 
-impl<M: Cams> Called for OnCam<M> {
+impl Called for OnCam {
     passes_on!(moving: call change name owner promise);
 
     fn watch(&mut self, _: Outputs, axis: &Axis, master: &Axis) -> Result<(), String> {

@@ -1,249 +1,51 @@
 //! Planted faults: blocks with deliberate errors.
 
 use super::alone::rate;
-use super::called::{Called, Moving, limited, moving, own, passes_on};
+use super::called::{Called, Fault, Moving, limited, moving, own, passes_on};
 use super::checker::Promise;
-use super::direct::{self, Direct, Walking};
-use super::in_pos::{Couples, InPos};
-use super::on_cam::{Cams, OnCam};
+use super::direct::Walking;
 use super::random::Random;
 use super::{coupled, tables};
 use crate::ownership::{Refusal, Start};
-use crate::{Axis, AxisState, Master, Motion, Outputs, Points, Progress, SmcError};
+use crate::{Axis, AxisState, CamIn, Motion, MoveAbsolute, Outputs, Points, Progress, SmcError};
 use std::sync::Arc;
 use twin_cam::{Action, Cam, CamTable, Knot, Shape, Tappet};
-use twin_profile::State;
 
-/// The plan or the step of the genuine block.
-macro_rules! genuine {
-    (plan $with:ty) => {
-        fn plan(&self, start: Start, axis: &Axis, with: $with) -> Result<Self::Run, SmcError> {
-            self.0.plan(start, axis, with)
-        }
-    };
-    (step $with:ty) => {
-        fn step(
-            &self,
-            run: &mut Self::Run,
-            axis: &mut Axis,
-            with: $with,
-        ) -> Result<Progress, SmcError> {
-            self.0.step(run, axis, with)
-        }
-    };
-}
-
-/// A copy of a block with the changes given here.
+/// A copy of a block with another state or admission.
 macro_rules! planted {
-    ($(#[$doc:meta])* $name:ident in $state:ident with $with:ty, $($changed:tt)*) => {
+    ($(#[$doc:meta])* $name:ident, $admitted:expr) => {
         $(#[$doc])*
         #[derive(Clone, Debug)]
-        pub(super) struct $name(pub(super) crate::$name);
+        struct $name(crate::$name);
 
         impl Motion for $name {
-            type With = $with;
+            type With = ();
             type Run = <crate::$name as Motion>::Run;
-            const STATE: AxisState = AxisState::$state;
-            const LIVE: bool = <crate::$name as Motion>::LIVE;
+            const STATE: AxisState = AxisState::DiscreteMotion;
 
-            $($changed)*
+            fn admitted(&self, axis: &Axis) -> Result<(), Refusal> {
+                $admitted(axis)
+            }
+
+            fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Self::Run, SmcError> {
+                self.0.plan(start, axis, ())
+            }
+
+            fn step(&self, run: &mut Self::Run, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+                self.0.step(run, axis, ())
+            }
         }
     };
 }
 
 planted! {
     /// Takes the axis in every state.
-    MoveRelative in DiscreteMotion with (),
-    fn admitted(&self, _axis: &Axis) -> Result<(), Refusal> {
-        Ok(())
-    }
-    genuine! { plan () }
-    genuine! { step () }
+    MoveRelative, |_| Ok(())
 }
 
 planted! {
     /// Moves on without an end, in discrete motion.
-    MoveVelocity in DiscreteMotion with (),
-    genuine! { plan () }
-    genuine! { step () }
-}
-
-planted! {
-    /// Takes 1.5 times the jerk of the axis.
-    MoveAbsolute in DiscreteMotion with (),
-    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Self::Run, SmcError> {
-        let mut axis = axis.clone();
-        axis.values.max_jerk *= 1.5;
-        self.0.plan(start, &axis, ())
-    }
-    genuine! { step () }
-}
-
-/// The same points in less time.
-fn hurried(points: &Points) -> Points {
-    let mut points = points.clone();
-    for point in &mut points.points {
-        point.delta_time *= 0.9;
-    }
-    points
-}
-
-/// A table that is gone through faster than its points say.
-macro_rules! hurried_table {
-    ($name:ident in $state:ident) => {
-        planted! {
-            /// Faster than its points say.
-            $name in $state with (),
-            fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Self::Run, SmcError> {
-                crate::$name(hurried(&self.0.0)).plan(start, axis, ())
-            }
-            genuine! { step () }
-        }
-    };
-}
-
-hurried_table!(PositionProfile in DiscreteMotion);
-hurried_table!(VelocityProfile in ContinuousMotion);
-hurried_table!(AccelerationProfile in ContinuousMotion);
-
-planted! {
-    /// Goes a little beyond its set-points.
-    Follow in SynchronizedMotion with (),
-    genuine! { plan () }
-    fn step(&self, run: &mut Self::Run, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        let Progress { setpoint, stage } = self.0.step(run, axis, ())?;
-        let position = setpoint.position + 1e-3 * setpoint.velocity.signum();
-        Ok(Progress { setpoint: State { position, ..setpoint }, stage })
-    }
-}
-
-impl Direct for Follow {
-    fn given(&mut self) -> &mut crate::Follow {
-        &mut self.0
-    }
-}
-
-planted! {
-    /// Slower on its way into step.
-    GearInPos in SynchronizedMotion with Master,
-    genuine! { plan Master }
-    fn step(
-        &self,
-        run: &mut Self::Run,
-        axis: &mut Axis,
-        with: Master,
-    ) -> Result<Progress, SmcError> {
-        let Progress { mut setpoint, stage } = self.0.step(run, axis, with)?;
-        if run.is_coupling() {
-            setpoint.velocity *= 0.999;
-        }
-        Ok(Progress { setpoint, stage })
-    }
-}
-
-impl Couples for GearInPos {
-    fn gear(&self) -> &crate::GearInPos {
-        &self.0
-    }
-}
-
-/// Planted fault of a cam.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum OfCam {
-    /// It ramps onto its cam faster than it was asked.
-    Hasty,
-    /// It ramps with more acceleration.
-    Steep,
-    /// It is faster than its cam.
-    Fast,
-    /// Tappets are lost.
-    Lost,
-    /// Tappets act twice.
-    Doubled,
-    /// Pulses come too late.
-    Late,
-}
-
-/// A slave that is not as its cam.
-#[derive(Clone, Debug)]
-struct CamIn(crate::CamIn, OfCam);
-
-impl Motion for CamIn {
-    type With = Master;
-    type Run = crate::CamRun;
-    const STATE: AxisState = AxisState::SynchronizedMotion;
-
-    fn plan(&self, start: Start, axis: &Axis, with: Master) -> Result<Self::Run, SmcError> {
-        let Self(mut cam, wrong) = self.clone();
-        if wrong == OfCam::Hasty {
-            cam.input.velocity_difference *= 1.5;
-        }
-        if wrong == OfCam::Steep {
-            cam.input.acceleration *= 5.0;
-            cam.input.deceleration *= 5.0;
-        }
-        cam.table = cam.table.map(|table| with_tappets(&table, wrong));
-        cam.plan(start, axis, with)
-    }
-
-    fn step(
-        &self,
-        run: &mut Self::Run,
-        axis: &mut Axis,
-        with: Master,
-    ) -> Result<Progress, SmcError> {
-        let Progress { mut setpoint, stage } = self.0.step(run, axis, with)?;
-        if self.1 == OfCam::Fast && run.is_in_sync() {
-            setpoint.velocity *= 1.0001;
-        }
-        Ok(Progress { setpoint, stage })
-    }
-}
-
-impl Cams for CamIn {
-    fn cam_in(&self) -> &crate::CamIn {
-        &self.0
-    }
-}
-
-/// The same cam with other tappets.
-fn with_tappets(table: &CamTable, wrong: OfCam) -> CamTable {
-    let curve = table.cam.curve();
-    let knots = [0.0, 40.0, 90.0].map(|master| Knot::at_rest(master, curve.at(master).position));
-    let mut tappets: Vec<Tappet> = table.cam.tappets().to_vec();
-    match wrong {
-        OfCam::Lost => tappets.clear(),
-        OfCam::Doubled => tappets.extend_from_within(..),
-        OfCam::Late => {
-            for tappet in &mut tappets {
-                if let Action::Timed { delay_ns, .. } = &mut tappet.action {
-                    *delay_ns += 50_000_000;
-                }
-            }
-        }
-        OfCam::Hasty | OfCam::Steep | OfCam::Fast => {}
-    }
-    let cam = Cam::new("cam", Shape::Polynomial(knots.to_vec()), tappets).unwrap();
-    CamTable { cam: Arc::new(cam), ..table.clone() }
-}
-
-pub(super) fn wrong_cam(wrong: OfCam) -> Box<dyn Called> {
-    let inputs: fn(&mut Random, &Axis, &Axis) -> CamIn = match wrong {
-        OfCam::Hasty => |random, _, _| CamIn(coupled::cam_in(random), OfCam::Hasty),
-        OfCam::Steep => |random, _, _| CamIn(coupled::cam_in(random), OfCam::Steep),
-        OfCam::Fast => |random, _, _| CamIn(coupled::cam_in(random), OfCam::Fast),
-        OfCam::Lost => |random, _, _| CamIn(coupled::cam_in(random), OfCam::Lost),
-        OfCam::Doubled => |random, _, _| CamIn(coupled::cam_in(random), OfCam::Doubled),
-        OfCam::Late => |random, _, _| CamIn(coupled::cam_in(random), OfCam::Late),
-    };
-    Box::new(OnCam::new(moving(coupled::on_cam, inputs, |_, _, _, _| ())))
-}
-
-pub(super) fn wrong_gear() -> Box<dyn Called> {
-    let inputs = |random: &mut Random, axis: &Axis, master: &Axis| {
-        GearInPos(coupled::gear(random, axis, master))
-    };
-    Box::new(InPos::new(moving(|_, _| Promise::Nothing, inputs, |_, _, _, _| ())))
+    MoveVelocity, |axis: &Axis| axis.admits(Self::STATE)
 }
 
 /// A relative move that no state holds back.
@@ -282,45 +84,91 @@ pub(super) fn mislabelled() -> Box<dyn Called> {
     )
 }
 
-/// A move that jerks.
+/// A move that takes 1.5 times the jerk of the axis.
 pub(super) fn jerky() -> Box<dyn Called> {
-    limited(
-        |MoveAbsolute(it), _| own(it.velocity, it.acceleration, it.deceleration),
-        |random, _, _| {
-            MoveAbsolute(crate::MoveAbsolute {
-                position: random.between(0.0, 90.0),
-                velocity: random.between(5.0, 15.0),
-                acceleration: rate(random),
-                deceleration: rate(random),
-                direction: random.direction(),
-            })
-        },
-    )
+    let inputs = |random: &mut Random, _: &Axis, _: &Axis| MoveAbsolute {
+        position: random.between(0.0, 90.0),
+        velocity: random.between(5.0, 15.0),
+        acceleration: rate(random),
+        deceleration: rate(random),
+        direction: random.direction(),
+    };
+    let moving = moving(
+        |it: &MoveAbsolute, _| own(it.velocity, it.acceleration, it.deceleration),
+        inputs,
+        |_, _, _, _| (),
+    );
+    Box::new(moving.with(Fault { jerk: 1.5, ..Fault::default() }))
+}
+
+/// The same points in less time.
+fn hurry(points: &mut Points) {
+    for point in &mut points.points {
+        point.delta_time *= 0.9;
+    }
 }
 
 pub(super) fn hurried_positions() -> Box<dyn Called> {
-    limited(
-        |it: &PositionProfile, begun| tables::by_positions(&it.0.0, begun),
-        |random, _, _| PositionProfile(tables::positions(random)),
-    )
+    tables::positions(Fault { inputs: |it| hurry(&mut it.0), ..Fault::default() })
 }
 
 pub(super) fn hurried_velocities() -> Box<dyn Called> {
-    limited(
-        |it: &VelocityProfile, begun| tables::by_velocities(&it.0.0, begun),
-        |random, _, _| VelocityProfile(tables::velocities(random)),
-    )
+    tables::velocities(Fault { inputs: |it| hurry(&mut it.0), ..Fault::default() })
 }
 
 pub(super) fn hurried_accelerations() -> Box<dyn Called> {
-    limited(
-        |it: &AccelerationProfile, begun| tables::by_accelerations(&it.0.0, begun),
-        |random, _, _| AccelerationProfile(tables::accelerations(random)),
-    )
+    tables::accelerations(Fault { inputs: |it| hurry(&mut it.0), ..Fault::default() })
 }
 
+/// Goes a little beyond its set-points.
 pub(super) fn beyond() -> Box<dyn Called> {
-    Box::new(Walking::new(|random, _, _| Follow(direct::kind(random))))
+    let setpoint = |_: &_, it: &mut twin_profile::State| it.position += 1e-3 * it.velocity.signum();
+    Box::new(Walking::new(Fault { setpoint, ..Fault::default() }))
+}
+
+/// Slower on its way into step.
+pub(super) fn wrong_gear() -> Box<dyn Called> {
+    let setpoint = |run: &crate::GearInPosRun, it: &mut twin_profile::State| {
+        if run.is_coupling() {
+            it.velocity *= 0.999;
+        }
+    };
+    coupled::gear_in_pos(Fault { setpoint, ..Fault::default() })
+}
+
+/// A slave that is faster than its cam.
+pub(super) fn fast_cam() -> Box<dyn Called> {
+    let setpoint = |run: &crate::CamRun, it: &mut twin_profile::State| {
+        if run.is_in_sync() {
+            it.velocity *= 1.0001;
+        }
+    };
+    coupled::cam_in(Fault { setpoint, ..Fault::default() })
+}
+
+/// A slave whose cam has other inputs.
+pub(super) fn wrong_cam(inputs: fn(&mut CamIn)) -> Box<dyn Called> {
+    coupled::cam_in(Fault { inputs, ..Fault::default() })
+}
+
+/// The same cam with other tappets.
+pub(super) fn with_tappets(it: &mut CamIn, change: fn(&mut Vec<Tappet>)) {
+    let Some(table) = it.table.take() else { return };
+    let curve = table.cam.curve();
+    let knots = [0.0, 40.0, 90.0].map(|master| Knot::at_rest(master, curve.at(master).position));
+    let mut tappets: Vec<Tappet> = table.cam.tappets().to_vec();
+    change(&mut tappets);
+    let cam = Cam::new("cam", Shape::Polynomial(knots.to_vec()), tappets).unwrap();
+    it.table = Some(CamTable { cam: Arc::new(cam), ..table });
+}
+
+/// Pulses that come 50 ms too late.
+pub(super) fn delay(tappets: &mut Vec<Tappet>) {
+    for tappet in tappets {
+        if let Action::Timed { delay_ns, .. } = &mut tappet.action {
+            *delay_ns += 50_000_000;
+        }
+    }
 }
 
 /// Planted fault of a relative move in the ownership of the axis.

@@ -1,11 +1,10 @@
 //! Random profile tables, and the promise that follows from their points.
 
 use super::CYCLE;
-use super::called::{Begun, Called, limited};
+use super::called::{Begun, Called, Fault, Keeps, moving};
 use super::checker::{Limits, Promise};
 use super::random::Random;
-use crate::Points;
-use crate::{AccelerationProfile, PositionProfile, VelocityProfile};
+use crate::{AccelerationProfile, Axis, Points, PositionProfile, VelocityProfile};
 use twin_profile::ProfilePoint;
 
 /// Some steps of random size, smaller than `size`.
@@ -22,33 +21,30 @@ fn points(random: &mut Random, size: f64, end: Option<f64>) -> Points {
     Points::new(points)
 }
 
-pub(super) fn positions(random: &mut Random) -> PositionProfile {
-    PositionProfile(Points { absolute: false, ..points(random, 3.0, None) })
+pub(super) fn positions(fault: Fault<PositionProfile>) -> Box<dyn Called> {
+    let inputs = |random: &mut Random, _: &Axis, _: &Axis| {
+        PositionProfile(Points { absolute: false, ..points(random, 3.0, None) })
+    };
+    let promise: Keeps<PositionProfile> = |it, begun| by_positions(&it.0, begun);
+    Box::new(moving(promise, inputs, |_, _, _, _| ()).with(fault))
 }
 
-pub(super) fn velocities(random: &mut Random) -> VelocityProfile {
-    VelocityProfile(points(random, 10.0, Some(0.0)))
+pub(super) fn velocities(fault: Fault<VelocityProfile>) -> Box<dyn Called> {
+    let promise: Keeps<VelocityProfile> = |it, begun| by_velocities(&it.0, begun);
+    let inputs =
+        |random: &mut Random, _: &Axis, _: &Axis| VelocityProfile(points(random, 10.0, Some(0.0)));
+    Box::new(moving(promise, inputs, |_, _, _, _| ()).with(fault))
 }
 
-pub(super) fn accelerations(random: &mut Random) -> AccelerationProfile {
-    AccelerationProfile(points(random, 20.0, None))
+pub(super) fn accelerations(fault: Fault<AccelerationProfile>) -> Box<dyn Called> {
+    let promise: Keeps<AccelerationProfile> = |it, begun| by_accelerations(&it.0, begun);
+    let inputs =
+        |random: &mut Random, _: &Axis, _: &Axis| AccelerationProfile(points(random, 20.0, None));
+    Box::new(moving(promise, inputs, |_, _, _, _| ()).with(fault))
 }
 
 pub(super) fn all() -> Vec<Box<dyn Called>> {
-    vec![
-        limited(
-            |it: &PositionProfile, begun| by_positions(&it.0, begun),
-            |random, _, _| positions(random),
-        ),
-        limited(
-            |it: &VelocityProfile, begun| by_velocities(&it.0, begun),
-            |random, _, _| velocities(random),
-        ),
-        limited(
-            |it: &AccelerationProfile, begun| by_accelerations(&it.0, begun),
-            |random, _, _| accelerations(random),
-        ),
-    ]
+    vec![positions(Fault::default()), velocities(Fault::default()), accelerations(Fault::default())]
 }
 
 /// An acceleration over time, by straight lines, from a velocity on.
@@ -91,7 +87,7 @@ impl Lines {
     }
 }
 
-pub(super) fn by_accelerations(points: &Points, begun: &Begun) -> Promise {
+fn by_accelerations(points: &Points, begun: &Begun) -> Promise {
     let mut lines = Lines::from(begun.from.velocity, begun.from.acceleration);
     for point in &points.points {
         lines.to(point.value, point.delta_time);
@@ -100,7 +96,7 @@ pub(super) fn by_accelerations(points: &Points, begun: &Begun) -> Promise {
 }
 
 /// Two parabolas between any two velocities: the acceleration goes up to twice the mean one and back to 0.
-pub(super) fn by_velocities(points: &Points, begun: &Begun) -> Promise {
+fn by_velocities(points: &Points, begun: &Begun) -> Promise {
     let mut lines = Lines::from(begun.from.velocity, 0.0);
     for point in &points.points {
         let step = point.delta_time;
@@ -115,7 +111,7 @@ pub(super) fn by_velocities(points: &Points, begun: &Begun) -> Promise {
 /// ```text
 /// 2·h₀·m₀ + h₀·m₁ = 6·(s₀ − v₀),  h₋·m₋ + 2·(h₋ + h₊)·m + h₊·m₊ = 6·(s₊ − s₋),  h·m₋ + 2·h·m = 6·(0 − s)
 /// ```
-pub(super) fn by_positions(points: &Points, begun: &Begun) -> Promise {
+fn by_positions(points: &Points, begun: &Begun) -> Promise {
     let mut before = 0.0;
     let chords: Vec<(f64, f64)> = points
         .points

@@ -48,17 +48,9 @@ fn machine_frame() {
 
 #[test]
 fn set_position() {
-    let plain = DecoderOptions::default();
-    assert_eq!(end_mm(&plain, "G0 X5\nG92 X1 Y2\nX2 Y2"), [6.0, 0.0, 0.0]);
-    assert_eq!(end_mm(&plain, "G0 X5\nG92 X1\nG92 X3\nX0"), [2.0, 0.0, 0.0]);
-    // On top of the coordinate system.
+    // On top of the coordinate system; without one in linuxcnc.txt (g92 forms).
     assert_eq!(end_mm(&options(), "G55 G0 X5\nG92 X0\nX1"), [8.0, 0.0, 0.0]);
     assert_eq!(end_mm(&options(), "G55 G0 X5\nG92 X0\nG54 X1"), [7.0, 0.0, 0.0]);
-    // Off; off, and on again; off for good.
-    assert_eq!(end_mm(&plain, "G0 X5\nG92 X0\nG92.1 X1"), [1.0, 0.0, 0.0]);
-    assert_eq!(end_mm(&plain, "G0 X5\nG92 X0\nG92.2\nX1"), [1.0, 0.0, 0.0]);
-    assert_eq!(end_mm(&plain, "G0 X5\nG92 X0\nG92.2\nX1\nG92.3 X1"), [6.0, 0.0, 0.0]);
-    assert_eq!(end_mm(&plain, "G0 X5\nG92 X0\nG92.1\nG92.3 X1"), [1.0, 0.0, 0.0]);
     // No motion, and no element.
     assert_eq!(elements("G92 X7 Y8 Z9\nM2"), []);
 }
@@ -95,16 +87,8 @@ fn units() {
     let inches = DecoderOptions { units: LengthUnit::Inch, ..DecoderOptions::default() };
     assert_eq!(end_mm(&inches, "G0 X1"), [25.4, 0.0, 0.0]);
     assert_eq!(end_mm(&inches, "G21 G0 X1"), [1.0, 0.0, 0.0]);
-    let plain = DecoderOptions::default();
-    assert_eq!(end_mm(&plain, "G20 G0 X1 Y-2\nG21 G91 X1 Y1"), [26.4, -49.8, 0.0]);
-    // Offsets do not depend on the units of the program.
+    // Offsets do not depend on the units of the program; without them in linuxcnc.txt (units mid, feed change units).
     assert_eq!(end_mm(&options(), "G20 G55 G0 X1"), [27.4, 0.0, 0.0]);
-    assert_eq!(end_mm(&plain, "G0 X50.8\nG20 G92 X1\nX2"), [76.2, 0.0, 0.0]);
-    // F is in the units of the line before it (LinuxCNC's order), and stays when units change.
-    let feeds = |program: &str| -> Vec<f64> {
-        elements(program).iter().map(|element| (element.feed * 6e7).round() / 1e3).collect()
-    };
-    assert_eq!(feeds("G20\nG1 X1 F10\nG21 X1\nX2 F10\nM2"), [254.0, 254.0, 10.0]);
 }
 
 /// Rotary axes are the extra axes P Q U, in degrees.
