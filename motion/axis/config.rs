@@ -42,8 +42,6 @@ pub struct AxisConfig {
     pub ratio: [i64; 2],
     /// Number of the drive (`wId`, `wDriveId`); blocks tell axes by it.
     pub drive_id: u16,
-    /// True if the configuration made the axis (`bRealDrive`), not a program.
-    pub real_drive: bool,
 }
 
 impl Default for AxisConfig {
@@ -62,7 +60,6 @@ impl Default for AxisConfig {
             capture_window: true,
             ratio: [1, 1],
             drive_id: 0,
-            real_drive: true,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Cycle of an axis: reading the drive, supervision, and the command at its end.
 
-use super::drive::{Command, ControllerMode, Feedback};
+use super::drive::{Command, Feedback};
 use super::state::AxisState;
 use super::{Axis, SmcError};
 use twin_profile::{Profile, RampType, State};
@@ -29,9 +29,7 @@ impl Axis {
             _ if !powered => self.lose_power(),
             _ => {}
         }
-        let unregulated = matches!(feedback.mode, ControllerMode::Torque | ControllerMode::Current);
-        let moved = self.values.owner != 0 || self.overlay_owner != 0;
-        if !powered || (unregulated && !moved) {
+        if !powered {
             self.follow_drive();
         }
     }
@@ -44,12 +42,9 @@ impl Axis {
         if self.is_deserted() {
             self.fail_with(SmcError::FbWasntCalledDuringMotion.number());
         }
-        self.transfer = self.transfer.filter(|(_, called)| *called);
-        self.transfer = self.transfer.map(|(transfer, _)| (transfer, false));
         self.brake();
         self.show_set_values();
         self.watch_software_limits();
-        self.values.axis_state = self.state.number();
         self.drive_command()
     }
 
@@ -79,19 +74,12 @@ impl Axis {
         };
         let position = self.in_program(feedback.position);
         let values = &mut self.values;
-        values.last_position = values.act_position;
-        values.act_jerk =
-            if cycle > 0.0 { (acceleration - values.act_acceleration) / cycle } else { 0.0 };
         values.act_position = position;
         values.act_velocity = feedback.velocity;
         values.act_acceleration = acceleration;
-        values.act_deceleration = (-acceleration * feedback.velocity.signum()).max(0.0);
-        values.act_torque = feedback.torque;
-        values.act_current = feedback.current;
         values.regulator_real_state = feedback.regulator_on;
         values.drive_start_real_state = feedback.brake_released;
         values.communication = feedback.communicating;
-        values.real_controller_mode = feedback.mode.number();
         self.drive = *feedback;
     }
 
@@ -116,7 +104,6 @@ impl Axis {
         values.save_position = values.set_position;
         values.save_velocity = values.set_velocity;
         values.save_acceleration = values.set_acceleration;
-        values.save_deceleration = values.set_deceleration;
         if counts_anew {
             // Position and zero change together.
             self.show_set_values();
@@ -138,7 +125,6 @@ impl Axis {
         } else {
             total.acceleration * total.velocity.signum()
         };
-        values.set_deceleration = (-growth).max(0.0);
         values.accelerating = growth > 0.0;
         values.decelerating = growth < 0.0;
         values.constant_velocity = total.velocity != 0.0 && total.acceleration == 0.0;
@@ -147,11 +133,7 @@ impl Axis {
         if total.velocity != 0.0 {
             self.went = values.direction;
         }
-        if values.task_cycle > 0.0 {
-            values.set_jerk = (total.acceleration - values.save_acceleration) / values.task_cycle;
-        }
         values.aim_position = aim.unwrap_or(values.aim_position);
-        values.axis_state = self.state.number();
     }
 
     /// Power on and brake released.
@@ -163,7 +145,6 @@ impl Axis {
         #[cfg(test)]
         self.entered.push([self.state, state]);
         self.state = state;
-        self.values.axis_state = state.number();
     }
 
     fn lose_power(&mut self) {
@@ -253,14 +234,11 @@ impl Axis {
             position: self.wrapped(total.position),
             velocity: total.velocity,
             acceleration: total.acceleration,
-            torque: self.values.set_torque,
-            mode: self.mode(),
             regulator_on: self.values.regulator_on,
             release_brake: self.values.drive_start,
             capture: self.capture,
             home: self.home,
             reset: self.values.error_acknowledged,
-            transfer: self.transfer.map(|(transfer, _)| transfer),
         }
     }
 }

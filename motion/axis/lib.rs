@@ -1,4 +1,4 @@
-//! Single axes after PLCopen: state, parameters and motion blocks (manual chapters 2 and 5).
+//! Single axes after PLCopen: state and motion blocks (manual chapters 2 and 5).
 //!
 //! All quantities are in the technical unit u of the axis, as in SoftMotion: u, u/s, u/s², u/s³.
 //!
@@ -56,19 +56,14 @@ mod state;
 mod tests;
 mod virtual_axes;
 
-pub use axis::{Access, Axis, PARAMETERS, Parameter, Value};
+pub use axis::Axis;
 pub use block::{Block, Motion, Progress, Stage};
 pub use config::{AxisConfig, Movement};
 pub use diagnose::{Largest, TrackingError, tracking_error};
 pub use direction::Direction;
-pub use drive::{
-    Answer, Capture, Command, ControllerMode, Feedback, Homing, Transfer, VirtualDrive,
-};
+pub use drive::{Capture, Command, Feedback, Homing, VirtualDrive};
 pub use error::{Language, SmcError};
-pub use gear::{
-    CamIn, CamRun, CamSwitch, Decouple, DigitalCamSwitch, GearIn, GearInPos, GearInPosRun, Phasing,
-    SwitchDirection, SwitchOutputs, TappetMode, Track,
-};
+pub use gear::{CamIn, CamRun, Decouple, GearIn, GearInPos, GearInPosRun, Phasing};
 pub use latch::Outputs;
 pub use master::Master;
 pub use math::{atan2, fmod, sgn};
@@ -76,9 +71,8 @@ pub use moves::{
     AbortTrigger, AccelerationProfile, AxisStatus, ControlAxis, ControlAxisBy, ControlOutputs,
     Follow, Halt, Home, HomingBySwitch, HomingMode, MoveAbsolute, MoveAdditive,
     MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative, MoveSuperImposed, MoveVelocity,
-    ParameterNumber, Planned, PlannedMotion, Points, PositionProfile, Power, PowerStatus, Probed,
-    ReadParameter, Reset, SetControllerMode, Stop, SuperImposed, TableRun, TouchProbe, Trigger,
-    VelocityProfile, Watched, WriteParameter,
+    Planned, PlannedMotion, Points, PositionProfile, Power, PowerStatus, Probed, Reset, Stop,
+    SuperImposed, TableRun, TouchProbe, Trigger, VelocityProfile, Watched,
 };
 pub use ownership::{Refusal, Start};
 pub use state::AxisState;

@@ -25,7 +25,7 @@ impl TimeAxis {
     #[must_use]
     pub fn new(cycle: f64, period: Option<f64>) -> Self {
         let movement = period.map_or(Movement::Linear, |period| Movement::Rotary { period });
-        let config = AxisConfig { movement, cycle, real_drive: false, ..AxisConfig::default() };
+        let config = AxisConfig { movement, cycle, ..AxisConfig::default() };
         let mut axis = Axis::new(config);
         // Its set values are what a follower takes.
         axis.values.regulator_on = true;
@@ -128,7 +128,7 @@ impl Encoder {
     /// it wraps after `modulo` increments (`dwEncoderModulo`), with 0 after 32 bit. Nothing is counted yet.
     #[must_use]
     pub fn new(config: AxisConfig, modulo: u32) -> Self {
-        let axis = Axis::new(AxisConfig { real_drive: false, ..config });
+        let axis = Axis::new(config);
         let modulo = if modulo == 0 { 1 << 32 } else { i64::from(modulo) };
         Self { ratio: config.ratio, modulo, axis, counted: 0, last: None, velocity: None }
     }

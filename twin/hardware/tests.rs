@@ -530,7 +530,7 @@ fn a_stop_brakes_whatever_is_under_way_and_stays_asked_for() {
 
 #[test]
 fn drives_that_nobody_listens_to_are_brought_to_rest() {
-    let (mut hardware, strings) = following(Strings::default());
+    let (hardware, strings) = following(Strings::default());
     // A puppet answers at once: samples soon fill the channel, and the thread waits for the session.
     while strings.followed.load(Ordering::SeqCst) < 1025 {
         std::thread::sleep(Duration::from_millis(1));

@@ -1,17 +1,15 @@
 //! [`Axis`]: an axis with its values, motion and owner (`AXIS_REF`, manual 2.4).
 
 mod error_memory;
-mod parameters;
-
-pub use parameters::{Access, PARAMETERS, Parameter, Value};
+mod values;
 
 use super::config::{AxisConfig, Movement};
-use super::drive::{Capture, ControllerMode, Feedback, Transfer};
+use super::drive::{Capture, Feedback};
 use super::math::fmod;
 use super::state::AxisState;
 use error_memory::BlockErrors;
-use parameters::AxisRef;
 use twin_profile::{AxisLimits, Profile, RampType, State};
+use values::AxisValues;
 
 /// An axis (`AXIS_REF`, manual 2.4), cycle by cycle.
 ///
@@ -23,7 +21,7 @@ use twin_profile::{AxisLimits, Profile, RampType, State};
 #[expect(clippy::struct_excessive_bools, reason = "each is a state of its own")]
 #[derive(Clone, Debug)]
 pub struct Axis {
-    pub(super) values: AxisRef,
+    pub(super) values: AxisValues,
     pub(super) state: AxisState,
     pub(super) movement: Movement,
     pub(super) ramp: RampType,
@@ -55,8 +53,6 @@ pub struct Axis {
     pub(super) braking: Option<(Profile, f64)>,
     pub(super) capture: Option<Capture>,
     pub(super) home: Option<f64>,
-    /// Parameter of the drive that a block waits for, and whether the block was called in this cycle.
-    pub(super) transfer: Option<(Transfer, bool)>,
     /// Homing uses the limit switch.
     pub(super) ignores_limit_switch: bool,
     pub(super) has_capture_window: bool,
@@ -76,17 +72,9 @@ impl Axis {
     /// An axis at rest, without power and without feedback of its drive.
     #[must_use]
     pub fn new(config: AxisConfig) -> Self {
-        let (movement_type, period) = match config.movement {
-            Movement::Linear => (1, AxisRef::default().position_period),
-            Movement::Rotary { period } => (0, period),
-        };
         let [negative, positive] = config.software_limits.unwrap_or_default();
-        let [numerator, denominator] = config.ratio;
-        let values = AxisRef {
-            movement_type,
-            position_period: period,
+        let values = AxisValues {
             task_cycle: config.cycle,
-            real_drive: config.real_drive,
             drive_id: config.drive_id.into(),
             max_jerk: config.jerk,
             sw_max_jerk: config.jerk,
@@ -97,9 +85,7 @@ impl Axis {
             sw_limit_negative: negative,
             sw_limit_positive: positive,
             hw_limit_enable: config.hardware_limits,
-            ratio_numerator: numerator,
-            ratio_denominator: denominator,
-            ..AxisRef::default()
+            ..AxisValues::default()
         };
         Self {
             values,
@@ -126,7 +112,6 @@ impl Axis {
             braking: None,
             capture: None,
             home: None,
-            transfer: None,
             ignores_limit_switch: false,
             has_capture_window: config.capture_window,
             drive: Feedback::default(),
@@ -234,11 +219,6 @@ impl Axis {
         self.went < 0
     }
 
-    /// Controller mode wanted.
-    pub(super) fn mode(&self) -> ControllerMode {
-        ControllerMode::from_number(self.values.controller_mode).unwrap_or_default()
-    }
-
     /// Set position (`fSetPosition`, `SMC_ReadSetPosition`), u; of a rotary axis in [0, period).
     #[doc(alias = "SMC_ReadSetPosition")]
     #[must_use]
@@ -282,12 +262,5 @@ impl Axis {
     #[must_use]
     pub fn act_velocity(&self) -> f64 {
         self.values.act_velocity
-    }
-
-    /// Actual torque, Nm, or force, N (`MC_ReadActualTorque`).
-    #[doc(alias = "MC_ReadActualTorque")]
-    #[must_use]
-    pub fn act_torque(&self) -> f64 {
-        self.values.act_torque
     }
 }

@@ -2,8 +2,8 @@
 
 use super::rig::{CYCLE, Rig, endless, home, linear, on_top, rotary, to};
 use crate::{
-    AbortTrigger, AxisConfig, AxisState, Block, ControllerMode, Direction, Homing,
-    MoveContinuousAbsolute, Reset, SetControllerMode, SmcError, TouchProbe, Trigger,
+    AbortTrigger, AxisConfig, AxisState, Block, Direction, Homing, MoveContinuousAbsolute, Reset,
+    SmcError, TouchProbe, Trigger,
 };
 
 #[test]
@@ -82,10 +82,10 @@ fn the_drive_homes_itself() {
     let (mut rig, mut homing) = (linear().at(3.0), home(-7.0, 0.0));
     rig.call(&mut homing, true);
     assert_eq!(rig.axis.state(), AxisState::Homing);
-    assert_eq!(rig.axis.read_bool_parameter(1210), Ok(true));
+    assert!(rig.axis.values.start_reference);
     rig.done(&mut homing);
     assert_eq!((rig.axis.set_position(), rig.axis.act_position()), (-7.0, -7.0));
-    assert_eq!(rig.axis.read_bool_parameter(1210), Ok(false));
+    assert!(!rig.axis.values.start_reference);
     // Not from motion.
     let mut moving = endless(5.0);
     rig.call(&mut moving, true);
@@ -174,8 +174,8 @@ fn a_probe_of_the_program_latches_within_its_window() {
         shown.outputs.done
     });
     assert!(early && at > 2.5 && at < 2.7, "{at}");
-    assert_eq!(rig.axis.read_parameter(1202), Ok(at));
-    assert_eq!(rig.axis.read_bool_parameter(1207), Ok(true));
+    assert_eq!(rig.axis.values.captured_position, at);
+    assert!(rig.axis.values.capture_occurred);
     assert!(!trigger.is_active());
 }
 
@@ -248,20 +248,6 @@ fn a_drive_without_windows_refuses_one() {
     let (mut trigger, mut probe) = (Trigger::of_drive(1), TouchProbe::new(Some([0.0, 1.0])));
     let shown = rig.cycle(|axis| probe.call(true, axis, &mut trigger));
     assert_eq!(shown.outputs.error, Some(SmcError::TpCouldntSetWindow));
-}
-
-#[test]
-fn torque_needs_torque_mode() {
-    let mut rig = linear();
-    assert_eq!(rig.axis.set_torque(1.5), Err(SmcError::StWrongControllerMode));
-    rig.done(&mut SetControllerMode::new(ControllerMode::Torque));
-    assert_eq!(rig.axis.set_torque(1.5), Ok(()));
-    rig.run(2, |_| ());
-    assert_eq!(rig.axis.act_torque(), 1.5);
-    // A drive that stays in its mode.
-    let stays = |rig: &mut Rig| rig.drive.feedback_mut().mode = ControllerMode::Torque;
-    let shown = rig.fails(&mut SetControllerMode::new(ControllerMode::Current), stays);
-    assert_eq!(shown.error, Some(SmcError::ScmNotSupported));
 }
 
 #[test]

@@ -2,8 +2,8 @@
 
 use super::rig::{CYCLE, Rig, cam, cam_in, endless, linear, ramp_in, rotary};
 use crate::{
-    Axis, AxisConfig, AxisState, Block, ControllerMode, Direction, MoveAbsolute, Movement, Power,
-    SetControllerMode, SmcError, TimeAxis, VirtualDrive, units,
+    Axis, AxisConfig, AxisState, Block, Direction, MoveAbsolute, Movement, Power, TimeAxis,
+    VirtualDrive, units,
 };
 use twin_cam::{Action, Knot, Passage, Tappet, TappetValue};
 
@@ -13,7 +13,7 @@ fn absolute(position: f64, direction: Direction) -> Block<MoveAbsolute> {
 }
 
 /// 11.2: three linear drives of a gantry from −50 to +50 cm, counted in 10⁻⁷ m, in mm, and a rotary one of 65536
-/// increments a turn, in degrees, which changes from position to torque. (The manual prints ±5000 mm.)
+/// increments a turn, in degrees. (The manual prints ±5000 mm.)
 #[test]
 fn a_gantry_and_a_rotary_drive() {
     let gantry = AxisConfig {
@@ -27,7 +27,6 @@ fn a_gantry_and_a_rotary_drive() {
     assert_eq!(units(5_000_000, gantry.ratio), 500.0, "50 cm are 5 million increments");
     for (drive_id, end) in [(1, 500.0), (2, -500.0), (3, 500.0)] {
         let mut rig = Rig::new(AxisConfig { drive_id, ..gantry });
-        assert_eq!(rig.axis.read_parameter(1021), Ok(f64::from(drive_id)), "wDriveId");
         let mut fast = absolute(end, Direction::Shortest);
         fast.inputs.velocity = 400.0;
         rig.done(&mut fast);
@@ -43,13 +42,9 @@ fn a_gantry_and_a_rotary_drive() {
         ..AxisConfig::default()
     });
     assert_eq!(units(16_384, [360, 65_536]), 90.0);
-    // Onto the bottle's cap, and tight.
     rig.done(&mut absolute(270.0, Direction::Positive));
-    assert_eq!(rig.axis.set_torque(1.5), Err(SmcError::StWrongControllerMode));
-    rig.done(&mut SetControllerMode::new(ControllerMode::Torque));
-    rig.axis.set_torque(1.5).expect("torque mode");
     rig.run(2, |_| ());
-    assert_eq!((rig.axis.act_torque(), rig.axis.act_position()), (1.5, 270.0));
+    assert_eq!(rig.axis.act_position(), 270.0);
 }
 
 /// 11.3: power until `Status`, then to `p` again and again; another `p` is gone to after the one before.

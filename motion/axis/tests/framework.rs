@@ -38,13 +38,13 @@ fn inputs_count_at_the_rising_edge_only() {
 fn a_new_block_takes_the_axis_and_the_old_one_is_aborted() {
     let (mut rig, mut first, mut second) = (linear(), to(100.0), to(-1.0));
     rig.calls(30, &mut first);
-    let owners = rig.axis.read_parameter(1023).expect("iNoOwner");
+    let owners = rig.axis.values.owners;
     // The old block, called first, still moves the axis in this cycle; the new one replaces its set-point.
     let before = rig.axis.set_position();
     let shown = rig.cycle(|axis| [first.call(true, axis), second.call(true, axis)]);
     assert!(shown.iter().all(|shown| !shown.command_aborted && shown.busy));
     assert_eq!(rig.axis.owner(), 2);
-    assert_eq!(rig.axis.read_parameter(1023), Ok(owners + 1.0));
+    assert_eq!(rig.axis.values.owners, owners + 1);
     // From 10 u/s it brakes with 100 u/s²: one cycle of 10 ms is 0.095 u.
     assert!((rig.axis.set_position() - before - 0.095).abs() < 1e-9);
     // CommandAborted stays until Execute falls.

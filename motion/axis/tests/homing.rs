@@ -36,7 +36,7 @@ fn run(
 ) -> f64 {
     for _ in 0..10_000 {
         let at = rig.drive.feedback().position;
-        let offset = rig.axis.read_parameter(1215).expect("fOffsetPosition");
+        let offset = rig.axis.values.offset_position;
         block.inputs.end_switch = !(closed[0]..closed[1]).contains(&at);
         if let Some(index) = index {
             block.inputs.index_occurred = at >= index;
@@ -47,7 +47,7 @@ fn run(
         if shown.done {
             assert_eq!(rig.axis.state(), AxisState::Standstill);
             assert_eq!(rig.axis.set_velocity(), 0.0);
-            let offset = rig.axis.read_parameter(1215).expect("fOffsetPosition");
+            let offset = rig.axis.values.offset_position;
             return block.inputs.home_position - offset;
         }
         assert_eq!(rig.axis.state(), AxisState::Homing);
@@ -110,7 +110,7 @@ fn a_late_signal_is_made_up_for() {
         let old = was.pop_front().expect("ten");
         block.inputs.end_switch = old >= SWITCH;
         if rig.cycle(|axis| block.call(true, axis)).done {
-            place = 10.0 - rig.axis.read_parameter(1215).expect("fOffsetPosition");
+            place = 10.0 - rig.axis.values.offset_position;
             break;
         }
     }

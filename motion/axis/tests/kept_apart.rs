@@ -67,8 +67,6 @@ fn a_new_edge_on_another_axis_takes_nothing_from_a_stop() {
 #[test]
 fn refusals_are_kept_with_the_errors_of_blocks() {
     let mut rig = linear();
-    assert_eq!(rig.axis.set_torque(1.0), Err(SmcError::StWrongControllerMode));
-    assert_eq!(rig.axis.read_fb_error(), Some(SmcError::StWrongControllerMode));
     assert_eq!(rig.axis.shift_zero(f64::NAN, false), Err(SmcError::WpParamInvalid));
     assert_eq!(rig.axis.read_fb_error(), Some(SmcError::WpParamInvalid));
     let shown = rig.call(&mut home(f64::NAN, 0.0), true);

@@ -3,7 +3,7 @@
 use crate::{
     Axis, AxisConfig, Block, CamIn, Direction, Encoder, GearIn, GearInPos, Home, Master, Motion,
     MoveAbsolute, MoveAdditive, MoveRelative, MoveSuperImposed, MoveVelocity, Movement, Outputs,
-    Phasing, Power, Reset, SetControllerMode, Stop, SuperImposed, VirtualDrive, WriteParameter,
+    Phasing, Power, Reset, Stop, SuperImposed, VirtualDrive,
 };
 use std::sync::Arc;
 use twin_cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode, Tappet};
@@ -39,7 +39,7 @@ macro_rules! called {
     };
 }
 
-called!(Reset SetControllerMode SuperImposed WriteParameter);
+called!(Reset SuperImposed);
 
 impl Rig {
     /// With this configuration but the cycle, powered and at a standstill at 0.

@@ -11,7 +11,7 @@ fn a_drive_that_falls_silent_is_an_error_1_and_a_reset_waits_for_it() {
     let shown = rig.call(&mut block, true);
     assert_eq!(shown.error, Some(SmcError::DiGeneralCommunicationError));
     assert_eq!((rig.axis.state(), rig.axis.error_id()), (AxisState::ErrorStop, Some(1)));
-    assert_eq!(rig.axis.read_bool_parameter(1012), Ok(false), "bCommunication");
+    assert!(!rig.axis.values.communication);
     let mut reset = Reset::default();
     let mut error = None;
     let cycles = rig.until(|axis| {
@@ -97,7 +97,7 @@ fn an_encoder_that_a_block_moves_is_5001() {
 #[test]
 fn a_rotary_axis_has_no_limit_switches() {
     for (mut rig, error) in [(linear(), Some(10)), (rotary(), None)] {
-        rig.axis.write_bool_parameter(1206, true).expect("bHWLimitEnable");
+        rig.axis.values.hw_limit_enable = true;
         rig.drive.feedback_mut().limit_switch = true;
         rig.cycle(|_| ());
         assert_eq!(rig.axis.error_id(), error);

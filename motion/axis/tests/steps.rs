@@ -3,8 +3,8 @@
 use super::rig::{CYCLE, Rig, cam_in, endless, follow, home, in_pos, linear, on_top, ramp_in};
 use super::rig::{rotary, short, straight};
 use crate::{
-    AxisConfig, AxisState, Block, CamIn, ControlAxisBy, ControllerMode, Follow, GearIn,
-    GearInPosRun, MoveVelocity, SetControllerMode, Watched,
+    AxisConfig, AxisState, Block, CamIn, ControlAxisBy, Follow, GearIn, GearInPosRun, MoveVelocity,
+    Watched,
 };
 use twin_profile::RampType;
 
@@ -230,15 +230,4 @@ fn a_cam_takes_over_both_motions_that_there_are() {
     let way = slave.axis.set_position() - before;
     assert!((way - 8.0 * CYCLE).abs() < 1e-9, "{way}");
     assert!((slave.axis.set_velocity() - 8.0).abs() < 1e-9);
-}
-
-/// Without position control the set-point follows the drive; but not while a block moves the axis.
-#[test]
-fn a_motion_on_top_alone_goes_its_way_in_torque_mode() {
-    let mut rig = linear();
-    rig.done(&mut SetControllerMode::new(ControllerMode::Torque));
-    // 10 u with 20 u/s and 100 u/s²: 0.2 s up and down each with 2 u, 6 u between in 0.3 s.
-    let cycles = rig.done(&mut on_top(10.0, 20.0, 100.0));
-    assert!((70..=71).contains(&cycles), "{cycles}");
-    assert!((rig.axis.set_position() - 10.0).abs() < 1e-9, "{}", rig.axis.set_position());
 }

@@ -1,4 +1,4 @@
-//! Random slaves: gears and cams behind a master, and cam switches along their motion.
+//! Random slaves: gears and cams behind a master.
 
 use super::alone::{rate, speed, way};
 use super::called::{Begun, Called, Fault, limited, moving, own};
@@ -6,47 +6,10 @@ use super::checker::{Limits, Promise};
 use super::in_pos::InPos;
 use super::on_cam::{self, OnCam};
 use super::random::Random;
-use super::{Around, CYCLE, JERK, Run, STEEPEST};
-use crate::{
-    Axis, CamIn, CamSwitch, Decouple, DigitalCamSwitch, GearIn, GearInPos, Phasing,
-    SwitchDirection, Track,
-};
+use super::{JERK, STEEPEST};
+use crate::{Axis, CamIn, Decouple, GearIn, GearInPos, Phasing};
 use std::sync::Arc;
 use twin_cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
-
-/// Delay of output 2 behind output 0.
-const DELAY_CYCLES: usize = 10;
-
-/// Hysteresis of the outputs for one direction, u.
-const HYSTERESIS: f64 = 1.0;
-
-/// Output 0 between 10 and 30 u, output 1 masked, output 2 as output 0 but later; outputs 3 and 4 the same each in one
-/// direction, with a hysteresis.
-pub(super) fn switches() -> DigitalCamSwitch {
-    switches_to(30.0)
-}
-
-/// The same to another place.
-pub(super) fn switches_to(last_on: f64) -> DigitalCamSwitch {
-    use SwitchDirection::{Both, Negative, Positive};
-    let directions = [Both, Both, Both, Positive, Negative];
-    let switch = |(track, direction)| CamSwitch {
-        track,
-        first_on: 10.0,
-        last_on,
-        direction,
-        duration: None,
-    };
-    let mut tracks = [Track::default(); 32];
-    // Half a cycle less, so that no rounding moves it into the next one.
-    let later = 9.5 * CYCLE;
-    (tracks[2].on_compensation, tracks[2].off_compensation) = (later, later);
-    (tracks[3].hysteresis, tracks[4].hysteresis) = (HYSTERESIS, HYSTERESIS);
-    let switches: Vec<_> = (1..).zip(directions).map(switch).collect();
-    let mut block = DigitalCamSwitch::new(&switches, tracks);
-    block.enable_mask = !0b10;
-    block
-}
 
 /// Behind a master that does at most 10 u/s and 60 u/s², with half the jerk.
 pub(super) fn all() -> Vec<Box<dyn Called>> {
@@ -159,36 +122,5 @@ fn cam_input(random: &mut Random) -> CamInput {
         deceleration: rate(random),
         tappet_hysteresis: random.one_of(&[0.0, 2.0]),
         ..CamInput::default()
-    }
-}
-
-impl Run {
-    /// Outputs along the axis follow its positions.
-    pub(super) fn see_switches(&mut self) -> Result<(), String> {
-        let shown = self.switch.call(true, &self.axis).outputs;
-        let place = self.axis.set_position();
-        let demand = self.axis.is_powered();
-        if demand && shown[0] != (10.0..=30.0).contains(&place) {
-            return Err(format!("output 0 is {} at {place}", shown[0]));
-        }
-        if shown[1] {
-            return Err("a masked output is on".to_owned());
-        }
-        // One of the two directions counts; the other output lasts for the hysteresis.
-        let outside = (10.0 - place).max(place - 30.0);
-        let both = [shown[3], shown[4]].iter().filter(|it| **it).count();
-        if demand
-            && (both > 1 || (outside <= 0.0 && both == 0) || (outside > HYSTERESIS && both > 0))
-        {
-            return Err(format!("{both} of outputs 3 and 4 are on at {place}"));
-        }
-        self.switched.push(shown[0]);
-        // After a move of the zero or a loss of power nothing delayed has been passed.
-        let delayed = self.switched.iter().rev().nth(DELAY_CYCLES);
-        let counts = self.around != Around::Everything && self.switched.len() > 50;
-        if counts && delayed != Some(&shown[2]) {
-            return Err(format!("output 2 is {}, output 0 was {delayed:?}", shown[2]));
-        }
-        Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::called::{self, Called};
 use super::planted::{self, Owning, with_tappets};
-use super::{Around, KINDS, Run, alone, coupled};
+use super::{Around, KINDS, Run, alone};
 use crate::{Axis, AxisState, CamIn, Movement, Outputs};
 use twin_profile::RampType;
 
@@ -169,21 +169,6 @@ fn the_checker_sees_what_blocks_were_not_asked() {
             }
             _ => with(block()),
         });
-    }
-}
-
-/// Outputs along the axis that switch at wrong positions.
-#[test]
-fn the_checker_sees_switches_beside_their_places() {
-    for (last_on, expected) in
-        [(30.5, "output 0 is true at 30."), (29.5, "output 0 is false at 29.")]
-    {
-        let found = (0..8).any(|seed| {
-            let mut run = Run::new(seed, KINDS[0], called::single(), Around::Forgotten);
-            run.switch = coupled::switches_to(last_on);
-            run.calls(50_000, |_, _, _| ()).is_err_and(|message| message.contains(expected))
-        });
-        assert!(found, "nobody sees an end at {last_on}");
     }
 }
 

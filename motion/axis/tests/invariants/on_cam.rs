@@ -37,6 +37,8 @@ pub(super) struct OnCam {
     passed: Option<Passed>,
     /// When a pulse was begun last, and whether it has been seen.
     begun_ns: i64,
+    /// When the output was read last.
+    read_ns: i64,
     unseen: bool,
     /// Owner on the ramp, and its velocity and acceleration relative to the cam.
     ramp: Option<(i64, f64, f64)>,
@@ -117,7 +119,7 @@ impl Passed {
 impl OnCam {
     pub(super) fn new(moving: Moving<CamIn>) -> Self {
         let value = TappetValue::new(1, false, false);
-        Self { moving, value, passed: None, begun_ns: 0, unseen: false, ramp: None }
+        Self { moving, value, passed: None, begun_ns: 0, read_ns: 0, unseen: false, ramp: None }
     }
 
     /// Tappets act in the cycle in which the master passes them, and no pulse is lost or hangs.
@@ -165,7 +167,8 @@ impl OnCam {
         let after = now - self.begun_ns;
         self.unseen &= !(on && after >= DELAY_NS);
         // A pulse shows for a cycle at least; one that ended unseen shows until it is read.
-        if on && after > PULSE_NS + 2 * CYCLE_NS {
+        let read = std::mem::replace(&mut self.read_ns, now);
+        if on && read > self.begun_ns + PULSE_NS + CYCLE_NS {
             return Err(format!("a pulse of {} is still there at {now}", self.begun_ns));
         }
         if self.unseen && after > DELAY_NS + CYCLE_NS {
