@@ -70,6 +70,9 @@ pub enum UrdfError {
     /// The text is not XML.
     #[error("not URDF: {0}")]
     Xml(#[source] roxmltree::Error),
+    /// The text is not a URDF.
+    #[error("not URDF: {0}")]
+    Text(#[source] urdf_rs::UrdfError),
     /// The text is URDF only when a macro processor has been over it.
     #[error(
         "this is xacro, of which URDF is made: run `xacro IN.urdf.xacro > OUT.urdf` and take what it writes"

@@ -1,7 +1,6 @@
 //! Reader of links: visual and collision solids, materials, inertial properties.
 
-use super::document::{At, Element};
-use super::schema::SHAPES;
+use super::document::{At, OriginPlace, Places};
 use super::{Reader, UrdfNote, packages};
 use crate::check::{check_finite, check_inertial, check_measures};
 use crate::inertial::turned;
@@ -11,6 +10,7 @@ use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
+use urdf_rs::{Geometry, Material};
 
 /// Colour of a solid without a colour in the file.
 const GREY: [f64; 4] = [0.6, 0.6, 0.6, 1.0];
@@ -19,44 +19,66 @@ const GREY: [f64; 4] = [0.6, 0.6, 0.6, 1.0];
 pub(super) type Meshes = HashMap<String, Arc<Mesh>>;
 
 /// Colours by the names of their materials, wherever in the file they are defined.
-pub(super) type Colors<'a> = HashMap<&'a str, [f64; 4]>;
-
-fn color_of(material: Element<'_>) -> Option<[f64; 4]> {
-    material.child("color")?.numbers("rgba")
-}
-
-pub(super) fn colors(robot: Element<'_>) -> Colors<'_> {
-    let visuals = robot.children("link").flat_map(|link| link.children("visual"));
-    let inside = visuals.filter_map(|visual| visual.child("material"));
+pub(super) fn colors(robot: &urdf_rs::Robot) -> HashMap<&str, [f64; 4]> {
+    let inside = robot
+        .links
+        .iter()
+        .flat_map(|link| &link.visual)
+        .filter_map(|visual| visual.material.as_ref());
     // What the robot defines wins over what a link defines in passing.
-    let all = inside.chain(robot.children("material"));
-    all.filter_map(|material| Some((material.name(), color_of(material)?))).collect()
+    let all = inside.chain(&robot.materials);
+    all.filter_map(|material| Some((material.name.as_str(), *material.color.as_ref()?.rgba)))
+        .collect()
 }
 
-/// Mass and inertia as written; `None` if a link has neither.
-pub(super) fn mass(link: Element<'_>) -> Option<(f64, Matrix3<f64>)> {
-    let inertial = link.child("inertial")?;
-    let mass = inertial.child("mass")?.number("value")?;
-    let inertia = inertial.child("inertia")?;
-    let of = |attribute: &str| inertia.number(attribute).unwrap_or_default();
-    let [ixx, ixy, ixz] = ["ixx", "ixy", "ixz"].map(of);
-    let [iyy, iyz, izz] = ["iyy", "iyz", "izz"].map(of);
-    let written = Matrix3::new(ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz);
-    (mass != 0.0 || written != Matrix3::zeros()).then_some((mass, written))
+/// True if a link has no mass: urdf-rs gives that to a link without `<inertial>`.
+pub(super) fn is_massless(link: &urdf_rs::Link) -> bool {
+    link.inertial.mass.value == 0.0 && along(link) == Matrix3::zeros()
+}
+
+/// The inertia as written.
+fn along(link: &urdf_rs::Link) -> Matrix3<f64> {
+    let inertia = &link.inertial.inertia;
+    Matrix3::new(
+        inertia.ixx,
+        inertia.ixy,
+        inertia.ixz, //
+        inertia.ixy,
+        inertia.iyy,
+        inertia.iyz, //
+        inertia.ixz,
+        inertia.iyz,
+        inertia.izz,
+    )
 }
 
 impl Reader<'_> {
-    pub(super) fn link(&mut self, link: Element<'_>, colors: &Colors<'_>) -> At<Link> {
-        let name = link.name();
-        let mut solids = Vec::new();
-        for visual in link.children("visual") {
-            let (origin, shape) = self.body(name, visual)?;
-            let color = self.color(name, visual, colors)?;
+    pub(super) fn link(
+        &mut self,
+        robot: &urdf_rs::Robot,
+        index: usize,
+        places: &Places,
+        colors: &HashMap<&str, [f64; 4]>,
+    ) -> At<Link> {
+        let Some(link) = robot.links.get(index) else {
+            return Err((places.robot, UrdfError::NoBase));
+        };
+        let nowhere = OriginPlace { line: places.link(index), ..OriginPlace::default() };
+        let place = places.links.get(index);
+        let of = |list: Option<&Vec<OriginPlace>>, number: usize| {
+            list.and_then(|list| list.get(number)).copied().unwrap_or(nowhere)
+        };
+        let mut solids = Vec::with_capacity(link.visual.len());
+        for (number, visual) in link.visual.iter().enumerate() {
+            let place = of(place.map(|link| &link.visuals), number);
+            let (origin, shape) = self.body(&link.name, &visual.origin, &visual.geometry, place)?;
+            let color = self.color(&link.name, visual.material.as_ref(), colors, place.line)?;
             solids.push(Solid { shape, origin, color });
         }
-        let mut collision = Vec::new();
-        for body in link.children("collision") {
-            let (origin, shape) = self.body(name, body)?;
+        let mut collision = Vec::with_capacity(link.collision.len());
+        for (number, body) in link.collision.iter().enumerate() {
+            let place = of(place.map(|link| &link.collisions), number);
+            let (origin, shape) = self.body(&link.name, &body.origin, &body.geometry, place)?;
             collision.push(Solid { shape, origin, color: GREY });
         }
         if solids.is_empty() {
@@ -67,47 +89,58 @@ impl Reader<'_> {
         if solids.len() == collision.len() && solids.iter().zip(&collision).all(same) {
             collision.clear();
         }
-        let inertial = self.inertial(link)?;
-        Ok(Link { collision, ..Link::new(name, inertial, solids) })
+        let place = place.map(|link| link.inertial).filter(|place| place.line > 0);
+        let inertial = self.inertial(link, place.unwrap_or(nowhere))?;
+        Ok(Link { collision, ..Link::new(link.name.clone(), inertial, solids) })
     }
 
-    fn color(&mut self, link: &str, visual: Element<'_>, colors: &Colors<'_>) -> At<[f64; 4]> {
-        let Some(material) = visual.child("material") else { return Ok(GREY) };
-        let found = color_of(material).or_else(|| colors.get(material.name()).copied());
-        let (link, line) = (link.to_owned(), visual.line());
-        if let Some(texture) = material.child("texture") {
-            let file = texture.text("filename").unwrap_or_default().to_owned();
-            self.warn(line, UrdfNote::Texture { link: link.clone(), file });
+    fn color(
+        &mut self,
+        link: &str,
+        material: Option<&Material>,
+        colors: &HashMap<&str, [f64; 4]>,
+        line: u32,
+    ) -> At<[f64; 4]> {
+        let Some(material) = material else { return Ok(GREY) };
+        let own = material.color.as_ref().map(|color| *color.rgba);
+        let found = own.or_else(|| colors.get(material.name.as_str()).copied());
+        if let Some(texture) = &material.texture {
+            let (link, file) = (link.to_owned(), texture.filename.clone());
+            self.warn(line, UrdfNote::Texture { link, file });
         } else if found.is_none() {
-            let material = material.name().to_owned();
-            self.warn(line, UrdfNote::NoColor { link: link.clone(), material });
+            let (link, material) = (link.to_owned(), material.name.clone());
+            self.warn(line, UrdfNote::NoColor { link, material });
         }
         let color = found.unwrap_or(GREY);
-        check_finite(&Part::Link(link), "a colour", &color).map_err(|error| (line, error))?;
+        check_finite(&Part::Link(link.to_owned()), "a colour", &color)
+            .map_err(|error| (line, error))?;
         Ok(color)
     }
 
-    /// A visible or a collision solid.
-    fn body(&mut self, link: &str, solid: Element<'_>) -> At<(Isometry3<f64>, SolidShape)> {
+    fn body(
+        &mut self,
+        link: &str,
+        origin: &urdf_rs::Pose,
+        geometry: &Geometry,
+        place: OriginPlace,
+    ) -> At<(Isometry3<f64>, SolidShape)> {
         let part = Part::Link(link.to_owned());
-        let line = solid.line();
-        let mut geometry = solid.child("geometry").into_iter().flat_map(Element::all);
-        let shape = geometry.find(|shape| SHAPES.contains(&shape.tag())).unwrap_or(solid);
-        let measure = |attribute: &str| shape.number(attribute).unwrap_or_default();
-        let [radius, length] = ["radius", "length"].map(measure);
-        let edges = |attribute: &str| shape.numbers(attribute).map(Vector3::from);
-        let shape = match shape.tag() {
-            "cylinder" => SolidShape::Cylinder { radius, length },
-            "sphere" => SolidShape::Sphere { radius },
-            "capsule" => SolidShape::Capsule { radius, length },
-            "mesh" => SolidShape::Mesh {
-                mesh: self.mesh(link, shape.text("filename").unwrap_or_default(), line)?,
-                scale: edges("scale").unwrap_or_else(|| Vector3::repeat(1.0)),
+        let shape = match geometry {
+            Geometry::Box { size } => SolidShape::Box { size: Vector3::from(**size) },
+            Geometry::Cylinder { radius, length } => {
+                SolidShape::Cylinder { radius: *radius, length: *length }
+            }
+            Geometry::Sphere { radius } => SolidShape::Sphere { radius: *radius },
+            Geometry::Capsule { radius, length } => {
+                SolidShape::Capsule { radius: *radius, length: *length }
+            }
+            Geometry::Mesh { filename, scale } => SolidShape::Mesh {
+                mesh: self.mesh(link, filename, place.line)?,
+                scale: scale.map_or_else(|| Vector3::repeat(1.0), |scale| Vector3::from(*scale)),
             },
-            _ => SolidShape::Box { size: edges("size").unwrap_or_default() },
         };
-        check_measures(&part, &shape).map_err(|error| (line, error))?;
-        Ok((self.pose(&part, solid, line)?, shape))
+        check_measures(&part, &shape).map_err(|error| (place.line, error))?;
+        Ok((self.pose(&part, origin, place)?, shape))
     }
 
     fn mesh(&mut self, link: &str, name: &str, line: u32) -> At<Arc<Mesh>> {
@@ -130,17 +163,20 @@ impl Reader<'_> {
         Ok(mesh)
     }
 
-    fn inertial(&mut self, link: Element<'_>) -> At<Option<Inertial>> {
-        let Some((mass, written)) = mass(link) else { return Ok(None) };
-        let place = link.child("inertial").unwrap_or(link);
-        let origin = self.pose(&Part::Link(link.name().to_owned()), place, place.line())?;
+    fn inertial(&mut self, link: &urdf_rs::Link, place: OriginPlace) -> At<Option<Inertial>> {
+        if is_massless(link) {
+            return Ok(None);
+        }
+        let part = Part::Link(link.name.clone());
+        let origin = self.pose(&part, &link.inertial.origin, place)?;
         let inertia = if origin.rotation == UnitQuaternion::identity() {
-            written
+            along(link)
         } else {
-            turned(&written, &origin.rotation)
+            turned(&along(link), &origin.rotation)
         };
-        let inertial = Inertial { mass, center: origin.translation.vector.into(), inertia };
-        check_inertial(link.name(), &inertial).map_err(|error| (place.line(), error))?;
+        let center = origin.translation.vector.into();
+        let inertial = Inertial { mass: link.inertial.mass.value, center, inertia };
+        check_inertial(&link.name, &inertial).map_err(|error| (place.line, error))?;
         Ok(Some(inertial))
     }
 }

@@ -1,7 +1,7 @@
 //! URDF reader: URDF text to a [`Model`].
 //!
-//! Two passes: every element is checked against the schema (`document`, `schema`), then they become a [`Model`] (`tree`,
-//! `link`, `joint`). Every error names file, line and part.
+//! Three passes: a survey of the text finds missing parts and notes lines (`document`), urdf-rs parses a robot, and the
+//! robot becomes a [`Model`] (`tree`, `link`, `joint`). Every error names file, line and part.
 //!
 //! Planar, floating and spherical joints, which a [`Model`] cannot hold, are errors, not dropped. Elements other than
 //! links, joints and materials (transmissions, simulator settings) are ignored, as URDF readers do. A difference in
@@ -21,16 +21,13 @@ mod tree;
 
 use crate::check::check_finite;
 use crate::error::Place;
-use crate::{
-    Joint, JointDrive, JointKind, Model, Part, QUATERNION, TIP_NAME, Tip, UrdfError, UrdfFileError,
-};
-use document::{At, Element, Text};
+use crate::{Joint, JointDrive, JointKind, Model, Part, TIP_NAME, Tip, UrdfError, UrdfFileError};
+use document::{At, OriginPlace, Places};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 use std::path::{Path, PathBuf};
-use tree::{Tree, TreeJoint};
+use tree::Tree;
 
 /// Roll, pitch and yaw, written with all their digits, and the quaternion may be this far apart (rad).
 const SAME_ORIENTATION: f64 = 1e-12;
@@ -171,6 +168,12 @@ fn at_line(path: &Path, (line, error): (u32, UrdfError)) -> UrdfFileError {
     UrdfFileError { path: path.to_owned(), line, error: Box::new(error) }
 }
 
+/// The numbers of a version.
+fn version(text: Option<&str>) -> Option<(u32, u32)> {
+    let (major, minor) = text?.trim().split_once('.')?;
+    Some((major.parse().ok()?, minor.parse().ok()?))
+}
+
 /// The lines of the robot and of the joints of the model.
 type Lines = (u32, Vec<u32>);
 
@@ -180,14 +183,11 @@ struct Reader<'a> {
     options: &'a UrdfOptions,
     warnings: Vec<UrdfWarning>,
     meshes: link::Meshes,
-    /// The text may have `quat_xyzw`.
-    has_quaternions: bool,
 }
 
 impl<'a> Reader<'a> {
     fn new(path: &'a Path, options: &'a UrdfOptions) -> Self {
-        let (warnings, meshes) = (Vec::new(), link::Meshes::default());
-        Self { path, options, warnings, meshes, has_quaternions: false }
+        Self { path, options, warnings: Vec::new(), meshes: link::Meshes::default() }
     }
 
     fn warn(&mut self, line: u32, note: UrdfNote) {
@@ -195,39 +195,46 @@ impl<'a> Reader<'a> {
     }
 
     fn model(&mut self, text: &str) -> At<(Model, Lines)> {
-        let text = Text::new(text)?;
-        let robot = text.robot();
-        self.has_quaternions = robot.is_since(1);
-        let tree = Tree::new(robot)?;
-        let colors = link::colors(robot);
-        let mark = self.mark(robot, &tree)?;
+        let places = document::survey(text)?;
+        let robot = urdf_rs::read_from_string(text)
+            .map_err(|error| (places.robot, UrdfError::Text(error)))?;
+        let tree = Tree::new(&robot, &places)?;
+        let colors = link::colors(&robot);
+        let limits_are_optional =
+            version(robot.version.as_deref()).is_some_and(|version| version >= (1, 2));
+        let mark = self.mark(&robot, &places, &tree)?;
 
         let mut model = Model {
-            name: robot.name().to_owned(),
-            links: vec![self.link(tree.base, &colors)?],
+            name: robot.name.clone(),
+            links: vec![self.link(&robot, tree.base, &places, &colors)?],
             joints: Vec::new(),
             loops: Vec::new(),
             tip: Tip { link: 0, point: Point3::origin() },
         };
-        let mut numbers = HashMap::from([(tree.base.name(), 0)]);
+        let mut numbers = vec![0; robot.links.len()];
         let mut tip = None;
-        // The joints of the model in the text.
+        // Of the joints of the model, in the text.
         let mut of_text = Vec::with_capacity(tree.joints.len());
-        for TreeJoint { joint, parent, child } in tree.joints {
+        for &(index, parent, child) in &tree.joints {
+            let Some(joint) = robot.joints.get(index) else { continue };
             let parent = numbers.get(parent).copied().unwrap_or_default();
-            if mark == Some(child.name()) {
-                let part = Part::Joint(joint.name().to_owned());
-                let origin = self.pose(&part, joint, joint.line())?;
+            if mark == Some(child) {
+                let place = places.joints.get(index).map(|joint| joint.origin);
+                let part = Part::Joint(joint.name.clone());
+                let origin = self.pose(&part, &joint.origin, place.unwrap_or_default())?;
                 tip = Some(Tip { link: parent, point: origin.translation.vector.into() });
                 continue;
             }
             let number = model.links.len();
-            numbers.insert(child.name(), number);
-            model.links.push(self.link(child, &colors)?);
-            model.joints.push(self.joint(joint, [parent, number], robot.is_since(2))?);
-            of_text.push(joint);
+            if let Some(slot) = numbers.get_mut(child) {
+                *slot = number;
+            }
+            model.links.push(self.link(&robot, child, &places, &colors)?);
+            let place = places.joints.get(index);
+            model.joints.push(self.joint(joint, [parent, number], place, limits_are_optional)?);
+            of_text.push(index);
         }
-        joint::mimic(&mut model, robot, &of_text)?;
+        joint::mimic(&mut model, &robot, &of_text, &places)?;
         let mut count = 0;
         for joint in &mut model.joints {
             if joint.kind != JointKind::Fixed && joint.drive == JointDrive::Fixed {
@@ -235,27 +242,30 @@ impl<'a> Reader<'a> {
                 count += 1;
             }
         }
-        beyond::add(&mut model, robot)?;
-        model.tip = self.tip(&model, tip, robot.line())?;
-        Ok((model, (robot.line(), of_text.iter().map(Element::line).collect())))
+        beyond::add(&mut model, &places)?;
+        let lines = of_text.iter().map(|index| places.joint(*index)).collect();
+        model.tip = self.tip(&model, tip, places.robot)?;
+        Ok((model, (places.robot, lines)))
     }
 
     /// The link that marks the tool tip and is nothing else, if there is one.
-    fn mark<'t>(&self, robot: Element<'t>, tree: &Tree<'t>) -> At<Option<&'t str>> {
-        let Some(mark) = robot.children("link").find(|link| link.name() == TIP_NAME) else {
+    fn mark(&self, robot: &urdf_rs::Robot, places: &Places, tree: &Tree) -> At<Option<usize>> {
+        let Some(mark) = robot.links.iter().position(|link| link.name == TIP_NAME) else {
             return Ok(None);
         };
-        let bare = mark.child("visual").or(mark.child("collision")).is_none();
-        let bare = bare && link::mass(mark).is_none();
-        let hangs = |joint: &TreeJoint<'_>| {
-            joint.child.name() == TIP_NAME && joint.joint.text("type") == Some("fixed")
+        let bare = robot.links.get(mark).is_some_and(|link| {
+            link.visual.is_empty() && link.collision.is_empty() && link::is_massless(link)
+        });
+        let hangs = |&(joint, _, child): &(usize, usize, usize)| {
+            let kind = robot.joints.get(joint).map(|joint| &joint.joint_type);
+            child == mark && kind == Some(&urdf_rs::JointType::Fixed)
         };
-        let carries = tree.joints.iter().any(|joint| joint.parent == TIP_NAME);
+        let carries = tree.joints.iter().any(|(_, parent, _)| *parent == mark);
         if bare && !carries && tree.joints.iter().any(hangs) {
-            return Ok(Some(mark.name()));
+            return Ok(Some(mark));
         }
         let other = self.options.tip_link.as_ref().is_some_and(|name| name != TIP_NAME);
-        if other { Ok(None) } else { Err((mark.line(), UrdfError::Tip)) }
+        if other { Ok(None) } else { Err((places.link(mark), UrdfError::Tip)) }
     }
 
     fn tip(&self, model: &Model, marked: Option<Tip>, line: u32) -> At<Tip> {
@@ -270,37 +280,37 @@ impl<'a> Reader<'a> {
         Ok(Tip { link: link.ok_or_else(no_link)?, point: Point3::origin() })
     }
 
-    /// The `<origin>` in an element of `part`; `line` is that of its errors.
-    fn pose(&mut self, part: &Part, within: Element<'_>, line: u32) -> At<Isometry3<f64>> {
-        let origin = within.child("origin");
-        let numbers = |attribute: &str| origin?.numbers(attribute);
-        let [xyz, rpy] = ["xyz", "rpy"].map(|name| numbers(name).unwrap_or([0.0; 3]));
-        let four = |attribute: &str| origin?.numbers::<4>(attribute);
-        // In place of roll, pitch and yaw, since URDF 1.1.
-        let given = four("quat_xyzw").filter(|_| self.has_quaternions);
-        let exact = four(QUATERNION);
-        let refuse = |error| (line, error);
-        let all = xyz.iter().chain(&rpy).chain(given.iter().chain(&exact).flatten());
-        check_finite(part, "an origin", all).map_err(refuse)?;
-        let translation = Translation3::from(Vector3::from(xyz));
-        if let Some([x, y, z, w]) = given {
-            let rotation = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-12);
+    fn pose(
+        &mut self,
+        part: &Part,
+        pose: &urdf_rs::Pose,
+        place: OriginPlace,
+    ) -> At<Isometry3<f64>> {
+        let refuse = |error| (place.line, error);
+        let numbers = place.given.iter().chain(&place.exact).flatten();
+        let numbers = pose.xyz.iter().chain(pose.rpy.iter()).chain(numbers);
+        check_finite(part, "an origin", numbers).map_err(refuse)?;
+        let quaternion = |[w, x, y, z]: [f64; 4]| Quaternion::new(w, x, y, z);
+        let translation = Translation3::from(Vector3::from(*pose.xyz));
+        if let Some(given) = place.given {
+            let rotation = UnitQuaternion::try_new(quaternion(given), 1e-12);
             let no_unit = || UrdfError::NotFinite { part: part.clone(), what: "an origin" };
             let rotation = rotation.ok_or_else(|| refuse(no_unit()))?;
             return Ok(Isometry3::from_parts(translation, rotation));
         }
-        let angles = rpy.map(|angle| self.right_angle(angle));
+        let angles = pose.rpy.map(|angle| self.right_angle(angle));
         let [roll, pitch, yaw] = angles;
         let mut rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-        for (given, taken) in rpy.into_iter().zip(angles) {
+        for (given, taken) in pose.rpy.iter().zip(angles) {
             if given.to_bits() != taken.to_bits() {
-                self.warn(line, UrdfNote::RightAngle { part: part.clone(), given, taken });
+                let note = UrdfNote::RightAngle { part: part.clone(), given: *given, taken };
+                self.warn(place.line, note);
             }
         }
-        if let Some([w, x, y, z]) = exact
-            && angles.map(f64::to_bits) == rpy.map(f64::to_bits)
+        if let Some(exact) = place.exact
+            && angles.map(f64::to_bits) == pose.rpy.map(f64::to_bits)
         {
-            let exact = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+            let exact = UnitQuaternion::new_unchecked(quaternion(exact));
             let difference =
                 exact.to_rotation_matrix().matrix() - rotation.to_rotation_matrix().matrix();
             let angle = difference.norm().max((exact.norm() - 1.0).abs());

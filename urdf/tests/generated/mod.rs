@@ -1,7 +1,7 @@
 //! Tests of generated machines against the closed forms of their transforms.
 
 pub(super) mod gantry;
-pub(super) mod scara3;
+mod scara3;
 pub(super) mod tripod;
 
 use super::{gantry, scara, seeded};
@@ -93,6 +93,32 @@ fn a_scara_stands_over_its_work() {
     );
 }
 
+#[test]
+fn a_gantry_touches_itself_nowhere() {
+    let gantry = gantry();
+    for offsets in [[0.0; 3], [0.3, -0.1, 0.05]] {
+        let model = GantryDimensions { offsets, ..gantry.clone() }.model().unwrap();
+        for axes in corners(&model) {
+            let links = [0, 1, 2, 3].map(|link| bounds(&model, link, &axes));
+            for one in 0..4 {
+                for other in 0..one {
+                    assert!(
+                        !meet(&links[one], &links[other]),
+                        "links {one} and {other} at {axes:?}"
+                    );
+                }
+            }
+            let [table, ..] = links[0][0..1] else { panic!("no table") };
+            let tip = model.tip_position(&axes);
+            assert!(table[1].z < tip.z, "{table:?} {tip}");
+            assert!(
+                (0..2).all(|i| table[0][i] < tip[i] && tip[i] < table[1][i]),
+                "{table:?} {tip}"
+            );
+        }
+    }
+}
+
 /// The gantry test would notice parts that meet.
 #[test]
 fn parts_that_meet_are_noticed() {
@@ -163,6 +189,40 @@ fn arms_are_uniform_boxes() {
     // The derived sections are those, give or take 5 mm, and the derived masses follow from them.
     let derived = ScaraDimensions { arms: [0.4, 0.3], ..scara() }.model().unwrap();
     assert!((derived.links[1].inertial.unwrap().mass - 8.0).abs() < 1e-12);
+}
+
+#[test]
+fn every_moving_link_is_a_possible_body() {
+    let models = [
+        scara().model(),
+        scara3::scara3().model(),
+        gantry().model(),
+        gantry::cutter().model(),
+        gantry::h_gantry().model(),
+        tripod::tripod().model(),
+    ];
+    for model in models.map(Result::unwrap) {
+        assert!(model.links[0].inertial.is_none());
+        for link in &model.links[1..] {
+            // The crosses of ball joints are only joints.
+            let Some(inertial) = link.inertial else {
+                assert!(link.solids.is_empty() && model.loops.len() == 5, "{link:?}");
+                continue;
+            };
+            let moments = inertial.inertia.symmetric_eigenvalues();
+            assert!(inertial.mass > 0.01 && inertial.mass < 100.0, "{link:?}");
+            assert!(
+                moments.min() > 0.0 && 2.0 * moments.max() <= moments.sum() * (1.0 + 1e-12),
+                "{link:?}"
+            );
+            // The centre of mass lies within the box around the link.
+            let boxes = link.solids.iter().map(|solid| around(&Isometry3::identity(), solid));
+            let [low, high] =
+                boxes.reduce(|a, b| [a[0].inf(&b[0]), a[1].sup(&b[1])]).expect("it has solids");
+            let center = inertial.center;
+            assert!((0..3).all(|i| low[i] <= center[i] && center[i] <= high[i]), "{link:?}");
+        }
+    }
 }
 
 #[test]

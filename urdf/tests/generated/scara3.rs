@@ -2,13 +2,13 @@
 
 use super::{bounds, corners, heights};
 use crate::tests::{scara, seeded};
-use crate::{DimensionError, MachineJoint, Model, ScaraDimensions, ScaraHand};
+use crate::{DimensionError, JointKind, MachineJoint, Model, ScaraDimensions, ScaraHand};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
 /// The SCARA of the SoftMotion vectors with a third arm.
-pub(in crate::tests) fn scara3() -> ScaraDimensions {
+pub(super) fn scara3() -> ScaraDimensions {
     let hand = ScaraHand { mass: Some(0.5), ..ScaraHand::new(wrist(), 0.1) };
     ScaraDimensions { hand: Some(hand), ..scara() }
 }
@@ -64,6 +64,18 @@ fn masses_add_up() {
     let derived = ScaraDimensions { hand: Some(ScaraHand::new(wrist(), 0.0)), ..scara() };
     let hand = derived.model().unwrap().links[4].inertial.unwrap();
     assert!(hand.mass > 0.3 && hand.mass < 1.0, "{hand:?}");
+}
+
+#[test]
+fn what_is_written_can_be_read() {
+    let model = scara3().model().unwrap();
+    let text = model.to_urdf().unwrap();
+    assert_eq!(Model::from_urdf(&text, &["A", "B", "Z", "C"]).unwrap(), model);
+    let fourth = &model.joints[3];
+    assert_eq!(
+        (fourth.kind, fourth.drive.axis(), fourth.parent),
+        (JointKind::Revolute, Some(3), 3)
+    );
 }
 
 #[test]

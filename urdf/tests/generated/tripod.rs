@@ -8,9 +8,8 @@ use crate::{
 };
 use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
 use proptest::prelude::*;
-use std::f64::consts::PI;
-use twin_kinematics::Transform;
-use twin_kinematics::tripod::{Rod, Tripod, TripodDeviations, TripodDimensions as Rings};
+use std::f64::consts::{PI, TAU};
+use twin_kinematics::tripod::{Rod, TripodDeviations, TripodDimensions as Rings};
 
 const RINGS: Rings = Rings {
     inner_radius: 0.06,
@@ -40,14 +39,43 @@ pub(in crate::tests) fn tripod() -> TripodDimensions {
     }
 }
 
-/// The transform without offsets.
-fn transform(rings: Rings) -> Tripod {
-    Tripod::new(rings, [0.0; 3]).unwrap()
+/// Manual 8.2.6: where the axes are (without offsets) with the platform at `place`; `None` if a rod does not reach.
+fn inverse(rings: &Rings, place: &Point3<f64>) -> Option<[f64; 3]> {
+    let half = (rings.rod_distance / 2.0).powi(2);
+    let e = (rings.outer_radius.powi(2) - half).sqrt() - (rings.inner_radius.powi(2) - half).sqrt();
+    let height = |i: f64| {
+        let (sin, cos) = (rings.rotation + i * TAU / 3.0).sin_cos();
+        let h2 = (place.x - e * cos).powi(2) + (place.y - e * sin).powi(2);
+        // Not all too near to where the rod is level.
+        (h2 < 0.96 * rings.rod_length.powi(2))
+            .then(|| place.z + (rings.rod_length.powi(2) - h2).sqrt())
+    };
+    Some([height(0.0)?, height(1.0)?, height(2.0)?])
 }
 
-/// Where the axes are with the platform at `place`.
-fn inverse(rings: Rings, place: &Point3<f64>) -> [f64; 3] {
-    transform(rings).to_axes(&place.coords).unwrap().into()
+/// Manual 8.2.6, forward: the platform below carriages at `heights`, as the digest writes it.
+fn forward(rings: &Rings, heights: [f64; 3]) -> Point3<f64> {
+    let half = (rings.rod_distance / 2.0).powi(2);
+    let e = (rings.outer_radius.powi(2) - half).sqrt() - (rings.inner_radius.powi(2) - half).sqrt();
+    let mean = heights.iter().sum::<f64>() / 3.0;
+    let q = heights.map(|height| height - mean);
+    let sum = |of: fn(f64, (f64, f64)) -> f64| -> f64 {
+        (0_u8..)
+            .zip(q)
+            .map(|(i, q)| of(q, (rings.rotation + f64::from(i) * TAU / 3.0).sin_cos()))
+            .sum()
+    };
+    let (cx, cy) =
+        (sum(|q, (_, cos)| q * q * cos) / (3.0 * e), sum(|q, (sin, _)| q * q * sin) / (3.0 * e));
+    let (dx, dy) = (
+        2.0 * sum(|q, (_, cos)| q * cos) / (3.0 * e),
+        2.0 * sum(|q, (sin, _)| q * sin) / (3.0 * e),
+    );
+    let a = 1.0 + dx * dx + dy * dy;
+    let b = -2.0 * (cx * dx + cy * dy);
+    let c = cx * cx + cy * cy + sum(|q, _| q * q) / 3.0 + e * e - rings.rod_length.powi(2);
+    let z = (-b - (b * b - 4.0 * a * c).sqrt()) / (2.0 * a);
+    Point3::new(cx - dx * z, cy - dy * z, z + mean)
 }
 
 /// How far the rods are from their lengths: ends on carriage and platform, at any pose of the links.
@@ -94,7 +122,7 @@ fn a_tripod_touches_itself_nowhere() {
     {
         let turn = f64::from(turn) * PI / 3.0 + 0.1;
         let place = Point3::new(radius * turn.cos(), radius * turn.sin(), height);
-        let axes = inverse(RINGS, &place);
+        let axes = inverse(&RINGS, &place).unwrap();
         let poses = model.link_poses(&axes);
         let around = |link: usize| bounds(&model, link, &axes);
         for one in [0, 1, 2, 3, platform] {
@@ -259,7 +287,7 @@ fn impossible_tripods_are_named() {
 proptest! {
     #![proptest_config(seeded())]
 
-    /// Manual 8.2.6: the tool is where the transform says, the platform level, every loop closed.
+    /// Manual 8.2.6, both ways: the tool is where the closed forms say, the platform level, every loop closed.
     #[test]
     fn the_tip_of_a_tripod_is_where_its_transform_says(
         outer_radius in 0.2_f64..0.6, inner in 0.15_f64..0.8, distance in 0.2_f64..1.9, longer in 1.03_f64..3.0, rotation in -PI..PI,
@@ -277,7 +305,7 @@ proptest! {
         let rings =
             Rings { inner_radius, outer_radius, rod_length: length, rod_distance: distance, rotation };
         let place = Point3::new(radius * turn.cos(), radius * turn.sin(), z);
-        let heights = inverse(rings, &place);
+        let heights = inverse(&rings, &place).unwrap();
         let mut positions = heights;
         positions.iter_mut().zip(offsets).for_each(|(position, offset)| *position += offset);
         let joint = |name: &str, axis: usize| {
@@ -298,6 +326,7 @@ proptest! {
         model.link_poses_at(found.values(), &mut poses);
         let platform = poses[model.tip.link];
         prop_assert!(platform.rotation.angle() < 1e-11, "{platform}");
+        prop_assert!((forward(&rings, heights) + Vector3::from(tool) - tip).norm() < 1e-11);
         prop_assert!(strain(&dimensions, &positions, &platform) < 1e-12);
         // The platform below its carriages.
         prop_assert!(heights.iter().all(|height| *height > platform.translation.z));
@@ -317,7 +346,7 @@ proptest! {
         }
         let model = dimensions.model().unwrap();
         let place = Point3::new(radius * turn.cos(), radius * turn.sin(), height);
-        let axes = inverse(RINGS, &place);
+        let axes = inverse(&RINGS, &place).unwrap();
         let mut kept = pose_of(&model, &axes, None).unwrap();
         prop_assert!(kept.residual() < 1e-14);
         let mut poses = model.link_poses(&axes);
@@ -356,8 +385,7 @@ fn corners_of_the_travel_are_closed_or_refused() {
     assert_eq!(corners.len(), 8);
     for axes in corners {
         kept.follow(&model, &axes).unwrap();
-        let tool = transform(RINGS).to_tool(&Vector3::new(axes[0], axes[1], axes[2])).unwrap();
-        let expected = Point3::from(tool) + Vector3::new(0.0, 0.0, -0.04);
+        let expected = forward(&RINGS, [axes[0], axes[1], axes[2]]) + Vector3::new(0.0, 0.0, -0.04);
         assert!((model.tip_position(&axes) - expected).norm() < 1e-12);
         let mut poses = model.link_poses(&axes);
         model.link_poses_at(kept.values(), &mut poses);
