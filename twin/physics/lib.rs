@@ -67,7 +67,6 @@ mod clearance;
 mod contact;
 mod contact_solver;
 mod contact_step;
-mod delta_dynamics;
 mod distances;
 mod drive;
 mod dry_friction;

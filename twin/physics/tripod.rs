@@ -35,7 +35,6 @@ use twin_kinematics::{MAX_AXES, Transform};
 use twin_urdf::Model;
 
 use crate::bodies::MassProperties;
-use crate::delta_dynamics::DeltaDynamics;
 use crate::dynamics::{Dynamics, check_axis_count};
 use crate::error::{PhysicsError, Result};
 use crate::joint::{JointMatrix, JointVector};
@@ -54,8 +53,6 @@ pub(super) struct TripodDynamics {
     kinematics: CalibratedTripod,
     /// Closed form for parallel rod pairs and towers a third of a turn apart: the platform stays level.
     level: Option<Tripod>,
-    /// All of it in closed form, if moreover every carriage has an axis of its own.
-    closed: Option<DeltaDynamics>,
     /// Axes that have nothing to do with the tool.
     others: Option<Dynamics>,
 }
@@ -113,21 +110,6 @@ impl TripodDynamics {
             .map_err(|_no_such_tripod| unknown)?;
         let rotorless = JointVector::zeros();
         let level = level_tripod(&rods);
-        let closed = level.and_then(|_| {
-            let axes = carriages.map(|carriage| carriage.axis);
-            let [a, b, c] = axes;
-            let apart =
-                a != b && b != c && c != a && (axis_count == axes.len() || others.is_some());
-            let parts = (&carriages, &rods, &platform);
-            let others = others.clone().map(|tree| {
-                let mut rotors = armature;
-                for axis in axes {
-                    rotors[axis] = 1.0;
-                }
-                Dynamics::of_tree(tree, axis_count, gravity, rotors)
-            });
-            apart.then(|| DeltaDynamics::new(gravity, &armature, parts, others))
-        });
         let others = others.map(|tree| Dynamics::of_tree(tree, axis_count, gravity, rotorless));
         Ok(Self {
             axis_count,
@@ -138,20 +120,8 @@ impl TripodDynamics {
             platform,
             kinematics,
             level,
-            closed,
             others,
         })
-    }
-
-    /// Uses the general equation with separate rods, even if a closed form applies.
-    #[cfg(test)]
-    pub(super) fn separate_rods(&mut self) {
-        (self.level, self.closed) = (None, None);
-    }
-
-    #[cfg(test)]
-    pub(super) fn is_closed(&self) -> bool {
-        self.closed.is_some()
     }
 
     /// Pose of the platform in the machine frame with the axes at `position`.
@@ -265,9 +235,6 @@ impl TripodDynamics {
         velocity: &JointVector,
         acceleration: &JointVector,
     ) -> Option<JointVector> {
-        if let Some(closed) = &mut self.closed {
-            return closed.inverse_dynamics(position, velocity, acceleration);
-        }
         let state = self.state(position).ok()?;
         let additional = self.additional_efforts(position, velocity, acceleration);
         Some(self.efforts(&state, velocity, acceleration, true) + additional)
@@ -280,9 +247,6 @@ impl TripodDynamics {
         velocity: &JointVector,
         effort: &JointVector,
     ) -> Option<JointVector> {
-        if let Some(closed) = &mut self.closed {
-            return closed.acceleration(position, velocity, effort);
-        }
         let (inertia, bias) = self.inertia_and_bias(position, velocity)?;
         solve(self.axis_count, &inertia, &(effort - bias))
     }
@@ -294,9 +258,6 @@ impl TripodDynamics {
         velocity: &JointVector,
         effort: &JointVector,
     ) -> Option<(JointVector, JointMatrix)> {
-        if let Some(closed) = &mut self.closed {
-            return closed.acceleration_and_mobility(position, velocity, effort);
-        }
         let (inertia, bias) = self.inertia_and_bias(position, velocity)?;
         solve_and_invert(self.axis_count, &inertia, &(effort - bias))
     }

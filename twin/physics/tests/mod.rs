@@ -5,7 +5,6 @@ mod closed_forms;
 mod contact;
 mod copies;
 mod coupled;
-mod delta_dynamics;
 mod drives;
 mod elastic;
 mod elastic_machines;
