@@ -41,43 +41,7 @@ fn recorded(points: &[(f64, f64)], [offset, shift, factor]: [f64; 3]) -> String 
     text
 }
 
-const DOUBLE_DWELL: [(f64, f64); 5] =
-    [(0.0, 0.0), (90.0, 100.0), (180.0, 100.0), (270.0, 0.0), (360.0, 0.0)];
-const RISE_RETURN: [(f64, f64); 3] = [(0.0, 0.0), (180.0, 100.0), (360.0, 0.0)];
 const FIND: &str = "master-offset,slave-offset,slave-scaling";
-
-/// Down is up with a mirrored slave, half a cam on: 100 − y(x + 180) is y(x). The slave that is not mirrored is taken.
-#[test]
-fn a_slave_is_not_mirrored() {
-    let desk = Desk::new();
-    for points in [&DOUBLE_DWELL[..], &RISE_RETURN] {
-        desk.write("cam.toml", &cam(points));
-        desk.write("run.csv", &recorded(points, [-1.8, 0.3, 1.02]));
-        let tune = ["tune", "cam", "cam.toml", "--run", "run.csv", "--find", FIND];
-        let done = desk.twin(&tune);
-        done.ended(0, "");
-        let done = desk.twin(&[&tune[..], &["--format", "json"]].concat());
-        let found = object(&done.stdout);
-        for (name, truth) in [("MasterOffset", -1.8), ("SlaveOffset", 0.3), ("SlaveScaling", 1.02)]
-        {
-            let value = found["fit"]["estimates"][name]["value"].as_f64().expect("a value");
-            let half = found["fit"]["estimates"][name]["half_width_95"].as_f64().expect("known");
-            assert!((value - truth).abs() < 0.02 && half < 0.02, "{name}: {value} ± {half}");
-        }
-        // What is proposed undoes it.
-        let gain = found["coupling"]["slave_scaling"].as_f64().expect("a scaling");
-        assert!((gain * 1.02 - 1.0).abs() < 1e-3, "{gain}");
-    }
-    // With the mirrored one in effect it is the other way round, and without --find it is named as what is missing.
-    desk.write("run.csv", &recorded(&RISE_RETURN, [-1.8, 0.3, -1.02]));
-    let tune = ["tune", "cam", "cam.toml", "--run", "run.csv", "--slave-scaling=-1"];
-    let done = desk.twin(&[&tune[..], &["--find", FIND, "--format", "json"]].concat());
-    done.ended(0, "");
-    let found = object(&done.stdout);
-    let value = found["fit"]["estimates"]["SlaveScaling"]["value"].as_f64().expect("a value");
-    assert!((value + 1.02).abs() < 0.001, "{value}");
-    desk.twin(&tune).ended(1, "With slave-scaling in --find, noise alone is left over");
-}
 
 /// A slave that fits mirrored alone is told as that.
 #[test]

@@ -146,25 +146,6 @@ fn a_slave_that_does_something_else_is_told() {
     assert_eq!(std::fs::read_to_string(desk.path("lift.toml")).expect("there"), LIFT);
 }
 
-/// A slave that goes 2 % too far and lags: with the offsets alone no noise is left over, and what would explain it is told.
-#[test]
-fn an_unknown_that_is_missing_is_named() {
-    let desk = Desk::new();
-    desk.write("lift.toml", LIFT);
-    let mut text = String::from("time_s,master_deg,slave_mm\n");
-    for index in 0..600_u32 {
-        let master = 1.8 * f64::from(index);
-        let noise = 0.01 * (f64::from(index * 7919 % 1000) / 1000.0 - 0.5);
-        let slave = 1.02 * lift(master - 2.0) + noise;
-        writeln!(text, "{},{master},{slave}", master / 400.0).expect("text");
-    }
-    desk.write("run.csv", &text);
-    let tune = ["tune", "cam", "lift.toml", "--run", "run.csv"];
-    desk.twin(&tune).ended(1, "With slave-scaling in --find, noise alone is left over");
-    let find = ["--find", "master-offset,slave-offset,slave-scaling"];
-    desk.twin(&[&tune[..], &find].concat()).ended(0, "");
-}
-
 /// Units that the header names are those of the cam.
 #[test]
 fn a_run_in_other_units_is_told() {
@@ -433,7 +414,7 @@ fn recordings_of_something_else_are_told() {
         writeln!(text, "{time},{},{}", master.to_radians(), lift(master)).expect("text");
     }
     desk.write("rad.csv", &text);
-    tune("rad.csv").ended(1, "the recording does not match the cam: the slave moves ");
+    tune("rad.csv").ended(1, "offsets and scalings: the data do not ");
     desk.write("named.csv", &text.replacen("master", "master_rad", 1));
     tune("named.csv").ended(2, "column `master_rad`: the master of the cam is in deg");
     let group = "{ group = 1, master = 200, passage = \"positive\", action = \"off\" },";

@@ -108,44 +108,6 @@ fn what_is_proposed_starts_where_the_run_does() {
     assert_eq!(std::fs::read_to_string(desk.path("lift.toml")).expect("there"), LIFT);
 }
 
-/// A run that begins on a later pass begins the ramp at the same place of the one that starts; of a cam that is passed once the ramp
-/// begins where the master comes onto it.
-#[test]
-fn a_ramp_that_begins_as_a_run_does() {
-    let desk = Desk::new();
-    desk.write("lift.toml", LIFT);
-    let limits = ["--max-velocity", "900", "--max-acceleration", "20000", "--ramp-in", "run"];
-    let tune = |more: &[&str]| desk.twin(&[&TUNE[..], &limits, more].concat());
-    // Three turns on, the slave 1.8 deg ahead.
-    let text = recorded(10.0, 800);
-    let later = text.lines().map(|line| {
-        let cells: Vec<_> = line.split(',').collect();
-        let master = cells[1].parse::<f64>().map(|master| (master + 1080.0).to_string());
-        let master = master.unwrap_or_else(|_| cells[1].to_owned());
-        [cells[0], &master, cells[2]].join(",")
-    });
-    desk.write("run.csv", &later.collect::<Vec<_>>().join("\n"));
-    let done = tune(&["--format", "json"]);
-    done.ended(0, "");
-    let ramp = &object(&done.stdout)["start"]["ramp"];
-    assert!(
-        (number(&ramp["master"]) - 10.0).abs() < 1e-9 && ramp["passes"].as_f64() == Some(3.0),
-        "{ramp}"
-    );
-    let done = tune(&[]);
-    assert!(done.stdout.contains("the run begins 3 passes of the cam on"), "{}", done.stdout);
-    desk.write("run.csv", &recorded(-20.3, 880));
-    let done = tune(&["--once"]);
-    done.ended(0, "");
-    let said = "the run begins beyond the cam: the ramp begins where its master comes onto the cam, in line ";
-    assert!(done.stdout.contains(said), "{}", done.stdout);
-    let done = tune(&["--once", "--format", "json"]);
-    let ramp = &object(&done.stdout)["start"]["ramp"];
-    let line = ramp["line"].as_u64().expect("a line");
-    // Line 2 is the first one, at −20.3; with an offset of −1.8 the cam begins at 1.8, 56 samples on.
-    assert!((57..=58).contains(&line), "{ramp}");
-}
-
 /// Without knowing where the master starts the check says from where to where it may be, with it where the slave has to be.
 #[test]
 fn the_check_says_where_it_starts() {

@@ -171,13 +171,7 @@ pub fn fit(curve: &Curve, samples: &[Sample], options: &FitOptions) -> Result<Fi
     }
     let problem = Problem { curve, samples, free, repeated: options.repeated };
     problem.refuse_still()?;
-    let answer = problem.solved(options);
-    answer.and_then(|answer| problem.judged(&answer, options)).map_err(|error| match error {
-        FitError::Undetermined { .. } | FitError::Unexplained { .. } => {
-            problem.resting(options).or_else(|| problem.too_far(options)).unwrap_or(error)
-        }
-        other => other,
-    })
+    problem.judged(&problem.solved(options)?, options)
 }
 
 /// Samples of a run, and which of the four values are looked for.

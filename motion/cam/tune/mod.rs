@@ -123,35 +123,6 @@ pub enum FitError {
         /// What was to be found.
         unknowns: Vec<&'static str>,
     },
-    /// The slave does not move: the run shows a dwell of the cam alone.
-    #[error(
-        "the slave rests in all of the run (it moves {}, the cam {}): a dwell does not determine {}; if it does not rest, is it recorded in other units?",
-        Short(*.moved), Short(*.height), .unknowns.join(" and ")
-    )]
-    Resting {
-        /// How far the slave moves, u.
-        moved: f64,
-        /// How far it moves on the cam, u.
-        height: f64,
-        /// What was to be found.
-        unknowns: Vec<&'static str>,
-    },
-    /// The slave moves by more than it can on the way that the master makes.
-    #[error(
-        "the recording does not match the cam: the slave moves {} while the master moves {}, and on no way so long, of {} of the \
-         cam, the cam moves it by more than {}; is the master recorded in the units of the cam (degrees, not radians or turns)?",
-        Short(*.moved), Short(*.way), Short(*.width), Short(*.most)
-    )]
-    TooFar {
-        /// How far the slave moves, u.
-        moved: f64,
-        /// How far the master moves, u.
-        way: f64,
-        /// How far the slave moves on such a way at most, u.
-        most: f64,
-        /// How long the cam is, u.
-        width: f64,
-    },
     /// Some samples have nothing to do with the others.
     #[error("{}", said_of_outliers(.outliers))]
     Outliers {

@@ -1,7 +1,7 @@
 //! Residuals of a fit: how their noise grows with the slope, and which of them refuse the fit.
 //!
-//! Refused are samples far from all others, residuals as large as the data, halves of a run that contradict each other, and runs
-//! that do not move.
+//! Refused are samples far from all others, residuals as large as the data, halves of a run that contradict each other, and a master
+//! at rest.
 
 use super::super::curve::Range;
 use super::FitError;
@@ -62,8 +62,6 @@ const UNEXPLAINED: f64 = 0.5;
 const MANY: f64 = 20.0;
 /// A slave that moves by less than this part of its cam's height rests.
 const RESTING: f64 = 0.05;
-/// A slave that moves by this many times what the cam allows does not follow it in these units.
-const TOO_FAR: f64 = 1.5;
 
 impl Problem<'_> {
     pub(super) fn residuals(&self, p: Values, inverse: &Matrix4<f64>, step: f64) -> Vec<Residual> {
@@ -297,24 +295,6 @@ impl Problem<'_> {
             return Err(FitError::Still { master: low, samples, unknowns });
         }
         Ok(())
-    }
-
-    /// The refusal of a slave that rests in all of the run.
-    pub(super) fn resting(&self, options: &FitOptions) -> Option<FitError> {
-        let [low, high] = self.ends(|sample| sample.slave);
-        let (moved, height) = (high - low, self.height() * options.from[3].abs());
-        let rests = !self.is_line() && height > 0.0 && moved <= RESTING * height;
-        rests.then(|| FitError::Resting { moved, height, unknowns: self.names() })
-    }
-
-    /// The refusal of a slave that moves by more than any part of the cam does on so short a way of the master.
-    pub(super) fn too_far(&self, options: &FitOptions) -> Option<FitError> {
-        let reach = |[low, high]: [f64; 2]| high - low;
-        let (moved, way) = (reach(self.ends(|s| s.slave)), reach(self.ends(|s| s.master)));
-        let scaling = options.from[1].abs() * (1.0 + options.scaling_range.abs());
-        let slope = self.curve.extremes().velocity.magnitude() * options.from[3].abs();
-        let most = slope * scaling * way;
-        (moved > TOO_FAR * most).then(|| FitError::TooFar { moved, way, most, width: self.width() })
     }
 }
 

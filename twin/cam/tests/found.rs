@@ -181,81 +181,24 @@ fn run(random: &mut Random, [offset, shift, dead]: [f64; 3], noise: f64) -> Reco
     RecordedRun::parse(Path::new("run.csv"), text.as_bytes()).expect("a run")
 }
 
-/// Of 1,000 trials 95 % hit, within 4 standard deviations of chance: 922 to 978. Offsets are found in a thinner run each time,
-/// the dead time in the switchings of the whole.
+/// The dead time of 1,000 runs: switchings are known to a sample, so that their errors are even, not normal, and smaller for it: 95 %
+/// hit or more, within 4 standard deviations of chance.
 #[test]
-fn truths_of_a_thousand_runs_lie_in_their_intervals() {
+fn dead_times_of_a_thousand_runs_lie_in_their_intervals() {
     let file = cam(LIFT);
     let use_it = using(&file, 200.0, AxisLimits::NONE);
-    let free = Free::OFFSETS;
-    let mut hits = [0_usize; 3];
+    let mut hits = 0;
     for seed in 0..1000 {
         let mut random = Random(seed);
-        let truth = [
-            random.between(-170.0, 170.0),
-            random.between(-20.0, 20.0),
-            random.between(0.001, 0.03),
-        ];
-        let mut run = run(&mut random, truth, 0.2);
-        let seen = switchings(&file, &with_offset(&use_it, truth[0]), &run);
+        let [offset, shift, truth] =
+            [[-170.0, 170.0], [-20.0, 20.0], [0.001, 0.03]].map(|[a, b]| random.between(a, b));
+        let run = run(&mut random, [offset, shift, truth], 0.2);
+        let seen = switchings(&file, &with_offset(&use_it, offset), &run);
         let dead = tappet_dead_time(&use_it, &seen, run.between_s()).expect("a dead time");
-        run.samples = run.samples.into_iter().step_by(20).collect();
-        let found = fit_run(&file, &use_it, &run, free, 0.05, [None; 4])
-            .unwrap_or_else(|error| panic!("{seed}: {error}"));
-        hits[0] += usize::from(found.estimates[0].holds(truth[0]));
-        hits[1] += usize::from(found.estimates[2].holds(truth[1]));
-        hits[2] += usize::from(dead.holds(truth[2]));
-        assert!((dead.value - truth[2]).abs() < 0.002, "{seed}: {dead:?} {truth:?}");
+        hits += usize::from(dead.holds(truth));
+        assert!((dead.value - truth).abs() < 0.002, "{seed}: {dead:?} {truth:?}");
     }
-    assert!((922..=978).contains(&hits[0]), "{hits:?}");
-    assert!((922..=978).contains(&hits[1]), "{hits:?}");
-    // Switchings are known to a sample: their errors are even, not normal, and smaller for it.
-    assert!((922..=1000).contains(&hits[2]), "{hits:?}");
-}
-
-/// Through a file and the command's own reader: 1,000 runs of 160 lines with noise, scalings looked for as well. 95 % hit, within 4
-/// standard deviations of chance, for each of the four; nothing of noise is taken for an outlier (by design that is so in one run of a
-/// million) or a contradiction.
-#[test]
-fn scalings_of_a_thousand_files_lie_in_their_intervals() {
-    // Up in another way than down, so that no mirrored cam fits alike.
-    let file = cam(&LIFT.replace(
-        "{ master = 180, slave = 100 }",
-        "{ master = 120, slave = 70 }, { master = 180, slave = 100 }",
-    ));
-    let curve = file.cam.curve();
-    let use_it = using(&file, 200.0, AxisLimits::NONE);
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("run.csv");
-    let mut hits = [0_usize; 4];
-    for seed in 0..1000 {
-        let mut random = Random(seed + 40_000);
-        let truth = [
-            random.between(-170.0, 170.0),
-            random.between(0.97, 1.03),
-            random.between(-20.0, 20.0),
-            random.between(0.5, 2.0),
-        ];
-        let [offset, fast, shift, gain] = truth;
-        let mut text = String::from("# recorded\ntime_ms;master (deg);slave (mm)\n");
-        for index in 0..160_i32 {
-            let time = f64::from(index) * 12.5;
-            let master = 0.36 * time;
-            let slave = gain * curve.repeated(master * fast + offset).position + shift;
-            let slave = slave + 0.2 * random.normal();
-            writeln!(text, "{time};{master:.6};{slave:.9}").expect("text");
-        }
-        std::fs::write(&path, text).expect("written");
-        let run = RecordedRun::load_for(&file, &path).expect("a run");
-        assert_eq!((run.samples.len(), run.samples[0].line), (160, 3));
-        let found = fit_run(&file, &use_it, &run, Free::ALL, 0.05, [None; 4])
-            .unwrap_or_else(|error| panic!("{seed}: {error}"));
-        assert!(found.is_noise(160), "{seed}");
-        for ((hits, estimate), truth) in hits.iter_mut().zip(found.estimates).zip(truth) {
-            *hits += usize::from(estimate.holds(truth));
-        }
-    }
-    assert!(hits.iter().all(|hits| (922..=978).contains(hits)), "{hits:?}");
+    assert!(hits >= 922, "{hits}");
 }
 
 /// A sensor that slips for a sample is told with its line, and nothing is fitted.

@@ -1,11 +1,11 @@
-//! Tests of the master motion and start found in a run, and of the smallest peak from there.
+//! Tests of the master motion found in a run, and of the smallest peak from there.
 
 use super::found::{Random, cam, using};
 use super::tuned::{Plant, VELOCITY, recorded, uneven};
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::{RecordedRun, RunSample};
 use crate::cam::tune::{
-    Constrained, Least, begin, corrected, fit_run, master_motion, minimise, travel, wanted, wants,
+    Constrained, Least, corrected, fit_run, master_motion, minimise, wanted, wants,
 };
 use twin_cam::Quantity;
 use twin_cam::tune::Free;
@@ -55,7 +55,6 @@ fn a_run_shows_how_its_master_goes() {
     }
     let still = driven(100, 0.01, |_| 90.0);
     assert_eq!(master_motion(&file, &use_it, &still), None);
-    assert_eq!(travel(&driven(1001, 0.0, trapezoid)), Some([0.0, 450.0]));
 }
 
 const PLANT: Plant = Plant { lag: 0.005, gain: 1.02, shift: 3.0 };
@@ -69,7 +68,6 @@ fn tuned(file: &CamFile, use_it: &CamUse) -> (CamUse, CamUse, Constrained) {
     let least = Least {
         quantity: Quantity::Jerk,
         sought: [None, None, Some([-9.0, 9.0]), Some([0.9, 1.1])],
-        travel: None,
         stroke: 0.0,
         tappet_tolerance: [0.0, f64::INFINITY],
     };
@@ -104,34 +102,4 @@ fn the_smallest_peak_of_a_slave_that_was_measured() {
     let (corrected, third, _) = tuned(&file, &second);
     assert_eq!(corrected, second);
     assert_eq!(third, second);
-}
-
-/// The slave stands at 35 as measured: told to be at (35 − 3)/1.02. One that moves is told to be as fast as 1/1.02 of it.
-#[test]
-fn a_start_is_where_the_slave_was_told_to_be() {
-    let file = cam(&uneven());
-    let use_it = using(&file, VELOCITY, AxisLimits::NONE);
-    let run = recorded(&file, &use_it.coupling, &PLANT, 0.0);
-    let free = Free { master_scaling: false, ..Free::ALL };
-    let fit = fit_run(&file, &wanted(&use_it), &run, free, 0.05, [None; 4]).expect("a fit");
-    let (_, deviation) = corrected(&file, &use_it, &fit);
-    let mut begins = driven(60, 0.0, |time| 7.0 + 90.0 * time);
-    let mut random = Random(9);
-    for sample in &mut begins.samples {
-        sample.slave = 35.0 + 0.001 * random.normal();
-    }
-    begins.samples[0].slave = 35.0;
-    let start = |run: &RecordedRun, deviation| {
-        let begin = begin(&file, &use_it, run, deviation).expect("a start");
-        (begin.master, begin.slave)
-    };
-    let (master, slave) = start(&begins, Some(&deviation));
-    assert!((slave.position - 32.0 / 1.02).abs() < 1e-6, "{slave:?}");
-    assert_eq!((master, slave.velocity), (7.0, 0.0));
-    assert_eq!(start(&begins, None).1.position, 35.0);
-    for sample in &mut begins.samples {
-        sample.slave = 35.0 + 20.0 * sample.time_s;
-    }
-    let (_, slave) = start(&begins, Some(&deviation));
-    assert!((slave.velocity - 20.0 / 1.02).abs() < 1e-6, "{slave:?}");
 }

@@ -3,7 +3,7 @@
 use super::found::{LIFT, Random, cam, using};
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::{RecordedRun, RunSample};
-use crate::cam::tune::{TuneError, begin, started_at};
+use crate::cam::tune::started_at;
 use crate::finding::Rule;
 use std::sync::Arc;
 use twin_cam::{CamCoupling, CamTable, CouplingError};
@@ -161,37 +161,4 @@ fn where_a_run_was_coupled() {
     let noisy = run(&file, &other, first, &mut || 0.01 * random.normal());
     let found = started_at(&file, &other, &noisy).expect("at the begin");
     assert!((found - first).abs() < 1e-12 && started(&file, &other, found).is_ok());
-}
-
-/// Where a ramp begins that is to begin as a run does: of a periodic cam on the pass on which the block starts, of
-/// one that is passed once where the run comes onto it.
-#[test]
-fn where_a_ramp_begins_as_a_run_does() {
-    let still = &mut || 0.0;
-    for (text, gained) in [(LIFT, 0.0), (SHEAR, 100.0)] {
-        let file = cam(text);
-        let mut use_it = using(&file, 200.0, AxisLimits::NONE);
-        use_it.repeated = true;
-        let width = file.cam.curve().end();
-        for passes in [-2.0, 0.0, 1.0] {
-            let run = run(&file, &use_it, 37.0 + passes * width, still);
-            let found = begin(&file, &use_it, &run, None).expect("a begin");
-            assert_eq!((found.passes, found.before, found.line), (passes, 0, 2));
-            assert!((found.master - 37.0).abs() < 1e-9);
-            assert!(started(&file, &use_it, found.master).is_ok());
-            let there = run.samples[0].slave - passes * gained;
-            assert!((found.slave.position - there).abs() < 1e-9, "{found:?} {there}");
-        }
-        use_it.repeated = false;
-        let found = begin(&file, &use_it, &run(&file, &use_it, -5.1, still), None);
-        let found = found.expect("a begin");
-        assert_eq!((found.line, found.before), (28, 26));
-        assert!((found.master - 0.1).abs() < 1e-9, "{found:?}");
-        let slope = file.cam.curve().at(0.1).velocity * 200.0;
-        assert!((found.slave.velocity - slope).abs() < 0.5, "{found:?} {slope}");
-        let beyond = begin(&file, &use_it, &run(&file, &use_it, 500.0, still), None);
-        let error = beyond.expect_err("never on the cam");
-        assert!(matches!(&error, TuneError::BeyondCam { range, .. } if *range == [0.0, width]));
-        assert!(error.to_string().contains("--ramp-in MASTER,SLAVE"), "{error}");
-    }
 }

@@ -28,8 +28,6 @@ pub(crate) struct Constrained {
     pub(crate) after: f64,
     /// Of which quantity the peak is; none of an error or a change.
     pub(crate) quantity: Option<Quantity>,
-    /// Whether the master goes a part of the cam only, for which alone the limits count.
-    pub(crate) part: bool,
     /// What the slave of a run does with the proposal.
     pub(crate) does: CamUse,
 }
@@ -55,8 +53,6 @@ pub(crate) struct Least {
     pub(crate) quantity: Quantity,
     /// Between what `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` may be; none for what stays.
     pub(crate) sought: [Option<[f64; 2]>; 4],
-    /// From where to where the master goes; all of the cam without it.
-    pub(crate) travel: Option<[f64; 2]>,
     /// How far the slave goes at least.
     pub(crate) stroke: f64,
     /// How far tappets may move on the master, and how far from where it is at them the slave may be.
@@ -132,15 +128,7 @@ pub(crate) fn limited(
         None => (left, otherwise),
     };
     let held = found.held;
-    let found = Constrained {
-        from,
-        held,
-        before: otherwise,
-        after: left,
-        quantity: None,
-        part: false,
-        does,
-    };
+    let found = Constrained { from, held, before: otherwise, after: left, quantity: None, does };
     Ok(Some((after, found)))
 }
 
@@ -171,10 +159,9 @@ pub(crate) fn minimise(
     using: &CamUse,
     least: &Least,
 ) -> Result<(CamUse, Constrained), TuneError> {
-    let Least { quantity, sought, travel, stroke, tappet_tolerance } = *least;
+    let Least { quantity, sought, stroke, tappet_tolerance } = *least;
     let wish = Constraints {
         sought,
-        travel,
         start: using.start.filter(|_| !using.repeated),
         limits: using.limits.motion,
         position: using.limits.position,
@@ -194,7 +181,7 @@ pub(crate) fn minimise(
         |new: &CamUse| wish.start.is_none_or(|master| new.starts_at(file.cam.curve(), master));
     let after = all.into_iter().find(starts).unwrap_or(all[1]);
     let found = of_motion(using, &after, found, Some(quantity));
-    Ok((after, Constrained { part: travel.is_some(), ..found }))
+    Ok((after, found))
 }
 
 fn of_motion(
@@ -205,7 +192,7 @@ fn of_motion(
 ) -> Constrained {
     let (from, does) = (of_coupling(using), *after);
     let motion::Constrained { held, before, after, .. } = found;
-    Constrained { from, held, before, after, quantity, part: false, does }
+    Constrained { from, held, before, after, quantity, does }
 }
 
 /// Interval of `MasterScaling`: a part of the value in effect, and the proposal without limits as well.

@@ -101,7 +101,7 @@ impl Deviation {
     }
 
     /// The set-point of a slave that was measured at `position`.
-    pub(crate) fn commanded_at(&self, position: f64) -> f64 {
+    pub(super) fn commanded_at(&self, position: f64) -> f64 {
         self.commanded[2] + (position - self.did[2]) * self.commanded[3] / self.did[3]
     }
 }

@@ -21,19 +21,11 @@ pub(crate) enum TuneError {
     )]
     NoNoise { correlation: f64, rms: f64, unit: String, nearest: String },
     #[error(
-        "{error}. With {with} in --find, noise alone is left over: the slave goes another way than the cam has it"
+        "offsets and scalings: the slave makes {} of the stroke that is wanted (SlaveScaling {}): is it recorded in other units than \
+         the cam's? If that is its scaling, --find slave-scaling=FROM..TO says so",
+        significant(*.strokes, 4), significant(*.scaling, 4)
     )]
-    Missing {
-        #[source]
-        error: Box<TuneError>,
-        with: &'static str,
-    },
-    #[error(
-        "offsets and scalings: the slave makes {strokes} of the stroke that is wanted (SlaveScaling {}): {guess} If that is its \
-         scaling, --find slave-scaling=FROM..TO says so",
-        significant(*.scaling, 4)
-    )]
-    Stroke { scaling: f64, strokes: String, guess: String },
+    Stroke { scaling: f64, strokes: f64 },
     #[error(
         "dead time of the tappets: {found} switching{} too few for a dead time: {needed} are needed",
         if *.found == 1 { " is" } else { "s are" }
@@ -111,12 +103,6 @@ pub(crate) enum TuneError {
         significant(*.master, 6), significant(.range[0], 6), significant(.range[1], 6)
     )]
     NoStart { master: f64, range: [f64; 2], unit: String },
-    #[error(
-        "ramp: the master of the run is never on the cam, on which it is from {} to {} {unit}: say where the ramp begins with \
-         --ramp-in MASTER,SLAVE, or --end-to-end if the cam is periodic",
-        significant(.range[0], 6), significant(.range[1], 6)
-    )]
-    BeyondCam { range: [f64; 2], unit: String },
     #[error("no {what} keeps the limits: {why}")]
     NoRoom { what: &'static str, why: String },
 }

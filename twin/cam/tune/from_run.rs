@@ -11,8 +11,7 @@ use twin_number::significant;
 
 /// Finds offsets and scalings in a run, beginning with those in use; `between` says between what `MasterOffset`, `MasterScaling`,
 /// `SlaveOffset` and `SlaveScaling` are, where that is known.
-/// [`TuneError::Fit`] if the run does not determine them, or contradicts the cam or itself; [`TuneError::Missing`] if it would not
-/// with a scaling that is not looked for.
+/// [`TuneError::Fit`] if the run does not determine them, or contradicts the cam or itself.
 pub(crate) fn fit_run(
     file: &CamFile,
     using: &CamUse,
@@ -20,41 +19,6 @@ pub(crate) fn fit_run(
     free: Free,
     scaling_range: f64,
     between: [Option<[f64; 2]>; 4],
-) -> Result<Fit, TuneError> {
-    let fitted = |free| fit_free(file, using, run, free, (scaling_range, between));
-    let error = match fitted(free) {
-        Ok(found) => return Ok(found),
-        Err(error) => error,
-    };
-    let contradicts = match &error {
-        TuneError::NoNoise { .. } => true,
-        TuneError::Fit(error) => {
-            matches!(error, FitError::Contradictory { .. } | FitError::Unexplained { .. })
-        }
-        _ => false,
-    };
-    let more = [
-        ("slave-scaling", Free { slave_scaling: true, ..free }),
-        ("master-scaling", Free { master_scaling: true, ..free }),
-        (
-            "slave-scaling and master-scaling",
-            Free { slave_scaling: true, master_scaling: true, ..free },
-        ),
-    ];
-    let explains = |(_, more): &(&str, Free)| *more != free && fitted(*more).is_ok();
-    match more.into_iter().filter(|_| contradicts).find(explains) {
-        Some((with, _)) => Err(TuneError::Missing { error: Box::new(error), with }),
-        None => Err(error),
-    }
-}
-
-/// The same for these unknowns alone.
-fn fit_free(
-    file: &CamFile,
-    using: &CamUse,
-    run: &RecordedRun,
-    free: Free,
-    (scaling_range, between): (f64, [Option<[f64; 2]>; 4]),
 ) -> Result<Fit, TuneError> {
     let from = of_coupling(using);
     let options = FitOptions { free, from, scaling_range, repeated: using.repeated, between };
@@ -83,6 +47,15 @@ fn fit_free(
             .collect();
         Err(TuneError::NoNoise { correlation, rms, unit, nearest: values.join(", ") })
     }
+}
+
+/// Refuses a slave that goes more than twice as far as is wanted, or less than half as far.
+/// [`TuneError::Stroke`] if it does.
+pub(crate) fn refuse_stroke(wanted: &CamUse, fit: &Fit) -> Result<(), TuneError> {
+    let scaling = fit.estimates[3].value;
+    let strokes = (scaling / wanted.coupling.input.slave_scaling).abs();
+    let other = strokes.is_finite() && !(0.5..=2.0).contains(&strokes);
+    if other { Err(TuneError::Stroke { scaling, strokes }) } else { Ok(()) }
 }
 
 /// The value to a thousandth of its interval: digits beyond say nothing. What was given stays as it is.

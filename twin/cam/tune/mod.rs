@@ -11,7 +11,6 @@ mod recorded;
 mod shape;
 mod start;
 mod tappet_shift;
-mod units;
 mod unwrap;
 
 pub(crate) use constrained::{
@@ -20,12 +19,11 @@ pub(crate) use constrained::{
 pub(crate) use correction::{Deviation, as_fitted, corrected, wanted, wants, with_exactly, within};
 pub(crate) use dead_time::run_dead_time;
 pub(crate) use error::TuneError;
-pub(crate) use from_run::{errors, fit_run, rms, rounded};
-pub(crate) use recorded::{master_motion, travel};
+pub(crate) use from_run::{errors, fit_run, refuse_stroke, rms, rounded};
+pub(crate) use recorded::master_motion;
 pub(crate) use shape::{PointTolerance, ShapeGoal, Shaped, shape};
-pub(crate) use start::{Begin, begin, started_at};
+pub(crate) use start::started_at;
 pub(crate) use tappet_shift::{Kept, KeptTappet, keep_tappets, passed_at, slave_on_cam};
-pub(crate) use units::{passes_too_often, refuse_stroke};
 pub(crate) use unwrap::{Unwound, unwound};
 
 use super::check::CamUse;

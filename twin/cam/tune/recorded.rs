@@ -1,11 +1,9 @@
-//! Motion in a recorded run: velocity and direction of the master, and start of the slave.
+//! Motion in a recorded run: velocity and acceleration of the master.
 
 use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample};
-use super::correction::Deviation;
 use twin_cam::MasterMotion;
 use twin_machine::cam_file::CamFile;
-use twin_profile::State;
 
 /// Samples that a parabola is laid through, and the fewest that determine one.
 const WINDOW: usize = 21;
@@ -108,24 +106,4 @@ pub(crate) fn master_motion(
         motion.acceleration = motion.acceleration.max(acceleration);
     }
     (motion.velocity > 0.0).then_some(motion)
-}
-
-/// From where to where the master goes in a run; none if it is at rest.
-pub(crate) fn travel(run: &RecordedRun) -> Option<[f64; 2]> {
-    let least = run.samples.iter().map(|sample| sample.master).fold(f64::INFINITY, f64::min);
-    let most = run.samples.iter().map(|sample| sample.master).fold(f64::NEG_INFINITY, f64::max);
-    (least < most).then_some([least, most])
-}
-
-/// Set-point and velocity with which the slave is where it was when the samples begin.
-pub(super) fn state(samples: &[RunSample], deviation: Option<&Deviation>) -> Option<State> {
-    let first = samples.first()?;
-    let window = samples.get(..samples.len().min(WINDOW))?;
-    let velocity =
-        Parabola::of(window, |sample| sample.slave).map_or(0.0, |one| one.velocity(-1.0));
-    let commanded =
-        |position| deviation.map_or(position, |deviation| deviation.commanded_at(position));
-    // A line keeps differences: the set-points of one second.
-    let [position, later] = [first.slave, first.slave + velocity].map(commanded);
-    Some(State { position, velocity: later - position, acceleration: 0.0 })
 }

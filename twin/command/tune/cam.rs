@@ -1,7 +1,7 @@
 //! `twin tune cam`: offsets, scalings, dead times, ramps and shapes of cams.
 
 use super::find::tuned;
-use super::least::{Find, LeastOptions, Shown, Sought, sought};
+use super::least::{Find, LeastOptions, Sought, sought};
 use super::outcome::{apply, moved, picture};
 use super::report::Report;
 use super::start::Started;
@@ -86,10 +86,10 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value = "speed")]
     pub(super) goal: Goal,
 
-    /// Find `VelocityDiff`, Acceleration and Deceleration for a start from here: master, slave, and the slave's velocity; `run`:
-    /// from where both stand when the --run begins. Within the limits of velocity, acceleration, position and jerk
-    #[arg(long, value_name = "MASTER,SLAVE[,VELOCITY]|run", allow_hyphen_values = true, value_parser = start)]
-    pub(super) ramp_in: Option<Shown<[f64; 3]>>,
+    /// Find `VelocityDiff`, Acceleration and Deceleration for a start from here: master, slave, and the slave's velocity. Within
+    /// the limits of velocity, acceleration, position and jerk
+    #[arg(long, value_name = "MASTER,SLAVE[,VELOCITY]", allow_hyphen_values = true, value_parser = start)]
+    pub(super) ramp_in: Option<[f64; 3]>,
 
     /// Ramps of the slave's axis, as `ramp` of a job says: with trapezoid ones its acceleration steps, which is a jerk of the
     /// step by 1 ms; with parabolic and sigmoid ones it changes by the limit of the jerk at most, in addition to the cam's
@@ -161,7 +161,7 @@ impl Arguments {
     pub(super) fn free(&self) -> Free {
         let has = |find| self.find.iter().any(|sought| sought.what == find);
         // A run determines offsets, too, where a peak is sought: a slave that is elsewhere would have no other scaling.
-        let peak = self.least.least(&self.find, None).is_some();
+        let peak = self.least.least(&self.find).is_some();
         let usual = (self.find.is_empty() || peak) && self.run.is_some();
         Free {
             master_offset: usual || has(Find::MasterOffset),
@@ -173,10 +173,7 @@ impl Arguments {
 
     /// Where the master starts, as far as it was said.
     fn started(&self) -> Option<f64> {
-        match self.ramp_in {
-            Some(Shown::Given([master, ..])) => Some(master),
-            _ => self.master_start,
-        }
+        self.ramp_in.map(|[master, ..]| master).or(self.master_start)
     }
 
     /// Nothing that is read is overwritten but the cam itself, and that only with --write.
@@ -210,9 +207,7 @@ impl Arguments {
             "nothing is to be found: give a recorded --run, what to --find within the limits, points to --reshape, or a --ramp-in"
         } else if self.goal != Goal::Speed && self.reshape.is_empty() {
             "--goal has no effect without --reshape"
-        } else if self.ramp_in == Some(Shown::Run) && self.run.is_none() {
-            "--ramp-in run begins where a --run does, and there is none"
-        } else if matches!(self.ramp_in, Some(Shown::Given(_))) && self.master_start.is_some() {
+        } else if self.ramp_in.is_some() && self.master_start.is_some() {
             "--ramp-in MASTER,SLAVE says where the master starts, and so does --master-start: give one of them"
         } else if self.scaling_range.is_some() && !self.free().master_scaling {
             "--scaling-range is for --find master-scaling"
@@ -270,11 +265,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         }
     }
     let after_file = moved(&file, &report)?;
-    let mut check = CamCheck::new(&after_file, report.after);
-    if report.least.as_ref().is_some_and(|found| found.part) && report.shaped.is_none() {
-        // The limits are kept on the way of the master; the rest of the cam is not passed.
-        check.findings.retain(|finding| !tune::exceeds(finding));
-    }
+    let check = CamCheck::new(&after_file, report.after);
     // What was given on the command line belongs to what was found.
     let in_file = CamUse { coupling: file.coupling, ..before };
     let knots = report.shaped.as_ref().map(|shaped| (&file, shaped.knots.as_slice()));

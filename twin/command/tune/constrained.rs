@@ -69,10 +69,9 @@ impl Report<'_> {
             None => ("", " keeps the limits", "for the least change with the others"),
         };
         if let Some(quantity) = found.quantity {
-            let way = if found.part { " on the way of the master" } else { "" };
             let [before, after] = [found.before, found.after].map(short);
             let unit = self.of(quantity);
-            text.push(format!("the slave's largest {quantity}{way}: {before} → {after} {unit}"));
+            text.push(format!("the slave's largest {quantity}: {before} → {after} {unit}"));
         }
         for (index, (_, name, after)) in self.after.coupling.numbers().iter().enumerate().take(4) {
             let stays = found.from[index].to_bits() == after.to_bits();

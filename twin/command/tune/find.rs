@@ -1,7 +1,7 @@
 //! Finds what `twin tune cam` is asked for, one thing after the other.
 
 use super::cam::Arguments;
-use super::least::{Shown, intervals};
+use super::least::intervals;
 use super::outcome::with_knots;
 use super::report::Report;
 use super::words::SlaveColumn;
@@ -35,7 +35,7 @@ pub(super) fn tuned(
     };
     // What was measured moves the slave, not the tappets; of a motion that was taught they are a part.
     let held = deviation.is_some() || recorded.is_none();
-    let peak = arguments.least.least(&arguments.find, recorded.and_then(tune::travel));
+    let peak = arguments.least.least(&arguments.find);
     if let (Some(run), Some(fit)) = (recorded, report.fit) {
         // Shapes and peaks give way to limits themselves: here they have to start.
         let gives_way = peak.is_some() || !arguments.reshape.is_empty();
@@ -69,21 +69,8 @@ pub(super) fn tuned(
         report.shaped = Some(found);
         report.goal = Some(arguments.goal.into());
     }
-    let from = match arguments.ramp_in {
-        Some(Shown::Given([master, position, velocity])) => {
-            Some((master, State { position, velocity, acceleration: 0.0 }))
-        }
-        Some(Shown::Run) => match recorded {
-            Some(run) => {
-                let begin = tune::begin(file, &report.after, run, deviation.as_ref())?;
-                report.begin = Some(begin);
-                Some((begin.master, begin.slave))
-            }
-            None => None,
-        },
-        None => None,
-    };
-    if let Some((master, slave)) = from {
+    if let Some([master, position, velocity]) = arguments.ramp_in {
+        let slave = State { position, velocity, acceleration: 0.0 };
         let least = arguments.least.quantity().unwrap_or(Quantity::Acceleration);
         let goal = arguments
             .within
@@ -147,9 +134,9 @@ fn from_run(
     report.error_before = Some(tune::rms(&errors(file, &reference, run)));
     let range = arguments.scaling_range.unwrap_or(USUAL_RANGE);
     let found = fit_run(file, &reference, run, arguments.free(), range, arguments.between())?;
-    if measured {
-        let [.., said] = intervals(&arguments.find);
-        tune::refuse_stroke(file, &reference, &found, said)?;
+    let [.., said] = intervals(&arguments.find);
+    if measured && said.is_none() {
+        tune::refuse_stroke(&reference, &found)?;
     }
     let did = tune::as_fitted(&before, &found);
     if measured {

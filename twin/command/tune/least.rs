@@ -1,6 +1,5 @@
 //! Options: unknowns and objective.
 
-use super::list;
 use crate::cam::tune::Least;
 use crate::command::Failure;
 use crate::command::cam::{magnitude, number};
@@ -86,25 +85,6 @@ fn tolerance(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
-/// A given value, or that of the run (`run`).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Shown<T> {
-    Given(T),
-    Run,
-}
-
-fn travel(text: &str) -> Result<Shown<[f64; 2]>, String> {
-    if text.trim() == "run" {
-        return Ok(Shown::Run);
-    }
-    let [from, to] = list::<2>(text, 2)?;
-    if from < to {
-        Ok(Shown::Given([from, to]))
-    } else {
-        Err(format!("{from} is not less than {to}"))
-    }
-}
-
 /// Objective, and the constraints of offsets and scalings.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "What is to be smallest")]
@@ -127,11 +107,6 @@ pub(super) struct LeastOptions {
     /// 0,0]
     #[arg(long, value_name = "MASTER[,SLAVE]", requires = "minimise", value_parser = tolerance)]
     tappet_tolerance: Option<[f64; 2]>,
-
-    /// The master goes from here to there only, so that `MasterOffset` says which part of the cam is passed; peaks, stroke, limits
-    /// and tappets are those on this way; `run`: where it goes in the --run [default: all of the cam]
-    #[arg(long, value_name = "FROM,TO|run", requires = "minimise", allow_hyphen_values = true, value_parser = travel)]
-    master_travel: Option<Shown<[f64; 2]>>,
 }
 
 impl LeastOptions {
@@ -140,18 +115,16 @@ impl LeastOptions {
         self.minimise.and_then(Minimise::quantity)
     }
 
-    /// Whether the unknowns change a peak: a scaling does, an offset of the master where only a part of the cam is passed.
-    /// Offsets that have an interval are to be in it, too.
+    /// Whether the unknowns change a peak: a scaling does. Offsets that have an interval are to be in it, too.
     fn seeks(&self, find: &[Sought]) -> bool {
         find.iter().any(|sought| match sought.what {
             Find::MasterScaling | Find::SlaveScaling => true,
-            Find::MasterOffset if self.master_travel.is_some() => true,
             Find::MasterOffset | Find::SlaveOffset => sought.between.is_some(),
         })
     }
 
-    /// The peak to minimise; none for the error or nothing. `run` is where the master goes in it.
-    pub(super) fn least(&self, find: &[Sought], run: Option<[f64; 2]>) -> Option<Least> {
+    /// The peak to minimise; none for the error or nothing.
+    pub(super) fn least(&self, find: &[Sought]) -> Option<Least> {
         let quantity = self.quantity().filter(|_| self.seeks(find))?;
         let anything = [f64::NEG_INFINITY, f64::INFINITY];
         let sought = NAMES.map(|(_, what)| {
@@ -161,11 +134,6 @@ impl LeastOptions {
         Some(Least {
             quantity,
             sought,
-            travel: match self.master_travel {
-                None => None,
-                Some(Shown::Given(travel)) => Some(travel),
-                Some(Shown::Run) => run,
-            },
             stroke: self.stroke.unwrap_or(0.0),
             tappet_tolerance: self.tappet_tolerance.unwrap_or_default(),
         })
@@ -178,21 +146,15 @@ impl LeastOptions {
         with_run: bool,
         [ramps, within]: [bool; 2],
     ) -> Result<(), Failure> {
-        let of_run = self.master_travel == Some(Shown::Run) && !with_run;
         let has = |what| find.iter().any(|sought| sought.what == what);
         let peak = self.quantity().is_some();
-        let held = self.stroke.is_some()
-            || self.tappet_tolerance.is_some()
-            || self.master_travel.is_some();
+        let held = self.stroke.is_some() || self.tappet_tolerance.is_some();
         let scaling = has(Find::MasterScaling) || has(Find::SlaveScaling);
-        let part = has(Find::MasterOffset) && self.master_travel.is_some();
-        let offsets_alone = !find.is_empty() && !scaling && !part;
+        let offsets_alone = !find.is_empty() && !scaling;
         // A run determines them, and a ramp has a peak of its own.
         let of_ramp = with_run && within;
         let wrong = if self.minimise == Some(Minimise::Error) && !with_run {
             "--minimise error needs a --run, against which the slave has an error"
-        } else if of_run {
-            "--master-travel run is where the master goes in a --run, and there is none"
         } else if find.iter().any(|sought| sought.between.is_some()) && !(peak || with_run) {
             "an interval of --find is for --minimise acceleration and jerk, or for a --run"
         } else if peak && find.is_empty() && !within {
@@ -200,11 +162,11 @@ impl LeastOptions {
         } else if peak && ramps && !within {
             "--ramp-in without --within is as short as the limits allow and minimises nothing"
         } else if held && (!peak || find.is_empty()) {
-            "--stroke, --tappet-tolerance and --master-travel are for what --find looks for with --minimise acceleration or jerk"
+            "--stroke and --tappet-tolerance are for what --find looks for with --minimise acceleration or jerk"
         } else if peak && offsets_alone && !of_ramp {
-            "offsets alone change no peak where all of the cam is passed: --find a scaling, or master-offset with --master-travel FROM,TO"
+            "offsets alone change no peak: --find a scaling"
         } else if !peak && !with_run && has(Find::MasterOffset) {
-            "no limit depends on MasterOffset: a --run determines it, or --minimise with --master-travel"
+            "no limit depends on MasterOffset: a --run determines it"
         } else {
             return Ok(());
         };

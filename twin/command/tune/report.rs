@@ -5,7 +5,7 @@
 use super::start::Started;
 use crate::cam::check::CamUse;
 use crate::cam::edit::Change;
-use crate::cam::tune::{self, Begin, Constrained, Kept, ShapeGoal, Shaped};
+use crate::cam::tune::{Constrained, Kept, ShapeGoal, Shaped};
 use crate::command::cam::Format;
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
@@ -68,8 +68,6 @@ pub(super) struct Found {
     pub(super) ramp: Option<(RampType, RampIn)>,
     /// The start that it is for.
     pub(super) start: Option<Box<RampWish>>,
-    /// Where a run begins that it begins with.
-    pub(super) begin: Option<Begin>,
     /// How it is known where the master starts.
     pub(super) started: Option<Started>,
     /// `MasterOffset` and `SlaveOffset` that do not start, which others with the same motion replace.
@@ -213,8 +211,6 @@ impl<'a> Report<'a> {
                     "master": {
                         "velocity": self.before.master.velocity,
                         "acceleration": self.before.master.acceleration, "period": master_period,
-                        "passes_too_often_per_s":
-                            run.and_then(|_| tune::passes_too_often(self.file, &self.before)),
                     },
                     "slave_period": slave_period,
                     "slave": run.map(|_| if self.wanted.is_some() { "measured" } else { "wanted" }),

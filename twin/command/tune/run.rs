@@ -2,7 +2,6 @@
 
 use super::report::{Report, Section, short};
 use crate::cam::check::CamUse;
-use crate::cam::tune;
 use crate::command::show::table;
 use serde_json::{Map, Value, json};
 use twin_cam::MasterMotion;
@@ -92,12 +91,6 @@ impl Report<'_> {
                 )
             }));
         }
-        text.extend(tune::passes_too_often(self.file, &self.before).map(|passes| {
-            let passes = short(passes);
-            format!(
-                "that is {passes} passes of the cam a second: is the time of the run in the unit that its column says?"
-            )
-        }));
         let [before, after] = [self.error_before, self.error_after]
             .map(|error| self.slave(error.unwrap_or_default()));
         let (samples, tense) = (self.samples, if measured { "would be" } else { "is" });

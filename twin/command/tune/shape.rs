@@ -1,9 +1,8 @@
 //! Report of a reshaped cam and of a ramp.
 
 use super::report::{Report, Section, short};
-use crate::cam::tune::{ShapeGoal, Shaped};
+use crate::cam::tune::ShapeGoal;
 use serde_json::json;
-use twin_cam::Curve;
 use twin_number::at_most;
 use twin_profile::RampType;
 
@@ -11,7 +10,7 @@ impl Report<'_> {
     /// Points that were moved.
     pub(super) fn shape(&self) -> Section {
         let Some(shaped) = &self.shaped else { return Section::empty("shape") };
-        let [master, slave] = self.units();
+        let [master, _] = self.units();
         let (what, first) = if let Some(ShapeGoal::Peak(quantity)) = self.goal {
             let ([before, after], unit) =
                 ([shaped.before, shaped.after].map(short), self.of(quantity));
@@ -30,55 +29,24 @@ impl Report<'_> {
             let at = self.place(at);
             format!("  now limited by the slave's {quantity} at master {at} {master}")
         }));
-        let beyond = self.beyond(shaped);
-        for (at, reached, limit) in &beyond {
-            let edge = if reached > limit { "most" } else { "least" };
-            let (at, [reached, limit]) =
-                (self.place(*at), [*reached, *limit].map(|y| self.slave(y)));
-            text.push(format!(
-                "  the slave leaves its old range: it goes to {reached} {slave} at master {at} {master}, it was {limit} at {edge}"
-            ));
-        }
         let point = |knot: &twin_cam::Knot| {
             json!({
                 "master": knot.master, "slave": knot.slave, "velocity": knot.velocity,
                 "acceleration": knot.acceleration,
             })
         };
-        let beyond = beyond
-            .into_iter()
-            .map(|(at, reached, limit)| json!({ "master": at, "slave": reached, "was": limit }));
         let value = json!({
             "of": what, "before": shaped.before, "after": shaped.after,
             "limited_by": shaped.limited.map(|(quantity, _)| quantity.to_string()),
             "at_master": shaped.limited.map(|(_, at)| at),
-            "beyond": beyond.collect::<Vec<_>>(),
             "points": shaped.knots.iter().map(point).collect::<Vec<_>>(),
         });
         Section { key: "shape", value, text }
     }
 
-    /// Where a shape takes the slave beyond the positions it had: master, position, and its most or least before.
-    fn beyond(&self, shaped: &Shaped) -> Vec<(f64, f64, f64)> {
-        let Ok(curve) = Curve::polynomial(&shaped.knots) else { return Vec::new() };
-        let using = &self.after;
-        let ends = |curve: &Curve| {
-            let y = curve.extremes().position;
-            let mut ends = [(y.min, y.at_min), (y.max, y.at_max)]
-                .map(|(y, at)| (using.slave_at(y), using.master_at(at)));
-            ends.sort_by(|one, other| one.0.total_cmp(&other.0));
-            ends
-        };
-        let [old, new] = [ends(self.file.cam.curve()), ends(&curve)];
-        let room = 1e-9 * (old[1].0 - old[0].0);
-        let beyond = [new[0].0 < old[0].0 - room, new[1].0 > old[1].0 + room];
-        let all = old.into_iter().zip(new).zip(beyond).filter(|(_, beyond)| *beyond);
-        all.map(|(((limit, _), (reached, at)), _)| (at, reached, limit)).collect()
-    }
-
-    /// The ramp, and where it begins as a run does.
+    /// The ramp.
     pub(super) fn ramp(&self) -> Section {
-        let mut text = Vec::from_iter(self.begins());
+        let mut text = Vec::new();
         let [_, slave] = self.units();
         let value = self.ramp.as_ref().map(|(kind, ramp)| {
             let (name, jerk) = match kind {

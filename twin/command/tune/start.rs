@@ -1,6 +1,6 @@
-//! Report on the start: the range of the master for `MC_CamIn`, and the start of a ramp that begins as a run does.
+//! Report on the start: the range of the master for `MC_CamIn`.
 
-use super::report::{Report, Section, short};
+use super::report::{Report, Section};
 use crate::cam::check::CamUse;
 use serde_json::json;
 use twin_cam::CamInput;
@@ -81,31 +81,7 @@ impl Report<'_> {
             "told_without": self.folded.map(|[offset, shift]| json!({
                 "master_offset": offset, "slave_offset": shift,
             })),
-            "ramp": self.begin.map(|begin| json!({
-                "line": begin.line, "master": begin.master, "slave": begin.slave.position,
-                "velocity": begin.slave.velocity, "passes": begin.passes, "samples_before": begin.before,
-            })),
         });
         Section { key: "start", value, text }
-    }
-
-    /// Where a ramp begins that is to begin as the run does, if that is not at its first sample as it is.
-    pub(super) fn begins(&self) -> Option<String> {
-        let [unit, slave] = self.units();
-        let begin = self.begin?;
-        let [master, position] = [self.place(begin.master), self.slave(begin.slave.position)];
-        let there = format!("{master} {unit} with the slave at {position} {slave}");
-        let (line, passes) = (begin.line, short(begin.passes.abs()));
-        let way = if begin.passes > 0.0 { "on" } else { "back" };
-        if begin.before > 0 {
-            Some(format!(
-                "the run begins beyond the cam: the ramp begins where its master comes onto the cam, in line {line}, at {there}"
-            ))
-        } else {
-            (begin.passes != 0.0).then(|| format!(
-                "the run begins {passes} passes of the cam {way}: the ramp begins at the same place of the pass on which MC_CamIn \
-                 starts, at {there}"
-            ))
-        }
     }
 }

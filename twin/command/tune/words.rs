@@ -1,6 +1,5 @@
 //! Options: words and lists of numbers, and what they say.
 
-use super::least::Shown;
 use super::list;
 use crate::cam::tune::{PointTolerance, ShapeGoal};
 use crate::command::cam::{magnitude, number, positive};
@@ -66,6 +65,6 @@ pub(super) fn point(text: &str) -> Result<PointTolerance, String> {
     Ok(PointTolerance { master, tolerance: Tolerance { slave, velocity, acceleration } })
 }
 
-pub(super) fn start(text: &str) -> Result<Shown<[f64; 3]>, String> {
-    if text.trim() == "run" { Ok(Shown::Run) } else { list(text, 2).map(Shown::Given) }
+pub(super) fn start(text: &str) -> Result<[f64; 3], String> {
+    list(text, 2)
 }

@@ -3,18 +3,17 @@
 //! With y from least to greatest the slave lies between `SlaveScaling` · y + `SlaveOffset` of both, and its velocity, acceleration
 //! and jerk are |`SlaveScaling`| · P(`MasterScaling`, `MasterOffset`) with the exact peaks P of the curve. So for given values of
 //! the master all constraints are linear in those of the slave, whose best values follow exactly
-//! (`motion/cam/tune/constrained/region.rs`). The values of the master are searched (`motion/cam/tune/constrained/search.rs`); where
-//! all of the cam is passed, the smallest peak has the smallest `MasterScaling`.
+//! (`motion/cam/tune/constrained/region.rs`). The smallest peak has the smallest `MasterScaling`; for the least error and the least
+//! change the values of the master are searched (`motion/cam/tune/constrained/search.rs`).
 
 mod region;
 mod search;
-mod travel;
 
 pub use region::Bound;
 #[cfg(test)]
 pub(super) use region::Region;
 
-use super::super::bounds::{MasterMotion, Quantity, SlaveLimits};
+use super::super::bounds::{Factors, MasterMotion, Quantity, SlaveLimits};
 use super::super::curve::Curve;
 use super::super::knot::Derivatives;
 use super::Sample;
@@ -23,7 +22,6 @@ use crate::maximum_master_velocity::LimitError;
 #[cfg(not(test))]
 use region::Region;
 use region::{End, Quadratic};
-use travel::Passed;
 
 /// Objective of a fit.
 #[derive(Clone, Copy, Debug)]
@@ -46,8 +44,6 @@ pub struct Constraints {
     pub sought: [Option<[f64; 2]>; 4],
     /// What the master does at most.
     pub master: MasterMotion,
-    /// From where to where the master goes, u; all of the cam without it.
-    pub travel: Option<[f64; 2]>,
     /// Where the master is when the slave is coupled, u: that has to be on the cam, from its begin to its end (error 626).
     pub start: Option<f64>,
     /// What the slave may do.
@@ -71,7 +67,6 @@ impl Constraints {
             from,
             sought: [None; 4],
             master,
-            travel: None,
             start: None,
             limits: SlaveLimits::NONE,
             position: [f64::NEG_INFINITY, f64::INFINITY],
@@ -88,9 +83,9 @@ impl Constraints {
 pub struct Constrained {
     /// `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling`.
     pub values: [f64; 4],
-    /// The objective before and now; infinite before if the slave would have to stop at once.
+    /// The objective before.
     pub before: f64,
-    /// See there.
+    /// The objective now.
     pub after: f64,
     /// The constraints that hold each of them; none if it could go either way, or follows the others.
     pub held: [Vec<Bound>; 4],
@@ -107,14 +102,6 @@ pub enum ConstraintError {
         "{unknown} could become 0, where nothing moves: give it an interval, a stroke of the slave or tappets that hold it"
     )]
     Unconstrained {
-        /// Which.
-        unknown: &'static str,
-    },
-    /// An interval without an end cannot be searched.
-    #[error(
-        "{unknown} may be anything: where the master goes a part of the cam only, it needs an interval"
-    )]
-    Unterminated {
         /// Which.
         unknown: &'static str,
     },
@@ -231,10 +218,7 @@ impl Problem<'_> {
     fn objective_at(&self, values: &Values) -> f64 {
         let [offset, scaling, shift, factor] = *values;
         match self.objective {
-            Objective::Peak(quantity) => match self.passed(scaling, offset) {
-                Some(passed) => self.peak(&passed, quantity) * factor.abs(),
-                None => f64::INFINITY,
-            },
+            Objective::Peak(quantity) => self.peak(scaling, quantity) * factor.abs(),
             Objective::Change => {
                 let change = self.changes(values).iter().map(|by| by * by).sum::<f64>();
                 change.sqrt()
@@ -249,6 +233,17 @@ impl Problem<'_> {
                 (sum / weights).sqrt()
             }
         }
+    }
+
+    /// The peak of a quantity of y, whatever the master does within its own limits.
+    fn peak(&self, scaling: f64, quantity: Quantity) -> f64 {
+        let factors = Factors { master: scaling, slave: 1.0 };
+        self.curve.peak(quantity, &self.wish.master, factors).value
+    }
+
+    /// Whether limits of the position count: a slave that gains in every pass goes everywhere.
+    fn has_position(&self) -> bool {
+        !self.wish.repeated || self.curve.rise() == 0.0
     }
 
     /// How far the slave goes, as that of a change of its offset is a part.
@@ -269,8 +264,7 @@ impl Problem<'_> {
 
     /// Whether all limits, the interval of `MasterScaling` and the start are kept but for rounding.
     fn keeps(&self, [offset, scaling, shift, factor]: &Values) -> bool {
-        let Some(passed) = self.passed(*scaling, *offset) else { return false };
-        let [one, other] = passed.reached.map(|y| y * factor + shift);
+        let [one, other] = self.ends.map(|y| y * factor + shift);
         let (least, greatest) = (one.min(other), one.max(other));
         let room = ROUNDING * (greatest - least).max(least.abs()).max(greatest.abs());
         let [low, high] = self.wish.position;
@@ -278,11 +272,11 @@ impl Problem<'_> {
         let moves = |quantity| {
             let limit = self.wish.limits.of(quantity);
             limit.is_infinite()
-                || self.peak(&passed, quantity) * factor.abs() <= limit * (1.0 + ROUNDING)
+                || self.peak(*scaling, quantity) * factor.abs() <= limit * (1.0 + ROUNDING)
         };
         self.wish.start.is_none_or(starts)
             && self.wish.sought[1].is_none_or(|[low, high]| (low..=high).contains(scaling))
-            && (!passed.limited || least >= low - room && greatest <= high + room)
+            && (!self.has_position() || least >= low - room && greatest <= high + room)
             && Quantity::ALL.into_iter().all(moves)
     }
 
@@ -305,7 +299,7 @@ impl Problem<'_> {
         }
         let [offset, scaling, ..] = self.wish.from;
         let room = self.wish.tappet_tolerance[0].copysign(scaling);
-        let all = self.tappets();
+        let all = &self.wish.tappets;
         // The outermost tappets speak for all.
         let least = all.iter().copied().min_by(f64::total_cmp);
         let greatest = all.iter().copied().max_by(f64::total_cmp).filter(|_| all.len() > 1);
@@ -318,8 +312,8 @@ impl Problem<'_> {
         region
     }
 
-    /// Scalings and offsets of the slave that intervals, tappets and limits allow where the master goes so.
-    fn slaves(&self, passed: &Passed) -> Region {
+    /// Scalings and offsets of the slave that intervals, tappets and limits allow with a scaling of the master.
+    fn slaves(&self, scaling: f64) -> Region {
         let Constraints { limits, position, stroke, from, .. } = self.wish;
         let sign = from[3].signum();
         let free = f64::INFINITY;
@@ -333,20 +327,19 @@ impl Problem<'_> {
         let nothing = SAME * self.curve.extremes().position.magnitude();
         let whole = |y: f64| if y.abs() <= nothing { 0.0 } else { y };
         let tolerance = self.wish.tappet_tolerance[1];
-        let repeated = self.wish.repeated && self.wish.travel.is_some();
-        let at = |x: f64| if repeated { self.curve.repeated(x) } else { self.curve.at(x) }.position;
-        let tappets = self.tappets().into_iter().filter(|_| tolerance.is_finite());
+        let at = |x: f64| self.curve.at(x).position;
+        let tappets = self.wish.tappets.iter().copied().filter(|_| tolerance.is_finite());
         for (place, y) in tappets.map(|place| (place, whole(at(place)))) {
             let (bound, now) = (Bound::Tappet { place }, from[3] * y + from[2]);
             region.between([y, 1.0], [(now - tolerance, bound), (now + tolerance, bound)]);
         }
-        if passed.limited {
+        if self.has_position() {
             let ends = position.map(|limit| (limit, Bound::Position { limit }));
-            for y in passed.reached {
+            for y in self.ends {
                 region.between([whole(y), 1.0], ends);
             }
         }
-        let [least, greatest] = passed.reached;
+        let [least, greatest] = self.ends;
         if *stroke > 0.0 {
             let ends = [(*stroke, Bound::Stroke), (free, Bound::Given)];
             region.between([sign * (greatest - least), 0.0], ends);
@@ -357,7 +350,7 @@ impl Problem<'_> {
                 let solved = self.wish.sought[3].is_some();
                 let kept = if solved { limit } else { limit * (1.0 - MARGIN) };
                 let ends = [(-free, Bound::Given), (kept, Bound::Limit { quantity, limit })];
-                region.between([sign * self.peak(passed, quantity), 0.0], ends);
+                region.between([sign * self.peak(scaling, quantity), 0.0], ends);
             }
         }
         region
@@ -407,8 +400,7 @@ impl Problem<'_> {
 
     /// The best values of the slave for given ones of the master, or by how much the constraints are exceeded.
     fn best(&self, scaling: f64, offset: f64) -> Result<Place, f64> {
-        let passed = self.passed(scaling, offset).ok_or(f64::INFINITY)?;
-        let region = self.slaves(&passed);
+        let region = self.slaves(scaling);
         let [.., shift, factor] = self.wish.from;
         let ends = Self::scalings(&region, factor).map_err(|(_, by)| by)?;
         let within = |[least, greatest]: [End; 2]| [least.value, greatest.value];
@@ -419,7 +411,7 @@ impl Problem<'_> {
                 let factor = end.map_or(0.0, |end| end.value);
                 let shift = nearest(shift, within(region.offsets(factor)));
                 let by = end.into_iter().flat_map(|end| end.by).flatten().collect();
-                ([shift, factor], factor.abs() * self.peak(&passed, quantity), by)
+                ([shift, factor], factor.abs() * self.peak(scaling, quantity), by)
             }
             Objective::Change => {
                 let units = [self.wish.from[3], self.stroke()].map(|unit| unit.powi(-2));
@@ -469,7 +461,6 @@ impl Problem<'_> {
     fn held(&self, place: &Place, masters: &Region) -> [Vec<Bound>; 4] {
         let [offset, scaling, shift, factor] = place.values;
         let from = self.wish.from;
-        let passed = self.passed(scaling, offset);
         let at = |value: f64, ends: [End; 2]| {
             let ends = ends.into_iter().filter(move |end| close(end.value, value));
             ends.flat_map(|end| end.by).flatten().collect::<Vec<_>>()
@@ -478,16 +469,12 @@ impl Problem<'_> {
         let mut held = [at(offset, masters.offsets(scaling)), of_master, Vec::new(), Vec::new()];
         if self.is_peak() {
             held[3].clone_from(&place.by);
-            if let Some(passed) = &passed {
-                held[2] = at(shift, self.slaves(passed).offsets(factor));
-            }
-            if self.wish.travel.is_none() {
-                held[1].truncate(2);
-            }
+            held[2] = at(shift, self.slaves(scaling).offsets(factor));
+            held[1].truncate(2);
         } else {
             let reached = |quantity: &Quantity| {
                 let limit = self.wish.limits.of(*quantity);
-                let peak = passed.as_ref().map_or(0.0, |passed| self.peak(passed, *quantity));
+                let peak = self.peak(scaling, *quantity);
                 limit.is_finite() && peak * factor.abs() >= limit * (1.0 - SAME)
             };
             let motion = Quantity::ALL.into_iter().filter(reached);
@@ -550,10 +537,8 @@ fn check(
             return Err(LimitError::NoMagnitude { name, value }.into());
         }
     }
-    let travel = wish.travel.into_iter().flatten().map(|value| ("the way of the master", value));
     let numbers = [0, 2].map(|index: usize| (NAMES[index], wish.from[index])).into_iter();
     let numbers = numbers
-        .chain(travel)
         .chain(wish.start.map(|value| ("where the master starts", value)))
         .map(|(what, value)| (what, value, value.is_finite()));
     let scalings = [1, 3].map(|index: usize| {

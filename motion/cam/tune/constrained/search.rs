@@ -48,12 +48,12 @@ impl Problem<'_> {
         };
         let ends = Self::scalings(masters, from[1])
             .map_err(|(ends, _)| Self::contradiction(ends, unknown))?;
-        if self.is_peak() && self.wish.travel.is_none() {
+        if self.is_peak() {
             let scaling = self.nearest_zero(1, ends)?.value;
             let offset = nearest(from[0], masters.offsets(scaling).map(|end| end.value));
             return self.allowed(self.on_cam([offset, scaling]), None);
         }
-        let domain = self.domain(masters, ends)?;
+        let domain = self.domain(masters, ends);
         let few: Vec<Sample>;
         let mut coarse = *self;
         if let Objective::Error(samples) = self.objective {
@@ -120,7 +120,6 @@ impl Problem<'_> {
         [offset, scaling]: [f64; 2],
         end: Option<End>,
     ) -> Result<Place, ConstraintError> {
-        let passed = self.passed(scaling, offset).ok_or(ConstraintError::Infeasible)?;
         let factor = self.wish.from[3];
         let contradicts = |(ends, _): ([End; 2], f64)| {
             let first = |end: End| end.by.into_iter().flatten().find(|by| *by != Bound::Given);
@@ -134,55 +133,42 @@ impl Problem<'_> {
                 (error, _) => error,
             }
         };
-        let ends = Self::scalings(&self.slaves(&passed), factor).map_err(contradicts)?;
+        let ends = Self::scalings(&self.slaves(scaling), factor).map_err(contradicts)?;
         if self.is_peak() {
             self.nearest_zero(3, ends)?;
         }
         self.best(scaling, offset).map_err(|_infeasible| ConstraintError::Infeasible)
     }
 
-    fn domain<'a>(
-        &self,
-        masters: &'a Region,
-        ends: [End; 2],
-    ) -> Result<Domain<'a>, ConstraintError> {
+    fn domain<'a>(&self, masters: &'a Region, ends: [End; 2]) -> Domain<'a> {
         let from = self.wish.from;
         let [least, greatest] = ends.map(|end| end.value);
-        let (scalings, pivot) = if let Objective::Peak(_) = self.objective {
-            if !(least.is_finite() && greatest.is_finite()) {
-                return Err(ConstraintError::Unterminated { unknown: NAMES[1] });
+        let (mut near, mut far) = (least / from[1], greatest / from[1]);
+        if near > far {
+            (near, far) = (far, near);
+        }
+        let (beyond, pivot) = match self.objective {
+            Objective::Error(samples) => {
+                let sum = |of: &dyn Fn(&Sample) -> f64| samples.iter().map(of).sum::<f64>();
+                (BEYOND, sum(&|s| s.weight * s.master) / sum(&|s| s.weight))
             }
-            self.nearest_zero(1, ends)?;
-            ([least, least, greatest], 0.0)
-        } else {
-            let (mut near, mut far) = (least / from[1], greatest / from[1]);
-            if near > far {
-                (near, far) = (far, near);
-            }
-            let beyond = if let Objective::Error(_) = self.objective { BEYOND } else { 0.0 };
-            let near = near.max(0.0);
-            let far = far.min(1.0 + beyond).max(near);
-            let pivot = match self.objective {
-                Objective::Error(samples) => {
-                    let sum = |of: &dyn Fn(&Sample) -> f64| samples.iter().map(of).sum::<f64>();
-                    sum(&|s| s.weight * s.master) / sum(&|s| s.weight)
-                }
-                _ => 0.0,
-            };
-            // The ends stay what they are, to the last digit.
-            let exact = |share: f64| {
-                let end = [least, greatest].into_iter().find(|end| close(end / from[1], share));
-                end.unwrap_or(from[1] * share)
-            };
-            ([exact(near), exact(1.0_f64.clamp(near, far)), exact(far)], pivot)
+            _ => (0.0, 0.0),
         };
+        let near = near.max(0.0);
+        let far = far.min(1.0 + beyond).max(near);
+        // The ends stay what they are, to the last digit.
+        let exact = |share: f64| {
+            let end = [least, greatest].into_iter().find(|end| close(end / from[1], share));
+            end.unwrap_or(from[1] * share)
+        };
+        let scalings = [exact(near), exact(1.0_f64.clamp(near, far)), exact(far)];
         let mut domain = Domain { masters, scalings, pivot, free: [false; 2] };
         domain.free[0] = !close(scalings[0], scalings[2]);
         domain.free[1] = [scalings[0], scalings[2]].into_iter().any(|scaling| {
             let [low, high] = self.offsets(&domain, scaling);
             low < high && !close(low, high)
         });
-        Ok(domain)
+        domain
     }
 
     /// Offset and scaling of the master at shares of their ranges.
@@ -195,38 +181,16 @@ impl Problem<'_> {
         [within(self.offsets(domain, scaling), of_offset), scaling]
     }
 
-    /// Least and greatest offset with a scaling: half a pass about where it was, or once along the cam, within the constraints.
+    /// Least and greatest offset with a scaling: a quarter of a pass about where it was, within the constraints.
     fn offsets(&self, domain: &Domain<'_>, scaling: f64) -> [f64; 2] {
         let from = self.wish.from;
-        let (curve, width) = (self.curve, self.curve.end() - self.curve.start());
+        let reach = (self.curve.end() - self.curve.start()) / 4.0;
         let [low, high] = domain.masters.offsets(scaling).map(|end| end.value);
-        let [least, greatest] = if self.is_peak() {
-            let [one, other] = self.wish.travel.unwrap_or_default().map(|master| master * scaling);
-            if self.wish.repeated {
-                [from[0] - width / 2.0, from[0] + width / 2.0]
-            } else {
-                [curve.start() - one.max(other), curve.end() - one.min(other)]
-            }
-        } else {
-            let middle = from[0] + (from[1] - scaling) * domain.pivot;
-            let within = [middle - width / 4.0, middle + width / 4.0];
-            return if low > high {
-                [nearest(middle, [low, high]); 2]
-            } else {
-                within.map(|offset| offset.clamp(low, high))
-            };
-        };
-        let (low, high) = match (low.is_finite(), high.is_finite()) {
-            (true, true) => (low, high),
-            (true, false) => (low, greatest.max(low)),
-            (false, true) => (least.min(high), high),
-            (false, false) => (least, greatest),
-        };
-        if self.wish.repeated && curve.rise() == 0.0 && high - low > width {
-            let middle = from[0].clamp(low + width / 2.0, high - width / 2.0);
-            return [middle - width / 2.0, middle + width / 2.0];
+        let middle = from[0] + (from[1] - scaling) * domain.pivot;
+        if low > high {
+            return [nearest(middle, [low, high]); 2];
         }
-        if low <= high { [low, high] } else { [nearest(from[0], [low, high]); 2] }
+        [middle - reach, middle + reach].map(|offset| offset.clamp(low, high))
     }
 
     /// The same values but for the rounding that puts the master off the cam when the slave is coupled.

@@ -129,7 +129,6 @@ pub fn reshape(knots: &[Knot], wish: &Wish) -> Result<Reshaped<Largest>, Reshape
     if before.limited.is_none() {
         return Err(ReshapeError::NoLimit);
     }
-    let wish = &wish.scaled(knots)?;
     let mut problem = Problem::new(knots, wish, &rows(wish, 1.0, None));
     let mut best = Reshaped { knots: knots.to_vec(), before, after: before, programs: 0 };
     // A cam that leaves its positions as it is has to be changed, even if it becomes slower.
@@ -191,7 +190,6 @@ pub fn soften(
     let before = of(knots, quantity)?;
     let mut best = Reshaped { knots: knots.to_vec(), before, after: before, programs: 0 };
     let rows = rows(wish, velocity, Some((quantity, before.value)));
-    let wish = &wish.scaled(knots)?;
     let mut problem = Problem::new(knots, wish, &rows);
     let stays = wish.keeps_position(knots)?;
     let unmoved = |best| if stays { Ok(best) } else { Err(ReshapeError::NoShape) };
@@ -267,36 +265,5 @@ impl Wish {
         let found = Curve::polynomial(knots)?.extremes().position;
         let room = POSITION * (found.max - found.min).max(found.magnitude());
         Ok(found.min >= low - room && found.max <= high + room)
-    }
-
-    /// The same with tolerances no larger than a shape can make use of.
-    ///
-    /// A linear program looks for parts of the tolerances. Of a tolerance of a million heights of the cam only the last digits of
-    /// a part would matter. A point that goes beyond several heights, or is as steep over the shorter piece next to it,
-    /// makes no peak smaller.
-    fn scaled(&self, knots: &[Knot]) -> Result<Self, CamError> {
-        const HEIGHTS: f64 = 4.0;
-        let found = Curve::polynomial(knots)?.extremes().position;
-        let [low, high] = self.position;
-        // A cam that leaves its positions has to come back that far.
-        let beyond = [low - found.min, found.max - high].into_iter().filter(|by| by.is_finite());
-        let most = HEIGHTS * (found.max - found.min + beyond.fold(0.0, f64::max));
-        let mut scaled = self.clone();
-        if !(most.is_finite() && most > 0.0) {
-            return Ok(scaled);
-        }
-        let widths: Vec<f64> =
-            knots.windows(2).map(|pair| pair[1].master - pair[0].master).collect();
-        for (index, (tolerance, knot)) in scaled.tolerances.iter_mut().zip(knots).enumerate() {
-            // Behind the end comes the begin, and before the begin the end.
-            let count = widths.len();
-            let width = widths[index % count].min(widths[(index + count - 1) % count]);
-            let [velocity, acceleration] = [most / width, most / (width * width)];
-            tolerance.slave = tolerance.slave.min(most);
-            tolerance.velocity = tolerance.velocity.min(knot.velocity.abs() + velocity);
-            let acceleration = knot.acceleration.abs() + acceleration;
-            tolerance.acceleration = tolerance.acceleration.min(acceleration);
-        }
-        Ok(scaled)
     }
 }

@@ -183,9 +183,22 @@ fn rests_are_reported() {
             })
             .collect();
         let error = fit(&curve, &dwell, &FitOptions::default()).expect_err("it rests");
-        let FitError::Resting { moved, height, .. } = error else { panic!("{noise}: {error}") };
-        assert!(moved <= 0.4 && (height - 80.0).abs() < 1e-6, "{noise}: {moved} {height}");
+        assert!(
+            matches!(error, FitError::Undetermined { .. } | FitError::Unexplained { .. }),
+            "{noise}: {error}"
+        );
     }
+    // A master in radians for a cam in degrees.
+    let other: Vec<_> = (0..600)
+        .map(|index| 1.5 * f64::from(index))
+        .map(|at| Sample {
+            master: at.to_radians(),
+            slave: curve.repeated(at).position,
+            weight: 1.0,
+        })
+        .collect();
+    let error = fit(&curve, &other, &FitOptions::default()).expect_err("other units");
+    assert!(error.to_string().contains("are master and slave in its units"), "{error}");
 }
 
 /// One line of the slave is reported on a dwell as well: of 1,000 trials 95 % hold the offset, or the scaling. A slave that does not
@@ -233,8 +246,7 @@ fn a_dwell_determines_one_line() {
         .collect();
     let options = FitOptions { free: offset, ..FitOptions::default() };
     let error = fit(&curve, &wild, &options).expect_err("another slave");
-    let refused = matches!(error, FitError::Unexplained { .. } | FitError::TooFar { .. });
-    assert!(refused, "{error}");
+    assert!(matches!(error, FitError::Unexplained { .. }), "{error}");
 }
 
 #[test]

@@ -386,6 +386,14 @@ fn what_is_wrong_is_reported_of_rounded_positions_too() {
         off +=
             usize::from(matches!(&found, Err(FitError::Outliers { outliers }) if named(outliers)));
     }
+    // Without steps as well.
+    let strong = Case { noise: 0.1, correlation: 0.8, samples: 400, ..STILL };
+    let refused = (0..20).filter(|seed| {
+        let samples = strong.record(&mut Random(*seed), &curve, truth);
+        let found = fit(&curve, &samples, &options);
+        !found.is_ok_and(|found| found.is_noise(samples.len()))
+    });
+    assert!(refused.count() >= 19);
     // Where it is not refused, the intervals hold it.
     println!("refused {gone_on}, held {held}");
     assert!(gone_on >= 90 && gone_on + held >= 95, "{gone_on} {held}");

@@ -138,7 +138,7 @@ fn ramps_onto_a_dwell_are_known() {
     for (ramp, slave, most, goal, cycle_s, expected, exact) in rows {
         let slave = moving(slave, 0.0);
         let wish = wish(&dwell(), moving(5.0, 3.0), slave, limits(most));
-        let wish = RampWish { ramp, goal, cycle_s, ..wish };
+        let wish = RampWish { ramp, cycle_s, goal, ..wish };
         let found = ramp_in(&wish).expect("a ramp");
         let RampIn { duration_s, peak_velocity, peak_acceleration, peak_jerk, .. } = found;
         let all = [duration_s, peak_velocity, peak_acceleration, peak_jerk];
@@ -189,7 +189,7 @@ fn positions_on_the_way_are_kept() {
 fn what_leaves_no_ramp_is_refused() {
     let refused = |knots: &[Knot], most, ramp, goal| {
         let wish = wish(knots, moving(90.0, 100.0), moving(0.0, 0.0), limits(most));
-        ramp_in(&RampWish { goal, ramp, ..wish }).expect_err("no ramp")
+        ramp_in(&RampWish { ramp, goal, ..wish }).expect_err("no ramp")
     };
     let soonest = RampGoal::Soonest;
     for (ramp, most, what) in [
