@@ -62,7 +62,7 @@ assumptions! {
                 "every move, not only manual ones", "gives no order that would end the move of the other axis");
         refuses_repeats: bool = false, FLAG,
             (93, "Does repeating its bit keep a manual move?",
-                "it goes on, with message bit 14", "repeats it, and looks at the messages of the axis ordered");
+                "it goes on, with message bit 14", "gives no manual move");
         refusal_stops: bool = false, FLAG,
             (94, "What becomes of the move under way when an order is refused?",
                 "it ends", "says that the order was refused");

@@ -34,7 +34,7 @@ pub mod protocol;
 mod tests;
 
 pub use assumptions::{Assumptions, CamStart, Corrections, EntryOrder};
-pub use client::{Bim2Ax, Bim2AxOptions, BusStamp, Identity, Move, Start};
+pub use client::{Bim2Ax, Bim2AxOptions, BusStamp, Identity, Start};
 pub use drive::{Bim2AxDrive, Bim2AxDriveOptions};
 pub use emulator::{Bench, Contact, EncoderBench, EncoderKind, SharedModule};
 pub use family::{Bim2AxEntry, Bim2AxFamily, ModuleEncoder};

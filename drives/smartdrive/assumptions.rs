@@ -168,7 +168,7 @@ assumptions! {
         acc_current: AccCurrent = AccCurrent::At86,
             Choice(&[("86", AccCurrent::At86), ("85", AccCurrent::At85)]),
             (143, "Where is Acc_Current?",
-                "85, and Dec_Setpoint cannot be read", "reads it there");
+                "85, and Dec_Setpoint cannot be read", "does without it");
         zero_rate: ZeroRate = ZeroRate::AsAcceleration,
             Choice(&[("as-acceleration", ZeroRate::AsAcceleration), ("unlimited", ZeroRate::Unlimited)]),
             (147, "What is a DecMax or DecLim of 0?",

@@ -35,9 +35,7 @@ pub use assumptions::{
     AccCurrent, Assumptions, BadFrame, BothBits, HomePosition, LimitStop, SetEffect, StepFrom,
     ZeroRate,
 };
-pub use client::{
-    Accelerations, AxisOptions, DriveState, IoState, ParameterValue, SmartDrive, SmartDriveOptions,
-};
+pub use client::{AxisOptions, DriveState, IoState, ParameterValue, SmartDrive, SmartDriveOptions};
 pub use drive::{OUTPUTS, SmartDriveBus};
 pub use family::{SmartDriveEntry, SmartDriveFamily};
 pub use prediction::{BusDelays, SmartDrivePrediction};

@@ -50,8 +50,6 @@ enum Doing {
     GoTo,
     /// BIM2AX, legs.
     Legs,
-    /// BIM2AX, a manual move.
-    Manual,
     /// A move to a target.
     Approach(Family),
     /// The device's own homing.
@@ -61,12 +59,11 @@ enum Doing {
 }
 
 impl Doing {
-    const ALL: [Self; 12] = [
+    const ALL: [Self; 11] = [
         Self::Retargeted,
         Self::Buffered,
         Self::GoTo,
         Self::Legs,
-        Self::Manual,
         Self::Approach(Family::InterpCnc),
         Self::Approach(Family::SmartDrive),
         Self::Approach(Family::Bim2Ax),
@@ -81,7 +78,7 @@ impl Doing {
             Self::Retargeted | Self::Buffered | Self::HomingNearby => Family::InterpCnc,
             Self::Approach(family) | Self::Homing(family) => family,
             Self::GoTo => Family::SmartDrive,
-            Self::Legs | Self::Manual => Family::Bim2Ax,
+            Self::Legs => Family::Bim2Ax,
         }
     }
 }
@@ -123,9 +120,6 @@ fn child() {
     let port = std::env::var(PORT).expect("where");
     let start_ns = std::env::var(START).expect("when").parse().expect("ns");
     let doing = Doing::ALL.into_iter().find(|doing| format!("{doing:?}") == what).expect("what");
-    if doing == Doing::Manual {
-        return manual(&port, true);
-    }
     let mut drive = open(doing, &port);
     let line = Line { start_ns };
     drive.probe(&line).expect("it answers");
@@ -187,24 +181,6 @@ fn open(doing: Doing, port: &str) -> Box<dyn Drive> {
             Box::new(Bim2AxDrive::new(port, memory, &options).expect("it opens"))
         }
     }
-}
-
-/// Begins a manual move and does nothing any more, or ends it.
-fn manual(port: &str, on: bool) {
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
-    let options = Bim2AxOptions { deadline: Duration::from_secs(5), ..Bim2AxOptions::default() };
-    let memory = MemoryFile::open(port.as_ref()).expect("it is there");
-    let mut module = Bim2Ax::new(port, memory, &options);
-    runtime.expect("a runtime").block_on(async {
-        module.identify(&|| 0).await.expect("it answers");
-        if on {
-            module.manual(ModuleAxis::One, true, &|| 0).await.expect("it moves");
-            loop {
-                tokio::time::sleep(PAUSE).await;
-            }
-        }
-        module.manual_stop(&|| 0).await.expect("it obeys");
-    });
 }
 
 fn spawn(doing: Doing, port: &str, start_ns: i64) -> Child {
@@ -288,25 +264,6 @@ fn homing_whose_program_dies_goes_on_to_its_switch_or_as_far_as_it_was_allowed()
     assert!((most..-500.0).contains(&end.mechanical), "{end:?}");
 }
 
-#[test]
-fn a_manual_move_whose_program_dies_goes_on_until_it_is_told() {
-    let mut rig = Rig::new(Family::Bim2Ax, 0, clock(1));
-    rig.leave();
-    let (left, _) = killed(Doing::Manual, &rig);
-    // Far beyond anything that was commanded ahead: nothing was.
-    let far = (0..MOST_LOOKS).any(|_| {
-        thread::sleep(PAUSE);
-        rig.truth().counter > left + 1000
-    });
-    assert!(far && rig.truth().moving);
-    manual(rig.port(), false);
-    let rests = (0..MOST_LOOKS).any(|_| {
-        thread::sleep(PAUSE);
-        !rig.truth().moving
-    });
-    assert!(rests);
-}
-
 /// The masters of serial ports and of devices that are mapped are kept apart by the system; those of a memory file by a lock
 /// that dies with its program.
 #[test]
@@ -314,7 +271,7 @@ fn a_memory_file_has_one_master_until_that_is_killed_and_a_stop_gets_through() {
     let mut rig = Rig::new(Family::Bim2Ax, 0, clock(1));
     rig.leave();
     let port = rig.port().to_owned();
-    let mut process = spawn(Doing::Manual, &port, now_ns());
+    let mut process = spawn(Doing::Approach(Family::Bim2Ax), &port, now_ns());
     let begun = (0..MOST_LOOKS).any(|_| {
         thread::sleep(PAUSE);
         // For so long that its order has been acknowledged: what comes between is garbled for both.
@@ -339,6 +296,6 @@ fn a_memory_file_has_one_master_until_that_is_killed_and_a_stop_gets_through() {
     let said = refused.to_string();
     assert!(said.contains(&port) && said.contains("another program"), "{said}");
     stopped.expect("the module obeys whoever is its master");
-    assert!(rests, "it goes on");
+    assert!(rests && rig.truth().counter < TARGET, "it goes on");
     MemoryFile::open(port.as_ref()).expect("its master is dead");
 }

@@ -14,14 +14,14 @@ use std::{io, sync::Arc, time::Duration};
 
 use tokio::time::{sleep, timeout};
 
-pub use programmed::{Move, Start};
+pub use programmed::Start;
 
 use super::{AXES, Assumptions, ByteOrder, Fault, ModuleAxis};
 use crate::protocol::{
     bits::card,
     memory::{BIM2AX_BOCM, Memory, RECEIPT_ORDERS, Window},
     parameter::Parameter,
-    zone::{Orders, ParameterExchange, Plugs, Positions, ReadZone, Target, WriteZone, ZoneBytes},
+    zone::{Orders, ParameterExchange, Positions, ReadZone, Target, WriteZone, ZoneBytes},
 };
 use twin_drives::{Action, Clock, DriveError, Exchange, ProtocolFault};
 
@@ -42,8 +42,6 @@ pub struct Bim2AxOptions {
     /// Time after which an answer that is late comes no more. After a missed deadline the driver waits so long before
     /// it asks anything but a stop, lest the late answer be taken for the next.
     pub worst_latency: Duration,
-    /// Longest time that reading plugs may take; it takes about 700 ms.
-    pub plugs_deadline: Duration,
     /// Longest time from RESET until $FD d0 shows that the software has stopped; the manual says nothing (A).
     pub reset_start: Duration,
     /// Longest time from then until the software runs; the manual says nothing (A).
@@ -55,14 +53,13 @@ pub struct Bim2AxOptions {
 }
 
 impl Default for Bim2AxOptions {
-    /// Big-endian, 1 ms, 10 ms, 20 ms, 1 s, 1 s, 5 s, several zones at once where the module can.
+    /// Big-endian, 1 ms, 10 ms, 20 ms, 1 s, 5 s, several zones at once where the module can.
     fn default() -> Self {
         Self {
             byte_order: ByteOrder::Big,
             pause: Duration::from_millis(1),
             deadline: Duration::from_millis(10),
             worst_latency: Duration::from_millis(20),
-            plugs_deadline: Duration::from_secs(1),
             reset_start: Duration::from_secs(1),
             reset_deadline: Duration::from_secs(5),
             zones_at_once: true,
@@ -105,8 +102,6 @@ pub struct Bim2Ax {
     options: Bim2AxOptions,
     window: Window,
     version: u16,
-    /// Manual moves under way, which every order has to repeat.
-    manual: [u16; AXES],
     /// An answer may still be on its way.
     late: bool,
 }
@@ -119,7 +114,6 @@ impl Bim2Ax {
             options: *options,
             window: Window::new(memory),
             version: 0,
-            manual: [0; AXES],
             late: false,
         }
     }
@@ -366,14 +360,5 @@ impl Bim2Ax {
     ) -> Result<(Positions, BusStamp), DriveError> {
         let (bytes, stamp) = self.exchange(ReadZone::EncoderSteps, clock).await?;
         Ok((Positions::decode(&bytes, self.options.byte_order), stamp))
-    }
-
-    /// Plugs as the module read them last: at its start, or by [`Self::read_plugs`].
-    ///
-    /// # Errors
-    /// If the module does not answer.
-    pub async fn plugs(&mut self, clock: &dyn Clock) -> Result<Plugs, DriveError> {
-        let (bytes, _) = self.exchange(ReadZone::Plugs, clock).await?;
-        Ok(Plugs::decode(&bytes, self.options.byte_order))
     }
 }

@@ -17,38 +17,22 @@ const HINDRANCES: u16 =
     message::REFUSED | message::POWER_ABSENT | message::PHASE_OPEN | message::PHASE_SHORT;
 
 impl Bim2Ax {
-    /// Writes the zone "Ordre UC", after Position zones if any, and gives the acknowledgements. Manual moves are
-    /// repeated for axes that get no order, while they are under way: one that has ended by itself would begin anew.
+    /// Writes the zone "Ordre UC", after Position zones if any, and gives the acknowledgements.
     pub(super) async fn order(
         &mut self,
         name: &'static str,
-        mut orders: Orders,
+        orders: Orders,
         targets: [Option<Target>; AXES],
         clock: &dyn Clock,
     ) -> Result<(Orders, BusStamp), DriveError> {
-        let mut kept = self.manual;
-        if orders.uc.iter().zip(kept).any(|(order, manual)| *order == 0 && manual != 0) {
-            let now = self.acknowledgements(clock).await?;
-            for (manual, acknowledged) in kept.iter_mut().zip(now.uc) {
-                *manual &= acknowledged;
-            }
-        }
-        for (order, manual) in orders.uc.iter_mut().zip(&mut kept) {
-            if *order == 0 {
-                *order = *manual;
-            } else {
-                *manual = *order & (uc::MANUAL_PLUS | uc::MANUAL_MINUS);
-            }
-        }
         let [one, two] = orders.uc;
         let action = Action::Order { bits: one | two, name };
         // A stop does not wait: it stops, whatever is answered.
-        let stops = (one | two) & (uc::ABANDON | uc::HARD_STOP) != 0 || orders == Orders::default();
+        let stops = (one | two) & (uc::ABANDON | uc::HARD_STOP) != 0;
         if !stops {
             self.settle().await;
         }
         self.check_others(action, &orders, clock).await?;
-        self.manual = kept;
         let byte_order = self.options.byte_order;
         let zones: Vec<_> = ModuleAxis::ALL
             .into_iter()
@@ -168,9 +152,6 @@ impl Bim2Ax {
             let messages = seen.messages.get(index).copied().unwrap_or(0);
             let position = seen.positions.get(index).copied().unwrap_or(0);
             if messages & HINDRANCES != 0 || !done(*axis, position, messages) {
-                if let Some(manual) = self.manual.get_mut(index) {
-                    *manual = 0;
-                }
                 let at = self.at(Action::Order { bits: order, name });
                 let axis = u8::try_from(axis.number()).unwrap_or(0);
                 return Err(Fault::AxisMessages { axis, messages }.at(at));
@@ -188,49 +169,6 @@ impl Bim2Ax {
         // One whose acknowledgement was not seen has ended, or moves; if it moves for another reason this order was refused.
         let done = |_, _, messages: u16| messages & (message::HOMED | message::MOVING) != 0;
         self.check_started("homing", uc::HOME, axes, &acknowledged, done, clock).await
-    }
-
-    /// Starts a manual move at the start-stop speed towards + or −; it runs until [`Self::manual_stop`].
-    ///
-    /// # Errors
-    /// If the axis does not start, or the module does not answer.
-    pub async fn manual(
-        &mut self,
-        axis: ModuleAxis,
-        plus: bool,
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let order = if plus { uc::MANUAL_PLUS } else { uc::MANUAL_MINUS };
-        let acknowledged = self.same("manual move", order, &[axis], clock).await?;
-        let never = |_, _, _| false;
-        self.check_started("manual move", order, &[axis], &acknowledged, never, clock).await
-    }
-
-    /// Ends manual moves. Sent again once if no answer comes or an axis still acknowledges its move, and if an order that was
-    /// given before may arrive after it.
-    ///
-    /// # Errors
-    /// If the module does not answer: the axes may go on.
-    pub async fn manual_stop(&mut self, clock: &dyn Clock) -> Result<(), DriveError> {
-        self.stopping("end of manual moves", 0, clock).await
-    }
-
-    /// Starts a move to the + or − end switch at the start-stop speed.
-    ///
-    /// # Errors
-    /// If the axis does not start, or the module does not answer.
-    pub async fn to_switch(
-        &mut self,
-        axis: ModuleAxis,
-        plus: bool,
-        clock: &dyn Clock,
-    ) -> Result<(), DriveError> {
-        let order = if plus { uc::TO_PLUS_SWITCH } else { uc::TO_MINUS_SWITCH };
-        let there = if plus { message::PLUS_SWITCH } else { message::MINUS_SWITCH };
-        let acknowledged = self.same("move to the end switch", order, &[axis], clock).await?;
-        let done = |_, _, messages: u16| messages & there != 0;
-        self.check_started("move to the end switch", order, &[axis], &acknowledged, done, clock)
-            .await
     }
 
     /// Abandons moves: both axes brake on their ramps. Sent again once if no answer comes
@@ -257,7 +195,6 @@ impl Bim2Ax {
         order: u16,
         clock: &dyn Clock,
     ) -> Result<(), DriveError> {
-        self.manual = [0; AXES];
         let late = self.late;
         let stopped = self.confirmed_stop(name, order, clock).await;
         if !late {
@@ -268,22 +205,17 @@ impl Bim2Ax {
         self.confirmed_stop(name, order, clock).await
     }
 
-    /// Gives a stop, and once more if it may not have been heard; order 0 ends manual moves.
+    /// Gives a stop, and once more if it may not have been heard.
     async fn confirmed_stop(
         &mut self,
         name: &'static str,
         order: u16,
         clock: &dyn Clock,
     ) -> Result<(), DriveError> {
-        let axes: &[ModuleAxis] = if order == 0 { &[] } else { &ModuleAxis::ALL };
-        match self.same(name, order, axes, clock).await {
+        match self.same(name, order, &ModuleAxis::ALL, clock).await {
             Err(DriveError::Timeout { .. } | DriveError::Protocol { .. }) => {}
             Ok(acknowledged) => {
-                let manual = uc::MANUAL_PLUS | uc::MANUAL_MINUS;
-                let lacks = acknowledged.uc.map(|word| match order {
-                    0 => word & manual != 0,
-                    order => word & order == 0,
-                });
+                let lacks = acknowledged.uc.map(|word| word & order == 0);
                 if lacks == [false; AXES] {
                     return Ok(());
                 }
@@ -296,7 +228,7 @@ impl Bim2Ax {
             }
             Err(error) => return Err(error),
         }
-        self.same(name, order, axes, clock).await.map(|_| ())
+        self.same(name, order, &ModuleAxis::ALL, clock).await.map(|_| ())
     }
 
     /// Switches phases on or off at standstill (on: revision D).

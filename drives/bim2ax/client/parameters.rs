@@ -1,21 +1,15 @@
-//! Parameters, plugs, RESET.
-
-use std::time::Duration;
+//! Parameters and RESET.
 
 use tokio::time::{sleep, timeout};
 
 use super::{
-    Action, Bim2Ax, Clock, DriveError, ModuleAxis, ParameterExchange, Plugs, ReadZone, WriteZone,
-    card,
+    Action, Bim2Ax, Clock, DriveError, ModuleAxis, ParameterExchange, ReadZone, WriteZone, card,
 };
 use crate::{
     AxisSettings, DriveMode, Fault, REFERENCES,
     protocol::parameter::{AxisParameter, Parameter, order},
 };
 use twin_drives::ProtocolFault;
-
-/// Longest time between two looks whether plugs have been read: the module has better to do meanwhile.
-const PLUGS_LOOK: Duration = Duration::from_millis(10);
 
 impl Bim2Ax {
     /// Writes the zone "Paramètre" and gives the answer.
@@ -158,36 +152,8 @@ impl Bim2Ax {
         Ok(settings)
     }
 
-    /// Has the module read plug 1, plug 2 or both, which takes it 700 ms.
-    ///
-    /// # Errors
-    /// If none is named, the module refuses, or has not read them before the deadline.
-    pub async fn read_plugs(
-        &mut self,
-        one: bool,
-        two: bool,
-        clock: &dyn Clock,
-    ) -> Result<Plugs, DriveError> {
-        let number = u16::from(one) | u16::from(two) << 1;
-        let action = Action::Command { number: order::READ_PLUGS, name: "reading plugs" };
-        let asked = ParameterExchange { order: order::READ_PLUGS, number, ..Default::default() };
-        let mut answer = self.parameter_exchange(action, asked, clock).await?;
-        let (byte_order, deadline) = (self.options.byte_order, self.options.plugs_deadline);
-        let pause = self.options.deadline.min(PLUGS_LOOK);
-        let reading = async {
-            while (answer.order, answer.number) != (asked.order, asked.number) {
-                sleep(pause).await;
-                let (bytes, _) = self.exchange(ReadZone::Parameter, clock).await?;
-                answer = ParameterExchange::decode(&bytes, byte_order);
-            }
-            self.plugs(clock).await
-        };
-        let outcome = timeout(deadline, reading).await;
-        outcome.unwrap_or_else(|_| Err(DriveError::Timeout { at: self.at(action), deadline }))
-    }
-
-    /// Resets the module and waits until its software has stopped and runs again. Positions, homing and manual moves
-    /// are lost, the watchdog relay drops, phases are off.
+    /// Resets the module and waits until its software has stopped and runs again. Positions and homing are lost, the
+    /// watchdog relay drops, phases are off.
     ///
     /// # Errors
     /// If it is not seen to stop within [`super::Bim2AxOptions::reset_start`], or to run before the deadline after that.
@@ -198,7 +164,6 @@ impl Bim2Ax {
         let bytes = asked.encode(self.options.byte_order);
         let written = self.window.write_zone(WriteZone::Parameter, &bytes, ReadZone::Parameter);
         self.bus(action, written)?;
-        self.manual = Default::default();
         // It runs until it has read the order: only one that has been seen to stop runs again.
         let deadline = self.options.reset_start;
         let stopped = timeout(deadline, self.until_running(action, false)).await;

@@ -8,22 +8,11 @@ use crate::{
     protocol::bits::{bloc, message, uc},
 };
 
-/// Destination of a programmed move.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Move {
-    /// To a position, µsteps.
-    To(i32),
-    /// By a way from where it is, µsteps.
-    By(i32),
-    /// To reference position 1 to 10.
-    Reference(u8),
-}
-
 /// A programmed move of one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Start {
-    /// Destination.
-    pub to: Move,
+    /// Destination, µsteps.
+    pub to: i32,
     /// Speed in the unit of the drive mode, capped by the fast speed; none for the fast speed.
     pub speed: Option<u16>,
     /// Without the unidirectional approach, if the axis has one.
@@ -31,21 +20,16 @@ pub struct Start {
 }
 
 impl Start {
-    /// An absolute move at the fast speed.
+    /// A move at the fast speed.
     pub fn to(position: i32) -> Self {
-        Self { to: Move::To(position), speed: None, directly: false }
+        Self { to: position, speed: None, directly: false }
     }
 
     /// Order bloc and content of the Position zone.
     fn encoded(&self) -> (u32, Target) {
-        let (bits, position) = match self.to {
-            Move::To(position) => (0, position),
-            Move::By(way) => (bloc::RELATIVE, way),
-            Move::Reference(number) => (u32::from(number) & bloc::REFERENCE, 0),
-        };
         let speed = self.speed.map_or(0, |_| bloc::PROGRAMMED_SPEED);
         let directly = if self.directly { bloc::WITHOUT_APPROACH } else { 0 };
-        (bits | speed | directly, Target { position, speed: self.speed.unwrap_or(0) })
+        (speed | directly, Target { position: self.to, speed: self.speed.unwrap_or(0) })
     }
 }
 
@@ -53,82 +37,56 @@ impl Bim2Ax {
     /// Starts programmed moves of one or both axes with one order.
     ///
     /// # Errors
-    /// If a target, or where a way ends, is beyond ±4194303 or there is no such reference position; if an axis does not start, with its
-    /// messages; if the module does not answer, when it is unknown whether it has got the order.
+    /// If a target is beyond ±4194303; if an axis does not start, with its messages; if the module does not answer, when it
+    /// is unknown whether it has got the order.
     pub async fn start(
         &mut self,
         moves: [Option<Start>; AXES],
         clock: &dyn Clock,
     ) -> Result<BusStamp, DriveError> {
         const NAME: &str = "programmed move";
-        let (before, _) = match moves {
-            // The start of a relative move shows whether it has ended.
-            [Some(Start { to: Move::By(_), .. }), _] | [_, Some(Start { to: Move::By(_), .. })] => {
-                self.positions(clock).await?
-            }
-            _ => <(super::Positions, BusStamp)>::default(),
-        };
         let mut orders = Orders::default();
         let mut targets = [None; AXES];
-        let mut ends = [None; AXES];
         let mut axes = Vec::with_capacity(AXES);
         for (axis, start) in ModuleAxis::ALL.into_iter().zip(moves) {
             let Some(start) = start else { continue };
-            self.check_range(axis, &start)?;
+            self.check_range(axis, start.to)?;
             let (word, target) = start.encoded();
             let index = axis.index();
-            if let Move::By(way) = start.to {
-                // No counter goes beyond what its target could be.
-                let from = before.positions.get(index).copied().unwrap_or(0);
-                self.check_range(axis, &Start::to(from.saturating_add(way)))?;
+            if let Some(order) = orders.uc.get_mut(index) {
+                *order = uc::PROGRAMMED;
             }
-            let places = (orders.uc.get_mut(index), orders.bloc.get_mut(index));
-            if let (Some(order), Some(bits)) = places {
-                (*order, *bits) = (uc::PROGRAMMED, word);
+            if let Some(bits) = orders.bloc.get_mut(index) {
+                *bits = word;
             }
-            if let (Some(place), Some(end)) = (targets.get_mut(index), ends.get_mut(index)) {
-                let from = before.positions.get(index).copied().unwrap_or(0);
-                (*place, *end) = match start.to {
-                    Move::To(position) => (Some(target), Some(position)),
-                    Move::By(way) => (Some(target), Some(from.saturating_add(way))),
-                    Move::Reference(_) => (start.speed.map(|_| target), None),
-                };
+            if let Some(place) = targets.get_mut(index) {
+                *place = Some(target);
             }
             axes.push(axis);
         }
         let (acknowledged, stamp) = self.order(NAME, orders, targets, clock).await?;
         let done = |axis: ModuleAxis, position, _| {
-            let index = axis.index();
-            let reference = |order: &Orders| {
-                order.bloc.get(index).map(|word| word & (bloc::REFERENCE | bloc::BAD_REFERENCE))
-            };
-            match ends.get(index).copied().flatten() {
-                Some(end) => position == end,
-                None => reference(&acknowledged) == reference(&orders),
-            }
+            let target = targets.get(axis.index()).copied().flatten();
+            target.is_some_and(|target| target.position == position)
         };
         self.check_started(NAME, uc::PROGRAMMED, &axes, &acknowledged, done, clock).await?;
         Ok(stamp)
     }
 
-    fn check_range(&self, axis: ModuleAxis, start: &Start) -> Result<(), DriveError> {
-        let zone = WriteZone::of_axis(axis);
-        let (value, low, high) = match start.to {
-            Move::To(value) | Move::By(value) => (value, -MOST_POSITION, MOST_POSITION),
-            Move::Reference(number) => (number.into(), 1, 10),
-        };
-        if (low..=high).contains(&value) {
+    fn check_range(&self, axis: ModuleAxis, position: i32) -> Result<(), DriveError> {
+        if (-MOST_POSITION..=MOST_POSITION).contains(&position) {
             return Ok(());
         }
-        let action = Action::WriteZone { zone: zone.number(), name: zone.name() };
-        Err(DriveError::Range {
-            at: self.at(action),
-            register: zone.offset().into(),
-            value: value.into(),
-            unit: if matches!(start.to, Move::Reference(_)) { "" } else { "µsteps" },
-            low: low.into(),
-            high: high.into(),
-        })
+        Err(self.beyond(axis, position))
+    }
+
+    /// Error of a position that the zone of an axis does not take.
+    fn beyond(&self, axis: ModuleAxis, position: i32) -> DriveError {
+        let zone = WriteZone::of_axis(axis);
+        let at = self.at(Action::WriteZone { zone: zone.number(), name: zone.name() });
+        let (register, value) = (zone.offset().into(), position.into());
+        let (low, high) = ((-MOST_POSITION).into(), MOST_POSITION.into());
+        DriveError::Range { at, register, value, unit: "µsteps", low, high }
     }
 
     /// Declares the present position of an axis at standstill to be 0.
@@ -157,13 +115,9 @@ impl Bim2Ax {
         position: i32,
         clock: &dyn Clock,
     ) -> Result<(), DriveError> {
-        self.check_range(axis, &Start::to(position))?;
+        self.check_range(axis, position)?;
         if position == bloc::FORBIDDEN_PRESET {
-            let zone = WriteZone::of_axis(axis);
-            let (value, low) = (position.into(), (-MOST_POSITION).into());
-            let at = self.at(Action::WriteZone { zone: zone.number(), name: zone.name() });
-            let (register, high) = (zone.offset().into(), MOST_POSITION.into());
-            return Err(DriveError::Range { at, register, value, unit: "µsteps", low, high });
+            return Err(self.beyond(axis, position));
         }
         let target = Some(Target { position, speed: 0 });
         self.declare("preset", axis, bloc::FORCE | bloc::PRESET, target, clock).await

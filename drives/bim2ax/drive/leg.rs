@@ -1,6 +1,6 @@
 //! The legs of a plan that is followed.
 
-use super::{AXES, Bim2AxDrive, DriveError, Following, Move, SetpointStream, Start};
+use super::{AXES, Bim2AxDrive, DriveError, Following, SetpointStream, Start};
 use twin_drives::ramp::{nanoseconds, seconds};
 
 /// Weight of an exchange in the running means.
@@ -17,7 +17,7 @@ impl Bim2AxDrive {
         let decided_ns = stream.now_ns();
         let Some(leg) = self.follower.leg(stream, rest) else { return Ok(false) };
         let start = |((target, speed), stands): ((i32, u16), i32)| {
-            let to = Start { to: Move::To(target), speed: Some(speed), directly: true };
+            let to = Start { to: target, speed: Some(speed), directly: true };
             (target != stands).then_some(to)
         };
         let starts: Vec<_> = leg.targets.into_iter().zip(leg.speeds).zip(rest).map(start).collect();

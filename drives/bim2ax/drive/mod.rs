@@ -19,7 +19,7 @@ use encoders::Encoders;
 use homing::Homes;
 use leg::mean;
 
-use super::{AXES, AxisSettings, Bim2Ax, BusStamp, ModuleAxis, Move, Start};
+use super::{AXES, AxisSettings, Bim2Ax, BusStamp, ModuleAxis, Start};
 use crate::{
     drive::follow::{Follower, Timing},
     protocol::{
@@ -280,7 +280,6 @@ impl Drive for Bim2AxDrive {
             if let Some(place) = sent.get_mut(starts.len()) {
                 *place = target;
             }
-            let to = Move::To(target);
             let units = (speed / settings.mode.speed_unit()).round();
             if !(1.0..=65_535.0).contains(&units) {
                 let action = Action::Command { number: axis.number(), name: "speed of the axis" };
@@ -298,7 +297,7 @@ impl Drive for Bim2AxDrive {
                 reason = "just compared"
             )]
             let units = units as u16;
-            starts.push(Some(Start { to, speed: Some(units), directly: false }));
+            starts.push(Some(Start { to: target, speed: Some(units), directly: false }));
         }
         let starts = self.by_axis(&starts);
         self.runtime.block_on(self.module.start(starts, &no_clock))?;

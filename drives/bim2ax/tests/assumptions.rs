@@ -3,10 +3,7 @@
 use super::*;
 use crate::Fault;
 use crate::tests::common::fault_of;
-use crate::{
-    Assumptions, CamStart, EntryOrder, Start,
-    protocol::bits::{message, uc},
-};
+use crate::{Assumptions, CamStart, EntryOrder, Start, protocol::bits::message};
 use twin_drives::{Axes, DriveError};
 
 /// A rig whose driver assumes `driver` of a module that does as `module`.
@@ -53,15 +50,6 @@ async fn the_driver_copes_with_every_alternative() {
             let (seen, _) = driver.rested(seconds(5), clock).await.unwrap();
             assert_eq!(seen.positions, to, "{assumed:?}");
         }
-        // One moves by hand, which an order for the other leaves alone.
-        driver.manual(ModuleAxis::One, true, clock).await.unwrap();
-        driver.start([None, Some(Start::to(350))], clock).await.unwrap();
-        sleep(Duration::from_millis(300)).await;
-        let acknowledged = driver.acknowledgements(clock).await.unwrap();
-        assert_eq!(acknowledged.uc, [uc::MANUAL_PLUS, 0], "{assumed:?}");
-        driver.manual_stop(clock).await.unwrap();
-        let (seen, _) = driver.rested(seconds(5), clock).await.unwrap();
-        assert_eq!(seen.positions[1], 350, "{assumed:?}");
         driver.start([Some(Start::to(2000)), None], clock).await.unwrap();
         sleep(Duration::from_millis(100)).await;
         driver.abandon(clock).await.unwrap();

@@ -4,7 +4,7 @@ use super::*;
 use crate::Fault;
 use crate::tests::common::fault_of;
 use crate::{
-    Assumptions, ByteOrder, Move, Start,
+    Assumptions, ByteOrder, Start,
     protocol::bits::{card, message, uc},
 };
 use twin_drives::{Axes, DriveError};
@@ -79,39 +79,6 @@ async fn modules_before_version_15_are_driven_zone_by_zone() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn an_order_for_one_axis_lets_the_manual_move_of_the_other_go_on() {
-    let mut rig = Rig::usual().await;
-    let clock = &clock();
-    rig.driver.manual(ModuleAxis::One, true, clock).await.unwrap();
-    sleep(Duration::from_millis(100)).await;
-    rig.driver.start([None, Some(Start::to(50))], clock).await.unwrap();
-    sleep(Duration::from_millis(200)).await;
-    let acknowledged = rig.driver.acknowledgements(clock).await.unwrap();
-    assert_eq!(acknowledged.uc, [uc::MANUAL_PLUS, 0]);
-    rig.driver.manual_stop(clock).await.unwrap();
-    let (seen, _) = rig.driver.positions(clock).await.unwrap();
-    // 0.3 s and a few exchanges at 1000 µsteps/s.
-    assert!((300..330).contains(&seen.positions[0]), "{seen:?}");
-    assert_eq!(seen.positions[1], 50);
-}
-
-#[tokio::test(start_paused = true)]
-async fn a_manual_move_that_has_ended_by_itself_is_not_begun_anew_by_an_order_for_the_other_axis() {
-    let mut rig = Rig::usual().await;
-    let clock = &clock();
-    rig.driver.manual(ModuleAxis::One, true, clock).await.unwrap();
-    let (seen, _) = rig.driver.rested(seconds(10), clock).await.unwrap();
-    let stands = seen.positions[0];
-    assert!((3000..3010).contains(&stands), "on its end switch: {seen:?}");
-    // Somebody lets the switch go.
-    rig.rewire(|surroundings| surroundings.benches[0].plus = None);
-    rig.driver.start([None, Some(Start::to(50))], clock).await.unwrap();
-    sleep(seconds(1)).await;
-    let (seen, _) = rig.driver.positions(clock).await.unwrap();
-    assert_eq!(seen.positions, [stands, 50]);
-}
-
-#[tokio::test(start_paused = true)]
 async fn what_an_axis_does_not_do_is_told_with_its_messages() {
     let mut rig = Rig::usual().await;
     let clock = &clock();
@@ -133,38 +100,10 @@ async fn what_an_axis_does_not_do_is_told_with_its_messages() {
     let error = rig.driver.home(&[ModuleAxis::Two], clock).await.unwrap_err();
     assert!(matches!(error.fault(), Some(Fault::AxisMessages { axis: 2, .. })), "{error}");
 
-    rig.driver.to_switch(ModuleAxis::One, true, clock).await.unwrap();
-    rig.driver.rested(seconds(5), clock).await.unwrap();
-    let error = rig.driver.manual(ModuleAxis::One, true, clock).await.unwrap_err();
-    assert!(error.to_string().contains("on the + end switch"), "{error}");
-    rig.driver.to_switch(ModuleAxis::One, true, clock).await.unwrap();
-
-    for to in [Move::To(4_194_304), Move::By(-4_194_304), Move::Reference(0), Move::Reference(11)] {
-        let start = Start { to, speed: None, directly: false };
-        let error = rig.driver.start([Some(start), None], clock).await.unwrap_err();
-        assert!(matches!(error, DriveError::Range { .. }), "{error}");
-    }
+    let error = rig.driver.start([Some(Start::to(4_194_304)), None], clock).await.unwrap_err();
+    assert!(matches!(error, DriveError::Range { .. }), "{error}");
     let error = rig.driver.preset(ModuleAxis::One, 0xC0DE, clock).await.unwrap_err();
     assert!(matches!(error, DriveError::Range { .. }), "{error}");
-}
-
-/// From 4194000 it is 303 µsteps to the last position there is.
-#[tokio::test(start_paused = true)]
-async fn a_way_that_ends_beyond_the_counter_is_refused() {
-    let mut rig = Rig::usual().await;
-    let clock = &clock();
-    let by = |way| Start { to: Move::By(way), speed: None, directly: false };
-    for (end, way) in [(4_194_000, 303_i32), (-4_194_000, -303)] {
-        rig.driver.preset(ModuleAxis::Two, end, clock).await.unwrap();
-        let beyond = by(way + way.signum());
-        let error = rig.driver.start([None, Some(beyond)], clock).await.unwrap_err();
-        let DriveError::Range { value, .. } = error else { panic!("{error}") };
-        assert!((value.abs() - 4_194_304.0).abs() < 0.5, "{value}");
-        assert_eq!(rig.driver.positions(clock).await.unwrap().0.positions[1], end);
-        rig.driver.start([None, Some(by(way))], clock).await.unwrap();
-        let (seen, _) = rig.driver.rested(seconds(5), clock).await.unwrap();
-        assert_eq!(seen.positions[1], end + way);
-    }
 }
 
 #[tokio::test(start_paused = true)]
@@ -223,9 +162,9 @@ async fn it_does_not_matter_to_the_driver_how_the_module_treats_zones() {
         rig.driver.start([Some(Start::to(300)), Some(Start::to(-300))], clock).await.unwrap();
         rig.driver.rested(seconds(5), clock).await.unwrap();
         // Had the entries been carried out again, axis 2 would go back to its old target.
-        rig.driver.manual(ModuleAxis::Two, true, clock).await.unwrap();
+        rig.manual([0, 0x10]).await;
         sleep(Duration::from_millis(100)).await;
-        rig.driver.manual_stop(clock).await.unwrap();
+        rig.manual([0, 0]).await;
         let (seen, _) = rig.driver.rested(seconds(1), clock).await.unwrap();
         assert_eq!(seen.positions[0], 300);
         assert!((-210..-180).contains(&seen.positions[1]), "{seen:?}");

@@ -353,21 +353,3 @@ async fn a_stop_outlasts_an_order_that_arrives_late() {
         }
     }
 }
-
-#[tokio::test(start_paused = true)]
-async fn an_end_of_manual_moves_that_is_not_heard_is_given_again() {
-    let directions = [Direction::Request, Direction::Answer];
-    for (direction, late) in directions.into_iter().flat_map(|way| [(way, 0), (way, 1)]) {
-        let mut rig = doing(Doing::Idle).await;
-        let clock = &clock();
-        rig.driver.manual(ModuleAxis::One, true, clock).await.unwrap();
-        sleep(seconds(1)).await;
-        assert!(rig.speed() > 0.0);
-        let rule = FaultRule { direction, when: When::After(late), fault: WireFault::Drop };
-        rig.module.module().control(Control::Fault(rule));
-        rig.driver.manual_stop(clock).await.unwrap();
-        rig.driver.rested(seconds(5), clock).await.unwrap();
-        assert!(rig.speed() <= 0.0, "{direction:?}, {late}");
-        rig.sound();
-    }
-}

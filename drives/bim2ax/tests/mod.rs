@@ -100,6 +100,17 @@ impl Rig {
             .await
     }
 
+    /// Manual orders for both axes, as a host writes them into the zone "Ordre UC" (the driver gives none), and the time
+    /// that the module needs for them.
+    pub(super) async fn manual(&self, [one, two]: [u8; 2]) {
+        for (offset, byte) in
+            [(0xFD, 7), (0, 1), (2, 0), (3, one), (4, 0), (5, two), (1, 1), (0x7F, 1)]
+        {
+            self.module.module().bus_write(offset, byte);
+        }
+        sleep(Duration::from_millis(1)).await;
+    }
+
     /// Changes what is connected.
     pub(super) fn rewire(&self, change: impl FnOnce(&mut Surroundings)) {
         let mut module = self.module.module();

@@ -1,4 +1,4 @@
-//! Parameters, EEPROM, RESET, plugs and encoders, through the driver in virtual time.
+//! Parameters, EEPROM, RESET and encoders, through the driver in virtual time.
 
 use super::*;
 use crate::Fault;
@@ -56,8 +56,6 @@ async fn refusals_are_those_of_chapter_8_and_fall_with_the_next_correct_operatio
 
     let none = axis_1(AxisParameter::Reference(11));
     assert_eq!(messages(&rig.driver.parameter(none, clock).await.unwrap_err()), card::BAD_READ);
-    let plugs = rig.driver.read_plugs(false, false, clock).await.unwrap_err();
-    assert_eq!(messages(&plugs), card::BAD_READ);
 
     // 8.5: during a move parameters can be read and not written.
     rig.driver.start([None, Some(Start::to(2000))], clock).await.unwrap();
@@ -334,21 +332,6 @@ async fn incremental_encoders_reload_what_their_definition_says() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn plugs_are_read_at_the_start_and_on_demand() {
-    let mut rig = Rig::usual().await;
-    let clock = &clock();
-    assert_eq!(rig.driver.plugs(clock).await.unwrap().values, [None, None]);
-    rig.rewire(|surroundings| surroundings.plugs = [Some(1), Some(2)]);
-    assert_eq!(rig.driver.plugs(clock).await.unwrap().values, [None, None]);
-    let before = clock();
-    assert_eq!(rig.driver.read_plugs(true, false, clock).await.unwrap().values, [Some(1), None]);
-    assert!(clock() - before >= 700_000_000, "2.2.6: 700 ms, in virtual time");
-    assert_eq!(rig.driver.read_plugs(true, true, clock).await.unwrap().values, [Some(1), Some(2)]);
-    rig.driver.reset().await.unwrap();
-    assert_eq!(rig.driver.plugs(clock).await.unwrap().values, [Some(1), Some(2)]);
-}
-
-#[tokio::test(start_paused = true)]
 async fn currents_are_those_of_the_parameters_and_act_after_reset() {
     let mut rig = Rig::usual().await;
     let clock = &clock();
@@ -389,9 +372,9 @@ async fn an_inverted_encoder_is_turned_round_and_a_divisor_of_0_is_told() {
             with_encoder(EncoderBench { inverted, ..EncoderBench::default() }, bits, 0).await;
         let clock = &clock();
         // A manual move is not corrected.
-        rig.driver.manual(ModuleAxis::One, true, clock).await.unwrap();
+        rig.manual([0x10, 0]).await;
         sleep(Duration::from_millis(100)).await;
-        rig.driver.manual_stop(clock).await.unwrap();
+        rig.manual([0, 0]).await;
         let (seen, _) = rig.driver.positions(clock).await.unwrap();
         let (found, _) = rig.driver.encoder_points(clock).await.unwrap();
         // 2000 points and 200 µsteps per turn.

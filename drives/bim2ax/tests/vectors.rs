@@ -1,10 +1,10 @@
-//! Every vector of the digest in both directions.
+//! The vectors of the digest in both directions.
 
 use std::collections::BTreeSet;
 
 use super::*;
 use crate::{
-    Memory, Move, Start,
+    Memory, Start,
     protocol::{
         bits::message,
         vectors::{VECTORS, answer, play, vector},
@@ -34,6 +34,10 @@ fn example_surroundings() -> Surroundings {
     surroundings.plugs = [None, Some(0x1234_5678)];
     surroundings
 }
+
+/// Vectors that the driver does not write: manual moves, a move to a switch, reference positions, relative moves, reading of
+/// plugs.
+const UNSENT: [usize; 11] = [8, 9, 10, 11, 12, 19, 20, 21, 22, 23, 28];
 
 /// Vectors that a test has used.
 #[derive(Default)]
@@ -67,20 +71,22 @@ impl Used {
     }
 
     #[track_caller]
-    fn all(&self) {
-        let missing: Vec<_> =
-            VECTORS.iter().filter(|(number, ..)| !self.0.contains(number)).collect();
+    fn all(&self, unsent: &[usize]) {
+        let missing: Vec<_> = VECTORS
+            .iter()
+            .filter(|(number, ..)| !self.0.contains(number) && !unsent.contains(number))
+            .collect();
         assert!(missing.is_empty(), "not exercised: {missing:?}");
     }
 }
 
 #[tokio::test(start_paused = true)]
-async fn the_driver_writes_and_understands_every_vector() {
+async fn the_driver_writes_and_understands_its_vectors() {
     let (one, two) = (ModuleAxis::One, ModuleAxis::Two);
     let singly = Bim2AxOptions { zones_at_once: false, ..Bim2AxOptions::default() };
     let surroundings = example_surroundings();
     let options = ModuleOptions::default();
-    let Rig { module, mut driver, log } =
+    let Rig { mut driver, log, .. } =
         Rig::new(&options, &singly, &example_eeprom(), &surroundings).await;
     let clock = &clock();
     let mut used = Used::default();
@@ -104,20 +110,8 @@ async fn the_driver_writes_and_understands_every_vector() {
     assert_eq!(homed.messages[1], message::HOMED);
     used.find(&log.take(), &[7]);
 
-    driver.manual(two, true, clock).await.unwrap();
-    driver.manual_stop(clock).await.unwrap();
-    used.find(&log.take(), &[8, 9]);
-
-    driver.to_switch(one, true, clock).await.unwrap();
-    used.find(&log.take(), &[10]);
-    driver.rested(seconds(10), clock).await.unwrap();
-
-    let to_reference = Start { to: Move::Reference(5), speed: None, directly: false };
-    driver.start([None, Some(to_reference)], clock).await.unwrap();
+    driver.start([None, Some(Start::to(-7))], clock).await.unwrap();
     driver.rested(seconds(100), clock).await.unwrap();
-    assert_eq!(driver.acknowledgements(clock).await.unwrap().bloc, [0, 5]);
-    used.find(&log.take(), &[11, 12]);
-
     driver.zero(two, clock).await.unwrap();
     driver.recall(two, clock).await.unwrap();
     used.find(&log.take(), &[13, 14]);
@@ -129,27 +123,12 @@ async fn the_driver_writes_and_understands_every_vector() {
     driver.start([None, Some(Start::to(2000))], clock).await.unwrap();
     used.find(&log.take(), &[17, 18]);
     driver.rested(seconds(100), clock).await.unwrap();
-    let by = |way, speed| Start { to: Move::By(way), speed: Some(speed), directly: false };
-    driver.start([None, Some(by(400, 200))], clock).await.unwrap();
-    used.find(&log.take(), &[19, 20]);
-    driver.rested(seconds(100), clock).await.unwrap();
-    // Axis 1 is on its switch: it is let go.
-    let mut free = surroundings;
-    free.benches[0].plus = Some(Contact::above(5_000_000, true));
-    module.module().set_surroundings(&free);
-    driver.start([Some(by(400, 200)), Some(by(800, 100))], clock).await.unwrap();
-    used.find(&log.take(), &[21, 22, 23]);
-    driver.stop_hard(clock).await.unwrap();
-    used.find(&log.take(), &[26]);
-    let far = Start { to: Move::To(-4_194_303), speed: Some(65_535), directly: false };
+    let far = Start { to: -4_194_303, speed: Some(65_535), directly: false };
     driver.start([Some(far), None], clock).await.unwrap();
     used.find(&log.take(), &[29]);
-    driver.abandon(clock).await.unwrap();
+    driver.stop_hard(clock).await.unwrap();
+    used.find(&log.take(), &[26]);
     driver.rested(seconds(10), clock).await.unwrap();
-
-    let plugs = driver.read_plugs(false, true, clock).await.unwrap();
-    assert_eq!(plugs.values, [None, Some(0x1234_5678)]);
-    used.find(&log.take(), &[28]);
     driver.reset().await.unwrap();
     used.find(&log.take(), &[27]);
 
@@ -159,7 +138,7 @@ async fn the_driver_writes_and_understands_every_vector() {
     let log = rig.log.take();
     used.find(&log, &[25, 24]);
     assert!(log.contains(&"70→00".to_owned()), "the receipt is looked for");
-    used.all();
+    used.all(&UNSENT);
 }
 
 /// A module in simulated time that vectors are played to.
@@ -352,5 +331,5 @@ fn the_module_answers_every_vector() {
     bench.wait_ms(600);
     assert_eq!(bench.module.bus_read(0xFD) & 1, 0);
     assert_eq!(bench.messages(), [0, 0x80, 0, 0x80], "phases off, homing lost");
-    used.all();
+    used.all(&[]);
 }

@@ -8,9 +8,9 @@ use crate::Fault;
 use crate::tests::common::fault_of;
 use crate::tests::{common::wall_clock, peer::Peer};
 use crate::{
-    EncoderBench, EncoderKind, MemoryFile, Move, Start,
+    EncoderBench, EncoderKind, MemoryFile, Start,
     emulator::{EmulatedModule, EmulatorOptions, Event},
-    protocol::bits::{bloc, card, encoder_message, message, uc},
+    protocol::bits::{card, encoder_message, message, uc},
 };
 use twin_drives::{DriveError, Speed};
 
@@ -108,7 +108,6 @@ async fn the_driver_has_everything_done_by_another_module() {
 
     let options = Bim2AxOptions {
         deadline: seconds(5),
-        plugs_deadline: seconds(20),
         reset_start: seconds(5),
         reset_deadline: seconds(20),
         ..Bim2AxOptions::default()
@@ -125,8 +124,7 @@ async fn the_driver_has_everything_done_by_another_module() {
     moves(&mut driver, clock).await;
     positions(&mut driver, clock).await;
     stops(&mut driver, clock).await;
-    switches(&mut driver, clock).await;
-    encoders_and_plugs(&mut driver, clock).await;
+    encoders(&mut driver, clock).await;
     other.end();
 }
 
@@ -176,8 +174,8 @@ async fn moves(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
     let acknowledged = driver.acknowledgements(clock).await.unwrap();
     assert_eq!(acknowledged.uc[0], uc::PROGRAMMED);
     assert_eq!(rest(driver, clock).await, ([-2000, 5], [0, 0]));
-    let by = Start { to: Move::By(3000), speed: Some(2000), directly: true };
-    driver.start([Some(by), None], clock).await.unwrap();
+    let slower = Start { to: 1000, speed: Some(2000), directly: true };
+    driver.start([Some(slower), None], clock).await.unwrap();
     // The first is under way for 1.5 s.
     let second = driver.start([Some(Start::to(0)), None], clock).await;
     let Some(Fault::AxisMessages { messages, axis: 1, .. }) = fault_of(&second) else {
@@ -186,23 +184,10 @@ async fn moves(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
         let (seen, _) = driver.positions(clock).await.unwrap();
         assert_ne!(seen.messages[0] & message::REFUSED, 0);
         assert_eq!(rest(driver, clock).await.0, [1000, 5]);
-        return references(driver, clock).await;
+        return;
     };
     assert_ne!(messages & message::REFUSED, 0);
     assert_eq!(rest(driver, clock).await.0, [1000, 5]);
-    references(driver, clock).await;
-}
-
-async fn references(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
-    for place in [1, 10] {
-        let number = of(AxisParameter::Reference(place), ModuleAxis::Two);
-        driver.set_parameter(number, 70 * u32::from(place), clock).await.unwrap();
-        let to = Start { to: Move::Reference(place), speed: None, directly: false };
-        driver.start([None, Some(to)], clock).await.unwrap();
-        assert_eq!(rest(driver, clock).await.0[1], 70 * i32::from(place));
-        let acknowledged = driver.acknowledgements(clock).await.unwrap();
-        assert_eq!(acknowledged.bloc[1] & bloc::REFERENCE, u32::from(place));
-    }
 }
 
 /// Homing, and positions that are declared.
@@ -226,8 +211,13 @@ async fn positions(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
 }
 
 async fn stops(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
-    let slowly = |to| Some(Start { to: Move::To(to), speed: Some(500), directly: false });
+    let slowly = |to| Some(Start { to, speed: Some(500), directly: false });
     driver.start([slowly(2000), slowly(2000)], clock).await.unwrap();
+    let moving = driver.set_parameter(of(AxisParameter::Approach, ModuleAxis::One), 1, clock).await;
+    assert!(
+        matches!(fault_of(&moving), Some(Fault::CardMessages { messages: card::MOVING, .. })),
+        "{moving:?}"
+    );
     driver.abandon(clock).await.unwrap();
     let (seen, messages) = rest(driver, clock).await;
     assert!(seen.iter().all(|position| *position < 2000), "{seen:?}");
@@ -249,32 +239,8 @@ async fn stops(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
     assert_eq!(off, [0, message::PHASES_OFF]);
 }
 
-async fn switches(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
-    for (plus, switch) in [(true, message::PLUS_SWITCH), (false, message::MINUS_SWITCH)] {
-        driver.manual(ModuleAxis::Two, plus, clock).await.unwrap();
-        let moving = driver.set_parameter(of(AxisParameter::Approach, ModuleAxis::One), 1, clock);
-        let moving = moving.await;
-        assert!(
-            matches!(fault_of(&moving), Some(Fault::CardMessages { messages: card::MOVING, .. })),
-            "{moving:?}"
-        );
-        driver.manual_stop(clock).await.unwrap();
-        rest(driver, clock).await;
-        driver.to_switch(ModuleAxis::Two, plus, clock).await.unwrap();
-        let (_, messages) = rest(driver, clock).await;
-        assert_ne!(messages[1] & switch, 0);
-        let beyond = driver.manual(ModuleAxis::Two, plus, clock).await;
-        assert!(
-            matches!(fault_of(&beyond), Some(Fault::AxisMessages { axis: 2, .. })),
-            "{beyond:?}"
-        );
-    }
-    driver.home(&[ModuleAxis::Two], clock).await.unwrap();
-    assert_eq!(rest(driver, clock).await.0[1], 0);
-}
-
 /// The examples of 6.4.1: 2000 steps are 20000 points.
-async fn encoders_and_plugs(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
+async fn encoders(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock) {
     let definition = of(AxisParameter::EncoderDefinition, ModuleAxis::Two);
     driver.set_parameter(definition, 1, clock).await.unwrap();
     driver.start([None, Some(Start::to(2000))], clock).await.unwrap();
@@ -284,9 +250,6 @@ async fn encoders_and_plugs(driver: &mut Bim2Ax, clock: &dyn twin_drives::Clock)
     assert_eq!((points.positions[1], steps.positions[1]), (20_000, 2000));
     let messages = [encoder_message::PLUG, encoder_message::INCREMENTAL | encoder_message::PLUG];
     assert_eq!(points.messages, messages);
-    assert_eq!(driver.plugs(clock).await.unwrap().values, [None, None]);
-    let plugs = driver.read_plugs(true, true, clock).await.unwrap();
-    assert_eq!(plugs.values, [None, Some(0x0102_0304)]);
     driver.reset().await.unwrap();
     let moving = driver.start([None, Some(Start::to(9_000_000))], clock).await;
     assert!(matches!(moving, Err(DriveError::Range { .. })), "{moving:?}");

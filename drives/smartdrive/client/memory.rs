@@ -4,7 +4,7 @@ use crate::{
     Command, LoadSource, SetEffect, SmartDrive,
     protocol::{
         frame::Answer,
-        parameters::{ACCELERATION_SETPOINT, ADDRESS, Entry, parameter_at, variable_at},
+        parameters::{ADDRESS, Entry, parameter_at, variable_at},
     },
 };
 use twin_drives::DriveError;
@@ -18,17 +18,6 @@ pub struct ParameterValue {
     pub working: i64,
     /// From the factory.
     pub factory: i64,
-}
-
-/// The accelerations that a drive goes by, rpm/s.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Accelerations {
-    /// `Acc_Setpoint`: of the last command.
-    pub acceleration: i64,
-    /// `Dec_Setpoint`: of the last command, where it can be read ([`crate::AccCurrent`]).
-    pub deceleration: Option<i64>,
-    /// `Acc_Current`: just now.
-    pub current: i64,
 }
 
 /// The 32 bits of two words.
@@ -151,21 +140,6 @@ impl SmartDrive {
     pub async fn load(&mut self, address: u8, source: LoadSource) -> Result<(), DriveError> {
         self.ask(address, Command::Load(source)).await?;
         self.changed(address, &Command::Load(source)).await.map(|_| ())
-    }
-
-    /// READ of the variables `Acc_Setpoint`, `Dec_Setpoint` and `Acc_Current`, where they are assumed to be.
-    ///
-    /// # Errors
-    /// As [`SmartDrive::read`].
-    pub async fn accelerations(&mut self, address: u8) -> Result<Accelerations, DriveError> {
-        let place = self.options().assumptions.acc_current;
-        let acceleration = self.read(address, ACCELERATION_SETPOINT).await?;
-        let deceleration = match place.deceleration_index() {
-            Some(index) => Some(self.read(address, index).await?),
-            None => None,
-        };
-        let current = self.read(address, place.index()).await?;
-        Ok(Accelerations { acceleration, deceleration, current })
     }
 }
 

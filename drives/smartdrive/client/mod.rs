@@ -7,7 +7,7 @@ pub(crate) mod requests;
 mod search;
 mod travel;
 
-pub use memory::{Accelerations, ParameterValue};
+pub use memory::ParameterValue;
 pub use options::{AxisOptions, SmartDriveOptions};
 pub use requests::{DriveState, IoState};
 

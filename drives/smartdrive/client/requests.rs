@@ -95,25 +95,6 @@ impl SmartDrive {
         Ok((DriveState::from_answer(answer), stamp))
     }
 
-    /// Addresses at which a drive answers, among `addresses`; the others cost a deadline each.
-    ///
-    /// # Errors
-    /// If the port cannot be read or written.
-    pub async fn scan(
-        &mut self,
-        addresses: impl Iterator<Item = u8>,
-    ) -> Result<Vec<(u8, DriveState)>, DriveError> {
-        let mut found = Vec::new();
-        for address in addresses {
-            match self.state(address, &no_clock).await {
-                Ok((state, _)) => found.push((address, state)),
-                Err(DriveError::Timeout { .. } | DriveError::Protocol { .. }) => {}
-                Err(error) => return Err(error),
-            }
-        }
-        Ok(found)
-    }
-
     /// MODE, `None` for the configured one; returns when the drive is in it. The position is 0 then, and moves are
     /// cancelled; alarms are cleared unless their causes are still there.
     ///

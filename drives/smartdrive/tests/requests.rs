@@ -72,17 +72,6 @@ fn one() -> [DeviceOptions; 1] {
 }
 
 #[test]
-fn drives_are_found() {
-    let at = |address| DeviceOptions { address, ..DeviceOptions::default() };
-    with_devices(&[at(3), at(31)], async |bus| {
-        let found = bus.scan([3, 4, 31].into_iter()).await.unwrap();
-        let addresses: Vec<u8> = found.iter().map(|(address, _)| *address).collect();
-        assert_eq!(addresses, [3, 31]);
-        assert_eq!(found[0].1.mode, 0);
-    });
-}
-
-#[test]
 fn modes_change_and_alarms_are_told() {
     with_devices(&one(), async |bus| {
         for mode in Mode::ALL {
