@@ -24,6 +24,7 @@ use crate::{
 use called::Called;
 use checker::{Checker, Limits, Promise};
 use lead::Lead;
+pub(super) use legal::is_arrow;
 pub(super) use random::Random;
 use std::fmt::Write as _;
 use twin_profile::{RampType, State};
