@@ -211,15 +211,6 @@ const BLOCK_SUM: u32 = 0xa5af_40d1;
 const TOTAL_SUM: u32 = 0xc85e_bbdd;
 const END_SUM: u32 = 0x98c1_62b8;
 
-#[test]
-fn sample_comes_back() {
-    let (elements, error) = read(&written(&sample()));
-    assert!(error.is_none(), "{error:?}");
-    assert_eq!(elements, sample());
-    let (elements, error) = read(&written(&[]));
-    assert!(elements.is_empty() && error.is_none());
-}
-
 /// `SMC_OUTQUEUE.byGenerator` (manual 6.5), and which of them the interpolator takes.
 #[test]
 fn generators() {
