@@ -1,7 +1,7 @@
 //! Tests of axes that follow a cam (manual 4.6, 5.4).
 
-use super::rig::{CYCLE, cam, cam_in, endless, follow, linear, ramp_in, rotary};
-use crate::{AxisState, Block, Decouple};
+use super::rig::{CYCLE, cam, cam_in, endless, follow, linear, rotary};
+use crate::AxisState;
 use twin_cam::{Action, CamInput, CamTable, Knot, Passage, Tappet, TappetValue};
 
 /// 0 to 100 lifts by 10, at rest at both ends.
@@ -30,45 +30,6 @@ fn a_slave_follows_its_cam() {
         before = position;
     }
     assert!(axes[0].axis.set_position() > 140.0, "beyond the end");
-}
-
-/// A slave in motion comes onto its cam without a step of position or velocity, and after decoupling goes on alone with
-/// the velocity it has there.
-#[test]
-fn ramps_take_over_a_moving_slave() {
-    for rig in [linear, rotary] {
-        let (mut axes, mut lead, mut other) = ([linear(), rig()], endless(10.0), endless(-7.0));
-        for _ in 0..50 {
-            axes[0].call(&mut lead, true);
-            axes[1].call(&mut other, true);
-        }
-        let mut block = cam_in(lift(Vec::new()), ramp_in(30.0, 60.0));
-        let mut velocity = axes[1].axis.set_velocity();
-        let curve = lift(Vec::new()).cam.curve().clone();
-        for cycle in 1.. {
-            assert!(cycle < 1000, "it comes onto the cam");
-            let shown = follow(&mut axes, &mut lead, &mut block);
-            // 60 u/s² of the bridge and the cam's own acceleration at 10 u/s.
-            let most = (60.0 + 2.5) * CYCLE + 1e-9;
-            let now = axes[1].axis.set_velocity();
-            assert!((now - velocity).abs() <= most, "cycle {cycle}");
-            velocity = now;
-            if shown.done {
-                break;
-            }
-        }
-        for _ in 0..20 {
-            follow(&mut axes, &mut lead, &mut block);
-        }
-        let [master, slave] = &mut axes;
-        let expected = curve.repeated(master.axis.set_position());
-        let off = slave.axis.set_position() - expected.position;
-        assert!((off - 360.0 * (off / 360.0).round()).abs() < 1e-9, "{off}");
-        let velocity = slave.axis.set_velocity();
-        slave.calls(10, &mut Block::new(Decouple));
-        assert!((slave.axis.set_velocity() - velocity).abs() < 1e-9);
-        assert_eq!(slave.axis.state(), AxisState::ContinuousMotion);
-    }
 }
 
 /// The example of two cams in turn (manual 4.6.2, 11.6): Execute falls and rises in the cycle of `EndOfProfile`.

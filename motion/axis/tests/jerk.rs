@@ -1,8 +1,7 @@
-//! Tests of couplings under limited jerk: no step of the acceleration when a slave comes onto its cam or into its gear
-//! (manual 2.1.3, 4.6.1, 5.4).
+//! Tests of slaves that come onto their cams: under limited jerk without a step of the acceleration (manual 2.1.3, 4.6.1).
 
-use super::rig::{CYCLE, Rig, cam, cam_in, endless, in_pos, ramp_in, rotary, short};
-use crate::{Axis, AxisConfig, Block, GearInPosRun, MoveVelocity, Movement, SmcError};
+use super::rig::{CYCLE, Rig, cam, cam_in, endless, ramp_in, rotary, short};
+use crate::{Axis, AxisConfig, AxisState, Block, Decouple, MoveVelocity, Movement, SmcError};
 use proptest::prelude::*;
 use twin_cam::{Cam, CamInput, CamTable, Knot, StartMode};
 use twin_profile::RampType;
@@ -14,8 +13,8 @@ fn rig(ramp: RampType, movement: Movement) -> Rig {
     Rig::new(AxisConfig { ramp, movement, jerk: JERK, ..AxisConfig::default() })
 }
 
-fn limited() -> impl Strategy<Value = RampType> {
-    prop_oneof![Just(RampType::Sigmoid), Just(RampType::Parabolic)]
+fn ramps() -> impl Strategy<Value = RampType> {
+    prop_oneof![Just(RampType::Trapezoid), Just(RampType::Sigmoid), Just(RampType::Parabolic)]
 }
 
 fn movement() -> impl Strategy<Value = Movement> {
@@ -50,11 +49,11 @@ fn on(cam: &Cam, master: &Axis) -> [f64; 2] {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
 
-    /// From any motion a slave comes onto a cam: relative to the cam its acceleration changes by at most the axis's jerk and
-    /// stays within its own rates; it arrives, and is on the cam then.
+    /// From any motion a slave comes onto a cam: relative to the cam its acceleration stays within its own rates, and under
+    /// limited jerk changes by at most that; it arrives, and is on the cam then.
     #[test]
     fn a_slave_comes_onto_its_cam_within_the_jerk(
-        ramp in limited(), movement in movement(), start_mode in mode(), rise in -40.0..40.0_f64,
+        ramp in ramps(), movement in movement(), start_mode in mode(), rise in -40.0..40.0_f64,
         alone in -40.0..40.0_f64, wait in 0..200_u32, slave_offset in -100.0..100.0_f64,
         velocity in 1.0..60.0_f64, rates in [20.0..150.0_f64, 20.0..150.0_f64],
     ) {
@@ -87,12 +86,14 @@ proptest! {
             let shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
             prop_assert_eq!(shown.error, None);
             let [v, a] = relative(&master, &slave);
-            prop_assert!((a - a0).abs() <= JERK * CYCLE * (1.0 + 1e-6), "{} after {}", a, a0);
+            let steps = ramp == RampType::Trapezoid;
+            prop_assert!(steps || (a - a0).abs() <= JERK * CYCLE * (1.0 + 1e-6), "{} after {}", a, a0);
             prop_assert!(v.abs() <= fastest + 1e-6, "{} u/s", v);
             prop_assert!(a.abs() <= steepest + 1e-6, "{} u/s²", a);
             let way = short(&slave.axis, slave.axis.set_position() - position);
             let mean = 0.5 * (u0 + slave.axis.set_velocity());
-            prop_assert!((way - mean * CYCLE).abs() < 0.1 * (JERK + 500.0) * CYCLE.powi(3), "{} {}", way, mean * CYCLE);
+            let bend = if steps { 0.25 * steepest.max(rates[0] + rates[1]) * CYCLE.powi(2) } else { 0.1 * (JERK + 500.0) * CYCLE.powi(3) };
+            prop_assert!((way - mean * CYCLE).abs() < bend, "{} {}", way, mean * CYCLE);
             let backwards = start_mode == StartMode::RampInPositive && v0 >= 0.0 && a0 >= 0.0;
             prop_assert!(slave.axis.period().is_none() || !backwards || v >= -1e-9, "back with {}", v);
             (v0, a0, position) = (v, a, slave.axis.set_position());
@@ -107,57 +108,13 @@ proptest! {
             }
         }
         prop_assert!(in_sync > 100, "it does not come onto its cam");
-    }
-
-    /// A gear in position begins with the acceleration that the slave has, and ends with the master's; meanwhile it
-    /// changes no faster than the polynomial's third derivative, which the Bernstein form of it bounds.
-    #[test]
-    fn a_gear_in_position_begins_with_the_slaves_acceleration(
-        ramp in limited(), alone in 5.0..40.0_f64, wait in 2..120_u32, ahead in 20.0..80.0_f64,
-        way in -20.0..60.0_f64, ratio in 1..4_i32, window in any::<bool>(),
-    ) {
-        let mut master = rig(RampType::Trapezoid, Movement::Linear);
-        let mut lead = endless(30.0);
-        master.done(&mut lead);
-        let mut slave = rig(ramp, Movement::Linear);
-        let mut before = endless(alone);
-        for _ in 0..wait {
-            master.call(&mut lead, true);
-            slave.call(&mut before, true);
+        // Decoupled it goes on alone with the velocity that it has there; an acceleration takes its time.
+        if ramp == RampType::Trapezoid {
+            let velocity = slave.axis.set_velocity();
+            slave.calls(10, &mut Block::new(Decouple));
+            prop_assert!((slave.axis.set_velocity() - velocity).abs() < 1e-9);
+            prop_assert_eq!(slave.axis.state(), AxisState::ContinuousMotion);
         }
-        let places = [master.axis.set_position() + ahead, slave.axis.set_position() + way];
-        let mut block = in_pos([ratio, 2], places, if window { 15.0 } else { 0.0 });
-        prop_assert!(!block.is_active());
-        let (slope, mut jerk) = (0.5 * f64::from(ratio), None);
-        for _ in 0..600 {
-            let state = [slave.axis.set_position(), slave.axis.set_velocity(), slave.axis.set_acceleration()];
-            let [y0, v0, a0] = state;
-            let x0 = master.axis.set_position();
-            master.call(&mut lead, true);
-            let shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
-            prop_assert!(shown.error.is_none() && block.is_active());
-            if jerk.is_none() && block.running().is_some_and(GearInPosRun::is_coupling) {
-                // Control points of the polynomial over the time that the master takes.
-                let t = (block.inputs.master_sync_position - x0) / 30.0;
-                let (y1, v1) = (block.inputs.slave_sync_position, slope * 30.0);
-                let mut b = [y0, y0 + v0 * t / 5.0, 0.0, 0.0, y1 - v1 * t / 5.0, y1];
-                b[2] = 2.0 * b[1] - b[0] + a0 * t * t / 20.0;
-                b[3] = 2.0 * b[4] - b[5];
-                let third = |i: usize| b[i + 3] - 3.0 * b[i + 2] + 3.0 * b[i + 1] - b[i];
-                jerk = Some(60.0 / t.powi(3) * third(0).abs().max(third(1).abs()).max(third(2).abs()));
-            }
-            let change = (slave.axis.set_acceleration() - a0).abs();
-            let most = if shown.done { jerk } else { Some(jerk.unwrap_or(JERK)) };
-            let most = most.expect("it has been coupling") * CYCLE;
-            prop_assert!(change <= most * (1.0 + 1e-6) + 1e-6, "{} u/s² in a cycle, allowed {}", change, most);
-            if shown.done {
-                let x = master.axis.set_position() - block.inputs.master_sync_position;
-                let place = block.inputs.slave_sync_position + slope * x;
-                prop_assert!((slave.axis.set_position() - place).abs() < 1e-7);
-                prop_assert!((slave.axis.set_velocity() - slope * 30.0).abs() < 1e-7);
-            }
-        }
-        prop_assert!(jerk.is_some(), "it has not begun");
     }
 }
 

@@ -4,7 +4,7 @@
 use crate::{Axis, AxisState};
 
 /// True if the diagram has an arrow (PLCopen; manual 2.4, 5.2), or the state stays.
-pub(super) fn is_arrow(from: AxisState, to: AxisState) -> bool {
+pub(in crate::tests) fn is_arrow(from: AxisState, to: AxisState) -> bool {
     use AxisState::{ErrorStop, Homing, PowerOff, Standstill, Stopping};
     let stays = from == to;
     let fails = to == PowerOff || (to == ErrorStop && from != ErrorStop);

@@ -22,6 +22,7 @@ use crate::{Axis, AxisConfig, AxisState, Movement, Outputs, Power, Reset, Virtua
 use called::Called;
 use checker::{Checker, Limits, Promise};
 use lead::Lead;
+pub(super) use legal::is_arrow;
 pub(super) use random::Random;
 use std::fmt::Write as _;
 use twin_profile::{RampType, State};

@@ -122,7 +122,8 @@ pub(super) fn hurried_accelerations() -> Box<dyn Called> {
 
 /// Goes a little beyond its set-points.
 pub(super) fn beyond() -> Box<dyn Called> {
-    let setpoint = |_: &_, it: &mut twin_profile::State| it.position += 1e-3 * it.velocity.signum();
+    let setpoint =
+        |(): &(), it: &mut twin_profile::State| it.position += 1e-3 * it.velocity.signum();
     Box::new(Walking::new(Fault { setpoint, ..Fault::default() }))
 }
 

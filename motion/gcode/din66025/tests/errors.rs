@@ -168,7 +168,7 @@ fn missing_feed() {
         (diagnostic.place, diagnostic.columns.clone()),
         (Place { line: 3, block: Some(20) }, Some(4..6))
     );
-    assert_eq!(ends_mm(&remaining(&decoded)), [[[10.0, 10.0, 0.0], [20.0, 10.0, 0.0]]]);
+    assert_eq!(ways(&remaining(&decoded)), "10 10 0 > 20 10 0");
 }
 
 /// What had no feed leaves a gap in a path that has begun: a jump, so that elements join.

@@ -17,12 +17,10 @@ fn limits_mm(element: &PathElement) -> [f64; 3] {
 fn program_example() {
     let program = b"%1 example\nN10 G01 X100 Y100 E100 F100 E-200\nN20 G01 Z40 F20\nN30 G03 X-100 R200 F100\n";
     let elements = elements_of(decode_from([0.0; 3], program));
-    let expected = [
-        [[0.0, 0.0, 0.0], [100.0, 100.0, 0.0]],
-        [[100.0, 100.0, 0.0], [100.0, 100.0, 40.0]],
-        [[100.0, 100.0, 40.0], [-100.0, 100.0, 40.0]],
-    ];
-    assert_eq!(ends_mm(&elements), expected);
+    assert_eq!(
+        ways(&elements),
+        "0 0 0 > 100 100 0 | 100 100 0 > 100 100 40 | 100 100 40 > -100 100 40"
+    );
     assert_eq!(limits_mm(&elements[0]), [100.0, 100.0, 200.0]);
     assert_eq!(limits_mm(&elements[1]), [20.0, 100.0, 200.0]);
     assert_eq!(limits_mm(&elements[2]), [100.0, 100.0, 200.0]);
@@ -141,7 +139,7 @@ fn blocks_without_a_path() {
 #[test]
 fn starts_where_it_is_told() {
     let elements = elements_of(decode_from([300.0, 0.0, 20.0], b"%\nG0 X100 F10"));
-    assert_eq!(ends_mm(&elements), [[[300.0, 0.0, 20.0], [100.0, 0.0, 20.0]]]);
+    assert_eq!(ways(&elements), "300 0 20 > 100 0 20");
     assert_eq!(elements[0].start(), Point3::new(0.3, 0.0, 0.02));
 }
 
@@ -149,7 +147,7 @@ fn starts_where_it_is_told() {
 #[test]
 fn position_set_at_the_beginning() {
     let elements = elements("N10 G92 X5\nN20 G92 Y7 F10\nN30 G91\nN40 G92 X10\nN50 G1 Z1");
-    assert_eq!(ends_mm(&elements), [[[10.0, 7.0, 0.0], [10.0, 7.0, 1.0]]]);
+    assert_eq!(ways(&elements), "10 7 0 > 10 7 1");
 }
 
 /// Later it is a jump; of several the last acts (manual 3.2).
@@ -157,13 +155,10 @@ fn position_set_at_the_beginning() {
 fn position_set_later() {
     let elements =
         elements("N10 G1 X10 F10\nN20 G92 X50\nN30 G92 X100 Y5\nN40 G1 X110\nN50 G92 X0");
-    let expected = [
-        [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0]],
-        [[10.0, 0.0, 0.0], [100.0, 5.0, 0.0]],
-        [[100.0, 5.0, 0.0], [110.0, 5.0, 0.0]],
-        [[110.0, 5.0, 0.0], [0.0, 5.0, 0.0]],
-    ];
-    assert_eq!(ends_mm(&elements), expected);
+    assert_eq!(
+        ways(&elements),
+        "0 0 0 > 10 0 0 | 10 0 0 > 100 5 0 | 100 5 0 > 110 5 0 | 110 5 0 > 0 5 0"
+    );
     assert_eq!(kinds(&elements), [Cut, Jump, Cut, Jump]);
     let blocks: Vec<_> = elements.iter().map(|element| element.place.block.unwrap()).collect();
     assert_eq!(blocks, [10, 30, 40, 50]);

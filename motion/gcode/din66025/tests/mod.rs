@@ -88,6 +88,13 @@ fn ends_mm(elements: &[PathElement]) -> Vec<[[f64; 3]; 2]> {
     elements.iter().map(|element| [mm(element.start()), mm(element.end())]).collect()
 }
 
+/// The same as text.
+fn ways(elements: &[PathElement]) -> String {
+    let place = |[x, y, z]: [f64; 3]| format!("{x} {y} {z}");
+    let way = |ends: [[f64; 3]; 2]| ends.map(place).join(" > ");
+    ends_mm(elements).into_iter().map(way).collect::<Vec<_>>().join(" | ")
+}
+
 fn kinds(elements: &[PathElement]) -> Vec<ElementKind> {
     elements.iter().map(|element| element.kind).collect()
 }

@@ -66,6 +66,12 @@ fn ends_mm(elements: &[PathElement]) -> Vec<[f64; 3]> {
     elements.iter().map(|element| element.end().coords.map(round).into()).collect()
 }
 
+/// The same as text.
+fn ends(elements: &[PathElement]) -> String {
+    let place = |[x, y, z]: [f64; 3]| format!("{x} {y} {z}");
+    ends_mm(elements).into_iter().map(place).collect::<Vec<_>>().join(" | ")
+}
+
 /// `X Y Z` in m and no rotary axes.
 fn at(linear: [f64; 3]) -> Position {
     Position { linear, rotary: [0.0; 3] }

@@ -76,7 +76,7 @@ fn start() {
     let options = DecoderOptions { start, ..DecoderOptions::default() };
     let found = elements_with(options.clone(), "G0 X5\nM2");
     assert_eq!(<[f64; 3]>::from(found[0].start().coords), start.linear);
-    assert_eq!(ends_mm(&found), [[5.0, -2.0, 3.0]]);
+    assert_eq!(ends(&found), "5 -2 3");
     assert_eq!(end_mm(&options, "G91 G0 X5 Y5 Z5"), [6.0, 3.0, 8.0]);
     let decoder = Decoder::new(&b"M2"[..], options);
     assert_eq!(decoder.position(), start);

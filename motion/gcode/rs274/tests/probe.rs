@@ -63,9 +63,7 @@ fn outcomes(elements: &[PathElement]) -> Vec<(u32, Probing, ProbeOutcome)> {
 #[test]
 fn the_path_goes_on_where_the_probe_trips() {
     let path = elements_with(above(-3.215), "G0 X10 Y20 Z5\nF120 G38.2 Z-10\nG1 X12\nG0 Z5\nM2");
-    let expected =
-        [[10.0, 20.0, 5.0], [10.0, 20.0, -3.215], [12.0, 20.0, -3.215], [12.0, 20.0, 5.0]];
-    assert_eq!(ends_mm(&path), expected);
+    assert_eq!(ends(&path), "10 20 5 | 10 20 -3.215 | 12 20 -3.215 | 12 20 5");
     assert_eq!(outcomes(&path), [(2, Probing::TOUCH, Tripped)]);
     // 120 mm/min.
     assert!((path[1].feed - 0.002).abs() < 1e-18);
@@ -117,11 +115,11 @@ fn modal_until_another_motion() {
 #[test]
 fn inches() {
     let path = elements_with(above(-12.7), "G20\nG38.2 Z-4 F10\nG91 G1 X1 Z.25\nG21 Z1\nM2");
-    assert_eq!(ends_mm(&path), [[0.0, 0.0, -12.7], [25.4, 0.0, -6.35], [25.4, 0.0, -5.35]]);
+    assert_eq!(ends(&path), "0 0 -12.7 | 25.4 0 -6.35 | 25.4 0 -5.35");
     // 10 in/min.
     assert!((path[0].feed - 0.254 / 60.0).abs() < 1e-15);
     let metric = elements_with(above(-12.7), "G38.2 Z-101.6 F254\nG20 G90 G1 Z-1\nM2");
-    assert_eq!(ends_mm(&metric), [[0.0, 0.0, -12.7], [0.0, 0.0, -25.4]]);
+    assert_eq!(ends(&metric), "0 0 -12.7 | 0 0 -25.4");
 }
 
 /// What is touched is in the machine frame. G92 behind a trip makes the surface the program's zero.
@@ -133,19 +131,11 @@ fn work_offsets() {
     let program = "G0 X1 Z5\nF100 G38.2 Z-20\nG1 X2\nZ-11\nG0 Z5\nG38.2 Z-20\nG92 Z0\nG0 Z2\n\
                    G92.1 G55 Z15\nM2";
     let path = elements_with(options, program);
-    let expected = [
-        [101.0, 0.0, -25.0],
-        [101.0, 0.0, -40.0],
-        [102.0, 0.0, -40.0],
-        [102.0, 0.0, -41.0],
-        [102.0, 0.0, -25.0],
-        [102.0, 0.0, -40.0],
-        [102.0, 0.0, -38.0],
-        [15.0, 0.0, 0.0],
-    ];
-    assert_eq!(ends_mm(&path)[..7], expected[..7]);
     // G55 does not have the 100 mm of G54 in X, but X is not named: it stays.
-    assert_eq!(ends_mm(&path)[7], [102.0, 0.0, -35.0]);
+    assert_eq!(
+        ends(&path),
+        "101 0 -25 | 101 0 -40 | 102 0 -40 | 102 0 -41 | 102 0 -25 | 102 0 -40 | 102 0 -38 | 102 0 -35"
+    );
 }
 
 /// It is the tip that touches, whichever point the path is that of.
@@ -173,7 +163,7 @@ fn tool_length() {
 fn inverse_time() {
     let path = elements_with(above(-5.0), "G93 G38.2 Z-15 F4\nM2");
     assert!((path[0].feed - 0.001).abs() < 1e-18);
-    assert_eq!(ends_mm(&path), [[0.0, 0.0, -5.0]]);
+    assert_eq!(ends(&path), "0 0 -5");
     let decoded = decode("G93 G38.2 Z-15\nM2");
     let missing = "line 1: with inverse time (G93) every block with feed motion needs its F";
     assert_eq!(messages(&decoded.errors), [missing]);
@@ -230,8 +220,7 @@ fn touching_already() {
         messages(&decoded.errors),
         ["line 2: G38.2 begins where something is touched already"]
     );
-    let expected = [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [5.0, 0.0, 1.0]];
-    assert_eq!(ends_mm(&decoded.elements), expected);
+    assert_eq!(ends(&decoded.elements), "0 0 1 | 0 0 1 | 0 0 1 | 5 0 1");
     // Also where moves that go nowhere are left out.
     let options = DecoderOptions { keep_empty_moves: false, ..above(3.0) };
     let path = elements_with(options, "F100 G1 Z1\nG38.3 Z-5\nM2");
@@ -254,8 +243,7 @@ fn unknown_surroundings() {
         outcomes(&decoded.elements),
         [(1, Probing::TOUCH, Unknown), (2, Probing::TRY_RELEASE, Unknown)]
     );
-    let ends = [[0.0, 0.0, -5.0], [0.0, 0.0, 3.0], [1.0, 0.0, 3.0]];
-    assert_eq!(ends_mm(&decoded.elements), ends);
+    assert_eq!(ends(&decoded.elements), "0 0 -5 | 0 0 3 | 1 0 3");
 }
 
 /// The sentences, for the rules of LinuxCNC's interpreter.
@@ -390,12 +378,5 @@ fn a_surface_is_found() {
         DecoderOptions { units: LengthUnit::Inch, start: at([0.0254, 0.0, 0.0508]), ..above(7.62) };
     let program = "G90 F10\nG38.2 Z-1\nG91 G0 Z.1\nF1 G38.2 Z-.2\nG90 G92 Z0\nG0 Z.5\nG0 X0\nM30";
     let path = elements_with(options, program);
-    let expected = [
-        [25.4, 0.0, 7.62],
-        [25.4, 0.0, 10.16],
-        [25.4, 0.0, 7.62],
-        [25.4, 0.0, 20.32],
-        [0.0, 0.0, 20.32],
-    ];
-    assert_eq!(ends_mm(&path), expected);
+    assert_eq!(ends(&path), "25.4 0 7.62 | 25.4 0 10.16 | 25.4 0 7.62 | 25.4 0 20.32 | 0 0 20.32");
 }

@@ -80,24 +80,13 @@ fn options(reference: ToolReference) -> DecoderOptions {
 fn length() {
     let program = "G0 X5 Z5\nG43 H1\nX6\nZ5\nG49\nX7\nZ5\nM2";
     let controlled = elements_with(options(ToolReference::ControlPoint), program);
-    assert_eq!(
-        ends_mm(&controlled),
-        [[5.0, 0.0, 5.0], [6.0, 0.0, 5.0], [6.0, 0.0, 56.125], [7.0, 0.0, 56.125], [7.0, 0.0, 5.0]]
-    );
+    assert_eq!(ends(&controlled), "5 0 5 | 6 0 5 | 6 0 56.125 | 7 0 56.125 | 7 0 5");
     let tip = elements_with(options(ToolReference::Tip), program);
     let kinds: Vec<_> = tip.iter().map(|element| element.kind).collect();
     assert_eq!(kinds, [Rapid, Jump, Rapid, Rapid, Jump, Rapid, Rapid]);
     assert_eq!(
-        ends_mm(&tip),
-        [
-            [5.0, 0.0, 5.0],
-            [5.0, 0.0, -46.125],
-            [6.0, 0.0, -46.125],
-            [6.0, 0.0, 5.0],
-            [6.0, 0.0, 56.125],
-            [7.0, 0.0, 56.125],
-            [7.0, 0.0, 5.0]
-        ]
+        ends(&tip),
+        "5 0 5 | 5 0 -46.125 | 6 0 -46.125 | 6 0 5 | 6 0 56.125 | 7 0 56.125 | 7 0 5"
     );
 }
 
@@ -130,7 +119,7 @@ fn tool_in_the_spindle() {
     assert_eq!(end("T1\nG43\nG0 Z0"), [0.0, 0.0, 0.0]);
     let options = DecoderOptions { tool: 2, ..options(ToolReference::ControlPoint) };
     let found = elements_with(options, "G43 G0 X0 Y0 Z0\nM2");
-    assert_eq!(ends_mm(&found), [[1.0, -2.0, 10.5]]);
+    assert_eq!(ends(&found), "1 -2 10.5");
 }
 
 #[test]

@@ -76,18 +76,7 @@ fn modal_lines() {
     let kinds: Vec<_> = found.iter().map(|element| element.kind).collect();
     // A G word of a motion without axes moves nothing, but is a move in LinuxCNC.
     assert_eq!(kinds, [Cut, Cut, Cut, Rapid, Rapid, Dwell { time_ns: 500_000_000 }, Rapid]);
-    assert_eq!(
-        ends_mm(&found),
-        [
-            [1.0, 0.0, 0.0],
-            [1.0, 2.0, 0.0],
-            [2.0, 2.0, 0.0],
-            [2.0, 2.0, 0.0],
-            [1.0, 2.0, 0.0],
-            [1.0, 2.0, 0.0],
-            [2.0, 2.0, 0.0]
-        ]
-    );
+    assert_eq!(ends(&found), "1 0 0 | 1 2 0 | 2 2 0 | 2 2 0 | 1 2 0 | 1 2 0 | 2 2 0");
     let options = DecoderOptions { keep_empty_moves: false, ..DecoderOptions::default() };
     assert_eq!(elements_with(options, "G0 X1\nX1\nG0\nX2\nM2").len(), 2);
 }
