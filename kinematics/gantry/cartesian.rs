@@ -42,14 +42,14 @@ impl<const N: usize> Gantry<N> {
     /// # Errors
     /// [`DimensionError::NotFinite`].
     pub fn new(offsets: [f64; N]) -> Result<Self, DimensionError> {
-        Self::with_tool_beside(offsets, ToolBeside::default())
+        Self::with_tool_offset(offsets, ToolBeside::default())
     }
 
     /// A gantry whose axes are at `offsets` (m) when they cross at the origin, with a tool offset from there.
     ///
     /// # Errors
     /// [`DimensionError::NotFinite`].
-    pub fn with_tool_beside(offsets: [f64; N], beside: ToolBeside) -> Result<Self, DimensionError> {
+    pub fn with_tool_offset(offsets: [f64; N], beside: ToolBeside) -> Result<Self, DimensionError> {
         const { assert!(N == 2 || N == 3, "a gantry has two or three axes") };
         all_finite(offsets.iter().chain(&[beside.angle, beside.ahead, beside.left]))?;
         let offsets = SVector::from(offsets);

@@ -80,7 +80,7 @@ fn beside() -> impl Strategy<Value = ToolBeside> {
 pub(crate) fn gantry2_tool() -> impl Strategy<Value = Placed<Gantry2, 2>> {
     (values::<2>(1.0), beside(), tools(), values(1.0)).prop_map(|(offsets, beside, tool, axes)| {
         Placed {
-            machine: Gantry2::with_tool_beside(offsets.into(), beside).unwrap().holding(&tool),
+            machine: Gantry2::with_tool_offset(offsets.into(), beside).unwrap().holding(&tool),
             axes,
         }
     })
@@ -89,7 +89,7 @@ pub(crate) fn gantry2_tool() -> impl Strategy<Value = Placed<Gantry2, 2>> {
 pub(crate) fn gantry3_tool() -> impl Strategy<Value = Placed<Gantry3, 3>> {
     (values::<3>(1.0), beside(), tools(), values(1.0)).prop_map(|(offsets, beside, tool, axes)| {
         Placed {
-            machine: Gantry3::with_tool_beside(offsets.into(), beside).unwrap().holding(&tool),
+            machine: Gantry3::with_tool_offset(offsets.into(), beside).unwrap().holding(&tool),
             axes,
         }
     })

@@ -16,7 +16,7 @@ fn close(found: [f64; 2], expected: [f64; 2]) {
 #[test]
 fn tools_beside() {
     let beside = ToolBeside { angle: FRAC_PI_2, ahead: 0.02, left: 0.01 };
-    let gantry = Gantry2::with_tool_beside([0.004, -0.002], beside).unwrap();
+    let gantry = Gantry2::with_tool_offset([0.004, -0.002], beside).unwrap();
     let range = Range { x: [0.0, 0.2], y: [0.0, 0.1] };
     let view = gantry.tool_view(&Vector2::new(0.044, 0.028), &range);
     close(view.crossing.tool, [0.2, 0.3]);

@@ -85,7 +85,7 @@ fn with_tool(vector: &Vector, left: f64) -> Gantry2 {
         ahead: vector.number("dToolA") * 1e-3,
         left,
     };
-    Gantry2::with_tool_beside(lengths(vector, "off"), beside).unwrap()
+    Gantry2::with_tool_offset(lengths(vector, "off"), beside).unwrap()
 }
 
 #[test]

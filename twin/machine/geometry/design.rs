@@ -206,8 +206,8 @@ impl Design {
                     }
                     (Some((r, sense)), _, false) => Box::new(GantryCutter2::new([x, y, r], sense)?),
                     (None, Some(layout), _) => Box::new(GantryH2::new([x, y], layout)?),
-                    (None, None, true) => Box::new(Gantry3::with_tool_beside([x, y, z], beside)?),
-                    (None, None, false) => Box::new(Gantry2::with_tool_beside([x, y], beside)?),
+                    (None, None, true) => Box::new(Gantry3::with_tool_offset([x, y, z], beside)?),
+                    (None, None, false) => Box::new(Gantry2::with_tool_offset([x, y], beside)?),
                 }
             }
             Self::Scara { arms, offsets, elbow, has_hand: true } => {
