@@ -25,7 +25,6 @@ use super::axis_path::AxisPath;
 use super::bound::Constraint;
 use super::cell::Cell;
 use super::convex::NotSolved;
-use super::linear::LinearSolver;
 use super::options::LimitOptions;
 use super::sample::{Sampler, grid};
 use super::smooth::{Beginning, SmoothSolver};
@@ -160,7 +159,6 @@ pub struct Planner<I, E, A> {
     changed: bool,
     held: bool,
     smooth: SmoothSolver,
-    linear: LinearSolver,
     effort: Effort,
     /// What is left of the work that this attempt may take.
     budget: Budget,
@@ -209,7 +207,6 @@ where
             changed: false,
             held: false,
             smooth: SmoothSolver::default(),
-            linear: LinearSolver::default(),
             effort: Effort::default(),
             budget: Budget::default(),
             misses: 0,

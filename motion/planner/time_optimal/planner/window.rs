@@ -11,6 +11,7 @@ use crate::time_optimal::grid::Grid;
 use crate::time_optimal::profile_segment::ProfileSegment;
 use crate::time_optimal::reachable;
 use crate::time_optimal::sample::grid;
+use crate::time_optimal::sensitivity;
 use crate::time_optimal::smooth::{Beginning, Broken, Guess, SmoothProfile};
 use std::ops::Range;
 use twin_path::prepare::CheckedElement;
@@ -45,7 +46,14 @@ where
             }
             let grid = grid(&self.sampler, &self.cells);
             self.effort.cells += grid.cells() as u64;
-            let stretches = self.solve_linear(&grid);
+            let b = self.solve_passes(&grid);
+            let ends = b.windows(2).enumerate();
+            let stretches: Vec<ProfileSegment> = ends
+                .filter_map(|(cell, pair)| match pair {
+                    [from, to] => Some(ProfileSegment::uniform(grid.length(cell), *from, *to)),
+                    _ => None,
+                })
+                .collect();
             if cuts < MOST_CUTS && self.even_out(&stretches) {
                 cuts += 1;
                 continue;
@@ -54,10 +62,10 @@ where
                 tangents += 1;
                 continue;
             }
-            if self.is_last(round, &stretches) {
-                return Ok(stretches);
-            }
-            if self.tighten(&stretches, (0, round), &Broken::default(), None).is_empty() {
+            if self.is_last(round, &stretches)
+                || self.tighten(&stretches, (0, round), &Broken::default(), None).is_empty()
+            {
+                self.gains = sensitivity::of_passes(&grid, &b);
                 return Ok(stretches);
             }
             round += 1;
@@ -308,34 +316,14 @@ where
         parts
     }
 
-    /// Motion through each cell without jerk limits.
-    fn solve_linear(&mut self, grid: &Grid) -> Vec<ProfileSegment> {
-        let cells = 0..grid.cells();
+    /// b at the nodes without jerk limits.
+    fn solve_passes(&mut self, grid: &Grid) -> Vec<f64> {
         let start = match self.beginning {
             Beginning::Rest => 0.0,
             Beginning::Moving { b, .. } => b,
         };
         self.budget.looked(grid.cells());
-        // Without any left the two passes will do.
-        let most = self.budget.iterations(grid.cells());
-        self.linear.program.most_iterations = most.unwrap_or(Some(1));
-        let b = match self.linear.solve(grid, cells.clone(), start, 0.0) {
-            Ok(profile) => {
-                self.effort.iterations += u64::from(profile.iterations);
-                self.budget.solved(grid.cells(), profile.iterations);
-                self.gains = profile.gains;
-                profile.b
-            }
-            Err(_failed) => {
-                self.effort.failed += 1;
-                reachable::fastest(grid, cells.clone(), start, 0.0)
-            }
-        };
-        let ends = b.iter().zip(b.iter().skip(1));
-        cells
-            .zip(ends)
-            .map(|(cell, (from, to))| ProfileSegment::uniform(grid.length(cell), *from, *to))
-            .collect()
+        reachable::fastest(grid, 0..grid.cells(), start, 0.0)
     }
 }
 
