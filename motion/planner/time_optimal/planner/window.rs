@@ -1,7 +1,6 @@
 //! Window solve: a profile over a window, verified between the nodes of its grid.
 
 use super::drag::MOST_TANGENTS;
-use super::even::MOST_CUTS;
 use super::guess::{ROOM, SLOWER};
 use super::verify::{HALVING, exceeds, is_too_long};
 use super::{NOT_SOLVED, Planner};
@@ -39,7 +38,7 @@ where
         if self.jerk_limited {
             return self.solve_smooth();
         }
-        let (mut round, mut tangents, mut cuts) = (0, 0, 0);
+        let (mut round, mut tangents) = (0, 0);
         loop {
             if self.budget.is_spent() {
                 return Err(NOT_SOLVED);
@@ -54,10 +53,6 @@ where
                     _ => None,
                 })
                 .collect();
-            if cuts < MOST_CUTS && self.even_out(&stretches) {
-                cuts += 1;
-                continue;
-            }
             if tangents < MOST_TANGENTS && !self.take_tangents(&stretches).is_empty() {
                 tangents += 1;
                 continue;
