@@ -14,6 +14,9 @@ use super::bound::{
 use std::collections::BTreeSet;
 use twin_kinematics::AxisVector;
 
+/// A limit of which less than this part is used holds nothing.
+const ACTIVE: f64 = 0.999;
+
 /// One end of a cell.
 #[derive(Clone, Debug)]
 pub struct CellEnd<'a> {
@@ -237,14 +240,22 @@ impl Grid {
         grid
     }
 
-    /// The limits of acceleration and velocity that it has anywhere.
-    pub(super) fn constraints(&self) -> BTreeSet<Constraint> {
-        let axes = 0..self.limits.len();
-        let mut all: BTreeSet<_> =
-            axes.map(|axis| Constraint::AxisAcceleration(number(axis))).collect();
-        all.extend((0..self.extra).map(|row| self.further(row)));
+    /// The limits of acceleration and velocity that hold a profile with constant accelerations somewhere, by its u̇² at the nodes.
+    pub(super) fn active(&self, b: &[f64]) -> BTreeSet<Constraint> {
+        let caps = self.caps.iter().zip(b).filter(|(cap, b)| **b >= cap.v2 * ACTIVE);
+        let mut all: BTreeSet<_> = caps.map(|(cap, _)| Constraint::Velocity(cap.source)).collect();
+        for (cell, pair) in b.windows(2).enumerate() {
+            let a = (pair[1] - pair[0]) / (2.0 * self.length(cell));
+            for (end, b) in End::BOTH.into_iter().zip(pair) {
+                let part = |row: &Row| row.a * a + row.b * b;
+                let (axes, further) = self.rows(cell, end);
+                let axes = axes.iter().zip(0..).filter(|(row, _)| part(row).abs() >= ACTIVE);
+                all.extend(axes.map(|(_, axis)| Constraint::AxisAcceleration(axis)));
+                let further = further.iter().zip(0..).filter(|(row, _)| part(row) >= ACTIVE);
+                all.extend(further.map(|(_, row)| self.further(row)));
+            }
+        }
         all.extend(self.discs.iter().flatten().map(|_| Constraint::ToolAcceleration));
-        all.extend(self.caps.iter().map(|cap| Constraint::Velocity(cap.source)));
         all
     }
 

@@ -8,7 +8,6 @@ mod backlog;
 mod budget;
 mod commit;
 mod drag;
-mod even;
 mod fallback_scaling;
 mod guess;
 mod minimum_speed;

@@ -84,7 +84,8 @@ where
                     }
                     changed.extend([cells.len(), cells.len() + 1]);
                     if kept {
-                        self.keep_within(cells.len(), stretch, &[0.5]);
+                        let middle = stretch.at_position(0.5 * stretch.length()).0;
+                        self.kept.insert((cells.len() + 1).min(self.kept.len()), middle);
                     }
                     cells.extend(parts);
                     continue;

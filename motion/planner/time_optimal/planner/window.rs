@@ -1,8 +1,6 @@
 //! Window solve: a profile over a window, verified between the nodes of its grid.
 
 use super::drag::MOST_TANGENTS;
-use super::even::MOST_CUTS;
-use super::guess::{ROOM, SLOWER};
 use super::verify::{HALVING, exceeds, is_too_long};
 use super::{NOT_SOLVED, Planner};
 use crate::time_optimal::axis_path::AxisPath;
@@ -39,7 +37,7 @@ where
         if self.jerk_limited {
             return self.solve_smooth();
         }
-        let (mut round, mut tangents, mut cuts) = (0, 0, 0);
+        let (mut round, mut tangents) = (0, 0);
         loop {
             if self.budget.is_spent() {
                 return Err(NOT_SOLVED);
@@ -54,10 +52,6 @@ where
                     _ => None,
                 })
                 .collect();
-            if cuts < MOST_CUTS && self.even_out(&stretches) {
-                cuts += 1;
-                continue;
-            }
             if tangents < MOST_TANGENTS && !self.take_tangents(&stretches).is_empty() {
                 tangents += 1;
                 continue;
@@ -74,22 +68,7 @@ where
 
     fn solve_smooth(&mut self) -> Result<Vec<ProfileSegment>, NotSolved> {
         let failed = self.effort.failed;
-        let asked = self.asked_of_kept();
-        let mut solved = self.solve_smooth_about(self.first_guess());
-        // In sharp corners a profile about one that is much too fast may be impossible. Where work is counted there are other
-        // ways, but for tools that turn.
-        let more = self.options.course.turning || !self.smooth.positive;
-        for part in SLOWER.into_iter().filter(|_| more) {
-            match &solved {
-                Ok(stretches) if can_be_followed(stretches) => return solved,
-                Err(_unknown) if self.budget.is_spent() => return solved,
-                Ok(_) => {}
-                Err(_impossible) => self.effort.failed = failed,
-            }
-            self.ask_of_kept(&asked);
-            self.loosen(asked.len(), ROOM);
-            solved = self.solve_smooth_about(self.slower_guess(part));
-        }
+        let solved = self.solve_smooth_about(self.first_guess());
         let followed = solved.as_ref().is_ok_and(|stretches| can_be_followed(stretches));
         if !followed
             && !self.budget.is_spent()
