@@ -2,10 +2,12 @@
 //! circles in the plane with a tool that goes up and down, from rest, under a controller with a period of one
 //! millisecond.
 
-use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector2, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
+use twin_kinematics::scara::{Elbow, Scara2};
+use twin_kinematics::transform::Motion;
 use twin_kinematics::tripod::{Tripod, TripodDeviations, TripodDimensions as Rings};
-use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
+use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion, Transform};
 use twin_physics::{
     AxisDriveParameters, AxisLoad, ElasticTransmission, FrictionParameters, PathDynamics,
     PhysicsMachine, ServoParameters, Surroundings,
@@ -295,11 +297,9 @@ fn gantry() -> Task {
     )
 }
 
-/// Lengths of the arms, m.
-const ARMS: [f64; 2] = [0.4, 0.3];
-
 fn scara() -> Task {
-    let [l1, l2] = ARMS;
+    let [l1, l2] = [0.4, 0.3];
+    let arms = Scara2::new([l1, l2], [0.0; 2], Elbow::Low).expect("arms");
     let turn = |x| (JointKind::Revolute, Vector3::z(), [x, 0.0, 0.0]);
     let parts = [
         boxed(0, turn(0.0), (8.0, [0.2, 0.0, 0.0], [0.4, 0.1, 0.08])),
@@ -314,42 +314,26 @@ fn scara() -> Task {
         ("SCARA, rigid", "mujoco_scara.xml", ["A1", "A2", "Z"]),
         chain("scara", parts, [0.0, 0.0, -0.12]),
         [2.0, 0.3, 2.0],
-        arms,
+        move |t| {
+            let [mut place, velocity, acceleration] = circle(0.1, 5.0, (0.02, TAU), t);
+            place.x += 0.45;
+            let tool = Motion {
+                position: place.xy(),
+                velocity: velocity.xy(),
+                acceleration: acceleration.xy(),
+            };
+            let arms = arms.axis_motion(&tool, &Vector2::zeros()).expect("within reach");
+            AxisMotion {
+                position: of(arms.position.push(place.z)),
+                velocity: of(arms.velocity.push(velocity.z)),
+                acceleration: of(arms.acceleration.push(acceleration.z)),
+            }
+        },
         move |axes| {
-            let (s1, c1) = axes[0].sin_cos();
-            let (s12, c12) = (axes[0] + axes[1]).sin_cos();
-            Point3::new(l1 * c1 + l2 * c12, l1 * s1 + l2 * s12, axes[2] - 0.12)
+            let tip = arms.to_tool(&Vector2::new(axes[0], axes[1])).expect("anywhere");
+            Point3::from(tip.push(axes[2] - 0.12))
         },
     )
-}
-
-/// The arms with the tool on its circle about (0.45 m, 0), and the quill.
-fn arms(t: f64) -> AxisMotion {
-    let [l1, l2] = ARMS;
-    let [place, velocity, acceleration] = circle(0.1, 5.0, (0.02, TAU), t);
-    let (x, y) = (place.x + 0.45, place.y);
-    let q2 = ((x * x + y * y - l1 * l1 - l2 * l2) / (2.0 * l1 * l2)).acos();
-    let q1 = y.atan2(x) - (l2 * q2.sin()).atan2(l1 + l2 * q2.cos());
-    let ((s1, c1), (s12, c12)) = (q1.sin_cos(), (q1 + q2).sin_cos());
-    // The inverse of the Jacobian of (x, y).
-    let determinant = l1 * l2 * q2.sin();
-    let rates = |x: f64, y: f64| {
-        [
-            (l2 * c12 * x + l2 * s12 * y) / determinant,
-            (-(l1 * c1 + l2 * c12) * x - (l1 * s1 + l2 * s12) * y) / determinant,
-        ]
-    };
-    let [v1, v2] = rates(velocity.x, velocity.y);
-    let (square, sum) = (v1 * v1, (v1 + v2) * (v1 + v2));
-    let [a1, a2] = rates(
-        acceleration.x + l1 * c1 * square + l2 * c12 * sum,
-        acceleration.y + l1 * s1 * square + l2 * s12 * sum,
-    );
-    AxisMotion {
-        position: AxisVector::from_values([q1, q2, place.z]),
-        velocity: AxisVector::from_values([v1, v2, velocity.z]),
-        acceleration: AxisVector::from_values([a1, a2, acceleration.z]),
-    }
 }
 
 fn tripod() -> Task {

@@ -3,8 +3,7 @@
 use nalgebra::{SVector, Vector3};
 use std::f64::consts::FRAC_PI_6;
 use twin_kinematics::gantry::{
-    BeltLayout, Gantry2, Gantry2Tool, Gantry3, Gantry3Tool, GantryCutter2, GantryCutter3, GantryH2,
-    Sense, ToolBeside,
+    BeltLayout, Gantry2, Gantry3, GantryCutter2, GantryCutter3, GantryH2, Sense, ToolBeside,
 };
 use twin_kinematics::scara::{Elbow, Scara2, Scara3};
 use twin_kinematics::tripod::{CalibratedTripod, Tripod, TripodDeviations, TripodDimensions};
@@ -43,9 +42,9 @@ pub fn each(count: usize, visit: &mut impl Visit) {
     let cutter3 = GantryCutter3::new([0.1, 0.2, 0.3, 0.4], Sense::CounterClockwise);
     let cutter3 = cutter3.expect("a cutter").holding(&tip);
     visit.visit("GantryCutter3", &by_axes(cutter3, count, [WAY, WAY, WAY, TURN]));
-    let tool2 = Gantry2Tool::new([0.1, 0.2], beside).expect("a gantry").holding(&tip);
+    let tool2 = Gantry2::with_tool_offset([0.1, 0.2], beside).expect("a gantry").holding(&tip);
     visit.visit("Gantry2Tool", &by_axes(tool2, count, [WAY; 2]));
-    let tool3 = Gantry3Tool::new([0.1, 0.2, 0.3], beside).expect("a gantry").holding(&tip);
+    let tool3 = Gantry3::with_tool_offset([0.1, 0.2, 0.3], beside).expect("a gantry").holding(&tip);
     visit.visit("Gantry3Tool", &by_axes(tool3, count, [WAY; 3]));
     visit.visit("GantryH2", &gantry_h2(count));
     visit.visit("Scara2", &scara2(count));
