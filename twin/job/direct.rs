@@ -72,7 +72,7 @@ impl Direct {
         let speed = (second - first).abs().max((third - second).abs()) / cycle;
         let own = (third - 2.0 * second + first).abs() / (cycle * cycle);
         // fSWMaxAcceleration.
-        let most = axis.read_parameter(1123).unwrap_or(f64::INFINITY);
+        let most = axis.max_acceleration();
         (most - self.rate * self.rate * own).max(LEAST_ROOM * most) / speed
     }
 

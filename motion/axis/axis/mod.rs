@@ -165,6 +165,12 @@ impl Axis {
         AxisLimits { velocity, acceleration, deceleration, jerk: self.values.max_jerk }
     }
 
+    /// Largest acceleration of direct set-points and implicit motion (`fSWMaxAcceleration`), u/s².
+    #[must_use]
+    pub fn max_acceleration(&self) -> f64 {
+        self.values.sw_max_acceleration
+    }
+
     /// Limits of implicit motion: braking in errorstop.
     pub(super) fn implicit_limits(&self) -> AxisLimits {
         let it = &self.values;

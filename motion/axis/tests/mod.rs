@@ -23,6 +23,7 @@ mod rig;
 mod silence;
 mod states;
 mod steps;
+mod switch;
 mod tables;
 mod targets;
 mod zeros;

@@ -6,7 +6,8 @@ pub(super) mod tripod;
 
 use super::{gantry, scara, seeded};
 use crate::{
-    DimensionError, Joint, JointKind, MachineJoint, Model, PlaneDrive, ScaraDimensions, SolidShape,
+    DimensionError, GantryDimensions, Joint, JointKind, MachineJoint, Model, PlaneDrive,
+    ScaraDimensions, SolidShape,
 };
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
