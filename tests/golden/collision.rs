@@ -54,28 +54,6 @@ fn what_is_in_the_way_is_reported_with_its_line() {
     assert!(number(&hit["value"]) > 13.5 * 0.02 / 1e-3, "{hit}");
 }
 
-/// Command 40: the stock's top is at Z0, where the axis is at 60; from 5 mm/s with 100 mm/s² it comes to rest 0.125 mm further.
-#[test]
-fn an_axis_probes() {
-    let desk = desk();
-    let probe = |more: &[&str]| {
-        let arguments = ["axes", "probe", "-m", "vice.toml", "--axis", "Z", "--from", "250,130,70"];
-        desk.twin(&arguments.into_iter().chain(more.iter().copied()).collect::<Vec<_>>())
-    };
-    let done = probe(&["--stroke", "-30"]);
-    let said: Vec<_> = done.ended(0, "").stdout.trim().split(',').collect();
-    let [word, latched, rest] = said[..] else { panic!("{said:?}") };
-    let [latched, rest] = [latched, rest].map(|value| value.parse::<f64>().expect("a number"));
-    assert_eq!(word, "tripped");
-    assert!((latched - 60.0).abs() < 0.01, "{latched}");
-    assert!((latched - rest - 0.125).abs() < 0.01, "{rest}");
-    let nothing = probe(&["--stroke", "20"]);
-    assert_eq!(nothing.ended(1, "").stdout, "not tripped\n");
-    probe(&["--stroke", "-30", "--velocity", "0"]).ended(2, "--velocity 0: it has to be above 0");
-    desk.twin(&["axes", "probe", "-m", "machine.toml", "--axis", "Z", "--stroke", "-5"])
-        .ended(2, "says nothing of what the probe could touch");
-}
-
 /// The plan is free of collisions; the machine is not, since its Z jams on the way up.
 #[test]
 fn a_run_stops_where_the_machine_runs_into_something() {

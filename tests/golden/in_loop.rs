@@ -65,26 +65,6 @@ fn a_run_has_its_twin_on_the_drives() {
     assert!(looped > ideal && looped < ideal + 1.5, "{looped}, {ideal}");
 }
 
-/// Command 40 on the emulated board: its counter, whole steps of 1/640 mm, and a ramp of 0.125 mm from 5 mm/s with 100 mm/s² behind
-/// it.
-#[test]
-fn a_board_probes() {
-    let desk = desk();
-    let probe = ["axes", "probe", "-m", "vice.toml", "--axis", "Z", "--from", "250,130,70"];
-    let looped = [&probe[..], &["--drives-in-loop", "--stroke", "-30"]].concat();
-    let done = desk.twin(&looped);
-    let said: Vec<_> = done.ended(0, "").stdout.trim().split(',').collect();
-    let [word, latched, rest] = said[..] else { panic!("{said:?}") };
-    let [latched, rest] = [latched, rest].map(|value| value.parse::<f64>().expect("a number"));
-    assert_eq!(word, "tripped");
-    assert!((latched - 60.0).abs() < 0.01, "{latched}");
-    assert!((latched * 640.0 - (latched * 640.0).round()).abs() < 1e-6, "{latched}");
-    assert!((latched - rest - 0.125).abs() < 0.01, "{rest}");
-    let steep = [&looped[..], &["--velocity", "150", "--start-velocity", "110"]].concat();
-    desk.twin(&steep)
-        .ended(2, "start velocity of 70400 steps/s: command 40 has 1 to 65535 steps/s");
-}
-
 #[test]
 fn what_says_nothing_is_refused() {
     let desk = desk();

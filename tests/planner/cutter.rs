@@ -7,9 +7,7 @@ use nalgebra::Point3;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 use twin_path::Place;
-use twin_path::prepare::{CheckError, CheckVelocities};
 use twin_path::{Arc, ElementKind, PathElement, Shape};
-use twin_planner::time_optimal::{Constraint, Planned, Planner};
 
 fn settings(tolerance: f64, angle: f64) -> Settings {
     Settings { machine: Machine::Cutter, jerk: true, tolerance, angle, horizon: 1.5 }
@@ -124,32 +122,6 @@ fn plunges_and_dwells() {
     // The same where no corner is a stop: a vertical line has no direction to blend with.
     let report = planned(&path, &settings(1e-5, PI));
     assert_eq!(report.stops, 7);
-}
-
-/// All times go with 1/√k where accelerations go with k and velocities with √k: what limits cost adds up to the whole, also
-/// where the knife has no inertia along the path.
-#[test]
-fn what_limits_cost_adds_up() {
-    let settings = Settings { jerk: false, horizon: 1e3, ..settings(1e-4, PI) };
-    let points =
-        [[0.0; 3], [0.05, 0.0, 0.0], [0.06, 0.04, 0.0], [0.1, 0.01, 0.0], [0.1, 0.05, 0.0]];
-    let path = polyline(&points).into_iter().map(Ok::<_, CheckError>);
-    let path = CheckVelocities::new(path, settings.angle);
-    let mut planner = Planner::new(path, Machine::Cutter.path(false), settings.options());
-    let legs = planner.by_ref().map(|part| match part.expect("a plan") {
-        Planned::Leg(leg) => leg.stretch.duration(),
-        other => panic!("{other:?}"),
-    });
-    let duration: f64 = legs.sum();
-    let sum: f64 = planner
-        .costs()
-        .iter()
-        .map(|(constraint, time)| match constraint {
-            Constraint::Velocity(_) => *time,
-            _ => 2.0 * time,
-        })
-        .sum();
-    assert!((sum / duration - 1.0).abs() < 0.02, "{sum} s of {duration} s: {:?}", planner.costs());
 }
 
 fn settings_of_any_kind() -> impl Strategy<Value = Settings> {

@@ -12,6 +12,7 @@
     reason = "a test that cannot be set up has failed; counts are far below 2^53"
 )]
 
+mod chunks;
 mod corpus;
 mod cutter;
 mod long;

@@ -8,16 +8,16 @@ use std::io;
 
 /// A construction, what to write instead, and how often it is left.
 const LEFT: [(&str, &str, usize); 10] = [
-    ("told", "\"reported\" or \"said by\"", 946),
-    ("tells", "\"reports\" or \"says\"", 87),
-    ("reckoned", "\"computed\"", 7),
-    ("so many", "the number", 130),
-    ("is no", "\"is not\"", 392),
-    ("are no", "\"are not\"", 60),
-    ("what is in the way", "\"obstacles\"", 4),
+    ("told", "\"reported\" or \"said by\"", 286),
+    ("tells", "\"reports\" or \"says\"", 22),
+    ("reckoned", "\"computed\"", 1),
+    ("so many", "the number", 38),
+    ("is no", "\"is not\"", 207),
+    ("are no", "\"are not\"", 33),
+    ("what is in the way", "\"obstacles\"", 3),
     ("of a run that", "\"when a run …\"", 2),
-    ("held against", "\"compared with\"", 5),
-    ("beside", "\"next to\", or the relation that is meant", 468),
+    ("held against", "\"compared with\"", 1),
+    ("beside", "\"next to\", or the relation that is meant", 173),
 ];
 
 /// Questions that a heading leaves open.

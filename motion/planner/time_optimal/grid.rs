@@ -11,11 +11,7 @@
 use super::bound::{
     AxisLimits, Cap, CapSource, Constraint, Disc, JerkRow, Part, Rates, Row, number,
 };
-use std::collections::BTreeSet;
 use twin_kinematics::AxisVector;
-
-/// A limit of which less than this part is used holds nothing.
-const ACTIVE: f64 = 0.999;
 
 /// One end of a cell.
 #[derive(Clone, Debug)]
@@ -210,53 +206,6 @@ impl Grid {
         if let Some(slot) = self.caps.get_mut(node) {
             *slot = slot.min(cap);
         }
-    }
-
-    /// The same with one of the limits multiplied by `factor`. Those of jerks stay.
-    pub(super) fn raised(&self, limit: Constraint, factor: f64) -> Self {
-        let mut grid = self.clone();
-        let (axes, width) = (self.limits.len(), self.width());
-        for (place, row) in grid.rows.iter_mut().enumerate() {
-            let place = place % width;
-            let own = match place.checked_sub(axes) {
-                Some(further) => self.further(further),
-                None => Constraint::AxisAcceleration(number(place)),
-            };
-            if own == limit {
-                (row.a, row.b) = (row.a / factor, row.b / factor);
-            }
-        }
-        if limit == Constraint::ToolAcceleration {
-            let discs = grid.discs.iter_mut().flatten();
-            for part in discs.flat_map(|disc| disc.a.iter_mut().chain(&mut disc.b)) {
-                *part /= factor;
-            }
-        }
-        for cap in &mut grid.caps {
-            if limit == Constraint::Velocity(cap.source) {
-                cap.v2 *= factor.powf(cap.source.share());
-            }
-        }
-        grid
-    }
-
-    /// The limits of acceleration and velocity that hold a profile with constant accelerations somewhere, by its u̇² at the nodes.
-    pub(super) fn active(&self, b: &[f64]) -> BTreeSet<Constraint> {
-        let caps = self.caps.iter().zip(b).filter(|(cap, b)| **b >= cap.v2 * ACTIVE);
-        let mut all: BTreeSet<_> = caps.map(|(cap, _)| Constraint::Velocity(cap.source)).collect();
-        for (cell, pair) in b.windows(2).enumerate() {
-            let a = (pair[1] - pair[0]) / (2.0 * self.length(cell));
-            for (end, b) in End::BOTH.into_iter().zip(pair) {
-                let part = |row: &Row| row.a * a + row.b * b;
-                let (axes, further) = self.rows(cell, end);
-                let axes = axes.iter().zip(0..).filter(|(row, _)| part(row).abs() >= ACTIVE);
-                all.extend(axes.map(|(_, axis)| Constraint::AxisAcceleration(axis)));
-                let further = further.iter().zip(0..).filter(|(row, _)| part(row) >= ACTIVE);
-                all.extend(further.map(|(_, row)| self.further(row)));
-            }
-        }
-        all.extend(self.discs.iter().flatten().map(|_| Constraint::ToolAcceleration));
-        all
     }
 
     /// Limits of the axes.

@@ -1,12 +1,13 @@
 //! Time-optimal planning (feed limiting): the fastest motion along a path under the limits of every axis.
 //!
 //! ```text
-//! CheckedElement ─ course (C²) ─ samples of the axes ─ grid, uniform in time ─ windows ─▶ stretches in time
+//! CheckedElement ─ course (C²) ─ samples of the axes ─ grid, uniform in time ─ windows for Clarabel ─▶ stretches in time
 //! ```
 //!
 //! [`blended_path`] blends the joints of the path within a tolerance. [`Grid`] holds the limits along it. [`reachable`]
-//! computes the fastest profile with limited acceleration in two passes (reachability analysis), [`SmoothSolver`] that
-//! with limited jerk as well by convex programs (Clarabel).
+//! computes the fastest profile with limited acceleration in two passes (reachability analysis). Clarabel computes the
+//! executed profiles: [`LinearSolver`] for limited acceleration (for the values that two passes cannot prove),
+//! [`SmoothSolver`] for limited jerk as well.
 
 mod asked;
 mod axis_path;
@@ -20,6 +21,7 @@ mod feeds;
 mod follow;
 #[expect(clippy::indexing_slicing, reason = "an axis counts below the number of the limits")]
 mod grid;
+mod linear;
 mod options;
 mod plan_executor;
 mod plane;
@@ -39,6 +41,7 @@ pub use convex::NotSolved;
 pub use drag::DragRow;
 pub use follow::{Followed, Follower, MTimes, Replan};
 pub use grid::{CellEnd, Grid};
+pub use linear::{LinearProfile, LinearSolver};
 pub use options::LimitOptions;
 pub use plan_executor::{Arrival, Lead, PlanExecutor};
 pub use planner::{Behind, Effort, Leg, LimitError, Piece, Pieces, Planned, Planner, Request};

@@ -43,6 +43,16 @@ impl Plane {
         }
     }
 
+    /// Start and end in each other's place.
+    pub(super) fn swap(&mut self) {
+        for pair in self.strips.iter_mut().chain(&mut self.halves) {
+            pair.swap(0, 1);
+        }
+        for disc in &mut self.discs {
+            disc.swap(0, 1);
+        }
+    }
+
     /// The largest y within `cap` that goes with x.
     #[inline]
     pub(super) fn largest_after(&self, x: f64, cap: f64) -> f64 {

@@ -8,6 +8,7 @@ mod backlog;
 mod budget;
 mod commit;
 mod drag;
+mod even;
 mod fallback_scaling;
 mod guess;
 mod minimum_speed;
@@ -24,6 +25,7 @@ use super::axis_path::AxisPath;
 use super::bound::Constraint;
 use super::cell::Cell;
 use super::convex::NotSolved;
+use super::linear::LinearSolver;
 use super::options::LimitOptions;
 use super::sample::{Sampler, grid};
 use super::smooth::{Beginning, SmoothSolver};
@@ -158,6 +160,7 @@ pub struct Planner<I, E, A> {
     changed: bool,
     held: bool,
     smooth: SmoothSolver,
+    linear: LinearSolver,
     effort: Effort,
     /// What is left of the work that this attempt may take.
     budget: Budget,
@@ -206,6 +209,7 @@ where
             changed: false,
             held: false,
             smooth: SmoothSolver::default(),
+            linear: LinearSolver::default(),
             effort: Effort::default(),
             budget: Budget::default(),
             misses: 0,

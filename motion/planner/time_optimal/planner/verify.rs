@@ -84,8 +84,7 @@ where
                     }
                     changed.extend([cells.len(), cells.len() + 1]);
                     if kept {
-                        let middle = stretch.at_position(0.5 * stretch.length()).0;
-                        self.kept.insert((cells.len() + 1).min(self.kept.len()), middle);
+                        self.keep_within(cells.len(), stretch, &[0.5]);
                     }
                     cells.extend(parts);
                     continue;

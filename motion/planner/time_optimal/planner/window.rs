@@ -1,6 +1,8 @@
 //! Window solve: a profile over a window, verified between the nodes of its grid.
 
 use super::drag::MOST_TANGENTS;
+use super::even::MOST_CUTS;
+use super::guess::{ROOM, SLOWER};
 use super::verify::{HALVING, exceeds, is_too_long};
 use super::{NOT_SOLVED, Planner};
 use crate::time_optimal::axis_path::AxisPath;
@@ -9,7 +11,6 @@ use crate::time_optimal::grid::Grid;
 use crate::time_optimal::profile_segment::ProfileSegment;
 use crate::time_optimal::reachable;
 use crate::time_optimal::sample::grid;
-use crate::time_optimal::sensitivity;
 use crate::time_optimal::smooth::{Beginning, Broken, Guess, SmoothProfile};
 use std::ops::Range;
 use twin_path::prepare::CheckedElement;
@@ -37,29 +38,26 @@ where
         if self.jerk_limited {
             return self.solve_smooth();
         }
-        let (mut round, mut tangents) = (0, 0);
+        let (mut round, mut tangents, mut cuts) = (0, 0, 0);
         loop {
             if self.budget.is_spent() {
                 return Err(NOT_SOLVED);
             }
             let grid = grid(&self.sampler, &self.cells);
             self.effort.cells += grid.cells() as u64;
-            let b = self.solve_passes(&grid);
-            let ends = b.windows(2).enumerate();
-            let stretches: Vec<ProfileSegment> = ends
-                .filter_map(|(cell, pair)| match pair {
-                    [from, to] => Some(ProfileSegment::uniform(grid.length(cell), *from, *to)),
-                    _ => None,
-                })
-                .collect();
+            let stretches = self.solve_linear(&grid);
+            if cuts < MOST_CUTS && self.even_out(&stretches) {
+                cuts += 1;
+                continue;
+            }
             if tangents < MOST_TANGENTS && !self.take_tangents(&stretches).is_empty() {
                 tangents += 1;
                 continue;
             }
-            if self.is_last(round, &stretches)
-                || self.tighten(&stretches, (0, round), &Broken::default(), None).is_empty()
-            {
-                self.gains = sensitivity::of_passes(&grid, &b);
+            if self.is_last(round, &stretches) {
+                return Ok(stretches);
+            }
+            if self.tighten(&stretches, (0, round), &Broken::default(), None).is_empty() {
                 return Ok(stretches);
             }
             round += 1;
@@ -68,7 +66,22 @@ where
 
     fn solve_smooth(&mut self) -> Result<Vec<ProfileSegment>, NotSolved> {
         let failed = self.effort.failed;
-        let solved = self.solve_smooth_about(self.first_guess());
+        let asked = self.asked_of_kept();
+        let mut solved = self.solve_smooth_about(self.first_guess());
+        // In sharp corners a profile about one that is much too fast may be impossible. Where work is counted there are other
+        // ways, but for tools that turn.
+        let more = self.options.course.turning || !self.smooth.positive;
+        for part in SLOWER.into_iter().filter(|_| more) {
+            match &solved {
+                Ok(stretches) if can_be_followed(stretches) => return solved,
+                Err(_unknown) if self.budget.is_spent() => return solved,
+                Ok(_) => {}
+                Err(_impossible) => self.effort.failed = failed,
+            }
+            self.ask_of_kept(&asked);
+            self.loosen(asked.len(), ROOM);
+            solved = self.solve_smooth_about(self.slower_guess(part));
+        }
         let followed = solved.as_ref().is_ok_and(|stretches| can_be_followed(stretches));
         if !followed
             && !self.budget.is_spent()
@@ -295,14 +308,34 @@ where
         parts
     }
 
-    /// b at the nodes without jerk limits.
-    fn solve_passes(&mut self, grid: &Grid) -> Vec<f64> {
+    /// Motion through each cell without jerk limits.
+    fn solve_linear(&mut self, grid: &Grid) -> Vec<ProfileSegment> {
+        let cells = 0..grid.cells();
         let start = match self.beginning {
             Beginning::Rest => 0.0,
             Beginning::Moving { b, .. } => b,
         };
         self.budget.looked(grid.cells());
-        reachable::fastest(grid, 0..grid.cells(), start, 0.0)
+        // Without any left the two passes will do.
+        let most = self.budget.iterations(grid.cells());
+        self.linear.program.most_iterations = most.unwrap_or(Some(1));
+        let b = match self.linear.solve(grid, cells.clone(), start, 0.0) {
+            Ok(profile) => {
+                self.effort.iterations += u64::from(profile.iterations);
+                self.budget.solved(grid.cells(), profile.iterations);
+                self.gains = profile.gains;
+                profile.b
+            }
+            Err(_failed) => {
+                self.effort.failed += 1;
+                reachable::fastest(grid, cells.clone(), start, 0.0)
+            }
+        };
+        let ends = b.iter().zip(b.iter().skip(1));
+        cells
+            .zip(ends)
+            .map(|(cell, (from, to))| ProfileSegment::uniform(grid.length(cell), *from, *to))
+            .collect()
     }
 }
 
