@@ -17,7 +17,7 @@ const LEFT: [(&str, &str, usize); 10] = [
     ("what is in the way", "\"obstacles\"", 3),
     ("of a run that", "\"when a run …\"", 2),
     ("held against", "\"compared with\"", 1),
-    ("beside", "\"next to\", or the relation that is meant", 173),
+    ("beside", "\"next to\", or the relation that is meant", 197),
 ];
 
 /// Questions that a heading leaves open.
