@@ -9,7 +9,7 @@ use std::time::Duration;
 const PROGRAM: &str = "% steps\nN10 G1 X10 F10 E20 E-20\nN20 G1 X20\n";
 
 /// One line with a stop at its end: L/v + v/a, s.
-const ONE_LINE_S: f64 = 10.0 / 10.0 + 10.0 / 20.0;
+const ONE_LINE_S: f64 = 1.0 + 0.5;
 
 fn run(desk: &Desk) -> Child {
     desk.write("steps.cnc", PROGRAM);

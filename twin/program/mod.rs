@@ -316,7 +316,7 @@ impl ProgramFile {
         };
         let file = Counted { text, stamp: self.stamp, ledger: Rc::clone(&ledger) };
         let reader = BufReader::with_capacity(1 << 16, file);
-        let decoded = decoded(self.decoder(reader, conditions, empty)?);
+        let decoded = decoded(self.decoder(reader, conditions, empty));
         Ok((decoded, ledger))
     }
 
@@ -351,8 +351,8 @@ impl ProgramFile {
         reader: BufReader<Counted>,
         conditions: &ProgramConditions,
         empty: EmptyMoves,
-    ) -> io::Result<Decoder> {
-        Ok(match self.dialect {
+    ) -> Decoder {
+        match self.dialect {
             Dialect::Din66025 => {
                 let options = self.din66025_options(conditions);
                 Decoder::Din66025(Box::new(if self.is_repeatable() {
@@ -374,7 +374,7 @@ impl ProgramFile {
             }
             // A job calls blocks and has no path; the path of a drawing is made before.
             Dialect::Job | Dialect::Dxf => Decoder::Made { elements: Arc::default(), next: 0 },
-        })
+        }
     }
 }
 

@@ -40,7 +40,9 @@ const ENCODERS: [(&str, EncoderKind); 3] = [
     ("ssi", EncoderKind::Ssi),
     ("endat", EncoderKind::EnDat),
 ];
-const MOTOR_FAULTS: [(&str, fn(ModuleAxis, bool) -> Event); 4] = [
+/// A fault of a motor that begins or ends.
+type MotorFault = fn(ModuleAxis, bool) -> Event;
+const MOTOR_FAULTS: [(&str, MotorFault); 4] = [
     ("power", Event::Power),
     ("phase-open", Event::PhaseOpen),
     ("phase-short", Event::PhaseShort),

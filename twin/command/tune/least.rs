@@ -116,7 +116,7 @@ impl LeastOptions {
     }
 
     /// Whether the unknowns change a peak: a scaling does. Offsets that have an interval are to be in it, too.
-    fn seeks(&self, find: &[Sought]) -> bool {
+    fn seeks(find: &[Sought]) -> bool {
         find.iter().any(|sought| match sought.what {
             Find::MasterScaling | Find::SlaveScaling => true,
             Find::MasterOffset | Find::SlaveOffset => sought.between.is_some(),
@@ -125,7 +125,7 @@ impl LeastOptions {
 
     /// The peak to minimise; none for the error or nothing.
     pub(super) fn least(&self, find: &[Sought]) -> Option<Least> {
-        let quantity = self.quantity().filter(|_| self.seeks(find))?;
+        let quantity = self.quantity().filter(|_| Self::seeks(find))?;
         let anything = [f64::NEG_INFINITY, f64::INFINITY];
         let sought = NAMES.map(|(_, what)| {
             let found = find.iter().find(|sought| sought.what == what)?;
