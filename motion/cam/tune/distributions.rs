@@ -21,7 +21,7 @@ pub fn student_exceeds(t: f64, freedom: f64) -> f64 {
 
 /// The value that |t| of `freedom` degrees of freedom exceeds in 5 % of all cases; infinite for 0 degrees.
 ///
-/// From [`MANY`] degrees on by the first two terms of its expansion about the normal distribution (Abramowitz and Stegun 26.7.5), whose
+/// From 1,000 degrees on by the first two terms of its expansion about the normal distribution (Abramowitz and Stegun 26.7.5), whose
 /// rest is below 1e-8: the continued fraction of `statrs` takes minutes for 1e8 degrees.
 pub fn student_975(freedom: usize) -> f64 {
     #[expect(clippy::cast_precision_loss, reason = "a count of samples")]

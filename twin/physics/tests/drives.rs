@@ -144,6 +144,9 @@ fn the_following_error_is_that_of_the_loop() {
     assert!((behind - speed / lagging[0].position_gain).abs() < 1e-6, "{behind}");
 }
 
+/// A change of a model.
+type Change<'a> = &'a dyn Fn(&mut Model);
+
 #[test]
 fn what_cannot_be_simulated_is_refused() {
     let build =
@@ -182,7 +185,7 @@ fn what_cannot_be_simulated_is_refused() {
     };
     let weightless = |model: &mut Model| model.links[3].inertial = None;
     let rotor = AxisDriveParameters { armature: 0.1, ..SLACK };
-    let changes: [(&dyn Fn(&mut Model), _); 10] = [
+    let changes: [(Change<'_>, _); 10] = [
         (&|_| (), Ok(())),
         (
             &|model| model.joints[2].drive = JointDrive::Axis(1),
