@@ -311,7 +311,7 @@ fn onto_lift(seed: u64, ramp: RampType) -> RampWish {
 /// them: the soonest, and the one with the least jerk.
 #[test]
 fn ramps_are_what_they_do_and_none_is_better() {
-    for (seed, ramp) in cases(0..24, 4).flat_map(|seed| KINDS.map(|ramp| (seed, ramp))) {
+    for (seed, ramp) in cases(0..40, 4).flat_map(|seed| KINDS.map(|ramp| (seed, ramp))) {
         let mut wish = onto_lift(seed, ramp);
         let mut random = Random(seed + 9000);
         let soonest = ramp_in(&wish).unwrap_or_else(|error| panic!("{seed}: {error}"));
