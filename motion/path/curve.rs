@@ -16,7 +16,7 @@ const GAUSS: [(f64, f64); 5] = [
 /// Lengths of panels are exact to this part of the whole length.
 const PRECISION: f64 = 1e-14;
 
-/// Largest number of halvings of a panel. Cusps, where the speed has a corner, are met after so many halvings with a
+/// Largest number of halvings of a panel. Cusps, where the speed has a corner, are met after this number of halvings with a
 /// panel that no longer counts.
 const MAX_DEPTH: u32 = 24;
 

@@ -1,6 +1,6 @@
 //! Residuals of a fit: how their noise grows with the slope, and which of them refuse the fit.
 //!
-//! Refused are samples far from all others, residuals as large as the data, halves of a run that contradict each other, and a master
+//! Refused are samples far from the others, residuals as large as the data, halves of a run that contradict each other, and a master
 //! at rest.
 
 use super::super::curve::Range;

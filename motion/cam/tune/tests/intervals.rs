@@ -162,7 +162,7 @@ impl Case {
         Tried { name, hits, wide, refused, found: all }
     }
 
-    /// What is found in all trials, of which 95 % are to hit each unknown, or, with `more`, so many at least: errors of a few dwells
+    /// What is found in all trials, of which 95 % are to hit each unknown, or, with `more`, at least that many: errors of a few dwells
     /// are uniform and never large. One in two hundred at most may be reported as no noise; that counts as a miss.
     fn holds(&self, more: bool) -> Vec<Fit> {
         let Tried { name, hits, wide, refused, found } = self.tried();
@@ -184,7 +184,7 @@ impl Case {
     }
 }
 
-/// Which part of so many trials hits, by chance.
+/// Range of the number of trials that hit, by chance.
 fn parts(all: u64) -> [f64; 2] {
     #[expect(clippy::cast_precision_loss, reason = "a thousand")]
     let count = trials(all) as f64;

@@ -83,7 +83,7 @@ fn no_steps_are_seen_in_noise() {
     }
 }
 
-/// Samples just next to dwells have gaps far below all others: there is no step then, and that is known at once.
+/// Samples just next to dwells have gaps far below the others: they have no step, which is found at once.
 #[test]
 fn gaps_of_all_sizes_have_no_step() {
     let lift = |s: f64| 80.0 * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
