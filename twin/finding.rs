@@ -275,23 +275,23 @@ impl Rule {
         Some(match self {
             Self::AxisPosition => [
                 "a cam takes its slave beyond the axis's limits, or a block moves an axis there",
-                "lay the cam elsewhere (SlaveOffset) or let it go less far (SlaveScaling): `twin tune cam --find slave-offset,slave-scaling` with the limits finds the least change, --reshape moves single points; correct the target of a block, or where its axis starts",
+                "lay the cam elsewhere (SlaveOffset) or let it go less far (SlaveScaling): `twin tune cam --find slave-offset,slave-scaling` with the limits finds the least change; correct the target of a block, or where its axis starts",
             ],
             Self::AxisVelocity => [
                 "the master is too fast for the cam or the gear, or a ramp onto the cam adds too much; a block asks for more",
-                "let the master go no faster than `twin cam check` says; `twin tune cam` changes scalings within the limits (--find master-scaling,slave-scaling), moves points so that the master may go faster (--reshape), and finds a ramp within the limits (--ramp-in); lower a block's velocity, or its velocity_difference",
+                "let the master go no faster than `twin cam check` says; `twin tune cam` changes scalings within the limits (--find master-scaling,slave-scaling) and finds a ramp within the limits (--ramp-in); lower a block's velocity, or its velocity_difference",
             ],
             Self::AxisAcceleration => [
                 "the cam is too steep for the velocity of its master, whose square its acceleration grows with, or the master is accelerated too hard; or the velocity of the slave jumps: at a corner of a table with linear interpolation, at the end of a cam that is passed once, at a start without a ramp",
-                "let the master go no faster than `twin cam check` says (--master-acceleration counts with it) and accelerate it less; `twin tune cam --reshape` moves points, --find scalings, --ramp-in finds a ramp; tables with interpolation = \"cubic\" have no corners, start_mode = \"ramp_in\" no jump",
+                "let the master go no faster than `twin cam check` says (--master-acceleration counts with it) and accelerate it less; `twin tune cam --find` changes scalings, --ramp-in finds a ramp; tables with interpolation = \"cubic\" have no corners, start_mode = \"ramp_in\" no jump",
             ],
             Self::AxisJerk => [
                 "the cam's jerk grows with the cube of its master's velocity; accelerations that step ask for more than any limit: of a cam whose acceleration jumps, of ramp = \"trapezoid\", of set-points along straight lines",
-                "let the master go no faster than `twin cam check` says (--master-jerk counts with it); choose ramp = \"parabolic\" or \"sigmoid\" in the job; `twin tune cam --reshape` with --goal jerk moves points, --find with --minimise jerk finds scalings, --ramp-in with --ramp parabolic a ramp; points and lines that join with equal acceleration do not step (cam-continuity)",
+                "let the master go no faster than `twin cam check` says (--master-jerk counts with it); choose ramp = \"parabolic\" or \"sigmoid\" in the job; `twin tune cam --find` with --minimise jerk finds scalings, --ramp-in with --ramp parabolic a ramp; points and lines that join with equal acceleration do not step (cam-continuity)",
             ],
             Self::AxisEffort => [
                 "the motor of a slave cannot give what the cam, the gear or a ramp asks of it, which grows with its acceleration",
-                "slow the master down or accelerate it less; `twin tune cam --reshape` with --goal acceleration makes the cam's peak smaller, --within S a ramp's",
+                "slow the master down or accelerate it less; `twin tune cam --find` with --minimise acceleration makes the cam's peak smaller, --within S a ramp's",
             ],
             _ => return None,
         })

@@ -573,7 +573,7 @@ fn help_is_in_order() {
         (&["cam", "sample"], &["--points", "--step", "--output"]),
         (
             &["tune", "cam"],
-            &["--run", "--scaling-range", "--reshape", "--within", "--write", "--format"],
+            &["--run", "--scaling-range", "--ramp-in", "--within", "--write", "--format"],
         ),
     ];
     for (command, options) in own {

@@ -73,7 +73,7 @@ fn rules_of_axes_are_explained_for_cams_too() {
         ("axis-position", ["SlaveOffset", "--find slave-offset,slave-scaling"]),
         ("axis-velocity", ["the master is too fast", "`twin cam check` says"]),
         ("axis-acceleration", ["whose square", "--ramp-in finds a ramp"]),
-        ("axis-jerk", ["the cube of its master's velocity", "--goal jerk moves points"]),
+        ("axis-jerk", ["the cube of its master's velocity", "--minimise jerk finds scalings"]),
         ("axis-effort", ["the motor of a slave", "slow the master down"]),
     ] {
         let done = desk.twin(&["explain", rule]);

@@ -225,84 +225,6 @@ fn what_the_data_do_not_say_is_said() {
     tune("wrong.csv").ended(2, "wrong.csv: line 3: time 0 s is not later");
 }
 
-#[test]
-fn a_shape_lets_the_master_go_faster() {
-    let desk = Desk::new();
-    desk.write("lift.toml", LIFT);
-    let tune =
-        ["tune", "cam", "lift.toml", "--max-acceleration", "3000", "--reshape", "120:5,1,0.05"];
-    let done = desk.twin(
-        &[&tune[..], &["--write", "faster.toml", "--format", "json", "-o", "shape.svg"]].concat(),
-    );
-    done.ended(0, "written to faster.toml");
-    let found = object(&done.stdout);
-    let [before, after] =
-        ["before", "after"].map(|key| found["shape"][key].as_f64().expect("a velocity"));
-    assert!(after > before * 1.1, "{before} {after}");
-    let text = std::fs::read_to_string(desk.path("faster.toml")).expect("written");
-    assert!(text.contains("# on the way") && text.contains("{ master = 120, slave = "), "{text}");
-    // Both velocities are what the check says of both cams, and the slave is where it was at the tappets.
-    let check = |name: &str| {
-        let done =
-            desk.twin(&["cam", "check", name, "--max-acceleration", "3000", "--format", "json"]);
-        done.ended(0, "");
-        object(&done.stdout)
-    };
-    let [old, new] = ["lift.toml", "faster.toml"].map(check);
-    for (found, expected) in [(&old, before), (&new, after)] {
-        let velocity = found["largest_master"]["velocity"].as_f64().expect("a velocity");
-        assert!((velocity / expected - 1.0).abs() < 1e-12, "{velocity} {expected}");
-    }
-    assert_eq!(new["continuity"], "C2");
-    for index in 0..2 {
-        let [old, new] =
-            [&old, &new].map(|found| found["tappets"][index]["slave"].as_f64().expect("a place"));
-        assert!((old - new).abs() < 1e-5, "{old} {new}");
-    }
-    assert_eq!(std::fs::read_to_string(desk.path("lift.toml")).expect("there"), LIFT);
-    desk.twin(&["tune", "cam", "lift.toml", "--reshape", "121:1", "--max-velocity", "9"])
-        .ended(2, "there is no point at master 121");
-    desk.twin(&["tune", "cam", "lift.toml", "--reshape", "120:1"])
-        .ended(2, "no limit of the slave");
-    desk.twin(&["tune", "cam", "lift.toml"]).ended(2, "nothing is to be found");
-}
-
-/// The jerk of the master counts for a shape as it does for the check: both velocities are the check's, and what no velocity
-/// is slow enough for is refused in its words. 70 mm over 120 deg, from rest to rest, have their greatest y′ half way: 1.875 ·
-/// 70/120.
-#[test]
-fn a_shape_counts_the_jerk_of_the_master() {
-    let desk = Desk::new();
-    desk.write("lift.toml", LIFT);
-    let limits =
-        |jerk| ["--max-jerk", "60000", "--master-acceleration", "500", "--master-jerk", jerk];
-    let reshape = |jerk, more: &[&str]| {
-        let tune = ["tune", "cam", "lift.toml", "--reshape", "120:2,1,0.05"];
-        desk.twin(&[&tune[..], &limits(jerk), more].concat())
-    };
-    let check = |name, jerk| {
-        desk.twin(&[&["cam", "check", name, "--format", "json"], &limits(jerk)[..]].concat())
-    };
-    let done = reshape("30000", &["--write", "faster.toml", "--format", "json"]);
-    done.ended(0, "written to faster.toml");
-    let found = object(&done.stdout);
-    for (name, key) in [("lift.toml", "before"), ("faster.toml", "after")] {
-        let told = found["shape"][key].as_f64().expect("a velocity");
-        let checked = object(&check(name, "30000").stdout);
-        let velocity = checked["largest_master"]["velocity"].as_f64().expect("a velocity");
-        assert!((velocity / told - 1.0).abs() < 1e-12, "{velocity} {told}");
-    }
-    let [before, after] = ["before", "after"].map(|key| found["shape"][key].as_f64());
-    assert!(after > before, "{before:?} {after:?}");
-    let checked = object(&check("lift.toml", "200000").stdout);
-    let reason = checked["largest_master"]["reason"].as_str().expect("a reason");
-    assert!(reason.starts_with("the slave's jerk reaches 218750 at master 60"), "{reason}");
-    let said = format!("no velocity of the master is slow enough: {reason}");
-    reshape("200000", &[]).ended(1, &said);
-    // At any speed: in the units of the axes, with a scaling as well.
-    reshape("200000", &["--slave-scaling", "2"]).ended(1, "the slave's jerk reaches 437500");
-}
-
 /// Onto a cam that rests at 10 mm, from 0: 10/2 + 2/1 s with 2 mm/s and 1 mm/s².
 #[test]
 fn a_ramp_and_what_it_takes() {
@@ -509,12 +431,4 @@ fn the_picture_of_a_ramp_shows_the_start() {
 
     cam("");
     assert!(tune("").contains("before: without a ramp, a jump"));
-    // With other points it is the cam that changes, too.
-    let both = tune("--reshape all:1 --goal acceleration");
-    for word in ["jerk", "start onto", "before: without a ramp, a jump"] {
-        assert!(both.contains(word), "{word}");
-    }
-    // One document, with both titles.
-    assert_eq!(both.matches("xmlns=").count(), 1);
-    assert_eq!(both.matches("font-size=\"22\"").count(), 2);
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-use twin_cam::{Knot, Tappet};
+use twin_cam::Tappet;
 use twin_machine::cam_file::Number;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -12,8 +12,6 @@ pub(crate) enum Change {
     Coupling(&'static str, f64),
     /// A word of `[coupling]`.
     CouplingWord(&'static str, &'static str),
-    /// Slave, velocity and acceleration of the point at this master in `elements`.
-    Point(Knot),
     /// The master of the tappets at `from`.
     Tappet {
         from: f64,
@@ -27,8 +25,6 @@ pub(crate) enum Change {
 pub(crate) enum EditError {
     #[error("the text is not TOML: {0}")]
     Toml(String),
-    #[error("`elements` has no point at master {0}")]
-    NoPoint(String),
     #[error("`tappets` has no tappet at master {0}")]
     NoTappet(String),
     #[error("`{0}` is not a table that numbers can be written into")]
@@ -44,7 +40,6 @@ pub(crate) fn apply(text: &str, changes: &[Change]) -> Result<String, EditError>
         text = match change {
             Change::Coupling(key, value) => coupling(&text, key, &Number(*value).to_string())?,
             Change::CouplingWord(key, word) => coupling(&text, key, &format!("\"{word}\""))?,
-            Change::Point(knot) => point(text, knot)?,
             Change::Tappet { .. } => text,
         };
     }
@@ -99,31 +94,6 @@ fn set(
         Some(end) => replaced(text, end..end, &format!("\n{key} = {value}")),
         None => format!("{text}\n{key} = {value}\n"),
     }
-}
-
-fn point(mut text: String, knot: &Knot) -> Result<String, EditError> {
-    let Knot { master, slave, velocity, acceleration } = *knot;
-    for (key, value) in [("slave", slave), ("velocity", velocity), ("acceleration", acceleration)] {
-        let root = parse(&text)?;
-        let elements = root.get_ref().get("elements").map(Spanned::get_ref);
-        let elements =
-            elements.and_then(DeValue::as_array).ok_or(EditError::NoTable("elements"))?;
-        let here = elements.iter().find_map(|item| {
-            let table = item.get_ref().as_table()?;
-            let at = number(table.get("master")?.get_ref())?;
-            same(at, master).then_some((item.span(), table))
-        });
-        let Some((span, table)) = here else {
-            return Err(EditError::NoPoint(Number(master).to_string()));
-        };
-        let old = table.get(key).and_then(|old| number(old.get_ref()));
-        // Unchanged values stay as they are written, and 0 may be left out.
-        if same(old.unwrap_or(0.0), value) {
-            continue;
-        }
-        text = set(&text, table, span.clone(), span.start, key, &Number(value).to_string());
-    }
-    Ok(text)
 }
 
 /// Moves tappets: all at once, for one may come to where another one stood.

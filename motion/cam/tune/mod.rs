@@ -1,4 +1,4 @@
-//! Tuning a cam offline: offsets and scalings from a recorded run or within limits, dead times from switchings, ramps, and shapes.
+//! Tuning a cam offline: offsets and scalings from a recorded run or within limits, dead times from switchings, and ramps.
 //!
 //! Every estimate comes with an interval that holds the true value in 95 % of all runs (`motion/cam/tune/bootstrap.rs`). Data that
 //! do not determine a value, or contradict it, are refused.
@@ -14,10 +14,8 @@ mod constrained;
 mod distributions;
 mod evolution;
 mod fit;
-mod linear_program;
 mod quantum;
 mod ramp_in;
-mod reshape;
 mod residuals;
 #[cfg(test)]
 mod tests;
@@ -30,7 +28,6 @@ pub use fit::{Fit, FitOptions, Free, Sample, fit};
 pub use ramp_in::{
     RampError, RampGoal, RampIn, RampMoment, RampShown, RampWish, on_cam, ramp_in, ramp_shown,
 };
-pub use reshape::{ReshapeError, Reshaped, Tolerance, Wish, reshape, soften};
 
 use twin_number::Short;
 

@@ -4,13 +4,11 @@ use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::picture::{Shown, on_stretches};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::dead_time::{switchings, tappet_dead_time};
-use crate::cam::tune::{
-    PointTolerance, ShapeGoal, TuneError, errors, fit_run, rms, shape, within_limits,
-};
+use crate::cam::tune::{TuneError, errors, fit_run, rms, within_limits};
 use crate::finding::{Rule, Severity};
 use std::fmt::Write;
 use std::path::Path;
-use twin_cam::tune::{Free, Tolerance};
+use twin_cam::tune::Free;
 use twin_cam::{MasterMotion, Quantity, SlaveLimits};
 use twin_machine::cam_file::CamFile;
 
@@ -341,30 +339,4 @@ fn scalings_and_offsets_within_limits() {
         within_limits(&file, &wide, Free { master_offset: false, ..Free::ALL }).expect("kept"),
         wide
     );
-}
-
-#[test]
-fn shapes_are_told_in_units_of_the_axes() {
-    // Five tappets hold the two points that may be moved, and leave nothing of them.
-    let file = cam(LIFT.split("tappets").next().expect("the points"));
-    let all = PointTolerance {
-        master: None,
-        tolerance: Tolerance { slave: 0.0, velocity: 0.2, acceleration: 0.01 },
-    };
-    let mut use_it = using(&file, 200.0, limits(1e6, 2000.0));
-    let plain = shape(&file, &use_it, &[all], ShapeGoal::Speed).expect("a shape");
-    assert!(plain.after > plain.before * 1.01, "{plain:?}");
-    let held = shape(&cam(LIFT), &use_it, &[all], ShapeGoal::Speed).expect("as it is");
-    assert_eq!((held.after, held.limited.is_some()), (held.before, true));
-    // Twice the slave and half the master: y″ counts twice and a quarter.
-    use_it.coupling.input.slave_scaling = 2.0;
-    use_it.coupling.input.master_scaling = 0.5;
-    let scaled = shape(&file, &use_it, &[all], ShapeGoal::Speed).expect("a shape");
-    assert!((scaled.before / (plain.before * 2.0 / 2.0_f64.sqrt()) - 1.0).abs() < 1e-6);
-    let gentle = shape(&file, &use_it, &[all], ShapeGoal::Peak(Quantity::Jerk)).expect("a shape");
-    assert!(gentle.after < gentle.before * 0.99, "{gentle:?}");
-    let nowhere = PointTolerance { master: Some(77.0), ..all };
-    let error = shape(&file, &use_it, &[nowhere], ShapeGoal::Speed).expect_err("no point");
-    assert_eq!(error, TuneError::NoPoint { master: 77.0, points: vec![0.0, 180.0, 360.0] });
-    assert!(error.to_string().contains("77; points are at 0, 180, 360; "), "{error}");
 }

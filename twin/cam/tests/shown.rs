@@ -68,8 +68,6 @@ fn tuned(file: &CamFile, use_it: &CamUse) -> (CamUse, CamUse, Constrained) {
     let least = Least {
         quantity: Quantity::Jerk,
         sought: [None, None, Some([-9.0, 9.0]), Some([0.9, 1.1])],
-        stroke: 0.0,
-        tappet_tolerance: [0.0, f64::INFINITY],
     };
     let (mut after, found) = minimise(file, &corrected, &least).expect("a peak");
     after.coupling.wanted = wants(&deviation, &corrected, &after);

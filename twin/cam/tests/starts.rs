@@ -2,8 +2,6 @@
 
 use super::found::{LIFT, Random, cam, using};
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
-use crate::cam::run::{RecordedRun, RunSample};
-use crate::cam::tune::started_at;
 use crate::finding::Rule;
 use std::sync::Arc;
 use twin_cam::{CamCoupling, CamTable, CouplingError};
@@ -119,46 +117,4 @@ fn whole_passes_are_the_same_motion() {
     for words in ["from 1.8 to 301.8 mm", "MasterOffset from 0 to 300"] {
         assert!(hint.contains(words), "{hint}");
     }
-}
-
-/// A master that goes 200 u/s, by 0.2 in each sample.
-fn run(file: &CamFile, use_it: &CamUse, first: f64, noise: &mut dyn FnMut() -> f64) -> RecordedRun {
-    let sample = |index: u32| {
-        let master = first + 0.2 * f64::from(index);
-        let x = use_it.place_at(master);
-        let curve = file.cam.curve();
-        let y = if use_it.repeated { curve.repeated(x) } else { curve.at(x) };
-        RunSample {
-            line: u64::from(index) + 2,
-            time_s: 0.001 * f64::from(index),
-            master: master + noise(),
-            slave: use_it.slave_at(y.position),
-            outputs: Vec::new(),
-        }
-    };
-    RecordedRun { groups: Vec::new(), samples: (0..2000).map(sample).collect() }
-}
-
-/// A run begins with its coupling where that starts, also where noise puts the master beside the begin of the cam; else nobody
-/// knows.
-#[test]
-fn where_a_run_was_coupled() {
-    let file = cam(LIFT);
-    let use_it = using(&file, 200.0, AxisLimits::NONE);
-    let still = &mut || 0.0;
-    for (first, expected) in [(0.0, Some(0.0)), (7.5, Some(7.5)), (-3.0, None), (400.0, None)] {
-        assert_eq!(started_at(&file, &use_it, &run(&file, &use_it, first, still)), expected);
-    }
-    for seed in 0..50 {
-        let mut random = Random(seed);
-        let noisy = run(&file, &use_it, 0.0, &mut || 0.01 * random.normal());
-        assert_eq!(started_at(&file, &use_it, &noisy), Some(0.0), "{seed}");
-    }
-    let mut other = use_it;
-    (other.coupling.input.master_offset, other.coupling.input.master_scaling) = (0.3, 0.7);
-    let first = -0.3 / 0.7;
-    let mut random = Random(1);
-    let noisy = run(&file, &other, first, &mut || 0.01 * random.normal());
-    let found = started_at(&file, &other, &noisy).expect("at the begin");
-    assert!((found - first).abs() < 1e-12 && started(&file, &other, found).is_ok());
 }

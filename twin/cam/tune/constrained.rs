@@ -53,17 +53,12 @@ pub(crate) struct Least {
     pub(crate) quantity: Quantity,
     /// Between what `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` may be; none for what stays.
     pub(crate) sought: [Option<[f64; 2]>; 4],
-    /// How far the slave goes at least.
-    pub(crate) stroke: f64,
-    /// How far tappets may move on the master, and how far from where it is at them the slave may be.
-    pub(crate) tappet_tolerance: [f64; 2],
 }
 
 const ANYTHING: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
-/// Offsets and scalings with the least error that is possible within the limits of the set-points, with which the slave can be
-/// coupled; none if the proposal keeps them.
-/// [`TuneError::NoRoom`] and [`TuneError::NoStart`] if nothing does.
+/// Offsets and scalings with the least error that is possible within the limits of the set-points; none if the proposal keeps them.
+/// [`TuneError::NoRoom`] if nothing does.
 pub(crate) fn limited(
     file: &CamFile,
     run_fit: &RunFit<'_>,
@@ -89,7 +84,7 @@ pub(crate) fn limited(
     let scalings = scalings(scaling_range, before, proposed);
     let wish = wish(file, proposed, free, scalings)?;
     let found = constrained_fit(file.cam.curve(), Objective::Error(&samples), &wish)
-        .map_err(|error| no_room(file, proposed, &error))?;
+        .map_err(|error| no_room(&error))?;
     let old = of_coupling(before);
     let with = |change: &dyn Fn(usize, f64) -> f64| {
         let value = |index: usize| {
@@ -135,7 +130,7 @@ pub(crate) fn limited(
 /// The nearest offset and scalings with which the cam keeps the limits, at the motion of the master: those for which the sum of
 /// the squares of the changes is least, of the scalings as parts of themselves, of `SlaveOffset` as a part of the stroke.
 /// `scaling_range` is the part of itself within which `MasterScaling` has to stay, if that was said.
-/// [`TuneError::NoRoom`] and [`TuneError::NoStart`] if nothing does.
+/// [`TuneError::NoRoom`] if nothing does.
 pub(crate) fn within_limits(
     file: &CamFile,
     using: &CamUse,
@@ -145,7 +140,7 @@ pub(crate) fn within_limits(
     let scalings = scalings(scaling_range, using, using);
     let wish = wish(file, using, Free { master_offset: false, ..free }, scalings)?;
     let found = constrained_fit(file.cam.curve(), Objective::Change, &wish)
-        .map_err(|error| no_room(file, using, &error))?;
+        .map_err(|error| no_room(&error))?;
     let all = [with_values(using, found.values), with_exactly(using, found.values)];
     let kept = all.into_iter().find(|one| keeps(file, one) && in_range(scalings, one));
     let after = kept.unwrap_or(all[1]);
@@ -159,29 +154,17 @@ pub(crate) fn minimise(
     using: &CamUse,
     least: &Least,
 ) -> Result<(CamUse, Constrained), TuneError> {
-    let Least { quantity, sought, stroke, tappet_tolerance } = *least;
+    let Least { quantity, sought } = *least;
     let wish = Constraints {
         sought,
-        start: using.start.filter(|_| !using.repeated),
         limits: using.limits.motion,
         position: using.limits.position,
-        stroke,
-        tappets: file.cam.tappets().iter().map(|tappet| tappet.master).collect(),
-        tappet_tolerance,
         ..Constraints::new(of_coupling(using), using.master, using.repeated)
     };
-    let found = constrained_fit(file.cam.curve(), Objective::Peak(quantity), &wish);
-    let found = found.map_err(|error| match no_room(file, using, &error) {
-        start @ TuneError::NoStart { .. } => start,
-        _ => TuneError::Minimise(error),
-    })?;
-    // Rounding does not put the master off the cam.
-    let all = [with_values(using, found.values), with_exactly(using, found.values)];
-    let starts =
-        |new: &CamUse| wish.start.is_none_or(|master| new.starts_at(file.cam.curve(), master));
-    let after = all.into_iter().find(starts).unwrap_or(all[1]);
-    let found = of_motion(using, &after, found, Some(quantity));
-    Ok((after, found))
+    let found = constrained_fit(file.cam.curve(), Objective::Peak(quantity), &wish)
+        .map_err(TuneError::Minimise)?;
+    let after = with_values(using, found.values);
+    Ok((after, of_motion(using, &after, found, Some(quantity))))
 }
 
 fn of_motion(
@@ -224,18 +207,15 @@ fn wish(
     let sought = [(offset, ANYTHING), (scaling, scalings), (shift, ANYTHING), (factor, ANYTHING)];
     Ok(Constraints {
         sought: sought.map(|(free, ends)| free.then_some(ends)),
-        // A periodic cam starts on another pass.
-        start: using.start.filter(|_| !using.repeated),
         limits: using.limits.motion,
         position,
         ..Constraints::new(of_coupling(using), using.master, using.repeated)
     })
 }
 
-/// Whether a use of the cam keeps the limits of the slave's axis, and can be started, as the check has it.
+/// Whether a use of the cam keeps the limits of the slave's axis, as the check has it.
 fn keeps(file: &CamFile, using: &CamUse) -> bool {
-    let start = using.start.filter(|_| !using.repeated);
-    !CamCheck::new(file, CamUse { start, ..*using }).findings.iter().any(refuses)
+    !CamCheck::new(file, *using).findings.iter().any(exceeds)
 }
 
 /// Whether a finding says that what was found is of no use: the slave exceeds a limit, or is not coupled at all.
@@ -249,16 +229,12 @@ pub(crate) fn exceeds(finding: &Finding) -> bool {
     finding.severity == Severity::Error && limits.contains(&finding.rule)
 }
 
-fn no_room(file: &CamFile, using: &CamUse, error: &ConstraintError) -> TuneError {
+fn no_room(error: &ConstraintError) -> TuneError {
     let ConstraintError::Contradictory { unknown, one, other } = error else {
         return TuneError::NoRoom { what: "offset or scaling", why: error.to_string() };
     };
-    let why = match (one, other) {
-        (Bound::Start { master }, Bound::Given) => {
-            let (range, unit) = (using.starts(file.cam.curve()), file.master.unit().to_owned());
-            return TuneError::NoStart { master: *master, range, unit };
-        }
-        (_, Bound::Given) => format!("{one}, is exceeded whatever it is"),
+    let why = match other {
+        Bound::Given => format!("{one}, is exceeded whatever it is"),
         _ => format!("{one}, and {other}, contradict each other"),
     };
     TuneError::NoRoom { what: unknown, why }

@@ -1,8 +1,8 @@
 //! Errors of cam tuning.
 
 use super::dead_time::SwitchingPart;
-use twin_cam::tune::{ConstraintError, FitError, RampError, ReshapeError};
-use twin_cam::{CamError, LimitError};
+use twin_cam::CamError;
+use twin_cam::tune::{ConstraintError, FitError, RampError};
 use twin_number::significant;
 
 /// Why something is not tuned. Positions and velocities are in the units of the axes, times (`…_s`) in seconds, lines those of the run.
@@ -70,18 +70,10 @@ pub(crate) enum TuneError {
         significant(.ends[0], 4), significant(.ends[1], 4), significant(*.every_s, 4)
     )]
     Random { group: i16, count: usize, ends: [f64; 2], every_s: f64 },
-    #[error("shape: {0}")]
-    Reshape(#[from] ReshapeError),
-    #[error("shape: no velocity of the master is slow enough: {0}")]
-    TooFast(#[source] LimitError),
     #[error("the smallest peak: {0}")]
     Minimise(#[source] ConstraintError),
     #[error("ramp: {0}")]
     Ramp(#[from] RampError),
-    #[error("a table has no points that could be moved: only points of `elements` are")]
-    NoPoints,
-    #[error("there is no point at master {master}; {}ends of lines stay where they are", standing(.points))]
-    NoPoint { master: f64, points: Vec<f64> },
     #[error(
         "the tappet of group {group} at {} of the cam would have to be at {} so that the master passes it at {} as before, and \
          the cam goes from {} to {} and is not periodic: lengthen it, or take the tappet out",
@@ -97,26 +89,14 @@ pub(crate) enum TuneError {
     TappetsMeet { group: i16, places: [f64; 2], to: f64 },
     #[error("tappets: {0}")]
     Cam(#[source] CamError),
-    #[error(
-        "with the master at {} MC_CamIn would end with error 626: with the result it starts with the master from {} to {} {unit}. \
-         --find master-offset moves that, --master-start says where the master is if it is elsewhere",
-        significant(*.master, 6), significant(.range[0], 6), significant(.range[1], 6)
-    )]
-    NoStart { master: f64, range: [f64; 2], unit: String },
     #[error("no {what} keeps the limits: {why}")]
     NoRoom { what: &'static str, why: String },
 }
 
 impl TuneError {
-    /// Whether the call is at fault, not cam or data: a limit is not given that is needed, or no point is where one is to be moved.
+    /// Whether the call is at fault, not cam or data: a limit is not given that is needed.
     pub(crate) fn is_of_call(&self) -> bool {
-        matches!(
-            self,
-            Self::NoPoint { .. }
-                | Self::NoPoints
-                | Self::Reshape(ReshapeError::NoLimit)
-                | Self::Ramp(RampError::NoLimit { .. })
-        )
+        matches!(self, Self::Ramp(RampError::NoLimit { .. }))
     }
 }
 
@@ -129,17 +109,6 @@ fn meant(error: &FitError) -> String {
     let FitError::Ambiguous { unknown, .. } = error else { return String::new() };
     let name = if *unknown == "MasterScaling" { "master-scaling" } else { "master-offset" };
     format!(": --find {name}=FROM..TO says which of them is meant")
-}
-
-/// `points are at 0, 180, 360; `, the first ones of many.
-fn standing(points: &[f64]) -> String {
-    const MOST: usize = 20;
-    let first = all(points.get(..MOST).unwrap_or(points), |point| significant(*point, 12));
-    match points.len() {
-        0 => String::new(),
-        count if count <= MOST => format!("points are at {first}; "),
-        count => format!("points are at {first}, … ({count} in all); "),
-    }
 }
 
 fn groups(has: &[i16]) -> String {

@@ -8,8 +8,6 @@ pub(super) mod dead_time;
 mod error;
 mod from_run;
 mod recorded;
-mod shape;
-mod start;
 mod tappet_shift;
 mod unwrap;
 
@@ -21,8 +19,6 @@ pub(crate) use dead_time::run_dead_time;
 pub(crate) use error::TuneError;
 pub(crate) use from_run::{errors, fit_run, refuse_stroke, rms, rounded};
 pub(crate) use recorded::master_motion;
-pub(crate) use shape::{PointTolerance, ShapeGoal, Shaped, shape};
-pub(crate) use start::started_at;
 pub(crate) use tappet_shift::{Kept, KeptTappet, keep_tappets, passed_at, slave_on_cam};
 pub(crate) use unwrap::{Unwound, unwound};
 
@@ -30,7 +26,7 @@ use super::check::CamUse;
 use super::edit::Change;
 use std::sync::Arc;
 use twin_cam::tune::{RampGoal, RampIn, RampWish};
-use twin_cam::{CamTable, Element, Knot, Shape, StartMode};
+use twin_cam::{CamTable, StartMode};
 use twin_machine::cam_file::{CamFile, WANTED};
 use twin_profile::{RampType, State};
 
@@ -80,26 +76,9 @@ fn same(one: f64, other: f64) -> bool {
     one == other
 }
 
-/// What brings the text of the cam's file from one use and shape to another.
-pub(crate) fn changes(
-    before: &CamUse,
-    after: &CamUse,
-    shape: Option<(&CamFile, &[Knot])>,
-) -> Vec<Change> {
+/// What brings the text of the cam's file from one use to another.
+pub(crate) fn changes(before: &CamUse, after: &CamUse) -> Vec<Change> {
     let mut changes = Vec::new();
-    if let Some((file, knots)) = shape
-        && let Shape::Polynomial(old) = file.cam.shape()
-    {
-        let is_point = |knot: &Knot| {
-            file.source.as_ref().is_none_or(|source| {
-                source.elements.iter().any(
-                    |element| matches!(element, Element::Point(point) if same(point.master, knot.master)),
-                )
-            })
-        };
-        let moved = old.iter().zip(knots).filter(|(old, new)| old != new);
-        changes.extend(moved.filter(|(_, new)| is_point(new)).map(|(_, new)| Change::Point(*new)));
-    }
     let pairs = before.coupling.numbers().into_iter().zip(after.coupling.numbers());
     for ((key, _, old), (_, _, new)) in pairs {
         if old.to_bits() != new.to_bits() {

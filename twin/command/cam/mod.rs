@@ -8,9 +8,7 @@ mod reduced;
 mod sample;
 
 pub(super) use check::Format;
-pub(super) use options::{
-    LimitOptions, MasterOptions, UseOptions, load, magnitude, number, positive,
-};
+pub(super) use options::{LimitOptions, MasterOptions, UseOptions, load, number, positive};
 
 use super::{Failure, Status, run as command_run};
 use crate::finding::{Finding, Severity};

@@ -1,15 +1,15 @@
-//! `twin tune cam`: offsets, scalings, dead times, ramps and shapes of cams.
+//! `twin tune cam`: offsets, scalings, dead times and ramps of cams.
 
 use super::find::tuned;
 use super::least::{Find, LeastOptions, Sought, sought};
-use super::outcome::{apply, moved, picture};
+use super::outcome::{apply, picture};
 use super::report::Report;
 use super::start::Started;
-use super::words::{Goal, Ramp, SlaveColumn, part, point, start};
+use super::words::{Ramp, SlaveColumn, part, start};
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune;
-use crate::cam::tune::{PointTolerance, changes};
+use crate::cam::tune::changes;
 use crate::command::atomic_file;
 use crate::command::cam::{
     Format, LimitOptions, MasterOptions, UseOptions, load, number, positive, show_findings,
@@ -20,7 +20,7 @@ use std::io;
 use std::path::PathBuf;
 use twin_cam::tune::Free;
 
-/// Tune a cam: offsets and scalings from a recorded run or within limits, the dead time of tappets, ramps, shapes
+/// Tune a cam: offsets and scalings from a recorded run or within limits, the dead time of tappets, ramps
 ///
 /// A run (CSV of time, master, slave) gives offsets and scalings by least squares, each with the half width of its 95 %
 /// interval. `slave` is where the slave was measured while the coupling of the cam's file was in effect; wanted is the cam with
@@ -31,8 +31,8 @@ use twin_cam::tune::Free;
 /// what undoes the deviation would exceed limits of the slave's set-points, the values are those within the limits that leave the
 /// least error. Without a run what is to be found is changed by as little as keeps the limits, tappets stay where they are on the
 /// master. With --minimise, with a run or without, the slave's peak
-/// acceleration or jerk is made smallest: intervals, a stroke, the tappets and the limits hold offsets and scalings then, for a
-/// scaling of 0 would be the smallest. Points are moved within their tolerances by linear programs (Clarabel): velocity and acceleration stay continuous, and the slave stays within its limits, and where it is at every tappet.
+/// acceleration or jerk is made smallest: intervals and the limits hold offsets and scalings then, for a
+/// scaling of 0 would be the smallest.
 /// What the data do not say, or contradict, is said and not fitted: samples that are far from the others with their lines.
 #[derive(Debug, clap::Args)]
 #[command(
@@ -75,16 +75,6 @@ pub(super) struct Arguments {
     /// the --run begins if the coupling in effect starts there]
     #[arg(long, value_name = "U", allow_hyphen_values = true, value_parser = number)]
     master_start: Option<f64>,
-
-    /// Points that may be moved: master, and by how much slave, velocity and acceleration may change; `all` for all points.
-    /// May be given several times
-    #[arg(long, value_name = "MASTER:SLAVE[,VELOCITY[,ACCELERATION]]", allow_hyphen_values = true, value_parser = point)]
-    pub(super) reshape: Vec<PointTolerance>,
-
-    /// What moved points (--reshape) are to give: the largest velocity of the master, or the smallest acceleration or jerk of the slave
-    /// at the master's velocity
-    #[arg(long, value_enum, default_value = "speed")]
-    pub(super) goal: Goal,
 
     /// Find `VelocityDiff`, Acceleration and Deceleration for a start from here: master, slave, and the slave's velocity. Within
     /// the limits of velocity, acceleration, position and jerk
@@ -152,9 +142,8 @@ Exit status:
 
 Examples:
   twin tune cam cam.toml --run run.csv --find master-offset,slave-offset,slave-scaling -o fit.svg
-  twin tune cam cam.toml --find slave-scaling=0.9..1.1,master-scaling --minimise jerk --tappet-tolerance 2,any
-  twin tune cam cam.toml --run run.csv --find slave-scaling=0.9..1.1 --minimise acceleration --tappet-tolerance 0,any
-  twin tune cam cam.toml --reshape 120:2,0.5,0.01 --max-acceleration 20000 --write faster.toml
+  twin tune cam cam.toml --find slave-scaling=0.9..1.1,master-scaling --minimise jerk
+  twin tune cam cam.toml --run run.csv --find slave-scaling=0.9..1.1 --minimise acceleration
   twin tune cam cam.toml --ramp-in 0,35 --master-velocity 200 --max-velocity 900 --max-acceleration 20000";
 
 impl Arguments {
@@ -199,14 +188,8 @@ impl Arguments {
 
     /// Refuses calls that ask for nothing, and options without effect.
     fn check(&self) -> Result<(), Failure> {
-        let wrong = if self.run.is_none()
-            && self.find.is_empty()
-            && self.reshape.is_empty()
-            && self.ramp_in.is_none()
-        {
-            "nothing is to be found: give a recorded --run, what to --find within the limits, points to --reshape, or a --ramp-in"
-        } else if self.goal != Goal::Speed && self.reshape.is_empty() {
-            "--goal has no effect without --reshape"
+        let wrong = if self.run.is_none() && self.find.is_empty() && self.ramp_in.is_none() {
+            "nothing is to be found: give a recorded --run, what to --find within the limits, or a --ramp-in"
         } else if self.ramp_in.is_some() && self.master_start.is_some() {
             "--ramp-in MASTER,SLAVE says where the master starts, and so does --master-start: give one of them"
         } else if self.scaling_range.is_some() && !self.free().master_scaling {
@@ -245,8 +228,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let shown = recorded.as_ref().and_then(|run| tune::master_motion(&file, &before, run));
     before.master = arguments.master.motion_or(shown.unwrap_or(before.master));
     let started = arguments.started().map(|master| (master, Started::Given)).or_else(|| {
-        let of_run = recorded.as_ref().and_then(|run| tune::started_at(&file, &before, run));
-        of_run.map(|master| (master, Started::Run))
+        let of_run = recorded.as_ref().and_then(|run| run.samples.first()).map(|one| one.master);
+        let starts = |master: &f64| before.starts_at(file.cam.curve(), *master);
+        of_run.filter(starts).map(|master| (master, Started::Run))
     });
     before.start = started.map(|(master, _)| master);
     let mut report = Report::new(&file, before);
@@ -264,12 +248,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             return Ok(Status::Unfit);
         }
     }
-    let after_file = moved(&file, &report)?;
+    let after_file = report.kept.as_ref().map_or(&file, |kept| &kept.file).clone();
     let check = CamCheck::new(&after_file, report.after);
     // What was given on the command line belongs to what was found.
     let in_file = CamUse { coupling: file.coupling, ..before };
-    let knots = report.shaped.as_ref().map(|shaped| (&file, shaped.knots.as_slice()));
-    report.changes = changes(&in_file, &report.after, knots);
+    report.changes = changes(&in_file, &report.after);
     let tappets: Vec<_> = report.kept.iter().flat_map(|kept| kept.changes()).collect();
     report.changes.extend(tappets);
     // Files first: who reads only the first lines of the report has them, too.

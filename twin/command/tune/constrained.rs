@@ -2,7 +2,7 @@
 
 use super::report::{Report, Section, short};
 use crate::cam::run::RecordedRun;
-use crate::cam::tune::{Constrained, errors, with_exactly};
+use crate::cam::tune::{Constrained, errors};
 use serde_json::{Map, Value, json};
 use twin_cam::tune::Bound;
 
@@ -26,18 +26,11 @@ impl Report<'_> {
     /// What limits leave of what a run determines.
     pub(super) fn limited(&self) -> Section {
         let Some(limited) = &self.limited else { return Section::empty("limited") };
-        let [master, slave] = self.units();
-        let start = |bound: &Bound| matches!(bound, Bound::Start { .. });
-        let all = || limited.held.iter().flatten();
-        let starts = all().any(start);
-        let (what, them) = match (starts, starts && all().all(start)) {
-            (_, true) => ("that MC_CamIn starts leaves", "it"),
-            (true, _) => ("the limits of the slave, and that MC_CamIn starts, leave", "them"),
-            _ => ("the limits of the slave leave", "them"),
-        };
+        let [_, slave] = self.units();
         let [left, without] = [limited.after, limited.before].map(|error| self.slave(error));
-        let mut text =
-            vec![format!("{what} an error of {left} {slave} rms ({without} without {them}):")];
+        let mut text = vec![format!(
+            "the limits of the slave leave an error of {left} {slave} rms ({without} without them):"
+        )];
         for (index, (_, name, value)) in self.after.coupling.numbers().iter().enumerate().take(4) {
             let without = limited.from[index];
             if limited.held[index].is_empty() && without.to_bits() == value.to_bits() {
@@ -46,13 +39,6 @@ impl Report<'_> {
             let by = self.held_by(limited, index, "for the least error with the others");
             let [value, without] = [*value, without].map(|value| self.input(index, value));
             text.push(format!("  {name}: {value}, {by} ({without} without limits)"));
-        }
-        if starts {
-            let loose = with_exactly(&self.after, limited.from);
-            let [from, to] = loose.starts(self.file.cam.curve()).map(|at| self.place(at));
-            text.push(format!(
-                "  without that it would start with the master from {from} to {to} {master}: where it does, --master-start says so"
-            ));
         }
         let mut value = self.constrained_json(limited);
         value["rms_left"] = json!(limited.after);
@@ -99,16 +85,12 @@ impl Report<'_> {
 
     /// Constraints with their units.
     fn said(&self, found: &Constrained, held: &[Bound]) -> Vec<String> {
-        let [master, slave] = self.units();
+        let [_, slave] = self.units();
         let said = |bound: &Bound| match bound {
             Bound::Limit { quantity, limit } => {
                 format!("the {quantity}, {} {}", short(*limit), self.of(*quantity))
             }
             Bound::Position { limit } => format!("the position, {} {slave}", short(*limit)),
-            Bound::Start { master: at } => {
-                let at = self.place(*at);
-                format!("the start with the master at {at} {master} (error 626 beyond)")
-            }
             Bound::Interval { end } if found.quantity.is_none() => {
                 format!("the end of --scaling-range, {}", short(*end))
             }

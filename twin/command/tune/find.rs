@@ -2,15 +2,14 @@
 
 use super::cam::Arguments;
 use super::least::intervals;
-use super::outcome::with_knots;
 use super::report::Report;
 use super::words::SlaveColumn;
-use crate::cam::check::{AxisLimits, CamUse};
+use crate::cam::check::CamUse;
 use crate::cam::run::RecordedRun;
 use crate::cam::tune;
 use crate::cam::tune::{
     Deviation, Least, RunFit, TuneError, errors, fit_run, limited, minimise, ramp_wish,
-    run_dead_time, shape, within_limits,
+    run_dead_time, within_limits,
 };
 use twin_cam::file::clean;
 use twin_cam::tune::{Fit, RampGoal, ramp_in};
@@ -36,20 +35,14 @@ pub(super) fn tuned(
     // What was measured moves the slave, not the tappets; of a motion that was taught they are a part.
     let held = deviation.is_some() || recorded.is_none();
     let peak = arguments.least.least(&arguments.find);
-    if let (Some(run), Some(fit)) = (recorded, report.fit) {
-        // Shapes and peaks give way to limits themselves: here they have to start.
-        let gives_way = peak.is_some() || !arguments.reshape.is_empty();
-        within_run(arguments, (file, run, &fit), deviation.as_ref(), gives_way, report)?;
+    // A peak is minimised within the limits itself.
+    if let (Some(run), Some(fit), None) = (recorded, report.fit, &peak) {
+        within_run(arguments, (file, run, &fit), deviation.as_ref(), report)?;
     } else if recorded.is_none() && peak.is_none() && !arguments.find.is_empty() {
         let range = arguments.scaling_range;
         let (using, found) = within_limits(file, &before, arguments.free(), range)?;
         (report.after, report.within) = (using, Some(found));
     }
-    if held {
-        report.kept = tune::keep_tappets(file, &before, &report.after)?.map(Box::new);
-    }
-    let moved = report.kept.as_ref().map(|kept| kept.file.clone());
-    let file = moved.as_ref().unwrap_or(file);
     if let Some(least) = peak {
         // From where the slave does the wanted motion.
         let corrected = report.after;
@@ -61,25 +54,19 @@ pub(super) fn tuned(
         report.after = after;
         report.least = Some(found);
     }
-    report.fold();
-    let mut shaped = None;
-    if !arguments.reshape.is_empty() {
-        let found = shape(file, &report.after, &arguments.reshape, arguments.goal.into())?;
-        shaped = Some(with_knots(file, &found.knots));
-        report.shaped = Some(found);
-        report.goal = Some(arguments.goal.into());
+    if held {
+        report.kept = tune::keep_tappets(file, &before, &report.after)?.map(Box::new);
     }
+    let moved = report.kept.as_ref().map(|kept| kept.file.clone());
+    let file = moved.as_ref().unwrap_or(file);
+    report.fold();
     if let Some([master, position, velocity]) = arguments.ramp_in {
         let slave = State { position, velocity, acceleration: 0.0 };
         let least = arguments.least.quantity().unwrap_or(Quantity::Acceleration);
         let goal = arguments
             .within
             .map_or(RampGoal::Soonest, |within_s| RampGoal::Gentlest { within_s, least });
-        let cam = match &shaped {
-            Some(Some(moved)) => moved,
-            _ => file,
-        };
-        let wish = ramp_wish(cam, &report.after, master, slave, (arguments.ramp.into(), goal));
+        let wish = ramp_wish(file, &report.after, master, slave, (arguments.ramp.into(), goal));
         let found = ramp_in(&wish)?;
         report.start = Some(Box::new(wish));
         let input = &mut report.after.coupling.input;
@@ -94,22 +81,18 @@ pub(super) fn tuned(
     Ok(())
 }
 
-/// What the limits leave of the fit of a run, and whether it starts; the limits do not count where something else gives way.
+/// What the limits leave of the fit of a run.
 fn within_run(
     arguments: &Arguments,
     (file, run, fit): (&CamFile, &RecordedRun, &Fit),
     deviation: Option<&Deviation>,
-    gives_way: bool,
     report: &mut Report<'_>,
 ) -> Result<(), TuneError> {
-    let limits = report.after.limits;
-    let counts =
-        if gives_way { AxisLimits { period: limits.period, ..AxisLimits::NONE } } else { limits };
-    let proposed = CamUse { limits: counts, ..report.after };
-    let (before, scaling_range) = (report.before, arguments.scaling_range);
+    let (before, proposed) = (report.before, report.after);
+    let scaling_range = arguments.scaling_range;
     let run_fit = RunFit { before: &before, proposed: &proposed, fit, deviation, scaling_range };
     if let Some((after, found)) = limited(file, &run_fit, run, arguments.free())? {
-        (report.after, report.limited) = (CamUse { limits, ..after }, Some(found));
+        (report.after, report.limited) = (after, Some(found));
         // Limits have no intervals.
         report.proposed = None;
         let [_, errors] = report.run_errors(run);

@@ -2,7 +2,7 @@
 
 use crate::cam::tune::Least;
 use crate::command::Failure;
-use crate::command::cam::{magnitude, number};
+use crate::command::cam::number;
 use clap::ValueEnum;
 use twin_cam::Quantity;
 
@@ -76,15 +76,6 @@ pub(super) fn intervals(find: &[Sought]) -> [Option<[f64; 2]>; 4] {
     NAMES.map(|(_, what)| find.iter().find(|sought| sought.what == what)?.between)
 }
 
-/// How far tappets may move; without a second number the slave stays where it is at them.
-fn tolerance(text: &str) -> Result<[f64; 2], String> {
-    let part = |text: &str| if text.trim() == "any" { Ok(f64::INFINITY) } else { magnitude(text) };
-    match text.split_once(',') {
-        Some((master, slave)) => Ok([part(master)?, part(slave)?]),
-        None => Ok([part(text)?, 0.0]),
-    }
-}
-
 /// Objective, and the constraints of offsets and scalings.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "What is to be smallest")]
@@ -92,21 +83,12 @@ pub(super) struct LeastOptions {
     /// The slave's error against a --run (the default with one), or the peak of its acceleration or jerk at the master's motion.
     /// With --ramp-in and --within the peak until the slave is on its cam
     ///
-    /// The peak grows with both scalings, and would be 0 with a scaling of 0: intervals of --find, --stroke, the tappets and the
-    /// limits hold them. The result says which of these does. With a --run the slave's deviation is undone first, by both offsets and what
+    /// The peak grows with both scalings, and would be 0 with a scaling of 0: intervals of --find and the limits hold them. The
+    /// result says which of these does. With a --run the slave's deviation is undone first, by both offsets and what
     /// --find names: from there the peak is made smaller, at the velocity and acceleration that the master has in the run. What the
     /// slave does then is what is wanted of it from now on (`wanted_…`).
     #[arg(long, value_enum)]
     minimise: Option<Minimise>,
-
-    /// The slave goes at least so far, from its least to its greatest position
-    #[arg(long, value_name = "U", requires = "minimise", value_parser = magnitude)]
-    stroke: Option<f64>,
-
-    /// So far each tappet may move on the master, and so far the slave may be from where it is at it now: `any` for any [default:
-    /// 0,0]
-    #[arg(long, value_name = "MASTER[,SLAVE]", requires = "minimise", value_parser = tolerance)]
-    tappet_tolerance: Option<[f64; 2]>,
 }
 
 impl LeastOptions {
@@ -131,12 +113,7 @@ impl LeastOptions {
             let found = find.iter().find(|sought| sought.what == what)?;
             Some(found.between.unwrap_or(anything))
         });
-        Some(Least {
-            quantity,
-            sought,
-            stroke: self.stroke.unwrap_or(0.0),
-            tappet_tolerance: self.tappet_tolerance.unwrap_or_default(),
-        })
+        Some(Least { quantity, sought })
     }
 
     /// Refuses options without effect; of a ramp, whether there is one, and whether it has a time.
@@ -148,7 +125,6 @@ impl LeastOptions {
     ) -> Result<(), Failure> {
         let has = |what| find.iter().any(|sought| sought.what == what);
         let peak = self.quantity().is_some();
-        let held = self.stroke.is_some() || self.tappet_tolerance.is_some();
         let scaling = has(Find::MasterScaling) || has(Find::SlaveScaling);
         let offsets_alone = !find.is_empty() && !scaling;
         // A run determines them, and a ramp has a peak of its own.
@@ -161,8 +137,6 @@ impl LeastOptions {
             "--minimise acceleration and jerk need what to --find, or a --ramp-in with --within: a ramp without it is as short as the limits allow"
         } else if peak && ramps && !within {
             "--ramp-in without --within is as short as the limits allow and minimises nothing"
-        } else if held && (!peak || find.is_empty()) {
-            "--stroke and --tappet-tolerance are for what --find looks for with --minimise acceleration or jerk"
         } else if peak && offsets_alone && !of_ramp {
             "offsets alone change no peak: --find a scaling"
         } else if !peak && !with_run && has(Find::MasterOffset) {

@@ -1,4 +1,4 @@
-//! Output of tuning: the cam with its new points, the picture, and the changed file.
+//! Output of tuning: the picture, and the changed file.
 
 use super::report::Report;
 use crate::cam::edit;
@@ -8,24 +8,9 @@ use crate::cam::tune::ramp_of;
 use crate::command::Failure;
 use crate::command::atomic_file;
 use std::path::Path;
-use twin_cam::{Cam, Shape};
+use twin_cam::Cam;
 use twin_machine::cam_file::{CamFile, Form};
 use twin_plot::charts;
-
-/// The cam with other points.
-pub(super) fn with_knots(file: &CamFile, knots: &[twin_cam::Knot]) -> Option<CamFile> {
-    let shape = Shape::Polynomial(knots.to_vec());
-    let cam = Cam::new(file.cam.name(), shape, file.cam.tappets().to_vec()).ok()?;
-    Some(CamFile { cam, ..file.clone() })
-}
-
-/// The cam as it is to be: with its tappets and points where they were found.
-pub(super) fn moved(file: &CamFile, report: &Report<'_>) -> Result<CamFile, Failure> {
-    let file = report.kept.as_ref().map_or(file, |kept| &kept.file);
-    let Some(shaped) = &report.shaped else { return Ok(file.clone()) };
-    let message = "the points that were found make no cam";
-    with_knots(file, &shaped.knots).ok_or_else(|| Failure::Usage(message.to_owned()))
-}
 
 pub(super) fn picture(
     path: &Path,
@@ -67,8 +52,7 @@ pub(super) fn picture(
     let changed = report.fit.is_some()
         || report.dead_time.is_some()
         || report.within.is_some()
-        || report.least.is_some()
-        || report.shaped.is_some();
+        || report.least.is_some();
     let mut pages = Vec::new();
     if changed || report.ramp.is_none() {
         pages.push(cam_chart(&heading, &report.headline(), &shown, &recorded));
@@ -110,9 +94,6 @@ pub(super) fn apply(
         _ => {
             let mut other = after.clone();
             other.coupling = report.after.coupling;
-            if report.shaped.is_some() {
-                other.source = None;
-            }
             other.to_toml()
         }
     };

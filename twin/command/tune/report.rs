@@ -5,7 +5,7 @@
 use super::start::Started;
 use crate::cam::check::CamUse;
 use crate::cam::edit::Change;
-use crate::cam::tune::{Constrained, Kept, ShapeGoal, Shaped};
+use crate::cam::tune::{Constrained, Kept};
 use crate::command::cam::Format;
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
@@ -63,8 +63,6 @@ pub(super) struct Found {
     pub(super) within: Option<Constrained>,
     /// Changed for the smallest peak.
     pub(super) least: Option<Constrained>,
-    pub(super) shaped: Option<Shaped>,
-    pub(super) goal: Option<ShapeGoal>,
     pub(super) ramp: Option<(RampType, RampIn)>,
     /// The start that it is for.
     pub(super) start: Option<Box<RampWish>>,
@@ -154,20 +152,13 @@ impl<'a> Report<'a> {
 
     /// The most important of it in one line.
     pub(super) fn headline(&self) -> String {
-        let [master, slave] = self.units();
+        let [_, slave] = self.units();
         let mut parts = Vec::new();
         if let (Some(before), Some(after)) = (self.error_before, self.error_after) {
             parts.push(format!("error {} → {} {slave} rms", self.slave(before), self.slave(after)));
         }
         if let Some(Constrained { quantity: Some(quantity), before, after, .. }) = &self.least {
             parts.push(self.peak(*quantity, *before, *after));
-        }
-        if let Some(Shaped { before, after, .. }) = self.shaped {
-            let [old, new] = [before, after].map(short);
-            parts.push(match self.goal {
-                Some(ShapeGoal::Peak(quantity)) => self.peak(quantity, before, after),
-                _ => format!("largest velocity of the master {old} → {new} {master}/s"),
-            });
         }
         if let Some((_, ramp)) = &self.ramp {
             parts.push(format!("on the cam after {} s", short(ramp.duration_s)));
@@ -190,7 +181,6 @@ impl<'a> Report<'a> {
             self.constrained("least", self.least.as_ref()),
             self.start(),
             self.tappets(),
-            self.shape(),
             self.ramp(),
             self.lines(writes),
         ];
@@ -229,7 +219,7 @@ impl<'a> Report<'a> {
     /// The lines that apply it: of the TOML file, and the inputs of the blocks.
     fn lines(&self, writes: bool) -> Section {
         let inputs = self.after.coupling.numbers();
-        let [mut points, mut tappets, mut file, mut block] = [const { Vec::<String>::new() }; 4];
+        let [mut tappets, mut file, mut block] = [const { Vec::<String>::new() }; 3];
         for change in &self.changes {
             match change {
                 Change::Coupling(key, value) => {
@@ -242,21 +232,15 @@ impl<'a> Report<'a> {
                     file.push(format!("{key} = \"{word}\""));
                     block.push(format!("StartMode := {word}"));
                 }
-                Change::Point(knot) => points.push(format!(
-                    "{{ master = {}, slave = {}, velocity = {}, acceleration = {} }},",
-                    knot.master, knot.slave, knot.velocity, knot.acceleration
-                )),
                 Change::Tappet { tappet, .. } => {
                     tappets.push(format!("{{ {} }},", twin_machine::cam_file::tappet_line(tappet)));
                 }
             }
         }
-        let value =
-            json!({ "points": points, "tappets": tappets, "coupling": file, "inputs": block });
+        let value = json!({ "tappets": tappets, "coupling": file, "inputs": block });
         let mut text = Vec::new();
         let [master, _] = self.units();
         for (heading, lines) in [
-            (format!("points of elements, master in {master}"), points),
             (format!("tappets of the cam's file, master in {master}"), tappets),
             ("[coupling] of the cam's file".to_owned(), file),
             ("inputs of MC_CamIn (DeadTimeCompensation: of SMC_CAMRegister)".to_owned(), block),

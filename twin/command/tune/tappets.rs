@@ -39,7 +39,7 @@ impl Report<'_> {
             let stays = (after - before).abs() <= ROUNDING * turns[0];
             let moved = from.to_bits() != tappet.master.to_bits();
             let elsewhere = (new - old).abs() > ROUNDING * self.height().abs();
-            let elsewhere = self.within.is_some() && elsewhere;
+            let elsewhere = (self.within.is_some() || self.least.is_some()) && elsewhere;
             go |= !stays;
             if !moved && stays && !elsewhere {
                 continue;

@@ -44,18 +44,10 @@ pub struct Constraints {
     pub sought: [Option<[f64; 2]>; 4],
     /// What the master does at most.
     pub master: MasterMotion,
-    /// Where the master is when the slave is coupled, u: that has to be on the cam, from its begin to its end (error 626).
-    pub start: Option<f64>,
     /// What the slave may do.
     pub limits: SlaveLimits,
     /// Least and greatest position of the slave, u; infinite where there is no limit.
     pub position: [f64; 2],
-    /// How far the slave goes at least, u; 0 for any.
-    pub stroke: f64,
-    /// Tappets, in the cam's master positions.
-    pub tappets: Vec<f64>,
-    /// How far a tappet may move on the master, and how far the slave may be from where it is there now, u; infinite for any.
-    pub tappet_tolerance: [f64; 2],
     /// Whether the cam is periodic.
     pub repeated: bool,
 }
@@ -67,12 +59,8 @@ impl Constraints {
             from,
             sought: [None; 4],
             master,
-            start: None,
             limits: SlaveLimits::NONE,
             position: [f64::NEG_INFINITY, f64::INFINITY],
-            stroke: 0.0,
-            tappets: Vec::new(),
-            tappet_tolerance: [f64::INFINITY; 2],
             repeated,
         }
     }
@@ -98,9 +86,7 @@ pub enum ConstraintError {
     #[error(transparent)]
     Limit(#[from] LimitError),
     /// The least peak would be that of a slave at rest.
-    #[error(
-        "{unknown} could become 0, where nothing moves: give it an interval, a stroke of the slave or tappets that hold it"
-    )]
+    #[error("{unknown} could become 0, where nothing moves: give it an interval")]
     Unconstrained {
         /// Which.
         unknown: &'static str,
@@ -123,10 +109,10 @@ pub enum ConstraintError {
     },
     /// No place that was tried keeps all constraints.
     #[error(
-        "no offset and scaling of the master within the intervals lets the slave keep its limits and its stroke"
+        "no offset and scaling of the master within the intervals lets the slave keep its limits"
     )]
     Infeasible,
-    /// An interval, the stroke, a tolerance or a position is not a number.
+    /// An interval or a value is not a number.
     #[error("{what}: {value} cannot be")]
     NotFinite {
         /// Which.
@@ -192,8 +178,7 @@ impl Problem<'_> {
                 held: Default::default(),
             });
         }
-        let masters = self.masters();
-        let mut place = self.searched(&masters)?;
+        let mut place = self.searched()?;
         // A value of -0 would show as a change.
         place.values = place.values.map(|value| value + 0.0);
         let [_, scaling, _, factor] = place.values;
@@ -202,7 +187,7 @@ impl Problem<'_> {
                 return Err(ConstraintError::AtRest { unknown });
             }
         }
-        let held = self.held(&place, &masters);
+        let held = self.held(&place);
         let after = self.objective_at(&place.values);
         Ok(Constrained { values: place.values, before, after, held })
     }
@@ -262,20 +247,18 @@ impl Problem<'_> {
         ]
     }
 
-    /// Whether all limits, the interval of `MasterScaling` and the start are kept but for rounding.
-    fn keeps(&self, [offset, scaling, shift, factor]: &Values) -> bool {
+    /// Whether all limits and the interval of `MasterScaling` are kept but for rounding.
+    fn keeps(&self, [_, scaling, shift, factor]: &Values) -> bool {
         let [one, other] = self.ends.map(|y| y * factor + shift);
         let (least, greatest) = (one.min(other), one.max(other));
         let room = ROUNDING * (greatest - least).max(least.abs()).max(greatest.abs());
         let [low, high] = self.wish.position;
-        let starts = |master: f64| self.curve.contains(master * scaling + offset);
         let moves = |quantity| {
             let limit = self.wish.limits.of(quantity);
             limit.is_infinite()
                 || self.peak(*scaling, quantity) * factor.abs() <= limit * (1.0 + ROUNDING)
         };
-        self.wish.start.is_none_or(starts)
-            && self.wish.sought[1].is_none_or(|[low, high]| (low..=high).contains(scaling))
+        self.wish.sought[1].is_none_or(|[low, high]| (low..=high).contains(scaling))
             && (!self.has_position() || least >= low - room && greatest <= high + room)
             && Quantity::ALL.into_iter().all(moves)
     }
@@ -288,33 +271,9 @@ impl Problem<'_> {
         }
     }
 
-    /// Scalings and offsets of the master that intervals, start and tappets allow.
-    fn masters(&self) -> Region {
-        let mut region = Region::default();
-        region.between([1.0, 0.0], self.interval(1)).between([0.0, 1.0], self.interval(0));
-        if let Some(master) = self.wish.start {
-            let bound = Bound::Start { master };
-            let ends = [self.curve.start(), self.curve.end()].map(|end| (end, bound));
-            region.between([master, 1.0], ends);
-        }
-        let [offset, scaling, ..] = self.wish.from;
-        let room = self.wish.tappet_tolerance[0].copysign(scaling);
-        let all = &self.wish.tappets;
-        // The outermost tappets speak for all.
-        let least = all.iter().copied().min_by(f64::total_cmp);
-        let greatest = all.iter().copied().max_by(f64::total_cmp).filter(|_| all.len() > 1);
-        for place in [least, greatest].into_iter().flatten().filter(|_| room.is_finite()) {
-            let bound = Bound::Tappet { place };
-            let now = (place - offset) / scaling;
-            region.between([now + room, 1.0], [(place, bound), (f64::INFINITY, bound)]);
-            region.between([now - room, 1.0], [(f64::NEG_INFINITY, bound), (place, bound)]);
-        }
-        region
-    }
-
-    /// Scalings and offsets of the slave that intervals, tappets and limits allow with a scaling of the master.
+    /// Scalings and offsets of the slave that intervals and limits allow with a scaling of the master.
     fn slaves(&self, scaling: f64) -> Region {
-        let Constraints { limits, position, stroke, from, .. } = self.wish;
+        let Constraints { limits, position, from, .. } = self.wish;
         let sign = from[3].signum();
         let free = f64::INFINITY;
         let mut region = Region::default();
@@ -326,23 +285,11 @@ impl Problem<'_> {
         // A y of 0 but for rounding does not depend on the scaling.
         let nothing = SAME * self.curve.extremes().position.magnitude();
         let whole = |y: f64| if y.abs() <= nothing { 0.0 } else { y };
-        let tolerance = self.wish.tappet_tolerance[1];
-        let at = |x: f64| self.curve.at(x).position;
-        let tappets = self.wish.tappets.iter().copied().filter(|_| tolerance.is_finite());
-        for (place, y) in tappets.map(|place| (place, whole(at(place)))) {
-            let (bound, now) = (Bound::Tappet { place }, from[3] * y + from[2]);
-            region.between([y, 1.0], [(now - tolerance, bound), (now + tolerance, bound)]);
-        }
         if self.has_position() {
             let ends = position.map(|limit| (limit, Bound::Position { limit }));
             for y in self.ends {
                 region.between([whole(y), 1.0], ends);
             }
-        }
-        let [least, greatest] = self.ends;
-        if *stroke > 0.0 {
-            let ends = [(*stroke, Bound::Stroke), (free, Bound::Given)];
-            region.between([sign * (greatest - least), 0.0], ends);
         }
         for quantity in Quantity::ALL {
             let limit = limits.of(quantity);
@@ -458,15 +405,15 @@ impl Problem<'_> {
     }
 
     /// The constraints that hold each value.
-    fn held(&self, place: &Place, masters: &Region) -> [Vec<Bound>; 4] {
+    fn held(&self, place: &Place) -> [Vec<Bound>; 4] {
         let [offset, scaling, shift, factor] = place.values;
         let from = self.wish.from;
         let at = |value: f64, ends: [End; 2]| {
             let ends = ends.into_iter().filter(move |end| close(end.value, value));
             ends.flat_map(|end| end.by).flatten().collect::<Vec<_>>()
         };
-        let of_master = at(scaling, masters.scalings());
-        let mut held = [at(offset, masters.offsets(scaling)), of_master, Vec::new(), Vec::new()];
+        let interval = |index| self.interval(index).map(|(value, bound)| End::at(value, bound));
+        let mut held = [at(offset, interval(0)), at(scaling, interval(1)), vec![], vec![]];
         if self.is_peak() {
             held[3].clone_from(&place.by);
             held[2] = at(shift, self.slaves(scaling).offsets(factor));
@@ -537,28 +484,15 @@ fn check(
             return Err(LimitError::NoMagnitude { name, value }.into());
         }
     }
-    let numbers = [0, 2].map(|index: usize| (NAMES[index], wish.from[index])).into_iter();
-    let numbers = numbers
-        .chain(wish.start.map(|value| ("where the master starts", value)))
-        .map(|(what, value)| (what, value, value.is_finite()));
-    let scalings = [1, 3].map(|index: usize| {
+    let numbers = [0, 1, 2, 3].map(|index: usize| {
         let value = wish.from[index];
-        (NAMES[index], value, value.is_finite() && value != 0.0)
+        (NAMES[index], value, value.is_finite() && (index % 2 == 0 || value != 0.0))
     });
-    let [tolerance, of_slave] = wish.tappet_tolerance;
-    let magnitudes = [
-        ("the stroke", wish.stroke),
-        ("the tolerance of tappets", tolerance),
-        ("the slave's tolerance at tappets", of_slave),
-    ];
     let intervals = NAMES.into_iter().zip(wish.sought).filter_map(|(what, interval)| {
         let [low, high] = interval?;
         Some((what, low, low <= high))
     });
-    let mut all = numbers
-        .chain(scalings)
-        .chain(magnitudes.map(|(what, value)| (what, value, value >= 0.0)))
-        .chain(intervals);
+    let mut all = numbers.into_iter().chain(intervals);
     match all.find(|(.., valid)| !valid) {
         Some((what, value, _)) => Err(ConstraintError::NotFinite { what, value }),
         None => Ok(()),

@@ -17,18 +17,6 @@ pub enum Bound {
     },
     /// A value that stays as it is.
     Given,
-    /// A tappet.
-    Tappet {
-        /// Master of the cam.
-        place: f64,
-    },
-    /// The master has to be on the cam when the slave is coupled (error 626).
-    Start {
-        /// Where it is then, u.
-        master: f64,
-    },
-    /// The stroke of the slave.
-    Stroke,
     /// A limit of the slave's position.
     Position {
         /// u.
@@ -48,11 +36,6 @@ impl fmt::Display for Bound {
         match self {
             Self::Interval { end } => write!(f, "the end of an interval, {}", Short(*end)),
             Self::Given => f.write_str("what stays as it is"),
-            Self::Tappet { place } => write!(f, "the tappet at {} of the cam", Short(*place)),
-            Self::Start { master } => {
-                write!(f, "the start with the master at {}", Short(*master))
-            }
-            Self::Stroke => f.write_str("the stroke of the slave"),
             Self::Position { limit } => {
                 write!(f, "the slave's limit of position, {}", Short(*limit))
             }
@@ -77,6 +60,12 @@ struct Row {
 pub(in crate::tune) struct End {
     pub(in crate::tune) value: f64,
     pub(in crate::tune) by: [Option<Bound>; 2],
+}
+
+impl End {
+    pub(super) fn at(value: f64, bound: Bound) -> Self {
+        Self { value, by: [Some(bound), None] }
+    }
 }
 
 /// Pairs of scaling and offset.

@@ -1,34 +1,33 @@
-//! Search for scaling and offset of the master: differential evolution from a grid.
+//! Search for scaling and offset of the master: a grid, and a compass search from its best places.
+//!
+//! A compass search tries the points of a small square around the best place, goes to the best of them, and halves the square where
+//! none is better (Kolda, Lewis and Torczon, SIAM Review 45, 2003).
 
-use super::region::Region;
 use super::{Bound, ConstraintError, End, Objective, Place, Problem, close, nearest};
 use crate::tune::Sample;
-use crate::tune::evolution::{Evolution, Population, evolve};
 use crate::tune::fit::NAMES;
-use std::f64::consts::TAU;
 
-/// Places of the grid in each of two directions, or in one.
+/// Steps of the grid in each of two directions, or in one.
 const GRID: u32 = 24;
 const LINE: u32 = 200;
-/// How many of the best places are evolved, for how many generations; the last ones with all samples, around the best place.
-const EVOLVED: [(usize, usize, bool); 2] = [(80, 20, true), (20, 100, false)];
-const AROUND: f64 = 0.02;
-/// The angle between directions that never come again, rad.
-const GOLDEN: f64 = 0.618_033_988_749_895 * TAU;
-/// Samples that the search looks at; its end takes all.
+/// How many of its best places a compass search begins at, and how many squares each has at most.
+const BEGINS: usize = 8;
+const SQUARES: usize = 400;
+/// Points of a square along each side, on both sides of the middle, and the part of the range that is none.
+const SIDE: i32 = 2;
+const LEAST: f64 = 1e-16;
+/// Samples that the grid looks at; the last search takes all.
 const SEARCHED: usize = 256;
 /// The error may be least with a scaling that is greater by this part.
 const BEYOND: f64 = 0.2;
 /// The objective of a place that exceeds constraints: greater than any other, and the greater the farther it is.
 const EXCEEDED: f64 = 1e100;
-/// So many last digits are rounding.
-const DIGITS: i32 = 16;
 
+/// Scaling and offset as shares of their ranges.
 type Shares = [f64; 2];
 
 /// The values of the master that are searched.
-struct Domain<'a> {
-    masters: &'a Region,
+struct Domain {
     /// Scalings: the one next to 0, the usual one, and the farthest one.
     scalings: [f64; 3],
     /// The mean master of the samples, where the offset compensates the scaling.
@@ -39,21 +38,15 @@ struct Domain<'a> {
 
 impl Problem<'_> {
     /// The best place.
-    pub(super) fn searched(&self, masters: &Region) -> Result<Place, ConstraintError> {
+    pub(super) fn searched(&self) -> Result<Place, ConstraintError> {
         let from = self.wish.from;
-        let unknown = if self.wish.sought[1].is_none() && self.wish.sought[0].is_none() {
-            NAMES[0]
-        } else {
-            NAMES[1]
-        };
-        let ends = Self::scalings(masters, from[1])
-            .map_err(|(ends, _)| Self::contradiction(ends, unknown))?;
+        let ends = self.interval(1).map(|(value, bound)| End::at(value, bound));
         if self.is_peak() {
             let scaling = self.nearest_zero(1, ends)?.value;
-            let offset = nearest(from[0], masters.offsets(scaling).map(|end| end.value));
-            return self.allowed(self.on_cam([offset, scaling]), None);
+            let offset = nearest(from[0], self.interval(0).map(|(end, _)| end));
+            return self.allowed([offset, scaling], None);
         }
-        let domain = self.domain(masters, ends);
+        let domain = self.domain(ends);
         let few: Vec<Sample>;
         let mut coarse = *self;
         if let Objective::Error(samples) = self.objective {
@@ -61,56 +54,67 @@ impl Problem<'_> {
             few = samples.iter().step_by(stride).copied().collect();
             coarse.objective = Objective::Error(&few);
         }
-        let at = |shares: Shares| self.place(&domain, shares);
-        let score = |problem: &Problem<'_>, shares: &mut Shares| {
-            *shares = shares.map(|share| share.clamp(0.0, 1.0));
-            let [offset, scaling] = at(*shares);
-            match problem.best(scaling, offset) {
-                Ok(place) => place.cost,
-                Err(by) => EXCEEDED * (1.0 + by.min(EXCEEDED)),
-            }
-        };
-        let mut all: Population<2> = domain.grid();
+        let mut all: Vec<(f64, Shares)> = domain.grid();
         for (found, shares) in &mut all {
-            *found = score(&coarse, shares);
+            *found = coarse.score(&domain, *shares);
         }
         all.sort_by(|one, other| one.0.total_cmp(&other.0));
-        let free = domain.free;
-        for (count, generations, crowded) in EVOLVED {
-            all.truncate(count);
-            let by = Evolution { free, generations, crowded, stream: 0 };
-            all = evolve(all, by, &mut |shares| score(&coarse, shares));
-        }
-        if let Objective::Error(samples) = self.objective
-            && samples.len() > SEARCHED
-        {
-            // All samples move the answer by little.
-            let (_, [one, other]) = all[0];
-            let mut angle = 0.0_f64;
-            for (found, shares) in &mut all {
-                angle += GOLDEN;
-                let by = AROUND * (angle / TAU).fract();
-                *shares = [one + by * angle.cos(), other + by * angle.sin()];
-                *found = score(self, shares);
-            }
-            let by = Evolution { free, generations: EVOLVED[1].1, crowded: false, stream: 0 };
-            all = evolve(all, by, &mut |shares| score(self, shares));
-        }
-        let found = all[0].1;
+        all.truncate(BEGINS);
+        let best = all
+            .into_iter()
+            .map(|begin| coarse.compass(&domain, begin))
+            .min_by(|one, other| one.0.total_cmp(&other.0));
+        let (_, found) = best.unwrap_or_default();
+        let (_, found) = self.compass(&domain, (self.score(&domain, found), found));
         let farthest = domain.scalings[0];
         let end = ends.into_iter().find(|end| close(end.value, farthest));
-        let mut place = self.allowed(self.on_cam(at(found)), end.filter(|_| domain.free[0]))?;
+        let mut place = self.allowed(self.place(&domain, found), end.filter(|_| domain.free[0]))?;
         let width = self.curve.end() - self.curve.start();
         if matches!(self.objective, Objective::Error(_))
             && self.wish.repeated
             && self.curve.rise() == 0.0
-            && self.wish.start.is_none()
             && domain.free[1]
         {
             // Whole passes are the same cam.
             place.values[0] -= ((place.values[0] - from[0]) / width).round() * width;
         }
         Ok(place)
+    }
+
+    fn score(&self, domain: &Domain, shares: Shares) -> f64 {
+        let [offset, scaling] = self.place(domain, shares);
+        match self.best(scaling, offset) {
+            Ok(place) => place.cost,
+            Err(by) => EXCEEDED * (1.0 + by.min(EXCEEDED)),
+        }
+    }
+
+    fn compass(&self, domain: &Domain, begin: (f64, Shares)) -> (f64, Shares) {
+        let mut best = begin;
+        let mut half = f64::from(GRID).recip();
+        let sides = domain.free.map(|free| if free { SIDE } else { 0 });
+        for _ in 0..SQUARES {
+            let (before, middle) = best;
+            for one in -sides[0]..=sides[0] {
+                for other in -sides[1]..=sides[1] {
+                    let at = |middle: f64, step: i32| {
+                        (middle + half * f64::from(step) / f64::from(SIDE)).clamp(0.0, 1.0)
+                    };
+                    let shares = [at(middle[0], one), at(middle[1], other)];
+                    let found = self.score(domain, shares);
+                    if found < best.0 {
+                        best = (found, shares);
+                    }
+                }
+            }
+            if best.0 >= before {
+                half /= 2.0;
+                if half < LEAST {
+                    break;
+                }
+            }
+        }
+        best
     }
 
     /// The best place with these values of the master; else why there is none. `end` is the end of the scaling's interval that asks
@@ -140,7 +144,7 @@ impl Problem<'_> {
         self.best(scaling, offset).map_err(|_infeasible| ConstraintError::Infeasible)
     }
 
-    fn domain<'a>(&self, masters: &'a Region, ends: [End; 2]) -> Domain<'a> {
+    fn domain(&self, ends: [End; 2]) -> Domain {
         let from = self.wish.from;
         let [least, greatest] = ends.map(|end| end.value);
         let (mut near, mut far) = (least / from[1], greatest / from[1]);
@@ -162,61 +166,31 @@ impl Problem<'_> {
             end.unwrap_or(from[1] * share)
         };
         let scalings = [exact(near), exact(1.0_f64.clamp(near, far)), exact(far)];
-        let mut domain = Domain { masters, scalings, pivot, free: [false; 2] };
-        domain.free[0] = !close(scalings[0], scalings[2]);
-        domain.free[1] = [scalings[0], scalings[2]].into_iter().any(|scaling| {
-            let [low, high] = self.offsets(&domain, scaling);
-            low < high && !close(low, high)
-        });
-        domain
+        let offset = self.interval(0).map(|(end, _)| end);
+        let free = [!close(scalings[0], scalings[2]), !close(offset[0], offset[1])];
+        Domain { scalings, pivot, free }
     }
 
-    /// Offset and scaling of the master at shares of their ranges.
-    fn place(&self, domain: &Domain<'_>, [of_scaling, of_offset]: Shares) -> [f64; 2] {
+    /// Offset and scaling of the master at shares of their ranges: the offset within a quarter of a pass about where it was.
+    fn place(&self, domain: &Domain, [of_scaling, of_offset]: Shares) -> [f64; 2] {
         let within = |[from, to]: [f64; 2], share: f64| {
             if share >= 1.0 { to } else { from + share * (to - from) }
         };
         let [near, _, far] = domain.scalings;
         let scaling = within([near, far], of_scaling);
-        [within(self.offsets(domain, scaling), of_offset), scaling]
-    }
-
-    /// Least and greatest offset with a scaling: a quarter of a pass about where it was, within the constraints.
-    fn offsets(&self, domain: &Domain<'_>, scaling: f64) -> [f64; 2] {
         let from = self.wish.from;
+        let [low, high] = self.interval(0).map(|(end, _)| end);
         let reach = (self.curve.end() - self.curve.start()) / 4.0;
-        let [low, high] = domain.masters.offsets(scaling).map(|end| end.value);
         let middle = from[0] + (from[1] - scaling) * domain.pivot;
-        if low > high {
-            return [nearest(middle, [low, high]); 2];
-        }
-        [middle - reach, middle + reach].map(|offset| offset.clamp(low, high))
-    }
-
-    /// The same values but for the rounding that puts the master off the cam when the slave is coupled.
-    fn on_cam(&self, [offset, scaling]: [f64; 2]) -> [f64; 2] {
-        let Some(master) = self.wish.start else { return [offset, scaling] };
-        let free = [0, 1].map(|index| self.wish.sought[index].is_some());
-        let size =
-            (master * scaling).abs().max(self.curve.start().abs()).max(self.curve.end().abs());
-        let digit = f64::EPSILON * size.max(offset.abs());
-        let near =
-            (0..=DIGITS).flat_map(|step| [1.0, -1.0].map(|sign| sign * f64::from(step) * digit));
-        let near = near.flat_map(|by| {
-            let of_offset = (free[0] || by == 0.0).then_some([offset + by, scaling]);
-            let of_scaling = (free[1] && master != 0.0).then(|| [offset, scaling + by / master]);
-            [of_offset, of_scaling].into_iter().flatten()
-        });
-        let mut near = near;
-        near.find(|[offset, scaling]| self.curve.contains(master * scaling + offset))
-            .unwrap_or([offset, scaling])
+        let offsets = [middle - reach, middle + reach].map(|offset| offset.clamp(low, high));
+        [within(offsets, of_offset), scaling]
     }
 }
 
-impl Domain<'_> {
+impl Domain {
     /// Shares all over the ranges: of the scaling the denser the nearer to the usual one, with which the error is least without
     /// limits.
-    fn grid(&self) -> Population<2> {
+    fn grid(&self) -> Vec<(f64, Shares)> {
         let [near, usual, far] = self.scalings;
         let usual = if close(near, far) { 0.0 } else { (usual - near) / (far - near) };
         let count = if self.free == [true; 2] { GRID } else { LINE };

@@ -1,4 +1,4 @@
-//! Estimates against known truths, and shapes against the best that is known.
+//! Estimates against known truths, and ramps against the best that is known.
 
 #![expect(clippy::float_cmp, reason = "given, or to be the same bit for bit")]
 
@@ -8,12 +8,9 @@ mod distributions;
 mod fit;
 mod intervals;
 mod least_peak;
-mod linear_program;
 mod quantum;
 mod ramp_in;
 mod region;
-mod reshape;
-mod short;
 
 use crate::{Curve, Knot};
 use std::ops::RangeInclusive;

@@ -1,49 +1,10 @@
-//! Report of a reshaped cam and of a ramp.
+//! Report of a ramp.
 
 use super::report::{Report, Section, short};
-use crate::cam::tune::ShapeGoal;
 use serde_json::json;
-use twin_number::at_most;
 use twin_profile::RampType;
 
 impl Report<'_> {
-    /// Points that were moved.
-    pub(super) fn shape(&self) -> Section {
-        let Some(shaped) = &self.shaped else { return Section::empty("shape") };
-        let [master, _] = self.units();
-        let (what, first) = if let Some(ShapeGoal::Peak(quantity)) = self.goal {
-            let ([before, after], unit) =
-                ([shaped.before, shaped.after].map(short), self.of(quantity));
-            let text = format!(
-                "shape: the slave's largest {quantity} falls from {before} to {after} {unit}"
-            );
-            (format!("peak {quantity}"), text)
-        } else {
-            let [before, after] = [shaped.before, shaped.after].map(|value| at_most(value, 6));
-            let text =
-                format!("shape: the master may go {after} {master}/s, it was {before} {master}/s");
-            ("master velocity".to_owned(), text)
-        };
-        let mut text = vec![first];
-        text.extend(shaped.limited.map(|(quantity, at)| {
-            let at = self.place(at);
-            format!("  now limited by the slave's {quantity} at master {at} {master}")
-        }));
-        let point = |knot: &twin_cam::Knot| {
-            json!({
-                "master": knot.master, "slave": knot.slave, "velocity": knot.velocity,
-                "acceleration": knot.acceleration,
-            })
-        };
-        let value = json!({
-            "of": what, "before": shaped.before, "after": shaped.after,
-            "limited_by": shaped.limited.map(|(quantity, _)| quantity.to_string()),
-            "at_master": shaped.limited.map(|(_, at)| at),
-            "points": shaped.knots.iter().map(point).collect::<Vec<_>>(),
-        });
-        Section { key: "shape", value, text }
-    }
-
     /// The ramp.
     pub(super) fn ramp(&self) -> Section {
         let mut text = Vec::new();
