@@ -78,7 +78,8 @@ fn no_gantry_touches_itself() {
         rotary: Some(RotaryTool::new(MachineJoint::new("R", 2, [-PI, PI]))),
         ..cutter()
     };
-    for dimensions in [beside, level, cutter(), dragged, two, flat_cutter] {
+    let moved = GantryDimensions { offsets: [0.3, -0.1, 0.05], ..gantry() };
+    for dimensions in [gantry(), moved, beside, level, cutter(), dragged, two, flat_cutter] {
         let model = dimensions.model().unwrap();
         // The corners of the travel, and every quarter turn of R between.
         let mut all = corners(&model);
