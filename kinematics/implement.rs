@@ -112,26 +112,6 @@ fn axes_as_motion<const N: usize>(axes: &AxisMotion) -> Result<Motion<N>> {
     })
 }
 
-fn forward_jerk_of<const N: usize>(
-    transform: &impl Transform<N>,
-    axes: &AxisMotion,
-    jerk: &AxisVector,
-) -> Result<(ToolMotion, ToolJerk)> {
-    let axes = axes_as_motion(axes)?;
-    let (position, differential) = transform.at_axes(&axes.position)?;
-    let led = differential.lead_jerk(&[axes.velocity, axes.acceleration, values(jerk)?]);
-    let Some([velocity, acceleration, jerk]) = led else {
-        return Err(transform.singular(&position));
-    };
-    let motion = Motion { position, velocity, acceleration };
-    let (linear, direction) = spread(transform.coordinates(), &jerk);
-    let jerk = ToolJerk { linear, direction };
-    if !jerk.is_finite() {
-        return Err(KinematicsError::NotFinite);
-    }
-    Ok((tool_motion(transform.coordinates(), &motion)?, jerk))
-}
-
 fn inverse_jerk_of<const N: usize>(
     transform: &impl Transform<N>,
     tool: &ToolMotion,
@@ -201,14 +181,6 @@ macro_rules! implement {
                 axis_motion(&self.axis_motion(&tool, &values(near)?)?)
             }
 
-            fn forward_jerk(
-                &self,
-                axes: &AxisMotion,
-                jerk: &AxisVector,
-            ) -> Result<(ToolMotion, ToolJerk)> {
-                forward_jerk_of(self, axes, jerk)
-            }
-
             fn inverse_jerk(
                 &self,
                 tool: &ToolMotion,
@@ -221,11 +193,6 @@ macro_rules! implement {
             fn jacobian(&self, axes: &AxisVector) -> Result<Jacobian> {
                 let (tool, differential) = self.at_axes(&values(axes)?)?;
                 spread_matrix(self, &tool, differential.jacobian())
-            }
-
-            fn jacobian_rate(&self, axes: &AxisVector, velocity: &AxisVector) -> Result<Jacobian> {
-                let (tool, differential) = self.at_axes(&values(axes)?)?;
-                spread_matrix(self, &tool, differential.jacobian_rate(&values(velocity)?))
             }
 
             fn branch(&self) -> Branch {

@@ -62,12 +62,6 @@ pub trait Kinematics: std::fmt::Debug + Send + Sync {
     /// Those of [`Self::inverse`], and [`Singular`](crate::KinematicsError::Singular) where the axes cannot follow.
     fn inverse_motion(&self, tool: &ToolMotion, near: &AxisVector) -> Result<AxisMotion>;
 
-    /// [`Self::forward_motion`] with the jerks of the axes (m/s³ or rad/s³) and of the tool.
-    ///
-    /// # Errors
-    /// Those of [`Self::forward_motion`].
-    fn forward_jerk(&self, axes: &AxisMotion, jerk: &AxisVector) -> Result<(ToolMotion, ToolJerk)>;
-
     /// [`Self::inverse_motion`] with the jerks of the tool and of the axes (m/s³ or rad/s³).
     ///
     /// # Errors
@@ -84,12 +78,6 @@ pub trait Kinematics: std::fmt::Debug + Send + Sync {
     /// # Errors
     /// Those of [`Self::forward_motion`].
     fn jacobian(&self, axes: &AxisVector) -> Result<Jacobian>;
-
-    /// The derivative of [`Self::jacobian`] by time with the axes moving at `velocity`.
-    ///
-    /// # Errors
-    /// Those of [`Self::forward_motion`].
-    fn jacobian_rate(&self, axes: &AxisVector, velocity: &AxisVector) -> Result<Jacobian>;
 
     /// Branch that [`Self::inverse`] gives.
     fn branch(&self) -> Branch;

@@ -47,20 +47,6 @@ pub trait SmoothMap<const N: usize> {
     fn matrix(&self) -> SMatrix<f64, N, N> {
         SMatrix::from_columns(&unit_vectors().map(|unit| self.rate(&unit)))
     }
-
-    /// J̇, where the inputs move with the velocity v.
-    fn matrix_rate(&self, v: &Values<N>) -> SMatrix<f64, N, N> {
-        // J̇(v)·w = B(v, w), of which `second` gives the diagonal B(v, v). B(v + w, v + w) − B(v − w, v − w) = 4·B(v, w)
-        // is exact for any length of w; one like v's keeps the rounding small.
-        let size = v.norm();
-        if size == 0.0 {
-            return SMatrix::zeros();
-        }
-        SMatrix::from_columns(&unit_vectors().map(|unit| {
-            let w = unit * size;
-            (self.second(&(v + w)) - self.second(&(v - w))) / (4.0 * size)
-        }))
-    }
 }
 
 fn unit_vectors<const N: usize>() -> [Values<N>; N] {

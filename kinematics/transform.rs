@@ -167,9 +167,6 @@ pub trait Differential<const N: usize> {
 
     /// Jacobian: column i is its velocity per unit velocity of axis i. `None` where the tool is not held.
     fn jacobian(&self) -> Option<SMatrix<f64, N, N>>;
-
-    /// The derivative of [`Self::jacobian`] by time where the axes move with `axis_velocity`.
-    fn jacobian_rate(&self, axis_velocity: &Values<N>) -> Option<SMatrix<f64, N, N>>;
 }
 
 /// A mechanism that is a smooth map from its axes to the tool.
@@ -230,10 +227,6 @@ impl<M: SmoothMap<N>, const N: usize> Differential<N> for Serial<M> {
     fn jacobian(&self) -> Option<SMatrix<f64, N, N>> {
         Some(self.0.matrix())
     }
-
-    fn jacobian_rate(&self, axis_velocity: &Values<N>) -> Option<SMatrix<f64, N, N>> {
-        Some(self.0.matrix_rate(axis_velocity))
-    }
 }
 
 impl<M: SmoothMap<N>, const N: usize> Differential<N> for Parallel<M> {
@@ -264,13 +257,6 @@ impl<M: SmoothMap<N>, const N: usize> Differential<N> for Parallel<M> {
 
     fn jacobian(&self) -> Option<SMatrix<f64, N, N>> {
         columns(|unit| self.0.solve(unit))
-    }
-
-    fn jacobian_rate(&self, axis_velocity: &Values<N>) -> Option<SMatrix<f64, N, N>> {
-        // J = K⁻¹, so J̇ = −J·K̇·J.
-        let jacobian = self.jacobian()?;
-        let inverse_rate = self.0.matrix_rate(&self.0.solve(axis_velocity)?);
-        Some(-jacobian * inverse_rate * jacobian)
     }
 }
 

@@ -277,8 +277,8 @@ impl MachineAxes {
         }
     }
 
-    /// The Jacobian of the machine from that of the transform; `own`: how a coordinate moves with its own axis.
-    fn joined_jacobian(&self, of_transform: &Jacobian, own: f64) -> Jacobian {
+    /// The Jacobian of the machine from that of the transform.
+    fn joined_jacobian(&self, of_transform: &Jacobian) -> Jacobian {
         let mut jacobian = Jacobian::zeros(self.sources.len());
         for (axis, source) in self.sources.iter().enumerate() {
             match *source {
@@ -287,7 +287,7 @@ impl MachineAxes {
                         jacobian.set(*coordinate, axis, of_transform.get(*coordinate, output));
                     }
                 }
-                AxisSource::Coordinate(coordinate) => jacobian.set(coordinate, axis, own),
+                AxisSource::Coordinate(coordinate) => jacobian.set(coordinate, axis, 1.0),
                 AxisSource::Additional(_) => {}
             }
         }
@@ -361,15 +361,6 @@ impl Kinematics for MachineAxes {
         Ok(self.machine_motion(&outputs, &flange, tool, near))
     }
 
-    fn forward_jerk(&self, axes: &AxisMotion, jerk: &AxisVector) -> Result<(ToolMotion, ToolJerk)> {
-        self.check_motion(axes)?;
-        self.check(jerk)?;
-        let outputs = self.outputs_of_motion(axes);
-        let (tool, mut tool_jerk) = self.transform.forward_jerk(&outputs, &self.outputs(jerk))?;
-        self.add_coordinates(jerk, &mut tool_jerk.linear);
-        Ok((self.joined_motion(tool, axes), tool_jerk))
-    }
-
     fn inverse_jerk(
         &self,
         tool: &ToolMotion,
@@ -387,14 +378,7 @@ impl Kinematics for MachineAxes {
 
     fn jacobian(&self, axes: &AxisVector) -> Result<Jacobian> {
         self.check(axes)?;
-        Ok(self.joined_jacobian(&self.transform.jacobian(&self.outputs(axes))?, 1.0))
-    }
-
-    fn jacobian_rate(&self, axes: &AxisVector, velocity: &AxisVector) -> Result<Jacobian> {
-        self.check(axes)?;
-        self.check(velocity)?;
-        let (axes, velocity) = (self.outputs(axes), self.outputs(velocity));
-        Ok(self.joined_jacobian(&self.transform.jacobian_rate(&axes, &velocity)?, 0.0))
+        Ok(self.joined_jacobian(&self.transform.jacobian(&self.outputs(axes))?))
     }
 
     fn branch(&self) -> Branch {

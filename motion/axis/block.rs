@@ -187,7 +187,7 @@ impl<M: Motion + Clone> Block<M> {
                 if let (true, Refusal::Error(error)) = (own, refusal) {
                     axis.fail_with(error.number());
                 }
-                self.latch.end(refusal.into(), axis);
+                self.latch.end(refusal.into());
             }
         }
     }
@@ -198,14 +198,14 @@ impl<M: Motion + Clone> Block<M> {
         let latched = if M::LIVE { &self.inputs } else { &*inputs };
         if drive != axis.values.drive_id {
             self.taken = None;
-            return self.latch.end(Outcome::Failed(SmcError::AxisRefChangedDuringOperation), axis);
+            return self.latch.end(Outcome::Failed(SmcError::AxisRefChangedDuringOperation));
         }
         if !axis.owns(owner) {
             self.taken = None;
             // A stop that is done cannot be aborted.
             if !(M::LOCKS && self.latch.is_done()) {
                 let failed = |error| Outcome::Failed(M::lost(axis, error));
-                self.latch.end(axis.loss().map_or(Outcome::Aborted, failed), axis);
+                self.latch.end(axis.loss().map_or(Outcome::Aborted, failed));
             }
             return;
         }
@@ -223,14 +223,14 @@ impl<M: Motion + Clone> Block<M> {
                     Stage::Done => {
                         self.taken = None;
                         axis.release(owner);
-                        self.latch.end(Outcome::Done, axis);
+                        self.latch.end(Outcome::Done);
                     }
                 }
             }
             Err(error) => {
                 self.taken = None;
                 axis.fail_with(error.number());
-                self.latch.end(Outcome::Failed(error), axis);
+                self.latch.end(Outcome::Failed(error));
             }
         }
     }

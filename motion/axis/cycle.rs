@@ -103,7 +103,6 @@ impl Axis {
         values.moved_in_this_cycle = false;
         values.save_position = values.set_position;
         values.save_velocity = values.set_velocity;
-        values.save_acceleration = values.set_acceleration;
         if counts_anew {
             // Position and zero change together.
             self.show_set_values();
@@ -115,25 +114,13 @@ impl Axis {
     pub(super) fn show_set_values(&mut self) {
         let total = self.total();
         let position = self.in_program(total.position);
-        let aim = self.pending(self.overlay.position).map(|aim| self.in_program(aim));
         let values = &mut self.values;
         values.set_position = position;
         values.set_velocity = total.velocity;
         values.set_acceleration = total.acceleration;
-        let growth = if total.velocity == 0.0 {
-            total.acceleration.abs()
-        } else {
-            total.acceleration * total.velocity.signum()
-        };
-        values.accelerating = growth > 0.0;
-        values.decelerating = growth < 0.0;
-        values.constant_velocity = total.velocity != 0.0 && total.acceleration == 0.0;
-        // Negative while the set velocity is, and only then (manual 2.4, 1053).
-        values.direction = if total.velocity < 0.0 { -1 } else { 1 };
         if total.velocity != 0.0 {
-            self.went = values.direction;
+            self.went = if total.velocity < 0.0 { -1 } else { 1 };
         }
-        values.aim_position = aim.unwrap_or(values.aim_position);
     }
 
     /// Power on and brake released.
@@ -216,11 +203,10 @@ impl Axis {
     fn watch_software_limits(&mut self) {
         let total = self.total();
         let position = self.in_program(total.position);
-        let values = &mut self.values;
+        let values = &self.values;
         let watched = values.sw_limit_enable && self.movement == super::Movement::Linear;
         let above = watched && position > values.sw_limit_positive;
         let below = watched && position < values.sw_limit_negative;
-        values.sw_end_switch_active = above || below;
         // The way back inside is free.
         let outward = (above && total.velocity > 0.0) || (below && total.velocity < 0.0);
         if outward && self.is_powered() {

@@ -1,7 +1,7 @@
 //! Outputs of a block with Execute, and the time for which they stay (manual 5.2).
 
+use super::SmcError;
 use super::ownership::Refusal;
-use super::{Axis, SmcError};
 
 /// Outputs of a block. At most one of `done`, `command_aborted` and `error` is set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,11 +53,8 @@ impl Latch {
         rises
     }
 
-    /// The block ends; its axis keeps the error.
-    pub(crate) fn end(&mut self, outcome: Outcome, axis: &mut Axis) {
-        if let Outcome::Failed(error) = outcome {
-            axis.report(error);
-        }
+    /// The block ends.
+    pub(crate) fn end(&mut self, outcome: Outcome) {
         self.outcome = Some(outcome);
         self.shown = false;
     }

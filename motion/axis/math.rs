@@ -1,19 +1,6 @@
-//! Auxiliary functions: sign, modulo and arc tangent (manual 2.2.1).
+//! Auxiliary functions: modulo and arc tangent (manual 2.2.1).
 
 use std::f64::consts::TAU;
-
-/// −1, 0 or 1: the sign of `x` (`SMC_sgn`).
-#[doc(alias = "SMC_sgn")]
-#[must_use]
-pub fn sgn(x: f64) -> f64 {
-    if x > 0.0 {
-        1.0
-    } else if x < 0.0 {
-        -1.0
-    } else {
-        0.0
-    }
-}
 
 /// `x` modulo the period `m`, in [0, m) (`SMC_fmod`).
 #[doc(alias = "SMC_fmod")]

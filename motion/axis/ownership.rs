@@ -92,10 +92,6 @@ impl Axis {
         self.saved_base = self.saved;
         self.aim = None;
         self.stop_homing();
-        self.values.mark_position = self.in_program(start.state.position);
-        self.values.mark_velocity = start.state.velocity;
-        self.values.mark_acceleration = start.state.acceleration;
-        self.values.mark_jerk = self.values.set_jerk;
         self.enter(state);
         self.values.owner
     }
@@ -129,7 +125,6 @@ impl Axis {
     /// Ends the drive's own homing.
     pub(crate) fn stop_homing(&mut self) {
         self.home = None;
-        self.values.start_reference = false;
         self.ignores_limit_switch = false;
     }
 

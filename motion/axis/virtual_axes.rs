@@ -137,10 +137,10 @@ impl Encoder {
     /// position. `set` (`bSet`, `fSetValue`) makes the present position that value, u.
     pub fn call(&mut self, raw: u32, set: Option<f64>) -> EncoderOutputs {
         if self.ratio[1] == 0 {
-            return self.refused(SmcError::EncDenomZero);
+            return EncoderOutputs { valid: false, error: Some(SmcError::EncDenomZero) };
         }
         if self.axis.owner() != 0 {
-            return self.refused(SmcError::EncAxisusedbyotherfb);
+            return EncoderOutputs { valid: false, error: Some(SmcError::EncAxisusedbyotherfb) };
         }
         let known = self.last.is_some();
         self.counted += self.travel(raw);
@@ -172,14 +172,6 @@ impl Encoder {
         EncoderOutputs { valid: true, error: None }
     }
 
-    /// Shows an error as long as its cause lasts; the axis keeps it once.
-    fn refused(&mut self, error: SmcError) -> EncoderOutputs {
-        if self.axis.read_fb_error() != Some(error) {
-            self.axis.report(error);
-        }
-        EncoderOutputs { valid: false, error: Some(error) }
-    }
-
     /// The axis, to be followed; its actual values count.
     #[must_use]
     pub fn axis(&self) -> &Axis {
@@ -206,8 +198,7 @@ impl Axis {
         let watched = self.values.sw_limit_enable && self.movement == Movement::Linear;
         let inside = (self.values.sw_limit_negative..=self.values.sw_limit_positive)
             .contains(&self.values.act_position);
-        self.values.sw_end_switch_active = watched && !inside;
-        if self.values.sw_end_switch_active {
+        if watched && !inside {
             self.fail_with(SmcError::DiSwlimitsExceeded.number());
         }
     }

@@ -55,8 +55,6 @@ pub fn of_transform<T: Transform<N>, const N: usize>(
         calls.attempt(of, "lead", false, || some(there.lead(&velocity, &acceleration).is_some()));
         calls.attempt(of, "lead_jerk", false, || some(there.lead_jerk(&all).is_some()));
         calls.attempt(of, "jacobian", false, || some(there.jacobian().is_some()));
-        calls
-            .attempt(of, "jacobian_rate", false, || some(there.jacobian_rate(&velocity).is_some()));
     }
 }
 
@@ -66,7 +64,7 @@ pub fn of_kinematics(calls: &mut Calls, of: &str, machine: &dyn Kinematics, posi
     let small = |first: f64| {
         AxisVector::from_values(derivative::<8>(first).iter().copied().take(position.len()))
     };
-    let (velocity, acceleration, jerk) = (small(0.3), small(-0.4), small(0.5));
+    let (velocity, acceleration) = (small(0.3), small(-0.4));
     let axes = AxisMotion { position: *position, velocity, acceleration };
     let tool = machine.forward_motion(&axes).expect("within reach");
     let tool_jerk = ToolJerk { linear: [0.1, 0.2, 0.3].into(), direction: 0.4 };
@@ -75,10 +73,8 @@ pub fn of_kinematics(calls: &mut Calls, of: &str, machine: &dyn Kinematics, posi
     calls.attempt(of, "inverse", false, || machine.inverse(&tool.pose, position));
     calls.attempt(of, "forward_motion", false, || machine.forward_motion(&axes));
     calls.attempt(of, "inverse_motion", false, || machine.inverse_motion(&tool, position));
-    calls.attempt(of, "forward_jerk", false, || machine.forward_jerk(&axes, &jerk));
     calls.attempt(of, "inverse_jerk", false, || machine.inverse_jerk(&tool, &tool_jerk, position));
     calls.attempt(of, "jacobian", false, || machine.jacobian(position));
-    calls.attempt(of, "jacobian_rate", false, || machine.jacobian_rate(position, &velocity));
     calls.attempt(of, "branch_at", false, || machine.branch_at(position));
     calls.attempt(of, "margins", false, || machine.margins(&tool.pose));
     calls.attempt(of, "dexterity", false, || machine.dexterity(position, 0.5));
@@ -103,9 +99,7 @@ pub fn of_refusals(calls: &mut Calls, of: &str, machine: &dyn Kinematics) {
         let motion = AxisMotion { position: axes, velocity: axes, acceleration: axes };
         calls.attempt(of, "forward", true, || machine.forward(&axes));
         calls.attempt(of, "forward_motion", true, || machine.forward_motion(&motion));
-        calls.attempt(of, "forward_jerk", true, || machine.forward_jerk(&motion, &axes));
         calls.attempt(of, "jacobian", true, || machine.jacobian(&axes));
-        calls.attempt(of, "jacobian_rate", true, || machine.jacobian_rate(&axes, &axes));
         calls.attempt(of, "dexterity", true, || machine.dexterity(&axes, 0.5));
         calls.attempt(of, "branch_at", true, || machine.branch_at(&axes));
     }

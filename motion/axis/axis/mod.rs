@@ -1,13 +1,11 @@
 //! [`Axis`]: an axis with its values, motion and owner (`AXIS_REF`, manual 2.4).
 
-mod error_memory;
 mod values;
 
 use super::config::{AxisConfig, Movement};
 use super::drive::{Capture, Feedback};
 use super::math::fmod;
 use super::state::AxisState;
-use error_memory::BlockErrors;
 use twin_profile::{AxisLimits, Profile, RampType, State};
 use values::AxisValues;
 
@@ -25,7 +23,6 @@ pub struct Axis {
     pub(super) state: AxisState,
     pub(super) movement: Movement,
     pub(super) ramp: RampType,
-    pub(super) errors: BlockErrors,
     /// Motion by the owner, in the drive's coordinates, unwound.
     pub(super) base: State,
     /// Motion on top of it.
@@ -92,7 +89,6 @@ impl Axis {
             state: AxisState::Standstill,
             movement: config.movement,
             ramp: config.ramp,
-            errors: BlockErrors::default(),
             base: State::default(),
             overlay: State::default(),
             overlay_owner: 0,

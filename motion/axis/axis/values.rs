@@ -30,18 +30,10 @@ pub(crate) struct AxisValues {
     pub(crate) error_id: i64,
     /// `bErrorAckn`: A reset is asked of the drive.
     pub(crate) error_acknowledged: bool,
-    /// `FBErrorID`: number of the latest block error.
-    pub(crate) fb_error_id: i64,
-    /// `nDirection`: −1 while the set velocity is negative, else 1.
-    pub(crate) direction: i64,
     /// `fSetPosition`: set position, u.
     pub(crate) set_position: f64,
     /// `fActPosition`: Actual position, u.
     pub(crate) act_position: f64,
-    /// `fAimPosition`: target, u.
-    pub(crate) aim_position: f64,
-    /// `fMarkPosition`: where the running block began, u.
-    pub(crate) mark_position: f64,
     /// `fSavePosition`: set position when the cycle began, u.
     pub(crate) save_position: f64,
     /// `fSetVelocity`: set velocity, u/s.
@@ -50,10 +42,6 @@ pub(crate) struct AxisValues {
     pub(crate) act_velocity: f64,
     /// `fSWMaxVelocity`: largest velocity of implicit motion, u/s.
     pub(crate) sw_max_velocity: f64,
-    /// `bConstantVelocity`: moves with a constant velocity.
-    pub(crate) constant_velocity: bool,
-    /// `fMarkVelocity`: velocity where the running block began, u/s.
-    pub(crate) mark_velocity: f64,
     /// `fSaveVelocity`: set velocity when the cycle began, u/s.
     pub(crate) save_velocity: f64,
     /// `fSetAcceleration`: set acceleration, u/s².
@@ -62,52 +50,20 @@ pub(crate) struct AxisValues {
     pub(crate) act_acceleration: f64,
     /// `fSWMaxAcceleration`: largest acceleration of implicit motion, u/s².
     pub(crate) sw_max_acceleration: f64,
-    /// `bAccelerating`: the speed grows.
-    pub(crate) accelerating: bool,
-    /// `fMarkAcceleration`: Acceleration where the running block began, u/s².
-    pub(crate) mark_acceleration: f64,
-    /// `fSaveAcceleration`: set acceleration when the cycle began, u/s².
-    pub(crate) save_acceleration: f64,
     /// `fSWMaxDeceleration`: largest deceleration of implicit motion, u/s².
     pub(crate) sw_max_deceleration: f64,
-    /// `bDecelerating`: the speed falls.
-    pub(crate) decelerating: bool,
-    /// `fSetJerk`: set jerk, u/s³.
-    pub(crate) set_jerk: f64,
     /// `fMaxJerk`: jerk of the ramps, u/s³.
     pub(crate) max_jerk: f64,
     /// `fSWMaxJerk`: largest jerk of implicit motion, u/s³.
     pub(crate) sw_max_jerk: f64,
-    /// `fMarkJerk`: jerk where the running block began, u/s³.
-    pub(crate) mark_jerk: f64,
     /// `fSWLimitPositive`: software limit in positive direction, u.
     pub(crate) sw_limit_positive: f64,
     /// `fSWLimitNegative`: software limit in negative direction, u.
     pub(crate) sw_limit_negative: f64,
-    /// `fCaptPosition`: captured position, u.
-    pub(crate) captured_position: f64,
-    /// `bSWEndSwitchActive`: the set position is outside the software limits.
-    pub(crate) sw_end_switch_active: bool,
     /// `bSWLimitEnable`: watch the software limits.
     pub(crate) sw_limit_enable: bool,
     /// `bHWLimitEnable`: watch the limit switches.
     pub(crate) hw_limit_enable: bool,
-    /// `bCaptureOccurred`: A position was captured; written FALSE to confirm.
-    pub(crate) capture_occurred: bool,
-    /// `bStartCapturing`: the drive is to capture.
-    pub(crate) start_capturing: bool,
-    /// `bStartReference`: the drive is to home itself.
-    pub(crate) start_reference: bool,
-    /// `fReference`: position at the reference, u.
-    pub(crate) reference: f64,
     /// `fOffsetPosition`: shift of the zero, u.
     pub(crate) offset_position: f64,
-    /// `fFirstCapturePosition`: window of the capture, begin, u.
-    pub(crate) first_capture_position: f64,
-    /// `fLastCapturePosition`: window of the capture, end, u.
-    pub(crate) last_capture_position: f64,
-    /// `tiTriggerInput`: trigger that captures: its number.
-    pub(crate) trigger_number: i64,
-    /// `bCaptureWindowActive`: capture within the window only.
-    pub(crate) capture_window_active: bool,
 }

@@ -68,8 +68,6 @@ impl Motion for Home {
             HomeRun::Braking(planned) => return Ok(planned.step(axis, Stage::Done)),
         };
         axis.home = Some(self.position);
-        axis.values.start_reference = true;
-        axis.values.reference = self.position;
         let drive = axis.drive;
         let state = State { position: drive.position, velocity: drive.velocity, acceleration: 0.0 };
         let stage = match drive.homing {
@@ -120,7 +118,6 @@ impl Axis {
     #[doc(alias = "MC_SetPosition")]
     pub fn shift_zero(&mut self, position: f64, relative: bool) -> Result<(), SmcError> {
         if !position.is_finite() {
-            self.report(SmcError::WpParamInvalid);
             return Err(SmcError::WpParamInvalid);
         }
         let shift = if relative { position } else { position - self.values.set_position };
@@ -135,8 +132,6 @@ impl Axis {
         self.zero += shift;
         self.values.act_position = self.in_program(self.drive.position);
         self.values.save_position = self.wrapped(self.values.save_position + shift);
-        self.values.mark_position = self.wrapped(self.values.mark_position + shift);
-        self.values.aim_position = self.wrapped(self.values.aim_position + shift);
         // A window is one of the program's positions.
         if let Some(window) = self.capture.as_mut().and_then(|capture| capture.window.as_mut()) {
             *window = window.map(|position| position - shift);

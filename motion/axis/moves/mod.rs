@@ -22,7 +22,7 @@ pub use homing::{HomingBySwitch, HomingMode};
 pub use planned::{Planned, PlannedMotion};
 pub use power::{Power, PowerStatus};
 pub use probe::{AbortTrigger, Probed, TouchProbe, Trigger};
-pub use reset::{AxisStatus, Reset};
+pub use reset::Reset;
 pub use stop::{Halt, Stop};
 pub use superimposed::{MoveSuperImposed, SuperImposed};
 pub use table::{AccelerationProfile, Points, PositionProfile, TableRun, VelocityProfile};

@@ -27,9 +27,6 @@ impl Power {
         let valid = axis.cycle() > 0.0 && axis.cycle().is_finite();
         let on = enable && valid;
         let error = (enable && !valid).then_some(SmcError::PFtaskcycleEmpty);
-        if let Some(error) = error.filter(|error| axis.read_fb_error() != Some(*error)) {
-            axis.report(error);
-        }
         axis.values.regulator_on = on && self.regulator_on;
         axis.values.drive_start = on && self.drive_start;
         PowerStatus { status: on && axis.is_powered(), error }

@@ -99,7 +99,7 @@ impl TouchProbe {
             }
             match self.begin(axis, trigger) {
                 Ok(owner) => self.waiting = Some(Waiting { window: self.window, owner }),
-                Err(error) => self.latch.end(Outcome::Failed(error), axis),
+                Err(error) => self.latch.end(Outcome::Failed(error)),
             }
         }
         // A capture that the drive reports in the cycle of the edge is older than the request.
@@ -124,13 +124,6 @@ impl TouchProbe {
             let window = self.window.map(|window| window.map(|position| axis.to_drive(position)));
             axis.capture = Some(Capture { trigger: trigger.number, window });
         }
-        let [first, last] = self.window.unwrap_or_default();
-        axis.values.first_capture_position = first;
-        axis.values.last_capture_position = last;
-        axis.values.capture_window_active = self.window.is_some();
-        axis.values.trigger_number = trigger.number;
-        axis.values.start_capturing = true;
-        axis.values.capture_occurred = false;
         Ok(trigger.claim())
     }
 
@@ -139,7 +132,7 @@ impl TouchProbe {
         // It was released, and another block may wait for it since.
         if trigger.owner != owner {
             self.waiting = None;
-            return self.latch.end(Outcome::Aborted, axis);
+            return self.latch.end(Outcome::Aborted);
         }
         let here = axis.act_position();
         let latched = if trigger.fast_latching {
@@ -150,8 +143,6 @@ impl TouchProbe {
         };
         let outcome = if let Some(position) = latched {
             self.recorded = position;
-            axis.values.captured_position = position;
-            axis.values.capture_occurred = true;
             Outcome::Done
         } else if trigger.fast_latching && !axis.values.communication {
             Outcome::Failed(SmcError::TpCommError)
@@ -160,14 +151,13 @@ impl TouchProbe {
         };
         self.waiting = None;
         free(axis, trigger);
-        self.latch.end(outcome, axis);
+        self.latch.end(outcome);
     }
 }
 
 /// Releases the trigger.
 fn free(axis: &mut Axis, trigger: &mut Trigger) {
     trigger.owner = 0;
-    axis.values.start_capturing = false;
     if trigger.fast_latching {
         axis.capture = None;
     }
@@ -200,7 +190,7 @@ impl AbortTrigger {
             } else {
                 Outcome::Failed(SmcError::AtTriggernotoccupied)
             };
-            self.latch.end(outcome, axis);
+            self.latch.end(outcome);
         }
         self.latch.outputs(false)
     }

@@ -1,4 +1,4 @@
-//! `MC_Reset`, and the status of an axis (`MC_ReadStatus`).
+//! `MC_Reset`: out of errorstop.
 
 use super::home::ANSWER_S;
 use crate::latch::{Latch, Outcome, Outputs};
@@ -22,7 +22,7 @@ impl Reset {
         if self.latch.rises(execute) {
             self.waited = axis.values.error.then_some(0.0);
             if self.waited.is_none() {
-                self.latch.end(Outcome::Failed(SmcError::RNoErrorToReset), axis);
+                self.latch.end(Outcome::Failed(SmcError::RNoErrorToReset));
             }
         }
         if let Some(waited) = &mut self.waited {
@@ -51,27 +51,11 @@ impl Reset {
             if let Some(outcome) = outcome {
                 self.waited = None;
                 axis.values.error_acknowledged = false;
-                self.latch.end(outcome, axis);
+                self.latch.end(outcome);
             }
         }
         self.latch.outputs(self.waited.is_some())
     }
-}
-
-/// Status of an axis, as `MC_ReadStatus` shows it (manual 5.3).
-#[expect(clippy::struct_excessive_bools, reason = "each is a signal of its own")]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct AxisStatus {
-    /// `Errorstop` … `Homing`: one of them, or none in `power_off`.
-    pub state: AxisState,
-    /// `ConstantVelocity`.
-    pub constant_velocity: bool,
-    /// `Accelerating`: the speed grows.
-    pub accelerating: bool,
-    /// `Decelerating`: the speed falls.
-    pub decelerating: bool,
-    /// `FBErrorOccured`.
-    pub fb_error_occurred: bool,
 }
 
 impl Axis {
@@ -81,19 +65,6 @@ impl Axis {
         self.rest();
         if !self.is_powered() {
             self.enter(AxisState::PowerOff);
-        }
-    }
-
-    /// State and motion (`MC_ReadStatus`, manual 5.3).
-    #[doc(alias = "MC_ReadStatus")]
-    #[must_use]
-    pub fn status(&self) -> AxisStatus {
-        AxisStatus {
-            state: self.state(),
-            constant_velocity: self.values.constant_velocity,
-            accelerating: self.values.accelerating,
-            decelerating: self.values.decelerating,
-            fb_error_occurred: self.fb_error_occurred(),
         }
     }
 }

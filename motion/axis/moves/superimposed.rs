@@ -69,7 +69,7 @@ impl SuperImposed {
                     if let (true, Refusal::Error(error)) = (own, refusal) {
                         axis.fail_with(error.number());
                     }
-                    self.latch.end(refusal.into(), axis);
+                    self.latch.end(refusal.into());
                 }
             }
         }
@@ -93,19 +93,19 @@ impl SuperImposed {
         let (owner, drive) = (*owner, *drive);
         if drive != axis.values.drive_id {
             self.taken = None;
-            return self.latch.end(Outcome::Failed(SmcError::AxisRefChangedDuringOperation), axis);
+            return self.latch.end(Outcome::Failed(SmcError::AxisRefChangedDuringOperation));
         }
         if axis.overlay_owner != owner {
             self.taken = None;
             let outcome = axis.loss().map_or(Outcome::Aborted, Outcome::Failed);
-            return self.latch.end(outcome, axis);
+            return self.latch.end(outcome);
         }
         let progress = planned.step(axis, Stage::Done);
         axis.overlay_to(progress.setpoint);
         if progress.stage == Stage::Done {
             self.taken = None;
             axis.release_overlay();
-            self.latch.end(Outcome::Done, axis);
+            self.latch.end(Outcome::Done);
         }
     }
 }

@@ -1,15 +1,9 @@
 //! Tests of the auxiliary functions (manual 2.2.1) and of wrapping encoder counters (2.1.4), for any numbers.
 
 use super::rig::encoder;
-use crate::{Movement, atan2, fmod, sgn};
+use crate::{Movement, atan2, fmod};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
-
-#[test]
-fn signs() {
-    let values = [-3.0, -0.0, 0.0, 1e-300, 2.0, f64::NAN];
-    assert_eq!(values.map(sgn), [-1.0, 0.0, 0.0, 1.0, 1.0, 0.0]);
-}
 
 #[test]
 fn remainders_are_never_negative_and_never_the_period() {

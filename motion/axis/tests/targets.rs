@@ -60,7 +60,6 @@ fn an_additive_move_adds_to_the_pending_target() {
     rig.calls(20, &mut to(10.0));
     rig.done(&mut add(5.0));
     assert!((rig.axis.set_position() - 15.0).abs() < 1e-12);
-    assert_eq!(rig.axis.values.aim_position, 15.0);
     // At a standstill it counts from the axis's position, and forward.
     rig.done(&mut add(5.0));
     assert!((rig.axis.set_position() - 20.0).abs() < 1e-12);
@@ -92,7 +91,7 @@ fn an_additive_move_counts_what_a_motion_on_top_has_added() {
         }
         assert_eq!((added - distance).abs() < 1e-9, whole, "{added}");
         assert!(added > 9.9 && rig.axis.set_position() < 100.0, "on its way");
-        let aim = rig.axis.values.aim_position;
+        let aim = rig.axis.pending(rig.axis.overlay.position).expect("a target");
         assert!((aim - 100.0 - added).abs() < 1e-9, "{aim}");
         rig.until(|axis| {
             [more.call(true, axis), below.call(true, axis), on_top.call(true, axis)][0].done
@@ -102,7 +101,7 @@ fn an_additive_move_counts_what_a_motion_on_top_has_added() {
     }
     let (mut rig, mut on_top, mut more) = (linear(), on_top(20.0, 5.0, 100.0), add(7.0));
     rig.calls(50, &mut on_top);
-    assert_eq!(rig.axis.values.aim_position, 20.0);
+    assert_eq!(rig.axis.pending(rig.axis.overlay.position), Some(20.0));
     rig.until(|axis| [more.call(true, axis), on_top.call(true, axis)][0].done);
     assert!((rig.axis.set_position() - 27.0).abs() < 1e-9);
 }

@@ -79,9 +79,6 @@ pub struct GantryDimensions {
     /// x, y and z of bridge, carriage and quill, as their axes or their belt say, with the flange at the origin of the
     /// machine frame, m; the last means nothing if the quill is fixed.
     pub offsets: [f64; 3],
-    /// Width (along x) and height of the bridge's beam, m. Derived: a twelfth of its travel along y but 60 to 300 mm,
-    /// and 1.3 times that.
-    pub beam_section: Option<[f64; 2]>,
     /// kg. Derived: a beam of 900 kg/m³.
     pub bridge_mass: Option<f64>,
     /// kg. Derived: the carriage's plate at 5400 kg/m³.
@@ -107,6 +104,7 @@ struct Gantry {
     travel: [[f64; 2]; 3],
     /// Two motors on one belt.
     belt: bool,
+    /// Width (along x) and height of the bridge's beam, m.
     beam: [f64; 2],
     bridge_mass: f64,
     carriage_mass: f64,
@@ -185,8 +183,7 @@ impl GantryDimensions {
             return Err(DimensionError::NotFinite { what: "an offset" });
         }
         let rotary = self.rotary.as_ref().map(|rotary| &rotary.joint);
-        let [x, y, _] = self.offsets;
-        self.plane.joints(self.quill_joint.iter().chain(rotary), [x, y])
+        self.plane.joints(self.quill_joint.iter().chain(rotary))
     }
 
     /// Checks what is given and derives the rest.
@@ -201,10 +198,8 @@ impl GantryDimensions {
             travel_of(self.quill_joint.as_ref().map(|joint| joint.position_limits), z),
         ];
         let [span, stroke] = [travel[1][1] - travel[1][0], travel[2][1] - travel[2][0]];
-        let beam = self.beam_section.unwrap_or_else(|| {
-            let width = (span / 12.0).clamp(0.06, 0.3);
-            [width, 1.3 * width]
-        });
+        let beam_width = (span / 12.0).clamp(0.06, 0.3);
+        let beam = [beam_width, 1.3 * beam_width];
         let quill_width = self.quill_width.unwrap_or_else(|| (stroke / 8.0).clamp(0.04, 0.15));
         let carriage_width = 3.5 * quill_width;
         let plate = 0.4 * quill_width;
@@ -241,8 +236,6 @@ impl GantryDimensions {
         gantry.bridge_mass =
             self.bridge_mass.unwrap_or(BRIDGE_DENSITY * length * beam[0] * beam[1]);
         check_positive(&[
-            ("the width of the beam", beam[0]),
-            ("the height of the beam", beam[1]),
             ("the mass of the bridge", gantry.bridge_mass),
             ("the mass of the carriage", gantry.carriage_mass),
             ("the width of the quill", quill_width),

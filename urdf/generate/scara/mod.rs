@@ -43,8 +43,6 @@ pub struct ScaraHand {
     pub length: f64,
     /// Axis position with the hand along arm 2 (`dOffsetC`), rad.
     pub offset: f64,
-    /// Width and height, m. Derived: 2.4 times and once the radius of the quill.
-    pub section: Option<[f64; 2]>,
     /// Without the tool, kg. Derived: 2500 kg/m³.
     pub mass: Option<f64>,
 }
@@ -52,13 +50,12 @@ pub struct ScaraHand {
 impl ScaraHand {
     /// A hand of `length` (m) without an offset; the rest derived.
     pub fn new(joint: MachineJoint, length: f64) -> Self {
-        Self { joint, length, offset: 0.0, section: None, mass: None }
+        Self { joint, length, offset: 0.0, mass: None }
     }
 
     /// All its dimensions below a quill of radius `quill` (m).
     fn complete(&self, quill: f64) -> Hand {
-        let [width, height] = self.section.unwrap_or([2.4 * quill, quill]);
-        let hand = Hand { length: self.length, width, height, mass: 0.0 };
+        let hand = Hand { length: self.length, width: 2.4 * quill, height: quill, mass: 0.0 };
         Hand { mass: self.mass.unwrap_or(ARM_DENSITY * hand.volume()), ..hand }
     }
 }
@@ -85,8 +82,6 @@ pub struct ScaraDimensions {
     pub arm_masses: Option<[f64; 2]>,
     /// Floor to the lower side of arm 1, m. Derived: so that the floor is just below the lowest tool tip.
     pub column_height: Option<f64>,
-    /// m. Derived: 0.6 times the width of arm 1.
-    pub column_radius: Option<f64>,
     /// m. Derived: a fifth of the width of arm 2.
     pub quill_radius: Option<f64>,
     /// Flange to the upper end, m. Derived: so that the lowest quill still shows above arm 2.
@@ -234,7 +229,7 @@ impl ScaraDimensions {
         let scara = Scara {
             floor: column_top - column_height,
             column_top,
-            column_radius: self.column_radius.unwrap_or(0.6 * first.width),
+            column_radius: 0.6 * first.width,
             quill_radius,
             quill_length,
             quill_mass: self.quill_mass.unwrap_or(QUILL_DENSITY * quill_volume),
@@ -256,18 +251,13 @@ impl ScaraDimensions {
             ("the height of arm 2", scara.second.height),
             ("the mass of arm 2", scara.second.mass),
             ("the height of the column", column_height),
-            ("the radius of the column", scara.column_radius),
             ("the radius of the quill", quill_radius),
             ("the length of the quill", quill_length),
             ("the mass of the quill", scara.quill_mass),
             ("the radius of the tool", scara.tool.radius),
         ])?;
         if let Some(hand) = &scara.hand {
-            check_positive(&[
-                ("the width of the hand", hand.width),
-                ("the height of the hand", hand.height),
-                ("the mass of the hand", hand.mass),
-            ])?;
+            check_positive(&[("the mass of the hand", hand.mass)])?;
         }
         Ok(scara)
     }
