@@ -34,8 +34,6 @@ pub struct AxisConfig {
     /// Software limits, negative and positive (`bSWLimitEnable`, `fSWLimitNegative`, `fSWLimitPositive`), u. Linear axes
     /// only.
     pub software_limits: Option<[f64; 2]>,
-    /// True if an open limit switch is an error (`bHWLimitEnable`). Linear axes only.
-    pub hardware_limits: bool,
     /// True if the drive can limit a capture to a window of positions.
     pub capture_window: bool,
     /// Increments to u: numerator and denominator (`iRatioTechUnitsNum`, `dwRatioTechUnitsDenom`).
@@ -56,7 +54,6 @@ impl Default for AxisConfig {
             max_acceleration: 100.0,
             max_deceleration: 100.0,
             software_limits: None,
-            hardware_limits: false,
             capture_window: true,
             ratio: [1, 1],
             drive_id: 0,

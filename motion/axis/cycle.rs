@@ -8,8 +8,8 @@ use twin_profile::{Profile, RampType, State};
 impl Axis {
     /// Reads the drive's feedback (the drive interface before the program).
     ///
-    /// Without power, or with the brake on, the set position follows the actual one. An error of the drive, or an open
-    /// limit switch where they are watched, brings the axis into errorstop.
+    /// Without power, or with the brake on, the set position follows the actual one. An error of the drive brings
+    /// the axis into errorstop.
     pub fn begin_cycle(&mut self, feedback: &Feedback) {
         self.take_in(feedback);
         self.pass_time();
@@ -18,8 +18,6 @@ impl Axis {
             self.fail_with(SmcError::DiGeneralCommunicationError.number());
         } else if let Some(error) = feedback.error {
             self.fail_with(error);
-        } else if feedback.limit_switch && self.watches_limit_switches() {
-            self.fail_with(SmcError::DiSwlimitsExceeded.number());
         }
         self.drive_known |= feedback.communicating;
         let powered = self.is_powered();
@@ -57,12 +55,6 @@ impl Axis {
             self.clock_ns = self.clock_ns.saturating_add(cycle_ns);
             self.clock_rest = exact - whole;
         }
-    }
-
-    /// Of linear axes only (manual 2.1.3).
-    fn watches_limit_switches(&self) -> bool {
-        let linear = self.movement == super::Movement::Linear;
-        linear && self.values.hw_limit_enable && !self.ignores_limit_switch
     }
 
     fn take_in(&mut self, feedback: &Feedback) {

@@ -18,8 +18,6 @@ pub struct Feedback {
     pub error: Option<u16>,
     /// A reset clears that error; otherwise the drive has to be switched off or repaired.
     pub resettable: bool,
-    /// A limit switch is open.
-    pub limit_switch: bool,
     /// A position the drive has captured for [`Command::capture`], u.
     pub captured: Option<f64>,
     /// State of the drive's homing.

@@ -72,10 +72,10 @@ pub use master::Master;
 pub use math::{atan2, fmod};
 pub use moves::{
     AbortTrigger, AccelerationProfile, ControlAxis, ControlAxisBy, ControlOutputs, Follow, Halt,
-    Home, HomingBySwitch, HomingMode, MoveAbsolute, MoveAdditive, MoveContinuousAbsolute,
-    MoveContinuousRelative, MoveRelative, MoveSuperImposed, MoveVelocity, Planned, PlannedMotion,
-    Points, PositionProfile, Power, PowerStatus, Probed, Reset, Stop, SuperImposed, TableRun,
-    TouchProbe, Trigger, VelocityProfile, Watched,
+    Home, MoveAbsolute, MoveAdditive, MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative,
+    MoveSuperImposed, MoveVelocity, Planned, PlannedMotion, Points, PositionProfile, Power,
+    PowerStatus, Probed, Reset, Stop, SuperImposed, TableRun, TouchProbe, Trigger, VelocityProfile,
+    Watched,
 };
 pub use ownership::{Refusal, Start};
 pub use state::AxisState;

@@ -125,7 +125,6 @@ impl Axis {
     /// Ends the drive's own homing.
     pub(crate) fn stop_homing(&mut self) {
         self.home = None;
-        self.ignores_limit_switch = false;
     }
 
     /// The set-point of the owner for this cycle, in the drive's coordinates, unwound.

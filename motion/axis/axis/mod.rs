@@ -16,7 +16,6 @@ use values::AxisValues;
 ///
 /// The set-points of a running block count in the drive's coordinates. [`Axis::shift_zero`] moves the zero under it
 /// without moving the axis.
-#[expect(clippy::struct_excessive_bools, reason = "each is a state of its own")]
 #[derive(Clone, Debug)]
 pub struct Axis {
     pub(super) values: AxisValues,
@@ -50,8 +49,6 @@ pub struct Axis {
     pub(super) braking: Option<(Profile, f64)>,
     pub(super) capture: Option<Capture>,
     pub(super) home: Option<f64>,
-    /// Homing uses the limit switch.
-    pub(super) ignores_limit_switch: bool,
     pub(super) has_capture_window: bool,
     /// Feedback of the drive in this cycle.
     pub(super) drive: Feedback,
@@ -81,7 +78,6 @@ impl Axis {
             sw_limit_enable: config.software_limits.is_some(),
             sw_limit_negative: negative,
             sw_limit_positive: positive,
-            hw_limit_enable: config.hardware_limits,
             ..AxisValues::default()
         };
         Self {
@@ -108,7 +104,6 @@ impl Axis {
             braking: None,
             capture: None,
             home: None,
-            ignores_limit_switch: false,
             has_capture_window: config.capture_window,
             drive: Feedback::default(),
             drive_known: false,

@@ -62,8 +62,6 @@ pub(crate) struct AxisValues {
     pub(crate) sw_limit_negative: f64,
     /// `bSWLimitEnable`: watch the software limits.
     pub(crate) sw_limit_enable: bool,
-    /// `bHWLimitEnable`: watch the limit switches.
-    pub(crate) hw_limit_enable: bool,
     /// `fOffsetPosition`: shift of the zero, u.
     pub(crate) offset_position: f64,
 }

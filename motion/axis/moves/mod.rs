@@ -3,7 +3,6 @@
 mod continuous;
 mod direct;
 mod home;
-mod homing;
 mod planned;
 mod power;
 mod probe;
@@ -18,7 +17,6 @@ pub use continuous::{MoveContinuousAbsolute, MoveContinuousRelative};
 pub(crate) use direct::exceeds;
 pub use direct::{ControlAxis, ControlAxisBy, ControlOutputs, Follow, Watched};
 pub use home::Home;
-pub use homing::{HomingBySwitch, HomingMode};
 pub use planned::{Planned, PlannedMotion};
 pub use power::{Power, PowerStatus};
 pub use probe::{AbortTrigger, Probed, TouchProbe, Trigger};

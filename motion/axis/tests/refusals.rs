@@ -1,11 +1,9 @@
 //! Tests of the errors that blocks show for wrong inputs, by the manual's numbers (9.3).
 
-use super::homing::homing;
 use super::rig::{add, by, cam_in, endless_in, gear, linear, on_top, phasing, ramp_in, straight};
 use crate::{
-    Axis, Block, CamIn, Direction, GearIn, Halt, HomingBySwitch, HomingMode, Master, Motion,
-    MoveAdditive, MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative, Outputs, Phasing,
-    SmcError, Stop,
+    Axis, Block, CamIn, Direction, GearIn, Halt, Master, Motion, MoveAdditive,
+    MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative, Outputs, Phasing, SmcError, Stop,
 };
 use twin_cam::CamInput;
 
@@ -18,12 +16,6 @@ fn alone<M: Motion<With = ()> + Clone + 'static>(inputs: M) -> Call {
 
 fn behind<M: Motion<With = Master> + Clone + 'static>(inputs: M) -> Call {
     Box::new(move |master, axis| Block::new(inputs.clone()).follow(true, master, axis))
-}
-
-fn by_switch(change: fn(&mut HomingBySwitch)) -> Call {
-    let mut inputs = homing(HomingMode::FastSlowSetStop).inputs;
-    change(&mut inputs);
-    alone(inputs)
 }
 
 fn on_cam(input: CamInput) -> Call {
@@ -52,7 +44,7 @@ fn every_block_refuses_wrong_inputs_with_its_own_number() {
     let (shortest, fastest) = (Direction::Shortest, Direction::Fastest);
     let (geared, shifted) = (gear(1, 1).inputs, phasing(-7.0, 0.0, 40.0).inputs);
     let input = CamInput::default();
-    let rows: [(u16, Call); 26] = [
+    let rows: [(u16, Call); 21] = [
         (226, alone(MoveRelative { acceleration: 0.0, ..by(1.0).inputs })),
         (251, alone(MoveAdditive { acceleration: f64::NAN, ..add(1.0).inputs })),
         (276, Box::new(|_, axis| on_top(1.0, -1.0, 100.0).call(true, axis))),
@@ -66,11 +58,6 @@ fn every_block_refuses_wrong_inputs_with_its_own_number() {
         (302, alone(endless_in(shortest, 10.0).inputs)),
         (302, alone(endless_in(fastest, 10.0).inputs)),
         (301, alone(endless_in(Direction::Positive, -10.0).inputs)),
-        (51, by_switch(|it| it.ignore_hw_limit = true)),
-        (50, by_switch(|it| it.velocity_slow = 0.0)),
-        (50, by_switch(|it| it.velocity_fast = f64::NAN)),
-        (50, by_switch(|it| it.deceleration = -1.0)),
-        (50, by_switch(|it| it.direction = Direction::Shortest)),
         (675, behind(GearIn { ratio_denominator: 0, ..geared })),
         (676, behind(GearIn { acceleration: 0.0, ..geared })),
         (677, behind(GearIn { deceleration: -1.0, ..geared })),

@@ -1,6 +1,6 @@
 //! Tests of drives that stop answering, and of errors that cannot be reset.
 
-use super::rig::{CYCLE, encoder, endless, home, linear, rotary};
+use super::rig::{CYCLE, encoder, endless, home, linear};
 use crate::{AxisState, Homing, Movement, Reset, SmcError, TouchProbe, Trigger};
 
 #[test]
@@ -91,15 +91,4 @@ fn an_encoder_that_a_block_moves_is_5001() {
     assert!(!shown.valid);
     assert_eq!(shown.error, Some(SmcError::EncAxisusedbyotherfb));
     assert_eq!(encoder.axis().act_position(), 3.0);
-}
-
-/// Limit switches are for linear axes (manual 2.1.3).
-#[test]
-fn a_rotary_axis_has_no_limit_switches() {
-    for (mut rig, error) in [(linear(), Some(10)), (rotary(), None)] {
-        rig.axis.values.hw_limit_enable = true;
-        rig.drive.feedback_mut().limit_switch = true;
-        rig.cycle(|_| ());
-        assert_eq!(rig.axis.error_id(), error);
-    }
 }

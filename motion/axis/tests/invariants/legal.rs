@@ -35,7 +35,7 @@ pub(super) fn demanded(block: &str) -> AxisState {
             AxisState::SynchronizedMotion
         }
         "Stop" => AxisState::Stopping,
-        "Home" | "HomingBySwitch" => AxisState::Homing,
+        "Home" => AxisState::Homing,
         other => panic!("nobody says in which state {other} moves the axis"),
     }
 }
@@ -62,7 +62,7 @@ impl Keeper {
     ) -> Result<Option<Self>, String> {
         let name = mover.map_or("", short);
         let stops = name == "Stop";
-        let keeps = stops || ["Home", "HomingBySwitch"].contains(&name);
+        let keeps = stops || name == "Home";
         let now = keeps.then(|| Self { owner: axis.owner(), stops });
         let failed = [AxisState::ErrorStop, AxisState::PowerOff].contains(&axis.state());
         let Some(kept) = before.filter(|before| axis.owner() != before.owner && !failed) else {
@@ -71,7 +71,7 @@ impl Keeper {
         let caller = short(caller);
         let by_itself = match caller {
             "Stop" => kept.stops,
-            "Home" | "HomingBySwitch" => !kept.stops,
+            "Home" => !kept.stops,
             _ => false,
         };
         let let_go = axis.owner() == 0 && axis.state() == AxisState::Standstill;
