@@ -7,7 +7,8 @@
 //!
 //! A ramp that starts with an acceleration in its own direction begins within the sine. An acceleration against it is
 //! first taken back, with the largest jerk. If growth and fall of the speed have different limits, the velocity reaches
-//! 0 with one half sine and goes on with another one.
+//! 0 with one half sine and goes on with another one; where the jerk does not let the acceleration end before 0, the limit
+//! of the growth counts from the start.
 //!
 //! Motions to a position are composed like those of parabolic ramps: straight, eased at first, or over a velocity that
 //! is held if it is the limit. They are not the fastest; there is exactly one of this form for every target.

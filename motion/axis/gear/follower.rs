@@ -43,7 +43,7 @@ impl Follower {
         let limits = AxisLimits { velocity: limit, ..self.limits };
         let profile = Profile::to_velocity(from, velocity, limits, axis.ramp())?;
         let state = profile.at(axis.cycle());
-        let step = (acceleration - state.acceleration).abs();
+        let step = (acceleration - from.acceleration).abs();
         let smooth = axis.ramp() == RampType::Trapezoid || step <= self.limits.jerk * axis.cycle();
         self.coupled = smooth && profile.duration() <= axis.cycle() * (1.0 + 1e-9);
         let joined = if self.coupled { acceleration } else { state.acceleration };

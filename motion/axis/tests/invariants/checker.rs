@@ -261,8 +261,11 @@ impl Checker {
             return Err(format!("{now:?}"));
         }
         let way = position - before;
-        let way = axis.period().map_or(way, |period| way - period * (way / period).round());
-        let off = (way - 0.5 * (velocity + v0) * CYCLE).abs();
+        // Of the turns of a rotary axis the one that the velocities say: a fast one makes more than half of one in a cycle.
+        let mean = 0.5 * (velocity + v0) * CYCLE;
+        let way =
+            axis.period().map_or(way, |period| way - period * ((way - mean) / period).round());
+        let off = (way - mean).abs();
         let change = (velocity - v0).abs();
         if !axis.is_powered() || promise == Promise::Nothing {
             return Ok(());
@@ -327,9 +330,13 @@ fn within(from: State, now: State, limits: &Limits, limited: bool) -> Result<(),
     let settling = if limited { settling } else { 0.0 };
     let fastest = limits.velocity.max(from.velocity.abs() + settling);
     let growth = now.acceleration * now.velocity.signum();
+    // A speed that turns before the jerk can end its acceleration falls by the limit of its growth, too.
+    let settled = now.velocity + 0.5 * now.acceleration * now.acceleration.abs() / JERK;
+    let turns = limited && settled * now.velocity < 0.0;
     let rate = match growth.total_cmp(&0.0) {
         _ if now.velocity == 0.0 => limits.acceleration.max(limits.deceleration),
-        Ordering::Less => limits.deceleration,
+        Ordering::Less if !turns => limits.deceleration,
+        Ordering::Less => limits.acceleration.max(limits.deceleration),
         _ => limits.acceleration,
     };
     // What it has come with may be more.

@@ -26,6 +26,8 @@ struct Way {
     y: [f64; 2],
     slopes: [f64; 2],
     curvature: f64,
+    /// It has been in step, and stays so wherever the master goes.
+    in_step: bool,
 }
 
 impl Way {
@@ -52,14 +54,15 @@ impl Way {
         let natural = from.position + 0.5 * (v0 + v1) * h;
         let y1 = axis.to_drive(gear.slave_sync_position);
         let y1 = axis.period().map_or(y1, |it| y1 + it * ((natural - y1) / it).round());
-        Self { owner, x: 0.0, h, y: [from.position, y1], slopes: [v0, v1], curvature }
+        let (y, slopes) = ([from.position, y1], [v0, v1]);
+        Self { owner, x: 0.0, h, y, slopes, curvature, in_step: false }
     }
 
     /// Value, slope and curvature at x, by Hermite's polynomials of fifth degree.
     fn at(&self, x: f64) -> [f64; 3] {
         let Self { h, y: [y0, y1], slopes: [v0, v1], curvature: k0, .. } = *self;
         let w = x / h;
-        if w >= 1.0 {
+        if w >= 1.0 || self.in_step {
             return [y1 + v1 * (x - h), v1, 0.0];
         }
         let by = |from: [f64; 3], to: [f64; 2]| {
@@ -128,6 +131,7 @@ impl InPos {
             let [_, slope, curvature] = way.at(between(from, way.x));
             most.max((slope * acceleration).abs() + (curvature * velocity * velocity).abs())
         });
+        way.in_step |= way.x / way.h >= 1.0;
         let expected = way.state(way.x, now.velocity, now.acceleration);
         let State { position, velocity, acceleration } = axis.base;
         let differs =
