@@ -42,6 +42,7 @@ impl Direction {
 }
 
 /// `SMC_HOMING_MODE`.
+#[doc(alias = "SMC_HOMING_MODE")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum HomingMode {
     /// 0, `FAST_BSLOW_S_STOP`: fast onto the switch, slowly back off it; where it opens is the reference; stop.
@@ -98,6 +99,7 @@ impl HomingMode {
 
 /// Inputs of `SMC_Homing`. Positions and velocities are in any unit, the same for all; [`home_by_switch`] takes
 /// increments.
+#[doc(alias = "SMC_Homing")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HomingOptions {
     /// `fHomePosition`: position of the reference, u.
