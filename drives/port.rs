@@ -27,7 +27,7 @@ pub enum Port {
 enum WrongPort {
     #[error("it is {found}; wanted is {}", wanted.described())]
     Other { found: String, wanted: Port },
-    #[error("it is a link to {}, which is not there: has its emulator ended?", target.display())]
+    #[error("the link leads to {}, which does not exist: has its emulator ended?", target.display())]
     DeadLink { target: PathBuf },
 }
 
@@ -39,7 +39,7 @@ impl Port {
                     .to_owned()
             }
             Self::Memory => format!(
-                "the memory file of an emulated module ({FILE_LENGTH} bytes), or a device and the offset to map"
+                "the memory file of an emulated module ({FILE_LENGTH} bytes); a device like /dev/uio0 also needs the offset to map (--map, or `map_offset`)"
             ),
             Self::Mapped => "a device whose memory can be mapped, like /dev/uio0".to_owned(),
         }

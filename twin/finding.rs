@@ -170,11 +170,11 @@ impl Rule {
                 "leave the word out, or write the program in the other dialect",
             ],
             Self::ArcGeometry => [
-                "centre or radius do not fit the ends of an arc, which is a straight line then (manual 3.2)",
+                "centre or radius of an arc do not fit its ends; a straight line replaces it (manual 3.2)",
                 "correct I, J, K or R, or the ends of the arc",
             ],
             Self::Probe => [
-                "a probing move that does not trip as it must, or whose end is not known; notes give the place where one trips",
+                "a probing move that does not trip although it must, or whose end is unknown; a note gives the position where a probe trips",
                 "describe the surroundings in the machine file, and begin the move where the tool is free",
             ],
             Self::FunctionBlock => [

@@ -75,8 +75,7 @@ pub(crate) fn starts_on_tappets(
     let listed: Vec<_> = groups.iter().map(ToString::to_string).collect();
     let (plural, act) = if groups.len() == 1 { ("", "it acts") } else { ("s", "they act") };
     let message = format!(
-        "axis {master} stands on the tappet{plural} of group{plural} {} when the cam of {slave} begins: {act} when the axis comes \
-         there, not where it starts",
+        "axis {master} is at the tappet{plural} of group{plural} {} when the cam of {slave} begins: {act} the next time the axis comes there, not at the start",
         listed.join(", ")
     );
     let mut finding = Finding::error(Rule::FunctionBlock, place, message);

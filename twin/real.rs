@@ -9,7 +9,7 @@ use twin_machine::{DeviceEntry, Machine};
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The machine file does not say where it is.
-    #[error("{file}: device `{device}` has no `port`, which says where it is")]
+    #[error("{file}: device `{device}` needs a `port`: its serial port, or its memory file")]
     NoPort {
         /// The machine file.
         file: String,

@@ -34,10 +34,10 @@ pub enum BindError {
     #[error("joint {0} is fixed")]
     Fixed(String),
     /// A joint that another one moves.
-    #[error("joint {0} mimics another joint: it moves with the axis of that")]
+    #[error("joint {0} mimics another joint and moves with it: name that joint instead")]
     Mimics(String),
     /// A joint that is named twice.
-    #[error("joint {0} has an axis already, or is held")]
+    #[error("joint {0} is assigned more than once: let one axis move it, or hold it, not both")]
     Twice(String),
     /// Joints that nothing is said of.
     #[error("no axis moves {}, and nothing holds {them}", .0.join(", "), them = if .0.len() == 1 { "it" } else { "them" })]

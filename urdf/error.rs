@@ -206,7 +206,9 @@ pub enum UrdfError {
     #[error("links {} and {} hang on no joint; only one can be the base", .0[0], .0[1])]
     TwoBases([String; 2]),
     /// Joints that close a loop away from the base.
-    #[error("joint {0} does not hang on the base: its links make a loop")]
+    #[error(
+        "joint {0} is not connected to the base link: its parent links form a loop; correct a <parent> or <child>"
+    )]
     Loop(String),
     /// `<twin>` speaks of a joint that is not there, or that nothing can move.
     #[error("<twin>: there is no joint {0} that moves and mimics no other")]

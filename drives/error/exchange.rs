@@ -177,6 +177,8 @@ pub enum ProtocolFault {
     #[error("the answer is garbled")]
     Garbled,
     /// Answers do not belong to the questions: more come than were asked for, or later than they may.
-    #[error("answers are out of step with the questions")]
+    #[error(
+        "answers cannot be matched to requests: more came than were requested, or they came too late"
+    )]
     OutOfStep,
 }

@@ -106,7 +106,7 @@ pub enum DriveError {
         high: f64,
     },
     /// An output that the device should have switched is as it was.
-    #[error("{at}: the drive has confirmed it, and the output is still {}", if *on { "off" } else { "on" })]
+    #[error("{at}: the output is still {}, although the drive has confirmed the command", if *on { "off" } else { "on" })]
     NotSwitched {
         /// Exchange in which it happened.
         at: Exchange,

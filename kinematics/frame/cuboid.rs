@@ -22,7 +22,7 @@ pub enum CuboidError {
     SameProjection,
     /// The points of the other faces all lie on an edge, so they do not say which way the face goes on from there.
     #[error(
-        "the points do not tell on which side of face {face} the cuboid lies: they lie in its plane"
+        "the points of the other faces lie in the plane of face {face}, so the side of the cuboid is unknown; probe one of them farther from that plane"
     )]
     NoSide {
         /// A, B or C.

@@ -460,7 +460,7 @@ fn an_axis_is_homed_by_a_switch_that_the_drive_only_shows() {
     hand.refuses("home X --by-switch 2 --yes", "--index-input N names its input");
     hand.refuses(
         "home X --by-switch 0 --index-input 6 --yes",
-        "--index-input says nothing in mode 0",
+        "--index-input has no effect in mode 0",
     );
     hand.refuses("home X --by-switch 4 --ignore-limits --yes", "limit switches");
     hand.refuses("home X --input 5", "--by-switch");
@@ -522,7 +522,7 @@ fn what_is_no_port_is_named_with_what_is_wanted() {
             "/dev/null".to_owned(),
             "it is a device, but no terminal; wanted is a serial",
         ),
-        ("interpcnc", path("dead"), "it is a link to /dev/pts/none, which is not there"),
+        ("interpcnc", path("dead"), "the link leads to /dev/pts/none, which does not exist"),
     ] {
         Hand::new(family, &port, &[]).refuses("status", said);
     }

@@ -121,7 +121,7 @@ fn parameters_are_written_at_rest() {
     // Its master is killed, and the axis goes on.
     let killed = killed(moves);
     assert!(killed, "it was at work");
-    hand.refuses("set Trj_VelMax 300", "it moves, which `set` could end or spoil: `stop` first");
+    hand.refuses("set Trj_VelMax 300", "the axis moves: `stop` before `set`");
     hand.does("set Out_LED 0xFFFF");
     hand.does("stop");
     hand.does("set Trj_VelMax 300");

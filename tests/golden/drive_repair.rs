@@ -90,7 +90,7 @@ fn a_backup_takes_the_place_of_no_file_unasked() {
     hand.does("backup kept.txt");
     let first = fs::read_to_string(hand.desk.path("kept.txt")).expect("it was written");
     hand.does("set soft-limit-minus-2 -100");
-    hand.refuses("backup kept.txt", "kept.txt: there is such a file already, left as it is");
+    hand.refuses("backup kept.txt", "kept.txt: the file exists already and is left unchanged");
     let still = fs::read_to_string(hand.desk.path("kept.txt")).expect("it is there");
     assert_eq!(still, first);
     hand.does("backup kept.txt --force");

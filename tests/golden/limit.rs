@@ -336,7 +336,7 @@ fn a_motor_is_named_and_shown_where_it_holds_back() {
     // Too weak to hold Z.
     desk.write("none.toml", &strong.replacen("max_force_n = 300.0", "max_force_n = 30.0", 1));
     let done = desk.twin(&["limit", "x.cnc", "-m", "none.toml"]);
-    done.ended(1, "axis Z: against weight and dry friction it takes a force of 40.3730 N");
+    done.ended(1, "axis Z: weight and dry friction take a force of 40.3730 N");
 }
 
 #[test]

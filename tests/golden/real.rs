@@ -40,7 +40,7 @@ fn a_mixture_of_all_three_families_runs_to_its_end() {
         "✓ connected: SmartDRIVE, address 1, firmware 1.2.0",
         "✓ the ENABLE input is closed",
         "✓ axis Z: the device's software limits are -60.0000 … 120.0000 mm",
-        "✓ axis X: homed, as --homed says",
+        "✓ axis X: homed according to --homed",
         "✓ axis U: will be homed first",
         "X board X board 10.000 mm 0.000 mm 100.0 mm/s",
         "U module 1 module 0.000 mm, homes first: 360.0 mm at most",
@@ -200,7 +200,7 @@ fn what_is_not_known_to_be_homed_does_not_run() {
     let shop = Shop::new();
     let done = shop.run("short.cnc", "--yes --home=U");
     for said in [
-        "axis X: not known to be homed: its device does not keep that; if it is, --homed says so",
+        "axis X: whether it is homed is unknown, as its device does not store that; if it is, add --homed",
         "`twin drive interpcnc --port board --address 1 --deadline 2000 home Y --max-stroke 268800` homes it",
         "`twin drive smartdrive --port bus --address 1 --deadline 2000 home` homes it",
         "3 start-up checks have failed",
@@ -245,7 +245,7 @@ fn how_fast_a_board_homes_is_told_before_it_does() {
 fn an_axis_without_a_home_switch_is_not_begun_to_be_homed() {
     let shop = Shop::new();
     let done = shop.run("short.cnc", "--homed --home=X,U --yes");
-    done.ended(2, "axis X: it is to be homed, and the board knows no home switch for it");
+    done.ended(2, "axis X needs homing, and the board has no home switch for it");
     done.ended(2, "set home-input-x N, where N is its input");
     shop.untouched();
 }
@@ -260,7 +260,7 @@ fn devices_that_are_not_there_are_named() {
     shop.desk.write("mixture.toml", &text);
     let done = shop.homed("short.cnc", "--report run.json");
     done.ended(2, "✗ device `bus`: bus, address 1: opening the port");
-    done.ended(2, "✗ mixture.toml: device `module` has no `port`, which says where it is");
+    done.ended(2, "✗ mixture.toml: device `module` needs a `port`: its serial port");
     done.ended(2, "2 start-up checks have failed: nothing has moved");
     let report = shop.desk.read("run.json");
     assert_eq!((&report["completed"], &report["executed_s"]), (&false.into(), &0.0.into()));

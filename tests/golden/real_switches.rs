@@ -142,7 +142,7 @@ fn a_drive_that_turns_the_other_way_and_gentle_ramps_are_told_for_what_they_are(
     for said in [
         "! axis X: limit switches - at IN8, NO, and it has no software limits: only twin's own limits",
         "✓ axis X: homes towards + at 15.625 mm/s, to its switch at IN5",
-        "! axis Z: the device's acceleration is 41.7 mm/s² at most, plans may ask for 2000.0 mm/s² (max_acceleration)",
+        "! axis Z: the device's acceleration is 41.7 mm/s² at most, and plans use up to 2000.0 mm/s² (max_acceleration)",
         "nothing has moved",
     ] {
         done.ended(2, said);

@@ -188,7 +188,7 @@ fn clearance_is_of_one_program_and_of_what_is_known() {
     check(&["vice.ngc", "-m", "vice.toml", "--clearance", "a.csv"])
         .ended(2, "--clearance is of one program, and 2 are given");
     check(&["-m", "machine.toml", "--clearance", "a.csv"])
-        .ended(2, "machine.toml says nothing of what is in the way of the machine; [[obstacles]]");
+        .ended(2, "machine.toml has no obstacles: describe them in [[obstacles]]");
     check(&["-m", "vice.toml", "--clearance", "a.png"]).ended(2, ".csv or .svg");
     check(&["-m", "vice.toml", "--clearance", "nowhere/a.csv"]).ended(2, "no folder nowhere");
     check(&["-m", "vice.toml", "--clearance", "a.csv", "--clearance", "./a.csv"])

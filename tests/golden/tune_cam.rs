@@ -115,9 +115,12 @@ fn what_few_samples_do_not_show_is_said() {
         done.ended(0, "");
         done.stdout.clone()
     };
-    let independent = "hold for noise that is independent from sample to sample only";
+    let independent = "assume noise that is independent from sample to sample";
     let said = run(20, 0.0);
-    assert!(said.contains(&format!("intervals of 20 samples (below 50) {independent}")), "{said}");
+    assert!(
+        said.contains(&format!("intervals of 20 samples (fewer than 50) {independent}")),
+        "{said}"
+    );
     let said = run(200, 2.0);
     assert!(said.contains("rounded to 2 mm"), "{said}");
     let said = run(200, 0.0);
@@ -219,7 +222,7 @@ fn what_the_data_do_not_say_is_said() {
         "another.csv",
         &run(0..400, |index| lift(f64::from(index) * 3.0 + 6.0 * (f64::from(index) * 0.05).sin())),
     );
-    tune("another.csv").ended(1, "no interval would hold");
+    tune("another.csv").ended(1, "no interval would be valid");
     assert!(!desk.path("new.toml").exists());
     desk.write("wrong.csv", "time,master,slave\n0,1,2\n0,2,3\n");
     tune("wrong.csv").ended(2, "wrong.csv: line 3: time 0 s is not later");

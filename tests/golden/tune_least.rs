@@ -66,11 +66,9 @@ fn scalings_for_the_least_jerk() {
     assert!((jerk / number(&found["least"]["after"]) - 1.0).abs() < 1e-9, "{jerk}");
     // What is there stays, if it is not said.
     desk.twin(&[&tune[..], &["--write", "gentle.toml"]].concat())
-        .ended(2, "there is such a file already, left as it is");
+        .ended(2, "the file exists already and is left unchanged");
     desk.twin(&[&tune[..], &["--write", "gentle.toml", "--force"]].concat()).ended(0, "written");
-    for (name, status, words) in
-        [("gentle.toml", 2, "such a file already"), ("new.csv", 0, "points")]
-    {
+    for (name, status, words) in [("gentle.toml", 2, "exists already"), ("new.csv", 0, "points")] {
         desk.twin(&["cam", "convert", "lift.toml", name]).ended(status, words);
     }
     desk.twin(&["cam", "convert", "lift.toml", "gentle.toml", "--force"]).ended(0, "points");

@@ -78,11 +78,11 @@ fn what_is_proposed_starts_where_the_run_does() {
         desk.twin(&[&["cam", "check", name, "--master-start", "0"], more].concat())
     };
     check("new.toml", &[]).ended(0, "");
-    check("lift.toml", &["--master-offset=-1.8"]).ended(1, "error 626: that is -1.8 of the cam");
+    check("lift.toml", &["--master-offset=-1.8"]).ended(1, "is at -1.8 of the cam");
 
     // Passed once it cannot start there: nothing is written.
     let once = tune(&["--once", "--write", "new.toml", "--force"]);
-    once.ended(1, "MC_CamIn would not start").ended(1, "error 626: that is -1.8");
+    once.ended(1, "MC_CamIn would not start").ended(1, "is at -1.8");
     let later = tune(&["--once", "--master-start", "5", "--format", "json"]);
     later.ended(0, "");
     let found = object(&later.stdout);
@@ -118,12 +118,9 @@ fn the_check_says_where_it_starts() {
     );
     assert!(done.stdout.contains(&said), "{said} in {}", done.stdout);
     let done = check(&["--master-start", "340", "--once"]);
-    done.ended(
-        1,
-        "with the master at 340 deg MC_CamIn ends with error 626: that is 365 of the cam",
-    )
-    .ended(1, "it starts with the master from -25 to 335 deg");
-    check(&["--master-start", "340"]).ended(1, "MasterOffset -335 is the same motion");
+    done.ended(1, "MC_CamIn ends with error 626: the master at 340 deg is at 365 of the cam")
+        .ended(1, "start with the master from -25 to 335 deg");
+    check(&["--master-start", "340"]).ended(1, "set MasterOffset -335 for the same motion");
     let done = check(&["--master-start", "340", "--format", "json"]);
     let start = &object(&done.stdout)["start"];
     assert_eq!(

@@ -250,7 +250,7 @@ fn a_tappet_that_would_leave_its_cam_is_told() {
     desk.write("run.csv", &turn.join("\n"));
     let tune = ["tune", "cam", "lift.toml", "--run", "run.csv", "--write"];
     let done = desk.twin(&tune);
-    done.ended(1, "the tappet of group 1 at 359 of the cam would have to be at 360.");
+    done.ended(1, "the tappet of group 1 at 359 of the cam must move to 360.");
     done.ended(1, "is not periodic");
     assert_eq!(std::fs::read_to_string(desk.path("lift.toml")).expect("there"), once);
     assert!(!done.stdout.contains("tappet of group"), "{}", done.stdout);

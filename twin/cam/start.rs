@@ -76,7 +76,7 @@ impl CamUse {
         let input = &self.coupling.input;
         let at = |master: f64| beside(master, width / input.master_scaling, 6);
         let message = format!(
-            "with the master at {} {unit} MC_CamIn ends with error 626: that is {} of the cam, which goes from {} to {}",
+            "MC_CamIn ends with error 626: the master at {} {unit} is at {} of the cam, outside {} to {}",
             at(master),
             place(self.place_at(master)),
             place(curve.start()),
@@ -91,19 +91,14 @@ impl CamUse {
             } else {
                 format!(" and SlaveOffset {}", folded.slave_offset)
             };
-            format!(
-                "MasterOffset {}{slave} is the same motion and starts there",
-                folded.master_offset
-            )
+            format!("set MasterOffset {}{slave} for the same motion", folded.master_offset)
         } else {
             let scaled = master * input.master_scaling;
             let [from, to] = [curve.start() - scaled, curve.end() - scaled].map(place);
-            format!(
-                "with MasterOffset from {from} to {to} it starts there, and so does a cam that is longer"
-            )
+            format!("set MasterOffset from {from} to {to}, or lengthen the cam")
         };
         finding.hint =
-            Some(format!("it starts with the master from {from} to {to} {unit}; {other}"));
+            Some(format!("start with the master from {from} to {to} {unit}, or {other}"));
         Some(finding)
     }
 }

@@ -18,7 +18,7 @@ const RUN_AWAY: f64 = 2e-3;
 /// Tappets beyond the number that a cam reports per cycle.
 pub(super) fn lost_tappets(count: u64) -> Finding {
     let message = format!(
-        "tappets that did not act: {count}; a cam reports {MAX_TRIGGERS} per cycle (SMC_TappetData), and the master passed more"
+        "lost tappets: {count}; in a cycle the master passed more than the {MAX_TRIGGERS} that a cam reports (SMC_TappetData): slow the master down, or move the tappets apart"
     );
     let mut finding = Finding::error(Rule::FunctionBlock, Place { line: 1, block: None }, message);
     finding.severity = Severity::Warning;

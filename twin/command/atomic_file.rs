@@ -172,7 +172,7 @@ pub(super) fn refuse_existing(path: &Path, force: bool) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::Usage(format!(
-        "{}: there is such a file already, left as it is; name another one, or replace it with --force",
+        "{}: the file exists already and is left unchanged; name another one, or replace it with --force",
         path.display()
     )))
 }

@@ -56,8 +56,8 @@ pub(super) struct SimulationOptions {
 /// What the motors of the simulated machine get.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct InLoopOption {
-    /// Let the simulated motors get what the drives' own profile generators make of the set-points, as fast as their wires
-    /// allow, and not the set-points themselves; for all drives of the machine file, as `in_loop = true` there does for one
+    /// Feed the simulated motors from the drives' own profile generators instead of the set-points, at the rate that the wires
+    /// allow. For all drives of the machine file; `in_loop = true` there does it for one drive
     #[arg(long = "drives-in-loop")]
     drives_in_loop: bool,
 }
@@ -138,7 +138,7 @@ pub(super) struct ReadOptions {
     #[arg(long, value_name = "FILE.tbl")]
     tool_table: Option<PathBuf>,
 
-    /// Elements that the look-ahead holds (the size of the queue): with few, short elements never come up to speed
+    /// Path elements that the planner knows in advance (size of the queue): with too few, short elements do not reach their feed
     #[arg(long, value_name = "COUNT", default_value_t = DEFAULT_WINDOW)]
     look_ahead: NonZeroUsize,
 
@@ -227,7 +227,9 @@ impl InputOptions {
         }
         settings.workpiece = self.workpiece()?;
         if settings.workpiece.is_some() && !changes.is_empty() {
-            return usage("--at is not for --by-position: the workpiece says how fast the path is");
+            return usage(
+                "--at has no effect with --by-position, where the workpiece sets the speed of the path",
+            );
         }
         settings.changes = changes;
         Ok(())
@@ -416,7 +418,7 @@ pub(super) fn address(text: &str) -> Result<SocketAddr, String> {
     }
     let mut found =
         text.to_socket_addrs().map_err(|error| format!("{error}; expected PORT or HOST:PORT"))?;
-    found.next().ok_or_else(|| "there is no such host; expected PORT or HOST:PORT".to_owned())
+    found.next().ok_or_else(|| "unknown host; expected PORT or HOST:PORT".to_owned())
 }
 
 #[cfg(test)]

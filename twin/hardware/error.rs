@@ -67,9 +67,7 @@ pub enum HardwareError {
         round_ms: u32,
     },
     /// The axes go on although the device has confirmed that it stops.
-    #[error(
-        "device `{device}`: its axes still move {waited_s} s after a stop that it has confirmed, by what it says"
-    )]
+    #[error("device `{device}`: it has confirmed a stop, and reports motion {waited_s} s later")]
     Moves {
         /// Which.
         device: String,

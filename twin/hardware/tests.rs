@@ -438,7 +438,10 @@ fn axes_that_move_on_after_a_confirmed_stop_are_stopped_hard() {
     let [rests, moves] = reported;
     assert_eq!(rests, [""; 0]);
     assert_eq!(moves.len(), 1, "{moves:?}");
-    assert!(moves[0].starts_with("device `board`: its axes still move"), "{moves:?}");
+    assert!(
+        moves[0].starts_with("device `board`: it has confirmed a stop, and reports motion"),
+        "{moves:?}"
+    );
 }
 
 #[test]

@@ -183,7 +183,8 @@ impl Reader<'_> {
                 section.accept_all();
             }
             if section.has("at_s") == section.has("axis") {
-                let message = "a trigger comes `at_s`, or where an `axis` passes a position";
+                let message =
+                    "a trigger needs `at_s`, or an `axis` and the position that it passes";
                 section.complain(message.to_owned());
             }
             if let Some(name) = name {
@@ -209,7 +210,7 @@ impl Reader<'_> {
         let key = format!("position_{}", known.kind.unit());
         let position = section.required_number(&key, -FAR..=FAR);
         if axis >= machine.axes.len() {
-            let message = "where a virtual axis starts is said in [[virtual_axes]]".to_owned();
+            let message = "the start of a virtual axis is given in [[virtual_axes]]".to_owned();
             section.complain_at("axis", message);
         }
         if said.iter().any(|other| other.axis == axis) {

@@ -26,8 +26,7 @@ pub(super) fn starts(
         // The job gives every position.
         None if all => machine.middle(),
         None => {
-            let message = "the machine cannot be where its file says that programs start (start_mm): say in [[start]] where \
-                           every axis starts";
+            let message = "the machine cannot reach `start_mm` of its file, where programs start: give the start of every axis in [[start]]";
             return Err(Finding::error(Rule::Reach, first, message.to_owned()).into());
         }
     };

@@ -328,7 +328,7 @@ fn message(
     let elements = elements.map(|shown| out_of_order(call.place(), name.clone(), shown));
     let gain = call.block.gain_unsaid().map(|gain| {
         let message = format!(
-            "nothing is said of `periodic`, so that the cam goes on at its end: the slave gains {} {} in every pass",
+            "`periodic` is missing, so the cam repeats: the slave gains {} {} in every pass",
             significant(gain, 6),
             axis.map_or("", |(_, _, unit)| unit)
         );

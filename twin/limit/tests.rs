@@ -283,7 +283,7 @@ fn a_summary_in_words() {
         "acceleration of X",
         "80 mm/s",
         "in 1 of 3 windows the solver failed",
-        "in 2 of 3 windows a limit is still slightly exceeded",
+        "in 2 of 3 windows a limit is slightly exceeded",
     ] {
         assert!(text.contains(words), "{words} in\n{text}");
     }

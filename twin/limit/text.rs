@@ -79,16 +79,15 @@ pub fn write_summary(
     if windows.exceeded > 0 {
         writeln!(
             out,
-            "in {} of {} windows a limit is still slightly exceeded between the places where it was asked for; the table of \
-             axes says by how much",
+            "in {} of {} windows a limit is slightly exceeded between the checked points; the table of axes shows by how much",
             windows.exceeded, windows.count
         )?;
     }
     if windows.failed > 0 {
         writeln!(
             out,
-            "in {} of {} windows the solver failed; the path goes through them by the two-pass profile or, where jerks \
-             are limited, brakes to rest as it was planned before",
+            "in {} of {} windows the solver failed; the two-pass profile replaces its plan there, or, where jerks \
+             are limited, the path brakes to rest on the previous plan",
             windows.failed, windows.count
         )?;
     }

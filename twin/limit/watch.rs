@@ -98,8 +98,8 @@ fn overload(axis: &Axis, place: Place, effort: f64) -> Finding {
     let limit = axis.effort_limit().unwrap_or(f64::INFINITY);
     let (name, unit) = (axis.kind.effort_name(), axis.kind.effort_unit());
     let message = format!(
-        "axis {}: against weight and dry friction it takes a {name} of {effort:.4} {unit}, more than its motor's limit of \
-         {limit:.4} {unit}",
+        "axis {}: weight and dry friction take a {name} of {effort:.4} {unit}, above the limit {limit:.4} {unit} of its motor; \
+         reduce the load, or use a stronger motor",
         axis.name
     );
     let finding = Finding::error(Rule::AxisEffort, place, message);

@@ -226,7 +226,7 @@ const LONGEST_MOVE: f64 = 86_400.0;
 
 /// Preparation begins where nobody has looked for it.
 const UNFORESEEN: &str =
-    "preparation begins here, for which the program must be a file that can be read twice, no pipe";
+    "preparation begins here and reads the program twice: it must be a file, not a pipe";
 
 /// Error of an element that takes absurdly long.
 fn endless(element: &PathElement) -> Option<Finding> {

@@ -177,9 +177,7 @@ impl Ending {
 #[derive(Debug, thiserror::Error)]
 pub enum Stopped {
     /// The user asked for it.
-    #[error(
-        "stopped by the user at {0}, where it was asked for; from there the axes braked along the path"
-    )]
+    #[error("stopped by the user at {0}; from there the axes braked along the path")]
     Interrupted(Place),
     /// The drives failed; every axis of the simulated machine braked at its own limits.
     #[error("the drives failed at {place}: {source}")]
@@ -217,7 +215,7 @@ pub enum Stopped {
     #[error("the program file cannot be read any further: {0}")]
     Read(std::io::Error),
     /// An M function that nobody can acknowledge.
-    #[error("nobody acknowledges M{number} at {place}: standard input has ended")]
+    #[error("M{number} at {place} cannot be acknowledged: standard input has ended")]
     Unacknowledged {
         /// Its number.
         number: u16,

@@ -249,7 +249,9 @@ impl<'a> DeviceCheck<'a> {
             let [least, most] = axis.position_limits.map(|limit| axis.from_si(limit));
             if at < least - slack || at > most + slack {
                 let (name, unit) = (&axis.name, axis.unit());
-                let wanted = format!("{least:.4} … {most:.4} {unit} is wanted; is it homed?");
+                let wanted = format!(
+                    "its software limits are {least:.4} … {most:.4} {unit}; home it, or `jog` it back inside"
+                );
                 self.add(false, format!("axis {name}: it is at {at:.4} {unit}; {wanted}"));
             }
         }
@@ -258,8 +260,7 @@ impl<'a> DeviceCheck<'a> {
     /// A board that is to home an axis and does not know where its switch is.
     fn no_home_switch(&mut self, machine: &Machine, axis: &Axis) {
         let name = &axis.name;
-        let message =
-            format!("axis {name}: it is to be homed, and the board knows no home switch for it");
+        let message = format!("axis {name} needs homing, and the board has no home switch for it");
         let help = axis.drive.as_ref().and_then(|place| {
             let command = repair_commands::command(machine, place.device, place.index)?;
             let device = machine.drives.get(place.device)?;
@@ -301,7 +302,7 @@ impl<'a> DeviceCheck<'a> {
                     let counts = counts.and_then(|counts| counts.get(slot).copied());
                     let zero = if counts == Some(0) { ZERO } else { "" };
                     format!(
-                        "axis {name}: homed, as --homed says: by your word, the device cannot report it{zero}"
+                        "axis {name}: homed according to --homed; the device cannot report it{zero}"
                     )
                 }
                 (_, known) => {
@@ -312,7 +313,7 @@ impl<'a> DeviceCheck<'a> {
                         (Some(_), _) => "not homed",
                         (None, false) => "not homed: its device has been locked or off",
                         (None, true) => {
-                            "not known to be homed: its device does not keep that; if it is, --homed says so"
+                            "whether it is homed is unknown, as its device does not store that; if it is, add --homed"
                         }
                     };
                     let by_hand = home_by_hand(machine, axis).unwrap_or_default();

@@ -80,8 +80,7 @@ impl DeviceCheck<'_> {
             // Ratios are rounded; a limit that is met is not exceeded.
             if let Some(device) = device.filter(|most| wanted > most * (1.0 + 1e-12)) {
                 let message = format!(
-                    "axis {}: the device's {what} is {device:.1} {unit}/s² at most, plans may ask for {wanted:.1} {unit}/s² \
-                     ({key}): where they do it falls behind",
+                    "axis {}: the device's {what} is {device:.1} {unit}/s² at most, and plans use up to {wanted:.1} {unit}/s² ({key}): there the axis lags behind",
                     axis.name
                 );
                 self.note(message, Vec::new());

@@ -188,9 +188,8 @@ impl DeviceCheck<'_> {
                     repair_commands::set(machine, device, id(number), possible),
                 );
             } else if steps == 0 && first {
-                let message = format!(
-                    "axis {name}: it is to be homed, and the board's speed {what} is 0 steps/s"
-                );
+                let message =
+                    format!("axis {name} needs homing, and the board's speed {what} is 0 steps/s");
                 let command = repair_commands::set_to(machine, device, id(number), "N");
                 let help =
                     command.map(|set| format!("{set}, where N is its speed, {possible} at most"));

@@ -121,7 +121,7 @@ fn what_does_not_trip_is_an_error() {
 #[test]
 fn unknown_surroundings_are_a_warning() {
     let outcome = checked(None, "F600 G38.2 Z10\nM2\n");
-    let message = "G38.2 is taken to reach its end: nothing is known that it could touch";
+    let message = "G38.2 is assumed to reach its end: nothing is described that it could touch";
     assert_eq!(said(&outcome.findings), [(Severity::Warning, 1, message)]);
     assert_eq!(serde_json::to_value(Rule::Probe).unwrap(), Rule::Probe.name());
 }

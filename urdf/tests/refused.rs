@@ -124,7 +124,10 @@ fn trees() {
         ("<link name='other'/>".to_owned(), apart),
         (joint("j", ["slide", "base"]), no_base),
         (joint("j", ["base", "slide"]), twice),
-        (ring, "joint j does not hang on the base: its links make a loop"),
+        (
+            ring,
+            "joint j is not connected to the base link: its parent links form a loop; correct a <parent> or <child>",
+        ),
         (joint("X", ["base", "base"]), "there are two of joint X"),
         ("<link name=''/>".to_owned(), "a link or joint has no name"),
     ] {

@@ -402,7 +402,6 @@ fn an_output_that_is_not_switched_is_told_as_such() {
     let error = drive.set_output(3, false).unwrap_err();
     drop(answering.join().unwrap());
     let text = error.to_string();
-    let said =
-        "address 1: switching output 3 off: the drive has confirmed it, and the output is still on";
+    let said = "address 1: switching output 3 off: the output is still on, although the drive has confirmed the command";
     assert!(text.ends_with(said), "{text}");
 }

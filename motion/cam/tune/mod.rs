@@ -84,7 +84,7 @@ pub enum FitError {
     },
     /// Two different answers fit alike, and what the fit began with does not say which is meant.
     #[error(
-        "{} and {} fit alike as {unknown}, and none is clearly nearer to {}, with which the search began",
+        "{} and {} fit equally well as {unknown}, and neither is clearly nearer to {}, where the search began",
         Short(*.one), Short(*.other), Short(*.begun)
     )]
     Ambiguous {
@@ -99,7 +99,7 @@ pub enum FitError {
     },
     /// What fits best is not where it is looked for.
     #[error(
-        "{} fits best as {unknown}, which is not between {} and {}",
+        "the best fit of {unknown} is {}, which is not between {} and {}",
         Short(*.value), Short(.between[0]), Short(.between[1])
     )]
     Beyond {
@@ -128,7 +128,7 @@ pub enum FitError {
     },
     /// The model does not describe the data.
     #[error(
-        "the data do not follow the cam: {} are left over of a spread of {} (are master and slave in its units, and of this cam?)",
+        "the data do not follow the cam: residuals of {} rms remain of a spread of {} rms; check that master and slave are in the cam's units and that the run is of this cam",
         Short(*.rms), Short(*.spread)
     )]
     Unexplained {

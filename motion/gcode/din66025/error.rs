@@ -116,9 +116,7 @@ pub enum DecodeError {
     )]
     MissingBlockNumber,
     /// A coordinate in a block that cannot use it.
-    #[error(
-        "{letter} has nothing to act on in a block with G{command}: put it into a block that moves"
-    )]
+    #[error("{letter} has no effect in a block with G{command}: put it into a block with a motion")]
     WordWithoutMotion {
         /// The word's letter.
         letter: char,
@@ -267,8 +265,7 @@ pub enum DecodeError {
     },
     /// An arc by R from a point to itself. A warning; the arc becomes a straight line.
     #[error(
-        "start and end are the same, which leaves the centre of an arc of radius R {} mm open: \
-         replaced by a straight line (full circles need I and J)",
+        "start and end of the arc of radius R {} mm are the same point, so that its centre is undetermined: replaced by a straight line (a full circle needs I and J)",
         Short(*radius_mm)
     )]
     RadiusWithoutChord {

@@ -106,13 +106,15 @@ pub enum DecodeError {
     #[error("a block has at most {0} M words")]
     TooManyMWords(u8),
     /// A word that nothing in its line uses.
-    #[error("{0} has nothing to act on in this block")]
+    #[error("{0} has no effect in this block")]
     UnusedWord(char),
     /// Axis words, but no motion is in force.
     #[error("axis words without a motion: no G0, G1, G2, G3 or canned cycle is in force")]
     AxesWithoutMotion,
     /// G28, G30 or G92 together with a motion.
-    #[error("G{0} and another G word of this block both want its axis words")]
+    #[error(
+        "G{0} and another G word of this block both use its axis words: write them in two blocks"
+    )]
     AxesUsedTwice(f64),
     /// No axis word where one is needed.
     #[error("G{0} needs an axis word")]
@@ -148,13 +150,13 @@ pub enum DecodeError {
     #[error("{} reaches its end without {}", .0, lacking(*.0))]
     ProbeNotTripped(Probing),
     /// A probing move, and nobody knows where it ends. A warning.
-    #[error("{0} is taken to reach its end: nothing is known that it could touch")]
+    #[error("{0} is assumed to reach its end: nothing is described that it could touch")]
     ProbeUnknown(Probing),
     /// A tool that is not in the table.
     #[error("tool {0} is not in the tool table")]
     UnknownTool(u32),
     /// G43 without a tool table. A warning.
-    #[error("there is no tool table: the length of tool {0} is taken to be 0")]
+    #[error("without a tool table the length of tool {0} is assumed to be 0")]
     NoToolTable(u32),
     /// A canned cycle without a word it needs.
     #[error("G{cycle} needs {letter}")]
@@ -209,7 +211,7 @@ pub enum DecodeError {
     RadiusWithoutEnd,
     /// An arc by R from a point to itself.
     #[error(
-        "start and end are the same, which leaves the centre of an arc by R open: full circles need their centre"
+        "start and end of an arc by R are the same point, so that its centre is undetermined: a full circle needs its centre"
     )]
     RadiusWithoutChord,
     /// R is less than half the chord.

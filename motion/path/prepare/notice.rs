@@ -121,7 +121,7 @@ impl std::fmt::Display for Notice {
             }
             Self::SwitchLost { place, number, on } => write!(
                 f,
-                "{place}: switch {number} {} lies on a piece of path that is gone, and what is left has no room for it",
+                "{place}: switch {number} {} lies on a removed part of the path, and the remaining path is too short for it",
                 if *on { "on" } else { "off" }
             ),
         }

@@ -9,7 +9,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum IpoError {
     /// `SMC_INT_VEL_ZERO` (1001): with this override nothing would move.
-    #[error("an override of {factor} moves nothing; the smallest is 0.01")]
+    #[error("the override {factor} is too small; the smallest is 0.01")]
     VelocityZero {
         /// The override asked for.
         factor: f64,

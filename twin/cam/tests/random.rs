@@ -44,7 +44,7 @@ fn switchings_anywhere_are_random() {
         // From 0 to 180 for a tappet at 60, and from 180 to 360 for one at 200.
         assert!(ends[0] > -0.21 && ends[0] < -0.1 && ends[1] > 0.4 && ends[1] < 0.55, "{ends:?}");
         let said = error.to_string();
-        assert!(said.contains("so do outputs that switch at random"), "{said}");
+        assert!(said.contains("an output that switches at random looks the same"), "{said}");
     }
 }
 

@@ -112,7 +112,11 @@ fn whole_passes_are_the_same_motion() {
     assert_eq!(use_it.folded(&shear, 0.0), None);
     use_it.start = Some(0.0);
     let finding = CamCheck::new(&shear, use_it).findings.remove(0);
-    assert!(finding.message.contains("error 626: that is -1.8 of the cam"), "{}", finding.message);
+    assert!(
+        finding.message.contains("error 626: the master at 0 mm is at -1.8 of the cam"),
+        "{}",
+        finding.message
+    );
     let hint = finding.hint.expect("what to do");
     for words in ["from 1.8 to 301.8 mm", "MasterOffset from 0 to 300"] {
         assert!(hint.contains(words), "{hint}");

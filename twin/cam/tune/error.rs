@@ -14,9 +14,9 @@ pub(crate) enum TuneError {
         all(.outliers, |(line, by)| format!("line {line} (by {})", significant(*by, 4))))]
     Outliers { outliers: Vec<(u64, f64)> },
     #[error(
-        "offsets and scalings: {} {unit} rms are left over, and they are not noise from sample to sample (correlation {}): \
-         the slave does something that the cam does not describe, and no interval would hold; the nearest, {nearest}, is \
-         not proposed",
+        "offsets and scalings: residuals of {} {unit} rms remain and are not noise (correlation from sample to sample {}): \
+         the slave does something that the cam does not describe, so no interval would be valid; the nearest fit, {nearest}, is \
+         not proposed. Check that the run is of this cam and this coupling",
         significant(*.rms, 4), significant(*.correlation, 3)
     )]
     NoNoise { correlation: f64, rms: f64, unit: String, nearest: String },
@@ -64,9 +64,9 @@ pub(crate) enum TuneError {
     #[error("dead time of the tappets: {one}, {other}: a dead time cannot be both")]
     TwoDeadTimes { one: SwitchingPart, other: SwitchingPart },
     #[error(
-        "dead time of the tappets: the output of group {group} switches {count} times, from {} s to {} s behind its tappets, and \
-         the master comes to such a tappet every {} s: so do outputs that switch at random; something else switches it, or it \
-         is not this cam's, or these are too few",
+        "dead time of the tappets: the output of group {group} switches {count} times, from {} s to {} s after its tappets, and \
+         the master passes such a tappet every {} s: an output that switches at random looks the same. Check that this cam alone \
+         switches it, or record more switchings",
         significant(.ends[0], 4), significant(.ends[1], 4), significant(*.every_s, 4)
     )]
     Random { group: i16, count: usize, ends: [f64; 2], every_s: f64 },
@@ -75,8 +75,8 @@ pub(crate) enum TuneError {
     #[error("ramp: {0}")]
     Ramp(#[from] RampError),
     #[error(
-        "the tappet of group {group} at {} of the cam would have to be at {} so that the master passes it at {} as before, and \
-         the cam goes from {} to {} and is not periodic: lengthen it, or take the tappet out",
+        "the tappet of group {group} at {} of the cam must move to {}, so that the master still passes it at {}; but the cam is \
+         not periodic and goes from {} to {}: lengthen the cam, or remove the tappet",
         significant(*.at, 6), significant(*.to, 6), significant(*.master, 6), significant(.range[0], 6),
         significant(.range[1], 6)
     )]

@@ -251,7 +251,7 @@ fn tappets(out: &mut impl Write, file: &CamFile, check: &CamCheck<'_>) -> io::Re
         let again = if check.is_repeated() { ", in the next pass" } else { "" };
         writeln!(
             out,
-            "a tappet acts where the master comes to it: one on which it starts when it comes there again{again}"
+            "a tappet acts when the master reaches it; one at the start position acts when the master reaches it again{again}"
         )?;
     }
     Ok(())

@@ -106,8 +106,7 @@ pub(super) fn check(arguments: &Arguments, machine: &Machine) -> Result<(), Fail
     let scan = machine.clearance_scan();
     if scan.map_err(|error| SimulationError::of(machine, error))?.is_none() {
         return Err(Failure::Usage(format!(
-            "--clearance: {} says nothing of what is in the way of the machine; [[obstacles]] and [collision] do, which \
-             machines/gantry3_vice.toml explains",
+            "--clearance: {} has no obstacles: describe them in [[obstacles]] and [collision], as machines/gantry3_vice.toml does",
             machine.path.display()
         )));
     }

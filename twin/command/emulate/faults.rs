@@ -26,13 +26,13 @@ pub(super) enum WireWord {
         /// Only the next so many
         #[arg(long, group = "when", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..))]
         next: Option<u32>,
-        /// Only the one after so many that pass unharmed
+        /// Only the one after this number of unharmed ones
         #[arg(long, group = "when", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..))]
         after: Option<u32>,
         /// Every so-many-th
         #[arg(long, group = "when", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..))]
         every: Option<u32>,
-        /// By chance, so many of a million
+        /// At random: this number in a million
         #[arg(long, group = "when", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..))]
         per_million: Option<u32>,
     },
@@ -43,7 +43,7 @@ pub(super) enum WireWord {
         #[arg(value_enum)]
         state: Switch,
     },
-    /// Another word, when so many more requests have come, just before the last of them is carried out
+    /// Carry out another word after this number of further requests, just before the last of them is carried out
     After {
         #[arg(allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..))]
         requests: u32,

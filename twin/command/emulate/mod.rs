@@ -102,8 +102,7 @@ struct Common {
 impl Common {
     /// Where the device is to be.
     fn link(&self) -> Result<&Path, Failure> {
-        let missing =
-            "--link PATH is missing: where the device is to be opened, like --link /tmp/device";
+        let missing = "--link PATH is missing, the path at which masters open the device, like --link /tmp/device";
         self.link.as_deref().ok_or_else(|| Failure::Usage(missing.to_owned()))
     }
 

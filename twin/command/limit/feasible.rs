@@ -62,7 +62,7 @@ pub(super) fn tell(refed: &Refed, target: &Path) -> io::Result<()> {
     let Refed { lines, changed, lowered, .. } = refed;
     writeln!(
         out,
-        "{}: F is too fast on {lowered} of {lines} lines and was changed in {changed}; E is as it was, which --limits axes is for",
+        "{}: F is too fast on {lowered} of {lines} lines; F changed in {changed} lines, E unchanged (run the program with --limits axes to keep the accelerations too)",
         target.display()
     )?;
     let left = refed.unrepaired.len() as u64 + refed.unrepaired_left_out;

@@ -87,7 +87,7 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     in_the_way(out, machine)?;
     drives(out, machine)?;
     let [x, y, z] = machine.conditions.start.map(|value| significant(value * 1e3, 9));
-    write!(out, "start of programs that do not say where: X{x} Y{y} Z{z}")?;
+    write!(out, "start of programs without a start of their own: X{x} Y{y} Z{z}")?;
     match machine.start_axes() {
         Some(axes) => {
             write!(out, " = {}", positions(machine, &axes))?;
@@ -135,7 +135,7 @@ fn in_the_way(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     for (name, edges) in machine.open_meshes() {
         writeln!(
             out,
-            "warning: the mesh of {name} is not closed at {edges} edges; what is inside is not sure"
+            "warning: the mesh of {name} is open at {edges} edges; its volume and mass are uncertain"
         )?;
     }
     for [one, other] in machine.collision.iter().flat_map(|collision| &collision.overlapping) {

@@ -83,7 +83,7 @@ enum Format {
     Din66025,
     /// A drawing: rapids on the layer RAPID, cuts on the layer CUT (.dxf)
     Dxf,
-    /// A picture from above; with --prepare the path before and after, and where the tool is every 100 ms (.svg)
+    /// Top view of the path (.svg); --prepare adds the path before preparation and a cross every 100 ms
     Svg,
     /// Key figures: name, lines, objects, length, duration, start, errors by rule
     Info,

@@ -107,7 +107,7 @@ fn forwards(job: &mut Job<'_>, mut schedule: Schedule, out: &mut dyn Write) -> R
             Some(ProgramItem::Setpoint(setpoint)) => {
                 jsonl::write_setpoint(out, &setpoint).map_err(stdio)?;
                 if rest.has_lasted(&setpoint) && schedule.is_over() {
-                    stderr!("the path rests; nothing of --at sets it going again");
+                    stderr!("the path stays at rest: no event of --at starts it again");
                     break;
                 }
             }

@@ -97,8 +97,7 @@ pub(super) fn summary(out: &mut impl Write, machine: &Machine, done: &Done<'_>) 
             if heard.longest_gap_ns > LONGEST_USUAL_GAP_NS {
                 writeln!(
                     out,
-                    "note: for {:.0} ms nothing was heard of device `{device}`, and nobody corrected its axes: an answer was lost or \
-                     came late{busy}, and their errors are partly due to that",
+                    "note: for {:.0} ms device `{device}` did not answer, and its axes were not corrected: an answer was lost or late{busy}; their errors are partly due to that",
                     heard.longest_gap_ms()
                 )?;
             }

@@ -59,10 +59,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "U", requires = "run", value_parser = positive)]
     master_period: Option<f64>,
 
-    /// What is to be found, of master-offset, master-scaling, slave-offset and slave-scaling: in the run, or, without one, within
-    /// the limits [default: both offsets with a run]. Each may have an interval, like slave-scaling=0.9..1.1: in a run it says which
-    /// is meant of answers that fit alike; with --minimise acceleration or jerk it is for what is made smallest, and both offsets are
-    /// found in a run whatever is named
+    /// Parameters to find: master-offset, master-scaling, slave-offset, slave-scaling [default: both offsets with a run]. With a run
+    /// they are fitted to it, without one to the limits. NAME=FROM..TO gives an interval, like slave-scaling=0.9..1.1. In a run the
+    /// interval decides between equally good fits. With --minimise acceleration or jerk it bounds the minimisation, and a run
+    /// always determines both offsets
     #[arg(long, value_name = "NAME[=FROM..TO]", value_delimiter = ',', value_parser = sought)]
     pub(super) find: Vec<Sought>,
 

@@ -64,8 +64,7 @@ impl Report<'_> {
         let mut text = Vec::new();
         if measured {
             text.push(
-                "the slave is taken as measured, with what is in effect above; what is proposed undoes how it deviates from \
-                 what is wanted (--slave wanted: the run is the motion wanted)"
+                "`slave` is the position measured with the coupling in effect; the proposal corrects its deviation from the wanted motion (with --slave wanted the run itself is that motion)"
                     .to_owned(),
             );
         }
@@ -87,7 +86,7 @@ impl Report<'_> {
             text.extend(period.map(|period| {
                 let period = short(period);
                 format!(
-                    "the {name} is recorded within its period of {period} {unit}, and is taken to go on where that begins again"
+                    "the {name} is recorded within its period of {period} {unit}, and unwrapped"
                 )
             }));
         }
@@ -106,8 +105,7 @@ impl Report<'_> {
         if samples < Fit::SAMPLES {
             let enough = Fit::SAMPLES;
             text.push(format!(
-                "intervals of {samples} samples (below {enough}) hold for noise that is independent from sample to sample only; \
-                 so few do not show whether it is"
+                "the intervals of {samples} samples (fewer than {enough}) assume noise that is independent from sample to sample; so few samples do not show whether it is"
             ));
         }
         text

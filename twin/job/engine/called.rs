@@ -126,8 +126,8 @@ impl Engine {
         }
         before.master?;
         let message = format!(
-            "{PHASING} ends {} of axis {name} (line {}) and couples it 1:1 with {}; then `phase_shift_{}` changes the \
-             distance of both, positive so that {name} leads by so much more",
+            "{PHASING} ends {} of axis {name} (line {}) and couples the axis 1:1 with {}; from then on `phase_shift_{}` \
+             shifts {name} against its master, ahead if it is positive",
             before.name, before.line, master.name, moved.unit
         );
         Some(call.note(name, message))

@@ -54,7 +54,7 @@ impl Engine {
         let message = format!("{} of axis {name} waits for ever: {why}", waits.call.name);
         let mut finding = waits.call.error(Rule::FunctionBlock, name, message);
         finding.hint = Some(
-            "give the job a `duration_s`, or have a block begin meanwhile (`at_s`) that changes that"
+            "set `duration_s` of the job, or add a block with `at_s` that ends this wait"
                 .to_owned(),
         );
         Err(finding.into())
@@ -116,7 +116,7 @@ impl Engine {
         }
         let (name, unit) = (&moved.name, moved.unit);
         Comes::Never(format!(
-            "{which} {name} moves away from {} {unit} with {} {unit}/s, and nothing ends that",
+            "{which} {name} moves away from {} {unit} at {} {unit}/s without end",
             significant(place, 6),
             significant(velocity.abs(), 4)
         ))

@@ -45,7 +45,7 @@ impl Engine {
         let endless = |moved: &&Moved| moved.axis.state() == AxisState::ContinuousMotion;
         if let Some(moved) = self.axes.iter().find(endless).filter(|_| !ends && !stand) {
             let message = format!(
-                "axis {} still moves with {:.3} {}/s behind the last block, and nothing ends that: give the job a \
+                "axis {} still moves with {:.3} {}/s after the last block, without end: give the job a \
                  `duration_s`, or call MC_Halt",
                 moved.name, moved.state.velocity, moved.unit
             );

@@ -62,7 +62,7 @@ impl Moving {
     pub(super) fn assumed_jerk(&self) -> String {
         let Self { name, unit, .. } = self;
         format!(
-            "nobody gives `max_jerk_{unit}_per_s3` of axis {name}, so that it is {} {unit}/s³, {JERK} times its acceleration",
+            "`max_jerk_{unit}_per_s3` of axis {name} is missing, so that {} {unit}/s³ is used, {JERK} times its acceleration",
             significant(self.jerk(), 6)
         )
     }

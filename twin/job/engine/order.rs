@@ -107,8 +107,7 @@ impl Engine {
         let mut finding = Finding::error(Rule::Coupling, Place { line, block: None }, message);
         finding.axis = Some(follows.to_owned());
         finding.hint = Some(
-            "one of the couplings has to be let go before another one closes the ring: MC_CamOut, MC_GearOut, or a block \
-             that moves its axis by itself"
+            "release one of the couplings before this block: with MC_CamOut, MC_GearOut, or a block that moves the slave on its own"
                 .to_owned(),
         );
         finding.into()

@@ -34,16 +34,16 @@ pub(super) fn outside(start: CamStart, master: &Moved) -> String {
 fn onto(start: CamStart, axis: &str, unit: &str, jump: f64) -> String {
     let CamStart { relative, slave_offset, .. } = start;
     let lay = significant(slave_offset - jump, 6);
-    let lay = format!("`slave_offset_{unit} = {lay}` puts the cam at its position");
-    let ramp = "`start_mode = \"ramp_in\"` brings it onto its cam";
+    let lay = format!("set `slave_offset_{unit} = {lay}`, so that the cam starts at the axis");
+    let ramp = "set `start_mode = \"ramp_in\"`, so that the axis joins the cam on a ramp";
     if relative {
         let begins = significant(jump, 6);
         return format!(
-            "a relative start adds the cam's value at its start, {begins} {unit}, to the position of {axis} (manual 4.6.1): {lay}, \
-             {ramp}"
+            "a relative start adds the cam's value at its start, {begins} {unit}, to the position of {axis} (manual 4.6.1): {lay}; \
+             or {ramp}"
         );
     }
-    format!("{ramp}, {lay}; or move it there first")
+    format!("{ramp}; or {lay}; or move the axis there first")
 }
 
 impl Engine {
@@ -146,8 +146,7 @@ impl Engine {
         };
         let mut finding = call.error(Rule::FunctionBlock, axis, message);
         finding.hint = Some(
-            "a block takes over what is under way where `at_s` or `after_s` says when; else it has to wait for the end of the \
-             block before it on this axis"
+            "a block interrupts the motion of its axis with `at_s` or `after_s`; without them it waits for the end of the block before it on this axis"
                 .to_owned(),
         );
         Err(finding.into())

@@ -164,7 +164,7 @@ fn who_waits_for_a_place_behind_its_master_is_told_at_once() {
         let (setpoints, findings) = run(&job, &machine());
         let finding = only(&findings);
         let words = format!(
-            "SMC_GearInPos of axis X waits for ever: its master web moves away from {place} mm with 50 mm/s"
+            "SMC_GearInPos of axis X waits for ever: its master web moves away from {place} mm at 50 mm/s"
         );
         assert!(finding.message.starts_with(&words), "{finding:?}");
         let found = (finding.rule, finding.line, finding.axis.as_deref());

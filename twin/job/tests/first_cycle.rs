@@ -142,7 +142,7 @@ fn a_tappet_on_which_the_master_starts_is_told() {
         let outcome = checked(&machine, name, &text);
         let note = only(&outcome.findings);
         assert_eq!((note.severity, note.line), (Severity::Note, 2), "{name}: {note:?}");
-        let words = "axis X stands on the tappet of group 1 when the cam of Z";
+        let words = "axis X is at the tappet of group 1 when the cam of Z";
         assert!(note.message.starts_with(words), "{}", note.message);
         assert_eq!(outcome.tappets.counts, [0, 1], "{name}");
     }
@@ -194,7 +194,7 @@ fn groups_that_the_master_stands_on_are_named_once() {
     let found = on_a_web(&CAM.replace("group = 2, master = 25", "group = 1, master = 100"), "");
     let note = only(&found);
     assert_eq!(note.severity, Severity::Note);
-    assert!(note.message.contains("stands on the tappet of group 1 when"), "{}", note.message);
+    assert!(note.message.contains("is at the tappet of group 1 when"), "{}", note.message);
 }
 
 /// From half the velocity of its master X comes to all of it, 50 mm/s, within 25/500 s, in which it falls back by 0.625 mm; then it leads
@@ -212,7 +212,7 @@ fn phasing_ends_a_gear_and_leads() {
     let (setpoints, findings) = run(&job(&text.concat()), &machine());
     let note = only(&findings);
     assert_eq!((note.severity, note.line), (Severity::Note, 17));
-    let words = "MC_Phasing ends MC_GearIn of axis X (line 7) and couples it 1:1 with web";
+    let words = "MC_Phasing ends MC_GearIn of axis X (line 7) and couples the axis 1:1 with web";
     assert!(note.message.starts_with(words), "{}", note.message);
     let lead = |seconds: f64| at(&setpoints, seconds).axes.position[0] * 1e3 - 50.0 * seconds;
     near(lead(2.0) - lead(0.5), 5.0 - 0.625, 0.06);

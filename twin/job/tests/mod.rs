@@ -414,8 +414,8 @@ fn mistakes_are_told_with_their_lines() {
             4,
             "not an MC_CamIn of the same axis",
         ),
-        (trigger(""), 1, "a trigger comes"),
-        (trigger("at_s = 1\naxis = \"X\"\nposition_mm = 1\n"), 1, "a trigger comes"),
+        (trigger(""), 1, "a trigger needs"),
+        (trigger("at_s = 1\naxis = \"X\"\nposition_mm = 1\n"), 1, "a trigger needs"),
         (trigger("axis = \"Q\"\nposition_mm = 1\n"), 3, "no axis \"Q\""),
     ] {
         let (setpoints, findings) = run(&job(&text), &machine());
@@ -429,8 +429,8 @@ fn mistakes_are_told_with_their_lines() {
 fn blocks_that_fail_end_the_job() {
     let found = findings(&block("MC_MoveVelocity", "X", "velocity_mm_per_s = 10"));
     assert_eq!([found[0].rule], [Rule::FunctionBlock]);
-    assert!(found[0].message.contains("nothing ends that"), "{found:?}");
-    assert!(found[0].message.contains("still moves with 10.000 mm/s behind"), "{found:?}");
+    assert!(found[0].message.contains("without end"), "{found:?}");
+    assert!(found[0].message.contains("still moves with 10.000 mm/s after"), "{found:?}");
     let found = findings(&block("MC_MoveAbsolute", "X", "position_mm = 10; velocity_mm_per_s = 0"));
     assert!(found[0].message.contains("SMC_MA_INVALID_VELACC_VALUES"), "{found:?}");
     let hint = found[0].hint.as_deref().unwrap_or_default();

@@ -63,7 +63,7 @@ fn what_is_wrong_is_said_once_and_where_it_is() {
     // A trigger with a mistake exists for the block that names it.
     let probe = block("MC_TouchProbe", "X", "trigger = \"edge\"");
     let found = findings(&format!("[[triggers]]\nname = \"edge\"\n{probe}"));
-    assert!(only(&found).message.contains("a trigger comes `at_s`"), "{found:?}");
+    assert!(only(&found).message.contains("a trigger needs `at_s`"), "{found:?}");
 }
 
 /// The default of a jerk is reported with its value: 10 times the acceleration.
@@ -82,7 +82,7 @@ fn a_jerk_that_nobody_gives_is_told() {
         let (setpoints, findings) = run(&job(&text(ramp, "")), &machine);
         let note = only(&findings);
         assert_eq!(note.severity, Severity::Note);
-        let said = "nobody gives `max_jerk_mm_per_s3` of axis shaft, so that it is 4000 mm/s³";
+        let said = "`max_jerk_mm_per_s3` of axis shaft is missing, so that 4000 mm/s³ is used";
         assert!(note.message.contains(said) && !setpoints.is_empty(), "{note:?}");
         let (_, findings) = run(&job(&text(ramp, "; max_jerk_mm_per_s3 = 4000")), &machine);
         assert_eq!(findings, []);
@@ -90,7 +90,7 @@ fn a_jerk_that_nobody_gives_is_told() {
         let own = text(ramp, "").replace("axis = \"shaft\"", "axis = \"X\"");
         let (_, findings) = run(&job(&own), &machine);
         let x = &machine.axes[0];
-        let said = format!("axis X, so that it is {} ", 10.0 * x.from_si(x.max_acceleration));
+        let said = format!("axis X is missing, so that {} ", 10.0 * x.from_si(x.max_acceleration));
         assert!(findings[0].message.contains(&said), "{findings:?}");
     }
     assert_eq!(run(&job(&text("trapezoid", "")), &machine).1, []);

@@ -13,7 +13,7 @@ pub(crate) fn check(of_device: &Section<'_>, family: Option<&dyn Family>, names:
     let said = of_device.section("encoder");
     let nowhere = |key: &str, axis: &str| {
         let message = format!(
-            "no [[axes]] hang on axis {axis} of this drive; its encoder shows nothing that moves"
+            "no entry of [[axes]] uses axis {axis} of this drive, so its encoder measures nothing"
         );
         said.complain_at(key, message);
     };

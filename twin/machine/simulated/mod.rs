@@ -224,7 +224,7 @@ pub(super) fn read(
             section.complain_at(
                 &most_key,
                 format!(
-                    "`{most_key}` says nothing of a step motor, which gives what `holding_torque_nm` or `pull_out_rpm_nm` in [stepper] say"
+                    "`{most_key}` does not apply to a step motor: its torque follows from `holding_torque_nm` or `pull_out_rpm_nm` in [stepper]"
                 ),
             );
         }

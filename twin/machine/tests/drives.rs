@@ -154,7 +154,7 @@ fn encoders_are_declared_beside_their_device() {
     assert_eq!(super::board(&load(SHORT)).encoder, None);
     for (old, new, place, parts) in [
         ("points = -4000", "points = 0", "0", "an encoder that never counts"),
-        ("\"Y\"\np", "\"B\"\np", "\"B\"", "no [[axes]] hang on axis B of this drive"),
+        ("\"Y\"\np", "\"B\"\np", "\"B\"", "no entry of [[axes]] uses axis B of this drive"),
         ("\"Y\"\np", "\"V\"\np", "\"V\"", "expected \"X\""),
         ("= 3200\nt", "= 0\nt", "0", "between 1 and 1000000000"),
         ("= 64", "= -1", "-1", "between 0 and 1000000"),
@@ -200,7 +200,7 @@ fn encoders_are_declared_beside_their_device() {
     let encoder = entry.encoder.as_ref().expect("it is there");
     assert_eq!((encoder.increments_per_turn, encoder.tolerance), (3200, Some(9)));
     for (axes, parts) in [
-        ("axes = [1, 2]", "no [[axes]] hang on axis 1 of this drive"),
+        ("axes = [1, 2]", "no entry of [[axes]] uses axis 1 of this drive"),
         ("axes = []", "`axes` names none"),
         ("axes = [3]", "between 1 and 2"),
         ("axes = \"2\"", "an array of whole numbers"),

@@ -227,7 +227,7 @@ fn what_makes_no_sense_is_said() {
 fn a_largest_force_is_no_business_of_step_motors() {
     let stepper = "[axes.physics]\nmax_force_n = 50\n[axes.physics.transmission]\npitch_mm = 10\n[axes.physics.stepper]\n\
                    holding_torque_nm = 2\nrotor_inertia_kg_m2 = 1e-5\n";
-    refused_text(&text(stepper), &["`max_force_n` says nothing of a step motor"]);
+    refused_text(&text(stepper), &["`max_force_n` does not apply to a step motor"]);
     let (_, alone) = with(&stepper.replace("max_force_n = 50\n", ""));
     assert!(alone.steps());
 }

@@ -290,7 +290,7 @@ fn axes_and_joints_that_do_not_fit_are_named() {
             "\"joint9\"",
             "there is no joint joint9; those that move are joint1, joint2, joint3",
         ),
-        ("\"joint1\"", "\"joint2\"", "joint joint2 has an axis already"),
+        ("\"joint1\"", "\"joint2\"", "joint joint2 is assigned more than once"),
         ("\"joint1\"", "\"base2world\"", "joint base2world is fixed"),
         (
             "joint = \"joint1\"",

@@ -198,7 +198,7 @@ fn rests_are_reported() {
         })
         .collect();
     let error = fit(&curve, &other, &FitOptions::default()).expect_err("other units");
-    assert!(error.to_string().contains("are master and slave in its units"), "{error}");
+    assert!(error.to_string().contains("check that master and slave are in the cam"), "{error}");
 }
 
 /// One line of the slave is reported on a dwell as well: of 1,000 trials 95 % hold the offset, or the scaling. A slave that does not

@@ -15,7 +15,7 @@ pub enum WriteError {
     UprightArc(Place),
     /// An arc, a parabola or an ellipse that the decoder would not read back to within a nanometre: one that goes
     /// around several times, or whose ends do not lie on it.
-    #[error("{0}: no words give this curve to the nanometre: make lines of it first")]
+    #[error("{0}: G words cannot describe this curve to within 1 nm: convert it to lines first")]
     Curve(Place),
     /// A cubic that is neither a parabola (G6) nor the piece of a spline (G5) that its neighbours make it.
     #[error("{0}: a cubic that is neither a parabola nor a spline piece: make lines of it first")]
@@ -24,7 +24,7 @@ pub enum WriteError {
     #[error("{0}: a rapid along a curve cannot be written")]
     CurvedRapid(Place),
     /// A dwell: there is no word for it.
-    #[error("{0}: SoftMotion's dialect has no dwell")]
+    #[error("{0}: SoftMotion's dialect has no dwell; remove the dwell from the source program")]
     Dwell(Place),
     /// A probing move: there is no word for it.
     #[error("{place}: SoftMotion's dialect has no probing ({probing} of RS274)")]

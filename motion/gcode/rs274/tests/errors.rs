@@ -121,19 +121,27 @@ fn words_that_do_not_go_together() {
         ("M3 M5", "M5", &*format!("M5 contradicts another M word {G}")),
         ("M6 T0 M6", "M6", &*format!("M6 contradicts another M word {G}")),
         ("M3 M6 M8 M1 M0", "M0", "a block has at most 4 M words"),
-        ("X2 R5", "R5", "R has nothing to act on in this block"),
-        ("X2 P5", "P5", "P has nothing to act on in this block"),
-        ("G0 X2 I5", "I5", "I has nothing to act on in this block"),
-        ("G81 Z-1 R1 Q1", "Q1", "Q has nothing to act on in this block"),
-        ("G49 H1", "H1", "H has nothing to act on in this block"),
-        ("X2 L5", "L5", "L has nothing to act on in this block"),
+        ("X2 R5", "R5", "R has no effect in this block"),
+        ("X2 P5", "P5", "P has no effect in this block"),
+        ("G0 X2 I5", "I5", "I has no effect in this block"),
+        ("G81 Z-1 R1 Q1", "Q1", "Q has no effect in this block"),
+        ("G49 H1", "H1", "H has no effect in this block"),
+        ("X2 L5", "L5", "L has no effect in this block"),
         (
             "G80 X2",
             "",
             "axis words without a motion: no G0, G1, G2, G3 or canned cycle is in force",
         ),
-        ("G0 G28 X2", "", "G0 and another G word of this block both want its axis words"),
-        ("G2 G92 X2 I1", "", "G2 and another G word of this block both want its axis words"),
+        (
+            "G0 G28 X2",
+            "",
+            "G0 and another G word of this block both use its axis words: write them in two blocks",
+        ),
+        (
+            "G2 G92 X2 I1",
+            "",
+            "G2 and another G word of this block both use its axis words: write them in two blocks",
+        ),
         ("G92", "", "G92 needs an axis word"),
         ("G81 R1", "", "G81 needs an axis word"),
         ("G81 X1 R1", "", "G81 needs Z"),
@@ -174,7 +182,7 @@ fn arcs() {
         (
             "G2 X1 R5",
             "",
-            "start and end are the same, which leaves the centre of an arc by R open: full circles need their centre",
+            "start and end of an arc by R are the same point, so that its centre is undetermined: a full circle needs its centre",
         ),
         ("G2 X11 R4.9", "", "no arc of radius R 4.9 mm joins two points that are 2 × 5 mm apart"),
         (
@@ -225,7 +233,7 @@ fn warnings() {
     assert_eq!(messages("G0 X1 M30"), [""; 0]);
     assert_eq!(
         messages("G43 H3\nM2"),
-        ["line 1: there is no tool table: the length of tool 3 is taken to be 0"]
+        ["line 1: without a tool table the length of tool 3 is assumed to be 0"]
     );
     assert_eq!(messages("G43\nM2"), [""; 0], "there is no tool in the spindle");
 }

@@ -234,8 +234,8 @@ fn unknown_surroundings() {
     assert_eq!(
         messages(&decoded.warnings),
         [
-            "line 1: G38.2 is taken to reach its end: nothing is known that it could touch",
-            "line 2: G38.5 is taken to reach its end: nothing is known that it could touch",
+            "line 1: G38.2 is assumed to reach its end: nothing is described that it could touch",
+            "line 2: G38.5 is assumed to reach its end: nothing is described that it could touch",
         ]
     );
     assert!(decoded.warnings.iter().all(|warning| warning.error.rule() == Rule::Probe));
@@ -259,14 +259,14 @@ fn errors_of_the_block() {
         ("F100 G53 G38.2 Z-1", "line 1: G53 needs G0 or G1"),
         (
             "F100 G28 G38.2 Z-1",
-            "line 1: G38.2 and another G word of this block both want its axis words",
+            "line 1: G38.2 and another G word of this block both use its axis words: write them in two blocks",
         ),
         (
             "F100 G38.2 G38.3 Z-1",
             "line 1: G38.3 contradicts another G word of this block: they belong to one modal group",
         ),
-        ("F100 G38.2 Z-1 P1", "line 1: P has nothing to act on in this block"),
-        ("F100 G38.2 Z-1 H1", "line 1: H has nothing to act on in this block"),
+        ("F100 G38.2 Z-1 P1", "line 1: P has no effect in this block"),
+        ("F100 G38.2 Z-1 H1", "line 1: H has no effect in this block"),
         ("F100 G38.2 Z-1000001", "line 1: Z is -1000.001 m, outside -1000 m to 1000 m"),
     ] {
         let decoded = decode_with(above(1e9), format!("{program}\nM2").as_bytes());

@@ -195,8 +195,8 @@ impl Family for Module {
                 return Ok(Some(Status::Fit));
             }
             stderr!(
-                "another program drives this module and may move it again, for one that waits sees no stop: end it, or use the \
-                 emergency stop"
+                "another program drives this module and may move it again, because it does not notice a stop while it waits: end that \
+                 program, or use the emergency stop"
             );
             return Ok(Some(Status::Unfit));
         }

@@ -39,7 +39,7 @@ impl BySwitch {
             }
             Some(_) if !by_index => {
                 format!(
-                    "--index-input says nothing in mode {number}: modes 2 and 6 go to an index pulse"
+                    "--index-input has no effect in mode {number}: only modes 2 and 6 go to an index pulse"
                 )
             }
             Some(input) => {

@@ -142,7 +142,7 @@ impl BySwitch {
         let most = i64::from(self.max_slow_way);
         if i64::from(self.home_position).abs() > most {
             return Err(Failure::Usage(format!(
-                "{name} can make its counter 0 where it is, and give it no other value: from its home at {} it would go to 0, \
+                "{name} can only set its counter to 0 at its present position: from its home at {} it would go to 0, \
                  which is beyond --max-slow-way ({most} {unit})",
                 self.home_position
             )));
@@ -154,9 +154,8 @@ impl BySwitch {
             let stopped = stopped.map_or(String::new(), |error| {
                 format!("; and the axis could not be stopped: {error}; use the emergency stop")
             });
-            let message = format!(
-                "{name} has found its home, which its counter does not show: {failed}{stopped}"
-            );
+            let message =
+                format!("{name} has found its home, but its counter is not set: {failed}{stopped}");
             return Err(Failure::Usage(message));
         }
         keep(drive)?;
@@ -245,8 +244,8 @@ impl BySwitch {
         let Self { fast, slow, .. } = self;
         consent.ask(&format!(
             "home {name} from {from} towards {sign} until {at} says so, {most} {unit} at most{kept}, at {fast} {unit}/s, and off it at \
-             {slow}{afterwards}{returns}; where this program or its wire fails meanwhile nobody watches the switch, and the axis \
-             ends within {} {unit}",
+             {slow} {unit}/s{afterwards}{returns}; if this program or its wire fails, the axis does not see the switch and stops \
+             within {} {unit}",
             search.leg
         ))?;
         let interrupt = Interrupt::catch_for_drives()?;

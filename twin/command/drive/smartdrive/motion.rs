@@ -31,8 +31,7 @@ impl Axis {
         let state = self.session.ask(self.unit.state())?;
         if turns(&state) {
             let at = self.unit.at();
-            let message =
-                format!("{at}: it moves, which `{what}` could end or spoil: `stop` first");
+            let message = format!("{at}: the axis moves: `stop` before `{what}`");
             return Err(Failure::Usage(message));
         }
         Ok(state)

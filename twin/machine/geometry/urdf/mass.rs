@@ -56,7 +56,7 @@ impl Masses {
             if link.inertial.is_none() {
                 complete = false;
                 let message = format!(
-                    "link {} has a mesh that encloses nothing, so that its density does not tell its mass",
+                    "the mesh of link {} encloses no volume, so that its mass does not follow from its density",
                     link.name
                 );
                 let help = format!("give [body.links.{}] mass_kg", link.name);

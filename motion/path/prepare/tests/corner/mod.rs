@@ -206,7 +206,7 @@ fn switches_without_room_are_told() {
     assert_eq!(
         lost,
         [4, 5].map(|number| format!(
-            "line 2: switch {number} on lies on a piece of path that is gone, and what is left has no room for it"
+            "line 2: switch {number} on lies on a removed part of the path, and the remaining path is too short for it"
         ))
     );
 }
