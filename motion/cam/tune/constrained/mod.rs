@@ -486,7 +486,7 @@ fn check(
     }
     let numbers = [0, 1, 2, 3].map(|index: usize| {
         let value = wish.from[index];
-        (NAMES[index], value, value.is_finite() && (index % 2 == 0 || value != 0.0))
+        (NAMES[index], value, value.is_finite() && (index.is_multiple_of(2) || value != 0.0))
     });
     let intervals = NAMES.into_iter().zip(wish.sought).filter_map(|(what, interval)| {
         let [low, high] = interval?;

@@ -18,9 +18,9 @@ fn wish(from: [f64; 4], free: Free) -> Constraints {
 }
 
 /// With `MasterScaling` within an interval.
-fn within(ends: [f64; 2], wish: Constraints) -> Constraints {
-    let [offset, scaling, shift, factor] = wish.sought;
-    Constraints { sought: [offset, scaling.map(|_| ends), shift, factor], ..wish }
+fn within(ends: [f64; 2], mut wish: Constraints) -> Constraints {
+    wish.sought[1] = wish.sought[1].map(|_| ends);
+    wish
 }
 
 fn bounded(
