@@ -7,8 +7,7 @@
 //!
 //! A ramp that starts with an acceleration in its own direction begins within the sine. An acceleration against it is
 //! first taken back, with the largest jerk. If growth and fall of the speed have different limits, the velocity reaches
-//! 0 with one half sine and goes on with another one; where the jerk does not let the acceleration end before 0, the limit
-//! of the growth counts from the start.
+//! 0 with one half sine and goes on with another one. An acceleration that the jerk cannot end before 0 is held up to there.
 //!
 //! Motions to a position are composed like those of parabolic ramps: straight, eased at first, or over a velocity that
 //! is held if it is the limit. They are not the fastest; there is exactly one of this form for every target.
@@ -102,9 +101,19 @@ fn up(limits: &Rates, velocity: f64, acceleration: f64, to: f64) -> Up {
     if settled < 0.0 && to > 0.0 && growth.total_cmp(&fall).is_ne() {
         ramp.rise(0.0, fall, jerk);
         ramp.rise(to, growth, jerk);
-    } else {
-        ramp.rise(to, if to > 0.0 { growth } else { fall }, jerk);
+        return ramp;
     }
+    let mut limit = if to > 0.0 { growth } else { fall };
+    if from < 0.0 && to > 0.0 && growth > fall {
+        // The speed falls up to 0, and no jerk ends the acceleration before.
+        let held = ramp.end.acceleration;
+        if limits.settled(0.0, held) <= to {
+            ramp.add(-from / held, 0.0, 0.0);
+        } else {
+            limit = fall.max(held);
+        }
+    }
+    ramp.rise(to, limit, jerk);
     ramp
 }
 

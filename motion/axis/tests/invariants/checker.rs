@@ -330,13 +330,9 @@ fn within(from: State, now: State, limits: &Limits, limited: bool) -> Result<(),
     let settling = if limited { settling } else { 0.0 };
     let fastest = limits.velocity.max(from.velocity.abs() + settling);
     let growth = now.acceleration * now.velocity.signum();
-    // A speed that turns before the jerk can end its acceleration falls by the limit of its growth, too.
-    let settled = now.velocity + 0.5 * now.acceleration * now.acceleration.abs() / JERK;
-    let turns = limited && settled * now.velocity < 0.0;
     let rate = match growth.total_cmp(&0.0) {
         _ if now.velocity == 0.0 => limits.acceleration.max(limits.deceleration),
-        Ordering::Less if !turns => limits.deceleration,
-        Ordering::Less => limits.acceleration.max(limits.deceleration),
+        Ordering::Less => limits.deceleration,
         _ => limits.acceleration,
     };
     // What it has come with may be more.
