@@ -1,7 +1,10 @@
-//! Tests of slaves that come onto their cams: under limited jerk without a step of the acceleration (manual 2.1.3, 4.6.1).
+//! Tests of slaves that come onto their cams and into gear: under limited jerk without a step of the acceleration (manual 2.1.3, 4.6.1).
 
-use super::rig::{CYCLE, Rig, cam, cam_in, endless, ramp_in, rotary, short};
-use crate::{Axis, AxisConfig, AxisState, Block, Decouple, MoveVelocity, Movement, SmcError};
+use super::rig::{CYCLE, Rig, cam, cam_in, endless, follow, ramp_in, rotary, short};
+use crate::{
+    Axis, AxisConfig, AxisState, Block, Decouple, Direction, GearIn, MoveVelocity, Movement,
+    SmcError,
+};
 use proptest::prelude::*;
 use twin_cam::{Cam, CamInput, CamTable, Knot, StartMode};
 use twin_profile::RampType;
@@ -44,6 +47,61 @@ fn on(cam: &Cam, master: &Axis) -> [f64; 2] {
     let at = cam.curve().at(master.set_position());
     let velocity = master.set_velocity();
     [at.velocity * velocity, at.acceleration * velocity * velocity]
+}
+
+/// Acceleration of a master, u/s²: a gentle one lasts until its slave meets it. At 1.5 times what the jerk gives in a cycle
+/// parabolic slaves come into gear while it begins to change.
+fn pull() -> impl Strategy<Value = f64> {
+    prop_oneof![3.0..100.0_f64, 1.5 * JERK * CYCLE..1.55 * JERK * CYCLE]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 10_000, ..ProptestConfig::default() })]
+
+    /// Under limited jerk a slave joins its gear without a step, whatever its master does at that time: no cycle changes its
+    /// acceleration by more than its jerk allows.
+    #[test]
+    fn a_slave_comes_into_gear_within_the_jerk(
+        sigmoid in any::<bool>(), alone in -20.0..20.0_f64, wait in 0..60_u32,
+        masters in [-20.0..20.0_f64, -20.0..20.0_f64], against in any::<bool>(),
+        rates in [20.0..150.0_f64, 20.0..150.0_f64], turns in 1..120_u32, pull in pull(),
+    ) {
+        let ramp = if sigmoid { RampType::Sigmoid } else { RampType::Parabolic };
+        let mut rigs = [rig(ramp, Movement::Linear), rig(ramp, Movement::Linear)];
+        let gently = |velocity: f64| {
+            let direction = if velocity < 0.0 { Direction::Negative } else { Direction::Positive };
+            let (velocity, acceleration, deceleration) = (velocity.abs(), pull, pull);
+            Block::new(MoveVelocity { velocity, acceleration, deceleration, direction })
+        };
+        let (mut leads, mut own) = (masters.map(gently), endless(alone));
+        for _ in 0..wait {
+            rigs[0].call(&mut leads[0], true);
+            rigs[1].call(&mut own, true);
+        }
+        let mut block = Block::new(GearIn {
+            ratio_numerator: if against { -1 } else { 1 },
+            ratio_denominator: 1,
+            acceleration: rates[0],
+            deceleration: rates[1],
+        });
+        let mut before = rigs[1].axis.set_acceleration();
+        let mut coupled = 0;
+        for cycle in 0..6000 {
+            // The master turns to its second velocity on the way.
+            let lead = &mut leads[usize::from(cycle >= turns)];
+            coupled += u32::from(follow(&mut rigs, lead, &mut block).done);
+            let now = rigs[1].axis.set_acceleration();
+            prop_assert!(
+                (now - before).abs() <= JERK * CYCLE * (1.0 + 1e-6),
+                "{cycle}: {now} after {before} u/s²"
+            );
+            before = now;
+            if coupled > 5 {
+                break;
+            }
+        }
+        prop_assert!(coupled > 5);
+    }
 }
 
 proptest! {

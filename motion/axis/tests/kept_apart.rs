@@ -63,7 +63,7 @@ fn a_new_edge_on_another_axis_takes_nothing_from_a_stop() {
     assert_eq!(shown.error, Some(SmcError::AxisRefChangedDuringOperation));
 }
 
-/// A method and a block refuse a position that is no number alike.
+/// The method and the block both refuse a position that is not a number.
 #[test]
 fn positions_that_are_no_numbers_are_refused() {
     let mut rig = linear();
