@@ -74,6 +74,23 @@ fn scalings_for_the_least_jerk() {
     desk.twin(&["cam", "convert", "lift.toml", "gentle.toml", "--force"]).ended(0, "points");
 }
 
+/// The examples of the help that need no run are carried out as they are written.
+#[test]
+fn the_examples_of_the_help_work() {
+    let desk = Desk::new();
+    desk.write("cam.toml", LIFT);
+    let help = desk.twin(&["tune", "cam", "--help"]).stdout;
+    let (_, examples) = help.split_once("Examples:").expect("examples");
+    let one_line = examples.split_whitespace().collect::<Vec<_>>().join(" ");
+    let calls = one_line.split("twin ").skip(1).filter(|call| !call.contains("--run"));
+    let mut count = 0;
+    for call in calls {
+        desk.twin(&call.split_whitespace().collect::<Vec<_>>()).ended(0, "");
+        count += 1;
+    }
+    assert_eq!(count, 2);
+}
+
 /// The lift, from its points alone.
 fn lift(place: f64) -> f64 {
     let ease = |part: f64| part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part);

@@ -142,7 +142,7 @@ Exit status:
 
 Examples:
   twin tune cam cam.toml --run run.csv --find master-offset,slave-offset,slave-scaling -o fit.svg
-  twin tune cam cam.toml --find slave-scaling=0.9..1.1,master-scaling --minimise jerk
+  twin tune cam cam.toml --find slave-scaling=0.9..1.1,master-scaling=0.9..1.1 --minimise jerk
   twin tune cam cam.toml --run run.csv --find slave-scaling=0.9..1.1 --minimise acceleration
   twin tune cam cam.toml --ramp-in 0,35 --master-velocity 200 --max-velocity 900 --max-acceleration 20000";
 

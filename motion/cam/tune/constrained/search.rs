@@ -13,7 +13,7 @@ const LINE: u32 = 200;
 /// How many of its best places a compass search begins at, and how many squares each has at most.
 const BEGINS: usize = 8;
 const SQUARES: usize = 400;
-/// Points of a square along each side, on both sides of the middle, and the part of the range that is none.
+/// Points of a square on each side of its middle, and the half width, as a part of the range, below which a search ends.
 const SIDE: i32 = 2;
 const LEAST: f64 = 1e-16;
 /// Samples that the grid looks at; the last search takes all.
