@@ -33,7 +33,7 @@ fn a_user_who_is_not_there_acknowledges_nothing() {
     desk.write("m.cnc", "% m\nN10 G1 X10 F100 E500 E-500\nN20 M7\nN30 G1 X0\n");
     let run = ["run", "m.cnc", "--machine", "machine.toml", "--drives", "none"];
     let done = desk.twin(&[&run[..], &["--m-ack", "prompt"]].concat());
-    done.ended(2, "M7 at line 3 (N20)").ended(2, "cannot be acknowledged");
+    done.ended(2, "M7 at line 3 (N20) cannot be acknowledged");
     desk.twin(&run).ended(0, "");
 }
 

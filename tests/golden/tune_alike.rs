@@ -84,5 +84,7 @@ fn a_cam_that_repeats_itself() {
         let value = found["fit"]["estimates"]["MasterOffset"]["value"].as_f64().expect("a value");
         assert!((value - at).abs() < 0.01, "{interval}: {value}");
     }
-    tune(&["--find", "master-offset=-30..-20"]).ended(1, "the best fit of MasterOffset is");
+    tune(&["--find", "master-offset=-30..-20"])
+        .ended(1, "the best fit of MasterOffset is ")
+        .ended(1, ", which is not between -30 and -20");
 }

@@ -434,4 +434,24 @@ fn the_picture_of_a_ramp_shows_the_start() {
 
     cam("");
     assert!(tune("").contains("before: without a ramp, a jump"));
+    // With another coupling it is the cam that changes, too.
+    let both = tune("--find slave-offset --position-max 9");
+    for word in ["jerk", "start onto", "before: without a ramp, a jump"] {
+        assert!(both.contains(word), "{word}");
+    }
+    // One document, with both titles.
+    assert_eq!(both.matches("xmlns=").count(), 1);
+    assert_eq!(both.matches("font-size=\"22\"").count(), 2);
+}
+
+/// The jerk of the master counts for the check: 70 mm over 120 deg, from rest to rest, have their greatest y′ half way, 1.875 ·
+/// 70/120, so that 200,000 deg/s³ alone make 218,750 mm/s³ of the slave, and no velocity is slow enough.
+#[test]
+fn the_check_counts_the_jerk_of_the_master() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    let check = ["cam", "check", "lift.toml", "--format", "json", "--max-jerk", "60000"];
+    let found = desk.twin(&[&check[..], &["--master-jerk", "200000"]].concat());
+    let reason = object(&found.stdout)["largest_master"]["reason"].to_string();
+    assert!(reason.contains("the slave's jerk reaches 218750 at master 60"), "{reason}");
 }

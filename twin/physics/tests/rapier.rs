@@ -175,3 +175,37 @@ fn solids_that_touch_nothing_change_nothing() {
     assert_eq!(with, without);
     assert!((with.position[0] - 0.7).abs() > 0.01, "{with:?}");
 }
+
+#[test]
+fn two_runs_give_the_same_bits() {
+    let run = || {
+        let drives = [1.0; 3].map(|inertia| AxisDriveParameters {
+            friction: FrictionParameters::new(0.3, 0.5),
+            armature: 0.05,
+            ..tuned(inertia, 40.0, 30.0)
+        });
+        let mut machine = started(&crooked(), &drives, down(), &axes([0.0; 3]));
+        for cycle in 0..500 {
+            let t = f64::from(cycle) * 1e-3;
+            let position = axes([0.3 * t, 0.1 * t * t, -0.2 * t]);
+            machine
+                .step(&AxisMotion {
+                    position,
+                    velocity: axes([0.3, 0.2 * t, -0.2]),
+                    acceleration: axes([0.0, 0.2, 0.0]),
+                })
+                .unwrap();
+        }
+        let state = *machine.axis_state();
+        assert!((state.position[0] - 0.15).abs() < 0.02, "{state:?}");
+        let bits =
+            |values: &AxisVector| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+        (
+            bits(&state.position),
+            bits(&state.velocity),
+            bits(&state.effort),
+            format!("{:?}", machine.link_poses()),
+        )
+    };
+    assert_eq!(run(), run());
+}
