@@ -8,6 +8,8 @@ use std::{env, fs};
 /// The rows of the manual's list (9.3), one of the coverage table each: "number `name` text (`block`)".
 const COVERAGE: &str = include_str!("../../../tests/coverage/softmotion_error.csv");
 
+const LANGUAGES: [Language; 3] = [Language::English, Language::German, Language::French];
+
 /// Raisers that are not one block.
 const SEVERAL: [(&str, &[u16]); 6] = [
     ("every block", &[0, 31]),
@@ -32,7 +34,7 @@ fn several(error: SmcError) -> Option<&'static str> {
     found.map(|(raisers, _)| *raisers)
 }
 
-/// Numbers, names and blocks.
+/// Numbers, names and blocks; every name once.
 #[test]
 fn every_number_of_the_manual_is_there() {
     let rows = COVERAGE.lines().filter_map(|row| {
@@ -52,11 +54,6 @@ fn every_number_of_the_manual_is_there() {
     }
     let known = (0..=u16::MAX).filter_map(SmcError::from_number);
     assert!(known.eq(SmcError::ALL.iter().copied()), "a number too many");
-}
-
-/// A constant of the manual, and unique.
-#[test]
-fn names_are_unique() {
     let names: BTreeSet<_> = SmcError::ALL.iter().map(|error| error.name()).collect();
     assert_eq!(names.len(), SmcError::ALL.len());
     assert!(names.iter().all(|name| name.starts_with("SMC_")));
@@ -85,7 +82,7 @@ fn the_list_is_the_manuals() {
         // The name of 131 is printed as that of 130.
         let meant = if number == 131 { "SMC_RP_REQUESTING_ERROR" } else { &name };
         assert_eq!((error.number(), error.name()), (number, meant));
-        let misprint = MISPRINTED.iter().find(|(number, _)| *number == error.number());
+        let misprint = MISPRINTED.iter().find(|(misprinted, _)| *misprinted == number);
         let raiser = misprint.map_or(error.raised_by(), |(_, printed)| *printed);
         let first = block.split(',').next().unwrap_or_default();
         let same = if several(*error).is_some() {
@@ -119,11 +116,10 @@ fn every_error_has_its_row() {
 
 /// Raisers that are not the name of a block have a text in every language.
 #[test]
-fn raisers_are_told_in_three_languages() {
+fn raisers_have_a_text_in_three_languages() {
     for error in SmcError::ALL {
-        let english = error.raised_by();
-        let [german, french] = [Language::German, Language::French].map(|l| error.raised_by_in(l));
-        assert_eq!(error.raised_by_in(Language::English), english);
+        let [english, german, french] = LANGUAGES.map(|language| error.raised_by_in(language));
+        assert_eq!(english, error.raised_by());
         if english.starts_with("SMC_") || english.starts_with("MC_") {
             assert_eq!([german, french], [english; 2], "{error}");
         } else {
@@ -134,49 +130,36 @@ fn raisers_are_told_in_three_languages() {
 
 #[test]
 fn every_error_has_a_text_in_three_languages() {
+    let mut umlauts = 0;
     for error in SmcError::ALL {
-        let texts = [Language::English, Language::German, Language::French].map(|l| error.text(l));
-        for text in texts {
-            // An IEC STRING(100) holds it (SMC_ErrorString).
-            assert!((5..=100).contains(&text.chars().count()), "{error}: {text}");
+        let texts = LANGUAGES.map(|language| error.text(language));
+        let remedies = LANGUAGES.map(|language| error.remedy(language));
+        // An IEC STRING(100) holds a text (SMC_ErrorString).
+        for (texts, lengths) in [(texts, 5..=100), (remedies, 15..=usize::MAX)] {
+            let [english, german, french] = texts;
+            assert!(texts.iter().all(|it| lengths.contains(&it.chars().count())), "{texts:?}");
+            assert!(english != german && german != french && french != english, "{error}");
         }
-        let [english, german, french] = texts;
-        assert!(english != german && german != french && french != english, "{error}");
-    }
-    let mut german = 0;
-    for error in SmcError::ALL {
-        let all = [Language::English, Language::German, Language::French];
-        let [english, other, french] = all.map(|language| error.remedy(language));
-        for text in [english, other, french] {
-            assert!(text.chars().count() >= 15, "{error}: {text}");
-        }
-        assert!(english != other && other != french && french != english, "{error}");
         // Names of inputs, blocks and constants are the same in all of them.
         let names = |text: &str| {
             let words = text.split(|c: char| !(c.is_alphanumeric() || c == '_'));
             let named = words.filter(|word| word.contains('_') && word.len() > 4);
             named.map(str::to_owned).collect::<BTreeSet<_>>()
         };
-        assert_eq!(names(english), names(other), "{error}");
-        assert_eq!(names(english), names(french), "{error}");
-        german += usize::from(other.contains('ä') || other.contains('ü') || other.contains('ö'));
+        let [english, german, french] = remedies.map(names);
+        assert_eq!([&german, &french], [&english; 2], "{error}");
+        umlauts += usize::from(remedies[1].contains(['ä', 'ü', 'ö']));
     }
-    assert!(german > 20, "{german}");
+    assert!(umlauts > 20, "{umlauts}");
     let error = SmcError::CiMasterOutOfScale;
-    assert_eq!(
-        error.text(Language::German),
-        "der Master ist außerhalb des Bereichs der Kurvenscheibe"
-    );
-    assert_eq!(error.text(Language::French), "l'axe maître est en dehors de la plage de la came");
-    assert_eq!(
-        error.to_string(),
-        "626 SMC_CI_MASTER_OUT_OF_SCALE: the master is outside the range of the cam"
-    );
-}
-
-/// The remedy names the directions that an end velocity may have.
-#[test]
-fn directions_of_end_velocities_are_told() {
+    let texts = [error.text(Language::German), error.text(Language::French), &error.to_string()];
+    let expected = [
+        "der Master ist außerhalb des Bereichs der Kurvenscheibe",
+        "l'axe maître est en dehors de la plage de la came",
+        "626 SMC_CI_MASTER_OUT_OF_SCALE: the master is outside the range of the cam",
+    ];
+    assert_eq!(texts, expected);
+    // The remedy names the directions that an end velocity may have.
     for error in [SmcError::McrInvalidDirection, SmcError::McaInvalidDirection] {
         let remedy = error.remedy(Language::English);
         assert!(remedy.starts_with("give positive, negative or current as EndVelocityDirection"));

@@ -1,8 +1,6 @@
-//! Tests of axes that follow a cam (manual 4.6, 5.4).
+//! Tests of axes that follow a cam, and of the starts of cams (manual 4.6, 5.4).
 
-use super::rig::{CYCLE, cam, cam_in, endless, follow, linear, rotary};
-use crate::AxisState;
-use twin_cam::{Action, CamInput, CamTable, Knot, Passage, Tappet, TappetValue};
+use super::*;
 
 /// 0 to 100 lifts by 10, at rest at both ends.
 fn lift(tappets: Vec<Tappet>) -> CamTable {
@@ -66,8 +64,7 @@ fn two_cams_in_turn() {
     assert!((before - 54.0).abs() < 1e-9, "{before}");
 }
 
-/// A pulse of 30 ms that has begun before the block is started again ends at its time (manual 5.5: the value stays as it
-/// is); with `bSetInitValueAtReset` it ends at once.
+/// Of 30 ms; begun before the block is started again (manual 5.5: the value stays as it is).
 #[test]
 fn a_timed_tappet_goes_on_over_a_restart() {
     for (reset, expected) in [(false, 3), (true, 1)] {
@@ -95,4 +92,212 @@ fn a_timed_tappet_goes_on_over_a_restart() {
         assert!(axes[0].axis.set_position() > 80.0, "beyond the tappet");
         assert_eq!((on, restarts), (expected, 1), "bSetInitValueAtReset {reset}");
     }
+}
+
+/// The first way of the slave, and all of it until it is in step with a master at rest at 20. It begins at 7.
+fn ways(slave: fn() -> Rig, table: CamTable, start_mode: StartMode) -> [f64; 2] {
+    let (master, mut slave) = (linear().at(20.0), slave().at(7.0));
+    let mut block = cam_in(table, CamInput { start_mode, ..ramp_in(100.0, 1000.0) });
+    let (mut before, mut all, mut first) = (7.0, 0.0, None);
+    for _ in 0..1000 {
+        let shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
+        assert!(shown.error.is_none(), "{shown:?}");
+        let way = short(&slave.axis, slave.axis.set_position() - before);
+        before = slave.axis.set_position();
+        all += way;
+        first.get_or_insert(way);
+        if shown.done {
+            return [first.unwrap_or_default(), all];
+        }
+    }
+    panic!("it does not come onto its cam");
+}
+
+/// The cam has 10 at the master's position, or 0 if its zero is put there; a rotary slave has a period of 360.
+#[test]
+fn every_start_mode_with_every_choice_of_the_table() {
+    use StartMode::{Absolute, RampIn, RampInNegative, RampInPositive, Relative};
+    // MasterAbsolute, SlaveAbsolute; the ways with absolute, relative and the ramps, which are [ramp_in, _pos, _neg].
+    let matrix = [
+        (true, true, 3.0, 10.0, [3.0, 3.0, -357.0]),
+        (true, false, 10.0, 10.0, [10.0, 10.0, -350.0]),
+        (false, true, -7.0, 0.0, [-7.0, 353.0, -7.0]),
+        (false, false, 0.0, 0.0, [0.0, 0.0, 0.0]),
+    ];
+    for (master_absolute, slave_absolute, absolute, relative, ramps) in matrix {
+        let table = || CamTable { master_absolute, slave_absolute, ..straight(100.0, 0.5) };
+        let about = format!("MasterAbsolute {master_absolute}, SlaveAbsolute {slave_absolute}");
+        for rig in [linear, rotary] {
+            for (mode, way) in [(Absolute, absolute), (Relative, relative)] {
+                let found = ways(rig, table(), mode);
+                // With a jump, if there is one: all of it at once.
+                assert!((found[0] - way).abs() < 1e-9, "{about}, {mode:?}: {found:?}");
+                assert!((found[1] - way).abs() < 1e-9, "{about}, {mode:?}: {found:?}");
+            }
+        }
+        // Linear slaves ignore the direction.
+        for (rig, ramps) in [(linear as fn() -> Rig, [ramps[0]; 3]), (rotary, ramps)] {
+            for (mode, way) in [RampIn, RampInPositive, RampInNegative].into_iter().zip(ramps) {
+                let [first, all] = ways(rig, table(), mode);
+                // 1000 u/s² from rest in a cycle of 10 ms.
+                assert!(first.abs() <= 0.05 + 1e-9, "{about}, {mode:?}: a step of {first}");
+                assert!((all - way).abs() < 1e-9, "{about}, {mode:?}: {all}");
+            }
+        }
+    }
+}
+
+/// Until then it goes on with its acceleration: p + v·T + a·T²/2 and v + a·T.
+#[test]
+fn a_slave_that_accelerates_waits_for_its_master() {
+    for ramp in [RampType::Trapezoid, RampType::Sigmoid, RampType::Parabolic] {
+        let mut master = linear().at(-2.0);
+        let mut slave = Rig::new(AxisConfig { ramp, jerk: 500.0, ..AxisConfig::default() });
+        let [mut lead, mut faster] = [30.0, 90.0].map(endless);
+        let table = CamTable { periodic: false, ..straight(100.0, 0.5) };
+        let mut block = cam_in(table, ramp_in(100.0, 50.0));
+        let state =
+            |axis: &Axis| [axis.set_position(), axis.set_velocity(), axis.set_acceleration()];
+        let mut before = state(&slave.axis);
+        loop {
+            master.call(&mut lead, true);
+            if master.axis.set_position() >= 0.0 {
+                break;
+            }
+            slave.call(&mut faster, true);
+            before = state(&slave.axis);
+        }
+        let [position, velocity, acceleration] = before;
+        assert!(velocity > 1.0 && acceleration > 5.0, "{ramp:?}: {before:?}");
+        let shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
+        assert!(shown.busy && shown.error.is_none(), "{ramp:?}: {shown:?}");
+        let [now, fast, _] = state(&slave.axis);
+        let expected = position + (velocity + 0.5 * acceleration * CYCLE) * CYCLE;
+        assert!((now - expected).abs() < 1e-9, "{ramp:?}: {now} {expected}");
+        let expected = velocity + acceleration * CYCLE;
+        assert!((fast - expected).abs() < 1e-9, "{ramp:?}: {fast} {expected}");
+    }
+}
+
+/// The slave stays at the cam's end (manual 4.6.1).
+#[test]
+fn a_master_that_leaves_its_cam_at_once_was_on_it() {
+    use StartMode::{Absolute, RampIn, Relative};
+    for ramp in [RampType::Trapezoid, RampType::Sigmoid, RampType::Parabolic] {
+        for (start_mode, periodic) in
+            [(Absolute, false), (Relative, false), (RampIn, false), (Absolute, true)]
+        {
+            let config = AxisConfig { ramp, jerk: 500.0, ..AxisConfig::default() };
+            let (mut axes, mut back) = ([config; 2].map(Rig::new), to(-30.0));
+            let table = CamTable { periodic, ..straight(100.0, 0.5) };
+            let mut block = cam_in(table, CamInput { start_mode, ..ramp_in(100.0, 50.0) });
+            let about = format!("{ramp:?}, {start_mode:?}, periodic {periodic}");
+            let mut ended = false;
+            loop {
+                let shown = follow(&mut axes, &mut back, &mut block);
+                assert!(shown.error.is_none(), "{about}: {shown:?}");
+                let output = block.running().expect("on the cam").coupling().output();
+                ended |= output.end_of_profile;
+                let [master, slave] = axes.each_ref().map(|rig| rig.axis.set_position());
+                // A periodic cam goes on by half the master's way; otherwise the slave is at rest.
+                let place = if periodic { 0.5 * master } else { 0.0 };
+                assert!((slave - place).abs() < 1e-9, "{about}: {slave}, not {place}");
+                if back.owner().is_none() {
+                    break;
+                }
+            }
+            assert!(ended, "{about}");
+        }
+    }
+}
+
+/// A master that was moving before counts where it is in the cycle of the edge: outside the cam it is refused (626).
+#[test]
+fn a_moving_master_is_where_it_is_at_the_edge() {
+    let (mut master, mut slave) = (linear(), linear());
+    let table = CamTable { periodic: false, ..straight(100.0, 0.5) };
+    let mut block = cam_in(table, CamInput::default());
+    master.calls(2, &mut to(-30.0));
+    let shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
+    assert_eq!(shown.error.map(SmcError::number), Some(626));
+}
+
+#[test]
+fn a_tappet_next_to_the_start_acts() {
+    let tappet =
+        |group, master| Tappet { group, master, passage: Passage::Positive, action: Action::On };
+    // From rest with 100 u/s² the master is at 0.005 u after a cycle of 10 ms.
+    let tappets = vec![tappet(1, 0.0), tappet(2, 0.004), tappet(3, 0.006)];
+    let table = cam(&[Knot::at_rest(0.0, 0.0), Knot::at_rest(100.0, 50.0)], tappets);
+    let (mut axes, mut lead) = ([linear(), linear()], to(30.0));
+    let (mut block, mut acted) = (cam_in(table, CamInput::default()), Vec::new());
+    for cycle in 0..3 {
+        follow(&mut axes, &mut lead, &mut block);
+        let coupling = block.running().expect("on the cam").coupling();
+        acted.extend(coupling.output().tappets.triggers().map(|trigger| (cycle, trigger.group)));
+        let stood: Vec<_> = coupling.stood_on().map(|tappet| tappet.group).collect();
+        assert_eq!(stood, [1], "the tappet at the start");
+    }
+    assert_eq!(acted, [(0, 2), (1, 3)]);
+}
+
+/// The steps of the velocity at an absolute change of cams and later, and the slave's place with the master at 90.
+fn changed(
+    rig: fn() -> Rig,
+    first: CamTable,
+    second: &CamTable,
+    slave_offset: f64,
+) -> ([f64; 2], f64) {
+    let (mut master, mut slave, mut lead) = (rotary(), rig(), endless(90.0));
+    let mut block = cam_in(first, CamInput::default());
+    let (mut change, mut largest, mut before, mut switched) = (0.0_f64, 0.0_f64, [0.0; 2], None);
+    for count in 0..600 {
+        master.call(&mut lead, true);
+        slave.cycle(|axis| {
+            block.follow(true, &master.axis, axis);
+            let ended = block.running().is_some_and(|run| run.coupling().output().end_of_profile);
+            if ended && switched.is_none() {
+                switched = Some(count);
+                block.follow(false, &master.axis, axis);
+                let input = CamInput { slave_offset, ..CamInput::default() };
+                block.inputs = CamIn { table: Some(second.clone()), input };
+                block.follow(true, &master.axis, axis);
+            }
+        });
+        let way = short(&slave.axis, slave.axis.set_position() - before[0]);
+        let step = (way - before[1]).abs() / CYCLE;
+        match switched {
+            Some(at) if at == count => change = step,
+            Some(_) => largest = largest.max(step),
+            None => {}
+        }
+        before = [slave.axis.set_position(), way];
+        if switched.is_some_and(|at| count > at + 10) && master.axis.set_position() >= 90.0 - 1e-9 {
+            break;
+        }
+    }
+    assert!(switched.is_some());
+    ([change, largest], before[0])
+}
+
+/// By the period of a rotary slave, or by `SlaveOffset`; otherwise it jumps (manual 4.6.2, 2b).
+#[test]
+fn an_absolute_change_of_cams_needs_the_slave_to_be_there() {
+    let once = |table: CamTable| CamTable { periodic: false, ..table };
+    // 0 to 360 in one turn of the master, and from there on the same again, a little differently.
+    let first = || once(straight(360.0, 1.0));
+    let knot = |x: f64, y: f64| Knot { velocity: 1.0, ..Knot::at_rest(x, y) };
+    let knots = [knot(0.0, 0.0), knot(180.0, 170.0), knot(360.0, 360.0)];
+    let second = once(cam(&knots, Vec::new()));
+    let expected = second.cam.curve().at(90.0).position;
+    // On a rotary slave 360 is 0, and with SlaveOffset a linear one goes on. The quintics bend by a few u/s a cycle at most.
+    for (rig, offset) in [(rotary as fn() -> Rig, 0.0), (linear, 360.0)] {
+        let ([change, after], place) = changed(rig, first(), &second, offset);
+        assert!(change < 1.0 && after < 1.0, "{change} {after}");
+        assert!((place - offset - expected).abs() < 1e-6, "{place} {expected}");
+    }
+    // A linear slave jumps back by 360 u in a cycle.
+    let ([change, _], place) = changed(linear, first(), &second, 0.0);
+    assert!((change - 360.0 / CYCLE).abs() < 1.0, "{change}");
+    assert!((place - expected).abs() < 1e-6, "{place}");
 }

@@ -1,7 +1,6 @@
 //! Tests of the auxiliary functions (manual 2.2.1) and of wrapping encoder counters (2.1.4), for any numbers.
 
-use super::rig::encoder;
-use crate::{Movement, atan2, fmod};
+use super::*;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
@@ -42,8 +41,7 @@ proptest! {
         prop_assert!((angle.cos() * factor - cosine).abs() < 1e-9);
     }
 
-    /// A counter of 12 bits that is read often enough gives the position of the axis however far it goes: a turn of 360 u
-    /// has 4096 increments.
+    /// By a counter of 12 bits, 4096 increments a turn, that is read often enough.
     #[test]
     fn a_walk_is_followed(steps in proptest::collection::vec(-2047_i64..2048, 1..200)) {
         let mut counter = encoder(Movement::Rotary { period: 360.0 }, 0x1000, [360, 4096]);

@@ -1,22 +1,8 @@
 //! Tests of direct set-points, diagnosis and virtual axes (manual 2.2.5–2.2.9).
 
-use super::rig::{CYCLE, Rig, encoder, endless, linear};
-use crate::{
-    Axis, AxisConfig, AxisState, Block, ControlAxis, ControlAxisBy, Encoder, Follow, Halt, Largest,
-    Movement, SmcError, TimeAxis, TrackingError, units,
-};
+use super::*;
 
 const ROTARY: Movement = Movement::Rotary { period: 360.0 };
-
-/// Watched set-points, with the same gap acceleration and deceleration.
-fn watched(setpoint: Follow, gap_velocity: f64, gap_acceleration: f64) -> ControlAxisBy {
-    let gap_deceleration = gap_acceleration;
-    ControlAxisBy { setpoint, avoid_gaps: true, gap_velocity, gap_acceleration, gap_deceleration }
-}
-
-pub(super) fn control_by_position(gap_velocity: f64) -> ControlAxis {
-    ControlAxis::new(watched(Follow::Position(0.0), gap_velocity, 80.0))
-}
 
 /// A cycle with another set-point: true while the interpolator has to wait.
 fn stops(rig: &mut Rig, block: &mut ControlAxis, setpoint: Follow) -> bool {
@@ -54,12 +40,10 @@ fn without_a_number_a_moving_axis_brakes() {
         let mut controlled = Block::new(watched(Follow::Velocity(0.0), 10.0, 100.0));
         let mut cycle = |rig: &mut Rig, setpoint| {
             (followed.inputs, controlled.inputs.setpoint) = (setpoint, setpoint);
-            let shown = if is_watched {
-                rig.call(&mut controlled, true)
-            } else {
-                rig.call(&mut followed, true)
+            let call = |axis: &mut Axis| {
+                if is_watched { controlled.call(true, axis) } else { followed.call(true, axis) }
             };
-            shown.error
+            rig.cycle(call).error
         };
         // At rest it just stays.
         assert_eq!(cycle(&mut rig, Follow::Position(f64::NAN)), None);
@@ -129,11 +113,11 @@ fn jumps_of_velocity_and_of_position_with_velocity_are_bridged() {
     }
 }
 
-/// A line of 10 u/s from rest is a step of 1000 u/s², ten times the limit of the axis, but not a jump: the manual watches
-/// the velocity.
+/// A line of 10 u/s from rest is a step of 1000 u/s², ten times the limit; the manual watches the velocity.
 #[test]
 fn a_step_of_the_velocity_is_no_jump_of_positions() {
-    let (mut rig, mut block) = (linear(), control_by_position(50.0));
+    let (mut rig, mut block) =
+        (linear(), ControlAxis::new(watched(Follow::Position(0.0), 50.0, 80.0)));
     assert!(!rig.cycle(|axis| block.call(true, axis)).stop_ipo);
     for index in 1..=50_u8 {
         let place = 10.0 * CYCLE * f64::from(index);
@@ -148,14 +132,13 @@ fn a_step_of_the_velocity_is_no_jump_of_positions() {
     assert!(stops(&mut rig, &mut block, Follow::Position(place + 2.001)));
 }
 
-/// A set-point that jumps by 20 u and moves on with 30 u/s, more than 80 u/s² for a cycle, although the block asks it to
-/// wait: the axis catches up and has its velocity then. Relative to it 20 u/s of the gap velocity are left: the axis gets
-/// from −30 u/s to 20 u/s relative to the set-point in 50/80 s (3.125 u further behind), and from 20 u/s to 0 in 0.25 s
-/// (2.5 u); between that are 20 + 3.125 − 2.5 u at 20 u/s. Backwards it is the same mirrored.
+/// Past a jump of 20 u to one with 30 u/s, 20 u/s of the gap velocity are left: from −30 u/s to 20 u/s relative to it in
+/// 50/80 s (3.125 u further behind), from 20 u/s to 0 in 0.25 s (2.5 u), and 20 + 3.125 − 2.5 u at 20 u/s between.
 #[test]
 fn a_bridge_meets_a_set_point_that_moves_on() {
     for sign in [1.0, -1.0] {
-        let (mut rig, mut block) = (linear(), control_by_position(20.0));
+        let (mut rig, mut block) =
+            (linear(), ControlAxis::new(watched(Follow::Position(0.0), 20.0, 80.0)));
         rig.cycle(|axis| block.call(true, axis));
         let (mut place, mut before, mut fastest) = (20.0, 0.0, 0.0_f64);
         let count = rig.until(|axis| {
@@ -235,14 +218,14 @@ fn the_time_is_an_axis() {
     let mut time = TimeAxis::new(0.1, None);
     time.call(false);
     assert_eq!(time.axis().set_position(), 0.0);
-    (0..=10).for_each(|_| _ = time.call(true));
+    (0..=10).for_each(|_| assert_eq!(time.call(true).set_acceleration(), 0.0));
     let near = |time: &TimeAxis, place: f64| (time.axis().set_position() - place).abs() < 1e-12;
     assert!(near(&time, 1.0));
-    // From 1 to 3 within 1 s: 2 s pass in it, and then 0.3 s each 0.1 s.
+    // From 1 to 3 within 1 s, 2 /s: 2 s pass in it, and then 0.3 s each 0.1 s.
     (time.time_override, time.ramp_in_time) = (3.0, 1.0);
-    (0..10).for_each(|_| _ = time.call(true));
+    (0..10).for_each(|_| assert!((time.call(true).set_acceleration() - 2.0).abs() < 1e-9));
     assert!(near(&time, 3.0));
-    time.call(true);
+    assert_eq!(time.call(true).set_acceleration(), 0.0);
     assert!(near(&time, 3.3));
     time.call(false);
     assert!(near(&time, 3.3) && time.axis().set_velocity() == 0.0);
@@ -252,15 +235,7 @@ fn the_time_is_an_axis() {
 
 /// A slave needs it for its own acceleration (y″·v² + y′·a).
 #[test]
-fn masters_without_a_drive_tell_their_acceleration() {
-    let mut time = TimeAxis::new(0.1, None);
-    assert_eq!(time.call(true).set_acceleration(), 0.0);
-    // From 1 to 3 within 1 s are 2 /s.
-    (time.time_override, time.ramp_in_time) = (3.0, 1.0);
-    for _ in 0..10 {
-        assert!((time.call(true).set_acceleration() - 2.0).abs() < 1e-9);
-    }
-    assert_eq!(time.call(true).set_acceleration(), 0.0);
+fn encoders_have_an_acceleration() {
     // Increments of ½·a·t² with 20 u a cycle²: 10, 40, 90, ... and none of it from the first value.
     let mut it = encoder(ROTARY, 0, [1, 1]);
     let seen = [100, 100, 110, 140, 190, 240, 240].map(|raw| {
@@ -282,24 +257,25 @@ fn masters_without_a_drive_tell_their_acceleration() {
 fn an_encoder_counts_over_its_end() {
     // 16 bit, a turn of 65536 increments.
     let mut it = encoder(ROTARY, 0x1_0000, [360, 65_536]);
-    let position = |axis: &Axis| axis.act_position();
-    assert!(it.call(0x8000, None).valid);
-    assert_eq!(position(it.axis()), 180.0);
-    it.call(0xC000, None);
-    it.call(0x0000, None);
-    assert_eq!(position(it.axis()), 0.0);
-    assert_eq!(it.axis().act_velocity(), 90.0 / CYCLE);
-    it.call(0xFFFF, None);
-    assert!((position(it.axis()) - (360.0 - 360.0 / 65_536.0)).abs() < 1e-9);
-    it.call(0x0000, Some(10.0));
-    assert_eq!(position(it.axis()), 10.0, "bSet");
-    it.call(0x4000, None);
-    assert_eq!(position(it.axis()), 100.0);
-    // 32 bit.
+    let end = 360.0 - 360.0 / 65_536.0;
+    for (raw, set, place, way) in [
+        (0x8000, None, 180.0, 0.0),
+        (0xC000, None, 270.0, 90.0),
+        (0x0000, None, 0.0, 90.0),
+        (0xFFFF, None, end, end - 360.0),
+        // bSet.
+        (0x0000, Some(10.0), 10.0, 360.0 - end),
+        (0x4000, None, 100.0, 90.0),
+    ] {
+        assert!(it.call(raw, set).valid);
+        let shown = (it.axis().act_position(), it.axis().act_velocity());
+        assert_eq!(shown, (place, way / CYCLE), "{raw}");
+    }
+    // 32 bit: two back from 1.
     let mut it = encoder(ROTARY, 0, [1, 1]);
     it.call(1, None);
     it.call(u32::MAX, None);
-    assert_eq!(position(it.axis()), 359.0, "two back from 1");
+    assert_eq!(it.axis().act_position(), 359.0);
     assert_eq!(units(-65_536, [360, 65_536]), -360.0);
 }
 
@@ -314,4 +290,34 @@ fn encoders_refuse_a_denominator_of_0_and_blocks() {
     assert_eq!(it.axis().error_id(), None);
     it.call(7, None);
     assert_eq!(it.axis().error_id(), Some(10));
+    let mut encoder = encoder(Movement::Linear, 0, [1, 1]);
+    assert!(encoder.call(3, None).valid);
+    // Blocks take axes with power only; here the encoder has it by mistake.
+    encoder.axis_mut().values.regulator_real_state = true;
+    encoder.axis_mut().values.drive_start_real_state = true;
+    endless(1.0).call(true, encoder.axis_mut());
+    let shown = encoder.call(4, None);
+    assert!(!shown.valid);
+    assert_eq!(shown.error, Some(SmcError::EncAxisusedbyotherfb));
+    assert_eq!(encoder.axis().act_position(), 3.0);
+}
+
+#[test]
+fn a_control_block_is_enabled_anew_while_another_one_moves_the_axis() {
+    let mut rig = linear();
+    let mut control = ControlAxis::new(watched(Follow::Position(0.0), 0.0, 80.0));
+    let mut move_away = to(50.0);
+    rig.cycle(|axis| control.call(true, axis));
+    rig.run(5, |axis| (move_away.call(true, axis), control.call(true, axis)));
+    let mut shown = |rig: &mut Rig, enable| {
+        rig.cycle(|axis| (control.call(enable, axis), move_away.call(true, axis)).0)
+    };
+    assert!(shown(&mut rig, true).command_aborted);
+    assert!(rig.axis.set_velocity() > 0.0);
+    assert_eq!(shown(&mut rig, false), ControlOutputs::default());
+    // The edge takes the axis, in motion, and bridges to its set-point.
+    let taken = shown(&mut rig, true);
+    assert!(!taken.command_aborted && taken.stop_ipo, "{taken:?}");
+    assert_eq!(rig.axis.state(), AxisState::SynchronizedMotion);
+    assert!(rig.axis.owner() != 0 && rig.axis.error_id().is_none());
 }

@@ -1,11 +1,6 @@
 //! Examples of the manual (11.2–11.5), cycle by cycle.
 
-use super::rig::{CYCLE, Rig, cam, cam_in, endless, linear, ramp_in, rotary};
-use crate::{
-    Axis, AxisConfig, AxisState, Block, Direction, MoveAbsolute, Movement, Power, TimeAxis,
-    VirtualDrive, units,
-};
-use twin_cam::{Action, Knot, Passage, Tappet, TappetValue};
+use super::*;
 
 fn absolute(position: f64, direction: Direction) -> Block<MoveAbsolute> {
     let (velocity, acceleration, deceleration) = (100.0, 100.0, 100.0);
@@ -114,8 +109,7 @@ fn move_velocity_and_move_absolute_in_turn() {
     }
 }
 
-/// 11.5: a virtual time axis of 10 s leads a linear drive through a periodic cam; its inverting tappet switches every
-/// 10 s.
+/// 11.5: the time axis of 10 s leads a linear drive through a periodic cam with an inverting tappet.
 #[test]
 fn a_cam_over_a_virtual_time_axis() {
     let knots = [Knot::at_rest(0.0, 0.0), Knot::at_rest(4.0, 100.0), Knot::at_rest(10.0, 0.0)];

@@ -1,7 +1,6 @@
 //! Tests of the block framework: Execute, Done, `CommandAborted`, Error and the owner (manual 5.2).
 
-use super::rig::{Rig, by, endless, home, linear, on_top, stop, to};
-use crate::{AxisConfig, AxisState, Block, Halt, Outputs, Reset, SmcError};
+use super::*;
 
 #[test]
 fn done_stays_while_execute_does() {
@@ -9,14 +8,12 @@ fn done_stays_while_execute_does() {
     // 1 u under 10 u/s and 100 u/s²: 0.1 s up and 0.1 s down, 20 cycles.
     assert_eq!(rig.done(&mut block), 20);
     assert_eq!(rig.axis.set_position(), 1.0);
-    let shown = [true, true, false, false].map(|execute| rig.call(&mut block, execute));
-    assert_eq!(shown.map(|shown| shown.done), [true, true, false, false]);
-    assert_eq!(shown.map(|shown| shown.busy), [false; 4]);
-}
-
-#[test]
-fn done_shows_for_one_cycle_if_execute_fell_earlier() {
-    let (mut rig, mut block) = (linear(), to(1.0));
+    for execute in [true, true, false, false] {
+        let shown = rig.call(&mut block, execute);
+        assert_eq!((shown.done, shown.busy), (execute, false));
+    }
+    // For one cycle if Execute fell earlier.
+    block.inputs.position = 0.0;
     rig.call(&mut block, true);
     assert_eq!(rig.until(|axis| block.call(false, axis).done), 19);
     assert!(!rig.call(&mut block, false).done);
@@ -56,11 +53,8 @@ fn a_new_block_takes_the_axis_and_the_old_one_is_aborted() {
     rig.done(&mut second);
     assert_eq!(rig.axis.set_position(), -1.0);
     assert_eq!((rig.axis.owner(), rig.axis.state()), (0, AxisState::Standstill));
-}
-
-#[test]
-fn aborted_shows_for_one_cycle_if_execute_fell_earlier() {
-    let (mut rig, mut first, mut second) = (linear(), to(100.0), to(-1.0));
+    // For one cycle if Execute fell earlier.
+    rig.call(&mut second, false);
     rig.call(&mut first, true);
     rig.call(&mut first, false);
     rig.call(&mut second, true);
@@ -112,32 +106,27 @@ fn a_block_may_begin_in_the_cycle_another_ends() {
 
 #[test]
 fn a_stop_cannot_be_interrupted_and_locks_the_axis() {
-    let (mut rig, mut moving, mut other) = (linear(), endless(10.0), to(3.0));
-    let (mut first, mut second) = (stop(50.0), stop(50.0));
+    let (mut rig, mut moving, mut other, mut held) = (linear(), endless(10.0), to(3.0), stop(50.0));
     rig.calls(20, &mut moving);
-    rig.call(&mut first, true);
-    let shown = rig
-        .cycle(|axis| [moving.call(false, axis), first.call(true, axis), other.call(true, axis)]);
+    rig.call(&mut held, true);
+    let shown =
+        rig.cycle(|axis| [moving.call(false, axis), held.call(true, axis), other.call(true, axis)]);
     assert_eq!(shown.map(|shown| shown.command_aborted), [true, false, true]);
-    let shown = rig.cycle(|axis| [first.call(true, axis), second.call(true, axis)]);
+    let shown = rig.cycle(|axis| [held.call(true, axis), stop(50.0).call(true, axis)]);
     assert_eq!(shown[1].error, Some(SmcError::MsUnknownStoppingError));
     // 10 u/s with 50 u/s²: 20 cycles, three of which have passed.
-    assert_eq!(rig.done(&mut first), 17);
+    assert_eq!(rig.done(&mut held), 17);
     assert_eq!(rig.axis.state(), AxisState::Stopping);
-    let shown = rig.cycle(|axis| [first.call(true, axis), to(3.0).call(true, axis)]);
+    let shown = rig.cycle(|axis| [held.call(true, axis), to(3.0).call(true, axis)]);
     assert!(shown[0].done && shown[1].command_aborted);
-    rig.call(&mut first, false);
+    rig.call(&mut held, false);
     assert_eq!(rig.axis.state(), AxisState::Standstill);
     rig.until(|axis| other.call(false, axis).command_aborted || other.call(true, axis).done);
     assert_eq!(rig.axis.set_position(), 3.0);
-}
-
-#[test]
-fn a_stop_whose_execute_fell_frees_the_axis_when_it_stands() {
-    let (mut rig, mut stop) = (linear(), stop(100.0));
+    // If Execute fell earlier, the axis is free as soon as it is at rest.
     rig.calls(20, &mut to(100.0));
-    rig.call(&mut stop, true);
-    rig.until(|axis| stop.call(false, axis).done);
+    rig.call(&mut held, true);
+    rig.until(|axis| held.call(false, axis).done);
     assert_eq!(rig.axis.state(), AxisState::Standstill);
 }
 
@@ -170,8 +159,7 @@ fn a_halt_may_be_aborted() {
     assert_eq!((rig.axis.state(), rig.axis.set_velocity()), (AxisState::Standstill, 0.0));
 }
 
-/// A new edge ends the motion of the block (manual 5.2 b). With invalid inputs nothing begins: the axis brakes in
-/// errorstop with the error of the block. An edge of another block ends nothing.
+/// Manual 5.2 b; an edge of another block ends nothing.
 #[test]
 fn a_new_edge_with_invalid_inputs_ends_the_motion_with_its_error() {
     let (mut rig, mut endless, mut other) = (linear(), endless(10.0), by(1.0));
@@ -218,16 +206,57 @@ fn nobody_is_left_with_an_axis_that_nothing_moves() {
     assert_eq!((rig.axis.state(), rig.axis.error_id()), (AxisState::ErrorStop, Some(276)));
 }
 
-/// A homing that is begun again goes on to its end.
+/// A block that gets another axis, on which another block has the same owner number, takes nothing from that block.
 #[test]
-fn homing_can_be_begun_again() {
-    let (mut rig, mut home) = (linear(), home(3.0, 0.0));
-    rig.call(&mut home, true);
-    rig.call(&mut home, false);
-    let count = rig.until(|axis| {
-        let shown = home.call(true, axis);
-        assert_eq!((shown.error, shown.command_aborted), (None, false), "{shown:?}");
-        shown.done
-    });
-    assert!(count < 100 && rig.axis.set_position() == 3.0, "{count}");
+fn a_new_edge_on_another_axis_takes_nothing_from_a_stop() {
+    let rig = |drive_id| Rig::new(AxisConfig { drive_id, ..AxisConfig::default() });
+    let (mut one, mut other, mut block, mut stop) = (rig(1), rig(2), to(10.0), stop(50.0));
+    one.call(&mut block, true);
+    other.call(&mut stop, true);
+    assert_eq!(one.axis.owner(), other.axis.owner());
+    other.cycle(|axis| [stop.call(true, axis), block.call(false, axis)]);
+    let [_, shown] = other.cycle(|axis| [stop.call(true, axis), block.call(true, axis)]);
+    assert!(shown.command_aborted && !shown.busy, "{shown:?}");
+    assert_eq!(other.axis.state(), AxisState::Stopping);
+    // A superimposed motion likewise: error 32.
+    let (mut on_top, mut third) = (on_top(5.0, 1.0, 10.0), rig(3));
+    one.call(&mut on_top, true);
+    let shown = third.call(&mut on_top, true);
+    assert_eq!(shown.error, Some(SmcError::AxisRefChangedDuringOperation));
+}
+
+/// Also a block that goes on from the last set-point (`Execute` wired to `Done`).
+#[test]
+fn what_begins_at_the_end_of_a_move_leaves_it_at_its_target() {
+    for ramp in [RampType::Trapezoid, RampType::Sigmoid, RampType::Parabolic] {
+        for kind in 0..3 {
+            let config = AxisConfig { ramp, jerk: 900.0, ..AxisConfig::default() };
+            let (mut axes, mut first) = ([linear(), Rig::new(config)], to(7.3));
+            let mut gear = gear(1, 1);
+            let mut in_pos = in_pos([1, 1], [50.0, 200.0], 20.0);
+            let mut phasing = phasing(0.0, 10.0, 50.0);
+            let mut ended = false;
+            for _ in 0..300 {
+                pair(
+                    &mut axes,
+                    |_| (),
+                    |master, axis| {
+                        ended |= first.call(true, axis).done;
+                        match kind {
+                            0 => gear.follow(ended, master, axis),
+                            1 => in_pos.follow(ended, master, axis),
+                            _ => phasing.follow(ended, master, axis),
+                        }
+                    },
+                );
+                let slave = &axes[1].axis;
+                if ended {
+                    assert_eq!(slave.set_position(), 7.3, "{ramp:?} {kind}");
+                    assert_eq!(slave.set_velocity(), 0.0, "{ramp:?} {kind}");
+                    assert_eq!(slave.state(), AxisState::SynchronizedMotion);
+                }
+            }
+            assert!(ended);
+        }
+    }
 }

@@ -1,8 +1,6 @@
 //! Tests of homing by the drive (manual 5.3).
 
-use super::rig::{CYCLE, Rig, home, linear};
-use crate::{AxisConfig, AxisState, Block, Home, Homing, SmcError};
-use twin_profile::RampType;
+use super::*;
 
 /// A drive that reports its reference, 5 u, while it still goes back with 10 u/s.
 fn found_in_motion(rig: &mut Rig, home: &mut Block<Home>) {
@@ -64,4 +62,63 @@ fn stopping_behind_homing_without_a_deceleration_is_173() {
         rig.done(&mut home(5.0, deceleration));
         assert_eq!(rig.axis.set_position(), 5.0);
     }
+}
+
+#[test]
+fn the_drive_homes_itself() {
+    let (mut rig, mut homing) = (linear().at(3.0), home(-7.0, 0.0));
+    rig.call(&mut homing, true);
+    assert_eq!((rig.axis.state(), rig.axis.home), (AxisState::Homing, Some(-7.0)));
+    // Begun again it goes on to its end.
+    rig.call(&mut homing, false);
+    let count = rig.until(|axis| {
+        let shown = homing.call(true, axis);
+        assert_eq!((shown.error, shown.command_aborted), (None, false), "{shown:?}");
+        shown.done
+    });
+    assert!(count < 100, "{count}");
+    assert_eq!((rig.axis.set_position(), rig.axis.act_position()), (-7.0, -7.0));
+    assert_eq!(rig.axis.home, None);
+    // Not from motion.
+    let mut moving = endless(5.0);
+    rig.call(&mut moving, true);
+    let shown = rig.cycle(|axis| [moving.call(true, axis), home(0.0, 0.0).call(true, axis)]);
+    assert_eq!(shown[1].error, Some(SmcError::HAxisWasntStandstill));
+}
+
+/// By the drive's answers: the number of calls, the error of the block, and that of the axis.
+#[test]
+fn a_drive_that_does_not_home_is_an_error() {
+    type Answer = fn(&mut Feedback);
+    let rows: [(&str, Answer, u32, SmcError, i64); 4] = [
+        ("idle", |it| it.homing = Homing::Idle, 101, SmcError::HAxisDidntStartHoming, 171),
+        ("no stop", |it| it.homing = Homing::StopFailed, 2, SmcError::HErrorWhenStopping, 173),
+        ("silence", |it| it.communicating = false, 2, SmcError::HAxisDidntAnswer, 1),
+        ("an error", |it| it.error = Some(9), 2, SmcError::DiGeneralCommunicationError, 9),
+    ];
+    for (name, answer, calls, error, of_axis) in rows {
+        let (mut rig, mut block) = (linear(), home(5.0, 0.0));
+        let (count, shown) = rig.fails(&mut block, |rig| {
+            rig.drive.feedback_mut().homing = Homing::Busy;
+            answer(rig.drive.feedback_mut());
+        });
+        assert_eq!((count, shown.error), (calls, Some(error)), "{name}");
+        let state = (rig.axis.state(), rig.axis.error_id());
+        assert_eq!(state, (AxisState::ErrorStop, Some(of_axis)), "{name}");
+    }
+}
+
+#[test]
+fn homing_that_is_left_off_does_not_go_back() {
+    let mut rig = linear();
+    rig.drive.feedback_mut().position = 33.0;
+    for power in [false, true] {
+        rig.power.regulator_on = power;
+        rig.run(2, |_| ());
+    }
+    rig.call(&mut home(5.0, 0.0), true);
+    // The drive counts from its reference by now: 33 is 5. The program does not call the block any more.
+    rig.cycle(|_| ());
+    assert_eq!((rig.axis.state(), rig.axis.error_id()), (AxisState::ErrorStop, Some(30)));
+    assert_eq!((rig.axis.set_position(), rig.drive.feedback().position), (5.0, 5.0));
 }

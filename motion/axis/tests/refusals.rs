@@ -1,11 +1,6 @@
 //! Tests of the errors that blocks show for wrong inputs, by the manual's numbers (9.3).
 
-use super::rig::{add, by, cam_in, endless_in, gear, linear, on_top, phasing, ramp_in, straight};
-use crate::{
-    Axis, Block, CamIn, Direction, GearIn, Halt, Master, Motion, MoveAdditive,
-    MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative, Outputs, Phasing, SmcError, Stop,
-};
-use twin_cam::CamInput;
+use super::*;
 
 /// A call of a block with Execute, a master and its axis, both at rest at 0.
 type Call = Box<dyn Fn(&Axis, &mut Axis) -> Outputs>;
@@ -72,6 +67,10 @@ fn every_block_refuses_wrong_inputs_with_its_own_number() {
         let shown = rig.cycle(|axis| call(&master.axis, axis));
         assert_eq!(shown.error.map(SmcError::number), Some(number));
     }
+    let movement = Movement::Rotary { period: 0.0 };
+    let master = Rig::new(AxisConfig { movement, ..AxisConfig::default() });
+    let shown = rig.cycle(|axis| phasing(1.0, 1.0, 1.0).follow(true, &master.axis, axis));
+    assert_eq!(shown.error, Some(SmcError::PhRotaryaxisPeriod0));
     // The current direction is one.
     assert_eq!(rig.call(&mut endless_in(Direction::Current, 10.0), true).error, None);
 }

@@ -1,8 +1,6 @@
 //! Tests of axis states, power and errors.
 
-use super::invariants::is_arrow;
-use super::rig::{CYCLE, Rig, endless, linear, stop};
-use crate::{Axis, AxisConfig, AxisState, Movement, Power, SmcError, VirtualDrive};
+use super::*;
 
 /// The diagram is that of the invariants, which has every state of every block sequence.
 #[test]
@@ -37,14 +35,10 @@ fn power_comes_and_goes() {
         drive.follow(&axis.end_cycle());
     }
     assert_eq!(axis.set_position(), 7.0, "the set position is the actual one");
-}
-
-#[test]
-fn an_axis_without_a_cycle_time_gets_no_power() {
+    // Not without a cycle time.
     let mut axis = Axis::new(AxisConfig { cycle: 0.0, ..AxisConfig::default() });
-    let shown = Power { regulator_on: true, drive_start: true }.call(true, &mut axis);
+    let shown = on.call(true, &mut axis);
     assert_eq!(shown.error, Some(SmcError::PFtaskcycleEmpty));
-    assert_eq!(shown.error.map(SmcError::number), Some(110));
 }
 
 #[test]
@@ -57,10 +51,7 @@ fn without_power_or_with_the_brake_on_nothing_moves() {
         assert_eq!(shown.error, Some(SmcError::RegulatorOrStartNotSet));
         assert_eq!((rig.axis.state(), rig.axis.set_velocity()), (AxisState::PowerOff, 0.0));
     }
-}
-
-#[test]
-fn losing_power_ends_the_motion_with_20() {
+    // Lost in motion.
     let (mut rig, mut block) = (linear(), endless(10.0));
     rig.calls(30, &mut block);
     rig.power.regulator_on = false;
@@ -107,10 +98,68 @@ fn leaving_the_software_limits_is_an_error_10() {
 }
 
 #[test]
-fn the_drives_own_error_stops_the_axis() {
+fn a_reset_leaves_errorstop_when_the_axis_rests() {
+    let (mut rig, mut reset) = (linear(), Reset::default());
+    assert_eq!(rig.call(&mut reset, true).error, Some(SmcError::RNoErrorToReset));
+    rig.call(&mut reset, false);
+    rig.calls(20, &mut endless(10.0));
+    rig.cycle(|_| ());
+    assert_eq!(rig.axis.state(), AxisState::ErrorStop);
+    // 10 u/s with 100 u/s²: ten cycles, the first of which has passed.
+    assert_eq!(rig.done(&mut reset), 10);
+    assert_eq!((rig.axis.state(), rig.axis.error_id()), (AxisState::Standstill, None));
+    rig.done(&mut to(20.0));
+}
+
+#[test]
+fn the_drives_own_error_stops_the_axis_and_a_reset_waits_for_it() {
+    let keeps = |rig: &mut Rig| rig.drive.feedback_mut().error = Some(4711);
     let mut rig = linear();
-    rig.drive.feedback_mut().error = Some(4711);
+    keeps(&mut rig);
     rig.cycle(|_| ());
     assert_eq!((rig.axis.state(), rig.axis.error_id()), (AxisState::ErrorStop, Some(4711)));
     assert_eq!(rig.call(&mut stop(10.0), true).error, Some(SmcError::MsAxisInErrorstop));
+    // The virtual drive clears its error at a reset.
+    rig.done(&mut Reset::default());
+    assert_eq!(rig.axis.state(), AxisState::Standstill);
+    // A drive that keeps its error.
+    keeps(&mut rig);
+    rig.cycle(|_| ());
+    keeps(&mut rig);
+    let (_, shown) = rig.fails(&mut Reset::default(), keeps);
+    assert_eq!(shown.error, Some(SmcError::RDriveDoesntAnswer));
+}
+
+#[test]
+fn a_drive_that_falls_silent_is_an_error_1_and_a_reset_waits_for_it() {
+    let (mut rig, mut block) = (linear(), endless(10.0));
+    rig.calls(20, &mut block);
+    rig.drive.feedback_mut().communicating = false;
+    let shown = rig.call(&mut block, true);
+    assert_eq!(shown.error, Some(SmcError::DiGeneralCommunicationError));
+    assert_eq!((rig.axis.state(), rig.axis.error_id()), (AxisState::ErrorStop, Some(1)));
+    assert!(!rig.axis.values.communication);
+    let mut reset = Reset::default();
+    let (cycles, shown) = rig.fails(&mut reset, |_| ());
+    assert_eq!(shown.error, Some(SmcError::RDriveDoesntAnswerInTime));
+    assert!(f64::from(cycles) * CYCLE > 1.0, "it waits a second");
+    rig.drive.feedback_mut().communicating = true;
+    rig.call(&mut reset, false);
+    rig.done(&mut reset);
+    assert_eq!(rig.axis.state(), AxisState::Standstill);
+}
+
+#[test]
+fn an_error_that_cannot_be_reset_is_122() {
+    let (mut rig, mut reset) = (linear(), Reset::default());
+    let feedback = rig.drive.feedback_mut();
+    (feedback.error, feedback.resettable) = (Some(9), false);
+    rig.cycle(|_| ());
+    assert_eq!(rig.axis.error_id(), Some(9));
+    assert_eq!(rig.call(&mut reset, true).error, Some(SmcError::RErrorNotResettable));
+    assert_eq!(rig.axis.state(), AxisState::ErrorStop);
+    // The drive has been repaired.
+    rig.drive.feedback_mut().error = None;
+    rig.call(&mut reset, false);
+    rig.done(&mut reset);
 }

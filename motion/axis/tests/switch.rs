@@ -1,8 +1,7 @@
 //! Tests of cam switches along an axis (manual 5.5).
 
-use super::rig::{CYCLE, Rig, endless, linear, rotary, short};
+use super::*;
 use crate::SwitchDirection::{Both, Negative, Positive};
-use crate::{Block, CamSwitch, DigitalCamSwitch, Follow, SwitchDirection, TappetMode, Track};
 
 fn range(first_on: f64, last_on: f64) -> CamSwitch {
     CamSwitch { track: 1, first_on, last_on, direction: Both, duration: None }
@@ -280,8 +279,7 @@ fn both_ways(on_compensation: f64, off_compensation: f64) -> Track {
     Track { on_compensation, off_compensation, hysteresis: 1.0 }
 }
 
-/// A hysteresis keeps an output from switching on and off while an axis oscillates: where the outputs for both directions,
-/// forwards and backwards, with a range from 100 to 200, change along a way.
+/// Changes of the outputs for both directions, forwards and backwards along a way, with a range from 100 to 200.
 #[test]
 fn a_hysteresis_takes_jitter_for_no_turn() {
     let on = |place: f64| (place, true);
@@ -351,7 +349,6 @@ fn a_hysteresis_takes_jitter_for_no_turn() {
     assert_eq!(without(&by_quarters(&[90.0, 110.0, 109.0, 112.0, 90.0, 93.0])), turns);
 }
 
-/// Turning and jittering over the end of the period is the same as elsewhere.
 #[test]
 fn a_switch_turns_over_the_end_of_the_period() {
     for (start, end) in [(350.0, 20.0), (20.0, 50.0)] {
@@ -371,14 +368,13 @@ fn a_switch_turns_over_the_end_of_the_period() {
     }
 }
 
-/// A switch enabled at rest takes the direction of the last motion; motion within the hysteresis does not change it, and a
-/// switch for both directions does not wait for that.
+/// Motion within the hysteresis does not change it; a switch for both directions does not wait for it.
 #[test]
 fn a_switch_that_is_enabled_at_rest_knows_the_direction_of_the_last_motion() {
     for (velocity, expected) in [(50.0, [true, true, false]), (-50.0, [true, false, true])] {
         for (direction, expected) in [Both, Positive, Negative].into_iter().zip(expected) {
             let (mut rig, mut go) = (linear(), endless(velocity));
-            let mut halt = Block::new(crate::Halt { deceleration: 100.0 });
+            let mut halt = Block::new(Halt { deceleration: 100.0 });
             rig.calls(100, &mut go);
             rig.until(|axis| [go.call(true, axis), halt.call(true, axis)][1].done);
             let switch = CamSwitch { direction, ..range(-500.0, 500.0) };

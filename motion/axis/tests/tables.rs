@@ -1,12 +1,6 @@
 //! Tests of motion through the points of a table (manual 5.3).
 
-use super::invariants::Random;
-use super::rig::{CYCLE, linear, rotary, short};
-use crate::{
-    AccelerationProfile, Axis, AxisState, Block, Outputs, Points, PositionProfile, SmcError,
-    VelocityProfile,
-};
-use twin_profile::ProfilePoint;
+use super::*;
 
 fn points(points: &[(f64, f64)]) -> Points {
     let point = |&(delta_time, value): &(f64, f64)| ProfilePoint { delta_time, value };
@@ -80,12 +74,11 @@ fn profiles_that_cancel_out_end_at_rest() {
     }
 }
 
-/// Positions of a rotary axis: a hair before the end of its period counts as 0, and a first point without time gives the
-/// period that is meant.
+/// A hair before the end of the period counts as 0; a first point without time gives the period that is meant.
 #[test]
 fn a_profile_of_a_rotary_axis_begins_where_it_stands() {
     let hair = 360.0 - 6e-14;
-    for (place, pairs, way) in [
+    for (place, pairs, expected) in [
         (hair, &[(1.0, 10.0)][..], 10.0),
         (hair, &[(0.0, 0.0), (1.0, 10.0)], 10.0),
         (hair, &[(0.0, 360.0), (1.0, 350.0)], -10.0),
@@ -95,25 +88,18 @@ fn a_profile_of_a_rotary_axis_begins_where_it_stands() {
         (350.0, &[(0.0, -10.0), (1.0, 10.0)], 20.0),
     ] {
         let (mut rig, mut block) = (rotary().at(place), positions(pairs));
-        let (mut travelled, mut last) = (0.0, rig.axis.total().position);
-        rig.until(|axis| {
-            let done = block.call(true, axis).done;
-            travelled += short(axis, axis.total().position - last);
-            last = axis.total().position;
-            done
-        });
-        assert!((travelled - way).abs() < 1e-9, "{place} {pairs:?}: {travelled}");
+        let [way, _] = way(&mut rig, |axis| block.call(true, axis).done);
+        assert!((way - expected).abs() < 1e-9, "{place} {pairs:?}: {way}");
     }
 }
 
 /// One point is enough; a point without time only gives the begin of the motion.
 #[test]
 fn tables_of_one_point() {
-    let (mut rig, mut block, mut fastest) = (linear(), positions(&[(2.0, 8.0)]), 0.0_f64);
-    let count = rig.until(|axis| {
-        let done = block.call(true, axis).done;
-        fastest = fastest.max(axis.set_velocity());
-        done
+    let (mut rig, mut block, mut count) = (linear(), positions(&[(2.0, 8.0)]), 0);
+    let [_, fastest] = way(&mut rig, |axis| {
+        count += 1;
+        block.call(true, axis).done
     });
     // A cubic between rests: 3/2 of the mean velocity in the middle.
     assert_eq!((count, rig.axis.set_position()), (200, 8.0));
@@ -151,13 +137,11 @@ fn tables_that_are_none_are_refused() {
         (points(&[(1.0, 1.0); 101]), sizes),
         (points(&[(1.0, 10.0), (0.0, 20.0)]), steps),
     ] {
-        let shown = rig.cycle(|axis| {
-            [
-                Block::new(PositionProfile(table.clone())).call(true, axis).error,
-                Block::new(VelocityProfile(table.clone())).call(true, axis).error,
-                Block::new(AccelerationProfile(table.clone())).call(true, axis).error,
-            ]
-        });
+        let shown = [
+            rig.call(&mut Block::new(PositionProfile(table.clone())), true).error,
+            rig.call(&mut Block::new(VelocityProfile(table.clone())), true).error,
+            rig.call(&mut Block::new(AccelerationProfile(table.clone())), true).error,
+        ];
         assert_eq!(shown, expected.map(Some), "{table:?}");
     }
 }

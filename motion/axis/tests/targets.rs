@@ -1,21 +1,6 @@
 //! Tests of moves to positions and by distances.
 
-use super::rig::{Rig, add, by, endless, linear, on_top, rotary, short, to};
-use crate::{AxisConfig, Block, Direction, MoveAbsolute, MoveRelative, Points, PositionProfile};
-use twin_profile::{ProfilePoint, RampType};
-
-/// The way until `blocks` returns true, turns counted, u.
-fn way(rig: &mut Rig, mut blocks: impl FnMut(&mut crate::Axis) -> bool) -> f64 {
-    let (mut way, mut before) = (0.0, rig.axis.set_position());
-    rig.until(|axis| {
-        let done = blocks(axis);
-        way += short(axis, axis.set_position() - before);
-        before = axis.set_position();
-        assert!((0.0..360.0).contains(&before));
-        done
-    });
-    way
-}
+use super::*;
 
 #[test]
 fn a_rotary_axis_goes_the_way_it_is_told() {
@@ -30,7 +15,7 @@ fn a_rotary_axis_goes_the_way_it_is_told() {
         let (mut rig, mut block) = (rotary().at(350.0), to(10.0));
         assert_eq!(rig.axis.set_position(), 350.0);
         block.inputs.direction = direction;
-        let way = way(&mut rig, |axis| block.call(true, axis).done);
+        let [way, _] = way(&mut rig, |axis| block.call(true, axis).done);
         assert_eq!(rig.axis.set_position(), 10.0);
         assert!((way - expected).abs() < 1e-6, "{direction:?}: {way}");
     }
@@ -63,18 +48,19 @@ fn an_additive_move_adds_to_the_pending_target() {
     // At a standstill it counts from the axis's position, and forward.
     rig.done(&mut add(5.0));
     assert!((rig.axis.set_position() - 20.0).abs() < 1e-12);
-}
-
-#[test]
-fn an_additive_move_of_a_rotary_axis_adds_across_the_period() {
+    // In continuous motion, too: 10 u/s under 100 u/s².
+    assert_eq!(rig.done(&mut endless(-10.0)), 10);
+    let here = rig.axis.set_position();
+    rig.done(&mut add(-5.0));
+    assert!((rig.axis.set_position() - (here - 5.0)).abs() < 1e-9);
+    // Across the period of a rotary axis.
     let mut rig = rotary().at(355.0);
     rig.calls(50, &mut to(5.0));
     rig.done(&mut add(4.0));
     assert!((rig.axis.set_position() - 9.0).abs() < 1e-9, "{}", rig.axis.set_position());
 }
 
-/// The part of a superimposed motion that is done counts for the target; the rest of it ends with that motion (manual
-/// 5.3). For a superimposed motion alone the target is its own.
+/// The part of it that is done; the rest ends with that motion (manual 5.3).
 #[test]
 fn an_additive_move_counts_what_a_motion_on_top_has_added() {
     for (distance, whole) in [(10.0, true), (60.0, false)] {
@@ -106,13 +92,12 @@ fn an_additive_move_counts_what_a_motion_on_top_has_added() {
     assert!((rig.axis.set_position() - 27.0).abs() < 1e-9);
 }
 
-/// Two blocks in one cycle, on an axis that has made many turns: the second one adds to the first one's target.
 #[test]
 fn an_additive_move_adds_to_a_target_of_the_same_cycle() {
     let mut rig = rotary();
     rig.done(&mut Block::new(MoveRelative { velocity: 100.0, ..by(2_000.0).inputs }));
     let (mut first, mut more) = (to(rig.axis.set_position() + 90.0), add(10.0));
-    let way = way(&mut rig, |axis| [first.call(true, axis), more.call(true, axis)][1].done);
+    let [way, _] = way(&mut rig, |axis| [first.call(true, axis), more.call(true, axis)][1].done);
     assert!((way - 100.0).abs() < 1e-6, "{way}");
 }
 
@@ -140,8 +125,7 @@ fn a_rotary_axis_that_moves_goes_the_way_it_is_told() {
     }
 }
 
-/// Execute falls and rises from cycle to cycle: the move takes as long as if it had begun once, because it takes the least
-/// time from every state on the way.
+/// Execute falls and rises from cycle to cycle; the least time is taken from every state on the way.
 #[test]
 fn a_move_that_is_begun_anew_all_the_time_arrives_as_soon() {
     for ramp in [RampType::Trapezoid, RampType::Parabolic] {
@@ -167,22 +151,99 @@ fn a_table_of_positions_goes_over_the_end_of_the_period() {
     rig.until(|axis| [there.call(true, axis), turning.call(true, axis)][0].done);
     let point = ProfilePoint { delta_time: 2.0, value: 370.0 };
     let mut table = Block::new(PositionProfile(Points::new(vec![point])));
-    let mut fastest = 0.0_f64;
-    rig.until(|axis| {
-        let shown = table.call(true, axis);
-        fastest = fastest.max(axis.set_velocity().abs());
-        shown.done
-    });
+    let [_, fastest] = way(&mut rig, |axis| table.call(true, axis).done);
     assert!((rig.axis.set_position() - 10.0).abs() < 1e-9, "{}", rig.axis.set_position());
     // 20 u in 2 s by a cubic between rests: 3/2 of the mean velocity.
     assert!((fastest - 15.0).abs() < 1e-9, "{fastest}");
 }
 
 #[test]
-fn in_continuous_motion_an_additive_move_counts_from_here() {
-    let mut rig = linear();
-    assert_eq!(rig.done(&mut endless(-10.0)), 10, "10 u/s under 100 u/s²");
-    let here = rig.axis.set_position();
-    rig.done(&mut add(-5.0));
-    assert!((rig.axis.set_position() - (here - 5.0)).abs() < 1e-9);
+fn a_superimposed_distance_adds_to_the_motion_below() {
+    let (mut rig, mut below, mut on_top) = (linear(), to(20.0), on_top(3.0, 5.0, 100.0));
+    rig.calls(20, &mut below);
+    let [_, fastest] = way(&mut rig, |axis| {
+        let (lower, upper) = (below.call(true, axis), on_top.call(true, axis));
+        assert!(!lower.command_aborted && lower.error.is_none() && !upper.command_aborted);
+        upper.done
+    });
+    assert!((fastest - 15.0).abs() < 1e-9, "{fastest}");
+    rig.until(|axis| [below.call(true, axis), on_top.call(true, axis)][0].done);
+    assert_eq!(rig.axis.set_position(), 23.0);
+    assert_eq!(rig.axis.state(), AxisState::Standstill);
+}
+
+#[test]
+fn a_superimposed_motion_outlives_one_that_ends_and_dies_with_one_that_is_aborted() {
+    let (mut rig, mut below, mut above) = (linear(), to(1.0), on_top(5.0, 2.0, 100.0));
+    rig.cycle(|axis| (below.call(true, axis), above.call(true, axis)));
+    rig.until(|axis| [below.call(true, axis), above.call(true, axis)][0].done);
+    assert_eq!(rig.axis.state(), AxisState::DiscreteMotion, "still moving");
+    rig.done(&mut above);
+    assert!((rig.axis.set_position() - 6.0).abs() < 1e-12);
+    assert_eq!(rig.axis.state(), AxisState::Standstill);
+
+    let (mut below, mut above, mut other) = (to(50.0), on_top(5.0, 2.0, 100.0), to(0.0));
+    rig.run(20, |axis| (below.call(true, axis), above.call(true, axis)));
+    let velocity = rig.axis.set_velocity();
+    let shown = rig.cycle(|axis| {
+        other.call(true, axis);
+        [below.call(true, axis), above.call(true, axis)]
+    });
+    assert_eq!(shown.map(|shown| shown.command_aborted), [true, true]);
+    assert!((velocity - rig.axis.set_velocity() - 1.0).abs() < 1e-9, "it brakes from both");
+    rig.done(&mut other);
+    assert_eq!(rig.axis.set_position(), 0.0);
+}
+
+#[test]
+fn a_continuous_move_has_its_end_velocity_at_the_position() {
+    for (end_velocity, end_velocity_direction, expected) in [
+        (4.0, Direction::Positive, 4.0),
+        (4.0, Direction::Negative, -4.0),
+        (0.0, Direction::Current, 0.0),
+    ] {
+        let inputs = MoveContinuousAbsolute {
+            position: 5.0,
+            velocity: 10.0,
+            end_velocity,
+            end_velocity_direction,
+            acceleration: 100.0,
+            deceleration: 100.0,
+            direction: Direction::Shortest,
+        };
+        let (mut rig, mut block) = (linear(), Block::new(inputs));
+        rig.done(&mut block);
+        assert_eq!(rig.axis.set_velocity(), expected);
+        assert_eq!(rig.axis.state(), AxisState::ContinuousMotion);
+        // Within a cycle after the position, and on with the velocity.
+        let past = (rig.axis.set_position() - 5.0) * expected.signum();
+        assert!((-1e-9..=end_velocity * CYCLE + 1e-9).contains(&past), "{past}");
+        let before = rig.axis.set_position();
+        assert!(rig.call(&mut block, true).done);
+        assert!((rig.axis.set_position() - before - expected * CYCLE).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn shifting_the_zero_moves_no_axis() {
+    let (mut rig, mut block) = (linear(), to(10.0));
+    rig.calls(50, &mut block);
+    let (position, velocity) = (rig.axis.set_position(), rig.axis.set_velocity());
+    let driven = rig.drive.feedback().position;
+    rig.axis.shift_zero(100.0, true).expect("a number");
+    assert!((rig.axis.set_position() - position - 100.0).abs() < 1e-12);
+    rig.call(&mut block, true);
+    assert!((rig.drive.feedback().position - driven - velocity * CYCLE).abs() < 1e-9);
+    rig.done(&mut block);
+    assert!((rig.axis.set_position() - 110.0).abs() < 1e-9, "the target moves with the zero");
+    assert_eq!(rig.drive.feedback().position, 10.0);
+    rig.axis.shift_zero(-2.0, false).expect("a number");
+    assert_eq!(rig.axis.set_position(), -2.0);
+    rig.cycle(|_| ());
+    assert_eq!(rig.axis.act_position(), -2.0);
+    // The method and the block both refuse a position that is not a number.
+    assert_eq!(rig.axis.shift_zero(f64::NAN, false), Err(SmcError::WpParamInvalid));
+    let shown = rig.call(&mut home(f64::NAN, 0.0), true);
+    assert_eq!(shown.error, Some(SmcError::WpParamInvalid));
+    assert_eq!(rig.axis.state(), AxisState::Standstill);
 }

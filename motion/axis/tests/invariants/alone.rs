@@ -1,14 +1,6 @@
 //! Random moves of a single axis, and superimposed motion.
 
-use super::called::{Called, limited, own};
-use super::checker::Limits;
-use super::random::Random;
-use super::{FASTEST, STEEPEST};
-use crate::tests::rig;
-use crate::{
-    Axis, Halt, MoveAbsolute, MoveAdditive, MoveContinuousAbsolute, MoveContinuousRelative,
-    MoveRelative, MoveSuperImposed, MoveVelocity, Outputs, Stop, SuperImposed,
-};
+use super::*;
 
 pub(super) fn rate(random: &mut Random) -> f64 {
     if random.one_in(50) { 0.0 } else { random.between(0.2 * STEEPEST, STEEPEST) }
@@ -89,12 +81,12 @@ pub(super) fn continued() -> Vec<Box<dyn Called>> {
 }
 
 /// Superimposed motion.
-pub(super) struct OnTop {
+struct OnTop {
     block: SuperImposed,
     /// Limits at its begin.
-    taken: Limits,
+    taken: AxisLimits,
     execute: bool,
-    /// Factor of its real limits; 1 without a planted fault.
+    /// Factor of its real limits.
     more: f64,
 }
 
@@ -103,7 +95,7 @@ impl Called for OnTop {
         let inputs = self.block.inputs;
         if execute && !self.execute {
             let MoveSuperImposed { velocity_diff, acceleration, deceleration, .. } = inputs;
-            self.taken = Limits::new(velocity_diff, acceleration, deceleration);
+            self.taken = limits(velocity_diff, acceleration, deceleration);
         }
         self.execute = execute;
         self.block.inputs.velocity_diff *= self.more;
@@ -113,7 +105,7 @@ impl Called for OnTop {
         shown
     }
 
-    fn on_top(&self) -> Option<Limits> {
+    fn on_top(&self) -> Option<AxisLimits> {
         Some(self.taken)
     }
 
@@ -129,12 +121,8 @@ impl Called for OnTop {
     }
 }
 
-pub(super) fn on_top() -> Box<dyn Called> {
-    hasty_on_top(1.0)
-}
-
-/// A superimposed motion with a planted factor of its limits.
+/// A superimposed motion with a factor of its limits, which is a planted fault but for 1.
 pub(super) fn hasty_on_top(more: f64) -> Box<dyn Called> {
-    let taken = Limits::new(1.0, 1.0, 1.0);
-    Box::new(OnTop { block: rig::on_top(1.0, 1.0, 1.0), taken, execute: false, more })
+    let taken = limits(1.0, 1.0, 1.0);
+    Box::new(OnTop { block: on_top(1.0, 1.0, 1.0), taken, execute: false, more })
 }

@@ -1,31 +1,21 @@
 //! Interface from the checker to the blocks: their calls, and the promise of each.
 
-use super::checker::{Limits, Promise};
-use super::random::Random;
-use super::{alone, coupled, direct, homed, others, tables};
-use crate::{Axis, Block, Master, Motion, Outputs};
+use super::*;
 use std::any::type_name;
-use twin_profile::State;
 
 /// A block that can be called.
 pub(super) trait Called {
-    fn call(
-        &mut self,
-        execute: bool,
-        random: &mut Random,
-        axis: &mut Axis,
-        master: &Axis,
-    ) -> Outputs;
+    fn call(&mut self, execute: bool, random: &mut Random, axis: &mut Axis, lead: &Axis)
+    -> Outputs;
 
     /// Checks its additional invariants after a call.
-    fn watch(&mut self, _shown: Outputs, _axis: &Axis, _master: &Axis) -> Result<(), String> {
+    fn watch(&mut self, _shown: Outputs, _axis: &Axis, _lead: &Axis) -> Result<(), String> {
         Ok(())
     }
 
     /// Other inputs, now and then wrong ones.
-    fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis);
+    fn change(&mut self, random: &mut Random, axis: &Axis, lead: &Axis);
 
-    /// Its name.
     fn name(&self) -> &'static str {
         type_name::<Self>()
     }
@@ -40,14 +30,10 @@ pub(super) trait Called {
         0
     }
 
-    /// Whether it never ends, never fails, and is never aborted.
+    /// Whether it never ends, never is aborted, and never fails.
     fn exceptions(&self) -> [bool; 3] {
-        let name = self.name();
-        [
-            name.contains("Follow") || name.contains("ControlAxis"),
-            name.contains("Probe") || name.contains("Mode"),
-            ["Stop", "Hom", "Mode", "Write"].iter().any(|it| name.contains(it)),
-        ]
+        [&["Follow", "ControlAxis"][..], &["Stop", "Home"], &["Probe"]]
+            .map(|names| names.iter().any(|it| self.name().contains(it)))
     }
 
     /// Its promise while it moves the axis.
@@ -56,54 +42,14 @@ pub(super) trait Called {
     }
 
     /// Its limits while it moves on top of another block.
-    fn on_top(&self) -> Option<Limits> {
+    fn on_top(&self) -> Option<AxisLimits> {
         None
     }
 }
 
-/// Passes methods of [`Called`] on to a field.
-macro_rules! passes_on {
-    ($field:tt: $($method:ident)*) => {
-        $(passes_on! { @$method $field })*
-    };
-    (@call $field:tt) => {
-        fn call(
-            &mut self,
-            execute: bool,
-            random: &mut Random,
-            axis: &mut Axis,
-            master: &Axis,
-        ) -> Outputs {
-            self.$field.call(execute, random, axis, master)
-        }
-    };
-    (@change $field:tt) => {
-        fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis) {
-            self.$field.change(random, axis, master);
-        }
-    };
-    (@name $field:tt) => {
-        fn name(&self) -> &'static str {
-            self.$field.name()
-        }
-    };
-    (@owner $field:tt) => {
-        fn owner(&self) -> i64 {
-            self.$field.owner()
-        }
-    };
-    (@promise $field:tt) => {
-        fn promise(&self) -> Promise {
-            self.$field.promise()
-        }
-    };
-}
-
-pub(super) use passes_on;
-
 /// Further input of a block, from the master.
 pub(super) trait Take {
-    fn take(master: &Axis) -> Self;
+    fn take(lead: &Axis) -> Self;
 }
 
 impl Take for () {
@@ -111,22 +57,46 @@ impl Take for () {
 }
 
 impl Take for Master {
-    fn take(master: &Axis) -> Self {
-        Self::of(master)
+    fn take(lead: &Axis) -> Self {
+        Self::of(lead)
     }
 }
 
-/// A [`Block`], how its inputs are chosen, and how those that count every cycle change.
-pub(super) struct Moving<M: Motion> {
-    pub(super) block: Block<M>,
-    promise: Keeps<M>,
-    /// Inputs at its start.
-    pub(super) taken: M,
-    begun: Begun,
-    inputs: fn(&mut Random, &Axis, &Axis) -> M,
-    live: Live<M>,
-    execute: bool,
-    fault: Fault<M>,
+/// Additional invariants of a block for its inputs at its start.
+pub(super) trait Watch<M: Motion> {
+    fn see(
+        &mut self,
+        block: &Block<M>,
+        taken: &M,
+        shown: Outputs,
+        axes: [&Axis; 2],
+    ) -> Result<(), String>;
+
+    /// The block's promise, if it is not that of its inputs.
+    fn promise(&self) -> Option<Promise> {
+        None
+    }
+}
+
+impl<M: Motion> Watch<M> for () {
+    fn see(&mut self, _: &Block<M>, _: &M, _: Outputs, _: [&Axis; 2]) -> Result<(), String> {
+        Ok(())
+    }
+}
+
+/// Planted fault in the ownership of the axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Owning {
+    /// It commands the axis when another one has it: to where that has it.
+    Usurps,
+    /// The same, and it says that it is that one.
+    Masked,
+    /// It only says so.
+    Claims,
+    /// It does not notice that it has lost the axis.
+    Deaf,
+    /// There are two of it.
+    Two,
 }
 
 /// A planted fault of a block: how it does other than it was asked. None by default.
@@ -137,11 +107,12 @@ pub(super) struct Fault<M: Motion> {
     pub(super) jerk: f64,
     /// Another set-point.
     pub(super) setpoint: fn(&M::Run, &mut State),
+    pub(super) owning: Option<Owning>,
 }
 
 impl<M: Motion> Default for Fault<M> {
     fn default() -> Self {
-        Self { inputs: |_| (), jerk: 1.0, setpoint: |_, _| () }
+        Self { inputs: |_| (), jerk: 1.0, setpoint: |_, _| (), owning: None }
     }
 }
 
@@ -159,22 +130,41 @@ pub(super) struct Begun {
 /// Promise of a block for these inputs.
 pub(super) type Keeps<M> = fn(&M, &Begun) -> Promise;
 
+/// Choice of inputs, for an axis and its master.
+type Inputs<M> = fn(&mut Random, &Axis, &Axis) -> M;
+
 /// Change of inputs that count every cycle; the state is the axis's in the last cycle.
 type Live<M> = fn(&mut M, &mut Random, &Axis, State);
 
-impl<M: Motion> Moving<M> {
-    pub(super) fn with(self, fault: Fault<M>) -> Self {
-        Self { fault, ..self }
+/// A [`Block`], how its inputs are chosen, and how those that count every cycle change.
+pub(super) struct Moving<M: Motion, W> {
+    block: Block<M>,
+    promise: Keeps<M>,
+    /// Inputs at its start.
+    taken: M,
+    begun: Begun,
+    inputs: Inputs<M>,
+    live: Live<M>,
+    execute: bool,
+    fault: Fault<M>,
+    /// Who else it says it is.
+    mask: Option<i64>,
+    watch: W,
+}
+
+impl<M: Motion, W> Moving<M, W> {
+    pub(super) fn living(self, live: Live<M>) -> Box<Self> {
+        Box::new(Self { live, ..self })
     }
 }
 
-impl<M: Motion<With: Take> + Clone> Called for Moving<M> {
+impl<M: Motion<With: Take> + Clone, W: Watch<M>> Called for Moving<M, W> {
     fn call(
         &mut self,
         execute: bool,
         random: &mut Random,
         axis: &mut Axis,
-        master: &Axis,
+        lead: &Axis,
     ) -> Outputs {
         let rises = execute && !self.execute;
         self.execute = execute;
@@ -188,9 +178,10 @@ impl<M: Motion<With: Take> + Clone> Called for Moving<M> {
             self.begun = Begun { from: axis.start().state, ..Begun::default() };
         }
         let (asked, jerk) = (self.block.inputs.clone(), axis.values.max_jerk);
+        let twin = self.fault.owning.map(|owning| (owning, self.block.clone()));
         (self.fault.inputs)(&mut self.block.inputs);
         axis.values.max_jerk *= self.fault.jerk;
-        let shown = self.block.call_with(execute, axis, M::With::take(master));
+        let mut shown = self.block.call_with(execute, axis, M::With::take(lead));
         (self.block.inputs, axis.values.max_jerk) = (asked, jerk);
         let before = axis.base;
         if let Some(run) = self.block.running() {
@@ -200,11 +191,30 @@ impl<M: Motion<With: Take> + Clone> Called for Moving<M> {
             axis.show_set_values();
         }
         self.begun.done |= shown.done;
+        let Some((owning, mut twin)) = twin else { return shown };
+        let (mine, owner) = (self.block.owner(), axis.owner());
+        let others = execute && owner != 0 && mine != Some(owner);
+        let masks = matches!(owning, Owning::Masked | Owning::Claims);
+        self.mask = (others && masks).then_some(owner);
+        match owning {
+            Owning::Usurps | Owning::Masked if others => axis.drive_to(axis.base),
+            Owning::Deaf if shown.command_aborted && axis.state().is_motion() => {
+                (shown.command_aborted, shown.busy) = (false, true);
+            }
+            Owning::Two if mine.is_some() && twin.owner() == mine => {
+                twin.call_with(execute, axis, M::With::take(lead));
+            }
+            _ => {}
+        }
         shown
     }
 
-    fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis) {
-        self.block.inputs = (self.inputs)(random, axis, master);
+    fn watch(&mut self, shown: Outputs, axis: &Axis, lead: &Axis) -> Result<(), String> {
+        self.watch.see(&self.block, &self.taken, shown, [axis, lead])
+    }
+
+    fn change(&mut self, random: &mut Random, axis: &Axis, lead: &Axis) {
+        self.block.inputs = (self.inputs)(random, axis, lead);
     }
 
     fn name(&self) -> &'static str {
@@ -212,46 +222,39 @@ impl<M: Motion<With: Take> + Clone> Called for Moving<M> {
     }
 
     fn owner(&self) -> i64 {
-        self.block.owner().unwrap_or_default()
+        self.mask.or(self.block.owner()).unwrap_or_default()
     }
 
     fn promise(&self) -> Promise {
-        (self.promise)(&self.taken, &self.begun)
+        self.watch.promise().unwrap_or_else(|| (self.promise)(&self.taken, &self.begun))
     }
 }
 
 /// A block with a promise, whose inputs are taken over at the rising edge.
+pub(super) fn moving<M: Motion<With: Take> + Clone, W>(
+    promise: Keeps<M>,
+    inputs: Inputs<M>,
+    fault: Fault<M>,
+    watch: W,
+) -> Moving<M, W> {
+    let nowhere = Axis::new(AxisConfig::default());
+    let block = Block::new(inputs(&mut Random(1), &nowhere, &nowhere));
+    let (taken, begun) = (block.inputs.clone(), Begun::default());
+    let (live, execute, mask): (Live<M>, _, _) = (|_, _, _, _| (), false, None);
+    Moving { block, promise, taken, begun, inputs, live, execute, fault, mask, watch }
+}
+
+/// The same without a fault and without additional invariants.
 pub(super) fn limited<M: Motion<With: Take> + Clone + 'static>(
     promise: Keeps<M>,
-    inputs: fn(&mut Random, &Axis, &Axis) -> M,
+    inputs: Inputs<M>,
 ) -> Box<dyn Called> {
-    any(promise, inputs, |_, _, _, _| ())
-}
-
-pub(super) fn any<M: Motion<With: Take> + Clone + 'static>(
-    promise: Keeps<M>,
-    inputs: fn(&mut Random, &Axis, &Axis) -> M,
-    live: Live<M>,
-) -> Box<dyn Called> {
-    Box::new(moving(promise, inputs, live))
-}
-
-pub(super) fn moving<M: Motion<With: Take> + Clone>(
-    promise: Keeps<M>,
-    inputs: fn(&mut Random, &Axis, &Axis) -> M,
-    live: Live<M>,
-) -> Moving<M> {
-    let nowhere = Axis::new(crate::AxisConfig::default());
-    let block = Block::new(inputs(&mut Random(1), &nowhere, &nowhere));
-    let taken = block.inputs.clone();
-    let begun = Begun::default();
-    let fault = Fault::default();
-    Moving { block, promise, taken, begun, inputs, live, execute: false, fault }
+    Box::new(moving(promise, inputs, Fault::default(), ()))
 }
 
 /// The block's own velocity, acceleration and deceleration.
 pub(super) fn own(velocity: f64, acceleration: f64, deceleration: f64) -> Promise {
-    Promise::Limits(Limits::new(velocity, acceleration, deceleration))
+    Promise::Limits(limits(velocity, acceleration, deceleration))
 }
 
 /// All blocks; the superimposed motion is called last, as in the manual.
@@ -261,15 +264,14 @@ pub(super) fn all() -> Vec<Box<dyn Called>> {
     blocks.extend(tables::all());
     blocks.extend(coupled::all());
     blocks.extend(direct::all());
-    blocks.extend(homed::all());
     blocks.extend(others::all());
-    blocks.push(alone::on_top());
+    blocks.push(alone::hasty_on_top(1.0));
     blocks
 }
 
 /// Moves of the axis alone.
 pub(super) fn single() -> Vec<Box<dyn Called>> {
     let mut blocks = alone::moves();
-    blocks.push(alone::on_top());
+    blocks.push(alone::hasty_on_top(1.0));
     blocks
 }

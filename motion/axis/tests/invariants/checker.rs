@@ -1,11 +1,7 @@
 //! Checker of the invariants, cycle after cycle, for any sequence of block calls.
 
-use super::legal::{self, Keeper};
-use super::{FASTEST, JERK, STEEPEST};
-use crate::tests::rig::CYCLE;
-use crate::{Axis, AxisState, Outputs};
+use super::*;
 use std::cmp::Ordering;
-use twin_profile::{RampType, State};
 
 /// One begun execution of a block, from its edge on.
 #[derive(Clone, Copy, Debug, Default)]
@@ -19,7 +15,7 @@ struct Tally {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Promise {
     /// The block's own limits, once it has come back to them.
-    Limits(Limits),
+    Limits(AxisLimits),
     /// That position and velocity belong together, with so much acceleration, u/s².
     Smooth(f64),
     /// The same, and on axes with limited jerk so much of it, u/s³; whether the slave steps with the master's zero.
@@ -34,29 +30,14 @@ pub(super) enum Promise {
     Nothing,
 }
 
-/// Limits given to a block.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Limits {
-    /// u/s.
-    pub(super) velocity: f64,
-    /// Largest growth of the speed, u/s².
-    pub(super) acceleration: f64,
-    /// Largest fall of the speed, u/s².
-    pub(super) deceleration: f64,
-    /// Of ramps with limited jerk, u/s³.
-    pub(super) jerk: f64,
-}
-
-impl Limits {
-    /// With the jerk of the axis.
-    pub(super) const fn new(velocity: f64, acceleration: f64, deceleration: f64) -> Self {
-        Self { velocity, acceleration, deceleration, jerk: JERK }
-    }
+/// Limits of a block, with the jerk of the axis.
+pub(super) const fn limits(velocity: f64, acceleration: f64, deceleration: f64) -> AxisLimits {
+    AxisLimits { velocity, acceleration, deceleration, jerk: JERK }
 }
 
 impl Promise {
     /// Of an axis that brakes by itself, or that nothing moves.
-    pub(super) const USUAL: Self = Self::Limits(Limits::new(0.5 * FASTEST, STEEPEST, STEEPEST));
+    pub(super) const USUAL: Self = Self::Limits(limits(0.5 * FASTEST, STEEPEST, STEEPEST));
 }
 
 /// Checker with the last cycle and the unfinished executions of blocks.
@@ -135,17 +116,14 @@ impl Checker {
         shown: Outputs,
     ) -> Result<(), String> {
         let tally = &mut self.tallies[index];
-        let shows = [shown.done, shown.command_aborted, shown.error.is_some()];
+        let (shows, before) = (ends(shown), ends(tally.before));
         if shows.iter().filter(|it| **it).count() > 1 {
             return Err(format!("block {index} shows {shown:?} at once"));
         }
         if rising {
             *tally = Tally { open: true, ..Tally::default() };
         }
-        let came = (shown.done && (rising || !tally.before.done))
-            || (shown.command_aborted && (rising || !tally.before.command_aborted))
-            || (shown.error.is_some() && (rising || tally.before.error.is_none()));
-        if came {
+        if shows.iter().zip(before).any(|(shows, before)| *shows && (rising || !before)) {
             if !tally.open {
                 return Err(format!("block {index} ends twice: {shown:?}"));
             }
@@ -218,7 +196,7 @@ impl Checker {
         axis: &Axis,
         owners: &[i64],
         promise: Promise,
-        on_top: &Limits,
+        on_top: &AxisLimits,
         followed: f64,
     ) -> Result<(), String> {
         self.commanders = [None, None];
@@ -246,7 +224,7 @@ impl Checker {
         &mut self,
         axis: &Axis,
         promise: Promise,
-        above: &Limits,
+        above: &AxisLimits,
         followed: f64,
     ) -> Result<(), String> {
         let wrapped = axis.set_position();
@@ -263,11 +241,9 @@ impl Checker {
         let way = position - before;
         // Of the turns of a rotary axis the one that the velocities say: a fast one makes more than half of one in a cycle.
         let mean = 0.5 * (velocity + v0) * CYCLE;
-        let way =
-            axis.period().map_or(way, |period| way - period * ((way - mean) / period).round());
-        let off = (way - mean).abs();
+        let off = short(axis, way - mean).abs();
         let change = (velocity - v0).abs();
-        if !axis.is_powered() || promise == Promise::Nothing {
+        if !axis.is_powered() {
             return Ok(());
         }
         let limited = axis.ramp() != RampType::Trapezoid;
@@ -276,56 +252,45 @@ impl Checker {
         } else {
             0.0
         };
-        let rate = match promise {
-            Promise::Smooth(rate) | Promise::OnCam { rate, .. } => rate,
-            Promise::Limits(_) | Promise::Nothing => 0.0,
+        let (base, before) = (axis.base, axis.saved_base);
+        // The most that may be asked for, and the parts of it by which a way and a velocity may be off.
+        let (most, [of_way, of_velocity]) = match promise {
+            Promise::Nothing => return Ok(()),
+            Promise::Smooth(rate) | Promise::OnCam { rate, .. } => {
+                if base.acceleration.abs() > rate * (1.0 + 1e-9) + followed + 1e-6 {
+                    return Err(format!("{acceleration} u/s², allowed {rate} u/s²"));
+                }
+                if let (Promise::OnCam { jerk, .. }, true) = (promise, limited) {
+                    step(before.acceleration, base.acceleration, jerk)?;
+                }
+                // Half as much again for what the master's cycles round.
+                (rate + on_top + followed, [0.75, 1.5])
+            }
+            Promise::Limits(limits) => {
+                // Beyond the limits it first comes back to them; in errorstop it brakes both motions together.
+                let from = if axis.braking.is_some() { axis.saved } else { before };
+                within(from, base, &limits, limited)?;
+                if axis.overlay_moved {
+                    within(self.overlay, axis.overlay, above, limited)
+                        .map_err(|what| format!("{what} on top"))?;
+                }
+                let steep = limits.acceleration.max(limits.deceleration);
+                ((steep + on_top).max(a0.abs()), [0.25, 1.0 + 1e-9])
+            }
         };
-        let Promise::Limits(limits) = promise else {
-            // What the block may ask for, and half as much for what the master's cycles round.
-            let steepest = rate + on_top + followed;
-            if axis.base.acceleration.abs() > rate * (1.0 + 1e-9) + followed + 1e-6 {
-                return Err(format!("{acceleration} u/s², allowed {rate} u/s²"));
-            }
-            if off > 0.75 * steepest * CYCLE * CYCLE + 1e-9 {
-                return Err(format!("a way of {way} with {velocity} after {v0} u/s"));
-            }
-            if change > 1.5 * steepest * CYCLE + 1e-9 {
-                return Err(format!("{velocity} after {v0} u/s with {acceleration} after {a0}"));
-            }
-            if let Promise::OnCam { jerk, .. } = promise
-                && limited
-            {
-                let from = axis.saved_base.acceleration;
-                step(from, axis.base.acceleration, jerk)?;
-            }
-            return Ok(());
-        };
-        // Beyond the limits it first comes back to them; an acceleration takes its time under limited jerk.
-        let (base, overlay) = (axis.base, axis.overlay);
-        // An axis in errorstop brakes both together.
-        let stopping = axis.braking.is_some();
-        let from = if stopping { axis.saved } else { axis.saved_base };
-        within(from, base, &limits, limited)?;
-        if axis.overlay_moved {
-            within(self.overlay, overlay, above, limited)
-                .map_err(|what| format!("{what} on top"))?;
-        }
-        let steep = limits.acceleration.max(limits.deceleration);
-        // Both together from here on.
-        let rate = (steep + on_top).max(a0.abs());
         // No step of the position: the way is the mean velocity's, but for what the rate can add.
-        if off > 0.25 * rate * CYCLE * CYCLE + 1e-9 {
-            return Err(format!("a way of {way} with {velocity} after {v0} u/s"));
+        if off > of_way * most * CYCLE * CYCLE + 1e-9 {
+            return Err(format!("a way {off} off, with {velocity} after {v0} u/s"));
         }
-        if change > rate * CYCLE * (1.0 + 1e-9) + 1e-9 {
-            return Err(format!("{velocity} after {v0} u/s, allowed {rate} u/s²"));
+        if change > of_velocity * most * CYCLE + 1e-9 {
+            return Err(format!("{velocity} after {v0} u/s, allowed {most} u/s²"));
         }
         Ok(())
     }
 }
 
 /// The limits are kept, once a motion has come back to them: an acceleration takes its time under limited jerk.
-fn within(from: State, now: State, limits: &Limits, limited: bool) -> Result<(), String> {
+fn within(from: State, now: State, limits: &AxisLimits, limited: bool) -> Result<(), String> {
     let settling = 0.5 * from.acceleration * from.acceleration / JERK;
     let settling = if limited { settling } else { 0.0 };
     let fastest = limits.velocity.max(from.velocity.abs() + settling);

@@ -1,17 +1,10 @@
 //! Random slaves: gears and cams behind a master.
 
-use super::alone::{rate, speed, way};
-use super::called::{Begun, Called, Fault, limited, moving, own};
-use super::checker::{Limits, Promise};
 use super::in_pos::InPos;
-use super::on_cam::{self, OnCam};
-use super::random::Random;
-use super::{JERK, STEEPEST};
-use crate::{Axis, CamIn, Decouple, GearIn, GearInPos, Phasing};
-use std::sync::Arc;
-use twin_cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
+use super::on_cam::OnCam;
+use super::*;
 
-/// Behind a master that does at most 10 u/s and 60 u/s², with half the jerk.
+/// Behind a [`Lead`].
 pub(super) fn all() -> Vec<Box<dyn Called>> {
     vec![
         limited(
@@ -41,7 +34,12 @@ pub(super) fn all() -> Vec<Box<dyn Called>> {
                 let rate = it.acceleration.max(it.deceleration) + 60.0;
                 let velocity = it.velocity + 10.0;
                 let jerk = 1.5 * JERK;
-                Promise::Limits(Limits { velocity, acceleration: rate, deceleration: rate, jerk })
+                Promise::Limits(AxisLimits {
+                    velocity,
+                    acceleration: rate,
+                    deceleration: rate,
+                    jerk,
+                })
             },
             |random, _, _| Phasing {
                 phase_shift: way(random),
@@ -60,16 +58,14 @@ pub(super) fn all() -> Vec<Box<dyn Called>> {
 }
 
 pub(super) fn gear_in_pos(fault: Fault<GearInPos>) -> Box<dyn Called> {
-    let moving = moving(|_, _| Promise::Nothing, gear, |_, _, _, _| ());
-    Box::new(InPos::new(moving.with(fault)))
+    // Until it is coupled its motion goes on.
+    Box::new(moving(|_, _| own(0.0, 0.0, 0.0), gear, fault, InPos::default()))
 }
 
 pub(super) fn cam_in(fault: Fault<CamIn>) -> Box<dyn Called> {
-    let inputs = |random: &mut Random, _: &Axis, _: &Axis| CamIn {
-        table: cam(random),
-        input: cam_input(random),
-    };
-    Box::new(OnCam::new(moving(on_cam, inputs, |_, _, _, _| ()).with(fault)))
+    let inputs =
+        |random: &mut _, _: &_, _: &_| CamIn { table: table(random), input: cam_input(random) };
+    Box::new(moving(on_cam, inputs, fault, OnCam::new()))
 }
 
 /// A gear with a place, ahead of the master.
@@ -96,15 +92,14 @@ fn on_cam(it: &CamIn, begun: &Begun) -> Promise {
     Promise::OnCam { rate, jerk: JERK + 1762.0, steps }
 }
 
-fn cam(random: &mut Random) -> Option<CamTable> {
-    let knots =
-        vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(40.0, way(random)), Knot::at_rest(90.0, 0.0)];
-    let cam = Cam::new("cam", Shape::Polynomial(knots), on_cam::tappets(random)).unwrap();
+fn table(random: &mut Random) -> Option<CamTable> {
+    let knots = [(0.0, 0.0), (40.0, way(random)), (90.0, 0.0)].map(|(x, y)| Knot::at_rest(x, y));
+    let table = cam(&knots, on_cam::tappets(random));
     let table = CamTable {
         periodic: random.one_in(2),
         master_absolute: random.one_in(2),
         slave_absolute: random.one_in(2),
-        ..CamTable::new(Arc::new(cam))
+        ..table
     };
     (!random.one_in(20)).then_some(table)
 }

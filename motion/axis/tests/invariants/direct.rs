@@ -1,20 +1,12 @@
 //! Random set-points from the program: small steps for blocks without supervision, jumps for blocks with it.
 
-use super::alone::{rate, way};
-use super::called::{Begun, Called, Fault, Moving, any, moving, passes_on};
-use super::checker::{Limits, Promise};
-use super::random::Random;
-use super::{CYCLE, FASTEST, STEEPEST};
-use crate::{Axis, ControlAxisBy, Follow, Outputs};
-use twin_profile::State;
+use super::*;
 
-/// Set-points without supervision: the axis has each of them in its cycle.
-pub(super) struct Walking(Moving<Follow>);
+/// Watch over set-points without supervision: the axis has each of them in its cycle.
+struct Walk;
 
-impl Walking {
-    pub(super) fn new(fault: Fault<Follow>) -> Self {
-        Self(moving(walked, |random, _, _| kind(random), walk).with(fault))
-    }
+pub(super) fn walking(fault: Fault<Follow>) -> Box<dyn Called> {
+    moving(walked, |random, _, _| kind(random), fault, Walk).living(walk)
 }
 
 /// The steps of the walk; a faster start returns to the walk's velocities at once.
@@ -41,16 +33,20 @@ fn kind(random: &mut Random) -> Follow {
     random.one_of(&kinds)
 }
 
-impl Called for Walking {
-    passes_on!(0: call change name owner promise);
-
-    fn watch(&mut self, shown: Outputs, axis: &Axis, _: &Axis) -> Result<(), String> {
+impl Watch<Follow> for Walk {
+    fn see(
+        &mut self,
+        block: &Block<Follow>,
+        _: &Follow,
+        shown: Outputs,
+        [axis, _]: [&Axis; 2],
+    ) -> Result<(), String> {
         if !shown.busy {
             return Ok(());
         }
         let (before, now) = (axis.saved_base, axis.base);
         let mean = 0.5 * (before.velocity + now.velocity);
-        let given = self.0.block.inputs;
+        let given = block.inputs;
         let (place, velocity) = match given {
             Follow::Position(place) => (place, (now.position - before.position) / CYCLE),
             Follow::Velocity(velocity) => {
@@ -59,7 +55,7 @@ impl Called for Walking {
             Follow::PositionVelocity(place, velocity) => (place, velocity),
         };
         let off = axis.in_program(now.position) - axis.in_program(axis.to_drive(place));
-        let off = axis.period().map_or(off, |period| off - period * (off / period).round());
+        let off = short(axis, off);
         let gained = (velocity - before.velocity) / CYCLE;
         if off.abs() > 1e-9
             || (now.velocity - velocity).abs() > 1e-9
@@ -72,34 +68,35 @@ impl Called for Walking {
 }
 
 pub(super) fn all() -> Vec<Box<dyn Called>> {
-    vec![
-        Box::new(Walking::new(Fault::default())),
-        any(
-            // Set-points of the program have no jerk.
-            |_, _| {
-                let limits = Limits::new(FASTEST, STEEPEST, STEEPEST);
-                Promise::Limits(Limits { jerk: f64::INFINITY, ..limits })
-            },
-            |random, _, _| ControlAxisBy {
-                setpoint: kind(random),
-                avoid_gaps: true,
-                gap_velocity: random.between(-1.0, 0.5 * FASTEST),
-                gap_acceleration: rate(random),
-                gap_deceleration: rate(random),
-            },
-            |it, random, _, _| {
-                if !random.one_in(50) {
-                    return;
-                }
-                let position = random.between(0.0, 90.0);
-                it.setpoint = match it.setpoint {
-                    // Within the velocity limit it is not a jump (manual 2.2.5), and nothing is promised.
-                    Follow::Position(last) if (position - last).abs() < FASTEST * CYCLE => return,
-                    Follow::Position(_) => Follow::Position(position),
-                    Follow::Velocity(_) => Follow::Velocity(0.5 * way(random)),
-                    Follow::PositionVelocity(..) => Follow::PositionVelocity(position, 0.0),
-                };
-            },
-        ),
-    ]
+    let watched = moving(
+        // Set-points of the program have no jerk.
+        |_, _| {
+            let limits = limits(FASTEST, STEEPEST, STEEPEST);
+            Promise::Limits(AxisLimits { jerk: f64::INFINITY, ..limits })
+        },
+        |random, _, _| ControlAxisBy {
+            setpoint: kind(random),
+            avoid_gaps: true,
+            gap_velocity: random.between(-1.0, 0.5 * FASTEST),
+            gap_acceleration: rate(random),
+            gap_deceleration: rate(random),
+        },
+        Fault::default(),
+        (),
+    );
+    vec![walking(Fault::default()), watched.living(jump)]
+}
+
+fn jump(it: &mut ControlAxisBy, random: &mut Random, _: &Axis, _: State) {
+    if !random.one_in(50) {
+        return;
+    }
+    let position = random.between(0.0, 90.0);
+    it.setpoint = match it.setpoint {
+        // Within the velocity limit it is not a jump (manual 2.2.5), and nothing is promised.
+        Follow::Position(last) if (position - last).abs() < FASTEST * CYCLE => return,
+        Follow::Position(_) => Follow::Position(position),
+        Follow::Velocity(_) => Follow::Velocity(0.5 * way(random)),
+        Follow::PositionVelocity(..) => Follow::PositionVelocity(position, 0.0),
+    };
 }

@@ -1,14 +1,10 @@
 //! Promise of a gear with a synchronous position, before and after it.
 
-use super::called::{Called, Moving, own, passes_on};
-use super::checker::Promise;
-use super::random::Random;
-use crate::{Axis, GearInPos, Master, Outputs, fmod};
-use twin_profile::{RampType, State};
+use super::*;
 
-/// A gear with a sync position: up to there it follows its polynomial, from there on its ratio.
+/// Watch over a gear with a sync position: up to there it follows its polynomial, from there on its ratio.
+#[derive(Default)]
 pub(super) struct InPos {
-    moving: Moving<GearInPos>,
     /// The master in the cycle before.
     last: Option<Master>,
     way: Option<Way>,
@@ -58,41 +54,27 @@ impl Way {
         Self { owner, x: 0.0, h, y, slopes, curvature, in_step: false }
     }
 
-    /// Value, slope and curvature at x, by Hermite's polynomials of fifth degree.
+    /// Value, slope and curvature at x: of the three that the begin leaves to the end, by Hermite's conditions there.
     fn at(&self, x: f64) -> [f64; 3] {
         let Self { h, y: [y0, y1], slopes: [v0, v1], curvature: k0, .. } = *self;
-        let w = x / h;
-        if w >= 1.0 || self.in_step {
+        if x / h >= 1.0 || self.in_step {
             return [y1 + v1 * (x - h), v1, 0.0];
         }
-        let by = |from: [f64; 3], to: [f64; 2]| {
-            y0 * from[0] + v0 * h * from[1] + k0 * h * h * from[2] + y1 * to[0] + v1 * h * to[1]
-        };
-        let (w2, w3, w4, w5) = (w * w, w.powi(3), w.powi(4), w.powi(5));
-        let end = 10.0 * w3 - 15.0 * w4 + 6.0 * w5;
-        let value = by(
-            [1.0 - end, w - 6.0 * w3 + 8.0 * w4 - 3.0 * w5, 0.5 * (w2 - 3.0 * w3 + 3.0 * w4 - w5)],
-            [end, -4.0 * w3 + 7.0 * w4 - 3.0 * w5],
-        );
-        let end = 30.0 * w2 - 60.0 * w3 + 30.0 * w4;
-        let slope = by(
-            [
-                -end,
-                1.0 - 18.0 * w2 + 32.0 * w3 - 15.0 * w4,
-                0.5 * (2.0 * w - 9.0 * w2 + 12.0 * w3 - 5.0 * w4),
-            ],
-            [end, -12.0 * w2 + 28.0 * w3 - 15.0 * w4],
-        );
-        let end = 60.0 * w - 180.0 * w2 + 120.0 * w3;
-        let curvature = by(
-            [
-                -end,
-                -36.0 * w + 96.0 * w2 - 60.0 * w3,
-                0.5 * (2.0 - 18.0 * w + 36.0 * w2 - 20.0 * w3),
-            ],
-            [end, -24.0 * w + 84.0 * w2 - 60.0 * w3],
-        );
-        [value, slope / h, curvature / (h * h)]
+        let [first, second] = [v0 * h, 0.5 * k0 * h * h];
+        let (value, slope) = (y1 - y0 - first - second, v1 * h - first - 2.0 * second);
+        let powers = [
+            y0,
+            first,
+            second,
+            10.0 * value - 4.0 * slope - second,
+            -15.0 * value + 7.0 * slope + 2.0 * second,
+            6.0 * value - 3.0 * slope - second,
+        ];
+        // Horner's scheme, with the first and half of the second derivative.
+        let at = powers.iter().rev().fold([0.0; 3], |[p, d, e], factor| {
+            [p * (x / h) + factor, d * (x / h) + p, e * (x / h) + d]
+        });
+        [at[0], at[1] / h, 2.0 * at[2] / (h * h)]
     }
 
     /// State of the slave there for a state of the master.
@@ -106,21 +88,23 @@ impl Way {
     }
 }
 
-impl InPos {
-    pub(super) fn new(moving: Moving<GearInPos>) -> Self {
-        Self { moving, last: None, way: None, steepest: 0.0 }
-    }
-
+impl Watch<GearInPos> for InPos {
     /// Position and velocity of the slave are those of the polynomial.
-    fn see_way(&mut self, in_step: bool, axis: &Axis, now: &Master) -> Result<(), String> {
-        let owner = self.moving.owner();
+    fn see(
+        &mut self,
+        block: &Block<GearInPos>,
+        gear: &GearInPos,
+        shown: Outputs,
+        [axis, lead]: [&Axis; 2],
+    ) -> Result<(), String> {
+        let (in_step, now) = (shown.done && shown.busy, &Master::of(lead));
+        let owner = block.owner().unwrap_or_default();
         let (way, last) = (self.way.take().filter(|way| way.owner == owner), self.last.take());
-        let Some(run) = self.moving.block.running() else { return Ok(()) };
+        let Some(run) = block.running() else { return Ok(()) };
         self.last = Some(*now);
         // Once Execute has fallen, `done` shows for a cycle only.
         let couples = in_step || run.is_coupling() || way.is_some();
         let Some(last) = last.filter(|_| couples) else { return Ok(()) };
-        let gear = &self.moving.taken;
         let mut way = way.unwrap_or_else(|| Way::new(gear, owner, axis, &last, now));
         let from = way.x;
         way.x += now.travel_since(&last);
@@ -146,20 +130,8 @@ impl InPos {
         self.way = Some(way);
         Ok(())
     }
-}
 
-impl Called for InPos {
-    passes_on!(moving: call change name owner);
-
-    fn watch(&mut self, shown: Outputs, axis: &Axis, master: &Axis) -> Result<(), String> {
-        self.see_way(shown.done && shown.busy, axis, &Master::of(master))
-    }
-
-    /// Until it is coupled its motion goes on.
-    fn promise(&self) -> Promise {
-        match self.way {
-            Some(_) => Promise::Smooth(self.steepest),
-            None => own(0.0, 0.0, 0.0),
-        }
+    fn promise(&self) -> Option<Promise> {
+        self.way.map(|_| Promise::Smooth(self.steepest))
     }
 }

@@ -1,13 +1,10 @@
 //! Master axis of the random sequences.
 
-use super::random::Random;
-use super::{JERK, POWER};
-use crate::{Axis, AxisConfig, Block, Direction, Halt, MoveAbsolute, MoveVelocity, VirtualDrive};
+use super::*;
 
 /// An axis that is led about, for others to follow: at most 10 u/s and 60 u/s².
 pub(super) struct Lead {
-    pub(super) axis: Axis,
-    drive: VirtualDrive,
+    pub(super) rig: Rig,
     to: Block<MoveAbsolute>,
     on: Block<MoveVelocity>,
     halt: Block<Halt>,
@@ -16,37 +13,30 @@ pub(super) struct Lead {
 
 impl Lead {
     pub(super) fn new(config: AxisConfig) -> Self {
-        let (velocity, acceleration, deceleration) = (10.0, 60.0, 60.0);
-        let (position, direction) = (30.0, Direction::Positive);
-        let to = MoveAbsolute { position, velocity, acceleration, deceleration, direction };
-        let on = MoveVelocity { velocity, acceleration, deceleration, direction };
-        Self {
-            axis: Axis::new(AxisConfig { jerk: 0.5 * JERK, ..config }),
-            drive: VirtualDrive::new(0.0),
-            to: Block::new(to),
-            on: Block::new(on),
-            halt: Block::new(Halt { deceleration }),
-            which: 0,
-        }
+        let (acceleration, deceleration) = (60.0, 60.0);
+        let to = MoveAbsolute { acceleration, deceleration, ..to(30.0).inputs };
+        let on = MoveVelocity { acceleration, deceleration, ..endless(10.0).inputs };
+        let rig = Rig::new(AxisConfig { jerk: 0.5 * JERK, ..config });
+        let halt = Block::new(Halt { deceleration });
+        Self { rig, to: Block::new(to), on: Block::new(on), halt, which: 0 }
     }
 
     pub(super) fn cycle(&mut self, random: &mut Random) {
+        let Self { rig, to, on, halt, which } = self;
         let changes = random.one_in(150);
         if changes {
-            self.which = random.one_of(&[0, 1, 1, 2]);
-            self.to.inputs.position = random.between(0.0, 90.0);
-            self.to.inputs.direction = random.direction();
-            self.on.inputs.velocity = random.between(0.0, 10.0);
-            self.on.inputs.direction = random.one_of(&[Direction::Positive, Direction::Negative]);
+            *which = random.one_of(&[0, 1, 1, 2]);
+            to.inputs.position = random.between(0.0, 90.0);
+            to.inputs.direction = random.direction();
+            on.inputs.velocity = random.between(0.0, 10.0);
+            on.inputs.direction = random.one_of(&[Direction::Positive, Direction::Negative]);
         }
-        self.axis.begin_cycle(&self.drive.feedback());
-        let powered = POWER.call(true, &mut self.axis).status;
-        let mut execute = [false; 3];
-        execute[self.which] = powered && !changes;
         // Old ones are called until they say so; the new one begins the cycle after.
-        self.to.call(execute[0], &mut self.axis);
-        self.on.call(execute[1], &mut self.axis);
-        self.halt.call(execute[2], &mut self.axis);
-        self.drive.follow(&self.axis.end_cycle());
+        let execute = [0, 1, 2].map(|index| index == *which && !changes);
+        rig.cycle(|axis| {
+            to.call(execute[0], axis);
+            on.call(execute[1], axis);
+            halt.call(execute[2], axis);
+        });
     }
 }

@@ -1,7 +1,6 @@
-//! Legal state transitions from PLCopen's diagram, independent of the axis's own table, and blocks that cannot be
-//! aborted.
+//! Legal state transitions from PLCopen's diagram, and blocks that cannot be aborted.
 
-use crate::{Axis, AxisState};
+use super::*;
 
 /// True if the diagram has an arrow (PLCopen; manual 2.4, 5.2), or the state stays.
 pub(in crate::tests) fn is_arrow(from: AxisState, to: AxisState) -> bool {

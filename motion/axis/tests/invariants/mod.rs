@@ -1,5 +1,4 @@
-//! Invariants of random block sequences: one owner, legal states, limits, continuous motion, and exactly one end for
-//! every execution of a block.
+//! Invariants of random block sequences: one owner, legal states, limits, continuity, and one end of every execution.
 
 mod alone;
 mod called;
@@ -7,7 +6,6 @@ mod checker;
 mod coupled;
 mod direct;
 mod faults;
-mod homed;
 mod in_pos;
 mod lead;
 mod legal;
@@ -17,15 +15,15 @@ mod planted;
 mod random;
 mod tables;
 
-use super::rig::CYCLE;
-use crate::{Axis, AxisConfig, AxisState, Movement, Outputs, Power, Reset, VirtualDrive};
-use called::Called;
-use checker::{Checker, Limits, Promise};
+use super::*;
+use alone::{rate, speed, way};
+use called::{Begun, Called, Fault, Owning, Watch, limited, moving, own};
+use checker::{Checker, Promise, limits};
 use lead::Lead;
+use legal::Keeper;
 pub(super) use legal::is_arrow;
 pub(super) use random::Random;
 use std::fmt::Write as _;
-use twin_profile::{RampType, State};
 
 /// Largest velocity of an axis, u/s; blocks are given half of it.
 const FASTEST: f64 = 30.0;
@@ -33,12 +31,15 @@ const FASTEST: f64 = 30.0;
 const STEEPEST: f64 = 200.0;
 const JERK: f64 = 2_000.0;
 
-/// Count of each kind of end.
-#[derive(Clone, Copy, Debug, Default)]
-struct Seen {
-    done: u32,
-    aborted: u32,
-    failed: u32,
+/// Counts of executions that were done, aborted and failed.
+type Seen = [u32; 3];
+
+/// Change after a call, by its number, of the axis or of what the block has shown.
+type Spoil<'a> = dyn FnMut(u32, &mut Axis, &mut Outputs) + 'a;
+
+/// Ends that a block shows, in the same order.
+fn ends(shown: Outputs) -> [bool; 3] {
+    [shown.done, shown.command_aborted, shown.error.is_some()]
 }
 
 const POWER: Power = Power { regulator_on: true, drive_start: true };
@@ -57,7 +58,7 @@ enum Around {
 /// Software limits, u.
 const WINDOW: [f64; 2] = [-40.0, 40.0];
 
-/// Calls the blocks of an axis at random; `spoil` may break a rule on the way.
+/// Calls the blocks of an axis at random.
 struct Run {
     random: Random,
     axis: Axis,
@@ -89,7 +90,6 @@ impl Run {
         let config = AxisConfig {
             movement,
             ramp,
-            cycle: CYCLE,
             jerk: JERK,
             max_velocity: FASTEST,
             max_acceleration: STEEPEST,
@@ -97,13 +97,14 @@ impl Run {
             software_limits: (around == Around::Limits).then_some(WINDOW),
             ..AxisConfig::default()
         };
-        let mut run = Self {
+        let Rig { axis, drive, .. } = Rig::new(config);
+        Self {
             random: Random(seed),
-            axis: Axis::new(config),
-            drive: VirtualDrive::new(0.0),
+            axis,
+            drive,
             lead: Lead::new(config),
             execute: vec![false; blocks.len()],
-            seen: vec![Seen::default(); blocks.len()],
+            seen: vec![[0; 3]; blocks.len()],
             blocks,
             reset: Reset::default(),
             around,
@@ -113,39 +114,25 @@ impl Run {
             followed: 0.0,
             resets: 0,
             calls: 0,
-        };
-        for _ in 0..3 {
-            run.axis.begin_cycle(&run.drive.feedback());
-            POWER.call(true, &mut run.axis);
-            run.drive.follow(&run.axis.end_cycle());
         }
-        run
     }
 
     /// At least this number of block calls.
-    fn calls(
-        &mut self,
-        calls: u32,
-        mut spoil: impl FnMut(u32, &mut Axis, &mut Outputs),
-    ) -> Result<(), String> {
+    fn calls(&mut self, calls: u32, spoil: &mut Spoil<'_>) -> Result<(), String> {
         let mut checker = Checker::new(&self.axis, self.blocks.len());
         while self.calls < calls {
-            let before = self.lead.axis.set_velocity();
+            let before = self.lead.rig.axis.set_velocity();
             self.lead.cycle(&mut self.random);
             // A follower of the master's positions is steeper by this slope.
             let slope = if before == 0.0 { 0.0 } else { self.axis.set_velocity() / before };
-            self.followed = (slope * (self.lead.axis.set_velocity() - before)).abs() / CYCLE;
-            self.cycle(&mut checker, &mut spoil)
+            self.followed = (slope * (self.lead.rig.axis.set_velocity() - before)).abs() / CYCLE;
+            self.cycle(&mut checker, spoil)
                 .map_err(|what| format!("call {}: {what}", self.calls))?;
         }
         Ok(())
     }
 
-    fn cycle(
-        &mut self,
-        checker: &mut Checker,
-        spoil: &mut impl FnMut(u32, &mut Axis, &mut Outputs),
-    ) -> Result<(), String> {
+    fn cycle(&mut self, checker: &mut Checker, spoil: &mut Spoil<'_>) -> Result<(), String> {
         let was_moving = self.mover();
         self.taker = None;
         self.ended = None;
@@ -166,7 +153,7 @@ impl Run {
             && !matches!(steps, Some(Promise::OnCam { steps: true, .. }))
         {
             let place = self.random.between(0.0, 90.0);
-            self.lead.axis.shift_zero(place, false).expect("a number");
+            self.lead.rig.axis.shift_zero(place, false).expect("a number");
         }
         // Now and then a cycle without the program: error 30.
         let forgotten = self.random.one_in(600);
@@ -184,7 +171,7 @@ impl Run {
         // A block that is not called does not notice the loss of the axis.
         let promise = self.promise(was_moving);
         let on_top = self.blocks.iter().find_map(|block| block.on_top());
-        let on_top = on_top.unwrap_or(Limits::new(0.0, 0.0, 0.0));
+        let on_top = on_top.unwrap_or(limits(0.0, 0.0, 0.0));
         let checked = checker.cycle(&self.axis, &owners, promise, &on_top, self.followed);
         checked.map_err(|what| {
             let name = |index: Option<usize>| index.map_or("", |index| self.blocks[index].name());
@@ -211,18 +198,13 @@ impl Run {
         }
         let now = self.axis.total();
         let way = now.position - ended.position;
-        let way = self.axis.period().map_or(way, |it| way - it * (way / it).round());
-        if way.abs() > 1e-9 || now.velocity != 0.0 {
+        if short(&self.axis, way).abs() > 1e-9 || now.velocity != 0.0 {
             return Err(format!("a block has ended at {ended:?}, {taker} makes it {now:?}"));
         }
         Ok(())
     }
 
-    fn call_blocks(
-        &mut self,
-        checker: &mut Checker,
-        spoil: &mut impl FnMut(u32, &mut Axis, &mut Outputs),
-    ) -> Result<(), String> {
+    fn call_blocks(&mut self, checker: &mut Checker, spoil: &mut Spoil<'_>) -> Result<(), String> {
         let count = self.blocks.len();
         let often = 60 * u64::try_from(count).unwrap();
         for index in 0..count {
@@ -233,7 +215,7 @@ impl Run {
                 // Inputs of one that runs do not count.
                 let other = usize::try_from(random.next()).unwrap() % count;
                 for index in [index, other] {
-                    self.blocks[index].change(random, &self.axis, &self.lead.axis);
+                    self.blocks[index].change(random, &self.axis, &self.lead.rig.axis);
                 }
             }
             let execute = self.execute[index];
@@ -241,9 +223,9 @@ impl Run {
             let owners = self.axis.values.owners;
             let was_owned = [self.axis.owner(), self.axis.overlay_owner];
             self.axis.commands = [0; 2];
-            let mut shown = block.call(execute, random, &mut self.axis, &self.lead.axis);
+            let mut shown = block.call(execute, random, &mut self.axis, &self.lead.rig.axis);
             block
-                .watch(shown, &self.axis, &self.lead.axis)
+                .watch(shown, &self.axis, &self.lead.rig.axis)
                 .map_err(|what| format!("{}: {what}", block.name()))?;
             if self.axis.values.owners != owners && block.on_top().is_none() {
                 self.taker = Some(index);
@@ -274,10 +256,10 @@ impl Run {
             let before = checker.before(index);
             let checked = checker.block(index, (name, execute && !was), shown);
             checked.map_err(|what| format!("{}: {what}", block.name()))?;
-            let seen = &mut self.seen[index];
-            seen.done += u32::from(shown.done && !before.done);
-            seen.aborted += u32::from(shown.command_aborted && !before.command_aborted);
-            seen.failed += u32::from(shown.error.is_some() && before.error.is_none());
+            for end in 0..3 {
+                let came = ends(shown)[end] && !ends(before)[end];
+                self.seen[index][end] += u32::from(came);
+            }
         }
         Ok(())
     }
@@ -317,14 +299,6 @@ impl Run {
         }
         of(self.taker).or(now).or(before).unwrap_or(Promise::USUAL)
     }
-
-    fn total(&self) -> Seen {
-        self.seen.iter().fold(Seen::default(), |sum, it| Seen {
-            done: sum.done + it.done,
-            aborted: sum.aborted + it.aborted,
-            failed: sum.failed + it.failed,
-        })
-    }
 }
 
 const LINEAR: Movement = Movement::Linear;
@@ -343,11 +317,11 @@ fn random_moves_keep_what_has_to_hold() {
     for kind in KINDS {
         for seed in 0..8 {
             let mut run = Run::new(seed, kind, called::single(), Around::Forgotten);
-            let found = run.calls(50_000, |_, _, _| ());
+            let found = run.calls(50_000, &mut |_, _, _| ());
             found.unwrap_or_else(|what| panic!("{kind:?} {seed}: {what}"));
             // Every kind of end occurs.
-            let seen = run.total();
-            assert!(seen.done > 20 && seen.aborted > 20 && seen.failed > 5, "{seen:?}");
+            let seen = [0, 1, 2].map(|end| run.seen.iter().map(|it| it[end]).sum::<u32>());
+            assert!(seen[0] > 20 && seen[1] > 20 && seen[2] > 5, "{seen:?}");
             assert!(run.resets > 0);
         }
     }
@@ -361,7 +335,7 @@ fn random_moves_stay_within_the_software_limits() {
         let mut beyond = 0;
         for seed in 0..8 {
             let mut run = Run::new(seed, (LINEAR, ramp), called::single(), Around::Limits);
-            let found = run.calls(50_000, |_, axis, _| {
+            let found = run.calls(50_000, &mut |_, axis, _| {
                 let place = axis.set_position();
                 assert!(place.abs() < WINDOW[1] + 8.25, "{ramp:?} {seed}: {place}");
                 beyond += u32::from(axis.error_id() == Some(10));
@@ -380,24 +354,18 @@ fn random_blocks_of_all_kinds_keep_what_has_to_hold() {
         let mut sum: Vec<Seen> = Vec::new();
         for seed in 0..12 {
             let mut run = Run::new(seed, kind, called::all(), Around::Everything);
-            if let Err(what) = run.calls(400_000, |_, _, _| ()) {
+            if let Err(what) = run.calls(400_000, &mut |_, _, _| ()) {
                 writeln!(broken, "{kind:?} {seed}: {what}").unwrap();
             }
-            sum.resize(run.seen.len(), Seen::default());
-            for (sum, seen) in sum.iter_mut().zip(&run.seen) {
-                sum.done += seen.done;
-                sum.aborted += seen.aborted;
-                sum.failed += seen.failed;
+            sum.resize(run.seen.len(), [0; 3]);
+            for (sum, seen) in sum.iter_mut().flatten().zip(run.seen.iter().flatten()) {
+                *sum += seen;
             }
         }
         // Every block is done, aborted and fails, except that direct set-points have no end, probes of the program cannot
         // fail, and homing and stops cannot be aborted.
         for (block, seen) in called::all().iter().zip(&sum) {
-            let [endless, safe, locked] = block.exceptions();
-            if (seen.done == 0 && !endless)
-                || (seen.failed == 0 && !safe)
-                || (seen.aborted == 0 && !locked)
-            {
+            if seen.iter().zip(block.exceptions()).any(|(seen, never)| *seen == 0 && !never) {
                 writeln!(broken, "{kind:?}: {}: {seen:?}", block.name()).unwrap();
             }
         }

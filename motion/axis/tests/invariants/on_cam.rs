@@ -1,19 +1,11 @@
 //! Promise of a slave on its cam and on its ramp-in, and of its tappets.
 
-use super::JERK;
-use super::called::{Called, Moving, passes_on};
-use super::checker::Promise;
-use super::random::Random;
-use crate::{Axis, CamIn, Master, Outputs};
-use twin_cam::{Action, CamTable, Passage, Tappet, TappetValue, Trigger};
-use twin_profile::RampType;
+use super::*;
 
 /// [`CYCLE`], ns.
 const CYCLE_NS: i64 = 10_000_000;
-
 /// Time from the passage of a tappet to the end of its pulse, ns.
 const PULSE_NS: i64 = 50_000_000;
-
 /// Time from the passage to the begin of the pulse, ns.
 const DELAY_NS: i64 = 20_000_000;
 
@@ -30,9 +22,8 @@ pub(super) fn tappets(random: &mut Random) -> Vec<Tappet> {
     vec![tappet(random, 1, timed), tappet(random, 1, timed), tappet(random, 2, other)]
 }
 
-/// A cam with what its tappets switch.
+/// Watch over a cam and what its tappets switch.
 pub(super) struct OnCam {
-    moving: Moving<CamIn>,
     value: TappetValue,
     passed: Option<Passed>,
     /// When a pulse was begun last, and whether it has been seen.
@@ -117,18 +108,16 @@ impl Passed {
 }
 
 impl OnCam {
-    pub(super) fn new(moving: Moving<CamIn>) -> Self {
+    pub(super) fn new() -> Self {
         let value = TappetValue::new(1, false, false);
-        Self { moving, value, passed: None, begun_ns: 0, read_ns: 0, unseen: false, ramp: None }
+        Self { value, passed: None, begun_ns: 0, read_ns: 0, unseen: false, ramp: None }
     }
 
     /// Tappets act in the cycle in which the master passes them, and no pulse is lost or hangs.
-    fn see_tappets(&mut self) -> Result<(), String> {
-        let owner = self.moving.owner();
-        let Some(run) = self.moving.block.running() else { return Ok(()) };
-        let (coupling, taken) = (run.coupling(), &self.moving.taken);
+    fn see_tappets(&mut self, owner: i64, run: &CamRun, taken: &CamIn) -> Result<(), String> {
+        let coupling = run.coupling();
         let data = &coupling.output().tappets;
-        let triggers: Vec<Trigger> = data.triggers().copied().collect();
+        let triggers: Vec<_> = data.triggers().copied().collect();
         let now = data.now_ns;
         let table = taken.table.as_ref().ok_or("without a cam")?;
         let unknown = Passed {
@@ -178,16 +167,17 @@ impl OnCam {
     }
 
     /// On the cam it has the cam's motion (manual 4.6.1: scaling · y(x)); on the ramp it stays within the ramp's limits.
-    fn see_motion(&mut self, axis: &Axis, master: &Axis) -> Result<(), String> {
+    fn see_motion(
+        &mut self,
+        (owner, before): (i64, Option<(i64, f64, f64)>),
+        run: &CamRun,
+        input: &CamInput,
+        [axis, lead]: [&Axis; 2],
+    ) -> Result<(), String> {
         /// Slopes of a rise of 20 u over 40 u between rests: 15/8 and 10/√3 of a straight line's.
         const STEEPEST: [f64; 2] = [0.9375, 0.072_169];
-        let before = self.ramp.take();
-        let owner = self.moving.owner();
-        let Some(run) = self.moving.block.running().filter(|_| owner == axis.owner()) else {
-            return Ok(());
-        };
-        let (coupling, input) = (run.coupling(), &self.moving.taken.input);
-        let Master { velocity, acceleration, .. } = Master::of(master);
+        let coupling = run.coupling();
+        let Master { velocity, acceleration, .. } = Master::of(lead);
         let (scaling, of_master) = (input.slave_scaling, input.master_scaling);
         let (v, a) = (velocity * of_master, acceleration * of_master);
         let curve = coupling.table().cam.curve();
@@ -222,17 +212,24 @@ impl OnCam {
     }
 }
 
-impl Called for OnCam {
-    passes_on!(moving: call change name owner promise);
-
-    fn watch(&mut self, _: Outputs, axis: &Axis, master: &Axis) -> Result<(), String> {
-        if let Some(run) = self.moving.block.running() {
-            let (shown, now) = (run.coupling().output().tappets.now_ns, axis.now_ns());
-            if shown != now {
-                return Err(format!("tappets of {shown} at {now}"));
-            }
+impl Watch<CamIn> for OnCam {
+    fn see(
+        &mut self,
+        block: &Block<CamIn>,
+        taken: &CamIn,
+        _: Outputs,
+        axes: [&Axis; 2],
+    ) -> Result<(), String> {
+        let before = self.ramp.take();
+        let (Some(owner), Some(run)) = (block.owner(), block.running()) else { return Ok(()) };
+        let (shown, now) = (run.coupling().output().tappets.now_ns, axes[0].now_ns());
+        if shown != now {
+            return Err(format!("tappets of {shown} at {now}"));
         }
-        self.see_tappets()?;
-        self.see_motion(axis, master)
+        self.see_tappets(owner, run, taken)?;
+        if owner != axes[0].owner() {
+            return Ok(());
+        }
+        self.see_motion((owner, before), run, &taken.input, axes)
     }
 }

@@ -1,8 +1,6 @@
-//! Random blocks that do not move the axis.
+//! Random homing by the drive, and probes, which do not move the axis.
 
-use super::called::Called;
-use super::random::Random;
-use crate::{AbortTrigger, Axis, Outputs, TouchProbe, Trigger};
+use super::*;
 
 /// A probe of the program or of the drive.
 struct Probe {
@@ -33,5 +31,9 @@ fn probe(trigger: Trigger) -> Box<dyn Called> {
 }
 
 pub(super) fn all() -> Vec<Box<dyn Called>> {
-    vec![probe(Trigger::of_program()), probe(Trigger::of_drive(1))]
+    let homing = limited(
+        |_, _| Promise::Nothing,
+        |random, _, _| Home { position: way(random), deceleration: random.one_of(&[0.0, 50.0]) },
+    );
+    vec![homing, probe(Trigger::of_program()), probe(Trigger::of_drive(1))]
 }

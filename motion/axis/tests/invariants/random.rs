@@ -1,6 +1,6 @@
 //! Reproducible random numbers.
 
-use crate::Direction;
+use super::*;
 
 /// The same in every run (splitmix64).
 pub(in crate::tests) struct Random(pub(in crate::tests) u64);

@@ -1,11 +1,6 @@
 //! Random profile tables, and the promise that follows from their points.
 
-use super::CYCLE;
-use super::called::{Begun, Called, Fault, Keeps, moving};
-use super::checker::{Limits, Promise};
-use super::random::Random;
-use crate::{AccelerationProfile, Axis, Points, PositionProfile, VelocityProfile};
-use twin_profile::ProfilePoint;
+use super::*;
 
 /// Some steps of random size, smaller than `size`.
 fn points(random: &mut Random, size: f64, end: Option<f64>) -> Points {
@@ -22,25 +17,22 @@ fn points(random: &mut Random, size: f64, end: Option<f64>) -> Points {
 }
 
 pub(super) fn positions(fault: Fault<PositionProfile>) -> Box<dyn Called> {
-    let inputs = |random: &mut Random, _: &Axis, _: &Axis| {
-        PositionProfile(Points { absolute: false, ..points(random, 3.0, None) })
-    };
-    let promise: Keeps<PositionProfile> = |it, begun| by_positions(&it.0, begun);
-    Box::new(moving(promise, inputs, |_, _, _, _| ()).with(fault))
+    Box::new(moving(
+        |it, begun| by_positions(&it.0, begun),
+        |random, _, _| PositionProfile(Points { absolute: false, ..points(random, 3.0, None) }),
+        fault,
+        (),
+    ))
 }
 
 pub(super) fn velocities(fault: Fault<VelocityProfile>) -> Box<dyn Called> {
-    let promise: Keeps<VelocityProfile> = |it, begun| by_velocities(&it.0, begun);
-    let inputs =
-        |random: &mut Random, _: &Axis, _: &Axis| VelocityProfile(points(random, 10.0, Some(0.0)));
-    Box::new(moving(promise, inputs, |_, _, _, _| ()).with(fault))
+    let inputs = |random: &mut _, _: &_, _: &_| VelocityProfile(points(random, 10.0, Some(0.0)));
+    Box::new(moving(|it, begun| by_velocities(&it.0, begun), inputs, fault, ()))
 }
 
 pub(super) fn accelerations(fault: Fault<AccelerationProfile>) -> Box<dyn Called> {
-    let promise: Keeps<AccelerationProfile> = |it, begun| by_accelerations(&it.0, begun);
-    let inputs =
-        |random: &mut Random, _: &Axis, _: &Axis| AccelerationProfile(points(random, 20.0, None));
-    Box::new(moving(promise, inputs, |_, _, _, _| ()).with(fault))
+    let inputs = |random: &mut _, _: &_, _: &_| AccelerationProfile(points(random, 20.0, None));
+    Box::new(moving(|it, begun| by_accelerations(&it.0, begun), inputs, fault, ()))
 }
 
 pub(super) fn all() -> Vec<Box<dyn Called>> {
@@ -83,7 +75,7 @@ impl Lines {
         let steps = begun.cycles == 0 || (time - self.time).abs() < 1.5 * CYCLE;
         let jerk = if steps { f64::INFINITY } else { self.jerk };
         let (velocity, acceleration) = (self.fastest, self.steepest);
-        Promise::Limits(Limits { velocity, acceleration, deceleration: acceleration, jerk })
+        Promise::Limits(AxisLimits { velocity, acceleration, deceleration: acceleration, jerk })
     }
 }
 
