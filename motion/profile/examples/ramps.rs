@@ -4,8 +4,7 @@
 //! cargo run -p twin-profile --example ramps
 //! ```
 
-use std::error::Error;
-use twin_profile::{AxisLimits, Profile, RampType, State};
+use twin_profile::{AxisLimits, Profile, ProfileError, RampType, State};
 
 /// Way of the move, mm.
 const WAY: f64 = 200.0;
@@ -13,7 +12,7 @@ const WAY: f64 = 200.0;
 const LIMITS: AxisLimits =
     AxisLimits { velocity: 250.0, acceleration: 1000.0, deceleration: 1000.0, jerk: 10_000.0 };
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), ProfileError> {
     // s/v + v/a, and with limited jerk a/j more.
     let steps = WAY / LIMITS.velocity + LIMITS.velocity / LIMITS.acceleration;
     let smooth = steps + LIMITS.acceleration / LIMITS.jerk;
@@ -25,9 +24,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             "{ramp:?}: {WAY} mm in {duration:.3} s, {:.1} mm/s in the middle",
             middle.velocity
         );
-        close("duration, s", duration, expected)?;
-        close("velocity in the middle, mm/s", middle.velocity, LIMITS.velocity)?;
-        close("position in the middle, mm", middle.position, WAY / 2.0)?;
+        close("duration, s", duration, expected);
+        close("velocity in the middle, mm/s", middle.velocity, LIMITS.velocity);
+        close("position in the middle, mm", middle.position, WAY / 2.0);
     }
 
     // A halt from 250 mm/s takes v/a and v²/2a.
@@ -35,14 +34,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let halt = Profile::halt(moving, LIMITS, RampType::Trapezoid)?;
     let way = halt.at(halt.duration()).position;
     println!("halt from 250 mm/s: {:.3} s, {way:.2} mm", halt.duration());
-    close("time of the halt, s", halt.duration(), 0.25)?;
-    close("way of the halt, mm", way, 31.25)?;
+    close("time of the halt, s", halt.duration(), 0.25);
+    close("way of the halt, mm", way, 31.25);
     Ok(())
 }
 
-fn close(what: &str, actual: f64, expected: f64) -> Result<(), String> {
-    if (actual - expected).abs() <= 1e-9 * expected.abs().max(1.0) {
-        return Ok(());
-    }
-    Err(format!("{what}: {actual} instead of {expected}"))
+fn close(what: &str, actual: f64, expected: f64) {
+    let near = (actual - expected).abs() <= 1e-9 * expected.abs().max(1.0);
+    assert!(near, "{what}: {actual} instead of {expected}");
 }

@@ -1,21 +1,10 @@
-//! Tests of jerk-limited ramps.
+//! Tests of jerk-limited ramps, and of ramps of all kinds under absurd limits.
 
-use super::random::{Case, Random};
-use super::{close, sampled};
-use crate::{AxisLimits, Profile, RampType, State};
+use super::*;
 
 fn plan(case: &Case, ramp: RampType) -> Profile {
     let Case { from, target, end_velocity, limits } = *case;
     Profile::to_position(from, target, end_velocity, limits, ramp).unwrap()
-}
-
-/// The greatest value for a check: the limits for a velocity.
-fn rate(limits: &AxisLimits, state: State) -> f64 {
-    if state.velocity * state.acceleration > 0.0 {
-        limits.acceleration
-    } else {
-        limits.deceleration
-    }
 }
 
 fn keeps_everything(case: &Case, profile: &Profile) {
@@ -65,37 +54,23 @@ fn limits_and_ends_of_random_moves() {
         (3, RampType::Sigmoid, true),
         (4, RampType::Sigmoid, false),
     ] {
-        let mut random = Random(seed);
-        let mut count = 0;
-        while count < 5000 {
-            let case = Case::new(&mut random, equal);
-            if case.keeps_velocity() {
-                keeps_everything(&case, &plan(&case, ramp));
-                count += 1;
-            }
+        for case in cases(seed, 5000, equal, Case::keeps_velocity) {
+            keeps_everything(&case, &plan(&case, ramp));
         }
     }
 }
 
-/// With limits that differ the time lies between those with both as large and both as small as the larger and the
-/// smaller one.
+/// The time lies between those with both as large and both as small.
 #[test]
 fn limits_that_differ_are_between_equal_ones() {
-    let mut random = Random(5);
-    let mut count = 0;
-    while count < 5000 {
-        let case = Case::new(&mut random, false);
-        if !case.keeps_velocity() {
-            continue;
-        }
-        count += 1;
+    for case in cases(5, 5000, false, Case::keeps_velocity) {
         let with = |rate: f64| {
             let limits = AxisLimits { acceleration: rate, deceleration: rate, ..case.limits };
             plan(&Case { limits, ..case }, RampType::Parabolic).duration()
         };
         let AxisLimits { acceleration, deceleration, .. } = case.limits;
-        let (least, most) =
-            (with(acceleration.max(deceleration)), with(acceleration.min(deceleration)));
+        let least = with(acceleration.max(deceleration));
+        let most = with(acceleration.min(deceleration));
         let time = plan(&case, RampType::Parabolic).duration();
         assert!(
             least * (1.0 - 1e-9) <= time && time <= most * (1.0 + 1e-9),
@@ -107,10 +82,8 @@ fn limits_that_differ_are_between_equal_ones() {
 /// From rest to rest with equal limits, where the duration has closed forms.
 #[test]
 fn rest_to_rest_takes_what_the_closed_forms_say() {
-    let mut random = Random(6);
     let mut forms = [0; 3];
-    for _ in 0..5000 {
-        let case = Case::new(&mut random, true);
+    for case in cases(6, 5000, true, |_| true) {
         let AxisLimits { velocity, acceleration: rate, jerk, .. } = case.limits;
         let from = State::resting(case.from.position);
         let length = (case.target - from.position).abs();
@@ -131,4 +104,52 @@ fn rest_to_rest_takes_what_the_closed_forms_say() {
         assert!(close(profile.duration(), expected), "{case:?}: {} {expected}", profile.duration());
     }
     assert!(forms.iter().all(|&count| count > 100), "{forms:?}");
+}
+
+/// Limits of a million different proportions.
+#[test]
+fn limits_of_all_proportions_end_where_they_should_or_are_refused() {
+    let mut random = Random(12);
+    for _ in 0..20_000 {
+        let mut positive = || random.decades(-3.0, 3.0);
+        let limits = AxisLimits {
+            velocity: positive(),
+            acceleration: positive(),
+            deceleration: positive(),
+            jerk: positive(),
+        };
+        let mut any = |scale: f64| {
+            let size = random.decades(-3.0, 1.0) * scale;
+            if random.once_in(4.0) { 0.0 } else { size * random.signed().signum() }
+        };
+        let from = State {
+            position: any(100.0),
+            velocity: any(limits.velocity),
+            acceleration: any(limits.acceleration),
+        };
+        let target = any(1000.0);
+        let end_velocity = 0.1 * any(limits.velocity);
+        for ramp in [RampType::Trapezoid, RampType::Parabolic, RampType::Sigmoid] {
+            let profile = match Profile::to_position(from, target, end_velocity, limits, ramp) {
+                Ok(profile) => profile,
+                Err(ProfileError::EndVelocity { .. }) => continue,
+                Err(error) => panic!("{error}: {from:?} {target} {end_velocity} {limits:?}"),
+            };
+            let about = format!("{ramp:?} {from:?} {target} {end_velocity} {limits:?}");
+            let mut furthest = target.abs().max(from.position.abs());
+            for part in 0..=100 {
+                let state = profile.at(f64::from(part) / 100.0 * profile.duration());
+                assert!(
+                    (state.position + state.velocity + state.acceleration).is_finite(),
+                    "{about}"
+                );
+                furthest = furthest.max(state.position.abs());
+            }
+            // Times have digits of their own.
+            let last = profile.at(profile.duration() * (1.0 - 1e-15));
+            let scale = furthest + last.velocity.abs() * profile.duration();
+            let off = (last.position - target).abs();
+            assert!(off <= 1e-9 * scale, "{about}: {last:?}, {off:e} of {scale:e}");
+        }
+    }
 }

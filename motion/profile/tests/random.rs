@@ -1,6 +1,6 @@
 //! Random states, targets and limits from a seed.
 
-use crate::{AxisLimits, State};
+use super::*;
 
 /// A reproducible sequence of numbers (`SplitMix64`).
 #[derive(Clone, Debug)]
@@ -31,6 +31,18 @@ impl Random {
     pub(super) fn once_in(&mut self, count: f64) -> bool {
         self.unit() * count < 1.0
     }
+}
+
+/// Random cases of a seed that are wanted.
+pub(super) fn cases(
+    seed: u64,
+    count: usize,
+    equal: bool,
+    wanted: impl Fn(&Case) -> bool,
+) -> Vec<Case> {
+    let mut random = Random(seed);
+    let all = std::iter::repeat_with(|| Case::new(&mut random, equal));
+    all.filter(wanted).take(count).collect()
 }
 
 /// Planning problem.

@@ -1,6 +1,6 @@
 //! Tests of refused motions and their messages.
 
-use crate::{AxisLimits, Profile, ProfileError, RampType, State};
+use super::*;
 
 const GOOD: AxisLimits =
     AxisLimits { velocity: 10.0, acceleration: 20.0, deceleration: 30.0, jerk: 400.0 };

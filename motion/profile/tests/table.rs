@@ -1,7 +1,6 @@
 //! Tests of profiles through the points of a table.
 
-use super::close;
-use crate::{ProfileError, ProfilePoint, ProfileTable, State, TableProfile};
+use super::*;
 
 fn points(pairs: &[(f64, f64)]) -> Vec<ProfilePoint> {
     pairs.iter().map(|&(delta_time, value)| ProfilePoint { delta_time, value }).collect()

@@ -1,7 +1,6 @@
 //! Tests of ramps of constant acceleration.
 
-use super::{close, limits, sampled};
-use crate::{AxisLimits, Profile, RampType, State};
+use super::*;
 use proptest::prelude::*;
 
 fn moving(position: f64, velocity: f64) -> State {
@@ -160,11 +159,7 @@ proptest! {
             let speed = state.velocity.abs();
             within |= speed <= limits.velocity;
             prop_assert!(!within || speed <= limits.velocity * (1.0 + 1e-12), "{time} {state:?}");
-            let most = if state.velocity * state.acceleration > 0.0 {
-                limits.acceleration
-            } else {
-                limits.deceleration
-            };
+            let most = rate(&limits, state);
             let turning = speed < 1e-9;
             prop_assert!(turning || state.acceleration.abs() <= most * (1.0 + 1e-12), "{time} {state:?}");
             if let Some((earlier, previous)) = before {
