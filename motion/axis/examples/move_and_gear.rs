@@ -57,15 +57,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let duration = f64::from(done - begun) * CYCLE;
     println!("master: {:.3} mm after {duration:.3} s", master.act_position());
     println!("slave:  {:.3} mm, ratio 1:3", slave.act_position());
-    close("time of the move, s", duration, 1.7, 2.0 * CYCLE)?;
-    close("position of the master, mm", master.act_position(), TARGET, 1e-9)?;
-    close("position of the slave, mm", slave.act_position(), TARGET / 3.0, 1e-9)?;
+    assert!((duration - 1.7).abs() <= 2.0 * CYCLE);
+    assert!((master.act_position() - TARGET).abs() <= 1e-9);
+    assert!((slave.act_position() - TARGET / 3.0).abs() <= 1e-9);
     Ok(())
-}
-
-fn close(what: &str, actual: f64, expected: f64, tolerance: f64) -> Result<(), String> {
-    if (actual - expected).abs() <= tolerance {
-        return Ok(());
-    }
-    Err(format!("{what}: {actual} instead of {expected}"))
 }

@@ -6,11 +6,8 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 #[test]
 fn remainders_are_never_negative_and_never_the_period() {
-    for (x, rest) in [(370.0, 10.0), (-10.0, 350.0), (360.0, 0.0), (-720.0, 0.0)] {
-        let found = fmod(x, 360.0);
-        assert!((found - rest).abs() < 1e-12 && found >= 0.0, "{x}: {found}");
-    }
-    assert_eq!([fmod(-30.0, 360.0), fmod(360.0, 360.0), fmod(-1e-20, 360.0)], [330.0, 0.0, 0.0]);
+    let found = [370.0, -10.0, -30.0, 360.0, -720.0, -1e-20].map(|x| fmod(x, 360.0));
+    assert_eq!(found, [10.0, 350.0, 330.0, 0.0, 0.0, 0.0]);
 }
 
 #[test]
@@ -23,10 +20,9 @@ fn angles_cover_the_whole_turn() {
         (-1.0, 0.0, 3.0 * FRAC_PI_2),
         (-3.0, 3.0, 7.0 * FRAC_PI_4),
     ] {
-        assert!((atan2(sine, cosine) - angle).abs() < 1e-12, "{sine}, {cosine}");
+        assert!((atan2(sine, cosine) - angle).abs() < 1e-15, "{sine}, {cosine}");
     }
     assert!((0.0..TAU).contains(&atan2(-1e-300, 1.0)));
-    assert!((atan2(-1.0, 0.0) - 1.5 * PI).abs() < 1e-15);
 }
 
 proptest! {

@@ -229,34 +229,25 @@ fn a_new_edge_on_another_axis_takes_nothing_from_a_stop() {
 #[test]
 fn what_begins_at_the_end_of_a_move_leaves_it_at_its_target() {
     for ramp in [RampType::Trapezoid, RampType::Sigmoid, RampType::Parabolic] {
-        for kind in 0..3 {
-            let config = AxisConfig { ramp, jerk: 900.0, ..AxisConfig::default() };
-            let (mut axes, mut first) = ([linear(), Rig::new(config)], to(7.3));
-            let mut gear = gear(1, 1);
-            let mut in_pos = in_pos([1, 1], [50.0, 200.0], 20.0);
-            let mut phasing = phasing(0.0, 10.0, 50.0);
-            let mut ended = false;
-            for _ in 0..300 {
-                pair(
-                    &mut axes,
-                    |_| (),
-                    |master, axis| {
-                        ended |= first.call(true, axis).done;
-                        match kind {
-                            0 => gear.follow(ended, master, axis),
-                            1 => in_pos.follow(ended, master, axis),
-                            _ => phasing.follow(ended, master, axis),
-                        }
-                    },
-                );
-                let slave = &axes[1].axis;
-                if ended {
-                    assert_eq!(slave.set_position(), 7.3, "{ramp:?} {kind}");
-                    assert_eq!(slave.set_velocity(), 0.0, "{ramp:?} {kind}");
-                    assert_eq!(slave.state(), AxisState::SynchronizedMotion);
-                }
-            }
-            assert!(ended);
-        }
+        begins_at_the_end(ramp, gear(1, 1));
+        begins_at_the_end(ramp, in_pos([1, 1], [50.0, 200.0], 20.0));
+        begins_at_the_end(ramp, phasing(0.0, 10.0, 50.0));
     }
+}
+
+fn begins_at_the_end<M: Motion<With = Master> + Clone>(ramp: RampType, mut block: Block<M>) {
+    let slave = Rig::new(AxisConfig { ramp, jerk: 900.0, ..AxisConfig::default() });
+    let (mut axes, mut first, mut ended) = ([linear(), slave], to(7.3), false);
+    let synchronized = AxisState::SynchronizedMotion;
+    for _ in 0..300 {
+        let follow = |master: &Axis, axis: &mut Axis| {
+            ended |= first.call(true, axis).done;
+            block.follow(ended, master, axis);
+            (axis.set_position(), axis.set_velocity(), axis.state())
+        };
+        let shown = pair(&mut axes, |_| (), follow);
+        let name = std::any::type_name::<M>();
+        assert!(!ended || shown == (7.3, 0.0, synchronized), "{name} {ramp:?}: {shown:?}");
+    }
+    assert!(ended);
 }

@@ -2,10 +2,6 @@
 
 use super::*;
 
-fn both() -> [Rig; 2] {
-    [linear(), linear()]
-}
-
 /// How far the slave is ahead of its master, u.
 fn lead_of([master, slave]: &[Rig; 2]) -> f64 {
     slave.axis.set_position() - master.axis.set_position()
@@ -13,7 +9,7 @@ fn lead_of([master, slave]: &[Rig; 2]) -> f64 {
 
 #[test]
 fn a_gear_couples_velocities() {
-    let (mut axes, mut lead, mut block) = (both(), endless(10.0), gear(-3, 2));
+    let (mut axes, mut lead, mut block) = ([linear(), linear()], endless(10.0), gear(-3, 2));
     axes[0].calls(20, &mut lead);
     // −15 u/s with 50 u/s² take 0.3 s.
     for cycle in 1..=30 {
@@ -34,7 +30,7 @@ fn a_gear_couples_velocities() {
 
 #[test]
 fn a_gear_follows_actual_values_of_a_master_without_power() {
-    let ([mut master, mut slave], mut block) = (both(), gear(2, 1));
+    let ([mut master, mut slave], mut block) = ([linear(), linear()], gear(2, 1));
     master.power.regulator_on = false;
     let (mut turned, mut shown) = (0.0, Outputs::default());
     for _ in 0..100 {
@@ -51,7 +47,7 @@ fn a_gear_follows_actual_values_of_a_master_without_power() {
 
 #[test]
 fn out_of_gear_the_slave_goes_on() {
-    let (mut axes, mut lead, mut block) = (both(), endless(10.0), gear(1, 2));
+    let (mut axes, mut lead, mut block) = ([linear(), linear()], endless(10.0), gear(1, 2));
     let mut out = Block::new(Decouple);
     for _ in 0..100 {
         follow(&mut axes, &mut lead, &mut block);
@@ -73,7 +69,7 @@ fn meets_at_15() -> Block<GearInPos> {
 
 #[test]
 fn a_gear_in_position_waits_for_its_window() {
-    let (mut axes, mut lead, mut block) = (both(), endless(10.0), meets_at_15());
+    let (mut axes, mut lead, mut block) = ([linear(), linear()], endless(10.0), meets_at_15());
     let mut began = None;
     for _ in 0..300 {
         let before = axes[1].axis.set_velocity();
@@ -124,7 +120,7 @@ fn a_gear_in_position_whose_master_is_beyond_the_place_waits_for_it() {
 
 #[test]
 fn phasing_takes_over_from_a_gear_that_ramps_in() {
-    let (mut axes, mut lead, mut ramping) = (both(), endless(20.0), gear(1, 1));
+    let (mut axes, mut lead, mut ramping) = ([linear(), linear()], endless(20.0), gear(1, 1));
     let mut block = phasing(3.0, 4.0, 40.0);
     let (mut coupled, mut done, mut before) = (None, None, 0.0);
     for cycle in 0..1_000 {
@@ -154,7 +150,7 @@ fn phasing_takes_over_from_a_gear_that_ramps_in() {
 
 #[test]
 fn a_phase_shift_comes_on_top_of_a_master_that_turns() {
-    let (mut axes, mut leads) = (both(), [20.0, -20.0].map(endless));
+    let (mut axes, mut leads) = ([linear(), linear()], [20.0, -20.0].map(endless));
     let mut block = phasing(6.0, 4.0, 40.0);
     let (mut begun, mut ended) = (None, None);
     for cycle in 0..400 {
@@ -177,7 +173,7 @@ fn a_phase_shift_comes_on_top_of_a_master_that_turns() {
 
 #[test]
 fn a_master_that_reverses_while_coupling_is_an_error_775() {
-    let (mut axes, mut leads) = (both(), [10.0, -10.0].map(endless));
+    let (mut axes, mut leads) = ([linear(), linear()], [10.0, -10.0].map(endless));
     let (mut block, mut back, mut error) = (meets_at_15(), false, None);
     for _ in 0..300 {
         back |= axes[0].axis.set_position() > 12.0;

@@ -218,6 +218,20 @@ fn watched(setpoint: Follow, gap_velocity: f64, gap_acceleration: f64) -> Contro
     ControlAxisBy { setpoint, avoid_gaps: true, gap_velocity, gap_acceleration, gap_deceleration }
 }
 
+/// To 5 u with a velocity there.
+fn past_5(end_velocity: f64, end_velocity_direction: Direction) -> MoveContinuousAbsolute {
+    let MoveAbsolute { position, velocity, acceleration, deceleration, direction } = to(5.0).inputs;
+    MoveContinuousAbsolute {
+        position,
+        velocity,
+        end_velocity,
+        end_velocity_direction,
+        acceleration,
+        deceleration,
+        direction,
+    }
+}
+
 fn stop(deceleration: f64) -> Block<Stop> {
     Block::new(Stop { deceleration })
 }

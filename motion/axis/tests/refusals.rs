@@ -19,15 +19,7 @@ fn on_cam(input: CamInput) -> Call {
 
 #[test]
 fn every_block_refuses_wrong_inputs_with_its_own_number() {
-    let absolute = MoveContinuousAbsolute {
-        position: 5.0,
-        velocity: 10.0,
-        end_velocity: 4.0,
-        end_velocity_direction: Direction::Positive,
-        acceleration: 100.0,
-        deceleration: 100.0,
-        direction: Direction::Positive,
-    };
+    let absolute = past_5(4.0, Direction::Positive);
     let relative = MoveContinuousRelative {
         distance: 5.0,
         velocity: 10.0,

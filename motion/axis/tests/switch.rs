@@ -25,38 +25,37 @@ fn sticky(hysteresis: f64) -> Track {
     Track { hysteresis, ..Track::default() }
 }
 
-/// Output 0 at each position and velocity of the way, a cycle apart.
-fn shown(mut rig: Rig, switch: CamSwitch, track: Track, way: &[(f64, f64)]) -> Vec<bool> {
+/// The cycles in which output 0 changes, from off, along a way of positions and velocities.
+fn changed(mut rig: Rig, switch: CamSwitch, track: Track, way: &[(f64, f64)]) -> Vec<usize> {
     let mut block = DigitalCamSwitch::new(&[switch], [track; 32]);
     rig.calls(2, &mut Block::new(Follow::Position(way[0].0)));
-    let mut go = Block::new(Follow::Position(0.0));
-    let mut shown = |(position, velocity): &(f64, f64)| {
+    let (mut go, mut before) = (Block::new(Follow::Position(0.0)), false);
+    let changes = |(_, (position, velocity)): &(usize, &(f64, f64))| {
         go.inputs = Follow::PositionVelocity(*position, *velocity);
         rig.call(&mut go, true);
-        block.call(true, &rig.axis).outputs[0]
+        let now = block.call(true, &rig.axis).outputs[0];
+        std::mem::replace(&mut before, now) != now
     };
-    way.iter().map(&mut shown).collect()
+    way.iter().enumerate().filter(changes).map(|(cycle, _)| cycle).collect()
 }
 
-/// Where output 0 changes along a way of these places, which it goes from place to place.
-fn changes(rig: Rig, switch: CamSwitch, track: Track, places: &[f64]) -> Vec<(f64, bool)> {
+/// The places where it does along a way of these places, which it goes from place to place.
+fn changes(rig: Rig, switch: CamSwitch, track: Track, places: &[f64]) -> Vec<f64> {
     let steps = places.iter().scan(places[0], |before, place| {
         let way = place - std::mem::replace(before, *place);
         Some((*place, way / CYCLE))
     });
-    let shown = shown(rig, switch, track, &steps.collect::<Vec<_>>());
-    let before = [false].iter().chain(&shown);
-    let changes = places.iter().zip(&shown).zip(before).filter(|((_, now), before)| now != before);
-    changes.map(|((place, now), _)| (*place, *now)).collect()
+    let cycles = changed(rig, switch, track, &steps.collect::<Vec<_>>());
+    cycles.into_iter().map(|cycle| places[cycle]).collect()
 }
 
 /// Output 0 in the third turn at this velocity: its value at the begin, and where it changes.
-fn in_a_turn(switch: CamSwitch, track: Track, velocity: f64) -> (bool, Vec<(f64, bool)>) {
+fn in_a_turn(switch: CamSwitch, track: Track, velocity: f64) -> (bool, Vec<f64>) {
     let way = |cycle: u16| f64::from(cycle) * velocity * CYCLE;
     let way: Vec<_> = (0..3 * 720).map(|cycle| (way(cycle).rem_euclid(360.0), velocity)).collect();
-    let shown = shown(rotary(), switch, track, &way);
-    let turns = (2 * 720..3 * 720).filter(|cycle| shown[*cycle] != shown[cycle - 1]);
-    (shown[2 * 720 - 1], turns.map(|cycle| (way[cycle].0, shown[cycle])).collect())
+    let all = changed(rotary(), switch, track, &way);
+    let before = all.iter().filter(|cycle| **cycle < 2 * 720).count();
+    (before % 2 == 1, all[before..].iter().map(|cycle| way[*cycle].0).collect())
 }
 
 /// On and off once a turn at 50 u/s: 0.2 s are 10 u. A delay is positive, an advance negative (manual 5.5).
@@ -96,10 +95,10 @@ fn switches_of_a_turning_axis() {
         (range(90.0, 490.0), later(0.4, -0.8), forwards, [110.0, 90.0]),
         (range(90.0, 490.0), later(0.4, -1.6), forwards, [110.0, 50.0]),
     ] {
-        let (_, changes) = in_a_turn(switch, track, velocity);
+        let (is_on, changes) = in_a_turn(switch, track, velocity);
         assert_eq!(changes.len(), 2, "{switch:?} {track:?}: {changes:?}");
-        for (at, is_on) in &changes {
-            let off_by = short(&rotary().axis, at - if *is_on { on } else { off });
+        for (at, expected) in changes.iter().zip(if is_on { [off, on] } else { [on, off] }) {
+            let off_by = short(&rotary().axis, at - expected);
             assert!(off_by.abs() <= 0.5 + 1e-6, "{switch:?} {track:?}: {changes:?}");
         }
     }
@@ -136,9 +135,7 @@ fn a_timed_switch_has_a_hysteresis() {
         _ => 99.8,
     });
     let way: Vec<_> = way.map(|place| (place, 0.0)).collect();
-    let seen = shown(rotary(), timed(0.5), sticky(1.0), &way);
-    let seen: Vec<_> = (0..).zip(seen).filter_map(|(cycle, on)| on.then_some(cycle)).collect();
-    assert_eq!(seen, (1..51).chain(270..320).collect::<Vec<u32>>());
+    assert_eq!(changed(rotary(), timed(0.5), sticky(1.0), &way), [1, 51, 270, 320]);
 }
 
 #[test]
@@ -157,12 +154,10 @@ fn outputs_can_be_masked_and_disabled() {
 
 #[test]
 fn set_or_actual_positions_count_as_asked() {
-    let (mut rig, mut moving) = (rotary(), endless(50.0));
     let first = [TappetMode::Auto, TappetMode::Demand, TappetMode::Actual].map(|mode| {
+        let (mut rig, mut moving) = (rotary(), endless(50.0));
         let mut block = DigitalCamSwitch::new(&[range(10.0, 20.0)], [Track::default(); 32]);
         block.mode = mode;
-        rig = rotary();
-        moving = endless(50.0);
         rig.until(|axis| {
             moving.call(true, axis);
             block.call(true, axis).outputs[0]
@@ -206,41 +201,34 @@ fn compensations_are_times() {
         // Behind the end, off; beyond it there is nothing to switch.
         (switch, later(0.0, 0.1), starting(201.0), &[][..]),
         // Inside, on: nothing is switched before the end, at 0.445 s.
-        (switch, later(0.1, 0.0), starting(101.0), &[[0, 45]][..]),
-        (switch, later(0.0, 0.1), starting(101.0), &[[0, 55]][..]),
+        (switch, later(0.1, 0.0), starting(101.0), &[0, 45][..]),
+        (switch, later(0.0, 0.1), starting(101.0), &[0, 55][..]),
         // Inside from 0.06 s on, where it stays.
-        (switch, later(0.1, 0.0), braking(10.0, 0.55), &[[16, 60]][..]),
-        (switch, later(0.1, 0.0), braking(10.0, 2.2), &[[16, 60]][..]),
+        (switch, later(0.1, 0.0), braking(10.0, 0.55), &[16][..]),
+        (switch, later(0.1, 0.0), braking(10.0, 2.2), &[16][..]),
         // Inside from 0.0225 s to 0.1775 s, and out where it has come in.
-        (switch, later(0.0, 0.0), turning(103.0), &[[3, 18]][..]),
-        (switch, later(0.1, 0.1), turning(103.0), &[[13, 28]][..]),
-        (switch, later(0.1, 0.0), turning(103.0), &[[13, 18]][..]),
-        (switch, later(0.0, 0.3), turning(103.0), &[[3, 48]][..]),
+        (switch, later(0.0, 0.0), turning(103.0), &[3, 18][..]),
+        (switch, later(0.1, 0.1), turning(103.0), &[13, 28][..]),
+        (switch, later(0.1, 0.0), turning(103.0), &[13, 18][..]),
+        (switch, later(0.0, 0.3), turning(103.0), &[3, 48][..]),
         (switch, later(0.2, 0.0), turning(103.0), &[][..]),
         // Passed at 0.054 s, on from 0.154 s to 0.204 s, wherever it is by then.
-        (short, later(0.1, 0.0), braking(10.0, 0.55), &[[16, 21]][..]),
-        (short, later(0.1, 0.0), braking(20.0, 2.2), &[[16, 21]][..]),
+        (short, later(0.1, 0.0), braking(10.0, 0.55), &[16, 21][..]),
+        (short, later(0.1, 0.0), braking(20.0, 2.2), &[16, 21][..]),
         // Forth at 0.0225 s, back at 0.1775 s.
-        (short, later(0.1, 0.0), turning(103.0), &[[13, 18], [28, 33]][..]),
+        (short, later(0.1, 0.0), turning(103.0), &[13, 18, 28, 33][..]),
         // 99 + 500 t² + 50 t is 100 at 0.017 s; it is beyond 200 at 0.4494 s.
-        (switch, later(-0.05, 0.0), starting(99.0), &[[2, 45]][..]),
+        (switch, later(-0.05, 0.0), starting(99.0), &[2, 45][..]),
         // Seen inside at 0.02 s; it does not come there, and is off from when it turns.
-        (switch, later(-0.05, 0.0), turning(99.5), &[[2, 11]][..]),
+        (switch, later(-0.05, 0.0), turning(99.5), &[2, 11][..]),
         // Seen beyond the end at 0.03 s, where it does not come; from when it turns it is inside again, until it is seen
         // beyond the other end: 199 − 500 t² − 50 t is 100 at 0.398 s.
-        (switch, later(0.0, -0.05), turning(199.0), &[[0, 3], [11, 50]][..]),
+        (switch, later(0.0, -0.05), turning(199.0), &[0, 3, 11, 50][..]),
         // A time begins once, where it is seen to come to 100: between 0.01 s and 0.02 s.
-        (short, later(-0.05, 0.0), turning(99.5), &[[2, 7]][..]),
+        (short, later(-0.05, 0.0), turning(99.5), &[2, 7][..]),
     ] {
         let way: Vec<_> = (0..60_u32).map(|cycle| way(f64::from(cycle) * CYCLE)).collect();
-        let found = shown(linear(), switch, track, &way);
-        let found: Vec<_> =
-            (0..).zip(found).filter_map(|(cycle, on)| on.then_some(cycle)).collect();
-        assert_eq!(
-            found,
-            on.iter().flat_map(|[from, to]| *from..*to).collect::<Vec<_>>(),
-            "{switch:?} {track:?}"
-        );
+        assert_eq!(changed(linear(), switch, track, &way), on, "{switch:?} {track:?}");
     }
 }
 
@@ -282,59 +270,36 @@ fn both_ways(on_compensation: f64, off_compensation: f64) -> Track {
 /// Changes of the outputs for both directions, forwards and backwards along a way, with a range from 100 to 200.
 #[test]
 fn a_hysteresis_takes_jitter_for_no_turn() {
-    let on = |place: f64| (place, true);
-    let off = |place: f64| (place, false);
     let mut rows = vec![
-        // More than the hysteresis back from the farthest point the axis has turned: one direction's output is off, the
-        // other's on.
+        // More than the hysteresis back from the farthest point the axis has turned.
         (
             by_quarters(&[90.0, 110.0, 109.0, 112.0, 90.0, 93.0]),
             sticky(2.0),
-            [
-                vec![on(100.0), off(97.75)],
-                vec![on(100.0), off(109.75)],
-                vec![on(109.75), off(97.75)],
-            ],
+            [&[100.0, 97.75][..], &[100.0, 109.75], &[109.75, 97.75]],
         ),
         // Forwards again: 3 u from the farthest point on the way back are enough, 2 u are not.
         (
             by_quarters(&[90.0, 150.0, 110.0, 112.0, 109.0, 115.0]),
             sticky(2.0),
-            [
-                vec![on(100.0)],
-                vec![on(100.0), off(147.75), on(111.25)],
-                vec![on(147.75), off(111.25)],
-            ],
-        ),
-        // An advance holds while an axis jitters and ends when it turns: 0.2 s at 25 u/s are 5 u. Seen inside at 95, 1.25 u
-        // before 98.25 it has turned, and has never been inside.
-        (
-            [jittering(90.0, 98.25), by_quarters(&[98.0, 90.0])].concat(),
-            both_ways(-0.2, 0.0),
-            [vec![on(95.0), off(97.0)], vec![on(95.0), off(97.0)], vec![]],
-        ),
-        (
-            [jittering(90.0, 98.25), by_quarters(&[98.0, 90.0])].concat(),
-            both_ways(-0.2, -0.2),
-            [vec![on(95.0), off(97.0)], vec![on(95.0), off(97.0)], vec![]],
+            [&[100.0], &[100.0, 147.75, 111.25], &[147.75, 111.25]],
         ),
         // Seen 1.25 u beyond the end, with the hysteresis, at 196.25; backwards it is inside to where 5 u ahead is beyond 99.
         (
             [jittering(90.0, 198.25), by_quarters(&[198.0, 90.0])].concat(),
             both_ways(0.0, -0.2),
-            [
-                vec![on(100.0), off(196.25), on(197.0), off(103.75)],
-                vec![on(100.0), off(196.25)],
-                vec![on(197.0), off(103.75)],
-            ],
+            [&[100.0, 196.25, 197.0, 103.75], &[100.0, 196.25], &[197.0, 103.75]],
         ),
     ];
+    // An advance holds while an axis jitters and ends when it turns: 0.2 s at 25 u/s are 5 u. Seen inside at 95, 1.25 u
+    // before 98.25 it has turned, and has never been inside.
+    for off_compensation in [0.0, -0.2] {
+        let way = [jittering(90.0, 98.25), by_quarters(&[98.0, 90.0])].concat();
+        rows.push((way, both_ways(-0.2, off_compensation), [&[95.0, 97.0], &[95.0, 97.0], &[]]));
+    }
     // Jitter by less than the hysteresis switches nothing, anywhere in the range and at its ends.
     for to in [100.25, 100.5, 150.0, 200.0, 200.5] {
-        let forwards = [vec![on(100.0)], vec![on(100.0)], vec![]];
-        rows.push((jittering(90.0, to), sticky(1.0), forwards));
-        let back = [vec![on(200.0)], vec![], vec![on(200.0)]];
-        rows.push((jittering(210.0, 300.0 - to), sticky(1.0), back));
+        rows.push((jittering(90.0, to), sticky(1.0), [&[100.0], &[100.0], &[]]));
+        rows.push((jittering(210.0, 300.0 - to), sticky(1.0), [&[200.0], &[], &[200.0]]));
     }
     for (way, track, expected) in rows {
         for (direction, expected) in [Both, Positive, Negative].into_iter().zip(expected) {
@@ -345,8 +310,8 @@ fn a_hysteresis_takes_jitter_for_no_turn() {
     // Without a hysteresis it does, and every turn counts.
     let without = |way: &[f64]| changes(linear(), one_way(Positive), Track::default(), way);
     assert_eq!(without(&jittering(90.0, 150.0)).len(), 41);
-    let turns = [on(100.0), off(109.75), on(109.25), off(111.75)];
-    assert_eq!(without(&by_quarters(&[90.0, 110.0, 109.0, 112.0, 90.0, 93.0])), turns);
+    let turns = without(&by_quarters(&[90.0, 110.0, 109.0, 112.0, 90.0, 93.0]));
+    assert_eq!(turns, [100.0, 109.75, 109.25, 111.75]);
 }
 
 #[test]
@@ -359,12 +324,12 @@ fn a_switch_turns_over_the_end_of_the_period() {
             let switch = CamSwitch { direction, ..range(start, end) };
             changes(rotary(), switch, sticky(1.0), &way)
         };
-        assert_eq!(shown(Positive, jittering(begin, start + 10.25)), [(start, true)]);
+        assert_eq!(shown(Positive, jittering(begin, start + 10.25)), [start]);
         assert_eq!(shown(Negative, jittering(begin, start + 10.25)), []);
         let back = || by_quarters(&[begin, start + 10.5, begin]);
         let turned = (start + 9.25_f64).rem_euclid(360.0);
-        assert_eq!(shown(Positive, back()), [(start, true), (turned, false)]);
-        assert_eq!(shown(Negative, back()), [(turned, true), (start - 1.25, false)]);
+        assert_eq!(shown(Positive, back()), [start, turned]);
+        assert_eq!(shown(Negative, back()), [turned, start - 1.25]);
     }
 }
 
@@ -385,6 +350,6 @@ fn a_switch_that_is_enabled_at_rest_knows_the_direction_of_the_last_motion() {
     }
     let way = by_quarters(&[200.5, 198.0]);
     for (direction, on) in [(Both, 200.0), (Negative, 198.25)] {
-        assert_eq!(changes(linear(), one_way(direction), sticky(2.0), &way), [(on, true)]);
+        assert_eq!(changes(linear(), one_way(direction), sticky(2.0), &way), [on]);
     }
 }

@@ -143,20 +143,6 @@ fn a_move_that_is_begun_anew_all_the_time_arrives_as_soon() {
     }
 }
 
-/// A table counts from the period in which the axis is, however far it has turned before, and goes over its end.
-#[test]
-fn a_table_of_positions_goes_over_the_end_of_the_period() {
-    let (mut rig, mut turning, mut there) = (rotary(), endless(100.0), to(350.0));
-    rig.calls(1_000, &mut turning);
-    rig.until(|axis| [there.call(true, axis), turning.call(true, axis)][0].done);
-    let point = ProfilePoint { delta_time: 2.0, value: 370.0 };
-    let mut table = Block::new(PositionProfile(Points::new(vec![point])));
-    let [_, fastest] = way(&mut rig, |axis| table.call(true, axis).done);
-    assert!((rig.axis.set_position() - 10.0).abs() < 1e-9, "{}", rig.axis.set_position());
-    // 20 u in 2 s by a cubic between rests: 3/2 of the mean velocity.
-    assert!((fastest - 15.0).abs() < 1e-9, "{fastest}");
-}
-
 #[test]
 fn a_superimposed_distance_adds_to_the_motion_below() {
     let (mut rig, mut below, mut on_top) = (linear(), to(20.0), on_top(3.0, 5.0, 100.0));
@@ -202,16 +188,8 @@ fn a_continuous_move_has_its_end_velocity_at_the_position() {
         (4.0, Direction::Negative, -4.0),
         (0.0, Direction::Current, 0.0),
     ] {
-        let inputs = MoveContinuousAbsolute {
-            position: 5.0,
-            velocity: 10.0,
-            end_velocity,
-            end_velocity_direction,
-            acceleration: 100.0,
-            deceleration: 100.0,
-            direction: Direction::Shortest,
-        };
-        let (mut rig, mut block) = (linear(), Block::new(inputs));
+        let mut rig = linear();
+        let mut block = Block::new(past_5(end_velocity, end_velocity_direction));
         rig.done(&mut block);
         assert_eq!(rig.axis.set_velocity(), expected);
         assert_eq!(rig.axis.state(), AxisState::ContinuousMotion);

@@ -16,7 +16,9 @@ fn shifted<M: Motion<With = Master> + Clone>(
 ) -> Outputs {
     let lead = |axis: &mut Axis| {
         lead.call(true, axis);
-        shift.map(|(position, relative)| axis.shift_zero(position, relative).expect("a number"));
+        if let Some((position, relative)) = shift {
+            axis.shift_zero(position, relative).expect("a number");
+        }
     };
     pair(axes, lead, |master, axis| block.follow(true, master, axis))
 }

@@ -1,4 +1,4 @@
-//! Random moves of a single axis, and superimposed motion.
+//! Random moves of a single axis, superimposed motion, homing and probes.
 
 use super::*;
 
@@ -30,7 +30,7 @@ macro_rules! own_rates {
 }
 
 /// Moves to positions, by distances and with velocities, and stops.
-pub(super) fn moves() -> Vec<Box<dyn Called>> {
+pub(super) fn moves() -> Blocks {
     vec![
         own_rates!(
             MoveAbsolute,
@@ -53,7 +53,7 @@ pub(super) fn moves() -> Vec<Box<dyn Called>> {
 }
 
 /// Continuous moves.
-pub(super) fn continued() -> Vec<Box<dyn Called>> {
+pub(super) fn continued() -> Blocks {
     vec![
         own_rates!(
             MoveContinuousAbsolute,
@@ -125,4 +125,41 @@ impl Called for OnTop {
 pub(super) fn hasty_on_top(more: f64) -> Box<dyn Called> {
     let taken = limits(1.0, 1.0, 1.0);
     Box::new(OnTop { block: on_top(1.0, 1.0, 1.0), taken, execute: false, more })
+}
+
+/// A probe of the program or of the drive.
+struct Probe {
+    block: TouchProbe,
+    trigger: Trigger,
+    abort: AbortTrigger,
+}
+
+impl Called for Probe {
+    fn call(&mut self, execute: bool, random: &mut Random, axis: &mut Axis, _: &Axis) -> Outputs {
+        self.trigger.input = random.one_in(100);
+        self.abort.call(random.one_in(500), axis, &mut self.trigger);
+        self.block.call(execute, axis, &mut self.trigger).outputs
+    }
+
+    fn moves(&self) -> bool {
+        false
+    }
+
+    fn change(&mut self, random: &mut Random, _: &Axis, _: &Axis) {
+        let window = [random.between(0.0, 90.0), random.between(0.0, 90.0)];
+        self.block.window = (!random.one_in(3)).then_some(window);
+    }
+}
+
+fn probe(trigger: Trigger) -> Box<dyn Called> {
+    Box::new(Probe { block: TouchProbe::new(None), trigger, abort: AbortTrigger::default() })
+}
+
+/// Homing by the drive, and probes, which do not move the axis.
+pub(super) fn others() -> Blocks {
+    let homing = limited(
+        |_, _| Promise::Nothing,
+        |random, _, _| Home { position: way(random), deceleration: random.one_of(&[0.0, 50.0]) },
+    );
+    vec![homing, probe(Trigger::of_program()), probe(Trigger::of_drive(1))]
 }

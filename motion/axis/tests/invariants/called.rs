@@ -5,11 +5,10 @@ use std::any::type_name;
 
 /// A block that can be called.
 pub(super) trait Called {
-    fn call(&mut self, execute: bool, random: &mut Random, axis: &mut Axis, lead: &Axis)
-    -> Outputs;
+    fn call(&mut self, execute: bool, dice: &mut Random, axis: &mut Axis, lead: &Axis) -> Outputs;
 
     /// Checks its additional invariants after a call.
-    fn watch(&mut self, _shown: Outputs, _axis: &Axis, _lead: &Axis) -> Result<(), String> {
+    fn watch(&mut self, _shown: Outputs, _axis: &Axis, _lead: &Axis) -> Checked {
         Ok(())
     }
 
@@ -62,15 +61,18 @@ impl Take for Master {
     }
 }
 
-/// Additional invariants of a block for its inputs at its start.
+/// A block after a call, with its inputs at its start and what it has shown.
+pub(super) struct Look<'a, M: Motion> {
+    pub(super) block: &'a Block<M>,
+    pub(super) taken: &'a M,
+    pub(super) shown: Outputs,
+    pub(super) axis: &'a Axis,
+    pub(super) lead: &'a Axis,
+}
+
+/// Additional invariants of a block.
 pub(super) trait Watch<M: Motion> {
-    fn see(
-        &mut self,
-        block: &Block<M>,
-        taken: &M,
-        shown: Outputs,
-        axes: [&Axis; 2],
-    ) -> Result<(), String>;
+    fn see(&mut self, it: &Look<'_, M>) -> Checked;
 
     /// The block's promise, if it is not that of its inputs.
     fn promise(&self) -> Option<Promise> {
@@ -79,7 +81,7 @@ pub(super) trait Watch<M: Motion> {
 }
 
 impl<M: Motion> Watch<M> for () {
-    fn see(&mut self, _: &Block<M>, _: &M, _: Outputs, _: [&Axis; 2]) -> Result<(), String> {
+    fn see(&mut self, _: &Look<'_, M>) -> Checked {
         Ok(())
     }
 }
@@ -108,6 +110,16 @@ pub(super) struct Fault<M: Motion> {
     /// Another set-point.
     pub(super) setpoint: fn(&M::Run, &mut State),
     pub(super) owning: Option<Owning>,
+}
+
+impl<M: Motion> Fault<M> {
+    pub(super) fn inputs(inputs: fn(&mut M)) -> Self {
+        Self { inputs, ..Self::default() }
+    }
+
+    pub(super) fn setpoint(setpoint: fn(&M::Run, &mut State)) -> Self {
+        Self { setpoint, ..Self::default() }
+    }
 }
 
 impl<M: Motion> Default for Fault<M> {
@@ -153,25 +165,19 @@ pub(super) struct Moving<M: Motion, W> {
 }
 
 impl<M: Motion, W> Moving<M, W> {
-    pub(super) fn living(self, live: Live<M>) -> Box<Self> {
-        Box::new(Self { live, ..self })
+    pub(super) fn living(self, live: Live<M>) -> Self {
+        Self { live, ..self }
     }
 }
 
 impl<M: Motion<With: Take> + Clone, W: Watch<M>> Called for Moving<M, W> {
-    fn call(
-        &mut self,
-        execute: bool,
-        random: &mut Random,
-        axis: &mut Axis,
-        lead: &Axis,
-    ) -> Outputs {
+    fn call(&mut self, execute: bool, dice: &mut Random, axis: &mut Axis, lead: &Axis) -> Outputs {
         let rises = execute && !self.execute;
         self.execute = execute;
         // A takeover includes superimposed motions.
         let goes_on = self.block.owner() == Some(axis.owner()) && !rises;
         let from = if goes_on { axis.saved_base } else { axis.saved };
-        (self.live)(&mut self.block.inputs, random, axis, from);
+        (self.live)(&mut self.block.inputs, dice, axis, from);
         self.begun.cycles += 1;
         if rises {
             self.taken = self.block.inputs.clone();
@@ -209,8 +215,8 @@ impl<M: Motion<With: Take> + Clone, W: Watch<M>> Called for Moving<M, W> {
         shown
     }
 
-    fn watch(&mut self, shown: Outputs, axis: &Axis, lead: &Axis) -> Result<(), String> {
-        self.watch.see(&self.block, &self.taken, shown, [axis, lead])
+    fn watch(&mut self, shown: Outputs, axis: &Axis, lead: &Axis) -> Checked {
+        self.watch.see(&Look { block: &self.block, taken: &self.taken, shown, axis, lead })
     }
 
     fn change(&mut self, random: &mut Random, axis: &Axis, lead: &Axis) {
@@ -258,19 +264,19 @@ pub(super) fn own(velocity: f64, acceleration: f64, deceleration: f64) -> Promis
 }
 
 /// All blocks; the superimposed motion is called last, as in the manual.
-pub(super) fn all() -> Vec<Box<dyn Called>> {
+pub(super) fn all() -> Blocks {
     let mut blocks = alone::moves();
     blocks.extend(alone::continued());
     blocks.extend(tables::all());
     blocks.extend(coupled::all());
     blocks.extend(direct::all());
-    blocks.extend(others::all());
+    blocks.extend(alone::others());
     blocks.push(alone::hasty_on_top(1.0));
     blocks
 }
 
 /// Moves of the axis alone.
-pub(super) fn single() -> Vec<Box<dyn Called>> {
+pub(super) fn single() -> Blocks {
     let mut blocks = alone::moves();
     blocks.push(alone::hasty_on_top(1.0));
     blocks

@@ -19,13 +19,7 @@ pub(super) enum Promise {
     /// That position and velocity belong together, with so much acceleration, u/s².
     Smooth(f64),
     /// The same, and on axes with limited jerk so much of it, u/s³; whether the slave steps with the master's zero.
-    OnCam {
-        /// u/s².
-        rate: f64,
-        /// u/s³.
-        jerk: f64,
-        steps: bool,
-    },
+    OnCam { rate: f64, jerk: f64, steps: bool },
     /// Nothing: the drive moves itself.
     Nothing,
 }
@@ -75,9 +69,8 @@ impl Checker {
         name: &str,
         layer: usize,
         axis: &Axis,
-        before: [i64; 2],
-        mine: i64,
-    ) -> Result<(), String> {
+        [was_owned, owners, mine]: [i64; 3],
+    ) -> Checked {
         let count = axis.commands[layer];
         if axis.commands[1 - layer] > 0 || count > 1 {
             return Err(format!("{name} commands the axis {:?} times in a call", axis.commands));
@@ -85,7 +78,6 @@ impl Checker {
         if count == 0 {
             return Ok(());
         }
-        let [was_owned, owners] = before;
         let owner = match [axis.owner(), axis.overlay_owner][layer] {
             // It has taken it and given it back at once, or has given it back only.
             0 if axis.values.owners != owners => axis.values.owners,
@@ -112,18 +104,19 @@ impl Checker {
     pub(super) fn block(
         &mut self,
         index: usize,
-        (name, rising): (&str, bool),
+        name: &str,
+        rises: bool,
         shown: Outputs,
-    ) -> Result<(), String> {
+    ) -> Checked {
         let tally = &mut self.tallies[index];
         let (shows, before) = (ends(shown), ends(tally.before));
         if shows.iter().filter(|it| **it).count() > 1 {
             return Err(format!("block {index} shows {shown:?} at once"));
         }
-        if rising {
+        if rises {
             *tally = Tally { open: true, ..Tally::default() };
         }
-        if shows.iter().zip(before).any(|(shows, before)| *shows && (rising || !before)) {
+        if shows.iter().zip(before).any(|(shows, before)| *shows && (rises || !before)) {
             if !tally.open {
                 return Err(format!("block {index} ends twice: {shown:?}"));
             }
@@ -151,7 +144,7 @@ impl Checker {
     }
 
     /// Every step that the axis has made since the last look is one of the diagram, and no state has changed without one.
-    pub(super) fn states(&mut self, axis: &mut Axis) -> Result<(), String> {
+    pub(super) fn states(&mut self, axis: &mut Axis) -> Checked {
         for [from, to] in axis.entered.drain(..) {
             if from != self.state || !legal::is_arrow(from, to) {
                 return Err(format!("illegal: {from:?} to {to:?} after {:?}", self.state));
@@ -164,13 +157,13 @@ impl Checker {
         Ok(())
     }
 
-    /// After a call of `caller`, with or without Execute: the states, that of who moves the axis, and who keeps it.
+    /// After a call of a block, with or without Execute: the states, that of who moves the axis, and who keeps it.
     pub(super) fn called(
         &mut self,
         axis: &mut Axis,
-        caller: (&str, bool),
+        by: (&str, bool),
         mover: Option<&str>,
-    ) -> Result<(), String> {
+    ) -> Checked {
         self.states(axis)?;
         let state = axis.state();
         match mover.map(legal::demanded) {
@@ -185,22 +178,13 @@ impl Checker {
             }
             _ => {}
         }
-        self.keeper = Keeper::after(self.keeper, axis, caller, mover)?;
+        self.keeper = Keeper::after(self.keeper, axis, by, mover)?;
         Ok(())
     }
 
-    /// Checks the axis in this cycle; `owners` are the owner numbers that the blocks report. `followed` u/s² is the
-    /// slave's acceleration from the master's, `on_top` the limits of a superimposed motion.
-    pub(super) fn cycle(
-        &mut self,
-        axis: &Axis,
-        owners: &[i64],
-        promise: Promise,
-        on_top: &AxisLimits,
-        followed: f64,
-    ) -> Result<(), String> {
+    /// Those who think that they move the axis, by their owner numbers, are the one that does.
+    pub(super) fn owned(&mut self, axis: &Axis, owners: &[i64]) -> Checked {
         self.commanders = [None, None];
-        // Owners: those who think they move it are the one that does.
         let claims = owners.iter().filter(|owner| axis.owner() == **owner && **owner != 0).count();
         if claims > 1 || (axis.owner() != 0) != (claims == 1) {
             return Err(format!("{claims} blocks own {}", axis.owner()));
@@ -214,19 +198,19 @@ impl Checker {
         if may_be_owned && !moving {
             return Err(format!("nobody moves it in {:?}", axis.state()));
         }
-        self.motion(axis, promise, on_top, followed)?;
-        self.overlay = axis.overlay;
         Ok(())
     }
 
-    /// Continuous, and within the limits. Positions are the drive's: where the zero is moves nothing.
-    fn motion(
+    /// Continuous, and within the limits: of a superimposed motion `above`, with `followed` u/s² from the master. Positions
+    /// are the drive's: where the zero is moves nothing.
+    pub(super) fn motion(
         &mut self,
         axis: &Axis,
         promise: Promise,
         above: &AxisLimits,
         followed: f64,
-    ) -> Result<(), String> {
+    ) -> Checked {
+        let overlay = std::mem::replace(&mut self.overlay, axis.overlay);
         let wrapped = axis.set_position();
         if axis.period().is_some_and(|period| !(0.0..period).contains(&wrapped)) {
             return Err(format!("{wrapped} is outside the period"));
@@ -248,7 +232,7 @@ impl Checker {
         }
         let limited = axis.ramp() != RampType::Trapezoid;
         let on_top = if axis.overlay_moved {
-            above.acceleration.max(above.deceleration).max(self.overlay.acceleration.abs())
+            above.acceleration.max(above.deceleration).max(overlay.acceleration.abs())
         } else {
             0.0
         };
@@ -271,7 +255,7 @@ impl Checker {
                 let from = if axis.braking.is_some() { axis.saved } else { before };
                 within(from, base, &limits, limited)?;
                 if axis.overlay_moved {
-                    within(self.overlay, axis.overlay, above, limited)
+                    within(overlay, axis.overlay, above, limited)
                         .map_err(|what| format!("{what} on top"))?;
                 }
                 let steep = limits.acceleration.max(limits.deceleration);
@@ -290,7 +274,7 @@ impl Checker {
 }
 
 /// The limits are kept, once a motion has come back to them: an acceleration takes its time under limited jerk.
-fn within(from: State, now: State, limits: &AxisLimits, limited: bool) -> Result<(), String> {
+fn within(from: State, now: State, limits: &AxisLimits, limited: bool) -> Checked {
     let settling = 0.5 * from.acceleration * from.acceleration / JERK;
     let settling = if limited { settling } else { 0.0 };
     let fastest = limits.velocity.max(from.velocity.abs() + settling);
@@ -311,7 +295,7 @@ fn within(from: State, now: State, limits: &AxisLimits, limited: bool) -> Result
 }
 
 /// The acceleration changes in a cycle by no more than the jerk, u/s³, allows.
-fn step(before: f64, now: f64, jerk: f64) -> Result<(), String> {
+fn step(before: f64, now: f64, jerk: f64) -> Checked {
     if (now - before).abs() > jerk * CYCLE * (1.0 + 1e-6) {
         return Err(format!("{now} after {before} u/s², allowed {jerk} u/s³"));
     }

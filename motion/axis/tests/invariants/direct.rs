@@ -6,7 +6,7 @@ use super::*;
 struct Walk;
 
 pub(super) fn walking(fault: Fault<Follow>) -> Box<dyn Called> {
-    moving(walked, |random, _, _| kind(random), fault, Walk).living(walk)
+    Box::new(moving(walked, |random, _, _| kind(random), fault, Walk).living(walk))
 }
 
 /// The steps of the walk; a faster start returns to the walk's velocities at once.
@@ -34,13 +34,7 @@ fn kind(random: &mut Random) -> Follow {
 }
 
 impl Watch<Follow> for Walk {
-    fn see(
-        &mut self,
-        block: &Block<Follow>,
-        _: &Follow,
-        shown: Outputs,
-        [axis, _]: [&Axis; 2],
-    ) -> Result<(), String> {
+    fn see(&mut self, Look { block, shown, axis, .. }: &Look<'_, Follow>) -> Checked {
         if !shown.busy {
             return Ok(());
         }
@@ -67,7 +61,7 @@ impl Watch<Follow> for Walk {
     }
 }
 
-pub(super) fn all() -> Vec<Box<dyn Called>> {
+pub(super) fn all() -> Blocks {
     let watched = moving(
         // Set-points of the program have no jerk.
         |_, _| {
@@ -84,7 +78,7 @@ pub(super) fn all() -> Vec<Box<dyn Called>> {
         Fault::default(),
         (),
     );
-    vec![walking(Fault::default()), watched.living(jump)]
+    vec![walking(Fault::default()), Box::new(watched.living(jump))]
 }
 
 fn jump(it: &mut ControlAxisBy, random: &mut Random, _: &Axis, _: State) {

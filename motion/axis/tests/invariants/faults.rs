@@ -1,11 +1,9 @@
-//! Tests of the checker: it must find every planted fault and name it.
+//! Tests of the checker: it must find every planted fault, of the runs or of a block, and name it.
 
 use super::*;
-use planted::{greedy, with_tappets, wrong_cam};
 
-/// Kinds of axes, and those with limited jerk.
-type Kinds = [(Movement, RampType)];
-const LIMITED: [(Movement, RampType); 4] = [KINDS[1], KINDS[2], KINDS[4], KINDS[5]];
+/// Axes with limited jerk.
+const LIMITED: [Kind; 4] = [KINDS[1], KINDS[2], KINDS[4], KINDS[5]];
 
 /// Breaks a rule after a call, from the 5000th on.
 type Break = fn(u32, &mut Axis, &mut Outputs);
@@ -14,9 +12,9 @@ type Planted = fn() -> Box<dyn Called>;
 /// The checker finds it in every one of these kinds, in one of some runs of this number of calls.
 fn sees(
     what: &str,
-    (kinds, calls): (&Kinds, u32),
+    (kinds, calls): (&[Kind], u32),
     expected: &str,
-    blocks: impl Fn() -> Vec<Box<dyn Called>>,
+    blocks: impl Fn() -> Blocks,
     spoil: Break,
 ) {
     for kind in kinds {
@@ -36,15 +34,83 @@ fn sees(
 }
 
 /// Moves of the axis alone, and a planted one.
-fn with(planted: Box<dyn Called>) -> Vec<Box<dyn Called>> {
+fn with(planted: Box<dyn Called>) -> Blocks {
     let mut blocks = called::single();
     blocks.insert(0, planted);
     blocks
 }
 
+/// A relative move that no state holds back.
+#[derive(Clone, Debug)]
+struct MoveRelative(crate::MoveRelative);
+
+impl Motion for MoveRelative {
+    type With = ();
+    type Run = <crate::MoveRelative as Motion>::Run;
+    const STATE: AxisState = AxisState::DiscreteMotion;
+
+    fn admitted(&self, _: &Axis) -> Result<(), Refusal> {
+        Ok(())
+    }
+
+    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Self::Run, SmcError> {
+        Motion::plan(&self.0, start, axis, ())
+    }
+
+    fn step(&self, run: &mut Self::Run, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+        Motion::step(&self.0, run, axis, ())
+    }
+}
+
+fn relative(random: &mut Random) -> crate::MoveRelative {
+    crate::MoveRelative {
+        distance: way(random),
+        velocity: speed(random),
+        acceleration: rate(random),
+        deceleration: rate(random),
+    }
+}
+
+fn of_relative(it: &crate::MoveRelative) -> Promise {
+    own(it.velocity, it.acceleration, it.deceleration)
+}
+
+/// A relative move that does not keep to who has the axis.
+fn greedy(owning: Owning) -> Box<dyn Called> {
+    let fault = Fault { owning: Some(owning), ..Fault::default() };
+    Box::new(moving(|it, _| of_relative(it), |random, _, _| relative(random), fault, ()))
+}
+
+/// The same points in less time.
+fn hurry(points: &mut Points) {
+    points.points.iter_mut().for_each(|point| point.delta_time *= 0.9);
+}
+
+/// A slave whose cam has other inputs.
+fn wrong_cam(inputs: fn(&mut CamIn)) -> Box<dyn Called> {
+    coupled::cam_in(Fault::inputs(inputs))
+}
+
+/// The same cam with other tappets.
+fn with_tappets(it: &mut CamIn, change: fn(&mut Vec<Tappet>)) {
+    let Some(table) = it.table.take() else { return };
+    let curve = table.cam.curve();
+    let knots = [0.0, 40.0, 90.0].map(|master| Knot::at_rest(master, curve.at(master).position));
+    let mut tappets = table.cam.tappets().to_vec();
+    change(&mut tappets);
+    it.table = Some(CamTable { cam: cam(&knots, tappets).cam, ..table });
+}
+
+/// Pulses that come 50 ms too late.
+fn delay(tappet: &mut Tappet) {
+    if let Action::Timed { delay_ns, .. } = &mut tappet.action {
+        *delay_ns += 50_000_000;
+    }
+}
+
 #[test]
 fn the_checker_sees_what_is_broken() {
-    let spoils: [(&str, &str, Break); 15] = [
+    let spoils: [(&str, &str, Break); 16] = [
         ("swallowed done", "has no end", |_, _, shown| shown.done = false),
         ("swallowed abort", "has no end", |_, _, shown| shown.command_aborted = false),
         ("busy", "is busy and does not have the axis", |_, _, shown| {
@@ -73,6 +139,11 @@ fn the_checker_sees_what_is_broken() {
                 axis.enter(AxisState::DiscreteMotion);
             }
         }),
+        ("kind of motion", "MoveVelocity moves it in DiscreteMotion", |_, axis, _| {
+            if axis.state() == AxisState::ContinuousMotion {
+                axis.enter(AxisState::DiscreteMotion);
+            }
+        }),
         ("state", "by itself", |_, axis, _| {
             if axis.state() == AxisState::DiscreteMotion {
                 axis.state = AxisState::ContinuousMotion;
@@ -96,9 +167,13 @@ fn the_checker_sees_what_is_broken() {
 /// Blocks that take the axis against the states and the ownership.
 #[test]
 fn the_checker_sees_who_has_the_axis() {
-    let planted: [(&str, &str, Planted); 7] = [
-        ("move while stopping", "illegal: Stopping to DiscreteMotion", planted::rude),
-        ("move of velocity", "MoveVelocity moves it in DiscreteMotion", planted::mislabelled),
+    let planted: [(&str, &str, Planted); 6] = [
+        ("move while stopping", "illegal: Stopping to DiscreteMotion", || {
+            limited(
+                |MoveRelative(it), _| of_relative(it),
+                |random, _, _| MoveRelative(relative(random)),
+            )
+        }),
         ("usurper", "MoveRelative commands an axis of", || greedy(Owning::Usurps)),
         ("masked usurper", "both command the axis", || greedy(Owning::Masked)),
         ("claim", "2 blocks own", || greedy(Owning::Claims)),
@@ -113,13 +188,43 @@ fn the_checker_sees_who_has_the_axis() {
 /// Blocks that deviate from their inputs too little to show in the axis's own values.
 #[test]
 fn the_checker_sees_what_blocks_were_not_asked() {
-    let planted: [(&str, &Kinds, &str, Planted); 12] = [
-        ("jerk", &LIMITED, "u/s³, moved by", planted::jerky),
-        ("position profile", &KINDS, "allowed AxisLimits", planted::hurried_positions),
-        ("velocity profile", &KINDS, "allowed AxisLimits", planted::hurried_velocities),
-        ("acceleration profile", &LIMITED, "u/s³, moved by", planted::hurried_accelerations),
-        ("set-point", &KINDS, "is not the set-point", planted::beyond),
-        ("gear on its way", &KINDS, "on the way into step, but", planted::wrong_gear),
+    let planted: [(&str, &[Kind], &str, Planted); 12] = [
+        ("jerk", &LIMITED, "u/s³, moved by", || {
+            Box::new(moving(
+                |it: &MoveAbsolute, _| own(it.velocity, it.acceleration, it.deceleration),
+                |random, _, _| MoveAbsolute {
+                    position: random.between(0.0, 90.0),
+                    velocity: random.between(5.0, 15.0),
+                    acceleration: rate(random),
+                    deceleration: rate(random),
+                    direction: random.direction(),
+                },
+                Fault { jerk: 1.5, ..Fault::default() },
+                (),
+            ))
+        }),
+        ("position profile", &KINDS, "allowed AxisLimits", || {
+            tables::positions(Fault::inputs(|it| hurry(&mut it.0)))
+        }),
+        ("velocity profile", &KINDS, "allowed AxisLimits", || {
+            tables::velocities(Fault::inputs(|it| hurry(&mut it.0)))
+        }),
+        ("acceleration profile", &LIMITED, "u/s³, moved by", || {
+            tables::accelerations(Fault::inputs(|it| hurry(&mut it.0)))
+        }),
+        ("set-point", &KINDS, "is not the set-point", || {
+            direct::walking(Fault::setpoint(|(), it| it.position += 1e-3 * it.velocity.signum()))
+        }),
+        ("gear on its way", &KINDS, "on the way into step, but", || {
+            coupled::gear_in_pos(Fault::setpoint(|run: &GearInPosRun, it| {
+                it.velocity *= if run.is_coupling() { 0.999 } else { 1.0 };
+            }))
+        }),
+        ("cam", &KINDS, "in step, but", || {
+            coupled::cam_in(Fault::setpoint(|run: &CamRun, it| {
+                it.velocity *= if run.is_in_sync() { 1.0001 } else { 1.0 };
+            }))
+        }),
         ("ramp", &KINDS, "off the cam after", || {
             wrong_cam(|it| it.input.velocity_difference *= 1.5)
         }),
@@ -129,7 +234,6 @@ fn the_checker_sees_what_blocks_were_not_asked() {
                 input.deceleration *= 5.0;
             })
         }),
-        ("cam", &KINDS, "in step, but", planted::fast_cam),
         ("lost tappet", &KINDS, "acted 0 times, not 1", || {
             wrong_cam(|it| with_tappets(it, Vec::clear))
         }),
@@ -137,7 +241,7 @@ fn the_checker_sees_what_blocks_were_not_asked() {
             wrong_cam(|it| with_tappets(it, |all| all.extend_from_within(..)))
         }),
         ("late pulse", &KINDS, "is not there at", || {
-            wrong_cam(|it| with_tappets(it, planted::delay))
+            wrong_cam(|it| with_tappets(it, |all| all.iter_mut().for_each(delay)))
         }),
     ];
     for (what, kinds, expected, block) in planted {

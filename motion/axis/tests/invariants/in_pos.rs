@@ -90,13 +90,8 @@ impl Way {
 
 impl Watch<GearInPos> for InPos {
     /// Position and velocity of the slave are those of the polynomial.
-    fn see(
-        &mut self,
-        block: &Block<GearInPos>,
-        gear: &GearInPos,
-        shown: Outputs,
-        [axis, lead]: [&Axis; 2],
-    ) -> Result<(), String> {
+    fn see(&mut self, it: &Look<'_, GearInPos>) -> Checked {
+        let Look { block, taken: gear, shown, axis, lead } = it;
         let (in_step, now) = (shown.done && shown.busy, &Master::of(lead));
         let owner = block.owner().unwrap_or_default();
         let (way, last) = (self.way.take().filter(|way| way.owner == owner), self.last.take());

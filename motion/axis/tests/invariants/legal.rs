@@ -68,22 +68,18 @@ impl Keeper {
             return Ok(now);
         };
         let caller = short(caller);
-        let by_itself = match caller {
-            "Stop" => kept.stops,
-            "Home" => !kept.stops,
+        let let_go = axis.owner() == 0 && axis.state() == AxisState::Standstill;
+        let allowed = match (kept.stops, caller) {
+            // At its end, at rest and without Execute, or begun again.
+            (true, "Stop") => keeps || (let_go && !execute && axis.set_velocity() == 0.0),
+            (false, "Home") => keeps || let_go,
+            (false, "Stop") => true,
             _ => false,
         };
-        let let_go = axis.owner() == 0 && axis.state() == AxisState::Standstill;
-        match (kept.stops, caller) {
-            // At its end, at rest and without Execute, or begun again.
-            (true, _) if by_itself && let_go && !execute && axis.set_velocity() == 0.0 => Ok(now),
-            (_, _) if by_itself && keeps => Ok(now),
-            (false, _) if by_itself && let_go => Ok(now),
-            (false, "Stop") => Ok(now),
-            (stops, _) => {
-                let kept = if stops { "a stop that is held" } else { "a homing" };
-                Err(format!("{caller} takes the axis from {kept}: {:?}", axis.state()))
-            }
+        if allowed {
+            return Ok(now);
         }
+        let kept = if kept.stops { "a stop that is held" } else { "a homing" };
+        Err(format!("{caller} takes the axis from {kept}: {:?}", axis.state()))
     }
 }

@@ -7,19 +7,16 @@ mod coupled;
 mod direct;
 mod faults;
 mod in_pos;
-mod lead;
 mod legal;
 mod on_cam;
-mod others;
-mod planted;
 mod random;
 mod tables;
 
 use super::*;
 use alone::{rate, speed, way};
-use called::{Begun, Called, Fault, Owning, Watch, limited, moving, own};
+use called::{Begun, Called, Fault, Look, Owning, Watch, limited, moving, own};
 use checker::{Checker, Promise, limits};
-use lead::Lead;
+use coupled::Lead;
 use legal::Keeper;
 pub(super) use legal::is_arrow;
 pub(super) use random::Random;
@@ -30,6 +27,10 @@ const FASTEST: f64 = 30.0;
 /// Largest rate that a block is given, u/s²; on top of each other two of them.
 const STEEPEST: f64 = 200.0;
 const JERK: f64 = 2_000.0;
+
+type Kind = (Movement, RampType);
+type Blocks = Vec<Box<dyn Called>>;
+type Checked = Result<(), String>;
 
 /// Counts of executions that were done, aborted and failed.
 type Seen = [u32; 3];
@@ -64,7 +65,7 @@ struct Run {
     axis: Axis,
     drive: VirtualDrive,
     lead: Lead,
-    blocks: Vec<Box<dyn Called>>,
+    blocks: Blocks,
     execute: Vec<bool>,
     reset: Reset,
     around: Around,
@@ -81,12 +82,7 @@ struct Run {
 }
 
 impl Run {
-    fn new(
-        seed: u64,
-        (movement, ramp): (Movement, RampType),
-        blocks: Vec<Box<dyn Called>>,
-        around: Around,
-    ) -> Self {
+    fn new(seed: u64, (movement, ramp): Kind, blocks: Blocks, around: Around) -> Self {
         let config = AxisConfig {
             movement,
             ramp,
@@ -118,7 +114,7 @@ impl Run {
     }
 
     /// At least this number of block calls.
-    fn calls(&mut self, calls: u32, spoil: &mut Spoil<'_>) -> Result<(), String> {
+    fn calls(&mut self, calls: u32, spoil: &mut Spoil<'_>) -> Checked {
         let mut checker = Checker::new(&self.axis, self.blocks.len());
         while self.calls < calls {
             let before = self.lead.rig.axis.set_velocity();
@@ -132,7 +128,7 @@ impl Run {
         Ok(())
     }
 
-    fn cycle(&mut self, checker: &mut Checker, spoil: &mut Spoil<'_>) -> Result<(), String> {
+    fn cycle(&mut self, checker: &mut Checker, spoil: &mut Spoil<'_>) -> Checked {
         let was_moving = self.mover();
         self.taker = None;
         self.ended = None;
@@ -172,7 +168,9 @@ impl Run {
         let promise = self.promise(was_moving);
         let on_top = self.blocks.iter().find_map(|block| block.on_top());
         let on_top = on_top.unwrap_or(limits(0.0, 0.0, 0.0));
-        let checked = checker.cycle(&self.axis, &owners, promise, &on_top, self.followed);
+        let checked = checker.owned(&self.axis, &owners);
+        let checked =
+            checked.and_then(|()| checker.motion(&self.axis, promise, &on_top, self.followed));
         checked.map_err(|what| {
             let name = |index: Option<usize>| index.map_or("", |index| self.blocks[index].name());
             let (state, error) = (self.axis.state(), self.axis.error_id());
@@ -187,7 +185,7 @@ impl Run {
 
     /// A block that begins in the cycle in which another one ends goes on from there: the drive gets that set-point. Direct
     /// set-points and cams have their own positions.
-    fn keeps_the_end(&self) -> Result<(), String> {
+    fn keeps_the_end(&self) -> Checked {
         let Some(ended) = self.ended else { return Ok(()) };
         let taker = self.taker.map_or("", |index| self.blocks[index].name());
         let elsewhere = ["Follow", "ControlAxis", "CamIn"].iter().any(|it| taker.contains(it));
@@ -204,7 +202,7 @@ impl Run {
         Ok(())
     }
 
-    fn call_blocks(&mut self, checker: &mut Checker, spoil: &mut Spoil<'_>) -> Result<(), String> {
+    fn call_blocks(&mut self, checker: &mut Checker, spoil: &mut Spoil<'_>) -> Checked {
         let count = self.blocks.len();
         let often = 60 * u64::try_from(count).unwrap();
         for index in 0..count {
@@ -244,8 +242,8 @@ impl Run {
                 if shown.busy && (has == 0 || block.owner() != has) {
                     return Err(format!("{name}: is busy and does not have the axis"));
                 }
-                let before = [was_owned[layer], owners];
-                checker.commanded(name, layer, &self.axis, before, block.owner())?;
+                let owners = [was_owned[layer], owners, block.owner()];
+                checker.commanded(name, layer, &self.axis, owners)?;
             }
             let mover = self.blocks.iter().find(|it| owner != 0 && it.owner() == owner);
             checker.called(&mut self.axis, (name, execute), mover.map(|it| it.name()))?;
@@ -254,7 +252,7 @@ impl Run {
                 return Err("a stop is aborted".to_owned());
             }
             let before = checker.before(index);
-            let checked = checker.block(index, (name, execute && !was), shown);
+            let checked = checker.block(index, name, execute && !was, shown);
             checked.map_err(|what| format!("{}: {what}", block.name()))?;
             for end in 0..3 {
                 let came = ends(shown)[end] && !ends(before)[end];
@@ -303,7 +301,7 @@ impl Run {
 
 const LINEAR: Movement = Movement::Linear;
 const ROTARY: Movement = Movement::Rotary { period: 90.0 };
-const KINDS: [(Movement, RampType); 6] = [
+const KINDS: [Kind; 6] = [
     (LINEAR, RampType::Trapezoid),
     (LINEAR, RampType::Sigmoid),
     (LINEAR, RampType::Parabolic),

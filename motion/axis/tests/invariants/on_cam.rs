@@ -114,7 +114,7 @@ impl OnCam {
     }
 
     /// Tappets act in the cycle in which the master passes them, and no pulse is lost or hangs.
-    fn see_tappets(&mut self, owner: i64, run: &CamRun, taken: &CamIn) -> Result<(), String> {
+    fn see_tappets(&mut self, owner: i64, run: &CamRun, taken: &CamIn) -> Checked {
         let coupling = run.coupling();
         let data = &coupling.output().tappets;
         let triggers: Vec<_> = data.triggers().copied().collect();
@@ -167,17 +167,15 @@ impl OnCam {
     }
 
     /// On the cam it has the cam's motion (manual 4.6.1: scaling · y(x)); on the ramp it stays within the ramp's limits.
-    fn see_motion(
-        &mut self,
-        (owner, before): (i64, Option<(i64, f64, f64)>),
-        run: &CamRun,
-        input: &CamInput,
-        [axis, lead]: [&Axis; 2],
-    ) -> Result<(), String> {
+    fn see_motion(&mut self, owner: i64, run: &CamRun, it: &Look<'_, CamIn>) -> Checked {
         /// Slopes of a rise of 20 u over 40 u between rests: 15/8 and 10/√3 of a straight line's.
         const STEEPEST: [f64; 2] = [0.9375, 0.072_169];
+        let (before, input, axis) = (self.ramp.take(), &it.taken.input, it.axis);
+        if owner != axis.owner() {
+            return Ok(());
+        }
         let coupling = run.coupling();
-        let Master { velocity, acceleration, .. } = Master::of(lead);
+        let Master { velocity, acceleration, .. } = Master::of(it.lead);
         let (scaling, of_master) = (input.slave_scaling, input.master_scaling);
         let (v, a) = (velocity * of_master, acceleration * of_master);
         let curve = coupling.table().cam.curve();
@@ -213,23 +211,16 @@ impl OnCam {
 }
 
 impl Watch<CamIn> for OnCam {
-    fn see(
-        &mut self,
-        block: &Block<CamIn>,
-        taken: &CamIn,
-        _: Outputs,
-        axes: [&Axis; 2],
-    ) -> Result<(), String> {
-        let before = self.ramp.take();
-        let (Some(owner), Some(run)) = (block.owner(), block.running()) else { return Ok(()) };
-        let (shown, now) = (run.coupling().output().tappets.now_ns, axes[0].now_ns());
+    fn see(&mut self, it: &Look<'_, CamIn>) -> Checked {
+        let (Some(owner), Some(run)) = (it.block.owner(), it.block.running()) else {
+            self.ramp = None;
+            return Ok(());
+        };
+        let (shown, now) = (run.coupling().output().tappets.now_ns, it.axis.now_ns());
         if shown != now {
             return Err(format!("tappets of {shown} at {now}"));
         }
-        self.see_tappets(owner, run, taken)?;
-        if owner != axes[0].owner() {
-            return Ok(());
-        }
-        self.see_motion((owner, before), run, &taken.input, axes)
+        self.see_tappets(owner, run, it.taken)?;
+        self.see_motion(owner, run, it)
     }
 }

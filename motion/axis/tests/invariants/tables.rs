@@ -35,7 +35,7 @@ pub(super) fn accelerations(fault: Fault<AccelerationProfile>) -> Box<dyn Called
     Box::new(moving(|it, begun| by_accelerations(&it.0, begun), inputs, fault, ()))
 }
 
-pub(super) fn all() -> Vec<Box<dyn Called>> {
+pub(super) fn all() -> Blocks {
     vec![positions(Fault::default()), velocities(Fault::default()), accelerations(Fault::default())]
 }
 
