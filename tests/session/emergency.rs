@@ -142,7 +142,11 @@ fn drives_follow_to_where_a_lost_plan_ends() {
 }
 
 /// Interrupts `count` times at 1 s.
-fn interrupted(machine: &Machine, program: &Program, count: u32) -> (Ending, Recorder<'static>) {
+pub(crate) fn interrupted(
+    machine: &Machine,
+    program: &Program,
+    count: u32,
+) -> (Ending, Recorder<'static>) {
     let interrupts = Cell::new(0);
     let mut recorder =
         Recorder::with(|time_ns| interrupts.set(if time_ns >= 1_000_000_000 { count } else { 0 }));
@@ -239,26 +243,25 @@ fn outputs_switch_before_a_path_within_the_limits_of_the_axes_goes_on() {
     assert!((recorder.last().wanted.tool - nalgebra::point![0.02, 0.0, -0.04]).norm() < 1e-9);
 }
 
+/// The first one stops on the path, the second off it.
 #[test]
-fn an_interrupt_within_the_limits_of_the_axes_stays_within_them() {
-    let machine = scara();
-    let text = HELICES.replace("F150 E1000 E-1000", "F900 E9000 E-9000");
-    let program = Program::new(&text).within_axes();
-    let (ending, recorder) = interrupted(&machine, &program, 1);
-    assert!(matches!(ending.stopped, Some(Stopped::Interrupted(_))), "{:?}", ending.stopped);
-    assert_within_limits(&machine, &recorder.cycles, 0);
-    recorder.assert_twin_at_rest();
-}
-
-#[test]
-fn an_emergency_stop_before_the_first_cycle_moves_nothing() {
+fn an_interrupt_before_the_first_cycle_moves_nothing() {
     let machine = portal();
-    for program in [Program::new(CIRCLES), Program::new(CIRCLES).within_axes()] {
+    for (program, count) in [
+        (Program::new(CIRCLES), 1),
+        (Program::new(CIRCLES), 2),
+        (Program::new(CIRCLES).within_axes(), 1),
+        (Program::new(CIRCLES).within_axes(), 2),
+    ] {
         let mut recorder = Recorder::new();
-        let ending = simulate(&machine, &program, &mut recorder, &|| 2);
+        let ending = simulate(&machine, &program, &mut recorder, &|| count);
         assert!(matches!(ending.stopped, Some(Stopped::Interrupted(_))), "{:?}", ending.stopped);
-        assert_eq!((ending.off_path, ending.executed_ns), (None, 0));
-        let at_rest = |cycle: &Cycle| cycle.wanted.axes == AxisVector::zeros(3);
-        assert!(recorder.cycles.iter().all(at_rest));
+        let start = nalgebra::point![0.0, 0.0, -0.04];
+        assert!(recorder.cycles.iter().all(|cycle| (cycle.wanted.tool - start).norm() < 1e-12));
+        if count == 2 {
+            assert_eq!((ending.off_path, ending.executed_ns), (None, 0));
+            let at_rest = |cycle: &Cycle| cycle.wanted.axes == AxisVector::zeros(3);
+            assert!(recorder.cycles.iter().all(at_rest));
+        }
     }
 }

@@ -8,7 +8,6 @@ use twin::attached::Attached;
 use twin::check::CheckOptions;
 use twin::emulated::connect;
 use twin::hardware::{Hardware, HardwareError};
-use twin::m_function::Acknowledge;
 use twin::session::{Ending, Session, Stopped};
 use twin::simulated::Simulated;
 use twin_drives::DriveError;
@@ -54,24 +53,26 @@ fn run(
     let twin = Simulated::new(machine, &start).unwrap();
     let (board, interrupts) = (RefCell::new(Some(board)), Cell::new(0));
     let mut recorder = Recorder::with(|time_ns| each(time_ns, &board, &interrupts));
-    let hardware = Some(hardware);
-    let acknowledge = Acknowledge::Auto;
-    let Program { file: program, limits, .. } = program;
-    let limits = *limits;
-    let session = Session {
-        machine,
-        continues: None,
-        program,
-        twin,
-        hardware,
-        limits,
-        acknowledge,
-        overrides: &[],
-        realtime: false,
-    };
+    let session = Session { hardware: Some(hardware), ..program.session(machine, twin) };
     let ending = session.run(&mut recorder, &|| interrupts.get()).unwrap();
     let recorder = recorder.ended();
     Outcome { ending, recorder, board: board.into_inner().map(|board| *board.stop().unwrap()) }
+}
+
+/// The circles on the portal, at whose cycles from 0.5 s on `each` does something to the board or the user.
+fn disturbed(each: impl Fn(&RefCell<Option<EmulatedBoard>>, &Cell<u32>)) -> (Machine, Outcome) {
+    let machine = portal();
+    let outcome = run(&machine, &Program::new(CIRCLES), |time_ns, board, interrupts| {
+        if time_ns >= 500_000_000 {
+            each(board, interrupts);
+        }
+    });
+    (machine, outcome)
+}
+
+/// Makes something happen to a board.
+fn happens(board: &RefCell<Option<EmulatedBoard>>, event: Event) {
+    board.borrow().as_ref().unwrap().control(Control::Event(event)).unwrap();
 }
 
 struct Outcome {
@@ -156,14 +157,8 @@ fn a_closed_path_shorter_than_the_horizon_is_followed_to_its_end() {
 
 #[test]
 fn a_board_that_dies_stops_the_simulated_machine_at_the_limits_of_its_axes() {
-    let machine = portal();
-    let program = Program::new(CIRCLES);
-    let outcome = run(&machine, &program, |time_ns, board, _| {
-        if time_ns >= 500_000_000 {
-            // Powered down.
-            drop(board.borrow_mut().take());
-        }
-    });
+    // Powered down.
+    let (machine, outcome) = disturbed(|board, _| drop(board.borrow_mut().take()));
     let Some(stopped @ Stopped::Drives { place, source }) = &outcome.ending.stopped else {
         panic!("{:?}", outcome.ending.stopped)
     };
@@ -171,7 +166,7 @@ fn a_board_that_dies_stops_the_simulated_machine_at_the_limits_of_its_axes() {
     assert!(stopped.to_string().starts_with("the drives failed at line 2 (N10)"), "{stopped}");
     assert!(stopped.to_string().contains("address 1: "), "{stopped}");
     assert_eq!(place.line, 2);
-    assert!(outcome.ending.executed_ns < program.check(&machine).duration_ns);
+    assert!(outcome.ending.executed_ns < Program::new(CIRCLES).check(&machine).duration_ns);
     outcome.recorder.assert_twin_at_rest();
     assert_eq!(outcome.ending.off_path.map(|place| place.line), Some(2));
     // Off the path: v²/2A = 1.7 mm along the tangent at most.
@@ -181,14 +176,10 @@ fn a_board_that_dies_stops_the_simulated_machine_at_the_limits_of_its_axes() {
 
 #[test]
 fn an_interrupt_brings_drives_and_simulated_machine_to_rest_at_the_same_place() {
-    let machine = portal();
-    let program = Program::new(CIRCLES);
-    let outcome = run(&machine, &program, |time_ns, _, interrupts| {
-        interrupts.set(u32::from(time_ns >= 500_000_000));
-    });
+    let (machine, outcome) = disturbed(|_, interrupts| interrupts.set(1));
     let stopped = &outcome.ending.stopped;
     assert!(matches!(stopped, Some(Stopped::Interrupted(place)) if place.line == 2), "{stopped:?}");
-    assert!(outcome.ending.executed_ns < program.check(&machine).duration_ns);
+    assert!(outcome.ending.executed_ns < Program::new(CIRCLES).check(&machine).duration_ns);
     outcome.recorder.assert_twin_at_rest();
     outcome.assert_drives_where_the_twin_is(&machine);
     // It is told where that is: of the drives, what they said last, an increment (1/80 mm or less) from the set-points.
@@ -207,15 +198,12 @@ fn an_interrupt_brings_drives_and_simulated_machine_to_rest_at_the_same_place() 
 /// The error names what was found when the board was looked at again: right away where it answers, and after its silence.
 #[test]
 fn a_board_that_was_without_supply_is_found_restarted() {
-    let machine = portal();
-    let program = Program::new(CIRCLES);
     // A question and its repetition take 1.5 s at most, the look afterwards another 2 s.
     for off_ns in [0, 2_300_000_000] {
         let once = Cell::new(true);
-        let outcome = run(&machine, &program, |time_ns, board, _| {
-            if time_ns >= 500_000_000 && once.replace(false) {
-                let event = Event::BrownOut { off_ns };
-                board.borrow().as_ref().unwrap().control(Control::Event(event)).unwrap();
+        let (_, outcome) = disturbed(|board, _| {
+            if once.replace(false) {
+                happens(board, Event::BrownOut { off_ns });
             }
         });
         assert_eq!(outcome.recorder.last().path_velocity, 0.0);
@@ -235,76 +223,40 @@ fn a_board_that_was_without_supply_is_found_restarted() {
     }
 }
 
-/// A lock that nothing but the board's ENABLE input has brought about is no restart.
+/// Off the path both brake to the same place; the third interrupt leaves the drives to their own ramps.
 #[test]
-fn a_board_that_keeps_its_position_is_not_called_restarted() {
-    let machine = portal();
-    let program = Program::new(CIRCLES);
-    let outcome = run(&machine, &program, |time_ns, board, _| {
-        if time_ns >= 500_000_000 {
-            board.borrow().as_ref().unwrap().happen(Event::Enable(false)).unwrap();
+fn further_interrupts_brake_the_drives_where_they_are() {
+    for count in [2, 3] {
+        let (machine, outcome) = disturbed(|_, interrupts| interrupts.set(count));
+        let stopped = &outcome.ending.stopped;
+        assert!(matches!(stopped, Some(Stopped::Interrupted(_))), "{count}: {stopped:?}");
+        outcome.recorder.assert_twin_at_rest();
+        outcome.assert_drives_at_rest();
+        if count == 2 {
+            assert_eq!(outcome.ending.off_path.map(|place| place.line), Some(2));
+            outcome.assert_drives_where_the_twin_is(&machine);
         }
-    });
-    assert!(matches!(outcome.ending.stopped, Some(Stopped::Drives { .. })));
-    assert!(outcome.ending.restarted.is_empty(), "{:?}", outcome.ending.restarted);
+    }
 }
 
-#[test]
-fn a_second_interrupt_brakes_the_drives_where_they_are() {
-    let machine = portal();
-    let program = Program::new(CIRCLES);
-    let outcome = run(&machine, &program, |time_ns, _, interrupts| {
-        interrupts.set(if time_ns >= 500_000_000 { 2 } else { 0 });
-    });
-    let stopped = &outcome.ending.stopped;
-    assert!(matches!(stopped, Some(Stopped::Interrupted(_))), "{stopped:?}");
-    outcome.recorder.assert_twin_at_rest();
-    // Both brake to the same place, off the path.
-    assert_eq!(outcome.ending.off_path.map(|place| place.line), Some(2));
-    outcome.assert_drives_where_the_twin_is(&machine);
-}
-
-#[test]
-fn a_third_interrupt_leaves_the_drives_to_their_own_ramps() {
-    let machine = portal();
-    let program = Program::new(CIRCLES);
-    let outcome = run(&machine, &program, |time_ns, _, interrupts| {
-        interrupts.set(if time_ns >= 500_000_000 { 3 } else { 0 });
-    });
-    outcome.recorder.assert_twin_at_rest();
-    outcome.assert_drives_at_rest();
-}
-
+/// An interrupt at the same time does not hide the error, and a lock that nothing but the ENABLE input has brought about is not
+/// called a restart.
 #[test]
 fn an_open_enable_input_stops_the_run_and_is_named() {
-    let machine = portal();
-    let program = Program::new(CIRCLES);
-    let outcome = run(&machine, &program, |time_ns, board, _| {
-        if time_ns == 500_000_000 {
-            board.borrow().as_ref().unwrap().happen(Event::Enable(false)).unwrap();
-        }
-    });
-    let Some(stopped @ Stopped::Drives { .. }) = &outcome.ending.stopped else {
-        panic!("{:?}", outcome.ending.stopped)
-    };
-    assert!(stopped.to_string().contains("the ENABLE input is open"), "{stopped}");
-    outcome.recorder.assert_twin_at_rest();
-    outcome.assert_drives_at_rest();
-    assert!(outcome.board.unwrap().status().locked());
-}
-
-#[test]
-fn an_error_of_the_drives_is_not_lost_behind_an_interrupt() {
-    let machine = portal();
-    let program = Program::new(CIRCLES);
-    let outcome = run(&machine, &program, |time_ns, board, interrupts| {
-        if time_ns == 500_000_000 {
-            board.borrow().as_ref().unwrap().happen(Event::Enable(false)).unwrap();
-            interrupts.set(1);
-        }
-    });
-    let stopped = outcome.ending.stopped.unwrap();
-    assert!(stopped.to_string().contains("the ENABLE input is open"), "{stopped}");
+    for count in [0, 1] {
+        let (_, outcome) = disturbed(|board, interrupts| {
+            happens(board, Event::Enable(false));
+            interrupts.set(count);
+        });
+        let Some(stopped @ Stopped::Drives { .. }) = &outcome.ending.stopped else {
+            panic!("{count}: {:?}", outcome.ending.stopped)
+        };
+        assert!(stopped.to_string().contains("the ENABLE input is open"), "{count}: {stopped}");
+        assert!(outcome.ending.restarted.is_empty(), "{:?}", outcome.ending.restarted);
+        outcome.recorder.assert_twin_at_rest();
+        outcome.assert_drives_at_rest();
+        assert!(outcome.board.unwrap().status().locked());
+    }
 }
 
 #[test]
@@ -334,8 +286,6 @@ fn drives_dropped_on_their_way_to_the_start_come_to_rest() {
     assert!(board.stop().unwrap().status().moving().is_empty());
 }
 
-/// What a run on emulated drives shows is what was predicted: at most as much farther away as an axis moves in the longest time in
-/// which nobody corrected it and in what a time stamp is uncertain by (half of 2 ms of turnaround), and no order of magnitude nearer.
 /// Segments of straight lines end where they should, and are as near to the plan on the way as is said beforehand: they
 /// are sent a few at a time, each from rest to rest.
 #[test]
@@ -360,6 +310,8 @@ fn a_board_follows_by_segments() {
     outcome.assert_drives_where_the_twin_is(&machine);
 }
 
+/// At most as much farther away as an axis moves in the longest time in which nobody corrected it and in what a time stamp is
+/// uncertain by (half of 2 ms of turnaround), and no order of magnitude nearer.
 #[test]
 fn a_run_is_as_far_from_its_plan_as_was_predicted() {
     let machine = portal();

@@ -87,6 +87,21 @@ impl Program {
         Self { overrides, ..self }
     }
 
+    /// A run of it without drives, which acknowledges M functions by itself.
+    fn session<'a, P>(&'a self, machine: &'a Machine, twin: P) -> Session<'a, P> {
+        Session {
+            machine,
+            continues: None,
+            program: &self.file,
+            twin,
+            hardware: None,
+            limits: self.limits,
+            acknowledge: Acknowledge::Auto,
+            overrides: &self.overrides,
+            realtime: false,
+        }
+    }
+
     /// Checks it as every run is checked.
     fn check(&self, machine: &Machine) -> twin::check::Outcome {
         let options = CheckOptions { limits: self.limits, ..CheckOptions::default() };
@@ -130,16 +145,6 @@ fn simulate_from(
     interrupts: &dyn Fn() -> u32,
 ) -> Ending {
     let twin = Simulated::new(machine, start).unwrap();
-    let session = Session {
-        machine,
-        continues: None,
-        program: &program.file,
-        twin,
-        hardware: None,
-        limits: program.limits,
-        acknowledge,
-        overrides: &program.overrides,
-        realtime: false,
-    };
+    let session = Session { acknowledge, ..program.session(machine, twin) };
     session.run(recorder, interrupts).unwrap()
 }

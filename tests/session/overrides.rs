@@ -1,6 +1,6 @@
 //! Overrides, feed holds and the first interrupt while a program runs: on the path, within the limits of the axes.
 
-use crate::emergency::{HELICES, assert_within_limits, scara};
+use crate::emergency::{HELICES, assert_within_limits, interrupted, scara};
 use crate::puppet::{Puppet, run_puppet};
 use crate::recorder::Cycle;
 use crate::simulated::CIRCLES;
@@ -9,7 +9,6 @@ use std::cell::Cell;
 use twin::m_function::Acknowledge;
 use twin::session::{Answer, Ending, OverrideChange, Session, Stopped};
 use twin::simulated::Simulated;
-use twin_machine::Machine;
 
 /// What begins within this time, s, goes on as it was planned.
 const LEAD: f64 = 0.1;
@@ -115,21 +114,12 @@ fn the_controllers_own_planning_has_an_override_as_well() {
     recorder.assert_twin_at_rest();
 }
 
-/// Interrupts once at 1 s.
-fn interrupted(machine: &Machine, program: &Program) -> (Ending, Recorder<'static>) {
-    let interrupts = Cell::new(0);
-    let mut recorder =
-        Recorder::with(|time_ns| interrupts.set(u32::from(time_ns >= 1_000_000_000)));
-    let ending = simulate(machine, program, &mut recorder, &|| interrupts.get());
-    (ending, recorder.ended())
-}
-
 #[test]
 fn the_first_interrupt_brakes_on_the_path_within_the_limits_of_the_axes() {
     let machine = scara();
     for feeds in ["F150 E1000 E-1000", "F900 E9000 E-9000"] {
         let program = Program::new(&HELICES.replace("F150 E1000 E-1000", feeds)).within_axes();
-        let (ending, recorder) = interrupted(&machine, &program);
+        let (ending, recorder) = interrupted(&machine, &program, 1);
         assert!(matches!(ending.stopped, Some(Stopped::Interrupted(_))), "{:?}", ending.stopped);
         assert_eq!(ending.off_path, None);
         assert_within_limits(&machine, &recorder.cycles, 0);
@@ -140,17 +130,6 @@ fn the_first_interrupt_brakes_on_the_path_within_the_limits_of_the_axes() {
         assert!(rests < 1.0 + 0.1 + LEAD + ITEM + 0.15 + 0.08, "{rests}");
         assert!(velocities(&recorder.cycles, 0.9, 1.0)[0] > 0.1);
     }
-}
-
-#[test]
-fn an_interrupt_before_the_first_cycle_moves_nothing_within_the_limits_of_the_axes() {
-    let machine = portal();
-    let mut recorder = Recorder::new();
-    let program = Program::new(CIRCLES).within_axes();
-    let ending = simulate(&machine, &program, &mut recorder, &|| 1);
-    assert!(matches!(ending.stopped, Some(Stopped::Interrupted(_))), "{:?}", ending.stopped);
-    let start = nalgebra::point![0.0, 0.0, -0.04];
-    assert!(recorder.cycles.iter().all(|cycle| (cycle.wanted.tool - start).norm() < 1e-12));
 }
 
 #[test]
@@ -188,17 +167,8 @@ fn beside_the_wall_clock_limits_hold_whenever_plans_come() {
     let program =
         program.with_overrides(&["0.3s=30%", "0.5s=0", "0.9s=80%", "1.0s=1", "1.3s=5%", "1.6s=2"]);
     let start = program.check(&machine).start.unwrap();
-    let session = Session {
-        machine: &machine,
-        continues: None,
-        program: &program.file,
-        twin: Simulated::new(&machine, &start).unwrap(),
-        hardware: None,
-        limits: program.limits,
-        acknowledge: Acknowledge::Auto,
-        overrides: &program.overrides,
-        realtime: true,
-    };
+    let twin = Simulated::new(&machine, &start).unwrap();
+    let session = Session { realtime: true, ..program.session(&machine, twin) };
     let mut recorder = Recorder::new();
     let ending = session.run(&mut recorder, &|| 0).unwrap();
     println!("{:?}, {} late", ending.overrides, ending.late_plans);

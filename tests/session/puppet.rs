@@ -8,7 +8,6 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use twin::attached::Attached;
 use twin::hardware::{Guarded, Hardware, HardwareError};
-use twin::m_function::Acknowledge;
 use twin::plant::{AxisFeedback, Plant};
 use twin::session::{Ending, Session, Stopped};
 use twin::setpoint::AxisSetpoint;
@@ -250,17 +249,7 @@ fn run_both(
     while !hardware.ready().unwrap() {
         std::thread::sleep(Duration::from_millis(1));
     }
-    let session = Session {
-        machine,
-        continues: None,
-        program: &program.file,
-        twin,
-        hardware: Some(hardware),
-        limits: program.limits,
-        acknowledge: Acknowledge::Auto,
-        overrides: &program.overrides,
-        realtime: false,
-    };
+    let session = Session { hardware: Some(hardware), ..program.session(machine, twin) };
     session.run(recorder, interrupts).unwrap()
 }
 

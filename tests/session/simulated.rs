@@ -4,8 +4,7 @@ use crate::{Program, Recorder, SCARA2, machine, portal, simulate};
 use std::cell::Cell;
 use twin::clock::Clock;
 use twin::compare::ErrorStatistics;
-use twin::limit::{LimitFailure, Limits};
-use twin::m_function::Acknowledge;
+use twin::limit::LimitFailure;
 use twin::session::{Session, Stopped};
 use twin::simulated::Simulated;
 use twin_physics::MotorState;
@@ -154,37 +153,13 @@ fn an_interrupt_stops_on_the_path_at_rest() {
 }
 
 #[test]
-fn an_interrupt_before_the_first_cycle_moves_nothing() {
-    let machine = portal();
-    let mut recorder = Recorder::new();
-    let ending = simulate(&machine, &Program::new(CIRCLES), &mut recorder, &|| 1);
-    assert!(matches!(ending.stopped, Some(Stopped::Interrupted(_))));
-    let moved = recorder
-        .cycles
-        .iter()
-        .map(|cycle| (cycle.wanted.tool - nalgebra::point![0.0, 0.0, -0.04]).norm());
-    assert!(moved.fold(0.0, f64::max) < 1e-12);
-}
-
-#[test]
 fn what_was_not_checked_is_not_run() {
     let machine = machine(SCARA2);
     let program = Program::new(SHORT);
     let start = program.check(&machine).start.unwrap();
     let run = || {
         let twin = Simulated::new(&machine, &start).unwrap();
-        let session = Session {
-            machine: &machine,
-            continues: None,
-            program: &program.file,
-            twin,
-            hardware: None,
-            limits: Limits::Softmotion,
-            acknowledge: Acknowledge::Auto,
-            overrides: &[],
-            realtime: false,
-        };
-        session.run(&mut Recorder::new(), &|| 0)
+        program.session(&machine, twin).run(&mut Recorder::new(), &|| 0)
     };
     assert!(run().unwrap().stopped.is_none());
     // Harmless, but another program.
@@ -224,18 +199,7 @@ fn in_real_time_a_run_takes_no_less_than_its_time() {
     let program = Program::new("% 0.2 s\nN10 G1 X10 F100 E1000 E-1000\n");
     let start = program.check(&machine).start.unwrap();
     let twin = Simulated::new(&machine, &start).unwrap();
-    let (program, acknowledge) = (&program.file, Acknowledge::Auto);
-    let session = Session {
-        machine: &machine,
-        continues: None,
-        program,
-        twin,
-        hardware: None,
-        limits: Limits::Softmotion,
-        acknowledge,
-        overrides: &[],
-        realtime: true,
-    };
+    let session = Session { realtime: true, ..program.session(&machine, twin) };
     let clock = Clock::start();
     let ending = session.run(&mut Recorder::new(), &|| 0).unwrap();
     assert!(ending.executed_ns >= 199_000_000);
