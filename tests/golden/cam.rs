@@ -1,7 +1,6 @@
 //! `twin cam` as a process, against closed forms.
 
-use crate::process::{Desk, object};
-use crate::root;
+use crate::process::Desk;
 use serde_json::Value;
 
 /// 0 to 100 mm over 180° from rest to rest, and back.
@@ -36,16 +35,11 @@ fn near(value: &Value, expected: f64) {
 #[test]
 fn bounds_in_closed_form() {
     let desk = desk();
-    let check = ["cam", "check", "lift.toml", "--master-velocity", "200", "--format", "json"];
-    let done = desk.twin(
-        &[
-            &check[..],
-            &["--max-velocity", "250", "--max-acceleration", "2000", "--position-max", "100"],
-        ]
-        .concat(),
-    );
-    done.ended(0, "");
-    let found = object(&done.stdout);
+    let check = "cam check lift.toml --master-velocity 200 --format json";
+    let found = desk
+        .twin(&format!("{check} --max-velocity 250 --max-acceleration 2000 --position-max 100"))
+        .ended(0, "")
+        .object();
     let (h, w, v) = (100.0, 180.0_f64, 200.0);
     near(&found["velocity"]["max"], 15.0 / 8.0 * h / w * v);
     near(&found["velocity"]["at_max"], 90.0);
@@ -56,48 +50,34 @@ fn bounds_in_closed_form() {
     assert_eq!(found["continuity"], "C2");
     near(&found["tappets"][0]["slave"], 50.0);
     // Faster than the slave.
-    let done = desk.twin(&[
-        "cam",
-        "check",
-        "lift.toml",
-        "--master-velocity",
-        "300",
-        "--max-velocity",
-        "250",
-    ]);
-    done.ended(1, "axis-velocity")
+    desk.twin("cam check lift.toml --master-velocity 300 --max-velocity 250")
+        .ended(1, "axis-velocity")
         .ended(1, "its limit is 250 mm/s")
-        .ended(1, "the master may go 240 deg/s");
-    assert!(done.stdout.contains("the master may go 240 deg/s"), "{}", done.stdout);
+        .ended(1, "the master may go 240 deg/s")
+        .says("the master may go 240 deg/s");
 }
 
 /// The limits of machines/gantry3.toml: X slides from −50 to 650 mm with 400 mm/s.
 #[test]
 fn limits_of_an_axis_of_a_machine() {
     let desk = desk();
-    let check = ["cam", "check", "lift.toml", "--machine", "machine.toml", "--format", "json"];
-    let found = desk.twin(&[&check[..], &["--axis", "X"]].concat());
-    found.ended(0, "");
-    let found = object(&found.stdout);
+    let check = "cam check lift.toml --machine machine.toml --format json";
+    let found = desk.twin(&format!("{check} --axis X")).ended(0, "").object();
     near(&found["position"]["limit"][0], -50.0);
     near(&found["velocity"]["limit"][1], 400.0);
-    let done = desk.twin(&[&check[..], &["--axis", "X", "--slave-offset", "600"]].concat());
-    done.ended(1, "");
-    let found = object(&done.stdout);
+    let found = desk.twin(&format!("{check} --axis X --slave-offset 600")).ended(1, "").object();
     assert_eq!(found["findings"][0]["rule"], "axis-position");
     near(&found["findings"][0]["value"], 700.0);
-    desk.twin(&[&check[..], &["--axis", "Q"]].concat())
-        .ended(2, "there is no axis Q; its axes are X, Y, Z");
+    desk.twin(&format!("{check} --axis Q")).ended(2, "there is no axis Q; its axes are X, Y, Z");
     desk.write("turn.toml", &LIFT.replace("\"mm\"", "\"deg\""));
-    let turned = ["cam", "check", "turn.toml", "--machine", "machine.toml", "--axis", "X"];
-    desk.twin(&turned).ended(2, "the slave is in deg, axis X in mm");
+    desk.twin("cam check turn.toml --machine machine.toml --axis X")
+        .ended(2, "the slave is in deg, axis X in mm");
 }
 
 #[test]
 fn samples_are_the_curve() {
     let desk = desk();
-    let done =
-        desk.twin(&["cam", "sample", "lift.toml", "--step", "45", "--master-velocity", "10"]);
+    let done = desk.twin("cam sample lift.toml --step 45 --master-velocity 10");
     done.ended(0, "");
     let rows: Vec<_> = done.stdout.lines().collect();
     assert_eq!(
@@ -110,113 +90,93 @@ fn samples_are_the_curve() {
     for (found, expected) in row.iter().zip([45.0, 10.351_562_5, 5.859_375, 1.736_111_111_11]) {
         assert!((found - expected).abs() < 1e-9, "{row:?}");
     }
-    desk.twin(&["cam", "sample", "lift.toml", "--points", "3", "-o", "out.csv"]).ended(0, "");
-    assert_eq!(std::fs::read_to_string(desk.path("out.csv")).expect("written").lines().count(), 4);
-    desk.twin(&["cam", "sample", "lift.toml", "-o", "lift.toml"]).ended(2, "name another file");
+    desk.twin("cam sample lift.toml --points 3 -o out.csv").ended(0, "");
+    assert_eq!(desk.text("out.csv").lines().count(), 4);
+    desk.twin("cam sample lift.toml -o lift.toml").ended(2, "name another file");
 }
 
 #[test]
 fn forms_are_converted_and_back() {
     let desk = desk();
-    let convert = |from: &str, to: &str, more: &[&str], words: &str| {
-        desk.twin(&[&["cam", "convert", from, to], more].concat()).ended(0, words);
+    let convert = |from: &str, to: &str, more: &str, words: &str| {
+        desk.twin(&format!("cam convert {from} {to} {more}")).ended(0, words);
     };
     let check = |name: &str| {
-        let done = desk.twin(&["cam", "check", name, "--format", "json"]);
+        let done = desk.twin(&format!("cam check {name} --format json"));
         done.ended(0, "");
-        let mut found = object(&done.stdout);
+        let mut found = done.object();
         let object = found.as_object_mut().expect("an object");
         for key in ["file", "master", "slave", "cam"] {
             object.remove(key);
         }
         found
     };
-    convert("lift.toml", "again.toml", &[], "the slave is where it was everywhere");
+    convert("lift.toml", "again.toml", "", "the slave is where it was everywhere");
     assert_eq!(check("again.toml"), check("lift.toml"));
-    convert("lift.toml", "points.csv", &[], "3 points; the slave is where it was everywhere");
+    convert("lift.toml", "points.csv", "", "3 points; the slave is where it was everywhere");
     // 721 positions, of which few are needed for a hundredth of a mm.
-    convert("lift.toml", "lift.asc", &["--points", "721"], "721 points");
+    convert("lift.toml", "lift.asc", "--points 721", "721 points");
     // The numbers of the table, and the end, where the first one comes again.
-    convert("lift.toml", "even.asc", &["--table", "equidistant", "--points", "73"], "74 points");
+    convert("lift.toml", "even.asc", "--table equidistant --points 73", "74 points");
     let ascii = std::fs::read(desk.path("lift.asc")).expect("written");
     assert!(ascii.starts_with(b"0;0\r\n0.5;"));
-    let done = desk.twin(&["cam", "convert", "lift.asc", "thin.toml", "--tolerance", "0.01"]);
+    let done = desk.twin("cam convert lift.asc thin.toml --tolerance 0.01");
     done.ended(0, "721 points became").ended(0, "u from where it was at most");
     let far = done.stderr.split("the slave is ").nth(1).and_then(|rest| rest.split(' ').next());
     let far: f64 = far.expect("a distance").parse().expect("a number");
     assert!(far <= 0.01 && far > 0.001, "{}", done.stderr);
-    convert(
-        "lift.toml",
-        "table.toml",
-        &["--table", "equidistant", "--points", "360", "--type", "int"],
-        "360 points",
-    );
-    desk.twin(&["cam", "convert", "lift.toml", "lift.xyz"]).ended(2, "are read and written as");
-    desk.twin(&["cam", "convert", "lift.toml", "x.toml", "--tolerance", "1"])
-        .ended(2, "--tolerance is for tables");
+    convert("lift.toml", "table.toml", "--table equidistant --points 360 --type int", "360 points");
+    desk.twin("cam convert lift.toml lift.xyz").ended(2, "are read and written as");
+    desk.twin("cam convert lift.toml x.toml --tolerance 1").ended(2, "--tolerance is for tables");
 }
 
 #[test]
 fn what_is_wrong_with_a_file_is_shown_at_its_place() {
     let desk = desk();
     desk.write("wrong.toml", &LIFT.replace("slave = 100 }", "slave = 100, speed = 3 }"));
-    let done = desk.twin(&["cam", "check", "wrong.toml"]);
-    done.ended(2, "unknown key `speed`").ended(2, "wrong.toml:7");
+    desk.twin("cam check wrong.toml").ended(2, "unknown key `speed`").ended(2, "wrong.toml:7");
     desk.write("wrong.csv", "master,slave\n0,1\nx,2\n");
-    desk.twin(&["cam", "check", "wrong.csv"]).ended(2, "wrong.csv: line 3: `master` is `x`");
+    desk.twin("cam check wrong.csv").ended(2, "wrong.csv: line 3: `master` is `x`");
 }
 
 #[test]
 fn shipped_cams_are_checked_and_drawn() {
     let desk = Desk::new();
-    let shipped = |name: &str| root().join("examples/cams").join(name).display().to_string();
-    let pick = shipped("pick_and_place.toml");
-    let limits =
-        ["--master-velocity", "360", "--max-velocity", "600", "--max-acceleration", "8000"];
-    let check = [&["cam", "check", &pick], &limits[..]].concat();
-    desk.twin(&check).ended(0, "");
-    let plot = [&["cam", "plot", &pick, "-o", "pick.svg"], &limits[..]].concat();
-    desk.twin(&plot).ended(0, "");
-    let picture = std::fs::read_to_string(desk.path("pick.svg")).expect("written");
+    let limits = "--master-velocity 360 --max-velocity 600 --max-acceleration 8000";
+    let pick = "examples/cams/pick_and_place.toml";
+    desk.twin(&format!("cam check {pick} {limits}")).ended(0, "");
+    desk.twin(&format!("cam plot {pick} -o pick.svg {limits}")).ended(0, "");
+    let picture = desk.text("pick.svg");
     assert!(picture.starts_with("<svg ") && picture.trim_end().ends_with("</svg>"));
     for word in
         ["position", "velocity", "acceleration", "jerk", "tappets of group 1", "master (deg)"]
     {
         assert!(picture.contains(word), "{word}");
     }
-    desk.twin(&[&["cam", "plot", &pick, "-o", "again.svg"], &limits[..]].concat()).ended(0, "");
-    assert!(picture == std::fs::read_to_string(desk.path("again.svg")).expect("written"));
-    let shear = [
-        "cam",
-        "check",
-        &shipped("flying_shear.toml"),
-        "--master-velocity",
-        "500",
-        "--max-velocity",
-        "1200",
-    ];
-    desk.twin(&[&shear[..], &["--max-acceleration", "12000"]].concat()).ended(0, "");
-    let index = shipped("indexer.csv");
-    desk.twin(&["cam", "check", &index, "--interpolation", "cubic", "--once"]).ended(0, "");
-    desk.twin(&["cam", "check", &index, "--max-acceleration", "1000"]).ended(1, "cam-continuity");
+    desk.twin(&format!("cam plot {pick} -o again.svg {limits}")).ended(0, "");
+    assert!(picture == desk.text("again.svg"));
+    let shear = "cam check examples/cams/flying_shear.toml --master-velocity 500";
+    desk.twin(&format!("{shear} --max-velocity 1200 --max-acceleration 12000")).ended(0, "");
+    let index = "examples/cams/indexer.csv";
+    desk.twin(&format!("cam check {index} --interpolation cubic --once")).ended(0, "");
+    desk.twin(&format!("cam check {index} --max-acceleration 1000")).ended(1, "cam-continuity");
 }
 
 #[test]
 fn what_the_master_does_is_in_table_and_picture() {
     let desk = desk();
-    desk.twin(&["cam", "sample", "lift.toml", "--step", "1e-9"])
+    desk.twin("cam sample lift.toml --step 1e-9")
         .ended(2, "--step: a step of 0.000000001 makes 360000000001 places")
         .ended(2, "more than 100000000");
-    let master = ["--master-velocity", "10", "--master-acceleration", "6", "--points", "5"];
-    let done = desk.twin(&[&["cam", "sample", "lift.toml"], &master[..]].concat());
+    let master = "--master-velocity 10 --master-acceleration 6";
+    let done = desk.twin(&format!("cam sample lift.toml {master} --points 5"));
     done.ended(0, "");
     let row = done.stdout.lines().nth(2).expect("a row at 90");
     let row: Vec<f64> = row.split(',').map(|cell| cell.parse().expect("a number")).collect();
     // y′ is 15/8 · 100/180 there, y″ 0.
     assert!((row[5] + 6.25).abs() < 1e-9 && (row[6] - 6.25).abs() < 1e-9, "{row:?}");
-    let plot = ["cam", "plot", "lift.toml", "-o", "lift.svg", "--master-acceleration", "6"];
-    desk.twin(&plot).ended(0, "");
-    let picture = std::fs::read_to_string(desk.path("lift.svg")).expect("written");
+    desk.twin("cam plot lift.toml -o lift.svg --master-acceleration 6").ended(0, "");
+    let picture = desk.text("lift.svg");
     assert!(picture.contains("least and greatest while the master accelerates and jerks"));
 }
 
@@ -264,9 +224,8 @@ fn scale(numbers: &[(f64, f64)]) -> impl Fn(f64) -> f64 + use<> {
 fn the_picture_is_the_curve() {
     let desk = desk();
     // At 1 deg/s derivatives by time are those by the master.
-    desk.twin(&["cam", "plot", "lift.toml", "--master-velocity", "1", "-o", "lift.svg"])
-        .ended(0, "");
-    let picture = std::fs::read_to_string(desk.path("lift.svg")).expect("written");
+    desk.twin("cam plot lift.toml --master-velocity 1 -o lift.svg").ended(0, "");
+    let picture = desk.text("lift.svg");
     // The jerk is so small that its numbers have a power of ten, which stands with the unit.
     let units = [("(mm)", 1.0), ("(mm/s)", 1.0), ("(mm/s²)", 1.0), ("(10⁻³ mm/s³)", 1e-3)];
     for (unit, _) in units {
@@ -349,25 +308,23 @@ fn the_picture_is_the_curve() {
 #[test]
 fn what_is_lost_or_mistaken_is_told() {
     let desk = desk();
-    desk.twin(&["cam", "convert", "lift.toml", "lift.csv"])
+    desk.twin("cam convert lift.toml lift.csv")
         .ended(0, "1 of lift.toml are left behind")
         .ended(0, "lift.csv: lost: the slave's period, 100")
         .ended(0, "lift.csv: lost: this form has no tappets");
-    let table = std::fs::read_to_string(desk.path("lift.csv")).expect("written");
+    let table = desk.text("lift.csv");
     assert!(
         table.starts_with("master_deg,slave_mm,velocity_mm_per_deg,acceleration_mm_per_deg2\n")
     );
-    let kept = desk.twin(&["cam", "convert", "lift.toml", "kept.toml"]);
+    let kept = desk.twin("cam convert lift.toml kept.toml");
     kept.ended(0, "");
     assert!(!kept.stderr.contains("lost"), "{}", kept.stderr);
-    let plot = ["cam", "plot", "lift.toml", "--master-velocity", "360", "-o", "lift.png"];
-    desk.twin(&plot).ended(2, "pictures are SVG");
+    desk.twin("cam plot lift.toml --master-velocity 360 -o lift.png").ended(2, "pictures are SVG");
     assert!(!desk.path("lift.png").exists());
-    let run = ["cam", "run", "lift.toml", "--machine", "machine.toml", "--drives", "none"];
-    desk.twin(&run).ended(1, "this is a cam, not a job");
+    desk.twin("cam run lift.toml --machine machine.toml --drives none")
+        .ended(1, "this is a cam, not a job");
     desk.write("job.toml", "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"X\"\n");
-    desk.twin(&["cam", "check", "job.toml", "--master-velocity", "1"])
-        .ended(2, "this is a job, not a cam");
+    desk.twin("cam check job.toml --master-velocity 1").ended(2, "this is a job, not a cam");
 }
 
 /// 1.1 · 100 − 110 is 0 but for rounding, in doubles 1.4e-14; and what cannot be read is the manual's 2200.
@@ -380,15 +337,7 @@ fn rounding_is_no_place_of_a_tappet() {
          { master = 180, slave = 100 }, { master = 360, slave = 0 }]\ntappets = [{ group = 1, master = 180, passage = \"positive\", \
          action = \"on\" }]\n",
     );
-    let done = desk.twin(&[
-        "cam",
-        "check",
-        "lift.toml",
-        "--slave-scaling",
-        "1.1",
-        "--slave-offset",
-        "-110",
-    ]);
+    let done = desk.twin("cam check lift.toml --slave-scaling 1.1 --slave-offset -110");
     done.ended(0, "");
     let row = done.stdout.lines().find(|line| line.contains(" positive "));
     let cells: Vec<_> =
@@ -399,10 +348,10 @@ fn rounding_is_no_place_of_a_tappet() {
         "name = \"turned\"\nmaster = { min = 0, max = 9 }\nslave = { min = 0, max = 9 }\nelements = [{ master = 0, slave = 0 },\n\
          { master = 9, slave = 0 },\n{ master = 5, slave = 5 }]\n",
     );
-    desk.twin(&["cam", "check", "turned.toml"])
+    desk.twin("cam check turned.toml")
         .ended(0, "turned.toml: line 6: the element at master 5 comes after the one at 9");
     for name in ["none.toml", "none.asc"] {
-        desk.twin(&["cam", "check", name]).ended(2, "(error 2200)");
+        desk.twin(&format!("cam check {name}")).ended(2, "(error 2200)");
     }
 }
 
@@ -416,15 +365,13 @@ fn a_cam_that_jumps_has_no_largest_velocity() {
         "line.toml",
         &format!("name = \"line\"\nmaster = {{ min = 0, max = 100 }}\n{elements}\n"),
     );
-    let check = |more: &[&str]| desk.twin(&[&["cam", "check", "line.toml"], more].concat());
-    let done = check(&["--max-acceleration", "100"]);
+    let check = |more: &str| desk.twin(&format!("cam check line.toml {more}"));
+    let done = check("--max-acceleration 100");
     done.ended(1, "the pass ends at master 100").ended(1, "jumps by -0.8 u/s");
     let said = "no velocity of the master is slow enough: y\u{2032} jumps by -0.8 at master 100";
     assert!(done.stdout.contains(said) && !done.stdout.contains("may go"), "{}", done.stdout);
     // A velocity alone has a bound.
-    let done = check(&["--max-velocity", "8"]);
-    done.ended(0, "");
-    assert!(done.stdout.contains("the master may go 10 u/s"), "{}", done.stdout);
+    check("--max-velocity 8").ended(0, "").says("the master may go 10 u/s");
 }
 
 /// Numbers for people: what is rounding beside the cam is 0, and what exceeds a limit by little is told with as many digits as that
@@ -432,26 +379,12 @@ fn a_cam_that_jumps_has_no_largest_velocity() {
 #[test]
 fn rounding_is_not_told() {
     let desk = desk();
-    let done = desk.twin(&[
-        "cam",
-        "check",
-        "lift.toml",
-        "--max-velocity",
-        "1.0416665",
-        "--master-offset",
-        "0.3",
-    ]);
+    let done = desk.twin("cam check lift.toml --max-velocity 1.0416665 --master-offset 0.3");
     // 15/8 · 100/180 mm/deg.
     done.ended(1, "the slave's velocity is 1.0416667 mm/s at master 89.7 deg")
         .ended(1, "its limit is 1.0416665 mm/s");
-    let sampled = |more: &[&str]| {
-        desk.twin(&[&["cam", "sample", "lift.toml", "--points", "3601"], more].concat())
-    };
-    for more in [
-        &[][..],
-        &["--slave-scaling", "0.1"],
-        &["--slave-offset", "-50", "--master-acceleration", "7"],
-    ] {
+    let sampled = |more: &str| desk.twin(&format!("cam sample lift.toml --points 3601 {more}"));
+    for more in ["", "--slave-scaling 0.1", "--slave-offset -50 --master-acceleration 7"] {
         let done = sampled(more);
         done.ended(0, "");
         for cell in done.stdout.lines().skip(1).flat_map(|line| line.split(',')) {
@@ -468,7 +401,7 @@ fn tappets_alone_have_no_table_of_a_slave() {
     let text = "name = \"marks\"\nkind = \"tappets\"\nmaster = { min = 0, max = 360, unit = \"deg\" }\n\
                 tappets = [{ group = 4, master = 90, action = \"on\" }]\n";
     desk.write("marks.toml", text);
-    let done = desk.twin(&["cam", "check", "marks.toml", "--master-velocity", "180"]);
+    let done = desk.twin("cam check marks.toml --master-velocity 180");
     done.ended(0, "");
     for (word, told) in [
         ("tappets only", true),
@@ -500,24 +433,14 @@ fn offsets_of_any_size_are_told_or_taken() {
         "run.csv",
         "time,master,slave,tappet_1\n0,0,0,0\n0.1,10,1,1\n0.2,20,2,0\n0.3,30,3,1\n",
     );
-    let commands: [&[&str]; 7] = [
-        &["cam", "check", "far.toml"],
-        &["cam", "sample", "far.toml", "--step", "30"],
-        &["cam", "plot", "far.toml", "-o", "far.svg"],
-        &["cam", "convert", "far.toml", "again.toml", "--force"],
-        &["tune", "cam", "far.toml", "--run", "run.csv"],
-        &["tune", "cam", "far.toml", "--find", "slave-scaling", "--max-velocity", "1"],
-        &[
-            "tune",
-            "cam",
-            "far.toml",
-            "--ramp-in",
-            "0,0",
-            "--max-velocity",
-            "1",
-            "--max-acceleration",
-            "1",
-        ],
+    let commands = [
+        "cam check far.toml",
+        "cam sample far.toml --step 30",
+        "cam plot far.toml -o far.svg",
+        "cam convert far.toml again.toml --force",
+        "tune cam far.toml --run run.csv",
+        "tune cam far.toml --find slave-scaling --max-velocity 1",
+        "tune cam far.toml --ramp-in 0,0 --max-velocity 1 --max-acceleration 1",
     ];
     for (offset, said) in [
         ("1e300", "`master_offset` is 1e300; it must lie between"),
@@ -533,17 +456,16 @@ fn offsets_of_any_size_are_told_or_taken() {
         cam(offset);
         for command in commands {
             let done = desk.twin(command);
-            let run = command.contains(&"run.csv");
+            let run = command.contains("run.csv");
             let as_usual = if run { Some(1) } else { Some(0) };
-            let beyond =
-                command.contains(&"--ramp-in") && done.stderr.contains("the master is at ");
+            let beyond = command.contains("--ramp-in") && done.stderr.contains("the master is at ");
             assert!(done.status == as_usual || beyond, "{offset} {command:?}: {}", done.stderr);
         }
         // 1e15 and 1e15 mod 360: the same place of the cam.
         let value = offset.parse::<f64>().expect("a number").rem_euclid(360.0);
         let samples = |offset: &str| {
             cam(offset);
-            let done = desk.twin(&["cam", "sample", "far.toml", "--step", "30"]);
+            let done = desk.twin("cam sample far.toml --step 30");
             let slave = |line: &str| line.split(',').nth(1).map(str::to_owned);
             done.stdout.lines().skip(1).filter_map(slave).collect::<Vec<_>>()
         };
@@ -554,27 +476,23 @@ fn offsets_of_any_size_are_told_or_taken() {
         assert_eq!(far, near, "{offset}");
     }
     cam("0");
-    let done = desk.twin(&["cam", "check", "far.toml", "--master-offset", "1e300"]);
-    done.ended(2, "`1e300` is beyond ±1e15");
+    desk.twin("cam check far.toml --master-offset 1e300").ended(2, "`1e300` is beyond ±1e15");
 }
 
 /// Options stand under the headings that they belong to, and none speaks of another that its command has not.
 #[test]
 fn help_is_in_order() {
     let desk = desk();
-    let help = |command: &[&str]| {
-        let done = desk.twin(&[command, &["--help"]].concat());
+    let help = |command: &str| {
+        let done = desk.twin(&format!("{command} --help"));
         done.ended(0, "");
         done.stdout
     };
-    let own: [(&[&str], &[&str]); 4] = [
-        (&["cam", "check"], &["--format"]),
-        (&["cam", "plot"], &["--output"]),
-        (&["cam", "sample"], &["--points", "--step", "--output"]),
-        (
-            &["tune", "cam"],
-            &["--run", "--scaling-range", "--ramp-in", "--within", "--write", "--format"],
-        ),
+    let own: [(&str, &[&str]); 4] = [
+        ("cam check", &["--format"]),
+        ("cam plot", &["--output"]),
+        ("cam sample", &["--points", "--step", "--output"]),
+        ("tune cam", &["--run", "--scaling-range", "--ramp-in", "--within", "--write", "--format"]),
     ];
     for (command, options) in own {
         let text = help(command);
@@ -588,6 +506,6 @@ fn help_is_in_order() {
             let before: usize = text.lines().take(place).map(|line| line.len() + 1).sum();
             assert!(before < heading, "{command:?}: {option} is under a heading");
         }
-        assert_eq!(text.contains("with a --run that of the run"), command[0] == "tune", "{text}");
+        assert_eq!(text.contains("with a --run that of the run"), command == "tune cam", "{text}");
     }
 }

@@ -11,15 +11,15 @@ const LIFT: &str = "name = \"lift\"\nmaster = { min = 0, max = 360, unit = \"deg
 fn numbers_next_to_nothing_are_told() {
     let desk = Desk::new();
     desk.write("lift.toml", LIFT);
-    let check = |more: &[&str]| desk.twin(&[&["cam", "check", "lift.toml"], more].concat());
-    let large = ["--master-scaling", "1e15", "--max-velocity", "1"];
-    let done = check(&[&large[..], &["--master-velocity", "1e15"]].concat());
-    done.ended(1, "the master may go 9.6e-16 deg/s at most");
-    assert!(done.stdout.contains("the master may go 9.6e-16 deg/s"), "{}", done.stdout);
+    let check = |more: &str| desk.twin(&format!("cam check lift.toml {more}"));
+    let large = "--master-scaling 1e15 --max-velocity 1";
+    check(&format!("{large} --master-velocity 1e15"))
+        .ended(1, "the master may go 9.6e-16 deg/s at most")
+        .says("the master may go 9.6e-16 deg/s");
     // No table is wider than a page, though its jerk has 10¹⁵ cubed.
     for more in [
-        &["--master-velocity", "1e15", "--slave-scaling", "1e15"][..],
-        &["--master-scaling", "1e-15", "--slave-offset", "1e15"],
+        "--master-velocity 1e15 --slave-scaling 1e15",
+        "--master-scaling 1e-15 --slave-offset 1e15",
     ] {
         let done = check(more);
         done.ended(0, "");
@@ -27,7 +27,7 @@ fn numbers_next_to_nothing_are_told() {
         assert!(widest < 140, "{widest}: {}", done.stdout);
     }
     for factor in ["1e-300", "-1e-16", "5e-324"] {
-        check(&["--master-scaling", factor])
+        check(&format!("--master-scaling {factor}"))
             .ended(2, &format!("the scaling is {factor}; 1e-15 is the least scaling"));
     }
 }
@@ -60,8 +60,8 @@ fn pictures_of_long_tables_are_short() {
         writeln!(text, "{index},{slave}").expect("written");
     }
     desk.write("long.csv", &text);
-    desk.twin(&["cam", "plot", "long.csv", "-o", "long.svg"]).ended(0, "");
-    let picture = std::fs::read_to_string(desk.path("long.svg")).expect("written");
+    desk.twin("cam plot long.csv -o long.svg").ended(0, "");
+    let picture = desk.text("long.svg");
     assert!(picture.len() < 1_000_000, "{} bytes", picture.len());
     let lines = lines(&picture);
     let wide = |line: &&Vec<(f64, f64)>| line.len() > 1000;

@@ -1,7 +1,6 @@
 //! Cam file formats as a process: accepted and refused forms, and the tolerance of tables.
 
 use crate::process::{Desk, Done};
-use crate::root;
 
 /// 0 to 100 mm over half a turn from rest to rest, and back.
 const LIFT: &str = "name = \"lift\"\nmaster = { min = 0, max = 360, unit = \"deg\" }\nslave = { min = 0, max = 100, unit = \"mm\", period = 100 }\n\
@@ -39,7 +38,7 @@ fn fewest_chords(points: usize, tolerance: f64) -> usize {
 }
 
 fn rows(desk: &Desk, name: &str) -> Vec<Vec<f64>> {
-    let text = std::fs::read_to_string(desk.path(name)).expect("written");
+    let text = desk.text(name);
     let row = |line: &str| line.split(',').map(|cell| cell.parse().expect("a number")).collect();
     text.lines().skip(1).map(row).collect()
 }
@@ -54,10 +53,8 @@ fn number(done: &Done, words: &str) -> f64 {
 #[test]
 fn samples_by_time_are_no_points() {
     let desk = desk();
-    let sample = ["cam", "sample", "lift.toml", "--master-velocity", "360", "--points", "361"];
-    let done = desk.twin(&[&sample[..], &["-o", "whole.csv"]].concat());
-    done.ended(0, "");
-    let whole = std::fs::read_to_string(desk.path("whole.csv")).expect("written");
+    desk.twin("cam sample lift.toml --master-velocity 360 --points 361 -o whole.csv").ended(0, "");
+    let whole = desk.text("whole.csv");
     let cut = |columns: usize| {
         let line = |line: &str| line.split(',').take(columns).collect::<Vec<_>>().join(",") + "\n";
         whole.lines().map(line).collect::<String>()
@@ -65,7 +62,7 @@ fn samples_by_time_are_no_points() {
     desk.write("four.csv", &cut(4));
     desk.write("two.csv", &cut(2));
     for name in ["whole.csv", "four.csv"] {
-        desk.twin(&["cam", "check", name])
+        desk.twin(&format!("cam check {name}"))
             .ended(
                 2,
                 "line 1: column `velocity_mm_per_s` is by time, as `twin cam sample` writes it",
@@ -73,9 +70,7 @@ fn samples_by_time_are_no_points() {
             .ended(2, "expected `velocity_mm_per_deg`, or `master_deg` and `slave_mm` alone");
     }
     let ends = |name: &str| {
-        let done = desk.twin(&["cam", "check", name, "--format", "json"]);
-        done.ended(0, "");
-        let found: serde_json::Value = serde_json::from_str(&done.stdout).expect("an object");
+        let found = desk.twin(&format!("cam check {name} --format json")).ended(0, "").object();
         ["min", "max"].map(|end| found["position"][end].as_f64().expect("a number"))
     };
     let is_whole = |name: &str| {
@@ -84,13 +79,13 @@ fn samples_by_time_are_no_points() {
     };
     assert!(is_whole("two.csv"));
     // Points by the master are read as they were.
-    desk.twin(&["cam", "convert", "lift.toml", "points.csv"]).ended(0, "where it was everywhere");
+    desk.twin("cam convert lift.toml points.csv").ended(0, "where it was everywhere");
     assert!(is_whole("points.csv"));
     desk.write(
         "other.csv",
         "master_deg,slave_mm,velocity_mm_per_mm,acceleration_mm_per_mm2\n0,0,0,0\n360,9,0,0\n",
     );
-    desk.twin(&["cam", "check", "other.csv"])
+    desk.twin("cam check other.csv")
         .ended(2, "the velocity of points is in mm/deg; expected `velocity_mm_per_deg`");
 }
 
@@ -98,8 +93,8 @@ fn samples_by_time_are_no_points() {
 #[test]
 fn tolerances_count_from_the_cam() {
     let desk = desk();
-    let table = ["--table", "pairs", "--points", "100", "--tolerance", "0.1"];
-    let done = desk.twin(&[&["cam", "convert", "lift.toml", "thin.csv"], &table[..]].concat());
+    let table = |points: u32| format!("--table pairs --tolerance 0.1 --points {points}");
+    let done = desk.twin(&format!("cam convert lift.toml thin.csv {}", table(100)));
     done.ended(0, "points became");
     let thin = rows(&desk, "thin.csv");
     let mut far = 0.0_f64;
@@ -115,17 +110,14 @@ fn tolerances_count_from_the_cam() {
     // Points are left out one by one from the table's, which may cost some over the fewest that there can be.
     let fewest = fewest_chords(100, 0.1) + 1;
     assert!((fewest..=fewest + 3).contains(&thin.len()), "{} points, {fewest}", thin.len());
-    let pick = root().join("examples/cams/pick_and_place.toml").display().to_string();
     // 3.6 degrees apart, two of its points have 0.1008 mm between their chord and the cam.
-    desk.twin(&[&["cam", "convert", &pick, "pick.toml"], &table[..]].concat())
-        .ended(2, "the slave is 0.100791 mm from the cam");
-    let table = ["--table", "pairs", "--points", "200", "--tolerance", "0.1"];
-    let done = desk.twin(&[&["cam", "convert", &pick, "pick.toml"], &table[..]].concat());
+    let pick = "cam convert examples/cams/pick_and_place.toml pick.toml";
+    desk.twin(&format!("{pick} {}", table(100))).ended(2, "the slave is 0.100791 mm from the cam");
+    let done = desk.twin(&format!("{pick} {}", table(200)));
     done.ended(0, "");
     assert!(number(&done, "the slave is ") <= 0.1, "{}", done.stderr);
-    let few = ["--table", "pairs", "--points", "10", "--tolerance", "0.1"];
-    let done = desk.twin(&[&["cam", "convert", "lift.toml", "few.csv"], &few[..]].concat());
-    done.ended(2, "with all 10 points of the table the slave is ")
+    desk.twin(&format!("cam convert lift.toml few.csv {}", table(10)))
+        .ended(2, "with all 10 points of the table the slave is ")
         .ended(2, "mm from the cam, more than --tolerance 0.1; make a table of more points");
     assert!(!desk.path("few.csv").exists());
 }
@@ -134,31 +126,28 @@ fn tolerances_count_from_the_cam() {
 #[test]
 fn a_table_with_fewer_points_is_otherwise_the_same() {
     let desk = desk();
-    let convert = |from: &str, to: &str, more: &[&str]| {
-        let done = desk.twin(&[&["cam", "convert", from, to], more].concat());
+    let convert = |from: &str, to: &str, more: &str| {
+        let done = desk.twin(&format!("cam convert {from} {to} {more}"));
         done.ended(0, "");
-        (std::fs::read_to_string(desk.path(to)).expect("written"), done)
+        (desk.text(to), done)
     };
-    let cubic = ["--table", "pairs", "--points", "73", "--interpolation", "cubic"];
-    convert("lift.toml", "cubic.toml", &cubic);
-    let (text, done) = convert("cubic.toml", "thin.toml", &["--tolerance", "0.05"]);
+    convert("lift.toml", "cubic.toml", "--table pairs --points 73 --interpolation cubic");
+    let (text, done) = convert("cubic.toml", "thin.toml", "--tolerance 0.05");
     assert!(text.contains("interpolation = \"cubic\""), "{text}");
     assert!(number(&done, "the slave is ") <= 0.05, "{}", done.stderr);
     // Straight lines between all of the points are 100·5.77/180²·5²/8 mm from the cubics, where these bend most.
-    let straight = ["--tolerance", "0.1", "--interpolation", "linear"];
-    let (text, _) = convert("cubic.toml", "straight.toml", &straight);
+    let straight = "--tolerance 0.1 --interpolation linear";
+    let (text, _) = convert("cubic.toml", "straight.toml", straight);
     assert!(!text.contains("cubic"), "{text}");
     // A table as text is read with straight lines, so these keep the tolerance.
-    let (_, done) = convert("cubic.toml", "thin.asc", &["--tolerance", "0.1"]);
+    let (_, done) = convert("cubic.toml", "thin.asc", "--tolerance 0.1");
     assert!(number(&done, "the slave is ") <= 0.1, "{}", done.stderr);
     done.ended(0, "thin.asc: lost: cubics between its points");
-    let whole = ["--points", "200", "--type", "int", "--tolerance", "0.1"];
-    let (text, done) =
-        convert("lift.toml", "whole.toml", &[&["--table", "pairs"], &whole[..]].concat());
+    let whole = "--points 200 --type int --tolerance 0.1 --table";
+    let (text, done) = convert("lift.toml", "whole.toml", &format!("{whole} pairs"));
     assert!(text.contains("type = \"INT\""), "{text}");
     assert!(number(&done, "the slave is ") <= 0.1, "{}", done.stderr);
-    let (_, done) =
-        convert("lift.toml", "even.toml", &[&["--table", "equidistant"], &whole[..]].concat());
+    let (_, done) = convert("lift.toml", "even.toml", &format!("{whole} equidistant"));
     done.ended(0, "lost: the type of its numbers, INT")
         .ended(0, "lost: that its points are equidistant: they are pairs now");
 }
@@ -172,43 +161,42 @@ fn options_that_would_do_nothing_are_refused() {
         "name = \"marks\"\nkind = \"tappets\"\nmaster = { min = 0, max = 360 }\n\
          tappets = [{ group = 4, master = 90, action = \"on\" }]\n",
     );
-    let table = ["--table", "pairs", "--points", "40"];
-    desk.twin(&[&["cam", "convert", "lift.toml", "table.toml"], &table[..]].concat()).ended(0, "");
-    desk.twin(&["cam", "convert", "lift.toml", "points.csv"]).ended(0, "");
+    let table = "--table pairs --points 40";
+    desk.twin(&format!("cam convert lift.toml table.toml {table}")).ended(0, "");
+    desk.twin("cam convert lift.toml points.csv").ended(0, "");
     let polynomials =
         "it has polynomials between its points; --interpolation is for tables in .csv and .asc";
     let itself = "the file says itself how it goes on between its points; --interpolation is for";
     for (from, to, more, said) in [
-        ("lift.toml", "x.toml", &["--points", "10"][..], "--points is for tables that are made"),
-        ("table.toml", "x.toml", &["--points", "10"], "--points is for tables that are made"),
+        ("lift.toml", "x.toml", "--points 10", "--points is for tables that are made"),
+        ("table.toml", "x.toml", "--points 10", "--points is for tables that are made"),
         (
             "table.toml",
             "x.csv",
-            &["--points", "10", "--tolerance", "1"],
+            "--points 10 --tolerance 1",
             "--points writes positions at equal distances, --tolerance leaves some out",
         ),
-        ("lift.toml", "x.toml", &["--interpolation", "cubic"], polynomials),
-        ("points.csv", "x.toml", &["--interpolation", "linear"], polynomials),
-        ("table.toml", "x.toml", &["--interpolation", "cubic"], itself),
-        ("marks.toml", "x.toml", &table, "this cam has tappets alone: there is no curve"),
-        ("marks.toml", "x.csv", &[], "tappets alone have no positions"),
-        ("marks.toml", "x.asc", &["--points", "9"], "tappets alone have no positions"),
+        ("lift.toml", "x.toml", "--interpolation cubic", polynomials),
+        ("points.csv", "x.toml", "--interpolation linear", polynomials),
+        ("table.toml", "x.toml", "--interpolation cubic", itself),
+        ("marks.toml", "x.toml", table, "this cam has tappets alone: there is no curve"),
+        ("marks.toml", "x.csv", "", "tappets alone have no positions"),
+        ("marks.toml", "x.asc", "--points 9", "tappets alone have no positions"),
     ] {
-        desk.twin(&[&["cam", "convert", from, to], more].concat()).ended(2, said);
-        assert!(!desk.path(to).exists(), "{from} {to} {more:?}");
+        desk.twin(&format!("cam convert {from} {to} {more}")).ended(2, said);
+        assert!(!desk.path(to).exists(), "{from} {to} {more}");
     }
-    for command in [&["cam", "check", "table.toml"][..], &["cam", "sample", "table.toml"]] {
-        desk.twin(&[command, &["--interpolation", "cubic"]].concat()).ended(2, itself);
+    for command in ["check", "sample"] {
+        desk.twin(&format!("cam {command} table.toml --interpolation cubic")).ended(2, itself);
     }
-    let plot = ["cam", "plot", "lift.toml", "-o", "x.svg", "--interpolation", "cubic"];
-    desk.twin(&plot).ended(2, polynomials);
+    desk.twin("cam plot lift.toml -o x.svg --interpolation cubic").ended(2, polynomials);
     // Of a block of a job as well.
     desk.write(
         "job.toml",
         "[[virtual_axes]]\nname = \"shaft\"\nkind = \"rotary\"\nmax_acceleration_deg_per_s2 = 720\n[[blocks]]\n\
          block = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"shaft\"\ncam = \"lift.toml\"\ninterpolation = \"cubic\"\n",
     );
-    desk.twin(&["check", "job.toml", "--machine", "machine.toml"])
+    desk.twin("check job.toml --machine machine.toml")
         .ended(1, "it has polynomials between its points; `interpolation` is for .csv and .asc")
         .ended(1, "job.toml:10:");
 }
@@ -225,11 +213,11 @@ fn other_forms_are_refused() {
         ("lift.txt", "rename a table of lines `master;slave` to .asc, write other cams as .toml"),
     ] {
         let said = format!("{name}: {forms}; {instead}");
-        desk.twin(&["cam", "check", name]).ended(2, &said);
-        desk.twin(&["cam", "convert", name, "new.toml"]).ended(2, &said);
+        desk.twin(&format!("cam check {name}")).ended(2, &said);
+        desk.twin(&format!("cam convert {name} new.toml")).ended(2, &said);
         assert!(!desk.path("new.toml").exists());
         std::fs::remove_file(desk.path(name)).expect("it was written");
-        desk.twin(&["cam", "convert", "lift.toml", name]).ended(2, &said);
+        desk.twin(&format!("cam convert lift.toml {name}")).ended(2, &said);
         assert!(!desk.path(name).exists());
     }
 }
@@ -241,9 +229,9 @@ fn what_has_no_end_is_no_cam() {
     let desk = desk();
     for name in ["z.asc", "z.csv", "z.toml"] {
         std::os::unix::fs::symlink("/dev/zero", desk.path(name)).expect("a link");
-        desk.twin(&["cam", "check", name]).ended(2, "it is longer than 268435456 bytes");
+        desk.twin(&format!("cam check {name}")).ended(2, "it is longer than 268435456 bytes");
     }
-    desk.twin(&["tune", "cam", "lift.toml", "--run", "z.csv"])
+    desk.twin("tune cam lift.toml --run z.csv")
         .ended(2, "cannot read run z.csv: it is longer than 268435456 bytes");
-    desk.twin(&["machine", "z.toml"]).ended(2, "it is longer than 268435456 bytes");
+    desk.twin("machine z.toml").ended(2, "it is longer than 268435456 bytes");
 }

@@ -1,7 +1,6 @@
 //! `twin check --limits axes` as a process: the same check over the path as fast as the axes allow.
 
 use crate::process::{Desk, number};
-use crate::root;
 use serde_json::Value;
 
 /// Z does 200 mm/s; N30 asks for twice of that.
@@ -12,13 +11,11 @@ N20 G1 X340 F150
 N30 G1 Z0 F400
 ";
 
-const AXES: [&str; 2] = ["--limits", "axes"];
+const AXES: &str = "--limits axes";
 
-fn check(desk: &Desk, program: &str, options: &[&str], status: i32) -> Value {
-    let arguments = ["check", program, "-m", "machine.toml", "--format", "json"];
-    let done = desk.twin(&[&arguments[..], options].concat());
-    let text = &done.ended(status, "").stdout;
-    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+fn check(desk: &Desk, program: &str, options: &str, status: i32) -> Value {
+    let done = desk.twin(&format!("check {program} -m machine.toml --format json {options}"));
+    done.ended(status, "").object()
 }
 
 fn desk() -> Desk {
@@ -30,8 +27,8 @@ fn desk() -> Desk {
 #[test]
 fn a_program_too_fast_for_an_axis_is_fit_and_its_lines_are_noted() {
     let desk = desk();
-    check(&desk, "lines.cnc", &[], 1);
-    let report = check(&desk, "lines.cnc", &AXES, 0);
+    check(&desk, "lines.cnc", "", 1);
+    let report = check(&desk, "lines.cnc", AXES, 0);
     let line = |length: f64, velocity: f64| length / velocity + velocity / 2000.0;
     let expected = line(40.0, 150.0) + line(60.0, 200.0);
     assert!((number(&report["duration_s"]) - expected).abs() < 2e-3, "{report:#}");
@@ -53,17 +50,16 @@ fn a_program_too_fast_for_an_axis_is_fit_and_its_lines_are_noted() {
     for (key, value) in [("value", 200.0), ("limit", 400.0), ("largest_feed_mm_per_s", 200.0)] {
         assert!((number(&note[key]) - value).abs() < 1e-9, "{note}");
     }
-    let human = ["check", "lines.cnc", "-m", "machine.toml", "--limits", "axes"];
-    let done = desk.twin(&human);
-    done.ended(0, "the programmed feed of 400 mm/s cannot be held: velocity of Z allows 200 mm/s");
-    assert!(done.stdout.contains("fit for the machine: 0 errors"), "{}", done.stdout);
+    desk.twin("check lines.cnc -m machine.toml --limits axes")
+        .ended(0, "the programmed feed of 400 mm/s cannot be held: velocity of Z allows 200 mm/s")
+        .says("fit for the machine: 0 errors");
 }
 
 /// The simulated machine follows what it is given.
 #[test]
 fn physics_follows_the_limited_path() {
     let desk = desk();
-    let report = check(&desk, "lines.cnc", &[&AXES[..], &["--physics"]].concat(), 0);
+    let report = check(&desk, "lines.cnc", "--limits axes --physics", 0);
     let error = number(&report["peak"]["Z"]["following_error"]["value"]);
     assert!(error > 0.0 && error < 0.5, "{error} mm");
 }
@@ -76,10 +72,8 @@ fn waiting_takes_as_long_as_in_the_controllers_planning() {
         "waits.cnc",
         "% waits\nN10 G92 X300 Y100 Z60 F100 E2000 E-2000\nN20 G1 X340\nN30 M3\nN50 M7\nN60 G1 X300\n",
     );
-    let plain = std::fs::read_to_string(desk.path("machine.toml")).expect("it is there");
-    desk.write("machine.toml", &format!("{plain}\n[[m_functions]]\nm = 3\ntime_ms = 500\n"));
-    let options = ["--m-ack", "30ms"];
-    let [own, axes] = [&options[..], &[&options[..], &AXES].concat()]
+    desk.add_to_machine("\n[[m_functions]]\nm = 3\ntime_ms = 500\n");
+    let [own, axes] = ["--m-ack 30ms", "--m-ack 30ms --limits axes"]
         .map(|options| number(&check(&desk, "waits.cnc", options, 0)["duration_s"]));
     assert!((own - axes).abs() < 3e-3, "{own} s and {axes} s");
     assert!(own > 2.0 * 0.45 + 0.5 + 0.03, "{own} s");
@@ -90,27 +84,25 @@ fn what_is_wrong_stays_wrong() {
     let desk = desk();
     // X ends at 650 mm.
     desk.write("far.cnc", "% far\nN10 G92 X600 Y0 Z0 F100 E1000 E-1000\nN20 G1 X660\n");
-    let report = check(&desk, "far.cnc", &AXES, 1);
+    let report = check(&desk, "far.cnc", AXES, 1);
     let findings = report["findings"].as_array().expect("a list");
     let [finding] = &findings[..] else { panic!("{findings:#?}") };
     assert_eq!((&finding["rule"], &finding["line"]), (&"axis-position".into(), &3.into()));
-    let arguments = ["check", "lines.cnc", "-m", "machine.toml", "--limits", "axes"];
-    desk.twin(&[&arguments[..], &["--profile", "sigmoid"]].concat())
-        .ended(2, "--limits softmotion");
+    let arguments = "check lines.cnc -m machine.toml --limits axes";
+    desk.twin(&format!("{arguments} --profile sigmoid")).ended(2, "--limits softmotion");
 }
 
 /// At corners a knife would have to turn at once; within the limits of the axes it takes its time.
 #[test]
 fn a_knife_turns_in_time() {
     let desk = desk();
-    let cutter = root().join("machines/gantry_cutter3.toml").display().to_string();
-    let arguments = ["check", "lines.cnc", "-m", &cutter, "--format", "json"];
-    let at_once = desk.twin(&arguments);
-    assert!(at_once.ended(1, "").stdout.contains("axis-velocity"), "{}", at_once.stdout);
+    let cutter = "machines/gantry_cutter3.toml";
+    desk.twin(&format!("check lines.cnc -m {cutter} --format json"))
+        .ended(1, "")
+        .says("axis-velocity");
     desk.write("corner.cnc", "% c\nN10 G92 X0 Y0 Z20\nN20 G1 X50 F50 E2000 E-2000\nN30 G1 Y50\n");
-    let done =
-        desk.twin(&["check", "corner.cnc", "-m", &cutter, "--format", "json", "--limits", "axes"]);
-    let report: Value = serde_json::from_str(&done.ended(0, "").stdout).expect("an object");
+    let done = desk.twin(&format!("check corner.cnc -m {cutter} --format json --limits axes"));
+    let report = done.ended(0, "").object();
     // R: 1080 deg/s are reached with 20000 deg/s² after 54 ms.
     let expected = 2.0 * (50.0 / 50.0 + 50.0 / 2000.0) + 90.0 / 1080.0 + 1080.0 / 20000.0;
     assert!((number(&report["duration_s"]) - expected).abs() < 2e-3, "{report:#}");
@@ -122,10 +114,8 @@ fn a_knife_turns_in_time() {
 /// What is shipped is fit within the limits of the axes, on the machines it is for.
 #[test]
 fn shipped_programs_are_fit() {
-    let desk = Desk::new();
-    let file = |name: &str| root().join(name).display().to_string();
-    let (program, machine) = (file("examples/plate.cnc"), file("machines/scara2.toml"));
-    let arguments = ["check", &program, "-m", &machine, "--limits", "axes"];
-    let done = desk.twin(&arguments);
-    assert!(done.ended(0, "").stdout.contains("fit for the machine: 0 errors, 0 warnings"));
+    Desk::new()
+        .twin("check examples/plate.cnc -m machines/scara2.toml --limits axes")
+        .ended(0, "")
+        .says("fit for the machine: 0 errors, 0 warnings");
 }

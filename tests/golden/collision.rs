@@ -1,7 +1,6 @@
 //! Collisions with obstacles, reported by the binary as a process.
 
-use crate::process::{Desk, number};
-use crate::root;
+use crate::process::{Desk, number, shipped};
 use serde_json::Value;
 
 /// Down next to the fixed jaw, up, and across it: 6 mm above it, since its top is at Z−10.
@@ -18,8 +17,7 @@ M2
 
 fn desk() -> Desk {
     let desk = Desk::new();
-    let machine = std::fs::read_to_string(root().join("machines/gantry3_vice.toml"));
-    desk.write("vice.toml", &machine.expect("it is shipped"));
+    desk.write("vice.toml", &shipped("machines/gantry3_vice.toml"));
     desk.write("across.ngc", ACROSS);
     desk.write("through.ngc", &ACROSS.replace("G0 Z-4", "G0 Z-12.5"));
     desk
@@ -28,20 +26,15 @@ fn desk() -> Desk {
 #[test]
 fn what_is_in_the_way_is_reported_with_its_line() {
     let desk = desk();
-    let done = desk.twin(&["check", "across.ngc", "-m", "vice.toml"]);
-    done.ended(0, "");
-    let least = "least clearance: 6.000 mm between the tool and fixed jaw, line 6";
-    assert!(done.stdout.contains(least), "{}", done.stdout);
-
-    let done = desk.twin(&["check", "through.ngc", "-m", "vice.toml"]);
-    done.ended(1, "collision");
+    desk.twin("check across.ngc -m vice.toml")
+        .ended(0, "")
+        .says("least clearance: 6.000 mm between the tool and fixed jaw, line 6");
+    let done = desk.twin("check through.ngc -m vice.toml");
+    done.ended(1, "collision").says("least clearance: none");
     let deep = "line 6: the tool is 2.500 mm deep in fixed jaw";
     assert!(done.stderr.contains(deep), "{}", done.stderr);
-    assert!(done.stdout.contains("least clearance: none"), "{}", done.stdout);
-
-    let done =
-        desk.twin(&["check", "through.ngc", "-m", "vice.toml", "--physics", "--format", "json"]);
-    let report: Value = serde_json::from_str(&done.ended(1, "").stdout).expect("JSON");
+    let done = desk.twin("check through.ngc -m vice.toml --physics --format json");
+    let report = done.ended(1, "").object();
     let clearance = &report["clearance"];
     assert!((number(&clearance["least_mm"]) + 2.5).abs() < 1e-6, "{clearance}");
     assert_eq!(clearance["between"], serde_json::json!(["the tool", "fixed jaw"]));
@@ -59,11 +52,8 @@ fn what_is_in_the_way_is_reported_with_its_line() {
 fn a_run_stops_where_the_machine_runs_into_something() {
     let desk = desk();
     desk.write("jam.toml", "[[faults]]\nkind = \"jam\"\naxis = \"Z\"\nat_line = 5\n");
-    let arguments =
-        ["run", "across.ngc", "-m", "vice.toml", "--drives", "none", "--faults", "jam.toml"];
-    let arguments: Vec<_> = arguments.into_iter().chain(["--report", "run.json"]).collect();
-    let done = desk.twin(&arguments);
-    done.ended(2, "the tool ran into fixed jaw with");
+    desk.twin("run across.ngc -m vice.toml --drives none --faults jam.toml --report run.json")
+        .ended(2, "the tool ran into fixed jaw with");
     let report = desk.read("run.json");
     assert_eq!(report["completed"], false);
     let why = report["stopped_because"].as_str().expect("it says why");
@@ -73,12 +63,8 @@ fn a_run_stops_where_the_machine_runs_into_something() {
 /// What `leave_out` may name is said.
 #[test]
 fn the_machine_says_what_is_in_the_way() {
-    let done = desk().twin(&["machine", "vice.toml"]);
-    let said = &done.ended(0, "").stdout;
-    for line in [
+    desk().twin("machine vice.toml").ended(0, "").says_all(&[
         "in the way: table, fixed jaw, moving jaw, screw, stock; links are looked at against each other; wanted clearance 2 mm",
         "links: base, bridge, carriage, quill, holder",
-    ] {
-        assert!(said.contains(line), "{said}");
-    }
+    ]);
 }

@@ -1,7 +1,6 @@
 //! `twin drive` against emulators in this process, whose own state proves each action.
 
-use crate::process::{Desk, Done};
-use std::time::Duration;
+use crate::process::{Desk, Done, comes};
 use twin::clock::Clock;
 use twin_bim2ax::emulator as module;
 use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
@@ -19,29 +18,22 @@ pub(crate) fn clock() -> impl Fn() -> i64 + Send + Sync {
 /// `twin drive FAMILY --port PATH OPTIONS ACTION`.
 pub(crate) struct Hand {
     pub(crate) desk: Desk,
-    words: Vec<String>,
+    words: String,
 }
 
 impl Hand {
     /// With a deadline that an emulator keeps while other tests and builds run.
-    pub(crate) fn new(family: &str, port: &str, options: &[&str]) -> Self {
-        let words = [&["drive", family, "--port", port][..], options].concat();
-        Self { desk: Desk::new(), words: words.into_iter().map(str::to_owned).collect() }
-    }
-
-    fn arguments<'a>(&'a self, action: &[&'a str]) -> Vec<&'a str> {
-        self.words.iter().map(String::as_str).chain(action.iter().copied()).collect()
+    pub(crate) fn new(family: &str, port: &str, options: &str) -> Self {
+        Self { desk: Desk::new(), words: format!("drive {family} --port '{port}' {options}") }
     }
 
     pub(crate) fn tries(&self, action: &str) -> Done {
-        let words: Vec<_> = action.split(' ').collect();
-        self.desk.twin(&self.arguments(&words))
+        self.desk.twin(&format!("{} {action}", self.words))
     }
 
     /// The command itself, to be started.
     pub(crate) fn command(&self, action: &str) -> std::process::Command {
-        let words: Vec<_> = action.split(' ').collect();
-        self.desk.command(&self.arguments(&words))
+        self.desk.command(&format!("{} {action}", self.words))
     }
 
     /// It is done.
@@ -62,8 +54,7 @@ impl Hand {
 
     /// Interrupted a second after it has said what it does.
     fn interrupted(&self, sign: &str, action: &str) -> Done {
-        let words: Vec<_> = action.split(' ').collect();
-        self.desk.interrupted("-INT", sign, &self.arguments(&words))
+        self.desk.interrupted("-INT", sign, &format!("{} {action}", self.words))
     }
 }
 
@@ -87,14 +78,14 @@ pub(crate) fn a_board(address: u8) -> (board::EmulatedBoard, Hand) {
     let running = board::EmulatedBoard::start(&options, clock()).expect("it starts");
     let port = running.path().to_str().expect("a path").to_owned();
     let address = address.to_string();
-    (running, Hand::new("interpcnc", &port, &["--station", &address, "--deadline", "1500"]))
+    (running, Hand::new("interpcnc", &port, &format!("--station {address} --deadline 1500")))
 }
 
 #[test]
 fn an_interpcnc_board_is_found_unlocked_and_moved() {
     let (running, hand) = a_board(4);
     let port = running.path().to_str().expect("a path");
-    let scan = Hand::new("interpcnc", port, &["--deadline", "300"]);
+    let scan = Hand::new("interpcnc", port, "--deadline 300");
     let found = scan.does("scan --stations 3-4");
     assert_eq!(row(&found, 0, "4")[1..3], ["115200", "baud,"]);
     scan.tries("scan --stations 7").ended(1, "no address answers");
@@ -133,8 +124,7 @@ fn an_interpcnc_board_homes_by_the_parameters_that_were_set() {
     hand.refuses("set home-speed-x -1", "it takes 0 to ");
     hand.does("set home-input-x 0");
     hand.refuses("home X --yes", "axis X has no home switch: `set home-input-x N`");
-    let changed = hand.does("set home-input-x 5");
-    assert!(changed.stdout.contains("parameter 29 (home-input-x): 0 -> 5"), "{}", changed.stdout);
+    hand.does("set home-input-x 5").says("parameter 29 (home-input-x): 0 -> 5");
     // Number 12 is EE_ORIGINE_SPEED_RAPIDE.
     for setting in
         ["12 4000", "home-direction-x 0", "home-acceleration-x 100", "home-start-stop 200"]
@@ -183,8 +173,8 @@ fn inputs_and_outputs_of_an_interpcnc_board() {
 fn ctrl_c_brings_the_axes_of_an_interpcnc_board_to_rest() {
     let (running, hand) = a_board(1);
     hand.does("unlock");
-    let done = hand.interrupted("move axis Y", "move Y 1000000 --speed 5000 --yes");
-    done.ended(2, "stopped by Ctrl-C; the axes are at rest");
+    hand.interrupted("move axis Y", "move Y 1000000 --speed 5000 --yes")
+        .ended(2, "stopped by Ctrl-C; the axes are at rest");
     let board = running.stop().expect("it runs");
     assert!(board.status().moving().is_empty() && !board.status().locked());
     let stands = board.counters()[1];
@@ -193,11 +183,11 @@ fn ctrl_c_brings_the_axes_of_an_interpcnc_board_to_rest() {
 
 #[test]
 fn a_port_that_is_not_there_is_named_with_station_and_command() {
-    Hand::new("interpcnc", "no-such-port", &["--station", "9"])
+    Hand::new("interpcnc", "no-such-port", "--station 9")
         .refuses("status", "no-such-port, address 9: opening the port");
-    Hand::new("smartdrive", "no-such-port", &["--address", "9"])
+    Hand::new("smartdrive", "no-such-port", "--address 9")
         .refuses("status", "no-such-port, address 9: opening the port");
-    Hand::new("bim2ax", "no-such-file", &[]).refuses("status", "no-such-file: opening the port");
+    Hand::new("bim2ax", "no-such-file", "").refuses("status", "no-such-file: opening the port");
 }
 
 /// Drives at addresses 1 and 3, the home switch of the first on DIR, 1000 to 3000 µsteps behind the start.
@@ -212,7 +202,7 @@ pub(crate) fn a_bus(flash: Vec<Vec<u8>>) -> (bus::EmulatedBus, Hand) {
     let options = bus::EmulatorOptions { devices, flash, ..bus::EmulatorOptions::default() };
     let running = bus::EmulatedBus::start(&options, clock()).expect("it starts");
     let port = running.path().to_str().expect("a path").to_owned();
-    let hand = Hand::new("smartdrive", &port, &["--deadline", "1000"]);
+    let hand = Hand::new("smartdrive", &port, "--deadline 1000");
     // Their firmware starts within 300 ms: until then nobody answers.
     assert!((0..50).any(|_| hand.tries("status").status == Some(0)), "nobody answers");
     (running, hand)
@@ -222,7 +212,7 @@ pub(crate) fn a_bus(flash: Vec<Vec<u8>>) -> (bus::EmulatedBus, Hand) {
 fn smartdrives_are_found_unlocked_moved_and_homed() {
     let (running, hand) = a_bus(Vec::new());
     let port = running.path().to_str().expect("a path");
-    let found = Hand::new("smartdrive", port, &["--deadline", "300"]).does("scan --addresses 1-3");
+    let found = Hand::new("smartdrive", port, "--deadline 300").does("scan --addresses 1-3");
     assert_eq!(
         (row(&found, 0, "1")[1..3].to_vec(), found.stdout.lines().count()),
         (vec!["0,", "off"], 6)
@@ -258,8 +248,7 @@ fn parameters_of_a_smartdrive_are_set_and_saved() {
     );
     hand.refuses("set 40000 1", "there is no parameter 40000: they are some of 0 to ");
     hand.refuses("set PID 7", "PID (12) is read-only");
-    let changed = hand.does("set trj_velmax 300");
-    assert!(changed.stdout.contains("Trj_VelMax (30): 500 -> 300 rpm"), "{}", changed.stdout);
+    hand.does("set trj_velmax 300").says("Trj_VelMax (30): 500 -> 300 rpm");
     hand.does("set 26 -100000");
     // Number, name, value, saved, factory, unit.
     let shown = hand.does("get 30");
@@ -296,8 +285,8 @@ fn inputs_and_outputs_of_a_smartdrive() {
 fn ctrl_c_and_stop_bring_a_smartdrive_to_rest() {
     let (running, hand) = a_bus(Vec::new());
     hand.does("unlock");
-    let done = hand.interrupted("move the axis", "move 1000000 --speed 120 --yes");
-    done.ended(2, "stopped by Ctrl-C; the axes are at rest");
+    hand.interrupted("move the axis", "move 1000000 --speed 120 --yes")
+        .ended(2, "stopped by Ctrl-C; the axes are at rest");
     hand.does("stop");
     let found = hand.does("status");
     let stands: i32 = row(&found, 0, "1")[5].parse().expect("a position");
@@ -309,7 +298,7 @@ fn ctrl_c_and_stop_bring_a_smartdrive_to_rest() {
 
 /// A module on a memory file, both cams from −900 to −400 µsteps, a + end switch at 8000.
 pub(crate) fn a_module() -> (module::EmulatedModule, Hand) {
-    let hand = Hand::new("bim2ax", "module", &["--deadline", "1500"]);
+    let hand = Hand::new("bim2ax", "module", "--deadline 1500");
     let mut options = module::EmulatorOptions::new(&hand.desk.path("module"));
     options.module.boot_ns = QUICK_BOOT_NS;
     for bench in &mut options.surroundings.benches {
@@ -325,11 +314,7 @@ pub(crate) const QUICK_BOOT_NS: i64 = 200_000_000;
 /// A module whose software runs.
 pub(crate) fn started(options: &module::EmulatorOptions) -> module::EmulatedModule {
     let running = module::EmulatedModule::start(options, clock()).expect("it starts");
-    let runs = |_| {
-        std::thread::sleep(Duration::from_millis(10));
-        running.module().watchdog()
-    };
-    assert!((0..1000).any(runs), "its software does not start");
+    comes(|| running.module().watchdog());
     running
 }
 
@@ -407,8 +392,8 @@ fn inputs_and_ends_of_a_bim2ax() {
 fn ctrl_c_and_stop_bring_a_bim2ax_to_rest() {
     let (running, hand) = a_module();
     hand.does("unlock 1");
-    let done = hand.interrupted("move axis 1", "move 1 -1000000 --speed 200 --yes");
-    done.ended(2, "stopped by Ctrl-C; the axes are at rest");
+    hand.interrupted("move axis 1", "move 1 -1000000 --speed 200 --yes")
+        .ended(2, "stopped by Ctrl-C; the axes are at rest");
     hand.does("stop");
     let stands = running.module().shaft(ModuleAxis::One);
     assert!((-999_999..0).contains(&stands), "{stands}");
@@ -428,19 +413,17 @@ fn parameters_go_to_a_file_and_back() {
         (&of_module, "soft-limit-minus-2", "-100", "get soft-limit-minus-2", ": -100 -> -4194303"),
     ] {
         for file in ["kept.txt", "kept.XML"] {
-            let saved = hand.does(&format!("backup {file}"));
-            assert!(saved.stdout.contains("parameters of"), "{}", saved.stdout);
-            let text = std::fs::read_to_string(hand.desk.path(file)).expect("it was written");
+            hand.does(&format!("backup {file}")).says("parameters of");
+            let text = hand.desk.text(file);
             assert_eq!(text.starts_with('<'), file.ends_with("XML"), "{text}");
             let before = hand.does(back).stdout;
             assert!(hand.does(&format!("restore {file} --yes")).stdout.contains("0 to change"));
             hand.does(&format!("set {name} {set}"));
-            let refused = hand.tries(&format!("restore {file}"));
-            refused.ended(2, "write 1 parameters of");
-            refused.ended(2, "nothing has been written, as there is no terminal to ask at");
-            assert!(refused.stdout.contains(shown), "{}", refused.stdout);
-            let restored = hand.does(&format!("restore {file} --yes"));
-            assert!(restored.stdout.contains("written, and read back"), "{}", restored.stdout);
+            hand.tries(&format!("restore {file}"))
+                .ended(2, "write 1 parameters of")
+                .ended(2, "nothing has been written, as there is no terminal to ask at")
+                .says(shown);
+            hand.does(&format!("restore {file} --yes")).says("written, and read back");
             assert_eq!(hand.does(back).stdout, before);
         }
         std::fs::write(hand.desk.path("wrong.txt"), "nonsense\n").expect("written");
@@ -471,8 +454,7 @@ fn an_axis_is_homed_by_a_switch_that_the_drive_only_shows() {
     hand.tries("home X --by-switch 0 --fast -200 --yes").ended(2, "'-200' for '--fast");
     let ask = "home X --by-switch 0 --input 5 --fast 1000 --slow 200 --max-way 5000";
     hand.refuses(ask, "home axis X from 0 towards - until input 5 says so, 5000 steps at most");
-    let homed = hand.does(&format!("{ask} --yes"));
-    assert!(homed.stdout.contains("axis X is home, at "), "{}", homed.stdout);
+    hand.does(&format!("{ask} --yes")).says("axis X is home, at ");
     let counter = hand.does("status");
     let counter: f64 = row(&counter, 0, "X")[1].parse().expect("a position");
     let board = running.stop().expect("it runs");
@@ -484,8 +466,7 @@ fn an_axis_is_homed_by_a_switch_that_the_drive_only_shows() {
 
     // One that never comes.
     let (running, hand) = a_board(1);
-    let done = hand.tries("home X --by-switch 0 --input 7 --fast 4000 --max-way 800 --yes");
-    assert_eq!(done.status, Some(2), "{}", done.stderr);
+    hand.tries("home X --by-switch 0 --input 7 --fast 4000 --max-way 800 --yes").ended(2, "");
     let board = running.stop().expect("it runs");
     assert!(board.status().moving().is_empty());
     assert!((board.mechanical(BoardAxis::X) + 800.0).abs() <= 1.0);
@@ -524,7 +505,7 @@ fn what_is_no_port_is_named_with_what_is_wanted() {
         ),
         ("interpcnc", path("dead"), "the link leads to /dev/pts/none, which does not exist"),
     ] {
-        Hand::new(family, &port, &[]).refuses("status", said);
+        Hand::new(family, &port, "").refuses("status", said);
     }
     drop((module, board));
 }
@@ -537,9 +518,9 @@ fn homing_that_does_not_end_in_time_is_stopped() {
     hand.does("--address 3 unlock");
     let ask = "--address 3 home --timeout 1";
     hand.refuses(ask, "at 120 rpm, for 1 s at most, in the direction that the drive is set to");
-    let done = hand.tries(&format!("{ask} --yes"));
-    done.ended(2, "not finished within 1000 ms; the axes are at rest, at -");
-    done.ended(2, "it needs a longer --timeout");
+    hand.tries(&format!("{ask} --yes"))
+        .ended(2, "not finished within 1000 ms; the axes are at rest, at -")
+        .ended(2, "it needs a longer --timeout");
     let devices = running.stop().expect("it runs");
     assert!(devices[1].counter() < 0 && devices[1].motion().1 == 0.0);
     // The cam of axis 2 is far away.
@@ -550,8 +531,8 @@ fn homing_that_does_not_end_in_time_is_stopped() {
     hand.does("unlock 2");
     hand.refuses("home 2 --timeout 1", "towards - to its cam");
     hand.refuses("home 2 --timeout 1", "for 1 s at most");
-    let done = hand.tries("home 2 --timeout 1 --yes");
-    done.ended(2, "(homing): not finished within 1000 ms; the axes are at rest, at 1: 0, 2: -");
+    hand.tries("home 2 --timeout 1 --yes")
+        .ended(2, "(homing): not finished within 1000 ms; the axes are at rest, at 1: 0, 2: -");
     assert!(running.module().velocity(ModuleAxis::Two).abs() < f64::EPSILON);
     assert!(running.module().shaft(ModuleAxis::Two) < 0);
 }
@@ -579,11 +560,7 @@ fn what_to_do_next_is_said() {
     let alarms = twin_smartdrive::Alarms::OVERTEMPERATURE;
     bus.control(bus::Event::Fault { alarms, present: true }.to(0)).expect("it runs");
     let status = hand.does("status");
-    assert!(
-        status.stdout.contains("next: remove the cause of the alarm, then `unlock`"),
-        "{}",
-        status.stdout
-    );
+    status.says("next: remove the cause of the alarm, then `unlock`");
     bus.control(bus::Event::Fault { alarms, present: false }.to(0)).expect("it runs");
     bus.control(bus::Event::BrownOut { off_ns: 1_000_000 }.to(0)).expect("it runs");
     let off = |_| hand.tries("status").stdout.contains("next: `unlock`");
@@ -608,7 +585,7 @@ fn only_what_asks_takes_a_yes() {
         ("smartdrive", ["home", "jog", "move", "restore"]),
         ("bim2ax", ["home", "jog", "move", "restore"]),
     ] {
-        let hand = Hand::new(family, "nowhere", &[]);
+        let hand = Hand::new(family, "nowhere", "");
         for action in asks {
             assert!(hand.does(&format!("{action} --help")).stdout.contains("--yes"), "{action}");
         }
@@ -622,7 +599,7 @@ fn only_what_asks_takes_a_yes() {
 /// An action that a family does not need or have is refused in words.
 #[test]
 fn what_a_family_does_not_have_is_said() {
-    let none = |family| Hand::new(family, "nowhere", &[]);
+    let none = |family| Hand::new(family, "nowhere", "");
     for (family, word) in [("interpcnc", "an InterpCNC keeps"), ("bim2ax", "a BIM2AX keeps")] {
         let said = none(family).does("save").stdout;
         assert!(said.contains(word) && said.contains("when they are set"), "{said}");

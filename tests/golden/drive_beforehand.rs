@@ -2,9 +2,8 @@
 
 use crate::drive::{Hand, a_board, a_bus, a_module, row};
 use crate::drive_stop::under_way_on;
-use crate::process::Done;
+use crate::process::{Done, comes};
 use std::process::{Child, Stdio};
-use std::time::Duration;
 use twin_interpcnc::BoardAxis;
 use twin_interpcnc::emulator as board;
 use twin_smartdrive::emulator as bus;
@@ -36,7 +35,7 @@ fn an_axis_that_goes_along_with_x_is_named() {
     hand.refuses("home X", asked);
     let homed = hand.does("home X --by-switch 0 --input 5 --yes");
     assert!(homed.stderr.contains("axis X and axis B with it (parameter 86, coupling)"));
-    assert!(homed.stdout.contains("axis B, which has gone along, is at "), "{}", homed.stdout);
+    homed.says("axis B, which has gone along, is at ");
     let board = running.stop().expect("it runs");
     let apart = board.mechanical(BoardAxis::B) - board.mechanical(BoardAxis::X);
     assert!((apart - 300.0).abs() <= 1.0, "{apart}");
@@ -82,12 +81,10 @@ fn a_board_that_was_off_meanwhile_does_not_stand_at_0() {
 
 /// Waits until the first drive of a bus moves.
 fn under_way_on_bus(running: &bus::EmulatedBus) {
-    let moves = (0..1000).any(|_| {
-        std::thread::sleep(Duration::from_millis(10));
+    comes(|| {
         let devices = running.look().expect("it runs");
         devices.first().is_some_and(|device| device.motion().1 != 0.0)
     });
-    assert!(moves, "it does not move");
 }
 
 #[test]
@@ -137,7 +134,7 @@ fn killed(mut child: Child) -> bool {
 /// Y of a board goes far, and nobody looks after it.
 fn board_moves(running: &board::EmulatedBoard) -> Done {
     let port = running.path().to_str().expect("a path");
-    let hand = Hand::new("interpcnc", port, &["--deadline", "1500"]);
+    let hand = Hand::new("interpcnc", port, "--deadline 1500");
     let moves = begun(&hand, "move X 1000000 --speed 5000 --yes");
     under_way_on(running);
     assert!(killed(moves), "it was at work");

@@ -17,8 +17,7 @@ fn a_smartdrive_is_homed_by_a_switch_at_an_input() {
     hand.refuses("home --by-switch 0 --yes", "home switch");
     let ask = "home --by-switch 0 --input 2 --fast 3200 --slow 534 --max-way 5000";
     hand.refuses(ask, "towards - until input 2 says so, 5000 µsteps at most");
-    let homed = hand.does(&format!("{ask} --yes"));
-    assert!(homed.stdout.contains("drive 1 is home, at "), "{}", homed.stdout);
+    hand.does(&format!("{ask} --yes")).says("drive 1 is home, at ");
     // TRJINIT 1, "la position actuelle devient 0": the drive's own counter shows it.
     hand.refuses(&format!("{ask} --home-position 10001 --yes"), "--max-slow-way");
     let devices = running.stop().expect("it runs");
@@ -38,8 +37,7 @@ fn an_axis_of_a_bim2ax_is_homed_by_its_cam_and_by_an_input() {
     // Inputs of the axis are its end switches + and -, and its cam.
     for switch in ["", " --input 3"] {
         let ask = format!("home 1 --by-switch 0{switch} --fast 3200 --slow 800 --max-way 8000");
-        let homed = hand.does(&format!("{ask} --yes"));
-        assert!(homed.stdout.contains("axis 1 is home, at "), "{}", homed.stdout);
+        hand.does(&format!("{ask} --yes")).says("axis 1 is home, at ");
         let module = running.module();
         let shaft = i32::try_from(module.shaft(ModuleAxis::One)).expect("it has not gone far");
         let home = f64::from(shaft) - module.position(ModuleAxis::One);
@@ -92,8 +90,7 @@ fn homed(words: &str) -> (f64, f64) {
     hand.does("set limit-minus-input-x 7");
     let ask =
         format!("home X {words} --fast 1000 --slow 200 --max-way 8000 --max-slow-way 5000 --yes");
-    let done = hand.does(&ask);
-    assert!(done.stdout.contains("axis X is home, at "), "{}", done.stdout);
+    hand.does(&ask).says("axis X is home, at ");
     let counter: f64 = row(&hand.does("status"), 0, "X")[1].parse().expect("a position");
     let board = running.stop().expect("it runs");
     assert!(board.status().moving().is_empty());

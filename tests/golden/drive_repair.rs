@@ -18,7 +18,7 @@ fn a_module_with_a_wrong_check_sum_is_shown_and_does_not_move() {
     running.module().happen(Event::SpoilEeprom);
     let reset = hand.tries("reset");
     reset.ended(1, "");
-    assert!(reset.stdout.contains("the check sum of its EEPROM is wrong"), "{}", reset.stdout);
+    reset.says("the check sum of its EEPROM is wrong");
     assert_eq!(
         row(&hand.does("scan"), 0, "BIM2AX-BOCM")[1..5],
         ["unknown", "unknown", "check", "sum"]
@@ -29,9 +29,9 @@ fn a_module_with_a_wrong_check_sum_is_shown_and_does_not_move() {
     for action in
         ["get", "get $0A", "unlock 1", "home 1 --yes", "jog 1 100 --yes", "move 1 100 --yes"]
     {
-        let refused = hand.tries(action);
-        refused.ended(2, WRONG);
-        refused.ended(2, "`restore FILE` gives it the parameters of a backup");
+        hand.tries(action)
+            .ended(2, WRONG)
+            .ended(2, "`restore FILE` gives it the parameters of a backup");
     }
     hand.refuses("backup kept.txt", WRONG);
     assert!(!hand.desk.path("kept.txt").exists());
@@ -88,13 +88,13 @@ fn module_of(options: &EmulatorOptions) -> twin_bim2ax::emulator::EmulatedModule
 fn a_backup_takes_the_place_of_no_file_unasked() {
     let (_running, hand) = a_module();
     hand.does("backup kept.txt");
-    let first = fs::read_to_string(hand.desk.path("kept.txt")).expect("it was written");
+    let first = hand.desk.text("kept.txt");
     hand.does("set soft-limit-minus-2 -100");
     hand.refuses("backup kept.txt", "kept.txt: the file exists already and is left unchanged");
-    let still = fs::read_to_string(hand.desk.path("kept.txt")).expect("it is there");
+    let still = hand.desk.text("kept.txt");
     assert_eq!(still, first);
     hand.does("backup kept.txt --force");
-    let second = fs::read_to_string(hand.desk.path("kept.txt")).expect("it is there");
+    let second = hand.desk.text("kept.txt");
     assert_ne!(second, first);
 }
 
@@ -109,8 +109,7 @@ fn homing_of_a_bim2ax_is_asked_about_with_the_speed_it_has() {
     hand.does("set soft-limit-minus-1 -240000");
     hand.does("set soft-limit-plus-1 240000");
     hand.refuses("home 1", "for 310 s at most");
-    let longer = hand.tries("home 1 --timeout 1 --yes");
-    longer.ended(0, "1600 µsteps at most");
+    hand.tries("home 1 --timeout 1 --yes").ended(0, "1600 µsteps at most");
 }
 
 /// Bits are given and shown as $1F, and so are those that can be given; a speed below 0 is a number, and not an option.
@@ -121,9 +120,9 @@ fn what_a_parameter_takes_is_said_as_it_is_written() {
     for family in
         ["bim2ax --port x move 1 5", "interpcnc --port x move X 5", "smartdrive --port x move 5"]
     {
-        let words: Vec<_> = ["drive"].into_iter().chain(family.split(' ')).collect();
-        let refused = Desk::new().twin(&[&words[..], &["--speed", "-5"]].concat());
-        refused.ended(2, "invalid value '-5' for '--speed");
+        Desk::new()
+            .twin(&format!("drive {family} --speed -5"))
+            .ended(2, "invalid value '-5' for '--speed");
     }
 }
 
@@ -137,16 +136,15 @@ fn files_of_emulators_are_named_with_their_options() {
             ("--control", "link", "mine: it is in use"),
             ("--link", "mine", "mine"),
         ] {
-            let words = ["emulate", family, "--link", link, option, "mine"];
-            let words = if option == "--link" { &words[..4] } else { &words[..] };
-            let refused = desk.twin(words);
+            let more = if option == "--link" { String::new() } else { format!("{option} mine") };
+            let refused = desk.twin(&format!("emulate {family} --link {link} {more}"));
             refused.ended(2, &format!("{option} {why}"));
             assert!(!refused.stderr.contains("SmartDRIVE, addresses"), "{}", refused.stderr);
             assert!(!refused.stderr.contains("memory file link"), "{}", refused.stderr);
             assert!(!refused.stderr.contains("baud, on"), "{}", refused.stderr);
         }
     }
-    assert_eq!(fs::read_to_string(desk.path("mine")).expect("it is there"), "this is mine\n");
+    assert_eq!(desk.text("mine"), "this is mine\n");
     assert!(!desk.path("mine.lock").exists());
 }
 
@@ -160,8 +158,8 @@ fn two_emulators_do_not_share_a_file() {
     };
     let first = board::EmulatedBoard::start(&options, clock()).expect("it starts");
     for family in ["interpcnc", "smartdrive", "bim2ax"] {
-        let words = ["emulate", family, "--link", "other", "--eeprom", "kept"];
-        desk.twin(&words).ended(2, "--eeprom kept: another emulator keeps its parameters in it");
+        desk.twin(&format!("emulate {family} --link other --eeprom kept"))
+            .ended(2, "--eeprom kept: another emulator keeps its parameters in it");
     }
     first.stop().expect("it runs");
     board::EmulatedBoard::start(&options, clock()).expect("it is free again");

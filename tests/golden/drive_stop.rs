@@ -1,7 +1,7 @@
 //! `twin drive … stop`: the stop is sent first, whatever else is wrong.
 
 use crate::drive::{Hand, a_board, a_bus, a_module};
-use crate::process::{BINARY, Desk, started};
+use crate::process::{BINARY, Desk, comes, started};
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -56,8 +56,7 @@ fn a_bim2ax_in_the_other_byte_order_is_stopped() {
         let (running, hand) = runaway();
         hand.refuses("--little-endian status", "numbers come in the other order");
         assert!(!rests(&running));
-        let done = hand.does(stop);
-        done.ended(0, "see --little-endian");
+        hand.does(stop).ended(0, "see --little-endian");
         assert!(rests(&running), "{stop}");
         let stood = running.module().shaft(ModuleAxis::One);
         // At rest, neither stop makes it move.
@@ -101,26 +100,18 @@ fn a_bim2ax_that_has_a_master_is_only_stopped_by_another() {
 fn a_stop_of_a_bim2ax_whose_master_waits_is_no_end() {
     let (running, hand, mut master) = under_way();
     master.soft_stop().expect("it stops");
-    let rests = |_| {
-        std::thread::sleep(Duration::from_millis(10));
-        rests(&running)
-    };
-    assert!((0..1000).any(rests), "it goes on");
+    comes(|| rests(&running));
     hand.tries("stop").ended(1, "may move it again");
     let (mut target, mut speed) = ([0; MAX_DRIVE_AXES], [0.0; MAX_DRIVE_AXES]);
     (target[0], speed[0]) = (-4_000_000, 4000.0);
     master.move_to(&target, &speed).expect("it moves again");
-    assert!((0..1000).any(|round| !rests(round)), "it is at rest");
+    comes(|| !rests(&running));
     master.soft_stop().unwrap_or_default();
 }
 
 /// Waits until X of a board moves.
 pub(crate) fn under_way_on(running: &board::EmulatedBoard) {
-    let moves = (0..1000).any(|_| {
-        std::thread::sleep(Duration::from_millis(10));
-        running.look().expect("it runs").velocity(BoardAxis::X) != 0.0
-    });
-    assert!(moves, "X does not move");
+    comes(|| running.look().expect("it runs").velocity(BoardAxis::X) != 0.0);
 }
 
 fn send(signal: &str, process: u32) {
@@ -196,8 +187,7 @@ fn what_moves_stops_on_ctrl_c_whoever_has_started_it() {
 #[test]
 fn an_emulator_in_the_background_says_what_ends_it() {
     let desk = Desk::new();
-    let mut shell =
-        started_without("INT", &desk.command(&["emulate", "smartdrive", "--link", "bus"]));
+    let mut shell = started_without("INT", &desk.command("emulate smartdrive --link bus"));
     let mut child = shell.stderr(Stdio::piped()).spawn().expect("a process");
     let words = BufReader::new(child.stderr.take().expect("piped")).lines();
     let sign = words.map_while(Result::ok).find(|line| line.contains("ends it"));

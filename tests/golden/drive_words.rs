@@ -2,7 +2,6 @@
 
 use crate::drive::{Hand, a_board, a_bus, clock, row};
 use crate::process::Desk;
-use std::fs;
 use twin_smartdrive::emulator as bus;
 
 /// Number, name, value, saved, factory, unit: the working value is that of the file already, what is saved is not.
@@ -14,17 +13,15 @@ fn a_restore_saves_what_is_not_saved_though_nothing_has_to_be_changed() {
     };
     hand.does("set Trj_VelMax 300");
     hand.does("backup kept.txt");
-    let unsaved = hand.does("restore kept.txt --yes");
-    assert!(unsaved.stdout.contains("0 to change"), "{}", unsaved.stdout);
+    hand.does("restore kept.txt --yes").says("0 to change");
     copies(["300", "500"]);
-    let asked = hand.tries("restore kept.txt --save");
-    asked.ended(2, "save the parameters, of which the drive has not saved 1");
+    hand.tries("restore kept.txt --save")
+        .ended(2, "save the parameters, of which the drive has not saved 1");
     copies(["300", "500"]);
     let saved = hand.does("restore kept.txt --yes --save");
-    assert!(saved.stdout.contains("saved, and read back"), "{}", saved.stdout);
+    saved.says("saved, and read back");
     copies(["300", "300"]);
-    let again = hand.does("restore kept.txt --yes --save");
-    assert!(again.stdout.contains("the drive keeps all of them already"), "{}", again.stdout);
+    hand.does("restore kept.txt --yes --save").says("the drive keeps all of them already");
 }
 
 /// There are 384 parameters.
@@ -32,7 +29,7 @@ fn a_restore_saves_what_is_not_saved_though_nothing_has_to_be_changed() {
 fn what_a_file_of_parameters_does_not_have_is_told() {
     let (_running, hand) = a_board(1);
     hand.does("backup whole.txt");
-    let whole = fs::read_to_string(hand.desk.path("whole.txt")).expect("it was written");
+    let whole = hand.desk.text("whole.txt");
     let part: Vec<_> = whole.lines().filter(|line| !line.starts_with("0 12 ")).collect();
     assert_eq!(part.len() + 1, whole.lines().count(), "{whole}");
     hand.desk.write("part.txt", &part.join("\n"));
@@ -59,20 +56,21 @@ fn speeds_that_no_board_has_are_refused_and_others_say_how_to_go_on() {
 /// A file that is not the memory of a module is refused before anything is made next to it.
 #[test]
 fn a_file_that_is_no_memory_is_left_alone_and_a_module_is_not_looked_for_at_serial_ports() {
-    let hand = Hand::new("bim2ax", "b.txt", &[]);
+    let hand = Hand::new("bim2ax", "b.txt", "");
     hand.desk.write("b.txt", &"x".repeat(5000));
     hand.refuses("status", "it is a file of 5000 bytes");
     assert!(!hand.desk.path("b.txt.master").exists());
-    let missing = Hand::new("bim2ax", "none", &[]).tries("status");
+    let missing = Hand::new("bim2ax", "none", "").tries("status");
     missing.ended(2, "`twin emulate bim2ax --link PATH` makes");
     assert!(!missing.stderr.contains("ttyUSB"), "{}", missing.stderr);
-    Hand::new("interpcnc", "none", &[]).tries("status").ended(2, "/dev/ttyUSB*");
+    Hand::new("interpcnc", "none", "").tries("status").ended(2, "/dev/ttyUSB*");
 }
 
 #[test]
 fn two_drives_of_a_line_have_two_addresses() {
-    let words = ["emulate", "smartdrive", "--link", "bus", "--address", "1", "--address", "1"];
-    Desk::new().twin(&words).ended(2, "--address 1 is given twice");
+    Desk::new()
+        .twin("emulate smartdrive --link bus --address 1 --address 1")
+        .ended(2, "--address 1 is given twice");
 }
 
 /// The drives of the bus are 1 and 3.
@@ -97,18 +95,14 @@ fn an_address_that_two_drives_have_is_shown() {
     let options = bus::EmulatorOptions { devices, ..bus::EmulatorOptions::default() };
     let running = bus::EmulatedBus::start(&options, clock()).expect("it starts");
     let port = running.path().to_str().expect("a path").to_owned();
-    let hand = Hand::new("smartdrive", &port, &["--deadline", "500"]);
+    let hand = Hand::new("smartdrive", &port, "--deadline 500");
     let answers = |_| hand.tries("--address 3 status").status == Some(0);
     assert!((0..50).any(answers), "nobody answers");
     // Their messages differ, as their positions usually do.
     let alarms = twin_smartdrive::Alarms::OVERTEMPERATURE;
     running.control(bus::Event::Fault { alarms, present: true }.to(0)).expect("it runs");
     let found = hand.does("scan --addresses 2-3");
-    assert!(
-        found.stdout.contains("address 2: answers garble each other: two devices"),
-        "{}",
-        found.stdout
-    );
+    found.says("address 2: answers garble each other: two devices");
     assert_eq!(row(&found, 0, "3")[1], "0,");
 }
 
@@ -128,20 +122,20 @@ fn refused_targets_and_unknown_switches_name_where_to_look() {
     hand.refuses("move -1001", "Trj_PosMin (parameter 26) is -1000 µsteps");
     hand.tries("home --by-switch 0 --yes").ended(2, "`--input N` says it");
     // No farther than the drive goes: 1000 µsteps, which end at a limit that is reported before.
-    let beyond = hand.tries("home --by-switch 0 --input 1 --max-way 1001 --yes");
-    beyond.ended(2, "--max-way 1001: the drive's own limit is at -1000 µsteps");
-    let lost = hand.tries("home --by-switch 0 --input 1 --yes");
-    lost.ended(2, "1000 µsteps at most (the drive's own limit is at -1000 µsteps)");
-    lost.ended(2, "the home switch has not come within 1000 from 0; looked for at input 1");
-    lost.ended(2, "the axis is at rest, at -1000 µsteps");
+    hand.tries("home --by-switch 0 --input 1 --max-way 1001 --yes")
+        .ended(2, "--max-way 1001: the drive's own limit is at -1000 µsteps");
+    hand.tries("home --by-switch 0 --input 1 --yes")
+        .ended(2, "1000 µsteps at most (the drive's own limit is at -1000 µsteps)")
+        .ended(2, "the home switch has not come within 1000 from 0; looked for at input 1")
+        .ended(2, "the axis is at rest, at -1000 µsteps");
 }
 
 /// The switch at input 7 never comes: the axis is where its way ends.
 #[test]
 fn failed_homing_reports_the_position() {
     let (_running, hand) = a_board(1);
-    let failed = hand.tries("home X --by-switch 0 --input 7 --max-way 300 --yes");
-    failed.ended(2, "homing axis X: the home switch has not come within 300 from 0");
-    failed.ended(2, "looked for at input 7, which is off: not pressed");
-    failed.ended(2, "the axis is at rest, at -300 steps");
+    hand.tries("home X --by-switch 0 --input 7 --max-way 300 --yes")
+        .ended(2, "homing axis X: the home switch has not come within 300 from 0")
+        .ended(2, "looked for at input 7, which is off: not pressed")
+        .ended(2, "the axis is at rest, at -300 steps");
 }

@@ -1,15 +1,20 @@
 //! Emulated drives as processes of their own, and their control sockets.
 
 use crate::drive::row;
-use crate::process::{Desk, Done};
+use crate::process::{Desk, Done, comes};
 use std::io::{BufRead, BufReader, Write};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 
 /// `twin drive` without questions.
 fn by_hand(desk: &Desk, family: &str, port: &str, action: &str) -> Done {
-    let words = ["drive", family, "--port", port, "--deadline", "1500", "--yes"];
-    desk.twin(&words.into_iter().chain(action.split(' ')).collect::<Vec<_>>())
+    desk.twin(&format!("drive {family} --port {port} --deadline 1500 --yes {action}"))
+}
+
+/// Runs `act` next to `twin emulate` with these words, which Ctrl-C ends then.
+#[track_caller]
+fn emulated(desk: &Desk, words: &str, act: impl FnOnce()) -> Done {
+    desk.meanwhile("-INT", "Ctrl-C ends it", &format!("emulate {words}"), act)
 }
 
 /// Says lines to a control socket and takes an answer for each.
@@ -34,9 +39,7 @@ fn every_family_listens_to_its_control_socket() {
     ];
     for (family, good, bad) in families {
         let (link, socket) = (desk.path(family), desk.path("control"));
-        let arguments =
-            ["emulate", family, "--link", family, "--control", "control", "--speed", "10"];
-        let done = desk.meanwhile("-INT", "Ctrl-C ends it", &arguments, || {
+        emulated(&desk, &format!("{family} --link {family} --control control --speed 10"), || {
             // The socket is made before that is said; the device, too.
             assert!(link.symlink_metadata().is_ok(), "{family}");
             let said = message(&socket, &[good, bad, "dance"]);
@@ -52,8 +55,8 @@ fn every_family_listens_to_its_control_socket() {
             let said = message(&socket, &words);
             assert_eq!((&*said[0], &*said[1], &*said[3]), ("ok", "ok", "ok"), "{family}");
             assert!(said[2].starts_with("error: "), "{said:?}");
-        });
-        done.ended(0, "");
+        })
+        .ended(0, "");
         assert!(!link.exists() && !socket.exists(), "{family} leaves something behind");
     }
 }
@@ -62,16 +65,15 @@ fn every_family_listens_to_its_control_socket() {
 #[test]
 fn what_a_device_stores_outlives_it() {
     let desk = Desk::new();
-    let start = ["emulate", "smartdrive", "--link", "bus", "--eeprom", "flash"];
-    desk.meanwhile("-INT", "Ctrl-C ends it", &start, || ()).ended(0, "address 1: 0 frames");
+    let start = "smartdrive --link bus --eeprom flash";
+    emulated(&desk, start, || ()).ended(0, "address 1: 0 frames");
     let image = std::fs::read(desk.path("flash")).expect("it was written");
     assert!(!image.is_empty());
-    desk.meanwhile("-INT", "Ctrl-C ends it", &start, || ()).ended(0, "");
+    emulated(&desk, start, || ()).ended(0, "");
     assert!(std::fs::read(desk.path("flash")).expect("it is there") == image);
-    desk.twin(&["emulate", "smartdrive", "--link", "bus", "--turnaround-ms", "20000"])
-        .ended(2, "--turnaround-ms");
+    desk.twin("emulate smartdrive --link bus --turnaround-ms 20000").ended(2, "--turnaround-ms");
     desk.write("taken", "mine");
-    desk.twin(&["emulate", "interpcnc", "--link", "taken"]).ended(2, "taken");
+    desk.twin("emulate interpcnc --link taken").ended(2, "taken");
 }
 
 /// The wire of every family takes the same words; faults on it are reported by the program that speaks to the device, and one lost
@@ -81,14 +83,11 @@ fn faults_of_the_wire_are_the_same_for_every_family() {
     let desk = Desk::new();
     for family in ["interpcnc", "smartdrive", "bim2ax"] {
         let socket = desk.path("control");
-        let arguments =
-            ["emulate", family, "--link", family, "--control", "control", "--speed", "2"];
-        let status =
-            || desk.twin(&["drive", family, "--port", family, "--deadline", "700", "status"]);
+        let status = || desk.twin(&format!("drive {family} --port {family} --deadline 700 status"));
         let message = |line| assert_eq!(message(&socket, &[line]), ["ok"], "{family}: {line}");
-        let done = desk.meanwhile("-INT", "Ctrl-C ends it", &arguments, || {
+        emulated(&desk, &format!("{family} --link {family} --control control --speed 2"), || {
             // It may still start up.
-            while status().status != Some(0) {}
+            comes(|| status().status == Some(0));
             message("plug off");
             status().ended(2, family_word(family));
             message("plug on");
@@ -99,8 +98,8 @@ fn faults_of_the_wire_are_the_same_for_every_family() {
             message("plug on");
             message("no-faults");
             status().ended(0, "");
-        });
-        done.ended(0, "");
+        })
+        .ended(0, "");
     }
 }
 
@@ -119,10 +118,9 @@ fn a_board_starts_with_switches_and_an_encoder() {
     let desk = Desk::new();
     let bench = "# around the board\ncam 5 x ..-300  # home\n\nencoder X 4000 3200 --turn 4000\n";
     desk.write("bench.txt", bench);
-    let start = ["emulate", "interpcnc", "--link", "board", "--bench", "bench.txt"];
-    let more = ["--with", "cam 7 X 900.. --opens", "--with", "input 9 on", "--speed", "4"];
+    let start = "interpcnc --link board --bench bench.txt --with 'cam 7 X 900.. --opens' --with 'input 9 on' --speed 4";
     let drive = |action: &str| by_hand(&desk, "interpcnc", "board", action);
-    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &[&start[..], &more].concat(), || {
+    emulated(&desk, start, || {
         let inputs = drive("inputs");
         let level = |number| row(&inputs, 0, number)[1].to_owned();
         // One that opens is closed until it is pressed.
@@ -152,11 +150,11 @@ fn a_board_starts_with_switches_and_an_encoder() {
         // The limit switch is 900 steps from the start, 1200 from home.
         assert_eq!(drive("move X 3000").status, Some(2));
         let status = drive("status");
-        assert!(status.stdout.contains("on a limit switch"), "{}", status.stdout);
+        status.says("on a limit switch");
         let position: i32 = row(&status, 0, "X")[1].parse().expect("a position");
         assert!((1200..1250).contains(&position), "{position}");
-    });
-    done.ended(0, "");
+    })
+    .ended(0, "");
 }
 
 /// A board before V2.1D has no registers for an encoder: a run with an encoder is refused, one without goes on to ask.
@@ -164,35 +162,31 @@ fn a_board_starts_with_switches_and_an_encoder() {
 fn an_older_board_has_no_encoder() {
     let desk = Desk::new();
     crate::real::alone(&desk, "interpcnc", &[]);
-    let text = std::fs::read_to_string(desk.path("mixture.toml")).expect("readable");
+    let text = desk.text("mixture.toml");
     let section = "[drives.encoder]\naxis = \"X\"\npoints = 4\nper_increments = 1\ntolerance_increments = 48\n";
     let key = "answer_deadline_ms = 2000\n";
     desk.write("encoder.toml", &text.replace(key, &format!("{key}\n{section}\n")));
-    let start = ["emulate", "interpcnc", "--link", "device", "--older-than-v2.1d"];
-    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &start, || {
-        let unlock = ["drive", "interpcnc", "--port", "device", "--deadline", "2000", "unlock"];
-        desk.twin(&unlock).ended(0, "");
+    emulated(&desk, "interpcnc --link device --older-than-v2.1d", || {
+        desk.twin("drive interpcnc --port device --deadline 2000 unlock").ended(0, "");
         for (machine, said) in [
             ("encoder.toml", "the device has no encoder: boards have one from V2.1D on"),
             ("mixture.toml", "there is no terminal to ask at"),
         ] {
-            let run = ["run", "short.cnc", "-m", machine, "--drives", "real", "--homed"];
-            desk.twin(&run).ended(2, said);
+            desk.twin(&format!("run short.cnc -m {machine} --drives real --homed")).ended(2, said);
         }
-    });
-    done.ended(0, "");
+    })
+    .ended(0, "");
 }
 
 /// Home switch, limit switch and homing input of two drives.
 #[test]
 fn drives_of_a_bus_start_with_switches() {
     let desk = Desk::new();
-    let start = ["emulate", "smartdrive", "--link", "bus", "--address", "1,3", "--speed", "2"];
-    let with = ["cam 3 dir -3000..-1000", "homing 3 dir", "cam 3 limp 2000..", "cam 1 go ..500"];
-    let with: Vec<_> = with.into_iter().flat_map(|words| ["--with", words]).collect();
+    let start = "smartdrive --link bus --address 1,3 --speed 2 --with 'cam 3 dir -3000..-1000' \
+                 --with 'homing 3 dir' --with 'cam 3 limp 2000..' --with 'cam 1 go ..500'";
     let drive = |action: &str| by_hand(&desk, "smartdrive", "bus", action);
-    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &[&start[..], &with].concat(), || {
-        while drive("status").status != Some(0) {}
+    emulated(&desk, start, || {
+        comes(|| drive("status").status == Some(0));
         assert_eq!(row(&drive("--address 3 inputs"), 0, "DIR")[1], "off");
         drive("--address 3 unlock").ended(0, "");
         drive("--address 3 home").ended(0, "");
@@ -208,36 +202,34 @@ fn drives_of_a_bus_start_with_switches() {
         drive("unlock").ended(0, "");
         drive("jog -10").ended(0, "");
         assert_eq!(row(&drive("inputs"), 0, "GO")[1], "on");
-    });
-    done.ended(0, "");
+    })
+    .ended(0, "");
 }
 
 /// Cam, end switch, encoder and rating of a module.
 #[test]
 fn a_module_starts_with_switches_and_an_encoder() {
     let desk = Desk::new();
-    let start = ["emulate", "bim2ax", "--link", "module", "--rating-ma", "1000", "--speed", "2"];
-    let with = ["place 1 cam -900..-400", "place 1 plus 9000.. --opens", "axis-plug 2 1234"];
-    let encoder = "encoder 1 incremental --points 2000 --microsteps 3200";
-    let with: Vec<_> =
-        with.into_iter().chain([encoder]).flat_map(|words| ["--with", words]).collect();
+    let start = "bim2ax --link module --rating-ma 1000 --speed 2 --with 'place 1 cam -900..-400' \
+                 --with 'place 1 plus 9000.. --opens' --with 'axis-plug 2 1234' \
+                 --with 'encoder 1 incremental --points 2000 --microsteps 3200'";
     let drive = |action: &str| by_hand(&desk, "bim2ax", "module", action);
-    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &[&start[..], &with].concat(), || {
-        while drive("status").status != Some(0) {}
+    emulated(&desk, start, || {
+        comes(|| drive("status").status == Some(0));
         assert_eq!(row(&drive("scan"), 0, "BIM2AX-BOCM")[2..4], ["1000", "mA"]);
         drive("set encoder-definition-1 1").ended(0, "");
         drive("reset").ended(0, "");
         drive("unlock 1").ended(0, "");
         drive("move 1 3200").ended(0, "");
         let inputs = drive("inputs");
-        assert!(inputs.stdout.contains("incremental"), "{}", inputs.stdout);
+        inputs.says("incremental");
         let points = inputs.stdout.lines().find(|line| line.contains("incremental"));
         let points = points.and_then(|line| line.split_whitespace().nth(2)).expect("a row");
         assert_eq!(points, "2000");
         drive("home 1").ended(0, "");
         assert_eq!(row(&drive("status"), 0, "1")[1..3], ["0", "home"]);
-    });
-    done.ended(0, "");
+    })
+    .ended(0, "");
 }
 
 /// A master at another speed gets no answer, and a hint where to look; unless the emulator takes any.
@@ -245,25 +237,24 @@ fn a_module_starts_with_switches_and_an_encoder() {
 fn masters_at_another_speed_are_not_understood() {
     let desk = Desk::new();
     let status = |baud: &str| {
-        let words = ["drive", "interpcnc", "--port", "board", "--deadline", "300", "--baud", baud];
-        desk.twin(&[&words[..], &["status"]].concat())
+        let words = format!("drive interpcnc --port board --deadline 300 --baud {baud}");
+        desk.twin(&format!("{words} status"))
     };
-    let start = ["emulate", "interpcnc", "--link", "board", "--baud", "19200"];
-    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &start, || {
+    let start = "interpcnc --link board --baud 19200";
+    emulated(&desk, start, || {
         for _ in 0..2 {
             let silent = status("9600");
             silent.ended(2, "no answer within 300 ms");
             silent.ended(2, "are baud rate and parity those of the device?");
             status("19200").ended(0, "");
         }
-    });
-    done.ended(0, "");
-    let any = [&start[..], &["--any-baud"]].concat();
-    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &any, || {
+    })
+    .ended(0, "");
+    emulated(&desk, &format!("{start} --any-baud"), || {
         status("9600").ended(0, "");
         status("19200").ended(0, "");
-    });
-    done.ended(0, "");
+    })
+    .ended(0, "");
 }
 
 /// A link that is left behind does not matter, though the next terminal may have the number of the last; one in use is.
@@ -271,13 +262,13 @@ fn masters_at_another_speed_are_not_understood() {
 fn a_link_that_a_killed_emulator_has_left_is_replaced() {
     let desk = Desk::new();
     for family in ["interpcnc", "smartdrive", "bim2ax"] {
-        let start = ["emulate", family, "--link", family];
+        let start = format!("emulate {family} --link {family}");
         let done = desk.meanwhile("-KILL", "Ctrl-C ends it", &start, || {
             desk.twin(&start).ended(2, "in use");
         });
         assert_eq!(done.status, None);
         assert!(desk.path(family).symlink_metadata().is_ok(), "it was left behind");
-        desk.meanwhile("-INT", "Ctrl-C ends it", &start, || ()).ended(0, "");
+        emulated(&desk, &format!("{family} --link {family}"), || ()).ended(0, "");
     }
 }
 
@@ -294,13 +285,12 @@ fn what_is_stored_survives_a_kill() {
         let store = format!("{family}.store");
         for (link, signal) in [("first", "-KILL"), ("second", "-INT")] {
             let link = format!("{family}.{link}");
-            let start = ["emulate", family, "--link", &link, "--eeprom", &store];
+            let start = format!("emulate {family} --link {link} --eeprom {store}");
             let drive = |action: &str| {
-                let words = ["drive", family, "--port", &link, "--deadline", "1500"];
-                desk.twin(&words.into_iter().chain(action.split(' ')).collect::<Vec<_>>())
+                desk.twin(&format!("drive {family} --port {link} --deadline 1500 {action}"))
             };
             let done = desk.meanwhile(signal, "Ctrl-C ends it", &start, || {
-                while drive("status").status != Some(0) {}
+                comes(|| drive("status").status == Some(0));
                 if signal == "-KILL" {
                     for action in actions {
                         drive(action).ended(0, "");
@@ -314,7 +304,7 @@ fn what_is_stored_survives_a_kill() {
     }
     desk.write("wrong.store", "mine");
     for family in ["interpcnc", "smartdrive"] {
-        desk.twin(&["emulate", family, "--link", "other", "--eeprom", "wrong.store"])
+        desk.twin(&format!("emulate {family} --link other --eeprom wrong.store"))
             .ended(2, "wrong.store: this is not an image");
     }
 }
@@ -325,7 +315,7 @@ fn words_that_are_wrong_are_named_with_their_line() {
     let desk = Desk::new();
     desk.write("bench.txt", "cam 5 X ..-300\ncam 33 X 1..2\n");
     let said = |family: &str, option: &str, value: &str, why: &str| {
-        desk.twin(&["emulate", family, "--link", "link", option, value]).ended(2, why);
+        desk.twin(&format!("emulate {family} --link link {option} '{value}'")).ended(2, why);
     };
     said("interpcnc", "--bench", "bench.txt", "bench.txt:2: `cam 33 X 1..2`: invalid value '33'");
     said("interpcnc", "--bench", "bench.txt", "33 is not in 1..=32");
@@ -349,24 +339,16 @@ fn words_are_listed_without_a_device() {
         ("bim2ax", "place", "--opens"),
     ];
     for (family, word, about) in families {
-        for start in [vec!["emulate", family], vec!["emulate", family, "--link", "link"]] {
-            let all = desk.twin(&[&start[..], &["--with", "help"]].concat());
-            all.ended(0, "");
-            assert!(
-                all.stdout.contains(word) && all.stdout.contains("no-faults"),
-                "{}",
-                all.stdout
-            );
-            let help = format!("help {word}");
-            let one = desk.twin(&[&start[..], &["--with", &help]].concat());
-            one.ended(0, "");
-            assert!(one.stdout.contains(about), "{}", one.stdout);
+        for start in [format!("emulate {family}"), format!("emulate {family} --link link")] {
+            let all = desk.twin(&format!("{start} --with help"));
+            all.ended(0, "").says_all(&[word, "no-faults"]);
+            desk.twin(&format!("{start} --with 'help {word}'")).ended(0, "").says(about);
         }
-        desk.twin(&["emulate", family]).ended(2, "--link PATH is missing");
-        let emulated = desk.twin(&["emulate", family, "--assume", "help"]);
+        desk.twin(&format!("emulate {family}")).ended(2, "--link PATH is missing");
+        let emulated = desk.twin(&format!("emulate {family} --assume help"));
         emulated.ended(0, "");
         // The same list by hand, without a device to ask.
-        let driven = desk.twin(&["drive", family, "--assume", "help"]);
+        let driven = desk.twin(&format!("drive {family} --assume help"));
         driven.ended(0, "");
         assert_eq!(driven.stdout, emulated.stdout);
         // Help like any other: no error, and no wider than a terminal.
@@ -378,7 +360,7 @@ fn words_are_listed_without_a_device() {
             "smartdrive" => "zero_rate",
             _ => "question of the manual",
         };
-        assert!(driven.stdout.contains(assumed), "{}", driven.stdout);
+        driven.says(assumed);
     }
 }
 
@@ -392,53 +374,45 @@ fn assumptions_are_chosen_by_name() {
         ("bim2ax", "cam_start", "edge-taken or far-edge"),
     ];
     for (family, name, allowed) in families {
-        for start in [["emulate", family, "--link", "link"], ["drive", family, "--port", "nowhere"]]
+        for (command, place, action) in
+            [("emulate", "--link link", ""), ("drive", "--port no", "status")]
         {
-            let assume = |said: &str, action: &[&str]| {
-                desk.twin(&[&start[..], &["--assume", said], action].concat())
+            let assume = |said: &str| {
+                desk.twin(&format!("{command} {family} {place} --assume {said} {action}"))
             };
-            let action = if start[0] == "drive" { &["status"][..] } else { &[] };
-            let listed = assume("help", action);
-            listed.ended(0, "");
-            assert!(listed.stdout.contains(name), "{}", listed.stdout);
-            let wrong = assume(&format!("{name}=5000"), action);
-            wrong.ended(2, &format!("{name} = `5000`: it can be {allowed}"));
-            assume("nonsense=1", action).ended(2, name);
-            assume(name, action).ended(2, "expected NAME=VALUE");
+            assume("help").ended(0, "").says(name);
+            assume(&format!("{name}=5000"))
+                .ended(2, &format!("{name} = `5000`: it can be {allowed}"));
+            assume("nonsense=1").ended(2, name);
+            assume(name).ended(2, "expected NAME=VALUE");
         }
     }
     // A board that refuses moves while it is locked says so itself.
-    let start = ["emulate", "interpcnc", "--link", "board", "--assume", "locked-exception=4"];
-    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &start, || {
-        let drive = ["drive", "interpcnc", "--port", "board", "--deadline", "1500"];
-        let assumed = ["--assume", "locked-exception=4", "--yes", "move", "X", "100"];
-        desk.twin(&[&drive[..], &assumed].concat()).ended(2, "the board is locked");
-    });
-    done.ended(0, "");
+    emulated(&desk, "interpcnc --link board --assume locked-exception=4", || {
+        let drive = "drive interpcnc --port board --deadline 1500";
+        let assumed = "--assume locked-exception=4 --yes move X 100";
+        desk.twin(&format!("{drive} {assumed}")).ended(2, "the board is locked");
+    })
+    .ended(0, "");
 }
 
 /// A drive with older firmware that powers up in another mode than off.
 #[test]
 fn firmware_and_mode_of_a_smartdrive_are_chosen() {
     let desk = Desk::new();
-    let start = ["emulate", "smartdrive", "--link", "bus"];
-    let with = |more: &[&'static str]| [&start[..], more].concat();
-    let chosen = with(&["--firmware", "1.1.9.300", "--power-up-mode", "3"]);
-    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &chosen, || {
-        let drive = ["drive", "smartdrive", "--port", "bus", "--deadline", "1500"];
+    let chosen = "smartdrive --link bus --firmware 1.1.9.300 --power-up-mode 3";
+    emulated(&desk, chosen, || {
         // 1.1.9 as the parameter has it, 4, 8 and 4 bits.
         let release = (1 << 12 | 1 << 4 | 9).to_string();
         for (action, said) in [("get Release", release.as_str()), ("status", "3, obeys the bus")] {
-            let words: Vec<_> = action.split(' ').collect();
-            let done = desk.twin(&[&drive[..], &words].concat());
-            done.ended(0, "");
-            assert!(done.stdout.contains(said), "{}", done.stdout);
+            by_hand(&desk, "smartdrive", "bus", action).ended(0, "").says(said);
         }
-    });
-    done.ended(0, "");
+    })
+    .ended(0, "");
     for (option, value) in
         [("--firmware", "1.2"), ("--firmware", "16.0.0"), ("--power-up-mode", "2")]
     {
-        desk.twin(&with(&[option, value])).ended(2, &format!("'{value}'"));
+        let start = format!("emulate smartdrive --link bus {option} {value}");
+        desk.twin(&start).ended(2, &format!("'{value}'"));
     }
 }

@@ -1,7 +1,6 @@
 //! Jobs as a process: blocks, cams and gears through check, simulated machine and drives.
 
 use crate::process::{Desk, number};
-use crate::root;
 
 /// 0 to 40 mm over half a turn from rest to rest, and back.
 const LIFT: &str = r#"
@@ -58,9 +57,9 @@ fn desk(velocity: f64) -> Desk {
 #[test]
 fn a_job_runs_like_a_program() {
     let desk = desk(360.0);
-    let arguments = ["cam", "run", "job.toml", "--machine", "machine.toml", "--drives", "none"];
-    let done = desk.twin(&[&arguments[..], &["--report", "run.json", "--tolerance", "1"]].concat());
-    done.ended(0, "job.toml is read as job");
+    let arguments = "cam run job.toml --machine machine.toml --drives none";
+    desk.twin(&format!("{arguments} --report run.json --tolerance 1"))
+        .ended(0, "job.toml is read as job");
     let report = desk.read("run.json");
     assert_eq!(report["dialect"], "job");
     assert_eq!(report["completed"], true);
@@ -99,10 +98,7 @@ fn trail(desk: &Desk) -> Vec<[f32; 3]> {
 #[test]
 fn the_view_shows_where_a_job_leads() {
     let desk = desk(360.0);
-    let run =
-        ["run", "job.toml", "--machine", "machine.toml", "--drives", "none", "--record", "r.rrd"];
-    let done = desk.twin(&run);
-    assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
+    desk.twin("run job.toml --machine machine.toml --drives none --record r.rrd").ended(0, "");
     let trail = trail(&desk);
     assert!(trail.len() > 50, "{}", trail.len());
     for [x, y, z] in trail.iter().map(|point| point.map(f64::from)) {
@@ -124,14 +120,11 @@ fn the_view_shows_where_a_job_leads() {
 #[test]
 fn a_cam_of_the_machine_file_holds_in_programs() {
     let desk = Desk::new();
-    let machine = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
-    let cam = "\n[[cams]]\naxis = \"Y\"\nmaster = \"X\"\ncam = \"lift.toml\"\n";
-    desk.write("machine.toml", &format!("{machine}{cam}"));
+    desk.add_to_machine("\n[[cams]]\naxis = \"Y\"\nmaster = \"X\"\ncam = \"lift.toml\"\n");
     desk.write("lift.toml", &LIFT.replace("\"deg\"", "\"mm\""));
     desk.write("along.cnc", "% along\nN10 G1 X180 F100 E500 E-500\n");
-    let run = ["run", "along.cnc", "--machine", "machine.toml", "--drives", "none"];
-    let done = desk.twin(&[&run[..], &["--report", "run.json", "--record", "r.rrd"]].concat());
-    assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
+    let run = "run along.cnc --machine machine.toml --drives none";
+    desk.twin(&format!("{run} --report run.json --record r.rrd")).ended(0, "");
     let report = desk.read("run.json");
     assert_eq!(report["completed"], true);
     let peak = |axis: &str| number(&report["peak"][axis]["velocity"]["value"]);
@@ -148,7 +141,7 @@ fn a_cam_of_the_machine_file_holds_in_programs() {
     assert!((x - 180.0).abs() < 0.5 && (y - 40.0).abs() < 0.01, "{x} {y}");
     // A cam that cannot be opened is the manual's 2200.
     std::fs::remove_file(desk.path("lift.toml")).expect("it was there");
-    desk.twin(&["check", "along.cnc", "--machine", "machine.toml"]).ended(2, "(error 2200)");
+    desk.twin("check along.cnc --machine machine.toml").ended(2, "(error 2200)");
 }
 
 /// Three times as fast X is asked for 450 mm/s, 400 are its limit: the line is that of the block that makes it so.
@@ -158,9 +151,8 @@ fn a_slave_that_is_too_fast_is_told_with_its_line() {
     let line =
         job(1080.0).lines().position(|line| line.contains("MC_MoveVelocity")).expect("it is there")
             + 1;
-    let done = desk.twin(&["check", "job.toml", "--machine", "machine.toml", "--format", "json"]);
-    assert_eq!(done.status, Some(1), "{}", done.stderr);
-    let report: serde_json::Value = serde_json::from_str(&done.stdout).expect("an object");
+    let report =
+        desk.twin("check job.toml --machine machine.toml --format json").ended(1, "").object();
     let findings = report["findings"].as_array().expect("findings");
     let found = findings.iter().find(|one| one["rule"] == "axis-velocity").expect("it is too fast");
     assert_eq!(found["line"], line);
@@ -168,8 +160,7 @@ fn a_slave_that_is_too_fast_is_told_with_its_line() {
     assert!((number(&found["value"]) - 450.0).abs() < 0.1, "{found}");
     assert!(found.get("largest_feed_mm_per_s").is_none(), "{found}");
     // A run refuses it.
-    let done = desk.twin(&["run", "job.toml", "--machine", "machine.toml", "--drives", "none"]);
-    done.ended(1, "velocity");
+    desk.twin("run job.toml --machine machine.toml --drives none").ended(1, "velocity");
 }
 
 /// What is wrong with a cam is told with the cam's own lines, whoever names it.
@@ -179,21 +170,20 @@ fn a_broken_cam_is_told_with_its_own_lines() {
     desk.write("lift.toml", &LIFT.replace("min = 0, max = 40", "min = 0, maximum = 40"));
     let named =
         job(360.0).lines().position(|line| line.contains("lift.toml")).expect("it is there") + 1;
-    let done = desk.twin(&["check", "job.toml", "--machine", "machine.toml"]);
-    done.ended(1, "lift.toml: line 4: ")
+    desk.twin("check job.toml --machine machine.toml")
+        .ended(1, "lift.toml: line 4: ")
         .ended(1, "unknown key `maximum`")
         .ended(1, &format!("job.toml:{named}"))
         .ended(1, "lift.toml:4:")
         .ended(1, "slave = { min = 0, maximum = 40");
-    let done = desk.twin(&["check", "job.toml", "--machine", "machine.toml", "--format", "json"]);
-    let report: serde_json::Value = serde_json::from_str(&done.stdout).expect("an object");
+    let report = desk.twin("check job.toml --machine machine.toml --format json").object();
     let message = report["findings"][0]["message"].as_str().expect("a message");
     assert!(message.contains("lift.toml: line 4: "), "{message}");
-    let machine = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
+    let machine = desk.text("machine.toml");
     let cam = "\n[[cams]]\naxis = \"Z\"\nmaster = \"X\"\ncam = \"lift.toml\"\n";
     desk.write("cams.toml", &format!("{machine}{cam}"));
     let line = format!("{machine}{cam}").lines().count();
-    desk.twin(&["machine", "cams.toml"])
+    desk.twin("machine cams.toml")
         .ended(2, "lift.toml: line 4: ")
         .ended(2, &format!("cams.toml:{line}"))
         .ended(2, "lift.toml:4:")
@@ -204,9 +194,7 @@ fn a_broken_cam_is_told_with_its_own_lines() {
 #[test]
 fn drives_follow_a_job() {
     let desk = desk(180.0);
-    let arguments = ["run", "job.toml", "--machine", "machine.toml", "--report", "run.json"];
-    let done = desk.twin(&arguments);
-    assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
+    desk.twin("run job.toml --machine machine.toml --report run.json").ended(0, "");
     let report = desk.read("run.json");
     assert!(number(&report["drive_samples"]["count"]) > 20.0);
     // X goes up to 75 mm/s; a drive that did not follow would be 40 mm off.
@@ -218,20 +206,17 @@ fn drives_follow_a_job() {
 #[test]
 fn a_gear_of_the_machine_file_holds_in_programs() {
     let desk = Desk::new();
-    let machine = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
-    let gear =
-        "\n[[gears]]\naxis = \"Z\"\nmaster = \"X\"\nratio_numerator = -1\nratio_denominator = 10\n";
-    desk.write("machine.toml", &format!("{machine}{gear}"));
+    desk.add_to_machine(
+        "\n[[gears]]\naxis = \"Z\"\nmaster = \"X\"\nratio_numerator = -1\nratio_denominator = 10\n",
+    );
     desk.write("along.cnc", "% along\nN10 G1 X100 F100 E500 E-500\n");
-    let done = desk.twin(&["check", "along.cnc", "--machine", "machine.toml", "--format", "json"]);
-    assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
-    let report: serde_json::Value = serde_json::from_str(&done.stdout).expect("an object");
+    let report =
+        desk.twin("check along.cnc --machine machine.toml --format json").ended(0, "").object();
     assert!((number(&report["peak"]["Z"]["velocity"]["value"]) - 10.0).abs() < 1e-6);
     desk.write("down.cnc", "% down\nN10 G1 X100 F100 E500 E-500\nN20 G1 Z-45\n");
-    let done = desk.twin(&["check", "down.cnc", "--machine", "machine.toml"]);
-    done.ended(1, "axis Z follows X by a gear of the machine file, but the program moves it");
-    let done = desk.twin(&["machine", "machine.toml"]);
-    assert!(done.stdout.contains("Z follows X in gear, -1 : 10"), "{}", done.stdout);
+    desk.twin("check down.cnc --machine machine.toml")
+        .ended(1, "axis Z follows X by a gear of the machine file, but the program moves it");
+    desk.twin("machine machine.toml").says("Z follows X in gear, -1 : 10");
 }
 
 /// X follows a shaft of 360°/s, which is up to speed after half a second and 90°; its tappets at 100.2° and 190.2° switch an output
@@ -241,9 +226,8 @@ fn tappets_of_a_job_are_told() {
     let desk = desk(360.0);
     let tappets = "tappets = [{ group = 4, master = 100.2, action = \"on\" }, { group = 4, master = 190.2, action = \"off\" }]\n";
     desk.write("lift.toml", &format!("{LIFT}{tappets}"));
-    let done = desk.twin(&["check", "job.toml", "--machine", "machine.toml", "--format", "json"]);
-    assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
-    let report: serde_json::Value = serde_json::from_str(&done.stdout).expect("an object");
+    let report =
+        desk.twin("check job.toml --machine machine.toml --format json").ended(0, "").object();
     let tappets = &report["tappets"];
     assert_eq!(tappets["signals"][0]["axis"], "X");
     assert_eq!(tappets["signals"][0]["group"], 4);
@@ -262,13 +246,9 @@ fn tappets_of_a_job_are_told() {
         assert_eq!(one["master"]["axis"], "shaft");
         assert!((number(&one["master"]["position"]) - angle).abs() < 0.37, "{one}");
     }
-    let done = desk.twin(&["check", "job.toml", "--machine", "machine.toml"]);
-    assert!(done.stdout.contains("tappet 4 of X"), "{}", done.stdout);
+    desk.twin("check job.toml --machine machine.toml").says("tappet 4 of X");
     // The view has marks and a line.
-    let run =
-        ["run", "job.toml", "--machine", "machine.toml", "--drives", "none", "--record", "r.rrd"];
-    let done = desk.twin(&run);
-    assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
+    desk.twin("run job.toml --machine machine.toml --drives none --record r.rrd").ended(0, "");
     let chunks = crate::recording::chunks(&desk);
     assert!(crate::recording::entities(&chunks).contains("/trail/switched"));
     let line = crate::recording::series(&chunks, "switched/0");
@@ -281,16 +261,13 @@ fn tappets_of_a_job_are_told() {
 #[test]
 fn limited_programs_know_their_slaves() {
     let desk = Desk::new();
-    let machine = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
+    let machine = desk.text("machine.toml");
     let gear = "\n[[gears]]\naxis = \"Y\"\nmaster = \"X\"\nratio_numerator = 3\n";
     desk.write("machine.toml", &format!("{machine}{gear}"));
     desk.write("along.cnc", "% along\nN10 G1 X60 F1000 E9000 E-9000\n");
-    let done = desk.twin(&["limit", "along.cnc", "--machine", "machine.toml"]);
-    done.ended(0, "");
-    let check = ["check", "along.cnc", "--machine", "machine.toml", "--format", "json"];
-    let done = desk.twin(&[&check[..], &["--limits", "axes"]].concat());
-    assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
-    let report: serde_json::Value = serde_json::from_str(&done.stdout).expect("an object");
+    desk.twin("limit along.cnc --machine machine.toml").ended(0, "");
+    let check = "check along.cnc --machine machine.toml --format json";
+    let report = desk.twin(&format!("{check} --limits axes")).ended(0, "").object();
     let peak = |axis: &str| number(&report["peak"][axis]["velocity"]["value"]);
     assert!((peak("Y") - 3.0 * peak("X")).abs() < 1e-6, "{report}");
     let limit = number(&report["peak"]["Y"]["velocity"]["limit"]);
@@ -299,10 +276,8 @@ fn limited_programs_know_their_slaves() {
     let cam = "\n[[cams]]\naxis = \"Y\"\nmaster = \"X\"\ncam = \"lift.toml\"\nmaster_scaling = 3\n";
     desk.write("lift.toml", &LIFT.replace("\"deg\"", "\"mm\""));
     desk.write("machine.toml", &format!("{machine}{cam}"));
-    desk.twin(&["limit", "along.cnc", "--machine", "machine.toml"]).ended(0, "");
-    let done = desk.twin(&[&check[..], &["--limits", "axes"]].concat());
-    assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
-    let report: serde_json::Value = serde_json::from_str(&done.stdout).expect("an object");
+    desk.twin("limit along.cnc --machine machine.toml").ended(0, "");
+    let report = desk.twin(&format!("{check} --limits axes")).ended(0, "").object();
     let part = |quantity: &str| {
         let peak = &report["peak"]["Y"][quantity];
         number(&peak["value"]) / number(&peak["limit"])
@@ -314,12 +289,12 @@ fn limited_programs_know_their_slaves() {
 #[test]
 fn what_is_about_paths_refuses_jobs() {
     let desk = desk(90.0);
-    for arguments in [
-        &["limit", "job.toml", "--machine", "machine.toml"][..],
-        &["path", "job.toml"],
-        &["check", "job.toml", "--machine", "machine.toml", "--limits", "axes"],
+    for line in [
+        "limit job.toml --machine machine.toml",
+        "path job.toml",
+        "check job.toml --machine machine.toml --limits axes",
     ] {
-        desk.twin(arguments).ended(2, "is a job");
+        desk.twin(line).ended(2, "is a job");
     }
 }
 
@@ -327,17 +302,15 @@ fn what_is_about_paths_refuses_jobs() {
 #[test]
 fn the_shipped_job_is_fit() {
     let desk = Desk::new();
-    let path = |name: &str| root().join(name).display().to_string();
-    let (job, machine) = (path("examples/jobs/flying_shear.toml"), path("machines/gantry3.toml"));
-    let done = desk.twin(&["check", &job, "--machine", &machine, "--format", "json"]);
-    assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
+    let (job, machine) = ("examples/jobs/flying_shear.toml", "machines/gantry3.toml");
+    desk.twin(&format!("check {job} --machine {machine} --format json")).ended(0, "");
 }
 
 /// A job that is none says nothing of motion, and of its drives nothing is predicted.
 #[test]
 fn a_job_with_mistakes_prints_no_table_of_drives() {
     let desk = desk(360.0);
-    let check = |desk: &Desk| desk.twin(&["check", "job.toml", "--machine", "machine.toml"]);
+    let check = |desk: &Desk| desk.twin("check job.toml --machine machine.toml");
     assert!(check(&desk).stdout.contains("drives, predicted"));
     desk.write("job.toml", &job(360.0).replace("MC_GearIn", "MC_GearInn"));
     let done = check(&desk);

@@ -24,12 +24,11 @@ pairs = [[0, 0], [60, 20], [180, 20]]
 
 /// What is found in a program on the gantry with `more` in its machine file.
 fn findings(desk: &Desk, program: &str, more: &str, status: i32) -> Vec<Value> {
-    let machine = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
+    let machine = desk.text("machine.toml");
     desk.write("coupled.toml", &format!("{machine}{more}"));
-    let check = ["check", program, "--machine", "coupled.toml", "--format", "json"];
-    let done = desk.twin(&check);
+    let done = desk.twin(&format!("check {program} --machine coupled.toml --format json"));
     assert_eq!(done.status, Some(status), "{}\n{}", done.stdout, done.stderr);
-    let report: Value = serde_json::from_str(&done.stdout).expect("an object");
+    let report = done.object();
     report["findings"].as_array().expect("findings").clone()
 }
 
@@ -51,7 +50,7 @@ fn elements_that_do_not_ascend_are_told_wherever_a_cam_is_named() {
     assert!(one["message"].as_str().is_some_and(|message| message.contains(&said)), "{one}");
     assert_eq!((&one["severity"], &one["axis"]), (&Value::from("warning"), &Value::from("Y")));
     assert_eq!(one["line"], 0);
-    let done = desk.twin(&["check", "along.cnc", "--machine", "coupled.toml"]);
+    let done = desk.twin("check along.cnc --machine coupled.toml");
     assert!(!done.stderr.contains("line 0"), "{}", done.stderr);
     let job = "[[start]]\naxis = \"X\"\nposition_mm = 0\n\n[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"Y\"\nmaster = \"X\"\n\
                cam = \"moved.toml\"\n\n[[blocks]]\nblock = \"MC_MoveAbsolute\"\naxis = \"X\"\nposition_mm = 20\n\
@@ -157,7 +156,7 @@ fn a_cam_that_does_not_start_says_from_where_it_does() {
         let block =
             "[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"Y\"\nmaster = \"X\"\ncam = \"bent.toml\"\n";
         desk.write("job.toml", &format!("{start}{block}{offset}\n"));
-        desk.twin(&["check", "job.toml", "--machine", "machine.toml"])
+        desk.twin("check job.toml --machine machine.toml")
     };
     job("master_offset_mm = 200")
         .ended(1, "SMC_CI_MASTER_OUT_OF_SCALE (626)")

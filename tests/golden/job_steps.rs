@@ -18,7 +18,7 @@ fn check(blocks: &str) -> Done {
         desk.write(name, &text);
     }
     desk.write("job.toml", blocks);
-    desk.twin(&["check", "job.toml", "--machine", "machine.toml"])
+    desk.twin("check job.toml --machine machine.toml")
 }
 
 /// The master is 40 mm/s · 1 ms beyond the end of the first cam where the second one is laid upon it: what it has gone too far

@@ -1,7 +1,6 @@
 //! `twin limit` as a process: profiles within the limits of machine files, programs with feasible feeds, wrong use.
 
 use crate::process::{Desk, Done, has_keys, number};
-use crate::root;
 use serde_json::Value;
 
 /// Lines rest to rest on the portal, whose Z axis does 200 mm/s and 2000 mm/s² and is asked for twice the speed. F, E and
@@ -22,8 +21,8 @@ fn least_time() -> f64 {
     2.0 * line(40.0, 150.0) + 2.0 * line(60.0, 200.0) + line(2000.0_f64.sqrt(), 100.0)
 }
 
-fn limit(desk: &Desk, options: &[&str]) -> Done {
-    desk.twin(&[&["limit", "lines.cnc", "-m", "machine.toml"], options].concat())
+fn limit(desk: &Desk, options: &str) -> Done {
+    desk.twin(&format!("limit lines.cnc -m machine.toml {options}"))
 }
 
 fn desk() -> Desk {
@@ -32,20 +31,8 @@ fn desk() -> Desk {
     desk
 }
 
-fn json(done: &Done) -> Value {
-    serde_json::from_str(&done.stdout).unwrap_or_else(|error| panic!("{error}: {}", done.stdout))
-}
-
-/// The plate and the SCARA that are shipped, as arguments.
-fn plate() -> [String; 3] {
-    let file = |name: &str| root().join(name).display().to_string();
-    [file("examples/plate.cnc"), "--machine".to_owned(), file("machines/scara2.toml")]
-}
-
-fn with_plate(desk: &Desk, command: &str, options: &[&str]) -> Done {
-    let plate = plate();
-    let [program, machine, file] = plate.each_ref().map(String::as_str);
-    desk.twin(&[&[command, program, machine, file], options].concat())
+fn with_plate(desk: &Desk, command: &str, options: &str) -> Done {
+    desk.twin(&format!("{command} examples/plate.cnc --machine machines/scara2.toml {options}"))
 }
 
 /// A table with a header.
@@ -56,7 +43,7 @@ struct Rows {
 
 impl Rows {
     fn read(desk: &Desk, name: &str) -> Self {
-        let text = std::fs::read_to_string(desk.path(name)).expect("it was written");
+        let text = desk.text(name);
         let fields = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
         let mut lines = text.lines();
         let header = fields(lines.next().expect("a header"));
@@ -92,8 +79,8 @@ impl Rows {
 #[test]
 fn a_program_that_no_axis_limits_takes_as_long_as_ever() {
     let desk = Desk::new();
-    let checked = json(with_plate(&desk, "check", &["--format", "json"]).ended(0, ""));
-    let limited = json(with_plate(&desk, "limit", &["--format", "json"]).ended(0, ""));
+    let checked = with_plate(&desk, "check", "--format json").ended(0, "").object();
+    let limited = with_plate(&desk, "limit", "--format json").ended(0, "").object();
     let (ours, theirs) = (number(&limited["duration_s"]), number(&checked["duration_s"]));
     assert!((ours - theirs).abs() < 2e-3, "{ours} s, and {theirs} s by the controller");
     let (ours, theirs) = (number(&limited["length_mm"]), number(&checked["length_mm"]));
@@ -106,8 +93,7 @@ fn a_program_that_no_axis_limits_takes_as_long_as_ever() {
     assert_eq!(limited["windows_failed"], 0);
     assert_eq!(limited["windows_exceeded"], 0);
 
-    let options = ["-o", "plate.csv", "--output", "plate.svg"];
-    let done = with_plate(&desk, "limit", &options);
+    let done = with_plate(&desk, "limit", "-o plate.csv --output plate.svg");
     done.ended(0, "");
     let first = done.stdout.lines().next().expect("a summary");
     let (length, duration) = (number(&limited["length_mm"]), number(&limited["duration_s"]));
@@ -139,7 +125,7 @@ fn a_program_that_no_axis_limits_takes_as_long_as_ever() {
         }
     }
 
-    let picture = std::fs::read_to_string(desk.path("plate.svg")).expect("it was written");
+    let picture = desk.text("plate.svg");
     roxmltree::Document::parse(&picture).expect("well-formed");
     for words in ["axis A", "axis B", "axis Z", "plate.cnc on scara2", "% of limit"] {
         assert!(picture.contains(words), "{words} is not in the picture");
@@ -150,9 +136,9 @@ fn a_program_that_no_axis_limits_takes_as_long_as_ever() {
 #[test]
 fn an_axis_asked_for_twice_its_speed_is_within_its_limits() {
     let desk = desk();
-    desk.twin(&["check", "lines.cnc", "-m", "machine.toml"]).ended(1, "axis-velocity");
-    let done = limit(&desk, &["-o", "lines.csv", "--format", "json"]);
-    let report = json(done.ended(0, ""));
+    desk.twin("check lines.cnc -m machine.toml").ended(1, "axis-velocity");
+    let done = limit(&desk, "-o lines.csv --format json");
+    let report = done.ended(0, "").object();
     let duration = number(&report["duration_s"]);
     assert!((duration - least_time()).abs() < 2e-3, "{duration} s, not {}", least_time());
     let rows = Rows::read(&desk, "lines.csv");
@@ -190,17 +176,13 @@ fn an_axis_asked_for_twice_its_speed_is_within_its_limits() {
 #[test]
 fn limits_of_an_axis_can_be_left_out() {
     let desk = Desk::new();
-    let program = root().join("tests/data/bad_axis_velocity/program.cnc").display().to_string();
-    let machine = root().join("machines/scara2.toml").display().to_string();
-    let duration = |options: &[&str]| {
-        let arguments = ["limit", &program, "-m", &machine, "--format", "json"];
-        number(&json(desk.twin(&[&arguments, options].concat()).ended(0, ""))["duration_s"])
+    let duration = |options: &str| {
+        let program = "tests/data/bad_axis_velocity/program.cnc";
+        let limit = format!("limit {program} -m machines/scara2.toml --format json {options}");
+        number(&desk.twin(&limit).ended(0, "").object()["duration_s"])
     };
-    let without: [&[&str]; 3] = [
-        &[],
-        &["--without", "axis-velocity"],
-        &["--without", "axis-velocity", "--without", "axis-acceleration"],
-    ];
+    let without =
+        ["", "--without axis-velocity", "--without axis-velocity --without axis-acceleration"];
     // 70 mm at F400 with E5000.
     let expected = [70.0 / 300.0 + 0.1, 70.0 / 400.0 + 400.0 / 3000.0, 70.0 / 400.0 + 0.08];
     for (options, expected) in without.into_iter().zip(expected) {
@@ -213,41 +195,35 @@ fn limits_of_an_axis_can_be_left_out() {
 #[test]
 fn drives_headroom_and_stops_can_be_left_out() {
     let desk = desk();
-    let machine = std::fs::read_to_string(desk.path("machine.toml")).expect("it is there");
     let x = "[[axes]]\nname = \"X\"\n";
-    assert!(machine.contains(x));
     let more = "headroom_percent = 20\nmax_motor_rpm = 90.0\nmotor_turns_per_mm = 0.01\n";
-    desk.write("machine.toml", &machine.replacen(x, &format!("{x}{more}"), 1));
+    desk.edit_machine(x, &format!("{x}{more}"));
     desk.write("x.cnc", "% x\nN10 G92 X0 Y0 Z0 F600 E9000 E-9000\nN20 G1 X50\nN30 M7\nN40 X100\n");
-    let duration = |options: &[&str]| {
-        let arguments = ["limit", "x.cnc", "-m", "machine.toml", "--format", "json"];
-        number(&json(desk.twin(&[&arguments, options].concat()).ended(0, ""))["duration_s"])
+    let report = |options: &str| {
+        let limit = format!("limit x.cnc -m machine.toml --format json {options}");
+        desk.twin(&limit).ended(0, "").object()
     };
     let [no_drives, no_headroom, no_stops] =
-        ["drive-speed", "headroom", "stops"].map(|limit| ["--without", limit]);
+        ["drive-speed", "headroom", "stops"].map(|limit| format!("--without {limit}"));
     // 90 rpm are 150 mm/s; X itself has 400 mm/s and 3000 mm/s². 50 mm at a time, or 100 mm at once.
     let line = |length: f64, velocity: f64, left: f64| {
         let (v, a) = (velocity * left, 3000.0 * left * left);
         length / v + v / a
     };
     let expected = [
-        (vec![], 2.0 * line(50.0, 150.0, 0.8)),
-        (no_headroom.to_vec(), 2.0 * line(50.0, 150.0, 1.0)),
-        (no_stops.to_vec(), line(100.0, 150.0, 0.8)),
-        ([no_stops, no_headroom].concat(), line(100.0, 150.0, 1.0)),
-        ([no_stops, no_headroom, no_drives].concat(), line(100.0, 400.0, 1.0)),
+        (String::new(), 2.0 * line(50.0, 150.0, 0.8)),
+        (no_headroom.clone(), 2.0 * line(50.0, 150.0, 1.0)),
+        (no_stops.clone(), line(100.0, 150.0, 0.8)),
+        (format!("{no_stops} {no_headroom}"), line(100.0, 150.0, 1.0)),
+        (format!("{no_stops} {no_headroom} {no_drives}"), line(100.0, 400.0, 1.0)),
     ];
     for (options, expected) in expected {
-        let found = duration(&options);
+        let found = number(&report(&options)["duration_s"]);
         assert!((found - expected).abs() < 4e-3, "{options:?}: {found} s, not {expected} s");
     }
     // What is left out is no limit in the report either.
-    let limit = |options: &[&str]| {
-        let arguments = ["limit", "x.cnc", "-m", "machine.toml", "--format", "json"];
-        let report = json(desk.twin(&[&arguments, options].concat()).ended(0, ""));
-        number(&report["peak"]["X"]["velocity"]["limit"])
-    };
-    assert!((limit(&[]) - 150.0).abs() < 1e-9 && (limit(&no_drives) - 400.0).abs() < 1e-9);
+    let limit = |options: &str| number(&report(options)["peak"]["X"]["velocity"]["limit"]);
+    assert!((limit("") - 150.0).abs() < 1e-9 && (limit(&no_drives) - 400.0).abs() < 1e-9);
 }
 
 /// A pipe can be read only once.
@@ -255,14 +231,14 @@ fn drives_headroom_and_stops_can_be_left_out() {
 #[test]
 fn a_program_may_come_through_a_pipe() {
     let desk = desk();
-    let known = json(limit(&desk, &["--format", "json"]).ended(0, ""));
+    let known = limit(&desk, "--format json").ended(0, "").object();
     let pipe = desk.path("pipe.cnc");
     let made = std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo");
     assert!(made.success());
     let writer = std::thread::Builder::new().name("pipe".to_owned());
     let writer = writer.spawn(move || std::fs::write(pipe, LINES)).expect("a thread");
-    let piped = desk.twin(&["limit", "pipe.cnc", "-m", "machine.toml", "--format", "json"]);
-    let piped = json(piped.ended(0, ""));
+    let piped = desk.twin("limit pipe.cnc -m machine.toml --format json");
+    let piped = piped.ended(0, "").object();
     writer.join().expect("written").expect("written");
     assert_eq!(piped["duration_s"], known["duration_s"]);
 }
@@ -270,7 +246,7 @@ fn a_program_may_come_through_a_pipe() {
 #[test]
 fn every_line_tells_what_holds_it_back() {
     let desk = desk();
-    let report = json(limit(&desk, &["--lines", "all.csv", "--format", "json"]).ended(0, ""));
+    let report = limit(&desk, "--lines all.csv --format json").ended(0, "").object();
     let rows = Rows::read(&desk, "all.csv");
     let sum = |column: &str| rows.column(column).iter().sum::<f64>();
     assert!((sum("time_s") - number(&report["duration_s"])).abs() < 1e-6);
@@ -296,7 +272,7 @@ fn every_line_tells_what_holds_it_back() {
 #[test]
 fn a_motor_is_named_and_shown_where_it_holds_back() {
     let desk = desk();
-    let strong = std::fs::read_to_string(desk.path("machine.toml")).expect("it is there");
+    let strong = desk.text("machine.toml");
     let weak = strong.replacen("max_force_n = 600.0", "max_force_n = 100.0", 1).replacen(
         "viscous_friction_n_s_per_m = 60.0",
         "viscous_friction_n_s_per_m = 0.0",
@@ -305,23 +281,22 @@ fn a_motor_is_named_and_shown_where_it_holds_back() {
     assert_ne!(weak, strong);
     desk.write("weak.toml", &weak);
     desk.write("x.cnc", "% x\nN10 G92 X0 Y0 Z0 F400 E9000 E-9000\nN20 G1 X50\n");
-    let arguments = ["limit", "x.cnc", "-m", "weak.toml", "-o", "x.csv", "-o", "x.svg"];
-    let done = desk.twin(&arguments);
-    let text = &done.ended(0, "").stdout;
-    assert!(text.contains("force of X 20 % up: about"), "{text}");
+    desk.twin("limit x.cnc -m weak.toml -o x.csv -o x.svg")
+        .ended(0, "")
+        .says("force of X 20 % up: about");
     let rows = Rows::read(&desk, "x.csv");
     let most = rows.most("X_force_n");
     assert!((most - 100.0).abs() < 0.1, "{most} N");
     // Nothing else moves, but Z is held: 3.3 kg.
     assert!((rows.most("Z_force_n") - 3.3 * 9.81).abs() < 1e-6 && rows.most("Y_force_n") < 1e-9);
-    let picture = std::fs::read_to_string(desk.path("x.svg")).expect("it was written");
+    let picture = desk.text("x.svg");
     assert!(picture.contains("motor effort") && picture.contains("X: 100.0 %, 100 N"));
 
-    let report = |more: &[&str]| {
-        let arguments = ["limit", "x.cnc", "-m", "weak.toml", "--format", "json"];
-        json(desk.twin(&[&arguments[..], more].concat()).ended(0, ""))
+    let report = |more: &str| {
+        let limit = format!("limit x.cnc -m weak.toml --format json {more}");
+        desk.twin(&limit).ended(0, "").object()
     };
-    let limited = report(&[]);
+    let limited = report("");
     let expected = 2.0 * (0.05_f64 * 33.3 / 80.0).sqrt();
     let duration = number(&limited["duration_s"]);
     assert!((duration - expected).abs() < 1.5e-3, "{duration} s and not {expected} s");
@@ -329,21 +304,21 @@ fn a_motor_is_named_and_shown_where_it_holds_back() {
     assert_eq!((&held["limit"], &held["axis"]), (&"axis-effort".into(), &"X".into()), "{held}");
     let effort = &limited["peak"]["X"]["effort"];
     assert_eq!((&effort["unit"], &effort["limit"]), (&"N".into(), &100.0.into()), "{effort}");
-    let free = report(&["--without", "motor-torque"]);
+    let free = report("--without motor-torque");
     assert!(number(&free["duration_s"]) < 0.95 * duration);
     assert!(number(&free["peak"]["X"]["effort"]["value"]) > 110.0, "{}", free["peak"]["X"]);
 
     // Too weak to hold Z.
     desk.write("none.toml", &strong.replacen("max_force_n = 300.0", "max_force_n = 30.0", 1));
-    let done = desk.twin(&["limit", "x.cnc", "-m", "none.toml"]);
-    done.ended(1, "axis Z: weight and dry friction take a force of 40.3730 N");
+    desk.twin("limit x.cnc -m none.toml")
+        .ended(1, "axis Z: weight and dry friction take a force of 40.3730 N");
 }
 
 #[test]
 fn a_feasible_program_is_the_same_but_for_its_feeds() {
     let desk = desk();
-    limit(&desk, &["--feasible", "slower.cnc"]).ended(0, "F is too fast on 2 of 7 lines");
-    let written = std::fs::read_to_string(desk.path("slower.cnc")).expect("it was written");
+    limit(&desk, "--feasible slower.cnc").ended(0, "F is too fast on 2 of 7 lines");
+    let written = desk.text("slower.cnc");
     let without_feeds = |text: &str| {
         let words = text.split(' ').map(|word| {
             let (word, end) = word.split_at(word.find('\n').unwrap_or(word.len()));
@@ -355,9 +330,8 @@ fn a_feasible_program_is_the_same_but_for_its_feeds() {
     assert_eq!(without_feeds(&written), without_feeds(LINES));
 
     let path = |name: &str| -> Vec<Value> {
-        let done = desk.twin(&["path", name]);
-        let lines = done.ended(0, "").stdout.lines();
-        lines.map(|line| serde_json::from_str(line).expect("JSON")).collect()
+        let done = desk.twin(&format!("path {name}"));
+        done.ended(0, "").rows()
     };
     let (before, after) = (path("lines.cnc"), path("slower.cnc"));
     assert_eq!((before.len(), after.len()), (5, 5));
@@ -376,11 +350,11 @@ fn a_feasible_program_is_the_same_but_for_its_feeds() {
         }
         assert_eq!(after, before);
     }
-    desk.twin(&["check", "slower.cnc", "-m", "machine.toml"]).ended(0, "");
+    desk.twin("check slower.cnc -m machine.toml").ended(0, "");
     // What can be followed already is not touched, byte for byte.
-    let again = ["limit", "slower.cnc", "-m", "machine.toml", "--feasible", "again.cnc"];
-    desk.twin(&again).ended(0, "too fast on 0 of 7 lines");
-    assert_eq!(std::fs::read_to_string(desk.path("again.cnc")).expect("it was written"), written);
+    let again = "limit slower.cnc -m machine.toml --feasible again.cnc";
+    desk.twin(again).ended(0, "too fast on 0 of 7 lines");
+    assert_eq!(desk.text("again.cnc"), written);
 }
 
 #[test]
@@ -388,10 +362,9 @@ fn a_point_out_of_reach_is_told_with_its_line() {
     let desk = Desk::new();
     // The arms are 450 mm long.
     desk.write("far.cnc", "% far\nN10 G92 X300 Y0 Z20\nN20 G1 X360 Y40 F60\nN30 G1 X600 Y0\n");
-    let machine = root().join("machines/scara2.toml").display().to_string();
-    let far = ["limit", "far.cnc", "--machine", &machine];
-    desk.twin(&far).ended(1, "line 4 (N30): the tool cannot be there");
-    let report = json(desk.twin(&[&far[..], &["--format", "json"]].concat()).ended(1, ""));
+    let far = "limit far.cnc --machine machines/scara2.toml";
+    desk.twin(far).ended(1, "line 4 (N30): the tool cannot be there");
+    let report = desk.twin(&format!("{far} --format json")).ended(1, "").object();
     let findings = report["findings"].as_array().expect("a list");
     assert_eq!(findings.len(), 1, "{findings:#?}");
     assert_eq!(
@@ -400,7 +373,7 @@ fn a_point_out_of_reach_is_told_with_its_line() {
     );
     assert_eq!((&findings[0]["severity"], number(&findings[0]["limit"])), (&"error".into(), 450.0));
     desk.write("wrong.cnc", "% wrong\nN10 G1 X310 Q\n");
-    desk.twin(&["limit", "wrong.cnc", "--machine", &machine]).ended(1, "line 2 (N10)");
+    desk.twin("limit wrong.cnc --machine machines/scara2.toml").ended(1, "line 2 (N10)");
 }
 
 /// What the controller itself takes for the lines, s: on its 60 mm Z speeds up and brakes with 2000 mm/s² and never comes to
@@ -413,9 +386,9 @@ fn controllers_time() -> f64 {
 #[test]
 fn the_controllers_own_planning_is_compared() {
     let desk = desk();
-    let softmotion = ["--limits", "softmotion"];
-    let outputs = ["-o", "own.csv", "-o", "own.svg", "--format", "json"];
-    let report = json(limit(&desk, &[&softmotion[..], &outputs].concat()).ended(0, ""));
+    let softmotion = "--limits softmotion";
+    let outputs = "-o own.csv -o own.svg --format json";
+    let report = limit(&desk, &format!("{softmotion} {outputs}")).ended(0, "").object();
     let [own, axes] =
         ["duration_s", "duration_under_axis_limits_s"].map(|key| number(&report[key]));
     assert!((own - controllers_time()).abs() < 6e-3, "{own} s, not {}", controllers_time());
@@ -423,8 +396,8 @@ fn the_controllers_own_planning_is_compared() {
     assert!((number(&report["ratio"]) - axes / own).abs() < 1e-9);
     assert_eq!(report["limits"], "softmotion");
     // The set-points are those of `check`.
-    let checked = desk.twin(&["check", "lines.cnc", "-m", "machine.toml", "--format", "json"]);
-    let checked = json(checked.ended(1, ""));
+    let checked = desk.twin("check lines.cnc -m machine.toml --format json");
+    let checked = checked.ended(1, "").object();
     assert_eq!(report["duration_s"], checked["duration_s"]);
     for axis in ["X", "Y", "Z"] {
         for quantity in ["velocity", "acceleration"] {
@@ -436,11 +409,11 @@ fn the_controllers_own_planning_is_compared() {
     // √(60 · 2000) mm/s.
     let most = rows.most("Z_velocity_mm_per_s");
     assert!(most <= 346.42 && most > 343.0, "{most}");
-    let picture = std::fs::read_to_string(desk.path("own.svg")).expect("it was written");
+    let picture = desk.text("own.svg");
     roxmltree::Document::parse(&picture).expect("well-formed");
     assert!(picture.contains("as its controller plans it"));
 
-    let done = limit(&desk, &softmotion);
+    let done = limit(&desk, softmotion);
     let text = &done.ended(0, "").stdout;
     assert!(text.contains("under the limits of the axes 1.98"), "{text}");
     let beyond = "velocity of Z: 1.7";
@@ -449,8 +422,8 @@ fn the_controllers_own_planning_is_compared() {
     let of_line = |text: &str| line.ends_with(&format!(" times its limit in line {text}"));
     assert!(of_line("4 (N30)") || of_line("6 (N50)"), "{line}");
     // Override and profile are its own.
-    let slow = [&softmotion[..], &["--override", "0.5", "--format", "json"]].concat();
-    let report = json(limit(&desk, &slow).ended(0, ""));
+    let slow = format!("{softmotion} --override 0.5 --format json");
+    let report = limit(&desk, &slow).ended(0, "").object();
     let line = |length: f64, velocity: f64| length / velocity + velocity / 2000.0;
     let half = 2.0 * (line(40.0, 75.0) + line(60.0, 200.0)) + line(2000.0_f64.sqrt(), 50.0);
     assert!((number(&report["duration_s"]) - half).abs() < 6e-3, "{} {half}", report["duration_s"]);
@@ -460,14 +433,13 @@ fn the_controllers_own_planning_is_compared() {
 #[test]
 fn a_knife_turns_round() {
     let desk = desk();
-    let cutter = root().join("machines/gantry_cutter3.toml").display().to_string();
-    let turning = ["limit", "lines.cnc", "-m", &cutter, "--format", "json"];
-    let report = json(desk.twin(&turning).ended(0, ""));
+    let turning = "limit lines.cnc -m machines/gantry_cutter3.toml --format json";
+    let report = desk.twin(turning).ended(0, "").object();
     let expected = least_time() + 2.0 * (180.0 / 1080.0 + 1080.0 / 20000.0);
     let found = number(&report["duration_s"]);
     assert!((found - expected).abs() < 1e-3, "{found} {expected}");
-    let done = desk.twin(&[&turning[..], &["--limits", "softmotion"]].concat());
-    let report = json(done.ended(0, ""));
+    let done = desk.twin(&format!("{turning} --limits softmotion"));
+    let report = done.ended(0, "").object();
     let found = number(&report["duration_under_axis_limits_s"]);
     assert!((found - expected).abs() < 1e-3, "{found} {expected}");
     assert!((number(&report["duration_s"]) - least_time()).abs() < 0.2, "{report:#}");
@@ -478,56 +450,55 @@ fn a_knife_turns_round() {
 fn a_program_that_is_not_fit_is_called_so() {
     let desk = desk();
     desk.write("lines.cnc", "% far\nN10 G92 X300 Y100 Z60 F100 E2000 E-2000\nN20 G1 X900\n");
-    let done = limit(&desk, &["--feasible", "slower.cnc"]);
+    let done = limit(&desk, "--feasible slower.cnc");
     done.ended(1, "axis X at 900.000 mm is above its software limit of 650.000 mm");
     done.ended(1, "slower.cnc: not written");
     assert!(done.stdout.starts_with("NOT fit for the machine"), "{}", done.stdout);
     assert!(!desk.path("slower.cnc").exists());
     desk.write("lines.cnc", "% nothing\n");
-    limit(&desk, &[]).ended(1, "no block that moves anything");
+    limit(&desk, "").ended(1, "no block that moves anything");
 }
 
 /// What is compared is half the programmed feed as well.
 #[test]
 fn an_override_is_compared_with_its_part_of_the_feed() {
     let desk = desk();
-    let report = limit(&desk, &["--override", "50%", "--format", "json"]);
+    let report = limit(&desk, "--override 50% --format json");
     let by_feed = 2.0 * 40.0 / 75.0 + 2.0 * 60.0 / 200.0 + 2000.0_f64.sqrt() / 50.0;
-    let found = number(&json(&report)["duration_by_feed_s"]);
+    let found = number(&report.object()["duration_by_feed_s"]);
     assert!((found / by_feed - 1.0).abs() < 1e-2, "{found} s, not {by_feed} s");
-    let done = limit(&desk, &["--override", "50%"]);
-    assert!(done.stdout.contains("; with 50 % of the programmed feed alone "), "{}", done.stdout);
+    limit(&desk, "--override 50%").says("; with 50 % of the programmed feed alone ");
 }
 
 /// What is read from or written to is not written over.
 #[test]
 fn feasible_programs_are_files_of_their_own() {
     let desk = desk();
-    limit(&desk, &[]).ended(0, "");
+    limit(&desk, "").ended(0, "");
     let before = std::fs::read(desk.path("machine.toml")).expect("a machine file");
     let known = "something else is read from or written to it";
     desk.write("variables.toml", "g_f = 40\n");
-    let variables = ["--variables", "variables.toml", "--lines", "variables.toml"];
-    limit(&desk, &variables).ended(2, known);
-    limit(&desk, &["--feasible", "machine.toml"]).ended(2, known);
-    limit(&desk, &["--feasible", "same.csv", "-o", "same.csv"]).ended(2, known);
-    limit(&desk, &["-o", "same.csv", "-o", "./same.csv"]).ended(2, "name another file");
-    limit(&desk, &["-o", "same.svg", "--lines", "same.svg"]).ended(2, known);
+    let variables = "--variables variables.toml --lines variables.toml";
+    limit(&desk, variables).ended(2, known);
+    limit(&desk, "--feasible machine.toml").ended(2, known);
+    limit(&desk, "--feasible same.csv -o same.csv").ended(2, known);
+    limit(&desk, "-o same.csv -o ./same.csv").ended(2, "name another file");
+    limit(&desk, "-o same.svg --lines same.svg").ended(2, known);
     desk.write("lines.csv", LINES);
     for option in ["-o", "--lines"] {
-        let itself = ["limit", "lines.csv", "--dialect", "din66025", "-m", "machine.toml"];
-        desk.twin(&[&itself, &[option, "lines.csv"][..]].concat()).ended(2, "this is the program");
+        let itself = "limit lines.csv --dialect din66025 -m machine.toml";
+        desk.twin(&format!("{itself} {option} lines.csv")).ended(2, "this is the program");
     }
-    assert_eq!(std::fs::read_to_string(desk.path("lines.csv")).expect("it is there"), LINES);
+    assert_eq!(desk.text("lines.csv"), LINES);
     // What fails leaves what there was.
     desk.write("old.csv", "kept");
-    desk.twin(&["limit", "none.cnc", "-m", "machine.toml", "-o", "old.csv"]).ended(2, "none.cnc");
-    assert_eq!(std::fs::read_to_string(desk.path("old.csv")).expect("it is there"), "kept");
+    desk.twin("limit none.cnc -m machine.toml -o old.csv").ended(2, "none.cnc");
+    assert_eq!(desk.text("old.csv"), "kept");
     // A hard link to the program becomes a file of its own.
     std::fs::hard_link(desk.path("lines.cnc"), desk.path("link.cnc")).expect("linked");
-    limit(&desk, &["--feasible", "link.cnc"]).ended(0, "");
-    assert_eq!(std::fs::read_to_string(desk.path("lines.cnc")).expect("it is there"), LINES);
-    assert_ne!(std::fs::read_to_string(desk.path("link.cnc")).expect("it is there"), LINES);
+    limit(&desk, "--feasible link.cnc").ended(0, "");
+    assert_eq!(desk.text("lines.cnc"), LINES);
+    assert_ne!(desk.text("link.cnc"), LINES);
     assert_eq!(std::fs::read(desk.path("machine.toml")).expect("it"), before);
 }
 
@@ -535,13 +506,11 @@ fn feasible_programs_are_files_of_their_own() {
 #[test]
 fn a_knife_turns_at_once_in_the_controllers_own_planning() {
     let desk = Desk::new();
-    let [program, machine] = ["examples/contour.cnc", "machines/gantry_cutter3.toml"]
-        .map(|name| root().join(name).display().to_string());
-    let with = |command: &str, more: &[&str]| {
-        let arguments = [command, &program, "-m", &machine, "--format", "json"];
-        json(&desk.twin(&[&arguments, more].concat()))
+    let with = |command: &str, more: &str| {
+        let of = "examples/contour.cnc -m machines/gantry_cutter3.toml --format json";
+        desk.twin(&format!("{command} {of} {more}")).object()
     };
-    let (checked, own) = (with("check", &[]), with("limit", &["--limits", "softmotion"]));
+    let (checked, own) = (with("check", ""), with("limit", "--limits softmotion"));
     let largest = |report: &Value| number(&report["peak"]["R"]["velocity"]["value"]);
     assert!(largest(&checked) > 2.0 * number(&checked["peak"]["R"]["velocity"]["limit"]));
     assert!((largest(&own) - largest(&checked)).abs() < 1e-6 * largest(&checked), "{own}");
@@ -550,50 +519,32 @@ fn a_knife_turns_at_once_in_the_controllers_own_planning() {
 #[test]
 fn wrong_use_is_status_2() {
     let desk = desk();
-    limit(&desk, &["-o", "profile.txt"])
-        .ended(2, "profile.txt: profiles are written as .csv or .svg");
-    limit(&desk, &["-o", "missing/profile.csv"]).ended(2, "cannot write missing/profile.csv");
-    limit(&desk, &["-o", "missing/profile.svg"]).ended(2, "cannot write missing/profile.svg");
-    limit(&desk, &["--feasible", "missing/slower.cnc"]).ended(2, "cannot write missing/slower.cnc");
-    limit(&desk, &["--feasible", "lines.cnc"]).ended(2, "this is the program itself");
-    limit(&desk, &["--feasible", "./lines.cnc"]).ended(2, "this is the program itself");
-    assert_eq!(std::fs::read_to_string(desk.path("lines.cnc")).expect("it is there"), LINES);
-    let neither = ["--without", "axis-acceleration", "--without", "path-acceleration"];
-    limit(&desk, &neither).ended(2, "nothing limits how fast the path speeds up");
-    limit(&desk, &["--without", "gravity"]).ended(2, "gravity");
-    limit(&desk, &["--profile", "sigmoid"]).ended(2, "--limits softmotion");
-    limit(&desk, &["--look-ahead", "3"]).ended(2, "--limits softmotion");
-    let softmotion = ["--limits", "softmotion"];
-    limit(&desk, &[&softmotion[..], &["--without", "feed"]].concat()).ended(2, "--without is for");
-    limit(&desk, &[&softmotion[..], &["--feasible", "slower.cnc"]].concat())
+    limit(&desk, "-o profile.txt").ended(2, "profile.txt: profiles are written as .csv or .svg");
+    limit(&desk, "-o missing/profile.csv").ended(2, "cannot write missing/profile.csv");
+    limit(&desk, "-o missing/profile.svg").ended(2, "cannot write missing/profile.svg");
+    limit(&desk, "--feasible missing/slower.cnc").ended(2, "cannot write missing/slower.cnc");
+    limit(&desk, "--feasible lines.cnc").ended(2, "this is the program itself");
+    limit(&desk, "--feasible ./lines.cnc").ended(2, "this is the program itself");
+    assert_eq!(desk.text("lines.cnc"), LINES);
+    limit(&desk, "--without axis-acceleration --without path-acceleration")
+        .ended(2, "nothing limits how fast the path speeds up");
+    limit(&desk, "--without gravity").ended(2, "gravity");
+    limit(&desk, "--profile sigmoid").ended(2, "--limits softmotion");
+    limit(&desk, "--look-ahead 3").ended(2, "--limits softmotion");
+    limit(&desk, "--limits softmotion --without feed").ended(2, "--without is for");
+    limit(&desk, "--limits softmotion --feasible slower.cnc")
         .ended(2, "--feasible is for --limits axes");
-    desk.twin(&["limit", "none.cnc", "-m", "machine.toml"])
-        .ended(2, "cannot read program none.cnc");
-    desk.twin(&["limit", "lines.cnc"]).ended(2, "--machine");
+    desk.twin("limit none.cnc -m machine.toml").ended(2, "cannot read program none.cnc");
+    desk.twin("limit lines.cnc").ended(2, "--machine");
 }
 
 #[test]
 fn the_report_has_the_fields_of_the_guide() {
     let desk = desk();
-    let report = json(limit(&desk, &["--format", "json"]).ended(0, ""));
-    let keys = [
-        "program",
-        "machine",
-        "dialect",
-        "limits",
-        "length_mm",
-        "duration_s",
-        "duration_by_feed_s",
-        "peak",
-        "limited_by",
-        "slowest_lines",
-        "changes",
-        "windows",
-        "windows_failed",
-        "windows_exceeded",
-        "findings",
-    ];
-    has_keys(&report, &keys);
+    let report = limit(&desk, "--format json").ended(0, "").object();
+    let keys = "program machine dialect limits length_mm duration_s duration_by_feed_s peak";
+    let lists = "limited_by slowest_lines changes windows windows_failed windows_exceeded findings";
+    has_keys(&report, &format!("{keys} {lists}"));
     assert_eq!(
         (&report["program"], &report["machine"], &report["dialect"]),
         (&"lines.cnc".into(), &"machine.toml".into(), &"din66025".into())
@@ -603,25 +554,25 @@ fn the_report_has_the_fields_of_the_guide() {
     // F all the time: 80 mm at 150 mm/s, 120 mm at 400 mm/s, the rest at 100 mm/s.
     let by_feed = 80.0 / 150.0 + 120.0 / 400.0 + 2000.0_f64.sqrt() / 100.0;
     assert!((number(&report["duration_by_feed_s"]) - by_feed).abs() < 5e-3);
-    has_keys(&report["peak"], &["X", "Y", "Z"]);
+    has_keys(&report["peak"], "X Y Z");
     for peak in report["peak"].as_object().expect("an object").values() {
-        has_keys(peak, &["unit", "position", "velocity", "acceleration", "jerk", "effort"]);
-        has_keys(&peak["effort"], &["unit", "value", "limit", "line", "block"]);
+        has_keys(peak, "unit position velocity acceleration jerk effort");
+        has_keys(&peak["effort"], "unit value limit line block");
         for quantity in ["velocity", "acceleration", "jerk"] {
-            has_keys(&peak[quantity], &["value", "limit", "line", "block"]);
+            has_keys(&peak[quantity], "value limit line block");
         }
     }
-    let each = |list: &str, keys: &[&str]| {
+    let each = |list: &str, keys: &str| {
         let list = report[list].as_array().expect("a list");
         assert!(!list.is_empty());
         for one in list {
-            has_keys(one, &[&["limit", "axis"], keys].concat());
+            has_keys(one, &format!("limit axis {keys}"));
         }
     };
-    each("limited_by", &["time_s", "lost_s"]);
-    let lines = ["line", "block", "programmed_feed_mm_per_s", "largest_feed_mm_per_s"];
-    each("slowest_lines", &[&lines[..], &["time_s", "lost_s"]].concat());
-    each("changes", &["raised_percent", "gain_s"]);
+    each("limited_by", "time_s lost_s");
+    let feeds = "programmed_feed_mm_per_s largest_feed_mm_per_s";
+    each("slowest_lines", &format!("line block {feeds} time_s lost_s"));
+    each("changes", "raised_percent gain_s");
     // All the time is somebody's.
     let held = report["limited_by"].as_array().expect("a list").iter();
     let time: f64 = held.map(|one| number(&one["time_s"])).sum();

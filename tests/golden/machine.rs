@@ -6,7 +6,7 @@ use crate::process::Desk;
 #[test]
 fn a_gantry_is_described() {
     let desk = Desk::new();
-    let done = desk.twin(&["machine", "machine.toml", "--height", "-10"]);
+    let done = desk.twin("machine machine.toml --height -10");
     done.ended(0, "");
     let lines = [
         "gantry3: gantry3 with 3 axes",
@@ -27,28 +27,28 @@ fn a_gantry_is_described() {
 #[test]
 fn a_workspace_is_drawn_and_recorded() {
     let desk = Desk::new();
-    let machine = ["machine", "machine.toml", "--section", "vertical"];
-    let out = ["--svg", "space.svg", "--record", "space.rrd"];
-    desk.twin(&[&machine[..], &out].concat()).ended(0, "");
-    let picture = std::fs::read_to_string(desk.path("space.svg")).expect("it was written");
+    let machine = "machine machine.toml --section vertical";
+    let out = "--svg space.svg --record space.rrd";
+    desk.twin(&format!("{machine} {out}")).ended(0, "");
+    let picture = desk.text("space.svg");
     assert!(picture.starts_with("<svg ") && picture.trim_end().ends_with("</svg>"));
     assert!(picture.contains("vertical section") && picture.contains("z (mm)"), "{picture}");
     assert!(std::fs::metadata(desk.path("space.rrd")).expect("it was written").len() > 10_000);
     // The same again is the same, byte for byte.
-    desk.twin(&[&machine[..], &["--svg", "again.svg"]].concat()).ended(0, "");
-    let again = std::fs::read_to_string(desk.path("again.svg")).expect("it was written");
+    desk.twin(&format!("{machine} --svg again.svg")).ended(0, "");
+    let again = desk.text("again.svg");
     assert!(again == picture, "the second picture differs");
 }
 
 #[test]
 fn wrong_use_is_status_2() {
     let desk = Desk::new();
-    let machine = |options: &[&str]| desk.twin(&[&["machine", "machine.toml"], options].concat());
-    machine(&["--svg", "missing/space.svg"]).ended(2, "cannot write missing/space.svg");
-    machine(&["--record", "missing/space.rrd"]).ended(2, "missing/space.rrd");
-    machine(&["--urdf", "--svg", "space.svg"]).ended(2, "cannot be used with");
-    machine(&["--height", "nan"]).ended(2, "finite");
-    machine(&["--height", "high"]).ended(2, "--height");
-    machine(&["--section", "diagonal", "--svg", "space.svg"]).ended(2, "diagonal");
-    machine(&["--serve", "nowhere"]).ended(2, "expected PORT or HOST:PORT");
+    let machine = |options: &str| desk.twin(&format!("machine machine.toml {options}"));
+    machine("--svg missing/space.svg").ended(2, "cannot write missing/space.svg");
+    machine("--record missing/space.rrd").ended(2, "missing/space.rrd");
+    machine("--urdf --svg space.svg").ended(2, "cannot be used with");
+    machine("--height nan").ended(2, "finite");
+    machine("--height high").ended(2, "--height");
+    machine("--section diagonal --svg space.svg").ended(2, "diagonal");
+    machine("--serve nowhere").ended(2, "expected PORT or HOST:PORT");
 }

@@ -56,10 +56,12 @@ mod tune_limits;
 mod tune_recorded;
 mod tune_start;
 mod tune_tappets;
+mod tuning;
 mod urdf;
 
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -103,6 +105,12 @@ fn root() -> PathBuf {
         .to_owned()
 }
 
+/// A word of a command line. `machines/`, `examples/` and `tests/` at its beginning are those of the workspace.
+fn word(word: &str) -> OsString {
+    let shipped = ["machines/", "examples/", "tests/"].iter().any(|at| word.starts_with(at));
+    if shipped { root().join(word).into_os_string() } else { word.into() }
+}
+
 fn folders(path: &Path) -> Vec<PathBuf> {
     let mut folders: Vec<_> = fs::read_dir(path)
         .expect("tests/data is there")
@@ -120,15 +128,8 @@ fn check(folder: &Path) -> Result<(), String> {
     if case.source.len() < 20 {
         return Err("`source` does not say where the expected values come from".to_owned());
     }
-    let arguments = case.run.iter().map(|argument| {
-        if argument.starts_with("machines/") || argument.starts_with("examples/") {
-            root().join(argument).display().to_string()
-        } else {
-            argument.clone()
-        }
-    });
-    let mut child = Command::new(env!("CARGO_BIN_EXE_twin"))
-        .args(arguments)
+    let mut child = Command::new(process::BINARY)
+        .args(case.run.iter().map(|argument| word(argument)))
         .current_dir(folder)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

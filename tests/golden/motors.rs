@@ -1,8 +1,7 @@
 //! Motors of the simulated machine, reported by `twin check --physics` as a process.
 
-use crate::process::{Desk, Done, number};
+use crate::process::{Desk, Done, number, shipped};
 use crate::recording::{chunks, recorded, series};
-use crate::root;
 use serde_json::Value;
 
 /// Z comes down slowly, then fast.
@@ -16,8 +15,7 @@ N30 G1 Z0 F140 E1400 E-1400
 /// The shipped machine with `edits` in its file.
 fn desk(edits: &[(&str, &str)]) -> Desk {
     let desk = Desk::new();
-    let mut machine = std::fs::read_to_string(root().join("machines/gantry3_motors.toml"))
-        .expect("it is shipped");
+    let mut machine = shipped("machines/gantry3_motors.toml");
     for (from, to) in edits {
         assert!(machine.contains(from), "{from}");
         machine = machine.replace(from, to);
@@ -28,13 +26,11 @@ fn desk(edits: &[(&str, &str)]) -> Desk {
 }
 
 fn check(desk: &Desk, format: &str) -> Done {
-    desk.twin(&["check", "down.cnc", "-m", "motors.toml", "--physics", "--format", format])
+    desk.twin(&format!("check down.cnc -m motors.toml --physics --format {format}"))
 }
 
 fn json(desk: &Desk, status: i32) -> Value {
-    let done = check(desk, "json");
-    let text = &done.ended(status, "").stdout;
-    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+    check(desk, "json").ended(status, "").object()
 }
 
 #[test]
@@ -52,9 +48,7 @@ fn the_shipped_motors_do_it() {
     // Going down, the motor brakes more than it drives.
     assert!(number(&z["braking_energy_j"]) > 0.0, "{z}");
     assert!(number(&report["motor_load"]["X"]["warmth_percent"]) < 1.0, "{report:#}");
-    let done = check(&desk, "human");
-    done.ended(0, "");
-    assert!(done.stdout.contains("peak power"), "{}", done.stdout);
+    check(&desk, "human").ended(0, "").says("peak power");
 }
 
 /// A step motor too weak for the fast line loses steps there, and is told so on that line alone.
@@ -86,8 +80,8 @@ fn a_limit_switch_stops_the_machine() {
     assert_eq!((&switch["rule"], &switch["line"]), (&"limit-switch".into(), &4.into()), "{switch}");
     assert!(switch["message"].as_str().is_some_and(|text| text.contains("lower limit switch")));
     // And in a run: the path is left, and the reason is told.
-    let run = desk.twin(&["run", "down.cnc", "-m", "motors.toml", "--drives", "none"]);
-    assert_eq!(run.status, Some(2), "{}", run.stderr);
+    let run = desk.twin("run down.cnc -m motors.toml --drives none");
+    run.ended(2, "");
     assert!(run.stderr.contains("axis Z ran on its lower limit switch"), "{}", run.stderr);
 }
 
@@ -114,9 +108,9 @@ fn a_recording_shows_the_motors() {
     let desk = desk(&[]);
     let aslant = DOWN.replace("G1 Z50", "G1 X120 Z50").replace("G1 Z0", "G1 X0 Z0");
     desk.write("aslant.cnc", &aslant);
-    let run = ["run", "aslant.cnc", "-m", "motors.toml", "--drives", "none"];
-    let out = ["--record", "r.rrd", "--report", "r.json"];
-    desk.twin(&[&run[..], &out].concat()).ended(0, "");
+    let run = "run aslant.cnc -m motors.toml --drives none";
+    let out = "--record r.rrd --report r.json";
+    desk.twin(&format!("{run} {out}")).ended(0, "");
     let report = desk.read("r.json");
     let errors = recorded(&desk, "error/axis_mm/Z/twin");
     assert!(errors.len() > 200, "{}", errors.len());
@@ -163,9 +157,9 @@ fn faults_on_purpose_have_lines() {
         desk.write("faults.toml", &format!("[[faults]]\nkind = {kind}\nat_line = 4\n"));
     };
     let message = |desk: &Desk, rule: &str, line: u32| {
-        let check = ["check", "down.cnc", "-m", "motors.toml", "--physics", "--format", "json"];
-        let done = desk.twin(&[&check[..], &["--faults", "faults.toml"]].concat());
-        let report: Value = serde_json::from_str(&done.stdout).expect("a report");
+        let check = "check down.cnc -m motors.toml --physics --format json";
+        let done = desk.twin(&format!("{check} --faults faults.toml"));
+        let report = done.object();
         let findings = report["findings"].as_array().expect("a list").clone();
         let fits = |one: &&Value| one["rule"] == rule && one["line"] == line && one["axis"] == "Z";
         assert!(findings.iter().any(|one| fits(&one)), "no {rule}: {findings:#?}");
@@ -173,7 +167,7 @@ fn faults_on_purpose_have_lines() {
     };
     fault("\"lost_steps\"\naxis = \"Z\"\nsteps = 12");
     let done = message(&desk, "lost-steps", 4);
-    assert!(done.stdout.contains("lost 12 full steps"), "{}", done.stdout);
+    done.says("lost 12 full steps");
     message(&desk, "fault", 4);
     // 40 mm on a screw of 5 mm, 200 steps a turn, against an axis that jams on the way.
     fault("\"jam\"\naxis = \"Z\"");
@@ -182,11 +176,10 @@ fn faults_on_purpose_have_lines() {
     fault("\"power_loss\"");
     message(&desk, "fault", 4);
 
-    let run =
-        ["run", "down.cnc", "-m", "motors.toml", "--drives", "none", "--faults", "faults.toml"];
-    let done = desk.twin(&run);
+    let run = "run down.cnc -m motors.toml --drives none --faults faults.toml";
+    let done = desk.twin(run);
     assert!(done.stderr.contains("its drive has no power any more"), "{}", done.stderr);
-    let refused = desk.twin(&["check", "down.cnc", "-m", "motors.toml", "--faults", "faults.toml"]);
+    let refused = desk.twin("check down.cnc -m motors.toml --faults faults.toml");
     assert_eq!(refused.status, Some(2));
     assert!(
         refused.stderr.contains("--faults has no effect without --physics"),
@@ -194,7 +187,7 @@ fn faults_on_purpose_have_lines() {
         refused.stderr
     );
     desk.write("faults.toml", "[[faults]]\nkind = \"jamm\"\naxis = \"Z\"\nat_s = 1\n");
-    let refused = desk.twin(&run);
+    let refused = desk.twin(run);
     assert_eq!(refused.status, Some(2));
     assert!(refused.stderr.contains("did you mean \"jam\""), "{}", refused.stderr);
 }
@@ -209,8 +202,8 @@ fn a_fault_begins_at_its_time() {
         "loose.toml",
         "[[faults]]\nkind = \"loose_belt\"\naxis = \"X\"\nat_s = 1.0\nstiffness_percent = 1.0\n",
     );
-    let run = ["run", "across.cnc", "-m", "motors.toml", "--drives", "none"];
-    desk.twin(&[&run[..], &["--record", "r.rrd", "--faults", "loose.toml"]].concat());
+    let run = "run across.cnc -m motors.toml --drives none";
+    desk.twin(&format!("{run} --record r.rrd --faults loose.toml"));
     let errors = series(&chunks(&desk), "error/axis_mm/X/twin");
     let mean = |from: f64, to: f64| {
         let within = errors.iter().filter(|(ns, _)| {
@@ -241,8 +234,8 @@ fn a_fault_begins_at_its_time() {
 fn a_seed_makes_the_noise() {
     let desk = desk(&[("force_n = 0.5 ", "force_n = 20.0 ")]);
     let run = |seed: &str| {
-        let check = ["check", "down.cnc", "-m", "motors.toml", "--physics", "--format", "json"];
-        desk.twin(&[&check[..], &["--seed", seed]].concat()).stdout
+        let check = "check down.cnc -m motors.toml --physics --format json";
+        desk.twin(&format!("{check} --seed {seed}")).stdout
     };
     assert_eq!(run("7"), run("7"));
     assert_ne!(run("7"), run("8"));
@@ -254,9 +247,7 @@ fn faults_that_never_begin_are_told() {
     let desk = desk(&[]);
     for (start, line) in [("at_line = 999", 999), ("at_line = 1", 1), ("at_s = 999.0", 1)] {
         desk.write("late.toml", &format!("[[faults]]\nkind = \"jam\"\naxis = \"X\"\n{start}\n"));
-        let check =
-            ["check", "down.cnc", "-m", "motors.toml", "--physics", "--faults", "late.toml"];
-        let done = desk.twin(&check);
+        let done = desk.twin("check down.cnc -m motors.toml --physics --faults late.toml");
         let said = format!("line {line}: the fault of axis X at ");
         assert!(done.ended(0, "never began").stderr.contains(&said), "{}", done.stderr);
     }

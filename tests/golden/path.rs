@@ -1,28 +1,26 @@
 //! `twin path` and M functions as a process: conversions between programs, drawings and set-points.
 
-use crate::process::Desk;
-use crate::root;
+use crate::process::{Desk, shipped};
 use serde_json::Value;
 
 /// Both pictures, and the overviews: the program's text says what they show.
 #[test]
 fn a_program_is_seen_at_a_glance() {
     let desk = Desk::new();
-    let program = root().join("examples/contour.cnc").display().to_string();
-    let done = desk.twin(&["path", &program, "--prepare", "--output", "contour.svg"]);
-    done.ended(0, "");
-    let picture = std::fs::read_to_string(desk.path("contour.svg")).expect("it was written");
+    let program = "examples/contour.cnc";
+    desk.twin(&format!("path {program} --prepare --output contour.svg")).ended(0, "");
+    let picture = desk.text("contour.svg");
     assert!(picture.contains("before preparation") && picture.contains("every 100 ms"));
-    let info = desk.twin(&["path", &program, "--format", "info"]).stdout;
+    let info = desk.twin(&format!("path {program} --format info")).stdout;
     for line in ["name             CONTOUR", "angle tolerance  2.000 deg", "errors           none"]
     {
         assert!(info.contains(line), "{info}");
     }
     assert!(info.contains("2 arcs, 2 M functions"), "{info}");
-    let viewer = desk.twin(&["path", &program, "--format", "viewer"]).stdout;
+    let viewer = desk.twin(&format!("path {program} --format viewer")).stdout;
     assert!(viewer.contains("    16  N120 G3 X180 Y80 R15\n"), "{viewer}");
     assert!(!viewer.contains("(The contour"), "{viewer}");
-    let listing = desk.twin(&["path", &program, "--format", "listing"]).stdout;
+    let listing = desk.twin(&format!("path {program} --format listing")).stdout;
     assert!(listing.contains("LINPOS") && listing.contains("CCLW"), "{listing}");
 }
 
@@ -31,25 +29,22 @@ fn a_program_is_seen_at_a_glance() {
 fn a_user_who_is_not_there_acknowledges_nothing() {
     let desk = Desk::new();
     desk.write("m.cnc", "% m\nN10 G1 X10 F100 E500 E-500\nN20 M7\nN30 G1 X0\n");
-    let run = ["run", "m.cnc", "--machine", "machine.toml", "--drives", "none"];
-    let done = desk.twin(&[&run[..], &["--m-ack", "prompt"]].concat());
-    done.ended(2, "M7 at line 3 (N20) cannot be acknowledged");
-    desk.twin(&run).ended(0, "");
+    let run = "run m.cnc --machine machine.toml --drives none";
+    desk.twin(&format!("{run} --m-ack prompt"))
+        .ended(2, "M7 at line 3 (N20) cannot be acknowledged");
+    desk.twin(run).ended(0, "");
 }
 
 /// One file per layer of a drawing.
 #[test]
 fn layers_become_files() {
     let desk = Desk::new();
-    let drawing = std::fs::read_to_string(root().join("tests/data/path_drawing/part.dxf"));
-    let drawing = drawing.expect("readable");
+    let drawing = shipped("tests/data/path_drawing/part.dxf");
     let (arc, line) = drawing.split_once("\n0\nLINE\n8\nCONTOUR").expect("as written");
     desk.write("part.dxf", &format!("{arc}\n0\nLINE\n8\nBORES{line}"));
-    let divided = ["path", "part.dxf", "--one-per", "layer", "--format", "din66025"];
-    let done = desk.twin(&divided);
-    done.ended(2, "--output FOLDER");
-    let done = desk.twin(&[&divided[..], &["--output", "programs"]].concat());
-    done.ended(0, "");
+    let divided = "path part.dxf --one-per layer --format din66025";
+    desk.twin(divided).ended(2, "--output FOLDER");
+    desk.twin(&format!("{divided} --output programs")).ended(0, "");
     let mut names: Vec<_> = std::fs::read_dir(desk.path("programs"))
         .expect("a folder")
         .map(|entry| entry.expect("readable").file_name().into_string().expect("text"))
@@ -59,11 +54,10 @@ fn layers_become_files() {
 }
 
 /// Set-points of 100 mm with F20 E40 E-80, as JSON.
-fn setpoints(desk: &Desk, arguments: &[&str]) -> Vec<Value> {
+fn setpoints(desk: &Desk, arguments: &str) -> Vec<Value> {
     desk.write("line.cnc", "% line\nN10 G92 X0 Y0\nN20 G1 X100 F20 E40 E-80\n");
-    let done = desk.twin(&[&["path", "line.cnc", "--format", "setpoints"], arguments].concat());
-    done.ended(0, "");
-    done.stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+    let done = desk.twin(&format!("path line.cnc --format setpoints {arguments}"));
+    done.ended(0, "").rows()
 }
 
 fn near(row: &Value, key: &str, expected: f64) {
@@ -76,7 +70,7 @@ fn near(row: &Value, key: &str, expected: f64) {
 /// over 0.625 mm, so 82.5 mm at 10 mm/s: 9.5 s.
 #[test]
 fn the_override_changes_on_the_way() {
-    let rows = setpoints(&Desk::new(), &["--at", "1:override=0.5"]);
+    let rows = setpoints(&Desk::new(), "--at 1:override=0.5");
     near(&rows[500], "velocity_mm_per_s", 20.0);
     near(&rows[1000], "x", 15.0);
     near(&rows[1125], "velocity_mm_per_s", 10.0);
@@ -94,17 +88,17 @@ fn the_override_changes_on_the_way() {
 /// From 20 mm/s to rest over 2.5 mm in 0.25 s; on from there a second later.
 #[test]
 fn stops_hold_the_path() {
-    let stop = ["--at", "1:slow-stop=on", "--at", "2:slow-stop=off"];
-    let rows = setpoints(&Desk::new(), &stop);
+    let stop = "--at 1:slow-stop=on --at 2:slow-stop=off";
+    let rows = setpoints(&Desk::new(), stop);
     near(&rows[1250], "x", 17.5);
     near(&rows[1999], "x", 17.5);
     assert_eq!(rows[1500]["status"], "waiting");
     near(&rows[2500], "x", 22.5);
     // A path that nobody lets go on ends, and so does one that is aborted.
-    let rows = setpoints(&Desk::new(), &["--at", "1:slow-stop=on"]);
+    let rows = setpoints(&Desk::new(), "--at 1:slow-stop=on");
     near(rows.last().expect("set-points"), "x", 17.5);
     assert!(rows.len() < 12_000);
-    let rows = setpoints(&Desk::new(), &["--at", "1:abort=on"]);
+    let rows = setpoints(&Desk::new(), "--at 1:abort=on");
     // Where the last set-point had it, at 0.999 s.
     near(rows.last().expect("set-points"), "x", 14.98);
 }
@@ -112,7 +106,7 @@ fn stops_hold_the_path() {
 #[test]
 fn a_path_is_gone_both_ways_and_by_position() {
     let desk = Desk::new();
-    let rows = setpoints(&desk, &["--both-ways", "--at", "2:override=-1"]);
+    let rows = setpoints(&desk, "--both-ways --at 2:override=-1");
     let farthest = rows.iter().filter_map(|row| row["position_mm"][0].as_f64()).fold(0.0, f64::max);
     // 35 mm after 2 s, and 2.5 mm to stop.
     assert!((farthest - 37.5).abs() < 1e-6, "{farthest}");
@@ -120,17 +114,14 @@ fn a_path_is_gone_both_ways_and_by_position() {
 
     desk.write("slope.cnc", "% slope\nN10 G92 X0 Y0\nN20 G1 X10 Y5 F20\n");
     desk.write("x.txt", "100\n101.5\n104\n109\n111\n");
-    let by_position = ["--by-position", "x.txt", "--position-offset", "100"];
-    let slope = ["path", "slope.cnc", "--format", "setpoints"];
-    let done = desk.twin(&[&slope[..], &by_position].concat());
-    done.ended(0, "");
-    let rows: Vec<Value> =
-        done.stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    let slope = "path slope.cnc --format setpoints";
+    let done = desk.twin(&format!("{slope} --by-position x.txt --position-offset 100"));
+    let rows = done.ended(0, "").rows();
     for (row, y) in rows.iter().zip([0.0, 0.75, 2.0, 4.5, 5.0]) {
         let found = row["position_mm"][1].as_f64().expect("a number");
         assert!((found - y).abs() < 1e-6, "{row}");
     }
     assert_eq!(rows.len(), 5);
-    desk.twin(&[&slope[..], &["--at", "1:override=0"]].concat()).ended(2, "--both-ways");
-    desk.twin(&[&slope[..], &["--at", "soon"]].concat()).ended(2, "TIME:INPUT=VALUE");
+    desk.twin(&format!("{slope} --at 1:override=0")).ended(2, "--both-ways");
+    desk.twin(&format!("{slope} --at soon")).ended(2, "TIME:INPUT=VALUE");
 }

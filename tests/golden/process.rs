@@ -1,6 +1,6 @@
 //! Process behaviour of the binary: exit status, signals, and the files it leaves.
 
-use crate::root;
+use crate::{root, word};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
@@ -37,6 +37,11 @@ pub(crate) fn started(program: &str) -> Command {
     env
 }
 
+/// The text of a file of the workspace.
+pub(crate) fn shipped(name: &str) -> String {
+    std::fs::read_to_string(root().join(name)).expect("it is shipped")
+}
+
 /// A folder with the portal's machine file, and what the tests put there.
 pub(crate) struct Desk {
     folder: TempDir,
@@ -45,8 +50,7 @@ pub(crate) struct Desk {
 impl Desk {
     pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().expect("a folder");
-        let machine =
-            std::fs::read_to_string(root().join("machines/gantry3.toml")).expect("readable");
+        let machine = shipped("machines/gantry3.toml");
         let here = "start_mm = [0.0, 0.0, 20.0]";
         assert!(machine.contains(here));
         let desk = Self { folder };
@@ -62,25 +66,53 @@ impl Desk {
         std::fs::write(self.path(name), text).expect("written");
     }
 
+    /// The text of a file that was written.
+    #[track_caller]
+    pub(crate) fn text(&self, name: &str) -> String {
+        let text = std::fs::read_to_string(self.path(name));
+        text.unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// Replaces `from` in the machine file.
+    #[track_caller]
+    pub(crate) fn edit_machine(&self, from: &str, to: &str) {
+        let machine = self.text("machine.toml");
+        assert!(machine.contains(from), "{from}");
+        self.write("machine.toml", &machine.replace(from, to));
+    }
+
+    /// Puts `more` at the end of the machine file.
+    pub(crate) fn add_to_machine(&self, more: &str) {
+        self.write("machine.toml", &(self.text("machine.toml") + more));
+    }
+
     pub(crate) fn read(&self, name: &str) -> Value {
-        let text = std::fs::read_to_string(self.path(name)).expect("it was written");
+        let text = self.text(name);
         serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
     }
 
-    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
+    /// `twin` with the words of a line; what is within '' is one word.
+    pub(crate) fn command(&self, line: &str) -> Command {
         let mut command = started(BINARY);
-        command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
+        for (index, part) in line.split('\'').enumerate() {
+            if index % 2 == 0 {
+                command.args(part.split_whitespace().map(word));
+            } else {
+                command.arg(part);
+            }
+        }
+        command.current_dir(self.folder.path()).stdin(Stdio::null());
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
         command
     }
 
-    pub(crate) fn twin(&self, arguments: &[&str]) -> Done {
-        Done::from(self.command(arguments).output().expect("the binary starts"))
+    pub(crate) fn twin(&self, line: &str) -> Done {
+        Done::from(self.command(line).output().expect("the binary starts"))
     }
 
     /// `twin run` of `program`, interrupted by `signal` a second after it has announced what `sign` says.
-    pub(crate) fn interrupted(&self, signal: &str, sign: &str, arguments: &[&str]) -> Done {
-        self.meanwhile(signal, sign, arguments, || std::thread::sleep(Duration::from_secs(1)))
+    pub(crate) fn interrupted(&self, signal: &str, sign: &str, line: &str) -> Done {
+        self.meanwhile(signal, sign, line, || std::thread::sleep(Duration::from_secs(1)))
     }
 
     /// `twin`, told to end by `signal` when `act` is done, which begins when it has announced what `sign` says.
@@ -88,10 +120,10 @@ impl Desk {
         &self,
         signal: &str,
         sign: &str,
-        arguments: &[&str],
+        line: &str,
         act: impl FnOnce(),
     ) -> Done {
-        self.meanwhile_of(signal, sign, arguments, |_| act())
+        self.meanwhile_of(signal, sign, line, |_| act())
     }
 
     /// The same, for what is done to the process itself.
@@ -99,10 +131,10 @@ impl Desk {
         &self,
         signal: &str,
         sign: &str,
-        arguments: &[&str],
+        line: &str,
         act: impl FnOnce(&str),
     ) -> Done {
-        let mut child = self.command(arguments).spawn().expect("the binary starts");
+        let mut child = self.command(line).spawn().expect("the binary starts");
         let stderr = child.stderr.take().expect("piped");
         let mut lines = BufReader::new(stderr).lines().map_while(Result::ok);
         let mut seen = String::new();
@@ -124,6 +156,19 @@ impl Desk {
         let output = wait(child);
         Done { stderr: seen, ..Done::from(output) }
     }
+}
+
+/// Waits until something holds, a minute at most.
+#[track_caller]
+pub(crate) fn comes(mut holds: impl FnMut() -> bool) {
+    let held = (0..6000).any(|_| {
+        let held = holds();
+        if !held {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        held
+    });
+    assert!(held, "it does not come");
 }
 
 /// Waits for a process that has been told to end.
@@ -158,66 +203,86 @@ impl Done {
     #[track_caller]
     pub(crate) fn ended(&self, status: i32, words: &str) -> &Self {
         assert_eq!(self.status, Some(status), "{}\n{}", self.stdout, self.stderr);
+        self.reports(&[words])
+    }
+
+    /// Standard error says all of these words, however they are wrapped.
+    #[track_caller]
+    pub(crate) fn reports(&self, words: &[&str]) -> &Self {
         let flat = |text: &str| -> String {
             text.chars().filter(|c| !c.is_whitespace() && *c != '│').collect()
         };
-        assert!(flat(&self.stderr).contains(&flat(words)), "{words} is not in\n{}", self.stderr);
+        let stderr = flat(&self.stderr);
+        for words in words {
+            assert!(stderr.contains(&flat(words)), "{words} is not in\n{}", self.stderr);
+        }
         self
+    }
+
+    /// Standard output has this text.
+    #[track_caller]
+    pub(crate) fn says(&self, text: &str) -> &Self {
+        assert!(self.stdout.contains(text), "{text} is not in\n{}", self.stdout);
+        self
+    }
+
+    /// The same for several texts.
+    #[track_caller]
+    pub(crate) fn says_all(&self, texts: &[&str]) -> &Self {
+        texts.iter().fold(self, |done, text| done.says(text))
+    }
+
+    /// Standard output, which has a JSON value in each line.
+    #[track_caller]
+    pub(crate) fn rows(&self) -> Vec<Value> {
+        self.stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+    }
+
+    /// Standard output, which is one JSON value.
+    #[track_caller]
+    pub(crate) fn object(&self) -> Value {
+        let Self { stdout, stderr, .. } = self;
+        serde_json::from_str(stdout)
+            .unwrap_or_else(|error| panic!("{error} in\n{stdout}\n{stderr}"))
     }
 }
 
-/// `value` has exactly these keys.
+/// `value` has exactly these keys, which blanks separate.
 #[track_caller]
-pub(crate) fn has_keys(value: &Value, keys: &[&str]) {
+pub(crate) fn has_keys(value: &Value, keys: &str) {
     let object = value.as_object().unwrap_or_else(|| panic!("no object: {value}"));
     let mut found: Vec<_> = object.keys().map(String::as_str).collect();
-    let mut wanted = keys.to_vec();
+    let mut wanted: Vec<_> = keys.split_whitespace().collect();
     found.sort_unstable();
     wanted.sort_unstable();
     assert_eq!(found, wanted);
-}
-
-/// Printed output parsed as JSON.
-#[track_caller]
-pub(crate) fn object(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
 }
 
 pub(crate) fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
 }
 
-/// What every check tells of a program (house.md): keys and types.
+/// Keys and types of the report of every check, with the keys of others.
 #[track_caller]
-fn is_check(report: &Value, program: &str, more: &[&str]) {
-    let keys = [
-        "program",
-        "machine",
-        "dialect",
-        "elements",
-        "length_mm",
-        "duration_s",
-        "peak",
-        "findings",
-        "findings_left_out",
-    ];
-    has_keys(report, &[&keys, more].concat());
+fn is_check(report: &Value, program: &str, more: &str) {
+    let keys = "program machine dialect elements length_mm duration_s peak findings";
+    has_keys(report, &format!("{keys} findings_left_out {more}"));
     assert_eq!(report["program"], program);
     assert_eq!(
         (&report["machine"], &report["dialect"]),
         (&"machine.toml".into(), &"din66025".into())
     );
     assert!(report["elements"].is_u64() && report["findings"].is_array());
-    has_keys(&report["peak"], &["X", "Y", "Z"]);
+    has_keys(&report["peak"], "X Y Z");
     for peak in report["peak"].as_object().expect("an object").values() {
         for quantity in ["velocity", "acceleration", "jerk"] {
-            has_keys(&peak[quantity], &["value", "limit", "line", "block"]);
+            has_keys(&peak[quantity], "value limit line block");
             // An axis that does not move has its largest value in no line.
             let (value, line) = (number(&peak[quantity]["value"]), &peak[quantity]["line"]);
             assert_eq!(value > 0.0, line.is_u64(), "{peak}");
             assert_eq!(value <= 0.0, line.is_null(), "{peak}");
         }
-        has_keys(&peak["position"], &["min", "max", "limit_min", "limit_max"]);
+        has_keys(&peak["position"], "min max limit_min limit_max");
         assert_eq!(peak["unit"], "mm");
     }
     assert_eq!(report["peak"]["X"]["velocity"]["limit"], 400.0);
@@ -225,15 +290,8 @@ fn is_check(report: &Value, program: &str, more: &[&str]) {
 }
 
 /// The keys that a run adds.
-const RUN_KEYS: [&str; 7] = [
-    "completed",
-    "stopped_because",
-    "executed_s",
-    "drive_samples",
-    "cycle_lateness",
-    "tool_error_mm",
-    "axis_error",
-];
+const RUN_KEYS: &str =
+    "completed stopped_because executed_s drive_samples cycle_lateness tool_error_mm axis_error";
 
 /// The key that drives of the machine file add, where they are wanted.
 const PREDICTED: &str = "predicted_following";
@@ -245,23 +303,11 @@ const MOTOR_LOAD: &str = "motor_load";
 fn ctrl_c_stops_a_run_with_drives_and_leaves_report_and_recording() {
     let desk = Desk::new();
     desk.write("circles.cnc", CIRCLES);
-    let done = desk.interrupted(
-        "-INT",
-        "emulated InterpCNC",
-        &[
-            "run",
-            "circles.cnc",
-            "--machine",
-            "machine.toml",
-            "--report",
-            "r.json",
-            "--record",
-            "r.rrd",
-        ],
-    );
+    let run = "run circles.cnc --machine machine.toml --report r.json --record r.rrd";
+    let done = desk.interrupted("-INT", "emulated InterpCNC", run);
     done.ended(2, "stopped by the user at line 2 (N10)");
     let report = desk.read("r.json");
-    is_check(&report, "circles.cnc", &[&RUN_KEYS[..], &[MOTOR_LOAD, PREDICTED, "rest"]].concat());
+    is_check(&report, "circles.cnc", &format!("{RUN_KEYS} {MOTOR_LOAD} {PREDICTED} rest"));
     assert_eq!(report["completed"], false);
     assert!(report["stopped_because"].as_str().expect("a reason").contains("stopped by the user"));
     let (executed, duration) = (number(&report["executed_s"]), number(&report["duration_s"]));
@@ -288,15 +334,13 @@ fn ctrl_c_stops_a_run_with_drives_and_leaves_report_and_recording() {
 fn a_request_to_terminate_stops_a_run_in_real_time() {
     let desk = Desk::new();
     desk.write("circles.cnc", CIRCLES);
-    let arguments =
-        ["run", "circles.cnc", "--machine", "machine.toml", "--drives", "none", "--realtime"];
-    let arguments = [&arguments[..], &["--report", "r.json"]].concat();
-    desk.interrupted("-TERM", "is read as din66025", &arguments).ended(2, "stopped by the user");
+    let run = "run circles.cnc --machine machine.toml --drives none --realtime --report r.json";
+    desk.interrupted("-TERM", "is read as din66025", run).ended(2, "stopped by the user");
     let report = desk.read("r.json");
     assert_eq!(report["completed"], false);
     assert!(number(&report["executed_s"]) < number(&report["duration_s"]) - 1.0);
     assert_eq!(report["drive_samples"], Value::Null);
-    has_keys(&report["cycle_lateness"], &["cycles", "p50_us", "p99_us", "max_us"]);
+    has_keys(&report["cycle_lateness"], "cycles p50_us p99_us max_us");
     // One at the begin, and one per millisecond.
     let cycles = number(&report["cycle_lateness"]["cycles"]) - 1.0;
     assert!((cycles - 1e3 * number(&report["executed_s"])).abs() < 0.5, "{cycles}");
@@ -307,32 +351,24 @@ fn a_run_reports_errors_of_twin_and_drives() {
     let desk = Desk::new();
     desk.write("short.cnc", SHORT);
     let run = |drives: &str| {
-        let done = desk.twin(&[
-            "run",
-            "short.cnc",
-            "-m",
-            "machine.toml",
-            "--drives",
-            drives,
-            "--report",
-            "r.json",
-        ]);
+        let done =
+            desk.twin(&format!("run short.cnc -m machine.toml --drives {drives} --report r.json"));
         done.ended(0, "short.cnc is read as din66025");
         assert!(done.stdout.contains("fit for the machine") && done.stdout.contains("tool, twin"));
         let report = desk.read("r.json");
-        let predicted = if drives == "none" { &[][..] } else { &[PREDICTED] };
-        is_check(&report, "short.cnc", &[&RUN_KEYS[..], &[MOTOR_LOAD], predicted].concat());
+        let predicted = if drives == "none" { "" } else { PREDICTED };
+        is_check(&report, "short.cnc", &format!("{RUN_KEYS} {MOTOR_LOAD} {predicted}"));
         assert_eq!(
             (&report["completed"], &report["stopped_because"]),
             (&true.into(), &Value::Null)
         );
         assert_eq!(report["executed_s"], report["duration_s"]);
-        has_keys(&report["tool_error_mm"], &["twin", "drives", "drives_against_twin"]);
-        has_keys(&report["axis_error"], &["X", "Y", "Z"]);
+        has_keys(&report["tool_error_mm"], "twin drives drives_against_twin");
+        has_keys(&report["axis_error"], "X Y Z");
         report
     };
     let errors = |value: &Value| {
-        has_keys(value, &["max", "rms", "line", "block"]);
+        has_keys(value, "max rms line block");
         let (max, rms) = (number(&value["max"]), number(&value["rms"]));
         assert!(max > 0.0 && rms > 0.0 && rms <= max, "{value}");
         let line = value["line"].as_u64().expect("a line");
@@ -358,18 +394,9 @@ fn an_exceeded_tolerance_is_status_1_with_the_report() {
     let desk = Desk::new();
     desk.write("short.cnc", SHORT);
     let run = |tolerance: &str| {
-        desk.twin(&[
-            "run",
-            "short.cnc",
-            "-m",
-            "machine.toml",
-            "--drives",
-            "none",
-            "--report",
-            "r.json",
-            "--tolerance",
-            tolerance,
-        ])
+        desk.twin(&format!(
+            "run short.cnc -m machine.toml --drives none --report r.json --tolerance {tolerance}"
+        ))
     };
     run("0.000001").ended(1, "the tolerance is 0.000001 mm");
     let report = desk.read("r.json");
@@ -385,21 +412,12 @@ fn an_exceeded_tolerance_is_status_1_with_the_report() {
 fn an_unfit_program_moves_nothing_and_is_reported() {
     let desk = Desk::new();
     desk.write("unfit.cnc", UNFIT);
-    let done = desk.twin(&[
-        "run",
-        "unfit.cnc",
-        "-m",
-        "machine.toml",
-        "--report",
-        "r.json",
-        "--record",
-        "r.rrd",
-    ]);
+    let done = desk.twin("run unfit.cnc -m machine.toml --report r.json --record r.rrd");
     done.ended(1, "axis-velocity");
     assert!(done.stdout.contains("NOT fit for the machine"));
     assert!(!done.stderr.contains("emulated InterpCNC"), "{}", done.stderr);
     let report = desk.read("r.json");
-    is_check(&report, "unfit.cnc", &[&RUN_KEYS[..], &[PREDICTED]].concat());
+    is_check(&report, "unfit.cnc", &format!("{RUN_KEYS} {PREDICTED}"));
     assert_eq!((&report["completed"], &report["executed_s"]), (&false.into(), &0.0.into()));
     assert_eq!(report["tool_error_mm"]["twin"], Value::Null);
 }
@@ -411,9 +429,10 @@ fn what_cannot_be_carried_out_is_status_2() {
     desk.write("short.xyz", "no program");
     std::fs::create_dir(desk.path("folder.cnc")).expect("made");
     let run = |program: &str, machine: &str| {
-        desk.twin(&["run", program, "--machine", machine, "--drives", "none"])
+        desk.twin(&format!("run {program} --machine {machine} --drives none"))
     };
-    let check = |program: &str, machine: &str| desk.twin(&["check", program, "--machine", machine]);
+    let check =
+        |program: &str, machine: &str| desk.twin(&format!("check {program} --machine {machine}"));
     for twin in [&run as &dyn Fn(&str, &str) -> Done, &check] {
         twin("missing.cnc", "machine.toml").ended(2, "cannot read program missing.cnc");
         twin("missing", "machine.toml").ended(2, "cannot read program missing");
@@ -423,15 +442,14 @@ fn what_cannot_be_carried_out_is_status_2() {
         twin("short.cnc", ".").ended(2, "directory");
         twin("short.xyz", "machine.toml").ended(2, "--dialect");
     }
-    desk.twin(&["run", "short.cnc", "-m", "machine.toml", "--no-such-option"])
-        .ended(2, "--no-such-option");
-    desk.twin(&["run", "short.cnc"]).ended(2, "--machine");
-    desk.twin(&["check", "-m", "machine.toml"]).ended(2, "PROGRAM");
-    desk.twin(&["nonsense"]).ended(2, "nonsense");
-    desk.twin(&[]).ended(2, "Usage");
-    desk.twin(&["run", "short.cnc", "-m", "machine.toml", "--drives", "real"])
+    desk.twin("run short.cnc -m machine.toml --no-such-option").ended(2, "--no-such-option");
+    desk.twin("run short.cnc").ended(2, "--machine");
+    desk.twin("check -m machine.toml").ended(2, "PROGRAM");
+    desk.twin("nonsense").ended(2, "nonsense");
+    desk.twin("").ended(2, "Usage");
+    desk.twin("run short.cnc -m machine.toml --drives real")
         .ended(2, "device `board`: /dev/ttyUSB0, address 1: opening the port");
-    let help = desk.twin(&["--help"]);
+    let help = desk.twin("--help");
     assert_eq!(help.status, Some(0));
     assert!(help.stdout.contains("Exit status"));
 }
@@ -443,7 +461,7 @@ fn files_that_cannot_be_written_are_noticed_before_anything_runs() {
     for (option, file) in
         [("--report", "missing/r.json"), ("--record", "missing/r.rrd"), ("--report", ".")]
     {
-        let done = desk.twin(&["run", "short.cnc", "-m", "machine.toml", option, file]);
+        let done = desk.twin(&format!("run short.cnc -m machine.toml {option} {file}"));
         done.ended(2, file);
         assert!(!done.stdout.contains("ran "), "it ran first:\n{}", done.stdout);
         assert!(!done.stderr.contains("emulated InterpCNC"), "the drives moved:\n{}", done.stderr);
@@ -455,65 +473,55 @@ fn a_program_that_cannot_be_read_does_not_keep_others_from_being_checked() {
     let desk = Desk::new();
     desk.write("short.cnc", SHORT);
     desk.write("unfit.cnc", UNFIT);
-    let check = |programs: &[&str]| {
-        desk.twin(&[&["check"], programs, &["-m", "machine.toml", "--format", "json"]].concat())
-    };
-    let reports = |done: &Done| -> Vec<Value> {
-        done.stdout
-            .lines()
-            .map(|line| serde_json::from_str(line).expect("an object per line"))
-            .collect()
-    };
-    let done = check(&["short.cnc", "missing.cnc", "unfit.cnc"]);
+    let check =
+        |programs: &str| desk.twin(&format!("check {programs} -m machine.toml --format json"));
+    let done = check("short.cnc missing.cnc unfit.cnc");
     done.ended(2, "cannot read program missing.cnc");
-    let found = reports(&done);
+    let found = done.rows();
     assert_eq!(found.len(), 2, "{}", done.stdout);
-    is_check(&found[0], "short.cnc", &[PREDICTED]);
-    is_check(&found[1], "unfit.cnc", &[PREDICTED]);
+    is_check(&found[0], "short.cnc", PREDICTED);
+    is_check(&found[1], "unfit.cnc", PREDICTED);
     let predicted = &found[0][PREDICTED];
-    has_keys(predicted, &["tool_mm", "axes", "devices"]);
-    has_keys(&predicted["tool_mm"], &["max", "rms", "line", "block"]);
-    has_keys(&predicted["axes"]["X"], &["unit", "device", "limit", "max", "rms", "line", "block"]);
-    let rates = ["family", "commands_per_s", "samples_per_s", "exchanges_per_s"];
-    has_keys(&predicted["devices"]["board"], &rates);
-    let done = check(&["unfit.cnc", "short.cnc"]);
-    let found = reports(done.ended(1, ""));
+    has_keys(predicted, "tool_mm axes devices");
+    has_keys(&predicted["tool_mm"], "max rms line block");
+    has_keys(&predicted["axes"]["X"], "unit device limit max rms line block");
+    let rates = "family commands_per_s samples_per_s exchanges_per_s";
+    has_keys(&predicted["devices"]["board"], rates);
+    let found = check("unfit.cnc short.cnc").ended(1, "").rows();
     assert_eq!(
         (&found[0]["program"], &found[1]["program"]),
         (&"unfit.cnc".into(), &"short.cnc".into())
     );
-    assert_eq!(reports(check(&["short.cnc"]).ended(0, "")).len(), 1);
+    assert_eq!(check("short.cnc").ended(0, "").rows().len(), 1);
 }
 
 #[test]
 fn findings_carry_what_the_contract_promises() {
     let desk = Desk::new();
     desk.write("wrong.cnc", "% wrong\nN10 G1 X300 F500 E2000 E-2000\nG1 Z-200 F10\nN30 C5\n");
-    let done =
-        desk.twin(&["check", "wrong.cnc", "-m", "machine.toml", "--format", "json", "--physics"]);
-    done.ended(1, "");
-    let report: Value = serde_json::from_str(&done.stdout).expect("one object");
-    is_check(&report, "wrong.cnc", &[MOTOR_LOAD, PREDICTED]);
-    has_keys(&report["peak"]["X"]["following_error"], &["value", "limit", "line", "block"]);
+    let report =
+        desk.twin("check wrong.cnc -m machine.toml --format json --physics").ended(1, "").object();
+    is_check(&report, "wrong.cnc", &format!("{MOTOR_LOAD} {PREDICTED}"));
+    has_keys(&report["peak"]["X"]["following_error"], "value limit line block");
     let found = report["findings"].as_array().expect("a list");
     let of = |rule: &str| {
         let fits = |finding: &&Value| finding["rule"] == rule;
         found.iter().find(fits).unwrap_or_else(|| panic!("no {rule} in {found:#?}"))
     };
-    let always = ["rule", "severity", "line", "block", "message"];
+    let always = "rule severity line block message";
     let velocity = of("axis-velocity");
-    let values = ["axis", "value", "limit", "unit"];
-    has_keys(velocity, &[&always[..], &values, &["largest_feed_mm_per_s"]].concat());
+    let values = "axis value limit unit";
+    has_keys(velocity, &format!("{always} {values} largest_feed_mm_per_s"));
     assert_eq!((&velocity["severity"], &velocity["line"]), (&"error".into(), &2.into()));
     assert_eq!((&velocity["block"], &velocity["axis"]), (&10.into(), &"X".into()));
     assert_eq!((number(&velocity["limit"]), &velocity["unit"]), (400.0, &"mm/s".into()));
     assert!((number(&velocity["value"]) - 500.0).abs() < 1e-6);
     assert!((number(&velocity["largest_feed_mm_per_s"]) - 400.0).abs() < 1e-6);
     let position = of("axis-position");
-    has_keys(position, &[&always[..], &values].concat());
+    has_keys(position, &format!("{always} {values}"));
     assert_eq!((&position["line"], &position["block"]), (&3.into(), &Value::Null));
     let word = of("unsupported-word");
-    has_keys(word, &always);
+    has_keys(word, always);
     assert_eq!(word["block"], 30);
 }
 
@@ -522,7 +530,7 @@ fn whoever_stops_reading_stops_the_output_without_a_panic() {
     let desk = Desk::new();
     desk.write("wrong.cnc", &format!("% wrong\n{}", "N10 C5\n".repeat(900)));
     let mut child = desk
-        .command(&["check", "wrong.cnc", "-m", "machine.toml", "--format", "json"])
+        .command("check wrong.cnc -m machine.toml --format json")
         .spawn()
         .expect("the binary starts");
     drop(child.stdout.take());
@@ -536,15 +544,14 @@ fn whoever_stops_reading_stops_the_output_without_a_panic() {
 #[test]
 fn an_axis_that_is_lost_in_a_run_is_an_error() {
     let desk = Desk::new();
-    let machine =
-        std::fs::read_to_string(root().join("machines/scara2.toml")).expect("it is shipped");
+    let machine = shipped("machines/scara2.toml");
     let weak = machine.replace("max_force_n = 400.0", "max_force_n = 5.0");
     assert_ne!(weak, machine);
     desk.write("weak.toml", &weak);
     desk.write("up.cnc", "% up\nN10 G1 Z30 F50\n");
-    let arguments = ["--machine", "weak.toml", "--drives", "none", "--report", "report.json"];
-    let done = desk.twin(&[&["run", "up.cnc"][..], &arguments].concat());
-    assert_eq!(done.status, Some(1), "{}", done.stderr);
+    let arguments = "--machine weak.toml --drives none --report report.json";
+    let done = desk.twin(&format!("run up.cnc {arguments}"));
+    done.ended(1, "");
     assert!(done.stderr.contains("following-error"), "{}", done.stderr);
     assert_eq!(desk.read("report.json")["findings"][0]["rule"], "following-error");
 }
@@ -554,16 +561,14 @@ fn an_axis_that_is_lost_in_a_run_is_an_error() {
 fn axes_are_logged_and_their_maxima_reported() {
     let desk = Desk::new();
     desk.write("short.cnc", SHORT);
-    let run = |drives: &str, more: &[&str]| {
-        let run =
-            ["run", "short.cnc", "-m", "machine.toml", "--drives", drives, "--report", "r.json"];
-        desk.twin(&[&run, more].concat())
+    let run = |drives: &str, more: &str| {
+        let run = format!("run short.cnc -m machine.toml --drives {drives} --report r.json");
+        desk.twin(&format!("{run} {more}"))
     };
     let log = "X=set-position,act-position,set-velocity:x.log";
-    let done =
-        run("none", &["--log-axis", log, "--log-axis", "Y=all:y.log", "--tracking-error", "2"]);
-    done.ended(0, "");
-    let text = std::fs::read_to_string(desk.path("x.log")).expect("it was written");
+    run("none", &format!("--log-axis {log} --log-axis Y=all:y.log --tracking-error 2"))
+        .ended(0, "");
+    let text = desk.text("x.log");
     let records: Vec<Vec<f64>> = text
         .split_terminator("\r\n")
         .map(|record| record.split('\t').map(|value| value.parse().expect("a number")).collect())
@@ -578,13 +583,10 @@ fn axes_are_logged_and_their_maxima_reported() {
     assert!((largest(0) - 10.0).abs() < 1e-3 && (largest(1) - 10.0).abs() < 0.1);
     let peak = number(&report["peak"]["X"]["velocity"]["value"]);
     assert!((largest(2) - peak).abs() < 0.01 * peak, "{}, {peak}", largest(2));
-    let y = std::fs::read_to_string(desk.path("y.log")).expect("it was written");
+    let y = desk.text("y.log");
     assert!(y.split_terminator("\r\n").all(|record| record.split('\t').count() == 6));
     let maxima = &report["axis_maxima"]["X"];
-    has_keys(
-        maxima,
-        &["unit", "dead_time_cycles", "tracking_error", "set_velocity", "set_acceleration"],
-    );
+    has_keys(maxima, "unit dead_time_cycles tracking_error set_velocity set_acceleration");
     assert_eq!(maxima["dead_time_cycles"], 2);
     assert!((number(&maxima["set_velocity"]["max"]) - peak).abs() < 1e-6);
     assert!((number(&maxima["set_acceleration"]["max"]) - 500.0).abs() < 1e-6);
@@ -593,11 +595,9 @@ fn axes_are_logged_and_their_maxima_reported() {
     let tracking = number(&maxima["tracking_error"]["max"]);
     assert!((tracking - 0.002 * peak).abs() <= off + 1e-9, "{tracking}, {peak}, {off}");
 
-    let done = run("emulated", &["--log-axis", "X=all:x.log", "--tracking-error"]);
-    done.ended(0, "");
+    run("emulated", "--log-axis X=all:x.log --tracking-error").ended(0, "");
     let report = desk.read("r.json");
-    let records =
-        std::fs::read_to_string(desk.path("x.log")).expect("it was written").lines().count();
+    let records = desk.text("x.log").lines().count();
     #[expect(clippy::cast_precision_loss, reason = "hundreds")]
     let records = records as f64;
     assert!((records - number(&report["drive_samples"]["count"])).abs() <= 1.0, "{records}");
@@ -605,16 +605,16 @@ fn axes_are_logged_and_their_maxima_reported() {
     let off = number(&report["axis_error"]["X"]["drives"]["max"]);
     assert!((tracking - off).abs() < 1e-9, "{tracking}, {off}");
 
-    run("none", &["--log-axis", "Q=all:q.log"]).ended(2, "there is no axis `Q`; there are X, Y, Z");
-    run("none", &["--log-axis", "X=speed:q.log"]).ended(2, "`speed` is none of all, set-position");
-    run("none", &["--log-axis", "X"]).ended(2, "expected AXIS=VALUES:FILE");
+    run("none", "--log-axis Q=all:q.log").ended(2, "there is no axis `Q`; there are X, Y, Z");
+    run("none", "--log-axis X=speed:q.log").ended(2, "`speed` is none of all, set-position");
+    run("none", "--log-axis X").ended(2, "expected AXIS=VALUES:FILE");
 }
 
 /// Twice the 400 mm/s of X, in every other line: the first is shown, with what to do about it and where else it is.
 #[test]
 fn a_rapid_that_is_too_fast_teaches_its_key_once() {
     let desk = Desk::new();
-    let machine = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
+    let machine = desk.text("machine.toml");
     let (rapid, slow) = ("rapid_velocity_mm_per_s = 800.0", "rapid_velocity_mm_per_s = 150.0");
     assert!(machine.contains(slow));
     // As hard as need be, so that it comes up to speed.
@@ -624,13 +624,12 @@ fn a_rapid_that_is_too_fast_teaches_its_key_once() {
     );
     desk.write("fast.toml", &machine);
     desk.write("rapids.ngc", "G0 X300\nG1 X290 F600\nG0 X10\nG1 X20 F600\nG0 X320\nM2\n");
-    let done = desk.twin(&["check", "rapids.ngc", "-m", "fast.toml"]);
+    let done = desk.twin("check rapids.ngc -m fast.toml");
     done.ended(1, "line 1: axis X: velocity");
     done.ended(1, "`rapid_velocity_mm_per_s` in [rs274] of the machine file says: 800 mm/s");
     done.ended(1, "… and in 2 more lines: 3, 5");
     assert_eq!(done.stderr.matches("axis X: velocity").count(), 1, "{}", done.stderr);
-    let done = desk.twin(&["check", "rapids.ngc", "-m", "fast.toml", "--format", "json"]);
-    let report: Value = serde_json::from_str(&done.stdout).expect("one object");
+    let report = desk.twin("check rapids.ngc -m fast.toml --format json").object();
     let findings = report["findings"].as_array().expect("a list").iter();
     assert_eq!(findings.filter(|found| found["rule"] == "axis-velocity").count(), 3);
 }
@@ -639,15 +638,12 @@ fn a_rapid_that_is_too_fast_teaches_its_key_once() {
 #[test]
 fn a_machine_shows_its_motors_and_wires() {
     let desk = Desk::new();
-    let motors = crate::root().join("machines/gantry3_motors.toml");
-    let text = std::fs::read_to_string(motors).expect("it is shipped");
+    let text = shipped("machines/gantry3_motors.toml");
     desk.write("motors.toml", &(text + "\n[payload]\nmass_kg = 0.5\n"));
-    let shown = desk.twin(&["machine", "motors.toml"]);
+    let shown = desk.twin("machine motors.toml");
     shown.ended(0, "");
-    for words in ["step motor, ", "servo, ", "payload: 0.5 kg at (0, 0, "] {
-        assert!(shown.stdout.contains(words), "{words} is not in\n{}", shown.stdout);
-    }
-    let shown = desk.twin(&["machine", "machine.toml"]).stdout;
+    shown.says_all(&["step motor, ", "servo, ", "payload: 0.5 kg at (0, 0, "]);
+    let shown = desk.twin("machine machine.toml").stdout;
     assert!(shown.contains("its wire carries 87 commands/s, 29 samples/s at most"), "{shown}");
     assert!(shown.contains("600 N") && shown.contains("payload: none"), "{shown}");
 }

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 /// The points of the prepared cuts of a program, mm.
 fn cuts(desk: &Desk, program: &str) -> Vec<[[f64; 2]; 2]> {
-    let done = desk.twin(&["path", program, "--prepare"]);
+    let done = desk.twin(&format!("path {program} --prepare"));
     done.ended(0, "");
     let rows = done.stdout.lines().map(|line| serde_json::from_str::<Value>(line).expect("JSON"));
     let point = |row: &Value, key: &str| [0, 1].map(|axis| number(&row[key][axis]));
@@ -16,8 +16,8 @@ fn cuts(desk: &Desk, program: &str) -> Vec<[[f64; 2]; 2]> {
 }
 
 fn check(desk: &Desk, program: &str, status: i32) -> Value {
-    let done = desk.twin(&["check", program, "-m", "machine.toml", "--format", "json"]);
-    serde_json::from_str(&done.ended(status, "").stdout).expect("JSON")
+    let done = desk.twin(&format!("check {program} -m machine.toml --format json"));
+    done.ended(status, "").object()
 }
 
 /// Rule, severity and line of every finding.
@@ -80,8 +80,8 @@ fn sections_of_preparation() {
         assert!((cut - wanted).abs() < 1e-6, "{cuts:?}");
     }
     desk.write("overlap.cnc", &text("N50 (still on)"));
-    let done = desk.twin(&["path", "overlap.cnc", "--prepare"]);
-    done.ended(1, "line 9 (N80): tool radius correction and smoothing cannot be combined");
+    desk.twin("path overlap.cnc --prepare")
+        .ended(1, "line 9 (N80): tool radius correction and smoothing cannot be combined");
 }
 
 /// A second % ends the program; what follows is not part of it.
@@ -114,23 +114,16 @@ fn texts_of_other_systems() {
     desk.write("p.ngc", "G21 G90\nG1 X10 F600\nM2\n");
     desk.write("d.dxf", drawing);
     desk.write("cam.csv", "0;0\n10;5\n20;10\n");
-    let cases: [(&str, &[&str]); 5] = [
-        ("p.cnc", &["check", "FILE", "-m", "machine.toml", "--format", "json"]),
-        ("p.ngc", &["check", "FILE", "-m", "machine.toml", "--format", "json"]),
-        ("d.dxf", &["path", "FILE"]),
-        ("cam.csv", &["cam", "sample", "FILE"]),
-        ("machine.toml", &["machine", "FILE", "--format", "json"]),
-    ];
-    for (file, arguments) in cases {
+    for (file, command) in [
+        ("p.cnc", "check FILE -m machine.toml --format json"),
+        ("p.ngc", "check FILE -m machine.toml --format json"),
+        ("d.dxf", "path FILE"),
+        ("cam.csv", "cam sample FILE"),
+        ("machine.toml", "machine FILE --format json"),
+    ] {
         let other = format!("other-{file}");
-        let with = |name: &str| -> Vec<String> {
-            arguments.iter().map(|argument| argument.replace("FILE", name)).collect()
-        };
-        let run = |name: &str| {
-            let arguments = with(name);
-            desk.twin(&arguments.iter().map(String::as_str).collect::<Vec<_>>())
-        };
-        let text = std::fs::read_to_string(desk.path(file)).expect("it was written");
+        let run = |name: &str| desk.twin(&command.replace("FILE", name));
+        let text = desk.text(file);
         let plain = run(file);
         let status = plain.status.expect("it ended by itself");
         assert!(status < 2, "{}", plain.stderr);
@@ -147,17 +140,17 @@ fn texts_of_other_systems() {
 fn lengths_are_millimetres() {
     let desk = Desk::new();
     desk.write("turn.cnc", "%\nN10 G1 X10 F50 E500 E-500\nN20 G1 P90\n");
-    let info = desk.twin(&["path", "turn.cnc", "--format", "info"]);
-    let line = "length           10.000 mm (0.000 rapid, 10.000 cut)";
-    assert!(info.ended(0, "").stdout.contains(line), "{}", info.stdout);
-    let rows = desk.twin(&["path", "turn.cnc"]);
+    desk.twin("path turn.cnc --format info")
+        .ended(0, "")
+        .says("length           10.000 mm (0.000 rapid, 10.000 cut)");
+    let rows = desk.twin("path turn.cnc");
     let last: Value =
         serde_json::from_str(rows.stdout.lines().last().expect("rows")).expect("JSON");
     assert_eq!((number(&last["length_mm"]), number(&last["extra"]["P"][1])), (0.0, 90.0));
     let text = "%\nN10 G41 D5\nN20 G1 X50 F50\nN30 D4.1\nN40 G1 Y50\n";
     desk.write("radius.cnc", text);
     let said = "the tool radius changes from 5 mm to 4.1 mm within tool radius correction";
-    desk.twin(&["path", "radius.cnc", "--prepare"]).ended(1, said);
+    desk.twin("path radius.cnc --prepare").ended(1, said);
 }
 
 /// A check says first whether the program is fit, and how many findings there are.
@@ -167,7 +160,7 @@ fn the_verdict_comes_first() {
     desk.write("fit.cnc", "%\nN10 G1 X10 F50 E500 E-500\n");
     desk.write("unfit.cnc", "%\nN10 G1 X300 F500 E2000 E-2000\n");
     let first = |program: &str, status: i32| {
-        let done = desk.twin(&["check", program, "-m", "machine.toml"]);
+        let done = desk.twin(&format!("check {program} -m machine.toml"));
         done.ended(status, "").stdout.lines().next().expect("a line").to_owned()
     };
     assert_eq!(first("fit.cnc", 0), "fit.cnc: fit for the machine: 0 errors, 0 warnings");
@@ -181,14 +174,14 @@ fn the_verdict_comes_first() {
 fn lost_answers_are_a_line_behind_v() {
     let desk = Desk::new();
     desk.write("slow.cnc", "%\nN10 G1 X40 F20 E500 E-500\n");
-    let run = |more: &[&str]| {
-        let done = desk.twin(&[&["check", "slow.cnc", "-m", "machine.toml"], more].concat());
+    let run = |more: &str| {
+        let done = desk.twin(&format!("check slow.cnc -m machine.toml {more}"));
         done.ended(0, "");
         let lines = done.stdout.lines().filter(|line| line.contains("lost answer"));
         lines.map(str::to_owned).collect::<Vec<_>>()
     };
-    assert!(run(&[]).is_empty());
-    let said = run(&["-v"]);
+    assert!(run("").is_empty());
+    let said = run("-v");
     let [line] = &said[..] else { panic!("{said:?}") };
     assert!(line.contains("up to 750 ms: X 15.00 mm (limit 0.50, line 2)"), "{line}");
 }
@@ -198,7 +191,7 @@ fn lost_answers_are_a_line_behind_v() {
 #[test]
 fn a_deceleration_has_its_own_limit() {
     let desk = Desk::new();
-    let text = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
+    let text = desk.text("machine.toml");
     let key = "max_acceleration_mm_per_s2 = 3000.0";
     assert!(text.contains(key));
     let own = format!("{key}\nmax_deceleration_mm_per_s2 = 1500.0");
@@ -219,10 +212,7 @@ fn a_deceleration_has_its_own_limit() {
     assert_eq!(report["peak"]["Y"]["deceleration"], Value::Null);
     assert!(found(&check(&desk, "soft.cnc", 0)).is_empty());
     // Plans within the limits of the axes speed up with E2000 and slow down with the deceleration of the axis.
-    let limits =
-        ["check", "hard.cnc", "-m", "machine.toml", "--limits", "axes", "--format", "json"];
-    let report: Value =
-        serde_json::from_str(&desk.twin(&limits).ended(0, "").stdout).expect("JSON");
+    let report = check(&desk, "hard.cnc --limits axes", 0);
     for (key, most) in [("acceleration", 2000.0), ("deceleration", 1500.0)] {
         let value = number(&report["peak"]["X"][key]["value"]);
         assert!((most * 0.999..=most * 1.001).contains(&value), "{key}: {value}");
@@ -230,14 +220,8 @@ fn a_deceleration_has_its_own_limit() {
     // 200 mm at 100 mm/s, with ramps of 100/2000 s and 100/1500 s.
     let takes = 2.0 + 0.5 * (100.0 / 2000.0 + 100.0 / 1500.0);
     assert!((number(&report["duration_s"]) - takes).abs() < 2e-3, "{}", report["duration_s"]);
-    let machine = desk.twin(&["machine", "machine.toml"]);
-    assert!(
-        machine.ended(0, "").stdout.contains("3000.0 mm/s², braking 1500.0"),
-        "{}",
-        machine.stdout
-    );
-    let machine = desk.twin(&["machine", "machine.toml", "--format", "json"]);
-    let axes: Value = serde_json::from_str(&machine.ended(0, "").stdout).expect("JSON");
+    desk.twin("machine machine.toml").ended(0, "").says("3000.0 mm/s², braking 1500.0");
+    let axes = desk.twin("machine machine.toml --format json").ended(0, "").object();
     assert!((number(&axes["axes"][0]["deceleration"]) - 1500.0).abs() < 1e-9, "{axes}");
 }
 
@@ -251,7 +235,7 @@ fn ambiguous_paths_by_position() {
             "a.cnc",
             &format!("%\nN10 G92 X0 Y0\nN20 G1 X10 Y5 F20\n{middle}\nN40 G1 X30 Y20\n"),
         );
-        desk.twin(&["path", "a.cnc", "--format", "setpoints", "--by-position", "x.txt"])
+        desk.twin("path a.cnc --format setpoints --by-position x.txt")
     };
     program("N30 G1 X20 Y10").ended(0, "");
     assert!(!program("N30 G1 X20 Y10").stderr.contains("ambiguous-position"));
@@ -259,9 +243,6 @@ fn ambiguous_paths_by_position() {
         ("N30 G1 X7 Y10", "X goes back by 3.000 mm"),
         ("N30 G1 Y10", "X stays here while the path goes on by 5.000 mm"),
     ] {
-        let done = program(middle);
-        done.ended(0, "ambiguous-position");
-        done.ended(0, "line 4 (N30)");
-        done.ended(0, said);
+        program(middle).ended(0, "ambiguous-position").ended(0, "line 4 (N30)").ended(0, said);
     }
 }

@@ -1,7 +1,8 @@
 //! `twin run --drives real` on emulators in this process as the real devices, whose own state proves the result.
 
-use crate::process::{Desk, number};
-use crate::shop::{SHORT, Shop, a_board, clock, listens, mixture};
+use crate::drive::clock;
+use crate::process::{BINARY, Desk, number};
+use crate::shop::{SHORT, Shop, a_board, listens, mixture};
 use serde_json::Value;
 use std::io::Write;
 use std::process::{Command, Stdio};
@@ -36,7 +37,7 @@ fn a_mixture_of_all_three_families_runs_to_its_end() {
     shop.by_hand("interpcnc", "board", "move X 3200 --speed 8000 --yes");
     let done = shop.homed("short.cnc", "--report run.json -v");
     done.ended(0, "axis U is home");
-    for said in [
+    done.ended(0, "").reports(&[
         "✓ connected: SmartDRIVE, address 1, firmware 1.2.0",
         "✓ the ENABLE input is closed",
         "✓ axis Z: the device's software limits are -60.0000 … 120.0000 mm",
@@ -49,9 +50,7 @@ fn a_mixture_of_all_three_families_runs_to_its_end() {
         "360.0 mm at most 5.0 mm/s 0.000 mm 25.0 mm/s 32.7 mm/s",
         // A deadline of 2 s, and twice that until no late answer can come any more.
         "note: one lost answer of a real drive stops the run; device `board` takes up to 6000 ms: X 244.95 mm (limit 100.00, line",
-    ] {
-        done.ended(0, said);
-    }
+    ]);
     let report = shop.desk.read("run.json");
     assert_eq!(report["completed"], true);
     is_as_predicted(&report, &["X", "Y", "Z", "U"]);
@@ -71,7 +70,7 @@ fn every_check_that_fails_is_told_with_what_was_found_and_what_is_wanted() {
     let text = mixture(&shop.desk);
     shop.desk.write("mixture.toml", &text.replace("\"1.2.0\"", "\"1.3.0\""));
     let done = shop.run("short.cnc", "--homed --yes");
-    for said in [
+    done.ended(2, "").reports(&[
         "✗ device `board`: InterpCNC at board, address 1: the ENABLE input is open; closed is wanted",
         "(zero-after-homing) is 0; 1 is wanted",
         "✗ device `bus`: address 1: the firmware is 1.2.0; 1.3.0 is wanted",
@@ -85,9 +84,7 @@ fn every_check_that_fails_is_told_with_what_was_found_and_what_is_wanted() {
         "or `position_min_mm` and `position_max_mm` of axis Z in mixture.toml",
         "help: release the emergency stop",
         "start-up checks have failed: nothing has moved",
-    ] {
-        done.ended(2, said);
-    }
+    ]);
     // What makes them count is said once for the drive, and once for the module.
     for (device, word) in [("smartdrive", "save"), ("bim2ax", "reset")] {
         let saving = |line: &&str| {
@@ -121,15 +118,13 @@ fn a_board_with_other_ramps_than_its_segments_moves_nothing() {
     shop.desk.write("mixture.toml", &text.replace(of_board, &buffered));
     shop.by_hand("interpcnc", "board", "set zero-after-homing 0");
     let done = shop.homed("short.cnc", "");
-    for said in [
+    done.ended(2, "").reports(&[
         "✗ device `board`: parameter 4 (default-acceleration) is 50 × 1000 steps/s²; 2000 × 1000 steps/s² is wanted",
         "✗ device `board`: parameter 5 (default-start-stop) is 200 steps/s; 2000 steps/s is wanted",
         "or `acceleration_khz_per_s = 50` of [[drives]] \"board\" in mixture.toml",
         "or `start_stop_hz = 200` of [[drives]] \"board\" in mixture.toml",
         "start-up checks have failed: nothing has moved",
-    ] {
-        done.ended(2, said);
-    }
+    ]);
     shop.copy_commands(&done);
     shop.homed("short.cnc", "").ended(0, "✓ parameters: 4 of 4 as the machine file has them");
     shop.at_rest();
@@ -169,29 +164,23 @@ fn ports_that_others_have_are_named() {
     let shop = Shop::new();
     let other = mixture(&shop.desk).replace("port = \"module\"", "port = \"none\"");
     shop.desk.write("other.toml", &other);
-    let run = Shop::arguments("long.cnc", "--homed --home=U --yes");
-    let done = shop.desk.meanwhile("-INT", "axis U is home", &run, || {
-        let run = ["run", "short.cnc", "-m", "other.toml", "--drives", "real", "--homed", "--yes"];
-        let other = shop.desk.twin(&run);
-        other.ended(
-            2,
+    shop.disturbed("-INT", |_| {
+        let run = "run short.cnc -m other.toml --drives real --homed --yes";
+        shop.desk.twin(run).ended(2, "").reports(&[
             "✗ device `board`: board, address 1: opening the port: another program has the port",
-        );
-        other.ended(
-            2,
             "✗ device `bus`: bus, address 1: opening the port: another program has the port",
-        );
-        other.ended(2, "✗ device `module`: none: opening the port: No such file or directory");
-    });
-    done.ended(2, "stopped by the user");
+            "✗ device `module`: none: opening the port: No such file or directory",
+        ]);
+    })
+    .ended(2, "stopped by the user");
 }
 
 #[test]
 fn a_limit_that_is_tighter_than_the_program_is_told() {
     let shop = Shop::new();
     shop.by_hand("smartdrive", "bus", "set Trj_PosMax 1280");
-    let done = shop.homed("short.cnc", "");
-    done.ended(2, "are -60.0000 … 2.0000 mm; the program goes from 0.0000 to 5.0000 mm");
+    shop.homed("short.cnc", "")
+        .ended(2, "are -60.0000 … 2.0000 mm; the program goes from 0.0000 to 5.0000 mm");
     shop.untouched();
 }
 
@@ -199,19 +188,16 @@ fn a_limit_that_is_tighter_than_the_program_is_told() {
 fn what_is_not_known_to_be_homed_does_not_run() {
     let shop = Shop::new();
     let done = shop.run("short.cnc", "--yes --home=U");
-    for said in [
+    done.ended(2, "").reports(&[
         "axis X: whether it is homed is unknown, as its device does not store that; if it is, add --homed",
         "`twin drive interpcnc --port board --address 1 --deadline 2000 home Y --max-stroke 268800` homes it",
         "`twin drive smartdrive --port bus --address 1 --deadline 2000 home` homes it",
         "3 start-up checks have failed",
-    ] {
-        done.ended(2, said);
-    }
+    ]);
     shop.run("short.cnc", "--yes --home=W").ended(2, "no axis `W` has a drive; X, Y, Z, U have");
     // One that has been off has lost its position, whatever the user says.
     shop.by_hand("smartdrive", "bus", "stop --now");
-    let done = shop.homed("short.cnc", "");
-    done.ended(2, "axis Z: not homed: its device has been locked or off");
+    shop.homed("short.cnc", "").ended(2, "axis Z: not homed: its device has been locked or off");
     shop.untouched();
 }
 
@@ -220,11 +206,11 @@ fn what_is_not_known_to_be_homed_does_not_run() {
 fn an_axis_whose_homing_has_failed_is_not_homed_by_word() {
     let shop = Shop::new();
     shop.by_hand("interpcnc", "board", "set home-input-x 7");
-    let board = ["drive", "interpcnc", "--port", "board", "--deadline", "2000"];
-    let home = [&board[..], &["home", "X", "--max-stroke", "100", "--yes"]].concat();
-    shop.desk.twin(&home).ended(2, "homing has failed, axis X");
-    let done = shop.run("short.cnc", "--homed --home=U --yes");
-    done.ended(2, "axis X: not homed: the board says that homing has failed");
+    shop.desk
+        .twin("drive interpcnc --port board --deadline 2000 home X --max-stroke 100 --yes")
+        .ended(2, "homing has failed, axis X");
+    shop.run("short.cnc", "--homed --home=U --yes")
+        .ended(2, "axis X: not homed: the board says that homing has failed");
 }
 
 /// 640 steps/s at 320 steps per mm, by the parameter that homing by hand tells, too.
@@ -244,9 +230,9 @@ fn how_fast_a_board_homes_is_told_before_it_does() {
 #[test]
 fn an_axis_without_a_home_switch_is_not_begun_to_be_homed() {
     let shop = Shop::new();
-    let done = shop.run("short.cnc", "--homed --home=X,U --yes");
-    done.ended(2, "axis X needs homing, and the board has no home switch for it");
-    done.ended(2, "set home-input-x N, where N is its input");
+    shop.run("short.cnc", "--homed --home=X,U --yes")
+        .ended(2, "axis X needs homing, and the board has no home switch for it")
+        .ended(2, "set home-input-x N, where N is its input");
     shop.untouched();
 }
 
@@ -258,10 +244,10 @@ fn devices_that_are_not_there_are_named() {
     let text = mixture(&shop.desk);
     let text = text.replace("port = \"module\"\n", "").replace("station = 1", "station = 2");
     shop.desk.write("mixture.toml", &text);
-    let done = shop.homed("short.cnc", "--report run.json");
-    done.ended(2, "✗ device `bus`: bus, address 1: opening the port");
-    done.ended(2, "✗ mixture.toml: device `module` needs a `port`: its serial port");
-    done.ended(2, "2 start-up checks have failed: nothing has moved");
+    shop.homed("short.cnc", "--report run.json")
+        .ended(2, "✗ device `bus`: bus, address 1: opening the port")
+        .ended(2, "✗ mixture.toml: device `module` needs a `port`: its serial port")
+        .ended(2, "2 start-up checks have failed: nothing has moved");
     let report = shop.desk.read("run.json");
     assert_eq!((&report["completed"], &report["executed_s"]), (&false.into(), &0.0.into()));
     assert_eq!(shop.at_rest(), [Some(0.0), Some(0.0), None, Some(0.0)]);
@@ -276,10 +262,10 @@ fn a_station_that_does_not_answer_is_named() {
         "mixture.toml",
         &text.replacen("answer_deadline_ms = 2000", "answer_deadline_ms = 300", 1),
     );
-    let done = shop.homed("short.cnc", "");
-    done.ended(2, "✗ device `board`: board, address 9: reading parameter");
-    done.ended(2, "no answer within 300 ms");
-    done.ended(2, "help: is the device powered? Are A and B of the line swapped");
+    shop.homed("short.cnc", "")
+        .ended(2, "✗ device `board`: board, address 9: reading parameter")
+        .ended(2, "no answer within 300 ms")
+        .ended(2, "help: is the device powered? Are A and B of the line swapped");
     shop.untouched();
 }
 
@@ -292,8 +278,7 @@ fn nothing_moves_without_a_yes() {
         "nothing has moved, as there is no terminal to ask at; --yes moves without asking",
     );
     // A terminal at which somebody says no.
-    let twin = env!("CARGO_BIN_EXE_twin");
-    let line = format!("{twin} {}", Shop::arguments("short.cnc", "--homed --home=U").join(" "));
+    let line = format!("{BINARY} {}", Shop::real("short.cnc", "--homed --home=U"));
     let mut child = Command::new("script")
         .args(["-qec", &line, "/dev/null"])
         .current_dir(shop.desk.path(""))
@@ -307,8 +292,9 @@ fn nothing_moves_without_a_yes() {
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(said.contains("[y/N]") && said.contains("nothing has moved"), "{said}");
     for option in ["--yes", "--homed", "--home"] {
-        let done = shop.desk.twin(&["run", "short.cnc", "-m", "mixture.toml", option]);
-        done.ended(2, &format!("{option} has no effect without --drives real"));
+        shop.desk
+            .twin(&format!("run short.cnc -m mixture.toml {option}"))
+            .ended(2, &format!("{option} has no effect without --drives real"));
     }
     shop.untouched();
 }
@@ -329,9 +315,8 @@ fn a_home_that_is_nowhere_is_given_up() {
     let narrow = wide.replace("100.0\nposition", "6.0\nposition").replace("100.0\nmax", "6.0\nmax");
     shop.desk.write("mixture.toml", &text.replace(wide, &narrow));
     shop.desk.write("within.cnc", &SHORT.replace("U8", "U4"));
-    let run = Shop::arguments("within.cnc", "--homed --home=U --yes");
-    let done = shop.desk.twin(&run);
-    done.ended(2, "homing axis U: it has gone 21.6 mm and not found its home");
+    let run = Shop::real("within.cnc", "--homed --home=U --yes");
+    shop.desk.twin(&run).ended(2, "homing axis U: it has gone 21.6 mm and not found its home");
     let [x, y, z, u] = shop.at_rest();
     assert_eq!([x, y, z], [Some(0.0); 3]);
     // 320 µsteps per mm; it brakes on its ramp behind that.
@@ -341,7 +326,7 @@ fn a_home_that_is_nowhere_is_given_up() {
 
 /// Two or three axes on devices of one family.
 pub(crate) fn alone(desk: &Desk, family: &str, axes: &[(&str, &str)]) {
-    let text = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
+    let text = desk.text("machine.toml");
     let device = format!("kind = \"{family}\"\nport = \"device\"\nanswer_deadline_ms = 2000");
     let text = text.replace("kind = \"interpcnc\"\nport = \"/dev/ttyUSB0\"", &device);
     let text = axes
@@ -356,9 +341,8 @@ fn a_board_alone_runs_to_its_end() {
     let desk = Desk::new();
     alone(&desk, "interpcnc", &[]);
     let running = a_board(&desk.path("device"));
-    desk.twin(&["drive", "interpcnc", "--port", "device", "--deadline", "2000", "unlock"])
-        .ended(0, "");
-    let run = Shop::arguments("short.cnc", "--homed --yes --report run.json");
+    desk.twin("drive interpcnc --port device --deadline 2000 unlock").ended(0, "");
+    let run = Shop::real("short.cnc", "--homed --yes --report run.json");
     desk.twin(&run).ended(0, "");
     is_as_predicted(&desk.read("run.json"), &["X", "Y", "Z"]);
     let board = running.stop().expect("it runs");
@@ -396,7 +380,7 @@ axis = \"Y\"
 group = 8
 output = 6
 ";
-    let machine = std::fs::read_to_string(desk.path("mixture.toml")).expect("readable");
+    let machine = desk.text("mixture.toml");
     desk.write("mixture.toml", &(machine + outputs));
     desk.write(
         "cam.toml",
@@ -409,21 +393,19 @@ tappets = [{ group = 7, master = 5, passage = \"every\", action = \"invert\" }]
     let program = "% switches\nN10 G1 X10 F5 E50 E-50\nN20 M3\nN30 G1 X0\n";
     desk.write("switches.cnc", program);
     let running = a_board(&desk.path("device"));
-    desk.twin(&["drive", "interpcnc", "--port", "device", "--deadline", "2000", "unlock"])
-        .ended(0, "");
+    desk.twin("drive interpcnc --port device --deadline 2000 unlock").ended(0, "");
     let of_program =
         "M3 of the program switches on outputs 1, 2 and off output 5 of device `board`";
     let of_tappet = "output 4 of device `board` follows tappet 7 of Y";
-    let asked = desk.twin(&Shop::arguments("switches.cnc", "--homed"));
+    let asked = desk.twin(&Shop::real("switches.cnc", "--homed"));
     asked.ended(2, of_program);
     asked.ended(2, of_tappet);
     // M4 and tappet 8 are not in it.
     assert!(!asked.stderr.contains("M4") && !asked.stderr.contains("output 6"), "{}", asked.stderr);
-    let done = desk.twin(&Shop::arguments("switches.cnc", "--homed --yes --report run.json"));
+    let done = desk.twin(&Shop::real("switches.cnc", "--homed --yes --report run.json"));
     done.ended(0, of_program);
     // Three by M3; tappet 7 is passed there and back.
-    let said = "device `board`: outputs switched 5 times, confirmed ";
-    assert!(done.stdout.contains(said), "{}", done.stdout);
+    done.says("device `board`: outputs switched 5 times, confirmed ");
     let late = &desk.read("run.json")["switched_outputs"]["board"];
     assert_eq!(late["count"], 5);
     let [mean, latest] = ["mean_late_ms", "max_late_ms"].map(|key| number(&late[key]));
@@ -450,23 +432,15 @@ fn a_bus_alone_runs_to_its_end() {
     for (address, low, high) in
         [("1", -16_000, 208_000), ("2", -80_000, 144_000), ("3", -38_400, 76_800)]
     {
-        let drive =
-            ["drive", "smartdrive", "--port", "device", "--deadline", "2000", "--address", address];
-        let [low, high] = [("Trj_PosMin", low), ("Trj_PosMax", high)]
-            .map(|(name, value)| format!("set {name} {value}"));
-        for action in [
-            "set Trj_VelMax 2880",
-            "set Trj_AccMax 30000",
-            "set Trj_DecMax 30000",
-            &low,
-            &high,
-            "unlock",
-        ] {
-            let words: Vec<_> = drive.into_iter().chain(action.split(' ')).collect();
-            desk.twin(&words).ended(0, "");
+        let drive = format!("drive smartdrive --port device --deadline 2000 --address {address}");
+        let [low, high] = [("PosMin", low), ("PosMax", high)]
+            .map(|(name, value)| format!("set Trj_{name} {value}"));
+        let fast = ["set Trj_VelMax 2880", "set Trj_AccMax 30000", "set Trj_DecMax 30000"];
+        for action in fast.into_iter().chain([&*low, &*high, "unlock"]) {
+            desk.twin(&format!("{drive} {action}")).ended(0, "");
         }
     }
-    let run = Shop::arguments("short.cnc", "--homed --yes --report run.json");
+    let run = Shop::real("short.cnc", "--homed --yes --report run.json");
     desk.twin(&run).ended(0, "");
     is_as_predicted(&desk.read("run.json"), &["X", "Y", "Z"]);
     let devices = running.stop().expect("it runs");

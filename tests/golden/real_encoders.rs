@@ -1,9 +1,9 @@
 //! Runs whose axes have encoders, declared in the machine file: a held shaft stops all axes.
 
-use crate::process::Desk;
+use crate::drive::clock;
+use crate::process::{Desk, comes};
 use crate::real::alone;
-use crate::shop::{SHORT, Shop, a_board, clock, mixture};
-use std::time::Duration;
+use crate::shop::{SHORT, Shop, a_board, mixture};
 use twin_bim2ax::{EncoderBench, ModuleAxis, emulator as module};
 use twin_drives::Control;
 use twin_interpcnc::{BoardAxis, emulator as board};
@@ -36,26 +36,18 @@ fn a_held_shaft_of_a_board_stops_the_run() {
     declared(&shop.desk, "board", OF_BOARD);
     encoder_on_x(&shop);
     shop.homed("short.cnc", "").ended(0, "");
-    let run = Shop::arguments("long.cnc", "--homed --home=U --yes");
-    let done = shop.desk.meanwhile("-CONT", "axis U is home", &run, || {
-        shop.under_way();
+    let done = shop.disturbed("-CONT", |_| {
         let held = board::Event::Stall(BoardAxis::X, true);
         shop.board.control(Control::Event(held)).expect("it runs");
-        let rests = |_| {
-            std::thread::sleep(Duration::from_millis(10));
-            shop.board.look().expect("it runs").velocity(BoardAxis::Y).abs() < f64::EPSILON
-        };
-        assert!((0..6000).any(rests), "it goes on");
+        comes(|| shop.board.look().expect("it runs").velocity(BoardAxis::Y).abs() < f64::EPSILON);
     });
     done.ended(2, "the drives failed at line 2 (N10): device `board`, axis X: board, address 1: ");
-    for said in [
+    done.ended(2, "").reports(&[
         " steps by its counter and at ",
         " steps by its encoder (",
         "they may be 64 steps apart",
         "Where it is is not known any more",
-    ] {
-        done.ended(2, said);
-    }
+    ]);
     let [_, _, z, u] = shop.at_rest().map(|found| found.expect("it is there"));
     assert!(u > 0.5 && u < 59.0 && z > 0.5 && z < 59.0, "{z} {u}");
 }
@@ -76,35 +68,26 @@ fn a_held_shaft_of_a_module_stops_the_run_and_its_encoder_is_checked_before() {
         module.set_surroundings(&surroundings);
     }
     let done = shop.homed("short.cnc", "");
-    for said in [
+    done.ended(2, "").reports(&[
         "(encoder-definition-1) is 0; a number with the bits 0001h is wanted",
         "set it: twin drive bim2ax --port module --deadline 2000 set encoder-definition-1 1",
         "(divisor-1) is 2000; 4000 is wanted",
         "or `points_per_turn = 2000` of [drives.encoder] of \"module\" in mixture.toml",
         "start-up checks have failed: nothing has moved",
-    ] {
-        done.ended(2, said);
-    }
+    ]);
     shop.copy_commands(&done);
     shop.by_hand("bim2ax", "module", "unlock 1");
     shop.homed("short.cnc", "").ended(0, "");
-    let run = Shop::arguments("long.cnc", "--homed --home=U --yes");
     let held = |on| Control::Event(module::Event::Stall(ModuleAxis::One, on));
-    let done = shop.desk.meanwhile("-CONT", "axis U is home", &run, || {
-        shop.under_way();
+    shop.disturbed("-CONT", |_| {
         shop.module.control(held(true));
-        let rests = |_| {
-            std::thread::sleep(Duration::from_millis(10));
-            shop.board.look().expect("it runs").velocity(BoardAxis::X).abs() < f64::EPSILON
-        };
-        assert!((0..6000).any(rests), "it goes on");
-    });
-    done.ended(2, "the drives failed at line 2 (N10): device `module`, axis U: module: ");
-    done.ended(2, " µsteps by its encoder");
+        comes(|| shop.board.look().expect("it runs").velocity(BoardAxis::X).abs() < f64::EPSILON);
+    })
+    .ended(2, "the drives failed at line 2 (N10): device `module`, axis U: module: ")
+    .ended(2, " µsteps by its encoder");
     // Where it is is not known, whatever the module says of its home.
     shop.module.control(held(false));
-    let done = shop.run("short.cnc", "--homed --yes");
-    done.ended(2, "axis U: not homed");
+    shop.run("short.cnc", "--homed --yes").ended(2, "axis U: not homed");
     shop.homed("short.cnc", "").ended(0, "axis U is home");
     shop.at_rest();
 }
@@ -113,7 +96,7 @@ fn a_held_shaft_of_a_module_stops_the_run_and_its_encoder_is_checked_before() {
 fn a_board_without_an_encoder_is_refused_where_one_is_declared() {
     let desk = Desk::new();
     alone(&desk, "interpcnc", &[]);
-    let text = std::fs::read_to_string(desk.path("mixture.toml")).expect("readable");
+    let text = desk.text("mixture.toml");
     let key = "answer_deadline_ms = 2000\n";
     assert!(text.contains(key));
     desk.write("mixture.toml", &text.replace(key, &format!("{key}\n{OF_BOARD}\n")));
@@ -123,16 +106,16 @@ fn a_board_without_an_encoder_is_refused_where_one_is_declared() {
         ..board::EmulatorOptions::default()
     };
     let running = board::EmulatedBoard::start(&options, clock()).expect("it starts");
-    let unlock = ["drive", "interpcnc", "--port", "device", "--deadline", "2000", "unlock"];
-    desk.twin(&unlock).ended(0, "");
-    let run = Shop::arguments("short.cnc", "--homed --yes");
-    let done = desk.twin(&run);
-    done.ended(2, "✗ device `board`: device, address 1: reading encoder position");
-    done.ended(2, "the device has no encoder: boards have one from V2.1D on");
+    let unlock = "drive interpcnc --port device --deadline 2000 unlock";
+    desk.twin(unlock).ended(0, "");
+    let run = Shop::real("short.cnc", "--homed --yes");
+    desk.twin(&run)
+        .ended(2, "✗ device `board`: device, address 1: reading encoder position")
+        .ended(2, "the device has no encoder: boards have one from V2.1D on");
     running.stop().expect("it runs");
     // The same board from V2.1D on, whose encoder is on no shaft, shows at once that nothing turns it.
     let running = a_board(&desk.path("device"));
-    desk.twin(&unlock).ended(0, "");
+    desk.twin(unlock).ended(0, "");
     desk.twin(&run).ended(2, " steps by its encoder (0 points)");
     running.stop().expect("it runs");
 }
@@ -151,16 +134,14 @@ fn emulated_drives_have_the_encoders_of_the_machine_file() {
         .replace(board, &format!("{board}\n{down}\n"));
     desk.write("mixture.toml", &text);
     desk.write("short.cnc", SHORT);
-    let run = ["run", "short.cnc", "-m", "mixture.toml", "--report", "run.json"];
-    desk.twin(&run).ended(0, "");
+    let run = "run short.cnc -m mixture.toml --report run.json";
+    desk.twin(run).ended(0, "");
     assert_eq!(desk.read("run.json")["completed"], true);
-    let told = desk.twin(&["machine", "mixture.toml"]);
+    let told = desk.twin("machine mixture.toml");
     told.ended(0, "");
-    for said in [
+    told.says_all(&[
         "encoder on axis X: -4 points for 1 increments, 64 apart at most",
         "encoder on axis 1: 4000 points for 3200 increments",
-    ] {
-        assert!(told.stdout.contains(said), "{}", told.stdout);
-    }
-    desk.twin(&["machine", "mixture.toml", "--format", "json"]).ended(0, "");
+    ]);
+    desk.twin("machine mixture.toml --format json").ended(0, "");
 }

@@ -1,5 +1,6 @@
 //! Runs on real drives that are stopped, by the user or by a failure.
 
+use crate::process::comes;
 use crate::shop::{Shop, mixture};
 use std::time::Duration;
 use twin_bim2ax::ModuleAxis;
@@ -15,22 +16,18 @@ fn a_device_that_keeps_silent_stops_all_others_on_the_path() {
     assert!(text.contains(deadline));
     let silent = format!("{deadline}\nlongest_silence_ms = 1000");
     shop.desk.write("mixture.toml", &text.replace(deadline, &silent));
-    let run = Shop::arguments("long.cnc", "--homed --home=U --yes");
-    let done = shop.desk.meanwhile("-CONT", "axis U is home", &run, || {
-        shop.under_way();
+    shop.disturbed("-CONT", |_| {
         shop.board.control(Control::Disconnect(true)).expect("it runs");
         // The others come to rest; the driver of the board goes on asking.
-        let rests = |_| {
-            std::thread::sleep(Duration::from_millis(10));
+        comes(|| {
             let bus = shop.bus.borrow();
             let devices = bus.as_ref().expect("it is there").look().expect("it runs");
             let still = devices[0].motion().1.abs() < f64::EPSILON;
             still && shop.module.module().velocity(ModuleAxis::One).abs() < f64::EPSILON
-        };
-        assert!((0..6000).any(rests), "the others go on");
-    });
-    done.ended(2, "the drives failed at line 2 (N10): device `board` has not answered for");
-    done.ended(2, "(longest_silence_ms = 1000)");
+        });
+    })
+    .ended(2, "the drives failed at line 2 (N10): device `board` has not answered for")
+    .ended(2, "(longest_silence_ms = 1000)");
     let [_, _, z, u] = shop.at_rest().map(|found| found.expect("it is there"));
     // On the straight line of the block, far from its end.
     assert!(u > 0.5 && u < 59.0 && (z - u).abs() < 2.0 / 320.0, "{z} {u}");
@@ -39,9 +36,7 @@ fn a_device_that_keeps_silent_stops_all_others_on_the_path() {
 #[test]
 fn a_device_that_dies_stops_all_others() {
     let shop = Shop::new();
-    let run = Shop::arguments("long.cnc", "--homed --home=U --yes");
-    let done = shop.desk.meanwhile("-CONT", "axis U is home", &run, || {
-        shop.under_way();
+    let done = shop.disturbed("-CONT", |_| {
         drop(shop.bus.borrow_mut().take());
     });
     // How far they come until nobody answers any more is the deadline's business.
@@ -62,13 +57,11 @@ fn a_device_that_dies_stops_all_others() {
 #[test]
 fn a_stop_by_hand_gets_through_to_the_module_of_a_run() {
     let shop = Shop::new();
-    let run = Shop::arguments("long.cnc", "--homed --home=U --yes");
-    let done = shop.desk.meanwhile("-CONT", "axis U is home", &run, || {
-        shop.under_way();
+    shop.disturbed("-CONT", |_| {
         shop.by_hand("bim2ax", "module", "stop");
-    });
-    done.ended(2, "the drives failed at line 2 (N10): ");
-    done.ended(2, "module");
+    })
+    .ended(2, "the drives failed at line 2 (N10): ")
+    .ended(2, "module");
     let [x, _, _, u] = shop.at_rest().map(|found| found.expect("it is there"));
     assert!(x > 1.0 && x < 199.0 && u < 59.0, "{x} {u}");
 }
@@ -77,9 +70,7 @@ fn a_stop_by_hand_gets_through_to_the_module_of_a_run() {
 #[test]
 fn a_run_that_was_frozen_does_not_go_on() {
     let shop = Shop::new();
-    let run = Shop::arguments("long.cnc", "--homed --home=U --yes");
-    let done = shop.desk.meanwhile_of("-CONT", "axis U is home", &run, |process| {
-        shop.under_way();
+    let done = shop.disturbed("-CONT", |process| {
         let send = |signal: &str| {
             let sent = std::process::Command::new("kill").args([signal, process]).status();
             assert!(sent.expect("kill is there").success());
@@ -100,9 +91,10 @@ fn ctrl_c_stops_homing_and_the_approach() {
     // The module looks for its cam until it is told to stop.
     let shop = Shop::new();
     shop.hide_the_cam();
-    let run = Shop::arguments("short.cnc", "--homed --home=U --yes");
-    let done = shop.desk.interrupted("-INT", "home axes, move all", &run);
-    done.ended(2, "stopped by the user while axis U was homed");
+    let run = Shop::real("short.cnc", "--homed --home=U --yes");
+    shop.desk
+        .interrupted("-INT", "home axes, move all", &run)
+        .ended(2, "stopped by the user while axis U was homed");
     let [x, y, z, u] = shop.at_rest();
     assert_eq!([x, y, z], [Some(0.0); 3]);
     assert!(u.expect("it is there") < 0.0);
@@ -110,9 +102,10 @@ fn ctrl_c_stops_homing_and_the_approach() {
     // A long way to the start of the program: 300 mm with 100 mm/s.
     let shop = Shop::new();
     shop.desk.write("far.cnc", "% far\nN10 G92 X300 Y0 Z-40 U0\nN20 G1 X310 F50 E500 E-500\n");
-    let run = Shop::arguments("far.cnc", "--homed --home=U --yes");
-    let done = shop.desk.interrupted("-INT", "axis U is home", &run);
-    done.ended(2, "stopped by the user on the way to the start of the program");
+    let run = Shop::real("far.cnc", "--homed --home=U --yes");
+    shop.desk
+        .interrupted("-INT", "axis U is home", &run)
+        .ended(2, "stopped by the user on the way to the start of the program");
     let [x, ..] = shop.at_rest();
     let x = x.expect("it is there");
     assert!(x > 1.0 && x < 299.0, "{x}");
@@ -121,18 +114,18 @@ fn ctrl_c_stops_homing_and_the_approach() {
 #[test]
 fn ctrl_c_brings_everything_to_rest_on_the_path_and_nobody_else_has_the_ports() {
     let shop = Shop::new();
-    let run = Shop::arguments("long.cnc", "--homed --home=U --yes --report run.json");
-    let done = shop.desk.meanwhile("-INT", "axis U is home", &run, || {
-        shop.under_way();
+    shop.disturbed("-INT", |_| {
         // They belong to somebody.
         for (family, port) in [("interpcnc", "board"), ("smartdrive", "bus")] {
-            let other = shop.desk.twin(&["drive", family, "--port", port, "status"]);
-            other.ended(2, &format!("{port}, address 1: opening the port"));
+            shop.desk
+                .twin(&format!("drive {family} --port {port} status"))
+                .ended(2, &format!("{port}, address 1: opening the port"));
         }
-        let other = shop.desk.twin(&["drive", "bim2ax", "--port", "module", "status"]);
-        other.ended(2, "module: opening the port: another program is the master of module: end it");
-    });
-    done.ended(2, "stopped by the user at line 2 (N10)");
+        shop.desk
+            .twin("drive bim2ax --port module status")
+            .ended(2, "module: opening the port: another program is the master of module: end it");
+    })
+    .ended(2, "stopped by the user at line 2 (N10)");
     assert_eq!(shop.desk.read("run.json")["completed"], false);
     let [x, y, z, u] = shop.at_rest().map(|found| found.expect("it is there"));
     assert!(x > 1.0 && x < 199.0, "{x}");
@@ -161,23 +154,22 @@ fn ctrl_c_ends_a_run_that_waits_with_a_module() {
         let shop = Shop::new();
         shop.desk.write(name, program);
         let more = format!("--homed --home=U --yes --report run.json {options}");
-        let run = Shop::arguments(name, &more);
+        let run = Shop::real(name, &more);
         let waiting = || {
-            let stands = |_| {
-                std::thread::sleep(Duration::from_millis(10));
+            comes(|| {
                 let board = shop.board.look().expect("it runs");
                 let module = shop.module.module();
                 let x = (board.position(BoardAxis::X) - 3200.0).abs() < 1.01;
                 x && (module.position(ModuleAxis::One) - 320.0 * u).abs() < 1.01
                     && module.velocity(ModuleAxis::One).abs() < f64::EPSILON
-            };
-            assert!((0..6000).any(stands), "it does not come to its wait");
+            });
             // Into the wait.
             std::thread::sleep(Duration::from_millis(500));
         };
-        let done = shop.desk.meanwhile("-INT", "axis U is home", &run, waiting);
-        done.ended(2, "stopped by the user at line 3");
-        done.ended(2, "the axes braked along the path");
+        shop.desk
+            .meanwhile("-INT", "axis U is home", &run, waiting)
+            .ended(2, "stopped by the user at line 3")
+            .ended(2, "the axes braked along the path");
         assert_eq!(shop.desk.read("run.json")["completed"], false);
         let found = shop.at_rest().map(|found| found.expect("it is there"));
         for (found, wanted) in found.into_iter().zip([10.0, 5.0, 5.0, u]) {
@@ -190,8 +182,7 @@ fn ctrl_c_ends_a_run_that_waits_with_a_module() {
 #[test]
 fn a_signal_that_ends_a_run_is_called_by_its_name() {
     let shop = Shop::new();
-    let run = Shop::arguments("long.cnc", "--homed --home=U --yes");
-    let done = shop.desk.meanwhile("-HUP", "axis U is home", &run, || shop.under_way());
+    let done = shop.disturbed("-HUP", |_| ());
     done.ended(2, "stopped by the user at line 2 (N10)");
     done.ended(2, "what asked for it was SIGHUP, nobody at the keyboard");
     assert!(!done.stderr.contains("Ctrl-C"), "{}", done.stderr);
@@ -205,21 +196,13 @@ fn a_signal_that_ends_a_run_is_called_by_its_name() {
 fn a_port_that_disappears_is_named_and_the_others_stop() {
     let shop = Shop::new();
     drop(shop.bus.borrow_mut().take());
-    let emulate = ["emulate", "smartdrive", "--link", "bus"];
-    let mut bus = shop.desk.command(&emulate).spawn().expect("it starts");
+    let mut bus = shop.desk.command("emulate smartdrive --link bus").spawn().expect("it starts");
     crate::shop::listens(&shop.desk, "bus");
     shop.commission_bus();
-    let run = Shop::arguments("long.cnc", "--homed --home=U --yes");
-    let done = shop.desk.meanwhile("-CONT", "axis U is home", &run, || {
-        shop.under_way();
+    let done = shop.disturbed("-CONT", |_| {
         bus.kill().expect("it runs");
         bus.wait().expect("it has ended");
-        let rests = |_| {
-            std::thread::sleep(Duration::from_millis(10));
-            let still = shop.module.module().velocity(ModuleAxis::One).abs() < f64::EPSILON;
-            still && shop.board.look().expect("it runs").status().moving().is_empty()
-        };
-        assert!((0..6000).any(rests), "the others go on");
+        shop.others_come_to_rest();
     });
     done.ended(2, "the drives failed at line 2 (N10): device `bus`, axis Z: bus, address 1: ");
     done.ended(2, "the port is gone: is the adapter plugged in");
@@ -238,20 +221,13 @@ fn a_reset_that_somebody_else_sends_ends_the_run() {
     // Before the run has the port to itself.
     let mut other =
         std::fs::OpenOptions::new().write(true).open(shop.desk.path("bus")).expect("it opens");
-    let run = Shop::arguments("long.cnc", "--homed --home=U --yes");
-    let done = shop.desk.meanwhile("-CONT", "axis U is home", &run, || {
-        shop.under_way();
+    shop.disturbed("-CONT", |_| {
         other.write_all(&[0x01, 0x00, 0x00, 0x00, 0x00, 0x00, 0x01]).expect("it is written");
-        let rests = |_| {
-            std::thread::sleep(Duration::from_millis(10));
-            let still = shop.module.module().velocity(ModuleAxis::One).abs() < f64::EPSILON;
-            still && shop.board.look().expect("it runs").status().moving().is_empty()
-        };
-        assert!((0..6000).any(rests), "the others go on");
-    });
-    done.ended(2, "the drives failed at line 2 (N10): ");
-    done.ended(2, "bus, address 1: ");
-    done.ended(2, "the drive is in mode 0, not in 3");
+        shop.others_come_to_rest();
+    })
+    .ended(2, "the drives failed at line 2 (N10): ")
+    .ended(2, "bus, address 1: ")
+    .ended(2, "the drive is in mode 0, not in 3");
     // Z has lost its position.
     let [x, _, z, u] = shop.at_rest().map(|found| found.expect("it is there"));
     assert!(x > 1.0 && x < 199.0 && u < 59.0, "{x} {u}");

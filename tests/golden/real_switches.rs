@@ -23,7 +23,7 @@ fn switches_and_homing_are_held_against_the_machine_file() {
     let wanted = "limit_switches = \"both\"\nhome_direction = \"positive\"";
     with_keys(&shop, &[(X, wanted), (Z, wanted), (U, "home_direction = \"positive\"")]);
     let done = shop.run("short.cnc", "--homed --home=U --yes");
-    for said in [
+    done.ended(2, "").reports(&[
         "✗ device `board`: axis X: the board knows no limit switch for it; `limit_switches` is \"both\"",
         "set limit-minus-input-x N, where N is its input",
         "set limit-plus-input-x N, where N is its input",
@@ -35,9 +35,7 @@ fn switches_and_homing_are_held_against_the_machine_file() {
         "✗ device `module`: axis U: the module homes it towards - (coefficient bit 1); `home_direction` says +",
         "set it: twin drive bim2ax --port module --deadline 2000 set coefficient-1",
         "3 start-up checks have failed: nothing has moved",
-    ] {
-        done.ended(2, said);
-    }
+    ]);
     // What is wanted there is; both are normally open, and their inputs off.
     for set in [
         "set limit-minus-input-x 7",
@@ -78,43 +76,39 @@ fn what_a_device_does_not_limit_is_told_with_what_is_left() {
         shop.by_hand("smartdrive", "bus", set);
     }
     let done = shop.homed("short.cnc", "");
-    for said in [
+    done.ended(0, "").reports(&[
         "! axis X: the board knows no limit switch for it, and it has no software limits: only twin's own limits, ",
         "! axis Z: the software limits of its drive are off (Trj_PosMin is not below Trj_PosMax); only twin's own limits, -60.0000 … \
          120.0000 mm, keep it from its ends, and no longer than twin runs",
         "set Trj_PosMin -38401",
         "! axis Z: App_PosOffset is 3200 µsteps: where its home switch opens it counts 5.0000 mm, not 0",
         "✓ axis U: the device's software limits are",
-    ] {
-        done.ended(0, said);
-    }
+    ]);
     assert!(!done.stderr.contains("✓ axis Z: the device's software limits"), "{}", done.stderr);
     // Beyond the limits of the axis no home can be: 128000 µsteps are 200 mm.
     shop.by_hand("smartdrive", "bus", "set App_PosOffset 128000");
-    let done = shop.homed("short.cnc", "");
-    done.ended(2, "it counts 200.0000 mm, not 0; its limits are -60.0000 … 120.0000 mm");
-    done.ended(2, "set App_PosOffset 0");
+    shop.homed("short.cnc", "")
+        .ended(2, "it counts 200.0000 mm, not 0; its limits are -60.0000 … 120.0000 mm")
+        .ended(2, "set App_PosOffset 0");
 }
 
 /// A board that leaves its counter as it is (parameter 128 is 0) says so after homing by hand, too.
 #[test]
 fn homing_by_hand_looks_at_the_counter() {
     let shop = Shop::new();
-    let board = ["drive", "interpcnc", "--port", "board", "--deadline", "2000"];
     for set in ["set home-input-x 5", "set zero-after-homing 0", "move X 640 --speed 8000 --yes"] {
         shop.by_hand("interpcnc", "board", set);
     }
-    let home = [&board[..], &["home", "X", "--max-stroke", "5000", "--yes"]].concat();
+    let home = "drive interpcnc --port board --deadline 2000 home X --max-stroke 5000 --yes";
     shop.press_home_behind(-320);
-    let done = shop.desk.twin(&home);
-    done.ended(0, "");
-    let said = "the board leaves its counters as they are (zero-after-homing is 0)";
-    assert!(done.stdout.contains(said), "{}", done.stdout);
+    shop.desk
+        .twin(home)
+        .ended(0, "")
+        .says("the board leaves its counters as they are (zero-after-homing is 0)");
     shop.by_hand("interpcnc", "board", "set zero-after-homing 1");
     shop.by_hand("interpcnc", "board", "move X 640 --speed 8000 --yes");
-    let done = shop.desk.twin(&home);
-    done.ended(0, "");
-    assert!(done.stdout.contains("axis X is home, at 0"), "{}", done.stdout);
+    let done = shop.desk.twin(home);
+    done.ended(0, "").says("axis X is home, at 0");
     assert!(!done.stdout.contains("zero-after-homing"), "{}", done.stdout);
 }
 
@@ -134,19 +128,17 @@ fn a_drive_that_turns_the_other_way_and_gentle_ramps_are_told_for_what_they_are(
             ("port = \"bus\"", "acceleration_rpm_per_s = 500"),
         ],
     );
-    let text = std::fs::read_to_string(shop.desk.path("mixture.toml")).expect("it was written");
+    let text = shop.desk.text("mixture.toml");
     let (before, after) = text.split_once(X).expect("an axis");
     let after = after.replacen("increments = 3200", "increments = -3200", 1);
     shop.desk.write("mixture.toml", &format!("{before}{X}{after}"));
     let done = shop.run("short.cnc", "--homed --home=U");
-    for said in [
+    done.ended(2, "").reports(&[
         "! axis X: limit switches - at IN8, NO, and it has no software limits: only twin's own limits",
         "✓ axis X: homes towards + at 15.625 mm/s, to its switch at IN5",
         "! axis Z: the device's acceleration is 41.7 mm/s² at most, and plans use up to 2000.0 mm/s² (max_acceleration)",
         "nothing has moved",
-    ] {
-        done.ended(2, said);
-    }
+    ]);
     shop.untouched();
 }
 

@@ -1,7 +1,6 @@
 //! `twin run --limits axes` as a process: the run moves exactly as the check within the limits of the axes.
 
 use crate::process::{Desk, number};
-use crate::root;
 
 /// 40 mm of X at 150 mm/s, then 60 mm of Z, which does 200 mm/s and is asked for twice of that.
 const LINES: &str = "\
@@ -12,20 +11,19 @@ N30 G1 Z20 F400
 ";
 const CIRCLES: &str = "% circles\nN10 G2 I30 J0 F100 E500 E-500\nN20 G2 I30 J0\nN30 G2 I30 J0\n";
 
-const RUN: [&str; 6] = ["-m", "machine.toml", "--report", "r.json", "--limits", "axes"];
+const RUN: &str = "-m machine.toml --report r.json --limits axes";
 
 #[test]
 fn what_is_too_fast_for_an_axis_runs_within_its_limits() {
     let desk = Desk::new();
     desk.write("lines.cnc", LINES);
-    desk.twin(&["run", "lines.cnc", "-m", "machine.toml"]).ended(1, "axis-velocity");
+    desk.twin("run lines.cnc -m machine.toml").ended(1, "axis-velocity");
     let expected: f64 =
         [(40.0, 150.0), (60.0, 200.0)].iter().map(|(length, v)| length / v + v / 2000.0).sum();
     let mut errors = Vec::new();
     for drives in ["none", "emulated"] {
-        let more = ["--drives", drives, "--tolerance", "5"];
-        let done = desk.twin(&[&["run", "lines.cnc"][..], &RUN, &more].concat());
-        done.ended(0, "the programmed feed of 400 mm/s cannot be held");
+        desk.twin(&format!("run lines.cnc {RUN} --drives {drives} --tolerance 5"))
+            .ended(0, "the programmed feed of 400 mm/s cannot be held");
         let report = desk.read("r.json");
         assert_eq!(report["completed"], true);
         assert_eq!(report["executed_s"], report["duration_s"]);
@@ -37,9 +35,7 @@ fn what_is_too_fast_for_an_axis_runs_within_its_limits() {
     }
     assert_eq!(errors[0], errors[1], "the same set-points");
     // As `twin check` says it.
-    let check = ["check", "lines.cnc", "-m", "machine.toml", "--limits", "axes"];
-    let checked = desk.twin(&[&check[..], &["--format", "json"]].concat());
-    let checked: serde_json::Value = serde_json::from_str(&checked.stdout).expect("an object");
+    let checked = desk.twin("check lines.cnc -m machine.toml --limits axes --format json").object();
     for key in ["duration_s", "length_mm", "peak", "findings"] {
         assert_eq!(checked[key], desk.read("r.json")[key], "{key}");
     }
@@ -50,9 +46,8 @@ fn what_is_too_fast_for_an_axis_runs_within_its_limits() {
 fn a_knife_turns_where_the_path_rests() {
     let desk = Desk::new();
     desk.write("corner.cnc", "% c\nN10 G92 X0 Y0 Z20\nN20 G1 X50 F50 E2000 E-2000\nN30 G1 Y50\n");
-    let cutter = root().join("machines/gantry_cutter3.toml").display().to_string();
-    let arguments = ["run", "corner.cnc", "-m", &cutter, "--drives", "none", "--report", "r.json"];
-    desk.twin(&[&arguments[..], &["--limits", "axes"]].concat()).ended(0, "");
+    let run = "run corner.cnc -m machines/gantry_cutter3.toml --drives none --report r.json";
+    desk.twin(&format!("{run} --limits axes")).ended(0, "");
     let report = desk.read("r.json");
     assert_eq!(report["completed"], true);
     let expected = 2.0 * (50.0 / 50.0 + 50.0 / 2000.0) + 90.0 / 1080.0 + 1080.0 / 20000.0;
@@ -66,9 +61,7 @@ fn an_override_from_the_start_scales_what_is_programmed() {
     // 75 mm/s, and 200 mm/s, which is all that Z can do and now also what it is asked for.
     let expected: f64 =
         [(40.0, 75.0), (60.0, 200.0)].iter().map(|(length, v)| length / v + v / 2000.0).sum();
-    let more = ["--drives", "none", "--override", "50%"];
-    let done = desk.twin(&[&["run", "lines.cnc"][..], &RUN, &more].concat());
-    done.ended(0, "");
+    desk.twin(&format!("run lines.cnc {RUN} --drives none --override 50%")).ended(0, "");
     let report = desk.read("r.json");
     assert_eq!(report["executed_s"], report["duration_s"]);
     assert!((number(&report["executed_s"]) - expected).abs() < 2e-3, "{report:#} {expected}");
@@ -79,13 +72,12 @@ fn what_says_nothing_within_the_limits_of_the_axes_is_refused() {
     let desk = Desk::new();
     desk.write("lines.cnc", LINES);
     for (options, message) in [
-        (&["--profile", "sigmoid"][..], "--profile is for the controller's own planning"),
-        (&["--override", "201%"], "within the limits of the axes --override is 2 at most"),
-        (&["--override-at", "1s=0"], "the path would be held for ever"),
-        (&["--override-at", "1s=3"], "overrides go from 1% to 200%"),
+        ("--profile sigmoid", "--profile is for the controller's own planning"),
+        ("--override 201%", "within the limits of the axes --override is 2 at most"),
+        ("--override-at 1s=0", "the path would be held for ever"),
+        ("--override-at 1s=3", "overrides go from 1% to 200%"),
     ] {
-        let done = desk.twin(&[&["run", "lines.cnc"][..], options, &RUN].concat());
-        done.ended(2, message);
+        desk.twin(&format!("run lines.cnc {options} {RUN}")).ended(2, message);
     }
 }
 
@@ -94,15 +86,12 @@ fn the_override_changes_while_a_program_runs() {
     let desk = Desk::new();
     desk.write("circles.cnc", CIRCLES);
     for limits in ["axes", "softmotion"] {
-        let run =
-            ["run", "circles.cnc", "-m", "machine.toml", "--limits", limits, "--drives", "none"];
-        let plain = desk.twin(&[&run[..], &["--report", "plain.json"]].concat());
-        plain.ended(0, "");
-        let changes =
-            ["--override-at", "0.5s=50%,1s=0", "--override-at", "2s=1", "--report", "r.json"];
-        let done = desk.twin(&[&run[..], &changes].concat());
-        done.ended(0, "");
-        assert!(done.stdout.contains("feed hold asked for at 1.000 s"), "{}", done.stdout);
+        let run = format!("run circles.cnc -m machine.toml --limits {limits} --drives none");
+        desk.twin(&format!("{run} --report plain.json")).ended(0, "");
+        let changes = "--override-at 0.5s=50%,1s=0 --override-at 2s=1";
+        desk.twin(&format!("{run} {changes} --report r.json"))
+            .ended(0, "")
+            .says("feed hold asked for at 1.000 s");
         let (plain, report) = (desk.read("plain.json"), desk.read("r.json"));
         assert!(plain.get("override_changes").is_none());
         let changes = report["override_changes"].as_array().expect("changes");
@@ -125,9 +114,8 @@ fn the_override_changes_while_a_program_runs() {
 fn ctrl_c_brakes_on_the_path() {
     let desk = Desk::new();
     desk.write("circles.cnc", CIRCLES);
-    let arguments = [&["run", "circles.cnc"][..], &RUN].concat();
-    let done = desk.interrupted("-INT", "emulated InterpCNC", &arguments);
-    done.ended(2, "stopped by the user at line 2 (N10)");
+    desk.interrupted("-INT", "emulated InterpCNC", &format!("run circles.cnc {RUN}"))
+        .ended(2, "stopped by the user at line 2 (N10)");
     let report = desk.read("r.json");
     assert_eq!(report["completed"], false);
     let reason = report["stopped_because"].as_str().expect("a reason");

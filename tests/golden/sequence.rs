@@ -23,10 +23,9 @@ fn desk() -> Desk {
 fn programs_run_one_after_the_other() {
     let desk = desk();
     let note = "X by -50.000 mm, in 0.258 s";
-    let run = ["run", "first.cnc", "second.cnc", "-m", "machine.toml", "--report", "r.json"];
+    let run = "run first.cnc second.cnc -m machine.toml --report r.json";
     for drives in ["none", "emulated"] {
-        let done = desk.twin(&[&run[..], &["--drives", drives, "--limits", "axes"]].concat());
-        done.ended(0, note);
+        desk.twin(&format!("{run} --drives {drives} --limits axes")).ended(0, note);
         let [first, second] = ["r.json", "r.2.json"].map(|report| desk.read(report));
         assert_eq!(
             (&first["program"], &second["program"]),
@@ -41,9 +40,8 @@ fn programs_run_one_after_the_other() {
         let x = &second["axis_error"]["X"]["twin"]["max"];
         assert!(number(x) < 1.0, "{second:#}");
     }
-    let done = desk.twin(&["check", "--sequence", "first.cnc", "second.cnc", "-m", "machine.toml"]);
-    done.ended(0, note);
-    let alone = desk.twin(&["check", "first.cnc", "second.cnc", "-m", "machine.toml"]);
+    desk.twin("check --sequence first.cnc second.cnc -m machine.toml").ended(0, note);
+    let alone = desk.twin("check first.cnc second.cnc -m machine.toml");
     assert!(!alone.stderr.contains("the one before ended"), "{}", alone.stderr);
 }
 
@@ -52,8 +50,8 @@ fn programs_run_one_after_the_other() {
 fn nothing_moves_if_a_later_program_is_unfit() {
     let desk = desk();
     desk.write("unfit.cnc", "% unfit\nN10 G92 X0 Y0 Z0\nN20 G1 X300 F500 E2000 E-2000\n");
-    let run = ["run", "first.cnc", "unfit.cnc", "-m", "machine.toml", "--report", "r.json"];
-    desk.twin(&[&run[..], &["--drives", "none"]].concat()).ended(1, "axis-velocity");
+    let run = "run first.cnc unfit.cnc -m machine.toml --report r.json";
+    desk.twin(&format!("{run} --drives none")).ended(1, "axis-velocity");
     assert!(!desk.path("r.json").exists());
     assert_eq!(desk.read("r.2.json")["completed"], false);
 }
@@ -65,10 +63,10 @@ fn what_cannot_be_in_a_sequence_is_refused() {
         "job.toml",
         "[[blocks]]\nblock = \"MC_MoveAbsolute\"\naxis = \"X\"\nposition_mm = 10\n",
     );
-    for arguments in [["check", "--sequence"], ["run", "--drives=none"]] {
-        let programs = ["first.cnc", "job.toml", "-m", "machine.toml"];
-        desk.twin(&[&arguments[..], &programs].concat()).ended(2, "cannot follow another program");
+    for command in ["check --sequence", "run --drives=none"] {
+        desk.twin(&format!("{command} first.cnc job.toml -m machine.toml"))
+            .ended(2, "cannot follow another program");
     }
-    let serve = ["run", "first.cnc", "second.cnc", "-m", "machine.toml", "--serve"];
-    desk.twin(&serve).ended(2, "--serve shows one program");
+    desk.twin("run first.cnc second.cnc -m machine.toml --serve")
+        .ended(2, "--serve shows one program");
 }

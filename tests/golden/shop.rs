@@ -1,20 +1,14 @@
 //! Workshop fixture: three emulated devices as the real ones, commissioned for one machine with axes on all of them.
 
-use crate::process::{Desk, Done};
+use crate::drive::clock;
+use crate::process::{Desk, Done, comes};
 use std::cell::RefCell;
 use std::path::Path;
-use std::time::Duration;
-use twin::clock::Clock;
 use twin_bim2ax::emulator as module;
 use twin_bim2ax::{Contact, ModuleAxis};
 use twin_interpcnc::BoardAxis;
 use twin_interpcnc::emulator as board;
 use twin_smartdrive::emulator as bus;
-
-pub(crate) fn clock() -> impl Fn() -> i64 + Send + Sync {
-    let clock = Clock::start();
-    move || clock.now_ns()
-}
 
 /// There and back, 0.7 s. All axes are at 0 where it begins.
 pub(crate) const SHORT: &str =
@@ -25,7 +19,7 @@ pub(crate) const LONG: &str =
 
 /// X and Y on a board, Z on a bus, U on a module; all of them have plenty of time to answer beside other tests.
 pub(crate) fn mixture(desk: &Desk) -> String {
-    let text = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
+    let text = desk.text("machine.toml");
     let devices = "name = \"board\"\nkind = \"interpcnc\"\nport = \"board\"\nanswer_deadline_ms = 2000\n\n\
                    [[drives]]\nname = \"bus\"\nkind = \"smartdrive\"\nport = \"bus\"\nanswer_deadline_ms = 2000\n\
                    firmware = \"1.2.0\"\n\n\
@@ -89,7 +83,7 @@ pub(crate) fn a_module(path: &Path) -> module::EmulatedModule {
 
 /// The firmware of drives starts within 300 ms: until then nobody answers.
 pub(crate) fn listens(desk: &Desk, port: &str) {
-    let status = ["drive", "smartdrive", "--port", port, "--deadline", "300", "status"];
+    let status = format!("drive smartdrive --port {port} --deadline 300 status");
     assert!((0..50).any(|_| desk.twin(&status).status == Some(0)), "nobody answers");
 }
 
@@ -116,11 +110,7 @@ impl Shop {
 
     /// Waits until the program has X on its way.
     pub(crate) fn under_way(&self) {
-        let begun = |_| {
-            std::thread::sleep(Duration::from_millis(10));
-            self.board.look().expect("it runs").position(BoardAxis::X) > 5.0 * 320.0
-        };
-        assert!((0..6000).any(begun), "X does not move");
+        comes(|| self.board.look().expect("it runs").position(BoardAxis::X) > 5.0 * 320.0);
     }
 
     /// X's home switch, at IN5, closes where it is so many increments behind where it was switched on, and beyond.
@@ -154,34 +144,47 @@ impl Shop {
     pub(crate) fn copy_commands(&self, done: &Done) {
         let said = ["set it: twin ", "then:   twin "];
         let commands = done.stderr.lines().filter_map(|line| {
-            said.iter().find_map(|start| line.trim().strip_prefix(start)).map(|rest| {
-                let command = rest.split("   (").next().unwrap_or(rest);
-                command.split_whitespace().collect::<Vec<_>>()
-            })
+            said.iter()
+                .find_map(|start| line.trim().strip_prefix(start))
+                .map(|rest| rest.split("   (").next().unwrap_or(rest))
         });
         let commands: Vec<_> = commands.collect();
         assert!(commands.len() >= 3, "{}", done.stderr);
         for command in commands {
-            self.desk.twin(&command).ended(0, "");
+            self.desk.twin(command).ended(0, "");
         }
     }
 
     #[track_caller]
     pub(crate) fn by_hand(&self, family: &str, port: &str, action: &str) {
-        let words = ["drive", family, "--port", port, "--deadline", "2000"];
-        let action = action.split(' ');
-        let words: Vec<_> = words.into_iter().chain(action).collect();
-        self.desk.twin(&words).ended(0, "");
+        let drive = format!("drive {family} --port {port} --deadline 2000");
+        self.desk.twin(&format!("{drive} {action}")).ended(0, "");
     }
 
-    /// Arguments of `twin run PROGRAM --drives real …`.
-    pub(crate) fn arguments<'a>(program: &'a str, more: &'a str) -> Vec<&'a str> {
-        let run = ["run", program, "-m", "mixture.toml", "--drives", "real"];
-        run.into_iter().chain(more.split_whitespace()).collect()
+    /// The command line `twin run PROGRAM --drives real …`.
+    pub(crate) fn real(program: &str, more: &str) -> String {
+        format!("run {program} -m mixture.toml --drives real {more}")
+    }
+
+    /// A run of the long program, disturbed by `act` as soon as X is on its way, and ended by `signal` after that.
+    pub(crate) fn disturbed(&self, signal: &str, act: impl FnOnce(&str)) -> Done {
+        let run = Self::real("long.cnc", "--homed --home=U --yes --report run.json");
+        self.desk.meanwhile_of(signal, "axis U is home", &run, |process| {
+            self.under_way();
+            act(process);
+        })
+    }
+
+    /// Waits until the axes of board and module are at rest.
+    pub(crate) fn others_come_to_rest(&self) {
+        comes(|| {
+            let still = self.module.module().velocity(ModuleAxis::One).abs() < f64::EPSILON;
+            still && self.board.look().expect("it runs").status().moving().is_empty()
+        });
     }
 
     pub(crate) fn run(&self, program: &str, more: &str) -> Done {
-        self.desk.twin(&Self::arguments(program, more))
+        self.desk.twin(&Self::real(program, more))
     }
 
     /// Homed by hand, but for the module, which has to be homed in any case.

@@ -1,8 +1,7 @@
 //! Obstacles around a machine and the clearance from them: in pictures, tables and recordings.
 
-use crate::process::{Desk, number};
+use crate::process::{Desk, number, shipped};
 use crate::recording::{chunks, entities, rows, series};
-use crate::root;
 use rerun::components;
 
 /// The portal with a vice, and a program in it.
@@ -11,8 +10,7 @@ fn desk() -> Desk {
     for (from, to) in
         [("machines/gantry3_vice.toml", "vice.toml"), ("examples/vice.ngc", "vice.ngc")]
     {
-        let text = std::fs::read_to_string(root().join(from)).expect("it is shipped");
-        desk.write(to, &text);
+        desk.write(to, &shipped(from));
     }
     desk
 }
@@ -21,21 +19,20 @@ fn desk() -> Desk {
 #[test]
 fn obstacles_are_in_the_recording_of_a_run() {
     let desk = desk();
-    let run = ["run", "vice.ngc", "-m", "vice.toml", "--drives", "none", "--record", "r.rrd"];
-    desk.twin(&run).ended(0, "");
+    desk.twin("run vice.ngc -m vice.toml --drives none --record r.rrd").ended(0, "");
     check_obstacles(&desk);
 }
 
 #[test]
 fn obstacles_are_in_recording_and_picture_of_a_machine() {
     let desk = desk();
-    let out = ["--record", "r.rrd", "--svg", "space.svg"];
-    desk.twin(&[&["machine", "vice.toml"][..], &out].concat()).ended(0, "");
+    let out = "--record r.rrd --svg space.svg";
+    desk.twin(&format!("machine vice.toml {out}")).ended(0, "");
     check_obstacles(&desk);
-    let picture = std::fs::read_to_string(desk.path("space.svg")).expect("it was written");
+    let picture = desk.text("space.svg");
     assert!(picture.contains("obstacles") && picture.contains("stock"), "{picture}");
-    desk.twin(&["machine", "machine.toml", "--svg", "space.svg"]).ended(0, "");
-    let without = std::fs::read_to_string(desk.path("space.svg")).expect("it was written");
+    desk.twin("machine machine.toml --svg space.svg").ended(0, "");
+    let without = desk.text("space.svg");
     assert!(!without.contains("obstacles") && !without.contains("stock"), "{without}");
 }
 
@@ -92,8 +89,8 @@ M2
 fn a_recording_shows_how_near_it_was() {
     let desk = desk();
     desk.write("near.ngc", NEAR);
-    let run = ["run", "near.ngc", "-m", "vice.toml", "--drives", "none"];
-    desk.twin(&[&run[..], &["--record", "r.rrd", "--report", "r.json"]].concat()).ended(0, "");
+    let run = "run near.ngc --drives none --record r.rrd";
+    desk.twin(&format!("{run} -m vice.toml --report r.json")).ended(0, "");
     let chunks = chunks(&desk);
     let clearance = series(&chunks, "clearance/twin");
     assert_eq!(clearance.len(), series(&chunks, "error/axis_mm/Z/twin").len());
@@ -119,8 +116,7 @@ fn a_recording_shows_how_near_it_was() {
         assert!((long - value).abs() < 1e-3 && near(*value), "{long} and {value} mm at {time} ns");
     }
     // Where the machine file speaks of nothing there is nothing.
-    let run = ["run", "near.ngc", "-m", "machine.toml", "--drives", "none", "--record", "r.rrd"];
-    desk.twin(&run);
+    desk.twin(&format!("{run} -m machine.toml"));
     let others = entities(&crate::recording::chunks(&desk));
     assert!(!others.iter().any(|one| one.contains("clearance") || one.contains("nearest")));
 }
@@ -130,9 +126,9 @@ fn a_recording_shows_how_near_it_was() {
 fn every_block_is_told_how_near_it_comes() {
     let desk = desk();
     desk.write("near.ngc", NEAR);
-    let check = ["check", "near.ngc", "-m", "vice.toml", "--clearance", "near.csv"];
-    desk.twin(&check).ended(0, "1.500 mm to fixed jaw; the clearance wanted is 2.000 mm");
-    let text = std::fs::read_to_string(desk.path("near.csv")).expect("it was written");
+    desk.twin("check near.ngc -m vice.toml --clearance near.csv")
+        .ended(0, "1.500 mm to fixed jaw; the clearance wanted is 2.000 mm");
+    let text = desk.text("near.csv");
     let mut rows = text.lines().map(|row| row.split(',').collect::<Vec<_>>());
     let header = rows.next().expect("a header").join(",");
     assert_eq!(header, "line,block,time_s,clearance_mm,part,other,x_mm,y_mm,z_mm");
@@ -157,11 +153,11 @@ fn every_block_is_told_how_near_it_comes() {
 fn clearance_is_drawn_and_collisions_are_marked() {
     let desk = desk();
     desk.write("hit.ngc", &NEAR.replace("G1 Y-26", "G1 Y-19"));
-    let check = ["check", "hit.ngc", "-m", "vice.toml", "--format", "json"];
-    let out = ["--clearance", "a.svg", "--clearance", "b.SVG", "--clearance", "hit.csv"];
+    let check = "check hit.ngc -m vice.toml --format json";
+    let out = "--clearance a.svg --clearance b.SVG --clearance hit.csv";
     // The program is not fit; what is known of it is written all the same.
-    desk.twin(&[&check[..], &out].concat()).ended(1, "");
-    let picture = std::fs::read_to_string(desk.path("a.svg")).expect("it was written");
+    desk.twin(&format!("{check} {out}")).ended(1, "");
+    let picture = desk.text("a.svg");
     assert!(picture.starts_with("<svg ") && picture.trim_end().ends_with("</svg>"));
     for words in [
         "Clearance of hit.ngc on gantry3_vice",
@@ -173,9 +169,9 @@ fn clearance_is_drawn_and_collisions_are_marked() {
     ] {
         assert!(picture.contains(words), "{words} is not in\n{picture}");
     }
-    let again = std::fs::read_to_string(desk.path("b.SVG")).expect("it was written");
+    let again = desk.text("b.SVG");
     assert!(again == picture, "the second picture differs");
-    let table = std::fs::read_to_string(desk.path("hit.csv")).expect("it was written");
+    let table = desk.text("hit.csv");
     let deepest = table.lines().find(|row| row.starts_with("5,")).expect("a row");
     assert!(deepest.contains(",-3,the tool,fixed jaw,"), "{deepest}");
 }
@@ -184,24 +180,23 @@ fn clearance_is_drawn_and_collisions_are_marked() {
 fn clearance_is_of_one_program_and_of_what_is_known() {
     let desk = desk();
     desk.write("near.ngc", NEAR);
-    let check = |arguments: &[&str]| desk.twin(&[&["check", "near.ngc"], arguments].concat());
-    check(&["vice.ngc", "-m", "vice.toml", "--clearance", "a.csv"])
+    let check = |arguments: &str| desk.twin(&format!("check near.ngc {arguments}"));
+    check("vice.ngc -m vice.toml --clearance a.csv")
         .ended(2, "--clearance is of one program, and 2 are given");
-    check(&["-m", "machine.toml", "--clearance", "a.csv"])
+    check("-m machine.toml --clearance a.csv")
         .ended(2, "machine.toml has no obstacles: describe them in [[obstacles]]");
-    check(&["-m", "vice.toml", "--clearance", "a.png"]).ended(2, ".csv or .svg");
-    check(&["-m", "vice.toml", "--clearance", "nowhere/a.csv"]).ended(2, "no folder nowhere");
-    check(&["-m", "vice.toml", "--clearance", "a.csv", "--clearance", "./a.csv"])
+    check("-m vice.toml --clearance a.png").ended(2, ".csv or .svg");
+    check("-m vice.toml --clearance nowhere/a.csv").ended(2, "no folder nowhere");
+    check("-m vice.toml --clearance a.csv --clearance ./a.csv")
         .ended(2, "--clearance ./a.csv: something else is read from or written to it");
-    let own = ["check", "near.csv", "-m", "vice.toml", "--dialect", "rs274"];
+    let own = "check near.csv -m vice.toml --dialect rs274";
     desk.write("near.csv", NEAR);
-    desk.twin(&[&own[..], &["--clearance", "near.csv"]].concat()).ended(2, "the program itself");
+    desk.twin(&format!("{own} --clearance near.csv")).ended(2, "the program itself");
     assert!(!desk.path("a.csv").exists());
     // What was there stays where nothing can be checked.
     desk.write("a.csv", "yesterday's");
-    desk.twin(&["check", "none.ngc", "-m", "vice.toml", "--clearance", "a.csv"])
-        .ended(2, "none.ngc");
-    assert_eq!(std::fs::read_to_string(desk.path("a.csv")).expect("it is there"), "yesterday's");
-    let help = desk.twin(&["check", "--help"]);
+    desk.twin("check none.ngc -m vice.toml --clearance a.csv").ended(2, "none.ngc");
+    assert_eq!(desk.text("a.csv"), "yesterday's");
+    let help = desk.twin("check --help");
     assert!(help.ended(0, "").stdout.contains("--clearance near.svg"), "{}", help.stdout);
 }

@@ -1,54 +1,18 @@
 //! `twin tune cam` as a process, on runs whose true values are known.
 
-use crate::process::{Desk, object};
+use crate::process::{Desk, number};
+use crate::tuning::{LIFT, lift, noise, recording};
 use std::fmt::Write;
-
-const LIFT: &str = r#"name = "lift"  # as drawn
-master = { min = 0, max = 360, unit = "deg" }
-slave = { min = 0, max = 100, unit = "mm", period = 100 }
-elements = [
-  { master = 0, slave = 0 },      # down
-  { master = 120, slave = 70 },   # on the way
-  { master = 180, slave = 100 },  # up
-  { master = 360, slave = 0 },
-]
-tappets = [
-  { group = 1, master = 50, passage = "positive", action = "on" },
-  { group = 1, master = 200, passage = "positive", action = "off" },
-]
-"#;
-
-/// The quintic of two points at rest, at a part of the way.
-fn rest_to_rest(from: f64, to: f64, part: f64) -> f64 {
-    from + (to - from) * part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part)
-}
-
-/// The lift, from its points alone.
-fn lift(place: f64) -> f64 {
-    let at = place.rem_euclid(360.0);
-    match at {
-        at if at < 120.0 => rest_to_rest(0.0, 70.0, at / 120.0),
-        at if at < 180.0 => rest_to_rest(70.0, 100.0, (at - 120.0) / 60.0),
-        at => rest_to_rest(100.0, 0.0, (at - 180.0) / 180.0),
-    }
-}
 
 /// Three seconds at 400 deg/s, with a little noise: `MasterOffset` 25, `SlaveOffset` −4, tappets 8 ms late.
 fn recorded() -> String {
-    let mut text = String::from("time_s,master_deg,slave_mm,tappet_1\n");
-    for index in 0..1500_u32 {
+    recording("time_s,master_deg,slave_mm,tappet_1", 1500, |index| {
         let time = f64::from(index) * 0.002 + 0.0007;
         let master = 400.0 * time;
-        // Bits mixed so that neighbours have nothing to do with each other.
-        let mixed = u64::from(index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40;
-        let noise = 0.1 * (f64::from(u32::try_from(mixed).expect("24 bits")) / 16_777_216.0 - 0.5);
         let seen = (400.0 * (time - 0.008) + 25.0).rem_euclid(360.0);
         let output = u8::from((50.0..200.0).contains(&seen));
-        writeln!(text, "{time},{master},{},{output}", lift(master + 25.0) - 4.0 + noise)
-            .expect("text");
-    }
-    text
+        format!("{time},{master},{},{output}", lift(master + 25.0) - 4.0 + 0.1 * noise(index))
+    })
 }
 
 #[test]
@@ -56,35 +20,32 @@ fn a_run_tells_offsets_and_the_dead_time() {
     let desk = Desk::new();
     desk.write("lift.toml", LIFT);
     desk.write("run.csv", &recorded());
-    let tune = ["tune", "cam", "lift.toml", "--run", "run.csv", "--slave", "wanted"];
-    let done = desk.twin(&[&tune[..], &["--format", "json", "-o", "fit.svg"]].concat());
-    done.ended(0, "");
-    let found = object(&done.stdout);
+    let tune = "tune cam lift.toml --run run.csv --slave wanted";
+    let found = desk.twin(&format!("{tune} --format json -o fit.svg")).ended(0, "").object();
     for (name, truth) in [("MasterOffset", 25.0), ("SlaveOffset", -4.0)] {
         let estimate = &found["fit"]["estimates"][name];
         let (value, half) = (estimate["value"].as_f64(), estimate["half_width_95"].as_f64());
         let (value, half) = (value.expect("a value"), half.expect("an interval"));
         assert!((value - truth).abs() < 0.05 && half > 0.0 && half < 0.1, "{name}: {estimate}");
     }
-    let dead = found["dead_time"]["dead_time_s"]["value"].as_f64().expect("a dead time");
+    let dead = number(&found["dead_time"]["dead_time_s"]["value"]);
     assert!((dead - 0.008).abs() < 0.001, "{dead}");
-    let picture = std::fs::read_to_string(desk.path("fit.svg")).expect("written");
+    let picture = desk.text("fit.svg");
     for word in ["before", "after", "recorded", "error of the slave"] {
         assert!(picture.contains(word), "{word}");
     }
     // Nothing was written, and what is written keeps comments and is what was found.
-    let text = || std::fs::read_to_string(desk.path("lift.toml")).expect("there");
+    let text = || desk.text("lift.toml");
     assert_eq!(text(), LIFT);
-    let done = desk.twin(&tune);
-    done.ended(0, "");
-    assert!(done.stdout.contains("nothing is written without --write"), "{}", done.stdout);
-    assert!(done.stdout.contains("MasterOffset := "), "{}", done.stdout);
-    desk.twin(&[&tune[..], &["--write"]].concat()).ended(0, "written to lift.toml");
+    desk.twin(tune)
+        .ended(0, "")
+        .says("nothing is written without --write")
+        .says("MasterOffset := ");
+    desk.twin(&format!("{tune} --write")).ended(0, "written to lift.toml");
     let after = text();
     assert!(after.starts_with(LIFT) && after.contains("\n[coupling]\nmaster_offset = "), "{after}");
     // Another time there is nothing left to be found: the error is the noise.
-    let done = desk.twin(&[&tune[..], &["--format", "json"]].concat());
-    let again = object(&done.stdout);
+    let again = desk.twin(&format!("{tune} --format json")).object();
     let (before, now) = (&again["fit"]["rms_before"], &again["fit"]["rms_after"]);
     assert!(
         (before.as_f64().expect("rms") - now.as_f64().expect("rms")).abs() < 1e-6,
@@ -99,19 +60,16 @@ fn what_few_samples_do_not_show_is_said() {
     let desk = Desk::new();
     desk.write("lift.toml", LIFT);
     let run = |count: u32, step: f64| {
-        let mut text = String::from("time_s,master_deg,slave_mm\n");
-        for index in 0..count {
-            let mixed = u64::from(index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-            let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40;
-            let noise = f64::from(u32::try_from(mixed).expect("24 bits")) / 16_777_216.0 - 0.5;
-            let master = 720.0 * f64::from(index) / f64::from(count);
-            let slave = lift(master + 25.0) - 4.0 + 0.1 * noise;
-            let slave = if step > 0.0 { (slave / step).round() * step } else { slave };
-            writeln!(text, "{},{master},{slave}", master / 400.0).expect("text");
-        }
-        desk.write("run.csv", &text);
-        let tune = ["tune", "cam", "lift.toml", "--run", "run.csv", "--slave", "wanted"];
-        let done = desk.twin(&tune);
+        desk.write(
+            "run.csv",
+            &recording("time_s,master_deg,slave_mm", count, |index| {
+                let master = 720.0 * f64::from(index) / f64::from(count);
+                let slave = lift(master + 25.0) - 4.0 + 0.1 * noise(index);
+                let slave = if step > 0.0 { (slave / step).round() * step } else { slave };
+                format!("{},{master},{slave}", master / 400.0)
+            }),
+        );
+        let done = desk.twin("tune cam lift.toml --run run.csv --slave wanted");
         done.ended(0, "");
         done.stdout.clone()
     };
@@ -133,20 +91,20 @@ fn what_few_samples_do_not_show_is_said() {
 fn a_slave_that_does_something_else_is_told() {
     let desk = Desk::new();
     desk.write("lift.toml", LIFT);
-    let mut text = String::from("time_s,master_deg,slave_mm\n");
-    for index in 0..600_u32 {
-        let master = 1.8 * f64::from(index);
-        let late = f64::from(index / 100 % 2);
-        writeln!(text, "{},{master},{}", master / 400.0, lift(master - late)).expect("text");
-    }
-    desk.write("run.csv", &text);
-    let find = ["--find", "master-offset,slave-offset,slave-scaling"];
-    let tune = [&["tune", "cam", "lift.toml", "--run", "run.csv", "--write"][..], &find].concat();
-    let done = desk.twin(&tune);
+    desk.write(
+        "run.csv",
+        &recording("time_s,master_deg,slave_mm", 600, |index| {
+            let master = 1.8 * f64::from(index);
+            let late = f64::from(index / 100 % 2);
+            format!("{},{master},{}", master / 400.0, lift(master - late))
+        }),
+    );
+    let find = "--find master-offset,slave-offset,slave-scaling";
+    let done = desk.twin(&format!("tune cam lift.toml --run run.csv --write {find}"));
     done.ended(1, "the slave does something that the cam does not describe");
     assert!(done.stderr.contains("MasterOffset -0.49"), "{}", done.stderr);
     assert!(!done.stdout.contains("95 %") && !done.stdout.contains(":="), "{}", done.stdout);
-    assert_eq!(std::fs::read_to_string(desk.path("lift.toml")).expect("there"), LIFT);
+    assert_eq!(desk.text("lift.toml"), LIFT);
 }
 
 /// Units that the header names are those of the cam.
@@ -155,10 +113,10 @@ fn a_run_in_other_units_is_told() {
     let desk = Desk::new();
     desk.write("lift.toml", LIFT);
     desk.write("run.csv", &recorded().replacen("master_deg", "master_mm", 1));
-    let done = desk.twin(&["tune", "cam", "lift.toml", "--run", "run.csv"]);
-    done.ended(2, "column `master_mm`: the master of the cam is in deg");
+    desk.twin("tune cam lift.toml --run run.csv")
+        .ended(2, "column `master_mm`: the master of the cam is in deg");
     desk.write("run.csv", &recorded().replacen("master_deg,slave_mm", "master_u,slave", 1));
-    desk.twin(&["tune", "cam", "lift.toml", "--run", "run.csv", "--slave", "wanted"]).ended(0, "");
+    desk.twin("tune cam lift.toml --run run.csv --slave wanted").ended(0, "");
 }
 
 /// A slave 5 ms behind at 400 deg/s is lift(master − 2): `MasterOffset` 2 undoes it, and with that in effect nothing is left.
@@ -167,30 +125,24 @@ fn a_slave_that_lags_gets_an_offset_that_leads() {
     let desk = Desk::new();
     desk.write("lift.toml", LIFT);
     let run = |in_effect: f64| {
-        let mut text = String::from("time_s,master_deg,slave_mm\n");
-        for index in 0..1500_u32 {
+        let run = recording("time_s,master_deg,slave_mm", 1500, |index| {
             let time = f64::from(index) * 0.002;
             // The noise of `recorded`, without which what rounding leaves over would be no noise.
-            let mixed = u64::from(index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-            let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40;
-            let noise = f64::from(u32::try_from(mixed).expect("24 bits")) / 16_777_216.0 - 0.5;
-            let slave = lift(400.0 * (time - 0.005) + in_effect) + 0.1 * noise;
-            writeln!(text, "{time},{},{slave}", 400.0 * time).expect("text");
-        }
-        desk.write("run.csv", &text);
+            let slave = lift(400.0 * (time - 0.005) + in_effect) + 0.1 * noise(index);
+            format!("{time},{},{slave}", 400.0 * time)
+        });
+        desk.write("run.csv", &run);
     };
-    let tune = ["tune", "cam", "lift.toml", "--run", "run.csv", "--write", "--format", "json"];
-    let offset = |text: &str| object(text)["coupling"]["master_offset"].as_f64().expect("a value");
+    let tune = "tune cam lift.toml --run run.csv";
     run(0.0);
-    let done = desk.twin(&tune);
-    done.ended(0, "written to lift.toml");
-    assert!((offset(&done.stdout) - 2.0).abs() < 0.02, "{}", done.stdout);
-    run(offset(&done.stdout));
-    let before = std::fs::read_to_string(desk.path("lift.toml")).expect("there");
+    let found = desk.twin(&format!("{tune} --write --format json"));
+    let found = found.ended(0, "written to lift.toml").object();
+    let offset = number(&found["coupling"]["master_offset"]);
+    assert!((offset - 2.0).abs() < 0.02, "{found}");
+    run(offset);
+    let before = desk.text("lift.toml");
     assert!(before.contains("wanted_master_offset = 0"), "{before}");
-    let done = desk.twin(&tune[..5]);
-    done.ended(0, "");
-    assert!(done.stdout.contains("nothing is to be changed"), "{}", done.stdout);
+    desk.twin(tune).ended(0, "").says("nothing is to be changed");
 }
 
 #[test]
@@ -206,8 +158,7 @@ fn what_the_data_do_not_say_is_said() {
         text
     };
     desk.write("few.csv", &run(0..7, |index| lift(f64::from(index) * 3.0)));
-    let tune =
-        |name: &str| desk.twin(&["tune", "cam", "lift.toml", "--run", name, "--write", "new.toml"]);
+    let tune = |name: &str| desk.twin(&format!("tune cam lift.toml --run {name} --write new.toml"));
     tune("few.csv").ended(1, "7 samples are too few for 2 unknowns");
     // The coupling slipped by 10 half way.
     desk.write(
@@ -233,37 +184,22 @@ fn what_the_data_do_not_say_is_said() {
 fn a_ramp_and_what_it_takes() {
     let desk = Desk::new();
     desk.write("rest.toml", "name = \"rest\"\nmaster = { min = 0, max = 100 }\nslave = { min = 0, max = 20, period = 20 }\nelements = [{ master = 0, slave = 10 }]\n");
-    let tune = [
-        "tune",
-        "cam",
-        "rest.toml",
-        "--max-velocity",
-        "2",
-        "--max-acceleration",
-        "1",
-        "--ramp-in",
-        "0,0",
-    ];
-    let done = desk.twin(&[&tune[..], &["--format", "json"]].concat());
-    done.ended(0, "");
-    let found = object(&done.stdout);
-    let duration = found["ramp"]["duration_s"].as_f64().expect("a duration");
+    let tune = "tune cam rest.toml --max-velocity 2 --max-acceleration 1 --ramp-in 0,0";
+    let found = desk.twin(&format!("{tune} --format json")).ended(0, "").object();
+    let duration = number(&found["ramp"]["duration_s"]);
     assert!((duration - 7.0).abs() < 1e-5, "{duration}");
-    let done = desk.twin(&[&tune[..], &["--within", "8", "--write"]].concat());
-    done.ended(0, "written to rest.toml");
-    let text = std::fs::read_to_string(desk.path("rest.toml")).expect("there");
+    desk.twin(&format!("{tune} --within 8 --write")).ended(0, "written to rest.toml");
+    let text = desk.text("rest.toml");
     for key in
         ["velocity_difference = ", "acceleration = ", "deceleration = ", "start_mode = \"ramp_in\""]
     {
         assert!(text.contains(key), "{text}");
     }
-    desk.twin(&[&tune[..], &["--within", "1"]].concat()).ended(1, "not within 1 s");
+    desk.twin(&format!("{tune} --within 1")).ended(1, "not within 1 s");
     // 1 mm/s³: 1 s longer, each ramp takes 2/1 + 1/1 s on 3 mm.
-    let parabolic = [&tune[..], &["--ramp", "parabolic"]].concat();
-    let done = desk.twin(&[&parabolic[..], &["--max-jerk", "1", "--format", "json"]].concat());
-    done.ended(0, "");
-    let found = object(&done.stdout);
-    let duration = found["ramp"]["duration_s"].as_f64().expect("a duration");
+    let parabolic = format!("{tune} --ramp parabolic");
+    let found = desk.twin(&format!("{parabolic} --max-jerk 1 --format json")).ended(0, "").object();
+    let duration = number(&found["ramp"]["duration_s"]);
     assert!((duration - 8.0).abs() < 1e-5, "{duration}");
     desk.twin(&parabolic).ended(2, "a ramp needs a limit of the slave's jerk");
 }
@@ -272,28 +208,20 @@ fn a_ramp_and_what_it_takes() {
 #[test]
 fn a_ramp_and_its_cam_keep_the_jerk_together() {
     let desk = Desk::new();
-    let cam = crate::root().join("examples/cams/pick_and_place.toml").display().to_string();
     let limits =
         "--max-velocity 900 --max-acceleration 20000 --max-jerk 380000 --master-velocity 360";
     let tune = |more: &str| {
-        let start = ["tune", "cam", &cam, "--ramp-in", "60,35,100", "--ramp", "parabolic"];
-        desk.twin(
-            &[&start[..], &limits.split(' ').chain(more.split(' ')).collect::<Vec<_>>()].concat(),
-        )
+        let tune = "tune cam examples/cams/pick_and_place.toml --ramp-in 60,35,100";
+        desk.twin(&format!("{tune} --ramp parabolic {limits} {more}"))
     };
-    let done = tune("--format json");
-    done.ended(0, "");
-    let ramp = &object(&done.stdout)["ramp"];
+    let ramp = &tune("--format json").ended(0, "").object()["ramp"];
     let [both, cam, axis] = ["peak_jerk", "peak_cam_jerk", "axis_jerk"]
         .map(|name| ramp[name].as_f64().expect("a jerk"));
     let limit = 380_000.0;
     assert!(both <= limit * (1.0 + 1e-9) && cam > 0.0, "{both} {cam}");
     assert!(axis < limit && both <= (axis + cam) * (1.0 + 1e-9), "{both} {axis} {cam}");
-    let done = tune("--within 0.5");
-    assert!(done.stdout.contains("of the slave's axis: `max_jerk_…`"), "{}", done.stdout);
-    let done = tune("--within 1 --minimise jerk");
-    done.ended(0, "");
-    assert!(done.stdout.contains("ramp: on the cam after"), "{}", done.stdout);
+    tune("--within 0.5").says("of the slave's axis: `max_jerk_…`");
+    tune("--within 1 --minimise jerk").ended(0, "").says("ramp: on the cam after");
 }
 
 /// What is asked for in vain, and a sample that a sensor spoilt, are said so that it is clear what to do.
@@ -301,26 +229,26 @@ fn a_ramp_and_its_cam_keep_the_jerk_together() {
 fn mistakes_are_told() {
     let desk = Desk::new();
     desk.write("lift.toml", LIFT);
-    let tune = |more: &[&str]| desk.twin(&[&["tune", "cam", "lift.toml"], more].concat());
-    tune(&["--find", "slave-scaling"]).ended(2, "none is given");
-    tune(&["--ramp-in", "0,35"]).ended(2, "a ramp needs a limit of the slave's velocity");
-    desk.twin(&["cam", "check", "lift.toml", "--master-velocity", "-5"])
+    let tune = |more: &str| desk.twin(&format!("tune cam lift.toml {more}"));
+    tune("--find slave-scaling").ended(2, "none is given");
+    tune("--ramp-in 0,35").ended(2, "a ramp needs a limit of the slave's velocity");
+    desk.twin("cam check lift.toml --master-velocity -5")
         .ended(2, "-5 is less than 0: give the master's velocity without its sign");
     // 0 to 100 into 0 to 70.
-    let done = tune(&["--find", "slave-scaling", "--position-min", "0", "--position-max", "70"]);
-    done.ended(0, "");
-    assert!(done.stdout.contains("  slave_scaling = 0.7\n"), "{}", done.stdout);
+    tune("--find slave-scaling --position-min 0 --position-max 70")
+        .ended(0, "")
+        .says("  slave_scaling = 0.7\n");
     let text = recorded();
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let cells: Vec<_> = lines[700].split(',').map(str::to_owned).collect();
     let slave: f64 = cells[2].parse().expect("a number");
     lines[700] = format!("{},{},{},{}", cells[0], cells[1], slave + 5.0, cells[3]);
     desk.write("run.csv", &lines.join("\n"));
-    tune(&["--run", "run.csv"]).ended(1, "line 701 (by ").ended(1, "the slave is far from");
+    tune("--run run.csv").ended(1, "line 701 (by ").ended(1, "the slave is far from");
     let still: Vec<_> =
         (0..60).map(|index| format!("{},90,{}", 0.01 * f64::from(index), 3)).collect();
     desk.write("still.csv", &format!("time,master,slave\n{}\n", still.join("\n")));
-    tune(&["--run", "still.csv"]).ended(1, "the master is at 90 in all 60 samples");
+    tune("--run still.csv").ended(1, "the master is at 90 in all 60 samples");
 }
 
 /// Outputs of a group that the cam has not, two groups of different dead times, and a master in radians.
@@ -328,16 +256,15 @@ fn mistakes_are_told() {
 fn recordings_of_something_else_are_told() {
     let desk = Desk::new();
     desk.write("lift.toml", LIFT);
-    let tune = |name: &str| desk.twin(&["tune", "cam", "lift.toml", "--run", name]);
+    let tune = |name: &str| desk.twin(&format!("tune cam lift.toml --run {name}"));
     desk.write("nine.csv", &recorded().replace("tappet_1", "tappet_9"));
     tune("nine.csv")
         .ended(1, "the run has outputs of group 9 (`tappet_9`)")
         .ended(1, "its tappets are of group 1");
-    let mut text = String::from("time_s,master,slave_mm\n");
-    for index in 0..600_u32 {
+    let text = recording("time_s,master,slave_mm", 600, |index| {
         let (time, master) = (f64::from(index) * 0.005, f64::from(index) * 2.0);
-        writeln!(text, "{time},{},{}", master.to_radians(), lift(master)).expect("text");
-    }
+        format!("{time},{},{}", master.to_radians(), lift(master))
+    });
     desk.write("rad.csv", &text);
     tune("rad.csv").ended(1, "offsets and scalings: the data do not ");
     desk.write("named.csv", &text.replacen("master", "master_rad", 1));
@@ -346,16 +273,18 @@ fn recordings_of_something_else_are_told() {
     let other = group.replace("group = 1", "group = 2");
     let on = other.replace("200", "80").replace("off", "on");
     desk.write("two.toml", &LIFT.replace(group, &format!("{group}\n  {on}\n  {other}")));
-    let mut text = String::from("time_s,master_deg,slave_mm,tappet_1,tappet_2\n");
-    for index in 0..4000_u32 {
-        let time = f64::from(index) * 0.001;
-        let (master, at) = (400.0 * time, |late: f64| (400.0 * (time - late)).rem_euclid(360.0));
-        let one = u8::from((50.0..200.0).contains(&at(0.005)));
-        let two = u8::from((80.0..200.0).contains(&at(0.040)));
-        writeln!(text, "{time},{master},{:.4},{one},{two}", lift(master)).expect("text");
-    }
-    desk.write("two.csv", &text);
-    let done = desk.twin(&["tune", "cam", "two.toml", "--run", "two.csv", "--write", "new.toml"]);
+    desk.write(
+        "two.csv",
+        &recording("time_s,master_deg,slave_mm,tappet_1,tappet_2", 4000, |index| {
+            let time = f64::from(index) * 0.001;
+            let (master, at) =
+                (400.0 * time, |late: f64| (400.0 * (time - late)).rem_euclid(360.0));
+            let one = u8::from((50.0..200.0).contains(&at(0.005)));
+            let two = u8::from((80.0..200.0).contains(&at(0.040)));
+            format!("{time},{master},{:.4},{one},{two}", lift(master))
+        }),
+    );
+    let done = desk.twin("tune cam two.toml --run two.csv --write new.toml");
     done.ended(1, "group 1 switches 0.00").ended(1, "group 2 switches 0.0");
     assert!(!done.stdout.contains("DeadTimeCompensation :=") && !desk.path("new.toml").exists());
 }
@@ -367,13 +296,12 @@ fn a_picture_says_what_the_check_allows() {
     let more = "{ group = 2, master = 90, action = \"on\" }, { group = 2, master = 95, action = \"off\" },\n]\n";
     desk.write("lift.toml", &(LIFT.trim_end().trim_end_matches(']').to_owned() + more));
     for limit in ["1234", "3210", "4444", "977"] {
-        let limit = ["--max-velocity", limit];
-        let plot = ["cam", "plot", "lift.toml", "-o", "lift.svg"];
-        desk.twin(&[&plot[..], &limit[..]].concat()).ended(0, "");
-        let picture = std::fs::read_to_string(desk.path("lift.svg")).expect("drawn");
+        let limit = format!("--max-velocity {limit}");
+        desk.twin(&format!("cam plot lift.toml -o lift.svg {limit}")).ended(0, "");
+        let picture = desk.text("lift.svg");
         let told = picture.split("at most ").nth(1).and_then(|rest| rest.split(' ').next());
-        let check = ["cam", "check", "lift.toml", "--master-velocity", told.expect("a velocity")];
-        desk.twin(&[&check[..], &limit[..]].concat()).ended(0, "");
+        let told = told.expect("a velocity");
+        desk.twin(&format!("cam check lift.toml --master-velocity {told} {limit}")).ended(0, "");
         for group in [1, 2] {
             assert!(picture.contains(&format!("tappets of group {group} that are on")));
         }
@@ -396,16 +324,14 @@ fn the_picture_of_a_ramp_shows_the_start() {
     };
     let limits = "--master-velocity 30 --max-velocity 2 --max-acceleration 4";
     let tune = |more: &str| {
-        let start = ["tune", "cam", "rest.toml", "--ramp-in", "90,0", "-o", "ramp.svg"];
-        let more = limits.split(' ').chain(more.split_whitespace());
-        desk.twin(&start.into_iter().chain(more).collect::<Vec<_>>()).ended(0, "");
-        std::fs::read_to_string(desk.path("ramp.svg")).expect("drawn")
+        let tune = "tune cam rest.toml --ramp-in 90,0 -o ramp.svg";
+        desk.twin(&format!("{tune} {limits} {more}")).ended(0, "");
+        desk.text("ramp.svg")
     };
     let values = "velocity_difference = 2\nacceleration = 1\ndeceleration = 1\n";
     cam(&format!("[coupling]\nstart_mode = \"ramp_in\"\n{values}"));
-    let other = "tune cam rest.toml --ramp-in 90,0 -o ramp.png";
-    let other: Vec<_> = other.split(' ').chain(limits.split(' ')).collect();
-    desk.twin(&other).ended(2, "ramp.png: pictures are SVG");
+    desk.twin(&format!("tune cam rest.toml --ramp-in 90,0 -o ramp.png {limits}"))
+        .ended(2, "ramp.png: pictures are SVG");
     assert!(!desk.path("ramp.png").exists());
     let picture = tune("");
     for word in [
@@ -450,8 +376,9 @@ fn the_picture_of_a_ramp_shows_the_start() {
 fn the_check_counts_the_jerk_of_the_master() {
     let desk = Desk::new();
     desk.write("lift.toml", LIFT);
-    let check = ["cam", "check", "lift.toml", "--format", "json", "--max-jerk", "60000"];
-    let found = desk.twin(&[&check[..], &["--master-jerk", "200000"]].concat());
-    let reason = object(&found.stdout)["largest_master"]["reason"].to_string();
+    let check = "cam check lift.toml --format json --max-jerk 60000";
+    let reason =
+        desk.twin(&format!("{check} --master-jerk 200000")).object()["largest_master"]["reason"]
+            .to_string();
     assert!(reason.contains("the slave's jerk reaches 218750 at master 60"), "{reason}");
 }

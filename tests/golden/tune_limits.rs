@@ -1,7 +1,7 @@
 //! `twin tune cam` within limits: the fit of a run as far as they allow, and the least change that keeps them.
 
-use crate::process::{Desk, number, object};
-use std::fmt::Write;
+use crate::process::{Desk, number};
+use crate::tuning::{noise, recording, through};
 
 /// The shipped cam that picks and places, from its points alone.
 const PICK: &str = r#"name = "pick"
@@ -18,21 +18,9 @@ elements = [
 ]
 "#;
 
-/// The quintic of two points at rest, at a part of the way.
-fn rest_to_rest(from: f64, to: f64, part: f64) -> f64 {
-    from + (to - from) * part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part)
-}
-
 /// The cam, in closed form.
-fn pick(place: f64) -> f64 {
-    match place.rem_euclid(360.0) {
-        at if at < 40.0 => 0.0,
-        at if at < 140.0 => rest_to_rest(0.0, 80.0, (at - 40.0) / 100.0),
-        at if at < 180.0 => 80.0,
-        at if at < 260.0 => rest_to_rest(80.0, 12.0, (at - 180.0) / 80.0),
-        at if at < 300.0 => 12.0,
-        at => rest_to_rest(12.0, 0.0, (at - 300.0) / 60.0),
-    }
+fn pick(master: f64) -> f64 {
+    through(&crate::tuning::PICK, master)
 }
 
 /// The largest acceleration at a velocity of the master: on the way down, 68 mm in 80 deg.
@@ -48,32 +36,14 @@ fn master(index: u32) -> f64 {
 
 /// Three turns at 300 deg/s of a slave that is at 0.9 times what it is told, with a little noise.
 fn recorded(shift: f64, factor: f64) -> String {
-    let mut text = String::from("time_s,master_deg,slave_mm\n");
-    for index in 0..SAMPLES {
-        // Bits mixed so that neighbours have nothing to do with each other.
-        let mixed = u64::from(index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40;
-        let noise = 0.02 * (f64::from(u32::try_from(mixed).expect("24 bits")) / 16_777_216.0 - 0.5);
+    recording("time_s,master_deg,slave_mm", SAMPLES, |index| {
         let at = master(index);
-        let slave = 0.9 * (factor * pick(at) + shift) + noise;
-        writeln!(text, "{},{at},{slave}", 0.003 * f64::from(index)).expect("text");
-    }
-    text
+        let slave = 0.9 * (factor * pick(at) + shift) + 0.02 * noise(index);
+        format!("{},{at},{slave}", 0.003 * f64::from(index))
+    })
 }
 
-const TUNE: [&str; 11] = [
-    "tune",
-    "cam",
-    "pick.toml",
-    "--run",
-    "run.csv",
-    "--find",
-    "slave-scaling,slave-offset",
-    "--master-velocity",
-    "300",
-    "--position-max",
-    "85",
-];
+const TUNE: &str = "tune cam pick.toml --run run.csv --master-velocity 300 --position-max 85";
 
 /// A gain of 0.9 asks for a scaling of 1/0.9. The acceleration allows limit/peak of it, and the position up to 85 the offset that
 /// is left beside 80 times that; less of the scaling would leave more of the error.
@@ -82,10 +52,8 @@ fn a_gain_is_undone_as_far_as_the_limits_let_it() {
     let desk = Desk::new();
     desk.write("pick.toml", PICK);
     desk.write("run.csv", &recorded(0.0, 1.0));
-    let limits = ["--max-acceleration", "5800"];
-    let done = desk.twin(&[&TUNE[..], &limits, &["--format", "json", "-o", "fit.svg"]].concat());
-    done.ended(0, "");
-    let found = object(&done.stdout);
+    let tune = format!("{TUNE} --find slave-scaling,slave-offset --max-acceleration 5800");
+    let found = desk.twin(&format!("{tune} --format json -o fit.svg")).ended(0, "").object();
     let scaling = 5800.0 / peak(300.0);
     let offset = 85.0 - 80.0 * scaling;
     assert!((number(&found["coupling"]["slave_scaling"]) / scaling - 1.0).abs() < 1e-9, "{found}");
@@ -100,27 +68,23 @@ fn a_gain_is_undone_as_far_as_the_limits_let_it() {
     assert!(number(&found["limited"]["rms_without"]).abs() < 1e-12, "{found}");
     let after = (left * left + 0.02 * 0.02 / 12.0).sqrt();
     assert!((number(&found["fit"]["rms_after"]) - after).abs() < 1e-3, "{found} {after}");
-    let picture = std::fs::read_to_string(desk.path("fit.svg")).expect("written");
+    let picture = desk.text("fit.svg");
     assert!(picture.contains("before") && picture.contains("after"));
-    let done = desk.twin(&[&TUNE[..], &limits, &["--write"]].concat());
+    let done = desk.twin(&format!("{tune} --write"));
     done.ended(0, "written to pick.toml");
-    for words in [
+    done.says_all(&[
         "held by the acceleration, 5800 mm/s² (1.111",
         "held by the position, 85 mm",
         "the limits of the slave leave an error of",
-    ] {
-        assert!(done.stdout.contains(words), "{words} in {}", done.stdout);
-    }
+    ]);
     // What is written keeps the limits, and what is wanted stays.
-    let text = std::fs::read_to_string(desk.path("pick.toml")).expect("written");
+    let text = desk.text("pick.toml");
     assert!(text.contains("wanted_slave_scaling = 1\n") && text.contains("# down"), "{text}");
-    let check = ["cam", "check", "pick.toml", "--master-velocity", "300", "--position-max", "85"];
-    desk.twin(&[&check[..], &limits].concat()).ended(0, "");
+    let limits = "--position-max 85 --max-acceleration 5800";
+    desk.twin(&format!("cam check pick.toml --master-velocity 300 {limits}")).ended(0, "");
     // Another run, recorded with it, changes nothing.
     desk.write("run.csv", &recorded(offset, scaling));
-    let done = desk.twin(&[&TUNE[..], &limits].concat());
-    done.ended(0, "");
-    assert!(done.stdout.contains("nothing is to be changed"), "{}", done.stdout);
+    desk.twin(&tune).ended(0, "").says("nothing is to be changed");
 }
 
 /// What no offset and no scaling keeps is said, and nothing is written.
@@ -133,19 +97,17 @@ fn limits_that_leave_nothing_are_told() {
     for (find, limits, words) in [
         (
             "slave-offset",
-            ["--max-acceleration", "5000"],
+            "--max-acceleration 5000",
             "no SlaveOffset keeps the limits: the slave's limit of acceleration, 5000, is exceeded whatever it is",
         ),
-        ("slave-scaling", ["--position-min", "10"], "the slave's limit of position, 10"),
-        ("slave-offset", ["--position-min", "20"], "no SlaveOffset keeps the limits"),
+        ("slave-scaling", "--position-min 10", "the slave's limit of position, 10"),
+        ("slave-offset", "--position-min 20", "no SlaveOffset keeps the limits"),
     ] {
-        let mut tune = TUNE;
-        tune[6] = find;
-        let done = desk.twin(&[&tune[..], &limits, &["--write"]].concat());
+        let done = desk.twin(&format!("{TUNE} --find {find} {limits} --write"));
         done.ended(1, words);
         assert!(!done.stderr.contains("written to"), "{}", done.stderr);
     }
-    assert_eq!(std::fs::read_to_string(desk.path("pick.toml")).expect("there"), PICK);
+    assert_eq!(desk.text("pick.toml"), PICK);
 }
 
 /// Without a run: the least change of all three is less than that of any scaling of the master beside the least ones of the
@@ -154,23 +116,13 @@ fn limits_that_leave_nothing_are_told() {
 fn the_least_change_is_the_least() {
     let desk = Desk::new();
     desk.write("pick.toml", PICK);
-    let limits = [
-        "--max-acceleration",
-        "7000",
-        "--max-velocity",
-        "500",
-        "--position-max",
-        "79",
-        "--position-min",
-        "1",
-        "--master-velocity",
-        "360",
-    ];
-    let find = ["--find", "slave-scaling,slave-offset,master-scaling", "--format", "json"];
-    let tune = ["tune", "cam", "pick.toml"];
-    let done = desk.twin(&[&tune[..], &find, &limits, &["--write"]].concat());
-    done.ended(0, "written to pick.toml");
-    let coupling = &object(&done.stdout)["coupling"];
+    let limits = "--max-acceleration 7000 --max-velocity 500 --position-max 79 --position-min 1 --master-velocity 360";
+    let find = "--find slave-scaling,slave-offset,master-scaling --format json";
+    let tune = "tune cam pick.toml";
+    let coupling = &desk
+        .twin(&format!("{tune} {find} {limits} --write"))
+        .ended(0, "written to pick.toml")
+        .object()["coupling"];
     let [m, b, s] =
         ["master_scaling", "slave_offset", "slave_scaling"].map(|key| number(&coupling[key]));
     let change =
@@ -192,7 +144,7 @@ fn the_least_change_is_the_least() {
     let found = change(m, b, s);
     assert!(found <= least && found > least - 1e-4, "{coupling} {found} {least}");
     assert!(found < change(0.893, 1.0, 0.975), "{coupling}");
-    desk.twin(&[&["cam", "check", "pick.toml"], &limits[..]].concat()).ended(0, "");
+    desk.twin(&format!("cam check pick.toml {limits}")).ended(0, "");
 }
 
 /// What holds each value is told without a run, too, and what changes with the others is told apart from it: the position alone
@@ -201,15 +153,12 @@ fn the_least_change_is_the_least() {
 fn what_holds_the_least_change_is_told() {
     let desk = Desk::new();
     desk.write("pick.toml", PICK);
-    let tune = |find: &str, more: &[&str]| {
-        let tune = ["tune", "cam", "pick.toml", "--master-velocity", "360", "--find", find];
-        desk.twin(&[&tune[..], more].concat())
-    };
-    let done = tune("slave-offset", &["--position-min", "1", "--position-max", "90"]);
+    let tune =
+        |more: &str| desk.twin(&format!("tune cam pick.toml --master-velocity 360 --find {more}"));
+    let done = tune("slave-offset --position-min 1 --position-max 90");
     done.ended(0, "");
-    let said = "SlaveOffset: 0 → 1 keeps the limits, held by the position, 1 mm\n";
-    assert!(done.stdout.contains(said), "{}", done.stdout);
-    let done = tune("slave-scaling,master-scaling", &["--max-acceleration", "7000"]);
+    done.says("SlaveOffset: 0 → 1 keeps the limits, held by the position, 1 mm\n");
+    let done = tune("slave-scaling,master-scaling --max-acceleration 7000");
     done.ended(0, "");
     for name in ["SlaveScaling: 1 → 0.", "MasterScaling: 1 → 0."] {
         let line = done.stdout.lines().find(|line| line.starts_with(name)).expect("told");
@@ -218,8 +167,8 @@ fn what_holds_the_least_change_is_told() {
             "{line}"
         );
     }
-    let limits = ["--max-acceleration", "7000", "--position-max", "79", "--format", "json"];
-    let found = object(&tune("slave-scaling,slave-offset", &limits).stdout);
+    let limits = "--max-acceleration 7000 --position-max 79";
+    let found = tune(&format!("slave-scaling,slave-offset {limits} --format json")).object();
     let held = &found["within"]["held"];
     assert_eq!(
         held["SlaveScaling"],
@@ -239,35 +188,28 @@ fn a_range_of_the_scaling_that_was_given_is_kept() {
     desk.write("run.csv", &recorded(0.0, 1.0));
     let scaling = (6000.0 / peak(360.0)).sqrt();
     assert!(scaling < 0.9);
-    let limits = ["--max-acceleration", "6000", "--master-velocity", "360"];
-    let tune = |find: &str, more: &[&str]| {
-        let tune = ["tune", "cam", "pick.toml", "--find", find];
-        desk.twin(&[&tune[..], &limits, more].concat())
+    let tune = |more: &str| {
+        let limits = "--max-acceleration 6000 --master-velocity 360";
+        desk.twin(&format!("tune cam pick.toml {limits} --find {more}"))
     };
-    let json = ["--format", "json"];
-    let found = object(&tune("master-scaling", &json).stdout);
+    let json = |more: &str| tune(&format!("{more} --format json")).object();
+    let found = json("master-scaling");
     assert!((number(&found["coupling"]["master_scaling"]) / scaling - 1.0).abs() < 1e-9, "{found}");
-    let range = ["--scaling-range", "0.05"];
-    tune("master-scaling", &range)
+    tune("master-scaling --scaling-range 0.05")
         .ended(1, "no MasterScaling keeps the limits: the slave's limit of acceleration, 6000, and")
         .ended(1, "0.95");
-    let both = "master-scaling,slave-scaling";
-    let found = object(&tune(both, &[&range[..], &json].concat()).stdout);
+    let both = "master-scaling,slave-scaling --scaling-range 0.05";
+    let found = json(both);
     assert_eq!(found["coupling"]["master_scaling"], 0.95, "{found}");
     let rest = 6000.0 / peak(0.95 * 360.0);
     assert!((number(&found["coupling"]["slave_scaling"]) / rest - 1.0).abs() < 1e-9, "{found}");
-    let told = tune(both, &range).stdout;
-    assert!(
-        told.contains("held by the acceleration, 6000 mm/s² and the end of --scaling-range, 0.95"),
-        "{told}"
-    );
+    tune(both).says("held by the acceleration, 6000 mm/s² and the end of --scaling-range, 0.95");
     // The same with a run, and for the smallest peak: there its end is what holds it.
-    let run = ["--run", "run.csv", "--scaling-range", "0.02"];
-    let found = object(&tune(both, &[&run[..], &json].concat()).stdout);
+    let found = json("master-scaling,slave-scaling --run run.csv --scaling-range 0.02");
     let scaling = number(&found["coupling"]["master_scaling"]);
     assert!((0.98 - 1e-12..1.02).contains(&scaling), "{found}");
-    let least = ["--minimise", "jerk", "--scaling-range", "0.2", "--format", "json"];
-    let found = object(&tune("master-scaling", &least).stdout);
+    let found = json("master-scaling --minimise jerk --scaling-range 0.2");
     assert_eq!(found["coupling"]["master_scaling"], 0.8, "{found}");
-    tune("slave-scaling", &range).ended(2, "--scaling-range is for --find master-scaling");
+    tune("slave-scaling --scaling-range 0.05")
+        .ended(2, "--scaling-range is for --find master-scaling");
 }

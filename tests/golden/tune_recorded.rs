@@ -1,7 +1,7 @@
 //! `twin tune cam` and the form of the recording: other units, few switchings, positions within a period.
 
-use crate::process::{Desk, number, object};
-use std::fmt::Write;
+use crate::process::{Desk, number};
+use crate::tuning::{recording, through};
 
 const CAM: &str = r#"name = "lift"
 master = { min = 0, max = 360, unit = "deg" }
@@ -18,33 +18,24 @@ tappets = [
 ]
 "#;
 
-/// The quintics of points at rest.
-fn place(at: f64) -> f64 {
-    let lift = |part: f64| part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part);
-    match at.rem_euclid(360.0) {
-        at if at < 90.0 => 50.0 * lift(at / 90.0),
-        at if at < 120.0 => 50.0,
-        at => 50.0 * (1.0 - lift((at - 120.0) / 240.0)),
-    }
+/// The cam, in closed form.
+fn place(master: f64) -> f64 {
+    through(&[(0.0, 0.0), (90.0, 50.0), (120.0, 50.0), (360.0, 0.0)], master)
 }
 
-/// Within ± 0.05 mm; bits mixed so that neighbours have nothing to do with each other.
+/// Within ± 0.05 mm.
 fn noise(index: u32) -> f64 {
-    let mixed = u64::from(index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40;
-    0.1 * (f64::from(u32::try_from(mixed).expect("24 bits")) / 16_777_216.0 - 0.5)
+    0.1 * crate::tuning::noise(index)
 }
 
 /// So many samples every 2 ms at 360 deg/s of a slave 0.02 mm beside its cam, in units of `size` mm, and an output 10 ms late.
 fn recorded(count: u32, size: f64) -> String {
-    let mut text = String::from("time_s,master_deg,slave_mm,tappet_1\n");
-    for index in 0..count {
+    recording("time_s,master_deg,slave_mm,tappet_1", count, |index| {
         let time = f64::from(index) * 0.002;
         let slave = (place(360.0 * time + 1.2) + 0.02 + noise(index)) / size;
         let on = (100.0..200.0).contains(&(360.0 * (time - 0.01)).rem_euclid(360.0));
-        writeln!(text, "{time},{},{slave:.7},{}", 360.0 * time, u8::from(on)).expect("text");
-    }
-    text
+        format!("{time},{},{slave:.7},{}", 360.0 * time, u8::from(on))
+    })
 }
 
 const FIND: &str = "master-offset,slave-offset,slave-scaling";
@@ -54,8 +45,7 @@ const FIND: &str = "master-offset,slave-offset,slave-scaling";
 fn a_slave_in_other_units_is_told() {
     let desk = Desk::new();
     desk.write("cam.toml", CAM);
-    let tune =
-        |find: &str| desk.twin(&["tune", "cam", "cam.toml", "--run", "run.csv", "--find", find]);
+    let tune = |find: &str| desk.twin(&format!("tune cam cam.toml --run run.csv --find {find}"));
     for (size, words) in [
         (25.4, "makes 0.03937 of the stroke that is wanted"),
         (0.4, "is it recorded in other units than the cam's?"),
@@ -76,18 +66,14 @@ fn few_switchings_keep_nothing_back() {
     desk.write("cam.toml", CAM);
     // 100 and 200 deg are passed once.
     desk.write("run.csv", &recorded(400, 1.0));
-    let tune = |more: &[&str]| {
-        desk.twin(
-            &[&["tune", "cam", "cam.toml", "--run", "run.csv", "--find", FIND], more].concat(),
-        )
-    };
-    let done = tune(&["--write"]);
+    let tune =
+        |more: &str| desk.twin(&format!("tune cam cam.toml --run run.csv --find {FIND} {more}"));
+    let done = tune("--write");
     done.ended(0, "");
-    let said = "2 switchings are too few for a dead time: 3 are needed";
-    assert!(done.stdout.contains(said), "{}", done.stdout);
-    assert!(done.stdout.contains("MasterOffset := 358."), "{}", done.stdout);
+    done.says("2 switchings are too few for a dead time: 3 are needed");
+    done.says("MasterOffset := 358.");
     desk.write("cam.toml", CAM);
-    let told = object(&tune(&["--format", "json"]).stdout);
+    let told = tune("--format json").object();
     assert!(told["dead_time"].is_null() && told["refused"].is_null(), "{told}");
     assert!(told["no_dead_time"].as_str().expect("why").contains("2 switchings"));
     assert!((number(&told["fit"]["estimates"]["MasterOffset"]["value"]) - 1.2).abs() < 0.1);
@@ -99,22 +85,18 @@ fn a_master_within_its_period_goes_on() {
     let desk = Desk::new();
     desk.write("cam.toml", CAM);
     let run = |period: f64| {
-        let mut text = String::from("time_s,master_deg,slave_mm\n");
-        for index in 0..1500_u32 {
+        recording("time_s,master_deg,slave_mm", 1500, |index| {
             let master = 0.72 * f64::from(index);
             let slave = place(1.005 * master + 1.2) + noise(index);
-            writeln!(text, "{},{},{slave}", 0.002 * f64::from(index), master.rem_euclid(period))
-                .expect("text");
-        }
-        text
+            format!("{},{},{slave}", 0.002 * f64::from(index), master.rem_euclid(period))
+        })
     };
-    let tune = |more: &[&str]| {
+    let tune = |more: &str| {
         let find = "master-offset,master-scaling,slave-offset";
-        let all =
-            ["tune", "cam", "cam.toml", "--run", "run.csv", "--format", "json", "--find", find];
-        object(&desk.twin(&[&all, more].concat()).stdout)
+        let all = format!("tune cam cam.toml --run run.csv --format json --find {find}");
+        desk.twin(&format!("{all} {more}")).object()
     };
-    for (period, more) in [(360.0, &[][..]), (500.0, &["--master-period", "500"])] {
+    for (period, more) in [(360.0, ""), (500.0, "--master-period 500")] {
         desk.write("run.csv", &run(period));
         let told = tune(more);
         assert!((number(&told["master"]["period"]) - period).abs() < 1e-9, "{told:#}");
@@ -135,15 +117,14 @@ fn what_gains_leaves_its_limits() {
         "name = \"rise\"\nmaster = { min = 0, max = 100, unit = \"mm\" }\nslave = { unit = \"mm\", period = 300 }\n\
          elements = [ { master = 0, slave = 0 }, { master = 100, slave = 300 } ]\n",
     );
-    let machine = crate::root().join("machines/gantry3.toml").display().to_string();
     let words = "the slave gains 300 mm in every pass of the cam and leaves its";
-    let check = |more: &[&str]| desk.twin(&[&["cam", "check", "rise.toml"], more].concat());
-    check(&["--position-max", "200"]).ended(1, words);
-    check(&["--position-max", "200"]).ended(1, "an axis with limits does not go round");
-    check(&["-m", &machine, "--axis", "X"]).ended(1, words);
-    check(&["--once", "--position-max", "300"]).ended(0, "");
-    check(&["--once", "--position-max", "200"]).ended(1, "its limit is 200 mm");
-    check(&[]).ended(0, "");
-    let find = ["tune", "cam", "rise.toml", "--find", "slave-scaling", "--position-max", "1000"];
-    desk.twin(&find).ended(1, "the slave gains 300 in every pass and leaves");
+    let check = |more: &str| desk.twin(&format!("cam check rise.toml {more}"));
+    check("--position-max 200").ended(1, words);
+    check("--position-max 200").ended(1, "an axis with limits does not go round");
+    check("-m machines/gantry3.toml --axis X").ended(1, words);
+    check("--once --position-max 300").ended(0, "");
+    check("--once --position-max 200").ended(1, "its limit is 200 mm");
+    check("").ended(0, "");
+    desk.twin("tune cam rise.toml --find slave-scaling --position-max 1000")
+        .ended(1, "the slave gains 300 in every pass and leaves");
 }

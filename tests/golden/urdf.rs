@@ -1,6 +1,6 @@
 //! Machines from URDF files, as a process.
 
-use crate::process::Desk;
+use crate::process::{Desk, shipped};
 use crate::root;
 use std::env;
 use std::path::PathBuf;
@@ -18,44 +18,38 @@ fn length_mm() -> f64 {
 /// The tutorial's SCARA does its program: everything within its limits, and the tool where it is sent.
 #[test]
 fn a_scara_of_a_tutorial_runs_its_program() {
-    let folder = root().join("tests/data/urdf_scara");
-    let machine = folder.join("machine.toml").display().to_string();
+    let machine = "tests/data/urdf_scara/machine.toml";
     let desk = Desk::new();
     desk.write("program.cnc", PROGRAM);
-    let arguments =
-        ["check", "program.cnc", "--machine", &machine, "--physics", "--format", "json"];
-    let done = desk.twin(&arguments);
-    done.ended(0, "");
-    let report: serde_json::Value = serde_json::from_str(&done.stdout).expect("JSON");
+    let report = desk
+        .twin(&format!("check program.cnc --machine {machine} --physics --format json"))
+        .ended(0, "")
+        .object();
     let found = report["length_mm"].as_f64().expect("a number");
     assert!((found - length_mm()).abs() < 1e-6, "{found} {}", length_mm());
     assert_eq!(report["findings"].as_array().map(Vec::len), Some(0), "{report}");
-    let run =
-        ["run", "program.cnc", "--machine", &machine, "--drives", "none", "--report", "run.json"];
+    let run = format!("run program.cnc --machine {machine} --drives none --report run.json");
     desk.twin(&run).ended(0, "");
     let report = desk.read("run.json");
     let error = report["tool_error_mm"]["twin"]["max"].as_f64().expect("a number");
     assert!(error > 0.0 && error < 1.0, "{report}");
 
-    let done = desk.twin(&["machine", &machine]);
+    let done = desk.twin(&format!("machine {machine}"));
     done.ended(0, "");
-    for line in
-        ["moving mass 2.70 kg in 10 links", "the colour of material \"green\" is not in this file"]
-    {
-        assert!(done.stdout.contains(line), "{line} is not in\n{}", done.stdout);
-    }
+    done.says_all(&[
+        "moving mass 2.70 kg in 10 links",
+        "the colour of material \"green\" is not in this file",
+    ]);
     // As URDF it is the machine that it is: the axis of the quill points up.
-    let done = desk.twin(&["machine", &machine, "--urdf"]);
+    let done = desk.twin(&format!("machine {machine} --urdf"));
     assert!(done.ended(0, "").stdout.contains("<link name=\"prismatic3\">"), "{}", done.stdout);
-    let rrd = ["machine", &machine, "--record", "space.rrd", "--svg", "space.svg"];
-    desk.twin(&rrd).ended(0, "");
+    desk.twin(&format!("machine {machine} --record space.rrd --svg space.svg")).ended(0, "");
 }
 
 /// A URDF without masses cannot be simulated; the axis that moves nothing is named as the machine file names it.
 #[test]
 fn what_moves_nothing_is_named() {
-    let folder = root().join("tests/data/urdf_scara");
-    let text = |name: &str| std::fs::read_to_string(folder.join(name)).expect("it is there");
+    let text = |name: &str| shipped(&format!("tests/data/urdf_scara/{name}"));
     let mut light = String::new();
     for (number, part) in text("scara.urdf").split("<inertial>").enumerate() {
         let rest = part.split_once("</inertial>").map_or(part, |(_, rest)| rest);
@@ -68,8 +62,8 @@ fn what_moves_nothing_is_named() {
         &text("machine.toml").replace("name = \"A\"", "name = \"shoulder\"\nrole = \"A\""),
     );
     desk.write("program.cnc", PROGRAM);
-    let done = desk.twin(&["check", "program.cnc", "--machine", "light.toml", "--physics"]);
-    done.ended(2, "axis shoulder moves 0 kg");
+    desk.twin("check program.cnc --machine light.toml --physics")
+        .ended(2, "axis shoulder moves 0 kg");
 }
 
 /// The MELFA of the corpus, if it is there (`TWIN_SHARED` or next to the workspace): a real machine with meshes.
@@ -112,10 +106,10 @@ fn a_melfa_runs_a_program() {
         "program.cnc",
         "%\nN10 G01 X400 Y200 Z-50 F100 E1000\nN20 G02 X350 Y250 I-50 J0\nN30 G01 X400 Y100 Z0\n",
     );
-    desk.twin(&["check", "program.cnc", "--machine", "melfa.toml", "--physics"]).ended(0, "");
+    desk.twin("check program.cnc --machine melfa.toml --physics").ended(0, "");
     let run =
         "run program.cnc --machine melfa.toml --drives none --report run.json --record run.rrd";
-    desk.twin(&run.split(' ').collect::<Vec<_>>()).ended(0, "");
+    desk.twin(run).ended(0, "");
     let report = desk.read("run.json");
     let error = report["tool_error_mm"]["twin"]["max"].as_f64().expect("a number");
     assert!(error > 0.0 && error < 0.1, "{report}");
@@ -124,6 +118,6 @@ fn a_melfa_runs_a_program() {
     assert!(size > 1_000_000, "{size}");
     // The tool is where it is in space, and 5 mm off is noticed.
     desk.write("wrong.toml", &machine.concat().replace("325.0, 275.0", "320.0, 280.0"));
-    let wrong = desk.twin(&["check", "program.cnc", "--machine", "wrong.toml"]);
-    wrong.ended(2, "these dimensions would fit: arm_lengths_mm = [325, 275, 0]");
+    desk.twin("check program.cnc --machine wrong.toml")
+        .ended(2, "these dimensions would fit: arm_lengths_mm = [325, 275, 0]");
 }

@@ -2,7 +2,6 @@
 
 use super::{cell, compare};
 use crate::process::Desk;
-use crate::root;
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -150,7 +149,7 @@ fn merged(one: &Value, other: &Value) -> Value {
 /// Real reports: of checks, and of runs.
 fn reports() -> (Vec<Value>, Vec<Value>) {
     let desk = Desk::new();
-    let machine = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
+    let machine = desk.text("machine.toml");
     desk.write("outputs.toml", &(machine + "\n[[m_functions]]\nm = 3\noutputs_on = [1]\n"));
     desk.write(
         "short.cnc",
@@ -162,29 +161,20 @@ fn reports() -> (Vec<Value>, Vec<Value>) {
         "circles.cnc",
         "% circles\nN10 G2 I30 J0 F100 E500 E-500\nN20 G2 I30 J0\nN30 G2 I30 J0\n",
     );
-    let shipped = |name: &str| root().join(name).display().to_string();
-    let checked = [
-        (shipped("examples/vice.ngc"), shipped("machines/gantry3_vice.toml"), vec!["--physics"]),
-        (
-            "short.cnc".to_owned(),
-            shipped("machines/gantry3_motors.toml"),
-            vec!["--physics", "--limits", "axes", "--variables", "values.toml"],
-        ),
-        ("unfit.cnc".to_owned(), "machine.toml".to_owned(), vec![]),
-        (shipped("examples/jobs/flying_shear.toml"), shipped("machines/gantry3.toml"), vec![]),
-    ];
-    let checks = checked.iter().map(|(program, machine, options)| {
-        let first = ["check", program, "-m", machine, "--format", "json"];
-        let done = desk.twin(&[&first[..], options].concat());
-        serde_json::from_str(&done.stdout).unwrap_or_else(|_| panic!("{}", done.stderr))
-    });
-    let checks = checks.collect();
-    let run = ["run", "short.cnc", "-m", "outputs.toml", "--report", "run.json"];
-    let options =
-        ["--tracking-error", "1", "--override-at", "0.1s=50%", "--variables", "values.toml"];
-    desk.twin(&[&run[..], &options].concat()).ended(0, "");
-    let stopped = ["run", "circles.cnc", "-m", "machine.toml", "--report", "stopped.json"];
-    desk.interrupted("-INT", "emulated InterpCNC", &stopped).ended(2, "stopped by the user");
+    let vice = "examples/vice.ngc -m machines/gantry3_vice.toml --physics";
+    let motors = "short.cnc -m machines/gantry3_motors.toml --physics";
+    let checks = [
+        vice.to_owned(),
+        format!("{motors} --limits axes --variables values.toml"),
+        "unfit.cnc -m machine.toml".to_owned(),
+        "examples/jobs/flying_shear.toml -m machines/gantry3.toml".to_owned(),
+    ]
+    .map(|checked| desk.twin(&format!("check {checked} --format json")).object())
+    .to_vec();
+    let run = "run short.cnc -m outputs.toml --report run.json --variables values.toml";
+    desk.twin(&format!("{run} --tracking-error 1 --override-at 0.1s=50%")).ended(0, "");
+    let stopped = "run circles.cnc -m machine.toml --report stopped.json";
+    desk.interrupted("-INT", "emulated InterpCNC", stopped).ended(2, "stopped by the user");
     (checks, ["run.json", "stopped.json"].map(|name| desk.read(name)).to_vec())
 }
 
