@@ -11,38 +11,28 @@ fn keeps_everything(case: &Case, profile: &Profile) {
     let Case { from, target, end_velocity, limits } = *case;
     let scale = target.abs().max(from.position.abs()).max(limits.velocity * profile.duration());
     let begin = profile.at(0.0);
-    assert!(
-        close(begin.velocity, from.velocity) && close(begin.acceleration, from.acceleration),
-        "{case:?} {begin:?}"
-    );
+    assert!(close(begin.velocity, from.velocity), "{case:?} {begin:?}");
+    assert!(close(begin.acceleration, from.acceleration), "{case:?} {begin:?}");
     let last = profile.at(profile.duration() * (1.0 - 1e-15));
     assert!((last.position - target).abs() <= 1e-9 * scale, "{case:?}: {last:?}");
     assert!((last.velocity - end_velocity).abs() <= 1e-7 * limits.velocity, "{case:?}: {last:?}");
-    let mut before: Option<(f64, State)> = None;
+    let (mut earlier, mut previous) = (0.0, begin);
     for (time, state) in sampled(profile, 200) {
-        assert!(
-            state.velocity.abs() <= limits.velocity * (1.0 + 1e-9),
-            "{case:?} {time}: {state:?}"
-        );
-        let free = state.velocity.abs() < 1e-6 * limits.velocity;
+        let State { velocity, acceleration, .. } = state;
+        let fastest = limits.velocity * (1.0 + 1e-9);
+        assert!(velocity.abs() <= fastest, "{case:?} {time}: {state:?}");
+        let free = velocity.abs() < 1e-6 * limits.velocity;
         let most =
             if free { limits.acceleration.max(limits.deceleration) } else { rate(&limits, state) };
-        assert!(state.acceleration.abs() <= most * (1.0 + 1e-9), "{case:?} {time}: {state:?}");
-        if let Some((earlier, previous)) = before {
-            let step = time - earlier;
-            assert!(
-                (state.acceleration - previous.acceleration).abs()
-                    <= limits.jerk * step * (1.0 + 1e-9) + 1e-7 * most,
-                "{case:?} {time}"
-            );
-            let mean = 0.5 * (state.acceleration + previous.acceleration);
-            assert!(
-                (state.velocity - previous.velocity - mean * step).abs()
-                    <= 0.25 * limits.jerk * step * step * (1.0 + 1e-9) + 1e-7 * limits.velocity,
-                "{case:?} {time}"
-            );
-        }
-        before = Some((time, state));
+        assert!(acceleration.abs() <= most * (1.0 + 1e-9), "{case:?} {time}: {state:?}");
+        let step = time - earlier;
+        let change = (acceleration - previous.acceleration).abs();
+        let by_jerk = limits.jerk * step * (1.0 + 1e-9);
+        assert!(change <= by_jerk + 1e-7 * most, "{case:?} {time}");
+        let mean = 0.5 * (acceleration + previous.acceleration);
+        let off = (velocity - previous.velocity - mean * step).abs();
+        assert!(off <= 0.25 * by_jerk * step + 1e-7 * limits.velocity, "{case:?} {time}");
+        (earlier, previous) = (time, state);
     }
 }
 
@@ -72,10 +62,8 @@ fn limits_that_differ_are_between_equal_ones() {
         let least = with(acceleration.max(deceleration));
         let most = with(acceleration.min(deceleration));
         let time = plan(&case, RampType::Parabolic).duration();
-        assert!(
-            least * (1.0 - 1e-9) <= time && time <= most * (1.0 + 1e-9),
-            "{least} {time} {most}: {case:?}"
-        );
+        let between = least * (1.0 - 1e-9)..=most * (1.0 + 1e-9);
+        assert!(between.contains(&time), "{time} in {between:?}: {case:?}");
     }
 }
 
@@ -139,10 +127,8 @@ fn limits_of_all_proportions_end_where_they_should_or_are_refused() {
             let mut furthest = target.abs().max(from.position.abs());
             for part in 0..=100 {
                 let state = profile.at(f64::from(part) / 100.0 * profile.duration());
-                assert!(
-                    (state.position + state.velocity + state.acceleration).is_finite(),
-                    "{about}"
-                );
+                let sum = state.position + state.velocity + state.acceleration;
+                assert!(sum.is_finite(), "{about}");
                 furthest = furthest.max(state.position.abs());
             }
             // Times have digits of their own.

@@ -34,12 +34,7 @@ impl Random {
 }
 
 /// Random cases of a seed that are wanted.
-pub(super) fn cases(
-    seed: u64,
-    count: usize,
-    equal: bool,
-    wanted: impl Fn(&Case) -> bool,
-) -> Vec<Case> {
+pub(super) fn cases(seed: u64, count: usize, equal: bool, wanted: fn(&Case) -> bool) -> Vec<Case> {
     let mut random = Random(seed);
     let all = std::iter::repeat_with(|| Case::new(&mut random, equal));
     all.filter(wanted).take(count).collect()

@@ -25,10 +25,8 @@ fn positions_are_twice_continuous() {
         if time < 3.7 {
             let (before, after) = (profile.at(time - 1e-9), profile.at(time + 1e-9));
             assert!((before.velocity - after.velocity).abs() < 1e-6);
-            assert!(
-                (before.acceleration - after.acceleration).abs() < 1e-6,
-                "{before:?} {after:?}"
-            );
+            let step = (before.acceleration - after.acceleration).abs();
+            assert!(step < 1e-6, "{before:?} {after:?}");
         }
     }
     let last = profile.at(3.75 - 1e-12);
@@ -97,15 +95,11 @@ fn tables_that_are_refused() {
     assert_eq!(refused(&[]), Err(ProfileError::Points { count: 0, most: 100 }));
     assert_eq!(refused(&[(1.0, 0.0); 101]), Err(ProfileError::Points { count: 101, most: 100 }));
     assert_eq!(refused(&[(1.0, 0.0); 100]), Ok(()));
-    assert_eq!(
-        refused(&[(1.0, 0.0), (0.0, 1.0)]),
-        Err(ProfileError::TimeStep { point: 2, step: 0.0 })
-    );
-    assert_eq!(refused(&[(-1.0, 0.0)]), Err(ProfileError::TimeStep { point: 1, step: -1.0 }));
-    assert_eq!(
-        refused(&[(0.0, 1.0)]),
-        Err(ProfileError::Jump { quantity: "position", is: 0.0, asked: 1.0 })
-    );
+    let step = |point, step| Err(ProfileError::TimeStep { point, step });
+    assert_eq!(refused(&[(1.0, 0.0), (0.0, 1.0)]), step(2, 0.0));
+    assert_eq!(refused(&[(-1.0, 0.0)]), step(1, -1.0));
+    let jump = ProfileError::Jump { quantity: "position", is: 0.0, asked: 1.0 };
+    assert_eq!(refused(&[(0.0, 1.0)]), Err(jump));
     assert!(matches!(refused(&[(1.0, f64::NAN)]), Err(ProfileError::NotFinite { .. })));
     assert!(matches!(refused(&[(f64::INFINITY, 1.0)]), Err(ProfileError::NotFinite { .. })));
     // Only its first point, where the axis is: nothing to do.
