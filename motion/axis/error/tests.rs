@@ -66,8 +66,7 @@ fn the_list_is_the_manuals() {
         println!("skipped: no text of the manual (TWIN_SHARED, ../shared)");
         return;
     };
-    let text =
-        fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let text = fs::read_to_string(path).expect("the text of the manual");
     // Four columns: number, block, name and description. Names have the blanks of line breaks.
     let rows = text.lines().filter_map(|line| {
         let cells: Vec<_> = line.split('\t').collect();

@@ -206,3 +206,51 @@ fn a_phase_shift_comes_on_top_of_the_masters_motion() {
     // 7 u with 4 u/s and 40 u/s² take 1.85 s.
     assert!((1_000 - 190..1_000 - 180).contains(&done), "{done}");
 }
+
+#[test]
+fn a_motion_on_top_of_a_gear_comes_once() {
+    let (mut master, mut slave) = (linear(), linear());
+    let (mut lead, mut on_top) = (endless(10.0), on_top(7.0, 5.0, 50.0));
+    let (acceleration, deceleration) = (100.0, 100.0);
+    let mut block = Block::new(GearIn { acceleration, deceleration, ..gear(1, 1).inputs });
+    let (mut done, mut before) = (false, 0.0);
+    for cycle in 0..500 {
+        master.call(&mut lead, true);
+        done |= slave.cycle(|axis| {
+            block.follow(true, &master.axis, axis);
+            on_top.call(cycle > 100, axis).done
+        });
+        let position = slave.axis.set_position();
+        assert!((0.0..=15.0 * CYCLE + 1e-9).contains(&(position - before)), "{cycle}: {position}");
+        before = position;
+    }
+    assert!(done);
+    // 10 u/s are reached together; then the master's way and 7 u.
+    assert!((before - master.axis.set_position() - 7.0).abs() < 1e-9, "{before}");
+}
+
+/// Over the positions of one that starts from rest it would be infinitely fast.
+#[test]
+fn a_moving_slave_waits_for_a_steady_master() {
+    let (mut axes, mut alone) = ([linear(), linear()], endless(8.0));
+    axes[0].run(50, |_| ());
+    axes[1].calls(50, &mut alone);
+    let mut lead = Block::new(MoveVelocity { acceleration: 40.0, ..endless(10.0).inputs });
+    let mut block = in_pos([1, 1], [20.0, axes[1].axis.set_position() + 25.0], 0.0);
+    let (mut began, mut before) = (None, axes[1].axis.set_velocity());
+    for cycle in 0..400 {
+        let shown = follow(&mut axes, &mut lead, &mut block);
+        let velocity = axes[1].axis.set_velocity();
+        if block.running().is_some_and(GearInPosRun::is_coupling) && began.is_none() {
+            began = Some(cycle);
+            // A quarter more than 8 u/s at most, as the master's.
+            assert!((velocity - before).abs() <= 0.25 * 8.0 + 1e-9, "{velocity}");
+        }
+        assert_eq!(shown.done, axes[0].axis.set_position() >= 20.0 - 1e-9);
+        before = velocity;
+    }
+    // 0.4 u/s more each cycle: the fifth is a quarter more than the fourth.
+    assert_eq!(began, Some(4));
+    let behind = axes[1].axis.set_position() - block.inputs.slave_sync_position;
+    assert!((behind - (axes[0].axis.set_position() - 20.0)).abs() < 1e-9);
+}

@@ -23,24 +23,10 @@ fn mode() -> impl Strategy<Value = StartMode> {
     prop_oneof![Just(RampIn), Just(RampInPositive), Just(RampInNegative)]
 }
 
-/// A master that turns at 30 u/s.
-fn turning() -> (Rig, Block<MoveVelocity>) {
-    let (mut master, mut lead) = (rotary(), endless(30.0));
-    master.done(&mut lead);
-    (master, lead)
-}
-
 /// Up by `rise` and down again in a turn.
 fn lift(rise: f64) -> CamTable {
     let knots = [Knot::at_rest(0.0, 0.0), Knot::at_rest(180.0, rise), Knot::at_rest(360.0, 0.0)];
     cam(&knots, Vec::new())
-}
-
-/// Velocity and acceleration of a slave on the cam.
-fn on(cam: &Cam, master: &Axis) -> [f64; 2] {
-    let at = cam.curve().at(master.set_position());
-    let velocity = master.set_velocity();
-    [at.velocity * velocity, at.acceleration * velocity * velocity]
 }
 
 /// Acceleration of a master, u/s²: a gentle one lasts until its slave meets it. At 1.5 times what the jerk gives in a cycle
@@ -110,7 +96,8 @@ proptest! {
         alone in -40.0..40.0_f64, wait in 0..200_u32, slave_offset in -100.0..100.0_f64,
         velocity in 1.0..60.0_f64, rates in [20.0..150.0_f64, 20.0..150.0_f64],
     ) {
-        let (mut master, mut lead) = turning();
+        let (mut master, mut lead) = (rotary(), endless(30.0));
+        master.done(&mut lead);
         let (mut slave, mut before) = (rig(ramp, movement), endless(alone));
         let table = lift(rise);
         let cam = table.cam.clone();
@@ -123,9 +110,12 @@ proptest! {
             acceleration: rates[0], deceleration: rates[1], ..CamInput::default()
         };
         let mut block = cam_in(table, input);
+        // Velocity and acceleration of the slave relative to the cam's.
         let relative = |master: &Rig, slave: &Rig| {
-            let [v, a] = on(&cam, &master.axis);
-            [slave.axis.set_velocity() - v, slave.axis.set_acceleration() - a]
+            let at = cam.curve().at(master.axis.set_position());
+            let v = master.axis.set_velocity();
+            let a = slave.axis.set_acceleration() - at.acceleration * v * v;
+            [slave.axis.set_velocity() - at.velocity * v, a]
         };
         let [mut v0, mut a0] = relative(&master, &slave);
         // What it brings along may be beyond the block's limits until it has been taken back.

@@ -7,7 +7,6 @@
 )]
 
 mod cams;
-mod counters;
 mod direct;
 mod examples;
 mod framework;
@@ -18,7 +17,6 @@ mod jerk;
 mod probes;
 mod refusals;
 mod states;
-mod steps;
 mod switch;
 mod tables;
 mod targets;

@@ -39,7 +39,7 @@ fn changed(mut rig: Rig, switch: CamSwitch, track: Track, way: &[(f64, f64)]) ->
     way.iter().enumerate().filter(changes).map(|(cycle, _)| cycle).collect()
 }
 
-/// The places where it does along a way of these places, which it goes from place to place.
+/// The places at which output 0 changes, along a way from place to place.
 fn changes(rig: Rig, switch: CamSwitch, track: Track, places: &[f64]) -> Vec<f64> {
     let steps = places.iter().scan(places[0], |before, place| {
         let way = place - std::mem::replace(before, *place);

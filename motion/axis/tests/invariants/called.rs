@@ -13,7 +13,7 @@ pub(super) trait Called {
     }
 
     /// Other inputs, now and then wrong ones.
-    fn change(&mut self, random: &mut Random, axis: &Axis, lead: &Axis);
+    fn change(&mut self, dice: &mut Random, axis: &Axis, lead: &Axis);
 
     fn name(&self) -> &'static str {
         type_name::<Self>()
@@ -29,7 +29,7 @@ pub(super) trait Called {
         0
     }
 
-    /// Whether it never ends, never is aborted, and never fails.
+    /// True for what never comes: done (direct set-points), aborted (homing and stops), failed (probes of the program).
     fn exceptions(&self) -> [bool; 3] {
         [&["Follow", "ControlAxis"][..], &["Stop", "Home"], &["Probe"]]
             .map(|names| names.iter().any(|it| self.name().contains(it)))
@@ -159,7 +159,7 @@ pub(super) struct Moving<M: Motion, W> {
     live: Live<M>,
     execute: bool,
     fault: Fault<M>,
-    /// Who else it says it is.
+    /// Another one that it pretends to be.
     mask: Option<i64>,
     watch: W,
 }
@@ -219,8 +219,8 @@ impl<M: Motion<With: Take> + Clone, W: Watch<M>> Called for Moving<M, W> {
         self.watch.see(&Look { block: &self.block, taken: &self.taken, shown, axis, lead })
     }
 
-    fn change(&mut self, random: &mut Random, axis: &Axis, lead: &Axis) {
-        self.block.inputs = (self.inputs)(random, axis, lead);
+    fn change(&mut self, dice: &mut Random, axis: &Axis, lead: &Axis) {
+        self.block.inputs = (self.inputs)(dice, axis, lead);
     }
 
     fn name(&self) -> &'static str {

@@ -10,16 +10,11 @@ pub(super) fn all() -> Blocks {
         limited(
             |it: &GearIn, begun| {
                 let ratio = f64::from(it.ratio_numerator) / f64::from(it.ratio_denominator);
-                let (fastest, steepest) = (10.0 * ratio.abs(), 60.0 * ratio.abs());
                 // In gear it does what the master does, in whatever direction.
-                let rate = |own: f64| {
-                    if begun.done {
-                        it.acceleration.max(it.deceleration).max(steepest)
-                    } else {
-                        own
-                    }
-                };
-                own(fastest, rate(it.acceleration), rate(it.deceleration))
+                let most = it.acceleration.max(it.deceleration).max(60.0 * ratio.abs());
+                let own_rates = [it.acceleration, it.deceleration];
+                let [up, down] = if begun.done { [most; 2] } else { own_rates };
+                own(10.0 * ratio.abs(), up, down)
             },
             |random, _, _| GearIn {
                 ratio_numerator: random.one_of(&[-3, -2, -1, 0, 1, 2, 3]),
@@ -32,14 +27,8 @@ pub(super) fn all() -> Blocks {
             |it: &Phasing, _| {
                 // What falls in the shift may grow in the sum.
                 let rate = it.acceleration.max(it.deceleration) + 60.0;
-                let velocity = it.velocity + 10.0;
-                let jerk = 1.5 * JERK;
-                Promise::Limits(AxisLimits {
-                    velocity,
-                    acceleration: rate,
-                    deceleration: rate,
-                    jerk,
-                })
+                let sum = limits(it.velocity + 10.0, rate, rate);
+                Promise::Limits(AxisLimits { jerk: 1.5 * JERK, ..sum })
             },
             |random, _, _| Phasing {
                 phase_shift: way(random),

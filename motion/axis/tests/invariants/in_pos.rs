@@ -54,27 +54,23 @@ impl Way {
         Self { owner, x: 0.0, h, y, slopes, curvature, in_step: false }
     }
 
-    /// Value, slope and curvature at x: of the three that the begin leaves to the end, by Hermite's conditions there.
+    /// Value, slope and curvature at x: a parabola by the begin, and w³ times another one by the end, in Newton's form.
     fn at(&self, x: f64) -> [f64; 3] {
         let Self { h, y: [y0, y1], slopes: [v0, v1], curvature: k0, .. } = *self;
-        if x / h >= 1.0 || self.in_step {
+        let w = x / h;
+        if w >= 1.0 || self.in_step {
             return [y1 + v1 * (x - h), v1, 0.0];
         }
-        let [first, second] = [v0 * h, 0.5 * k0 * h * h];
-        let (value, slope) = (y1 - y0 - first - second, v1 * h - first - 2.0 * second);
-        let powers = [
-            y0,
-            first,
-            second,
-            10.0 * value - 4.0 * slope - second,
-            -15.0 * value + 7.0 * slope + 2.0 * second,
-            6.0 * value - 3.0 * slope - second,
-        ];
-        // Horner's scheme, with the first and half of the second derivative.
-        let at = powers.iter().rev().fold([0.0; 3], |[p, d, e], factor| {
-            [p * (x / h) + factor, d * (x / h) + p, e * (x / h) + d]
-        });
-        [at[0], at[1] / h, 2.0 * at[2] / (h * h)]
+        let [m0, m1, k] = [v0 * h, v1 * h, k0 * h * h];
+        let a = y1 - y0 - m0 - 0.5 * k;
+        let b = m1 - m0 - k - 3.0 * a;
+        let c = -0.5 * k - 3.0 * (a + b);
+        let (u, w2, w3) = (w - 1.0, w * w, w.powi(3));
+        let [g, slope, bend] = [a + b * u + c * u * u, b + 2.0 * c * u, 2.0 * c];
+        let value = y0 + m0 * w + 0.5 * k * w2 + w3 * g;
+        let first = m0 + k * w + 3.0 * w2 * g + w3 * slope;
+        let second = k + 6.0 * w * g + 6.0 * w2 * slope + w3 * bend;
+        [value, first / h, second / (h * h)]
     }
 
     /// State of the slave there for a state of the master.

@@ -43,8 +43,6 @@ fn ends(shown: Outputs) -> [bool; 3] {
     [shown.done, shown.command_aborted, shown.error.is_some()]
 }
 
-const POWER: Power = Power { regulator_on: true, drive_start: true };
-
 /// Disturbances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Around {
@@ -136,7 +134,8 @@ impl Run {
         self.axis.begin_cycle(&self.drive.feedback());
         checker.states(&mut self.axis)?;
         self.without_power = self.without_power.saturating_sub(1);
-        POWER.call(self.without_power == 0, &mut self.axis);
+        let power = Power { regulator_on: true, drive_start: true };
+        power.call(self.without_power == 0, &mut self.axis);
         if self.around == Around::Everything && self.random.one_in(300) {
             let place = self.random.between(-50.0, 50.0);
             let relative = self.random.one_in(2);
@@ -173,18 +172,13 @@ impl Run {
             checked.and_then(|()| checker.motion(&self.axis, promise, &on_top, self.followed));
         checked.map_err(|what| {
             let name = |index: Option<usize>| index.map_or("", |index| self.blocks[index].name());
+            let [mover, before, taker] = [self.mover(), was_moving, self.taker].map(name);
             let (state, error) = (self.axis.state(), self.axis.error_id());
-            format!(
-                "{what}, moved by {} after {}, taken by {}, in {state:?} with {error:?}",
-                name(self.mover()),
-                name(was_moving),
-                name(self.taker)
-            )
+            format!("{what}, moved by {mover} after {before}, taken by {taker}, in {state:?} with {error:?}")
         })
     }
 
-    /// A block that begins in the cycle in which another one ends goes on from there: the drive gets that set-point. Direct
-    /// set-points and cams have their own positions.
+    /// A block that begins in the cycle in which another one ends goes on from there, but for direct set-points and cams.
     fn keeps_the_end(&self) -> Checked {
         let Some(ended) = self.ended else { return Ok(()) };
         let taker = self.taker.map_or("", |index| self.blocks[index].name());
@@ -222,9 +216,9 @@ impl Run {
             let was_owned = [self.axis.owner(), self.axis.overlay_owner];
             self.axis.commands = [0; 2];
             let mut shown = block.call(execute, random, &mut self.axis, &self.lead.rig.axis);
-            block
-                .watch(shown, &self.axis, &self.lead.rig.axis)
-                .map_err(|what| format!("{}: {what}", block.name()))?;
+            let name = block.name();
+            let watched = block.watch(shown, &self.axis, &self.lead.rig.axis);
+            watched.map_err(|what| format!("{name}: {what}"))?;
             if self.axis.values.owners != owners && block.on_top().is_none() {
                 self.taker = Some(index);
                 self.ended = self.ended.filter(|_| self.axis.owner() != 0);
@@ -235,7 +229,7 @@ impl Run {
             }
             self.calls += 1;
             spoil(self.calls, &mut self.axis, &mut shown);
-            let (owner, name) = (self.axis.owner(), block.name());
+            let owner = self.axis.owner();
             if block.moves() {
                 let layer = usize::from(block.on_top().is_some());
                 let has = [owner, self.axis.overlay_owner][layer];
@@ -247,13 +241,12 @@ impl Run {
             }
             let mover = self.blocks.iter().find(|it| owner != 0 && it.owner() == owner);
             checker.called(&mut self.axis, (name, execute), mover.map(|it| it.name()))?;
-            let block = &self.blocks[index];
             if legal::short(name) == "Stop" && shown.command_aborted {
                 return Err("a stop is aborted".to_owned());
             }
             let before = checker.before(index);
             let checked = checker.block(index, name, execute && !was, shown);
-            checked.map_err(|what| format!("{}: {what}", block.name()))?;
+            checked.map_err(|what| format!("{name}: {what}"))?;
             for end in 0..3 {
                 let came = ends(shown)[end] && !ends(before)[end];
                 self.seen[index][end] += u32::from(came);
@@ -360,8 +353,6 @@ fn random_blocks_of_all_kinds_keep_what_has_to_hold() {
                 *sum += seen;
             }
         }
-        // Every block is done, aborted and fails, except that direct set-points have no end, probes of the program cannot
-        // fail, and homing and stops cannot be aborted.
         for (block, seen) in called::all().iter().zip(&sum) {
             if seen.iter().zip(block.exceptions()).any(|(seen, never)| *seen == 0 && !never) {
                 writeln!(broken, "{kind:?}: {}: {seen:?}", block.name()).unwrap();

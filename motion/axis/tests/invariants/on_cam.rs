@@ -71,8 +71,7 @@ impl Passed {
             return vec![tappet.master];
         }
         let first = ((from.min(to) - tappet.master) / width).floor() - 1.0;
-        let places = (0..4).map(|more| tappet.master + (first + f64::from(more)) * width);
-        places.collect()
+        (0..4).map(|more| tappet.master + (first + f64::from(more)) * width).collect()
     }
 
     /// Passages on the way to `x`: least and largest count of each group.

@@ -68,8 +68,7 @@ impl Lines {
         self.time += step;
     }
 
-    /// At the begin and at the end the acceleration may step: nothing is said of the one there was, and afterwards there
-    /// is none.
+    /// At the begin and at the end the acceleration may step.
     fn promise(&self, begun: &Begun) -> Promise {
         let time = f64::from(begun.cycles) * CYCLE;
         let steps = begun.cycles == 0 || (time - self.time).abs() < 1.5 * CYCLE;
@@ -105,15 +104,11 @@ fn by_velocities(points: &Points, begun: &Begun) -> Promise {
 /// ```
 fn by_positions(points: &Points, begun: &Begun) -> Promise {
     let mut before = 0.0;
-    let chords: Vec<(f64, f64)> = points
-        .points
-        .iter()
-        .map(|point| {
-            let slope = (point.value - before) / point.delta_time;
-            before = point.value;
-            (point.delta_time, slope)
-        })
-        .collect();
+    let chords = points.points.iter().map(|point| {
+        let way = point.value - std::mem::replace(&mut before, point.value);
+        (point.delta_time, way / point.delta_time)
+    });
+    let chords: Vec<(f64, f64)> = chords.collect();
     let count = chords.len();
     // Rows of the equations: below, on and above the diagonal, and what they are.
     let chord = |index: Option<usize>| index.and_then(|index| chords.get(index).copied());
