@@ -193,15 +193,20 @@ fn spawn(doing: Doing, port: &str, start_ns: i64) -> Child {
         .expect("it starts")
 }
 
+/// Looks again and again whether something holds.
+fn comes(holds: impl Fn() -> bool) -> bool {
+    (0..MOST_LOOKS).any(|_| {
+        thread::sleep(PAUSE);
+        holds()
+    })
+}
+
 /// Lets a process move an axis and kills it. Where the axis was when it was dead, and where its plan reached then.
 fn killed<C: twin_drives::Clock + Copy + 'static>(doing: Doing, rig: &Rig<C>) -> (i64, f64) {
     // It has until then to begin.
     let start_ns = now_ns() + 1_000_000_000;
     let mut process = spawn(doing, rig.port(), start_ns);
-    let begun = (0..MOST_LOOKS).any(|_| {
-        thread::sleep(PAUSE);
-        rig.truth().mechanical.abs() > 500.0
-    });
+    let begun = comes(|| rig.truth().mechanical.abs() > 500.0);
     process.kill().expect("it lives");
     process.wait().expect("it is dead");
     let line = Line { start_ns };
@@ -213,41 +218,33 @@ fn killed<C: twin_drives::Clock + Copy + 'static>(doing: Doing, rig: &Rig<C>) ->
 #[test]
 fn a_move_whose_program_dies_ends_within_its_look_ahead() {
     for doing in [Doing::Retargeted, Doing::Buffered, Doing::GoTo, Doing::Legs] {
-        let mut rig = Rig::new(doing.family(), 0, clock(1));
-        rig.leave();
-        let (left, reached) = killed(doing, &rig);
-        let rests = (0..MOST_LOOKS).any(|_| {
-            thread::sleep(PAUSE);
-            !rig.truth().moving
-        });
-        let end = rig.truth().counter;
-        println!("{doing:?}: dead at {left}, ends at {end}, planned up to {reached:.0}");
-        assert!(rests, "{doing:?} goes on");
+        let (_, (left, reached), end) = ends(doing);
+        let end = end.counter;
+        println!("{doing:?}: planned up to {reached:.0}");
         #[expect(clippy::cast_precision_loss, reason = "a counter")]
         let beyond = end as f64 - reached;
         assert!(end >= left && beyond <= 1.0, "{doing:?} ends at {end} instead of {reached}");
     }
 }
 
-/// Kills the process that has begun something with a device of its own; where the axis comes to rest.
-fn ends(doing: Doing) -> (Rig<impl twin_drives::Clock + Copy + 'static>, crate::rig::Truth) {
+/// Kills the process that has begun something with a device of its own; the numbers of [`killed`], and the axis at rest.
+fn ends(
+    doing: Doing,
+) -> (Rig<impl twin_drives::Clock + Copy + 'static>, (i64, f64), crate::rig::Truth) {
     let mut rig = Rig::new(doing.family(), 0, clock(1));
     rig.leave();
-    let (left, _) = killed(doing, &rig);
-    let rests = (0..MOST_LOOKS).any(|_| {
-        thread::sleep(PAUSE);
-        !rig.truth().moving
-    });
+    let (left, reached) = killed(doing, &rig);
+    let rests = comes(|| !rig.truth().moving);
     let end = rig.truth();
     println!("{doing:?}: dead at {left}, ends at {:.0}", end.mechanical);
     assert!(rests, "{doing:?} goes on");
-    (rig, end)
+    (rig, (left, reached), end)
 }
 
 #[test]
 fn an_approach_whose_program_dies_goes_the_whole_way_and_no_farther() {
     for family in [Family::InterpCnc, Family::SmartDrive, Family::Bim2Ax] {
-        let (_, end) = ends(Doing::Approach(family));
+        let (.., end) = ends(Doing::Approach(family));
         assert_eq!(end.counter, TARGET, "{family:?}");
     }
 }
@@ -255,10 +252,10 @@ fn an_approach_whose_program_dies_goes_the_whole_way_and_no_farther() {
 #[test]
 fn homing_whose_program_dies_goes_on_to_its_switch_or_as_far_as_it_was_allowed() {
     for family in [Family::InterpCnc, Family::SmartDrive, Family::Bim2Ax] {
-        let (rig, end) = ends(Doing::Homing(family));
+        let (rig, _, end) = ends(Doing::Homing(family));
         assert!((end.mechanical - rig.switch()).abs() < 300.0, "{family:?}: {end:?}");
     }
-    let (_, end) = ends(Doing::HomingNearby);
+    let (.., end) = ends(Doing::HomingNearby);
     // The way, and the ramp from 2000 steps/s at 50000 steps/s².
     let most = -(f64::from(NEARBY) + 40.0 + 1.0);
     assert!((most..-500.0).contains(&end.mechanical), "{end:?}");
@@ -272,21 +269,15 @@ fn a_memory_file_has_one_master_until_that_is_killed_and_a_stop_gets_through() {
     rig.leave();
     let port = rig.port().to_owned();
     let mut process = spawn(Doing::Approach(Family::Bim2Ax), &port, now_ns());
-    let begun = (0..MOST_LOOKS).any(|_| {
-        thread::sleep(PAUSE);
-        // For so long that its order has been acknowledged: what comes between is garbled for both.
-        rig.truth().mechanical.abs() > 500.0
-    });
+    // For so long that its order has been acknowledged: what comes between is garbled for both.
+    let begun = comes(|| rig.truth().mechanical.abs() > 500.0);
     let refused = MemoryFile::open(port.as_ref()).map(|_| ());
     let beside = MemoryFile::shared(port.as_ref()).expect("it is there");
     let options = Bim2AxOptions { deadline: Duration::from_secs(5), ..Bim2AxOptions::default() };
     let mut module = Bim2Ax::new(&port, beside, &options);
     let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
     let stopped = runtime.expect("a runtime").block_on(module.abandon(&|| 0));
-    let rests = (0..MOST_LOOKS).any(|_| {
-        thread::sleep(PAUSE);
-        !rig.truth().moving
-    });
+    let rests = comes(|| !rig.truth().moving);
     let lives = process.try_wait().expect("it is ours").is_none();
     process.kill().expect("it lives");
     process.wait().expect("it is dead");
