@@ -169,24 +169,13 @@ impl Plant for Ideal {
 
 /// Runs `text` on an ideal machine and a puppet; also how often the drive was told to brake.
 fn run(
-    text: &str,
-    fails_at_ns: i64,
-    recorder: &mut Recorder<'_>,
-    interrupts: &dyn Fn() -> u32,
-) -> (Ending, u32) {
-    run_with(Puppet::default(), text, fails_at_ns, recorder, interrupts)
-}
-
-fn run_with(
     puppet: Puppet,
     text: &str,
-    fails_at_ns: i64,
     recorder: &mut Recorder<'_>,
     interrupts: &dyn Fn() -> u32,
 ) -> (Ending, u32) {
     let soft_stops = Arc::clone(&puppet.soft_stops);
-    let twin = Ideal { fails_at_ns, arrived: None };
-    let ending = run_on(&portal(), twin, puppet, &Program::new(text), recorder, interrupts);
+    let ending = run_puppet(&portal(), puppet, &Program::new(text), recorder, interrupts);
     (ending, soft_stops.load(Ordering::SeqCst))
 }
 
@@ -198,20 +187,17 @@ pub(super) fn run_puppet(
     recorder: &mut Recorder<'_>,
     interrupts: &dyn Fn() -> u32,
 ) -> Ending {
-    let twin = Ideal { fails_at_ns: i64::MAX, arrived: None };
-    run_on(machine, twin, puppet, program, recorder, interrupts)
+    let start = program.check(machine).start.unwrap();
+    run_from(&start, machine, puppet, program, recorder, interrupts)
 }
 
-fn run_on(
-    machine: &Machine,
-    twin: Ideal,
-    puppet: Puppet,
-    program: &Program,
-    recorder: &mut Recorder<'_>,
-    interrupts: &dyn Fn() -> u32,
-) -> Ending {
-    let start = program.check(machine).start.unwrap();
-    run_both(&start, machine, twin, puppet, program, recorder, interrupts)
+/// The error of drives that have stopped a run.
+#[track_caller]
+fn failed(ending: &Ending) -> &HardwareError {
+    match &ending.stopped {
+        Some(Stopped::Drives { source, .. }) => source,
+        other => panic!("{other:?}"),
+    }
 }
 
 /// Without a check.
@@ -259,7 +245,7 @@ fn samples_are_compared_with_what_was_wanted_at_their_time() {
     // drive is off, and the chord of 0.1 mm on 30 mm.
     let mut recorder = Recorder::new();
     let (ending, soft_stops) =
-        run("% circle\nN10 G2 I30 J0 F250 E1500 E-1500\n", i64::MAX, &mut recorder, &|| 0);
+        run(Puppet::default(), "% circle\nN10 G2 I30 J0 F250 E1500 E-1500\n", &mut recorder, &|| 0);
     assert!(ending.stopped.is_none(), "{:?}", ending.stopped);
     assert_eq!(soft_stops, 0);
     let tool = ending.comparison.tool;
@@ -278,7 +264,12 @@ fn a_simulated_machine_that_fails_brakes_the_drives() {
     let mut recorder = Recorder::new();
     let puppet = Puppet::default();
     let found = Arc::clone(&puppet.found);
-    let (ending, soft_stops) = run_with(puppet, CIRCLES, 300_000_000, &mut recorder, &|| 0);
+    let soft_stops = Arc::clone(&puppet.soft_stops);
+    let (machine, program) = (portal(), Program::new(CIRCLES));
+    let start = program.check(&machine).start.unwrap();
+    let twin = Ideal { fails_at_ns: 300_000_000, arrived: None };
+    let ending = run_both(&start, &machine, twin, puppet, &program, &mut recorder, &|| 0);
+    let soft_stops = soft_stops.load(Ordering::SeqCst);
     let Some(stopped @ Stopped::Twin { place, .. }) = &ending.stopped else {
         panic!("{:?}", ending.stopped)
     };
@@ -302,12 +293,10 @@ fn a_drive_that_keeps_silent_brings_everything_to_rest_on_the_path() {
     let mut recorder = Recorder::new();
     let puppet = Puppet { silent_from_ns: Some(300_000_000), ..Puppet::default() };
     let found = Arc::clone(&puppet.found);
-    let (ending, soft_stops) = run_with(puppet, CIRCLES, i64::MAX, &mut recorder, &|| 0);
-    let Some(stopped @ Stopped::Drives { source, .. }) = &ending.stopped else {
-        panic!("{:?}", ending.stopped)
-    };
+    let (ending, soft_stops) = run(puppet, CIRCLES, &mut recorder, &|| 0);
+    let source = failed(&ending);
     assert!(matches!(source, HardwareError::Silent { .. }), "{source}");
-    let said = stopped.to_string();
+    let said = ending.stopped.as_ref().expect("it has failed").to_string();
     assert!(said.contains("device `board` has not answered for"), "{said}");
     // Nobody has left the path, and the drive has come to where it ends.
     assert_eq!((soft_stops, ending.off_path), (0, None));
@@ -327,7 +316,7 @@ fn an_axis_that_is_too_far_away_stops_the_run() {
     // is stopped.
     let off_from_ns = Some((300_000_000, -320));
     let puppet = Puppet { off_from_ns, chases: Some(200), ..Puppet::default() };
-    let (ending, soft_stops) = run_with(puppet, CIRCLES, i64::MAX, &mut recorder, &|| 0);
+    let (ending, soft_stops) = run(puppet, CIRCLES, &mut recorder, &|| 0);
     let said = ending.reason().expect("it has been stopped");
     for part in [
         "failed at line 2 (N10): following-error: axis X is ",
@@ -336,11 +325,7 @@ fn an_axis_that_is_too_far_away_stops_the_run() {
     ] {
         assert!(said.contains(part), "{said}");
     }
-    let Some(Stopped::Drives { source: HardwareError::TooFar { error, limit, .. }, .. }) =
-        &ending.stopped
-    else {
-        panic!("{said}")
-    };
+    let HardwareError::TooFar { error, limit, .. } = failed(&ending) else { panic!("{said}") };
     // Half an increment beside what it is off.
     assert!((error - 1.0).abs() < 2e-3 && (limit - 0.5).abs() < 1e-12, "{said}");
     assert_eq!((soft_stops, recorder.last().path_velocity), (1, 0.0));
@@ -353,10 +338,8 @@ fn an_axis_that_is_too_far_away_at_the_end_is_stopped() {
     // It would get there after six seconds.
     let off_from_ns = Some((200_000_000, -320));
     let puppet = Puppet { off_from_ns, chases: Some(2000), ..Puppet::default() };
-    let (ending, soft_stops) = run_with(puppet, text, i64::MAX, &mut Recorder::new(), &|| 0);
-    let Some(Stopped::Drives { source: HardwareError::TooFar { .. }, .. }) = &ending.stopped else {
-        panic!("{:?}", ending.stopped)
-    };
+    let (ending, soft_stops) = run(puppet, text, &mut Recorder::new(), &|| 0);
+    assert!(matches!(failed(&ending), HardwareError::TooFar { .. }), "{:?}", ending.stopped);
     assert_eq!((ending.executed_ns, soft_stops), (200_000_000, 1));
     assert_eq!(ending.not_stopped, [""; 0]);
 }
@@ -368,7 +351,7 @@ fn a_stop_of_unsettled_drives_that_nothing_confirms_is_told() {
     // Nobody watches how far it is off.
     let off_from_ns = Some((200_000_000, -320));
     let puppet = Puppet { off_from_ns, chases: Some(u32::MAX), deaf: true, ..Puppet::default() };
-    let (ending, soft_stops) = run_with(puppet, text, i64::MAX, &mut Recorder::new(), &|| 0);
+    let (ending, soft_stops) = run(puppet, text, &mut Recorder::new(), &|| 0);
     assert!(matches!(ending.stopped, Some(Stopped::Unsettled)), "{:?}", ending.stopped);
     // Asked for by the session, and once more because it was not confirmed.
     assert_eq!(soft_stops, 2);
@@ -382,7 +365,7 @@ fn drives_that_fail_after_the_last_set_point_have_failed() {
     // They are asked for the last time at the end or after it, and say nothing but that they fail.
     let text = "% 0.2 s\nN10 G1 X10 F100 E1000 E-1000\n";
     let puppet = Puppet { fails_at_ns: Some(200_000_000), ..Puppet::default() };
-    let (ending, soft_stops) = run_with(puppet, text, i64::MAX, &mut Recorder::new(), &|| 0);
+    let (ending, soft_stops) = run(puppet, text, &mut Recorder::new(), &|| 0);
     let stopped = &ending.stopped;
     assert!(matches!(stopped, Some(Stopped::Drives { .. })), "{stopped:?}");
     assert_eq!((ending.executed_ns, soft_stops), (200_000_000, 1));
@@ -397,11 +380,8 @@ fn drives_do_not_leap_after_a_session_that_was_kept_waiting() {
             std::thread::sleep(Duration::from_millis(400));
         }
     });
-    let (ending, soft_stops) = run(CIRCLES, i64::MAX, &mut recorder, &|| 0);
-    let Some(Stopped::Drives { source, .. }) = &ending.stopped else {
-        panic!("{:?}", ending.stopped)
-    };
-    assert!(matches!(source, HardwareError::Starved { .. }), "{source}");
+    let (ending, soft_stops) = run(Puppet::default(), CIRCLES, &mut recorder, &|| 0);
+    assert!(matches!(failed(&ending), HardwareError::Starved { .. }), "{:?}", ending.stopped);
     assert_eq!((soft_stops, recorder.last().path_velocity), (1, 0.0));
 }
 
@@ -417,11 +397,8 @@ fn drives_do_not_leap_after_a_process_that_was_frozen() {
     });
     let puppet = Puppet { frozen_at_ns: Some((200_000_000, 600)), ..Puppet::default() };
     let found = Arc::clone(&puppet.found);
-    let (ending, soft_stops) = run_with(puppet, CIRCLES, i64::MAX, &mut recorder, &|| 0);
-    let Some(Stopped::Drives { source, .. }) = &ending.stopped else {
-        panic!("{:?}", ending.stopped)
-    };
-    assert!(matches!(source, HardwareError::Starved { .. }), "{source}");
+    let (ending, soft_stops) = run(puppet, CIRCLES, &mut recorder, &|| 0);
+    assert!(matches!(failed(&ending), HardwareError::Starved { .. }), "{:?}", ending.stopped);
     assert_eq!((soft_stops, recorder.last().path_velocity), (1, 0.0));
     // At 100 mm/s (500 mm/s²) along the circle of 30 mm: 35 mm at 0.45 s, where its plan ended, and 70 mm at 0.8 s.
     let [x, y, ..] = found.lock().unwrap().map(|increments| increments as f64 / 320.0);
@@ -438,7 +415,7 @@ fn only_the_second_interrupt_brakes_the_drives_off_the_path() {
                 count.set(interrupts);
             }
         });
-        let (ending, soft_stops) = run(CIRCLES, i64::MAX, &mut recorder, &|| count.get());
+        let (ending, soft_stops) = run(Puppet::default(), CIRCLES, &mut recorder, &|| count.get());
         let stopped = &ending.stopped;
         assert!(matches!(stopped, Some(Stopped::Interrupted(_))), "{stopped:?}");
         assert_eq!((ending.off_path.is_some(), soft_stops), (off_path, brakes));
@@ -451,7 +428,7 @@ fn an_interrupt_when_everything_is_planned_changes_nothing() {
     let count = Cell::new(0);
     let mut recorder = Recorder::with(|time_ns| count.set(u32::from(time_ns >= 100_000_000)));
     let text = "% 0.2 s\nN10 G1 X10 F100 E1000 E-1000\n";
-    let (ending, soft_stops) = run(text, i64::MAX, &mut recorder, &|| count.get());
+    let (ending, soft_stops) = run(Puppet::default(), text, &mut recorder, &|| count.get());
     assert!(ending.stopped.is_none(), "{:?}", ending.stopped);
     assert_eq!(soft_stops, 0);
     assert!((recorder.last().wanted.tool - nalgebra::point![0.01, 0.0, -0.04]).norm() < 1e-12);
