@@ -214,7 +214,7 @@ fn a_new_edge_on_another_axis_takes_nothing_from_a_stop() {
     one.call(&mut block, true);
     other.call(&mut stop, true);
     assert_eq!(one.axis.owner(), other.axis.owner());
-    other.cycle(|axis| [stop.call(true, axis), block.call(false, axis)]);
+    one.call(&mut block, false);
     let [_, shown] = other.cycle(|axis| [stop.call(true, axis), block.call(true, axis)]);
     assert!(shown.command_aborted && !shown.busy, "{shown:?}");
     assert_eq!(other.axis.state(), AxisState::Stopping);
